@@ -1,0 +1,212 @@
+//! What can go wrong, in types: every error names the offending value and what would be right.
+
+/// The coarse kind of an [`Error`]; one to one with the C interface's result codes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum ErrorKind {
+    /// A value lies outside its range.
+    InvalidArgument,
+    /// A number is NaN or infinite.
+    NotFinite,
+    /// An index points past the end of what it indexes.
+    IndexOutOfRange,
+    /// The base mesh cannot be used (no vertices, arrays of different lengths …).
+    Mesh,
+    /// An example does not fit the base mesh.
+    ExampleMismatch,
+    /// Memory is smaller than what must be read from it or written to it.
+    BufferTooSmall,
+    /// A pointer, an offset or a stride is not a multiple of four bytes.
+    Misaligned,
+    /// A contact lies further from the body than the instance accepts.
+    ContactTooFar,
+    /// Valid input that this library does not read.
+    Unsupported,
+    /// Malformed input.
+    Format,
+    /// The operating system refused to read or write.
+    Io,
+    /// Saved damage belongs to another example set or another version.
+    DamageMismatch,
+    /// Memory ran out.
+    OutOfMemory,
+    /// The call does not fit the instance's rule.
+    WrongRule,
+}
+
+/// Every error of the library. The text names the value that was wrong and what would be right.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A value lies outside its range.
+    #[error("{name} is {value}; it must be {expected}")]
+    InvalidArgument {
+        /// What the value is called in the interface.
+        name: String,
+        /// The value that was given.
+        value: String,
+        /// What would be right.
+        expected: String,
+    },
+    /// A number is NaN or infinite.
+    #[error("{name} is {value}; every component must be finite")]
+    NotFinite {
+        /// What the value is called, with its index where it has one.
+        name: String,
+        /// The value that was given.
+        value: String,
+    },
+    /// An index points past the end of what it indexes.
+    #[error("{name} is {index}; it must be below {len}")]
+    IndexOutOfRange {
+        /// What the index is called.
+        name: String,
+        /// The index that was given.
+        index: u64,
+        /// The number of elements there are.
+        len: u64,
+    },
+    /// The base mesh cannot be used.
+    #[error("base mesh: {what}")]
+    Mesh {
+        /// What is wrong with it and what would be right.
+        what: String,
+    },
+    /// An example does not fit the base mesh.
+    #[error("example {index} '{name}': {what}")]
+    ExampleMismatch {
+        /// Index of the example in the order given.
+        index: usize,
+        /// Its name.
+        name: String,
+        /// What does not fit and what would be right.
+        what: String,
+    },
+    /// No example can be used.
+    #[error("no examples: {what}")]
+    NoExamples {
+        /// What was looked at and what would be right.
+        what: String,
+    },
+    /// Memory is smaller than what must be read from it or written to it.
+    #[error("{name} holds {size} bytes; {needed} are needed")]
+    BufferTooSmall {
+        /// Which memory.
+        name: String,
+        /// Its size in bytes.
+        size: u64,
+        /// The bytes needed.
+        needed: u64,
+    },
+    /// A pointer, an offset or a stride is not aligned.
+    #[error("{name} is {value}; it must be a multiple of {align} bytes")]
+    Misaligned {
+        /// What is not aligned.
+        name: String,
+        /// Its value.
+        value: u64,
+        /// The alignment needed, bytes.
+        align: u64,
+    },
+    /// A contact lies further from the body than the instance accepts.
+    #[error(
+        "the contact point ({x}, {y}, {z}) lies {distance} m from the nearest vertex; at most {limit} m is accepted (max_contact_distance): is it in the right space?",
+        x = point[0], y = point[1], z = point[2]
+    )]
+    ContactTooFar {
+        /// The contact point in the mesh's space, m.
+        point: [f32; 3],
+        /// Its distance from the nearest vertex, m.
+        distance: f32,
+        /// The greatest distance accepted, m.
+        limit: f32,
+    },
+    /// Valid input that this library does not read.
+    #[error("unsupported: {what}")]
+    Unsupported {
+        /// What is not supported and what would be.
+        what: String,
+    },
+    /// Malformed input.
+    #[error("malformed: {what}")]
+    Format {
+        /// What is malformed and what would be right.
+        what: String,
+    },
+    /// A file holds no mesh of that name or index.
+    #[error("no mesh {wanted}; the file has {available}")]
+    NoSuchMesh {
+        /// What was asked for.
+        wanted: String,
+        /// What there is.
+        available: String,
+    },
+    /// The operating system refused to read or write.
+    #[error("{path}: {message}")]
+    Io {
+        /// The file.
+        path: String,
+        /// What the system said.
+        message: String,
+    },
+    /// Saved damage belongs to another example set or another version.
+    #[error("saved damage: {what}")]
+    DamageMismatch {
+        /// What does not match.
+        what: String,
+    },
+    /// Memory ran out.
+    #[error("out of memory: {bytes} bytes for {what}")]
+    OutOfMemory {
+        /// What the memory was for.
+        what: String,
+        /// How much was asked for.
+        bytes: u64,
+    },
+    /// The call does not fit the instance's rule.
+    #[error("{call} needs {needed}; this instance's rule is {rule}")]
+    WrongRule {
+        /// The call.
+        call: String,
+        /// The rule it needs.
+        needed: String,
+        /// The rule there is.
+        rule: String,
+    },
+}
+
+impl Error {
+    /// The coarse kind, for callers that only branch.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            Error::InvalidArgument { .. } => ErrorKind::InvalidArgument,
+            Error::NotFinite { .. } => ErrorKind::NotFinite,
+            Error::IndexOutOfRange { .. } => ErrorKind::IndexOutOfRange,
+            Error::Mesh { .. } => ErrorKind::Mesh,
+            Error::ExampleMismatch { .. } | Error::NoExamples { .. } => ErrorKind::ExampleMismatch,
+            Error::BufferTooSmall { .. } => ErrorKind::BufferTooSmall,
+            Error::Misaligned { .. } => ErrorKind::Misaligned,
+            Error::ContactTooFar { .. } => ErrorKind::ContactTooFar,
+            Error::Unsupported { .. } => ErrorKind::Unsupported,
+            Error::Format { .. } | Error::NoSuchMesh { .. } => ErrorKind::Format,
+            Error::Io { .. } => ErrorKind::Io,
+            Error::DamageMismatch { .. } => ErrorKind::DamageMismatch,
+            Error::OutOfMemory { .. } => ErrorKind::OutOfMemory,
+            Error::WrongRule { .. } => ErrorKind::WrongRule,
+        }
+    }
+
+    pub(crate) fn invalid(name: &str, value: impl std::fmt::Display, expected: &str) -> Self {
+        Error::InvalidArgument { name: name.into(), value: value.to_string(), expected: expected.into() }
+    }
+}
+
+/// An empty vector with room for `n` elements, or [`Error::OutOfMemory`]; for allocations whose size the caller's counts decide.
+pub(crate) fn reserve<T>(n: usize, what: &str) -> Result<Vec<T>, Error> {
+    let mut v = Vec::new();
+    v.try_reserve_exact(n).map_err(|_| Error::OutOfMemory {
+        what: what.into(),
+        bytes: (n as u64).saturating_mul(std::mem::size_of::<T>() as u64),
+    })?;
+    Ok(v)
+}

@@ -1,0 +1,1 @@
+//! Deformed meshes into glTF.
