@@ -113,7 +113,8 @@ mod global {
             CURRENT.store(0, Release);
             return Ok(());
         };
-        let missing = |what: &str| Failure::new(CrumpleResult::CrumpleErrorNullPointer, format!("allocator.{what} is null"));
+        let missing =
+            |what: &str| Failure::new(CrumpleResult::CrumpleErrorNullPointer, format!("allocator.{what} is null"));
         let alloc = def.alloc.ok_or_else(|| missing("alloc"))? as *mut c_void;
         let free = def.free.ok_or_else(|| missing("free"))? as *mut c_void;
         let taken = loop {
@@ -135,7 +136,9 @@ mod global {
         }
         TAKEN.store(taken.max((place + 1).min(HOSTS)), Release);
         if place == HOSTS {
-            return Err(Failure::invalid(format!("{HOSTS} different allocators were set already; set one of them again")));
+            return Err(Failure::invalid(format!(
+                "{HOSTS} different allocators were set already; set one of them again"
+            )));
         }
         Ok(())
     }

@@ -57,7 +57,8 @@ impl<T> Slots<T> {
         if self.slots.len() >= u32::MAX as usize {
             return Err(Failure::invalid(format!("no more {}s: 4294967295 were made", I::NOUN)));
         }
-        let full = |_| Failure::new(CrumpleResult::CrumpleErrorOutOfMemory, format!("no memory for one more {}", I::NOUN));
+        let full =
+            |_| Failure::new(CrumpleResult::CrumpleErrorOutOfMemory, format!("no memory for one more {}", I::NOUN));
         self.slots.try_reserve(1).map_err(full)?;
         self.free.try_reserve(self.slots.len() + 1).map_err(full)
     }
@@ -110,6 +111,11 @@ impl<T> Slots<T> {
             self.free.push(place as u32);
         }
         Ok(slot.value.take().expect("place() checked it"))
+    }
+
+    /// At least the number of things.
+    pub(super) fn len(&self) -> usize {
+        self.slots.len()
     }
 
     /// All things with their ids, in the order of their slots.

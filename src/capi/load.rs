@@ -5,9 +5,9 @@ use super::check::{Def, Out, array, def, string};
 use super::context::{Context, State};
 use super::context::{CrumpleContext, exclusive};
 use super::result::{CrumpleResult, Failure};
+use super::set::{CrumpleExampleSetOptions, default_options};
 #[cfg(any(feature = "gltf", feature = "obj"))]
 use super::set::{add_set, c_string, read_options};
-use super::set::{CrumpleExampleSetOptions, default_options};
 #[cfg(any(feature = "gltf", feature = "obj"))]
 use super::set_info::CrumplePrimitive;
 use super::types::CrumpleExampleSet;
@@ -227,7 +227,7 @@ unsafe fn add_imported(
     });
     let primitives = primitives.collect();
     let materials = materials.into_iter().flatten().collect();
-    let transform = imported.node_transform.map(|m| *bytemuck::must_cast_ref(&m));
+    let transform = imported.node_transform.map(|m| *bytemuck::cast_ref(&m));
     let file = (c_string(&imported.name), primitives, materials, transform);
     add_set(context, state, (imported.mesh, imported.examples, options), file, out)
 }

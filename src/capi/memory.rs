@@ -96,7 +96,11 @@ impl Element for [f32; 4] {}
 ///
 /// # Safety
 /// `input.data` is null or points to `input.size` readable bytes.
-pub(super) unsafe fn read<T: Element>(input: CrumpleInput, count: usize, name: &str) -> Result<Option<Vec<T>>, Failure> {
+pub(super) unsafe fn read<T: Element>(
+    input: CrumpleInput,
+    count: usize,
+    name: &str,
+) -> Result<Option<Vec<T>>, Failure> {
     if absent(input.data.is_null(), input.size, name)? {
         return Ok(None);
     }
@@ -114,7 +118,11 @@ pub(super) unsafe fn read<T: Element>(input: CrumpleInput, count: usize, name: &
 ///
 /// # Safety
 /// As for `read`.
-pub(super) unsafe fn read_required<T: Element>(input: CrumpleInput, count: usize, name: &str) -> Result<Vec<T>, Failure> {
+pub(super) unsafe fn read_required<T: Element>(
+    input: CrumpleInput,
+    count: usize,
+    name: &str,
+) -> Result<Vec<T>, Failure> {
     // SAFETY: the caller's.
     unsafe { read(input, count, name) }?
         .ok_or_else(|| Failure::new(CrumpleResult::CrumpleErrorNullPointer, format!("{name}.data is null")))
@@ -135,7 +143,12 @@ unsafe impl Sync for Stream {}
 
 impl Stream {
     /// Checks that `count` elements of `element` bytes fit; nothing where the stream is absent.
-    pub(super) fn new(stream: CrumpleStream, element: usize, count: usize, name: &str) -> Result<Option<Self>, Failure> {
+    pub(super) fn new(
+        stream: CrumpleStream,
+        element: usize,
+        count: usize,
+        name: &str,
+    ) -> Result<Option<Self>, Failure> {
         if absent(stream.data.is_null(), stream.size, name)? {
             return Ok(None);
         }

@@ -6,10 +6,9 @@ use std::cell::RefCell;
 use std::ffi::c_char;
 use std::mem::MaybeUninit;
 
+/// cbindgen:rename-all=ScreamingSnakeCase
 /// What every fallible call returns. After anything but CRUMPLE_OK no output was written, crumple_last_error() tells what was
 /// wrong and what would be right, and everything stays usable.
-///
-/// cbindgen:rename-all=ScreamingSnakeCase
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(clippy::enum_variant_names)] // the C names

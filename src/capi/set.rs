@@ -8,9 +8,7 @@ use super::set_info::CrumplePrimitive;
 use super::tasks::Quiet;
 use super::types::{CrumpleExampleSet, CrumpleInput, CrumpleVec3};
 use crate::error::reserve;
-use crate::{
-    Combine, Contact, Deltas, ExampleData, ExampleSet, MeshData, Placement, Seams, SetOptions, VertexMass,
-};
+use crate::{Combine, Contact, Deltas, ExampleData, ExampleSet, MeshData, Placement, Seams, SetOptions, VertexMass};
 use std::ffi::{CString, c_char};
 use std::mem::MaybeUninit;
 use std::sync::Arc;
@@ -320,7 +318,9 @@ pub(super) fn add_set(
 unsafe fn read_mesh(def: &CrumpleExampleSetDef) -> Result<MeshData, Failure> {
     let vertices = def.vertex_count as usize;
     if vertices == 0 {
-        return Err(crate::Error::Mesh { what: "def.vertex_count is 0; a mesh needs at least one vertex".into() }.into());
+        return Err(
+            crate::Error::Mesh { what: "def.vertex_count is 0; a mesh needs at least one vertex".into() }.into()
+        );
     }
     // SAFETY: the caller's, here and below.
     let positions = unsafe { read_required(def.positions, vertices, "def.positions") }?;
@@ -474,7 +474,8 @@ pub(super) unsafe fn read_options(options: &CrumpleExampleSetOptions, vertices: 
         (Some(mass), None) => VertexMass::Uniform(mass),
         (None, Some(masses)) => VertexMass::PerVertex(masses),
         (Some(mass), Some(_)) => {
-            let message = format!("def.options.vertex_mass is {mass} kg but vertex_masses is there too; give one of the two");
+            let message =
+                format!("def.options.vertex_mass is {mass} kg but vertex_masses is there too; give one of the two");
             return Err(Failure::invalid(message));
         }
     };

@@ -227,9 +227,7 @@ pub unsafe extern "C" fn crumple_get_primitive(
 
 fn item<'a, T>(items: &'a [T], index: u32, name: &str) -> Result<&'a T, Failure> {
     let (index, len) = (u64::from(index), items.len() as u64);
-    items
-        .get(index as usize)
-        .ok_or_else(|| crate::Error::IndexOutOfRange { name: name.into(), index, len }.into())
+    items.get(index as usize).ok_or_else(|| crate::Error::IndexOutOfRange { name: name.into(), index, len }.into())
 }
 
 /// Copies the base mesh into your memory: the vertex and index buffers to draw with, before the first dent. Normals are
@@ -298,7 +296,7 @@ pub unsafe extern "C" fn crumple_nearest_vertex(
         // SAFETY: the caller's.
         let outs = unsafe { (Out::optional(out_vertex, "out_vertex")?, Out::optional(out_distance, "out_distance")?) };
         let point = finite(point.array(), "point")?;
-        let nearest = state.sets.get(set, "set")?.set.nearest_vertex(point.into());
+        let nearest = state.sets.get(set, "set")?.set.nearest_vertex(point)?;
         outs.0.write(nearest.vertex);
         outs.1.write(nearest.distance);
         Ok(())
