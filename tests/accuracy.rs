@@ -46,7 +46,7 @@ fn errors(set: &Arc<ExampleSet>, options: &InstanceOptions, held_out: &HeldOut) 
             let mut instance = Instance::new(set.clone(), options.clone()).unwrap();
             instance.submit(&push(point, displacement)).unwrap();
             let mut positions = vec![[0.0; 3]; set.vertex_count()];
-            let mut tracker = Tracker::new(set);
+            let mut tracker = Tracker::new();
             let memory = VertexMemory::separate(&mut positions, None, None).unwrap();
             instance.deform(&mut tracker, memory, &Serial).unwrap();
             let (mut wrong, mut all) = (0.0, 0.0);

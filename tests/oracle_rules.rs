@@ -84,7 +84,7 @@ fn deformed(instance: &mut Instance) -> Deformed {
     let count = instance.example_set().vertex_count();
     let has_normals = instance.example_set().mesh().normals().is_some();
     let mut out = Deformed { positions: vec![[0.0; 3]; count], normals: vec![[0.0; 3]; count] };
-    let mut tracker = Tracker::new(instance.example_set());
+    let mut tracker = Tracker::new();
     let normals = has_normals.then_some(out.normals.as_mut_slice());
     let memory = VertexMemory::separate(&mut out.positions, normals, None).unwrap();
     instance.deform(&mut tracker, memory, &Serial).unwrap();
@@ -114,7 +114,7 @@ fn check_evaluation(instance: &mut Instance, limit: f64) -> Result<(), TestCaseE
     let set = instance.example_set().clone();
     let model = Model::of(&set);
     let combine = set.options().combine;
-    let list: Vec<marks::Mark> = instance.marks().iter().map(|m| marks::mark_of(m, combine)).collect();
+    let list: Vec<marks::Mark> = instance.marks().unwrap().iter().map(|m| marks::mark_of(m, combine)).collect();
     let scaled = marks::scaled(&model, &list);
     let out = deformed(instance);
     for v in 0..set.vertex_count() {
@@ -395,7 +395,7 @@ fn check_ledger(set: &Arc<ExampleSet>, dice: &mut Dice, combine: Combine, capaci
         let made: Vec<Mark> = hits.iter().filter_map(|h| instance.submit(h).unwrap().mark).collect();
         ledger.frame(&model, combine, &made, capacity as usize);
         let ought = ledger.marks();
-        prop_assert_eq!(instance.marks(), ought.as_slice());
+        prop_assert_eq!(instance.marks().unwrap(), ought.as_slice());
     }
     Ok(())
 }

@@ -57,7 +57,7 @@ fn hit(displacement: [f32; 3]) -> Hit {
 
 fn positions(instance: &mut Instance) -> Vec<[f32; 3]> {
     let mut positions = vec![[0.0; 3]; 4];
-    let mut tracker = Tracker::new(instance.example_set());
+    let mut tracker = Tracker::new();
     instance
         .deform(&mut tracker, VertexMemory::separate(&mut positions, None, None).unwrap(), &Serial)
         .unwrap();

@@ -5,7 +5,8 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use crumple::{
-    Cause, Contact, Deltas, ExampleData, ExampleSet, Hit, MeshData, Placement, Serial, SetOptions, Space,
+    Cause, Contact, DeformReport, Deltas, ExampleData, ExampleSet, Hit, Instance, MeshData, Placement, Serial, SetOptions,
+    Space, TaskSystem, Tracker, VertexMemory,
 };
 
 /// A small generator (SplitMix64): the same numbers on every platform, from one seed.
@@ -345,4 +346,75 @@ pub fn random_hits(set: &ExampleSet, count: usize, seed: u64) -> Vec<Hit> {
     let mut dice = Dice::new(seed);
     let few: Vec<Hit> = (0..4).map(|_| random_hit(set, &mut dice)).collect();
     (0..count).map(|_| if dice.index(4) == 0 { few[dice.index(4)] } else { random_hit(set, &mut dice) }).collect()
+}
+
+/// One output with everything a mesh may have, and its tracker.
+#[derive(Debug, Clone)]
+pub struct Output {
+    pub positions: Vec<[f32; 3]>,
+    pub normals: Vec<[f32; 3]>,
+    pub tangents: Vec<[f32; 4]>,
+    pub tracker: Tracker,
+    has_normals: bool,
+    has_tangents: bool,
+}
+
+/// A value no deform ever writes.
+pub const POISON: f32 = -1.234e33;
+
+impl Output {
+    pub fn new(set: &ExampleSet) -> Self {
+        let count = set.vertex_count();
+        Self {
+            positions: vec![[POISON; 3]; count],
+            normals: vec![[POISON; 3]; count],
+            tangents: vec![[POISON; 4]; count],
+            tracker: Tracker::new(),
+            has_normals: set.mesh().normals().is_some(),
+            has_tangents: set.mesh().tangents().is_some(),
+        }
+    }
+
+    pub fn memory(&mut self) -> (&mut Tracker, VertexMemory<'_>) {
+        let normals = self.has_normals.then_some(self.normals.as_mut_slice());
+        let tangents = self.has_tangents.then_some(self.tangents.as_mut_slice());
+        (&mut self.tracker, VertexMemory::separate(&mut self.positions, normals, tangents).unwrap())
+    }
+
+    pub fn update_with(&mut self, instance: &mut Instance, tasks: &dyn TaskSystem) -> DeformReport {
+        let (tracker, memory) = self.memory();
+        instance.deform(tracker, memory, tasks).unwrap()
+    }
+
+    pub fn update(&mut self, instance: &mut Instance) -> DeformReport {
+        self.update_with(instance, &Serial)
+    }
+
+    /// A full evaluation of the instance as it is.
+    pub fn fresh(instance: &mut Instance) -> Self {
+        let mut output = Self::new(&instance.example_set().clone());
+        output.update(instance);
+        output
+    }
+
+    pub fn poison(&mut self) {
+        self.positions.fill([POISON; 3]);
+        self.normals.fill([POISON; 3]);
+        self.tangents.fill([POISON; 4]);
+    }
+
+    /// All floats of vertex `v`, as bits.
+    pub fn bits(&self, v: usize) -> [u32; 10] {
+        let (p, n, t) = (self.positions[v], self.normals[v], self.tangents[v]);
+        [p[0], p[1], p[2], n[0], n[1], n[2], t[0], t[1], t[2], t[3]].map(f32::to_bits)
+    }
+
+    pub fn all_bits(&self) -> Vec<[u32; 10]> {
+        (0..self.positions.len()).map(|v| self.bits(v)).collect()
+    }
+}
+
+/// FNV-1a: a hash that needs no crate and is the same everywhere.
+pub fn fnv(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x0000_0100_0000_01b3))
 }
