@@ -1,13 +1,56 @@
-//! Example-based dents: an engine hands over a mesh and a few example deformations, reports
-//! impulses, and gets deformed vertices.
+//! Example-based dents: an engine hands over a mesh and a few example deformations, reports impulses, and gets deformed
+//! vertices.
+//!
+//! The pipeline, in the order a user meets it:
+//!
+//! 1. [`ExampleSet::build`]: a base mesh and its examples (the same mesh after a collision), from plain arrays
+//!    ([`MeshData`], [`ExampleData`]) or from files ([`import`]).
+//! 2. [`Instance::new`]: one dented copy. Instances share the set.
+//! 3. [`Instance::submit`]: a hit as the physics reports it. Examples are chosen and the hit becomes a [`Mark`]. Any
+//!    thread may submit ([`Inbox`]).
+//! 4. [`Instance::deform`]: marks become positions, normals and tangents in the caller's memory ([`VertexMemory`]), only
+//!    where something changed ([`Tracker`]).
+//!
+//! Damage is the short list of marks: read it, save it, send it, repair it. Vertices are a pure function of it.
+//!
+//! # Features
+//! `gltf` and `obj` (default) read those formats; `cli` builds the `crumple` command; `host-allocator` lets the C
+//! interface's host provide memory.
 #![deny(missing_docs)]
 
+mod anchored;
+mod attach;
+mod classic;
+mod damage;
 mod data;
+mod deform;
+mod dent;
 mod error;
+mod examples;
 #[cfg(feature = "gltf")]
 pub mod export;
 #[cfg(any(feature = "gltf", feature = "obj"))]
 pub mod import;
+mod instance;
+mod math;
+mod mesh;
+mod nearest;
+mod normals;
+mod select;
+mod stamp;
+mod tasks;
 
+pub use attach::{Attachment, Frame};
+pub use damage::{Mark, Pair};
 pub use data::{Contact, Deltas, ExampleData, MeshData, Placement};
+pub use deform::{Attribute, DeformJob, DeformReport, RawStream, Tracker, VertexMemory, deform};
 pub use error::{Error, ErrorKind};
+pub use examples::{Combine, Example, ExampleSet, Seams, SetOptions, SetReport, VertexMass};
+pub use glam;
+pub use instance::{Inbox, Instance, InstanceOptions, Rule};
+pub use math::Aabb;
+pub use mesh::Mesh;
+pub use nearest::Nearest;
+pub use select::{Cause, Chosen, Hit, HitStatus, Outcome, Selection, Space};
+pub use stamp::Stamp;
+pub use tasks::{Serial, TaskSystem, ThreadPool};

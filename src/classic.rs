@@ -1,0 +1,120 @@
+//! The literature's rule, whole: sections 4.4 and 4.5 of the thesis summed up in docs. It needs per-vertex state and its
+//! result depends on the order of impulses; the default rule does neither. Kept complete for comparison.
+
+use crate::damage::saved;
+use crate::examples::ExampleSet;
+use crate::{Error, error::reserve};
+use glam::Vec3;
+
+/// How a classic instance treats a vertex that is already displaced further (Figure 4.3, lines 5 to 9).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Blend {
+    /// The "fine constant" of line 8: 0 keeps the most displaced candidate.
+    pub constant: f32,
+}
+
+/// Displaced vertices of one instance.
+#[derive(Debug, Clone)]
+pub(crate) struct State {
+    positions: Vec<Vec3>,
+    normals: Vec<Vec3>,
+}
+
+impl State {
+    pub(crate) fn new(set: &ExampleSet) -> Result<Self, Error> {
+        let mut positions = reserve(set.vertex_count(), "an instance's positions")?;
+        positions.extend_from_slice(set.mesh().positions());
+        let base = set.mesh().normals().unwrap_or(&[]);
+        let mut normals = reserve(base.len(), "an instance's normals")?;
+        normals.extend_from_slice(base);
+        Ok(State { positions, normals })
+    }
+
+    pub(crate) fn position(&self, v: usize) -> Vec3 {
+        self.positions[v]
+    }
+
+    /// Not of unit length; `None` where the mesh has no normals.
+    pub(crate) fn normal(&self, v: usize) -> Option<Vec3> {
+        self.normals.get(v).copied()
+    }
+
+    /// Figure 4.3 for every vertex that `example` moves. A candidate that is not finite (an unclamped weight far above 2,
+    /// many times over) is dropped.
+    pub(crate) fn apply(&mut self, set: &ExampleSet, example: u32, weight: f32, blend: Blend) {
+        let base = set.mesh().positions();
+        let lerp = |a: Vec3, b: Vec3, w: f32| a + (b - a) * w;
+        for (v, d, n) in set.examples()[example as usize].anchored().iter() {
+            let v = v as usize;
+            let current = self.positions[v];
+            let result = lerp(current, base[v] + d, weight);
+            if !result.is_finite() {
+                continue;
+            }
+            let further = (result - base[v]).length_squared() >= (current - base[v]).length_squared();
+            self.positions[v] = if further { result } else { lerp(current, result, blend.constant) };
+            if let (Some(normal), Some(base)) = (self.normals.get_mut(v), set.mesh().normals()) {
+                let result = lerp(*normal, base[v] + n, weight);
+                if result.is_finite() {
+                    *normal = if further { result } else { lerp(*normal, result, blend.constant) };
+                }
+            }
+        }
+    }
+
+    /// Moves every vertex back to `keep` of its displacement.
+    pub(crate) fn scale(&mut self, set: &ExampleSet, keep: f32) {
+        for (p, b) in self.positions.iter_mut().zip(set.mesh().positions()) {
+            *p = *b + (*p - *b) * keep;
+        }
+        if let Some(base) = set.mesh().normals() {
+            for (n, b) in self.normals.iter_mut().zip(base) {
+                *n = *b + (*n - *b) * keep;
+            }
+        }
+    }
+
+    /// Entries of 28 bytes: u32 vertex, f32 position (m), f32 normal (zero where the mesh has none).
+    pub(crate) fn save(&self, set: &ExampleSet) -> Vec<u8> {
+        let changed: Vec<usize> = (0..self.positions.len())
+            .filter(|v| {
+                self.positions[*v] != set.mesh().positions()[*v]
+                    || set.mesh().normals().is_some_and(|n| n[*v] != self.normals[*v])
+            })
+            .collect();
+        let mut out = saved::header(set, saved::CLASSIC, changed.len());
+        for v in changed {
+            out.extend((v as u32).to_le_bytes());
+            let n = self.normal(v).unwrap_or(Vec3::ZERO);
+            for x in self.positions[v].to_array().into_iter().chain(n.to_array()) {
+                out.extend(x.to_bits().to_le_bytes());
+            }
+        }
+        out
+    }
+
+    /// The state that [`State::save`] wrote.
+    pub(crate) fn load(set: &ExampleSet, bytes: &[u8]) -> Result<Self, Error> {
+        let mut state = State::new(set)?;
+        for (at, e) in saved::entries(set, bytes, saved::CLASSIC, 28)?.chunks_exact(28).enumerate() {
+            let word = |i: usize| u32::from_le_bytes([e[i], e[i + 1], e[i + 2], e[i + 3]]);
+            let vec =
+                |i: usize| Vec3::new(f32::from_bits(word(i)), f32::from_bits(word(i + 4)), f32::from_bits(word(i + 8)));
+            let v = word(0) as usize;
+            let (p, n) = (vec(4), vec(16));
+            if v >= state.positions.len() || !p.is_finite() || !n.is_finite() {
+                return Err(Error::DamageMismatch {
+                    what: format!(
+                        "entry {at}: vertex {v} at {p}; vertices go to {}, numbers must be finite",
+                        set.vertex_count() - 1
+                    ),
+                });
+            }
+            state.positions[v] = p;
+            if let Some(slot) = state.normals.get_mut(v) {
+                *slot = n;
+            }
+        }
+        Ok(state)
+    }
+}

@@ -1,0 +1,347 @@
+//! Damage: a short, sorted list of marks. The only state an instance of the default rule has.
+
+use crate::dent::{Dent, MAX_PAIRS};
+use crate::examples::{Combine, ExampleSet};
+use crate::mesh::MAX_COORDINATE;
+use crate::{Error, error::reserve};
+use bytemuck::{Pod, Zeroable};
+
+/// An example and its share of a dent.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Pod, Zeroable)]
+pub struct Pair {
+    /// Index of the example; 0xFFFF in an unused pair.
+    pub example: u16,
+    /// Low 15 bits: share of the dent, 32767 being the whole. Top bit: the example stays where it was made.
+    pub share: u16,
+}
+
+impl Pair {
+    /// An unused pair.
+    pub const NONE: Pair = Pair { example: u16::MAX, share: 0 };
+    /// The share of an example that makes a dent alone.
+    pub const WHOLE: u16 = 0x7FFF;
+
+    /// `share` of [`Pair::WHOLE`].
+    pub fn new(example: u16, share: u16, anchored: bool) -> Self {
+        Pair { example, share: share & Self::WHOLE | u16::from(anchored) << 15 }
+    }
+
+    /// Whether it is unused.
+    pub fn is_none(self) -> bool {
+        self == Self::NONE
+    }
+
+    /// Whether the example stays where it was made.
+    pub fn anchored(self) -> bool {
+        self.share >> 15 == 1
+    }
+
+    /// The share, 0 to 1.
+    pub fn share_fraction(self) -> f32 {
+        f32::from(self.share & Self::WHOLE) / f32::from(Self::WHOLE)
+    }
+}
+
+/// One hit's dent: where, how deep, and made of which examples. Plain data of 32 bytes: copy it, send it, save it.
+///
+/// ```text
+/// u_m(v) = strength * sum over pairs of scale(depth, share) * e_i(v)          strength = sqrt(energy)
+/// ```
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Mark {
+    /// The vertex that was hit.
+    pub contact: u32,
+    /// Depth asked for at the contact, m; above 0.
+    pub depth: f32,
+    /// Strength squared, in units of 2^-32: [`Mark::ONE`] for one hit; each hit that repeats the mark adds as much.
+    /// (Sets that combine by sum or by the deepest keep the strength itself here.)
+    pub energy: u64,
+    /// Up to four examples, the used ones first.
+    pub pairs: [Pair; MAX_PAIRS],
+}
+
+impl Mark {
+    /// Energy of one hit.
+    pub const ONE: u64 = 1 << 32;
+
+    /// One hit's mark.
+    pub fn new(contact: u32, depth: f32, pairs: [Pair; MAX_PAIRS]) -> Self {
+        let mut pairs = pairs;
+        // Used pairs first, their order kept.
+        pairs.sort_by_key(|p| p.is_none());
+        Mark { contact, depth, energy: Self::ONE, pairs }
+    }
+
+    /// What two marks must share to be one: contact, depth and pairs. Marks are kept in this order.
+    fn key(&self) -> (u32, u32, [Pair; MAX_PAIRS]) {
+        (self.contact, self.depth.to_bits(), self.pairs)
+    }
+
+    fn check(&self, set: &ExampleSet, at: usize) -> Result<(), Error> {
+        let bad = |name: &str, value: String, expected: String| Error::InvalidArgument {
+            name: format!("{name} of mark {at}"),
+            value,
+            expected,
+        };
+        if self.contact as usize >= set.vertex_count() {
+            return Err(bad(
+                "contact",
+                self.contact.to_string(),
+                format!("below {}, the number of vertices", set.vertex_count()),
+            ));
+        }
+        if !(self.depth > 0.0 && self.depth <= MAX_COORDINATE) {
+            return Err(bad("depth", self.depth.to_string(), "above 0 and at most 1e9 m".into()));
+        }
+        if self.energy == 0 {
+            return Err(bad("energy", "0".into(), "above 0".into()));
+        }
+        let used = self.pairs.iter().take_while(|p| !p.is_none()).count();
+        if used == 0 || self.pairs[used..].iter().any(|p| !p.is_none()) {
+            return Err(bad(
+                "pairs",
+                format!("{:?}", self.pairs),
+                "one to four used pairs, then unused ones (65535, 0)".into(),
+            ));
+        }
+        let mut total = 0;
+        for p in &self.pairs[..used] {
+            let Some(e) = set.examples().get(p.example as usize).filter(|e| !e.is_empty()) else {
+                return Err(bad(
+                    "example",
+                    p.example.to_string(),
+                    format!("one of the set's {} examples, not an empty one", set.examples().len()),
+                ));
+            };
+            if !p.anchored() && e.stamp().is_none() {
+                return Err(bad(
+                    "pair",
+                    format!("example {} carried", p.example),
+                    "anchored, as the set's example is".into(),
+                ));
+            }
+            total += u32::from(p.share & Pair::WHOLE);
+        }
+        if total == 0 || total > u32::from(Pair::WHOLE) {
+            return Err(bad("shares", total.to_string(), "1 to 32767 in all".into()));
+        }
+        Ok(())
+    }
+}
+
+/// What a change of the damage touched.
+pub(crate) trait Touched {
+    fn dent(&mut self, dent: &Dent);
+}
+
+impl<F: FnMut(&Dent)> Touched for F {
+    fn dent(&mut self, dent: &Dent) {
+        self(dent);
+    }
+}
+
+/// The marks of one instance, sorted, each beside its dent.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Damage {
+    marks: Vec<Mark>,
+    dents: Vec<Dent>,
+}
+
+impl Damage {
+    pub(crate) fn marks(&self) -> &[Mark] {
+        &self.marks
+    }
+
+    pub(crate) fn dents(&self) -> &[Dent] {
+        &self.dents
+    }
+
+    /// Adds new marks in canonical order, whatever order they came in. A mark that is there already gets the energy. Above
+    /// `capacity` the weakest mark (least `strength * depth`; the first in order where equal) gives its energy, in metres
+    /// squared, to the mark whose contact is nearest (the first in order where equal).
+    pub(crate) fn add(&mut self, set: &ExampleSet, mut new: Vec<Mark>, capacity: usize, touched: &mut dyn Touched) {
+        new.sort_unstable_by(|a, b| a.key().cmp(&b.key()).then(a.energy.cmp(&b.energy)));
+        for mark in new {
+            self.add_one(set, mark, touched);
+            if self.marks.len() > capacity {
+                self.merge_weakest(set, touched);
+            }
+        }
+    }
+
+    fn add_one(&mut self, set: &ExampleSet, mark: Mark, touched: &mut dyn Touched) {
+        match self.marks.binary_search_by(|m| m.key().cmp(&mark.key())) {
+            Ok(at) => {
+                let e = combined(self.marks[at].energy, mark.energy, set.options().combine);
+                self.set_energy(set, at, e);
+                touched.dent(&self.dents[at]);
+            }
+            Err(at) => {
+                let dent = Dent::new(set, &mark);
+                touched.dent(&dent);
+                self.marks.insert(at, mark);
+                self.dents.insert(at, dent);
+            }
+        }
+    }
+
+    fn set_energy(&mut self, set: &ExampleSet, at: usize, energy: u64) {
+        self.marks[at].energy = energy;
+        self.dents[at].strength = crate::dent::strength(energy, set.options().combine);
+    }
+
+    fn merge_weakest(&mut self, set: &ExampleSet, touched: &mut dyn Touched) {
+        let size = |i: usize| self.dents[i].strength * self.marks[i].depth;
+        let weakest = (0..self.marks.len()).fold(0, |best, i| if size(i) < size(best) { i } else { best });
+        let from = self.dents[weakest].contact;
+        let distance = |i: usize| (self.dents[i].contact - from).length_squared();
+        let others = (0..self.marks.len()).filter(|i| *i != weakest);
+        let Some(heir) = others.reduce(|best, i| if distance(i) < distance(best) { i } else { best }) else { return };
+        let combine = set.options().combine;
+        let ratio = f64::from(self.marks[weakest].depth) / f64::from(self.marks[heir].depth);
+        let power = if combine == Combine::Energies { ratio * ratio } else { ratio };
+        // `as` saturates; u64 as f64 rounds to nearest: both the same everywhere.
+        let given = (self.marks[weakest].energy as f64 * power) as u64;
+        let energy = combined(self.marks[heir].energy, given, combine);
+        self.set_energy(set, heir, energy);
+        touched.dent(&self.dents[heir]);
+        touched.dent(&self.dents[weakest]);
+        self.marks.remove(weakest);
+        self.dents.remove(weakest);
+    }
+
+    /// Replaces all marks. Fails before anything changes.
+    pub(crate) fn replace(
+        &mut self,
+        set: &ExampleSet,
+        marks: &[Mark],
+        capacity: usize,
+        touched: &mut dyn Touched,
+    ) -> Result<(), Error> {
+        marks.iter().enumerate().try_for_each(|(i, m)| m.check(set, i))?;
+        let mut copy = reserve(marks.len(), "marks")?;
+        copy.extend_from_slice(marks);
+        self.clear(touched);
+        self.add(set, copy, capacity, touched);
+        Ok(())
+    }
+
+    /// Multiplies every dent's depth by `keep`; what falls under a ten-thousandth of its depth goes.
+    pub(crate) fn scale(&mut self, set: &ExampleSet, keep: f32, touched: &mut dyn Touched) {
+        let keep = f64::from(keep);
+        let factor = if set.options().combine == Combine::Energies { keep * keep } else { keep };
+        for i in 0..self.marks.len() {
+            touched.dent(&self.dents[i]);
+            let e = (self.marks[i].energy as f64 * factor) as u64;
+            self.set_energy(set, i, e);
+        }
+        let gone = |d: &Dent| d.strength < 1e-4;
+        let keep: Vec<bool> = self.dents.iter().map(|d| !gone(d)).collect();
+        let mut k = keep.iter();
+        self.marks.retain(|_| *k.next().unwrap_or(&true));
+        self.dents.retain(|d| !gone(d));
+    }
+
+    pub(crate) fn clear(&mut self, touched: &mut dyn Touched) {
+        self.dents.iter().for_each(|d| touched.dent(d));
+        self.marks.clear();
+        self.dents.clear();
+    }
+
+    pub(crate) fn touch_all(&self, touched: &mut dyn Touched) {
+        self.dents.iter().for_each(|d| touched.dent(d));
+    }
+}
+
+fn combined(a: u64, b: u64, combine: Combine) -> u64 {
+    match combine {
+        Combine::Sum | Combine::Energies => a.saturating_add(b),
+        Combine::Deepest => a.max(b),
+    }
+}
+
+/// Saved damage: 24 bytes of header (magic `CRDM`, u16 version, u16 kind, u64 fingerprint of the set, u32 count, u32
+/// zero), then the entries, all little-endian.
+pub(crate) mod saved {
+    use super::*;
+
+    pub(crate) const MAGIC: [u8; 4] = *b"CRDM";
+    pub(crate) const VERSION: u16 = 1;
+    pub(crate) const HEADER: usize = 24;
+    /// Entries are marks of 32 bytes.
+    pub(crate) const MARKS: u16 = 1;
+    /// Entries are vertices of a classic rule's state, 28 bytes each.
+    pub(crate) const CLASSIC: u16 = 2;
+
+    pub(crate) fn header(set: &ExampleSet, kind: u16, count: usize) -> Vec<u8> {
+        let mut out = Vec::with_capacity(HEADER + count * 32);
+        out.extend(MAGIC);
+        out.extend(VERSION.to_le_bytes());
+        out.extend(kind.to_le_bytes());
+        out.extend(set.fingerprint().to_le_bytes());
+        out.extend((count as u32).to_le_bytes());
+        out.extend(0u32.to_le_bytes());
+        out
+    }
+
+    /// The entries, checked to be as many as the header says.
+    pub(crate) fn entries<'a>(set: &ExampleSet, bytes: &'a [u8], kind: u16, size: usize) -> Result<&'a [u8], Error> {
+        let bad = |what: String| Err(Error::DamageMismatch { what });
+        if bytes.len() < HEADER {
+            return bad(format!("{} bytes; at least {HEADER} are needed", bytes.len()));
+        }
+        let u16_at = |i: usize| u16::from_le_bytes([bytes[i], bytes[i + 1]]);
+        let u32_at = |i: usize| u32::from_le_bytes([bytes[i], bytes[i + 1], bytes[i + 2], bytes[i + 3]]);
+        if bytes[..4] != MAGIC {
+            return bad(format!("it begins with {:?}; saved damage begins with {:?}", &bytes[..4], MAGIC));
+        }
+        if u16_at(4) != VERSION {
+            return bad(format!("version {}; this library reads version {VERSION}", u16_at(4)));
+        }
+        if u16_at(6) != kind {
+            return bad(format!(
+                "kind {} (1: marks, 2: a classic rule's vertices); this instance's rule needs {kind}",
+                u16_at(6)
+            ));
+        }
+        let mark = u64::from(u32_at(8)) | u64::from(u32_at(12)) << 32;
+        if mark != set.fingerprint() {
+            return bad(format!(
+                "it belongs to example set {mark:016x}; this instance's is {:016x}",
+                set.fingerprint()
+            ));
+        }
+        if u32_at(20) != 0 {
+            return bad(format!("bytes 20 to 23 are {:#x}; they must be 0", u32_at(20)));
+        }
+        let rest = &bytes[HEADER..];
+        let needed = u64::from(u32_at(16)) * size as u64;
+        if rest.len() as u64 != needed {
+            return bad(format!("{} bytes after the header; {} entries take {needed}", rest.len(), u32_at(16)));
+        }
+        Ok(rest)
+    }
+
+    pub(crate) fn write_mark(m: &Mark, out: &mut Vec<u8>) {
+        out.extend(m.contact.to_le_bytes());
+        out.extend(m.depth.to_bits().to_le_bytes());
+        out.extend(m.energy.to_le_bytes());
+        for p in &m.pairs {
+            out.extend(p.example.to_le_bytes());
+            out.extend(p.share.to_le_bytes());
+        }
+    }
+
+    pub(crate) fn read_mark(b: &[u8]) -> Mark {
+        let u16_at = |i: usize| u16::from_le_bytes([b[i], b[i + 1]]);
+        let u32_at = |i: usize| u32::from_le_bytes([b[i], b[i + 1], b[i + 2], b[i + 3]]);
+        Mark {
+            contact: u32_at(0),
+            depth: f32::from_bits(u32_at(4)),
+            energy: u64::from(u32_at(8)) | u64::from(u32_at(12)) << 32,
+            pairs: [0, 1, 2, 3].map(|i| Pair { example: u16_at(16 + 4 * i), share: u16_at(18 + 4 * i) }),
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! Marks become vertices: a pure function, evaluated a block at a time.
+//!
+//! ```text
+//! S(v) = sum of u_m(v)      Q(v) = sum of |u_m(v)|²
+//! position(v) = base(v) + S(v) * min(1, sqrt(Q(v)) / |S(v)|, L / |S(v)|)
+//! ```
+//!
+//! Marks are summed in their sorted order with plain f32 operations, so that coincident vertices, any cut into blocks and
+//! any thread give the same bits.
+
+use crate::anchored::BLOCK;
+use crate::examples::{Combine, ExampleSet};
+use crate::instance::{Instance, block_vertices};
+use crate::math::unit;
+use glam::{Vec3, Vec4};
+
+/// A block's deformed vertices; the first `len` are valid.
+pub(crate) struct Block {
+    pub positions: [Vec3; BLOCK],
+    /// Unit normals, where asked for.
+    pub normals: [Vec3; BLOCK],
+    pub len: usize,
+}
+
+/// Evaluates block `b`. Without `normals`, the block's normals are those of the base where there are any.
+pub(crate) fn block(instance: &Instance, b: usize, normals: bool) -> Block {
+    let set = instance.example_set();
+    let r = block_vertices(set, b);
+    let mut out = Block { positions: [Vec3::ZERO; BLOCK], normals: [Vec3::ZERO; BLOCK], len: r.len() };
+    let len = out.len;
+    out.positions[..len].copy_from_slice(&set.mesh().positions()[r.clone()]);
+    let base_normals = set.mesh().normals().filter(|_| normals);
+    if let Some(n) = base_normals {
+        out.normals[..len].copy_from_slice(&n[r.clone()]);
+    }
+    if let Some(state) = instance.classic_state() {
+        for (i, v) in r.enumerate() {
+            out.positions[i] = state.position(v);
+            if let (Some(base), Some(n)) = (base_normals, state.normal(v)) {
+                out.normals[i] = if n == base[v] { n } else { unit(n).unwrap_or(base[v]) };
+            }
+        }
+        return out;
+    }
+    let mut sum = Sum::new();
+    for dent in instance.damage().dents().iter().filter(|d| d.touches(set, b)) {
+        sum.clear_dent(len);
+        for part in &dent.parts {
+            let scale = part.scale * dent.strength;
+            match &part.carried {
+                None => {
+                    let n = if base_normals.is_some() { &mut sum.dent_normals[..len] } else { &mut [] };
+                    set.examples()[part.example].anchored().add_block(b as u32, scale, &mut sum.dent[..len], n);
+                }
+                Some(carried) => {
+                    for (i, p) in set.mesh().positions()[r.clone()].iter().enumerate() {
+                        if let Some((u, n)) = carried.at(set, part.example, *p) {
+                            sum.dent[i] += u * scale;
+                            sum.dent_normals[i] += n * scale;
+                        }
+                    }
+                }
+            }
+        }
+        sum.add_dent(len, set.options().combine);
+    }
+    for i in 0..len {
+        let (u, f) = combined(sum.s[i], sum.q[i], set.options().combine, instance.depth_limit());
+        out.positions[i] += u;
+        if base_normals.is_some() && sum.normals[i] != Vec3::ZERO {
+            out.normals[i] = unit(out.normals[i] + sum.normals[i] * f).unwrap_or(out.normals[i]);
+        }
+    }
+    out
+}
+
+struct Sum {
+    s: [Vec3; BLOCK],
+    q: [f32; BLOCK],
+    normals: [Vec3; BLOCK],
+    dent: [Vec3; BLOCK],
+    dent_normals: [Vec3; BLOCK],
+}
+
+impl Sum {
+    fn new() -> Self {
+        let zero = [Vec3::ZERO; BLOCK];
+        Sum { s: zero, q: [0.0; BLOCK], normals: zero, dent: zero, dent_normals: zero }
+    }
+
+    fn clear_dent(&mut self, len: usize) {
+        self.dent[..len].fill(Vec3::ZERO);
+        self.dent_normals[..len].fill(Vec3::ZERO);
+    }
+
+    fn add_dent(&mut self, len: usize, combine: Combine) {
+        for i in 0..len {
+            let u = self.dent[i];
+            self.s[i] += u;
+            self.normals[i] += self.dent_normals[i];
+            let square = u.dot(u);
+            self.q[i] = if combine == Combine::Deepest { self.q[i].max(square) } else { self.q[i] + square };
+        }
+    }
+}
+
+/// The displacement, and what the sum was multiplied with to get it.
+fn combined(s: Vec3, q: f32, combine: Combine, limit: f32) -> (Vec3, f32) {
+    let length = s.length();
+    if length.is_nan() || length <= 0.0 {
+        return (Vec3::ZERO, 1.0);
+    }
+    let allowed = if combine == Combine::Sum { length } else { length.min(q.sqrt()) };
+    let allowed = allowed.min(limit);
+    if allowed >= length { (s, 1.0) } else { (s * (allowed / length), allowed / length) }
+}
+
+/// Position and unit normal of one vertex, as [`block`] gives them.
+pub(crate) fn vertex(instance: &Instance, v: usize) -> (Vec3, Option<Vec3>) {
+    let b = block(instance, v / BLOCK, true);
+    let has_normals = instance.example_set().mesh().normals().is_some();
+    (b.positions[v % BLOCK], has_normals.then(|| b.normals[v % BLOCK]))
+}
+
+/// The base tangent turned as the normal turned, orthogonal to the new normal; w is kept.
+pub(crate) fn tangent(set: &ExampleSet, v: usize, normal: Vec3) -> Vec4 {
+    let Some(t) = set.mesh().tangents().map(|t| t[v]) else { return Vec4::W };
+    let base = set.mesh().normals().map_or(normal, |n| n[v]);
+    if normal == base {
+        return t;
+    }
+    let turned = crate::math::rotation_between(base, normal) * t.truncate();
+    let flat = turned - normal * normal.dot(turned);
+    unit(flat).unwrap_or_else(|| crate::math::tangent_basis(normal).x_axis).extend(t.w)
+}

@@ -1,0 +1,204 @@
+//! The caller's vertex memory: where each attribute begins, how far apart vertices are. The one file besides the C
+//! interface that writes through raw pointers.
+
+use crate::Error;
+use glam::{Vec3, Vec4};
+use std::marker::PhantomData;
+
+/// Where an attribute lies in interleaved vertices, bytes; multiples of 4.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Attribute {
+    /// From the start of the memory to the first vertex's value.
+    pub offset: usize,
+    /// From one vertex's value to the next.
+    pub stride: usize,
+}
+
+/// One attribute in raw memory. Only [`VertexMemory::from_raw`] takes it from outside.
+#[derive(Debug, Clone, Copy)]
+pub struct RawStream {
+    /// Start of the memory.
+    pub data: *mut u8,
+    /// Its size, bytes.
+    pub size: usize,
+    /// Where the values lie.
+    pub layout: Attribute,
+}
+
+/// The caller's memory for one output: positions (3 × f32, m), and if wanted normals (3 × f32) and tangents (4 × f32).
+/// Bytes between values are never touched.
+#[derive(Debug)]
+pub struct VertexMemory<'a> {
+    position: RawStream,
+    normal: Option<RawStream>,
+    tangent: Option<RawStream>,
+    owner: PhantomData<&'a mut [u8]>,
+}
+
+// SAFETY: the memory is borrowed mutably for 'a, so moving the borrow to another thread is moving a `&mut [u8]`.
+unsafe impl Send for VertexMemory<'_> {}
+// SAFETY: shared access only writes through `write`, whose callers (one task a block) never write one vertex twice.
+unsafe impl Sync for VertexMemory<'_> {}
+
+impl<'a> VertexMemory<'a> {
+    /// Attributes interleaved in one piece of memory.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a stride smaller than its attribute or attributes that overlap,
+    /// [`Error::Misaligned`] for offsets and strides that are not multiples of 4. The size is checked by `deform`.
+    pub fn interleaved(
+        data: &'a mut [u8],
+        position: Attribute,
+        normal: Option<Attribute>,
+        tangent: Option<Attribute>,
+    ) -> Result<Self, Error> {
+        let spans = [Some((position, 12)), normal.map(|a| (a, 12)), tangent.map(|a| (a, 16))];
+        let names = ["position", "normal", "tangent"];
+        for (i, a) in spans.iter().enumerate() {
+            for (j, b) in spans.iter().enumerate().skip(i + 1) {
+                let (Some((a, al)), Some((b, bl))) = (a, b) else { continue };
+                let overlap = a.stride != b.stride || {
+                    // Within one vertex, on a circle of one stride.
+                    let gap = (b.offset % a.stride.max(1) + a.stride - a.offset % a.stride.max(1)) % a.stride.max(1);
+                    gap < *al || gap + bl > a.stride
+                };
+                if overlap {
+                    let value = format!(
+                        "offset {} stride {}, {} offset {} stride {}",
+                        a.offset, a.stride, names[j], b.offset, b.stride
+                    );
+                    return Err(Error::invalid(names[i], value, "apart from the others, with the same stride"));
+                }
+            }
+        }
+        let (data, size) = (data.as_mut_ptr(), data.len());
+        let raw = |layout| RawStream { data, size, layout };
+        Self::checked(raw(position), normal.map(raw), tangent.map(raw))
+    }
+
+    /// Attributes in arrays of their own.
+    ///
+    /// # Errors
+    /// None today; sizes are checked by `deform`.
+    pub fn separate(
+        positions: &'a mut [[f32; 3]],
+        normals: Option<&'a mut [[f32; 3]]>,
+        tangents: Option<&'a mut [[f32; 4]]>,
+    ) -> Result<Self, Error> {
+        let raw = |data: *mut u8, size: usize, stride: usize| RawStream {
+            data,
+            size,
+            layout: Attribute { offset: 0, stride },
+        };
+        Self::checked(
+            raw(positions.as_mut_ptr().cast(), size_of_val(positions), 12),
+            normals.map(|n| raw(n.as_mut_ptr().cast(), size_of_val(n), 12)),
+            tangents.map(|t| raw(t.as_mut_ptr().cast(), size_of_val(t), 16)),
+        )
+    }
+
+    /// Raw memory, for the C interface and for mapped graphics buffers.
+    ///
+    /// # Safety
+    /// Each stream's memory is valid for writes of its size for all of `'a`, and nobody else reads or writes the bytes of
+    /// the attributes while a `deform` with it runs. Streams may lie in one interleaved memory; their values do not overlap.
+    ///
+    /// # Errors
+    /// As [`VertexMemory::interleaved`].
+    pub unsafe fn from_raw(
+        position: RawStream,
+        normal: Option<RawStream>,
+        tangent: Option<RawStream>,
+    ) -> Result<Self, Error> {
+        Self::checked(position, normal, tangent)
+    }
+
+    fn checked(position: RawStream, normal: Option<RawStream>, tangent: Option<RawStream>) -> Result<Self, Error> {
+        let check = |name: &str, s: &RawStream, size: usize| {
+            for (what, value) in [("offset", s.layout.offset), ("stride", s.layout.stride)] {
+                if value % 4 != 0 {
+                    return Err(Error::Misaligned { name: format!("{name} {what}"), value: value as u64, align: 4 });
+                }
+            }
+            if s.layout.stride < size {
+                return Err(Error::invalid(
+                    &format!("{name} stride"),
+                    s.layout.stride,
+                    &format!("at least {size} bytes"),
+                ));
+            }
+            Ok(())
+        };
+        check("position", &position, 12)?;
+        normal.iter().try_for_each(|s| check("normal", s, 12))?;
+        tangent.iter().try_for_each(|s| check("tangent", s, 16))?;
+        Ok(Self { position, normal, tangent, owner: PhantomData })
+    }
+
+    /// Fails where `count` vertices do not fit.
+    pub(crate) fn check_size(&self, count: usize) -> Result<(), Error> {
+        let check = |name: &str, s: &RawStream, size: u64| {
+            let last = (count as u64 - 1).saturating_mul(s.layout.stride as u64);
+            let needed = last.saturating_add(s.layout.offset as u64).saturating_add(size);
+            if (s.size as u64) < needed {
+                return Err(Error::BufferTooSmall { name: format!("{name} memory"), size: s.size as u64, needed });
+            }
+            Ok(())
+        };
+        check("position", &self.position, 12)?;
+        self.normal.iter().try_for_each(|s| check("normal", s, 12))?;
+        self.tangent.iter().try_for_each(|s| check("tangent", s, 16))
+    }
+
+    pub(crate) fn has_normals(&self) -> bool {
+        self.normal.is_some()
+    }
+
+    pub(crate) fn has_tangents(&self) -> bool {
+        self.tangent.is_some()
+    }
+
+    /// Writes vertex `v`; attributes that the memory lacks are left out.
+    ///
+    /// # Safety
+    /// `check_size` has passed for more than `v` vertices, and no other thread writes vertex `v` at the same time.
+    pub(crate) unsafe fn write(&self, v: usize, position: Vec3, normal: Vec3, tangent: Option<Vec4>) {
+        // SAFETY: passed on.
+        unsafe {
+            put(&self.position, v, position.to_array());
+            if let Some(s) = &self.normal {
+                put(s, v, normal.to_array());
+            }
+            if let (Some(s), Some(t)) = (&self.tangent, tangent) {
+                put(s, v, t.to_array());
+            }
+        }
+    }
+}
+
+/// # Safety
+/// The value of vertex `v` lies within the stream, and no other thread accesses it.
+unsafe fn put<const N: usize>(s: &RawStream, v: usize, value: [f32; N]) {
+    // SAFETY: in bounds by the caller's promise; unaligned, since a `&mut [u8]` may begin anywhere.
+    unsafe { s.data.add(s.layout.offset + v * s.layout.stride).cast::<[f32; N]>().write_unaligned(value) }
+}
+
+/// A slice whose elements are written by different tasks, each element by one.
+pub(crate) struct Scattered<'a, T>(*mut T, usize, PhantomData<&'a mut [T]>);
+
+// SAFETY: hands out writes of distinct elements only (see `set`).
+unsafe impl<T: Send> Sync for Scattered<'_, T> {}
+
+impl<'a, T> Scattered<'a, T> {
+    pub(crate) fn new(slice: &'a mut [T]) -> Self {
+        Self(slice.as_mut_ptr(), slice.len(), PhantomData)
+    }
+
+    /// # Safety
+    /// No other thread sets element `i` at the same time.
+    pub(crate) unsafe fn set(&self, i: usize, value: T) {
+        assert!(i < self.1);
+        // SAFETY: in bounds by the assertion; alone by the caller's promise.
+        unsafe { *self.0.add(i) = value }
+    }
+}

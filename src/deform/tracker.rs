@@ -1,0 +1,68 @@
+//! What one output holds already, so that only what changed is written.
+
+use crate::Aabb;
+use crate::anchored::block_range;
+use crate::instance::{Changes, Instance};
+use std::ops::Range;
+
+/// The memory of one output: which blocks of which instance it holds, as of when. Keep one for each piece of memory (each
+/// of a ring of three, say); whoever else writes there must say so with [`Tracker::invalidate`].
+#[derive(Debug, Clone, Default)]
+pub struct Tracker {
+    /// Instance and epoch written last; instance 0 is none.
+    instance: u64,
+    epoch: u64,
+    block_bounds: Vec<Aabb>,
+    changed: Vec<Range<u32>>,
+    bounds: Option<Aabb>,
+}
+
+impl Tracker {
+    /// Of memory that holds nothing yet: the first deform writes every vertex.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Forgets: the next deform writes every vertex.
+    pub fn invalidate(&mut self) {
+        self.instance = 0;
+    }
+
+    /// Vertices that the last deform wrote: ranges, increasing, apart from each other.
+    pub fn changed(&self) -> &[Range<u32>] {
+        &self.changed
+    }
+
+    /// Bounds of all vertices as of the last deform, m; `None` before the first.
+    pub fn bounds(&self) -> Option<Aabb> {
+        self.bounds
+    }
+
+    /// Blocks that must be written.
+    pub(crate) fn dirty<'a>(&self, changes: &'a Changes) -> impl Iterator<Item = usize> + 'a {
+        let since = (self.instance == changes.instance).then_some(self.epoch);
+        changes.blocks.iter().enumerate().filter(move |(_, at)| since.is_none_or(|s| **at > s)).map(|(b, _)| b)
+    }
+
+    /// Notes that `blocks` (increasing) were written and have these bounds.
+    pub(crate) fn written(&mut self, instance: &Instance, blocks: &[usize], bounds: &[Aabb]) {
+        let (changes, n) = (instance.changes(), instance.example_set().vertex_count());
+        self.block_bounds.resize(changes.blocks.len(), Aabb::EMPTY);
+        self.changed.clear();
+        for (b, bound) in blocks.iter().zip(bounds) {
+            self.block_bounds[*b] = *bound;
+            let r = block_range(*b, n);
+            match self.changed.last_mut() {
+                Some(last) if last.end == r.start as u32 => last.end = r.end as u32,
+                _ => self.changed.push(r.start as u32..r.end as u32),
+            }
+        }
+        if !blocks.is_empty() {
+            let mut all = Aabb::EMPTY;
+            self.block_bounds.iter().for_each(|b| all.union(b));
+            self.bounds = Some(all);
+        }
+        self.instance = changes.instance;
+        self.epoch = changes.epoch;
+    }
+}

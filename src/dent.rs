@@ -1,0 +1,166 @@
+//! A mark made ready for evaluation: which examples, how placed, how scaled. A pure function of the mark and the set.
+//!
+//! For a mark with target depth `T` at contact `c` (normal `n`), a pair of example `i` and share `s_i` contributes
+//!
+//! ```text
+//! anchored   a_i = T / |d_i(c)|      e_i(v) = d_i(v)
+//! carried    a_i = T / |d_i(p_i)|    e_i(v) = R d_i at p_i + stretch^-1 (R^T (v - c))
+//! ```
+//!
+//! with `R` the smallest rotation from `n_i` to `n` and `stretch = clamp(sqrt(a_i), 1/4, 4)` in the surface. All are then
+//! scaled together by `g = T / |sum s_i a_i e_i(c)|`, so that the contact gets the depth asked for, except that anchored
+//! examples (and all, in a strict set) are never scaled above 1.
+
+use crate::examples::{Combine, ExampleSet};
+use crate::math::rotation_between;
+use crate::{Mark, Pair};
+use glam::{Mat3, Vec3};
+
+/// Limits of the stretch of a carried example in the surface.
+const STRETCH: (f32, f32) = (0.25, 4.0);
+/// Pairs a mark may have.
+pub(crate) const MAX_PAIRS: usize = 4;
+
+/// One example of a dent, placed and scaled.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Part {
+    pub example: usize,
+    /// What its displacements are multiplied with.
+    pub scale: f32,
+    pub carried: Option<Carried>,
+}
+
+/// Where a carried example goes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Carried {
+    contact: Vec3,
+    /// Mesh space relative to the contact into the stamp's frame, stretch undone.
+    to_stamp: Mat3,
+    /// The stamp's frame into mesh space.
+    from_stamp: Mat3,
+    /// What its normal changes are multiplied with, on top of `scale`: slopes fall as a dent gets wider.
+    normal_scale: f32,
+    /// Nothing moves further than this from the contact, m.
+    pub radius: f32,
+}
+
+/// A mark made ready.
+#[derive(Debug, Clone)]
+pub(crate) struct Dent {
+    /// What all its parts are multiplied with: grows with hits that repeat it.
+    pub strength: f32,
+    pub contact: Vec3,
+    pub parts: Vec<Part>,
+}
+
+impl Dent {
+    /// From a valid mark.
+    pub(crate) fn new(set: &ExampleSet, mark: &Mark) -> Self {
+        let (parts, _) = place(set, mark.contact, mark.depth, &mark.pairs);
+        Dent {
+            strength: strength(mark.energy, set.options().combine),
+            contact: set.mesh().positions()[mark.contact as usize],
+            parts,
+        }
+    }
+
+    /// Whether it may move vertices of block `b`.
+    pub(crate) fn touches(&self, set: &ExampleSet, b: usize) -> bool {
+        self.parts.iter().any(|p| match &p.carried {
+            Some(c) => set.block_bounds()[b].distance_squared(c.contact) <= c.radius * c.radius,
+            None => set.examples()[p.example].anchored().touches(b as u32),
+        })
+    }
+
+    /// Calls `f` with every block it may move, some perhaps twice.
+    pub(crate) fn blocks(&self, set: &ExampleSet, mut f: impl FnMut(usize)) {
+        for p in &self.parts {
+            match &p.carried {
+                Some(c) => {
+                    let r2 = c.radius * c.radius;
+                    set.block_bounds()
+                        .iter()
+                        .enumerate()
+                        .filter(|(_, bounds)| bounds.distance_squared(c.contact) <= r2)
+                        .for_each(|(b, _)| f(b));
+                }
+                None => set.examples()[p.example].anchored().blocks().for_each(|b| f(b as usize)),
+            }
+        }
+    }
+}
+
+impl Carried {
+    fn new(set: &ExampleSet, example: usize, contact: u32, size: f32) -> Self {
+        let e = &set.examples()[example];
+        let n = set.mesh().contact_normal(contact).unwrap_or(Vec3::Z);
+        let from_stamp = rotation_between(e.contact_normal().unwrap_or(Vec3::Z), n) * e.frame();
+        let stretch = size.sqrt().clamp(STRETCH.0, STRETCH.1);
+        let shrink = Vec3::new(1.0 / stretch, 1.0 / stretch, 1.0);
+        Carried {
+            contact: set.mesh().positions()[contact as usize],
+            to_stamp: Mat3::from_diagonal(shrink) * from_stamp.transpose(),
+            from_stamp,
+            normal_scale: 1.0 / stretch,
+            radius: e.stamp().map_or(0.0, |s| s.reach(stretch)),
+        }
+    }
+
+    /// Displacement (m) and normal change that the example brings to a vertex at base position `v`, unscaled.
+    pub(crate) fn at(&self, set: &ExampleSet, example: usize, v: Vec3) -> Option<(Vec3, Vec3)> {
+        let stamp = set.examples()[example].stamp()?;
+        let (u, n) = stamp.both(self.to_stamp * (v - self.contact))?;
+        Some((self.from_stamp * u, self.from_stamp * n * self.normal_scale))
+    }
+}
+
+/// The parts of a mark, and the displacement they bring to the contact, m.
+pub(crate) fn place(set: &ExampleSet, contact: u32, depth: f32, pairs: &[Pair; MAX_PAIRS]) -> (Vec<Part>, Vec3) {
+    let c = set.mesh().positions()[contact as usize];
+    let mut parts = Vec::with_capacity(MAX_PAIRS);
+    let mut at_contact = [Vec3::ZERO; MAX_PAIRS];
+    let mut sum = Vec3::ZERO;
+    for pair in pairs.iter().filter(|p| !p.is_none()) {
+        let example = pair.example as usize;
+        let e = &set.examples()[example];
+        let (size, carried, u) = if pair.anchored() {
+            let u = e.delta(contact);
+            (depth / u.length(), None, u)
+        } else {
+            let size = depth / e.depth();
+            let carried = Carried::new(set, example, contact, size);
+            let u = carried.at(set, example, c).map_or(Vec3::ZERO, |(u, _)| u);
+            (size, Some(carried), u)
+        };
+        let scale = pair.share_fraction() * size;
+        // Only a damaged file could bring an anchored example that does not move the contact.
+        if !scale.is_finite() {
+            continue;
+        }
+        at_contact[parts.len()] = u;
+        sum += u * scale;
+        parts.push(Part { example, scale, carried });
+    }
+    let together = depth / sum.length();
+    // Examples that cancel each other at the contact are not blown up to meet a depth they cannot.
+    let together = if together.is_finite() { together.min(4.0) } else { 1.0 };
+    let strict = set.options().strict;
+    let mut met = Vec3::ZERO;
+    for (p, u) in parts.iter_mut().zip(at_contact) {
+        p.scale *= together;
+        if (p.scale - 1.0).abs() < 1e-6 || (p.scale > 1.0 && (strict || p.carried.is_none())) {
+            p.scale = 1.0;
+        }
+        met += u * p.scale;
+    }
+    (parts, met)
+}
+
+/// Strength of a mark: its `energy` is strength, strength squared, or the greatest strength, as the set combines.
+pub(crate) fn strength(energy: u64, combine: Combine) -> f32 {
+    let e = energy as f64 / Mark::ONE as f64;
+    match combine {
+        Combine::Energies => e.sqrt() as f32,
+        Combine::Sum | Combine::Deepest => e as f32,
+    }
+}

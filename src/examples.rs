@@ -1,0 +1,654 @@
+//! The example set: a base mesh and its examples, checked and made ready. Immutable, shared by all instances.
+
+use crate::anchored::{Anchored, BLOCK, block_range};
+use crate::error::reserve;
+use crate::math::{Aabb, tangent_basis, unit};
+use crate::mesh::{MAX_COORDINATE, Mesh, finite};
+use crate::nearest::{Nearest, VertexIndex};
+use crate::stamp::{Source, Stamp};
+use crate::tasks::run_each;
+use crate::{Contact, Deltas, Error, ExampleData, MeshData, Placement, TaskSystem, normals};
+use glam::Vec3;
+use rstar::RTree;
+use std::sync::{Mutex, OnceLock};
+use xxhash_rust::xxh3::Xxh3;
+
+/// An automatic example is anchored within this share of its support radius around its own contact.
+pub(crate) const ANCHORED_WITHIN: f32 = 0.1;
+/// Displacements below this share of an example's deepest do not count for its support radius.
+const SUPPORT: f32 = 0.01;
+
+/// How the dents of several marks combine at a vertex. The direction is always that of their sum.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Combine {
+    /// Lengths add: the plain sum.
+    Sum,
+    /// Energies add: the length is the root of the sum of squares.
+    #[default]
+    Energies,
+    /// The length is that of the deepest dent.
+    Deepest,
+}
+
+/// What becomes of an example that moves coincident base vertices apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Seams {
+    /// They stay together: all get the mean of their displacements.
+    #[default]
+    Weld,
+    /// They move apart, as the example says: the artist's tear.
+    Keep,
+}
+
+/// Mass of a vertex, for impulses that do not bring their own.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum VertexMass {
+    /// Unknown: each impulse must bring a mass.
+    #[default]
+    None,
+    /// The same for all, kg.
+    Uniform(f32),
+    /// One a vertex, kg.
+    PerVertex(Vec<f32>),
+}
+
+/// How an example set is built.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SetOptions {
+    /// No vertex ever moves further than this, m. `None`: the deepest displacement of any example.
+    pub depth_limit: Option<f32>,
+    /// How the dents of several marks combine.
+    pub combine: Combine,
+    /// Whether carried examples may never be scaled above their own depth, as anchored ones never are.
+    pub strict: bool,
+    /// What becomes of examples that tear seams.
+    pub seams: Seams,
+    /// Mass of a vertex.
+    pub mass: VertexMass,
+    /// Displacements up to this length are dropped, m. 0 drops only exact zeros.
+    pub drop_below: f32,
+    /// Nodes along the longest side of a stamp: 4 to 128.
+    pub stamp_resolution: u32,
+}
+
+impl Default for SetOptions {
+    fn default() -> Self {
+        Self {
+            depth_limit: None,
+            combine: Combine::default(),
+            strict: false,
+            seams: Seams::default(),
+            mass: VertexMass::default(),
+            drop_below: 0.0,
+            stamp_resolution: 24,
+        }
+    }
+}
+
+/// One example of a set.
+#[derive(Debug)]
+pub struct Example {
+    name: String,
+    placement: Placement,
+    contact_vertex: u32,
+    contact_point: Vec3,
+    contact_normal: Option<Vec3>,
+    contact_delta: Vec3,
+    depth: f32,
+    max_depth: f32,
+    support_radius: f32,
+    moved: usize,
+    anchored: Anchored,
+    stamp: Option<Stamp>,
+}
+
+impl Example {
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Whether it may be carried. [`Placement::Anchored`] where the mesh has no normals to carry it by.
+    pub fn placement(&self) -> Placement {
+        self.placement
+    }
+
+    /// The vertex that was hit when it was made.
+    pub fn contact_vertex(&self) -> u32 {
+        self.contact_vertex
+    }
+
+    /// Base position of that vertex, m.
+    pub fn contact_point(&self) -> Vec3 {
+        self.contact_point
+    }
+
+    /// Outward unit normal there.
+    pub fn contact_normal(&self) -> Option<Vec3> {
+        self.contact_normal
+    }
+
+    /// Displacement of the contact vertex, m.
+    pub fn contact_displacement(&self) -> Vec3 {
+        self.contact_delta
+    }
+
+    /// Length of the displacement of the contact vertex, m. 0 only for an empty example.
+    pub fn depth(&self) -> f32 {
+        self.depth
+    }
+
+    /// Length of the longest displacement, m.
+    pub fn max_depth(&self) -> f32 {
+        self.max_depth
+    }
+
+    /// Greatest distance from the contact of a vertex displaced by at least a hundredth of `max_depth`, m.
+    pub fn support_radius(&self) -> f32 {
+        self.support_radius
+    }
+
+    /// Number of vertices it moves.
+    pub fn moved_vertices(&self) -> usize {
+        self.moved
+    }
+
+    /// Whether it moves nothing. Such an example is kept, so that indices stay the file's, but never chosen.
+    pub fn is_empty(&self) -> bool {
+        self.moved == 0
+    }
+
+    /// Displacement of vertex `v`, m.
+    pub fn delta(&self, v: u32) -> Vec3 {
+        self.anchored.delta(v)
+    }
+
+    /// Change of the unit normal of vertex `v`.
+    pub fn normal_delta(&self, v: u32) -> Vec3 {
+        self.anchored.normal_delta(v)
+    }
+
+    /// What is carried; `None` for an anchored or empty example.
+    pub fn stamp(&self) -> Option<&Stamp> {
+        self.stamp.as_ref()
+    }
+
+    pub(crate) fn anchored(&self) -> &Anchored {
+        &self.anchored
+    }
+
+    /// The stamp's frame: columns are x, y (in the surface) and z (the contact normal) in mesh space.
+    pub fn frame(&self) -> glam::Mat3 {
+        tangent_basis(self.contact_normal.unwrap_or(Vec3::Z))
+    }
+}
+
+/// What building a set found out.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct SetReport {
+    /// Examples that move nothing.
+    pub empty_examples: Vec<usize>,
+    /// Coincident vertices that examples moved apart and that were welded, counted over all examples.
+    pub welded: usize,
+    /// The longest such gap, m.
+    pub widest_weld: f32,
+    /// Base normals of length zero that were replaced by computed ones.
+    pub repaired_normals: usize,
+    /// Triangles without area.
+    pub degenerate_triangles: usize,
+    /// Bytes of anchored displacements and normals.
+    pub anchored_bytes: usize,
+    /// Bytes of stamps.
+    pub stamp_bytes: usize,
+}
+
+/// A base mesh with its examples. Immutable: share it (`Arc`) among the instances of the mesh and among threads.
+///
+/// ```
+/// use crumple::{Deltas, ExampleData, ExampleSet, MeshData, Serial, SetOptions};
+/// let mesh = MeshData {
+///     positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+///     triangles: vec![[0, 1, 2]],
+///     ..Default::default()
+/// };
+/// let dent = ExampleData::new("dent", Deltas::Sparse { indices: vec![0], values: vec![[0.0, 0.0, -0.1]] });
+/// let set = ExampleSet::build(mesh, vec![dent], SetOptions::default(), &Serial)?;
+/// assert_eq!(set.depth_limit(), 0.1);
+/// # Ok::<(), crumple::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct ExampleSet {
+    mesh: Mesh,
+    examples: Vec<Example>,
+    options: SetOptions,
+    depth_limit: f32,
+    index: VertexIndex,
+    block_bounds: Vec<Aabb>,
+    fingerprint: u64,
+    report: SetReport,
+    pub(crate) triangle_index: OnceLock<RTree<crate::attach::IndexedTriangle>>,
+}
+
+impl ExampleSet {
+    /// Checks everything and makes the examples ready; `tasks` runs the work.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`], [`Error::NoExamples`], [`Error::ExampleMismatch`], [`Error::IndexOutOfRange`],
+    /// [`Error::NotFinite`], [`Error::InvalidArgument`] or [`Error::OutOfMemory`], each naming the value.
+    pub fn build(
+        mesh: MeshData,
+        examples: Vec<ExampleData>,
+        options: SetOptions,
+        tasks: &dyn TaskSystem,
+    ) -> Result<Self, Error> {
+        check_options(&options, mesh.positions.len())?;
+        if examples.is_empty() {
+            return Err(Error::NoExamples { what: "0 were given; at least 1 is needed".into() });
+        }
+        if examples.len() >= usize::from(u16::MAX) {
+            return Err(Error::NoExamples {
+                what: format!("{} were given; at most 65534 are possible", examples.len()),
+            });
+        }
+        let mesh = Mesh::new(mesh)?;
+        let index = VertexIndex::new(mesh.positions(), mesh.weld());
+        let seams = seam_groups(mesh.weld());
+        let smooth = normals::smooth(mesh.positions(), mesh.triangles(), mesh.weld());
+        let builder = ExampleBuilder { mesh: &mesh, index: &index, seams: &seams, smooth: &smooth, options: &options };
+        let slots: Vec<Mutex<Option<Result<Built, Error>>>> = examples.iter().map(|_| Mutex::new(None)).collect();
+        run_each(tasks, examples.len(), &|i| {
+            let built = builder.build(i, &examples[i]);
+            *slots[i].lock().unwrap_or_else(|e| e.into_inner()) = Some(built);
+        });
+        let mut report = SetReport {
+            repaired_normals: mesh.repaired_normals(),
+            degenerate_triangles: mesh.degenerate_triangles(),
+            ..Default::default()
+        };
+        let mut ready = reserve(examples.len(), "examples")?;
+        for (i, slot) in slots.into_iter().enumerate() {
+            let built = slot.into_inner().unwrap_or_else(|e| e.into_inner());
+            let built = built.ok_or_else(|| {
+                Error::invalid("the task system", format!("example {i} not run"), "to run every task")
+            })??;
+            report.welded += built.welded;
+            report.widest_weld = report.widest_weld.max(built.widest_weld);
+            report.anchored_bytes += built.example.anchored.bytes();
+            report.stamp_bytes += built.example.stamp.as_ref().map_or(0, Stamp::bytes);
+            if built.example.is_empty() {
+                report.empty_examples.push(i);
+            }
+            ready.push(built.example);
+        }
+        let deepest = ready.iter().map(|e| e.max_depth).fold(0.0, f32::max);
+        if deepest == 0.0 {
+            return Err(Error::NoExamples {
+                what: format!("none of the {} given moves a vertex by more than {} m", ready.len(), options.drop_below),
+            });
+        }
+        let positions = mesh.positions();
+        let block_bounds = (0..positions.len().div_ceil(BLOCK))
+            .map(|b| Aabb::of(&positions[block_range(b, positions.len())]))
+            .collect();
+        let depth_limit = options.depth_limit.unwrap_or(deepest);
+        let fingerprint = fingerprint(&mesh, &ready, &options);
+        Ok(Self {
+            mesh,
+            examples: ready,
+            options,
+            depth_limit,
+            index,
+            block_bounds,
+            fingerprint,
+            report,
+            triangle_index: OnceLock::new(),
+        })
+    }
+
+    /// The base mesh.
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// Number of vertices.
+    pub fn vertex_count(&self) -> usize {
+        self.mesh.positions().len()
+    }
+
+    /// The examples, in the order given.
+    pub fn examples(&self) -> &[Example] {
+        &self.examples
+    }
+
+    /// The options it was built with.
+    pub fn options(&self) -> &SetOptions {
+        &self.options
+    }
+
+    /// No vertex moves further than this, m, unless an instance sets its own limit.
+    pub fn depth_limit(&self) -> f32 {
+        self.depth_limit
+    }
+
+    /// A hash of all that marks depend on; saved damage carries it. The same on every platform.
+    pub fn fingerprint(&self) -> u64 {
+        self.fingerprint
+    }
+
+    /// What building it found out.
+    pub fn report(&self) -> &SetReport {
+        &self.report
+    }
+
+    /// Memory held for mesh and examples, bytes.
+    pub fn memory_bytes(&self) -> usize {
+        let v = self.vertex_count();
+        let mesh = v * (12 + 4 + 16) // positions, welds, the spatial index's leaves
+            + self.mesh.normals().map_or(0, |n| n.len() * 24)
+            + self.mesh.tangents().map_or(0, |t| t.len() * 16)
+            + self.mesh.triangles().len() * 12;
+        mesh + self.report.anchored_bytes + self.report.stamp_bytes + self.block_bounds.len() * 24
+    }
+
+    /// The vertex nearest to `point` (mesh space, m); the lowest index where several are equally near.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`]; [`Error::InvalidArgument`] where the distance overflows.
+    pub fn nearest_vertex(&self, point: [f32; 3]) -> Result<Nearest, Error> {
+        let p = finite(point, || "point".into())?;
+        self.index
+            .nearest(p, self.mesh.positions())
+            .ok_or_else(|| Error::invalid("point", p, "near enough that squared distances fit in f32"))
+    }
+
+    pub(crate) fn block_bounds(&self) -> &[Aabb] {
+        &self.block_bounds
+    }
+
+    /// Mass of vertex `v`, kg.
+    pub(crate) fn mass(&self, v: u32) -> Option<f32> {
+        match &self.options.mass {
+            VertexMass::None => None,
+            VertexMass::Uniform(m) => Some(*m),
+            VertexMass::PerVertex(m) => Some(m[v as usize]),
+        }
+    }
+}
+
+fn check_options(o: &SetOptions, vertices: usize) -> Result<(), Error> {
+    let positive = |name: &str, x: f32, unit: &str| {
+        if x > 0.0 && x.is_finite() {
+            Ok(())
+        } else {
+            Err(Error::invalid(name, x, &format!("above 0 and finite, {unit}")))
+        }
+    };
+    if let Some(l) = o.depth_limit {
+        positive("depth_limit", l, "m")?;
+        if l > MAX_COORDINATE {
+            return Err(Error::invalid("depth_limit", l, "at most 1e9 m"));
+        }
+    }
+    if !(o.drop_below >= 0.0 && o.drop_below.is_finite()) {
+        return Err(Error::invalid("drop_below", o.drop_below, "at least 0 and finite, m"));
+    }
+    if !(4..=128).contains(&o.stamp_resolution) {
+        return Err(Error::invalid("stamp_resolution", o.stamp_resolution, "4 to 128"));
+    }
+    match &o.mass {
+        VertexMass::None => Ok(()),
+        VertexMass::Uniform(m) => positive("vertex mass", *m, "kg"),
+        VertexMass::PerVertex(m) => {
+            if m.len() != vertices {
+                return Err(Error::Mesh {
+                    what: format!("{} vertex masses for {vertices} vertices; there must be as many", m.len()),
+                });
+            }
+            m.iter().enumerate().try_for_each(|(i, m)| positive(&format!("mass of vertex {i}"), *m, "kg"))
+        }
+    }
+}
+
+/// Groups of two or more vertices at one position.
+fn seam_groups(weld: &[u32]) -> Vec<Vec<u32>> {
+    let mut pairs: Vec<(u32, u32)> =
+        weld.iter().enumerate().filter(|(v, w)| **w as usize != *v).map(|(v, w)| (*w, v as u32)).collect();
+    pairs.sort_unstable();
+    pairs.chunk_by(|a, b| a.0 == b.0).map(|g| std::iter::once(g[0].0).chain(g.iter().map(|p| p.1)).collect()).collect()
+}
+
+fn fingerprint(mesh: &Mesh, examples: &[Example], options: &SetOptions) -> u64 {
+    let mut h = Xxh3::new();
+    let mut vec = |v: Vec3| v.to_array().iter().for_each(|x| h.update(&x.to_bits().to_le_bytes()));
+    mesh.positions().iter().for_each(|p| vec(*p));
+    for e in examples {
+        vec(e.contact_point);
+        vec(e.contact_normal.unwrap_or(Vec3::ZERO));
+        vec(Vec3::splat(e.placement as u8 as f32));
+        e.anchored.iter().for_each(|(v, d, _)| {
+            vec(Vec3::new(f32::from_bits(v), 0.0, 0.0));
+            vec(d);
+        });
+    }
+    h.update(&[options.combine as u8, u8::from(options.strict), options.stamp_resolution as u8]);
+    h.digest()
+}
+
+struct Built {
+    example: Example,
+    welded: usize,
+    widest_weld: f32,
+}
+
+struct ExampleBuilder<'a> {
+    mesh: &'a Mesh,
+    index: &'a VertexIndex,
+    seams: &'a [Vec<u32>],
+    smooth: &'a [Vec3],
+    options: &'a SetOptions,
+}
+
+impl ExampleBuilder<'_> {
+    fn build(&self, i: usize, data: &ExampleData) -> Result<Built, Error> {
+        let mismatch = |what: String| Error::ExampleMismatch { index: i, name: data.name.clone(), what };
+        let mut deltas = self.dense(&data.positions, "displacement", &mismatch)?;
+        for d in &mut deltas {
+            if d.length() <= self.options.drop_below {
+                *d = Vec3::ZERO;
+            }
+        }
+        let (welded, widest_weld) = match self.options.seams {
+            Seams::Weld => self.weld(&mut deltas),
+            Seams::Keep => (0, 0.0),
+        };
+        let normals = match (&data.normals, self.mesh.normals()) {
+            (Some(n), Some(_)) => Some(self.dense(n, "normal change", &mismatch)?),
+            (None, Some(base)) => Some(self.computed_normals(&deltas, base)),
+            (_, None) => None,
+        };
+        let moved = deltas.iter().filter(|d| **d != Vec3::ZERO).count();
+        let max_depth = deltas.iter().map(|d| d.length()).fold(0.0, f32::max);
+        let contact_vertex = self.contact_vertex(data, &deltas, &mismatch)?;
+        let contact_point = self.mesh.positions()[contact_vertex as usize];
+        let contact_delta = deltas[contact_vertex as usize];
+        let depth = contact_delta.length();
+        if moved > 0 && depth == 0.0 {
+            return Err(mismatch(format!(
+                "it does not move its own contact, vertex {contact_vertex}; give a contact inside the dent, or none to take the deepest vertex"
+            )));
+        }
+        let contact_normal =
+            match data.contact_normal {
+                Some(n) => {
+                    let n = finite(n, || format!("contact normal of example {i} '{}'", data.name))?;
+                    Some(unit(n).ok_or_else(|| {
+                        mismatch("its contact normal has length 0; give a unit vector, or none".into())
+                    })?)
+                }
+                None => self.mesh.contact_normal(contact_vertex),
+            };
+        // Carrying needs a normal wherever the body may be hit.
+        let can_carry = self.mesh.normals().is_some();
+        if data.placement == Placement::Carried && !can_carry {
+            return Err(mismatch(
+                "it is to be carried, but the mesh has neither normals nor triangles; give either".into(),
+            ));
+        }
+        let placement = if can_carry { data.placement } else { Placement::Anchored };
+        let support_radius = self
+            .mesh
+            .positions()
+            .iter()
+            .zip(&deltas)
+            .filter(|(_, d)| d.length() >= SUPPORT * max_depth && **d != Vec3::ZERO)
+            .map(|(p, _)| (*p - contact_point).length())
+            .fold(0.0, f32::max);
+        let stamp = (placement != Placement::Anchored && moved > 0).then(|| {
+            let source = Source {
+                positions: self.mesh.positions(),
+                index: self.index,
+                deltas: &deltas,
+                normals: normals.as_deref(),
+                frame: tangent_basis(contact_normal.unwrap_or(Vec3::Z)),
+                contact: contact_point,
+                max_depth,
+                support_radius,
+            };
+            Stamp::build(&source, self.options.stamp_resolution)
+        });
+        let example = Example {
+            name: data.name.clone(),
+            placement,
+            contact_vertex,
+            contact_point,
+            contact_normal,
+            contact_delta,
+            depth,
+            max_depth,
+            support_radius,
+            moved,
+            anchored: Anchored::new(&deltas, normals.as_deref()),
+            stamp,
+        };
+        Ok(Built { example, welded, widest_weld })
+    }
+
+    /// One vector a vertex.
+    fn dense(&self, deltas: &Deltas, what: &str, mismatch: &dyn Fn(String) -> Error) -> Result<Vec<Vec3>, Error> {
+        let n = self.mesh.positions().len();
+        let check = |v: u32, d: [f32; 3]| -> Result<Vec3, Error> {
+            let x = Vec3::from_array(d);
+            if !x.is_finite() {
+                return Err(mismatch(format!("its {what} of vertex {v} is {d:?}; every component must be finite")));
+            }
+            if x.abs().max_element() > MAX_COORDINATE {
+                return Err(mismatch(format!("its {what} of vertex {v} is {d:?}; at most 1e9 m is possible")));
+            }
+            Ok(x + Vec3::ZERO)
+        };
+        let mut out = reserve(n, "an example's displacements")?;
+        match deltas {
+            Deltas::Full(d) => {
+                if d.len() != n {
+                    return Err(mismatch(format!(
+                        "it has {} {what}s, the base mesh {n} vertices; there must be as many, in the same order",
+                        d.len()
+                    )));
+                }
+                for (v, d) in d.iter().enumerate() {
+                    out.push(check(v as u32, *d)?);
+                }
+            }
+            Deltas::Sparse { indices, values } => {
+                if indices.len() != values.len() {
+                    return Err(mismatch(format!(
+                        "it has {} indices and {} {what}s; there must be as many",
+                        indices.len(),
+                        values.len()
+                    )));
+                }
+                out.resize(n, Vec3::ZERO);
+                let mut last = None;
+                for (v, d) in indices.iter().zip(values) {
+                    if *v as usize >= n {
+                        return Err(mismatch(format!("its index {v} is out of range; the base mesh has {n} vertices")));
+                    }
+                    if last.is_some_and(|l| l >= *v) {
+                        return Err(mismatch(format!(
+                            "its index {v} follows {}; indices must increase",
+                            last.unwrap_or(0)
+                        )));
+                    }
+                    last = Some(*v);
+                    out[*v as usize] = check(*v, *d)?;
+                }
+            }
+        }
+        Ok(out)
+    }
+
+    /// Gives coincident vertices the mean of their displacements; how many differed, and the widest gap (m).
+    fn weld(&self, deltas: &mut [Vec3]) -> (usize, f32) {
+        let (mut count, mut widest) = (0, 0.0f32);
+        for group in self.seams {
+            let first = deltas[group[0] as usize];
+            if group.iter().all(|v| deltas[*v as usize] == first) {
+                continue;
+            }
+            let sum: glam::DVec3 = group.iter().map(|v| deltas[*v as usize].as_dvec3()).sum();
+            let mean = (sum / group.len() as f64).as_vec3();
+            for v in group {
+                let d = &mut deltas[*v as usize];
+                widest = widest.max((*d - first).length());
+                *d = mean;
+            }
+            count += group.len();
+        }
+        (count, widest)
+    }
+
+    /// Changes of the base normals: each is turned as the smooth normal of the displaced surface turns.
+    fn computed_normals(&self, deltas: &[Vec3], base: &[Vec3]) -> Vec<Vec3> {
+        let moved: Vec<Vec3> = self.mesh.positions().iter().zip(deltas).map(|(p, d)| *p + *d).collect();
+        let after = normals::smooth(&moved, self.mesh.triangles(), self.mesh.weld());
+        (0..base.len())
+            .map(|v| {
+                let (a, b) = (self.smooth[v], after[v]);
+                if a == Vec3::ZERO || b == Vec3::ZERO || a == b {
+                    return Vec3::ZERO;
+                }
+                crate::math::rotation_between(a, b) * base[v] - base[v]
+            })
+            .collect()
+    }
+
+    fn contact_vertex(
+        &self,
+        data: &ExampleData,
+        deltas: &[Vec3],
+        mismatch: &dyn Fn(String) -> Error,
+    ) -> Result<u32, Error> {
+        match data.contact {
+            Some(Contact::Vertex(v)) if (v as usize) < deltas.len() => Ok(v),
+            Some(Contact::Vertex(v)) => Err(mismatch(format!(
+                "its contact vertex {v} is out of range; the base mesh has {} vertices",
+                deltas.len()
+            ))),
+            Some(Contact::Point(p)) => {
+                let p = Vec3::from_array(p);
+                let near = p.is_finite().then(|| self.index.nearest(p, self.mesh.positions())).flatten();
+                near.map(|n| n.vertex)
+                    .ok_or_else(|| mismatch(format!("its contact point is {p}; it must be finite and near the mesh")))
+            }
+            None => {
+                let mut best = 0;
+                for (v, d) in deltas.iter().enumerate() {
+                    if d.length() > deltas[best].length() {
+                        best = v;
+                    }
+                }
+                Ok(best as u32)
+            }
+        }
+    }
+}

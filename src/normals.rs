@@ -1,0 +1,34 @@
+//! Smooth vertex normals from triangles: weighted by the angle at the corner, shared by all vertices at one position.
+
+use glam::{DVec3, Vec3};
+
+/// Unit normals of `positions`, one a vertex. Corners of triangles without area count nothing; a vertex without any other
+/// corner gets zero. `weld[v]` is the lowest vertex at the position of `v`.
+///
+/// Angle weights (Thürmer and Wüthrich, 1998) do not depend on how a surface was cut into triangles.
+pub(crate) fn smooth(positions: &[Vec3], triangles: &[[u32; 3]], weld: &[u32]) -> Vec<Vec3> {
+    let mut sums = vec![DVec3::ZERO; positions.len()];
+    for t in triangles {
+        let p = t.map(|i| positions[i as usize].as_dvec3());
+        let n = (p[1] - p[0]).cross(p[2] - p[0]);
+        let area = n.dot(n).sqrt();
+        if !(area > 0.0 && area.is_finite()) {
+            continue;
+        }
+        let n = n / area;
+        for k in 0..3 {
+            let (a, b) = (p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
+            let l = (a.dot(a) * b.dot(b)).sqrt();
+            if l > 0.0 {
+                sums[weld[t[k] as usize] as usize] += n * libm::acos((a.dot(b) / l).clamp(-1.0, 1.0));
+            }
+        }
+    }
+    (0..positions.len())
+        .map(|v| {
+            let s = sums[weld[v] as usize];
+            let l = s.dot(s).sqrt();
+            if l > 1e-9 { (s / l).as_vec3() } else { Vec3::ZERO }
+        })
+        .collect()
+}

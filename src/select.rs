@@ -1,0 +1,426 @@
+//! Selection: an impulse becomes a mark.
+//!
+//! The default takes the K examples nearest in place, size and angle, kernel-weighted, and scales them together so that
+//! the contact gets the target displacement. The literature's rule ([`Selection::Classic`]) takes the one example whose
+//! displacement of the contact has the best cosine with the target.
+//!
+//! Everything here is IEEE f32/f64 arithmetic with `sqrt` and `libm`, so the same hit makes the same mark everywhere.
+
+use crate::dent::{MAX_PAIRS, place};
+use crate::examples::{ANCHORED_WITHIN, Example, ExampleSet};
+use crate::math::rotation_between;
+use crate::{Error, Mark, Pair, Placement};
+use glam::{DMat3, DVec3, Vec3};
+
+/// Kernel width over the distance between contacts, as a share of the body's diagonal.
+const PLACE_WIDTH: f32 = 0.25;
+/// Kernel width over the natural logarithm of the ratio of depths.
+const SIZE_WIDTH: f32 = 0.6;
+/// Kernel width over one minus the cosine between target and example.
+const ANGLE_WIDTH: f32 = 0.3;
+/// An anchored example reaches a vertex that it displaces by at least this share of its own contact's displacement.
+const REACH: f32 = 0.1;
+/// Targets below this share of the depth limit leave no mark.
+const NEGLIGIBLE: f64 = 1e-6;
+
+/// The space a hit is given in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Space {
+    /// The mesh's own.
+    #[default]
+    Local,
+    /// The world's: through the instance's transform.
+    World,
+}
+
+/// What a hit does to the vertex it hits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Cause {
+    /// The literature's target displacement `impulse * duration / mass` (Eq. 4.4). It depends on `duration`, so on the
+    /// engine's time step if that is what is passed: report a contact once, with its whole impulse and a duration of its
+    /// own, or use [`Cause::Displacement`].
+    Impulse {
+        /// N·s.
+        impulse: [f32; 3],
+        /// How long it acted, s; above 0.
+        duration: f32,
+        /// Mass of the vertex, kg, above 0. `None`: the set's.
+        mass: Option<f32>,
+    },
+    /// The displacement the contact should get, m: the engine's own mapping, free of the frame rate.
+    Displacement([f32; 3]),
+}
+
+/// A hit as the engine's physics reports it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// Contact point, m.
+    pub point: [f32; 3],
+    /// Impulse or displacement; points into the body for a dent.
+    pub cause: Cause,
+    /// The space of `point` and of the vector in `cause`.
+    pub space: Space,
+}
+
+impl Hit {
+    /// A hit in the mesh's space that should displace the contact by `displacement`, m.
+    pub fn displacement(point: [f32; 3], displacement: [f32; 3]) -> Self {
+        Hit { point, cause: Cause::Displacement(displacement), space: Space::Local }
+    }
+
+    /// A hit in the mesh's space by an impulse (N·s) that acted for `duration` (s).
+    pub fn impulse(point: [f32; 3], impulse: [f32; 3], duration: f32, mass: Option<f32>) -> Self {
+        Hit { point, cause: Cause::Impulse { impulse, duration, mass }, space: Space::Local }
+    }
+}
+
+/// How examples are chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Selection {
+    /// The K nearest in place, size and angle, carried or anchored as each example says.
+    #[default]
+    Nearest,
+    /// The paper's Figure 4.2: best cosine among the examples that move the nearest vertex, anchored; weight at most 1.
+    Classic,
+    /// The same without the limit of the weight: diverges above 2. For comparison, with the classic rules only.
+    ClassicUnclamped,
+}
+
+/// What became of a hit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum HitStatus {
+    /// It left a mark (or, with the classic rules, a deformation).
+    Marked,
+    /// Too weak: under a yield threshold, or under a millionth of the depth limit.
+    BelowYield,
+    /// No example moves the contact in the direction asked for.
+    NothingReaches,
+}
+
+/// An example chosen for a hit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Chosen {
+    /// Its index.
+    pub example: u32,
+    /// Its share of the dent; shares sum to 1.
+    pub share: f32,
+    /// What its displacements are multiplied with.
+    pub scale: f32,
+    /// Whether it stays where it was made.
+    pub anchored: bool,
+}
+
+/// What a hit was turned into, and what of it could not be met.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outcome {
+    /// What became of it.
+    pub status: HitStatus,
+    /// The vertex nearest to the contact point.
+    pub contact_vertex: u32,
+    /// Its distance from the contact point, m.
+    pub contact_distance: f32,
+    /// Displacement asked for at the contact, in the mesh's space, m.
+    pub target: [f32; 3],
+    /// Displacement that this hit alone brings there, m.
+    pub met: [f32; 3],
+    /// `target - met`, m.
+    pub unmet: [f32; 3],
+    /// Whether the target was longer than the depth limit and was cut to it.
+    pub clamped: bool,
+    /// The examples chosen, the weightiest first.
+    pub chosen: [Option<Chosen>; MAX_PAIRS],
+    /// The mark it leaves; none with the classic rules.
+    pub mark: Option<Mark>,
+}
+
+/// What selection needs to know of an instance.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Params {
+    pub selection: Selection,
+    pub examples_per_hit: usize,
+    pub limit: f32,
+    pub yield_impulse: f32,
+    pub yield_displacement: f32,
+    pub max_distance: f32,
+    /// Mesh space from world space, and its inverse's translation.
+    pub world_to_local: DMat3,
+    pub local_origin_in_world: DVec3,
+    /// Whether the instance follows a classic rule.
+    pub classic: bool,
+}
+
+/// What the rule needs of a hit.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Effect {
+    None,
+    Mark(Mark),
+    /// The classic rules: blend towards the example by the weight.
+    Classic {
+        example: u32,
+        weight: f32,
+    },
+}
+
+/// Turns a hit into its outcome and its effect.
+pub(crate) fn select(set: &ExampleSet, p: &Params, hit: &Hit) -> Result<(Outcome, Effect), Error> {
+    check(hit)?;
+    let point = to_local(p, hit.point, hit.space);
+    let contact = contact(set, p, point)?;
+    let mass = |given: Option<f32>| {
+        given.or_else(|| set.mass(contact.vertex)).ok_or_else(|| Error::InvalidArgument {
+            name: "mass".into(),
+            value: "absent".into(),
+            expected: "given with the impulse, or for the example set's vertices (kg)".into(),
+        })
+    };
+    let vector = |v: [f32; 3]| {
+        let v = DVec3::new(v[0].into(), v[1].into(), v[2].into());
+        if hit.space == Space::World { p.world_to_local * v } else { v }
+    };
+    let (target, weak) = match hit.cause {
+        Cause::Displacement(d) => (vector(d), false),
+        Cause::Impulse { impulse, duration, mass: m } => {
+            // Equation 4.4.
+            let t = vector(impulse) * (f64::from(duration) / f64::from(mass(m)?));
+            let j = DVec3::new(impulse[0].into(), impulse[1].into(), impulse[2].into()).length();
+            (t, j < f64::from(p.yield_impulse))
+        }
+    };
+    let length = target.length();
+    let mut outcome = Outcome {
+        status: HitStatus::BelowYield,
+        contact_vertex: contact.vertex,
+        contact_distance: contact.distance,
+        target: to_f32(target),
+        met: [0.0; 3],
+        unmet: to_f32(target),
+        clamped: false,
+        chosen: [None; MAX_PAIRS],
+        mark: None,
+    };
+    if weak || length < f64::from(p.yield_displacement) || length <= NEGLIGIBLE * f64::from(p.limit) {
+        return Ok((outcome, Effect::None));
+    }
+    outcome.status = HitStatus::NothingReaches;
+    let unclamped = p.selection == Selection::ClassicUnclamped;
+    outcome.clamped = length > f64::from(p.limit) && !unclamped;
+    let size = if outcome.clamped { p.limit } else { length.min(f64::from(f32::MAX)) as f32 };
+    let direction = (target / length).as_vec3();
+    let effect = match p.selection {
+        Selection::Nearest => nearest(set, p, contact.vertex, direction, size, &mut outcome),
+        Selection::Classic | Selection::ClassicUnclamped => {
+            classic(set, p, contact.vertex, direction, size, !unclamped, &mut outcome)
+        }
+    };
+    let met = Vec3::from_array(outcome.met).as_dvec3();
+    outcome.unmet = to_f32(target - met);
+    Ok((outcome, effect))
+}
+
+fn check(hit: &Hit) -> Result<(), Error> {
+    let finite = |name: &str, v: [f32; 3]| crate::mesh::finite(v, || name.into()).map(|_| ());
+    let positive = |name: &str, x: f32, unit: &str| {
+        if x > 0.0 && x.is_finite() {
+            Ok(())
+        } else {
+            Err(Error::invalid(name, x, &format!("above 0 and finite, {unit}")))
+        }
+    };
+    finite("point", hit.point)?;
+    match hit.cause {
+        Cause::Displacement(d) => finite("displacement", d),
+        Cause::Impulse { impulse, duration, mass } => {
+            finite("impulse", impulse)?;
+            positive("duration", duration, "s")?;
+            mass.map_or(Ok(()), |m| positive("mass", m, "kg"))
+        }
+    }
+}
+
+fn to_local(p: &Params, point: [f32; 3], space: Space) -> DVec3 {
+    let x = DVec3::new(point[0].into(), point[1].into(), point[2].into());
+    if space == Space::World { p.world_to_local * (x - p.local_origin_in_world) } else { x }
+}
+
+fn to_f32(v: DVec3) -> [f32; 3] {
+    v.to_array().map(|x| x.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32)
+}
+
+fn contact(set: &ExampleSet, p: &Params, point: DVec3) -> Result<crate::Nearest, Error> {
+    let too_far =
+        |distance: f64| Error::ContactTooFar { point: to_f32(point), distance: distance as f32, limit: p.max_distance };
+    // Against the bounds first, in double precision: points so far off that f32 overflows end here.
+    let b = set.mesh().bounds();
+    let off = (b.min.as_dvec3() - point).max(point - b.max.as_dvec3()).max(DVec3::ZERO).length();
+    if off > f64::from(p.max_distance) {
+        return Err(too_far(off));
+    }
+    let near = set.nearest_vertex(to_f32(point))?;
+    if near.distance > p.max_distance { Err(too_far(near.distance.into())) } else { Ok(near) }
+}
+
+/// An example that could answer a hit.
+struct Candidate {
+    example: usize,
+    anchored: bool,
+    /// Squared distance in place, size and angle.
+    q: f32,
+}
+
+fn nearest(set: &ExampleSet, p: &Params, contact: u32, direction: Vec3, size: f32, out: &mut Outcome) -> Effect {
+    let mut found: Vec<Candidate> = Vec::with_capacity(set.examples().len());
+    let mut own: Option<Candidate> = None;
+    let at = Around::new(set, contact, direction, size);
+    for (i, e) in set.examples().iter().enumerate() {
+        let within = (e.contact_point() - at.point).length() <= ANCHORED_WITHIN * e.support_radius();
+        let anchored = e.placement() == Placement::Anchored || (e.placement() == Placement::Automatic && within);
+        let Some(q) = at.distance(e, anchored) else { continue };
+        let c = Candidate { example: i, anchored, q };
+        if anchored && within {
+            // At an example's own contact it answers alone: the artist's dent, not a mixture.
+            if own.as_ref().is_none_or(|o| q < o.q) {
+                own = Some(c);
+            }
+        } else {
+            found.push(c);
+        }
+    }
+    let mut chosen = match own {
+        Some(c) => vec![c],
+        None => found,
+    };
+    let by_q = |a: &Candidate, b: &Candidate| a.q.total_cmp(&b.q).then(a.example.cmp(&b.example));
+    let k = p.examples_per_hit.min(chosen.len());
+    if k == 0 {
+        return Effect::None;
+    }
+    if chosen.len() > k {
+        chosen.select_nth_unstable_by(k - 1, by_q);
+        chosen.truncate(k);
+    }
+    chosen.sort_unstable_by(by_q);
+    let weights: Vec<f32> = chosen.iter().map(|c| libm::expf(-0.5 * (c.q - chosen[0].q))).collect();
+    let sum: f32 = weights.iter().sum();
+    let mut pairs = [Pair::NONE; MAX_PAIRS];
+    let mut rest = Pair::WHOLE;
+    for (c, (pair, w)) in chosen.iter().zip(pairs.iter_mut().zip(&weights)).skip(1) {
+        let share = (w / sum * f32::from(Pair::WHOLE)) as u16;
+        if share > 0 {
+            *pair = Pair::new(c.example as u16, share, c.anchored);
+            rest -= share;
+        }
+    }
+    pairs[0] = Pair::new(chosen[0].example as u16, rest, chosen[0].anchored);
+    // The dent's own direction at the contact decides how much of the target it can meet.
+    let (_, met) = place(set, contact, size, &pairs);
+    let along = met.length();
+    let depth = if along > 0.0 { (direction * size).dot(met / along) } else { 0.0 };
+    // A target along the dent to within rounding is the dent.
+    let depth = if (depth - size).abs() <= 1e-6 * size { size } else { depth };
+    if depth.is_nan() || depth <= 0.0 {
+        return Effect::None;
+    }
+    marked(set, Mark::new(contact, depth, pairs), out)
+}
+
+fn marked(set: &ExampleSet, mark: Mark, out: &mut Outcome) -> Effect {
+    let (parts, met) = place(set, mark.contact, mark.depth, &mark.pairs);
+    for (slot, (pair, part)) in out.chosen.iter_mut().zip(mark.pairs.iter().filter(|p| !p.is_none()).zip(&parts)) {
+        *slot = Some(Chosen {
+            example: u32::from(pair.example),
+            share: pair.share_fraction(),
+            scale: part.scale,
+            anchored: pair.anchored(),
+        });
+    }
+    out.met = met.to_array();
+    out.status = HitStatus::Marked;
+    out.mark = Some(mark);
+    Effect::Mark(mark)
+}
+
+/// A hit, as examples are measured against it.
+struct Around<'a> {
+    set: &'a ExampleSet,
+    contact: u32,
+    point: Vec3,
+    normal: Option<Vec3>,
+    direction: Vec3,
+    log_size: f32,
+    place_width: f32,
+}
+
+impl<'a> Around<'a> {
+    fn new(set: &'a ExampleSet, contact: u32, direction: Vec3, size: f32) -> Self {
+        Around {
+            set,
+            contact,
+            point: set.mesh().positions()[contact as usize],
+            normal: set.mesh().contact_normal(contact),
+            direction,
+            log_size: libm::logf(size),
+            place_width: (PLACE_WIDTH * set.mesh().bounds().diagonal()).max(f32::MIN_POSITIVE),
+        }
+    }
+
+    /// Squared distance of an example from the hit; `None` where it cannot answer it.
+    fn distance(&self, e: &Example, anchored: bool) -> Option<f32> {
+        if e.is_empty() || e.depth() < 1e-6 * self.set.depth_limit() {
+            return None;
+        }
+        let (depth, log_depth, dir) = if anchored {
+            let u = e.delta(self.contact);
+            (u.length(), libm::logf(e.depth()), u)
+        } else {
+            let r = rotation_between(e.contact_normal()?, self.normal?);
+            (e.depth(), libm::logf(e.depth()), r * e.contact_displacement())
+        };
+        if anchored && depth < REACH * e.depth() {
+            return None;
+        }
+        let cos = dir.dot(self.direction) / depth;
+        if cos.is_nan() || cos <= 1e-3 {
+            return None;
+        }
+        let place = (e.contact_point() - self.point).length() / self.place_width;
+        let size = (log_depth - self.log_size) / SIZE_WIDTH;
+        let angle = (1.0 - cos) / ANGLE_WIDTH;
+        Some(place * place + size * size + angle * angle)
+    }
+}
+
+/// Figure 4.2 of the paper: of the examples that move the contact, the one with the best cosine similarity (Eq. 4.5);
+/// its weight is target over example displacement (Eq. 4.7).
+fn classic(
+    set: &ExampleSet,
+    p: &Params,
+    contact: u32,
+    direction: Vec3,
+    size: f32,
+    clamp: bool,
+    out: &mut Outcome,
+) -> Effect {
+    let mut best: Option<(f32, usize, Vec3)> = None;
+    for (i, e) in set.examples().iter().enumerate() {
+        let d = e.delta(contact);
+        let length = d.length();
+        if length > 0.0 {
+            let cos = d.dot(direction) / length;
+            if best.is_none_or(|b| cos > b.0) {
+                best = Some((cos, i, d));
+            }
+        }
+    }
+    let Some((_, example, d)) = best else { return Effect::None };
+    let weight = size / d.length();
+    let weight = if clamp { weight.min(1.0) } else { weight };
+    if p.classic {
+        out.chosen[0] = Some(Chosen { example: example as u32, share: 1.0, scale: weight, anchored: true });
+        out.met = (d * weight).to_array();
+        out.status = HitStatus::Marked;
+        return Effect::Classic { example: example as u32, weight };
+    }
+    let mut pairs = [Pair::NONE; MAX_PAIRS];
+    pairs[0] = Pair::new(example as u16, Pair::WHOLE, true);
+    marked(set, Mark::new(contact, size, pairs), out)
+}

@@ -1,0 +1,198 @@
+//! A stamp: an example's displacement field resampled once, at build, into a small grid in its contact frame, so that it
+//! can be carried to where the body was hit, on any mesh.
+//!
+//! The frame has its origin at the example's contact, x and y in the surface, z along the normal. A node's value is that
+//! of the surface nearest to it (inverse-square mean of the four nearest vertices), faded out away from the surface; a
+//! vertex of the deformed mesh reads it by trilinear interpolation. Outside the grid the field is zero.
+
+use crate::math::Aabb;
+use crate::nearest::VertexIndex;
+use glam::{Mat3, UVec3, Vec3};
+
+/// Displacements below this share of the deepest are left out of a stamp's extent.
+const EXTENT: f32 = 1e-3;
+/// Full value up to this distance from the surface, as a share of the support radius …
+const FADE_FROM: f32 = 0.1;
+/// … and nothing from here.
+const FADE_TO: f32 = 0.2;
+
+/// An example's field on a grid in its contact frame.
+#[derive(Debug, Clone)]
+pub struct Stamp {
+    /// Nodes along x, y, z; each at least 2.
+    dims: UVec3,
+    /// Position of node (0, 0, 0), m.
+    origin: Vec3,
+    /// Distance between nodes, m.
+    cell: Vec3,
+    /// Displacements in the contact frame, m; x runs fastest.
+    displacements: Vec<Vec3>,
+    /// Changes of the unit normal in the contact frame; empty where the mesh has no normals.
+    normals: Vec<Vec3>,
+    /// Greatest distance of a grid corner from the contact: across the surface, and along the normal, m.
+    reach: (f32, f32),
+}
+
+/// What a stamp is made from: fields over the base mesh, and the contact's frame.
+pub(crate) struct Source<'a> {
+    pub positions: &'a [Vec3],
+    pub index: &'a VertexIndex,
+    pub deltas: &'a [Vec3],
+    pub normals: Option<&'a [Vec3]>,
+    /// Columns x, y, z of the contact frame.
+    pub frame: Mat3,
+    pub contact: Vec3,
+    pub max_depth: f32,
+    pub support_radius: f32,
+}
+
+impl Stamp {
+    /// Resamples a field into at most `resolution` nodes an axis.
+    pub(crate) fn build(s: &Source<'_>, resolution: u32) -> Self {
+        let to_frame = s.frame.transpose();
+        let limit = s.max_depth * EXTENT;
+        let mut b = Aabb::EMPTY;
+        b.add(Vec3::ZERO);
+        for (p, d) in s.positions.iter().zip(s.deltas) {
+            if d.length() >= limit {
+                b.add(to_frame * (*p - s.contact));
+            }
+        }
+        let radius = s.support_radius.max((b.max - b.min).max_element() * 0.01);
+        // Room for the fade along the normal, and for one cell of taper across the surface.
+        let fade = (radius * FADE_FROM, radius * FADE_TO);
+        let across = (b.max - b.min).max(Vec3::splat(radius * 0.02)) / (resolution - 3).max(1) as f32;
+        let pad = Vec3::new(across.x, across.y, fade.1);
+        let (lo, hi) = (b.min - pad, b.max + pad);
+        let fine = across.x.min(across.y);
+        let dims = UVec3::new(
+            resolution,
+            resolution,
+            (((hi.z - lo.z) / fine).ceil() as u32).saturating_add(1).clamp(2, resolution),
+        );
+        let cell = (hi - lo) / (dims - UVec3::ONE).as_vec3();
+        let count = (dims.x * dims.y * dims.z) as usize;
+        let mut stamp = Stamp {
+            dims,
+            origin: lo,
+            cell,
+            displacements: vec![Vec3::ZERO; count],
+            normals: if s.normals.is_some() { vec![Vec3::ZERO; count] } else { Vec::new() },
+            reach: (
+                Vec3::new(lo.x.abs().max(hi.x.abs()), lo.y.abs().max(hi.y.abs()), 0.0).length(),
+                lo.z.abs().max(hi.z.abs()),
+            ),
+        };
+        for i in 0..count {
+            let at = UVec3::new(i as u32 % dims.x, i as u32 / dims.x % dims.y, i as u32 / (dims.x * dims.y));
+            let p = s.contact + s.frame * (lo + at.as_vec3() * cell);
+            let (u, n) = stamp_node(s, p, fade);
+            stamp.displacements[i] = to_frame * u;
+            if s.normals.is_some() {
+                stamp.normals[i] = to_frame * n;
+            }
+        }
+        stamp
+    }
+
+    /// Displacement at `p` (contact frame, m), in the contact frame, m.
+    pub fn displacement(&self, p: Vec3) -> Vec3 {
+        self.cell_of(p).map_or(Vec3::ZERO, |c| c.read(&self.displacements, self.dims))
+    }
+
+    /// Change of the unit normal at `p`, in the contact frame.
+    pub fn normal(&self, p: Vec3) -> Vec3 {
+        if self.normals.is_empty() {
+            return Vec3::ZERO;
+        }
+        self.cell_of(p).map_or(Vec3::ZERO, |c| c.read(&self.normals, self.dims))
+    }
+
+    /// Both at once: displacement (m) and change of the unit normal.
+    pub(crate) fn both(&self, p: Vec3) -> Option<(Vec3, Vec3)> {
+        let c = self.cell_of(p)?;
+        let n = if self.normals.is_empty() { Vec3::ZERO } else { c.read(&self.normals, self.dims) };
+        Some((c.read(&self.displacements, self.dims), n))
+    }
+
+    /// Nodes along x, y and z.
+    pub fn dims(&self) -> [u32; 3] {
+        self.dims.to_array()
+    }
+
+    /// Position of node (0, 0, 0) in the contact frame, and the distance between nodes, m.
+    pub fn grid(&self) -> ([f32; 3], [f32; 3]) {
+        (self.origin.to_array(), self.cell.to_array())
+    }
+
+    /// The nodes' displacements in the contact frame, m; x runs fastest, then y.
+    pub fn nodes(&self) -> &[Vec3] {
+        &self.displacements
+    }
+
+    /// The nodes' changes of the unit normal in the contact frame; empty where the mesh has no normals.
+    pub fn normal_nodes(&self) -> &[Vec3] {
+        &self.normals
+    }
+
+    /// Radius of a sphere around the contact that holds the grid when it is stretched by `stretch` in the surface, m.
+    pub(crate) fn reach(&self, stretch: f32) -> f32 {
+        let (across, along) = (self.reach.0 * stretch, self.reach.1);
+        // A little more than exact, so that rounding never cuts a vertex off.
+        (across * across + along * along).sqrt() * 1.0001
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        (self.displacements.len() + self.normals.len()) * 12
+    }
+
+    fn cell_of(&self, p: Vec3) -> Option<Cell> {
+        let g = (p - self.origin) / self.cell;
+        let top = (self.dims - UVec3::ONE).as_vec3();
+        // Also false for NaN.
+        if !(g.cmpge(Vec3::ZERO).all() && g.cmple(top).all()) {
+            return None;
+        }
+        let base = g.as_uvec3().min(self.dims - UVec3::splat(2));
+        Some(Cell { base, t: g - base.as_vec3() })
+    }
+}
+
+struct Cell {
+    base: UVec3,
+    t: Vec3,
+}
+
+impl Cell {
+    fn read(&self, nodes: &[Vec3], dims: UVec3) -> Vec3 {
+        let (sy, sz) = (dims.x as usize, (dims.x * dims.y) as usize);
+        let o = self.base.x as usize + self.base.y as usize * sy + self.base.z as usize * sz;
+        let lerp = |a: Vec3, b: Vec3, t: f32| a + (b - a) * t;
+        let row = |o: usize| lerp(nodes[o], nodes[o + 1], self.t.x);
+        let plane = |o: usize| lerp(row(o), row(o + sy), self.t.y);
+        lerp(plane(o), plane(o + sz), self.t.z)
+    }
+}
+
+/// Field (mesh space) at `p`: mean of the four nearest vertices, faded with distance from the surface.
+fn stamp_node(s: &Source<'_>, p: Vec3, fade: (f32, f32)) -> (Vec3, Vec3) {
+    let (mut u, mut n, mut sum, mut keep) = (Vec3::ZERO, Vec3::ZERO, 0.0f32, 1.0f32);
+    // Distances below a ten-thousandth of the fade count as hits of the vertex itself.
+    let floor = fade.0 * fade.0 * 1e-8;
+    for (k, (v, d2)) in s.index.four(p).enumerate() {
+        if k == 0 {
+            let d = d2.sqrt();
+            if d >= fade.1 {
+                return (Vec3::ZERO, Vec3::ZERO);
+            }
+            keep = ((fade.1 - d) / (fade.1 - fade.0)).min(1.0);
+        }
+        let w = 1.0 / d2.max(floor);
+        u += s.deltas[v as usize] * w;
+        if let Some(normals) = s.normals {
+            n += normals[v as usize] * w;
+        }
+        sum += w;
+    }
+    (u * (keep / sum), n * (keep / sum))
+}

@@ -1,0 +1,114 @@
+//! Who runs the work: one parallel-for, by this library's own rayon pool, by the host's job system, or in the caller's
+//! thread. Nothing computed depends on which, or on how many threads there are.
+
+use crate::Error;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// One parallel-for. Implementations call `task(i)` for every `i` in `0..count` exactly once, on any threads, and return
+/// when all calls have returned.
+pub trait TaskSystem: Sync {
+    /// Runs `task(0) … task(count - 1)`.
+    fn parallel_for(&self, count: usize, task: &(dyn Fn(usize) + Sync));
+
+    /// Number of threads that may work at once; at least 1. Only decides how finely work is cut.
+    fn workers(&self) -> usize {
+        1
+    }
+}
+
+/// Runs everything in the caller's thread.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Serial;
+
+impl TaskSystem for Serial {
+    fn parallel_for(&self, count: usize, task: &(dyn Fn(usize) + Sync)) {
+        (0..count).for_each(task);
+    }
+}
+
+/// An own rayon pool; rayon's global pool is never touched. Its threads end when it is dropped.
+#[derive(Debug)]
+pub struct ThreadPool(Option<rayon::ThreadPool>);
+
+impl ThreadPool {
+    /// A pool of `threads` threads (0: one for each core the process may use; 1: none, the caller does the work).
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] above 1024 threads; [`Error::OutOfMemory`] where the system starts no more threads.
+    pub fn new(threads: usize) -> Result<Self, Error> {
+        if threads > 1024 {
+            return Err(Error::invalid("threads", threads, "0 (one for each core) or 1 to 1024"));
+        }
+        let threads =
+            if threads == 0 { std::thread::available_parallelism().map_or(1, |n| n.get().min(1024)) } else { threads };
+        if threads == 1 {
+            return Ok(Self(None));
+        }
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .thread_name(|i| format!("crumple {i}"))
+            .build()
+            .map(|p| Self(Some(p)))
+            .map_err(|e| Error::OutOfMemory { what: format!("{threads} threads ({e})"), bytes: 0 })
+    }
+}
+
+impl TaskSystem for ThreadPool {
+    fn parallel_for(&self, count: usize, task: &(dyn Fn(usize) + Sync)) {
+        match &self.0 {
+            Some(pool) if count > 1 => pool.install(|| (0..count).into_par_iter().for_each(task)),
+            _ => Serial.parallel_for(count, task),
+        }
+    }
+
+    fn workers(&self) -> usize {
+        self.0.as_ref().map_or(1, |p| p.current_num_threads())
+    }
+}
+
+/// Runs `task(0) … task(count - 1)` exactly once each, even where the task system calls one twice (the second call does
+/// nothing) or forgets one (it runs here, afterwards): a host's mistake must not become a data race or a hole.
+pub(crate) fn run_each(tasks: &dyn TaskSystem, count: usize, task: &(dyn Fn(usize) + Sync)) {
+    if count <= 1 {
+        return Serial.parallel_for(count, task);
+    }
+    let claimed: Vec<AtomicBool> = (0..count).map(|_| AtomicBool::new(false)).collect();
+    let once = |i: usize| {
+        if claimed.get(i).is_some_and(|c| !c.swap(true, Ordering::AcqRel)) {
+            task(i);
+        }
+    };
+    tasks.parallel_for(count, &once);
+    (0..count).for_each(once);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::AtomicUsize;
+
+    struct Sloppy;
+    impl TaskSystem for Sloppy {
+        fn parallel_for(&self, count: usize, task: &(dyn Fn(usize) + Sync)) {
+            (0..count + 3).chain(0..count).filter(|i| *i != 2).for_each(task);
+        }
+    }
+
+    #[test]
+    fn each_task_runs_once_whatever_the_system_does() {
+        for tasks in [&Sloppy as &dyn TaskSystem, &Serial, &ThreadPool::new(3).unwrap()] {
+            let runs: Vec<AtomicUsize> = (0..20).map(|_| AtomicUsize::new(0)).collect();
+            run_each(tasks, 20, &|i| {
+                runs[i].fetch_add(1, Ordering::Relaxed);
+            });
+            assert!(runs.iter().all(|r| r.load(Ordering::Relaxed) == 1));
+        }
+    }
+
+    #[test]
+    fn too_many_threads_are_refused_by_number() {
+        let e = ThreadPool::new(1_000_000).unwrap_err();
+        assert!(e.to_string().contains("1000000"), "{e}");
+    }
+}
