@@ -6,6 +6,7 @@
 
 mod scenes;
 
+use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -21,9 +22,10 @@ struct HeldOut {
 impl HeldOut {
     fn read(body: &str) -> Self {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("assets/solver/{body}_heldout.npz"));
-        let mut archive = npyz::npz::NpzArchive::open(path).expect("the committed asset");
+        let mut archive = zip::ZipArchive::new(File::open(path).expect("the committed asset")).unwrap();
         let mut array = |name: &str| -> Vec<f32> {
-            archive.by_name(name).unwrap().expect("an array of that name").into_vec().expect("f32 numbers")
+            let file = archive.by_name(&format!("{name}.npy")).expect("an array of that name");
+            npyz::NpyFile::new(file).unwrap().into_vec().expect("f32 numbers")
         };
         Self { fields: array("fields"), points: array("contact_point"), displacements: array("contact_displacement") }
     }

@@ -525,7 +525,7 @@ fn check_changes(instance: &mut Instance, out: &mut Output) -> Result<(), TestCa
     prop_assert!(ranges.iter().all(|r| r.start < r.end));
     let told: u64 = ranges.iter().map(|r| u64::from(r.end - r.start)).sum();
     prop_assert_eq!(told, report.vertices_written);
-    for (v, before) in before.iter().enumerate() {
+    for v in 0..before.len() {
         let listed = ranges.iter().any(|r| r.contains(&(v as u32)));
         prop_assert_eq!(listed, !poisoned(out, v), "vertex {}", v);
     }
@@ -715,7 +715,8 @@ fn quick_an_output_may_change_hands() {
     a.submit(&random_hit(&set, &mut Dice::new(1))).unwrap();
     b.submit(&random_hit(&set, &mut Dice::new(2))).unwrap();
     let mut out = Output::new(&set);
-    for instance in [&mut a, &mut b, &mut a] {
+    for turn in 0..3 {
+        let instance = if turn == 1 { &mut b } else { &mut a };
         out.update(instance);
         assert!(out.all_bits() == Output::fresh(instance).all_bits());
         check_bounds(&out).unwrap();

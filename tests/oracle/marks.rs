@@ -103,7 +103,7 @@ impl Grid {
 }
 
 /// Where `vertex` falls in the stamp of an example carried to the mark: contact frame, m, stretch undone.
-fn place(model: &Model, mark: &Mark, example: &Example, vertex: usize) -> (&Grid, Matrix, f64, V) {
+fn place<'a>(model: &Model, mark: &Mark, example: &'a Example, vertex: usize) -> (&'a Grid, Matrix, f64, V) {
     let grid = example.grid.as_ref().expect("a carried example has a stamp");
     let rotation = rotation_between(example.contact_normal, model.contact_normals[mark.contact]);
     let local = apply(transpose(rotation), sub(model.positions[vertex], model.positions[mark.contact]));

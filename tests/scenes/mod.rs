@@ -1,6 +1,8 @@
 //! Bodies, examples and hits that the tests share. Lengths in metres.
 #![allow(dead_code)]
 
+mod solver;
+
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -8,6 +10,8 @@ use crumple::{
     Cause, Contact, DeformReport, Deltas, ExampleData, ExampleSet, Hit, Instance, MeshData, Placement, Serial, SetOptions,
     Space, TaskSystem, Tracker, VertexMemory,
 };
+
+pub use solver::solver;
 
 /// A small generator (SplitMix64): the same numbers on every platform, from one seed.
 #[derive(Debug, Clone)]
@@ -305,13 +309,6 @@ pub fn bodies() -> Vec<Body> {
     let mut all = small_bodies();
     all.push(("panel", solver_set("panel", 8, Placement::Automatic)));
     all
-}
-
-/// The bodies of the independent solver (`panel`, `tube`) as read from `assets/solver`.
-pub fn solver(body: &str) -> (MeshData, Vec<ExampleData>) {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("assets/solver/{body}.glb"));
-    let imported = crumple::import::gltf_file(&path, crumple::import::MeshChoice::First).expect("the committed asset");
-    (imported.mesh, imported.examples)
 }
 
 /// A solver body with its first `count` examples, placed as asked.
