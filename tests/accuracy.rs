@@ -10,7 +10,7 @@ use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 
-use crumple::{ExampleSet, Instance, InstanceOptions, Placement, Rule, Selection, Serial, Tracker, VertexMemory};
+use crumple::{ExampleSet, Instance, InstanceOptions, Placement, Rule, Selection, Serial, SetOptions, Tracker, VertexMemory};
 use scenes::{push, solver_set};
 
 struct HeldOut {
@@ -45,7 +45,7 @@ fn errors(set: &Arc<ExampleSet>, options: &InstanceOptions, held_out: &HeldOut) 
     let mut errors: Vec<f64> = held_out
         .impacts()
         .map(|(point, displacement, truth)| {
-            let mut instance = Instance::new(set.clone(), options.clone()).unwrap();
+            let mut instance = Instance::new(set.clone(), *options).unwrap();
             instance.submit(&push(point, displacement)).unwrap();
             let mut positions = vec![[0.0; 3]; set.vertex_count()];
             let mut tracker = Tracker::new();
@@ -97,20 +97,29 @@ const TOLERANCE: f64 = 0.05;
 #[test]
 fn the_designs_table_is_reproduced() {
     let classic = InstanceOptions { rule: Rule::MostDisplaced, selection: Selection::Classic, ..Default::default() };
-    let carried = |k| InstanceOptions { examples_per_hit: k, ..Default::default() };
+    // The table's carried examples were scaled to any depth asked for; by default none passes the deepest example's.
+    let carried = |k| InstanceOptions { examples_per_hit: k, depth_limit: Some(1.0), ..Default::default() };
     let mut far = Vec::new();
     println!("relative L2, median / p90 (design's median)\n");
-    println!("| examples | classic, clamped | carried, 1 | carried, 3 | default, 3 |\n|---|---|---|---|---|");
+    println!("| examples | classic, clamped | carried, 1 | carried, 3 | automatic, 3 | all defaults |\n|---|---|---|---|---|---|");
     for row in &TABLE {
         let held_out = HeldOut::read(row.body);
         let as_carried = solver_set(row.body, row.examples, Placement::Carried);
         let automatic = solver_set(row.body, row.examples, Placement::Automatic);
+        // The classic figures count an example as affecting a vertex from a tenth of a millimetre; without that its choice falls on
+        // examples that barely move the contact (tube, 32 examples: 1.03 instead of 1.24).
+        let cut = {
+            let (mesh, mut examples) = scenes::solver(row.body);
+            examples.truncate(row.examples);
+            scenes::build(mesh, examples, SetOptions { drop_below: 1e-4, ..SetOptions::default() })
+        };
         let mut line = format!("| {}: {} |", row.body, row.examples);
         for (set, options, expected, what) in [
-            (&automatic, classic.clone(), Some(row.classic), "classic"),
+            (&cut, classic, Some(row.classic), "classic"),
             (&as_carried, carried(1), row.carried_1, "carried by 1"),
             (&as_carried, carried(3), Some(row.carried_3), "carried by 3"),
-            (&automatic, carried(3), None, "default"),
+            (&automatic, carried(3), None, "automatic"),
+            (&automatic, InstanceOptions::default(), None, "defaults"),
         ] {
             let errors = errors(set, &options, &held_out);
             let (median, p90) = (quantile(&errors, 0.5), quantile(&errors, 0.9));
