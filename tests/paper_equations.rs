@@ -6,8 +6,8 @@ mod scenes;
 use std::sync::Arc;
 
 use crumple::{
-    Cause, Deltas, ExampleData, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, MeshData, Outcome, Rule, Selection,
-    Serial, SetOptions, Space, Tracker, VertexMass, VertexMemory,
+    Cause, Deltas, ExampleData, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, MeshData, Outcome, Rule,
+    Selection, Serial, SetOptions, Space, Tracker, VertexMass, VertexMemory,
 };
 use oracle::classic;
 use scenes::{build, push};
@@ -58,9 +58,7 @@ fn hit(displacement: [f32; 3]) -> Hit {
 fn positions(instance: &mut Instance) -> Vec<[f32; 3]> {
     let mut positions = vec![[0.0; 3]; 4];
     let mut tracker = Tracker::new();
-    instance
-        .deform(&mut tracker, VertexMemory::separate(&mut positions, None, None).unwrap(), &Serial)
-        .unwrap();
+    instance.deform(&mut tracker, VertexMemory::separate(&mut positions, None, None).unwrap(), &Serial).unwrap();
     positions
 }
 
@@ -223,4 +221,17 @@ fn quick_equal_lengths_count_as_most_displaced() {
     assert_near(positions(&mut instance)[0], [0.0, 0.0, -1.0]);
     instance.submit(&hit([0.0, 0.0, 1.0])).unwrap();
     assert_near(positions(&mut instance)[0], [0.0, 0.0, 1.0]);
+}
+
+#[test]
+fn quick_a_vertex_whose_normal_alone_changes_is_not_blended() {
+    // vertex 1 is moved by the first example only; the second dents vertex 0 beside it, which turns the normal of 1
+    let examples = vec![example("right", &[(1, [0.0, 0.0, -1.0])]), example("left", &[(0, [0.0, 0.0, -1.0])])];
+    let set = build(row(), examples, SetOptions::default());
+    assert_ne!(set.examples()[1].normal_delta(1).to_array(), [0.0; 3]);
+    let mut instance = classic_instance(&set, Rule::Blend(0.5), Selection::Classic);
+    instance.submit(&push([1.0, 0.0, 0.0], [0.0, 0.0, -1.0])).unwrap();
+    assert_near(positions(&mut instance)[1], [1.0, 0.0, -1.0]);
+    instance.submit(&hit([0.0, 0.0, -1.0])).unwrap();
+    assert_near(positions(&mut instance)[1], [1.0, 0.0, -1.0]);
 }
