@@ -10,7 +10,9 @@ use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 
-use crumple::{ExampleSet, Instance, InstanceOptions, Placement, Rule, Selection, Serial, SetOptions, Tracker, VertexMemory};
+use crumple::{
+    ExampleSet, Instance, InstanceOptions, Placement, Rule, Selection, Serial, SetOptions, Tracker, VertexMemory,
+};
 use scenes::{push, solver_set};
 
 struct HeldOut {
@@ -101,7 +103,9 @@ fn the_designs_table_is_reproduced() {
     let carried = |k| InstanceOptions { examples_per_hit: k, depth_limit: Some(1.0), ..Default::default() };
     let mut far = Vec::new();
     println!("relative L2, median / p90 (design's median)\n");
-    println!("| examples | classic, clamped | carried, 1 | carried, 3 | automatic, 3 | all defaults |\n|---|---|---|---|---|---|");
+    println!(
+        "| examples | classic, clamped | carried, 1 | carried, 3 | automatic, 3 | all defaults |\n|---|---|---|---|---|---|"
+    );
     for row in &TABLE {
         let held_out = HeldOut::read(row.body);
         let as_carried = solver_set(row.body, row.examples, Placement::Carried);
@@ -127,7 +131,10 @@ fn the_designs_table_is_reproduced() {
             if let Some(expected) = expected {
                 line += &format!(" ({expected:.2})");
                 if (median - expected).abs() > TOLERANCE {
-                    far.push(format!("{} {} {what}: {median:.3}, the design has {expected:.2}", row.body, row.examples));
+                    far.push(format!(
+                        "{} {} {what}: {median:.3}, the design has {expected:.2}",
+                        row.body, row.examples
+                    ));
                 }
             }
             line += " |";

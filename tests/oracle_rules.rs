@@ -302,14 +302,16 @@ fn check_classic(set: &Arc<ExampleSet>, dice: &mut Dice, k: f32, clamp: bool) ->
     let mut instance =
         Instance::new(set.clone(), InstanceOptions { rule, selection, ..InstanceOptions::default() }).unwrap();
     let mut current = model.positions.clone();
-    // vertices where a decision of Figure 4.3 hangs on rounding: not compared from there on
+    // how far f32 may be off by now, and where a decision of Figure 4.3 hangs on that: not compared from there on
+    let mut error: Vec<f64> = current.iter().map(|p| 1e-7 * length(*p)).collect();
     let mut doubtful = vec![false; current.len()];
     for _ in 0..5 {
         let hit = scenes::random_hit(set, dice);
         let outcome = instance.submit(&hit).unwrap();
         let vertex = outcome.contact_vertex as usize;
         let target = from_f32(outcome.target);
-        let target = if clamp { scale((f64::from(set.depth_limit()) / length(target)).min(1.0), target) } else { target };
+        let target =
+            if clamp { scale((f64::from(set.depth_limit()) / length(target)).min(1.0), target) } else { target };
         let Some((best, _)) = classic::choose(&model, vertex, target, clamp) else {
             prop_assert_eq!(outcome.status, HitStatus::NothingReaches);
             continue;
@@ -324,16 +326,28 @@ fn check_classic(set: &Arc<ExampleSet>, dice: &mut Dice, k: f32, clamp: bool) ->
         let before = current.clone();
         classic::deform(&model, &mut current, chosen, is, f64::from(k));
         for v in 0..current.len() {
-            let base = model.positions[v];
-            let d = model.examples[chosen].deltas[v];
+            let (base, d) = (model.positions[v], model.examples[chosen].deltas[v]);
+            if d == [0.0; 3] {
+                continue;
+            }
             let result = add(scale(1.0 - is, before[v]), scale(is, add(base, d)));
+            let rounding = 3e-7 * (length(base) + length(before[v]) + is * length(sub(add(base, d), before[v])));
+            let off = (1.0 - is).abs() * error[v] + rounding;
             let (a, b) = (length(sub(result, base)), length(sub(before[v], base)));
-            doubtful[v] |= d != [0.0; 3] && (a - b).abs() <= 1e-5 * (a + b) && length(sub(result, before[v])) > 1e-6 * a;
+            let differ = length(sub(result, before[v]));
+            doubtful[v] |= (a - b).abs() <= error[v] + off && differ > error[v] + off;
+            error[v] = error[v].max(off);
         }
         let out = deformed(&mut instance);
         for v in (0..current.len()).filter(|v| !doubtful[*v]) {
-            let size = length(sub(current[v], model.positions[v])) + f64::from(set.depth_limit());
-            agree(from_f32(out.positions[v]), current[v], size, &format!("vertex {v}"))?;
+            let off = length(sub(from_f32(out.positions[v]), current[v]));
+            prop_assert!(
+                off <= error[v] + 1e-6,
+                "vertex {v}: {:?}, not {:?}: {off:e}, {:e}",
+                out.positions[v],
+                current[v],
+                error[v]
+            );
         }
     }
     Ok(())
@@ -376,7 +390,9 @@ fn check_selection(set: &Arc<ExampleSet>, dice: &mut Dice, k: u32, hits: usize) 
         agree(met, marks::met(&model, &is), length(met) + 1e-3 * limit, "met")?;
         prop_assert!(near(length(sub(met, ought.met)), 0.0), "met {met:?} instead of {:?}", ought.met);
         agree(from_f32(outcome.unmet), sub(target, met), length(target), "unmet")?;
-        for (chosen, (part, scale)) in outcome.chosen.iter().flatten().zip(is.parts.iter().zip(marks::scales(&model, &is))) {
+        for (chosen, (part, scale)) in
+            outcome.chosen.iter().flatten().zip(is.parts.iter().zip(marks::scales(&model, &is)))
+        {
             prop_assert_eq!(chosen.example as usize, part.example);
             prop_assert!((f64::from(chosen.scale) - scale).abs() <= 1e-4 * scale + 2e-6);
         }

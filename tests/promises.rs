@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use crumple::glam::{Mat4, Quat, Vec3};
 use crumple::{
-    Attribute, Cause, Combine, DeformJob, Error, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Mark, Pair, Placement,
-    Rule, Serial, SetOptions, Space, TaskSystem, ThreadPool, Tracker, VertexMemory,
+    Attribute, Cause, Combine, DeformJob, Error, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Mark, Pair,
+    Placement, Rule, Serial, SetOptions, Space, TaskSystem, ThreadPool, Tracker, VertexMemory,
 };
 use proptest::prelude::*;
 use scenes::{Body, Dice, Output, POISON, fnv, push, random_hit, random_hits};
@@ -533,7 +533,8 @@ fn check_changes(instance: &mut Instance, out: &mut Output) -> Result<(), TestCa
     for (v, before) in before.iter().enumerate() {
         if poisoned(out, v) {
             prop_assert_eq!(*before, fresh.bits(v), "vertex {} changed and was not written", v);
-            (out.positions[v], out.normals[v], out.tangents[v]) = (fresh.positions[v], fresh.normals[v], fresh.tangents[v]);
+            (out.positions[v], out.normals[v], out.tangents[v]) =
+                (fresh.positions[v], fresh.normals[v], fresh.tangents[v]);
         } else {
             prop_assert_eq!(out.bits(v), fresh.bits(v), "vertex {}", v);
         }
@@ -930,7 +931,11 @@ fn quick_points_attached_at_vertices_go_where_the_vertices_go() {
         let out = Output::fresh(&mut instance);
         for (v, a) in attachments.iter().enumerate() {
             let frame = instance.attached_frame(a).unwrap();
-            assert!(distance(frame.position, out.positions[v]) <= 2e-7, "{name}, vertex {v}: {frame:?}, {:?}", out.positions[v]);
+            assert!(
+                distance(frame.position, out.positions[v]) <= 2e-7,
+                "{name}, vertex {v}: {frame:?}, {:?}",
+                out.positions[v]
+            );
             assert!((Quat::from_array(frame.rotation).length() - 1.0).abs() < 1e-5);
         }
     }
@@ -956,7 +961,8 @@ fn quick_a_lamp_before_the_surface_keeps_its_place_on_it() {
         // the three corners of its triangle, and their distances from the lamp before and after
         let weights = Vec3::from_array(a.weights);
         assert!((weights.element_sum() - 1.0).abs() < 1e-5);
-        let surface = |at: &dyn Fn(usize) -> Vec3| (0..3).map(|k| at(a.vertices[k] as usize) * weights[k]).sum::<Vec3>();
+        let surface =
+            |at: &dyn Fn(usize) -> Vec3| (0..3).map(|k| at(a.vertices[k] as usize) * weights[k]).sum::<Vec3>();
         let rest = surface(&|v| Vec3::from_array(base(&set, v)));
         let now = surface(&|v| Vec3::from_array(out.positions[v]));
         let (before, after) = (p - rest, Vec3::from_array(frame.position) - now);

@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use crumple::{Combine, Mark, Pair};
 
 use super::Model;
-use super::vector::{length, sub};
 
 /// Contact, depth (its bits) and pairs: two marks that share it are one. Marks are kept in this order.
 pub type Key = (u32, u32, [Pair; 4]);
@@ -47,8 +46,13 @@ impl Ledger {
         };
         let weakest = *self.energies.iter().min_by(|a, b| size(*a).total_cmp(&size(*b))).unwrap().0;
         let energy = self.energies.remove(&weakest).unwrap();
-        let at = |k: &Key| model.positions[k.0 as usize];
-        let distance = |k: &Key| length(sub(at(k), at(&weakest))) as f32;
+        // squared and in f32 too, so that equally near contacts tie as they do in the library
+        let at = |k: &Key| model.positions[k.0 as usize].map(|x| x as f32);
+        let distance = |k: &Key| {
+            let (a, b) = (at(k), at(&weakest));
+            let d = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+            d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
+        };
         let Some(heir) = self.energies.keys().min_by(|a, b| distance(a).total_cmp(&distance(b))).copied() else {
             return;
         };

@@ -37,7 +37,15 @@ fn near(a: f64, b: f64) -> bool {
 }
 
 /// Squared kernel distance; `None` where the example cannot answer. `close` is set where a threshold is near.
-fn distance(model: &Model, e: &Example, anchored: bool, contact: usize, target: V, limit: f64, close: &mut bool) -> Option<f64> {
+fn distance(
+    model: &Model,
+    e: &Example,
+    anchored: bool,
+    contact: usize,
+    target: V,
+    limit: f64,
+    close: &mut bool,
+) -> Option<f64> {
     if e.depth() < 1e-6 * limit {
         return None;
     }

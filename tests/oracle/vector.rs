@@ -66,6 +66,7 @@ pub fn smallest_rotation(a: V, b: V) -> Matrix {
 
 /// The same for any two: where they are opposite (to within a cosine of 1e-4), half a turn about the x axis of `tangent_basis(a)` first.
 pub fn rotation_between(a: V, b: V) -> Matrix {
+    let (a, b) = (unit(a), unit(b));
     if dot(a, b) >= -0.9999 {
         return smallest_rotation(a, b);
     }

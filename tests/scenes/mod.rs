@@ -7,8 +7,8 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use crumple::{
-    Cause, Contact, DeformReport, Deltas, ExampleData, ExampleSet, Hit, Instance, MeshData, Placement, Serial, SetOptions,
-    Space, TaskSystem, Tracker, VertexMemory,
+    Cause, Contact, DeformReport, Deltas, ExampleData, ExampleSet, Hit, Instance, MeshData, Placement, Serial,
+    SetOptions, Space, TaskSystem, Tracker, VertexMemory,
 };
 
 pub use solver::solver;
