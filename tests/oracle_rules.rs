@@ -141,7 +141,7 @@ fn check_evaluation(instance: &mut Instance, limit: f64) -> Result<(), TestCaseE
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 48, max_shrink_iters: 64, ..ProptestConfig::default() })]
+    #![proptest_config(scenes::cases(48))]
 
     #[test]
     fn nearest_vertex_is_the_nearest(seed in any::<u64>()) {
@@ -472,5 +472,19 @@ fn quick_eight_marks_at_one_vertex_add_energies() {
         instance.submit(&push([0.0; 3], [0.0, 0.0, -1.0])).unwrap();
         let z = deformed(&mut instance).positions[0][2];
         assert!((z + f32::from(n).sqrt()).abs() < 1e-6, "{n} hits: {z}");
+    }
+}
+
+#[test]
+fn quick_the_oracle_agrees_on_a_few_sets() {
+    for seed in 0..6 {
+        let mut dice = Dice::new(seed);
+        let combine = [Combine::Energies, Combine::Sum, Combine::Deepest][seed as usize % 3];
+        let set = random_set(&mut dice, combine, Seams::Weld);
+        check_selection(&set, &mut dice, 1 + seed as u32 % 4, 4).unwrap();
+        check_classic(&set, &mut dice, 0.25 * seed as f32 % 1.0, seed % 2 == 0).unwrap();
+        check_ledger(&set, &mut dice, combine, 4).unwrap();
+        let mut instance = random_marks(&set, &mut dice, &InstanceOptions::default(), 3);
+        check_evaluation(&mut instance, f64::from(set.depth_limit())).unwrap();
     }
 }
