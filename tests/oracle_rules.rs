@@ -101,7 +101,7 @@ fn agree(is: V, ought: V, size: f64, what: &str) -> Result<(), TestCaseError> {
 
 /// Marks of random hits on `set`, with repeats.
 fn random_marks(set: &Arc<ExampleSet>, dice: &mut Dice, options: &InstanceOptions, count: usize) -> Instance {
-    let mut instance = Instance::new(set.clone(), options.clone()).unwrap();
+    let mut instance = Instance::new(set.clone(), *options).unwrap();
     for hit in scenes::random_hits(set, count, dice.next()) {
         instance.submit(&hit).unwrap();
     }
