@@ -12,6 +12,8 @@ const SIZE: f64 = 0.6;
 const ANGLE: f64 = 0.3;
 /// An automatic example is anchored within this share of its support radius around its own contact; anchored ones answer alone there.
 const WITHIN: f64 = 0.1;
+/// An automatic example is anchored there only for targets of about its own depth.
+const OWN_SIZE: (f64, f64) = (0.9, 1.001);
 /// An anchored example reaches the vertices that it displaces by at least this share of its own contact's displacement.
 const REACH: f64 = 0.1;
 
@@ -79,10 +81,13 @@ pub fn select(model: &Model, contact: usize, target: V, limit: f64, k: usize) ->
         let away = length(sub(e.contact_point, model.positions[contact]));
         close |= near(away, WITHIN * e.support_radius) && away > 0.0;
         let within = away <= WITHIN * e.support_radius;
+        let ratio = length(target) / e.depth();
+        let own_size = (OWN_SIZE.0..=OWN_SIZE.1).contains(&ratio);
+        close |= e.placement == Placement::Automatic && (near(ratio, OWN_SIZE.0) || near(ratio, OWN_SIZE.1));
         let anchored = match e.placement {
             Placement::Anchored => true,
             Placement::Carried => false,
-            Placement::Automatic => within,
+            Placement::Automatic => within && own_size,
         };
         if let Some(q) = distance(model, e, anchored, contact, target, limit, &mut close) {
             let list = if anchored && within { &mut own } else { &mut others };
