@@ -1,6 +1,6 @@
 //! An example where the artist made it: displacements of the vertices it moves, found by block.
 //!
-//! Everything else sees this storage through [`Anchored::add_block`], [`Anchored::delta`] and [`Anchored::blocks`].
+//! Everything else sees this storage through [`Anchored::add`], [`Anchored::delta`] and [`Anchored::blocks`].
 
 use glam::Vec3;
 use std::ops::Range;
@@ -58,18 +58,21 @@ impl Anchored {
         self.blocks.binary_search_by_key(&b, |(b, _)| *b).is_ok()
     }
 
-    /// Adds `scale` times the displacements in block `b` to `u`, and of the normal changes to `n` (both indexed from the
-    /// block's first vertex; `n` may be empty).
-    pub(crate) fn add_block(&self, b: u32, scale: f32, u: &mut [Vec3], n: &mut [Vec3]) {
-        let Ok(at) = self.blocks.binary_search_by_key(&b, |(b, _)| *b) else { return };
-        let r = self.blocks[at].1.start as usize..self.blocks[at].1.end as usize;
-        let first = b as usize * BLOCK;
-        for (v, d) in self.indices[r.clone()].iter().zip(&self.deltas[r.clone()]) {
-            u[*v as usize - first] += *d * scale;
+    /// Adds `scale` times the displacements of the vertices in `r` (all of one block) to `u`, and of the normal changes to
+    /// `n` (both indexed from `r.start`; `n` may be empty).
+    pub(crate) fn add(&self, r: Range<usize>, scale: f32, u: &mut [Vec3], n: &mut [Vec3]) {
+        let block = (r.start / BLOCK) as u32;
+        let Ok(at) = self.blocks.binary_search_by_key(&block, |(b, _)| *b) else { return };
+        let stored = self.blocks[at].1.start as usize..self.blocks[at].1.end as usize;
+        let indices = &self.indices[stored.clone()];
+        let from = stored.start + indices.partition_point(|v| (*v as usize) < r.start);
+        let to = stored.start + indices.partition_point(|v| (*v as usize) < r.end);
+        for (v, d) in self.indices[from..to].iter().zip(&self.deltas[from..to]) {
+            u[*v as usize - r.start] += *d * scale;
         }
         if !n.is_empty() && !self.normals.is_empty() {
-            for (v, d) in self.indices[r.clone()].iter().zip(&self.normals[r]) {
-                n[*v as usize - first] += *d * scale;
+            for (v, d) in self.indices[from..to].iter().zip(&self.normals[from..to]) {
+                n[*v as usize - r.start] += *d * scale;
             }
         }
     }

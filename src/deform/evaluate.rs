@@ -13,22 +13,34 @@ use crate::examples::{Combine, ExampleSet};
 use crate::instance::{Instance, block_vertices};
 use crate::math::unit;
 use glam::{Vec3, Vec4};
+use std::ops::Range;
 
-/// A block's deformed vertices; the first `len` are valid.
-pub(crate) struct Block {
-    pub positions: [Vec3; BLOCK],
-    /// Unit normals, where asked for.
-    pub normals: [Vec3; BLOCK],
+/// Up to `N` deformed vertices of one block; the first `len` are valid.
+pub(crate) struct Vertices<const N: usize> {
+    pub positions: [Vec3; N],
+    /// Unit normals, where asked for and the mesh has any.
+    pub normals: [Vec3; N],
     pub len: usize,
 }
 
-/// Evaluates block `b`. Without `normals`, the block's normals are those of the base where there are any.
-pub(crate) fn block(instance: &Instance, b: usize, normals: bool) -> Block {
+/// Evaluates all of block `b`.
+pub(crate) fn block(instance: &Instance, b: usize, normals: bool) -> Vertices<BLOCK> {
+    evaluate(instance, block_vertices(instance.example_set(), b), normals)
+}
+
+/// Position and unit normal of one vertex: the same bits as [`block`] gives.
+pub(crate) fn vertex(instance: &Instance, v: usize) -> (Vec3, Option<Vec3>) {
+    let one = evaluate::<1>(instance, v..v + 1, true);
+    (one.positions[0], instance.example_set().mesh().normals().is_some().then_some(one.normals[0]))
+}
+
+/// Evaluates the vertices of `r`: at most `N`, all of one block.
+fn evaluate<const N: usize>(instance: &Instance, r: Range<usize>, normals: bool) -> Vertices<N> {
     let set = instance.example_set();
-    let r = block_vertices(set, b);
-    let mut out = Block { positions: [Vec3::ZERO; BLOCK], normals: [Vec3::ZERO; BLOCK], len: r.len() };
-    let len = out.len;
-    out.positions[..len].copy_from_slice(&set.mesh().positions()[r.clone()]);
+    let (b, len) = (r.start / BLOCK, r.len());
+    let base = &set.mesh().positions()[r.clone()];
+    let mut out = Vertices { positions: [Vec3::ZERO; N], normals: [Vec3::ZERO; N], len };
+    out.positions[..len].copy_from_slice(base);
     let base_normals = set.mesh().normals().filter(|_| normals);
     if let Some(n) = base_normals {
         out.normals[..len].copy_from_slice(&n[r.clone()]);
@@ -42,7 +54,7 @@ pub(crate) fn block(instance: &Instance, b: usize, normals: bool) -> Block {
         }
         return out;
     }
-    let mut sum = Sum::new();
+    let mut sum = Sum::<N>::new();
     for dent in instance.damage().dents().iter().filter(|d| d.touches(set, b)) {
         sum.clear_dent(len);
         for part in &dent.parts {
@@ -50,10 +62,10 @@ pub(crate) fn block(instance: &Instance, b: usize, normals: bool) -> Block {
             match &part.carried {
                 None => {
                     let n = if base_normals.is_some() { &mut sum.dent_normals[..len] } else { &mut [] };
-                    set.examples()[part.example].anchored().add_block(b as u32, scale, &mut sum.dent[..len], n);
+                    set.examples()[part.example].anchored().add(r.clone(), scale, &mut sum.dent[..len], n);
                 }
                 Some(carried) => {
-                    for (i, p) in set.mesh().positions()[r.clone()].iter().enumerate() {
+                    for (i, p) in base.iter().enumerate() {
                         if let Some((u, n)) = carried.at(set, part.example, *p) {
                             sum.dent[i] += u * scale;
                             sum.dent_normals[i] += n * scale;
@@ -74,18 +86,18 @@ pub(crate) fn block(instance: &Instance, b: usize, normals: bool) -> Block {
     out
 }
 
-struct Sum {
-    s: [Vec3; BLOCK],
-    q: [f32; BLOCK],
-    normals: [Vec3; BLOCK],
-    dent: [Vec3; BLOCK],
-    dent_normals: [Vec3; BLOCK],
+struct Sum<const N: usize> {
+    s: [Vec3; N],
+    q: [f32; N],
+    normals: [Vec3; N],
+    dent: [Vec3; N],
+    dent_normals: [Vec3; N],
 }
 
-impl Sum {
+impl<const N: usize> Sum<N> {
     fn new() -> Self {
-        let zero = [Vec3::ZERO; BLOCK];
-        Sum { s: zero, q: [0.0; BLOCK], normals: zero, dent: zero, dent_normals: zero }
+        let zero = [Vec3::ZERO; N];
+        Sum { s: zero, q: [0.0; N], normals: zero, dent: zero, dent_normals: zero }
     }
 
     fn clear_dent(&mut self, len: usize) {
@@ -113,13 +125,6 @@ fn combined(s: Vec3, q: f32, combine: Combine, limit: f32) -> (Vec3, f32) {
     let allowed = if combine == Combine::Sum { length } else { length.min(q.sqrt()) };
     let allowed = allowed.min(limit);
     if allowed >= length { (s, 1.0) } else { (s * (allowed / length), allowed / length) }
-}
-
-/// Position and unit normal of one vertex, as [`block`] gives them.
-pub(crate) fn vertex(instance: &Instance, v: usize) -> (Vec3, Option<Vec3>) {
-    let b = block(instance, v / BLOCK, true);
-    let has_normals = instance.example_set().mesh().normals().is_some();
-    (b.positions[v % BLOCK], has_normals.then(|| b.normals[v % BLOCK]))
 }
 
 /// The base tangent turned as the normal turned, orthogonal to the new normal; w is kept.
