@@ -9,30 +9,37 @@ use anyhow::{Context, Result};
 use crate::command::Command;
 use crate::workspace::Workspace;
 
-/// A hood with eight dents that an independent elasto-plastic solver computed.
-const MESH: &str = "assets/demo/panel_render.glb";
+/// A car's hood and a drum, each with dents that an independent elasto-plastic solver computed as its examples.
+const BODIES: &[&str] = &["hood", "drum"];
 const HITS: &str = "12";
 
 pub fn run(workspace: &Workspace, out: &Path) -> Result<()> {
-    println!("Building the `crumple` command (the first time takes minutes) ...");
+    println!("Building the `crumple` command; the first time takes a few minutes.");
     let command = Command::build(workspace)?;
     let out = workspace.path(out);
-    fs::create_dir_all(&out).with_context(|| format!("creating {}", out.display()))?;
-    let (mesh, impacts, dented) = (workspace.path(MESH), out.join("impacts.json"), out.join("dented.glb"));
+    for body in BODIES {
+        println!("\n== {body}");
+        dent(workspace, &command, &format!("assets/demo/{body}.glb"), &out.join(body))?;
+    }
+    Ok(())
+}
 
-    println!("\n1. The mesh and its examples: {MESH}");
+fn dent(workspace: &Workspace, command: &Command<'_>, mesh: &str, out: &Path) -> Result<()> {
+    fs::create_dir_all(out).with_context(|| format!("creating {}", out.display()))?;
+    let (mesh, impacts, dented) = (workspace.path(mesh), out.join("impacts.json"), out.join("dented.glb"));
     command.info(&mesh)?;
-    println!("\n2. {HITS} impacts, spread over the body");
     command.sample(&mesh, &impacts, HITS)?;
-    println!("\n3. The impacts become dents, on the CPU");
     let start = Instant::now();
-    command.apply(&mesh, &impacts, &dented, Some(&out))?;
+    command.apply(&mesh, &impacts, &dented, Some(out))?;
 
-    println!("\nDone in {:.1} s, reading, pictures and all. Look at:", start.elapsed().as_secs_f64());
-    let mut files: Vec<_> = fs::read_dir(&out)?.collect::<Result<Vec<_>, _>>()?;
+    println!(
+        "{HITS} hits on the CPU, with reading, writing and pictures: {:.1} s. Look at:",
+        start.elapsed().as_secs_f64()
+    );
+    let mut files = fs::read_dir(out)?.collect::<Result<Vec<_>, _>>()?;
     files.sort_by_key(fs::DirEntry::path);
     for file in files {
-        println!("  {}  ({} kB)", file.path().display(), file.metadata()?.len().div_ceil(1000));
+        println!("  {} ({} kB)", file.path().display(), file.metadata()?.len().div_ceil(1000));
     }
     Ok(())
 }

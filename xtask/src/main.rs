@@ -56,7 +56,7 @@ enum Command {
     },
     /// Formatting, lints, docs, header and repository checks, then every test with nothing skipped
     Ci,
-    /// Only the checks of `ci` that build nothing: asset size, README snippet, version macros, changelog
+    /// Only the checks of `ci` that build nothing: asset size, README snippet, changelog
     Repo {
         /// Put the present examples-c/quickstart.c into README.md
         #[arg(long)]

@@ -1,4 +1,4 @@
-//! Checks of the repository itself that build nothing: its size, and that what README, header and changelog repeat is true.
+//! Checks of the repository itself that build nothing: its size, and that what README and changelog repeat is true.
 
 use std::fs;
 use std::path::Path;
@@ -18,7 +18,6 @@ const SNIPPET_END: &str = "```\n<!-- end of examples-c/quickstart.c -->";
 pub fn run(workspace: &Workspace, fix: bool) -> Result<()> {
     assets(workspace)?;
     quickstart(workspace, fix)?;
-    version_macros(workspace)?;
     changelog(workspace)
 }
 
@@ -63,21 +62,6 @@ fn quickstart(workspace: &Workspace, fix: bool) -> Result<()> {
     } else {
         bail!("{README} shows another program than {QUICKSTART}; type: cargo xtask repo --fix");
     }
-    Ok(())
-}
-
-/// The header's version macros come from constants in the sources: they must be what Cargo.toml says.
-fn version_macros(workspace: &Workspace) -> Result<()> {
-    let header = read(workspace, "include/crumple.h")?;
-    let parts: Vec<&str> = workspace.version.split(['.', '-', '+']).collect();
-    for (name, value) in ["MAJOR", "MINOR", "PATCH"].iter().zip(parts) {
-        let line = format!("#define CRUMPLE_VERSION_{name} {value}");
-        ensure!(
-            header.lines().any(|present| present.trim_end() == line),
-            "include/crumple.h lacks the line {line:?}, which is this package's version"
-        );
-    }
-    println!("include/crumple.h says version {}", workspace.version);
     Ok(())
 }
 
