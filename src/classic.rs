@@ -1,5 +1,6 @@
-//! The literature's rule, whole: sections 4.4 to 4.7 of the thesis "Example Based Soft-Body Simulation on Graphics Processing Units". It needs per-vertex state and its
-//! result depends on the order of impulses; the default rule does neither. Kept complete for comparison.
+//! The literature's rule, whole: sections 4.4 to 4.7 of the thesis "Example Based Soft-Body Simulation on Graphics
+//! Processing Units". It needs per-vertex state and its result depends on the order of impulses; the default rule does
+//! neither. Kept complete for comparison.
 
 use crate::damage::saved;
 use crate::examples::ExampleSet;

@@ -609,8 +609,16 @@ impl ExampleBuilder<'_> {
 
     /// Changes of the base normals: each is turned as the smooth normal of the displaced surface turns.
     fn computed_normals(&self, deltas: &[Vec3], base: &[Vec3]) -> Vec<Vec3> {
+        let (triangles, weld) = (self.mesh.triangles(), self.mesh.weld());
         let moved: Vec<Vec3> = self.mesh.positions().iter().zip(deltas).map(|(p, d)| *p + *d).collect();
-        let after = normals::smooth(&moved, self.mesh.triangles(), self.mesh.weld());
+        // Only around moved vertices, so that many small examples on a large mesh stay cheap.
+        let mut near = vec![false; base.len()];
+        for t in triangles {
+            if t.iter().any(|v| deltas[*v as usize] != Vec3::ZERO) {
+                t.iter().for_each(|v| near[weld[*v as usize] as usize] = true);
+            }
+        }
+        let after = normals::smooth_where(&moved, triangles, weld, |w| near[w as usize]);
         (0..base.len())
             .map(|v| {
                 let (a, b) = (self.smooth[v], after[v]);
