@@ -12,6 +12,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use object::Endianness;
+use object::elf::{DT_SONAME, FileHeader64};
+use object::read::elf::FileHeader;
 
 use crate::workspace::Workspace;
 
@@ -117,7 +120,7 @@ fn copy_shared(workspace: &Workspace, built: &Built, prefix: &Path) -> Result<()
     }
     let real = format!("libcrumple.so.{}", workspace.version);
     copy_as(&built.shared, &lib, &real)?;
-    for link in [soname(&workspace.version), "libcrumple.so".to_owned()] {
+    for link in [soname(&built.shared)?, "libcrumple.so".to_owned()] {
         let link = lib.join(link);
         if link.symlink_metadata().is_ok() {
             fs::remove_file(&link)?;
@@ -134,10 +137,15 @@ fn copy_shared(_: &Workspace, built: &Built, prefix: &Path) -> Result<()> {
     copy(import, &prefix.join("lib")).map(drop)
 }
 
-/// The name that programs ask the dynamic loader for; `build.rs` gives the library the same one.
-pub fn soname(version: &str) -> String {
-    let major = version.split('.').next().unwrap_or(version);
-    format!("libcrumple.so.{major}")
+/// The name that programs built with `library` ask the loader for; `build.rs` gave it that.
+fn soname(library: &Path) -> Result<String> {
+    let bytes = fs::read(library).with_context(|| format!("reading {}", library.display()))?;
+    let header = FileHeader64::<Endianness>::parse(&*bytes)?;
+    let endian = header.endian()?;
+    let table = header.sections(endian, &*bytes)?.dynamic_table(endian, &*bytes)?;
+    let entry = table.into_iter().find(|entry| entry.tag == DT_SONAME);
+    let entry = entry.with_context(|| format!("{} has no SONAME; build.rs gives it one", library.display()))?;
+    Ok(String::from_utf8(table.string(entry)?.to_vec())?)
 }
 
 /// Copies `cmake/NAME.in` to `directory/NAME` with every `@KEY@` replaced.
@@ -146,7 +154,7 @@ fn fill(workspace: &Workspace, built: &Built, template: &str, directory: &Path) 
     let libraries: Vec<&str> = built.static_needs.iter().map(|flag| flag.strip_prefix("-l").unwrap_or(flag)).collect();
     let values = [
         ("@CRUMPLE_VERSION@", workspace.version.clone()),
-        ("@CRUMPLE_SONAME@", soname(&workspace.version)),
+        ("@CRUMPLE_SONAME@", if cfg!(target_os = "linux") { soname(&built.shared)? } else { String::new() }),
         ("@CRUMPLE_STATIC_LIBS@", built.static_needs.join(" ")),
         ("@CRUMPLE_STATIC_LIBS_CMAKE@", libraries.join(";")),
     ];

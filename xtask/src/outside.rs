@@ -70,13 +70,13 @@ fn by_pkg_config(workspace: &Workspace, source: &Path, prefix: &Path) -> Result<
         let loader = if cfg!(target_os = "macos") { "DYLD_LIBRARY_PATH" } else { "LD_LIBRARY_PATH" };
         cmd!(sh, "{shared}").env(loader, prefix.join("lib")).run()?;
 
-        // `--static` adds what the library itself needs; naming the archive is how one picks it where both are installed.
+        // `--static` adds what the library itself needs; naming the file is how one picks it where the shared one lies beside it.
         let fixed = file.with_extension("static");
-        let archive = prefix.join("lib/libcrumple.a");
         let compile = ask(&["--cflags"])?;
+        let archive = ask(&["--variable=staticlibrary"])?;
         let libraries: Vec<String> =
             ask(&["--libs", "--static"])?.into_iter().filter(|flag| flag != "-lcrumple").collect();
-        cmd!(sh, "{compiler} {file} -o {fixed} {compile...} {archive} {libraries...}").run()?;
+        cmd!(sh, "{compiler} {file} -o {fixed} {compile...} {archive...} {libraries...}").run()?;
         cmd!(sh, "{fixed}").run()?;
     }
     Ok(())

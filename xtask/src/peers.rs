@@ -40,7 +40,7 @@ pub fn gltf_validator(workspace: &Workspace) -> Result<Outcome> {
         // A package of its own, or npm would look for one further up and install there.
         fs::write(directory.join("package.json"), "{ \"private\": true }\n")?;
         let _here = sh.push_dir(&directory);
-        cmd!(sh, "npm install --silent --no-audit --no-fund {VALIDATOR}").run()?;
+        cmd!(sh, "npm install --loglevel=error --no-audit --no-fund {VALIDATOR}").run()?;
     }
     // Node looks for a module beside the script that imports it.
     let script = directory.join("validate.mjs");
