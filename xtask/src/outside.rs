@@ -48,7 +48,7 @@ fn names_no_path(package: &Path, installed: &Path) -> Result<()> {
 }
 
 fn by_cmake(workspace: &Workspace, source: &Path, build: &Path, prefix: &Path) -> Result<()> {
-    native::compile(workspace, &Build { kind: "outside", prefix, flags: "", launcher: "" }, source, build)?;
+    native::compile(workspace, &Build { kind: "outside", prefix, options: &[], launcher: "" }, source, build)?;
     for name in ["quickstart-shared", "quickstart-static", "client-shared", "client-static"] {
         let program = build.join(name);
         cmd!(workspace.shell, "{program}").run().with_context(|| format!("{name}, built by CMake"))?;
@@ -66,7 +66,7 @@ fn by_pkg_config(workspace: &Workspace, source: &Path, prefix: &Path) -> Result<
         let file = source.join(file);
         let shared = file.with_extension("shared");
         let flags = ask(&["--cflags", "--libs"])?;
-        cmd!(sh, "{compiler} {file} -o {shared} {flags...}").run()?;
+        cmd!(sh, "{compiler} {file} -o {shared} {flags...} -lm").run()?;
         let loader = if cfg!(target_os = "macos") { "DYLD_LIBRARY_PATH" } else { "LD_LIBRARY_PATH" };
         cmd!(sh, "{shared}").env(loader, prefix.join("lib")).run()?;
 
@@ -76,7 +76,7 @@ fn by_pkg_config(workspace: &Workspace, source: &Path, prefix: &Path) -> Result<
         let archive = ask(&["--variable=staticlibrary"])?;
         let libraries: Vec<String> =
             ask(&["--libs", "--static"])?.into_iter().filter(|flag| flag != "-lcrumple").collect();
-        cmd!(sh, "{compiler} {file} -o {fixed} {compile...} {archive...} {libraries...}").run()?;
+        cmd!(sh, "{compiler} {file} -o {fixed} {compile...} {archive...} {libraries...} -lm").run()?;
         cmd!(sh, "{fixed}").run()?;
     }
     Ok(())

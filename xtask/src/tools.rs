@@ -24,7 +24,7 @@ pub enum Tool {
 }
 
 impl Tool {
-    fn here(self, workspace: &Workspace) -> bool {
+    pub fn here(self, workspace: &Workspace) -> bool {
         let sh = &workspace.shell;
         match self {
             Self::CMake => cmd!(sh, "cmake --version").quiet().ignore_stderr().read().is_ok(),

@@ -14,15 +14,14 @@ use crate::workspace::{Workspace, empty_directory};
 const RUST_TESTS: &[&str] = &["--lib"];
 
 pub fn c(workspace: &Workspace) -> Result<Outcome> {
-    let run = Run::new(workspace, "c", "definite,possible")?;
+    let run = Run::new(workspace, "c")?;
     let prefix = native::release_prefix(workspace);
-    let build = Build { kind: "valgrind", prefix: &prefix, flags: "", launcher: &run.command.join(";") };
+    let build = Build { kind: "valgrind", prefix: &prefix, options: &[], launcher: &run.command.join(";") };
     run.judge(native::test_projects(workspace, &build))
 }
 
 pub fn rust(workspace: &Workspace) -> Result<Outcome> {
-    // Threads of Rust's own test runner may be alive when it exits, so what they hold is "possibly lost".
-    let run = Run::new(workspace, "rust", "definite")?;
+    let run = Run::new(workspace, "rust")?;
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let version = cmd!(workspace.shell, "{rustc} -vV").quiet().read()?;
     let host = version.lines().find_map(|line| line.strip_prefix("host: ")).context("rustc -vV names its host")?;
@@ -43,14 +42,14 @@ struct Run {
 }
 
 impl Run {
-    /// `leaks`: the kinds of lost memory that fail a program.
-    fn new(workspace: &Workspace, name: &str, leaks: &str) -> Result<Self> {
+    /// Only memory that is "definitely lost" fails: rayon's queues keep pointers with tag bits, which valgrind takes for "possibly lost".
+    fn new(workspace: &Workspace, name: &str) -> Result<Self> {
         let logs = workspace.target.join("valgrind").join(name);
         empty_directory(&logs)?;
         let log = format!("--log-file={}", logs.join("%p.log").display());
-        let leaks = format!("--errors-for-leak-kinds={leaks}");
-        let command =
-            ["valgrind", "--error-exitcode=99", "--leak-check=full", &leaks, &log].map(str::to_owned).to_vec();
+        let leaks = ["--leak-check=full", "--show-leak-kinds=definite", "--errors-for-leak-kinds=definite"];
+        let command = ["valgrind", "--error-exitcode=99"].into_iter().chain(leaks).chain([&*log]);
+        let command = command.map(str::to_owned).collect();
         Ok(Self { logs, command })
     }
 
