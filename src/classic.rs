@@ -53,7 +53,10 @@ impl State {
                 continue;
             }
             let further = (result - base[v]).length_squared() >= (current - base[v]).length_squared();
-            self.positions[v] = if further { result } else { lerp(current, result, blend.constant) };
+            // Vertices around the dent have a change of normal only: the paper's example does not hold them.
+            if d != Vec3::ZERO {
+                self.positions[v] = if further { result } else { lerp(current, result, blend.constant) };
+            }
             if let (Some(normal), Some(base)) = (self.normals.get_mut(v), set.mesh().normals()) {
                 let result = lerp(*normal, base[v] + n, weight);
                 if result.is_finite() {
