@@ -75,6 +75,9 @@
 /// Patch version of this header.
 #define CRUMPLE_VERSION_PATCH 0
 
+/// The three as one number, as crumple_version() gives it.
+#define CRUMPLE_VERSION (((CRUMPLE_VERSION_MAJOR * 1000000) + (CRUMPLE_VERSION_MINOR * 1000)) + CRUMPLE_VERSION_PATCH)
+
 /// Bit of crumple_features(): glTF 2.0 and GLB files can be loaded.
 #define CRUMPLE_FEATURE_GLTF 1
 
@@ -757,8 +760,8 @@ typedef struct {
 extern "C" {
 #endif // __cplusplus
 
-/// The version of the library that runs: major * 1000000 + minor * 1000 + patch. Compare it with the macros
-/// CRUMPLE_VERSION_MAJOR, _MINOR and _PATCH, which are those of the header you compiled against. Never fails; any thread.
+/// The version of the library that runs: major * 1000000 + minor * 1000 + patch. Compare it with CRUMPLE_VERSION, that of the
+/// header you compiled against. Never fails; any thread.
 uint32_t crumple_version(void);
 
 /// The version of the library that runs as text, such as "0.1.0". Lives for ever. Never fails; any thread.

@@ -11,6 +11,10 @@ pub const CRUMPLE_VERSION_MINOR: u32 = 1;
 /// Patch version of this header.
 pub const CRUMPLE_VERSION_PATCH: u32 = 0;
 
+/// The three as one number, as crumple_version() gives it.
+pub const CRUMPLE_VERSION: u32 =
+    CRUMPLE_VERSION_MAJOR * 1000000 + CRUMPLE_VERSION_MINOR * 1000 + CRUMPLE_VERSION_PATCH;
+
 /// Bit of crumple_features(): glTF 2.0 and GLB files can be loaded.
 pub const CRUMPLE_FEATURE_GLTF: u64 = 1;
 
@@ -37,11 +41,11 @@ const _: () = assert!(
     "src/capi/version.rs and Cargo.toml disagree about the version"
 );
 
-/// The version of the library that runs: major * 1000000 + minor * 1000 + patch. Compare it with the macros
-/// CRUMPLE_VERSION_MAJOR, _MINOR and _PATCH, which are those of the header you compiled against. Never fails; any thread.
+/// The version of the library that runs: major * 1000000 + minor * 1000 + patch. Compare it with CRUMPLE_VERSION, that of the
+/// header you compiled against. Never fails; any thread.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_version() -> u32 {
-    CRUMPLE_VERSION_MAJOR * 1_000_000 + CRUMPLE_VERSION_MINOR * 1_000 + CRUMPLE_VERSION_PATCH
+    CRUMPLE_VERSION
 }
 
 /// The version of the library that runs as text, such as "0.1.0". Lives for ever. Never fails; any thread.
