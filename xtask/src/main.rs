@@ -50,7 +50,7 @@ enum Command {
         /// Directory that gets lib/ and include/
         #[arg(long)]
         prefix: PathBuf,
-        /// Install a debug build, which also detects misuse across threads
+        /// Install a debug build
         #[arg(long)]
         debug: bool,
     },

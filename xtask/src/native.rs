@@ -101,7 +101,7 @@ pub fn ctest(workspace: &Workspace) -> Result<Outcome> {
     Ok(Outcome::Passed)
 }
 
-/// The C and C++ tests under gcc's sanitizers, against a debug library, which also detects misuse across threads.
+/// The C and C++ tests under gcc's sanitizers, against a debug build of the library, whose own checks are on.
 pub fn sanitizers(workspace: &Workspace) -> Result<Outcome> {
     if cfg!(not(target_os = "linux")) {
         return Ok(Outcome::Skipped("done with gcc on Linux only".into()));
@@ -120,4 +120,17 @@ fn debug_prefix(workspace: &Workspace) -> Result<PathBuf> {
     empty_directory(&prefix)?;
     install::run(workspace, &prefix, Profile::Debug)?;
     Ok(prefix)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::declared;
+
+    #[test]
+    fn declared_functions_are_found_and_comments_are_not() {
+        let header = "/// See crumple_other(): it differs.\n\
+                      CrumpleResult crumple_deform(CrumpleContext *context,\n    int count);\n\
+                      const char *crumple_last_error(void);\n#define CRUMPLE_X sizeof(int)\n";
+        assert_eq!(declared(header), ["crumple_deform", "crumple_last_error"]);
+    }
 }

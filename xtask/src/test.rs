@@ -66,7 +66,7 @@ const STAGES: &[Stage] = &[
     Stage {
         name: "blender",
         shows: "Blender opens what the command exports",
-        needs: &[Tool::Python311],
+        needs: &[Tool::Python311, Tool::BlenderLibraries],
         wants: &[],
         closing: false,
         run: peers::blender,
@@ -115,6 +115,7 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
 }
 
 fn rust(workspace: &Workspace) -> Result<Outcome> {
-    workspace.cargo(&["test", "--workspace", "--all-features"]).run()?;
+    workspace.cargo(&["test", "--profile", "xtask", "--package", "xtask"]).run()?;
+    workspace.cargo(&["test", "--package", "crumple", "--all-features"]).run()?;
     Ok(Outcome::Passed)
 }

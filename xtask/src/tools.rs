@@ -19,9 +19,24 @@ pub enum Tool {
     Valgrind,
     /// CPython 3.11 with `venv`: the one version that Blender's `bpy` package is built for.
     Python311,
+    /// The windowing libraries that `bpy` is linked with, although nothing is shown.
+    BlenderLibraries,
     /// Node's package manager, for the Khronos glTF validator.
     Npm,
 }
+
+/// What `bpy` loads, with the Debian packages that hold it.
+const BLENDER_LIBRARIES: &[(&str, &str)] = &[
+    ("libGL.so.1", "libgl1"),
+    ("libICE.so.6", "libice6"),
+    ("libSM.so.6", "libsm6"),
+    ("libX11.so.6", "libx11-6"),
+    ("libXext.so.6", "libxext6"),
+    ("libXfixes.so.3", "libxfixes3"),
+    ("libXi.so.6", "libxi6"),
+    ("libXrender.so.1", "libxrender1"),
+    ("libxkbcommon.so.0", "libxkbcommon0"),
+];
 
 impl Tool {
     pub fn here(self, workspace: &Workspace) -> bool {
@@ -36,12 +51,16 @@ impl Tool {
             Self::Python311 => {
                 cmd!(sh, "python3.11 -c 'import ensurepip, venv'").quiet().ignore_stderr().read().is_ok()
             }
+            Self::BlenderLibraries => cmd!(sh, "ldconfig -p").quiet().read().is_ok_and(|known| {
+                BLENDER_LIBRARIES.iter().all(|(file, _)| known.lines().any(|line| line.trim_start().starts_with(file)))
+            }),
             Self::Npm => cmd!(sh, "npm --version").quiet().ignore_stderr().read().is_ok(),
         }
     }
 
-    fn debian_packages(self) -> &'static [&'static str] {
-        match self {
+    fn debian_packages(self) -> Vec<&'static str> {
+        let packages: &[&str] = match self {
+            Self::BlenderLibraries => return BLENDER_LIBRARIES.iter().map(|(_, package)| *package).collect(),
             Self::CMake => &["cmake", "make"],
             Self::CCompiler => &["gcc", "libc6-dev"],
             Self::CppCompiler => &["g++"],
@@ -50,7 +69,8 @@ impl Tool {
             Self::Valgrind => &["valgrind", "libc6-dbg"],
             Self::Python311 => &["python3.11", "python3.11-venv"],
             Self::Npm => &["nodejs", "npm"],
-        }
+        };
+        packages.to_vec()
     }
 }
 
@@ -64,6 +84,7 @@ impl fmt::Display for Tool {
             Self::Ode => "the Open Dynamics Engine's headers",
             Self::Valgrind => "valgrind",
             Self::Python311 => "Python 3.11 with venv",
+            Self::BlenderLibraries => "X11 and OpenGL libraries for Blender",
             Self::Npm => "npm",
         })
     }
@@ -111,7 +132,7 @@ fn install_arguments<'a>(packages: &[&'a str]) -> Vec<&'a str> {
 }
 
 fn packages_of(tools: &BTreeSet<Tool>) -> Vec<&'static str> {
-    let set: BTreeSet<&str> = tools.iter().flat_map(|tool| tool.debian_packages()).copied().collect();
+    let set: BTreeSet<&str> = tools.iter().flat_map(|tool| tool.debian_packages()).collect();
     set.into_iter().collect()
 }
 
