@@ -51,7 +51,8 @@ impl Tool {
             Self::Python311 => {
                 cmd!(sh, "python3.11 -c 'import ensurepip, venv'").quiet().ignore_stderr().read().is_ok()
             }
-            Self::BlenderLibraries => cmd!(sh, "ldconfig -p").quiet().read().is_ok_and(|known| {
+            Self::BlenderLibraries if cfg!(not(target_os = "linux")) => true,
+            Self::BlenderLibraries => cmd!(sh, "/sbin/ldconfig -p").quiet().read().is_ok_and(|known| {
                 BLENDER_LIBRARIES.iter().all(|(file, _)| known.lines().any(|line| line.trim_start().starts_with(file)))
             }),
             Self::Npm => cmd!(sh, "npm --version").quiet().ignore_stderr().read().is_ok(),
