@@ -22,14 +22,16 @@ pub fn run(workspace: &Workspace) -> Result<Outcome> {
     let source = scratch.path().join("source");
     let sh = &workspace.shell;
     let installed = native::release_prefix(workspace);
-    cmd!(sh, "cp -a {installed} {moved}").run()?;
+    cmd!(sh, "cp -a {installed} {moved}").quiet().run()?;
     names_no_path(&moved, &installed)?;
     fs::create_dir(&source)?;
     for file in ["xtask/outside/CMakeLists.txt", "xtask/outside/client.cpp", "examples-c/quickstart.c"] {
         let name = Path::new(file).file_name().context("files have names")?;
         fs::copy(workspace.path(file), source.join(name)).with_context(|| format!("copying {file}"))?;
     }
+    println!("by CMake:");
     by_cmake(workspace, &source, &scratch.path().join("build"), &moved)?;
+    println!("by pkg-config:");
     by_pkg_config(workspace, &source, &moved)?;
     Ok(Outcome::Passed)
 }
@@ -51,7 +53,7 @@ fn by_cmake(workspace: &Workspace, source: &Path, build: &Path, prefix: &Path) -
     native::compile(workspace, &Build { kind: "outside", prefix, options: &[], launcher: "" }, source, build)?;
     for name in ["quickstart-shared", "quickstart-static", "client-shared", "client-static"] {
         let program = build.join(name);
-        cmd!(workspace.shell, "{program}").run().with_context(|| format!("{name}, built by CMake"))?;
+        cmd!(workspace.shell, "{program}").quiet().run().with_context(|| format!("{name}, built by CMake"))?;
     }
     Ok(())
 }
@@ -60,15 +62,20 @@ fn by_pkg_config(workspace: &Workspace, source: &Path, prefix: &Path) -> Result<
     let sh = &workspace.shell;
     let _found = sh.push_env("PKG_CONFIG_PATH", prefix.join("lib/pkgconfig"));
     let ask = |arguments: &[&str]| -> Result<Vec<String>> {
-        Ok(cmd!(sh, "pkg-config {arguments...} crumple").read()?.split_whitespace().map(str::to_owned).collect())
+        Ok(cmd!(sh, "pkg-config {arguments...} crumple")
+            .quiet()
+            .read()?
+            .split_whitespace()
+            .map(str::to_owned)
+            .collect())
     };
     for (compiler, file) in PROGRAMS {
         let file = source.join(file);
         let shared = file.with_extension("shared");
         let flags = ask(&["--cflags", "--libs"])?;
-        cmd!(sh, "{compiler} {file} -o {shared} {flags...} -lm").run()?;
+        cmd!(sh, "{compiler} {file} -o {shared} {flags...} -lm").quiet().run()?;
         let loader = if cfg!(target_os = "macos") { "DYLD_LIBRARY_PATH" } else { "LD_LIBRARY_PATH" };
-        cmd!(sh, "{shared}").env(loader, prefix.join("lib")).run()?;
+        cmd!(sh, "{shared}").env(loader, prefix.join("lib")).quiet().run()?;
 
         // `--static` adds what the library itself needs; naming the file is how one picks it where the shared one lies beside it.
         let fixed = file.with_extension("static");
@@ -76,8 +83,8 @@ fn by_pkg_config(workspace: &Workspace, source: &Path, prefix: &Path) -> Result<
         let archive = ask(&["--variable=staticlibrary"])?;
         let libraries: Vec<String> =
             ask(&["--libs", "--static"])?.into_iter().filter(|flag| flag != "-lcrumple").collect();
-        cmd!(sh, "{compiler} {file} -o {fixed} {compile...} {archive...} {libraries...} -lm").run()?;
-        cmd!(sh, "{fixed}").run()?;
+        cmd!(sh, "{compiler} {file} -o {fixed} {compile...} {archive...} {libraries...} -lm").quiet().run()?;
+        cmd!(sh, "{fixed}").quiet().run()?;
     }
     Ok(())
 }

@@ -29,10 +29,9 @@ impl Workspace {
         Ok(Self { root, target, version: env!("CARGO_PKG_VERSION").to_owned(), shell })
     }
 
-    /// `cargo` of the toolchain that built this program.
+    /// `cargo`, which rustup keeps to the toolchain that runs this program.
     pub fn cargo(&self, arguments: &[&str]) -> xshell::Cmd<'_> {
-        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-        cmd!(self.shell, "{cargo} {arguments...}")
+        cmd!(self.shell, "cargo {arguments...}")
     }
 
     /// `path` as seen from the repository's root: absolute, or joined to the root.
