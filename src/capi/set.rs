@@ -413,8 +413,10 @@ unsafe fn read_example(example: CrumpleExampleDef, mesh: &MeshData, name: &str) 
             if target_normals.is_some() {
                 return invalid(".target_normals belongs to the full form; give normal_deltas with position_deltas");
             }
+            all_finite(&values, &field("position_deltas"))?;
             let normals = match normal_deltas {
                 Some(values) => {
+                    all_finite(&values, &field("normal_deltas"))?;
                     let mut copy = reserve(indices.len(), "delta_indices")?;
                     copy.extend_from_slice(&indices);
                     Some(Deltas::Sparse { indices: copy, values })
@@ -454,13 +456,19 @@ unsafe fn read_example(example: CrumpleExampleDef, mesh: &MeshData, name: &str) 
 
 /// What leads from the base to the targets.
 fn differences(mut targets: Vec<[f32; 3]>, base: &[[f32; 3]], name: &str) -> Result<Deltas, Failure> {
-    for (i, (target, base)) in targets.iter_mut().zip(base).enumerate() {
-        if !target.iter().all(|x| x.is_finite()) {
-            finite(*target, &format!("{name}[{i}]"))?;
-        }
+    all_finite(&targets, name)?;
+    for (target, base) in targets.iter_mut().zip(base) {
         *target = [target[0] - base[0], target[1] - base[1], target[2] - base[2]];
     }
     Ok(Deltas::Full(targets))
+}
+
+/// Refuses NaN and infinities, naming the first.
+fn all_finite(values: &[[f32; 3]], name: &str) -> Result<(), Failure> {
+    match values.iter().position(|v| !v.iter().all(|x| x.is_finite())) {
+        Some(i) => finite(values[i], &format!("{name}[{i}]")).map(drop),
+        None => Ok(()),
+    }
 }
 
 /// # Safety
