@@ -185,6 +185,21 @@ pub fn mark_at(model: &Model, Scaled(mark, scales): &Scaled<'_>, vertex: usize) 
     sum
 }
 
+/// The greatest displacement and change of normal that a mark brings anywhere near: what its rounding errors are measured against. (At one
+/// vertex neighbouring nodes of a stamp may cancel; their errors do not.)
+pub fn size(model: &Model, Scaled(mark, scales): &Scaled<'_>) -> (f64, f64) {
+    let longest = |list: &[V]| list.iter().map(|u| length(*u)).fold(0.0, f64::max);
+    let mut sum = (0.0, 0.0);
+    for (part, s) in mark.parts.iter().zip(scales) {
+        let example = &model.examples[part.example];
+        let w = mark.strength * s;
+        sum.0 += w * longest(&example.deltas);
+        let stretch = if part.anchored { 1.0 } else { stretch(mark.depth, example) };
+        sum.1 += w / stretch * longest(&example.normal_deltas);
+    }
+    sum
+}
+
 /// Displacement of `vertex` by all marks, and the factor by which their plain sum was shortened.
 pub fn displacement(model: &Model, marks: &[Scaled<'_>], vertex: usize, combine: Combine, limit: f64) -> (V, f64) {
     let (mut sum, mut squares, mut deepest) = ([0.0; 3], 0.0, 0.0f64);
