@@ -1,5 +1,6 @@
-//! The literature's rule, whole: sections 4.4 to 4.7 of the thesis "Example Based Soft-Body Simulation on Graphics Processing Units". It needs per-vertex state and its
-//! result depends on the order of impulses; the default rule does neither. Kept complete for comparison.
+//! The literature's rule, whole: sections 4.4 to 4.7 of the thesis "Example Based Soft-Body Simulation on Graphics
+//! Processing Units". It needs per-vertex state and its result depends on the order of impulses; the default rule does
+//! neither. Kept complete for comparison.
 
 use crate::damage::saved;
 use crate::examples::ExampleSet;
@@ -52,7 +53,10 @@ impl State {
                 continue;
             }
             let further = (result - base[v]).length_squared() >= (current - base[v]).length_squared();
-            self.positions[v] = if further { result } else { lerp(current, result, blend.constant) };
+            // Vertices around the dent have a change of normal only: the paper's example does not hold them.
+            if d != Vec3::ZERO {
+                self.positions[v] = if further { result } else { lerp(current, result, blend.constant) };
+            }
             if let (Some(normal), Some(base)) = (self.normals.get_mut(v), set.mesh().normals()) {
                 let result = lerp(*normal, base[v] + n, weight);
                 if result.is_finite() {

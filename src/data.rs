@@ -39,7 +39,8 @@ pub enum Contact {
 /// Whether an example may be carried away from where it was made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Placement {
-    /// Anchored within a tenth of its support radius of its own contact, carried elsewhere.
+    /// Anchored for a hit within a tenth of its support radius of its own contact that asks for its own depth (or up to a
+    /// tenth less); carried otherwise.
     #[default]
     Automatic,
     /// Always as the artist made it, where the artist made it.

@@ -13,8 +13,12 @@ use rstar::RTree;
 use std::sync::{Mutex, OnceLock};
 use xxhash_rust::xxh3::Xxh3;
 
-/// An automatic example is anchored within this share of its support radius around its own contact.
+/// An automatic example is anchored within this share of its support radius around its own contact …
 pub(crate) const ANCHORED_WITHIN: f32 = 0.1;
+/// … for targets this share short of its own depth, but no deeper: an anchored example can be neither deepened nor
+/// narrowed. (Anchored for every depth, the 90th percentile of the error on the solver's held-out impacts was 0.68-0.70
+/// with 32 examples; this way it is 0.31-0.35, as when always carried.)
+pub(crate) const ANCHORED_SIZE: f32 = 0.1;
 /// Displacements below this share of an example's deepest do not count for its support radius.
 const SUPPORT: f32 = 0.01;
 
@@ -609,8 +613,16 @@ impl ExampleBuilder<'_> {
 
     /// Changes of the base normals: each is turned as the smooth normal of the displaced surface turns.
     fn computed_normals(&self, deltas: &[Vec3], base: &[Vec3]) -> Vec<Vec3> {
+        let (triangles, weld) = (self.mesh.triangles(), self.mesh.weld());
         let moved: Vec<Vec3> = self.mesh.positions().iter().zip(deltas).map(|(p, d)| *p + *d).collect();
-        let after = normals::smooth(&moved, self.mesh.triangles(), self.mesh.weld());
+        // Only around moved vertices, so that many small examples on a large mesh stay cheap.
+        let mut near = vec![false; base.len()];
+        for t in triangles {
+            if t.iter().any(|v| deltas[*v as usize] != Vec3::ZERO) {
+                t.iter().for_each(|v| near[weld[*v as usize] as usize] = true);
+            }
+        }
+        let after = normals::smooth_where(&moved, triangles, weld, |w| near[w as usize]);
         (0..base.len())
             .map(|v| {
                 let (a, b) = (self.smooth[v], after[v]);

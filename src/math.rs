@@ -1,7 +1,7 @@
 //! The few pieces of vector algebra that marks depend on, in plain IEEE operations: the same bits on
 //! every platform (glam's scalar `Vec3`/`Mat3`, square roots, and `libm` for the rest).
 
-use glam::{Mat3, Vec3};
+use glam::{DVec3, Mat3, Vec3};
 
 /// An axis-aligned box, m. Empty when `min > max`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,20 +51,23 @@ impl Aabb {
 
 /// The smallest rotation that takes unit vector `a` to unit vector `b`. Where they are opposite, a half turn about an
 /// axis that depends on `a` alone.
+///
+/// In f64, of vectors made unit length again: near opposite ones `1 / (1 + cos)` blows up what f32 rounded off.
 pub(crate) fn rotation_between(a: Vec3, b: Vec3) -> Mat3 {
-    let c = a.dot(b);
-    if c < -0.9999 {
+    if a.dot(b) < -0.9999 {
         // Half a turn about u, then the small rest from -a to b.
         let u = tangent_basis(a).x_axis;
         let half = Mat3::from_cols(u * (2.0 * u.x), u * (2.0 * u.y), u * (2.0 * u.z)) - Mat3::IDENTITY;
         return rotation_between(-a, b) * half;
     }
+    let (a, b) = (a.as_dvec3(), b.as_dvec3());
+    let (a, b) = (a / a.length(), b / b.length());
     let v = a.cross(b);
-    let k = 1.0 / (1.0 + c);
+    let k = 1.0 / (1.0 + a.dot(b));
     Mat3::from_cols(
-        Vec3::new(1.0 - (v.y * v.y + v.z * v.z) * k, v.z + v.x * v.y * k, -v.y + v.x * v.z * k),
-        Vec3::new(-v.z + v.x * v.y * k, 1.0 - (v.x * v.x + v.z * v.z) * k, v.x + v.y * v.z * k),
-        Vec3::new(v.y + v.x * v.z * k, -v.x + v.y * v.z * k, 1.0 - (v.x * v.x + v.y * v.y) * k),
+        DVec3::new(1.0 - (v.y * v.y + v.z * v.z) * k, v.z + v.x * v.y * k, -v.y + v.x * v.z * k).as_vec3(),
+        DVec3::new(-v.z + v.x * v.y * k, 1.0 - (v.x * v.x + v.z * v.z) * k, v.x + v.y * v.z * k).as_vec3(),
+        DVec3::new(v.y + v.x * v.z * k, -v.x + v.y * v.z * k, 1.0 - (v.x * v.x + v.y * v.y) * k).as_vec3(),
     )
 }
 
@@ -107,6 +110,17 @@ mod tests {
                 assert!((r.determinant() - 1.0).abs() < 1e-5);
                 assert!((r.transpose() * r - Mat3::IDENTITY).to_cols_array().iter().all(|x| x.abs() < 1e-5));
             }
+        }
+    }
+
+    #[test]
+    fn rotation_is_one_to_rounding_also_between_nearly_opposite_vectors() {
+        let a = unit(Vec3::new(0.3, -0.5, 0.8)).unwrap();
+        for off in [0.3f32, 0.1, 0.03, 0.02, 0.015, 0.014, 0.01, 1e-3] {
+            let b = unit(-a + tangent_basis(a).y_axis * off).unwrap();
+            let r = rotation_between(a, b);
+            assert!((r * a - b).length() < 5e-7, "{off}: {}", (r * a - b).length());
+            assert!((r.transpose() * r - Mat3::IDENTITY).to_cols_array().iter().all(|x| x.abs() < 5e-7), "{off}");
         }
     }
 

@@ -7,7 +7,7 @@
 //! Everything here is IEEE f32/f64 arithmetic with `sqrt` and `libm`, so the same hit makes the same mark everywhere.
 
 use crate::dent::{MAX_PAIRS, place};
-use crate::examples::{ANCHORED_WITHIN, Example, ExampleSet};
+use crate::examples::{ANCHORED_SIZE, ANCHORED_WITHIN, Example, ExampleSet};
 use crate::math::rotation_between;
 use crate::{Error, Mark, Pair, Placement};
 use glam::{DMat3, DVec3, Vec3};
@@ -273,7 +273,9 @@ fn nearest(set: &ExampleSet, p: &Params, contact: u32, direction: Vec3, size: f3
     let at = Around::new(set, contact, direction, size);
     for (i, e) in set.examples().iter().enumerate() {
         let within = (e.contact_point() - at.point).length() <= ANCHORED_WITHIN * e.support_radius();
-        let anchored = e.placement() == Placement::Anchored || (e.placement() == Placement::Automatic && within);
+        let own_size = (1.0 - ANCHORED_SIZE..=1.001).contains(&(size / e.depth()));
+        let anchored =
+            e.placement() == Placement::Anchored || (e.placement() == Placement::Automatic && within && own_size);
         let Some(q) = at.distance(e, anchored) else { continue };
         let c = Candidate { example: i, anchored, q };
         if anchored && within {

@@ -1,0 +1,145 @@
+//! How near the predicted dents come to an independent elasto-plastic solver's, on impacts that no example shows: the table of the
+//! design, classic beside carried. `cargo test --test accuracy -- --nocapture` prints it.
+//!
+//! Relative L2 of the displacement field over all vertices, median and 90th percentile over 16 held-out impacts a body. The hit is what
+//! an engine would report: the contact point and the displacement wanted there.
+
+mod scenes;
+
+use std::fs::File;
+use std::path::Path;
+use std::sync::Arc;
+
+use crumple::{
+    ExampleSet, Instance, InstanceOptions, Placement, Rule, Selection, Serial, SetOptions, Tracker, VertexMemory,
+};
+use scenes::{push, solver_set};
+
+struct HeldOut {
+    fields: Vec<f32>,
+    points: Vec<f32>,
+    displacements: Vec<f32>,
+}
+
+impl HeldOut {
+    fn read(body: &str) -> Self {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("assets/solver/{body}_heldout.npz"));
+        let mut archive = zip::ZipArchive::new(File::open(path).expect("the committed asset")).unwrap();
+        let mut array = |name: &str| -> Vec<f32> {
+            let file = archive.by_name(&format!("{name}.npy")).expect("an array of that name");
+            npyz::NpyFile::new(file).unwrap().into_vec().expect("f32 numbers")
+        };
+        Self { fields: array("fields"), points: array("contact_point"), displacements: array("contact_displacement") }
+    }
+
+    fn impacts(&self) -> impl Iterator<Item = ([f32; 3], [f32; 3], &[f32])> {
+        let count = self.points.len() / 3;
+        let three = |a: &[f32], i: usize| [a[3 * i], a[3 * i + 1], a[3 * i + 2]];
+        let size = self.fields.len() / count;
+        (0..count).map(move |i| {
+            (three(&self.points, i), three(&self.displacements, i), &self.fields[i * size..(i + 1) * size])
+        })
+    }
+}
+
+/// Relative L2 errors of one method over the held-out impacts, sorted.
+fn errors(set: &Arc<ExampleSet>, options: &InstanceOptions, held_out: &HeldOut) -> Vec<f64> {
+    let mut errors: Vec<f64> = held_out
+        .impacts()
+        .map(|(point, displacement, truth)| {
+            let mut instance = Instance::new(set.clone(), *options).unwrap();
+            instance.submit(&push(point, displacement)).unwrap();
+            let mut positions = vec![[0.0; 3]; set.vertex_count()];
+            let mut tracker = Tracker::new();
+            let memory = VertexMemory::separate(&mut positions, None, None).unwrap();
+            instance.deform(&mut tracker, memory, &Serial).unwrap();
+            let (mut wrong, mut all) = (0.0, 0.0);
+            for (v, (p, base)) in positions.iter().zip(set.mesh().positions()).enumerate() {
+                for k in 0..3 {
+                    let (is, ought) = (f64::from(p[k]) - f64::from(base[k]), f64::from(truth[3 * v + k]));
+                    wrong += (is - ought).powi(2);
+                    all += ought.powi(2);
+                }
+            }
+            (wrong / all).sqrt()
+        })
+        .collect();
+    errors.sort_by(f64::total_cmp);
+    errors
+}
+
+/// As numpy's: linear between the two nearest ranks.
+fn quantile(sorted: &[f64], q: f64) -> f64 {
+    let at = q * (sorted.len() - 1) as f64;
+    let low = at.floor() as usize;
+    let high = (low + 1).min(sorted.len() - 1);
+    sorted[low] + (at - low as f64) * (sorted[high] - sorted[low])
+}
+
+/// The medians of the design's table. At 32 examples the design tells classic and carried by 3 only.
+struct Row {
+    body: &'static str,
+    examples: usize,
+    classic: f64,
+    carried_1: Option<f64>,
+    carried_3: f64,
+}
+
+const TABLE: [Row; 6] = [
+    Row { body: "panel", examples: 4, classic: 1.01, carried_1: Some(0.33), carried_3: 0.24 },
+    Row { body: "panel", examples: 24, classic: 0.90, carried_1: Some(0.20), carried_3: 0.19 },
+    Row { body: "panel", examples: 32, classic: 0.83, carried_1: None, carried_3: 0.18 },
+    Row { body: "tube", examples: 4, classic: 1.05, carried_1: Some(0.28), carried_3: 0.21 },
+    Row { body: "tube", examples: 24, classic: 1.12, carried_1: Some(0.27), carried_3: 0.18 },
+    Row { body: "tube", examples: 32, classic: 1.24, carried_1: None, carried_3: 0.16 },
+];
+
+const TOLERANCE: f64 = 0.05;
+
+#[test]
+fn the_designs_table_is_reproduced() {
+    let classic = InstanceOptions { rule: Rule::MostDisplaced, selection: Selection::Classic, ..Default::default() };
+    // The table's carried examples were scaled to any depth asked for; by default none passes the deepest example's.
+    let carried = |k| InstanceOptions { examples_per_hit: k, depth_limit: Some(1.0), ..Default::default() };
+    let mut far = Vec::new();
+    println!("relative L2, median / p90 (design's median)\n");
+    println!(
+        "| examples | classic, clamped | carried, 1 | carried, 3 | automatic, 3 | all defaults |\n|---|---|---|---|---|---|"
+    );
+    for row in &TABLE {
+        let held_out = HeldOut::read(row.body);
+        let as_carried = solver_set(row.body, row.examples, Placement::Carried);
+        let automatic = solver_set(row.body, row.examples, Placement::Automatic);
+        // The classic figures count an example as affecting a vertex from a tenth of a millimetre; without that its choice falls on
+        // examples that barely move the contact (tube, 32 examples: 1.03 instead of 1.24).
+        let cut = {
+            let (mesh, mut examples) = scenes::solver(row.body);
+            examples.truncate(row.examples);
+            scenes::build(mesh, examples, SetOptions { drop_below: 1e-4, ..SetOptions::default() })
+        };
+        let mut line = format!("| {}: {} |", row.body, row.examples);
+        for (set, options, expected, what) in [
+            (&cut, classic, Some(row.classic), "classic"),
+            (&as_carried, carried(1), row.carried_1, "carried by 1"),
+            (&as_carried, carried(3), Some(row.carried_3), "carried by 3"),
+            (&automatic, carried(3), None, "automatic"),
+            (&automatic, InstanceOptions::default(), None, "defaults"),
+        ] {
+            let errors = errors(set, &options, &held_out);
+            let (median, p90) = (quantile(&errors, 0.5), quantile(&errors, 0.9));
+            line += &format!(" {median:.3} / {p90:.3}");
+            if let Some(expected) = expected {
+                line += &format!(" ({expected:.2})");
+                if (median - expected).abs() > TOLERANCE {
+                    far.push(format!(
+                        "{} {} {what}: {median:.3}, the design has {expected:.2}",
+                        row.body, row.examples
+                    ));
+                }
+            }
+            line += " |";
+        }
+        println!("{line}");
+    }
+    assert!(far.is_empty(), "further than {TOLERANCE} from the design:\n{}", far.join("\n"));
+}

@@ -1,0 +1,74 @@
+//! The list of marks: hits that repeat a mark add their energy; above the capacity the weakest mark gives its energy away.
+
+use std::collections::BTreeMap;
+
+use crumple::{Combine, Mark, Pair};
+
+use super::Model;
+
+/// Contact, depth (its bits) and pairs: two marks that share it are one. Marks are kept in this order.
+pub type Key = (u32, u32, [Pair; 4]);
+
+pub fn key(mark: &Mark) -> Key {
+    (mark.contact, mark.depth.to_bits(), mark.pairs)
+}
+
+/// Marks as a plain map.
+#[derive(Debug, Clone, Default)]
+pub struct Ledger {
+    pub energies: BTreeMap<Key, u64>,
+}
+
+fn depth(key: &Key) -> f64 {
+    f64::from(f32::from_bits(key.1))
+}
+
+impl Ledger {
+    /// The marks of one frame: in canonical order, each in turn.
+    pub fn frame(&mut self, model: &Model, combine: Combine, marks: &[Mark], capacity: usize) {
+        let mut marks = marks.to_vec();
+        marks.sort_by_key(|m| (key(m), m.energy));
+        for mark in marks {
+            let energy = self.energies.entry(key(&mark)).or_insert(0);
+            *energy = combined(*energy, mark.energy, combine);
+            if self.energies.len() > capacity {
+                self.merge_weakest(model, combine);
+            }
+        }
+    }
+
+    fn merge_weakest(&mut self, model: &Model, combine: Combine) {
+        // f32, as documented for the size of a mark: the choice must not hang on the oracle's extra digits
+        let size = |(k, e): (&Key, &u64)| {
+            let energy = *e as f64 / 2f64.powi(32);
+            let strength = if combine == Combine::Energies { energy.sqrt() } else { energy };
+            strength as f32 * depth(k) as f32
+        };
+        let weakest = *self.energies.iter().min_by(|a, b| size(*a).total_cmp(&size(*b))).unwrap().0;
+        let energy = self.energies.remove(&weakest).unwrap();
+        // squared and in f32 too, so that equally near contacts tie as they do in the library
+        let at = |k: &Key| model.positions[k.0 as usize].map(|x| x as f32);
+        let distance = |k: &Key| {
+            let (a, b) = (at(k), at(&weakest));
+            let d = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+            d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
+        };
+        let Some(heir) = self.energies.keys().min_by(|a, b| distance(a).total_cmp(&distance(b))).copied() else {
+            return;
+        };
+        // energy in m²: (strength * depth)², kept
+        let ratio = depth(&weakest) / depth(&heir);
+        let given = energy as f64 * if combine == Combine::Energies { ratio * ratio } else { ratio };
+        let entry = self.energies.get_mut(&heir).unwrap();
+        *entry = combined(*entry, given as u64, combine);
+    }
+
+    pub fn marks(&self) -> Vec<Mark> {
+        let of = |(k, e): (&Key, &u64)| Mark { contact: k.0, depth: f32::from_bits(k.1), energy: *e, pairs: k.2 };
+        self.energies.iter().map(of).collect()
+    }
+}
+
+fn combined(a: u64, b: u64, combine: Combine) -> u64 {
+    if combine == Combine::Deepest { a.max(b) } else { a.saturating_add(b) }
+}

@@ -1,0 +1,223 @@
+//! The default model: marks to displacements, one vertex at a time.
+
+use crumple::Combine;
+
+use super::vector::{Matrix, V, add, apply, dot, from_f32, length, rotation_between, scale, sub, transpose, unit};
+use super::{Example, Model};
+
+/// A mark's pair of example and share.
+#[derive(Debug, Clone, Copy)]
+pub struct Part {
+    pub example: usize,
+    pub share: f64,
+    pub anchored: bool,
+}
+
+/// One dent.
+#[derive(Debug, Clone)]
+pub struct Mark {
+    pub contact: usize,
+    /// Target depth, m.
+    pub depth: f64,
+    /// Root of its energy: 1 for one hit.
+    pub strength: f64,
+    pub parts: Vec<Part>,
+}
+
+/// The documented layout of a pair: share in 1/32767 in the low 15 bits, anchored in the top bit.
+pub fn part_of(pair: crumple::Pair) -> Part {
+    Part {
+        example: usize::from(pair.example),
+        share: f64::from(pair.share & 0x7fff) / 32767.0,
+        anchored: pair.share & 0x8000 != 0,
+    }
+}
+
+/// The documented layout of a mark: energy in 2^-32, the square of the strength where energies add and the strength itself elsewhere;
+/// unused pairs have example 0xFFFF.
+pub fn mark_of(mark: &crumple::Mark, combine: Combine) -> Mark {
+    let energy = mark.energy as f64 / 2f64.powi(32);
+    Mark {
+        contact: mark.contact as usize,
+        depth: f64::from(mark.depth),
+        strength: if combine == Combine::Energies { energy.sqrt() } else { energy },
+        parts: mark.pairs.iter().filter(|p| p.example != 0xFFFF).map(|p| part_of(*p)).collect(),
+    }
+}
+
+/// Documented bounds of the stretch in the surface.
+pub const STRETCH: (f64, f64) = (0.25, 4.0);
+/// Examples that cancel each other at the contact are scaled up together by at most this.
+pub const TOGETHER: f64 = 4.0;
+
+/// How far an example carried to a hit of depth `depth` is stretched in the surface.
+pub fn stretch(depth: f64, example: &Example) -> f64 {
+    (depth / example.depth()).sqrt().clamp(STRETCH.0, STRETCH.1)
+}
+
+/// A stamp's grid in f64.
+#[derive(Debug, Clone)]
+pub struct Grid {
+    pub dims: [usize; 3],
+    pub first: V,
+    pub step: V,
+    pub displacements: Vec<V>,
+    pub normals: Vec<V>,
+    /// Rows are the contact frame's x, y, z in mesh space.
+    pub frame: Matrix,
+}
+
+impl Grid {
+    pub fn of(stamp: &crumple::Stamp, frame: glam::Mat3) -> Self {
+        let (first, step) = stamp.grid();
+        Self {
+            dims: stamp.dims().map(|n| n as usize),
+            first: from_f32(first),
+            step: from_f32(step),
+            displacements: stamp.nodes().iter().map(|u| from_f32(u.to_array())).collect(),
+            normals: stamp.normal_nodes().iter().map(|n| from_f32(n.to_array())).collect(),
+            frame: [frame.x_axis, frame.y_axis, frame.z_axis].map(|axis| from_f32(axis.to_array())),
+        }
+    }
+
+    /// Trilinear; zero outside.
+    fn look_up(&self, values: &[V], p: V) -> V {
+        let mut cell = [0usize; 3];
+        let mut part = [0.0; 3];
+        for k in 0..3 {
+            let x = (p[k] - self.first[k]) / self.step[k];
+            if !(0.0..=(self.dims[k] - 1) as f64).contains(&x) {
+                return [0.0; 3];
+            }
+            cell[k] = (x.floor() as usize).min(self.dims[k] - 2);
+            part[k] = x - cell[k] as f64;
+        }
+        let mut sum = [0.0; 3];
+        for corner in 0..8 {
+            let at = [0, 1, 2].map(|k| cell[k] + (corner >> k & 1));
+            let weight: f64 = (0..3).map(|k| if corner >> k & 1 == 1 { part[k] } else { 1.0 - part[k] }).product();
+            sum = add(sum, scale(weight, values[at[0] + self.dims[0] * (at[1] + self.dims[1] * at[2])]));
+        }
+        sum
+    }
+}
+
+/// Where `vertex` falls in the stamp of an example carried to the mark: contact frame, m, stretch undone.
+fn place<'a>(model: &Model, mark: &Mark, example: &'a Example, vertex: usize) -> (&'a Grid, Matrix, f64, V) {
+    let grid = example.grid.as_ref().expect("a carried example has a stamp");
+    let rotation = rotation_between(example.contact_normal, model.contact_normals[mark.contact]);
+    let local = apply(transpose(rotation), sub(model.positions[vertex], model.positions[mark.contact]));
+    let s = stretch(mark.depth, example);
+    let p = apply(grid.frame, local);
+    (grid, rotation, s, [p[0] / s, p[1] / s, p[2]])
+}
+
+/// Whether `vertex` falls so near the border of a stamp that rounding decides whether it is inside.
+pub fn on_a_border(model: &Model, mark: &Mark, vertex: usize) -> bool {
+    mark.parts.iter().filter(|p| !p.anchored).any(|part| {
+        let (grid, _, _, p) = place(model, mark, &model.examples[part.example], vertex);
+        (0..3).any(|k| {
+            let x = (p[k] - grid.first[k]) / grid.step[k];
+            x.abs() < 1e-3 || (x - (grid.dims[k] - 1) as f64).abs() < 1e-3
+        })
+    })
+}
+
+/// Displacement and change of normal of `vertex` by one example of a mark at full strength.
+pub fn example_at(model: &Model, mark: &Mark, part: &Part, vertex: usize) -> (V, V) {
+    let example = &model.examples[part.example];
+    if part.anchored {
+        return (example.deltas[vertex], example.normal_deltas[vertex]);
+    }
+    let (grid, rotation, s, p) = place(model, mark, example, vertex);
+    let back = |u: V| apply(rotation, apply(transpose(grid.frame), u));
+    // slopes fall as a dent gets wider
+    let normals = if grid.normals.is_empty() { [0.0; 3] } else { scale(1.0 / s, grid.look_up(&grid.normals, p)) };
+    (back(grid.look_up(&grid.displacements, p)), back(normals))
+}
+
+/// What each part of a mark is multiplied with: its share of the target depth over its own, then all together so that the contact gets the
+/// target depth; anchored parts (and all, in a strict set) never above 1.
+pub fn scales(model: &Model, mark: &Mark) -> Vec<f64> {
+    let at_contact: Vec<V> = mark.parts.iter().map(|p| example_at(model, mark, p, mark.contact).0).collect();
+    let mut scales = Vec::new();
+    let mut sum = [0.0; 3];
+    for (part, u) in mark.parts.iter().zip(&at_contact) {
+        let own = if part.anchored { length(*u) } else { model.examples[part.example].depth() };
+        let scale_of_part = part.share * mark.depth / own;
+        sum = add(sum, scale(scale_of_part, *u));
+        scales.push(scale_of_part);
+    }
+    let together = if length(sum) > 0.0 { (mark.depth / length(sum)).min(TOGETHER) } else { 1.0 };
+    for (s, part) in scales.iter_mut().zip(&mark.parts) {
+        *s *= together;
+        if part.anchored || model.strict {
+            *s = s.min(1.0);
+        }
+    }
+    scales
+}
+
+/// Displacement of the contact by one mark of strength 1.
+pub fn met(model: &Model, mark: &Mark) -> V {
+    let mut sum = [0.0; 3];
+    for (part, w) in mark.parts.iter().zip(scales(model, mark)) {
+        sum = add(sum, scale(w, example_at(model, mark, part, mark.contact).0));
+    }
+    sum
+}
+
+/// A mark with the scales of its parts worked out once.
+pub struct Scaled<'a>(pub &'a Mark, pub Vec<f64>);
+
+pub fn scaled<'a>(model: &Model, marks: &'a [Mark]) -> Vec<Scaled<'a>> {
+    marks.iter().map(|m| Scaled(m, scales(model, m))).collect()
+}
+
+/// Displacement and change of normal of `vertex` by one mark.
+pub fn mark_at(model: &Model, Scaled(mark, scales): &Scaled<'_>, vertex: usize) -> (V, V) {
+    let mut sum = ([0.0; 3], [0.0; 3]);
+    for (part, s) in mark.parts.iter().zip(scales) {
+        let (u, n) = example_at(model, mark, part, vertex);
+        let w = mark.strength * s;
+        sum = (add(sum.0, scale(w, u)), add(sum.1, scale(w, n)));
+    }
+    sum
+}
+
+/// Displacement of `vertex` by all marks, and the factor by which their plain sum was shortened.
+pub fn displacement(model: &Model, marks: &[Scaled<'_>], vertex: usize, combine: Combine, limit: f64) -> (V, f64) {
+    let (mut sum, mut squares, mut deepest) = ([0.0; 3], 0.0, 0.0f64);
+    for mark in marks {
+        let (u, _) = mark_at(model, mark, vertex);
+        sum = add(sum, u);
+        squares += dot(u, u);
+        deepest = deepest.max(length(u));
+    }
+    let s = length(sum);
+    if s == 0.0 {
+        return ([0.0; 3], 1.0);
+    }
+    let factor = match combine {
+        Combine::Sum => 1.0f64,
+        Combine::Energies => (squares.sqrt() / s).min(1.0),
+        Combine::Deepest => (deepest / s).min(1.0),
+    };
+    let factor = factor.min(limit / s);
+    (scale(factor, sum), factor)
+}
+
+/// Unit normal of `vertex` after all marks: the base's plus the marks' changes, shortened as the displacement is.
+pub fn normal(model: &Model, marks: &[Scaled<'_>], vertex: usize, combine: Combine, limit: f64) -> V {
+    unit(normal_sum(model, marks, vertex, combine, limit))
+}
+
+/// The same before it is made unit length.
+pub fn normal_sum(model: &Model, marks: &[Scaled<'_>], vertex: usize, combine: Combine, limit: f64) -> V {
+    let (_, factor) = displacement(model, marks, vertex, combine, limit);
+    let mut change = [0.0; 3];
+    for mark in marks {
+        change = add(change, mark_at(model, mark, vertex).1);
+    }
+    add(model.normals[vertex], scale(factor, change))
+}

@@ -1,0 +1,84 @@
+//! Three numbers, in f64.
+
+pub type V = [f64; 3];
+
+pub fn from_f32(a: [f32; 3]) -> V {
+    a.map(f64::from)
+}
+
+pub fn add(a: V, b: V) -> V {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+pub fn sub(a: V, b: V) -> V {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+pub fn scale(s: f64, a: V) -> V {
+    a.map(|x| s * x)
+}
+
+pub fn dot(a: V, b: V) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+pub fn cross(a: V, b: V) -> V {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+pub fn length(a: V) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// Unit length, or zero.
+pub fn unit(a: V) -> V {
+    let l = length(a);
+    if l > 0.0 { scale(1.0 / l, a) } else { [0.0; 3] }
+}
+
+pub fn lerp(a: V, b: V, t: f64) -> V {
+    add(a, scale(t, sub(b, a)))
+}
+
+/// Rows of a rotation.
+pub type Matrix = [V; 3];
+
+pub fn apply(m: Matrix, a: V) -> V {
+    [dot(m[0], a), dot(m[1], a), dot(m[2], a)]
+}
+
+pub fn transpose(m: Matrix) -> Matrix {
+    [0, 1, 2].map(|i| [m[0][i], m[1][i], m[2][i]])
+}
+
+/// The smallest rotation that takes unit vector `a` to unit vector `b` (Rodrigues). They must not be opposite.
+pub fn smallest_rotation(a: V, b: V) -> Matrix {
+    let v = cross(a, b);
+    let c = dot(a, b);
+    let k = [[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]];
+    [0, 1, 2].map(|i| {
+        [0, 1, 2].map(|j| {
+            let square: f64 = (0..3).map(|l| k[i][l] * k[l][j]).sum();
+            f64::from(u8::from(i == j)) + k[i][j] + square / (1.0 + c)
+        })
+    })
+}
+
+/// The same for any two: where they are opposite (to within a cosine of 1e-4), half a turn about the x axis of `tangent_basis(a)` first.
+pub fn rotation_between(a: V, b: V) -> Matrix {
+    let (a, b) = (unit(a), unit(b));
+    if dot(a, b) >= -0.9999 {
+        return smallest_rotation(a, b);
+    }
+    let u = tangent_x(a);
+    let half = [0, 1, 2].map(|i| [0, 1, 2].map(|j| 2.0 * u[i] * u[j] - f64::from(u8::from(i == j))));
+    let rest = transpose(smallest_rotation(scale(-1.0, a), b));
+    transpose([0, 1, 2].map(|j| [0, 1, 2].map(|i| (0..3).map(|l| rest[l][i] * half[l][j]).sum())))
+}
+
+/// x axis of the frame of Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 2017.
+fn tangent_x(n: V) -> V {
+    let sign = 1f64.copysign(n[2]);
+    let a = -1.0 / (sign + n[2]);
+    [1.0 + sign * n[0] * n[0] * a, sign * n[0] * n[1] * a, -sign * n[0]]
+}

@@ -1,0 +1,1044 @@
+//! What the design promises, whatever happens to a body: bounded, local, free of order, deterministic, watertight, nothing written where
+//! nothing changed. Random sequences of up to 10 000 hits on a sheet, a ball, a cube with hard edges and a UV seam, and the solver's panel.
+
+mod scenes;
+
+use std::sync::Arc;
+
+use crumple::glam::{Mat4, Quat, Vec3};
+use crumple::{
+    Attribute, Cause, Combine, DeformJob, Error, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Mark, Pair,
+    Placement, Rule, Serial, SetOptions, Space, TaskSystem, ThreadPool, Tracker, VertexMemory,
+};
+use proptest::prelude::*;
+use scenes::{Body, Dice, Output, POISON, fnv, push, random_hit, random_hits};
+
+fn config(cases: u32) -> ProptestConfig {
+    ProptestConfig { cases, max_shrink_iters: 24, ..ProptestConfig::default() }
+}
+
+/// Built once: all bodies.
+fn bodies() -> &'static [Body] {
+    static BODIES: std::sync::OnceLock<Vec<Body>> = std::sync::OnceLock::new();
+    BODIES.get_or_init(scenes::bodies)
+}
+
+fn any_body() -> impl Strategy<Value = &'static Body> {
+    (0..4usize).prop_map(|i| &bodies()[i])
+}
+
+/// 1 to 10 000, small numbers as likely as large ones.
+fn sequence_length() -> impl Strategy<Value = usize> {
+    prop_oneof![1usize..10, 10usize..300, 300usize..3000, Just(10_000)]
+}
+
+fn new(set: &Arc<ExampleSet>) -> Instance {
+    with(set, InstanceOptions::default())
+}
+
+fn with(set: &Arc<ExampleSet>, options: InstanceOptions) -> Instance {
+    Instance::new(set.clone(), options).unwrap()
+}
+
+fn base(set: &ExampleSet, v: usize) -> [f32; 3] {
+    set.mesh().positions()[v].to_array()
+}
+
+fn bits(p: [f32; 3]) -> [u32; 3] {
+    p.map(f32::to_bits)
+}
+
+fn distance(a: [f32; 3], b: [f32; 3]) -> f64 {
+    (0..3).map(|k| (f64::from(a[k]) - f64::from(b[k])).powi(2)).sum::<f64>().sqrt()
+}
+
+/// What rounding a coordinate of this size to f32 can add to a length.
+fn rounding(p: [f32; 3]) -> f64 {
+    p.iter().map(|x| f64::from(x.abs())).fold(0.0, f64::max) * 1.1e-7
+}
+
+// ---------------------------------------------------------------------------------------------------------------- bounded
+
+/// Finite, within the limit, normals of unit length, tangents orthogonal to them.
+fn check_bounded(instance: &mut Instance) -> Result<(), TestCaseError> {
+    let set = instance.example_set().clone();
+    let limit = f64::from(instance.depth_limit());
+    let out = Output::fresh(instance);
+    for v in 0..set.vertex_count() {
+        let (p, b) = (out.positions[v], base(&set, v));
+        prop_assert!(p.iter().all(|x| x.is_finite()), "vertex {v} at {p:?}");
+        let far = distance(p, b);
+        prop_assert!(far <= limit * (1.0 + 1e-6) + rounding(p) + rounding(b), "vertex {v} moved {far}, limit {limit}");
+        if set.mesh().normals().is_some() {
+            let n = Vec3::from_array(out.normals[v]);
+            prop_assert!((n.length() - 1.0).abs() < 1e-5, "normal of vertex {v}: {n}");
+            if let Some(t) = set.mesh().tangents() {
+                let [x, y, z, w] = out.tangents[v];
+                let tangent = Vec3::new(x, y, z);
+                prop_assert!((tangent.length() - 1.0).abs() < 1e-5, "tangent of vertex {v}: {tangent}");
+                prop_assert!(tangent.dot(n).abs() < 1e-5, "tangent {tangent} of vertex {v} is not orthogonal to {n}");
+                prop_assert_eq!(w, t[v].w);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Anything an engine might report: sizes from 1e-30 to 1e30, any direction, as displacements and impulses.
+fn wild_hit(set: &ExampleSet, dice: &mut Dice) -> Hit {
+    let mut hit = random_hit(set, dice);
+    let size = [1e-30f32, 1e-20, 1e-6, 1e-3, 1.0, 10.0, 1e4, 1e15, 1e30][dice.index(9)];
+    let direction = dice.vector(1.0);
+    let vector = direction.map(|x| x * size);
+    hit.cause = match dice.index(3) {
+        0 => Cause::Displacement(vector),
+        1 => {
+            let duration = [1e-30, 1e-3, 1.0, 1e30][dice.index(4)];
+            let mass = Some([1e-30, 0.1, 1e30][dice.index(3)]);
+            Cause::Impulse { impulse: vector, duration, mass }
+        }
+        _ => hit.cause,
+    };
+    hit
+}
+
+proptest! {
+    #![proptest_config(config(24))]
+
+    #[test]
+    fn bounded_whatever_is_submitted(body in any_body(), count in sequence_length(), seed in any::<u64>(), frames in 1usize..4) {
+        let (_, set) = body;
+        let mut dice = Dice::new(seed);
+        let depth_limit = [None, Some(1e-3), Some(0.05), Some(1e9)][dice.index(4)];
+        let mut instance = with(set, InstanceOptions { depth_limit, ..InstanceOptions::default() });
+        for _ in 0..frames {
+            for _ in 0..count.div_ceil(frames) {
+                let outcome = instance.submit(&wild_hit(set, &mut dice)).unwrap();
+                let all = outcome.met.iter().chain(&outcome.unmet).chain(&outcome.target);
+                prop_assert!(all.into_iter().all(|x| x.is_finite()), "{outcome:?}");
+            }
+            check_bounded(&mut instance)?;
+        }
+    }
+
+    #[test]
+    fn bounded_for_any_marks_that_are_accepted(body in any_body(), seed in any::<u64>()) {
+        let (_, set) = body;
+        let mut dice = Dice::new(seed);
+        let mut list = Vec::new();
+        for _ in 0..1 + dice.index(20) {
+            let mut pairs = [Pair::NONE; 4];
+            let used = 1 + dice.index(4);
+            for pair in pairs.iter_mut().take(used) {
+                *pair = Pair::new(dice.index(set.examples().len()) as u16, 1 + dice.index(8000) as u16, dice.index(2) == 0);
+            }
+            let depth = [1e-30, 1e-9, 0.01, 1.0, 1e9][dice.index(5)];
+            let energy = [1, Mark::ONE, u64::MAX][dice.index(3)];
+            list.push(Mark { contact: dice.index(set.vertex_count()) as u32, depth, energy, pairs });
+        }
+        let mut instance = new(set);
+        instance.set_marks(&list).unwrap();
+        check_bounded(&mut instance)?;
+    }
+
+    #[test]
+    fn bounded_by_every_way_to_combine(combine in prop_oneof![Just(Combine::Sum), Just(Combine::Deepest)], seed in any::<u64>(), count in 1usize..400) {
+        let mesh = scenes::cube(6);
+        let examples = scenes::bowls(&mesh, 5, 0.5, seed);
+        let set = scenes::build(mesh, examples, SetOptions { combine, depth_limit: Some(0.1), ..SetOptions::default() });
+        let mut instance = new(&set);
+        for hit in random_hits(&set, count, seed) {
+            instance.submit(&hit).unwrap();
+        }
+        check_bounded(&mut instance)?;
+    }
+
+    #[test]
+    fn the_clamped_classic_rules_never_pass_the_deepest_example(body in any_body(), count in 1usize..600, seed in any::<u64>(), k in 0.0f32..=1.0) {
+        let (_, set) = body;
+        let mut instance = with(set, InstanceOptions::classic(Rule::Blend(k)));
+        let mut dice = Dice::new(seed);
+        for _ in 0..count {
+            instance.submit(&wild_hit(set, &mut dice)).unwrap();
+        }
+        let deepest = set.examples().iter().map(|e| f64::from(e.max_depth())).fold(0.0, f64::max);
+        let out = Output::fresh(&mut instance);
+        for v in 0..set.vertex_count() {
+            let far = distance(out.positions[v], base(set, v));
+            prop_assert!(far <= deepest * (1.0 + 1e-5) + 1e-6, "vertex {v} moved {far}, deepest {deepest}");
+        }
+    }
+}
+
+#[test]
+fn quick_bounded() {
+    for (name, set) in scenes::small_bodies() {
+        let mut instance = new(&set);
+        let mut dice = Dice::new(5);
+        for _ in 0..60 {
+            instance.submit(&wild_hit(&set, &mut dice)).unwrap();
+        }
+        check_bounded(&mut instance).unwrap_or_else(|e| panic!("{name}: {e}"));
+    }
+}
+
+// ------------------------------------------------------------------------------------------------------------------ local
+
+/// Whether any pair of the mark can move (or turn the normal of) vertex `v`, by public data alone: the example's own support where it is
+/// anchored; a ball around the contact that holds the stretched stamp where it is carried.
+fn reaches(set: &ExampleSet, mark: &Mark, v: usize) -> bool {
+    mark.pairs.iter().filter(|p| !p.is_none()).any(|pair| {
+        let e = &set.examples()[usize::from(pair.example)];
+        if pair.anchored() {
+            return e.delta(v as u32) != Vec3::ZERO || e.normal_delta(v as u32) != Vec3::ZERO;
+        }
+        let stamp = e.stamp().expect("a carried example has a stamp");
+        let (first, step) = stamp.grid();
+        let stretch = (mark.depth / e.depth()).sqrt().clamp(0.25, 4.0);
+        let corner = |k: usize| first[k].abs().max((first[k] + step[k] * (stamp.dims()[k] - 1) as f32).abs());
+        let radius = Vec3::new(corner(0) * stretch, corner(1) * stretch, corner(2)).length() * 1.001;
+        distance(base(set, v), base(set, mark.contact as usize)) <= f64::from(radius)
+    })
+}
+
+proptest! {
+    #![proptest_config(config(24))]
+
+    #[test]
+    fn nothing_moves_outside_the_supports_of_the_marks(body in any_body(), count in 1usize..12, seed in any::<u64>()) {
+        let (_, set) = body;
+        let mut instance = new(set);
+        for hit in random_hits(set, count, seed) {
+            instance.submit(&hit).unwrap();
+        }
+        let marks = instance.marks().unwrap().to_vec();
+        let out = Output::fresh(&mut instance);
+        let still = Output::fresh(&mut new(set));
+        for v in 0..set.vertex_count() {
+            if !marks.iter().any(|m| reaches(set, m, v)) {
+                prop_assert_eq!(out.bits(v), still.bits(v));
+                prop_assert_eq!(bits(out.positions[v]), bits(base(set, v)));
+            }
+        }
+    }
+
+    #[test]
+    fn a_carried_dent_is_where_the_body_was_hit(seed in any::<u64>(), which in 0usize..3) {
+        let mesh = [scenes::sheet(24), scenes::ball(3), scenes::cube(10)][which].clone();
+        let mut examples = scenes::bowls(&mesh, 5, 0.3, 11);
+        examples.iter_mut().for_each(|e| e.placement = Placement::Carried);
+        let set = scenes::build(mesh, examples, SetOptions::default());
+        let mut dice = Dice::new(seed);
+        let vertex = dice.index(set.vertex_count());
+        let n = set.mesh().contact_normal(vertex as u32).unwrap();
+        let depth = set.depth_limit() * dice.between(0.2, 0.9);
+        let mut instance = new(&set);
+        let outcome = instance.submit(&push(base(&set, vertex), (n * -depth).to_array())).unwrap();
+        prop_assert_eq!(outcome.status, HitStatus::Marked);
+        let mark = outcome.mark.unwrap();
+        let wide = mark.pairs.iter().filter(|p| !p.is_none()).map(|p| {
+            let e = &set.examples()[usize::from(p.example)];
+            e.support_radius() * (mark.depth / e.depth()).sqrt().clamp(0.25, 4.0)
+        }).fold(0.0, f32::max);
+        let out = Output::fresh(&mut instance);
+        let moved = |v: usize| distance(out.positions[v], base(&set, v));
+        let deepest = (0..set.vertex_count()).max_by(|a, b| moved(*a).total_cmp(&moved(*b))).unwrap();
+        // the contact got what was asked for, and is as deep as anything
+        let at_contact = moved(outcome.contact_vertex as usize);
+        prop_assert!((at_contact - f64::from(depth)).abs() <= 0.01 * f64::from(depth), "{at_contact}, asked {depth}");
+        prop_assert!(at_contact >= 0.9 * moved(deepest), "contact {at_contact}, deepest {}", moved(deepest));
+        // a bowl is round: nothing sizeable moves outside its radius, and every vertex well inside moves
+        for v in 0..set.vertex_count() {
+            let away = distance(base(&set, v), base(&set, vertex)) as f32;
+            prop_assert!(moved(v) <= 0.02 * f64::from(depth) || away <= 1.2 * wide, "vertex {v} moved {} at {away} m, radius {wide}", moved(v));
+        }
+    }
+}
+
+// -------------------------------------------------------------------------------------------- free of order, deterministic
+
+fn save_after(set: &Arc<ExampleSet>, options: &InstanceOptions, frames: &[Vec<Hit>]) -> Vec<u8> {
+    let mut instance = with(set, *options);
+    for frame in frames {
+        for hit in frame {
+            instance.submit(hit).unwrap();
+        }
+        instance.fold();
+    }
+    instance.save()
+}
+
+/// Cuts `hits` into frames at random.
+fn cut(mut hits: Vec<Hit>, dice: &mut Dice) -> Vec<Vec<Hit>> {
+    let mut frames = Vec::new();
+    while !hits.is_empty() {
+        let rest = hits.split_off(1 + dice.index(hits.len()));
+        frames.push(std::mem::replace(&mut hits, rest));
+    }
+    frames
+}
+
+proptest! {
+    #![proptest_config(config(16))]
+
+    #[test]
+    fn the_order_within_a_frame_does_not_matter(body in any_body(), count in sequence_length(), seed in any::<u64>(), capacity in 1u32..100) {
+        let (_, set) = body;
+        let options = InstanceOptions { capacity, ..InstanceOptions::default() };
+        let mut dice = Dice::new(seed);
+        let mut hits = random_hits(set, count, seed);
+        let once = save_after(set, &options, std::slice::from_ref(&hits));
+        dice.shuffle(&mut hits);
+        prop_assert!(once == save_after(set, &options, &[hits]));
+    }
+
+    #[test]
+    fn nor_does_the_cut_into_frames_until_the_capacity(body in any_body(), count in 1usize..2000, seed in any::<u64>()) {
+        let (_, set) = body;
+        let options = InstanceOptions { capacity: 4000, ..InstanceOptions::default() };
+        let mut dice = Dice::new(seed);
+        let mut hits = random_hits(set, count, seed);
+        let once = save_after(set, &options, std::slice::from_ref(&hits));
+        dice.shuffle(&mut hits);
+        let frames = cut(hits, &mut dice);
+        prop_assert!(once == save_after(set, &options, &frames));
+    }
+
+    #[test]
+    fn a_replay_gives_the_same_bytes_past_the_capacity(body in any_body(), count in sequence_length(), seed in any::<u64>()) {
+        let (_, set) = body;
+        let frames = cut(random_hits(set, count, seed), &mut Dice::new(seed));
+        let options = InstanceOptions { capacity: 16, ..InstanceOptions::default() };
+        let mut instance = with(set, options);
+        let mut out = Output::new(set);
+        for frame in &frames {
+            frame.iter().for_each(|h| { instance.submit(h).unwrap(); });
+            // deforming, previewing and reading in between change nothing
+            out.update(&mut instance);
+            instance.preview(&frame[0]).unwrap();
+            prop_assert!(instance.marks().unwrap().len() <= 16);
+        }
+        prop_assert!(instance.save() == save_after(set, &options, &frames));
+    }
+
+    #[test]
+    fn any_number_of_threads_submits_and_deforms_alike(body in any_body(), count in 1usize..600, seed in any::<u64>()) {
+        let (_, set) = body;
+        let hits = random_hits(set, count, seed);
+        let alone = save_after(set, &InstanceOptions::default(), std::slice::from_ref(&hits));
+        let mut reference: Option<Vec<[u32; 10]>> = None;
+        for tasks in task_systems() {
+            let mut instance = new(set);
+            let inbox = instance.inbox().clone();
+            std::thread::scope(|scope| {
+                for part in hits.chunks(hits.len().div_ceil(8)) {
+                    let inbox = &inbox;
+                    scope.spawn(move || part.iter().for_each(|h| { inbox.submit(h).unwrap(); }));
+                }
+            });
+            prop_assert!(instance.save() == alone);
+            let mut out = Output::new(set);
+            out.update_with(&mut instance, tasks.as_ref());
+            prop_assert!(reference.get_or_insert_with(|| out.all_bits()) == &out.all_bits());
+        }
+    }
+}
+
+/// Serial, and pools of 1, 2 and 8 threads.
+fn task_systems() -> &'static [Box<dyn TaskSystem + Send>] {
+    static SYSTEMS: std::sync::OnceLock<Vec<Box<dyn TaskSystem + Send>>> = std::sync::OnceLock::new();
+    SYSTEMS.get_or_init(|| {
+        let pool = |n| -> Box<dyn TaskSystem + Send> { Box::new(ThreadPool::new(n).unwrap()) };
+        vec![Box::new(Serial), pool(1), pool(2), pool(8)]
+    })
+}
+
+#[test]
+fn sets_are_built_alike_on_any_number_of_threads() {
+    let build = |tasks: &dyn TaskSystem| {
+        let mesh = scenes::cube(8);
+        let examples = scenes::bowls(&mesh, 9, 0.4, 4);
+        Arc::new(ExampleSet::build(mesh, examples, SetOptions::default(), tasks).unwrap())
+    };
+    let alone = build(&Serial);
+    let hits = random_hits(&alone, 40, 3);
+    let mut reference = new(&alone);
+    hits.iter().for_each(|h| {
+        reference.submit(h).unwrap();
+    });
+    let reference = Output::fresh(&mut reference).all_bits();
+    for tasks in task_systems() {
+        let set = build(tasks.as_ref());
+        assert_eq!(set.fingerprint(), alone.fingerprint());
+        let mut instance = new(&set);
+        hits.iter().for_each(|h| {
+            instance.submit(h).unwrap();
+        });
+        assert!(Output::fresh(&mut instance).all_bits() == reference);
+    }
+}
+
+/// The bytes of a fixed scenario. A platform that differs here would not agree with others over a network. After a deliberate change of
+/// the model or of the saved format: take the printed values over.
+#[test]
+fn quick_golden_marks_are_the_same_on_every_platform() {
+    const GOLDEN: [(&str, u64, u64); 3] = [("sheet", 0, 0), ("ball", 0, 0), ("cube", 0, 0)];
+    let found: Vec<(&str, u64, u64)> = scenes::small_bodies()
+        .into_iter()
+        .map(|(name, set)| {
+            let options = InstanceOptions { capacity: 24, ..InstanceOptions::default() };
+            let mut instance = with(&set, options);
+            let mut dice = Dice::new(2026);
+            for frame in random_hits(&set, 60, 2026).chunks(13) {
+                frame.iter().for_each(|h| {
+                    instance.submit(h).unwrap();
+                });
+                let impulse = Cause::Impulse { impulse: dice.vector(90.0), duration: 0.01, mass: Some(2.5) };
+                let at = base(&set, dice.index(set.vertex_count()));
+                instance.submit(&Hit { point: at, cause: impulse, space: Space::Local }).unwrap();
+                instance.fold();
+            }
+            let out = Output::fresh(&mut instance);
+            let positions: Vec<u8> = out.positions.iter().flatten().flat_map(|x| x.to_bits().to_le_bytes()).collect();
+            (name, fnv(&instance.save()), fnv(&positions))
+        })
+        .collect();
+    let text = |list: &[(&str, u64, u64)]| {
+        list.iter().map(|(n, a, b)| format!("(\"{n}\", {a:#018x}, {b:#018x})")).collect::<Vec<_>>().join(", ")
+    };
+    assert_eq!(text(&found), text(&GOLDEN));
+}
+
+// ------------------------------------------------------------------------------------------------------------- watertight
+
+proptest! {
+    #![proptest_config(config(16))]
+
+    #[test]
+    fn seams_stay_closed_bit_for_bit(seed in any::<u64>(), count in sequence_length(), random_set in any::<bool>()) {
+        let set = if random_set {
+            let mesh = scenes::cube(8);
+            let examples = scenes::bowls(&mesh, 5, 0.6, seed);
+            scenes::build(mesh, examples, SetOptions { stamp_resolution: 7, ..SetOptions::default() })
+        } else {
+            bodies()[2].1.clone()
+        };
+        let mut instance = new(&set);
+        for hit in random_hits(&set, count, seed) {
+            instance.submit(&hit).unwrap();
+        }
+        check_seams(&mut instance)?;
+    }
+}
+
+fn check_seams(instance: &mut Instance) -> Result<(), TestCaseError> {
+    let set = instance.example_set().clone();
+    let positions: Vec<[f32; 3]> = (0..set.vertex_count()).map(|v| base(&set, v)).collect();
+    let groups = scenes::coincident(&positions);
+    prop_assert!(!groups.is_empty());
+    let out = Output::fresh(instance);
+    for group in groups {
+        for &v in &group[1..] {
+            prop_assert_eq!(bits(out.positions[v]), bits(out.positions[group[0]]), "vertices {} and {}", group[0], v);
+            let normal = |v: usize| set.mesh().normals().unwrap()[v];
+            if normal(v) == normal(group[0]) {
+                // a UV seam: shaded as one surface
+                prop_assert_eq!(bits(out.normals[v]), bits(out.normals[group[0]]));
+            }
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn quick_seams_stay_closed() {
+    let set = scenes::cube_set();
+    let mut instance = new(&set);
+    for hit in random_hits(&set, 40, 9) {
+        instance.submit(&hit).unwrap();
+    }
+    check_seams(&mut instance).unwrap();
+}
+
+// ------------------------------------------------------------------------------------------- written: all, and only, changes
+
+/// Vertices interleaved at a random layout, with guard bytes before, between and after.
+fn check_guards(set: &Arc<ExampleSet>, seed: u64) -> Result<(), TestCaseError> {
+    const GUARD: u8 = 0xA5;
+    let mut dice = Dice::new(seed);
+    let gap = |dice: &mut Dice| 4 * dice.index(4);
+    let has_tangents = set.mesh().tangents().is_some();
+    let position = gap(&mut dice);
+    let normal = position + 12 + gap(&mut dice);
+    let tangent = normal + 12 + gap(&mut dice);
+    let stride = tangent + 16 + gap(&mut dice);
+    let count = set.vertex_count();
+    // the memory ends with the last value: no byte beyond is needed
+    let last = if has_tangents { tangent + 16 } else { normal + 12 };
+    let size = (count - 1) * stride + last;
+    let before = dice.index(9);
+    let mut bytes = vec![GUARD; before + size + 64];
+    let attribute = |offset| Attribute { offset, stride };
+    let mut instance = new(set);
+    let mut tracker = Tracker::new();
+    let mut plain = Output::new(set);
+    for _ in 0..3 {
+        instance.submit(&random_hit(set, &mut dice)).unwrap();
+        let memory = VertexMemory::interleaved(
+            &mut bytes[before..before + size],
+            attribute(position),
+            Some(attribute(normal)),
+            has_tangents.then_some(attribute(tangent)),
+        )
+        .unwrap();
+        instance.deform(&mut tracker, memory, &Serial).unwrap();
+        plain.update(&mut instance);
+    }
+    let mut untouched = bytes.clone();
+    for v in 0..count {
+        let mut take = |offset: usize, floats: usize| -> Vec<u32> {
+            let at = before + v * stride + offset;
+            untouched[at..at + 4 * floats].fill(GUARD);
+            bytes[at..at + 4 * floats].chunks_exact(4).map(|b| u32::from_le_bytes(b.try_into().unwrap())).collect()
+        };
+        prop_assert_eq!(take(position, 3), plain.positions[v].map(f32::to_bits).to_vec());
+        prop_assert_eq!(take(normal, 3), plain.normals[v].map(f32::to_bits).to_vec());
+        if has_tangents {
+            prop_assert_eq!(take(tangent, 4), plain.tangents[v].map(f32::to_bits).to_vec());
+        }
+    }
+    prop_assert!(untouched.iter().all(|b| *b == GUARD), "a byte outside the attributes was written");
+    Ok(())
+}
+
+fn poisoned(out: &Output, v: usize) -> bool {
+    out.positions[v] == [POISON; 3]
+}
+
+/// Deforms into poisoned memory: what is written is what `changed` says, and it is a superset of what differs from `before`.
+fn check_changes(instance: &mut Instance, out: &mut Output) -> Result<(), TestCaseError> {
+    let before = out.all_bits();
+    out.poison();
+    let report = out.update(instance);
+    let ranges = out.tracker.changed().to_vec();
+    prop_assert!(ranges.windows(2).all(|w| w[0].end < w[1].start), "{ranges:?}");
+    prop_assert!(ranges.iter().all(|r| r.start < r.end));
+    let told: u64 = ranges.iter().map(|r| u64::from(r.end - r.start)).sum();
+    prop_assert_eq!(told, report.vertices_written);
+    for v in 0..before.len() {
+        let listed = ranges.iter().any(|r| r.contains(&(v as u32)));
+        prop_assert_eq!(listed, !poisoned(out, v), "vertex {}", v);
+    }
+    let fresh = Output::fresh(instance);
+    for (v, before) in before.iter().enumerate() {
+        if poisoned(out, v) {
+            prop_assert_eq!(*before, fresh.bits(v), "vertex {} changed and was not written", v);
+            (out.positions[v], out.normals[v], out.tangents[v]) =
+                (fresh.positions[v], fresh.normals[v], fresh.tangents[v]);
+        } else {
+            prop_assert_eq!(out.bits(v), fresh.bits(v), "vertex {}", v);
+        }
+    }
+    Ok(())
+}
+
+fn check_bounds(out: &Output) -> Result<(), TestCaseError> {
+    let found = out.tracker.bounds().expect("bounds after a deform");
+    for k in 0..3 {
+        let low = out.positions.iter().map(|p| p[k]).fold(f32::INFINITY, f32::min);
+        let high = out.positions.iter().map(|p| p[k]).fold(f32::NEG_INFINITY, f32::max);
+        prop_assert_eq!((found.min[k], found.max[k]), (low, high));
+    }
+    Ok(())
+}
+
+/// One random thing done to an instance.
+fn act(instance: &mut Instance, saves: &mut Vec<Vec<u8>>, dice: &mut Dice) {
+    let set = instance.example_set().clone();
+    match dice.index(12) {
+        0 => instance.repair(dice.unit()).unwrap(),
+        1 => instance.reset(),
+        2 => instance.set_depth_limit([None, Some(0.02), Some(0.3)][dice.index(3)]).unwrap(),
+        3 => saves.push(instance.save()),
+        4 if !saves.is_empty() => instance.load(&saves[dice.index(saves.len())]).unwrap(),
+        5 => {
+            let mut other = new(&set);
+            other.submit(&random_hit(&set, dice)).unwrap();
+            instance.copy_damage_from(&mut other).unwrap();
+        }
+        6 => {
+            let mut marks = instance.marks().unwrap().to_vec();
+            marks.truncate(dice.index(marks.len() + 1));
+            instance.set_marks(&marks).unwrap();
+        }
+        7 => instance.fold(),
+        8 => {}
+        _ => {
+            for _ in 0..=dice.index(3) {
+                instance.submit(&random_hit(&set, dice)).unwrap();
+            }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(config(16))]
+
+    #[test]
+    fn nothing_is_written_outside_the_attributes(body in any_body(), seed in any::<u64>()) {
+        check_guards(&body.1, seed)?;
+    }
+
+    #[test]
+    fn any_sequence_leaves_what_a_fresh_evaluation_gives(body in any_body(), seed in any::<u64>(), steps in 1usize..30, capacity in 1u32..9) {
+        let (_, set) = body;
+        let mut dice = Dice::new(seed);
+        let mut instance = with(set, InstanceOptions { capacity, ..InstanceOptions::default() });
+        let (mut often, mut seldom, mut saves) = (Output::new(set), Output::new(set), Vec::new());
+        for step in 0..steps {
+            act(&mut instance, &mut saves, &mut dice);
+            check_changes(&mut instance, &mut often)?;
+            check_bounds(&often)?;
+            if step % 5 == 4 {
+                seldom.update(&mut instance);
+                prop_assert!(seldom.all_bits() == often.all_bits());
+                check_bounds(&seldom)?;
+            }
+        }
+        for _ in 0..20 {
+            let v = dice.index(set.vertex_count());
+            prop_assert_eq!(bits(instance.displaced(v as u32).unwrap().to_array()), bits(often.positions[v]));
+        }
+    }
+
+    #[test]
+    fn the_classic_rules_write_their_changes_too(body in any_body(), seed in any::<u64>(), k in 0.0f32..=1.0) {
+        let (_, set) = body;
+        let mut dice = Dice::new(seed);
+        let mut instance = with(set, InstanceOptions::classic(Rule::Blend(k)));
+        let mut out = Output::new(set);
+        let mut saves: Vec<Vec<u8>> = Vec::new();
+        for _ in 0..12 {
+            match dice.index(7) {
+                0 => instance.repair(dice.unit()).unwrap(),
+                1 => instance.reset(),
+                2 => saves.push(instance.save()),
+                3 if !saves.is_empty() => instance.load(&saves[dice.index(saves.len())]).unwrap(),
+                _ => { instance.submit(&random_hit(set, &mut dice)).unwrap(); }
+            }
+            check_changes(&mut instance, &mut out)?;
+            check_bounds(&out)?;
+        }
+    }
+
+    #[test]
+    fn many_outputs_at_once_are_as_each_alone(seed in any::<u64>(), threads in 0usize..4) {
+        let mut dice = Dice::new(seed);
+        let mut instances: Vec<Instance> = (0..6).map(|_| new(&bodies()[dice.index(4)].1)).collect();
+        let mut outputs: Vec<Output> = instances.iter().map(|i| Output::new(i.example_set())).collect();
+        for _ in 0..4 {
+            for instance in &mut instances {
+                let set = instance.example_set().clone();
+                for _ in 0..dice.index(3) {
+                    instance.submit(&random_hit(&set, &mut dice)).unwrap();
+                }
+                instance.fold();
+            }
+            let mut jobs: Vec<DeformJob<'_, '_>> = instances.iter().zip(&mut outputs).map(|(instance, out)| {
+                let (tracker, memory) = out.memory();
+                DeformJob { instance, tracker, memory }
+            }).collect();
+            crumple::deform(&mut jobs, task_systems()[threads].as_ref()).unwrap();
+            drop(jobs);
+            for (instance, out) in instances.iter_mut().zip(&outputs) {
+                prop_assert!(Output::fresh(instance).all_bits() == out.all_bits());
+                check_bounds(out)?;
+            }
+        }
+    }
+}
+
+#[test]
+fn quick_guards_and_changes() {
+    for (_, set) in scenes::small_bodies() {
+        check_guards(&set, 3).unwrap();
+        let mut dice = Dice::new(8);
+        let mut instance = with(&set, InstanceOptions { capacity: 3, ..InstanceOptions::default() });
+        let (mut out, mut saves) = (Output::new(&set), Vec::new());
+        for _ in 0..12 {
+            act(&mut instance, &mut saves, &mut dice);
+            check_changes(&mut instance, &mut out).unwrap();
+            check_bounds(&out).unwrap();
+        }
+    }
+}
+
+#[test]
+fn quick_an_output_that_is_up_to_date_is_not_touched() {
+    for (_, set) in scenes::small_bodies() {
+        let mut instance = new(&set);
+        instance.submit(&random_hit(&set, &mut Dice::new(1))).unwrap();
+        let mut out = Output::new(&set);
+        let first = out.update(&mut instance);
+        assert_eq!(first.vertices_written, set.vertex_count() as u64);
+        assert_eq!(out.tracker.changed(), &[0..set.vertex_count() as u32]);
+        out.poison();
+        let again = out.update(&mut instance);
+        assert_eq!((again.vertices_written, again.blocks_written), (0, 0));
+        assert_eq!(again.blocks_skipped, first.blocks_written);
+        assert!(out.tracker.changed().is_empty());
+        assert!((0..set.vertex_count()).all(|v| poisoned(&out, v)));
+        // whoever overwrote the memory says so, and gets all of it back
+        out.tracker.invalidate();
+        assert_eq!(out.update(&mut instance).vertices_written, set.vertex_count() as u64);
+        assert!(out.all_bits() == Output::fresh(&mut instance).all_bits());
+    }
+}
+
+#[test]
+fn a_small_dent_writes_few_blocks_of_a_large_mesh() {
+    let mesh = scenes::sheet(100);
+    let examples = scenes::bowls(&mesh, 3, 0.05, 1);
+    let set = scenes::build(mesh, examples, SetOptions::default());
+    let mut instance = new(&set);
+    let mut out = Output::new(&set);
+    out.update(&mut instance);
+    instance.submit(&random_hit(&set, &mut Dice::new(2))).unwrap();
+    let report = out.update(&mut instance);
+    assert!(report.blocks_written > 0);
+    assert!(report.vertices_written < 3000, "{report:?}");
+}
+
+#[test]
+fn quick_an_output_may_change_hands() {
+    let set = scenes::cube_set();
+    let (mut a, mut b) = (new(&set), new(&set));
+    a.submit(&random_hit(&set, &mut Dice::new(1))).unwrap();
+    b.submit(&random_hit(&set, &mut Dice::new(2))).unwrap();
+    let mut out = Output::new(&set);
+    for turn in 0..3 {
+        let instance = if turn == 1 { &mut b } else { &mut a };
+        out.update(instance);
+        assert!(out.all_bits() == Output::fresh(instance).all_bits());
+        check_bounds(&out).unwrap();
+    }
+}
+
+// ------------------------------------------------------------------------------------------------- damage comes and goes
+
+proptest! {
+    #![proptest_config(config(24))]
+
+    #[test]
+    fn damage_survives_save_set_and_copy(body in any_body(), count in 0usize..200, seed in any::<u64>()) {
+        let (_, set) = body;
+        let mut instance = new(set);
+        for hit in random_hits(set, count, seed) {
+            instance.submit(&hit).unwrap();
+        }
+        let bytes = instance.save();
+        let marks = instance.marks().unwrap().to_vec();
+        let reference = Output::fresh(&mut instance).all_bits();
+        let (mut loaded, mut given, mut copy) = (new(set), new(set), new(set));
+        loaded.load(&bytes).unwrap();
+        given.set_marks(&marks).unwrap();
+        copy.copy_damage_from(&mut instance).unwrap();
+        for mut other in [loaded, given, copy] {
+            prop_assert!(other.save() == bytes);
+            prop_assert_eq!(other.marks().unwrap(), marks.as_slice());
+            prop_assert!(Output::fresh(&mut other).all_bits() == reference);
+        }
+        prop_assert!(instance.save() == bytes, "reading changes nothing");
+        // marks are 32 bytes each
+        prop_assert!(bytes.len() <= 64 + 32 * marks.len());
+    }
+
+    #[test]
+    fn repairs_scale_depth(body in any_body(), seed in any::<u64>(), keep in 0.05f32..1.0) {
+        let (_, set) = body;
+        let mut instance = with(set, InstanceOptions { depth_limit: Some(1e3), ..InstanceOptions::default() });
+        for hit in random_hits(set, 4, seed) {
+            instance.submit(&hit).unwrap();
+        }
+        let before = Output::fresh(&mut instance);
+        instance.repair(1.0).unwrap();
+        prop_assert!(Output::fresh(&mut instance).all_bits() == before.all_bits(), "repair(1) changes nothing");
+        instance.repair(keep).unwrap();
+        let after = Output::fresh(&mut instance);
+        let limit = f64::from(set.depth_limit());
+        for v in 0..set.vertex_count() {
+            let b = base(set, v);
+            let ought = [0, 1, 2].map(|k| b[k] + keep * (before.positions[v][k] - b[k]));
+            prop_assert!(distance(after.positions[v], ought) <= 1e-5 * limit + 3.0 * rounding(b));
+        }
+        instance.repair(0.0).unwrap();
+        prop_assert!(instance.marks().unwrap().is_empty());
+        prop_assert!(Output::fresh(&mut instance).all_bits() == Output::fresh(&mut new(set)).all_bits());
+    }
+
+    #[test]
+    fn a_reset_is_as_new(body in any_body(), seed in any::<u64>(), classic in any::<bool>()) {
+        let (_, set) = body;
+        let options = if classic { InstanceOptions::classic(Rule::MostDisplaced) } else { InstanceOptions::default() };
+        let (mut instance, mut untouched) = (with(set, options), with(set, options));
+        let empty = untouched.save();
+        for hit in random_hits(set, 20, seed) {
+            instance.submit(&hit).unwrap();
+        }
+        instance.fold();
+        instance.submit(&random_hits(set, 1, seed)[0]).unwrap();
+        instance.reset();
+        prop_assert!(instance.save() == empty);
+        let out = Output::fresh(&mut instance);
+        prop_assert!(out.all_bits() == Output::fresh(&mut untouched).all_bits());
+        for v in 0..set.vertex_count() {
+            prop_assert_eq!(bits(out.positions[v]), bits(base(set, v)));
+        }
+    }
+
+    #[test]
+    fn classic_damage_survives_save_and_copy(body in any_body(), seed in any::<u64>(), k in 0.0f32..=1.0) {
+        let (_, set) = body;
+        let options = InstanceOptions::classic(Rule::Blend(k));
+        let mut instance = with(set, options);
+        for hit in random_hits(set, 20, seed) {
+            instance.submit(&hit).unwrap();
+        }
+        let reference = Output::fresh(&mut instance).all_bits();
+        let bytes = instance.save();
+        let (mut loaded, mut copy) = (with(set, options), with(set, options));
+        loaded.load(&bytes).unwrap();
+        copy.copy_damage_from(&mut instance).unwrap();
+        for mut other in [loaded, copy] {
+            prop_assert!(other.save() == bytes);
+            prop_assert!(Output::fresh(&mut other).all_bits() == reference);
+        }
+    }
+}
+
+// ------------------------------------------------------------------------------------------------------ energies, examples
+
+#[test]
+fn quick_n_equal_hits_are_sqrt_n_deep_until_the_limit() {
+    for (name, set) in scenes::small_bodies() {
+        let depth = 0.25 * set.depth_limit();
+        let vertex = set.vertex_count() / 3;
+        let normal = set.mesh().contact_normal(vertex as u32).unwrap();
+        let hit = push(base(&set, vertex), (normal * -depth).to_array());
+        let mut instance = new(&set);
+        let one = f64::from(length3(instance.preview(&hit).unwrap().met));
+        let contact = instance.preview(&hit).unwrap().contact_vertex as usize;
+        let limit = f64::from(set.depth_limit());
+        for n in 1..=100u32 {
+            instance.submit(&hit).unwrap();
+            assert_eq!(instance.marks().unwrap().len(), 1, "{name}");
+            assert_eq!(instance.marks().unwrap()[0].energy, u64::from(n) * Mark::ONE);
+            let is = distance(instance.displaced(contact as u32).unwrap().to_array(), base(&set, contact));
+            let ought = (one * f64::from(n).sqrt()).min(limit);
+            assert!((is - ought).abs() <= 1e-5 * limit, "{name}, {n} hits: {is}, not {ought}");
+        }
+    }
+}
+
+fn length3(v: [f32; 3]) -> f32 {
+    Vec3::from_array(v).length()
+}
+
+/// Distance of two floats in units in the last place of the larger.
+fn ulps(a: f32, b: f32) -> f32 {
+    let largest = a.abs().max(b.abs()).max(f32::MIN_POSITIVE);
+    (a - b).abs() / (largest * f32::EPSILON)
+}
+
+fn check_own_contacts(set: &Arc<ExampleSet>) {
+    for (i, e) in set.examples().iter().enumerate() {
+        let mut instance = new(set);
+        let hit = push(e.contact_point().to_array(), e.contact_displacement().to_array());
+        let outcome = instance.submit(&hit).unwrap();
+        let chosen = outcome.chosen[0].unwrap();
+        assert_eq!((chosen.example as usize, chosen.share, chosen.scale, chosen.anchored), (i, 1.0, 1.0, true));
+        assert_eq!(outcome.chosen[1], None);
+        assert_eq!(outcome.unmet, [0.0; 3]);
+        let out = Output::fresh(&mut instance);
+        for v in 0..set.vertex_count() {
+            let ought = (set.mesh().positions()[v] + e.delta(v as u32)).to_array();
+            for k in 0..3 {
+                let (is, ought) = (out.positions[v][k], ought[k]);
+                // one unit in the last place of the coordinate, or of what was added to it
+                let d = e.delta(v as u32)[k].abs();
+                let near = (is - ought).abs() <= f32::EPSILON * ought.abs().max(d);
+                assert!(near, "example {i}, vertex {v}, axis {k}: {is} is {} ulp from {ought}", ulps(is, ought));
+            }
+            let base_normal = set.mesh().normals().unwrap()[v];
+            let normal = (base_normal + e.normal_delta(v as u32)).normalize();
+            let is = Vec3::from_array(out.normals[v]);
+            assert!((is - normal).length() < 1e-6, "example {i}, normal of vertex {v}: {is}, not {normal}");
+        }
+    }
+}
+
+#[test]
+fn quick_a_hit_at_an_examples_own_contact_is_the_example() {
+    for (_, set) in scenes::small_bodies() {
+        check_own_contacts(&set);
+    }
+}
+
+#[test]
+fn a_hit_at_an_examples_own_contact_is_the_example_on_solver_bodies() {
+    for body in ["panel", "tube"] {
+        check_own_contacts(&scenes::solver_set(body, 32, Placement::Automatic));
+    }
+}
+
+#[test]
+fn normals_without_given_ones_are_those_of_the_dented_surface() {
+    // an example's own dent: the normals that the library computed for it are those of its triangles
+    let mesh = scenes::ball(3);
+    let example = scenes::bowl(&mesh, 17, 0.08, 0.3);
+    let set = scenes::build(mesh, vec![example], SetOptions::default());
+    let e = &set.examples()[0];
+    let mut instance = new(&set);
+    instance.submit(&push(e.contact_point().to_array(), e.contact_displacement().to_array())).unwrap();
+    let out = Output::fresh(&mut instance);
+    let mut sums = vec![Vec3::ZERO; set.vertex_count()];
+    for t in set.mesh().triangles() {
+        let p = t.map(|v| Vec3::from_array(out.positions[v as usize]));
+        let n = (p[1] - p[0]).cross(p[2] - p[0]);
+        t.iter().for_each(|v| sums[*v as usize] += n);
+    }
+    for (v, sum) in sums.iter().enumerate() {
+        let cos = sum.normalize().dot(Vec3::from_array(out.normals[v]));
+        assert!(cos > 0.99, "vertex {v}: {cos}");
+    }
+}
+
+// --------------------------------------------------------------------------------------------------------- attached points
+
+#[test]
+fn quick_points_attached_at_vertices_go_where_the_vertices_go() {
+    for (name, set) in scenes::small_bodies() {
+        let mut instance = new(&set);
+        let attachments: Vec<_> = (0..set.vertex_count()).map(|v| set.attach(base(&set, v)).unwrap()).collect();
+        for (v, a) in attachments.iter().enumerate() {
+            let frame = instance.attached_frame(a).unwrap();
+            assert_eq!(frame.position, base(&set, v));
+            assert_eq!(frame.rotation, [0.0, 0.0, 0.0, 1.0]);
+        }
+        for hit in random_hits(&set, 5, 4) {
+            instance.submit(&hit).unwrap();
+        }
+        let out = Output::fresh(&mut instance);
+        for (v, a) in attachments.iter().enumerate() {
+            let frame = instance.attached_frame(a).unwrap();
+            assert!(
+                distance(frame.position, out.positions[v]) <= 2e-7,
+                "{name}, vertex {v}: {frame:?}, {:?}",
+                out.positions[v]
+            );
+            assert!((Quat::from_array(frame.rotation).length() - 1.0).abs() < 1e-5);
+        }
+    }
+}
+
+#[test]
+fn quick_a_lamp_before_the_surface_keeps_its_place_on_it() {
+    let set = scenes::ball_set();
+    let mut instance = new(&set);
+    let mut dice = Dice::new(12);
+    let lamps: Vec<_> = (0..50)
+        .map(|_| {
+            let p = Vec3::from_array(dice.vector(1.0)).normalize() * 0.52;
+            (p, set.attach(p.to_array()).unwrap())
+        })
+        .collect();
+    for hit in random_hits(&set, 6, 5) {
+        instance.submit(&hit).unwrap();
+    }
+    let out = Output::fresh(&mut instance);
+    for (p, a) in lamps {
+        let frame = instance.attached_frame(&a).unwrap();
+        // the three corners of its triangle, and their distances from the lamp before and after
+        let weights = Vec3::from_array(a.weights);
+        assert!((weights.element_sum() - 1.0).abs() < 1e-5);
+        let surface =
+            |at: &dyn Fn(usize) -> Vec3| (0..3).map(|k| at(a.vertices[k] as usize) * weights[k]).sum::<Vec3>();
+        let rest = surface(&|v| Vec3::from_array(base(&set, v)));
+        let now = surface(&|v| Vec3::from_array(out.positions[v]));
+        let (before, after) = (p - rest, Vec3::from_array(frame.position) - now);
+        assert!((before.length() - after.length()).abs() < 1e-5, "{} m became {} m", before.length(), after.length());
+        let turned = Quat::from_array(frame.rotation) * before;
+        assert!((turned - after).length() < 1e-5);
+    }
+}
+
+// ------------------------------------------------------------------------------------------------------------------ spaces
+
+#[test]
+fn quick_world_space_hits_arrive_in_the_bodys_own_space() {
+    let set = scenes::cube_set();
+    let turn = Quat::from_rotation_y(0.7) * Quat::from_rotation_x(-1.1);
+    for scale in [Vec3::ONE, Vec3::splat(2.5), Vec3::new(1.0, 2.0, 0.5)] {
+        let to_world = Mat4::from_scale_rotation_translation(scale, turn, Vec3::new(100.0, -20.0, 3.0));
+        let mut moved = new(&set);
+        moved.set_transform(to_world).unwrap();
+        let mut dice = Dice::new(6);
+        for _ in 0..20 {
+            let local = random_hit(&set, &mut dice);
+            let Cause::Displacement(d) = local.cause else { unreachable!() };
+            let world = Hit {
+                point: to_world.transform_point3(Vec3::from_array(local.point)).to_array(),
+                cause: Cause::Displacement(to_world.transform_vector3(Vec3::from_array(d)).to_array()),
+                space: Space::World,
+            };
+            let (a, b) = (moved.preview(&local).unwrap(), moved.preview(&world).unwrap());
+            assert_eq!(a.contact_vertex, b.contact_vertex);
+            assert!(distance(a.target, b.target) < 1e-4, "{:?} {:?}", a.target, b.target);
+            assert!(distance(a.met, b.met) < 1e-3 * f64::from(set.depth_limit()));
+        }
+    }
+}
+
+#[test]
+fn quick_yield_thresholds_leave_no_mark() {
+    let set = scenes::sheet_set();
+    let options = InstanceOptions { yield_impulse: 5.0, yield_displacement: 0.01, ..InstanceOptions::default() };
+    let mut instance = with(&set, options);
+    let impulse = |j: f32| Hit {
+        point: [0.0; 3],
+        cause: Cause::Impulse { impulse: [0.0, 0.0, -j], duration: 0.1, mass: Some(10.0) },
+        space: Space::Local,
+    };
+    for (hit, status) in [
+        (impulse(4.9), HitStatus::BelowYield),
+        (impulse(5.1), HitStatus::Marked),
+        (push([0.0; 3], [0.0, 0.0, -0.0099]), HitStatus::BelowYield),
+        (push([0.0; 3], [0.0, 0.0, -0.0101]), HitStatus::Marked),
+    ] {
+        let outcome = instance.submit(&hit).unwrap();
+        assert_eq!(outcome.status, status, "{hit:?}");
+        if status == HitStatus::BelowYield {
+            assert_eq!((outcome.met, outcome.unmet, outcome.mark), ([0.0; 3], outcome.target, None));
+        }
+    }
+    assert_eq!(instance.marks().unwrap().len(), 2);
+}
+
+#[test]
+fn quick_preview_leaves_nothing() {
+    let set = scenes::ball_set();
+    let mut instance = new(&set);
+    let hit = random_hit(&set, &mut Dice::new(3));
+    let (preview, outcome) = (instance.preview(&hit).unwrap(), new(&set).submit(&hit).unwrap());
+    assert_eq!(preview, outcome);
+    assert!(instance.marks().unwrap().is_empty());
+}
+
+#[test]
+fn quick_damage_of_another_set_is_refused() {
+    let (sheet, ball) = (scenes::sheet_set(), scenes::ball_set());
+    let (mut a, mut b) = (new(&sheet), new(&ball));
+    a.submit(&random_hit(&sheet, &mut Dice::new(1))).unwrap();
+    assert!(matches!(b.copy_damage_from(&mut a), Err(Error::DamageMismatch { .. })));
+    assert!(b.marks().unwrap().is_empty());
+}

@@ -1,0 +1,417 @@
+//! Bodies, examples and hits that the tests share. Lengths in metres.
+#![allow(dead_code)]
+
+mod solver;
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use crumple::{
+    Cause, Contact, DeformReport, Deltas, ExampleData, ExampleSet, Hit, Instance, MeshData, Placement, Serial,
+    SetOptions, Space, TaskSystem, Tracker, VertexMemory,
+};
+
+pub use solver::solver;
+
+/// A small generator (SplitMix64): the same numbers on every platform, from one seed.
+#[derive(Debug, Clone)]
+pub struct Dice(u64);
+
+impl Dice {
+    pub fn new(seed: u64) -> Self {
+        Self(seed ^ 0x5DEE_CE66_D1CE_4E5B)
+    }
+
+    pub fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    /// Below `n`.
+    pub fn index(&mut self, n: usize) -> usize {
+        (self.next() % n as u64) as usize
+    }
+
+    /// In [0, 1), on a grid of 2^-24, so that it is exact in f32.
+    pub fn unit(&mut self) -> f32 {
+        (self.next() >> 40) as f32 / 16_777_216.0
+    }
+
+    pub fn between(&mut self, low: f32, high: f32) -> f32 {
+        low + (high - low) * self.unit()
+    }
+
+    pub fn vector(&mut self, size: f32) -> [f32; 3] {
+        [self.between(-size, size), self.between(-size, size), self.between(-size, size)]
+    }
+
+    pub fn shuffle<T>(&mut self, items: &mut [T]) {
+        for i in (1..items.len()).rev() {
+            items.swap(i, self.index(i + 1));
+        }
+    }
+}
+
+fn sub(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+pub fn length(a: [f32; 3]) -> f32 {
+    dot(a, a).sqrt()
+}
+
+/// A flat sheet of 1 m by 1 m in the plane z = 0, facing +z, of `n` by `n` squares.
+pub fn sheet(n: usize) -> MeshData {
+    let mut positions = Vec::new();
+    for i in 0..=n {
+        for j in 0..=n {
+            positions.push([i as f32 / n as f32 - 0.5, j as f32 / n as f32 - 0.5, 0.0]);
+        }
+    }
+    let count = positions.len();
+    MeshData {
+        positions,
+        normals: Some(vec![[0.0, 0.0, 1.0]; count]),
+        tangents: Some(vec![[1.0, 0.0, 0.0, 1.0]; count]),
+        triangles: grid_triangles(n, 0),
+    }
+}
+
+fn grid_triangles(n: usize, first: u32) -> Vec<[u32; 3]> {
+    let at = |i: usize, j: usize| first + (i * (n + 1) + j) as u32;
+    let mut triangles = Vec::new();
+    for i in 0..n {
+        for j in 0..n {
+            triangles.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+            triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+        }
+    }
+    triangles
+}
+
+/// A closed sphere of radius 0.5 m: an icosahedron split `splits` times.
+pub fn ball(splits: usize) -> MeshData {
+    let g = (1.0 + 5f32.sqrt()) / 2.0;
+    let mut points: Vec<[f32; 3]> = vec![
+        [-1.0, g, 0.0],
+        [1.0, g, 0.0],
+        [-1.0, -g, 0.0],
+        [1.0, -g, 0.0],
+        [0.0, -1.0, g],
+        [0.0, 1.0, g],
+        [0.0, -1.0, -g],
+        [0.0, 1.0, -g],
+        [g, 0.0, -1.0],
+        [g, 0.0, 1.0],
+        [-g, 0.0, -1.0],
+        [-g, 0.0, 1.0],
+    ];
+    let mut triangles: Vec<[u32; 3]> = vec![
+        [0, 11, 5],
+        [0, 5, 1],
+        [0, 1, 7],
+        [0, 7, 10],
+        [0, 10, 11],
+        [1, 5, 9],
+        [5, 11, 4],
+        [11, 10, 2],
+        [10, 7, 6],
+        [7, 1, 8],
+        [3, 9, 4],
+        [3, 4, 2],
+        [3, 2, 6],
+        [3, 6, 8],
+        [3, 8, 9],
+        [4, 9, 5],
+        [2, 4, 11],
+        [6, 2, 10],
+        [8, 6, 7],
+        [9, 8, 1],
+    ];
+    let unit = |p: [f32; 3]| {
+        let l = length(p);
+        [p[0] / l, p[1] / l, p[2] / l]
+    };
+    points.iter_mut().for_each(|p| *p = unit(*p));
+    for _ in 0..splits {
+        let mut middle: HashMap<(u32, u32), u32> = HashMap::new();
+        let mut split = Vec::with_capacity(triangles.len() * 4);
+        for [a, b, c] in triangles {
+            let mut mid = |a: u32, b: u32| {
+                *middle.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                    let (p, q) = (points[a as usize], points[b as usize]);
+                    points.push(unit([p[0] + q[0], p[1] + q[1], p[2] + q[2]]));
+                    points.len() as u32 - 1
+                })
+            };
+            let (ab, bc, ca) = (mid(a, b), mid(b, c), mid(c, a));
+            split.extend([[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]);
+        }
+        triangles = split;
+    }
+    MeshData {
+        normals: Some(points.clone()),
+        positions: points.iter().map(|p| [0.5 * p[0], 0.5 * p[1], 0.5 * p[2]]).collect(),
+        tangents: None,
+        triangles,
+    }
+}
+
+/// A cube of side 1 m with hard edges (each face has its own vertices) and one UV seam (the first face is cut in two along its
+/// middle column, whose vertices exist twice with the same normal and different tangents). `n` squares along an edge, even.
+pub fn cube(n: usize) -> MeshData {
+    assert!(n.is_multiple_of(2));
+    let mut mesh = MeshData { normals: Some(Vec::new()), tangents: Some(Vec::new()), ..MeshData::default() };
+    for face in 0..6 {
+        let (axis, sign) = (face / 2, if face % 2 == 0 { 1.0f32 } else { -1.0 });
+        let mut normal = [0.0; 3];
+        normal[axis] = sign;
+        // u x v = normal, so that the grid's triangles face outside
+        let (u, v) = if sign > 0.0 { ((axis + 1) % 3, (axis + 2) % 3) } else { ((axis + 2) % 3, (axis + 1) % 3) };
+        let mut tangent = [0.0, 0.0, 0.0, 1.0];
+        tangent[u] = 1.0;
+        let first = mesh.positions.len() as u32;
+        for i in 0..=n {
+            for j in 0..=n {
+                let mut p = [0.0; 3];
+                p[axis] = 0.5 * sign;
+                p[u] = i as f32 / n as f32 - 0.5;
+                p[v] = j as f32 / n as f32 - 0.5;
+                mesh.positions.push(p);
+                mesh.normals.as_mut().unwrap().push(normal);
+                mesh.tangents.as_mut().unwrap().push(tangent);
+            }
+        }
+        mesh.triangles.extend(grid_triangles(n, first));
+    }
+    let column = n / 2;
+    let first = mesh.positions.len() as u32;
+    for j in 0..=n {
+        let old = column * (n + 1) + j;
+        mesh.positions.push(mesh.positions[old]);
+        let normal = mesh.normals.as_ref().unwrap()[old];
+        mesh.normals.as_mut().unwrap().push(normal);
+        let t = mesh.tangents.as_ref().unwrap()[old];
+        mesh.tangents.as_mut().unwrap().push([-t[0], -t[1], -t[2], -1.0]);
+    }
+    let face = (n + 1) * (n + 1);
+    for triangle in &mut mesh.triangles[..2 * n * n] {
+        let right = triangle.iter().any(|&v| (v as usize) < face && v as usize / (n + 1) > column);
+        if right {
+            for v in triangle.iter_mut() {
+                if *v as usize / (n + 1) == column {
+                    *v = first + (*v % (n as u32 + 1));
+                }
+            }
+        }
+    }
+    mesh
+}
+
+/// Groups of vertices that share a position, bit for bit.
+pub fn coincident(positions: &[[f32; 3]]) -> Vec<Vec<usize>> {
+    let mut groups: HashMap<[u32; 3], Vec<usize>> = HashMap::new();
+    for (v, p) in positions.iter().enumerate() {
+        groups.entry(p.map(|x| (x + 0.0).to_bits())).or_default().push(v);
+    }
+    let mut groups: Vec<_> = groups.into_values().filter(|g| g.len() > 1).collect();
+    groups.sort();
+    groups
+}
+
+/// A smooth bowl of `depth` at vertex `contact`, pushed in against the normal there, that pulls the surface towards the contact and ends
+/// at `radius`. A function of position only, so that coincident vertices move together.
+pub fn bowl(mesh: &MeshData, contact: u32, depth: f32, radius: f32) -> ExampleData {
+    let c = mesh.positions[contact as usize];
+    let n = mesh.normals.as_ref().unwrap()[contact as usize];
+    let (mut indices, mut values) = (Vec::new(), Vec::new());
+    for (v, p) in mesh.positions.iter().enumerate() {
+        let r = sub(*p, c);
+        let q = dot(r, r) / (radius * radius);
+        if q < 1.0 {
+            let w = depth * (1.0 - q) * (1.0 - q);
+            indices.push(v as u32);
+            values.push([0, 1, 2].map(|k| -w * n[k] - 0.3 * w * r[k] / radius));
+        }
+    }
+    ExampleData {
+        contact: Some(Contact::Vertex(contact)),
+        ..ExampleData::new(format!("bowl at {contact}"), Deltas::Sparse { indices, values })
+    }
+}
+
+/// `count` vertices spread over the body: each is the furthest from all before it.
+pub fn spread(positions: &[[f32; 3]], count: usize, first: usize) -> Vec<u32> {
+    let mut chosen = vec![first as u32];
+    while chosen.len() < count {
+        let far = |p: [f32; 3]| chosen.iter().map(|&c| length(sub(p, positions[c as usize]))).fold(f32::MAX, f32::min);
+        let mut best = (0, -1.0);
+        for (v, p) in positions.iter().enumerate() {
+            let d = far(*p);
+            if d > best.1 {
+                best = (v as u32, d);
+            }
+        }
+        chosen.push(best.0);
+    }
+    chosen
+}
+
+/// Bowls of different depths and radii, spread over the body.
+pub fn bowls(mesh: &MeshData, count: usize, radius: f32, seed: u64) -> Vec<ExampleData> {
+    let mut dice = Dice::new(seed);
+    let first = dice.index(mesh.positions.len());
+    spread(&mesh.positions, count, first)
+        .into_iter()
+        .map(|c| bowl(mesh, c, radius * dice.between(0.1, 0.4), radius * dice.between(0.7, 1.3)))
+        .collect()
+}
+
+pub fn build(mesh: MeshData, examples: Vec<ExampleData>, options: SetOptions) -> Arc<ExampleSet> {
+    Arc::new(ExampleSet::build(mesh, examples, options, &Serial).expect("a well-formed scene"))
+}
+
+/// A named body with its example set.
+pub type Body = (&'static str, Arc<ExampleSet>);
+
+pub fn sheet_set() -> Arc<ExampleSet> {
+    let mesh = sheet(24);
+    let examples = bowls(&mesh, 5, 0.3, 1);
+    build(mesh, examples, SetOptions::default())
+}
+
+pub fn ball_set() -> Arc<ExampleSet> {
+    let mesh = ball(3);
+    let examples = bowls(&mesh, 6, 0.35, 2);
+    build(mesh, examples, SetOptions::default())
+}
+
+pub fn cube_set() -> Arc<ExampleSet> {
+    let mesh = cube(10);
+    let examples = bowls(&mesh, 6, 0.45, 3);
+    build(mesh, examples, SetOptions::default())
+}
+
+/// The made-up bodies: a flat sheet, a closed sphere, a cube with hard edges and a UV seam.
+pub fn small_bodies() -> Vec<Body> {
+    vec![("sheet", sheet_set()), ("ball", ball_set()), ("cube", cube_set())]
+}
+
+/// The made-up bodies and the solver's panel.
+pub fn bodies() -> Vec<Body> {
+    let mut all = small_bodies();
+    all.push(("panel", solver_set("panel", 8, Placement::Automatic)));
+    all
+}
+
+/// A solver body with its first `count` examples, placed as asked.
+pub fn solver_set(body: &str, count: usize, placement: Placement) -> Arc<ExampleSet> {
+    let (mesh, mut examples) = solver(body);
+    examples.truncate(count);
+    examples.iter_mut().for_each(|e| e.placement = placement);
+    build(mesh, examples, SetOptions::default())
+}
+
+pub fn push(point: [f32; 3], displacement: [f32; 3]) -> Hit {
+    Hit { point, cause: Cause::Displacement(displacement), space: Space::Local }
+}
+
+/// A hit near a random vertex, pushed inwards at up to about 60 degrees from the normal, by 0.02 to 1.5 of the set's depth limit.
+pub fn random_hit(set: &ExampleSet, dice: &mut Dice) -> Hit {
+    let vertex = dice.index(set.vertex_count());
+    hit_at(set, vertex, dice)
+}
+
+pub fn hit_at(set: &ExampleSet, vertex: usize, dice: &mut Dice) -> Hit {
+    let at = set.mesh().positions()[vertex].to_array();
+    let normal = set.mesh().normals().map_or([0.0, 0.0, 1.0], |n| n[vertex].to_array());
+    let jitter = dice.vector(0.004);
+    let sideways = dice.vector(0.8);
+    let size = set.depth_limit() * dice.between(0.02, 1.5);
+    push([0, 1, 2].map(|k| at[k] + jitter[k]), [0, 1, 2].map(|k| size * (sideways[k] - normal[k])))
+}
+
+/// `count` hits: most at random places, some that repeat a few places with the same displacement, as a physics engine reports them.
+pub fn random_hits(set: &ExampleSet, count: usize, seed: u64) -> Vec<Hit> {
+    let mut dice = Dice::new(seed);
+    let few: Vec<Hit> = (0..4).map(|_| random_hit(set, &mut dice)).collect();
+    (0..count).map(|_| if dice.index(4) == 0 { few[dice.index(4)] } else { random_hit(set, &mut dice) }).collect()
+}
+
+/// One output with everything a mesh may have, and its tracker.
+#[derive(Debug, Clone)]
+pub struct Output {
+    pub positions: Vec<[f32; 3]>,
+    pub normals: Vec<[f32; 3]>,
+    pub tangents: Vec<[f32; 4]>,
+    pub tracker: Tracker,
+    has_normals: bool,
+    has_tangents: bool,
+}
+
+/// A value no deform ever writes.
+pub const POISON: f32 = -1.234e33;
+
+impl Output {
+    pub fn new(set: &ExampleSet) -> Self {
+        let count = set.vertex_count();
+        Self {
+            positions: vec![[POISON; 3]; count],
+            normals: vec![[POISON; 3]; count],
+            tangents: vec![[POISON; 4]; count],
+            tracker: Tracker::new(),
+            has_normals: set.mesh().normals().is_some(),
+            has_tangents: set.mesh().tangents().is_some(),
+        }
+    }
+
+    pub fn memory(&mut self) -> (&mut Tracker, VertexMemory<'_>) {
+        let normals = self.has_normals.then_some(self.normals.as_mut_slice());
+        let tangents = self.has_tangents.then_some(self.tangents.as_mut_slice());
+        (&mut self.tracker, VertexMemory::separate(&mut self.positions, normals, tangents).unwrap())
+    }
+
+    pub fn update_with(&mut self, instance: &mut Instance, tasks: &dyn TaskSystem) -> DeformReport {
+        let (tracker, memory) = self.memory();
+        instance.deform(tracker, memory, tasks).unwrap()
+    }
+
+    pub fn update(&mut self, instance: &mut Instance) -> DeformReport {
+        self.update_with(instance, &Serial)
+    }
+
+    /// A full evaluation of the instance as it is.
+    pub fn fresh(instance: &mut Instance) -> Self {
+        let mut output = Self::new(&instance.example_set().clone());
+        output.update(instance);
+        output
+    }
+
+    pub fn poison(&mut self) {
+        self.positions.fill([POISON; 3]);
+        self.normals.fill([POISON; 3]);
+        self.tangents.fill([POISON; 4]);
+    }
+
+    /// All floats of vertex `v`, as bits.
+    pub fn bits(&self, v: usize) -> [u32; 10] {
+        let (p, n, t) = (self.positions[v], self.normals[v], self.tangents[v]);
+        [p[0], p[1], p[2], n[0], n[1], n[2], t[0], t[1], t[2], t[3]].map(f32::to_bits)
+    }
+
+    pub fn all_bits(&self) -> Vec<[u32; 10]> {
+        (0..self.positions.len()).map(|v| self.bits(v)).collect()
+    }
+}
+
+/// FNV-1a: a hash that needs no crate and is the same everywhere.
+pub fn fnv(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x0000_0100_0000_01b3))
+}

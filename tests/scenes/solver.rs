@@ -1,0 +1,13 @@
+//! The bodies of the independent elasto-plastic solver, as committed in `assets/solver`.
+
+use std::path::Path;
+
+use crumple::import::{MeshChoice, gltf_file};
+use crumple::{ExampleData, MeshData};
+
+/// `panel` or `tube`: the base mesh and its 32 examples.
+pub fn solver(body: &str) -> (MeshData, Vec<ExampleData>) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("assets/solver/{body}.glb"));
+    let imported = gltf_file(&path, MeshChoice::First).expect("the committed asset");
+    (imported.mesh, imported.examples)
+}
