@@ -12,8 +12,7 @@ pub const CRUMPLE_VERSION_MINOR: u32 = 1;
 pub const CRUMPLE_VERSION_PATCH: u32 = 0;
 
 /// The three as one number, as crumple_version() gives it.
-pub const CRUMPLE_VERSION: u32 =
-    CRUMPLE_VERSION_MAJOR * 1000000 + CRUMPLE_VERSION_MINOR * 1000 + CRUMPLE_VERSION_PATCH;
+pub const CRUMPLE_VERSION: u32 = CRUMPLE_VERSION_MAJOR * 1000000 + CRUMPLE_VERSION_MINOR * 1000 + CRUMPLE_VERSION_PATCH;
 
 /// Bit of crumple_features(): glTF 2.0 and GLB files can be loaded.
 pub const CRUMPLE_FEATURE_GLTF: u64 = 1;
