@@ -13,10 +13,6 @@ use crumple::{
 use proptest::prelude::*;
 use scenes::{Body, Dice, Output, POISON, fnv, push, random_hit, random_hits};
 
-fn config(cases: u32) -> ProptestConfig {
-    ProptestConfig { cases, max_shrink_iters: 24, ..ProptestConfig::default() }
-}
-
 /// Built once: all bodies.
 fn bodies() -> &'static [Body] {
     static BODIES: std::sync::OnceLock<Vec<Body>> = std::sync::OnceLock::new();
@@ -103,7 +99,7 @@ fn wild_hit(set: &ExampleSet, dice: &mut Dice) -> Hit {
 }
 
 proptest! {
-    #![proptest_config(config(24))]
+    #![proptest_config(scenes::cases(24))]
 
     #[test]
     fn bounded_whatever_is_submitted(body in any_body(), count in sequence_length(), seed in any::<u64>(), frames in 1usize..4) {
@@ -202,7 +198,7 @@ fn reaches(set: &ExampleSet, mark: &Mark, v: usize) -> bool {
 }
 
 proptest! {
-    #![proptest_config(config(24))]
+    #![proptest_config(scenes::cases(24))]
 
     #[test]
     fn nothing_moves_outside_the_supports_of_the_marks(body in any_body(), count in 1usize..12, seed in any::<u64>()) {
@@ -243,9 +239,10 @@ proptest! {
         let out = Output::fresh(&mut instance);
         let moved = |v: usize| distance(out.positions[v], base(&set, v));
         let deepest = (0..set.vertex_count()).max_by(|a, b| moved(*a).total_cmp(&moved(*b))).unwrap();
-        // the contact got what was asked for, and is as deep as anything
+        // the contact got what was asked for (on the cube, where edges have normals between faces: what was told), and nothing is deeper
         let at_contact = moved(outcome.contact_vertex as usize);
-        prop_assert!((at_contact - f64::from(depth)).abs() <= 0.01 * f64::from(depth), "{at_contact}, asked {depth}");
+        let ought = if which == 2 { f64::from(length3(outcome.met)) } else { f64::from(depth) };
+        prop_assert!((at_contact - ought).abs() <= 0.01 * ought, "{at_contact}, not {ought}");
         prop_assert!(at_contact >= 0.9 * moved(deepest), "contact {at_contact}, deepest {}", moved(deepest));
         // a bowl is round: nothing sizeable moves outside its radius, and every vertex well inside moves
         for v in 0..set.vertex_count() {
@@ -279,7 +276,7 @@ fn cut(mut hits: Vec<Hit>, dice: &mut Dice) -> Vec<Vec<Hit>> {
 }
 
 proptest! {
-    #![proptest_config(config(16))]
+    #![proptest_config(scenes::cases(16))]
 
     #[test]
     fn the_order_within_a_frame_does_not_matter(body in any_body(), count in sequence_length(), seed in any::<u64>(), capacity in 1u32..100) {
@@ -382,7 +379,11 @@ fn sets_are_built_alike_on_any_number_of_threads() {
 /// the model or of the saved format: take the printed values over.
 #[test]
 fn quick_golden_marks_are_the_same_on_every_platform() {
-    const GOLDEN: [(&str, u64, u64); 3] = [("sheet", 0, 0), ("ball", 0, 0), ("cube", 0, 0)];
+    const GOLDEN: [(&str, u64, u64); 3] = [
+        ("sheet", 0x6877d21dcf7717df, 0x56243e10c07f8b0d),
+        ("ball", 0x36f6e7b0c10260e4, 0xe958631ea69d7660),
+        ("cube", 0xc1bacc95388d6522, 0x36265b6575a125da),
+    ];
     let found: Vec<(&str, u64, u64)> = scenes::small_bodies()
         .into_iter()
         .map(|(name, set)| {
@@ -412,7 +413,7 @@ fn quick_golden_marks_are_the_same_on_every_platform() {
 // ------------------------------------------------------------------------------------------------------------- watertight
 
 proptest! {
-    #![proptest_config(config(16))]
+    #![proptest_config(scenes::cases(16))]
 
     #[test]
     fn seams_stay_closed_bit_for_bit(seed in any::<u64>(), count in sequence_length(), random_set in any::<bool>()) {
@@ -582,7 +583,7 @@ fn act(instance: &mut Instance, saves: &mut Vec<Vec<u8>>, dice: &mut Dice) {
 }
 
 proptest! {
-    #![proptest_config(config(16))]
+    #![proptest_config(scenes::cases(16))]
 
     #[test]
     fn nothing_is_written_outside_the_attributes(body in any_body(), seed in any::<u64>()) {
@@ -681,7 +682,8 @@ fn quick_an_output_that_is_up_to_date_is_not_touched() {
         let mut out = Output::new(&set);
         let first = out.update(&mut instance);
         assert_eq!(first.vertices_written, set.vertex_count() as u64);
-        assert_eq!(out.tracker.changed(), &[0..set.vertex_count() as u32]);
+        let everything = 0..set.vertex_count() as u32;
+        assert_eq!(out.tracker.changed(), std::slice::from_ref(&everything));
         out.poison();
         let again = out.update(&mut instance);
         assert_eq!((again.vertices_written, again.blocks_written), (0, 0));
@@ -727,7 +729,7 @@ fn quick_an_output_may_change_hands() {
 // ------------------------------------------------------------------------------------------------- damage comes and goes
 
 proptest! {
-    #![proptest_config(config(24))]
+    #![proptest_config(scenes::cases(24))]
 
     #[test]
     fn damage_survives_save_set_and_copy(body in any_body(), count in 0usize..200, seed in any::<u64>()) {

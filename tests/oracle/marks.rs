@@ -63,6 +63,7 @@ pub struct Grid {
     pub step: V,
     pub displacements: Vec<V>,
     pub normals: Vec<V>,
+    pub facing: Vec<V>,
     /// Rows are the contact frame's x, y, z in mesh space.
     pub frame: Matrix,
 }
@@ -76,6 +77,7 @@ impl Grid {
             step: from_f32(step),
             displacements: stamp.nodes().iter().map(|u| from_f32(u.to_array())).collect(),
             normals: stamp.normal_nodes().iter().map(|n| from_f32(n.to_array())).collect(),
+            facing: stamp.facing_nodes().iter().map(|n| from_f32(n.to_array())).collect(),
             frame: [frame.x_axis, frame.y_axis, frame.z_axis].map(|axis| from_f32(axis.to_array())),
         }
     }
@@ -131,8 +133,15 @@ pub fn example_at(model: &Model, mark: &Mark, part: &Part, vertex: usize) -> (V,
     }
     let (grid, rotation, s, p) = place(model, mark, example, vertex);
     let back = |u: V| apply(rotation, apply(transpose(grid.frame), u));
-    // slopes fall as a dent gets wider
-    let normals = if grid.normals.is_empty() { [0.0; 3] } else { scale(1.0 / s, grid.look_up(&grid.normals, p)) };
+    let normals = if grid.normals.is_empty() {
+        [0.0; 3]
+    } else {
+        // a vertex that faces elsewhere than the surface the example was made on takes less of its change
+        let facing = back(grid.look_up(&grid.facing, p));
+        let cos = dot(facing, model.normals[vertex]) / length(facing).max(1e-300);
+        // slopes fall as a dent gets wider
+        scale(cos.clamp(0.0, 1.0) / s, grid.look_up(&grid.normals, p))
+    };
     (back(grid.look_up(&grid.displacements, p)), back(normals))
 }
 
@@ -181,6 +190,21 @@ pub fn mark_at(model: &Model, Scaled(mark, scales): &Scaled<'_>, vertex: usize) 
         let (u, n) = example_at(model, mark, part, vertex);
         let w = mark.strength * s;
         sum = (add(sum.0, scale(w, u)), add(sum.1, scale(w, n)));
+    }
+    sum
+}
+
+/// The greatest displacement and change of normal that a mark brings anywhere near: what its rounding errors are measured against. (At one
+/// vertex neighbouring nodes of a stamp may cancel; their errors do not.)
+pub fn size(model: &Model, Scaled(mark, scales): &Scaled<'_>) -> (f64, f64) {
+    let longest = |list: &[V]| list.iter().map(|u| length(*u)).fold(0.0, f64::max);
+    let mut sum = (0.0, 0.0);
+    for (part, s) in mark.parts.iter().zip(scales) {
+        let example = &model.examples[part.example];
+        let w = mark.strength * s;
+        sum.0 += w * longest(&example.deltas);
+        let stretch = if part.anchored { 1.0 } else { stretch(mark.depth, example) };
+        sum.1 += w / stretch * longest(&example.normal_deltas);
     }
     sum
 }

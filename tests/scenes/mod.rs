@@ -6,12 +6,21 @@ mod solver;
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use proptest::prelude::ProptestConfig;
+
 use crumple::{
     Cause, Contact, DeformReport, Deltas, ExampleData, ExampleSet, Hit, Instance, MeshData, Placement, Serial,
     SetOptions, Space, TaskSystem, Tracker, VertexMemory,
 };
 
 pub use solver::solver;
+
+/// How many random cases a property gets: a few in a test run, `CRUMPLE_SOAK` times as many in a soak. Failures are told by their seed, which
+/// is all that a case consists of; no files of regressions are written.
+pub fn cases(count: u32) -> ProptestConfig {
+    let soak = std::env::var("CRUMPLE_SOAK").ok().and_then(|s| s.parse().ok()).unwrap_or(1);
+    ProptestConfig { cases: count * soak, max_shrink_iters: 24, failure_persistence: None, ..ProptestConfig::default() }
+}
 
 /// A small generator (SplitMix64): the same numbers on every platform, from one seed.
 #[derive(Debug, Clone)]

@@ -1,0 +1,822 @@
+//! Input that is wrong, and input that only looks wrong. Each refusal is typed, names the value and what would be right, and leaves
+//! everything as it was and usable.
+
+mod scenes;
+
+use std::sync::Arc;
+
+use crumple::glam::{Mat4, Vec3, Vec4};
+use crumple::{
+    Attachment, Attribute, Cause, Contact, Deltas, Error, ErrorKind, ExampleData, ExampleSet, Hit, HitStatus, Instance,
+    InstanceOptions, Mark, MeshData, Pair, Placement, Rule, Selection, Serial, SetOptions, Space, ThreadPool, Tracker,
+    VertexMass, VertexMemory,
+};
+use proptest::prelude::*;
+use scenes::{Dice, Output, push, random_hit};
+
+/// Asserts that a result is the error given, of the kind given, and that its text has all the words given.
+macro_rules! refused {
+    ($result:expr, $variant:ident, $($word:expr),+ $(,)?) => {{
+        let error = match $result {
+            Ok(_) => panic!("{} was accepted", stringify!($result)),
+            Err(e) => e,
+        };
+        assert!(matches!(error, Error::$variant { .. }), "{} gave {error:?}", stringify!($result));
+        let text = error.to_string();
+        $(assert!(text.contains($word), "'{}' does not say '{}'", text, $word);)+
+        error
+    }};
+}
+
+const NAN: f32 = f32::NAN;
+const INF: f32 = f32::INFINITY;
+
+fn triangle() -> MeshData {
+    MeshData {
+        positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        normals: Some(vec![[0.0, 0.0, 1.0]; 3]),
+        tangents: Some(vec![[1.0, 0.0, 0.0, 1.0]; 3]),
+        triangles: vec![[0, 1, 2]],
+    }
+}
+
+fn dent() -> ExampleData {
+    ExampleData::new("a dent", Deltas::Sparse { indices: vec![0, 1], values: vec![[0.0, 0.0, -0.2], [0.0, 0.0, -0.1]] })
+}
+
+fn build(mesh: MeshData, examples: Vec<ExampleData>) -> Result<ExampleSet, Error> {
+    build_with(mesh, examples, SetOptions::default())
+}
+
+fn build_with(mesh: MeshData, examples: Vec<ExampleData>, options: SetOptions) -> Result<ExampleSet, Error> {
+    ExampleSet::build(mesh, examples, options, &Serial)
+}
+
+fn set() -> Arc<ExampleSet> {
+    Arc::new(build(triangle(), vec![dent()]).unwrap())
+}
+
+fn instance() -> Instance {
+    Instance::new(set(), InstanceOptions::default()).unwrap()
+}
+
+fn good() -> Hit {
+    push([0.0; 3], [0.0, 0.0, -0.1])
+}
+
+/// The instance still does its work: it takes a hit, and its damage is `marks` and that hit's.
+#[track_caller]
+fn still_usable(instance: &mut Instance, marks: &[Mark]) {
+    assert_eq!(instance.marks().unwrap(), marks, "a refused call changed the damage");
+    let hit = good();
+    assert_eq!(instance.submit(&hit).unwrap().status, HitStatus::Marked);
+    let out = Output::fresh(instance);
+    assert!(out.positions.iter().flatten().all(|x| x.is_finite()));
+    assert!(out.positions[0][2] < -0.09);
+    instance.set_marks(marks).unwrap();
+}
+
+// ----------------------------------------------------------------------------------------------------------------- meshes
+
+#[test]
+fn quick_meshes_without_vertices() {
+    refused!(build(MeshData::default(), vec![dent()]), Mesh, "0 vertices");
+    let error = build(MeshData::default(), vec![dent()]).unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::Mesh);
+}
+
+#[test]
+fn quick_meshes_whose_arrays_disagree() {
+    let mut mesh = triangle();
+    mesh.normals.as_mut().unwrap().pop();
+    refused!(build(mesh, vec![dent()]), Mesh, "normals", "2", "3");
+    let mut mesh = triangle();
+    mesh.tangents.as_mut().unwrap().push([1.0, 0.0, 0.0, 1.0]);
+    refused!(build(mesh, vec![dent()]), Mesh, "tangents", "4", "3");
+}
+
+#[test]
+fn quick_meshes_with_indices_out_of_range() {
+    for bad in [3, u32::MAX] {
+        let mut mesh = triangle();
+        mesh.triangles.push([0, bad, 1]);
+        refused!(build(mesh, vec![dent()]), IndexOutOfRange, "triangle 1", bad.to_string().as_str(), "below 3");
+    }
+}
+
+#[test]
+fn quick_meshes_with_numbers_that_are_none() {
+    for bad in [NAN, INF, -INF] {
+        let mut mesh = triangle();
+        mesh.positions[1][2] = bad;
+        refused!(build(mesh, vec![dent()]), NotFinite, "positions[1]", "finite");
+        let mut mesh = triangle();
+        mesh.normals.as_mut().unwrap()[2][0] = bad;
+        refused!(build(mesh, vec![dent()]), NotFinite, "normals[2]");
+        let mut mesh = triangle();
+        mesh.tangents.as_mut().unwrap()[0][3] = bad;
+        refused!(build(mesh, vec![dent()]), NotFinite, "tangents[0]");
+    }
+    let mut mesh = triangle();
+    mesh.positions[0][0] = 1e30;
+    refused!(build(mesh, vec![dent()]), InvalidArgument, "positions[0]", "1e9");
+}
+
+#[test]
+fn quick_zero_length_normals_and_degenerate_triangles_are_repaired_and_reported() {
+    let mut mesh = scenes::cube(4);
+    let count = mesh.positions.len();
+    mesh.normals.as_mut().unwrap()[7] = [0.0; 3];
+    mesh.normals.as_mut().unwrap()[8] = [1e-44, 0.0, 0.0];
+    mesh.triangles.extend([[0, 0, 1], [5, 5, 5], [0, 1, 2]]);
+    mesh.tangents = None;
+    let examples = scenes::bowls(&scenes::cube(4), 3, 0.5, 1);
+    let set = Arc::new(build(mesh, examples).unwrap());
+    assert_eq!(set.report().repaired_normals, 1);
+    // 0, 1 and 2 lie on one line
+    assert_eq!(set.report().degenerate_triangles, 3);
+    let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+    for v in 0..count {
+        instance.submit(&push(set.mesh().positions()[v].to_array(), [-0.01, -0.02, -0.03])).unwrap();
+    }
+    let out = Output::fresh(&mut instance);
+    assert!(out.positions.iter().chain(&out.normals).flatten().all(|x| x.is_finite()));
+    assert!(out.normals.iter().all(|n| (Vec3::from_array(*n).length() - 1.0).abs() < 1e-5));
+}
+
+#[test]
+fn quick_a_mesh_of_nothing_but_degenerate_triangles_works() {
+    let mesh = MeshData { positions: vec![[1.0; 3]; 4], triangles: vec![[0, 1, 2], [3, 3, 3]], ..MeshData::default() };
+    let set = Arc::new(build(mesh, vec![ExampleData::new("", Deltas::Full(vec![[0.0, 0.0, -0.1]; 4]))]).unwrap());
+    assert_eq!((set.report().degenerate_triangles, set.mesh().seam_count()), (2, 3));
+    let mut instance = Instance::new(set, InstanceOptions::default()).unwrap();
+    assert_eq!(instance.submit(&push([1.0; 3], [0.0, 0.0, -0.1])).unwrap().status, HitStatus::Marked);
+    let out = Output::fresh(&mut instance);
+    assert!(out.positions.iter().all(|p| *p == [1.0, 1.0, 0.9]), "{:?}", out.positions);
+}
+
+#[test]
+fn quick_one_vertex_is_a_mesh() {
+    let mesh = MeshData { positions: vec![[0.0; 3]], ..MeshData::default() };
+    let set = Arc::new(build(mesh, vec![ExampleData::new("", Deltas::Full(vec![[0.0, 0.0, -0.1]]))]).unwrap());
+    assert_eq!(set.examples()[0].placement(), Placement::Anchored, "it has no normals to be carried by");
+    let mut instance = Instance::new(set, InstanceOptions::default()).unwrap();
+    assert_eq!(instance.submit(&push([0.0, 0.0, 0.05], [0.0, 0.0, -0.1])).unwrap().status, HitStatus::Marked);
+    assert_eq!(instance.displaced(0).unwrap(), Vec3::ZERO, "not folded yet");
+    instance.fold();
+    assert_eq!(instance.displaced(0).unwrap(), Vec3::new(0.0, 0.0, -0.1));
+}
+
+// --------------------------------------------------------------------------------------------------------------- examples
+
+#[test]
+fn quick_no_examples() {
+    let error = refused!(build(triangle(), vec![]), NoExamples, "0 were given", "at least 1");
+    assert_eq!(error.kind(), ErrorKind::ExampleMismatch);
+    let still = ExampleData::new("still", Deltas::Full(vec![[0.0; 3]; 3]));
+    refused!(build(triangle(), vec![still.clone(), still.clone()]), NoExamples, "2 given", "moves");
+    refused!(build(triangle(), vec![still; 65_535]), NoExamples, "65535", "65534");
+}
+
+#[test]
+fn quick_an_empty_example_keeps_its_index_and_is_never_chosen() {
+    let still = ExampleData::new("still", Deltas::Sparse { indices: vec![], values: vec![] });
+    let set = Arc::new(build(triangle(), vec![still, dent()]).unwrap());
+    assert_eq!(set.report().empty_examples, [0]);
+    assert!(set.examples()[0].is_empty());
+    let mut instance = Instance::new(set, InstanceOptions::default()).unwrap();
+    assert_eq!(instance.submit(&good()).unwrap().chosen[0].unwrap().example, 1);
+    let mut mark = instance.marks().unwrap()[0];
+    mark.pairs[0].example = 0;
+    refused!(instance.set_marks(&[mark]), InvalidArgument, "example of mark 0", "0");
+}
+
+#[test]
+fn quick_examples_of_another_vertex_count_or_order() {
+    let with = |positions| ExampleData { positions, ..dent() };
+    refused!(
+        build(triangle(), vec![dent(), with(Deltas::Full(vec![[0.1; 3]; 4]))]),
+        ExampleMismatch,
+        "example 1 'a dent'",
+        "4",
+        "3 vertices"
+    );
+    let sparse = |indices: &[u32], count| Deltas::Sparse { indices: indices.to_vec(), values: vec![[0.1; 3]; count] };
+    refused!(build(triangle(), vec![with(sparse(&[0, 3], 2))]), ExampleMismatch, "index 3", "3 vertices");
+    refused!(build(triangle(), vec![with(sparse(&[0, u32::MAX], 2))]), ExampleMismatch, "4294967295");
+    refused!(build(triangle(), vec![with(sparse(&[1, 0], 2))]), ExampleMismatch, "index 0 follows 1", "increase");
+    refused!(build(triangle(), vec![with(sparse(&[1, 1], 2))]), ExampleMismatch, "index 1 follows 1", "increase");
+    refused!(build(triangle(), vec![with(sparse(&[0, 1], 3))]), ExampleMismatch, "2 indices", "3");
+    let bad_normals = ExampleData { normals: Some(Deltas::Full(vec![[0.0; 3]; 2])), ..dent() };
+    refused!(build(triangle(), vec![bad_normals]), ExampleMismatch, "normal", "2", "3 vertices");
+}
+
+#[test]
+fn quick_examples_with_numbers_that_are_none() {
+    for bad in [NAN, INF, -INF] {
+        let mut full = vec![[0.1; 3]; 3];
+        full[2][1] = bad;
+        let positions = ExampleData { positions: Deltas::Full(full.clone()), ..dent() };
+        refused!(build(triangle(), vec![positions]), ExampleMismatch, "vertex 2", "finite");
+        let normals = ExampleData { normals: Some(Deltas::Full(full)), ..dent() };
+        refused!(build(triangle(), vec![normals]), ExampleMismatch, "normal", "vertex 2", "finite");
+        let contact = ExampleData { contact: Some(Contact::Point([0.0, bad, 0.0])), ..dent() };
+        refused!(build(triangle(), vec![contact]), ExampleMismatch, "contact", "a dent", "finite");
+        let normal = ExampleData { contact_normal: Some([0.0, bad, 0.0]), ..dent() };
+        refused!(build(triangle(), vec![normal]), NotFinite, "contact normal", "a dent");
+    }
+    let far = ExampleData { positions: Deltas::Full(vec![[0.0, 1e30, 0.0]; 3]), ..dent() };
+    refused!(build(triangle(), vec![far]), ExampleMismatch, "1e30", "1e9");
+}
+
+#[test]
+fn quick_contacts_that_cannot_be() {
+    let at = |contact| ExampleData { contact: Some(contact), ..dent() };
+    let error = build(triangle(), vec![at(Contact::Vertex(3))]).unwrap_err();
+    assert!(matches!(error.kind(), ErrorKind::IndexOutOfRange | ErrorKind::ExampleMismatch), "{error:?}");
+    assert!(error.to_string().contains('3'), "{error}");
+    refused!(build(triangle(), vec![at(Contact::Vertex(2))]), ExampleMismatch, "vertex 2", "does not move");
+    refused!(build(triangle(), vec![at(Contact::Point([0.0, 0.9, 0.0]))]), ExampleMismatch, "vertex 2");
+    let flat = ExampleData { contact_normal: Some([0.0; 3]), ..dent() };
+    refused!(build(triangle(), vec![flat]), ExampleMismatch, "contact normal", "length 0");
+}
+
+#[test]
+fn quick_nothing_can_be_carried_over_a_mesh_without_normals() {
+    let mesh = MeshData { normals: None, tangents: None, triangles: vec![], ..triangle() };
+    let carried = ExampleData { placement: Placement::Carried, ..dent() };
+    refused!(build(mesh, vec![carried]), ExampleMismatch, "carried", "normals");
+}
+
+#[test]
+fn quick_options_of_a_set_out_of_range() {
+    let with = |options| build_with(triangle(), vec![dent()], options);
+    for bad in [0.0, -1.0, NAN, INF, 2e9] {
+        refused!(with(SetOptions { depth_limit: Some(bad), ..SetOptions::default() }), InvalidArgument, "depth_limit");
+    }
+    for bad in [-1e-9, NAN, INF] {
+        refused!(with(SetOptions { drop_below: bad, ..SetOptions::default() }), InvalidArgument, "drop_below");
+    }
+    for bad in [0, 3, 129, u32::MAX] {
+        let options = SetOptions { stamp_resolution: bad, ..SetOptions::default() };
+        refused!(with(options), InvalidArgument, "stamp_resolution", bad.to_string().as_str(), "4 to 128");
+    }
+    for bad in [0.0, -1.0, NAN, INF] {
+        let uniform = SetOptions { mass: VertexMass::Uniform(bad), ..SetOptions::default() };
+        refused!(with(uniform), InvalidArgument, "mass", "kg");
+        let each = SetOptions { mass: VertexMass::PerVertex(vec![1.0, bad, 1.0]), ..SetOptions::default() };
+        refused!(with(each), InvalidArgument, "mass of vertex 1");
+    }
+    let few = SetOptions { mass: VertexMass::PerVertex(vec![1.0]), ..SetOptions::default() };
+    refused!(with(few), Mesh, "1 vertex masses", "3 vertices");
+    // everything dropped
+    refused!(with(SetOptions { drop_below: 0.3, ..SetOptions::default() }), NoExamples, "0.3 m");
+}
+
+#[test]
+fn quick_any_text_is_a_name() {
+    for name in ["", "a dent", "Beule ✱ \u{202e}", "\0", "日本語"] {
+        let set = build(triangle(), vec![ExampleData { name: name.into(), ..dent() }, dent(), dent()]).unwrap();
+        assert_eq!(set.examples()[0].name(), name);
+    }
+}
+
+// -------------------------------------------------------------------------------------------------------------- instances
+
+#[test]
+fn quick_options_of_an_instance_out_of_range() {
+    let with = |options| Instance::new(set(), options);
+    let default = InstanceOptions::default;
+    for bad in [0, 5, u32::MAX] {
+        refused!(
+            with(InstanceOptions { examples_per_hit: bad, ..default() }),
+            InvalidArgument,
+            "examples_per_hit",
+            "1 to 4"
+        );
+    }
+    for bad in [0, 65_536, u32::MAX] {
+        refused!(with(InstanceOptions { capacity: bad, ..default() }), InvalidArgument, "capacity", "65535");
+    }
+    for bad in [0.0, -1.0, NAN, INF, 2e9] {
+        refused!(with(InstanceOptions { depth_limit: Some(bad), ..default() }), InvalidArgument, "depth_limit", "m");
+    }
+    for bad in [-1.0, NAN, INF] {
+        refused!(with(InstanceOptions { yield_impulse: bad, ..default() }), InvalidArgument, "yield_impulse", "N·s");
+        refused!(with(InstanceOptions { yield_displacement: bad, ..default() }), InvalidArgument, "yield_displacement");
+        let far = InstanceOptions { max_contact_distance: Some(bad), ..default() };
+        refused!(with(far), InvalidArgument, "max_contact_distance");
+    }
+    for bad in [-0.1, 1.1, NAN, INF] {
+        refused!(with(InstanceOptions::classic(Rule::Blend(bad))), InvalidArgument, "blend", "0 to 1");
+    }
+    let unclamped = InstanceOptions { selection: Selection::ClassicUnclamped, ..default() };
+    refused!(with(unclamped), InvalidArgument, "ClassicUnclamped", "Marks");
+    refused!(
+        with(InstanceOptions { rule: Rule::MostDisplaced, ..default() }),
+        InvalidArgument,
+        "Nearest",
+        "MostDisplaced"
+    );
+}
+
+#[test]
+fn quick_hits_with_numbers_that_are_none() {
+    let mut instance = instance();
+    instance.submit(&good()).unwrap();
+    let marks = instance.marks().unwrap().to_vec();
+    for bad in [NAN, INF, -INF] {
+        for k in 0..3 {
+            let mut v = [0.0, 0.0, -0.1];
+            v[k] = bad;
+            for space in [Space::Local, Space::World] {
+                let at = Hit { point: v, space, ..good() };
+                refused!(instance.submit(&at), NotFinite, "point");
+                let by = Hit { cause: Cause::Displacement(v), space, ..good() };
+                refused!(instance.submit(&by), NotFinite, "displacement");
+                let cause = Cause::Impulse { impulse: v, duration: 0.1, mass: Some(1.0) };
+                refused!(instance.submit(&Hit { cause, space, ..good() }), NotFinite, "impulse");
+                refused!(instance.preview(&Hit { cause, space, ..good() }), NotFinite, "impulse");
+            }
+        }
+        still_usable(&mut instance, &marks);
+    }
+}
+
+#[test]
+fn quick_masses_and_durations_must_be_above_zero() {
+    let mut instance = instance();
+    let cause = |duration, mass| Hit { cause: Cause::Impulse { impulse: [0.0, 0.0, -1.0], duration, mass }, ..good() };
+    for bad in [0.0, -0.0, -1.0, NAN, INF] {
+        refused!(instance.submit(&cause(bad, Some(1.0))), InvalidArgument, "duration", "above 0", "s");
+        refused!(instance.submit(&cause(0.1, Some(bad))), InvalidArgument, "mass", "above 0", "kg");
+    }
+    refused!(instance.submit(&cause(0.1, None)), InvalidArgument, "mass", "absent");
+    still_usable(&mut instance, &[]);
+}
+
+#[test]
+fn quick_zero_and_tiny_hits_are_too_weak_not_wrong() {
+    let mut instance = instance();
+    for size in [0.0, -0.0, 1e-30, 1e-38, 1e-44] {
+        let outcome = instance.submit(&push([0.0; 3], [0.0, 0.0, -size])).unwrap();
+        assert_eq!((outcome.status, outcome.met, outcome.mark), (HitStatus::BelowYield, [0.0; 3], None));
+        let cause = Cause::Impulse { impulse: [0.0, 0.0, -size], duration: 1e-3, mass: Some(1.0) };
+        assert_eq!(instance.submit(&Hit { cause, ..good() }).unwrap().status, HitStatus::BelowYield);
+    }
+    still_usable(&mut instance, &[]);
+}
+
+#[test]
+fn quick_enormous_hits_are_cut_to_the_limit() {
+    let mut instance = instance();
+    for size in [1e3, 1e30, f32::MAX] {
+        let outcome = instance.submit(&push([0.0; 3], [0.0, 0.0, -size])).unwrap();
+        assert!(outcome.clamped);
+        assert_eq!(outcome.status, HitStatus::Marked);
+        assert!((outcome.met[2] + 0.2).abs() < 1e-6);
+        assert!(outcome.unmet.iter().all(|x| x.is_finite()));
+        let cause = Cause::Impulse { impulse: [0.0, 0.0, -size], duration: 1e30, mass: Some(1e-30) };
+        let outcome = instance.submit(&Hit { cause, ..good() }).unwrap();
+        assert!(outcome.clamped && outcome.target.iter().all(|x| x.is_finite()));
+    }
+    let out = Output::fresh(&mut instance);
+    assert!((out.positions[0][2] + 0.2).abs() < 1e-6);
+    instance.reset();
+    still_usable(&mut instance, &[]);
+}
+
+#[test]
+fn quick_contacts_far_away() {
+    let mut instance = instance();
+    for far in [5.0f32, 3000.0, 1e10, 1e30, f32::MAX] {
+        for k in 0..3 {
+            let mut point = [0.0; 3];
+            point[k] = -far;
+            let error = refused!(instance.submit(&Hit { point, ..good() }), ContactTooFar, "at most 1.414");
+            let Error::ContactTooFar { distance, .. } = error else { unreachable!() };
+            assert!(distance >= 0.99 * far, "{distance}");
+        }
+    }
+    let options = InstanceOptions { max_contact_distance: Some(0.01), ..InstanceOptions::default() };
+    let near = Instance::new(set(), options).unwrap();
+    refused!(near.submit(&push([0.0, 0.0, 0.02], [0.0, 0.0, -0.1])), ContactTooFar, "0.02 m", "0.01 m");
+    near.submit(&push([0.0, 0.0, 0.009], [0.0, 0.0, -0.1])).unwrap();
+    still_usable(&mut instance, &[]);
+}
+
+#[test]
+fn quick_hits_that_pull_where_examples_push_reach_nothing() {
+    let mut instance = instance();
+    let outcome = instance.submit(&push([0.0; 3], [0.0, 0.0, 0.1])).unwrap();
+    assert_eq!((outcome.status, outcome.mark, outcome.unmet), (HitStatus::NothingReaches, None, outcome.target));
+    still_usable(&mut instance, &[]);
+}
+
+#[test]
+fn quick_normals_that_point_at_each_other() {
+    // one example, made at the north pole of a ball, carried to the south pole and to places almost there
+    let mesh = scenes::ball(3);
+    let pole = |z: f32| {
+        let key = |v: &usize| (mesh.positions[*v][2] * z * 1e6) as i64;
+        (0..mesh.positions.len()).max_by_key(key).unwrap()
+    };
+    let north = pole(1.0);
+    let example = ExampleData { placement: Placement::Carried, ..scenes::bowl(&mesh, north as u32, 0.1, 0.3) };
+    let opposite = {
+        // exactly opposite normals, whatever the triangulation
+        let mut mesh = mesh.clone();
+        let n = mesh.normals.as_ref().unwrap()[north];
+        mesh.normals.as_mut().unwrap()[pole(-1.0)] = n.map(|x| -x);
+        mesh
+    };
+    for mesh in [mesh.clone(), opposite] {
+        let set = Arc::new(build(mesh, vec![example.clone()]).unwrap());
+        let mut worst: f32 = 0.0;
+        for v in 0..set.vertex_count() {
+            let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+            let n = set.mesh().contact_normal(v as u32).unwrap();
+            let outcome = instance.submit(&push(set.mesh().positions()[v].to_array(), (n * -0.05).to_array())).unwrap();
+            assert_eq!(outcome.status, HitStatus::Marked);
+            instance.fold();
+            let moved = instance.displaced(v as u32).unwrap() - set.mesh().positions()[v];
+            worst = worst.max((moved + n * 0.05).length());
+        }
+        assert!(worst < 0.003, "{worst}");
+    }
+}
+
+#[test]
+fn quick_a_sheet_folded_flat_on_itself() {
+    // every position twice, with normals that point at each other
+    let mut mesh = scenes::sheet(6);
+    let single = mesh.clone();
+    mesh.positions.extend(&single.positions);
+    mesh.normals.as_mut().unwrap().extend(vec![[0.0, 0.0, -1.0]; single.positions.len()]);
+    mesh.tangents = None;
+    let count = single.positions.len() as u32;
+    mesh.triangles.extend(single.triangles.iter().map(|t| [t[0] + count, t[2] + count, t[1] + count]));
+    let examples = scenes::bowls(&single, 3, 0.4, 2);
+    let set = Arc::new(build(mesh, examples).unwrap());
+    let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+    for hit in scenes::random_hits(&set, 50, 1) {
+        instance.submit(&hit).unwrap();
+    }
+    let out = Output::fresh(&mut instance);
+    assert!(out.positions.iter().chain(&out.normals).flatten().all(|x| x.is_finite()));
+    for v in 0..count as usize {
+        assert_eq!(out.positions[v], out.positions[v + count as usize]);
+    }
+}
+
+#[test]
+fn quick_transforms_that_cannot_be_undone() {
+    let mut instance = instance();
+    let mut nan = Mat4::IDENTITY;
+    nan.y_axis.z = NAN;
+    refused!(instance.set_transform(nan), NotFinite, "transform");
+    let flat = Mat4::from_scale(Vec3::new(1.0, 0.0, 1.0));
+    refused!(instance.set_transform(flat), InvalidArgument, "transform", "determinant");
+    let perspective = Mat4::from_cols(Vec4::X, Vec4::Y, Vec4::new(0.0, 0.0, 1.0, -1.0), Vec4::W);
+    refused!(instance.set_transform(perspective), InvalidArgument, "transform", "affine");
+    // the one before is still in force
+    let outcome = instance.preview(&Hit { space: Space::World, ..good() }).unwrap();
+    assert_eq!(outcome.contact_vertex, 0);
+    still_usable(&mut instance, &[]);
+}
+
+#[test]
+fn quick_calls_out_of_range() {
+    let mut instance = instance();
+    for bad in [-0.1, 1.1, NAN, INF] {
+        refused!(instance.repair(bad), InvalidArgument, "keep", "0", "1");
+        if bad != 1.1 {
+            refused!(instance.set_depth_limit(Some(bad)), InvalidArgument, "depth_limit");
+        }
+    }
+    refused!(instance.displaced(3), IndexOutOfRange, "vertex", "3", "below 3");
+    refused!(instance.displaced(u32::MAX), IndexOutOfRange, "4294967295");
+    for bad in [NAN, INF] {
+        refused!(instance.example_set().attach([bad, 0.0, 0.0]), NotFinite, "point");
+        refused!(instance.example_set().nearest_vertex([0.0, bad, 0.0]), NotFinite, "point");
+    }
+    let good = instance.example_set().attach([0.2, 0.2, 0.1]).unwrap();
+    let foreign = Attachment { vertices: [0, 1, 9], ..good };
+    refused!(instance.attached_frame(&foreign), IndexOutOfRange, "attachment", "9", "below 3");
+    refused!(instance.attached_frame(&Attachment { point: [NAN; 3], ..good }), NotFinite, "attachment");
+    refused!(instance.attached_frame(&Attachment { weights: [INF; 3], ..good }), NotFinite, "attachment");
+    still_usable(&mut instance, &[]);
+}
+
+#[test]
+fn quick_classic_instances_have_no_marks() {
+    let mut instance = Instance::new(set(), InstanceOptions::classic(Rule::MostDisplaced)).unwrap();
+    instance.submit(&good()).unwrap();
+    let error = refused!(instance.marks(), WrongRule, "marks", "Marks", "MostDisplaced");
+    assert_eq!(error.kind(), ErrorKind::WrongRule);
+    refused!(instance.set_marks(&[]), WrongRule, "set_marks");
+    assert!((Output::fresh(&mut instance).positions[0][2] + 0.1).abs() < 1e-6);
+}
+
+#[test]
+fn quick_threads_out_of_range() {
+    refused!(ThreadPool::new(1025), InvalidArgument, "1025", "1024");
+    refused!(ThreadPool::new(usize::MAX), InvalidArgument, "1024");
+}
+
+// ------------------------------------------------------------------------------------------------------------------ marks
+
+#[test]
+fn quick_marks_that_are_none() {
+    let mut instance = instance();
+    instance.submit(&good()).unwrap();
+    let marks = instance.marks().unwrap().to_vec();
+    let ok = marks[0];
+    let pair = ok.pairs[0];
+    let mut bad: Vec<(Mark, &str)> = vec![
+        (Mark { contact: 3, ..ok }, "contact"),
+        (Mark { contact: u32::MAX, ..ok }, "contact"),
+        (Mark { energy: 0, ..ok }, "energy"),
+        (Mark { pairs: [Pair::NONE; 4], ..ok }, "pairs"),
+        (Mark { pairs: [Pair::NONE, pair, Pair::NONE, Pair::NONE], ..ok }, "pairs"),
+        (Mark { pairs: [Pair { example: 1, ..pair }, Pair::NONE, Pair::NONE, Pair::NONE], ..ok }, "example"),
+        (Mark { pairs: [Pair::new(0, 0, true), Pair::NONE, Pair::NONE, Pair::NONE], ..ok }, "shares"),
+        (Mark { pairs: [pair; 4], ..ok }, "shares"),
+    ];
+    for depth in [0.0, -1.0, NAN, INF, 2e9] {
+        bad.push((Mark { depth, ..ok }, "depth"));
+    }
+    for (mark, name) in bad {
+        let error = refused!(instance.set_marks(&[ok, mark]), InvalidArgument, name, "mark 1");
+        assert_eq!(error.kind(), ErrorKind::InvalidArgument);
+        still_usable(&mut instance, &marks);
+    }
+}
+
+#[test]
+fn quick_marks_that_carry_what_is_pinned() {
+    let pinned = ExampleData { placement: Placement::Anchored, ..dent() };
+    let set = Arc::new(build(triangle(), vec![pinned]).unwrap());
+    let mut instance = Instance::new(set, InstanceOptions::default()).unwrap();
+    let pairs = [Pair::new(0, 32767, false), Pair::NONE, Pair::NONE, Pair::NONE];
+    refused!(instance.set_marks(&[Mark::new(0, 0.1, pairs)]), InvalidArgument, "mark 0", "carried", "anchored");
+    still_usable(&mut instance, &[]);
+}
+
+#[test]
+fn quick_saved_damage_cut_short_or_too_long() {
+    let mut instance = instance();
+    instance.submit(&good()).unwrap();
+    let bytes = instance.save();
+    let marks = instance.marks().unwrap().to_vec();
+    let mut other = Instance::new(instance.example_set().clone(), InstanceOptions::default()).unwrap();
+    for len in 0..bytes.len() {
+        refused!(other.load(&bytes[..len]), DamageMismatch, "bytes");
+    }
+    let mut long = bytes.clone();
+    long.push(0);
+    refused!(other.load(&long), DamageMismatch, "bytes");
+    still_usable(&mut other, &[]);
+    other.load(&bytes).unwrap();
+    still_usable(&mut other, &marks);
+}
+
+#[test]
+fn quick_saved_damage_of_another_kind_set_or_version() {
+    let mut instance = instance();
+    instance.submit(&good()).unwrap();
+    let marks = instance.marks().unwrap().to_vec();
+    let bytes = instance.save();
+    let changed = |at: usize| {
+        let mut bytes = bytes.clone();
+        bytes[at] ^= 0x40;
+        bytes
+    };
+    refused!(instance.load(&changed(0)), DamageMismatch, "begins");
+    let error = refused!(instance.load(&changed(4)), DamageMismatch, "version");
+    assert_eq!(error.kind(), ErrorKind::DamageMismatch);
+    refused!(instance.load(&changed(6)), DamageMismatch, "kind");
+    refused!(instance.load(&changed(8)), DamageMismatch, "example set");
+    refused!(instance.load(b"glTF\x02\0\0\0 and so on, at least forty bytes of it"), DamageMismatch, "begins");
+    // the same mesh with another example is another set
+    let other = ExampleData { positions: Deltas::Full(vec![[0.0, 0.0, -0.1]; 3]), ..dent() };
+    let other = Arc::new(build(triangle(), vec![other]).unwrap());
+    let mut other = Instance::new(other, InstanceOptions::default()).unwrap();
+    refused!(other.load(&bytes), DamageMismatch, "example set");
+    refused!(other.copy_damage_from(&mut instance), DamageMismatch, "example set");
+    let mut classic =
+        Instance::new(instance.example_set().clone(), InstanceOptions::classic(Rule::MostDisplaced)).unwrap();
+    refused!(classic.load(&bytes), DamageMismatch, "rule");
+    refused!(classic.copy_damage_from(&mut instance), DamageMismatch, "rule");
+    refused!(instance.copy_damage_from(&mut classic), DamageMismatch, "rule");
+    still_usable(&mut instance, &marks);
+}
+
+proptest! {
+    #![proptest_config(scenes::cases(400))]
+
+    /// Whatever bytes come in: an error that changes nothing, or damage that is bounded like any other.
+    #[test]
+    fn damaged_saves_never_do_harm(seed in any::<u64>(), flips in 1usize..6, classic in any::<bool>()) {
+        let mut dice = Dice::new(seed);
+        let set = scenes_set();
+        let options = if classic { InstanceOptions::classic(Rule::MostDisplaced) } else { InstanceOptions::default() };
+        let mut instance = Instance::new(set.clone(), options).unwrap();
+        for _ in 0..3 {
+            instance.submit(&random_hit(&set, &mut dice)).unwrap();
+        }
+        let clean = instance.save();
+        let mut bytes = clean.clone();
+        for _ in 0..flips {
+            // mostly past the header, whose every bit is checked
+            let from = if dice.index(8) == 0 { 0 } else { 16.min(bytes.len() - 1) };
+            let at = from + dice.index(bytes.len() - from);
+            bytes[at] = [0x00, 0xff, 0x7f, 0x80, bytes[at] ^ 1 << dice.index(8)][dice.index(5)];
+        }
+        if instance.load(&bytes).is_err() {
+            prop_assert!(instance.save() == clean);
+        } else if !classic {
+            let out = Output::fresh(&mut instance);
+            let limit = instance.depth_limit();
+            for (p, base) in out.positions.iter().zip(set.mesh().positions()) {
+                let moved = (Vec3::from_array(*p) - *base).length();
+                prop_assert!(moved <= limit * 1.000_01 + 1e-6, "{moved}");
+            }
+        } else {
+            prop_assert!(Output::fresh(&mut instance).positions.iter().flatten().all(|x| x.is_finite()));
+        }
+    }
+}
+
+fn scenes_set() -> Arc<ExampleSet> {
+    static SET: std::sync::OnceLock<Arc<ExampleSet>> = std::sync::OnceLock::new();
+    SET.get_or_init(|| {
+        let mesh = scenes::sheet(8);
+        let examples = scenes::bowls(&mesh, 3, 0.4, 1);
+        scenes::build(mesh, examples, SetOptions::default())
+    })
+    .clone()
+}
+
+#[test]
+fn quick_examples_that_barely_move_their_own_contact_stay_bounded() {
+    // scaling such an example to a target would multiply the rest of it by anything up to 1e38
+    for tiny in [1e-3f32, 1e-9, 1e-15, 1e-18, 1e-22, 1e-30, 1e-38, 1e-44] {
+        let mesh = scenes::sheet(8);
+        let Deltas::Sparse { indices, mut values } = scenes::bowl(&mesh, 40, 0.1, 0.5).positions else {
+            unreachable!()
+        };
+        let contact = indices[3];
+        values[3] = [0.0, 0.0, -tiny];
+        let example = ExampleData {
+            contact: Some(Contact::Vertex(contact)),
+            ..ExampleData::new("rim", Deltas::Sparse { indices, values })
+        };
+        if tiny < 1e-23 {
+            // its square is nothing
+            refused!(build(mesh, vec![example]), ExampleMismatch, "does not move its own contact");
+            continue;
+        }
+        let set = Arc::new(build(mesh, vec![example]).unwrap());
+        let at = set.mesh().positions()[contact as usize].to_array();
+        let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+        for size in [1e-6, 0.01, 0.1, 1e30] {
+            instance.submit(&push(at, [0.0, 0.0, -size])).unwrap();
+            instance.submit(&push([0.3, 0.3, 0.0], [0.0, 0.0, -size])).unwrap();
+        }
+        check_within(&mut instance);
+        for anchored in [true, false] {
+            for depth in [1e-30, 1e-3, 1.0, 1e9] {
+                for energy in [1, Mark::ONE, u64::MAX] {
+                    let pairs =
+                        [Pair::new(0, 20_000, anchored), Pair::new(0, 12_000, !anchored), Pair::NONE, Pair::NONE];
+                    let list = [
+                        Mark { energy, ..Mark::new(contact, depth, pairs) },
+                        Mark { energy, ..Mark::new(70, depth, pairs) },
+                    ];
+                    instance.set_marks(&list).unwrap();
+                    check_within(&mut instance);
+                }
+            }
+        }
+    }
+}
+
+#[track_caller]
+fn check_within(instance: &mut Instance) {
+    let set = instance.example_set().clone();
+    let out = Output::fresh(instance);
+    for (v, p) in out.positions.iter().enumerate() {
+        let moved = (Vec3::from_array(*p) - set.mesh().positions()[v]).length();
+        assert!(moved <= instance.depth_limit() * 1.000_01 + 1e-6, "vertex {v} at {p:?}");
+        assert!((Vec3::from_array(out.normals[v]).length() - 1.0).abs() < 1e-4, "normal {:?}", out.normals[v]);
+    }
+}
+
+// ----------------------------------------------------------------------------------------------------------------- memory
+
+#[test]
+fn quick_memory_that_is_laid_out_wrong() {
+    let mut bytes = vec![0u8; 4096];
+    let at = |offset, stride| Attribute { offset, stride };
+    for (name, stride) in [("position", 0), ("position", 4), ("position", 8)] {
+        let found = VertexMemory::interleaved(&mut bytes, at(0, stride), None, None).map(|_| ());
+        refused!(found, InvalidArgument, name, stride.to_string().as_str(), "at least 12");
+    }
+    let found = VertexMemory::interleaved(&mut bytes, at(0, 12), None, Some(at(12, 12))).map(|_| ());
+    refused!(found, InvalidArgument, "offset", "stride");
+    for (offset, stride, value) in [(1, 12, "1"), (2, 12, "2"), (0, 13, "13"), (0, 15, "15")] {
+        let found = VertexMemory::interleaved(&mut bytes, at(offset, stride), None, None).map(|_| ());
+        refused!(found, Misaligned, "position", value, "multiple of 4");
+    }
+    // values on top of each other, also across the border of a vertex
+    for normal in [0, 4, 8, 20] {
+        let found = VertexMemory::interleaved(&mut bytes, at(0, 24), Some(at(normal, 24)), None).map(|_| ());
+        refused!(found, InvalidArgument, "position", "normal");
+    }
+    VertexMemory::interleaved(&mut bytes, at(0, 24), Some(at(12, 24)), None).unwrap();
+    // normals before positions, and a whole vertex apart, are fine
+    VertexMemory::interleaved(&mut bytes, at(12, 24), Some(at(0, 24)), None).unwrap();
+    VertexMemory::interleaved(&mut bytes, at(0, 24), Some(at(36, 24)), None).unwrap();
+}
+
+#[test]
+fn quick_memory_that_is_too_small() {
+    let mut instance = instance();
+    instance.submit(&good()).unwrap();
+    let mut tracker = Tracker::new();
+    let at = |offset, stride| Attribute { offset, stride };
+    for (offset, stride) in [(0, 12), (4, 16), (0, 1024)] {
+        let needed: usize = offset + 2 * stride + 12;
+        for size in [0, 11, needed - 4, needed - 1] {
+            let mut bytes = vec![0xA5u8; size];
+            let memory = VertexMemory::interleaved(&mut bytes, at(offset, stride), None, None).unwrap();
+            let found = instance.deform(&mut tracker, memory, &Serial);
+            refused!(found, BufferTooSmall, "position", size.to_string().as_str(), needed.to_string().as_str());
+            assert!(bytes.iter().all(|b| *b == 0xA5), "something was written");
+        }
+        let mut bytes = vec![0u8; needed];
+        let memory = VertexMemory::interleaved(&mut bytes, at(offset, stride), None, None).unwrap();
+        tracker.invalidate();
+        assert_eq!(instance.deform(&mut tracker, memory, &Serial).unwrap().vertices_written, 3);
+    }
+    let (mut positions, mut normals) = ([[0.0; 3]; 3], [[0.0; 3]; 2]);
+    let memory = VertexMemory::separate(&mut positions, Some(&mut normals), None).unwrap();
+    refused!(instance.deform(&mut tracker, memory, &Serial), BufferTooSmall, "normal", "24", "36");
+    assert_eq!(positions, [[0.0; 3]; 3]);
+    for huge in [usize::MAX & !3, 1 << 62] {
+        let memory = VertexMemory::interleaved(bytemuck_bytes(&mut positions), at(0, huge), None, None).unwrap();
+        refused!(instance.deform(&mut tracker, memory, &Serial), BufferTooSmall, "36");
+        let memory = VertexMemory::interleaved(bytemuck_bytes(&mut positions), at(huge, 12), None, None).unwrap();
+        refused!(instance.deform(&mut tracker, memory, &Serial), BufferTooSmall, "36");
+    }
+}
+
+fn bytemuck_bytes(positions: &mut [[f32; 3]; 3]) -> &mut [u8] {
+    bytemuck::cast_slice_mut(positions)
+}
+
+#[test]
+fn quick_outputs_that_the_mesh_has_not() {
+    let bare = MeshData { positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], ..MeshData::default() };
+    let set = Arc::new(build(bare, vec![dent()]).unwrap());
+    let mut instance = Instance::new(set, InstanceOptions::default()).unwrap();
+    let mut tracker = Tracker::new();
+    let (mut positions, mut normals, mut tangents) = ([[0.0; 3]; 3], [[0.0; 3]; 3], [[0.0; 4]; 3]);
+    let memory = VertexMemory::separate(&mut positions, Some(&mut normals), None).unwrap();
+    refused!(instance.deform(&mut tracker, memory, &Serial), Unsupported, "normal");
+    let memory = VertexMemory::separate(&mut positions, None, Some(&mut tangents)).unwrap();
+    let error = refused!(instance.deform(&mut tracker, memory, &Serial), Unsupported, "tangent");
+    assert_eq!(error.kind(), ErrorKind::Unsupported);
+    instance.submit(&good()).unwrap();
+    let memory = VertexMemory::separate(&mut positions, None, None).unwrap();
+    instance.deform(&mut tracker, memory, &Serial).unwrap();
+    assert!((positions[0][2] + 0.1).abs() < 1e-6);
+}
+
+#[test]
+fn quick_a_failed_deform_of_several_writes_none() {
+    let (mut a, mut b) = (instance(), instance());
+    a.submit(&good()).unwrap();
+    a.fold();
+    b.fold();
+    let (mut first, mut second) = ([[7.0f32; 3]; 3], [[7.0f32; 3]; 2]);
+    let (mut one, mut two) = (Tracker::new(), Tracker::new());
+    let mut jobs = [
+        crumple::DeformJob {
+            instance: &a,
+            tracker: &mut one,
+            memory: VertexMemory::separate(&mut first, None, None).unwrap(),
+        },
+        crumple::DeformJob {
+            instance: &b,
+            tracker: &mut two,
+            memory: VertexMemory::separate(&mut second, None, None).unwrap(),
+        },
+    ];
+    refused!(crumple::deform(&mut jobs, &Serial), BufferTooSmall, "24", "36");
+    drop(jobs);
+    assert_eq!((first, second), ([[7.0; 3]; 3], [[7.0; 3]; 2]));
+    let memory = VertexMemory::separate(&mut first, None, None).unwrap();
+    assert_eq!(a.deform(&mut one, memory, &Serial).unwrap().vertices_written, 3);
+}

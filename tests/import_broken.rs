@@ -1,0 +1,465 @@
+//! Files that lie: each gives a typed error that names the value, and none a panic.
+#![cfg(feature = "gltf")]
+
+mod import_glb;
+
+use crumple::export::deformed_glb;
+use crumple::import::{MeshChoice, gltf_file, gltf_slice};
+use crumple::{Error, ErrorKind};
+use import_glb::{Glb, container, fixture, square};
+use proptest::prelude::*;
+use serde_json::{Value, json};
+
+fn refuse(bytes: &[u8]) -> Error {
+    gltf_slice(bytes, None, MeshChoice::First).expect_err("a broken file was read")
+}
+
+#[track_caller]
+fn expect(bytes: &[u8], kind: ErrorKind, part: &str) {
+    let error = refuse(bytes);
+    assert_eq!(error.kind(), kind, "{error}");
+    assert!(error.to_string().contains(part), "{error}");
+    // The exporter reads the same files.
+    let exported = deformed_glb(bytes, None, MeshChoice::First, &[], None, None);
+    assert!(exported.is_err());
+}
+
+/// The square with one value changed.
+#[track_caller]
+fn lie(pointer: &str, value: Value, kind: ErrorKind, part: &str) {
+    let mut glb = square();
+    let (parent, key) = pointer.rsplit_once('/').unwrap();
+    let parent = glb.json.pointer_mut(parent).unwrap_or_else(|| panic!("{pointer}"));
+    match key.parse::<usize>() {
+        Ok(i) if parent.is_array() => parent[i] = value,
+        _ => parent[key] = value,
+    }
+    expect(&glb.bytes(), kind, part);
+}
+
+use ErrorKind::{Format, IndexOutOfRange, NotFinite, Unsupported};
+
+#[test]
+fn files_that_are_something_else() {
+    expect(b"", Format, "the file is empty");
+    expect(b" \n\t", Format, "the file is empty");
+    expect(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", Format, "a PNG image");
+    expect(b"\xFF\xD8\xFF\xE0", Format, "a JPEG image");
+    expect(b"PK\x03\x04", Format, "a ZIP archive");
+    expect(b"BLENDER-v500", Format, "a Blender file");
+    expect(b"Kaydara FBX Binary", Format, "an FBX file");
+    expect(b"v 1 2 3", Format, "starts with 'v 1 2 3'");
+    expect(b"glTf\x02\0\0\0", Format, "starts with 'glTf");
+    expect(b"{", Format, "the glTF's JSON: EOF");
+    expect(b"{}", Format, "no asset.version");
+    expect(b"{\"asset\": 5}", Format, "no asset.version");
+    expect("{\"a\": ".repeat(5000).as_bytes(), Format, "recursion limit");
+    let png = fixture("separate/rust 1.png");
+    let folder = tempfile::tempdir().unwrap();
+    let renamed = folder.path().join("car.glb");
+    std::fs::copy(png, &renamed).unwrap();
+    let error = gltf_file(&renamed, MeshChoice::First).unwrap_err();
+    assert!(error.to_string().contains("a PNG image"), "{error}");
+}
+
+#[test]
+fn other_versions() {
+    lie("/asset/version", json!("1.0"), Unsupported, "glTF version 1.0; version 2.0 is read");
+    lie("/asset/version", json!("3.0"), Unsupported, "glTF version 3.0");
+    lie("/asset/minVersion", json!("2.1"), Unsupported, "glTF version 2.1");
+    lie("/asset/version", json!(2.0), Format, "no asset.version");
+    let mut newer = square();
+    newer.json["asset"] = json!({ "version": "2.1", "minVersion": "2.0" });
+    gltf_slice(&newer.bytes(), None, MeshChoice::First).unwrap();
+    let mut glb = square().bytes();
+    glb[4] = 1;
+    expect(&glb, Unsupported, "GLB version 1");
+}
+
+#[test]
+fn containers_that_lie() {
+    let good = square().bytes();
+    let with = |at: usize, value: u32| {
+        let mut glb = good.clone();
+        glb[at..at + 4].copy_from_slice(&value.to_le_bytes());
+        glb
+    };
+    let length = good.len() as u32;
+    expect(&good[..11], Format, "ends after 11 bytes");
+    expect(&with(8, length + 1), Format, &format!("says it has {} bytes; there are {length}", length + 1));
+    expect(&with(8, length - 4), Format, "says it has");
+    expect(&with(8, u32::MAX), Format, "says it has 4294967295 bytes");
+    expect(&with(12, u32::MAX), Format, "the GLB chunk at byte 12 says it has 4294967295 bytes");
+    expect(&with(12, length), Format, "the GLB chunk at byte 12");
+    expect(&with(12, 0), Format, "the GLB chunk at byte 20 says it has");
+    expect(&with(16, u32::from_le_bytes(*b"BIN\0")), Format, "the first GLB chunk is 'BIN\\x00'");
+    expect(&container(b"{\"asset\": {\"version\": \"2.0\"}", None), Format, "the glTF's JSON");
+    expect(&container(b"\xFF\xFE{}", None), Format, "the glTF's JSON");
+    expect(
+        &container(square().json.to_string().as_bytes(), None),
+        Format,
+        "buffer 0 has neither a uri nor a binary chunk",
+    );
+    expect(b"glTF\x02\0\0\0\x0C\0\0\0", Format, "no JSON chunk");
+    // Chunks of unknown kinds, and zeros behind the JSON, are skipped.
+    let mut json = square().json.to_string().into_bytes();
+    json.extend_from_slice(&[0; 8]);
+    let mut glb = container(&json, Some(&square().bin));
+    glb.extend_from_slice(b"\x04\0\0\0ABCD1234");
+    let length = glb.len() as u32;
+    glb[8..12].copy_from_slice(&length.to_le_bytes());
+    gltf_slice(&glb, None, MeshChoice::First).unwrap();
+}
+
+#[test]
+fn truncated_at_every_byte() {
+    let good = square().bytes();
+    for end in 0..good.len() {
+        assert_eq!(refuse(&good[..end]).kind(), Format, "cut at {end}");
+    }
+    // The lengths mended: the buffer is now too short, or the JSON is.
+    for end in 12..good.len() {
+        let mut cut = good[..end].to_vec();
+        cut[8..12].copy_from_slice(&(end as u32).to_le_bytes());
+        assert_eq!(refuse(&cut).kind(), Format, "cut at {end}");
+    }
+    let (json, bin) = import_glb::parts(&good);
+    for end in 0..bin.len() {
+        assert_eq!(refuse(&container(json.to_string().as_bytes(), Some(&bin[..end / 4 * 4]))).kind(), Format);
+    }
+    let text = square().json.to_string();
+    for end in (0..text.len()).filter(|end| text.is_char_boundary(*end)) {
+        assert_eq!(refuse(text[..end].as_bytes()).kind(), Format);
+    }
+}
+
+#[test]
+fn buffers_that_lie() {
+    lie("/buffers/0/byteLength", json!(100_000), Format, "buffer 0 says it has 100000 bytes; there are");
+    lie("/buffers/0/byteLength", json!(u64::MAX), Format, "buffer 0 says it has 18446744073709551615 bytes");
+    lie("/buffers/0/byteLength", json!(-1), Format, "buffers[0] of the glTF: invalid value");
+    lie("/buffers/0/byteLength", json!(4), Format, "bufferView 0 is 48 bytes from byte 0; buffer 0 has 4");
+    lie("/buffers", json!({}), Format, "the glTF's buffers is not a list");
+    lie("/buffers", json!([]), IndexOutOfRange, "buffer is 0; it must be below 0");
+    lie("/buffers/0", json!([1]), Format, "buffers[0] of the glTF is not made of objects");
+    lie(
+        "/buffers/0/uri",
+        json!("data:application/octet-stream;base64,@@"),
+        Format,
+        "buffer 0: the data: URI is not base64",
+    );
+    lie("/buffers/0/uri", json!("data:application/octet-stream;base64"), Format, "no comma");
+    lie("/buffers/0/uri", json!("data:;base64,AAAA"), Format, "there are 3");
+    lie(
+        "/buffers/0/uri",
+        json!("http://example.com/a.bin"),
+        Unsupported,
+        "'http://example.com/a.bin'; only relative paths",
+    );
+    lie("/buffers/0/uri", json!("file:///etc/hostname"), Unsupported, "only relative paths");
+    lie("/buffers/0/uri", json!("C:\\a.bin"), Unsupported, "only relative paths");
+    lie("/buffers/0/uri", json!("/etc/hostname"), Unsupported, "absolute path '/etc/hostname'");
+    lie("/buffers/0/uri", json!(""), Format, "buffer 0 has an empty uri");
+    lie("/buffers/0/uri", json!("a.bin"), ErrorKind::Io, "a.bin");
+    lie("/bufferViews/0/buffer", json!(1), IndexOutOfRange, "buffer is 1; it must be below 1");
+    let mut second = square();
+    second.push("buffers", json!({ "byteLength": 48 }));
+    second.json["bufferViews"][0]["buffer"] = 1.into();
+    expect(&second.bytes(), Format, "buffer 1 has no uri");
+}
+
+#[test]
+fn missing_and_odd_external_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let read = |uri: &str| {
+        let mut json = square().json;
+        json["buffers"][0]["uri"] = uri.into();
+        gltf_slice(json.to_string().as_bytes(), Some(folder.path()), MeshChoice::First).unwrap_err()
+    };
+    let error = read("not%20there.bin");
+    assert_eq!(error.kind(), ErrorKind::Io);
+    assert!(error.to_string().contains("not there.bin"), "{error}");
+    std::fs::create_dir(folder.path().join("folder.bin")).unwrap();
+    assert_eq!(read("folder.bin").kind(), ErrorKind::Io);
+    std::fs::write(folder.path().join("short.bin"), [0; 40]).unwrap();
+    assert!(read("short.bin").to_string().contains("there are 40"));
+    assert_eq!(read("nul%00.bin").kind(), ErrorKind::Io);
+    let error = gltf_file(&folder.path().join("none.glb"), MeshChoice::First).unwrap_err();
+    assert!(error.kind() == ErrorKind::Io && error.to_string().contains("none.glb"), "{error}");
+    #[cfg(unix)]
+    assert!(
+        gltf_file(std::path::Path::new("/dev/zero"), MeshChoice::First)
+            .unwrap_err()
+            .to_string()
+            .contains("not a regular file")
+    );
+}
+
+#[test]
+fn views_that_lie() {
+    lie(
+        "/bufferViews/0/byteLength",
+        json!(40),
+        Format,
+        "4 elements of 12 bytes, 12 apart, from byte 0 do not fit into bufferView 0 of 40 bytes",
+    );
+    lie("/bufferViews/0/byteLength", json!(u64::MAX), Format, "bufferView 0 is 18446744073709551615 bytes");
+    lie("/bufferViews/0/byteOffset", json!(u64::MAX), Format, "from byte 18446744073709551615");
+    lie("/bufferViews/3/byteOffset", json!(1 << 20), Format, "bufferView 3 is 48 bytes from byte 1048576");
+    lie("/bufferViews/0/byteStride", json!(0), Format, "byteStride of 0; an element has 12 bytes");
+    lie("/bufferViews/0/byteStride", json!(8), Format, "byteStride of 8");
+    lie("/bufferViews/0/byteStride", json!(16), Format, "16 apart");
+    lie("/bufferViews/0/byteStride", json!(u64::MAX), Format, "do not fit");
+    lie("/accessors/0/byteOffset", json!(4), Format, "from byte 4 do not fit");
+    lie("/accessors/0/byteOffset", json!(u64::MAX), Format, "from byte 18446744073709551615");
+    lie("/accessors/0/bufferView", json!(99), IndexOutOfRange, "bufferView is 99; it must be below 7");
+    lie("/accessors/0/bufferView", json!(-1), Format, "accessors[0] of the glTF");
+}
+
+#[test]
+fn counts_and_types_that_lie() {
+    let position = "mesh 0 'Square', primitive 0 POSITION (accessor 0)";
+    lie("/accessors/0/count", json!(0), Format, &format!("{position} has a count of 0"));
+    lie("/accessors/0/count", json!(u64::MAX), Format, "has a count of 18446744073709551615");
+    lie("/accessors/0/count", json!(u32::MAX), Format, "has a count of 4294967295");
+    lie("/accessors/0/count", json!(u32::MAX - 1), Format, "do not fit into bufferView 0");
+    lie("/accessors/0/count", json!(4.5), Format, "accessors[0] of the glTF: invalid type: floating point");
+    lie("/accessors/0/count", json!(3), IndexOutOfRange, "indices (accessor 2)[4] is 3; it must be below 3");
+    lie("/accessors/1/count", json!(3), Format, "NORMAL has 3 elements; POSITION has 4");
+    lie("/accessors/3/count", json!(2), Format, "target 0 POSITION has 2 elements; POSITION has 4");
+    lie("/accessors/0/type", json!("VEC2"), Format, "is of type VEC2; it must be VEC3");
+    lie("/accessors/0/type", json!("VEC5"), Format, "unknown componentType or type");
+    lie("/accessors/0/componentType", json!(5130), Format, "unknown componentType");
+    lie(
+        "/accessors/0/componentType",
+        json!(5122),
+        Unsupported,
+        "quantised components of SHORT (5122) (KHR_mesh_quantization)",
+    );
+    lie(
+        "/accessors/3/componentType",
+        json!(5120),
+        Unsupported,
+        "target 0 POSITION (accessor 3) has quantised components of BYTE",
+    );
+    lie("/accessors/2/componentType", json!(5126), Format, "indices must be unsigned integers");
+    lie("/accessors/2/componentType", json!(5125), Format, "6 elements of 4 bytes");
+    lie("/accessors/2/type", json!("VEC3"), Format, "must be SCALAR");
+    lie("/accessors/2/count", json!(5), Format, "has 5 triangle corners; a multiple of 3 is right");
+    let mut strip = square();
+    strip.json["meshes"][0]["primitives"][0]["mode"] = 5.into();
+    strip.json["accessors"][2]["count"] = 2.into();
+    expect(&strip.bytes(), Format, "has 2 triangle corners; at least 3 is right");
+    lie("/meshes/0/primitives/0/mode", json!(9), Format, "has an unknown mode");
+    lie("/meshes/0/primitives/0/attributes/POSITION", json!(77), IndexOutOfRange, "accessor is 77; it must be below 6");
+    lie("/meshes/0/primitives/0/attributes", json!({ "NORMAL": 1 }), Format, "primitive 0 has no POSITION");
+    lie("/meshes/0/primitives/0/indices", json!(77), IndexOutOfRange, "indices: accessor is 77");
+    lie("/meshes/0/primitives/0/targets/0/POSITION", json!(77), IndexOutOfRange, "target 0 POSITION: accessor is 77");
+    lie(
+        "/meshes/0/primitives/0/attributes",
+        json!({ "POSITION": 0, "TANGENT": 1 }),
+        Format,
+        "TANGENT (accessor 1) is of type VEC3",
+    );
+    lie(
+        "/meshes/0/primitives",
+        json!([]),
+        ErrorKind::ExampleMismatch,
+        "no mesh of the file has morph targets (it has mesh 0 'Square')",
+    );
+    lie("/meshes/0", json!([null, null, "n", [], []]), Format, "meshes[0] of the glTF is not made of objects");
+    lie("/meshes/0/primitives/0", json!([{}]), Format, "meshes[0] of the glTF is not made of objects");
+    lie("/meshes", json!([]), ErrorKind::ExampleMismatch, "it has no meshes");
+}
+
+#[test]
+fn a_small_file_may_not_ask_for_much_memory() {
+    // Zeros that no bytes stand for.
+    let mut glb = square();
+    glb.json["accessors"][0] = json!({ "componentType": 5126, "count": 4_000_000_000u32, "type": "VEC3" });
+    expect(&glb.bytes(), Format, "asks for 48000000000 bytes");
+    // The same bytes over and over.
+    let mut glb = Glb::empty();
+    let values: Vec<f32> = (0..30_000).map(|i| i as f32).collect();
+    glb.floats("VEC3", &values);
+    let target = glb.json["accessors"][0].clone();
+    let primitives: Vec<Value> = (0..400)
+        .map(|_| {
+            let accessor = glb.push("accessors", target.clone());
+            json!({ "attributes": { "POSITION": accessor }, "mode": 5, "targets": [{ "POSITION": accessor }] })
+        })
+        .collect();
+    glb.push("meshes", json!({ "primitives": primitives }));
+    expect(&glb.bytes(), Format, "bytes may ask for");
+}
+
+#[test]
+fn sparse_accessors_that_lie() {
+    let at = |key: &str| format!("/accessors/5/sparse/{key}");
+    lie(&at("count"), json!(5), Format, "has a sparse count of 5; it must be at most its count of 4");
+    lie(&at("count"), json!(u64::MAX), Format, "sparse count of 18446744073709551615");
+    lie(&at("count"), json!(3), Format, "3 elements of 2 bytes");
+    lie(&at("indices/bufferView"), json!(99), IndexOutOfRange, "sparse indices: bufferView is 99");
+    lie(&at("values/bufferView"), json!(99), IndexOutOfRange, "sparse values: bufferView is 99");
+    lie(&at("indices/byteOffset"), json!(2), Format, "from byte 2 do not fit");
+    lie(&at("values/byteOffset"), json!(u64::MAX), Format, "from byte 18446744073709551615");
+    lie(&at("indices/componentType"), json!(5125), Format, "2 elements of 4 bytes");
+    lie(&at("indices/componentType"), json!(5126), Format, "sparse indices have an unknown componentType");
+    lie(&at("indices"), json!(null), Format, "accessors[5] of the glTF");
+    let indices = |values: &[u32], kind, part: &str| {
+        let mut glb = square();
+        let target = glb.sparse(4, None, 4, values, &vec![1.0; values.len() * 3]);
+        glb.json["meshes"][0]["primitives"][0]["targets"][1]["POSITION"] = target.into();
+        expect(&glb.bytes(), kind, part);
+    };
+    indices(&[2, 1], Format, "sparse indices[1] is 1 after 2; they must increase");
+    indices(&[1, 1], Format, "sparse indices[1] is 1 after 1; they must increase");
+    indices(&[1, 4], IndexOutOfRange, "sparse indices[1] is 4; it must be below 4");
+    indices(&[0, 3, u32::MAX], IndexOutOfRange, "sparse indices[2] is 4294967295; it must be below 4");
+    // A count of none at all is against the specification but harms nobody.
+    let mut glb = square();
+    glb.json["accessors"][5]["sparse"]["count"] = 0.into();
+    gltf_slice(&glb.bytes(), None, MeshChoice::First).unwrap();
+}
+
+#[test]
+fn numbers_that_are_none() {
+    for (value, shown) in [(f32::NAN, "NaN"), (f32::INFINITY, "inf"), (f32::NEG_INFINITY, "-inf")] {
+        // Offsets of a float in the binary chunk: positions, normals, dense deltas, normal deltas, sparse values.
+        for (view, element, part) in [
+            (0, 7, "primitive 0 POSITION (accessor 0)[2].y"),
+            (1, 0, "primitive 0 NORMAL (accessor 1)[0].x"),
+            (3, 11, "target 0 POSITION (accessor 3)[3].z"),
+            (4, 1, "target 0 NORMAL (accessor 4)[0].y"),
+            (6, 3, "target 1 POSITION (accessor 5)[3].x"),
+        ] {
+            let mut glb = square();
+            let at = glb.json["bufferViews"][view]["byteOffset"].as_u64().unwrap() as usize + element * 4;
+            glb.bin[at..at + 4].copy_from_slice(&value.to_le_bytes());
+            expect(&glb.bytes(), NotFinite, &format!("{part} is {shown}"));
+        }
+    }
+}
+
+#[test]
+fn targets_that_do_not_fit() {
+    let mut glb = square();
+    let mut second = glb.json["meshes"][0]["primitives"][0].clone();
+    second["targets"] = json!([{ "POSITION": 3 }]);
+    glb.json["meshes"][0]["primitives"].as_array_mut().unwrap().push(second);
+    expect(&glb.bytes(), Format, "primitive 0 has 2 morph targets and primitive 1 has 1; all must have as many");
+    lie(
+        "/meshes/0/primitives/0/targets",
+        json!([]),
+        ErrorKind::ExampleMismatch,
+        "no mesh of the file has morph targets",
+    );
+    lie("/meshes/0/primitives/0/targets", json!([5]), Format, "meshes[0] of the glTF");
+}
+
+#[test]
+fn compressed_geometry_and_unknown_requirements_are_named() {
+    for name in ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression", "VENDOR_thing"] {
+        lie("/extensionsRequired", json!([name]), Unsupported, &format!("requires the extension {name}"));
+    }
+    let mut draco = square();
+    draco.json["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
+    draco.json["accessors"][0].as_object_mut().unwrap().remove("bufferView");
+    expect(&draco.bytes(), Unsupported, "has its data in KHR_draco_mesh_compression");
+    let mut meshopt = square();
+    meshopt.push(
+        "buffers",
+        json!({ "byteLength": 48, "extensions": { "EXT_meshopt_compression": { "fallback": true } } }),
+    );
+    meshopt.json["bufferViews"][0]["buffer"] = 1.into();
+    expect(&meshopt.bytes(), Unsupported, "buffer 1 has its data in EXT_meshopt_compression");
+}
+
+#[test]
+fn node_trees_that_are_none() {
+    lie("/nodes/0/children", json!([0]), Format, "node 0 is its own ancestor");
+    lie("/nodes/0/children", json!([7]), IndexOutOfRange, "a child of node 0 is 7; it must be below 1");
+    lie(
+        "/nodes",
+        json!([{ "mesh": 0 }, { "children": [0] }, { "children": [0] }]),
+        Format,
+        "node 0 is a child of node 1 and of node 2",
+    );
+    lie("/nodes", json!([{ "mesh": 0, "children": [1] }, { "children": [0] }]), Format, "node 0 is its own ancestor");
+    lie("/nodes/0/translation", json!([1e300, 0, 0]), Format, "nodes[0] of the glTF: number out of range");
+    let huge = json!([1e30, 1, 1]);
+    let nodes = json!([{ "mesh": 0, "scale": huge }, { "children": [0], "scale": huge }]);
+    lie("/nodes", nodes, NotFinite, "the world matrix of node 0 is inf");
+    lie("/nodes/0/matrix", json!([1, 2, 3]), Format, "nodes[0] of the glTF: invalid length 3");
+    let deep: Vec<Value> = (0..20_000).map(|i| json!({ "children": [i + 1] })).chain([json!({ "mesh": 0 })]).collect();
+    let mut glb = square();
+    glb.json["nodes"] = deep.into();
+    gltf_slice(&glb.bytes(), None, MeshChoice::First).unwrap();
+}
+
+/// Reads with every choice; what can be read is also exported.
+fn read_and_export(bytes: &[u8]) {
+    for choice in [MeshChoice::First, MeshChoice::Index(0), MeshChoice::Index(1)] {
+        if let Ok(imported) = gltf_slice(bytes, None, choice) {
+            let count = imported.mesh.positions.len() as u32;
+            assert!(imported.mesh.triangles.as_flattened().iter().all(|v| *v < count));
+            let normals = imported.mesh.normals.as_deref();
+            let _ =
+                deformed_glb(bytes, None, choice, &imported.mesh.positions, normals, imported.mesh.tangents.as_deref());
+        }
+    }
+}
+
+fn corpus() -> Vec<Vec<u8>> {
+    let names = ["two_materials_sparse.glb", "seams.glb", "nodes.glb", "animated.glb"];
+    let files = names.iter().map(|name| std::fs::read(fixture(name)).unwrap());
+    [square().bytes()].into_iter().chain(files).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: ProptestConfig::default().cases * 8, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn no_mutation_of_bytes_panics(file in 0usize..5, edits in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..12)) {
+        let mut bytes = corpus().swap_remove(file);
+        for (at, value) in edits {
+            let at = at.index(bytes.len());
+            bytes[at] = value;
+        }
+        read_and_export(&bytes);
+    }
+
+    /// Digits for digits: the JSON stays valid, so that its numbers get tested and not its grammar.
+    #[test]
+    fn no_mutation_of_numbers_panics(file in 0usize..5, edits in prop::collection::vec((any::<prop::sample::Index>(), 0u8..10), 1..8)) {
+        let mut bytes = corpus().swap_remove(file);
+        let json_end = 20 + u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+        let digits: Vec<usize> = (20..json_end).filter(|i| bytes[*i].is_ascii_digit()).collect();
+        for (at, digit) in edits {
+            bytes[*at.get(&digits)] = b'0' + digit;
+        }
+        read_and_export(&bytes);
+    }
+
+    /// One JSON value, anywhere, becomes another kind of value.
+    #[test]
+    fn no_mutation_of_values_panics(file in 0usize..5, pick in any::<prop::sample::Index>(), value in 0usize..8) {
+        let bytes = corpus().swap_remove(file);
+        let (mut json, bin) = import_glb::parts(&bytes);
+        let mut pointers = Vec::new();
+        collect(&json, String::new(), &mut pointers);
+        let value = [json!(null), json!(-1), json!(1e308), json!("text"), json!([]), json!({}), json!([[{}]]), json!(u64::MAX)][value].clone();
+        *json.pointer_mut(&pointers[pick.index(pointers.len())]).unwrap() = value;
+        read_and_export(&container(json.to_string().as_bytes(), Some(&bin)));
+    }
+}
+
+fn collect(value: &Value, at: String, out: &mut Vec<String>) {
+    let escaped = |key: &str| key.replace('~', "~0").replace('/', "~1");
+    match value {
+        Value::Object(map) => map.iter().for_each(|(k, v)| collect(v, format!("{at}/{}", escaped(k)), out)),
+        Value::Array(list) => list.iter().enumerate().for_each(|(i, v)| collect(v, format!("{at}/{i}"), out)),
+        _ => {}
+    }
+    out.push(at);
+}

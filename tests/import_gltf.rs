@@ -1,0 +1,524 @@
+//! What the importer makes of good files: Blender's, and features that Blender does not write.
+#![cfg(feature = "gltf")]
+
+mod import_glb;
+
+use crumple::import::{Imported, MeshChoice, gltf_file, gltf_slice};
+use crumple::{Contact, Deltas, Error, ErrorKind, ExampleData, Placement};
+use import_glb::{Glb, SQUARE, UP, bytes, fixture, square};
+use serde_json::{Value, json};
+use std::collections::HashMap;
+
+fn blender(name: &str) -> Imported {
+    gltf_file(&fixture(name), MeshChoice::First).unwrap()
+}
+
+fn read(glb: &Glb) -> Imported {
+    gltf_slice(&glb.bytes(), None, MeshChoice::First).unwrap()
+}
+
+fn sparse(deltas: &Deltas) -> (&[u32], &[[f32; 3]]) {
+    match deltas {
+        Deltas::Sparse { indices, values } => {
+            assert_eq!(indices.len(), values.len());
+            assert!(indices.is_sorted_by(|a, b| a < b));
+            assert!(values.iter().all(|v| *v != [0.0; 3]));
+            (indices, values)
+        }
+        Deltas::Full(_) => panic!("the importer writes sparse deltas"),
+    }
+}
+
+fn dense(deltas: &Deltas, count: usize) -> Vec<[f32; 3]> {
+    let mut out = vec![[0.0; 3]; count];
+    let (indices, values) = sparse(deltas);
+    indices.iter().zip(values).for_each(|(i, v)| out[*i as usize] = *v);
+    out
+}
+
+/// The dent of make_blender_fixtures.py, in the exported axes (x, z, -y).
+fn dent(at: [f32; 3], centre: [f64; 3], radius: f64, depth: f64, direction: [f64; 3]) -> [f64; 3] {
+    let squared: f64 = (0..3).map(|i| (f64::from(at[i]) - centre[i]).powi(2)).sum();
+    let share = (1.0 - squared / (radius * radius)).max(0.0).powi(2);
+    direction.map(|d| d * depth * share)
+}
+
+fn assert_dent(
+    imported: &Imported,
+    example: &ExampleData,
+    centre: [f64; 3],
+    radius: f64,
+    depth: f64,
+    direction: [f64; 3],
+) {
+    let positions = &imported.mesh.positions;
+    let deltas = dense(&example.positions, positions.len());
+    let mut deepest: f64 = 0.0;
+    for (at, delta) in positions.iter().zip(&deltas) {
+        let expected = dent(*at, centre, radius, depth, direction);
+        for i in 0..3 {
+            assert!(
+                (f64::from(delta[i]) - expected[i]).abs() < 2e-7,
+                "{}: {delta:?} is not {expected:?}",
+                example.name
+            );
+        }
+        deepest = deepest.max(expected.iter().map(|x| x * x).sum::<f64>().sqrt());
+    }
+    assert!(deepest > depth * 0.5, "{} touches the mesh", example.name);
+}
+
+/// Vertices at one place, which UV seams, hard edges and material borders split, must move alike.
+fn assert_watertight(imported: &Imported) -> usize {
+    let mut places: HashMap<[u32; 3], Vec<usize>> = HashMap::new();
+    for (v, p) in imported.mesh.positions.iter().enumerate() {
+        places.entry(p.map(|x| (x + 0.0).to_bits())).or_default().push(v);
+    }
+    for example in &imported.examples {
+        let deltas = dense(&example.positions, imported.mesh.positions.len());
+        for twins in places.values() {
+            assert!(twins.iter().all(|v| deltas[*v] == deltas[twins[0]]), "{} tears {twins:?}", example.name);
+        }
+    }
+    places.values().filter(|twins| twins.len() > 1).count()
+}
+
+#[test]
+fn two_materials_become_two_ranges_of_one_mesh() {
+    for file in ["two_materials.glb", "two_materials_sparse.glb"] {
+        let plate = blender(file);
+        assert_eq!(plate.name, "Plate");
+        assert_eq!(plate.mesh.positions.len(), 90, "two halves of 5 x 9 vertices");
+        assert_eq!(plate.mesh.triangles.len(), 128);
+        assert_eq!(plate.mesh.normals.as_ref().map(Vec::len), Some(90));
+        assert_eq!(plate.mesh.tangents, None);
+        let ranges: Vec<_> = plate
+            .primitives
+            .iter()
+            .map(|p| (p.first_vertex, p.vertex_count, p.first_triangle, p.triangle_count, p.material.as_deref()))
+            .collect();
+        assert_eq!(ranges, [(0, 45, 0, 64, Some("Paint, red")), (45, 45, 64, 64, Some("Rubber"))]);
+        for range in &plate.primitives {
+            let own = range.first_vertex..range.first_vertex + range.vertex_count;
+            let triangles = &plate.mesh.triangles[range.first_triangle as usize..][..range.triangle_count as usize];
+            assert!(triangles.as_flattened().iter().all(|v| own.contains(v)));
+        }
+        assert_eq!(assert_watertight(&plate), 9, "the border between the materials");
+    }
+}
+
+#[test]
+fn deltas_are_what_the_artist_modelled() {
+    for file in ["two_materials.glb", "two_materials_sparse.glb"] {
+        let plate = blender(file);
+        let [left, middle] = &plate.examples[..] else { panic!("two examples") };
+        assert_dent(&plate, left, [-0.25, 0.0, 0.0], 0.3, 0.1, [0.0, -1.0, 0.0]);
+        assert_dent(&plate, middle, [0.0, 0.0, -0.125], 0.3, 0.05, [0.0, -0.8, -0.6]);
+        let normals = dense(left.normals.as_ref().unwrap(), 90);
+        for (base, delta) in plate.mesh.normals.as_ref().unwrap().iter().zip(&normals) {
+            let length: f32 = base.iter().zip(delta).map(|(a, b)| (a + b) * (a + b)).sum();
+            assert!((length - 1.0).abs() < 1e-3, "deformed normals are unit normals");
+        }
+    }
+}
+
+#[test]
+fn sparse_and_dense_exports_are_the_same_examples() {
+    let [full, thin] = ["two_materials.glb", "two_materials_sparse.glb"].map(blender);
+    assert_eq!(full.mesh, thin.mesh);
+    for (a, b) in full.examples.iter().zip(&thin.examples) {
+        // Blender's sparse export drops what moves less than it rounds to.
+        for (x, y) in dense(&a.positions, 90).iter().flatten().zip(dense(&b.positions, 90).iter().flatten()) {
+            assert!((x - y).abs() < 1e-6, "{x} {y}");
+        }
+        assert_eq!((a.contact, a.placement), (b.contact, b.placement));
+    }
+}
+
+#[test]
+fn impacts_and_placements_come_from_custom_properties() {
+    let plate = blender("two_materials.glb");
+    let [left, middle] = &plate.examples[..] else { panic!("two examples") };
+    assert_eq!((left.name.as_str(), middle.name.as_str()), ("Left", "Middle"));
+    // Listed the other way round in the file: the names decide.
+    assert_eq!(left.contact, Some(Contact::Point([-0.25, 0.0, 0.0])));
+    assert_eq!(left.contact_normal, Some([0.0, 1.0, 0.0]), "normalised");
+    assert_eq!(middle.contact, Some(Contact::Point([0.0, 0.0, -0.125])));
+    assert_eq!(middle.contact_normal, None);
+    assert_eq!((left.placement, middle.placement), (Placement::Anchored, Placement::Automatic));
+}
+
+#[test]
+fn uv_seams_hard_edges_and_odd_keys() {
+    for file in ["seams.glb", "seams_sparse.glb"] {
+        let drum = blender(file);
+        // 60 wall and rim places and 2 cap centres; the UV seam splits 5, the hard rims split 24, one of them at the seam on each rim.
+        assert_eq!(drum.mesh.positions.len(), 91);
+        assert_eq!(assert_watertight(&drum), 27);
+        let names: Vec<_> = drum.examples.iter().map(|e| e.name.as_str()).collect();
+        assert_eq!(names, ["Delle ü 凹み 🚗", "rim \"quoted\" \\ /", "unmoved"], "muted keys are not exported");
+        assert_dent(&drum, &drum.examples[0], [0.3, 0.0, 0.0], 0.25, 0.08, [-1.0, 0.0, 0.0]);
+        assert_dent(&drum, &drum.examples[1], [0.0, 0.3, -0.3], 0.25, 0.06, [0.0, -0.8, 0.6]);
+        assert_eq!(sparse(&drum.examples[2].positions).0, [0u32; 0]);
+        assert!(drum.examples.iter().all(|e| e.placement == Placement::Carried && e.contact.is_none()));
+        let split: usize = drum.mesh.normals.iter().flatten().filter(|n| n[1].abs() > 0.999).count();
+        assert_eq!(split, 26, "the caps keep their own normals at the hard edge");
+    }
+    assert_eq!(blender("seams.glb").mesh.tangents.map(|t| t.len()), Some(91));
+    assert_eq!(blender("seams_sparse.glb").mesh.tangents, None);
+}
+
+#[test]
+fn the_world_matrix_is_the_product_of_the_parents() {
+    let path = fixture("nodes.glb");
+    let panel = gltf_file(&path, MeshChoice::Name("Panel")).unwrap();
+    let columns = panel.node_transform.unwrap();
+    let world = |p: [f32; 3]| -> [f32; 3] {
+        std::array::from_fn(|r| (0..3).map(|c| columns[c][r] * p[c]).sum::<f32>() + columns[3][r])
+    };
+    // In Blender: turned 30 degrees about x, moved (0.5, 0, 0); scaled (2, 3, 0.5); turned 90 degrees about z, moved (1, 2, 3).
+    let by_hand = |[x, y, z]: [f32; 3]| -> [f32; 3] {
+        let (sin, cos) = 30f32.to_radians().sin_cos();
+        let (x, y, z) = (x + 0.5, cos * y - sin * z, sin * y + cos * z);
+        let (x, y, z) = (2.0 * x, 3.0 * y, 0.5 * z);
+        [1.0 - y, 2.0 + x, 3.0 + z]
+    };
+    for p in [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.25, -0.5, 2.0]] {
+        let [x, y, z] = by_hand(p);
+        let got = world([p[0], p[2], -p[1]]);
+        for (a, b) in got.iter().zip([x, z, -y]) {
+            assert!((a - b).abs() < 1e-5, "{got:?} is not {:?}", [x, z, -y]);
+        }
+    }
+    assert_dent(&panel, &panel.examples[0], [0.0; 3], 0.6, 0.2, [0.0, -1.0, 0.0]);
+}
+
+#[test]
+fn meshes_are_chosen_by_first_index_and_name() {
+    let path = fixture("nodes.glb");
+    let name = |choice| gltf_file(&path, choice).map(|i| i.name);
+    assert_eq!(name(MeshChoice::First).as_deref(), Ok("Door"), "the wheel has no targets");
+    assert_eq!(name(MeshChoice::Index(2)).as_deref(), Ok("Panel"));
+    assert_eq!(name(MeshChoice::Name("Panel")).as_deref(), Ok("Panel"));
+    let message = |choice| name(choice).unwrap_err().to_string();
+    let all = "mesh 0 'Wheel', mesh 1 'Door', mesh 2 'Panel'";
+    assert_eq!(message(MeshChoice::Index(3)), format!("no mesh 3; the file has {all}"));
+    assert_eq!(message(MeshChoice::Name("Pannel")), format!("no mesh 'Pannel'; the file has {all}"));
+    assert_eq!(
+        message(MeshChoice::Index(0)),
+        "no examples: mesh 0 'Wheel' has no morph targets; the file's meshes with morph targets are mesh 1 'Door', mesh 2 'Panel'"
+    );
+}
+
+#[test]
+fn external_buffers_are_found_beside_the_file() {
+    let path = fixture("separate/bent door.gltf");
+    let door = gltf_file(&path, MeshChoice::First).unwrap();
+    assert_eq!(door.mesh.positions.len(), 25);
+    assert_dent(&door, &door.examples[0], [0.0; 3], 0.4, 0.1, [0.0, -1.0, 0.0]);
+    let text = std::fs::read(&path).unwrap();
+    assert_eq!(gltf_slice(&text, path.parent(), MeshChoice::First).unwrap(), door);
+    let error = gltf_slice(&text, None, MeshChoice::First).unwrap_err();
+    assert_eq!((error.kind(), error.to_string().contains("base_dir")), (ErrorKind::Io, true), "{error}");
+}
+
+#[test]
+fn buffers_in_data_uris_and_in_files_with_any_name() {
+    let glb = square();
+    let expected = read(&glb);
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("Tür & 凹.bin"), &glb.bin).unwrap();
+    let base64 = base64(&glb.bin);
+    let percent: String = glb.bin.iter().map(|b| format!("%{b:02x}")).collect();
+    let uris = [
+        format!("data:application/octet-stream;base64,{base64}"),
+        format!("data:application/gltf-buffer;base64,{}", base64.trim_end_matches('=')),
+        format!("DATA:;base64,{}", base64.replace('+', "%2B")),
+        format!("data:application/octet-stream,{percent}"),
+        "T%C3%BCr%20&%20%E5%87%B9.bin".into(),
+        "Tür & 凹.bin".into(),
+        "./sub/../T%C3%bcr & 凹.bin".into(),
+    ];
+    std::fs::create_dir(folder.path().join("sub")).unwrap();
+    for uri in uris {
+        let mut json = glb.json.clone();
+        json["buffers"][0]["uri"] = uri.as_str().into();
+        let text = format!("\u{feff} \n{json}");
+        let read = gltf_slice(text.as_bytes(), Some(folder.path()), MeshChoice::First)
+            .unwrap_or_else(|e| panic!("{uri}: {e}"));
+        assert_eq!(read, expected, "{uri}");
+    }
+}
+
+fn base64(bytes: &[u8]) -> String {
+    let digit = |i: u32| b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"[i as usize & 63] as char;
+    let mut out = String::new();
+    for chunk in bytes.chunks(3) {
+        let word = chunk.iter().chain([&0, &0]).take(3).fold(0, |w, b| w << 8 | u32::from(*b));
+        (0..4).for_each(|i| out.push(if i <= chunk.len() { digit(word >> (18 - 6 * i)) } else { '=' }));
+    }
+    out
+}
+
+#[test]
+fn sparse_accessors_over_zeros_and_over_a_base() {
+    let mut glb = square();
+    let imported = read(&glb);
+    assert_eq!(sparse(&imported.examples[0].positions), (&[0, 2][..], &[[0., -0.5, 0.], [0., -0.25, 0.]][..]));
+    assert_eq!(sparse(imported.examples[0].normals.as_ref().unwrap()), (&[0][..], &[[0.5, -0.5, 0.]][..]));
+    assert_eq!(sparse(&imported.examples[1].positions), (&[1, 3][..], &[[0., -1., 0.], [0., -2., 0.]][..]));
+    assert_eq!(imported.examples[1].normals, None);
+    // Over the dense target's view: vertex 0 becomes zero again, vertex 3 moves.
+    for width in [1, 2, 4] {
+        let accessor = glb.sparse(4, Some(3), width, &[0, 3], &[0., 0., 0., 9., 9., 9.]);
+        glb.json["accessors"][accessor]["bufferView"] = glb.json["accessors"][3]["bufferView"].clone();
+        glb.json["meshes"][0]["primitives"][0]["targets"][1]["POSITION"] = accessor.into();
+        let imported = read(&glb);
+        assert_eq!(sparse(&imported.examples[1].positions), (&[2, 3][..], &[[0., -0.25, 0.], [9., 9., 9.]][..]));
+    }
+    // Sparse base positions, and an accessor without any data: zeros.
+    let positions = glb.sparse(4, None, 1, &[1, 2, 3], &SQUARE[3..]);
+    let zeros = glb.push("accessors", json!({ "componentType": 5126, "count": 4, "type": "VEC3" }));
+    glb.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = positions.into();
+    glb.json["meshes"][0]["primitives"][0]["targets"][1]["POSITION"] = zeros.into();
+    let again = read(&glb);
+    assert_eq!(again.mesh, imported.mesh);
+    assert_eq!(sparse(&again.examples[1].positions).0, [0u32; 0]);
+}
+
+#[test]
+fn interleaved_and_offset_attributes() {
+    let mut glb = square();
+    let interleaved: Vec<f32> =
+        SQUARE.chunks(3).zip(UP.chunks(3)).flat_map(|(p, n)| [[7.0].as_slice(), p, n].concat()).collect();
+    let view = glb.view(&bytes(&interleaved));
+    glb.json["bufferViews"][view]["byteStride"] = 28.into();
+    for (accessor, offset) in [(0, 4), (1, 16)] {
+        glb.json["accessors"][accessor]["bufferView"] = view.into();
+        glb.json["accessors"][accessor]["byteOffset"] = offset.into();
+    }
+    assert_eq!(read(&glb), read(&square()));
+}
+
+#[test]
+fn index_widths_strips_fans_and_no_indices() {
+    for width in [1, 2, 4] {
+        let mut glb = square();
+        let indices = glb.indices(width, &[0, 2, 1, 0, 3, 2]);
+        glb.json["meshes"][0]["primitives"][0]["indices"] = indices.into();
+        assert_eq!(read(&glb).mesh.triangles, [[0, 2, 1], [0, 3, 2]]);
+    }
+    let triangles = |mode: Option<u32>, corners: Option<&[u32]>| {
+        let mut glb = square();
+        let primitive = &mut glb.json["meshes"][0]["primitives"][0];
+        primitive.as_object_mut().unwrap().remove("indices");
+        if let Some(mode) = mode {
+            primitive["mode"] = mode.into();
+        }
+        if let Some(corners) = corners {
+            let indices = glb.indices(4, corners);
+            glb.json["meshes"][0]["primitives"][0]["indices"] = indices.into();
+        }
+        read(&glb).mesh.triangles
+    };
+    assert_eq!(triangles(Some(5), None), [[0, 1, 2], [1, 3, 2]]);
+    assert_eq!(triangles(Some(5), Some(&[3, 2, 0, 0, 1])), [[3, 2, 0]], "a repeated corner is a jump");
+    assert_eq!(triangles(Some(6), None), [[1, 2, 0], [2, 3, 0]]);
+    assert_eq!(triangles(Some(6), Some(&[3, 0, 1, 2])), [[0, 1, 3], [1, 2, 3]]);
+    assert_eq!(triangles(Some(4), Some(&[3, 0, 1])), [[3, 0, 1]]);
+    // Three vertices in sequence.
+    let mut glb = Glb::empty();
+    glb.floats("VEC3", &SQUARE[..9]);
+    glb.push("meshes", json!({ "primitives": [{ "attributes": { "POSITION": 0 }, "targets": [{ "POSITION": 0 }] }] }));
+    assert_eq!(read(&glb).mesh.triangles, [[0, 1, 2]]);
+    assert_eq!(read(&glb).examples[0].name, "target 0");
+}
+
+#[test]
+fn primitives_that_share_accessors_share_vertices() {
+    let mut glb = square();
+    let primitive = glb.json["meshes"][0]["primitives"][0].clone();
+    let flipped = glb.indices(2, &[0, 1, 2]);
+    let list = glb.json["meshes"][0]["primitives"].as_array_mut().unwrap();
+    list.push(primitive.clone());
+    list[1]["indices"] = flipped.into();
+    // Another with targets of its own may not share.
+    list.push(primitive);
+    list[2]["targets"][0]["POSITION"] = 5.into();
+    let imported = read(&glb);
+    assert_eq!(imported.mesh.positions.len(), 8);
+    let firsts: Vec<_> =
+        imported.primitives.iter().map(|p| (p.first_vertex, p.vertex_count, p.first_triangle)).collect();
+    assert_eq!(firsts, [(0, 4, 0), (0, 4, 2), (4, 4, 3)]);
+    assert_eq!(imported.mesh.triangles[2], [0, 1, 2]);
+    assert_eq!(sparse(&imported.examples[0].positions).0, [0, 2, 5, 7]);
+}
+
+#[test]
+fn lines_are_left_out_and_missing_normals_leave_none() {
+    let mut glb = square();
+    let lines = glb.indices(2, &[0, 1]);
+    let mut line = glb.json["meshes"][0]["primitives"][0].clone();
+    line["mode"] = 1.into();
+    line["indices"] = lines.into();
+    glb.json["meshes"][0]["primitives"].as_array_mut().unwrap().insert(0, line);
+    let imported = read(&glb);
+    assert_eq!((imported.primitives.len(), imported.primitives[0].primitive), (1, 1));
+    let mut bare = glb.json["meshes"][0]["primitives"][1].clone();
+    bare["attributes"] = json!({ "POSITION": 0 });
+    bare["targets"] = json!([{ "POSITION": 3 }, {}]);
+    glb.json["meshes"][0]["primitives"].as_array_mut().unwrap().push(bare);
+    let imported = read(&glb);
+    assert_eq!(imported.mesh.normals, None);
+    assert_eq!(imported.examples[0].normals, None, "one part moves without normal deltas");
+    for p in glb.json["meshes"][0]["primitives"].as_array_mut().unwrap() {
+        p["mode"] = 0.into();
+    }
+    let error = gltf_slice(&glb.bytes(), None, MeshChoice::First).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "unsupported: mesh 0 'Square' has no triangles; primitives of points and lines are not dented"
+    );
+}
+
+fn with_extras(extras: Value) -> Result<Imported, Error> {
+    let mut glb = square();
+    glb.json["meshes"][0]["extras"] = extras;
+    gltf_slice(&glb.bytes(), None, MeshChoice::First)
+}
+
+fn names(extras: Value) -> Vec<String> {
+    with_extras(extras).unwrap().examples.into_iter().map(|e| e.name).collect()
+}
+
+#[test]
+fn target_names_may_be_anything() {
+    assert_eq!(names(json!({ "targetNames": ["", ""] })), ["", ""]);
+    assert_eq!(names(json!({ "targetNames": ["same", "same"] })), ["same", "same"]);
+    assert_eq!(names(json!({ "targetNames": ["\u{0}\u{202e}🚗", "凹み"] })), ["\u{0}\u{202e}🚗", "凹み"]);
+    assert_eq!(names(json!({ "targetNames": ["one"] })), ["one", "target 1"]);
+    assert_eq!(names(json!({ "targetNames": ["one", null, "three"] })), ["one", "target 1"]);
+    assert_eq!(names(json!({})), ["target 0", "target 1"]);
+    assert_eq!(names(json!(7)), ["target 0", "target 1"], "extras may be anything");
+    let mut glb = square();
+    let mesh = glb.json["meshes"][0].as_object_mut().unwrap();
+    let extras = mesh.remove("extras").unwrap();
+    mesh["primitives"][0]["extras"] = extras;
+    assert_eq!(read(&glb).examples[1].name, "sparse", "some exporters write them to the primitive");
+}
+
+#[test]
+fn impacts_match_by_name_where_names_decide_and_by_order_elsewhere() {
+    let contacts = |extras: Value| -> Vec<Option<Contact>> {
+        with_extras(extras).unwrap().examples.into_iter().map(|e| e.contact).collect()
+    };
+    let (a, b) = (Some(Contact::Point([1.0, 2.0, 3.0])), Some(Contact::Vertex(2)));
+    let point = |name: &str| json!({ "name": name, "point": [1, 2, 3], "contact_vertex": 0 });
+    let vertex = |name: &str| json!({ "name": name, "contact_vertex": 2 });
+    assert_eq!(contacts(json!({ "targetNames": ["p", "q"], "impacts": [point("q"), vertex("p")] })), [b, a]);
+    assert_eq!(contacts(json!({ "targetNames": ["p", "q"], "impacts": [vertex("q")] })), [None, b]);
+    assert_eq!(contacts(json!({ "targetNames": ["p", "p"], "impacts": [point("p"), vertex("p")] })), [a, b]);
+    assert_eq!(contacts(json!({ "impacts": [{ "point": [1, 2, 3] }] })), [a, None]);
+    assert_eq!(contacts(json!({ "impacts": "[{\"point\": [1, 2, 3]}]" })), [a, None], "typed into Blender");
+    assert_eq!(contacts(json!({ "impacts": [{ "contact_vertex": 2.0 }] })), [b, None], "Blender's floats");
+    assert_eq!(contacts(json!({ "impacts": null })), [None, None]);
+    assert_eq!(contacts(json!({ "impacts": [] })), [None, None]);
+}
+
+#[test]
+fn malformed_impacts_and_placements_are_named() {
+    let refuse = |extras: Value, kind: ErrorKind, part: &str| {
+        let error = with_extras(extras.clone()).unwrap_err();
+        assert_eq!(error.kind(), kind, "{extras}: {error}");
+        assert!(error.to_string().contains(part), "{extras}: {error}");
+    };
+    let format = ErrorKind::Format;
+    refuse(json!({ "targetNames": "one" }), format, "extras.targetNames is \"one\"");
+    refuse(json!({ "targetNames": ["one", 2] }), format, "extras.targetNames[1] is 2");
+    refuse(json!({ "impacts": 3 }), format, "extras.impacts is 3");
+    refuse(json!({ "impacts": "nonsense" }), format, "extras.impacts is a text that is not JSON");
+    refuse(json!({ "impacts": [[]] }), format, "extras.impacts[0] is []");
+    refuse(json!({ "impacts": [{}] }), format, "extras.impacts[0] has neither");
+    refuse(json!({ "impacts": [{ "point": [1, 2] }] }), format, "extras.impacts[0].point is [1,2]");
+    refuse(json!({ "impacts": [{ "point": [1, 2, "3"] }] }), format, "extras.impacts[0].point");
+    refuse(
+        json!({ "impacts": [{ "point": [1, 2, 1e300] }] }),
+        ErrorKind::NotFinite,
+        "extras.impacts[0].point.z is inf",
+    );
+    refuse(
+        json!({ "impacts": [{ "contact_vertex": 4 }] }),
+        ErrorKind::IndexOutOfRange,
+        "contact_vertex is 4; it must be below 4",
+    );
+    refuse(json!({ "impacts": [{ "contact_vertex": -1 }] }), format, "contact_vertex is -1");
+    refuse(json!({ "impacts": [{ "contact_vertex": 0.5 }] }), format, "contact_vertex is 0.5");
+    refuse(json!({ "impacts": [{ "point": [0, 0, 0], "normal": [0, 0, 0] }] }), format, "normal is [0.0, 0.0, 0.0]");
+    let three = json!([{ "point": [0, 0, 0] }, { "point": [0, 0, 0] }, { "point": [0, 0, 0] }]);
+    refuse(json!({ "impacts": three }), format, "extras.impacts has 3 entries for 2 targets");
+    let stray = json!([{ "name": "x", "point": [0, 0, 0] }]);
+    refuse(
+        json!({ "targetNames": ["p", "q"], "impacts": stray }),
+        format,
+        "impacts[0] is for 'x'; there is no such target (there are 'p', 'q')",
+    );
+    refuse(json!({ "placements": "sideways" }), format, "'sideways'; automatic, anchored or carried");
+    refuse(json!({ "placements": ["carried"] }), format, "1 words for 2 targets");
+    refuse(json!({ "placements": ["carried", 1] }), format, "extras.placements[1] is 1");
+    refuse(json!({ "placements": 1 }), format, "extras.placements is 1");
+    refuse(json!({ "placements": { "r": "carried" }, "targetNames": ["p", "q"] }), format, "names 'r'");
+    refuse(json!({ "placements": { "p": 1 }, "targetNames": ["p", "q"] }), format, "extras.placements['p'] is 1");
+}
+
+#[test]
+fn placements_by_word_list_and_name() {
+    use Placement::{Anchored as A, Automatic as U, Carried as C};
+    let placed = |value: Value| -> Vec<Placement> {
+        let imported = with_extras(json!({ "targetNames": ["p", "q"], "placements": value })).unwrap();
+        imported.examples.into_iter().map(|e| e.placement).collect()
+    };
+    assert_eq!(placed(json!("Anchored")), [A, A]);
+    assert_eq!(placed(json!("anchored, carried")), [A, C]);
+    assert_eq!(placed(json!(["carried", "automatic"])), [C, U]);
+    assert_eq!(placed(json!({ "q": "anchored" })), [U, A]);
+    assert_eq!(placed(Value::Null), [U, U]);
+}
+
+#[test]
+fn extensions_that_do_not_touch_geometry_are_no_hindrance() {
+    let mut glb = square();
+    glb.json["extensionsRequired"] = json!(["KHR_texture_basisu", "KHR_materials_unlit", "KHR_mesh_quantization"]);
+    // Broken materials and images are none of the importer's business.
+    glb.json["materials"] = json!([{ "pbrMetallicRoughness": 7 }]);
+    glb.json["images"] = json!("none");
+    glb.json["meshes"][0]["primitives"][0]["material"] = 0.into();
+    assert_eq!(read(&glb).primitives[0].material.as_deref(), Some("material 0"));
+}
+
+#[test]
+fn the_solver_bodies() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/solver");
+    for (body, vertices, triangles) in [("panel", 2173, 4160), ("tube", 2244, 4352)] {
+        let path = folder.join(format!("{body}.glb"));
+        if !path.exists() {
+            eprintln!("skipped: {} is not part of the published crate", path.display());
+            continue;
+        }
+        let imported = gltf_file(&path, MeshChoice::First).unwrap();
+        assert_eq!((imported.name.as_str(), imported.examples.len()), (body, 32));
+        assert_eq!((imported.mesh.positions.len(), imported.mesh.triangles.len()), (vertices, triangles));
+        let (json, _) = import_glb::parts(&std::fs::read(&path).unwrap());
+        let impacts = json["meshes"][0]["extras"]["impacts"].as_array().unwrap();
+        for ((i, example), impact) in imported.examples.iter().enumerate().zip(impacts) {
+            assert_eq!(example.name, format!("train_{i:02}"));
+            let Some(Contact::Point(point)) = example.contact else { panic!("a point") };
+            let contact =
+                imported.mesh.positions.iter().position(|p| *p == point).expect("a vertex at the contact point");
+            let delta = dense(&example.positions, vertices)[contact];
+            for (got, told) in delta.iter().zip(impact["displacement"].as_array().unwrap()) {
+                assert!((f64::from(*got) - told.as_f64().unwrap()).abs() < 1e-6, "{body} {i}");
+            }
+            assert!(example.normals.is_some());
+        }
+    }
+}
