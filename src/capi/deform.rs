@@ -134,3 +134,66 @@ pub unsafe extern "C" fn crumple_get_buffer_changes(
         Ok(())
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::types::CrumpleStream;
+    use super::super::{buffer::*, context::*, instance::*, set::*, types::*};
+    use super::*;
+
+    fn stream(memory: &mut [f32], first: usize) -> CrumpleStream {
+        CrumpleStream { data: memory.as_mut_ptr().cast(), size: size_of_val(memory), offset: first * 4, stride: 12 }
+    }
+
+    fn ok(result: CrumpleResult) {
+        assert_eq!(result, CrumpleResult::CrumpleOk);
+    }
+
+    #[test]
+    fn memory_of_two_buffers_must_not_overlap_in_debug_builds() {
+        let base = [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        let target = [0.0f32, 0.0, -0.1, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        let input = |a: &[f32]| CrumpleInput { data: a.as_ptr().cast(), size: size_of_val(a), stride: 12 };
+        let example = CrumpleExampleDef { target_positions: input(&target), ..crumple_default_example_def() };
+        let def = CrumpleExampleSetDef {
+            vertex_count: 3,
+            positions: input(&base),
+            examples: &example,
+            example_count: 1,
+            ..crumple_default_example_set_def()
+        };
+        let mut context = std::ptr::null_mut();
+        let (mut set, mut instance) = (CrumpleExampleSet::default(), CrumpleInstance::default());
+        let mut memory = [0.0f32; 24];
+        // SAFETY: every pointer is to something that lives until the context is destroyed.
+        unsafe {
+            let single = CrumpleContextDef { threads: 1, ..crumple_default_context_def() };
+            ok(crumple_context_create(&single, &mut context));
+            ok(crumple_create_example_set(context, &def, &mut set));
+            ok(crumple_create_instance(
+                context,
+                &CrumpleInstanceDef { set, ..crumple_default_instance_def() },
+                &mut instance,
+            ));
+            let mut register = |first: usize| {
+                let positions = stream(&mut memory, first);
+                let def = CrumpleHostBufferDef { positions, ..crumple_default_host_buffer_def() };
+                let mut buffer = CrumpleBuffer::default();
+                ok(crumple_register_host_buffer(context, instance, &def, &mut buffer));
+                buffer
+            };
+            let (first, beside, across) = (register(0), register(9), register(6));
+            ok(crumple_deform(context, [first, beside].as_ptr(), 2, std::ptr::null_mut()));
+            let expected = if cfg!(debug_assertions) {
+                CrumpleResult::CrumpleErrorInvalidArgument
+            } else {
+                CrumpleResult::CrumpleOk
+            };
+            assert_eq!(crumple_deform(context, std::ptr::null(), 0, std::ptr::null_mut()), expected);
+            ok(crumple_unregister_buffer(context, across));
+            ok(crumple_deform(context, std::ptr::null(), 0, std::ptr::null_mut()));
+            ok(crumple_context_destroy(context));
+        }
+        assert_eq!(memory[..9], base);
+    }
+}

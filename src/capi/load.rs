@@ -223,8 +223,8 @@ unsafe fn add_imported(
     let primitives = imported.primitives.iter().zip(&materials).map(|(p, material)| CrumplePrimitive {
         material: material.as_ref().map_or(std::ptr::null(), |m| m.as_ptr()),
         ..CrumplePrimitive::new(
-            p.first_vertex as u32..(p.first_vertex + p.vertex_count) as u32,
-            p.first_triangle as u32..(p.first_triangle + p.triangle_count) as u32,
+            p.first_vertex..p.first_vertex + p.vertex_count,
+            p.first_triangle..p.first_triangle + p.triangle_count,
         )
     });
     let primitives = primitives.collect();
