@@ -20,6 +20,7 @@
 
 mod anchored;
 mod attach;
+mod capi;
 mod classic;
 mod damage;
 mod data;

@@ -244,7 +244,7 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Error> {
         }
     }
     let text = text.ok_or_else(|| malformed("the GLB has no JSON chunk"))?;
-    let end = text.iter().rposition(|b| *b != 0).map_or(0, |last| last + 1);
+    let end = text.iter().rposition(|b| *b != 0 && *b != b' ').map_or(0, |last| last + 1);
     Ok((&text[..end], bin))
 }
 

@@ -1,1 +1,90 @@
-fn main() {}
+//! `cargo xtask …`: one command for each thing that people and CI do with this repository,
+//! the same on every platform.
+
+mod ci;
+mod command;
+mod demo;
+mod header;
+mod install;
+mod native;
+mod outside;
+mod peers;
+mod repo;
+mod stage;
+mod test;
+mod tools;
+mod valgrind;
+mod workspace;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+
+#[derive(Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask", about = "Builds, tests and shows Crumple")]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Dent a real mesh with real impacts: pictures and a deformed GLB
+    Demo {
+        /// Where the pictures and the GLB go
+        #[arg(long, default_value = "out/demo")]
+        out: PathBuf,
+    },
+    /// Run every test: Rust, C and C++, under sanitizers and valgrind, and from outside the tree
+    Test(test::Options),
+    /// Write include/crumple.h from the Rust sources
+    Header {
+        /// Write nothing; fail with a diff when the committed header is not what the sources say
+        #[arg(long)]
+        check: bool,
+    },
+    /// Build the C library and install it with its headers, CMake package and pkg-config file
+    Install {
+        /// Directory that gets lib/ and include/
+        #[arg(long)]
+        prefix: PathBuf,
+        /// Install a debug build
+        #[arg(long)]
+        debug: bool,
+    },
+    /// Formatting, lints, docs, header and repository checks, then every test with nothing skipped
+    Ci,
+    /// Only the checks of `ci` that build nothing: asset size, README snippet, changelog
+    Repo {
+        /// Put the present examples-c/quickstart.c into README.md
+        #[arg(long)]
+        fix: bool,
+    },
+}
+
+fn main() -> ExitCode {
+    match run(Cli::parse().command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(command: Command) -> Result<()> {
+    let workspace = workspace::Workspace::open()?;
+    match command {
+        Command::Demo { out } => demo::run(&workspace, &out),
+        Command::Test(options) => test::run(&workspace, &options),
+        Command::Header { check } => header::run(&workspace, check),
+        Command::Install { prefix, debug } => {
+            let profile = if debug { install::Profile::Debug } else { install::Profile::Release };
+            install::run(&workspace, &prefix, profile).map(drop)
+        }
+        Command::Ci => ci::run(&workspace),
+        Command::Repo { fix } => repo::run(&workspace, fix),
+    }
+}

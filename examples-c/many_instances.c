@@ -1,0 +1,130 @@
+// Thousands of bodies share one example set; a frame hits some of them and deforms the few that are seen.
+#include <crumple.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+enum { SIDE = 65, VERTICES = SIDE * SIDE, INDICES = (SIDE - 1) * (SIDE - 1) * 6 };
+enum { INSTANCES = 5000, SEEN = 50, HITS = 20000 };
+
+static float base[VERTICES][3], dented[VERTICES][3];
+static float vertices[SEEN][VERTICES][3];
+static uint32_t indices[INDICES];
+static CrumpleInstance instances[INSTANCES];
+static CrumpleBuffer buffers[SEEN];
+
+static void check(CrumpleResult result) {
+    if (result == CRUMPLE_OK) return;
+    fprintf(stderr, "%s: %s\n", crumple_result_name(result), crumple_last_error());
+    exit(1);
+}
+
+static void fact(int holds, const char *what) {
+    if (holds) return;
+    fprintf(stderr, "this is not so: %s\n", what);
+    exit(1);
+}
+
+static double milliseconds(clock_t since) {
+    return 1e3 * (double)(clock() - since) / CLOCKS_PER_SEC;
+}
+
+static float unit_random(void) {
+    static uint32_t state = 12345;
+    state = state * 1664525u + 1013904223u;
+    return (float)(state >> 8) / (float)(1 << 24);
+}
+
+int main(void) {
+    for (int v = 0, i = 0; v < VERTICES; ++v) {
+        float x = (float)(v % SIDE) / (SIDE - 1) - 0.5f, y = (float)(v / SIDE) / (SIDE - 1) - 0.5f;
+        float r = (x * x + y * y) / 0.03f;
+        base[v][0] = dented[v][0] = x;
+        base[v][1] = dented[v][1] = y;
+        base[v][2] = 0;
+        dented[v][2] = r < 1 ? -0.05f * (1 - r) * (1 - r) : 0;
+        if (v % SIDE < SIDE - 1 && v / SIDE < SIDE - 1) {
+            uint32_t a = (uint32_t)v, quad[6] = {a, a + 1, a + SIDE, a + SIDE, a + 1, a + SIDE + 1};
+            for (int k = 0; k < 6; ++k) indices[i++] = quad[k];
+        }
+    }
+    CrumpleContextDef context_def = crumple_default_context_def();
+    CrumpleContext *context;
+    check(crumple_context_create(&context_def, &context));
+    CrumpleExampleDef example = crumple_default_example_def();
+    example.target_positions = (CrumpleInput){dented, sizeof dented, sizeof dented[0]};
+    CrumpleExampleSetDef set_def = crumple_default_example_set_def();
+    set_def.vertex_count = VERTICES;
+    set_def.positions = (CrumpleInput){base, sizeof base, sizeof base[0]};
+    set_def.index_count = INDICES;
+    set_def.indices = (CrumpleInput){indices, sizeof indices, sizeof indices[0]};
+    set_def.examples = &example;
+    set_def.example_count = 1;
+    CrumpleExampleSet set;
+    check(crumple_create_example_set(context, &set_def, &set));
+    CrumpleExampleSetInfo set_info;
+    check(crumple_get_example_set_info(context, set, &set_info));
+
+    clock_t start = clock();
+    CrumpleInstanceDef instance_def = crumple_default_instance_def();
+    instance_def.set = set;
+    for (int i = 0; i < INSTANCES; ++i) check(crumple_create_instance(context, &instance_def, &instances[i]));
+    printf("%d instances created in %.1f ms\n", INSTANCES, milliseconds(start));
+    check(crumple_destroy_example_set(context, set)); // the instances keep what they need
+
+    // Only a few are seen: only those have buffers.
+    for (int i = 0; i < SEEN; ++i) {
+        CrumpleHostBufferDef def = crumple_default_host_buffer_def();
+        def.positions = (CrumpleStream){vertices[i], sizeof vertices[i], 0, sizeof vertices[i][0]};
+        check(crumple_register_host_buffer(context, instances[i], &def, &buffers[i]));
+    }
+
+    start = clock();
+    for (int i = 0; i < HITS; ++i) {
+        CrumpleDisplacementDef hit = crumple_default_displacement_def();
+        hit.point = (CrumpleVec3){unit_random() - 0.5f, unit_random() - 0.5f, 0};
+        hit.displacement = (CrumpleVec3){0, 0, -0.01f - 0.03f * unit_random()};
+        check(crumple_submit_displacement(context, instances[i % INSTANCES], &hit, NULL));
+    }
+    double time = milliseconds(start);
+    printf("%d hits submitted in %.1f ms: %.2f us each\n", HITS, time, 1e3 * time / HITS);
+
+    start = clock();
+    CrumpleDeformReport report;
+    check(crumple_deform(context, buffers, SEEN, &report));
+    time = milliseconds(start);
+    printf("%d instances seen, %llu vertices written in %.1f ms (of all cores)\n", SEEN,
+           (unsigned long long)report.vertices_written, time);
+    fact(report.vertices_written == (uint64_t)SEEN * VERTICES, "the first deform writes every vertex of what is seen");
+
+    // One more hit: only what it touched is written.
+    CrumpleDisplacementDef hit = crumple_default_displacement_def();
+    hit.point = (CrumpleVec3){0.3f, 0.3f, 0};
+    hit.displacement = (CrumpleVec3){0, 0, -0.02f};
+    check(crumple_submit_displacement(context, instances[7], &hit, NULL));
+    start = clock();
+    check(crumple_deform(context, buffers, SEEN, &report));
+    printf("one more hit: %llu vertices written in %.2f ms\n", (unsigned long long)report.vertices_written,
+           milliseconds(start));
+    fact(report.vertices_written > 0 && report.vertices_written < VERTICES, "one hit writes a part of one instance");
+
+    uint64_t memory = 0, marks = 0;
+    for (int i = 0; i < INSTANCES; ++i) {
+        CrumpleInstanceInfo info;
+        check(crumple_get_instance_info(context, instances[i], &info));
+        memory += info.memory_bytes;
+        marks += info.mark_count;
+    }
+    double kilobyte = 1024;
+    printf("memory: %.1f kB for the set, %.2f kB for each instance with %.1f marks\n",
+           (double)set_info.memory_bytes / kilobyte, (double)memory / INSTANCES / kilobyte, (double)marks / INSTANCES);
+    fact(marks == HITS + 1, "every hit left a mark");
+    fact(memory / INSTANCES < sizeof dented, "an instance takes less memory than its vertices");
+    for (int i = 0; i < SEEN; ++i)
+        for (int v = 0; v < VERTICES; ++v)
+            fact(fabsf(vertices[i][v][2]) <= 0.050001f, "no vertex moves further than the deepest example");
+    check(crumple_context_destroy(context));
+    return 0;
+}

@@ -1,0 +1,1142 @@
+// Crumple dents meshes.
+//
+// You give it a base mesh and a few examples (the same mesh after a collision, made by an artist or a solver), report
+// impulses as your physics engine finds them, and it writes the deformed vertices into your own vertex buffers.
+// All functions and types are described where they are declared; examples-c holds whole programs.
+//
+//
+// The way through, in the order in which you meet it
+//
+//   1. Context          crumple_default_context_def, crumple_context_create
+//                       threads, log, your own job system; crumple_set_allocator before that, if at all
+//   2. Example sets     crumple_create_example_set (arrays), crumple_load_example_set_gltf, ..._gltf_memory, ..._obj
+//                       while loading; one a mesh, shared by all its instances
+//   3. Looking inside   crumple_get_example_set_info, crumple_get_example_info, crumple_get_primitive,
+//                       crumple_copy_base_mesh, crumple_nearest_vertex
+//   4. Instances        crumple_create_instance, crumple_set_instance_transform, ..._depth_limit
+//                       one a body in the scene; a few hundred bytes each
+//   5. Hits             crumple_submit_impulse, crumple_submit_displacement
+//                       from any thread, whenever the physics engine reports a contact
+//   6. Damage           crumple_get_marks, crumple_set_marks, crumple_save_damage, crumple_load_damage,
+//                       crumple_repair_damage, crumple_reset_damage, crumple_copy_damage
+//                       a short list of marks of 32 bytes: save it, send it over the network
+//   7. Buffers          crumple_register_host_buffer, crumple_set_host_buffer_memory, crumple_invalidate_buffer
+//                       your vertex memory, any strides
+//   8. Deformation      crumple_deform once a frame, crumple_get_buffer_changes for what to upload and the new bounds
+//   9. Attached points  crumple_attach_point, crumple_get_attached_frame
+//                       lamps, decals and collision vertices that follow the dents
+//
+//
+// Results. Every call that can fail returns a CrumpleResult and writes its outputs only when that is CRUMPLE_OK. The text
+// of crumple_last_error() names what was wrong and what would be right. After an error nothing has changed and everything
+// stays usable. No call aborts, prints, throws or leaves a signal; see "Memory" for the one exception. Every call may
+// return CRUMPLE_ERROR_INTERNAL, a defect of the library.
+//
+// Ownership. What Crumple creates, it owns, and you hold an id of it: a small struct by value, zero is null. An id ends
+// with its crumple_destroy_ or crumple_unregister_ call and is an error from then on, never a crash. Destroying an
+// instance unregisters its buffers; an example set lives on for the instances that use it; destroying the context
+// destroys everything in it. What you pass in, you own: defs, strings and arrays are read during the call and may be freed
+// after it. Two things must live longer: the memory of registered buffers, and what the callbacks of a context need.
+//
+// Defs. Structs that end in Def come from their crumple_default_ function, which sets struct_size and the defaults; fill
+// in what you need. A struct_size of another version is an error.
+//
+// Threads. Calls are externally synchronised per context: two threads must not be inside the same context at once, and
+// callbacks must not call back into it. One that does gets CRUMPLE_ERROR_CONCURRENT_USE, in every build. Excepted are
+// crumple_submit_impulse() and crumple_submit_displacement(), which any number of threads may call at any time, also while
+// another thread deforms, and the functions that take no context. Different contexts know nothing of each other. The
+// result never depends on the number of threads or the order of hits.
+//
+// Units. Metres, seconds, kilograms; impulses in newton seconds. Any handedness, any axis up. Each number says its unit.
+// NaN and infinities are errors everywhere. Vertices are 32-bit floats, indices count from 0, enums are 32 bits wide (do
+// not compile with -fshort-enums).
+//
+// Memory. Memory whose size your counts decide is asked for carefully: CRUMPLE_ERROR_OUT_OF_MEMORY when there is none.
+// Small allocations (messages, ids) end the process when the system has no memory at all, as in most programs.
+//
+// Do not fork() a process with a live context and use it in the child.
+//
+// This file is generated from the library's source by `cargo xtask header`; do not edit it.
+
+
+#ifndef CRUMPLE_H
+#define CRUMPLE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/// Major version of this header. Programs built against another major version do not fit.
+#define CRUMPLE_VERSION_MAJOR 0
+
+/// Minor version of this header. Before 1.0, programs built against another minor version do not fit.
+#define CRUMPLE_VERSION_MINOR 1
+
+/// Patch version of this header.
+#define CRUMPLE_VERSION_PATCH 0
+
+/// The three as one number, as crumple_version() gives it.
+#define CRUMPLE_VERSION (((CRUMPLE_VERSION_MAJOR * 1000000) + (CRUMPLE_VERSION_MINOR * 1000)) + CRUMPLE_VERSION_PATCH)
+
+/// Bit of crumple_features(): glTF 2.0 and GLB files can be loaded.
+#define CRUMPLE_FEATURE_GLTF 1
+
+/// Bit of crumple_features(): OBJ files can be loaded.
+#define CRUMPLE_FEATURE_OBJ 2
+
+/// Bit of crumple_features(): crumple_set_allocator() works.
+#define CRUMPLE_FEATURE_HOST_ALLOCATOR 4
+
+/// What every fallible call returns. After anything but CRUMPLE_OK no output was written, crumple_last_error() tells what was
+/// wrong and what would be right, and everything stays usable.
+typedef enum {
+    /// The call did what it says.
+    CRUMPLE_OK = 0,
+    /// A value lies outside its range.
+    CRUMPLE_ERROR_INVALID_ARGUMENT = 1,
+    /// A number is NaN or infinite.
+    CRUMPLE_ERROR_NOT_FINITE = 2,
+    /// An index points past the end of what it indexes.
+    CRUMPLE_ERROR_INDEX_OUT_OF_RANGE = 3,
+    /// The base mesh cannot be used.
+    CRUMPLE_ERROR_MESH = 4,
+    /// An example does not fit the base mesh, or there is no example.
+    CRUMPLE_ERROR_EXAMPLE_MISMATCH = 5,
+    /// Memory is smaller than what must be read from it or written to it.
+    CRUMPLE_ERROR_BUFFER_TOO_SMALL = 6,
+    /// A pointer, an offset or a stride is not a multiple of the alignment it needs.
+    CRUMPLE_ERROR_MISALIGNED = 7,
+    /// A contact lies further from the body than the instance accepts: often a point in the wrong space.
+    CRUMPLE_ERROR_CONTACT_TOO_FAR = 8,
+    /// Valid input that this library, or this build of it, does not read.
+    CRUMPLE_ERROR_UNSUPPORTED = 9,
+    /// A file or saved bytes are malformed.
+    CRUMPLE_ERROR_FORMAT = 10,
+    /// The operating system refused to read or write a file.
+    CRUMPLE_ERROR_IO = 11,
+    /// Damage belongs to another example set or to another version.
+    CRUMPLE_ERROR_DAMAGE_MISMATCH = 12,
+    /// Memory ran out. Only memory whose size your counts decide is reported so; see "Memory" at the top of the header.
+    CRUMPLE_ERROR_OUT_OF_MEMORY = 13,
+    /// The call does not fit the instance's rule.
+    CRUMPLE_ERROR_WRONG_RULE = 14,
+    /// A pointer is null that must not be.
+    CRUMPLE_ERROR_NULL_POINTER = 64,
+    /// The struct_size of a def is not that of this version: take defs from their crumple_default_ function.
+    CRUMPLE_ERROR_STRUCT_SIZE = 65,
+    /// An id or a context is null, was destroyed, or belongs to another context; the text says which.
+    CRUMPLE_ERROR_INVALID_ID = 66,
+    /// Two threads were inside the same context at once, or a callback called back into it.
+    CRUMPLE_ERROR_CONCURRENT_USE = 67,
+    /// A defect of the library; the text is its message. Please report it.
+    CRUMPLE_ERROR_INTERNAL = 68,
+} CrumpleResult;
+
+/// How much a log message matters.
+typedef enum {
+    /// What was done.
+    CRUMPLE_LOG_LEVEL_INFO = 0,
+    /// Something that works but is probably not what was meant.
+    CRUMPLE_LOG_LEVEL_WARNING = 1,
+} CrumpleLogLevel;
+
+/// How the place where an example was hit is told.
+typedef enum {
+    /// Not told: its deepest vertex. The default.
+    CRUMPLE_CONTACT_KIND_NONE = 0,
+    /// A vertex of the base mesh.
+    CRUMPLE_CONTACT_KIND_VERTEX = 1,
+    /// A point in the mesh's space; its nearest vertex becomes the contact.
+    CRUMPLE_CONTACT_KIND_POINT = 2,
+} CrumpleContactKind;
+
+/// Whether an example may be carried away from where it was made.
+typedef enum {
+    /// Anchored for hits close to its own contact, carried for others. The default.
+    CRUMPLE_PLACEMENT_AUTOMATIC = 0,
+    /// Always where and as the artist made it: creases, frames, bumpers.
+    CRUMPLE_PLACEMENT_ANCHORED = 1,
+    /// Always carried to where the body was hit: sheet metal.
+    CRUMPLE_PLACEMENT_CARRIED = 2,
+} CrumplePlacement;
+
+/// The type of triangle indices.
+typedef enum {
+    /// uint32_t, 4 bytes. The default.
+    CRUMPLE_INDEX_TYPE_U32 = 0,
+    /// uint16_t, 2 bytes.
+    CRUMPLE_INDEX_TYPE_U16 = 1,
+} CrumpleIndexType;
+
+/// How the dents of several hits combine at a vertex. The direction is always that of their sum.
+typedef enum {
+    /// Energies add: depth grows as the root of the number of equal hits, as metal does. The default.
+    CRUMPLE_COMBINE_ENERGIES = 0,
+    /// Lengths add, up to the depth limit.
+    CRUMPLE_COMBINE_SUM = 1,
+    /// The deepest dent decides: stamping to a fixed position.
+    CRUMPLE_COMBINE_DEEPEST = 2,
+} CrumpleCombine;
+
+/// What becomes of an example that moves apart vertices which share a position in the base mesh.
+typedef enum {
+    /// They stay together: each gets the mean of their displacements. The default.
+    CRUMPLE_SEAMS_WELD = 0,
+    /// They move apart, as the example says: a tear that the artist made.
+    CRUMPLE_SEAMS_KEEP = 1,
+} CrumpleSeams;
+
+/// What hits do to an instance.
+typedef enum {
+    /// Hits leave marks: bounded, local, the same in any order, without memory per vertex. The default.
+    CRUMPLE_RULE_MARKS = 0,
+    /// The literature's rule "most displaced", for comparison: depends on the order of hits, needs memory per vertex, has no
+    /// marks.
+    CRUMPLE_RULE_MOST_DISPLACED = 1,
+    /// The literature's rule "blend", with blend_constant.
+    CRUMPLE_RULE_BLEND = 2,
+} CrumpleRule;
+
+/// How the examples for a hit are chosen.
+typedef enum {
+    /// CRUMPLE_SELECTION_NEAREST with marks, CRUMPLE_SELECTION_CLASSIC with the literature's rules. The default.
+    CRUMPLE_SELECTION_OF_RULE = 0,
+    /// The examples nearest in place, size and angle, carried or anchored as each says. Marks only.
+    CRUMPLE_SELECTION_NEAREST = 1,
+    /// The literature's: the one example that moves the contact in the direction most like the target, weight at most 1.
+    CRUMPLE_SELECTION_CLASSIC = 2,
+    /// The same without a limit of the weight: diverges above 2. The literature's rules only, for comparison.
+    CRUMPLE_SELECTION_CLASSIC_UNCLAMPED = 3,
+} CrumpleSelection;
+
+/// The space a hit is given in.
+typedef enum {
+    /// The mesh's own. The default.
+    CRUMPLE_SPACE_LOCAL = 0,
+    /// The world's: through the instance's transform.
+    CRUMPLE_SPACE_WORLD = 1,
+} CrumpleSpace;
+
+/// What became of a hit.
+typedef enum {
+    /// It leaves a mark (with the literature's rules: a deformation).
+    CRUMPLE_HIT_STATUS_MARKED = 0,
+    /// It is weaker than the instance's yield threshold, or next to nothing.
+    CRUMPLE_HIT_STATUS_BELOW_YIELD = 1,
+    /// No example moves the contact in the direction asked for.
+    CRUMPLE_HIT_STATUS_NOTHING_REACHES = 2,
+} CrumpleHitStatus;
+
+/// Everything that Crumple knows. Opaque.
+typedef struct CrumpleContext CrumpleContext;
+
+/// Gives size bytes aligned to align (a power of two, at least 16), or null. Called from any thread, several at once. Must not
+/// call Crumple, throw, or jump out.
+typedef void *(*CrumpleAlloc)(size_t size, size_t align, void *user);
+
+/// Takes back what CrumpleAlloc gave, with the same size and align. Called from any thread, several at once. Must not call
+/// Crumple, throw, or jump out.
+typedef void (*CrumpleFree)(void *pointer, size_t size, size_t align, void *user);
+
+/// The host's allocator.
+typedef struct {
+    /// Bytes of this struct, from crumple_default_allocator_def().
+    uint32_t struct_size;
+    /// Gives memory. Required.
+    CrumpleAlloc alloc;
+    /// Takes memory back. Required.
+    CrumpleFree free;
+    /// Handed to both, untouched. May be null.
+    void *user;
+} CrumpleAllocatorDef;
+
+/// Receives one message, UTF-8, without a line break at its end; the text is gone when the callback returns. Called from the
+/// thread that called Crumple. Must not call Crumple with the same context, throw, or jump out.
+typedef void (*CrumpleLog)(CrumpleLogLevel level, const char *message, void *user);
+
+/// One task of a parallel-for, given to you to be run: index is 0 to count - 1, task_data what came with it.
+typedef void (*CrumpleTask)(uint32_t index, void *task_data);
+
+/// Your parallel-for: call task(index, task_data) once for every index below count, on any threads and in any order, and return
+/// when all have returned. Tasks never block, never throw, and may run at once. What you forget is run after you return, and an
+/// index that you run twice does nothing the second time. Called from the thread that called Crumple. Must not throw or jump
+/// out. It may call crumple_submit_impulse() and crumple_submit_displacement(), nothing else of the same context.
+typedef void (*CrumpleParallelFor)(uint32_t count, CrumpleTask task, void *task_data, void *user);
+
+/// The host's job system. Zero everywhere: there is none, Crumple uses threads of its own.
+typedef struct {
+    /// Runs tasks. Null: Crumple uses threads of its own.
+    CrumpleParallelFor parallel_for;
+    /// Handed to parallel_for, untouched. May be null.
+    void *user;
+    /// How many threads may work at once; 0 counts as 1. Only decides how finely work is cut: never the result.
+    uint32_t workers;
+} CrumpleTaskSystem;
+
+/// How a context works.
+typedef struct {
+    /// Bytes of this struct, from crumple_default_context_def().
+    uint32_t struct_size;
+    /// Threads that deform: 0 one for each core, 1 only the calling thread, up to 1024. Without meaning where tasks is set.
+    /// Default 0.
+    uint32_t threads;
+    /// Receives messages. Null: none. Default null.
+    CrumpleLog log;
+    /// Handed to log, untouched.
+    void *log_user;
+    /// Your job system, instead of threads of Crumple's own. Default zero: none.
+    CrumpleTaskSystem tasks;
+} CrumpleContextDef;
+
+/// An array that Crumple reads during the call and never keeps. Element i lies at data + i * stride; how many there are and
+/// of what type is said where the array is used. Zero everywhere: the array is absent.
+typedef struct {
+    /// First element; aligned to its type (4 bytes, or 2 for 16-bit indices). Null: absent.
+    const void *data;
+    /// Readable bytes from data on; at least (count - 1) * stride + the bytes of one element.
+    size_t size;
+    /// Bytes from one element to the next: at least those of one element, a multiple of its alignment. 0 is an error, never
+    /// "tightly packed".
+    size_t stride;
+} CrumpleInput;
+
+/// A point or a vector. Its unit is named where it is used.
+typedef struct {
+    /// Along the mesh's (or the world's) first axis.
+    float x;
+    /// Along the second axis.
+    float y;
+    /// Along the third axis.
+    float z;
+} CrumpleVec3;
+
+/// One example: the base mesh after a collision. Give target_positions, or delta_indices with position_deltas.
+typedef struct {
+    /// Bytes of this struct, from crumple_default_example_def().
+    uint32_t struct_size;
+    /// Number of moved vertices in delta_indices, position_deltas and normal_deltas. Without meaning for target_positions.
+    uint32_t delta_count;
+    /// Any UTF-8 text that ends with a zero, copied; need not be unique. Null: empty.
+    const char *name;
+    /// Full form: where every vertex of the base mesh goes: vertex_count times 3 floats, m, in the base's order.
+    CrumpleInput target_positions;
+    /// Full form: unit normals there: vertex_count times 3 floats. Absent: computed. Needs the base mesh's normals.
+    CrumpleInput target_normals;
+    /// Sparse form: indices of the moved vertices, strictly increasing: delta_count times uint32_t.
+    CrumpleInput delta_indices;
+    /// Sparse form: how far they move: delta_count times 3 floats, m.
+    CrumpleInput position_deltas;
+    /// Sparse form: how their unit normals change: delta_count times 3 floats. Absent: computed.
+    CrumpleInput normal_deltas;
+    /// How the place where the example was hit is told. Default CRUMPLE_CONTACT_KIND_NONE.
+    CrumpleContactKind contact_kind;
+    /// The vertex that was hit, for CRUMPLE_CONTACT_KIND_VERTEX.
+    uint32_t contact_vertex;
+    /// The point that was hit, m, in the mesh's space, for CRUMPLE_CONTACT_KIND_POINT.
+    CrumpleVec3 contact_point;
+    /// The surface's outward direction there, of any length but 0, where has_contact_normal is true.
+    CrumpleVec3 contact_normal;
+    /// Whether contact_normal is given; otherwise it is taken from the mesh. Default false.
+    bool has_contact_normal;
+    /// Whether it may be carried. Default CRUMPLE_PLACEMENT_AUTOMATIC.
+    CrumplePlacement placement;
+} CrumpleExampleDef;
+
+/// How an example set is made ready. Part of the defs that make one, which carry its defaults.
+typedef struct {
+    /// No vertex ever moves further than this, m. 0: the deepest displacement of any example. Default 0.
+    float depth_limit;
+    /// Displacements of an example up to this length are dropped, m. 0: only exact zeros. Default 0.
+    float drop_below;
+    /// Mass of every vertex, kg, for impulses that bring none of their own. 0: not known. Default 0.
+    float vertex_mass;
+    /// Nodes along the longest side of the grid that a carried example is kept in: 4 to 128. Default 24; smooth dents lose
+    /// nothing, sharp creases want more.
+    uint32_t stamp_resolution;
+    /// Mass of each vertex, kg: vertex_count floats, instead of vertex_mass. Default absent.
+    CrumpleInput vertex_masses;
+    /// How the dents of several hits combine. Default CRUMPLE_COMBINE_ENERGIES.
+    CrumpleCombine combine;
+    /// What becomes of examples that tear seams. Default CRUMPLE_SEAMS_WELD.
+    CrumpleSeams seams;
+    /// Whether carried examples may never be scaled above their own depth, as anchored ones never are. Default false.
+    bool strict;
+} CrumpleExampleSetOptions;
+
+/// A base mesh and its examples, as arrays.
+typedef struct {
+    /// Bytes of this struct, from crumple_default_example_set_def().
+    uint32_t struct_size;
+    /// Vertices of the base mesh, at least 1. Their order is yours and is kept.
+    uint32_t vertex_count;
+    /// Positions: vertex_count times 3 floats, m. Any handedness, any axis up. Required.
+    CrumpleInput positions;
+    /// Unit normals: vertex_count times 3 floats. Absent: computed from the triangles, smooth across seams.
+    CrumpleInput normals;
+    /// Tangents as in glTF: vertex_count times 4 floats, xyz of unit length, w +1 or -1. Absent: none.
+    CrumpleInput tangents;
+    /// Triangles: index_count indices, three a triangle, counter-clockwise seen from outside. Absent: a cloud of points, which
+    /// then needs normals.
+    CrumpleInput indices;
+    /// Number of indices, a multiple of 3.
+    uint32_t index_count;
+    /// Type of indices. Default CRUMPLE_INDEX_TYPE_U32.
+    CrumpleIndexType index_type;
+    /// The examples: example_count of them, each from crumple_default_example_def().
+    const CrumpleExampleDef *examples;
+    /// Number of examples, at least 1.
+    uint32_t example_count;
+    /// How the set is made ready.
+    CrumpleExampleSetOptions options;
+} CrumpleExampleSetDef;
+
+/// A base mesh and its examples: immutable, shared by any number of instances. An id; zero is null. Compare ids field by
+/// field; copy them freely; a stale or foreign id is an error, never a crash.
+typedef struct {
+    /// Place in the context, plus one; 0 is null.
+    uint32_t index;
+    /// Tells successive users of the place apart.
+    uint16_t generation;
+    /// Tells contexts apart.
+    uint16_t context;
+} CrumpleExampleSet;
+
+/// Which mesh of a glTF file, and how it is made ready.
+typedef struct {
+    /// Bytes of this struct, from crumple_default_gltf_def().
+    uint32_t struct_size;
+    /// Index of the mesh in the file, where mesh_name is null; UINT32_MAX: the first mesh that has morph targets. Default
+    /// UINT32_MAX.
+    uint32_t mesh_index;
+    /// Name of the mesh, UTF-8. Null: mesh_index decides. Default null.
+    const char *mesh_name;
+    /// Path of the .glb or .gltf file, UTF-8, for crumple_load_example_set_gltf(). For crumple_load_example_set_gltf_memory()
+    /// the folder that files named in it are relative to; null: such files are an error.
+    const char *path;
+    /// How the set is made ready. vertex_masses must be absent, or hold as many as the mesh has vertices.
+    CrumpleExampleSetOptions options;
+} CrumpleGltfDef;
+
+/// A base OBJ and its examples, and how they are made ready.
+typedef struct {
+    /// Bytes of this struct, from crumple_default_obj_def().
+    uint32_t struct_size;
+    /// Number of example_paths, at least 1.
+    uint32_t example_count;
+    /// Path of the base mesh, UTF-8. Required.
+    const char *base_path;
+    /// Paths of the examples, UTF-8: the base mesh after a collision, with the same vertices in the same order.
+    const char *const *example_paths;
+    /// How the set is made ready.
+    CrumpleExampleSetOptions options;
+} CrumpleObjDef;
+
+/// An array that Crumple writes. Element i lies at data + offset + i * stride. Positions and normals are 3 floats (12 bytes),
+/// tangents 4 (16 bytes), indices one uint32_t; Crumple touches those bytes and none between them, so that several streams may
+/// be interleaved in one vertex buffer. Zero everywhere: the array is absent.
+typedef struct {
+    /// Begin of the memory, aligned to 4 bytes. Null: absent.
+    void *data;
+    /// Writable bytes from data on; at least offset + (count - 1) * stride + the bytes of one element.
+    size_t size;
+    /// Bytes from data to the first element, a multiple of 4.
+    size_t offset;
+    /// Bytes from one element to the next: at least those of one element, a multiple of 4. 0 is an error, never "tightly
+    /// packed".
+    size_t stride;
+} CrumpleStream;
+
+/// Where the base mesh is copied to. Absent streams are left out.
+typedef struct {
+    /// Bytes of this struct, from crumple_default_mesh_copy_def().
+    uint32_t struct_size;
+    /// Positions: 3 floats a vertex, m.
+    CrumpleStream positions;
+    /// Unit normals: 3 floats a vertex.
+    CrumpleStream normals;
+    /// Tangents: 4 floats a vertex, xyz of unit length, w +1 or -1.
+    CrumpleStream tangents;
+    /// Triangles: 3 times triangle_count uint32_t.
+    CrumpleStream indices;
+} CrumpleMeshCopyDef;
+
+/// A box along the mesh's axes, m.
+typedef struct {
+    /// Least coordinates, m.
+    CrumpleVec3 min;
+    /// Greatest coordinates, m.
+    CrumpleVec3 max;
+} CrumpleAabb;
+
+/// What an example set holds. Strings live until the set is destroyed.
+typedef struct {
+    /// Name of the mesh in its file, UTF-8; empty for a set made from arrays. Never null.
+    const char *name;
+    /// Tells whether two sets are the same, on any machine; saved damage fits sets of one fingerprint.
+    uint64_t fingerprint;
+    /// Bytes of memory that the set takes.
+    uint64_t memory_bytes;
+    /// Vertices of the base mesh.
+    uint32_t vertex_count;
+    /// Triangles of the base mesh.
+    uint32_t triangle_count;
+    /// Examples.
+    uint32_t example_count;
+    /// Parts of the mesh with a material of their own; at least 1.
+    uint32_t primitive_count;
+    /// Positions that several vertices share.
+    uint32_t seam_count;
+    /// No vertex moves further than this, m.
+    float depth_limit;
+    /// Box around the base mesh, m.
+    CrumpleAabb bounds;
+    /// World matrix of the first node that shows the mesh, column-major; the identity where there is none.
+    float node_transform[16];
+    /// Whether the mesh has tangents.
+    bool has_tangents;
+    /// Zero; room for later.
+    uint64_t reserved[4];
+} CrumpleExampleSetInfo;
+
+/// What an example is. Strings live until the set is destroyed.
+typedef struct {
+    /// Its name, UTF-8. Never null.
+    const char *name;
+    /// The vertex that was hit, or its deepest.
+    uint32_t contact_vertex;
+    /// Vertices that it moves. 0: the example does nothing.
+    uint32_t moved_vertices;
+    /// Where it was hit, m.
+    CrumpleVec3 contact_point;
+    /// The surface's outward unit normal there; zero where it is not known.
+    CrumpleVec3 contact_normal;
+    /// How far the contact vertex moves, m.
+    float depth;
+    /// How far its deepest vertex moves, m.
+    float max_depth;
+    /// Distance from the contact to the furthest vertex that moves noticeably, m.
+    float support_radius;
+    /// Whether it may be carried.
+    CrumplePlacement placement;
+    /// Zero; room for later.
+    uint64_t reserved[2];
+} CrumpleExampleInfo;
+
+/// A part of the mesh with a material of its own.
+typedef struct {
+    /// Name of its material, UTF-8; null where it has none. Lives until the set is destroyed.
+    const char *material;
+    /// First vertex.
+    uint32_t first_vertex;
+    /// Number of vertices.
+    uint32_t vertex_count;
+    /// First triangle; its first index is 3 times that.
+    uint32_t first_triangle;
+    /// Number of triangles.
+    uint32_t triangle_count;
+} CrumplePrimitive;
+
+/// A body in the scene.
+typedef struct {
+    /// Bytes of this struct, from crumple_default_instance_def().
+    uint32_t struct_size;
+    /// How many examples one hit may mix: 1 to 4. Default 3.
+    uint32_t examples_per_hit;
+    /// The mesh and the examples. Required. The instance keeps what it needs of it alive.
+    CrumpleExampleSet set;
+    /// What hits do. Default CRUMPLE_RULE_MARKS.
+    CrumpleRule rule;
+    /// How examples are chosen. Default CRUMPLE_SELECTION_OF_RULE.
+    CrumpleSelection selection;
+    /// Marks kept, 1 to 65535, 32 bytes each. Above it the weakest mark gives its energy to its nearest neighbour. Default 64.
+    uint32_t mark_capacity;
+    /// No vertex moves further than this, m. 0: the set's limit. Default 0.
+    float depth_limit;
+    /// Impulses shorter than this leave no mark, N s. Default 0.
+    float yield_impulse;
+    /// Hits that would displace their contact by less than this leave no mark, m. Default 0.
+    float yield_displacement;
+    /// Contacts further than this from the nearest vertex are refused, m. 0: the body's diagonal. Default 0.
+    float max_contact_distance;
+    /// Constant of CRUMPLE_RULE_BLEND, 0 to 1. Default 0.
+    float blend_constant;
+    /// From mesh to world space, column-major (element 4 * column + row); see crumple_set_instance_transform(). Default the
+    /// identity.
+    float local_to_world[16];
+} CrumpleInstanceDef;
+
+/// One body in the scene: an example set, a transform, and the damage so far. An id; zero is null.
+typedef struct {
+    /// Place in the context, plus one; 0 is null.
+    uint32_t index;
+    /// Tells successive users of the place apart.
+    uint16_t generation;
+    /// Tells contexts apart.
+    uint16_t context;
+} CrumpleInstance;
+
+/// What an instance is at the moment.
+typedef struct {
+    /// The id it was made with, which may be stale by now.
+    CrumpleExampleSet set;
+    /// Bytes of memory it takes, without the set and without your buffers.
+    uint64_t memory_bytes;
+    /// Marks, hits that wait among them. 0 with the literature's rules.
+    uint32_t mark_count;
+    /// Registered buffers.
+    uint32_t buffer_count;
+    /// No vertex moves further than this, m.
+    float depth_limit;
+    /// Zero; room for later.
+    uint32_t reserved[5];
+} CrumpleInstanceInfo;
+
+/// A hit by an impulse. The contact is displaced by impulse * duration / mass, so report a contact once, with its whole
+/// impulse and how long it took: fed with the time step of every frame instead, dents depend on the frame rate.
+typedef struct {
+    /// Bytes of this struct, from crumple_default_impulse_def().
+    uint32_t struct_size;
+    /// The space of point and impulse. Default CRUMPLE_SPACE_LOCAL.
+    CrumpleSpace space;
+    /// Where it hit, m; its nearest vertex is the contact.
+    CrumpleVec3 point;
+    /// The impulse that the body received, N s.
+    CrumpleVec3 impulse;
+    /// How long it acted, s; above 0. Default 0: set it.
+    float duration;
+    /// Mass of the contact vertex, kg. 0: that of the set. Default 0.
+    float mass;
+    /// Only tell what the hit would do, and leave nothing. Default false.
+    bool preview;
+} CrumpleImpulseDef;
+
+/// A hit that should displace its contact so far: for engines with a mapping of their own. Free of the frame rate.
+typedef struct {
+    /// Bytes of this struct, from crumple_default_displacement_def().
+    uint32_t struct_size;
+    /// The space of point and displacement. Default CRUMPLE_SPACE_LOCAL.
+    CrumpleSpace space;
+    /// Where it hit, m; its nearest vertex is the contact.
+    CrumpleVec3 point;
+    /// How far the contact should move, m.
+    CrumpleVec3 displacement;
+    /// Only tell what the hit would do, and leave nothing. Default false.
+    bool preview;
+} CrumpleDisplacementDef;
+
+/// An example that a hit is made of.
+typedef struct {
+    /// Its index in the set.
+    uint32_t example;
+    /// Its share of the dent; the shares of a hit sum to 1.
+    float share;
+    /// What its displacements are multiplied with.
+    float scale;
+    /// Whether it stays where it was made; otherwise it is carried to the contact.
+    bool anchored;
+} CrumpleChosen;
+
+/// An example and its share of a dent.
+typedef struct {
+    /// Index of the example; 0xFFFF in an unused pair.
+    uint16_t example;
+    /// Low 15 bits: share of the dent, 32767 being the whole. Top bit: the example stays where it was made.
+    uint16_t share;
+} CrumplePair;
+
+/// One dent: where, how deep, and made of which examples. Plain data of 32 bytes, the same on every machine: send it over the
+/// network as it is (little-endian) to show the same dent there.
+typedef struct {
+    /// The vertex that was hit.
+    uint32_t contact;
+    /// Depth asked for at the contact, m; above 0.
+    float depth;
+    /// Strength squared, in units of 2^-32: 4294967296 for one hit; each hit that repeats the mark adds as much.
+    uint64_t energy;
+    /// One to four examples, the used ones first.
+    CrumplePair pairs[4];
+} CrumpleMark;
+
+/// What a hit was turned into, and what of it could not be met.
+typedef struct {
+    /// What became of it.
+    CrumpleHitStatus status;
+    /// The vertex nearest to the point.
+    uint32_t contact_vertex;
+    /// Its distance from the point, m.
+    float contact_distance;
+    /// Displacement asked for at the contact, m, in the mesh's space.
+    CrumpleVec3 target;
+    /// Displacement that this hit alone brings there, m, in the mesh's space.
+    CrumpleVec3 met;
+    /// target - met, m.
+    CrumpleVec3 unmet;
+    /// Number of chosen examples.
+    uint32_t chosen_count;
+    /// Whether the target was longer than the depth limit and was cut to it.
+    bool clamped;
+    /// The examples, the weightiest first.
+    CrumpleChosen chosen[4];
+    /// The mark it leaves; zero everywhere where it leaves none.
+    CrumpleMark mark;
+} CrumpleHitResult;
+
+/// Memory for the deformed vertices of one instance, in the mesh's order and space.
+typedef struct {
+    /// Bytes of this struct, from crumple_default_host_buffer_def().
+    uint32_t struct_size;
+    /// Positions: 3 floats a vertex, m. Required.
+    CrumpleStream positions;
+    /// Unit normals: 3 floats a vertex. Absent: none are written.
+    CrumpleStream normals;
+    /// Tangents: 4 floats a vertex, xyz of unit length and orthogonal to the normal, w as in the base mesh. Absent: none are
+    /// written.
+    CrumpleStream tangents;
+} CrumpleHostBufferDef;
+
+/// Memory of yours that an instance's deformed vertices are written to. An id; zero is null.
+typedef struct {
+    /// Place in the context, plus one; 0 is null.
+    uint32_t index;
+    /// Tells successive users of the place apart.
+    uint16_t generation;
+    /// Tells contexts apart.
+    uint16_t context;
+} CrumpleBuffer;
+
+/// What a deform did.
+typedef struct {
+    /// Vertices written, over all buffers.
+    uint64_t vertices_written;
+    /// Blocks of consecutive vertices written.
+    uint64_t blocks_written;
+    /// Blocks that were up to date already.
+    uint64_t blocks_skipped;
+    /// Zero; room for later.
+    uint64_t reserved[5];
+} CrumpleDeformReport;
+
+/// Consecutive vertices.
+typedef struct {
+    /// First vertex.
+    uint32_t first;
+    /// Number of vertices.
+    uint32_t count;
+} CrumpleRange;
+
+/// A point bound to the surface nearest to it. Plain data: keep it, copy it, save it; it fits every instance of its set.
+typedef struct {
+    /// The triangle's vertices; all the same for a mesh without triangles.
+    uint32_t vertices[3];
+    /// Barycentric weights of the surface point; they sum to 1.
+    float weights[3];
+    /// The attached point at rest, m, in the mesh's space.
+    CrumpleVec3 point;
+} CrumpleAttachment;
+
+/// A rotation: a unit quaternion, x y z w, w the real part.
+typedef struct {
+    /// i part.
+    float x;
+    /// j part.
+    float y;
+    /// k part.
+    float z;
+    /// Real part.
+    float w;
+} CrumpleQuat;
+
+/// Where an attached point is.
+typedef struct {
+    /// Position, m, in the mesh's space.
+    CrumpleVec3 position;
+    /// Rotation since rest.
+    CrumpleQuat rotation;
+} CrumpleFrame;
+
+
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+/// The version of the library that runs: major * 1000000 + minor * 1000 + patch. Compare it with CRUMPLE_VERSION, that of the
+/// header you compiled against. Never fails; any thread.
+uint32_t crumple_version(void);
+
+/// The version of the library that runs as text, such as "0.1.0". Lives for ever. Never fails; any thread.
+const char *crumple_version_string(void);
+
+/// What this build of the library can do: the CRUMPLE_FEATURE_ bits, or-ed. Bits unknown to you may be set. Never fails; any
+/// thread.
+uint64_t crumple_features(void);
+
+/// What was wrong in the calling thread's last failed call, and what would be right, as UTF-8: "crumple_create_instance: ...".
+/// Empty before the first failure; a call that succeeds leaves it. Valid until the thread's next failed call. At most 1023
+/// bytes. Never null, never fails; any thread, each has its own text.
+const char *crumple_last_error(void);
+
+/// The name of a result, such as "CRUMPLE_ERROR_FORMAT"; "unknown result" for a number that is none. Lives for ever. Never
+/// fails; any thread.
+const char *crumple_result_name(CrumpleResult result);
+
+/// An allocator def without functions: set both. Never fails; any thread.
+CrumpleAllocatorDef crumple_default_allocator_def(void);
+
+/// Makes the library take all further memory from the host's functions, for the whole process; null goes back to the system's.
+/// May be called at any time: each piece of memory returns to the functions it came from, so those must stay callable until
+/// the last piece is back (destroying all contexts returns nearly all; threads of your own that used the library return a
+/// little when they end). At most 15 different allocators in the life of a process.
+///
+/// Any thread. Errors: CRUMPLE_ERROR_UNSUPPORTED (a build without CRUMPLE_FEATURE_HOST_ALLOCATOR; see crumple_features()),
+/// CRUMPLE_ERROR_STRUCT_SIZE, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_NULL_POINTER (a function is missing),
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (a sixteenth allocator).
+CrumpleResult crumple_set_allocator(const CrumpleAllocatorDef *allocator);
+
+/// The defaults: threads of Crumple's own, one for each core; no log. Never fails; any thread.
+CrumpleContextDef crumple_default_context_def(void);
+
+/// Creates a context. def is copied; what its callbacks need must live until the context is destroyed.
+///
+/// Any thread; contexts know nothing of each other. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED,
+/// CRUMPLE_ERROR_STRUCT_SIZE, CRUMPLE_ERROR_INVALID_ARGUMENT (more than 1024 threads; 65535 contexts are alive),
+/// CRUMPLE_ERROR_OUT_OF_MEMORY (the system starts no more threads).
+CrumpleResult crumple_context_create(const CrumpleContextDef *def, CrumpleContext **out_context);
+
+/// Destroys a context and everything made in it. Your own memory is never freed, and is not touched afterwards. Every id of
+/// the context, and the context itself, is an error from then on.
+///
+/// No other call with this context may be running. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID (destroyed
+/// already), CRUMPLE_ERROR_CONCURRENT_USE (nothing was destroyed).
+CrumpleResult crumple_context_destroy(CrumpleContext *context);
+
+/// An example without anything: set its positions. Never fails; any thread.
+CrumpleExampleDef crumple_default_example_def(void);
+
+/// A set without anything: set its mesh and its examples. Never fails; any thread.
+CrumpleExampleSetDef crumple_default_example_set_def(void);
+
+/// Makes an example set from arrays, which are copied: free them afterwards. Takes a moment (it indexes the mesh and samples
+/// every example), so load before the scene starts, on a context of its own thread if need be.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE (of def or of
+/// an example), CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (an enumerator or a count, a stride smaller than an
+/// element, an option out of range), CRUMPLE_ERROR_BUFFER_TOO_SMALL (an array has fewer bytes than its count needs),
+/// CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, CRUMPLE_ERROR_MESH (no vertices), CRUMPLE_ERROR_EXAMPLE_MISMATCH
+/// (no example, or one that does not fit the mesh), CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_create_example_set(CrumpleContext *context,
+                                         const CrumpleExampleSetDef *def,
+                                         CrumpleExampleSet *out_set);
+
+/// Ends a set's id. Its memory lives on as long as instances use it, and they keep working. Strings that the set's infos
+/// pointed to are gone.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_destroy_example_set(CrumpleContext *context,
+                                          CrumpleExampleSet set);
+
+/// The first mesh with morph targets, with default options; set the path. Never fails; any thread.
+CrumpleGltfDef crumple_default_gltf_def(void);
+
+/// Default options; set the paths. Never fails; any thread.
+CrumpleObjDef crumple_default_obj_def(void);
+
+/// Makes an example set from a glTF 2.0 or GLB file: a mesh with its morph targets, dense or sparse, all primitives joined (see
+/// crumple_get_primitive()). Names come from mesh.extras.targetNames, contacts from mesh.extras.impacts where the file has
+/// them. Numbers are those of the mesh's own space: scales and rotations of nodes are not applied.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT (malformed, or no such mesh: the text lists those there
+/// are), CRUMPLE_ERROR_UNSUPPORTED (compressed with Draco or meshopt, or a build without CRUMPLE_FEATURE_GLTF),
+/// CRUMPLE_ERROR_EXAMPLE_MISMATCH (no morph targets), and those of crumple_create_example_set().
+CrumpleResult crumple_load_example_set_gltf(CrumpleContext *context,
+                                            const CrumpleGltfDef *def,
+                                            CrumpleExampleSet *out_set);
+
+/// The same from the bytes of a file: size bytes at data, read during the call only, of any alignment.
+///
+/// Externally synchronised. Errors: as for crumple_load_example_set_gltf().
+CrumpleResult crumple_load_example_set_gltf_memory(CrumpleContext *context,
+                                                   const void *data,
+                                                   size_t size,
+                                                   const CrumpleGltfDef *def,
+                                                   CrumpleExampleSet *out_set);
+
+/// Makes an example set from a base OBJ file and one OBJ file an example, which has the base's vertices in the base's order and
+/// is named after its file. Polygons are cut into triangles.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT, CRUMPLE_ERROR_UNSUPPORTED (a build without
+/// CRUMPLE_FEATURE_OBJ), and those of crumple_create_example_set().
+CrumpleResult crumple_load_example_set_obj(CrumpleContext *context,
+                                           const CrumpleObjDef *def,
+                                           CrumpleExampleSet *out_set);
+
+/// Copies nothing; set the streams that you want. Never fails; any thread.
+CrumpleMeshCopyDef crumple_default_mesh_copy_def(void);
+
+/// Tells what a set holds.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_get_example_set_info(CrumpleContext *context,
+                                           CrumpleExampleSet set,
+                                           CrumpleExampleSetInfo *out_info);
+
+/// Tells what an example is; example is below example_count.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_get_example_info(CrumpleContext *context,
+                                       CrumpleExampleSet set,
+                                       uint32_t example,
+                                       CrumpleExampleInfo *out_info);
+
+/// Tells which vertices and triangles a part of the mesh has; primitive is below primitive_count.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_get_primitive(CrumpleContext *context,
+                                    CrumpleExampleSet set,
+                                    uint32_t primitive,
+                                    CrumplePrimitive *out_primitive);
+
+/// Copies the base mesh into your memory: the vertex and index buffers to draw with, before the first dent. Normals are
+/// computed ones where the set was made without.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
+/// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (a stride smaller than an element, streams that overlap),
+/// CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_MESH (normals or tangents of a mesh that has none),
+/// CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_copy_base_mesh(CrumpleContext *context, CrumpleExampleSet set, const CrumpleMeshCopyDef *def);
+
+/// Tells the vertex of the base mesh nearest to a point, m, in the mesh's space; of equally near ones the lowest. Either output
+/// may be null; the distance is in m.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_nearest_vertex(CrumpleContext *context,
+                                     CrumpleExampleSet set,
+                                     CrumpleVec3 point,
+                                     uint32_t *out_vertex,
+                                     float *out_distance);
+
+/// An instance with default rules; set its set. Never fails; any thread.
+CrumpleInstanceDef crumple_default_instance_def(void);
+
+/// Creates an undamaged instance: a few hundred bytes, and 8 for each 128 vertices.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
+/// CRUMPLE_ERROR_INVALID_ID (def.set), CRUMPLE_ERROR_INVALID_ARGUMENT, CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_OUT_OF_MEMORY,
+/// CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_create_instance(CrumpleContext *context,
+                                      const CrumpleInstanceDef *def,
+                                      CrumpleInstance *out_instance);
+
+/// Ends an instance and unregisters its buffers, whose ids end too. Your memory stays as it is.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_destroy_instance(CrumpleContext *context, CrumpleInstance instance);
+
+/// Tells what an instance is at the moment.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_get_instance_info(CrumpleContext *context,
+                                        CrumpleInstance instance,
+                                        CrumpleInstanceInfo *out_info);
+
+/// Tells where an instance is: local_to_world points to 16 floats, column-major (element 4 * column + row, as in glTF, OpenGL
+/// and Vulkan), translation in elements 12 to 14, m, last row 0 0 0 1. May scale and shear, but not flatten. Only hits in
+/// CRUMPLE_SPACE_WORLD go through it, those submitted from then on; deformed vertices are always in the mesh's own space.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INVALID_ARGUMENT (it flattens, or the last row is another),
+/// CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_set_instance_transform(CrumpleContext *context,
+                                             CrumpleInstance instance,
+                                             const float *local_to_world);
+
+/// No vertex of the instance moves further than depth_limit, m, from the next crumple_deform() on; 0: the set's limit. Damage
+/// that is there stays, and shows again when the limit is raised.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_NOT_FINITE,
+/// CRUMPLE_ERROR_INVALID_ARGUMENT, CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_set_instance_depth_limit(CrumpleContext *context,
+                                               CrumpleInstance instance,
+                                               float depth_limit);
+
+/// An impulse of nothing, in the mesh's space; set its point, impulse and duration. Never fails; any thread.
+CrumpleImpulseDef crumple_default_impulse_def(void);
+
+/// A displacement of nothing, in the mesh's space; set its point and displacement. Never fails; any thread.
+CrumpleDisplacementDef crumple_default_displacement_def(void);
+
+/// Reports an impulse. Its examples are chosen at once; the mark it makes counts from the next call that reads damage
+/// (crumple_deform(), crumple_get_marks() and so on), whatever the order and the threads hits came from. A hit that is too weak,
+/// or that no example answers, is no error: see status. out_result may be null.
+///
+/// May be called from any thread at any time, also while other threads submit or deform; not while the instance or the context
+/// is being destroyed. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
+/// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INVALID_ARGUMENT (a duration not above 0, a negative mass, or
+/// none known), CRUMPLE_ERROR_CONTACT_TOO_FAR (the point is further from the body than the instance accepts),
+/// CRUMPLE_ERROR_OUT_OF_MEMORY. Nothing is left behind then.
+CrumpleResult crumple_submit_impulse(CrumpleContext *context,
+                                     CrumpleInstance instance,
+                                     const CrumpleImpulseDef *def,
+                                     CrumpleHitResult *out_result);
+
+/// Reports a hit that should displace its contact so far. As crumple_submit_impulse() in every other respect, its threads and
+/// errors too.
+CrumpleResult crumple_submit_displacement(CrumpleContext *context,
+                                          CrumpleInstance instance,
+                                          const CrumpleDisplacementDef *def,
+                                          CrumpleHitResult *out_result);
+
+/// Copies an instance's marks, sorted: the same hits give the same marks whatever their order. marks has room for capacity of
+/// them; with null and 0 only their number is told.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_BUFFER_TOO_SMALL (capacity is smaller than the number of marks), CRUMPLE_ERROR_WRONG_RULE (the literature's rules
+/// have no marks), CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_get_marks(CrumpleContext *context,
+                                CrumpleInstance instance,
+                                CrumpleMark *marks,
+                                uint32_t capacity,
+                                uint32_t *out_count);
+
+/// Replaces an instance's marks by count others, of the same set, and forgets hits that wait. Null and 0: none.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that the set cannot have), CRUMPLE_ERROR_WRONG_RULE, CRUMPLE_ERROR_OUT_OF_MEMORY,
+/// CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
+CrumpleResult crumple_set_marks(CrumpleContext *context,
+                                CrumpleInstance instance,
+                                const CrumpleMark *marks,
+                                uint32_t count);
+
+/// Saves an instance's damage as bytes, with a version and the set's fingerprint; the same bytes for the same damage on every
+/// machine. data has room for capacity bytes, of any alignment; with null and 0 only their number is told.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_save_damage(CrumpleContext *context,
+                                  CrumpleInstance instance,
+                                  void *data,
+                                  size_t capacity,
+                                  size_t *out_size);
+
+/// Replaces an instance's damage by size saved bytes, of any alignment, and forgets hits that wait.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_DAMAGE_MISMATCH (of another
+/// set, version or rule, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that the set cannot have),
+/// CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
+CrumpleResult crumple_load_damage(CrumpleContext *context,
+                                  CrumpleInstance instance,
+                                  const void *data,
+                                  size_t size);
+
+/// Repairs an instance: every dent keeps this share of its depth, 0 (as new) to 1 (nothing repaired).
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_NOT_FINITE,
+/// CRUMPLE_ERROR_INVALID_ARGUMENT, CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_repair_damage(CrumpleContext *context, CrumpleInstance instance, float keep);
+
+/// Makes an instance as new, and forgets hits that wait.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_reset_damage(CrumpleContext *context, CrumpleInstance instance);
+
+/// Replaces the damage of instance by that of source, another instance with an equal set and the same kind of rule, and
+/// forgets hits that wait for instance. From itself: nothing happens.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_DAMAGE_MISMATCH,
+/// CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
+CrumpleResult crumple_copy_damage(CrumpleContext *context,
+                                  CrumpleInstance instance,
+                                  CrumpleInstance source);
+
+/// A buffer without memory; set its streams. Never fails; any thread.
+CrumpleHostBufferDef crumple_default_host_buffer_def(void);
+
+/// Registers memory of yours that crumple_deform() writes an instance's vertices to. An instance may have several, such as the
+/// members of a ring, each of which gets what it lacks. Nothing is written yet; the first deform writes every vertex. The
+/// memory is touched by crumple_deform() only, and must stay until the buffer is unregistered, given other memory, or its
+/// instance or context is destroyed. Memory of different buffers must not overlap (debug builds of the library check it).
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
+/// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (a stride smaller than an element, streams that overlap),
+/// CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_MESH (normals or tangents of a mesh that has none),
+/// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_register_host_buffer(CrumpleContext *context,
+                                           CrumpleInstance instance,
+                                           const CrumpleHostBufferDef *def,
+                                           CrumpleBuffer *out_buffer);
+
+/// Forgets a buffer. The memory stays as it is, yours alone again.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_unregister_buffer(CrumpleContext *context, CrumpleBuffer buffer);
+
+/// Says that somebody else wrote to a buffer's memory, or that its contents were lost: the next deform writes every vertex.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_invalidate_buffer(CrumpleContext *context,
+                                        CrumpleBuffer buffer);
+
+/// Gives a buffer other memory, such as a newly mapped one, and invalidates it.
+///
+/// Externally synchronised. Errors: as for crumple_register_host_buffer(); the buffer keeps its memory then.
+CrumpleResult crumple_set_host_buffer_memory(CrumpleContext *context,
+                                             CrumpleBuffer buffer,
+                                             const CrumpleHostBufferDef *def);
+
+/// Brings buffers up to date: count ids at buffers, each once; with null and 0 all of the context. Writes only where damage
+/// changed since a buffer was last written, in parallel over all of them, and is cheap where nothing did. Do not read or write
+/// the buffers' memory meanwhile. An instance that nobody sees needs no deform: it catches up in one, however many hits it
+/// took. out_report may be null.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (a buffer twice; in debug builds of the library: memory of two buffers overlaps),
+/// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE. No vertex is written then.
+CrumpleResult crumple_deform(CrumpleContext *context,
+                             const CrumpleBuffer *buffers,
+                             uint32_t count,
+                             CrumpleDeformReport *out_report);
+
+/// Tells which vertices the last deform that named a buffer wrote (increasing ranges, apart from each other), and the box, m,
+/// around all of its vertices as they are now: what to upload, what to refit, what to cull with. ranges has room for capacity
+/// of them; with null and 0 only their number is told. out_bounds may be null.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_BUFFER_TOO_SMALL (capacity is smaller than the number of ranges), CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_get_buffer_changes(CrumpleContext *context,
+                                         CrumpleBuffer buffer,
+                                         CrumpleRange *ranges,
+                                         uint32_t capacity,
+                                         uint32_t *out_count,
+                                         CrumpleAabb *out_bounds);
+
+/// Binds a point, m, in the mesh's space, to the surface nearest to it: it will keep its distance from the surface and turn
+/// with it.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INVALID_ARGUMENT (further off than 1e9 m), CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_attach_point(CrumpleContext *context,
+                                   CrumpleExampleSet set,
+                                   CrumpleVec3 point,
+                                   CrumpleAttachment *out_attachment);
+
+/// Tells where an attached point is on a dented instance, hits that wait among them. Touches no buffer and reads none.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE and CRUMPLE_ERROR_NOT_FINITE (an attachment of another set, or none),
+/// CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_get_attached_frame(CrumpleContext *context,
+                                         CrumpleInstance instance,
+                                         const CrumpleAttachment *attachment,
+                                         CrumpleFrame *out_frame);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* CRUMPLE_H */

@@ -1,0 +1,303 @@
+//! `crumple apply`: impacts in, a dented GLB and its pictures out.
+
+use crate::{
+    impacts::{self, Impact},
+    output::{Output, progress},
+    picture::{Kind, Subject, millimetres},
+    source::{Input, Source},
+    table::{Table, count, percent},
+};
+use anyhow::{Context, Result, bail};
+use clap::{Args, ValueEnum};
+use crumple::{
+    HitStatus, Instance, InstanceOptions, Outcome, Rule, Selection, Space, ThreadPool, Tracker, VertexMemory,
+    glam::{Vec3, Vec4},
+};
+use std::{
+    fmt::Write,
+    path::PathBuf,
+    time::{Duration, Instant},
+};
+
+/// Vertices that moved less than this do not count as moved, m.
+const VISIBLE: f32 = 1e-5;
+
+#[derive(Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    input: Input,
+    /// JSON list of impacts: see docs/impacts.md, or start from `crumple sample`
+    #[arg(long, value_name = "IMPACTS.json")]
+    impacts: PathBuf,
+    /// Where to write the dented mesh; everything else of a glTF file is kept
+    #[arg(short, long, value_name = "OUT.glb")]
+    output: PathBuf,
+    /// Directory for base.png, after.png, heat.png and before_after.png; made if it is not there
+    #[arg(long, value_name = "DIR")]
+    png: Option<PathBuf>,
+    /// What impacts do: marks (the default), or one of the literature's rules: most-displaced, blend=K (K from 0 to 1)
+    #[arg(long, default_value = "marks", value_parser = rule)]
+    rule: Rule,
+    /// How examples are chosen; the literature's rules have the classic selection
+    #[arg(long, value_enum)]
+    selection: Option<SelectionName>,
+    /// Most examples that one hit may mix
+    #[arg(id = "per_hit", long = "examples", value_name = "K", value_parser = clap::value_parser!(u32).range(1..=4))]
+    examples_per_hit: Option<u32>,
+    /// Threads; 0 is one for each core
+    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1024))]
+    threads: u32,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum SelectionName {
+    /// The examples nearest in place, size and angle, carried to the contact
+    Nearest,
+    /// The literature's: best cosine among the examples that move the contact's vertex
+    Classic,
+}
+
+fn rule(text: &str) -> Result<Rule, String> {
+    match text.split_once('=') {
+        None if text == "marks" => Ok(Rule::Marks),
+        None if text == "most-displaced" => Ok(Rule::MostDisplaced),
+        Some(("blend", k)) => match k.parse::<f32>() {
+            Ok(k) if (0.0..=1.0).contains(&k) => Ok(Rule::Blend(k)),
+            _ => Err(format!("blend's K is '{k}'; it must be a number from 0 to 1")),
+        },
+        _ => Err("it must be marks, most-displaced or blend=K".into()),
+    }
+}
+
+/// The mesh as deformed.
+struct Deformed {
+    positions: Vec<[f32; 3]>,
+    normals: Option<Vec<[f32; 3]>>,
+    tangents: Option<Vec<[f32; 4]>>,
+    /// How long it took to fold the hits and evaluate every vertex.
+    time: Duration,
+}
+
+pub fn run(arguments: &Arguments) -> Result<String> {
+    let impacts = impacts::read(&arguments.impacts)?;
+    let mut file = Output::create(&arguments.output)?;
+    if same_file(&arguments.output, &arguments.input.file) {
+        bail!("{} is the input; writing it would lose its examples: name another file", arguments.output.display());
+    }
+    let pool = ThreadPool::new(arguments.threads as usize)?;
+    let pictures: &[Kind] = if arguments.png.is_some() { &Kind::ALL } else { &[] };
+    let bar = progress(impacts.len() + 3 + pictures.len());
+    bar.set_message("reading");
+    let source = arguments.input.load(&pool)?;
+    if arguments.png.is_some() && source.set.mesh().triangles().is_empty() {
+        bail!("the mesh has no triangles, so there is nothing to draw; leave --png out");
+    }
+    bar.inc(1);
+
+    bar.set_message("hits");
+    let mut instance = Instance::new(source.set.clone(), options(arguments))?;
+    if let Some(transform) = source.transform
+        && impacts.iter().any(|i| i.hit.space == Space::World)
+    {
+        instance.set_transform(transform).context("the transform of the mesh's node")?;
+    }
+    let mut outcomes = Vec::with_capacity(impacts.len());
+    for (i, impact) in impacts.iter().enumerate() {
+        let outcome = instance.submit(&impact.hit);
+        outcomes.push(outcome.with_context(|| format!("{}: impact {i}", arguments.impacts.display()))?);
+        bar.inc(1);
+    }
+
+    bar.set_message("deforming");
+    let deformed = deform(&mut instance, &source, &pool)?;
+    bar.inc(1);
+    bar.set_message("writing");
+    let glb = source.deformed_glb(&deformed.positions, deformed.normals.as_deref(), deformed.tangents.as_deref())?;
+    file.fill(&glb)?;
+    bar.inc(1);
+
+    let mut files = vec![file];
+    if let Some(folder) = &arguments.png {
+        std::fs::create_dir_all(folder).with_context(|| format!("cannot make the directory {}", folder.display()))?;
+        let mut outputs = Vec::new();
+        for kind in pictures {
+            outputs.push(Output::create(&folder.join(kind.file_name()))?);
+        }
+        let workers = rayon::ThreadPoolBuilder::new().num_threads(arguments.threads as usize).build()?;
+        for (kind, mut output) in pictures.iter().zip(outputs) {
+            bar.set_message(kind.file_name());
+            output.fill(&workers.install(|| draw(*kind, &source, &deformed, &outcomes))?)?;
+            files.push(output);
+            bar.inc(1);
+        }
+    }
+    for file in files {
+        file.commit()?;
+    }
+    bar.finish_and_clear();
+    report(arguments, &source, &mut instance, &impacts, &outcomes, &deformed)
+}
+
+fn options(arguments: &Arguments) -> InstanceOptions {
+    let mut options = match arguments.rule {
+        Rule::Marks => InstanceOptions::default(),
+        rule => InstanceOptions::classic(rule),
+    };
+    match arguments.selection {
+        Some(SelectionName::Nearest) => options.selection = Selection::Nearest,
+        Some(SelectionName::Classic) => options.selection = Selection::Classic,
+        None => {}
+    }
+    if let Some(k) = arguments.examples_per_hit {
+        options.examples_per_hit = k;
+    }
+    options
+}
+
+fn same_file(a: &std::path::Path, b: &std::path::Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
+fn deform(instance: &mut Instance, source: &Source, pool: &ThreadPool) -> Result<Deformed> {
+    let mesh = source.set.mesh();
+    let mut positions: Vec<[f32; 3]> = mesh.positions().iter().map(Vec3::to_array).collect();
+    let mut normals: Option<Vec<[f32; 3]>> = mesh.normals().map(|n| n.iter().map(Vec3::to_array).collect());
+    let mut tangents: Option<Vec<[f32; 4]>> = mesh.tangents().map(|t| t.iter().map(Vec4::to_array).collect());
+    let mut tracker = Tracker::new();
+    let start = Instant::now();
+    let memory = VertexMemory::separate(&mut positions, normals.as_deref_mut(), tangents.as_deref_mut())?;
+    instance.deform(&mut tracker, memory, pool)?;
+    Ok(Deformed { time: start.elapsed(), positions, normals, tangents })
+}
+
+fn draw(kind: Kind, source: &Source, deformed: &Deformed, outcomes: &[Outcome]) -> Result<Vec<u8>> {
+    let mesh = source.set.mesh();
+    let vectors = |v: &[[f32; 3]]| v.iter().map(|&p| Vec3::from(p)).collect::<Vec<_>>();
+    let after = vectors(&deformed.positions);
+    let after_normals = deformed.normals.as_deref().map(vectors).unwrap_or_default();
+    let marked = outcomes.iter().filter(|o| o.status == HitStatus::Marked);
+    let subject = Subject {
+        triangles: mesh.triangles(),
+        before: mesh.positions(),
+        before_normals: mesh.normals().unwrap_or_default(),
+        after: &after,
+        after_normals: &after_normals,
+        contacts: &marked.map(|o| o.contact_vertex).collect::<Vec<_>>(),
+        up: source.up(),
+    };
+    let description = match kind {
+        Kind::Base => "before".to_owned(),
+        Kind::After => "after".to_owned(),
+        Kind::BeforeAfter => "before and after".to_owned(),
+        Kind::Heat => format!("displacement, 0 to {} mm", subject.deepest().1 * 1e3),
+    };
+    Ok(subject.draw(kind).to_png(&description)?)
+}
+
+fn report(
+    arguments: &Arguments,
+    source: &Source,
+    instance: &mut Instance,
+    impacts: &[Impact],
+    outcomes: &[Outcome],
+    deformed: &Deformed,
+) -> Result<String> {
+    let mut text = String::new();
+    let mut table = Table::new(&[
+        ">#",
+        "impact",
+        ">vertex",
+        ">off mm",
+        ">asked mm",
+        ">met mm",
+        ">unmet mm",
+        "examples (share x scale)",
+    ]);
+    for (i, (impact, outcome)) in impacts.iter().zip(outcomes).enumerate() {
+        let length = |v: [f32; 3]| millimetres(Vec3::from(v).length());
+        table.row(vec![
+            i.to_string(),
+            impact.name.clone().unwrap_or_default(),
+            outcome.contact_vertex.to_string(),
+            millimetres(outcome.contact_distance),
+            length(outcome.target),
+            length(outcome.met),
+            length(outcome.unmet),
+            chosen(source, outcome),
+        ]);
+    }
+    table.write(&mut text);
+    let set = &source.set;
+    let displacements =
+        deformed.positions.iter().zip(set.mesh().positions()).map(|(a, b)| (Vec3::from(*a) - *b).length());
+    let (mut moved, mut deepest) = (0, (0, 0.0));
+    for (v, d) in displacements.enumerate() {
+        moved += usize::from(d > VISIBLE);
+        if d > deepest.1 {
+            deepest = (v, d);
+        }
+    }
+    let marked = outcomes.iter().filter(|o| o.status == HitStatus::Marked).count();
+    let left = match instance.marks() {
+        Ok(marks) => count(marks.len(), "mark", "marks"),
+        Err(_) => "per-vertex state".to_owned(),
+    };
+    writeln!(text, "\n  {marked} of {} left a dent; the damage is {left}.", count(impacts.len(), "impact", "impacts"))?;
+    if moved > 0 {
+        writeln!(
+            text,
+            "  {moved} of {} vertices moved by more than {} mm ({}), vertex {} furthest: {} mm.",
+            set.vertex_count(),
+            VISIBLE * 1e3,
+            percent(moved as f64, set.vertex_count() as f64),
+            deepest.0,
+            millimetres(deepest.1)
+        )?;
+    }
+    let clamped = outcomes.iter().filter(|o| o.clamped).count();
+    if clamped > 0 {
+        let limit = millimetres(instance.depth_limit());
+        writeln!(
+            text,
+            "  {} asked for more than the depth limit of {limit} mm and got that.",
+            count(clamped, "impact", "impacts")
+        )?;
+    }
+    writeln!(
+        text,
+        "  Deformed {} vertices in {:.2} ms on {}.",
+        set.vertex_count(),
+        deformed.time.as_secs_f64() * 1e3,
+        match arguments.threads {
+            0 => "all cores".to_owned(),
+            n => count(n as usize, "thread", "threads"),
+        }
+    )?;
+    writeln!(text, "  Wrote {}", arguments.output.display())?;
+    if let Some(folder) = &arguments.png {
+        let names = Kind::ALL.map(Kind::file_name).join(", ");
+        writeln!(text, "  Wrote {names} in {}", folder.display())?;
+    }
+    Ok(text)
+}
+
+/// What answered a hit, or why nothing did.
+fn chosen(source: &Source, outcome: &Outcome) -> String {
+    match outcome.status {
+        HitStatus::BelowYield => return "below yield: no mark".into(),
+        HitStatus::NothingReaches => return "no example reaches the contact in that direction".into(),
+        _ => {}
+    }
+    let parts: Vec<String> = outcome
+        .chosen
+        .iter()
+        .flatten()
+        .map(|c| {
+            let name = source.set.examples().get(c.example as usize).map_or("?", |e| e.name());
+            let how = if c.anchored { "anchored" } else { "carried" };
+            format!("{name} {:.0}% x{:.2} {how}", c.share * 100.0, c.scale)
+        })
+        .collect();
+    let limit = if outcome.clamped { "; cut to the depth limit" } else { "" };
+    parts.join(", ") + limit
+}

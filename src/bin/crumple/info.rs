@@ -1,0 +1,202 @@
+//! `crumple info`: what a file's mesh and examples are, and where the examples do not reach.
+
+use crate::{
+    picture::millimetres,
+    source::{Input, Source},
+    table::{Table, count, percent, point},
+};
+use anyhow::Result;
+use clap::Args;
+use crumple::{Aabb, ExampleSet, Mesh, Placement, ThreadPool, glam::Vec3};
+use std::fmt::Write;
+
+#[derive(Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    input: Input,
+}
+
+pub fn run(arguments: &Arguments) -> Result<String> {
+    let source = arguments.input.load(&ThreadPool::new(0)?)?;
+    let mut text = format!("{}\n", arguments.input.file.display());
+    body(&mut text, &source)?;
+    examples(&mut text, &source.set);
+    reach(&mut text, &source.set)?;
+    Ok(text)
+}
+
+fn body(text: &mut String, source: &Source) -> Result<()> {
+    let mesh = source.set.mesh();
+    let name: String = source.name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    writeln!(
+        text,
+        "  mesh      {}: {}, {}, {}, {} on seams",
+        if name.is_empty() { "(no name)" } else { &name },
+        count(source.set.vertex_count(), "vertex", "vertices"),
+        count(mesh.triangles().len(), "triangle", "triangles"),
+        count(source.primitives, "primitive", "primitives"),
+        mesh.seam_count()
+    )?;
+    let size = mesh.bounds().max - mesh.bounds().min;
+    writeln!(text, "  size      {:.3} x {:.3} x {:.3} m", size.x, size.y, size.z)?;
+    writeln!(text, "  limit     no vertex moves further than {} mm", millimetres(source.set.depth_limit()))?;
+    writeln!(
+        text,
+        "  memory    {:.1} MB for mesh and examples, shared by all copies",
+        source.set.memory_bytes() as f64 * 1e-6
+    )?;
+    let report = source.set.report();
+    if report.welded > 0 {
+        let widest = millimetres(report.widest_weld);
+        writeln!(
+            text,
+            "  note      examples tear {} seam vertices apart, by up to {widest} mm; they were welded",
+            report.welded
+        )?;
+    }
+    if report.repaired_normals > 0 {
+        writeln!(text, "  note      {} normals of length zero were replaced", report.repaired_normals)?;
+    }
+    if report.degenerate_triangles > 0 {
+        writeln!(text, "  note      {} triangles have no area", report.degenerate_triangles)?;
+    }
+    Ok(())
+}
+
+fn examples(text: &mut String, set: &ExampleSet) {
+    text.push('\n');
+    let heads = [
+        ">#",
+        "example",
+        ">moved",
+        ">depth mm",
+        ">deepest mm",
+        ">support m",
+        ">contact",
+        "contact point m",
+        "placement",
+    ];
+    let mut table = Table::new(&heads);
+    for (i, e) in set.examples().iter().enumerate() {
+        let placement = match e.placement() {
+            _ if e.is_empty() => "empty: never chosen",
+            Placement::Automatic => "automatic",
+            Placement::Anchored => "anchored",
+            Placement::Carried => "carried",
+        };
+        table.row(vec![
+            i.to_string(),
+            e.name().to_owned(),
+            e.moved_vertices().to_string(),
+            millimetres(e.depth()),
+            millimetres(e.max_depth()),
+            format!("{:.3}", e.support_radius()),
+            e.contact_vertex().to_string(),
+            point(e.contact_point()),
+            placement.into(),
+        ]);
+    }
+    table.write(text);
+}
+
+/// Which part of the body the examples move where they were made.
+fn reach(text: &mut String, set: &ExampleSet) -> Result<()> {
+    let mesh = set.mesh();
+    let reached: Vec<bool> =
+        (0..set.vertex_count() as u32).map(|v| set.examples().iter().any(|e| e.delta(v) != Vec3::ZERO)).collect();
+    let missed = reached.iter().filter(|r| !**r).count();
+    let areas = vertex_areas(mesh);
+    let (mut area, mut missed_area) = (0.0, 0.0);
+    for (a, reached) in areas.iter().zip(&reached) {
+        area += a;
+        missed_area += if *reached { 0.0 } else { *a };
+    }
+    text.push('\n');
+    if missed == 0 {
+        writeln!(text, "  Where they were made, the examples move every vertex.")?;
+    } else {
+        writeln!(
+            text,
+            "  Where they were made, the examples do not move {} of {} vertices ({}; {} of the area).",
+            missed,
+            set.vertex_count(),
+            percent(missed as f64, set.vertex_count() as f64),
+            percent(missed_area, area)
+        )?;
+        let regions = regions(mesh, &reached);
+        if let Some(largest) = regions.first() {
+            let box_ = Aabb::of(largest.iter().map(|&v| &mesh.positions()[v as usize]));
+            writeln!(
+                text,
+                "  They lie in {}; the largest has {}, centre {}, from {} to {} m.",
+                count(regions.len(), "region", "regions"),
+                count(largest.len(), "vertex", "vertices"),
+                point((box_.min + box_.max) * 0.5),
+                point(box_.min),
+                point(box_.max)
+            )?;
+        }
+    }
+    let near: f64 = areas.iter().zip(mesh.positions()).filter(|(_, p)| stays(set, **p)).map(|(a, _)| a).sum();
+    writeln!(
+        text,
+        "  A hit on {} of the area finds an example made there, which stays where it is; elsewhere carried ones are used.",
+        percent(near, area)
+    )?;
+    Ok(())
+}
+
+/// Whether a hit at `p` finds an example that stays where it was made.
+fn stays(set: &ExampleSet, p: Vec3) -> bool {
+    set.examples().iter().filter(|e| !e.is_empty()).any(|e| match e.placement() {
+        Placement::Automatic => e.contact_point().distance(p) <= 0.1 * e.support_radius(),
+        Placement::Anchored => e.contact_point().distance(p) <= e.support_radius(),
+        Placement::Carried => false,
+    })
+}
+
+/// A third of the area of the triangles around each vertex, m².
+fn vertex_areas(mesh: &Mesh) -> Vec<f64> {
+    let mut areas = vec![0.0; mesh.positions().len()];
+    for t in mesh.triangles() {
+        let [a, b, c] = t.map(|i| mesh.positions()[i as usize].as_dvec3());
+        for &i in t {
+            areas[i as usize] += (b - a).cross(c - a).length() / 6.0;
+        }
+    }
+    areas
+}
+
+/// Connected regions of vertices that are not reached, largest first. Vertices at one position are connected.
+fn regions(mesh: &Mesh, reached: &[bool]) -> Vec<Vec<u32>> {
+    let mut parent: Vec<u32> = mesh.weld().to_vec();
+    let mut join = |a: u32, b: u32| {
+        let (a, b) = (root(&mut parent, a), root(&mut parent, b));
+        parent[a.max(b) as usize] = a.min(b);
+    };
+    for t in mesh.triangles() {
+        for (a, b) in [(t[0], t[1]), (t[1], t[2])] {
+            if !reached[a as usize] && !reached[b as usize] {
+                join(a, b);
+            }
+        }
+        if !reached[t[0] as usize] && !reached[t[2] as usize] {
+            join(t[0], t[2]);
+        }
+    }
+    let mut regions = std::collections::BTreeMap::<u32, Vec<u32>>::new();
+    for v in (0..reached.len() as u32).filter(|&v| !reached[v as usize]) {
+        regions.entry(root(&mut parent, v)).or_default().push(v);
+    }
+    let mut regions: Vec<_> = regions.into_values().collect();
+    regions.sort_by_key(|r| std::cmp::Reverse(r.len()));
+    regions
+}
+
+fn root(parent: &mut [u32], mut v: u32) -> u32 {
+    while parent[v as usize] != v {
+        parent[v as usize] = parent[parent[v as usize] as usize];
+        v = parent[v as usize];
+    }
+    v
+}

@@ -1,0 +1,201 @@
+//! Pictures of a body before and after, without a GPU.
+
+mod camera;
+mod legend;
+mod raster;
+mod shade;
+#[cfg(test)]
+mod tests;
+
+pub use camera::View;
+pub use legend::{Scale, millimetres};
+
+use camera::{Camera, Margins};
+use glam::Vec3;
+use raster::Body;
+use rayon::prelude::*;
+use shade::{Finish, Frame, Studio};
+
+/// Size of every picture, pixels.
+pub const SIZE: [usize; 2] = [1280, 800];
+/// Each pixel is the mean of this many by this many samples.
+const SAMPLES: usize = 3;
+const MARGINS: Margins = Margins { side: 0.055, top: 0.10, bottom: 0.14 };
+
+/// An 8-bit sRGB picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Image {
+    pub width: usize,
+    pub height: usize,
+    pub rgb: Vec<u8>,
+}
+
+/// What is shown: one mesh before and after.
+pub struct Subject<'a> {
+    pub triangles: &'a [[u32; 3]],
+    pub before: &'a [Vec3],
+    pub before_normals: &'a [Vec3],
+    pub after: &'a [Vec3],
+    pub after_normals: &'a [Vec3],
+    /// Vertices that were hit.
+    pub contacts: &'a [u32],
+    /// Unit: away from the floor, in the mesh's space.
+    pub up: Vec3,
+}
+
+/// Which picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    Base,
+    After,
+    Heat,
+    BeforeAfter,
+}
+
+impl Kind {
+    pub const ALL: [Kind; 4] = [Kind::Base, Kind::After, Kind::Heat, Kind::BeforeAfter];
+
+    pub fn file_name(self) -> &'static str {
+        match self {
+            Kind::Base => "base.png",
+            Kind::After => "after.png",
+            Kind::Heat => "heat.png",
+            Kind::BeforeAfter => "before_after.png",
+        }
+    }
+}
+
+impl Subject<'_> {
+    /// The vertex that moved furthest, and how far, m.
+    pub fn deepest(&self) -> (usize, f32) {
+        let lengths = self.after.iter().zip(self.before).map(|(a, b)| (*a - *b).length());
+        lengths.enumerate().fold((0, 0.0), |best, new| if new.1 > best.1 { new } else { best })
+    }
+
+    /// Draws one picture. All of them share the view, so that they can be laid over each other.
+    pub fn draw(&self, kind: Kind) -> Image {
+        let moved: Vec<Vec3> = self.after.iter().zip(self.before).map(|(a, b)| *a - *b).collect();
+        let values: Vec<f32> = moved.iter().map(|u| u.length()).collect();
+        let scale = Scale { maximum: self.deepest().1 };
+        let view = View::of(self.before, self.triangles, &moved, self.up);
+        let before = self.body(self.before, self.before_normals, &[]);
+        let after = self.body(self.after, self.after_normals, &values);
+        let hits = match self.contacts.len() {
+            1 => "1 hit".to_owned(),
+            n => format!("{n} hits"),
+        };
+        let dented = format!("{hits}, up to {} mm", millimetres(scale.maximum));
+        let camera = |size: [usize; 2]| {
+            let points = self.before.iter().chain(self.after);
+            Camera::framing(points, view, size[0] as f32 / size[1] as f32, MARGINS)
+        };
+        match kind {
+            Kind::Base => {
+                let mut image = photograph(before, &camera(SIZE), view, SIZE, &Finish::Paint);
+                legend::caption(&mut image, 48, "before", "as it came");
+                image
+            }
+            Kind::After => {
+                let mut image = photograph(after, &camera(SIZE), view, SIZE, &Finish::Paint);
+                legend::caption(&mut image, 48, "after", &dented);
+                image
+            }
+            Kind::Heat => {
+                let camera = camera(SIZE);
+                let colour = |t: f32| scale.light(t);
+                let finish = Finish::Heat { colour: &colour, maximum: scale.maximum.max(f32::MIN_POSITIVE) };
+                let mut image = photograph(after, &camera, view, SIZE, &finish);
+                self.mark_contacts(&mut image, &camera, after);
+                legend::caption(&mut image, 48, "displacement", &dented);
+                legend::bar(&mut image, scale);
+                image
+            }
+            Kind::BeforeAfter => {
+                let half = [SIZE[0] / 2, SIZE[1]];
+                let camera = camera(half);
+                let mut image = photograph(before, &camera, view, half, &Finish::Paint).beside(&photograph(
+                    after,
+                    &camera,
+                    view,
+                    half,
+                    &Finish::Paint,
+                ));
+                legend::caption(&mut image, 48, "before", "as it came");
+                legend::caption(&mut image, 48 + half[0] as i32, "after", &dented);
+                image
+            }
+        }
+    }
+
+    fn body<'a>(&'a self, positions: &'a [Vec3], normals: &'a [Vec3], values: &'a [f32]) -> Body<'a> {
+        Body { positions, normals, triangles: self.triangles, values }
+    }
+
+    /// Rings where the contacts are in sight.
+    fn mark_contacts(&self, image: &mut Image, camera: &Camera, after: Body<'_>) {
+        let surfaces = raster::through(camera, after, SIZE);
+        let slack = (camera.far - camera.near) * 0.02;
+        for &contact in self.contacts {
+            let Some(&p) = self.after.get(contact as usize) else { continue };
+            let at = camera.pixel(p, SIZE);
+            let (x, y) = (at.x as usize, at.y as usize);
+            if x < SIZE[0] && y < SIZE[1] && camera.project(p).1 <= surfaces.as_ref()[y * SIZE[0] + x].distance + slack
+            {
+                legend::marker(image, at);
+            }
+        }
+    }
+}
+
+/// One body in the studio.
+fn photograph(body: Body<'_>, camera: &Camera, view: View, size: [usize; 2], finish: &Finish<'_>) -> Image {
+    let fine = size.map(|n| n * SAMPLES);
+    let surfaces = raster::through(camera, body, fine);
+    let frame = Frame { surfaces: surfaces.as_ref(), size: fine };
+    let studio = Studio::new(body, camera, view);
+    let mut rgb = vec![0u8; size[0] * size[1] * 3];
+    rgb.par_chunks_mut(size[0] * 3).enumerate().for_each(|(y, row)| {
+        for (x, pixel) in row.chunks_exact_mut(3).enumerate() {
+            let light = studio.pixel(x, y, SAMPLES, &frame, finish);
+            pixel.copy_from_slice(&light.to_array().map(shade::encode));
+        }
+    });
+    Image { width: size[0], height: size[1], rgb }
+}
+
+impl Image {
+    fn put(&mut self, x: i32, y: i32, colour: [u8; 3]) {
+        self.blend(x, y, colour, 1.0);
+    }
+
+    /// Mixes a colour into a pixel; outside the picture nothing happens.
+    fn blend(&mut self, x: i32, y: i32, colour: [u8; 3], share: f32) {
+        if x < 0 || y < 0 || x >= self.width as i32 || y >= self.height as i32 {
+            return;
+        }
+        let at = (y as usize * self.width + x as usize) * 3;
+        for (old, new) in self.rgb[at..at + 3].iter_mut().zip(colour) {
+            *old = (f32::from(*old) + (f32::from(new) - f32::from(*old)) * share).round() as u8;
+        }
+    }
+
+    fn beside(&self, other: &Image) -> Image {
+        let rows = self.rgb.chunks_exact(self.width * 3).zip(other.rgb.chunks_exact(other.width * 3));
+        let rgb = rows.flat_map(|(a, b)| a.iter().chain(b)).copied().collect();
+        Image { width: self.width + other.width, height: self.height, rgb }
+    }
+
+    /// The picture as a PNG file with a line of description in it.
+    pub fn to_png(&self, description: &str) -> Result<Vec<u8>, png::EncodingError> {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, self.width as u32, self.height as u32);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        encoder.add_text_chunk("Description".into(), description.into())?;
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(&self.rgb)?;
+        writer.finish()?;
+        Ok(bytes)
+    }
+}

@@ -1,0 +1,176 @@
+//! Triangles into pixels with `euc`: the surface seen through each pixel, and depth maps for shadows.
+
+use super::camera::Camera;
+use euc::{
+    DepthStrategy, Interpolate, Pipeline,
+    buffer::Buffer2d,
+    rasterizer::{BackfaceCullingDisabled, Triangles},
+};
+use glam::Vec3;
+
+/// What is drawn: a triangle mesh with one scalar a vertex.
+#[derive(Clone, Copy)]
+pub struct Body<'a> {
+    pub positions: &'a [Vec3],
+    pub normals: &'a [Vec3],
+    pub triangles: &'a [[u32; 3]],
+    /// Length of the displacement, m; empty where it is not wanted.
+    pub values: &'a [f32],
+}
+
+/// The surface behind one pixel.
+#[derive(Debug, Clone, Copy)]
+pub struct Surface {
+    /// Toward the viewer's side; not of unit length between vertices.
+    pub normal: Vec3,
+    /// Along the view axis, m; infinite where there is no surface.
+    pub distance: f32,
+    pub value: f32,
+}
+
+impl Surface {
+    pub const NONE: Surface = Surface { normal: Vec3::ZERO, distance: f32::INFINITY, value: 0.0 };
+
+    pub fn is_some(&self) -> bool {
+        self.distance < f32::INFINITY
+    }
+}
+
+impl Interpolate for Surface {
+    fn lerp2(a: Self, b: Self, x: f32, y: f32) -> Self {
+        Surface {
+            normal: a.normal * x + b.normal * y,
+            distance: a.distance * x + b.distance * y,
+            value: a.value * x + b.value * y,
+        }
+    }
+
+    fn lerp3(a: Self, b: Self, c: Self, x: f32, y: f32, z: f32) -> Self {
+        Surface {
+            normal: a.normal * x + b.normal * y + c.normal * z,
+            distance: a.distance * x + b.distance * y + c.distance * z,
+            value: a.value * x + b.value * y + c.value * z,
+        }
+    }
+}
+
+struct Draw;
+
+impl Pipeline for Draw {
+    type Vertex = ([f32; 4], Surface);
+    type VsOut = Surface;
+    type Pixel = Surface;
+
+    fn vert(&self, v: &Self::Vertex) -> ([f32; 4], Surface) {
+        *v
+    }
+
+    fn frag(&self, s: &Surface) -> Surface {
+        *s
+    }
+
+    fn get_depth_strategy(&self) -> DepthStrategy {
+        DepthStrategy::IfLessWrite
+    }
+}
+
+/// Twice the signed area of a triangle seen from the eye, in clip coordinates (x, y, w).
+fn facing([a, b, c]: [[f32; 4]; 3]) -> f32 {
+    let v = |p: [f32; 4]| Vec3::new(p[0], p[1], p[3]);
+    v(a).dot(v(b).cross(v(c)))
+}
+
+/// Draws `body` through `project` (clip coordinates and distance). Both sides of a triangle are drawn; normals of the side
+/// that looks away are turned round.
+pub fn rasterise(body: Body<'_>, project: impl Fn(Vec3) -> ([f32; 4], f32), size: [usize; 2]) -> Buffer2d<Surface> {
+    let seen: Vec<_> = body.positions.iter().map(|&p| project(p)).collect();
+    let mut corners = Vec::with_capacity(body.triangles.len() * 3);
+    for t in body.triangles {
+        let clip = t.map(|i| seen[i as usize].0);
+        let side = facing(clip);
+        // euc divides by this area: a triangle seen edge-on has no pixels and would poison them.
+        let reach = clip.iter().flatten().fold(0.0f32, |m, c| m.max(c.abs()));
+        if side.abs() <= 1e-12 * reach * reach * reach || !side.is_finite() {
+            continue;
+        }
+        let turn = side.signum();
+        for (&i, clip) in t.iter().zip(clip) {
+            let i = i as usize;
+            let value = body.values.get(i).copied().unwrap_or(0.0);
+            corners.push((clip, Surface { normal: body.normals[i] * turn, distance: seen[i].1, value }));
+        }
+    }
+    let mut pixels = Buffer2d::new(size, Surface::NONE);
+    let mut depth = Buffer2d::new(size, f32::INFINITY);
+    Draw.draw::<Triangles<'_, _, BackfaceCullingDisabled>, _>(&corners, &mut pixels, Some(&mut depth));
+    pixels
+}
+
+/// Draws `body` as a camera sees it.
+pub fn through(camera: &Camera, body: Body<'_>, size: [usize; 2]) -> Buffer2d<Surface> {
+    rasterise(body, |p| camera.project(p), size)
+}
+
+/// Distances to a body from far away in one direction, for shadows.
+pub struct ShadowMap {
+    size: usize,
+    /// Along `-direction` from the reference plane, m.
+    depth: Vec<f32>,
+    right: Vec3,
+    up: Vec3,
+    direction: Vec3,
+    centre: Vec3,
+    reach: f32,
+}
+
+impl ShadowMap {
+    /// `direction` is the unit vector to the light; the map covers a sphere.
+    pub fn new(body: Body<'_>, direction: Vec3, centre: Vec3, reach: f32, size: usize) -> ShadowMap {
+        let right = direction.any_orthonormal_vector();
+        let up = direction.cross(right);
+        let project = |p: Vec3| {
+            let q = (p - centre) / reach;
+            let z = -q.dot(direction);
+            ([q.dot(right), q.dot(up), z, 1.0], z * reach)
+        };
+        let depth = rasterise(body, project, [size; 2]).as_ref().iter().map(|s| s.distance).collect();
+        ShadowMap { size, depth, right, up, direction, centre, reach }
+    }
+
+    /// How close what lies above `p` comes to it: 1 where it touches, falling over `height` m.
+    pub fn contact(&self, p: Vec3, radius: f32, height: f32, taps: usize, spin: f32) -> f32 {
+        self.gather(p, radius, taps, spin, |gap| if gap > -0.1 * height { (-gap.max(0.0) / height).exp() } else { 0.0 })
+    }
+
+    /// How much lies between `p` and the light within a disc of `radius` m about the ray: 0 nothing, 1 all. `bias` is
+    /// the gap that counts as touching, m; `spin` in 0..1 turns the sample pattern.
+    pub fn occlusion(&self, p: Vec3, radius: f32, bias: f32, taps: usize, spin: f32) -> f32 {
+        self.gather(p, radius, taps, spin, |gap| f32::from(gap > bias))
+    }
+
+    /// Mean of `weight` over the gaps between `p` and what the light sees around it, m.
+    fn gather(&self, p: Vec3, radius: f32, taps: usize, spin: f32, weight: impl Fn(f32) -> f32) -> f32 {
+        let q = p - self.centre;
+        let (x, y, z) = (q.dot(self.right), q.dot(self.up), -q.dot(self.direction));
+        let mut sum = 0.0;
+        for i in 0..taps {
+            let (dx, dy) = spiral(i, taps, spin);
+            let to_texel = |v: f32| (v / self.reach + 1.0) * 0.5 * self.size as f32;
+            let (tx, ty) = (to_texel(x + dx * radius), self.size as f32 - to_texel(y + dy * radius));
+            if tx >= 0.0 && ty >= 0.0 && tx < self.size as f32 && ty < self.size as f32 {
+                let distance = self.depth[ty as usize * self.size + tx as usize];
+                if distance < f32::INFINITY {
+                    sum += weight(z - distance);
+                }
+            }
+        }
+        sum / taps as f32
+    }
+}
+
+/// The `i`-th of `n` points spread evenly over the unit disc.
+pub fn spiral(i: usize, n: usize, spin: f32) -> (f32, f32) {
+    let r = ((i as f32 + 0.5) / n as f32).sqrt();
+    let a = (i as f32 * 0.381_966 + spin) * std::f32::consts::TAU;
+    (r * a.cos(), r * a.sin())
+}

@@ -1,0 +1,266 @@
+//! A photographer's studio: satin metal under strip lights, on a bright seamless floor.
+
+use super::{
+    camera::{Camera, View},
+    raster::{Body, ShadowMap, Surface, spiral},
+};
+use glam::Vec3;
+
+/// Linear light, 1 is paper white.
+pub type Light = Vec3;
+
+const SHADOW_TEXELS: usize = 1536;
+/// Diffuse reflectance of the paint.
+const PAINT: Light = Vec3::new(0.045, 0.130, 0.205);
+/// Colour of the metal flakes in it.
+const FLAKES: Light = Vec3::new(0.16, 0.34, 0.46);
+/// Brightness of a strip light.
+const STRIP: f32 = 5.0;
+const GROUND: Light = Vec3::new(0.80, 0.81, 0.825);
+
+/// Everything that does not change from pixel to pixel.
+pub struct Studio<'a> {
+    camera: &'a Camera,
+    up: Vec3,
+    right: Vec3,
+    front: Vec3,
+    key: Vec3,
+    rim: Vec3,
+    key_shadow: ShadowMap,
+    sky_shadow: ShadowMap,
+    /// Height of the floor along `up`, m.
+    floor: f32,
+    /// Radius of the body's bounding sphere, m.
+    radius: f32,
+}
+
+/// How the body's surface looks.
+pub enum Finish<'a> {
+    Paint,
+    /// Colours of values from 0 to `maximum`, m.
+    Heat {
+        colour: &'a (dyn Fn(f32) -> Light + Sync),
+        maximum: f32,
+    },
+}
+
+impl<'a> Studio<'a> {
+    pub fn new(body: Body<'_>, camera: &'a Camera, view: View) -> Studio<'a> {
+        let (mut low, mut high) = (Vec3::MAX, Vec3::MIN);
+        let mut floor = f32::MAX;
+        for &p in body.positions {
+            low = low.min(p);
+            high = high.max(p);
+            floor = floor.min(p.dot(view.up));
+        }
+        let centre = (low + high) * 0.5;
+        let radius = ((high - low).length() * 0.5).max(1e-6);
+        let (up, right) = (view.up, view.right());
+        let front = right.cross(up);
+        // Low over the surface and from the side, so that a shallow dent has a bright and a dark flank.
+        let key = (right * -0.82 + up * 0.42 + front * 0.34).normalize();
+        let rim = (right * 0.75 + up * 0.35 + front * -0.85).normalize();
+        Studio {
+            camera,
+            up,
+            right,
+            front,
+            key,
+            rim,
+            key_shadow: ShadowMap::new(body, (key + up * 0.8).normalize(), centre, radius * 1.05, SHADOW_TEXELS),
+            sky_shadow: ShadowMap::new(body, up, centre, radius * 1.05, SHADOW_TEXELS / 2),
+            floor,
+            radius,
+        }
+    }
+
+    /// Light that reaches the viewer through the square of `samples` by `samples` points of a frame at (x, y).
+    pub fn pixel(&self, x: usize, y: usize, samples: usize, frame: &Frame<'_>, finish: &Finish<'_>) -> Light {
+        let (x, y) = (x * samples, y * samples);
+        let points = (0..samples * samples).map(|i| (x + i % samples, y + i / samples));
+        let covered = points.clone().filter(|&(x, y)| frame.at(x, y).is_some()).count();
+        let mut sum = Vec3::ZERO;
+        if covered < samples * samples {
+            let middle = samples as f32 * 0.5;
+            let spin = noise((x / samples) as u32, (y / samples) as u32);
+            let light = self.backdrop(x as f32 + middle, y as f32 + middle, frame, spin);
+            sum += light * (samples * samples - covered) as f32;
+        }
+        // What is soft by nature is gathered once a pixel, at its first sample.
+        let mut shade = None;
+        for (x, y) in points.filter(|&(x, y)| frame.at(x, y).is_some()) {
+            let (x, y) = (x as f32 + 0.5, y as f32 + 0.5);
+            let shade = *shade.get_or_insert_with(|| self.soft_shade(x, y, samples, frame));
+            sum += self.sample(x, y, frame, finish, shade);
+        }
+        sum / (samples * samples) as f32
+    }
+
+    fn soft_shade(&self, x: f32, y: f32, samples: usize, frame: &Frame<'_>) -> Shade {
+        let surface = frame.at(x as usize, y as usize);
+        let ray = self.camera.ray(x, y, frame.size);
+        let p = self.camera.eye + ray * surface.distance;
+        let spin = noise((x as usize / samples) as u32, (y as usize / samples) as u32);
+        let n = surface.normal.normalize_or(-ray);
+        // A wall sees half the sky as it is: only what hangs over the space before it counts.
+        let roof =
+            self.sky_shadow.occlusion(p + n * (self.radius * 0.10), self.radius * 0.10, self.radius * 0.08, 16, spin);
+        let open = self.openness(x, y, p, n, frame, spin);
+        Shade { open: open * (1.0 - 0.75 * roof), direct: 1.0 - roof }
+    }
+
+    fn sample(&self, x: f32, y: f32, frame: &Frame<'_>, finish: &Finish<'_>, shade: Shade) -> Light {
+        let surface = frame.at(x as usize, y as usize);
+        let ray = self.camera.ray(x, y, frame.size);
+        let n = surface.normal.normalize_or(-ray);
+        let v = -ray.normalize();
+        match finish {
+            Finish::Paint => self.paint(n, v, shade),
+            Finish::Heat { colour, maximum } => {
+                let base = colour((surface.value / maximum).clamp(0.0, 1.0));
+                // The colour is the message; light only hints at the shape.
+                let light = 0.72 + 0.30 * n.dot(self.key).max(0.0) + 0.08 * n.dot(self.up);
+                base * (light * (0.45 + 0.55 * shade.open)).min(1.0)
+            }
+        }
+    }
+
+    /// Metallic paint under clear lacquer: the paint shows the shape by raking light, the lacquer by the strip lights'
+    /// reflections, which bend wherever the surface does.
+    fn paint(&self, n: Vec3, v: Vec3, Shade { open, direct }: Shade) -> Light {
+        let nv = n.dot(v).max(0.02);
+        let key = n.dot(self.key).max(0.0);
+        let rim = n.dot(self.rim).max(0.0);
+        let sky = 0.5 + 0.5 * n.dot(self.up);
+        let ambient = (GROUND * (0.50 * (1.0 - sky)) + Vec3::new(0.80, 0.90, 1.0) * (0.38 * sky)) * open;
+        let lit = Vec3::new(1.0, 0.95, 0.88) * (2.1 * key * direct) + Vec3::new(0.8, 0.9, 1.0) * (0.5 * rim * open);
+        let half = (self.key + v).normalize();
+        let flakes = n.dot(half).max(0.0).powi(14) * 0.9 * direct;
+        let mirror = (2.0 * n.dot(v)) * n - v;
+        let lacquer = 0.055 + 0.945 * (1.0 - nv).powi(5);
+        let glint = n.dot(half).max(0.0).powi(220) * 6.0 * direct;
+        let reflected = self.room(mirror) * (0.25 + 0.75 * open) + Vec3::splat(glint);
+        PAINT * (ambient + lit) + FLAKES * flakes + reflected * lacquer
+    }
+
+    /// What a mirror sees in direction `d`: a dim room with strip lights in the ceiling.
+    fn room(&self, d: Vec3) -> Light {
+        let (x, y, z) = (d.dot(self.right), d.dot(self.up), d.dot(self.front));
+        let wall = Vec3::new(0.80, 0.84, 0.90);
+        let ceiling = Vec3::new(0.22, 0.25, 0.30);
+        let mut light =
+            if y <= 0.0 { wall.lerp(GROUND * 0.7, step(0.0, 0.25, -y)) } else { wall.lerp(ceiling, step(0.0, 0.5, y)) };
+        // Upright tubes in the walls, for bodies that stand: by compass angle, 0 behind the viewer.
+        let compass = x.atan2(z);
+        for at in [-1.9, -1.15, -0.45, 0.5, 1.2] {
+            light += Vec3::new(0.96, 0.98, 1.0)
+                * (0.8 * STRIP * band(compass - at, 0.07, 0.12) * band(y + 0.15, 0.62, 0.40));
+        }
+        if y <= 0.0 {
+            return light;
+        }
+        // Where the ray meets a ceiling at height 1; far strips melt into the horizon.
+        let (u, w) = (x / y.max(0.05), z / y.max(0.05));
+        for i in -5..=5 {
+            let at = i as f32 * 0.55 + 0.12;
+            let strip = band(u - at, 0.09, 0.16) * band(w + 0.9, 2.4, 1.8);
+            light += Vec3::new(1.0, 0.985, 0.96) * (STRIP * strip * step(0.02, 0.2, y));
+        }
+        light
+    }
+
+    fn backdrop(&self, x: f32, y: f32, frame: &Frame<'_>, spin: f32) -> Light {
+        let ray = self.camera.ray(x, y, frame.size);
+        let (u, v) = (x / frame.size[0] as f32 - 0.5, y / frame.size[1] as f32);
+        let glow = (-(v - 0.45) * (v - 0.45) * 3.0).exp();
+        let mut light = GROUND * (0.80 + 0.20 * glow);
+        let down = -ray.dot(self.up);
+        if down > 1e-4 {
+            let t = (self.camera.eye.dot(self.up) - self.floor) / down;
+            let p = self.camera.eye + ray * t;
+            let inside = 1.0 - step(0.38, 0.5, u.abs());
+            let key = self.key_shadow.occlusion(p, self.radius * 0.14, self.radius * 0.004, 40, spin);
+            let sky = self.sky_shadow.occlusion(p, self.radius * 0.22, self.radius * 0.004, 40, spin);
+            let touch = self.sky_shadow.contact(p, self.radius * 0.05, self.radius * 0.10, 40, spin);
+            light *= (1.0 - 0.22 * key * inside) * (1.0 - 0.22 * sky) * (1.0 - 0.60 * touch);
+        }
+        light
+    }
+
+    /// Share of the surroundings that a surface point sees, from the depths about its pixel (Alchemy's estimator, McGuire
+    /// et al. 2011), at the scale of a dent: shallow dents darken a little, folds and gaps a lot.
+    fn openness(&self, x: f32, y: f32, p: Vec3, n: Vec3, frame: &Frame<'_>, spin: f32) -> f32 {
+        const TAPS: usize = 32;
+        let reach = self.radius * 0.11;
+        let pixels =
+            reach / (2.0 * self.camera.tan.y * (self.camera.eye - p).dot(self.camera.back)) * frame.size[1] as f32;
+        let mut shut = 0.0;
+        for i in 0..TAPS {
+            let (dx, dy) = spiral(i, TAPS, spin);
+            let (sx, sy) = (x + dx * pixels, y + dy * pixels);
+            if sx < 0.0 || sy < 0.0 || sx >= frame.size[0] as f32 || sy >= frame.size[1] as f32 {
+                continue;
+            }
+            let other = frame.at(sx as usize, sy as usize);
+            if !other.is_some() {
+                continue;
+            }
+            let (cx, cy) = (sx.floor() + 0.5, sy.floor() + 0.5);
+            let to = self.camera.eye + self.camera.ray(cx, cy, frame.size) * other.distance - p;
+            let square = to.length_squared();
+            if square < reach * reach * 4.0 {
+                shut += (n.dot(to) - 0.004 * reach).max(0.0) / (square + 0.01 * reach * reach) * reach;
+            }
+        }
+        (1.0 - 1.1 * shut / TAPS as f32).clamp(0.0, 1.0)
+    }
+}
+
+/// How much of the light from around and from the key light arrives, 0 to 1.
+#[derive(Clone, Copy)]
+struct Shade {
+    open: f32,
+    direct: f32,
+}
+
+/// A frame of surfaces, row by row.
+pub struct Frame<'a> {
+    pub surfaces: &'a [Surface],
+    pub size: [usize; 2],
+}
+
+impl Frame<'_> {
+    pub fn at(&self, x: usize, y: usize) -> Surface {
+        self.surfaces[y * self.size[0] + x]
+    }
+}
+
+/// 0 below `a`, 1 above `b`, smooth between.
+fn step(a: f32, b: f32, x: f32) -> f32 {
+    let t = ((x - a) / (b - a)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// 1 inside `half` of zero, falling to 0 over `soft` about the edge.
+fn band(x: f32, half: f32, soft: f32) -> f32 {
+    1.0 - step(half - soft * 0.5, half + soft * 0.5, x.abs())
+}
+
+/// A number in 0..1 that differs from that of the neighbouring pixels: Jimenez's interleaved gradient noise, 2014.
+fn noise(x: u32, y: u32) -> f32 {
+    (52.982_918 * (0.067_110_56 * x as f32 + 0.005_837_15 * y as f32).fract()).fract()
+}
+
+/// Linear light as an 8-bit sRGB value, with a soft shoulder above 0.8 in place of clipping.
+pub fn encode(light: f32) -> u8 {
+    let x = light.max(0.0);
+    let x = if x > 0.8 { 0.8 + 0.2 * (1.0 - (-(x - 0.8) / 0.2).exp()) } else { x };
+    let s = if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
+    (s * 255.0 + 0.5) as u8
+}
+
+/// An 8-bit sRGB value as linear light.
+pub fn decode(byte: u8) -> f32 {
+    let s = f32::from(byte) / 255.0;
+    if s <= 0.040_45 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) }
+}

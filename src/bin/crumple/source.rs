@@ -1,0 +1,111 @@
+//! A file on disk becomes an example set.
+
+use anyhow::{Context, Result, bail, ensure};
+use clap::Args;
+use crumple::{
+    ExampleSet, SetOptions, TaskSystem,
+    glam::{Mat4, Vec3},
+    import::{self, Imported, MeshChoice},
+};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+/// Which mesh of which file.
+#[derive(Args)]
+pub struct Input {
+    /// glTF or GLB file with morph targets, or an OBJ file (then give --example)
+    pub file: PathBuf,
+    /// Mesh of a glTF file by name, or by index from 0; the first with morph targets where left out
+    #[arg(long, value_name = "NAME|INDEX")]
+    pub mesh: Option<String>,
+    /// Example of an OBJ base: the same mesh after a collision; may be given many times
+    #[arg(long = "example", value_name = "OBJ")]
+    pub examples: Vec<PathBuf>,
+}
+
+/// A file's mesh with its examples.
+pub struct Source {
+    pub set: Arc<ExampleSet>,
+    pub name: String,
+    pub primitives: usize,
+    /// From the mesh's space to the scene's.
+    pub transform: Option<Mat4>,
+    kind: Kind,
+}
+
+enum Kind {
+    Gltf { bytes: Vec<u8>, base_dir: PathBuf, mesh: Option<String> },
+    Obj(Box<Imported>),
+}
+
+impl Input {
+    /// Reads the file and builds its example set.
+    pub fn load(&self, tasks: &dyn TaskSystem) -> Result<Source> {
+        let shown = self.file.display();
+        let is_obj = self.file.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
+        let bytes = std::fs::read(&self.file).with_context(|| format!("cannot read {shown}"))?;
+        let (imported, kind) = if is_obj {
+            ensure!(self.mesh.is_none(), "--mesh chooses within a glTF file; {shown} is an OBJ, all of it is the mesh");
+            ensure!(
+                !self.examples.is_empty(),
+                "{shown} is an OBJ, which holds no examples: give one or more with --example FILE.obj"
+            );
+            let imported = import::obj_files(&self.file, &self.examples)?;
+            (imported.clone(), Kind::Obj(Box::new(imported)))
+        } else {
+            ensure!(
+                self.examples.is_empty(),
+                "--example goes with an OBJ base; the examples of {shown} are its morph targets"
+            );
+            let text = bytes.trim_ascii_start();
+            if !bytes.starts_with(b"glTF") && !text.starts_with(b"{") && !text.starts_with(b"\xef\xbb\xbf{") {
+                bail!("{shown} is neither a GLB (it does not begin with 'glTF') nor a glTF (JSON), nor named .obj");
+            }
+            let base_dir = self.file.parent().unwrap_or(Path::new("")).to_owned();
+            let imported =
+                import::gltf_slice(&bytes, Some(&base_dir), choice(&self.mesh)).with_context(|| shown.to_string())?;
+            (imported, Kind::Gltf { bytes, base_dir, mesh: self.mesh.clone() })
+        };
+        let Imported { name, mesh, examples, primitives, node_transform, .. } = imported;
+        let set = ExampleSet::build(mesh, examples, SetOptions::default(), tasks).with_context(|| shown.to_string())?;
+        Ok(Source {
+            set: Arc::new(set),
+            name,
+            primitives: primitives.len(),
+            transform: node_transform.map(|m| Mat4::from_cols_array_2d(&m)),
+            kind,
+        })
+    }
+}
+
+impl Source {
+    /// The file with the mesh replaced by its deformed self, as a GLB.
+    pub fn deformed_glb(
+        &self,
+        positions: &[[f32; 3]],
+        normals: Option<&[[f32; 3]]>,
+        tangents: Option<&[[f32; 4]]>,
+    ) -> Result<Vec<u8>, crumple::Error> {
+        match &self.kind {
+            Kind::Gltf { bytes, base_dir, mesh } => {
+                crumple::export::deformed_glb(bytes, Some(base_dir), choice(mesh), positions, normals, tangents)
+            }
+            Kind::Obj(imported) => crumple::export::mesh_glb(imported, positions, normals, tangents),
+        }
+    }
+
+    /// Unit: upward in the mesh's space, so that +y is up in the scene, as glTF has it.
+    pub fn up(&self) -> Vec3 {
+        self.transform.map_or(Vec3::Y, |m| m.transpose().transform_vector3(Vec3::Y).normalize_or(Vec3::Y))
+    }
+}
+
+/// A number is an index, anything else a name.
+fn choice(mesh: &Option<String>) -> MeshChoice<'_> {
+    match mesh {
+        None => MeshChoice::First,
+        Some(text) => text.parse().map_or(MeshChoice::Name(text), MeshChoice::Index),
+    }
+}

@@ -1,0 +1,111 @@
+//! The one way into the library: panics stop here, and say so in the result instead of on the terminal.
+
+use super::result::{CrumpleResult, Failure, remember};
+use std::cell::Cell;
+use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
+use std::sync::OnceLock;
+
+/// Runs the body of the entry point `call`. What it answers, or how it fails, becomes the result and the last error's text.
+pub(super) fn boundary(call: &'static str, body: impl FnOnce() -> Result<(), Failure>) -> CrumpleResult {
+    match quietly(body) {
+        Ok(Ok(())) => CrumpleResult::CrumpleOk,
+        Ok(Err(failure)) => {
+            remember(call, &failure.message);
+            failure.result
+        }
+        Err(message) => {
+            remember(call, &format!("internal error: {message}"));
+            CrumpleResult::CrumpleErrorInternal
+        }
+    }
+}
+
+/// Runs `body`; a panic in it prints nothing and comes back as its message.
+pub(super) fn quietly<T>(body: impl FnOnce() -> T) -> Result<T, String> {
+    silence_panics();
+    let _inside = Inside::enter();
+    panic::catch_unwind(AssertUnwindSafe(body)).map_err(|payload| {
+        let payload = match payload.downcast::<String>() {
+            Ok(text) => return *text,
+            Err(payload) => payload,
+        };
+        match payload.downcast::<&str>() {
+            Ok(text) => text.to_string(),
+            Err(unknown) => {
+                std::mem::forget(unknown); // its drop might panic, and nothing would catch it
+                "a panic without a message".into()
+            }
+        }
+    })
+}
+
+thread_local! {
+    /// How many entry points or tasks of this library the thread is inside.
+    static DEPTH: Cell<u32> = const { Cell::new(0) };
+}
+
+struct Inside;
+
+impl Inside {
+    fn enter() -> Self {
+        DEPTH.set(DEPTH.get() + 1);
+        Self
+    }
+}
+
+impl Drop for Inside {
+    fn drop(&mut self) {
+        DEPTH.set(DEPTH.get() - 1);
+    }
+}
+
+type Hook = Box<dyn Fn(&PanicHookInfo<'_>) + Sync + Send>;
+
+/// std prints every panic before it unwinds. Puts a hook before the one there is, once: it stays silent where the panicking
+/// thread is inside this library, and passes all others on, so a Rust program's own hook keeps working.
+fn silence_panics() {
+    static BEFORE: OnceLock<Hook> = OnceLock::new();
+    if BEFORE.get().is_some() || std::thread::panicking() {
+        return;
+    }
+    let mut first = false;
+    BEFORE.get_or_init(|| {
+        first = true;
+        panic::take_hook()
+    });
+    if first {
+        panic::set_hook(Box::new(|info| {
+            if DEPTH.get() == 0
+                && let Some(before) = BEFORE.get()
+            {
+                before(info);
+            }
+        }));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::ffi::CStr;
+
+    fn last_error() -> String {
+        // SAFETY: never null, ends with a zero, and no other call of this thread changes it meanwhile.
+        unsafe { CStr::from_ptr(super::super::result::crumple_last_error()) }.to_string_lossy().into_owned()
+    }
+
+    #[test]
+    fn a_panic_becomes_an_internal_error_with_its_message() {
+        let result = boundary("crumple_test", || panic!("seven is {}", 8));
+        assert_eq!(result, CrumpleResult::CrumpleErrorInternal);
+        assert_eq!(last_error(), "crumple_test: internal error: seven is 8");
+        assert_eq!(boundary("crumple_test", || Ok(())), CrumpleResult::CrumpleOk);
+    }
+
+    #[test]
+    fn a_long_text_is_cut_at_a_character() {
+        boundary("crumple_test", || Err(Failure::invalid("ü\0".repeat(2000))));
+        let text = last_error();
+        assert!(text.len() <= 1023 && text.ends_with(['ü', '\u{fffd}']), "{text}");
+    }
+}

@@ -1,0 +1,176 @@
+//! Buffers: memory of the host that deformed vertices are written to.
+
+use super::check::{Def, Out, def};
+use super::context::{CrumpleContext, exclusive};
+use super::memory::{Stream, disjoint};
+use super::result::{CrumpleResult, Failure};
+use super::types::{CrumpleBuffer, CrumpleInstance, CrumpleStream};
+use crate::{Attribute, ExampleSet, RawStream, Tracker, VertexMemory};
+
+/// Memory for the deformed vertices of one instance, in the mesh's order and space.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CrumpleHostBufferDef {
+    /// Bytes of this struct, from crumple_default_host_buffer_def().
+    pub struct_size: u32,
+    /// Positions: 3 floats a vertex, m. Required.
+    pub positions: CrumpleStream,
+    /// Unit normals: 3 floats a vertex. Absent: none are written.
+    pub normals: CrumpleStream,
+    /// Tangents: 4 floats a vertex, xyz of unit length and orthogonal to the normal, w as in the base mesh. Absent: none are
+    /// written.
+    pub tangents: CrumpleStream,
+}
+
+// SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
+unsafe impl Def for CrumpleHostBufferDef {
+    const DEFAULT: &'static str = "crumple_default_host_buffer_def";
+}
+
+/// What a context keeps of a buffer. Buffers of graphics devices will be another kind of memory here.
+pub(super) struct BufferEntry {
+    pub(super) owner: CrumpleInstance,
+    pub(super) tracker: Tracker,
+    pub(super) memory: HostMemory,
+}
+
+/// Checked memory of the host.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct HostMemory {
+    positions: Stream,
+    normals: Option<Stream>,
+    tangents: Option<Stream>,
+}
+
+impl HostMemory {
+    fn new(def: &CrumpleHostBufferDef, set: &ExampleSet) -> Result<Self, Failure> {
+        let n = set.vertex_count();
+        let positions = Stream::new(def.positions, 12, n, "def.positions")?;
+        let normals = Stream::new(def.normals, 12, n, "def.normals")?;
+        let tangents = Stream::new(def.tangents, 16, n, "def.tangents")?;
+        disjoint(&[("def.positions", positions), ("def.normals", normals), ("def.tangents", tangents)])?;
+        let lacks = |what: &str, why: &str| -> Failure {
+            crate::Error::Mesh { what: format!("it has no {what} to deform{why}") }.into()
+        };
+        if normals.is_some() && set.mesh().normals().is_none() {
+            return Err(lacks("normals", ", nor triangles to compute them from"));
+        }
+        if tangents.is_some() && set.mesh().tangents().is_none() {
+            return Err(lacks("tangents", ""));
+        }
+        let positions = positions.ok_or_else(|| {
+            Failure::new(CrumpleResult::CrumpleErrorNullPointer, "def.positions.data is null; a buffer needs positions")
+        })?;
+        Ok(Self { positions, normals, tangents })
+    }
+
+    /// The memory as the deformer sees it.
+    ///
+    /// # Safety
+    /// The host's memory is still there, and nobody else touches it while a deform runs.
+    pub(super) unsafe fn vertices(&self) -> Result<VertexMemory<'static>, Failure> {
+        let raw = |s: &Stream| RawStream {
+            data: s.data,
+            size: s.layout.span().len(),
+            layout: Attribute { offset: 0, stride: s.layout.stride },
+        };
+        let (normals, tangents) = (self.normals.as_ref().map(raw), self.tangents.as_ref().map(raw));
+        // SAFETY: the caller's; `new` checked sizes, alignment, strides and that the streams are disjoint.
+        Ok(unsafe { VertexMemory::from_raw(raw(&self.positions), normals, tangents) }?)
+    }
+
+    pub(super) fn streams(&self) -> impl Iterator<Item = Stream> {
+        [Some(self.positions), self.normals, self.tangents].into_iter().flatten()
+    }
+}
+
+/// A buffer without memory; set its streams. Never fails; any thread.
+#[unsafe(no_mangle)]
+pub extern "C" fn crumple_default_host_buffer_def() -> CrumpleHostBufferDef {
+    CrumpleHostBufferDef {
+        struct_size: size_of::<CrumpleHostBufferDef>() as u32,
+        positions: CrumpleStream::ABSENT,
+        normals: CrumpleStream::ABSENT,
+        tangents: CrumpleStream::ABSENT,
+    }
+}
+
+/// Registers memory of yours that crumple_deform() writes an instance's vertices to. An instance may have several, such as the
+/// members of a ring, each of which gets what it lacks. Nothing is written yet; the first deform writes every vertex. The
+/// memory is touched by crumple_deform() only, and must stay until the buffer is unregistered, given other memory, or its
+/// instance or context is destroyed. Memory of different buffers must not overlap (debug builds of the library check it).
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
+/// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (a stride smaller than an element, streams that overlap),
+/// CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_MESH (normals or tangents of a mesh that has none),
+/// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_register_host_buffer(
+    context: *mut CrumpleContext,
+    instance: CrumpleInstance,
+    def: *const CrumpleHostBufferDef,
+    out_buffer: *mut CrumpleBuffer,
+) -> CrumpleResult {
+    exclusive("crumple_register_host_buffer", context, |_, state| {
+        // SAFETY: the caller's.
+        let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_buffer, "out_buffer")?) };
+        let entry = state.instances.get_mut(instance, "instance")?;
+        let memory = HostMemory::new(&def, entry.instance.example_set())?;
+        state.buffers.reserve::<CrumpleBuffer>()?;
+        let full = |_| Failure::new(CrumpleResult::CrumpleErrorOutOfMemory, "no memory for one more buffer");
+        entry.buffers.try_reserve(1).map_err(full)?;
+        let id = state.buffers.insert(BufferEntry { owner: instance, tracker: Tracker::new(), memory });
+        entry.buffers.push(id);
+        out.write(id);
+        Ok(())
+    })
+}
+
+/// Forgets a buffer. The memory stays as it is, yours alone again.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_CONCURRENT_USE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_unregister_buffer(
+    context: *mut CrumpleContext,
+    buffer: CrumpleBuffer,
+) -> CrumpleResult {
+    exclusive("crumple_unregister_buffer", context, |_, state| {
+        let entry = state.buffers.remove(buffer, "buffer")?;
+        state.instances.get_mut(entry.owner, "instance")?.buffers.retain(|b| *b != buffer);
+        Ok(())
+    })
+}
+
+/// Says that somebody else wrote to a buffer's memory, or that its contents were lost: the next deform writes every vertex.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_CONCURRENT_USE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_invalidate_buffer(
+    context: *mut CrumpleContext,
+    buffer: CrumpleBuffer,
+) -> CrumpleResult {
+    exclusive("crumple_invalidate_buffer", context, |_, state| {
+        state.buffers.get_mut(buffer, "buffer")?.tracker.invalidate();
+        Ok(())
+    })
+}
+
+/// Gives a buffer other memory, such as a newly mapped one, and invalidates it.
+///
+/// Externally synchronised. Errors: as for crumple_register_host_buffer(); the buffer keeps its memory then.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_set_host_buffer_memory(
+    context: *mut CrumpleContext,
+    buffer: CrumpleBuffer,
+    def: *const CrumpleHostBufferDef,
+) -> CrumpleResult {
+    exclusive("crumple_set_host_buffer_memory", context, |_, state| {
+        // SAFETY: the caller's.
+        let def = unsafe { self::def(def, "def") }?;
+        let entry = state.buffers.get_mut(buffer, "buffer")?;
+        let set = state.instances.get(entry.owner, "instance")?.instance.example_set();
+        entry.memory = HostMemory::new(&def, set)?;
+        entry.tracker.invalidate();
+        Ok(())
+    })
+}

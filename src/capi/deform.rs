@@ -1,0 +1,136 @@
+//! Deformation: marks become vertices.
+
+use super::buffer::BufferEntry;
+use super::check::{Out, array, write_array};
+use super::context::{CrumpleContext, State, exclusive};
+use super::result::{CrumpleResult, Failure};
+use super::tasks::Quiet;
+use super::types::{CrumpleAabb, CrumpleBuffer, CrumpleRange};
+use crate::error::reserve;
+use crate::{Aabb, DeformJob};
+
+/// What a deform did.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct CrumpleDeformReport {
+    /// Vertices written, over all buffers.
+    pub vertices_written: u64,
+    /// Blocks of consecutive vertices written.
+    pub blocks_written: u64,
+    /// Blocks that were up to date already.
+    pub blocks_skipped: u64,
+    /// Zero; room for later.
+    pub reserved: [u64; 5],
+}
+
+impl From<Aabb> for CrumpleAabb {
+    fn from(bounds: Aabb) -> Self {
+        Self { min: bounds.min.into(), max: bounds.max.into() }
+    }
+}
+
+/// Brings buffers up to date: count ids at buffers, each once; with null and 0 all of the context. Writes only where damage
+/// changed since a buffer was last written, in parallel over all of them, and is cheap where nothing did. Do not read or write
+/// the buffers' memory meanwhile. An instance that nobody sees needs no deform: it catches up in one, however many hits it
+/// took. out_report may be null.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (a buffer twice; in debug builds of the library: memory of two buffers overlaps),
+/// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE. No vertex is written then.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_deform(
+    context: *mut CrumpleContext,
+    buffers: *const CrumpleBuffer,
+    count: u32,
+    out_report: *mut CrumpleDeformReport,
+) -> CrumpleResult {
+    exclusive("crumple_deform", context, |context, state| {
+        // SAFETY: the caller's.
+        let (out, given) =
+            unsafe { (Out::optional(out_report, "out_report")?, array(buffers, count as usize, "buffers")?) };
+        let State { instances, buffers: entries, .. } = state;
+        let all = buffers.is_null();
+        let mut chosen: Vec<CrumpleBuffer> = reserve(given.len(), "buffers")?;
+        for (i, &id) in given.iter().enumerate() {
+            entries.get(id, &format!("buffers[{i}]"))?;
+            chosen.push(id);
+        }
+        chosen.sort_unstable_by_key(|id| id.index);
+        if let Some([twice, _]) = chosen.array_windows().find(|[a, b]| a == b) {
+            return Err(Failure::invalid(format!("buffers names buffer {} twice; name each once", twice.index)));
+        }
+        let is_chosen = |id: &CrumpleBuffer| all || chosen.binary_search_by_key(&id.index, |c| c.index).is_ok();
+        for (_, entry) in entries.iter::<CrumpleBuffer>().filter(|(id, _)| is_chosen(id)) {
+            instances.get_mut(entry.owner, "instance")?.instance.fold();
+        }
+        if cfg!(debug_assertions) {
+            apart(entries.iter::<CrumpleBuffer>().filter(|(id, _)| is_chosen(id)))?;
+        }
+        let mut jobs = reserve(if all { entries.len() } else { chosen.len() }, "deform jobs")?;
+        for (_, entry) in entries.iter_mut::<CrumpleBuffer>().filter(|(id, _)| is_chosen(id)) {
+            jobs.push(DeformJob {
+                instance: &instances.get(entry.owner, "instance")?.instance,
+                tracker: &mut entry.tracker,
+                // SAFETY: the caller keeps registered memory alive, and leaves it alone during this call.
+                memory: unsafe { entry.memory.vertices() }?,
+            });
+        }
+        let report = crate::deform(&mut jobs, &Quiet(context.tasks()))?;
+        out.write(CrumpleDeformReport {
+            vertices_written: report.vertices_written,
+            blocks_written: report.blocks_written,
+            blocks_skipped: report.blocks_skipped,
+            reserved: [0; 5],
+        });
+        Ok(())
+    })
+}
+
+/// Refuses buffers that share memory.
+fn apart<'a>(entries: impl Iterator<Item = (CrumpleBuffer, &'a BufferEntry)>) -> Result<(), Failure> {
+    let mut layouts: Vec<_> =
+        entries.flat_map(|(id, entry)| entry.memory.streams().map(move |s| (s.layout, id.index))).collect();
+    layouts.sort_unstable_by_key(|(layout, _)| layout.first);
+    for (i, (a, x)) in layouts.iter().enumerate() {
+        for (b, y) in layouts[i + 1..].iter().take_while(|(b, _)| b.first < a.span().end) {
+            if x != y && a.overlaps(b) {
+                return Err(Failure::invalid(format!(
+                    "the memory of buffers {x} and {y} overlaps; each needs its own"
+                )));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Tells which vertices the last deform that named a buffer wrote (increasing ranges, apart from each other), and the box, m,
+/// around all of its vertices as they are now: what to upload, what to refit, what to cull with. ranges has room for capacity
+/// of them; with null and 0 only their number is told. out_bounds may be null.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_BUFFER_TOO_SMALL (capacity is smaller than the number of ranges), CRUMPLE_ERROR_CONCURRENT_USE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_get_buffer_changes(
+    context: *mut CrumpleContext,
+    buffer: CrumpleBuffer,
+    ranges: *mut CrumpleRange,
+    capacity: u32,
+    out_count: *mut u32,
+    out_bounds: *mut CrumpleAabb,
+) -> CrumpleResult {
+    exclusive("crumple_get_buffer_changes", context, |_, state| {
+        // SAFETY: the caller's.
+        let outs = unsafe { (Out::new(out_count, "out_count")?, Out::optional(out_bounds, "out_bounds")?) };
+        let entry = state.buffers.get(buffer, "buffer")?;
+        let changed = entry.tracker.changed();
+        let mut found = reserve(changed.len(), "ranges")?;
+        found.extend(changed.iter().map(|r| CrumpleRange { first: r.start, count: r.end - r.start }));
+        // SAFETY: the caller's.
+        unsafe { write_array(&found, ranges, capacity as usize, "ranges") }?;
+        let at_rest = || state.instances.get(entry.owner, "instance").map(|e| e.instance.example_set().mesh().bounds());
+        let bounds = entry.tracker.bounds().map_or_else(at_rest, Ok)?;
+        outs.0.write(found.len() as u32);
+        outs.1.write(bounds.into());
+        Ok(())
+    })
+}

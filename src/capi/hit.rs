@@ -1,0 +1,260 @@
+//! Hits: what the physics engine reports.
+
+use super::check::{CEnum, Def, Out, boolean, def, enumerator, finite};
+use super::context::{CrumpleContext, concurrent};
+use super::damage::CrumpleMark;
+use super::result::{CrumpleResult, Failure};
+use super::types::{CrumpleInstance, CrumpleVec3};
+use crate::{Cause, Hit, HitStatus, Outcome, Space};
+use std::mem::MaybeUninit;
+use std::sync::PoisonError;
+
+/// The space a hit is given in.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CrumpleSpace {
+    /// The mesh's own. The default.
+    Local = 0,
+    /// The world's: through the instance's transform.
+    World = 1,
+}
+
+impl CEnum for CrumpleSpace {
+    const ALL: &'static [Self] = &[Self::Local, Self::World];
+}
+
+/// A hit by an impulse. The contact is displaced by impulse * duration / mass, so report a contact once, with its whole
+/// impulse and how long it took: fed with the time step of every frame instead, dents depend on the frame rate.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CrumpleImpulseDef {
+    /// Bytes of this struct, from crumple_default_impulse_def().
+    pub struct_size: u32,
+    /// The space of point and impulse. Default CRUMPLE_SPACE_LOCAL.
+    pub space: MaybeUninit<CrumpleSpace>,
+    /// Where it hit, m; its nearest vertex is the contact.
+    pub point: CrumpleVec3,
+    /// The impulse that the body received, N s.
+    pub impulse: CrumpleVec3,
+    /// How long it acted, s; above 0. Default 0: set it.
+    pub duration: f32,
+    /// Mass of the contact vertex, kg. 0: that of the set. Default 0.
+    pub mass: f32,
+    /// Only tell what the hit would do, and leave nothing. Default false.
+    pub preview: MaybeUninit<bool>,
+}
+
+/// A hit that should displace its contact so far: for engines with a mapping of their own. Free of the frame rate.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CrumpleDisplacementDef {
+    /// Bytes of this struct, from crumple_default_displacement_def().
+    pub struct_size: u32,
+    /// The space of point and displacement. Default CRUMPLE_SPACE_LOCAL.
+    pub space: MaybeUninit<CrumpleSpace>,
+    /// Where it hit, m; its nearest vertex is the contact.
+    pub point: CrumpleVec3,
+    /// How far the contact should move, m.
+    pub displacement: CrumpleVec3,
+    /// Only tell what the hit would do, and leave nothing. Default false.
+    pub preview: MaybeUninit<bool>,
+}
+
+// SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
+unsafe impl Def for CrumpleImpulseDef {
+    const DEFAULT: &'static str = "crumple_default_impulse_def";
+}
+
+// SAFETY: as above.
+unsafe impl Def for CrumpleDisplacementDef {
+    const DEFAULT: &'static str = "crumple_default_displacement_def";
+}
+
+/// What became of a hit.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CrumpleHitStatus {
+    /// It leaves a mark (with the literature's rules: a deformation).
+    Marked = 0,
+    /// It is weaker than the instance's yield threshold, or next to nothing.
+    BelowYield = 1,
+    /// No example moves the contact in the direction asked for.
+    NothingReaches = 2,
+}
+
+/// An example that a hit is made of.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct CrumpleChosen {
+    /// Its index in the set.
+    pub example: u32,
+    /// Its share of the dent; the shares of a hit sum to 1.
+    pub share: f32,
+    /// What its displacements are multiplied with.
+    pub scale: f32,
+    /// Whether it stays where it was made; otherwise it is carried to the contact.
+    pub anchored: bool,
+}
+
+/// What a hit was turned into, and what of it could not be met.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CrumpleHitResult {
+    /// What became of it.
+    pub status: MaybeUninit<CrumpleHitStatus>,
+    /// The vertex nearest to the point.
+    pub contact_vertex: u32,
+    /// Its distance from the point, m.
+    pub contact_distance: f32,
+    /// Displacement asked for at the contact, m, in the mesh's space.
+    pub target: CrumpleVec3,
+    /// Displacement that this hit alone brings there, m, in the mesh's space.
+    pub met: CrumpleVec3,
+    /// target - met, m.
+    pub unmet: CrumpleVec3,
+    /// Number of chosen examples.
+    pub chosen_count: u32,
+    /// Whether the target was longer than the depth limit and was cut to it.
+    pub clamped: bool,
+    /// The examples, the weightiest first.
+    pub chosen: [CrumpleChosen; 4],
+    /// The mark it leaves; zero everywhere where it leaves none.
+    pub mark: CrumpleMark,
+}
+
+impl From<&Outcome> for CrumpleHitResult {
+    fn from(outcome: &Outcome) -> Self {
+        let mut chosen = [CrumpleChosen::default(); 4];
+        let mut chosen_count = 0;
+        for (to, from) in chosen.iter_mut().zip(outcome.chosen.iter().flatten()) {
+            *to =
+                CrumpleChosen { example: from.example, share: from.share, scale: from.scale, anchored: from.anchored };
+            chosen_count += 1;
+        }
+        CrumpleHitResult {
+            status: MaybeUninit::new(match outcome.status {
+                HitStatus::Marked => CrumpleHitStatus::Marked,
+                HitStatus::BelowYield => CrumpleHitStatus::BelowYield,
+                HitStatus::NothingReaches => CrumpleHitStatus::NothingReaches,
+            }),
+            contact_vertex: outcome.contact_vertex,
+            contact_distance: outcome.contact_distance,
+            target: outcome.target.into(),
+            met: outcome.met.into(),
+            unmet: outcome.unmet.into(),
+            chosen_count,
+            clamped: outcome.clamped,
+            chosen,
+            mark: outcome.mark.map(bytemuck::cast).unwrap_or_default(),
+        }
+    }
+}
+
+/// An impulse of nothing, in the mesh's space; set its point, impulse and duration. Never fails; any thread.
+#[unsafe(no_mangle)]
+pub extern "C" fn crumple_default_impulse_def() -> CrumpleImpulseDef {
+    CrumpleImpulseDef {
+        struct_size: size_of::<CrumpleImpulseDef>() as u32,
+        space: MaybeUninit::new(CrumpleSpace::Local),
+        point: CrumpleVec3::default(),
+        impulse: CrumpleVec3::default(),
+        duration: 0.0,
+        mass: 0.0,
+        preview: MaybeUninit::new(false),
+    }
+}
+
+/// A displacement of nothing, in the mesh's space; set its point and displacement. Never fails; any thread.
+#[unsafe(no_mangle)]
+pub extern "C" fn crumple_default_displacement_def() -> CrumpleDisplacementDef {
+    CrumpleDisplacementDef {
+        struct_size: size_of::<CrumpleDisplacementDef>() as u32,
+        space: MaybeUninit::new(CrumpleSpace::Local),
+        point: CrumpleVec3::default(),
+        displacement: CrumpleVec3::default(),
+        preview: MaybeUninit::new(false),
+    }
+}
+
+/// Reports an impulse. Its examples are chosen at once; the mark it makes counts from the next call that reads damage
+/// (crumple_deform(), crumple_get_marks() and so on), whatever the order and the threads hits came from. A hit that is too weak,
+/// or that no example answers, is no error: see status. out_result may be null.
+///
+/// May be called from any thread at any time, also while other threads submit or deform; not while the instance or the context
+/// is being destroyed. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
+/// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INVALID_ARGUMENT (a duration not above 0, a negative mass, or
+/// none known), CRUMPLE_ERROR_CONTACT_TOO_FAR (the point is further from the body than the instance accepts),
+/// CRUMPLE_ERROR_OUT_OF_MEMORY. Nothing is left behind then.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_submit_impulse(
+    context: *mut CrumpleContext,
+    instance: CrumpleInstance,
+    def: *const CrumpleImpulseDef,
+    out_result: *mut CrumpleHitResult,
+) -> CrumpleResult {
+    let read = || {
+        // SAFETY: the caller's.
+        let def = unsafe { self::def(def, "def") }?;
+        let mass = finite([def.mass], "def.mass")?[0];
+        if mass < 0.0 {
+            return Err(Failure::invalid(format!(
+                "def.mass is {mass} kg; it must be positive, or 0 for that of the set"
+            )));
+        }
+        let cause = Cause::Impulse {
+            impulse: finite(def.impulse.array(), "def.impulse")?,
+            duration: finite([def.duration], "def.duration")?[0],
+            mass: (mass > 0.0).then_some(mass),
+        };
+        Ok((hit(def.point, def.space, cause)?, boolean(def.preview)))
+    };
+    // SAFETY: the caller's.
+    unsafe { submit("crumple_submit_impulse", context, instance, read, out_result) }
+}
+
+/// Reports a hit that should displace its contact so far. As crumple_submit_impulse() in every other respect, its threads and
+/// errors too.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_submit_displacement(
+    context: *mut CrumpleContext,
+    instance: CrumpleInstance,
+    def: *const CrumpleDisplacementDef,
+    out_result: *mut CrumpleHitResult,
+) -> CrumpleResult {
+    let read = || {
+        // SAFETY: the caller's.
+        let def = unsafe { self::def(def, "def") }?;
+        let cause = Cause::Displacement(finite(def.displacement.array(), "def.displacement")?);
+        Ok((hit(def.point, def.space, cause)?, boolean(def.preview)))
+    };
+    // SAFETY: the caller's.
+    unsafe { submit("crumple_submit_displacement", context, instance, read, out_result) }
+}
+
+fn hit(point: CrumpleVec3, space: MaybeUninit<CrumpleSpace>, cause: Cause) -> Result<Hit, Failure> {
+    let space = match enumerator(space, "def.space")? {
+        CrumpleSpace::Local => Space::Local,
+        CrumpleSpace::World => Space::World,
+    };
+    Ok(Hit { point: finite(point.array(), "def.point")?, cause, space })
+}
+
+/// # Safety
+/// `out` is null or points to a writable result.
+unsafe fn submit(
+    call: &'static str,
+    context: *const CrumpleContext,
+    instance: CrumpleInstance,
+    read: impl FnOnce() -> Result<(Hit, bool), Failure>,
+    out: *mut CrumpleHitResult,
+) -> CrumpleResult {
+    concurrent(call, context, |context| {
+        // SAFETY: the caller's.
+        let out = unsafe { Out::optional(out, "out_result") }?;
+        let (hit, preview) = read()?;
+        let inbox = context.inboxes.read().unwrap_or_else(PoisonError::into_inner).get(instance, "instance")?.clone();
+        let outcome = if preview { inbox.preview(&hit)? } else { inbox.submit(&hit)? };
+        out.write((&outcome).into());
+        Ok(())
+    })
+}

@@ -1,0 +1,233 @@
+//! Example sets from files.
+
+use super::check::{Def, Out, array, def, string};
+#[cfg(any(feature = "gltf", feature = "obj"))]
+use super::context::{Context, State};
+use super::context::{CrumpleContext, exclusive};
+use super::result::{CrumpleResult, Failure};
+use super::set::{CrumpleExampleSetOptions, default_options};
+#[cfg(any(feature = "gltf", feature = "obj"))]
+use super::set::{add_set, c_string, read_options};
+#[cfg(any(feature = "gltf", feature = "obj"))]
+use super::set_info::CrumplePrimitive;
+use super::types::CrumpleExampleSet;
+use std::ffi::{c_char, c_void};
+
+/// Which mesh of a glTF file, and how it is made ready.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CrumpleGltfDef {
+    /// Bytes of this struct, from crumple_default_gltf_def().
+    pub struct_size: u32,
+    /// Index of the mesh in the file, where mesh_name is null; UINT32_MAX: the first mesh that has morph targets. Default
+    /// UINT32_MAX.
+    pub mesh_index: u32,
+    /// Name of the mesh, UTF-8. Null: mesh_index decides. Default null.
+    pub mesh_name: *const c_char,
+    /// Path of the .glb or .gltf file, UTF-8, for crumple_load_example_set_gltf(). For crumple_load_example_set_gltf_memory()
+    /// the folder that files named in it are relative to; null: such files are an error.
+    pub path: *const c_char,
+    /// How the set is made ready. vertex_masses must be absent, or hold as many as the mesh has vertices.
+    pub options: CrumpleExampleSetOptions,
+}
+
+/// A base OBJ and its examples, and how they are made ready.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CrumpleObjDef {
+    /// Bytes of this struct, from crumple_default_obj_def().
+    pub struct_size: u32,
+    /// Number of example_paths, at least 1.
+    pub example_count: u32,
+    /// Path of the base mesh, UTF-8. Required.
+    pub base_path: *const c_char,
+    /// Paths of the examples, UTF-8: the base mesh after a collision, with the same vertices in the same order.
+    pub example_paths: *const *const c_char,
+    /// How the set is made ready.
+    pub options: CrumpleExampleSetOptions,
+}
+
+// SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
+unsafe impl Def for CrumpleGltfDef {
+    const DEFAULT: &'static str = "crumple_default_gltf_def";
+}
+
+// SAFETY: as above.
+unsafe impl Def for CrumpleObjDef {
+    const DEFAULT: &'static str = "crumple_default_obj_def";
+}
+
+/// The first mesh with morph targets, with default options; set the path. Never fails; any thread.
+#[unsafe(no_mangle)]
+pub extern "C" fn crumple_default_gltf_def() -> CrumpleGltfDef {
+    CrumpleGltfDef {
+        struct_size: size_of::<CrumpleGltfDef>() as u32,
+        mesh_index: u32::MAX,
+        mesh_name: std::ptr::null(),
+        path: std::ptr::null(),
+        options: default_options(),
+    }
+}
+
+/// Default options; set the paths. Never fails; any thread.
+#[unsafe(no_mangle)]
+pub extern "C" fn crumple_default_obj_def() -> CrumpleObjDef {
+    CrumpleObjDef {
+        struct_size: size_of::<CrumpleObjDef>() as u32,
+        example_count: 0,
+        base_path: std::ptr::null(),
+        example_paths: std::ptr::null(),
+        options: default_options(),
+    }
+}
+
+/// Makes an example set from a glTF 2.0 or GLB file: a mesh with its morph targets, dense or sparse, all primitives joined (see
+/// crumple_get_primitive()). Names come from mesh.extras.targetNames, contacts from mesh.extras.impacts where the file has
+/// them. Numbers are those of the mesh's own space: scales and rotations of nodes are not applied.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT (malformed, or no such mesh: the text lists those there
+/// are), CRUMPLE_ERROR_UNSUPPORTED (compressed with Draco or meshopt, or a build without CRUMPLE_FEATURE_GLTF),
+/// CRUMPLE_ERROR_EXAMPLE_MISMATCH (no morph targets), and those of crumple_create_example_set().
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_load_example_set_gltf(
+    context: *mut CrumpleContext,
+    def: *const CrumpleGltfDef,
+    out_set: *mut CrumpleExampleSet,
+) -> CrumpleResult {
+    exclusive("crumple_load_example_set_gltf", context, |context, state| {
+        // SAFETY: the caller's.
+        let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_set, "out_set")?) };
+        // SAFETY: the caller's.
+        let path = required(unsafe { string(def.path, "def.path") }?, "def.path")?;
+        #[cfg(feature = "gltf")]
+        {
+            // SAFETY: the caller's.
+            let choice = unsafe { mesh_choice(&def) }?;
+            let imported = crate::import::gltf_file(path.as_ref(), choice)?;
+            // SAFETY: the caller's.
+            unsafe { add_imported(context, state, imported, &def.options, out) }
+        }
+        #[cfg(not(feature = "gltf"))]
+        {
+            let _ = (context, state, path, out);
+            Err(not_built("gltf"))
+        }
+    })
+}
+
+/// The same from the bytes of a file: size bytes at data, read during the call only, of any alignment.
+///
+/// Externally synchronised. Errors: as for crumple_load_example_set_gltf().
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_load_example_set_gltf_memory(
+    context: *mut CrumpleContext,
+    data: *const c_void,
+    size: usize,
+    def: *const CrumpleGltfDef,
+    out_set: *mut CrumpleExampleSet,
+) -> CrumpleResult {
+    exclusive("crumple_load_example_set_gltf_memory", context, |context, state| {
+        // SAFETY: the caller's.
+        let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_set, "out_set")?) };
+        // SAFETY: the caller's.
+        let bytes = unsafe { array(data.cast::<u8>(), size, "data") }?;
+        #[cfg(feature = "gltf")]
+        {
+            // SAFETY: the caller's.
+            let (choice, folder) = unsafe { (mesh_choice(&def)?, string(def.path, "def.path")?) };
+            let imported = crate::import::gltf_slice(bytes, folder.map(std::path::Path::new), choice)?;
+            // SAFETY: the caller's.
+            unsafe { add_imported(context, state, imported, &def.options, out) }
+        }
+        #[cfg(not(feature = "gltf"))]
+        {
+            let _ = (context, state, def, bytes, out);
+            Err(not_built("gltf"))
+        }
+    })
+}
+
+/// Makes an example set from a base OBJ file and one OBJ file an example, which has the base's vertices in the base's order and
+/// is named after its file. Polygons are cut into triangles.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT, CRUMPLE_ERROR_UNSUPPORTED (a build without
+/// CRUMPLE_FEATURE_OBJ), and those of crumple_create_example_set().
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_load_example_set_obj(
+    context: *mut CrumpleContext,
+    def: *const CrumpleObjDef,
+    out_set: *mut CrumpleExampleSet,
+) -> CrumpleResult {
+    exclusive("crumple_load_example_set_obj", context, |context, state| {
+        // SAFETY: the caller's.
+        let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_set, "out_set")?) };
+        // SAFETY: the caller's.
+        let base = required(unsafe { string(def.base_path, "def.base_path") }?, "def.base_path")?;
+        // SAFETY: the caller's.
+        let paths = unsafe { array(def.example_paths, def.example_count as usize, "def.example_paths") }?;
+        let mut examples = crate::error::reserve(paths.len(), "def.example_paths")?;
+        for (i, &path) in paths.iter().enumerate() {
+            let name = format!("def.example_paths[{i}]");
+            // SAFETY: the caller's.
+            examples.push(std::path::PathBuf::from(required(unsafe { string(path, &name) }?, &name)?));
+        }
+        #[cfg(feature = "obj")]
+        {
+            let imported = crate::import::obj_files(base.as_ref(), &examples)?;
+            // SAFETY: the caller's.
+            unsafe { add_imported(context, state, imported, &def.options, out) }
+        }
+        #[cfg(not(feature = "obj"))]
+        {
+            let _ = (context, state, base, examples, out);
+            Err(not_built("obj"))
+        }
+    })
+}
+
+fn required<'a>(text: Option<&'a str>, name: &str) -> Result<&'a str, Failure> {
+    text.ok_or_else(|| Failure::new(CrumpleResult::CrumpleErrorNullPointer, format!("{name} is null")))
+}
+
+#[cfg(not(all(feature = "gltf", feature = "obj")))]
+fn not_built(feature: &str) -> Failure {
+    let message = format!("this build cannot: build the library with the feature {feature}");
+    Failure::new(CrumpleResult::CrumpleErrorUnsupported, message)
+}
+
+#[cfg(feature = "gltf")]
+unsafe fn mesh_choice(def: &CrumpleGltfDef) -> Result<crate::import::MeshChoice<'_>, Failure> {
+    use crate::import::MeshChoice;
+    // SAFETY: the caller's.
+    Ok(match (unsafe { string(def.mesh_name, "def.mesh_name") }?, def.mesh_index) {
+        (Some(name), _) => MeshChoice::Name(name),
+        (None, u32::MAX) => MeshChoice::First,
+        (None, index) => MeshChoice::Index(index as usize),
+    })
+}
+
+#[cfg(any(feature = "gltf", feature = "obj"))]
+unsafe fn add_imported(
+    context: &Context,
+    state: &mut State,
+    imported: crate::import::Imported,
+    options: &CrumpleExampleSetOptions,
+    out: Out<CrumpleExampleSet>,
+) -> Result<(), Failure> {
+    // SAFETY: the caller's.
+    let options = unsafe { read_options(options, imported.mesh.positions.len()) }?;
+    let text = |name: &Option<String>| name.as_deref().map(c_string);
+    let materials: Vec<_> = imported.primitives.iter().map(|p| text(&p.material)).collect();
+    let primitives = imported.primitives.iter().zip(&materials).map(|(p, material)| CrumplePrimitive {
+        material: material.as_ref().map_or(std::ptr::null(), |m| m.as_ptr()),
+        ..CrumplePrimitive::new(
+            p.first_vertex as u32..(p.first_vertex + p.vertex_count) as u32,
+            p.first_triangle as u32..(p.first_triangle + p.triangle_count) as u32,
+        )
+    });
+    let primitives = primitives.collect();
+    let materials = materials.into_iter().flatten().collect();
+    let transform = imported.node_transform.map(|m| *bytemuck::cast_ref(&m));
+    let file = (c_string(&imported.name), primitives, materials, transform);
+    add_set(context, state, (imported.mesh, imported.examples, options), file, out)
+}

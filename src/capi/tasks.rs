@@ -1,0 +1,199 @@
+//! The host's job system as this library's parallel-for.
+
+use super::boundary::quietly;
+use crate::error::reserve;
+use crate::{Serial, TaskSystem};
+use std::cell::Cell;
+use std::ffi::c_void;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError, RwLock};
+
+/// One task of a parallel-for, given to you to be run: index is 0 to count - 1, task_data what came with it.
+pub type CrumpleTask = Option<unsafe extern "C" fn(index: u32, task_data: *mut c_void)>;
+
+/// Your parallel-for: call task(index, task_data) once for every index below count, on any threads and in any order, and return
+/// when all have returned. Tasks never block, never throw, and may run at once. What you forget is run after you return, and an
+/// index that you run twice does nothing the second time. Called from the thread that called Crumple. Must not throw or jump
+/// out. It may call crumple_submit_impulse() and crumple_submit_displacement(), nothing else of the same context.
+pub type CrumpleParallelFor =
+    Option<unsafe extern "C" fn(count: u32, task: CrumpleTask, task_data: *mut c_void, user: *mut c_void)>;
+
+/// The host's job system. Zero everywhere: there is none, Crumple uses threads of its own.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CrumpleTaskSystem {
+    /// Runs tasks. Null: Crumple uses threads of its own.
+    pub parallel_for: CrumpleParallelFor,
+    /// Handed to parallel_for, untouched. May be null.
+    pub user: *mut c_void,
+    /// How many threads may work at once; 0 counts as 1. Only decides how finely work is cut: never the result.
+    pub workers: u32,
+}
+
+type Call = unsafe extern "C" fn(count: u32, task: CrumpleTask, task_data: *mut c_void, user: *mut c_void);
+
+/// The adapter. The host is not trusted to run every index once, nor to have stopped when it returns: each index is claimed,
+/// and leaving waits for those inside. `door` lives as long as the context, so a call that comes late finds it empty.
+pub(super) struct HostTasks {
+    call: Call,
+    user: *mut c_void,
+    workers: usize,
+    door: Box<RwLock<Option<Job>>>,
+    /// One parallel-for at a time.
+    turn: Mutex<()>,
+}
+
+// SAFETY: `user` is only handed back to the host, who promised that its function may be called from any thread.
+unsafe impl Send for HostTasks {}
+// SAFETY: as above.
+unsafe impl Sync for HostTasks {}
+
+/// What is to be done, by address: the references live until `parallel_for` has emptied the door again.
+struct Job {
+    task: *const (dyn Fn(usize) + Sync),
+    claimed: *const [AtomicBool],
+    panicked: *const Mutex<Option<String>>,
+}
+
+// SAFETY: the pointers are to things that may be shared between threads.
+unsafe impl Send for Job {}
+// SAFETY: as above.
+unsafe impl Sync for Job {}
+
+impl Job {
+    /// Runs one task unless somebody else did or does.
+    ///
+    /// # Safety
+    /// What the job points to is alive: the door is held, or this is the thread that filled it.
+    unsafe fn run(&self, index: usize) {
+        // SAFETY: the caller's.
+        let (task, claimed, panicked) = unsafe { (&*self.task, &*self.claimed, &*self.panicked) };
+        if claimed.get(index).is_none_or(|c| c.swap(true, Ordering::AcqRel)) {
+            return;
+        }
+        let outer = INSIDE.replace(true);
+        let done = quietly(|| task(index));
+        INSIDE.set(outer);
+        if let Err(message) = done {
+            panicked.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(message);
+        }
+    }
+}
+
+thread_local! {
+    /// Whether the thread runs a task now: a parallel-for inside one runs serially.
+    static INSIDE: Cell<bool> = const { Cell::new(false) };
+}
+
+impl HostTasks {
+    pub(super) fn new(call: Call, user: *mut c_void, workers: u32) -> Self {
+        let workers = (workers as usize).clamp(1, 1024);
+        Self { call, user, workers, door: Box::new(RwLock::new(None)), turn: Mutex::new(()) }
+    }
+}
+
+unsafe extern "C" fn run_task(index: u32, task_data: *mut c_void) {
+    // SAFETY: `task_data` is the door of a context, which lives as long as the context.
+    let door = unsafe { &*task_data.cast::<RwLock<Option<Job>>>() };
+    let job = door.read().unwrap_or_else(PoisonError::into_inner);
+    if let Some(job) = &*job {
+        // SAFETY: the door is held, and is emptied before what the job points to goes.
+        unsafe { job.run(index as usize) }
+    }
+}
+
+impl TaskSystem for HostTasks {
+    fn parallel_for(&self, count: usize, task: &(dyn Fn(usize) + Sync)) {
+        let flags = reserve::<AtomicBool>(count, "task flags");
+        let (Ok(mut claimed), Ok(number), false, true) = (flags, u32::try_from(count), INSIDE.get(), count > 1) else {
+            return Serial.parallel_for(count, task);
+        };
+        claimed.resize_with(count, || AtomicBool::new(false));
+        let panicked = Mutex::new(None);
+        let _turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
+        let job = || Job {
+            // SAFETY: only the lifetime changes; the door is emptied below before `task` goes.
+            task: unsafe { std::mem::transmute::<*const (dyn Fn(usize) + Sync), *const (dyn Fn(usize) + Sync)>(task) },
+            claimed: &raw const *claimed,
+            panicked: &raw const panicked,
+        };
+        *self.door.write().unwrap_or_else(PoisonError::into_inner) = Some(job());
+        // SAFETY: the host promised that its function may be called so; `run_task` may be called with the door as data from any
+        // thread, any number of times, with any index.
+        unsafe { (self.call)(number, Some(run_task), (&raw const *self.door).cast_mut().cast(), self.user) };
+        for index in 0..count {
+            // SAFETY: this is the thread that filled the door.
+            unsafe { job().run(index) };
+        }
+        // Waits for tasks that still run on the host's threads: each holds the door while it does.
+        *self.door.write().unwrap_or_else(PoisonError::into_inner) = None;
+        if let Some(message) = panicked.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            std::panic::resume_unwind(Box::new(message));
+        }
+    }
+
+    fn workers(&self) -> usize {
+        self.workers
+    }
+}
+
+/// Makes the panics of tasks as silent as those of the entry point that waits for them.
+pub(super) struct Quiet<'a>(pub(super) &'a dyn TaskSystem);
+
+impl TaskSystem for Quiet<'_> {
+    fn parallel_for(&self, count: usize, task: &(dyn Fn(usize) + Sync)) {
+        self.0.parallel_for(count, &|index| {
+            if let Err(message) = quietly(|| task(index)) {
+                std::panic::resume_unwind(Box::new(message));
+            }
+        });
+    }
+
+    fn workers(&self) -> usize {
+        self.0.workers()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::AtomicUsize;
+
+    /// Runs odd indices twice, from threads that it does not wait for, and forgets those that 4 divides.
+    unsafe extern "C" fn careless(count: u32, task: CrumpleTask, data: *mut c_void, _user: *mut c_void) {
+        let data = data.expose_provenance();
+        for index in (0..count + 7).filter(|i| i % 4 != 0) {
+            let run = move || {
+                // SAFETY: as the header allows.
+                unsafe { task.unwrap()(index, std::ptr::with_exposed_provenance_mut(data)) }
+            };
+            for _ in 0..1 + index % 2 {
+                std::thread::spawn(run);
+            }
+        }
+    }
+
+    #[test]
+    fn a_careless_host_runs_every_task_once() {
+        let host = HostTasks::new(careless, std::ptr::null_mut(), 4);
+        for count in [0, 1, 2, 37] {
+            let runs: Vec<_> = (0..count).map(|_| AtomicUsize::new(0)).collect();
+            host.parallel_for(count, &|i| {
+                host.parallel_for(2, &|_| {
+                    runs[i].fetch_add(1, Ordering::Relaxed);
+                });
+            });
+            assert!(runs.iter().all(|r| r.load(Ordering::Relaxed) == 2), "{runs:?}");
+        }
+        // Late callers still hold the door's address.
+        std::thread::sleep(std::time::Duration::from_millis(200));
+    }
+
+    #[test]
+    fn a_panic_in_a_task_comes_back_to_the_caller() {
+        let host = HostTasks::new(careless, std::ptr::null_mut(), 4);
+        let caught = quietly(|| host.parallel_for(5, &|i| assert!(i != 3, "task three")));
+        assert_eq!(caught.unwrap_err(), "task three");
+        std::thread::sleep(std::time::Duration::from_millis(200));
+    }
+}

@@ -1,0 +1,174 @@
+// The host's allocator: what was given comes back, with its size and alignment; running out is an error, not a crash.
+#include "support.h"
+
+enum { MAGIC = 0x5AFE };
+
+typedef struct Heap {
+    unsigned magic;
+    long blocks;
+    size_t bytes, peak, limit;
+    unsigned long calls;
+} Heap;
+
+// Before each block, so that free can check what it is told.
+typedef struct Head {
+    size_t size, align;
+    void *raw;
+    Heap *heap;
+} Head;
+
+// With CRUMPLE_LIMIT the program's threads are one: no lock is needed.
+static void *host_alloc(size_t size, size_t align, void *user) {
+    Heap *heap = user;
+    FACT(heap->magic == MAGIC && size > 0 && align >= 16 && (align & (align - 1)) == 0);
+    if (heap->limit != 0 && size > heap->limit) return NULL;
+    char *raw = malloc(size + align + sizeof(Head));
+    FACT(raw != NULL);
+    uintptr_t at = ((uintptr_t)raw + sizeof(Head) + align - 1) / align * align;
+    Head *head = (Head *)at - 1;
+    head->size = size;
+    head->align = align;
+    head->raw = raw;
+    head->heap = heap;
+    memset((void *)at, 0xCD, size);
+    ++heap->blocks;
+    ++heap->calls;
+    heap->bytes += size;
+    if (heap->bytes > heap->peak) heap->peak = heap->bytes;
+    return (void *)at;
+}
+
+static void host_free(void *pointer, size_t size, size_t align, void *user) {
+    Heap *heap = user;
+    Head *head = (Head *)pointer - 1;
+    FACT(heap->magic == MAGIC && head->heap == heap && head->size == size && head->align == align);
+    memset(pointer, 0xDD, size);
+    --heap->blocks;
+    heap->bytes -= size;
+    free(head->raw);
+}
+
+static CrumpleAllocatorDef allocator_of(Heap *heap) {
+    CrumpleAllocatorDef def = crumple_default_allocator_def();
+    heap->magic = MAGIC;
+    def.alloc = host_alloc;
+    def.free = host_free;
+    def.user = heap;
+    return def;
+}
+
+static Sheet sheet;
+
+// Makes one of everything, uses it, and leaves an error behind.
+static CrumpleContext *use_all(void) {
+    static float vertices[VERTICES][3];
+    CrumpleContext *context = make_context(1);
+    CrumpleExampleSet set, second;
+    CrumpleBuffer buffer;
+    CrumpleHostBufferDef buffer_def = crumple_default_host_buffer_def();
+    CrumpleAttachment lamp;
+    CrumpleFrame frame;
+    unsigned char bytes[4096];
+    size_t size;
+    OK(crumple_create_example_set(context, &sheet.def, &set));
+    OK(crumple_create_example_set(context, &sheet.def, &second));
+    OK(crumple_destroy_example_set(context, second));
+    CrumpleInstance body = make_instance(context, set), other = make_instance(context, set);
+    buffer_def.positions = stream_of(vertices, sizeof vertices, 0, 12);
+    OK(crumple_register_host_buffer(context, body, &buffer_def, &buffer));
+    for (int i = 0; i < 100; ++i) {
+        CrumpleDisplacementDef hit = displacement_at(0.009f * (float)i - 0.45f, 0.3f - 0.006f * (float)i, 0.03f);
+        OK(crumple_submit_displacement(context, body, &hit, NULL));
+    }
+    OK(crumple_deform(context, NULL, 0, NULL));
+    OK(crumple_save_damage(context, body, bytes, sizeof bytes, &size));
+    OK(crumple_load_damage(context, other, bytes, size));
+    OK(crumple_attach_point(context, set, vec3(0, 0, 1), &lamp));
+    OK(crumple_get_attached_frame(context, other, &lamp, &frame));
+    OK(crumple_destroy_instance(context, other));
+    FAILS(CRUMPLE_ERROR_INVALID_ID, "stale", crumple_reset_damage(context, other));
+    return context;
+}
+
+int main(void) {
+    Heap first = {0}, second = {0};
+    CrumpleAllocatorDef def = allocator_of(&first), other = allocator_of(&second);
+    make_sheet(&sheet);
+    if (!(crumple_features() & CRUMPLE_FEATURE_HOST_ALLOCATOR)) {
+        FAILS(CRUMPLE_ERROR_UNSUPPORTED, "host-allocator", crumple_set_allocator(&def));
+        printf("this build has no host allocator\n");
+        return 0;
+    }
+    // Bad defs change nothing.
+    def.alloc = NULL;
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "alloc", crumple_set_allocator(&def));
+    def = allocator_of(&first);
+    def.free = NULL;
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "free", crumple_set_allocator(&def));
+    def = allocator_of(&first);
+    def.struct_size -= 1;
+    FAILS(CRUMPLE_ERROR_STRUCT_SIZE, "allocator.struct_size", crumple_set_allocator(&def));
+    def = allocator_of(&first);
+
+    // Memory of the system's allocator is alive while hooks come and go.
+    CrumpleContext *before = use_all();
+    OK(crumple_set_allocator(&def));
+    CrumpleContext *during = use_all();
+    FACT(first.blocks > 0 && first.calls > 100);
+    OK(crumple_context_destroy(before));
+    OK(crumple_set_allocator(&other));
+    CrumpleContext *after = use_all();
+    OK(crumple_context_destroy(during));
+    FACT(first.blocks == 0 && first.bytes == 0 && second.blocks > 0);
+    OK(crumple_set_allocator(NULL));
+    OK(crumple_context_destroy(after));
+    FACT(second.blocks == 0 && second.bytes == 0);
+
+    // Nothing is left behind, however often.
+    OK(crumple_set_allocator(&def));
+    for (int i = 0; i < 20; ++i) {
+        OK(crumple_context_destroy(use_all()));
+        FACT(first.blocks == 0 && first.bytes == 0);
+    }
+    printf("%lu allocations, at most %zu bytes at once, all came back\n", first.calls, first.peak);
+
+    // With threads of the library's own, too, once they have ended.
+    CrumpleContext *threaded = make_context(3);
+    CrumpleExampleSet set;
+    OK(crumple_create_example_set(threaded, &sheet.def, &set));
+    OK(crumple_context_destroy(threaded));
+
+    // No memory for what the caller's counts ask for: an error, and the context goes on.
+    CrumpleContext *context = make_context(1);
+    CrumpleExampleSetDef large = sheet.def;
+    enum { MANY = 100000 };
+    float(*cloud)[3] = calloc(MANY, sizeof *cloud);
+    for (int i = 0; i < MANY; ++i) cloud[i][0] = (float)i, cloud[i][2] = 1;
+    large.vertex_count = MANY;
+    large.positions = large.normals = input_of(cloud, MANY * sizeof *cloud, 12);
+    large.tangents = input_of(NULL, 0, 0);
+    large.indices = input_of(NULL, 0, 0);
+    large.index_count = 0;
+    second.limit = 64 * 1024;
+    OK(crumple_set_allocator(&other));
+    FAILS_KEEPING(CRUMPLE_ERROR_OUT_OF_MEMORY, "1200000 bytes", set, crumple_create_example_set(context, &large, &set));
+    OK(crumple_set_allocator(&def));
+    OK(crumple_create_example_set(context, &sheet.def, &set));
+    OK(crumple_context_destroy(context));
+    FACT(second.blocks == 0);
+    free(cloud);
+
+    // Fifteen different allocators, and the first again.
+    Heap heaps[16];
+    memset(heaps, 0, sizeof heaps);
+    for (int i = 0; i < 13; ++i) {
+        CrumpleAllocatorDef one = allocator_of(&heaps[i]);
+        OK(crumple_set_allocator(&one));
+    }
+    CrumpleAllocatorDef last = allocator_of(&heaps[15]);
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "15 different allocators", crumple_set_allocator(&last));
+    OK(crumple_set_allocator(&def));
+    OK(crumple_set_allocator(NULL));
+    printf("%u checks\n", checks);
+    return 0;
+}

@@ -1,0 +1,647 @@
+// Everything wrong that can be said through the C interface: each has its result and its text, writes no output, and leaves the
+// context usable.
+#include "support.h"
+
+#include <float.h>
+
+static Sheet sheet;
+static CrumpleContext *context, *second;
+static CrumpleExampleSet set;
+static CrumpleInstance body;
+static CrumpleBuffer buffer;
+static float vertices[VERTICES][3];
+
+// The context is as good as ever.
+static void usable(void) {
+    static float last;
+    CrumpleDisplacementDef hit = displacement_at(0.1f, 0.1f, 0.03f);
+    CrumpleHitResult told;
+    CrumpleDeformReport report;
+    OK(crumple_submit_displacement(context, body, &hit, &told));
+    FACT(told.status == CRUMPLE_HIT_STATUS_MARKED);
+    OK(crumple_deform(context, &buffer, 1, &report));
+    FACT(report.vertices_written > 0 && isfinite(vertices[told.contact_vertex][2]));
+    OK(crumple_reset_damage(context, body));
+    OK(crumple_deform(context, NULL, 0, NULL));
+    FACT(last == 0 || last == vertices[told.contact_vertex][2]);
+    last = vertices[told.contact_vertex][2];
+}
+
+#define BAD(expected, part, call) (FAILS(CRUMPLE_ERROR_##expected, part, call), usable())
+#define BAD_KEEPING(expected, part, output, call)                                                                      \
+    do {                                                                                                               \
+        FAILS_KEEPING(CRUMPLE_ERROR_##expected, part, output, call);                                                   \
+        usable();                                                                                                      \
+    } while (0)
+
+static const float bad_floats[3] = {NAN, INFINITY, -INFINITY};
+
+// An address that is not a multiple of four.
+static void *crooked(void *pointer) {
+    return (char *)pointer + 1;
+}
+
+// A number that is no enumerator.
+#define SET_ENUM(field, number)                                                                                        \
+    do {                                                                                                               \
+        uint32_t number_ = (number);                                                                                   \
+        memcpy(&(field), &number_, 4);                                                                                 \
+    } while (0)
+
+static void contexts(void) {
+    CrumpleContextDef def = crumple_default_context_def();
+    CrumpleContext *out;
+    BAD_KEEPING(NULL_POINTER, "def is null", out, crumple_context_create(NULL, &out));
+    BAD(NULL_POINTER, "out_context is null", crumple_context_create(&def, NULL));
+    BAD_KEEPING(MISALIGNED, "def", out, crumple_context_create(crooked(&def), &out));
+    def.struct_size = 0;
+    BAD_KEEPING(STRUCT_SIZE, "crumple_default_context_def", out, crumple_context_create(&def, &out));
+    def.struct_size = sizeof def + 8;
+    BAD_KEEPING(STRUCT_SIZE, "def.struct_size", out, crumple_context_create(&def, &out));
+    def = crumple_default_context_def();
+    def.threads = 1025;
+    BAD_KEEPING(INVALID_ARGUMENT, "1025", out, crumple_context_create(&def, &out));
+    BAD(NULL_POINTER, "context is null", crumple_context_destroy(NULL));
+    CrumpleContext *gone = make_context(1);
+    OK(crumple_context_destroy(gone));
+    BAD(INVALID_ID, "destroyed", crumple_context_destroy(gone));
+    BAD(INVALID_ID, "destroyed", crumple_deform(gone, NULL, 0, NULL));
+    BAD(INVALID_ID, "never created", crumple_deform((CrumpleContext *)(void *)&def, NULL, 0, NULL));
+}
+
+static CrumpleExampleSet out_set;
+
+static void bad_set(CrumpleResult expected, const char *part, const CrumpleExampleSetDef *def) {
+    FAILS_KEEPING(expected, part, out_set, crumple_create_example_set(context, def, &out_set));
+    usable();
+}
+
+#define BAD_SET(expected, part, change)                                                                                \
+    do {                                                                                                               \
+        CrumpleExampleSetDef def = sheet.def;                                                                          \
+        CrumpleExampleDef example = sheet.examples[0];                                                                 \
+        def.examples = &example;                                                                                       \
+        def.example_count = 1;                                                                                         \
+        change;                                                                                                        \
+        bad_set(CRUMPLE_ERROR_##expected, part, &def);                                                                 \
+    } while (0)
+
+static void meshes(void) {
+    BAD_SET(STRUCT_SIZE, "def.struct_size is 12", def.struct_size = 12);
+    BAD_KEEPING(NULL_POINTER, "def is null", out_set, crumple_create_example_set(context, NULL, &out_set));
+    BAD(NULL_POINTER, "out_set is null", crumple_create_example_set(context, &sheet.def, NULL));
+    BAD_KEEPING(NULL_POINTER, "context is null", out_set, crumple_create_example_set(NULL, &sheet.def, &out_set));
+    BAD_SET(MESH, "vertex_count is 0", def.vertex_count = 0);
+    BAD_SET(NULL_POINTER, "def.positions", def.positions = input_of(NULL, 0, 0));
+    BAD_SET(NULL_POINTER, "def.normals.data is null", def.normals.data = NULL);
+    BAD_SET(MISALIGNED, "def.positions.data", def.positions.data = crooked(sheet.positions));
+    BAD_SET(MISALIGNED, "def.normals.stride is 13", def.normals.stride = 13);
+    BAD_SET(INVALID_ARGUMENT, "def.positions.stride is 8", def.positions.stride = 8);
+    BAD_SET(INVALID_ARGUMENT, "0 never means tightly packed", def.tangents.stride = 0);
+    BAD_SET(INVALID_ARGUMENT, "def.tangents.stride is 12", def.tangents.stride = 12);
+    BAD_SET(BUFFER_TOO_SMALL, "def.positions", def.positions.size -= 1);
+    BAD_SET(BUFFER_TOO_SMALL, "def.positions", def.vertex_count += 1);
+    BAD_SET(BUFFER_TOO_SMALL, "def.positions", def.vertex_count = UINT32_MAX);
+    BAD_SET(BUFFER_TOO_SMALL, "def.positions", def.positions.stride = SIZE_MAX & ~(size_t)3);
+    BAD_SET(INVALID_ARGUMENT, "past the end of memory", def.positions.size = SIZE_MAX);
+    // Triangles.
+    BAD_SET(INVALID_ARGUMENT, "multiple of 3", def.index_count -= 1);
+    BAD_SET(BUFFER_TOO_SMALL, "def.indices", def.index_count += 3);
+    BAD_SET(NULL_POINTER, "def.indices", def.indices = input_of(NULL, 0, 0));
+    BAD_SET(INVALID_ARGUMENT, "def.index_type is 9", SET_ENUM(def.index_type, 9));
+    uint32_t kept = sheet.indices[7];
+    sheet.indices[7] = VERTICES;
+    BAD_SET(INDEX_OUT_OF_RANGE, "625", (void)0);
+    sheet.indices[7] = UINT32_MAX;
+    BAD_SET(INDEX_OUT_OF_RANGE, "4294967295", (void)0);
+    sheet.indices[7] = kept;
+    static uint16_t narrow[INDICES];
+    for (int i = 0; i < INDICES; ++i) narrow[i] = (uint16_t)sheet.indices[i];
+    BAD_SET(MISALIGNED, "def.indices.data", (def.index_type = CRUMPLE_INDEX_TYPE_U16, def.indices = input_of(crooked(narrow), sizeof narrow - 2, 2)));
+    BAD_SET(MISALIGNED, "def.indices.stride is 3", (def.index_type = CRUMPLE_INDEX_TYPE_U16, def.indices = input_of(narrow, sizeof narrow, 3)));
+    BAD_SET(BUFFER_TOO_SMALL, "def.indices", def.indices = input_of(narrow, sizeof narrow, 4));
+    // Numbers that are none.
+    for (int i = 0; i < 3; ++i) {
+        float held = sheet.positions[77][1];
+        sheet.positions[77][1] = bad_floats[i];
+        BAD_SET(NOT_FINITE, "77", (void)0);
+        sheet.positions[77][1] = held;
+        held = sheet.normals[78][2];
+        sheet.normals[78][2] = bad_floats[i];
+        BAD_SET(NOT_FINITE, "78", (void)0);
+        sheet.normals[78][2] = held;
+        held = sheet.tangents[79][3];
+        sheet.tangents[79][3] = bad_floats[i];
+        BAD_SET(NOT_FINITE, "79", (void)0);
+        sheet.tangents[79][3] = held;
+        held = sheet.targets[0][80][0];
+        sheet.targets[0][80][0] = bad_floats[i];
+        BAD_SET(NOT_FINITE, "target_positions[80]", (void)0);
+        sheet.targets[0][80][0] = held;
+        BAD_SET(NOT_FINITE, "def.options.depth_limit", def.options.depth_limit = bad_floats[i]);
+        BAD_SET(NOT_FINITE, "def.options.vertex_mass", def.options.vertex_mass = bad_floats[i]);
+        BAD_SET(NOT_FINITE, "contact_point", (example.contact_kind = CRUMPLE_CONTACT_KIND_POINT, example.contact_point.y = bad_floats[i]));
+        BAD_SET(NOT_FINITE, "contact_normal", (example.has_contact_normal = true, example.contact_normal.y = bad_floats[i]));
+    }
+    // Options.
+    BAD_SET(INVALID_ARGUMENT, "def.options.depth_limit is -1", def.options.depth_limit = -1);
+    BAD_SET(INVALID_ARGUMENT, "def.options.vertex_mass is -2", def.options.vertex_mass = -2);
+    BAD_SET(INVALID_ARGUMENT, "drop_below", def.options.drop_below = -1);
+    BAD_SET(INVALID_ARGUMENT, "stamp_resolution", def.options.stamp_resolution = 3);
+    BAD_SET(INVALID_ARGUMENT, "stamp_resolution", def.options.stamp_resolution = 1000000);
+    BAD_SET(INVALID_ARGUMENT, "def.options.combine is 77", SET_ENUM(def.options.combine, 77));
+    BAD_SET(INVALID_ARGUMENT, "def.options.seams is 4294967295", SET_ENUM(def.options.seams, UINT32_MAX));
+    static float masses[VERTICES];
+    for (int v = 0; v < VERTICES; ++v) masses[v] = 1;
+    BAD_SET(BUFFER_TOO_SMALL, "vertex_masses", def.options.vertex_masses = input_of(masses, sizeof masses - 4, 4));
+    BAD_SET(INVALID_ARGUMENT, "one of the two", (def.options.vertex_mass = 1, def.options.vertex_masses = input_of(masses, sizeof masses, 4)));
+    masses[9] = 0;
+    BAD_SET(INVALID_ARGUMENT, "9", def.options.vertex_masses = input_of(masses, sizeof masses, 4));
+    masses[9] = -3;
+    BAD_SET(INVALID_ARGUMENT, "9", def.options.vertex_masses = input_of(masses, sizeof masses, 4));
+    masses[9] = NAN;
+    memset(&out_set, 0xAB, sizeof out_set);
+    CrumpleExampleSetDef weighed = sheet.def;
+    weighed.options.vertex_masses = input_of(masses, sizeof masses, 4);
+    FACT(crumple_create_example_set(context, &weighed, &out_set) != CRUMPLE_OK && keeps(&out_set, sizeof out_set));
+    usable();
+}
+
+static void examples(void) {
+    static uint32_t indices[4] = {3, 10, 11, 500};
+    static float deltas[4][3] = {{0, 0, -0.1f}, {0, 0, -0.1f}, {0, 0, -0.2f}, {0, 0, -0.1f}};
+    CrumpleInput none = input_of(NULL, 0, 0);
+    BAD_SET(EXAMPLE_MISMATCH, "example", def.example_count = 0);
+    BAD_SET(NULL_POINTER, "def.examples is null", def.examples = NULL);
+    BAD_SET(MISALIGNED, "def.examples", def.examples = crooked(&example));
+    BAD_SET(STRUCT_SIZE, "def.examples[0].struct_size is 3", example.struct_size = 3);
+    BAD_SET(NULL_POINTER, "neither target_positions nor", example.target_positions = none);
+    BAD_SET(BUFFER_TOO_SMALL, "def.examples[0].target_positions", example.target_positions.size -= 12); // another vertex count
+    BAD_SET(INVALID_ARGUMENT, "name is not UTF-8", example.name = "\xc3(");
+    BAD_SET(INVALID_ARGUMENT, "def.examples[0].placement is 5", SET_ENUM(example.placement, 5));
+    BAD_SET(INVALID_ARGUMENT, "def.examples[0].contact_kind is 5", SET_ENUM(example.contact_kind, 5));
+    BAD_SET(EXAMPLE_MISMATCH, "625", (example.contact_kind = CRUMPLE_CONTACT_KIND_VERTEX, example.contact_vertex = VERTICES));
+    BAD_SET(EXAMPLE_MISMATCH, "contact normal has length 0", (example.has_contact_normal = true, example.contact_normal = vec3(0, 0, 0)));
+    BAD_SET(INVALID_ARGUMENT, "needs the base mesh's normals", (example.target_normals = example.target_positions, def.normals = none));
+    BAD_SET(INVALID_ARGUMENT, "one of the two forms", (example.delta_indices = input_of(indices, sizeof indices, 4), example.delta_count = 4));
+#define SPARSE(change)                                                                                                 \
+    (example.target_positions = none, example.delta_count = 4, example.delta_indices = input_of(indices, sizeof indices, 4), \
+     example.position_deltas = input_of(deltas, sizeof deltas, 12), (void)(change))
+    BAD_SET(NULL_POINTER, "the sparse form needs both", SPARSE(example.position_deltas = none));
+    BAD_SET(NULL_POINTER, "the sparse form needs both", SPARSE(example.delta_indices = none));
+    BAD_SET(BUFFER_TOO_SMALL, "def.examples[0].delta_indices", SPARSE(example.delta_count = 5));
+    BAD_SET(INVALID_ARGUMENT, "target_normals belongs to the full form", SPARSE(example.target_normals = sheet.def.normals));
+    BAD_SET(INVALID_ARGUMENT, "normal_deltas belongs to the sparse form", (example.delta_count = 4, example.normal_deltas = input_of(deltas, sizeof deltas, 12)));
+    indices[2] = 10; // twice
+    BAD_SET(EXAMPLE_MISMATCH, "increas", SPARSE(0));
+    indices[2] = 9; // not sorted
+    BAD_SET(EXAMPLE_MISMATCH, "increas", SPARSE(0));
+    indices[2] = 11;
+    indices[3] = VERTICES;
+    memset(&out_set, 0xAB, sizeof out_set);
+    CrumpleExampleSetDef def = sheet.def;
+    CrumpleExampleDef example = sheet.examples[0];
+    SPARSE(0);
+    def.examples = &example;
+    def.example_count = 1;
+    FACT(crumple_create_example_set(context, &def, &out_set) != CRUMPLE_OK && strstr(crumple_last_error(), "625"));
+    FACT(keeps(&out_set, sizeof out_set));
+    indices[3] = 500;
+    deltas[1][2] = NAN;
+    BAD_SET(NOT_FINITE, "def.examples[0].position_deltas[1]", SPARSE(0));
+    deltas[1][2] = -0.1f;
+    usable();
+}
+
+// What looks wrong and is not.
+static void odd_but_right(void) {
+    static Sheet odd;
+    CrumpleInstance one;
+    CrumpleDisplacementDef hit = displacement_at(0, 0, 0.04f);
+    CrumpleHitResult told;
+    CrumpleHostBufferDef buffer_def = crumple_default_host_buffer_def();
+    CrumpleBuffer odd_buffer;
+    static float out[VERTICES][6];
+    make_sheet(&odd);
+    memset(odd.normals[7], 0, 12);                                 // no length
+    for (int i = 3; i < 30; ++i) odd.indices[i] = odd.indices[0];  // no area
+    for (int v = 0; v < VERTICES; ++v)                             // half of the normals point the other way
+        for (int k = 0; k < 3; ++k)
+            if (v % 2) odd.normals[v][k] *= -1;
+    odd.examples[0].has_contact_normal = true;
+    odd.examples[0].contact_normal = vec3(0, 0, -1000);            // any length; opposite to the surface
+    odd.examples[0].placement = CRUMPLE_PLACEMENT_CARRIED;
+    odd.examples[1].target_positions = odd.def.positions;          // moves nothing
+    odd.examples[2].name = NULL;
+    OK(crumple_create_example_set(context, &odd.def, &out_set));
+    one = make_instance(context, out_set);
+    buffer_def.positions = stream_of(out, sizeof out, 0, 24);
+    buffer_def.normals = stream_of(out, sizeof out, 12, 24);
+    OK(crumple_register_host_buffer(context, one, &buffer_def, &odd_buffer));
+    for (int i = 0; i < 40; ++i) {
+        hit.point = vec3(0.02f * (float)i - 0.4f, 0.3f - 0.01f * (float)i, 0);
+        OK(crumple_submit_displacement(context, one, &hit, &told));
+    }
+    OK(crumple_deform(context, &odd_buffer, 1, NULL));
+    for (int v = 0; v < VERTICES; ++v)
+        for (int k = 0; k < 6; ++k) FACT(isfinite(out[v][k]));
+    // The set may go while its instance is in use.
+    OK(crumple_destroy_example_set(context, out_set));
+    hit.point = vec3(0, 0.2f, 0);
+    OK(crumple_submit_displacement(context, one, &hit, &told));
+    OK(crumple_deform(context, &odd_buffer, 1, NULL));
+    CrumpleAttachment lamp;
+    CrumpleInstanceDef again = crumple_default_instance_def();
+    again.set = out_set;
+    BAD(INVALID_ID, "def.set is stale", crumple_create_instance(context, &again, &one));
+    BAD_KEEPING(INVALID_ID, "set is stale", lamp, crumple_attach_point(context, out_set, vec3(0, 0, 0), &lamp));
+    OK(crumple_unregister_buffer(context, odd_buffer));
+
+    // One vertex, no triangles.
+    CrumpleExampleSetDef point = crumple_default_example_set_def();
+    CrumpleExampleDef moved = crumple_default_example_def();
+    float at[3] = {0, 0, 0}, up[3] = {0, 0, 1}, to[3] = {0, 0, -1};
+    point.vertex_count = 1;
+    point.positions = input_of(at, 12, 12);
+    point.normals = input_of(up, 12, 12);
+    point.examples = &moved;
+    point.example_count = 1;
+    moved.target_positions = input_of(to, 12, 12);
+    OK(crumple_create_example_set(context, &point, &out_set));
+    one = make_instance(context, out_set);
+    hit.point = vec3(0, 0, 0);
+    OK(crumple_submit_displacement(context, one, &hit, &told));
+    OK(crumple_destroy_instance(context, one));
+    OK(crumple_destroy_example_set(context, out_set));
+    usable();
+}
+
+static void infos(void) {
+    CrumpleExampleSetInfo info;
+    CrumpleExampleInfo example;
+    CrumplePrimitive primitive;
+    CrumpleMeshCopyDef copy = crumple_default_mesh_copy_def();
+    CrumpleAttachment lamp;
+    CrumpleFrame frame;
+    uint32_t vertex;
+    float distance;
+    static float out[VERTICES][4];
+    static uint32_t triangles[INDICES];
+    BAD(NULL_POINTER, "out_info", crumple_get_example_set_info(context, set, NULL));
+    BAD_KEEPING(MISALIGNED, "out_info", info, crumple_get_example_set_info(context, set, crooked(&info)));
+    BAD_KEEPING(INDEX_OUT_OF_RANGE, "example is 3; it must be below 3", example, crumple_get_example_info(context, set, 3, &example));
+    BAD_KEEPING(INDEX_OUT_OF_RANGE, "primitive is 1", primitive, crumple_get_primitive(context, set, 1, &primitive));
+    OK(crumple_nearest_vertex(context, set, vec3(0, 0, 0), NULL, NULL));
+    memset(&distance, 0xAB, 4);
+    BAD_KEEPING(NOT_FINITE, "point", vertex, crumple_nearest_vertex(context, set, vec3(0, NAN, 0), &vertex, &distance));
+    FACT(keeps(&distance, 4));
+    BAD_KEEPING(NOT_FINITE, "point", lamp, crumple_attach_point(context, set, vec3(0, 0, -INFINITY), &lamp));
+    OK(crumple_attach_point(context, set, vec3(0, 0, 0), &lamp));
+    BAD_KEEPING(NULL_POINTER, "attachment is null", frame, crumple_get_attached_frame(context, body, NULL, &frame));
+    lamp.vertices[1] = VERTICES;
+    BAD_KEEPING(INDEX_OUT_OF_RANGE, "attachment", frame, crumple_get_attached_frame(context, body, &lamp, &frame));
+    lamp.vertices[1] = 0;
+    lamp.weights[2] = NAN;
+    BAD_KEEPING(NOT_FINITE, "attachment", frame, crumple_get_attached_frame(context, body, &lamp, &frame));
+
+    memset(out, 0xAB, sizeof out);
+    memset(triangles, 0xAB, sizeof triangles);
+    copy.struct_size = 0;
+    BAD(STRUCT_SIZE, "crumple_default_mesh_copy_def", crumple_copy_base_mesh(context, set, &copy));
+    copy = crumple_default_mesh_copy_def();
+    OK(crumple_copy_base_mesh(context, set, &copy));
+    copy.positions = stream_of(out, sizeof out, 0, 16);
+    copy.indices = stream_of(triangles, sizeof triangles - 4, 0, 4);
+    BAD(BUFFER_TOO_SMALL, "def.indices", crumple_copy_base_mesh(context, set, &copy));
+    copy.indices = stream_of(triangles, sizeof triangles, 0, 4);
+    copy.positions = stream_of(triangles, sizeof triangles, 0, 12);
+    BAD(INVALID_ARGUMENT, "overlap", crumple_copy_base_mesh(context, set, &copy));
+    FACT(keeps(out, sizeof out) && keeps(triangles, sizeof triangles));
+}
+
+static void ids(void) {
+    CrumpleInstance null = {0, 0, 0}, invented = {77, 1, body.context}, gone = make_instance(context, set), foreign, wrong;
+    CrumpleExampleSet foreign_set, null_set = {0, 0, 0};
+    CrumpleBuffer null_buffer = {0, 0, 0};
+    CrumpleInstanceDef def = crumple_default_instance_def();
+    CrumpleInstanceInfo info;
+    OK(crumple_destroy_instance(context, gone));
+    OK(crumple_create_example_set(second, &sheet.def, &foreign_set));
+    foreign = make_instance(second, foreign_set);
+    wrong = body;
+    wrong.generation += 1;
+    BAD(INVALID_ID, "null instance", crumple_reset_damage(context, null));
+    BAD(INVALID_ID, "never was", crumple_reset_damage(context, invented));
+    BAD(INVALID_ID, "never was", crumple_reset_damage(context, wrong));
+    BAD(INVALID_ID, "stale", crumple_reset_damage(context, gone));
+    BAD(INVALID_ID, "another context", crumple_reset_damage(context, foreign));
+    BAD_KEEPING(INVALID_ID, "another context", info, crumple_get_instance_info(context, foreign, &info));
+    BAD(INVALID_ID, "stale", crumple_destroy_instance(context, gone));
+    BAD(INVALID_ID, "stale", crumple_copy_damage(context, body, gone));
+    BAD(INVALID_ID, "stale", crumple_copy_damage(context, gone, body));
+    BAD(INVALID_ID, "another context", crumple_copy_damage(context, body, foreign));
+    BAD(INVALID_ID, "null example set", crumple_destroy_example_set(context, null_set));
+    BAD(INVALID_ID, "another context", crumple_destroy_example_set(context, foreign_set));
+    BAD(INVALID_ID, "null buffer", crumple_unregister_buffer(context, null_buffer));
+    BAD(INVALID_ID, "null buffer", crumple_invalidate_buffer(context, null_buffer));
+    BAD(INVALID_ID, "buffers[0]", crumple_deform(context, &null_buffer, 1, NULL));
+    BAD_KEEPING(INVALID_ID, "def.set is the null example set", wrong, crumple_create_instance(context, &def, &wrong));
+    def.set = foreign_set;
+    BAD_KEEPING(INVALID_ID, "def.set is an id of another context", wrong, crumple_create_instance(context, &def, &wrong));
+    // A place that was used again keeps its former ids apart.
+    CrumpleInstance next = make_instance(context, set);
+    FACT(next.index == gone.index && next.generation == gone.generation + 1);
+    BAD(INVALID_ID, "stale", crumple_reset_damage(context, gone));
+    OK(crumple_destroy_instance(context, next));
+    OK(crumple_destroy_instance(second, foreign));
+    OK(crumple_destroy_example_set(second, foreign_set));
+}
+
+#define BAD_INSTANCE(expected, part, change)                                                                           \
+    do {                                                                                                               \
+        CrumpleInstanceDef def = crumple_default_instance_def();                                                       \
+        CrumpleInstance out;                                                                                           \
+        def.set = set;                                                                                                 \
+        change;                                                                                                        \
+        BAD_KEEPING(expected, part, out, crumple_create_instance(context, &def, &out));                                \
+    } while (0)
+
+static void instances(void) {
+    BAD_INSTANCE(STRUCT_SIZE, "crumple_default_instance_def", def.struct_size = 4);
+    BAD_INSTANCE(INVALID_ARGUMENT, "def.rule is 3", SET_ENUM(def.rule, 3));
+    BAD_INSTANCE(INVALID_ARGUMENT, "def.selection is 4", SET_ENUM(def.selection, 4));
+    BAD_INSTANCE(INVALID_ARGUMENT, "examples_per_hit", def.examples_per_hit = 0);
+    BAD_INSTANCE(INVALID_ARGUMENT, "examples_per_hit", def.examples_per_hit = 5);
+    BAD_INSTANCE(INVALID_ARGUMENT, "capacity", def.mark_capacity = 0);
+    BAD_INSTANCE(INVALID_ARGUMENT, "capacity", def.mark_capacity = 65536);
+    BAD_INSTANCE(INVALID_ARGUMENT, "def.depth_limit is -0.5", def.depth_limit = -0.5f);
+    BAD_INSTANCE(INVALID_ARGUMENT, "yield_impulse", def.yield_impulse = -1);
+    BAD_INSTANCE(INVALID_ARGUMENT, "yield_displacement", def.yield_displacement = -1);
+    BAD_INSTANCE(INVALID_ARGUMENT, "def.max_contact_distance", def.max_contact_distance = -1);
+    BAD_INSTANCE(INVALID_ARGUMENT, "blend", (def.rule = CRUMPLE_RULE_BLEND, def.blend_constant = 1.5f));
+    BAD_INSTANCE(INVALID_ARGUMENT, "selection", def.selection = CRUMPLE_SELECTION_CLASSIC_UNCLAMPED);
+    BAD_INSTANCE(INVALID_ARGUMENT, "selection", (def.rule = CRUMPLE_RULE_MOST_DISPLACED, def.selection = CRUMPLE_SELECTION_NEAREST));
+    BAD_INSTANCE(INVALID_ARGUMENT, "transform", def.local_to_world[0] = def.local_to_world[5] = 0);
+    BAD_INSTANCE(INVALID_ARGUMENT, "transform", def.local_to_world[3] = 1);
+    for (int i = 0; i < 3; ++i) {
+        BAD_INSTANCE(NOT_FINITE, "def.depth_limit", def.depth_limit = bad_floats[i]);
+        BAD_INSTANCE(NOT_FINITE, "def.yield_impulse", def.yield_impulse = bad_floats[i]);
+        BAD_INSTANCE(NOT_FINITE, "def.yield_displacement", def.yield_displacement = bad_floats[i]);
+        BAD_INSTANCE(NOT_FINITE, "def.max_contact_distance", def.max_contact_distance = bad_floats[i]);
+        BAD_INSTANCE(NOT_FINITE, "def.blend_constant", def.blend_constant = bad_floats[i]);
+        BAD_INSTANCE(NOT_FINITE, "def.local_to_world", def.local_to_world[13] = bad_floats[i]);
+        BAD(NOT_FINITE, "depth_limit", crumple_set_instance_depth_limit(context, body, bad_floats[i]));
+        BAD(NOT_FINITE, "keep", crumple_repair_damage(context, body, bad_floats[i]));
+    }
+    BAD(INVALID_ARGUMENT, "depth_limit is -1", crumple_set_instance_depth_limit(context, body, -1));
+    BAD(INVALID_ARGUMENT, "keep", crumple_repair_damage(context, body, -0.1f));
+    BAD(INVALID_ARGUMENT, "keep", crumple_repair_damage(context, body, 1.1f));
+    float matrix[17] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    BAD(NULL_POINTER, "local_to_world", crumple_set_instance_transform(context, body, NULL));
+    BAD(MISALIGNED, "local_to_world", crumple_set_instance_transform(context, body, crooked(matrix)));
+    matrix[10] = 0;
+    BAD(INVALID_ARGUMENT, "invertible", crumple_set_instance_transform(context, body, matrix));
+    matrix[10] = NAN;
+    BAD(NOT_FINITE, "local_to_world", crumple_set_instance_transform(context, body, matrix));
+}
+
+#define BAD_IMPULSE(expected, part, change)                                                                            \
+    do {                                                                                                               \
+        CrumpleImpulseDef def = crumple_default_impulse_def();                                                         \
+        def.impulse = vec3(0, 0, -1);                                                                                  \
+        def.duration = 0.01f;                                                                                          \
+        def.mass = 1;                                                                                                  \
+        change;                                                                                                        \
+        BAD_KEEPING(expected, part, told, crumple_submit_impulse(context, body, &def, &told));                         \
+    } while (0)
+
+static void hits(void) {
+    CrumpleHitResult told;
+    CrumpleDisplacementDef push = displacement_at(0, 0, 0.01f);
+    uint32_t count;
+    BAD_KEEPING(NULL_POINTER, "def is null", told, crumple_submit_impulse(context, body, NULL, &told));
+    BAD_KEEPING(NULL_POINTER, "def is null", told, crumple_submit_displacement(context, body, NULL, &told));
+    BAD(MISALIGNED, "out_result", crumple_submit_displacement(context, body, &push, crooked(&told)));
+    BAD_IMPULSE(STRUCT_SIZE, "crumple_default_impulse_def", def.struct_size += 4);
+    BAD_IMPULSE(INVALID_ARGUMENT, "def.space is 2", SET_ENUM(def.space, 2));
+    BAD_IMPULSE(INVALID_ARGUMENT, "duration", def.duration = 0);
+    BAD_IMPULSE(INVALID_ARGUMENT, "duration", def.duration = -0.1f);
+    BAD_IMPULSE(INVALID_ARGUMENT, "def.mass is -1", def.mass = -1);
+    BAD_IMPULSE(INVALID_ARGUMENT, "mass", def.mass = 0); // and the set has none
+    BAD_IMPULSE(CONTACT_TOO_FAR, "max_contact_distance", def.point = vec3(0, 0, 5000));
+    BAD_IMPULSE(CONTACT_TOO_FAR, "max_contact_distance", def.point = vec3(FLT_MAX, -FLT_MAX, FLT_MAX));
+    for (int i = 0; i < 3; ++i) {
+        BAD_IMPULSE(NOT_FINITE, "def.point", def.point.x = bad_floats[i]);
+        BAD_IMPULSE(NOT_FINITE, "def.impulse", def.impulse.y = bad_floats[i]);
+        BAD_IMPULSE(NOT_FINITE, "def.duration", def.duration = bad_floats[i]);
+        BAD_IMPULSE(NOT_FINITE, "def.mass", def.mass = bad_floats[i]);
+        push.displacement.z = bad_floats[i];
+        BAD_KEEPING(NOT_FINITE, "def.displacement", told, crumple_submit_displacement(context, body, &push, &told));
+        push = displacement_at(0, 0, 0.01f);
+    }
+    push.struct_size = 0;
+    BAD_KEEPING(STRUCT_SIZE, "crumple_default_displacement_def", told, crumple_submit_displacement(context, body, &push, &told));
+    BAD_KEEPING(NULL_POINTER, "context is null", told, crumple_submit_displacement(NULL, body, &push, &told));
+
+    // Nothing, next to nothing, and far too much are no errors.
+    const float sizes[] = {0, 1e-45f, 1e-30f, 1e30f, FLT_MAX};
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; ++i) {
+        CrumpleImpulseDef def = crumple_default_impulse_def();
+        CrumpleHitStatus expected = sizes[i] < 1 ? CRUMPLE_HIT_STATUS_BELOW_YIELD : CRUMPLE_HIT_STATUS_MARKED;
+        def.impulse = vec3(0, 0, -sizes[i]);
+        def.duration = 0.01f;
+        def.mass = 1;
+        OK(crumple_submit_impulse(context, body, &def, &told));
+        FACT(told.status == expected && told.clamped == (sizes[i] > 1));
+        FACT(isfinite(told.met.z) && fabsf(told.met.z) <= 0.0801f);
+        def.duration = FLT_MAX;
+        def.mass = 1e-30f;
+        OK(crumple_submit_impulse(context, body, &def, NULL));
+    }
+    OK(crumple_deform(context, NULL, 0, NULL));
+    for (int v = 0; v < VERTICES; ++v) {
+        float moved = 0;
+        for (int k = 0; k < 3; ++k) moved += (vertices[v][k] - sheet.positions[v][k]) * (vertices[v][k] - sheet.positions[v][k]);
+        FACT(sqrtf(moved) <= 0.080001f);
+    }
+    OK(crumple_get_marks(context, body, NULL, 0, &count));
+    FACT(count >= 1);
+    OK(crumple_reset_damage(context, body));
+    OK(crumple_deform(context, NULL, 0, NULL));
+    usable();
+}
+
+static void damage(void) {
+    CrumpleDisplacementDef hit = displacement_at(0.1f, 0.1f, 0.03f), other_hit = displacement_at(-0.2f, 0.2f, 0.02f);
+    CrumpleMark marks[4], bad;
+    CrumpleExampleSet other_set;
+    CrumpleInstance other;
+    unsigned char bytes[512], changed[512];
+    uint32_t count;
+    size_t size;
+    float moved;
+    OK(crumple_submit_displacement(context, body, &hit, NULL));
+    OK(crumple_submit_displacement(context, body, &other_hit, NULL));
+    memset(marks, 0xAB, sizeof marks);
+    FAILS_KEEPING(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "marks has room for 1; 2 are needed", count, crumple_get_marks(context, body, marks, 1, &count));
+    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "marks is null", count, crumple_get_marks(context, body, NULL, 2, &count));
+    FAILS_KEEPING(CRUMPLE_ERROR_MISALIGNED, "marks", count, crumple_get_marks(context, body, crooked(marks), 3, &count));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "out_count", crumple_get_marks(context, body, marks, 4, NULL));
+    FACT(keeps(marks, sizeof marks));
+    memset(bytes, 0xAB, sizeof bytes);
+    FAILS_KEEPING(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "88 are needed", size, crumple_save_damage(context, body, bytes, 87, &size));
+    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "data is null", size, crumple_save_damage(context, body, NULL, 88, &size));
+    FACT(keeps(bytes, sizeof bytes));
+    OK(crumple_get_marks(context, body, marks, 4, &count));
+    OK(crumple_save_damage(context, body, bytes, sizeof bytes, &size));
+    FACT(count == 2 && size == 88);
+
+    // Marks that the set cannot have change nothing.
+#define BAD_MARK(part, change)                                                                                         \
+    do {                                                                                                               \
+        bad = marks[0];                                                                                                \
+        change;                                                                                                        \
+        FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, part, crumple_set_marks(context, body, &bad, 1));                        \
+    } while (0)
+    BAD_MARK("contact", bad.contact = VERTICES);
+    BAD_MARK("depth", bad.depth = 0);
+    BAD_MARK("depth", bad.depth = -1);
+    BAD_MARK("depth", bad.depth = NAN);
+    BAD_MARK("depth", bad.depth = INFINITY);
+    BAD_MARK("energy", bad.energy = 0);
+    BAD_MARK("example", bad.pairs[0].example = EXAMPLES);
+    BAD_MARK("pairs", bad.pairs[0].example = 0xFFFF; bad.pairs[0].share = 0);
+    BAD_MARK("shares", for (int i = 0; i < 4; ++i) { bad.pairs[i].example = 0; bad.pairs[i].share = 0x7FFF; });
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "marks", crumple_set_marks(context, body, NULL, 1));
+    FAILS(CRUMPLE_ERROR_MISALIGNED, "marks", crumple_set_marks(context, body, crooked(marks), 1));
+
+    // Saved bytes: cut at every length, changed at every byte, from another set.
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "data is null", crumple_load_damage(context, body, NULL, 88));
+    for (size_t cut = 0; cut < size; ++cut) {
+        unsigned char *copy = malloc(cut ? cut : 1);
+        memcpy(copy, bytes, cut);
+        FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "saved damage", crumple_load_damage(context, body, copy, cut));
+        free(copy);
+    }
+    FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "saved damage", crumple_load_damage(context, body, bytes, size + 1));
+    OK(crumple_save_damage(context, body, changed, sizeof changed, &size));
+    FACT(size == 88 && memcmp(bytes, changed, size) == 0); // nothing has changed so far
+    for (size_t i = 0; i < size; ++i)
+        for (int bit = 0; bit < 8; bit += 3) {
+            memcpy(changed, bytes, size);
+            changed[i] ^= (unsigned char)(1 << bit);
+            CrumpleResult result = crumple_load_damage(context, body, changed, size);
+            FACT(result == CRUMPLE_OK || result == CRUMPLE_ERROR_DAMAGE_MISMATCH || result == CRUMPLE_ERROR_INVALID_ARGUMENT);
+            FACT(i >= 24 || result == CRUMPLE_ERROR_DAMAGE_MISMATCH); // the header is checked whole
+            OK(crumple_deform(context, NULL, 0, NULL));
+            for (int v = 0; v < VERTICES; ++v) {
+                moved = fabsf(vertices[v][2] - sheet.positions[v][2]);
+                FACT(moved <= 0.080001f);
+            }
+        }
+    OK(crumple_reset_damage(context, body));
+    CrumpleExampleSetDef def = sheet.def;
+    def.example_count = 2;
+    OK(crumple_create_example_set(context, &def, &other_set));
+    other = make_instance(context, other_set);
+    FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "example set", crumple_load_damage(context, other, bytes, size));
+    FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "example set", crumple_copy_damage(context, other, body));
+    OK(crumple_destroy_instance(context, other));
+    OK(crumple_destroy_example_set(context, other_set));
+    OK(crumple_deform(context, NULL, 0, NULL));
+    usable();
+}
+
+#define BAD_BUFFER(expected, part, change)                                                                             \
+    do {                                                                                                               \
+        CrumpleHostBufferDef def = crumple_default_host_buffer_def();                                                  \
+        CrumpleBuffer out;                                                                                             \
+        def.positions = stream_of(memory, sizeof memory, 0, 40);                                                       \
+        def.normals = stream_of(memory, sizeof memory, 12, 40);                                                        \
+        def.tangents = stream_of(memory, sizeof memory, 24, 40);                                                       \
+        change;                                                                                                        \
+        BAD_KEEPING(expected, part, out, crumple_register_host_buffer(context, body, &def, &out));                     \
+        BAD(expected, part, crumple_set_host_buffer_memory(context, buffer, &def));                                    \
+    } while (0)
+
+static void buffers(void) {
+    static float memory[VERTICES][10];
+    CrumpleBuffer twice[3] = {buffer, buffer, buffer}, same;
+    CrumpleDeformReport report;
+    CrumpleAabb bounds;
+    CrumpleRange ranges[1];
+    uint32_t count;
+    memset(memory, 0xAB, sizeof memory);
+    BAD_BUFFER(STRUCT_SIZE, "crumple_default_host_buffer_def", def.struct_size = 0);
+    BAD_BUFFER(NULL_POINTER, "def.positions", def.positions = stream_of(NULL, 0, 0, 0));
+    BAD_BUFFER(NULL_POINTER, "def.normals.data is null", def.normals.data = NULL);
+    BAD_BUFFER(MISALIGNED, "def.positions.data", def.positions.data = crooked(memory));
+    BAD_BUFFER(MISALIGNED, "def.normals.offset is 10", def.normals.offset = 10);
+    BAD_BUFFER(MISALIGNED, "def.tangents.stride is 41", def.tangents.stride = 41);
+    BAD_BUFFER(INVALID_ARGUMENT, "def.normals.stride is 0 bytes", def.normals.stride = 0);
+    BAD_BUFFER(INVALID_ARGUMENT, "def.tangents.stride is 12 bytes", def.tangents.stride = 12);
+    BAD_BUFFER(BUFFER_TOO_SMALL, "def.tangents", def.tangents.size -= 1);
+    BAD_BUFFER(BUFFER_TOO_SMALL, "def.positions", def.positions.size = 0);
+    BAD_BUFFER(BUFFER_TOO_SMALL, "def.positions", def.positions.offset = SIZE_MAX & ~(size_t)3);
+    BAD_BUFFER(BUFFER_TOO_SMALL, "def.positions", def.positions.stride = SIZE_MAX & ~(size_t)3);
+    BAD_BUFFER(INVALID_ARGUMENT, "def.normals and def.positions overlap", def.normals.offset = 8);
+    BAD_BUFFER(INVALID_ARGUMENT, "def.tangents and def.positions overlap", def.tangents.offset = 4);
+    BAD_KEEPING(NULL_POINTER, "def is null", same, crumple_register_host_buffer(context, body, NULL, &same));
+    FACT(keeps(memory, sizeof memory));
+
+    // Of a mesh without tangents, and without anything.
+    CrumpleExampleSetDef def = sheet.def;
+    CrumpleHostBufferDef buffer_def = crumple_default_host_buffer_def();
+    def.tangents = def.normals = def.indices = input_of(NULL, 0, 0);
+    def.index_count = 0;
+    OK(crumple_create_example_set(context, &def, &out_set));
+    CrumpleInstance bare = make_instance(context, out_set);
+    buffer_def.positions = stream_of(memory, sizeof memory, 0, 40);
+    buffer_def.tangents = stream_of(memory, sizeof memory, 24, 40);
+    BAD_KEEPING(MESH, "tangents", same, crumple_register_host_buffer(context, bare, &buffer_def, &same));
+    buffer_def.tangents = stream_of(NULL, 0, 0, 0);
+    buffer_def.normals = stream_of(memory, sizeof memory, 12, 40);
+    BAD_KEEPING(MESH, "normals", same, crumple_register_host_buffer(context, bare, &buffer_def, &same));
+    OK(crumple_destroy_instance(context, bare));
+    OK(crumple_destroy_example_set(context, out_set));
+
+    // Deforming.
+    BAD_KEEPING(INVALID_ARGUMENT, "twice", report, crumple_deform(context, twice, 3, &report));
+    BAD_KEEPING(NULL_POINTER, "buffers is null", report, crumple_deform(context, NULL, 1, &report));
+    BAD_KEEPING(MISALIGNED, "buffers", report, crumple_deform(context, crooked(twice), 1, &report));
+    BAD(MISALIGNED, "out_report", crumple_deform(context, &buffer, 1, crooked(&report)));
+    OK(crumple_deform(context, twice, 0, &report)); // none
+    FACT(report.vertices_written == 0 && report.blocks_skipped == 0);
+    memset(&bounds, 0xAB, sizeof bounds);
+    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "ranges is null", count, crumple_get_buffer_changes(context, buffer, NULL, 1, &count, &bounds));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "out_count is null", crumple_get_buffer_changes(context, buffer, ranges, 1, NULL, &bounds));
+    FACT(keeps(&bounds, sizeof bounds));
+    usable();
+}
+
+int main(void) {
+    make_sheet(&sheet);
+    context = make_context(2);
+    second = make_context(1);
+    OK(crumple_create_example_set(context, &sheet.def, &set));
+    body = make_instance(context, set);
+    CrumpleHostBufferDef def = crumple_default_host_buffer_def();
+    def.positions = stream_of(vertices, sizeof vertices, 0, 12);
+    OK(crumple_register_host_buffer(context, body, &def, &buffer));
+    OK(crumple_deform(context, NULL, 0, NULL));
+    usable();
+    contexts();
+    meshes();
+    examples();
+    odd_but_right();
+    infos();
+    ids();
+    instances();
+    hits();
+    damage();
+    buffers();
+    OK(crumple_context_destroy(second));
+    OK(crumple_context_destroy(context));
+    printf("%u checks\n", checks);
+    return 0;
+}

@@ -1,0 +1,268 @@
+// Damage through the C interface: marks, saving, repair, copies, limits, rules, transforms, what is written and what is not.
+#include "support.h"
+
+static Sheet sheet;
+static CrumpleContext *context;
+static CrumpleExampleSet set;
+
+typedef struct Vertex {
+    float position[3], uv[2], normal[3], tangent[4];
+    uint32_t colour;
+} Vertex;
+
+static float deepest(const Vertex *vertices) {
+    float depth = 0;
+    for (int v = 0; v < VERTICES; ++v) depth = fmaxf(depth, sheet.positions[v][2] - vertices[v].position[2]);
+    return depth;
+}
+
+static CrumpleBuffer register_all(CrumpleInstance body, Vertex *vertices) {
+    CrumpleHostBufferDef def = crumple_default_host_buffer_def();
+    CrumpleBuffer buffer;
+    size_t bytes = VERTICES * sizeof(Vertex);
+    def.positions = stream_of(vertices, bytes, offsetof(Vertex, position), sizeof(Vertex));
+    def.normals = stream_of(vertices, bytes, offsetof(Vertex, normal), sizeof(Vertex));
+    def.tangents = stream_of(vertices, bytes, offsetof(Vertex, tangent), sizeof(Vertex));
+    OK(crumple_register_host_buffer(context, body, &def, &buffer));
+    return buffer;
+}
+
+// Only the registered bytes are written, normals are of unit length, tangents at right angles to them.
+static void interleaved(void) {
+    static Vertex vertices[VERTICES];
+    CrumpleInstance body = make_instance(context, set);
+    CrumpleBuffer buffer;
+    CrumpleDeformReport report;
+    CrumpleRange ranges[8];
+    CrumpleAabb bounds;
+    uint32_t count = 0, written = 0;
+    memset(vertices, 0xAB, sizeof vertices);
+    buffer = register_all(body, vertices);
+    OK(crumple_get_buffer_changes(context, buffer, NULL, 0, &count, &bounds));
+    FACT(count == 0 && bounds.min.x == -0.5f && bounds.max.x == 0.5f);
+    CrumpleDisplacementDef hit = displacement_at(-0.3f, -0.3f, 0.04f);
+    OK(crumple_submit_displacement(context, body, &hit, NULL));
+    OK(crumple_deform(context, &buffer, 1, &report));
+    FACT(report.vertices_written == VERTICES && report.reserved[0] == 0);
+    for (int v = 0; v < VERTICES; ++v) {
+        const Vertex *at = &vertices[v];
+        const float *n = at->normal, *t = at->tangent;
+        FACT(keeps(at->uv, sizeof at->uv) && keeps(&at->colour, sizeof at->colour));
+        FACT(fabsf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - 1) < 1e-5f);
+        FACT(fabsf(t[0] * t[0] + t[1] * t[1] + t[2] * t[2] - 1) < 1e-5f && t[3] == 1);
+        FACT(fabsf(n[0] * t[0] + n[1] * t[1] + n[2] * t[2]) < 1e-5f);
+    }
+    FACT(fabsf(deepest(vertices) - 0.04f) < 0.01f);
+
+    // Another hit writes what it touched, and says so.
+    hit = displacement_at(0.4f, -0.4f, 0.01f);
+    OK(crumple_submit_displacement(context, body, &hit, NULL));
+    OK(crumple_deform(context, NULL, 0, &report));
+    FACT(report.vertices_written > 0 && report.vertices_written < VERTICES && report.blocks_skipped > 0);
+    OK(crumple_get_buffer_changes(context, buffer, NULL, 0, &count, NULL));
+    FACT(count > 0 && count <= 8);
+    if (count > 1) FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "ranges", crumple_get_buffer_changes(context, buffer, ranges, 1, &count, NULL));
+    OK(crumple_get_buffer_changes(context, buffer, ranges, 8, &count, &bounds));
+    for (uint32_t i = 0; i < count; ++i) written += ranges[i].count;
+    FACT(written == report.vertices_written);
+    for (int v = 0; v < VERTICES; ++v) FACT(vertices[v].position[2] >= bounds.min.z && vertices[v].position[2] <= bounds.max.z);
+
+    // A second buffer of the same instance gets everything; the first is up to date.
+    static Vertex second[VERTICES];
+    CrumpleBuffer other = register_all(body, second);
+    OK(crumple_deform(context, NULL, 0, &report));
+    FACT(report.vertices_written == VERTICES);
+    for (int v = 0; v < VERTICES; ++v) FACT(memcmp(vertices[v].position, second[v].position, 12) == 0);
+    memset(second, 0, sizeof second);
+    OK(crumple_invalidate_buffer(context, other));
+    OK(crumple_deform(context, NULL, 0, &report));
+    FACT(report.vertices_written == VERTICES && memcmp(vertices[5].position, second[5].position, 12) == 0);
+
+    // Other memory.
+    static Vertex third[VERTICES];
+    CrumpleHostBufferDef def = crumple_default_host_buffer_def();
+    def.positions = stream_of(third, sizeof third, 0, sizeof third[0]);
+    OK(crumple_set_host_buffer_memory(context, other, &def));
+    OK(crumple_deform(context, NULL, 0, &report));
+    FACT(report.vertices_written == VERTICES && memcmp(vertices[5].position, third[5].position, 12) == 0);
+    OK(crumple_unregister_buffer(context, other));
+    OK(crumple_destroy_instance(context, body));
+    FAILS(CRUMPLE_ERROR_INVALID_ID, "stale", crumple_deform(context, &buffer, 1, NULL));
+}
+
+static void marks_and_bytes(void) {
+    static Vertex vertices[VERTICES], copies[VERTICES];
+    CrumpleInstance body = make_instance(context, set), copy = make_instance(context, set);
+    CrumpleMark marks[16], again[16];
+    CrumpleInstanceInfo info;
+    unsigned char bytes[1024], repeated[1024];
+    uint32_t count = 0;
+    size_t size = 0, repeated_size = 0;
+    CrumpleHitResult told, preview;
+    register_all(body, vertices);
+    register_all(copy, copies);
+    for (int i = 0; i < 5; ++i) {
+        CrumpleDisplacementDef hit = displacement_at(0.15f * (float)i - 0.3f, 0.1f, 0.02f + 0.005f * (float)i);
+        hit.preview = true;
+        OK(crumple_submit_displacement(context, body, &hit, &preview));
+        hit.preview = false;
+        OK(crumple_submit_displacement(context, body, &hit, &told));
+        FACT(memcmp(&told.mark, &preview.mark, sizeof told.mark) == 0);
+        FACT(told.status == CRUMPLE_HIT_STATUS_MARKED && told.chosen_count >= 1 && told.chosen_count <= 3);
+        FACT(told.target.z == hit.displacement.z && !told.clamped);
+    }
+    OK(crumple_get_marks(context, body, NULL, 0, &count));
+    FACT(count == 5);
+    OK(crumple_get_marks(context, body, marks, 16, &count));
+    FACT(count == 5);
+
+    // Marks over the wire.
+    OK(crumple_set_marks(context, copy, marks, count));
+    OK(crumple_get_marks(context, copy, again, 16, &count));
+    FACT(count == 5 && memcmp(marks, again, 5 * sizeof marks[0]) == 0);
+    OK(crumple_deform(context, NULL, 0, NULL));
+    FACT(memcmp(vertices, copies, sizeof vertices) == 0);
+
+    // Saved bytes, also to an odd address.
+    OK(crumple_save_damage(context, body, NULL, 0, &size));
+    FACT(size == 24 + 5 * 32);
+    OK(crumple_save_damage(context, body, bytes + 1, sizeof bytes - 1, &size));
+    OK(crumple_reset_damage(context, copy));
+    OK(crumple_deform(context, NULL, 0, NULL));
+    FACT(memcmp(copies[300].position, sheet.positions[300], 12) == 0);
+    OK(crumple_load_damage(context, copy, bytes + 1, size));
+    OK(crumple_save_damage(context, copy, repeated, sizeof repeated, &repeated_size));
+    FACT(repeated_size == size && memcmp(bytes + 1, repeated, size) == 0);
+
+    // Repair, copy, limits.
+    OK(crumple_repair_damage(context, copy, 0.5f));
+    OK(crumple_deform(context, NULL, 0, NULL));
+    FACT(deepest(copies) < 0.6f * deepest(vertices) && deepest(copies) > 0.4f * deepest(vertices));
+    OK(crumple_copy_damage(context, copy, body));
+    OK(crumple_copy_damage(context, copy, copy));
+    OK(crumple_deform(context, NULL, 0, NULL));
+    FACT(memcmp(vertices, copies, sizeof vertices) == 0);
+    OK(crumple_set_instance_depth_limit(context, copy, 0.01f));
+    OK(crumple_deform(context, NULL, 0, NULL));
+    FACT(deepest(copies) <= 0.0100001f && deepest(vertices) > 0.02f);
+    OK(crumple_set_instance_depth_limit(context, copy, 0));
+    OK(crumple_deform(context, NULL, 0, NULL));
+    FACT(memcmp(vertices, copies, sizeof vertices) == 0);
+    OK(crumple_set_marks(context, copy, NULL, 0));
+    OK(crumple_get_instance_info(context, copy, &info));
+    FACT(info.mark_count == 0 && info.buffer_count == 1 && info.memory_bytes > 0);
+    OK(crumple_repair_damage(context, body, 0));
+    OK(crumple_destroy_instance(context, body));
+    OK(crumple_destroy_instance(context, copy));
+}
+
+// A hit in the world's space is the hit in the mesh's that the transform makes of it.
+static void spaces(void) {
+    CrumpleInstance local = make_instance(context, set), world = make_instance(context, set);
+    // A quarter turn about z, twice as large, moved by (10, 20, 30).
+    const float matrix[16] = {0, 2, 0, 0, -2, 0, 0, 0, 0, 0, 2, 0, 10, 20, 30, 1};
+    CrumpleImpulseDef hit = crumple_default_impulse_def(), there;
+    CrumpleHitResult told, told_there;
+    OK(crumple_set_instance_transform(context, world, matrix));
+    hit.point = vec3(0.25f, 0.125f, 0);
+    hit.impulse = vec3(0.5f, 0, -2);
+    hit.duration = 0.01f;
+    hit.mass = 0.5f;
+    there = hit;
+    there.space = CRUMPLE_SPACE_WORLD;
+    there.point = vec3(10 - 2 * 0.125f, 20 + 2 * 0.25f, 30);
+    there.impulse = vec3(0, 1, -4);
+    OK(crumple_submit_impulse(context, local, &hit, &told));
+    OK(crumple_submit_impulse(context, world, &there, &told_there));
+    FACT(told.contact_vertex == told_there.contact_vertex);
+    FACT(fabsf(told.target.z - told_there.target.z) < 1e-7f && fabsf(told.target.x - 0.01f) < 1e-7f);
+    FACT(memcmp(&told.mark, &told_there.mark, sizeof told.mark) == 0);
+    OK(crumple_destroy_instance(context, local));
+    OK(crumple_destroy_instance(context, world));
+}
+
+static void yield_and_mass(void) {
+    CrumpleExampleSetDef def = sheet.def;
+    CrumpleExampleSet heavy;
+    CrumpleInstanceDef instance_def = crumple_default_instance_def();
+    CrumpleInstance body;
+    CrumpleImpulseDef hit = crumple_default_impulse_def();
+    CrumpleHitResult told;
+    static float masses[VERTICES];
+    for (int v = 0; v < VERTICES; ++v) masses[v] = v == VERTICES / 2 ? 4.0f : 1.0f;
+    def.options.vertex_masses = input_of(masses, sizeof masses, 4);
+    OK(crumple_create_example_set(context, &def, &heavy));
+    instance_def.set = heavy;
+    instance_def.yield_impulse = 1;
+    instance_def.yield_displacement = 0.001f;
+    OK(crumple_create_instance(context, &instance_def, &body));
+    hit.impulse = vec3(0, 0, -8);
+    hit.duration = 0.01f;
+    OK(crumple_submit_impulse(context, body, &hit, &told)); // the middle: 4 kg
+    FACT(told.contact_vertex == VERTICES / 2 && fabsf(told.target.z + 0.02f) < 1e-6f);
+    hit.mass = 2;
+    OK(crumple_submit_impulse(context, body, &hit, &told));
+    FACT(fabsf(told.target.z + 0.04f) < 1e-6f);
+    hit.impulse.z = -0.99f;
+    OK(crumple_submit_impulse(context, body, &hit, &told));
+    FACT(told.status == CRUMPLE_HIT_STATUS_BELOW_YIELD && told.mark.energy == 0);
+    OK(crumple_destroy_instance(context, body));
+    OK(crumple_destroy_example_set(context, heavy));
+}
+
+static void classic_rules(void) {
+    static Vertex vertices[VERTICES];
+    for (int rule = CRUMPLE_RULE_MOST_DISPLACED; rule <= CRUMPLE_RULE_BLEND; ++rule) {
+        CrumpleInstanceDef def = crumple_default_instance_def();
+        CrumpleInstance body, marked = make_instance(context, set);
+        CrumpleDisplacementDef hit = displacement_at(0, 0, 0.03f);
+        CrumpleMark mark;
+        CrumpleInstanceInfo info;
+        uint32_t count = 7;
+        def.set = set;
+        def.rule = (CrumpleRule)rule;
+        def.blend_constant = 0.5f;
+        OK(crumple_create_instance(context, &def, &body));
+        register_all(body, vertices);
+        OK(crumple_submit_displacement(context, body, &hit, NULL));
+        OK(crumple_deform(context, NULL, 0, NULL));
+        FACT(fabsf(deepest(vertices) - 0.03f) < 1e-5f);
+        FAILS(CRUMPLE_ERROR_WRONG_RULE, "Marks", crumple_get_marks(context, body, &mark, 1, &count));
+        FACT(count == 7);
+        FAILS(CRUMPLE_ERROR_WRONG_RULE, "Marks", crumple_set_marks(context, body, NULL, 0));
+        FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "kind", crumple_copy_damage(context, body, marked));
+        OK(crumple_get_instance_info(context, body, &info));
+        FACT(info.mark_count == 0);
+        OK(crumple_destroy_instance(context, body));
+        OK(crumple_destroy_instance(context, marked));
+    }
+}
+
+static void attached(void) {
+    CrumpleInstance body = make_instance(context, set);
+    CrumpleAttachment lamp;
+    CrumpleFrame rest, frame;
+    OK(crumple_attach_point(context, set, vec3(0.05f, 0.02f, 0.2f), &lamp));
+    OK(crumple_get_attached_frame(context, body, &lamp, &rest));
+    FACT(fabsf(rest.position.z - 0.2f) < 1e-6f && fabsf(rest.rotation.w - 1) < 1e-6f);
+    CrumpleDisplacementDef hit = displacement_at(0, 0, 0.05f);
+    OK(crumple_submit_displacement(context, body, &hit, NULL));
+    OK(crumple_get_attached_frame(context, body, &lamp, &frame)); // counts at once
+    FACT(frame.position.z < rest.position.z - 0.03f && frame.rotation.w < 1);
+    OK(crumple_destroy_instance(context, body));
+}
+
+int main(void) {
+    make_sheet(&sheet);
+    context = make_context(2);
+    OK(crumple_create_example_set(context, &sheet.def, &set));
+    interleaved();
+    marks_and_bytes();
+    spaces();
+    yield_and_mass();
+    classic_rules();
+    attached();
+    OK(crumple_context_destroy(context));
+    printf("%u checks\n", checks);
+    return 0;
+}

@@ -1,0 +1,43 @@
+// The header is C99, may be included twice, and is of the version of the library that runs.
+#include <crumple.h>
+#include <crumple.h>
+
+#include "support.h"
+
+int main(void) {
+    char text[64];
+    FACT(crumple_version() == CRUMPLE_VERSION);
+    FACT(CRUMPLE_VERSION == CRUMPLE_VERSION_MAJOR * 1000000 + CRUMPLE_VERSION_MINOR * 1000 + CRUMPLE_VERSION_PATCH);
+    snprintf(text, sizeof text, "%d.%d.%d", CRUMPLE_VERSION_MAJOR, CRUMPLE_VERSION_MINOR, CRUMPLE_VERSION_PATCH);
+    FACT(strcmp(text, crumple_version_string()) == 0);
+    FACT((crumple_features() & ~(uint64_t)(CRUMPLE_FEATURE_GLTF | CRUMPLE_FEATURE_OBJ | CRUMPLE_FEATURE_HOST_ALLOCATOR)) == 0);
+
+    // Sizes that bindings in other languages count on.
+    FACT(sizeof(CrumpleResult) == 4 && sizeof(CrumpleExampleSet) == 8 && sizeof(CrumpleInstance) == 8);
+    FACT(sizeof(CrumpleBuffer) == 8 && sizeof(CrumpleVec3) == 12 && sizeof(CrumpleMark) == 32 && sizeof(CrumplePair) == 4);
+    FACT(sizeof(CrumpleAttachment) == 36 && sizeof(CrumpleFrame) == 28 && sizeof(bool) == 1);
+
+    // Defs carry their own sizes.
+    FACT(crumple_default_context_def().struct_size == sizeof(CrumpleContextDef));
+    FACT(crumple_default_allocator_def().struct_size == sizeof(CrumpleAllocatorDef));
+    FACT(crumple_default_example_def().struct_size == sizeof(CrumpleExampleDef));
+    FACT(crumple_default_example_set_def().struct_size == sizeof(CrumpleExampleSetDef));
+    FACT(crumple_default_gltf_def().struct_size == sizeof(CrumpleGltfDef));
+    FACT(crumple_default_obj_def().struct_size == sizeof(CrumpleObjDef));
+    FACT(crumple_default_mesh_copy_def().struct_size == sizeof(CrumpleMeshCopyDef));
+    FACT(crumple_default_instance_def().struct_size == sizeof(CrumpleInstanceDef));
+    FACT(crumple_default_impulse_def().struct_size == sizeof(CrumpleImpulseDef));
+    FACT(crumple_default_displacement_def().struct_size == sizeof(CrumpleDisplacementDef));
+    FACT(crumple_default_host_buffer_def().struct_size == sizeof(CrumpleHostBufferDef));
+
+    // Results have names, and the first text is empty.
+    FACT(strcmp(crumple_last_error(), "") == 0);
+    for (int result = CRUMPLE_OK; result <= CRUMPLE_ERROR_WRONG_RULE; ++result)
+        FACT(strncmp(crumple_result_name((CrumpleResult)result), "CRUMPLE_", 8) == 0);
+    for (int result = CRUMPLE_ERROR_NULL_POINTER; result <= CRUMPLE_ERROR_INTERNAL; ++result)
+        FACT(strncmp(crumple_result_name((CrumpleResult)result), "CRUMPLE_ERROR_", 14) == 0);
+    FACT(strcmp(crumple_result_name((CrumpleResult)63), "unknown result") == 0);
+    FACT(strcmp(crumple_result_name(CRUMPLE_ERROR_CONCURRENT_USE), "CRUMPLE_ERROR_CONCURRENT_USE") == 0);
+    printf("Crumple %s, %u checks\n", crumple_version_string(), checks);
+    return 0;
+}

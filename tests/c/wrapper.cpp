@@ -1,0 +1,89 @@
+// The C++ owners: moves, releases, the order of destruction, errors with and without exceptions.
+#include <crumple.hpp>
+
+extern "C" {
+#include "support.h"
+}
+
+#include <cstring>
+#include <memory>
+#include <vector>
+
+int main() {
+    auto sheet = std::make_unique<Sheet>();
+    make_sheet(sheet.get());
+
+    auto made = crumple::Context::create();
+    FACT(made.ok() && made.result() == CRUMPLE_OK && made.message().empty());
+    crumple::Context context = std::move(made).value();
+
+    crumple::ExampleSet set = context.create_example_set(sheet->def).value();
+    FACT(set && set.info().value().vertex_count == VERTICES);
+    FACT(set.example(1).value().moved_vertices > 0);
+    FACT(set.primitive(0).value().vertex_count == VERTICES);
+    const auto nearest = set.nearest_vertex(vec3(0, 0, 1)).value();
+    FACT(nearest.vertex == VERTICES / 2 && nearest.distance > 0.9f);
+    std::vector<CrumpleVec3> base(VERTICES);
+    CrumpleMeshCopyDef copy = crumple_default_mesh_copy_def();
+    copy.positions = crumple::stream(base);
+    set.copy_base_mesh(copy).value();
+    FACT(std::memcmp(base.data(), sheet->positions, sizeof sheet->positions) == 0);
+
+    crumple::Instance body = context.create_instance(set).value(), other = context.create_instance(set).value();
+    std::vector<CrumpleVec3> positions(VERTICES), normals(VERTICES);
+    crumple::Buffer buffer = body.register_buffer(crumple::stream(positions), crumple::stream(normals)).value();
+    FACT(buffer.bounds().value().max.x == 0.5f);
+    const auto told = body.submit_displacement(vec3(0.1f, 0.1f, 0.07f), vec3(0, 0, -0.04f)).value();
+    FACT(told.status == CRUMPLE_HIT_STATUS_MARKED);
+    FACT(context.deform().value().vertices_written == VERTICES);
+    FACT(buffer.changes().value().size() == 1);
+    FACT(body.marks().value().size() == 1 && other.marks().value().empty());
+    const auto saved = body.save().value();
+    other.load(saved.data(), saved.size()).value();
+    FACT(other.save().value() == saved);
+    other.set_marks(body.marks().value()).value();
+    other.repair(0).value();
+    FACT(other.marks().value().empty());
+    other.copy_damage(body.id()).value();
+    FACT(other.info().value().mark_count == 1);
+    const auto lamp = set.attach(vec3(0.1f, 0.1f, 0.2f)).value();
+    FACT(body.attached_frame(lamp).value().position.z < lamp.point.z - 0.01f);
+
+    // Errors.
+    const auto failed = body.submit_impulse(vec3(0, 0, 0), vec3(0, 0, -1), 0);
+    FACT(!failed && failed.result() == CRUMPLE_ERROR_INVALID_ARGUMENT);
+    FACT(failed.message().find("duration") != std::string::npos);
+#ifndef CRUMPLE_NO_EXCEPTIONS
+    bool caught = false;
+    try {
+        context.load_gltf("no/such/file.glb").value();
+    } catch (const crumple::Error &error) {
+        caught = error.result() != CRUMPLE_OK && std::string(error.what()).find("crumple_load") == 0;
+    }
+    FACT(caught);
+#else
+    FACT(!context.load_gltf("no/such/file.glb").ok());
+#endif
+
+    // Owners move, and destroy what they own once.
+    crumple::Instance moved = std::move(body);
+    FACT(moved && !body && moved.info().ok()); // NOLINT: looks at what was moved from
+    const CrumpleInstance id = moved.id();
+    moved = std::move(other);
+    FAILS(CRUMPLE_ERROR_INVALID_ID, "stale", crumple_reset_damage(context.get(), id));
+    FAILS(CRUMPLE_ERROR_INVALID_ID, "stale", crumple_invalidate_buffer(context.get(), buffer.id()));
+    const CrumpleInstance handed = moved.release();
+    FACT(!moved);
+    OK(crumple_destroy_instance(context.get(), handed));
+    const CrumpleExampleSet set_id = set.id();
+    set.reset();
+    FAILS(CRUMPLE_ERROR_INVALID_ID, "stale", crumple_destroy_example_set(context.get(), set_id));
+
+    // An owner that outlives its context does nothing.
+    crumple::ExampleSet late = context.create_example_set(sheet->def).value();
+    crumple::Context taken = std::move(context);
+    taken.reset();
+    late.reset();
+    std::printf("%u checks\n", checks);
+    return 0;
+}

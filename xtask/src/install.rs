@@ -1,0 +1,186 @@
+//! `cargo xtask install`: the C library as others want to find it, in a tree that may be moved anywhere afterwards.
+//!
+//! ```text
+//! PREFIX/include/crumple.h, crumple.hpp
+//! PREFIX/lib/libcrumple.so.0.1.0, libcrumple.so.0, libcrumple.so, libcrumple.a
+//! PREFIX/lib/cmake/Crumple/*.cmake
+//! PREFIX/lib/pkgconfig/crumple.pc
+//! PREFIX/share/licenses/crumple/
+//! ```
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use object::Endianness;
+use object::elf::{DT_SONAME, FileHeader64};
+use object::read::elf::FileHeader;
+
+use crate::workspace::Workspace;
+
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Profile {
+    Debug,
+    Release,
+}
+
+impl Profile {
+    /// Name of Cargo's output directory.
+    fn directory(self) -> &'static str {
+        match self {
+            Self::Debug => "debug",
+            Self::Release => "release",
+        }
+    }
+
+    fn flags(self) -> &'static [&'static str] {
+        match self {
+            Self::Debug => &[],
+            Self::Release => &["--release"],
+        }
+    }
+}
+
+/// The library as Cargo left it.
+pub struct Built {
+    pub shared: PathBuf,
+    /// What a program links with to use `shared`: another file only on Windows.
+    #[cfg_attr(not(windows), expect(dead_code, reason = "read where there are DLLs"))]
+    import: Option<PathBuf>,
+    static_library: PathBuf,
+    /// Linker arguments that a program needs beside `static_library`, such as `-lpthread`.
+    static_needs: Vec<String>,
+}
+
+/// Builds the library that C programs get: the default features and the host's allocator.
+pub fn build(workspace: &Workspace, profile: Profile) -> Result<Built> {
+    let features = ["--package", "crumple", "--lib", "--features", "host-allocator"];
+    workspace.cargo(&["build"]).args(features).args(profile.flags()).run()?;
+    let directory = workspace.target.join(profile.directory());
+    let (shared, import, static_library) = if cfg!(windows) {
+        ("crumple.dll", Some("crumple.dll.lib"), "crumple.lib")
+    } else if cfg!(target_os = "macos") {
+        ("libcrumple.dylib", None, "libcrumple.a")
+    } else {
+        ("libcrumple.so", None, "libcrumple.a")
+    };
+    Ok(Built {
+        shared: directory.join(shared),
+        import: import.map(|name| directory.join(name)),
+        static_library: directory.join(static_library),
+        static_needs: static_needs(workspace)?,
+    })
+}
+
+/// What Rust's standard library itself links with, as `rustc` says it for an empty static library.
+fn static_needs(workspace: &Workspace) -> Result<Vec<String>> {
+    let scratch = tempfile::tempdir()?;
+    let source = scratch.path().join("empty.rs");
+    fs::write(&source, "")?;
+    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let output = xshell::cmd!(workspace.shell, "{rustc} --crate-type staticlib --print native-static-libs {source} -o")
+        .arg(scratch.path().join("empty.a"))
+        .quiet()
+        .read_stderr()?;
+    let marker = "native-static-libs: ";
+    let line = output.lines().find_map(|line| line.split(marker).nth(1));
+    let line = line.with_context(|| format!("rustc printed no line with {marker:?}, but: {output}"))?;
+    Ok(line.split_whitespace().map(str::to_owned).collect())
+}
+
+/// Builds and installs. Answers what was built.
+pub fn run(workspace: &Workspace, prefix: &Path, profile: Profile) -> Result<Built> {
+    let built = build(workspace, profile)?;
+    let prefix = workspace.path(prefix);
+    let lib = prefix.join("lib");
+    copy_shared(workspace, &built, &prefix)?;
+    copy(&built.static_library, &lib)?;
+    for header in ["include/crumple.h", "include/crumple.hpp"] {
+        copy(&workspace.path(header), &prefix.join("include"))?;
+    }
+    for license in ["LICENSE-MIT", "LICENSE-APACHE"] {
+        copy(&workspace.path(license), &prefix.join("share/licenses/crumple"))?;
+    }
+    for (template, directory) in [
+        ("cmake/CrumpleConfig.cmake.in", "lib/cmake/Crumple"),
+        ("cmake/CrumpleConfigVersion.cmake.in", "lib/cmake/Crumple"),
+        ("cmake/crumple.pc.in", "lib/pkgconfig"),
+    ] {
+        fill(workspace, &built, template, &prefix.join(directory))?;
+    }
+    println!("installed Crumple {} ({}) in {}", workspace.version, profile.directory(), prefix.display());
+    Ok(built)
+}
+
+#[cfg(unix)]
+fn copy_shared(workspace: &Workspace, built: &Built, prefix: &Path) -> Result<()> {
+    let lib = prefix.join("lib");
+    if cfg!(target_os = "macos") {
+        return copy(&built.shared, &lib).map(drop);
+    }
+    let real = format!("libcrumple.so.{}", workspace.version);
+    copy_as(&built.shared, &lib, &real)?;
+    for link in [soname(&built.shared)?, "libcrumple.so".to_owned()] {
+        let link = lib.join(link);
+        if link.symlink_metadata().is_ok() {
+            fs::remove_file(&link)?;
+        }
+        std::os::unix::fs::symlink(&real, &link).with_context(|| format!("linking {}", link.display()))?;
+    }
+    Ok(())
+}
+
+#[cfg(windows)]
+fn copy_shared(_: &Workspace, built: &Built, prefix: &Path) -> Result<()> {
+    copy(&built.shared, &prefix.join("bin"))?;
+    let import = built.import.as_ref().context("a DLL has an import library")?;
+    copy(import, &prefix.join("lib")).map(drop)
+}
+
+/// The name that programs built with `library` ask the loader for; `build.rs` gave it that.
+fn soname(library: &Path) -> Result<String> {
+    let bytes = fs::read(library).with_context(|| format!("reading {}", library.display()))?;
+    let header = FileHeader64::<Endianness>::parse(&*bytes)?;
+    let endian = header.endian()?;
+    let table = header.sections(endian, &*bytes)?.dynamic_table(endian, &*bytes)?;
+    let entry = table.into_iter().find(|entry| entry.tag == DT_SONAME);
+    let entry = entry.with_context(|| format!("{} has no SONAME; build.rs gives it one", library.display()))?;
+    Ok(String::from_utf8(table.string(entry)?.to_vec())?)
+}
+
+/// Copies `cmake/NAME.in` to `directory/NAME` with every `@KEY@` replaced.
+fn fill(workspace: &Workspace, built: &Built, template: &str, directory: &Path) -> Result<()> {
+    let text = fs::read_to_string(workspace.path(template)).with_context(|| format!("reading {template}"))?;
+    let libraries: Vec<&str> = built.static_needs.iter().map(|flag| flag.strip_prefix("-l").unwrap_or(flag)).collect();
+    let values = [
+        ("@CRUMPLE_VERSION@", workspace.version.clone()),
+        ("@CRUMPLE_SONAME@", if cfg!(target_os = "linux") { soname(&built.shared)? } else { String::new() }),
+        ("@CRUMPLE_STATIC_LIBS@", built.static_needs.join(" ")),
+        ("@CRUMPLE_STATIC_LIBS_CMAKE@", libraries.join(";")),
+    ];
+    let text = values.iter().fold(text, |text, (key, value)| text.replace(key, value));
+    if let Some(key) = text.split("@CRUMPLE_").nth(1) {
+        let key = key.split('@').next().unwrap_or(key);
+        bail!("{template} asks for @CRUMPLE_{key}@, which the installer does not know");
+    }
+    let name = Path::new(template).file_stem().context("templates have names")?;
+    fs::create_dir_all(directory)?;
+    let path = directory.join(name);
+    fs::write(&path, text).with_context(|| format!("writing {}", path.display()))
+}
+
+fn copy(file: &Path, directory: &Path) -> Result<PathBuf> {
+    let name = file.file_name().with_context(|| format!("{} has no file name", file.display()))?;
+    copy_as(file, directory, &name.to_string_lossy())
+}
+
+fn copy_as(file: &Path, directory: &Path, name: &str) -> Result<PathBuf> {
+    fs::create_dir_all(directory).with_context(|| format!("creating {}", directory.display()))?;
+    let to = directory.join(name);
+    // A program that runs from the old file keeps it: the new one must be a new file, not the same one overwritten.
+    if to.exists() {
+        fs::remove_file(&to).with_context(|| format!("replacing {}", to.display()))?;
+    }
+    fs::copy(file, &to).with_context(|| format!("copying {} to {}", file.display(), to.display()))?;
+    Ok(to)
+}

@@ -1,0 +1,136 @@
+//! The C library as C and C++ programs meet it: installed, under CTest, and under gcc's sanitizers.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use object::Object;
+use xshell::cmd;
+
+use crate::install::{self, Profile};
+use crate::stage::Outcome;
+use crate::tools::Tool;
+use crate::workspace::{Workspace, empty_directory};
+
+/// CMake projects whose programs are tests, each with the name of its build directory.
+const PROJECTS: &[(&str, &str)] = &[("examples-c", "examples-c"), ("tests/c", "tests-c")];
+
+pub fn install_release(workspace: &Workspace) -> Result<Outcome> {
+    let prefix = release_prefix(workspace);
+    empty_directory(&prefix)?;
+    let built = install::run(workspace, &prefix, Profile::Release)?;
+    symbols(workspace, &built.shared)?;
+    Ok(Outcome::Passed)
+}
+
+pub fn release_prefix(workspace: &Workspace) -> PathBuf {
+    workspace.target.join("prefix")
+}
+
+/// The shared library gives away `crumple_…` and nothing else, and everything that the header declares.
+fn symbols(workspace: &Workspace, shared: &Path) -> Result<()> {
+    let bytes = fs::read(shared).with_context(|| format!("reading {}", shared.display()))?;
+    let file = object::File::parse(&*bytes)?;
+    let names: Vec<String> =
+        file.exports()?.iter().map(|export| String::from_utf8_lossy(export.name()).into_owned()).collect();
+    // Apple's format puts an underscore before every C name.
+    let names: Vec<&str> = names.iter().map(|name| if cfg!(target_os = "macos") { &name[1..] } else { name }).collect();
+    let foreign: Vec<&&str> = names.iter().filter(|name| !name.starts_with("crumple_")).collect();
+    ensure!(foreign.is_empty(), "{} exports {foreign:?}; every exported name begins with crumple_", shared.display());
+    let header = fs::read_to_string(workspace.path("include/crumple.h"))?;
+    let absent: Vec<&str> = declared(&header).into_iter().filter(|name| !names.contains(name)).collect();
+    ensure!(absent.is_empty(), "include/crumple.h declares {absent:?}, which {} does not export", shared.display());
+    println!("{} names exported, all crumple_…", names.len());
+    Ok(())
+}
+
+/// Names of the functions that a header declares: `crumple_` words right before a parenthesis, outside comments.
+fn declared(header: &str) -> Vec<&str> {
+    let code = header.lines().filter(|line| !line.trim_start().starts_with(['*', '/']));
+    let words = code.filter_map(|line| line.split_once('(').map(|(before, _)| before));
+    words.filter_map(|before| before.rsplit([' ', '*']).next()).filter(|name| name.starts_with("crumple_")).collect()
+}
+
+/// How a set of projects is built and run.
+pub struct Build<'a> {
+    /// Name of the directory that holds this kind's builds.
+    pub kind: &'a str,
+    pub prefix: &'a Path,
+    /// Further arguments for CMake.
+    pub options: &'a [&'a str],
+    /// The program that runs each test program, with its arguments, separated by semicolons; empty for none.
+    pub launcher: &'a str,
+}
+
+/// Builds every project against an installed library and runs its tests.
+pub fn test_projects(workspace: &Workspace, build: &Build<'_>) -> Result<()> {
+    for (project, name) in PROJECTS {
+        if !workspace.path(project).is_dir() {
+            println!("DEVELOPMENT ONLY: {project} is not there yet");
+            continue;
+        }
+        let directory = workspace.target.join("ctest").join(build.kind).join(name);
+        compile(workspace, build, &workspace.path(project), &directory)?;
+        cmd!(workspace.shell, "ctest --test-dir {directory} --output-on-failure --no-tests=error").run()?;
+    }
+    Ok(())
+}
+
+pub fn compile(workspace: &Workspace, build: &Build<'_>, source: &Path, directory: &Path) -> Result<()> {
+    empty_directory(directory)?;
+    let &Build { prefix, options, launcher, .. } = build;
+    let sh = &workspace.shell;
+    // Where there is ODE, leaving out what needs it would be a mistake of the build.
+    let ode = Tool::Ode.here(workspace).then_some("-DCRUMPLE_REQUIRE_ODE=ON");
+    cmd!(
+        sh,
+        "cmake -S {source} -B {directory} -DCMAKE_PREFIX_PATH={prefix} -DCMAKE_BUILD_TYPE=RelWithDebInfo
+         {options...} {ode...}
+         -DCMAKE_CROSSCOMPILING_EMULATOR={launcher} -DCMAKE_POLICY_DEFAULT_CMP0158=OLD --no-warn-unused-cli"
+    )
+    .quiet()
+    .ignore_stdout()
+    .run()?;
+    let jobs = std::thread::available_parallelism().map_or(2, usize::from).to_string();
+    Ok(cmd!(sh, "cmake --build {directory} --config RelWithDebInfo --parallel {jobs}").ignore_stdout().run()?)
+}
+
+pub fn ctest(workspace: &Workspace) -> Result<Outcome> {
+    let prefix = release_prefix(workspace);
+    test_projects(workspace, &Build { kind: "release", prefix: &prefix, options: &[], launcher: "" })?;
+    Ok(Outcome::Passed)
+}
+
+/// The C and C++ tests under gcc's sanitizers, against a debug build of the library, whose own checks are on.
+pub fn sanitizers(workspace: &Workspace) -> Result<Outcome> {
+    if cfg!(not(target_os = "linux")) {
+        return Ok(Outcome::Skipped("done with gcc on Linux only".into()));
+    }
+    let prefix = debug_prefix(workspace)?;
+    let sh = &workspace.shell;
+    let _asan = sh.push_env("ASAN_OPTIONS", "detect_leaks=1:strict_string_checks=1:detect_stack_use_after_return=1");
+    let _ubsan = sh.push_env("UBSAN_OPTIONS", "print_stacktrace=1");
+    let options = &["-DCRUMPLE_SANITIZE=ON"];
+    test_projects(workspace, &Build { kind: "sanitizers", prefix: &prefix, options, launcher: "" })?;
+    Ok(Outcome::Passed)
+}
+
+fn debug_prefix(workspace: &Workspace) -> Result<PathBuf> {
+    let prefix = workspace.target.join("prefix-debug");
+    empty_directory(&prefix)?;
+    install::run(workspace, &prefix, Profile::Debug)?;
+    Ok(prefix)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::declared;
+
+    #[test]
+    fn declared_functions_are_found_and_comments_are_not() {
+        let header = "/// See crumple_other(): it differs.\n\
+                      CrumpleResult crumple_deform(CrumpleContext *context,\n    int count);\n\
+                      const char *crumple_last_error(void);\n#define CRUMPLE_X sizeof(int)\n";
+        assert_eq!(declared(header), ["crumple_deform", "crumple_last_error"]);
+    }
+}

@@ -1,0 +1,121 @@
+//! `cargo xtask test`: the list of stages. A new kind of test is one more entry here.
+
+use anyhow::{Result, bail};
+use clap::Args;
+
+use crate::stage::{self, Outcome, Stage};
+use crate::tools::Tool;
+use crate::workspace::Workspace;
+use crate::{native, outside, peers, valgrind};
+
+#[derive(Args, Default)]
+pub struct Options {
+    /// Fail where a stage would be skipped; also on where CI=true
+    #[arg(long)]
+    pub require_all: bool,
+    /// Only the Rust tests and CTest
+    #[arg(long, conflicts_with = "only")]
+    pub quick: bool,
+    /// Only this stage; may be given several times
+    #[arg(long, value_name = "STAGE")]
+    pub only: Vec<String>,
+}
+
+/// In order: what prepares and what takes other programs first, the two test runners last, since theirs should be the last lines.
+const STAGES: &[Stage] = &[
+    Stage {
+        name: "install",
+        shows: "the C library, its headers, CMake package and pkg-config file go into target/prefix",
+        needs: &[Tool::CCompiler],
+        wants: &[],
+        closing: false,
+        run: native::install_release,
+    },
+    Stage {
+        name: "outside",
+        shows: "programs outside the tree find the moved package by CMake and by pkg-config, shared and static",
+        needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::PkgConfig],
+        wants: &[],
+        closing: false,
+        run: outside::run,
+    },
+    Stage {
+        name: "sanitizers",
+        shows: "the C and C++ tests under gcc's address and undefined-behaviour sanitizers",
+        needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake],
+        wants: &[Tool::Ode],
+        closing: false,
+        run: native::sanitizers,
+    },
+    Stage {
+        name: "valgrind-c",
+        shows: "the C and C++ tests under valgrind",
+        needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::Valgrind],
+        wants: &[Tool::Ode],
+        closing: false,
+        run: valgrind::c,
+    },
+    Stage {
+        name: "valgrind-rust",
+        shows: "the Rust tests under valgrind",
+        needs: &[Tool::Valgrind],
+        wants: &[],
+        closing: false,
+        run: valgrind::rust,
+    },
+    Stage {
+        name: "blender",
+        shows: "Blender opens what the command exports",
+        needs: &[Tool::Python311, Tool::BlenderLibraries],
+        wants: &[],
+        closing: false,
+        run: peers::blender,
+    },
+    Stage {
+        name: "gltf-validator",
+        shows: "the Khronos validator finds nothing wrong with what the command exports",
+        needs: &[Tool::Npm],
+        wants: &[],
+        closing: false,
+        run: peers::gltf_validator,
+    },
+    Stage {
+        name: "rust",
+        shows: "the Rust tests, documentation examples among them",
+        needs: &[],
+        wants: &[],
+        closing: true,
+        run: rust,
+    },
+    Stage {
+        name: "ctest",
+        shows: "the C and C++ programs against the installed library",
+        needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake],
+        wants: &[Tool::Ode],
+        closing: true,
+        run: native::ctest,
+    },
+];
+
+pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
+    let wanted = |stage: &&Stage| match options {
+        Options { quick: true, .. } => ["install", "rust", "ctest"].contains(&stage.name),
+        Options { only, .. } if !only.is_empty() => only.iter().any(|name| name == stage.name),
+        _ => true,
+    };
+    for name in &options.only {
+        if !STAGES.iter().any(|stage| stage.name == name) {
+            let names: Vec<&str> = STAGES.iter().map(|stage| stage.name).collect();
+            bail!("there is no stage {name:?}; there are: {}", names.join(", "));
+        }
+    }
+    let stages: Vec<&Stage> = STAGES.iter().filter(wanted).collect();
+    let require_all = options.require_all || std::env::var("CI").is_ok_and(|value| value == "true" || value == "1");
+    stage::run_all(workspace, &stages, require_all)
+}
+
+fn rust(workspace: &Workspace) -> Result<Outcome> {
+    workspace.cargo(&["test", "--profile", "xtask", "--package", "xtask"]).run()?;
+    workspace.cargo(&["test", "--package", "crumple", "--all-features"]).run()?;
+    Ok(Outcome::Passed)
+}

@@ -1,0 +1,156 @@
+//! Programs and libraries the tests need beyond Rust: found, installed where that is allowed, or named in the one line to type.
+
+use std::collections::BTreeSet;
+use std::fmt;
+
+use anyhow::Result;
+use xshell::cmd;
+
+use crate::workspace::Workspace;
+
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub enum Tool {
+    CMake,
+    CCompiler,
+    CppCompiler,
+    PkgConfig,
+    /// Open Dynamics Engine, the rigid bodies of `crash.cpp`.
+    Ode,
+    Valgrind,
+    /// CPython 3.11 with `venv`: the one version that Blender's `bpy` package is built for.
+    Python311,
+    /// The windowing libraries that `bpy` is linked with, although nothing is shown.
+    BlenderLibraries,
+    /// Node's package manager, for the Khronos glTF validator.
+    Npm,
+}
+
+/// What `bpy` loads, with the Debian packages that hold it.
+const BLENDER_LIBRARIES: &[(&str, &str)] = &[
+    ("libGL.so.1", "libgl1"),
+    ("libICE.so.6", "libice6"),
+    ("libSM.so.6", "libsm6"),
+    ("libX11.so.6", "libx11-6"),
+    ("libXext.so.6", "libxext6"),
+    ("libXfixes.so.3", "libxfixes3"),
+    ("libXi.so.6", "libxi6"),
+    ("libXrender.so.1", "libxrender1"),
+    ("libxkbcommon.so.0", "libxkbcommon0"),
+];
+
+impl Tool {
+    pub fn here(self, workspace: &Workspace) -> bool {
+        let sh = &workspace.shell;
+        match self {
+            Self::CMake => cmd!(sh, "cmake --version").quiet().ignore_stderr().read().is_ok(),
+            Self::CCompiler => cmd!(sh, "cc --version").quiet().ignore_stderr().read().is_ok(),
+            Self::CppCompiler => cmd!(sh, "c++ --version").quiet().ignore_stderr().read().is_ok(),
+            Self::PkgConfig => cmd!(sh, "pkg-config --version").quiet().ignore_stderr().read().is_ok(),
+            Self::Ode => cmd!(sh, "pkg-config --exists ode").quiet().ignore_stderr().run().is_ok(),
+            Self::Valgrind => cmd!(sh, "valgrind --version").quiet().ignore_stderr().read().is_ok(),
+            Self::Python311 => {
+                cmd!(sh, "python3.11 -c 'import ensurepip, venv'").quiet().ignore_stderr().read().is_ok()
+            }
+            Self::BlenderLibraries if cfg!(not(target_os = "linux")) => true,
+            Self::BlenderLibraries => cmd!(sh, "/sbin/ldconfig -p").quiet().read().is_ok_and(|known| {
+                BLENDER_LIBRARIES.iter().all(|(file, _)| known.lines().any(|line| line.trim_start().starts_with(file)))
+            }),
+            Self::Npm => cmd!(sh, "npm --version").quiet().ignore_stderr().read().is_ok(),
+        }
+    }
+
+    fn debian_packages(self) -> Vec<&'static str> {
+        let packages: &[&str] = match self {
+            Self::BlenderLibraries => return BLENDER_LIBRARIES.iter().map(|(_, package)| *package).collect(),
+            Self::CMake => &["cmake", "make"],
+            Self::CCompiler => &["gcc", "libc6-dev"],
+            Self::CppCompiler => &["g++"],
+            Self::PkgConfig => &["pkg-config"],
+            Self::Ode => &["pkg-config", "libode-dev"],
+            Self::Valgrind => &["valgrind", "libc6-dbg"],
+            Self::Python311 => &["python3.11", "python3.11-venv"],
+            Self::Npm => &["nodejs", "npm"],
+        };
+        packages.to_vec()
+    }
+}
+
+impl fmt::Display for Tool {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::CMake => "CMake",
+            Self::CCompiler => "a C compiler",
+            Self::CppCompiler => "a C++ compiler",
+            Self::PkgConfig => "pkg-config",
+            Self::Ode => "the Open Dynamics Engine's headers",
+            Self::Valgrind => "valgrind",
+            Self::Python311 => "Python 3.11 with venv",
+            Self::BlenderLibraries => "X11 and OpenGL libraries for Blender",
+            Self::Npm => "npm",
+        })
+    }
+}
+
+/// Installs what of `wanted` is missing, if this is Debian or one of its children and we may. Answers what is missing still.
+pub fn provide(workspace: &Workspace, wanted: &BTreeSet<Tool>) -> Result<BTreeSet<Tool>> {
+    let missing = still_missing(workspace, wanted);
+    if missing.is_empty() {
+        return Ok(missing);
+    }
+    let packages = packages_of(&missing);
+    if let Some(privilege) = privilege(workspace) {
+        println!("installing what the tests lack: {}", packages.join(" "));
+        let sh = &workspace.shell;
+        let apt = |arguments: &[&str]| {
+            let (program, rest) = (privilege[0], &privilege[1..]);
+            cmd!(sh, "{program} {rest...} DEBIAN_FRONTEND=noninteractive apt-get -q -y {arguments...}").run()
+        };
+        // A package list that cannot be refreshed, or one package that the release does not have, must not stop the others:
+        // what is missing afterwards says so by itself.
+        let _ = apt(&["update"]);
+        if apt(&install_arguments(&packages)).is_err() {
+            for package in &packages {
+                let _ = apt(&install_arguments(&[package]));
+            }
+        }
+    }
+    let missing = still_missing(workspace, wanted);
+    if !missing.is_empty() {
+        println!("{}", advice(&missing));
+    }
+    Ok(missing)
+}
+
+/// The one line to type.
+pub fn advice(missing: &BTreeSet<Tool>) -> String {
+    let names: Vec<String> = missing.iter().map(Tool::to_string).collect();
+    let packages = packages_of(missing).join(" ");
+    format!("missing: {}. On Debian or Ubuntu type: sudo apt-get install {packages}", names.join(", "))
+}
+
+fn install_arguments<'a>(packages: &[&'a str]) -> Vec<&'a str> {
+    ["install", "--no-install-recommends"].into_iter().chain(packages.iter().copied()).collect()
+}
+
+fn packages_of(tools: &BTreeSet<Tool>) -> Vec<&'static str> {
+    let set: BTreeSet<&str> = tools.iter().flat_map(|tool| tool.debian_packages()).collect();
+    set.into_iter().collect()
+}
+
+fn still_missing(workspace: &Workspace, wanted: &BTreeSet<Tool>) -> BTreeSet<Tool> {
+    wanted.iter().copied().filter(|tool| !tool.here(workspace)).collect()
+}
+
+/// The words before `NAME=value apt-get`: `env` as root, `sudo -n env` where that asks for no password, `None` elsewhere and where there is no apt.
+fn privilege(workspace: &Workspace) -> Option<&'static [&'static str]> {
+    let sh = &workspace.shell;
+    if cfg!(not(target_os = "linux")) || cmd!(sh, "apt-get --version").quiet().ignore_stderr().read().is_err() {
+        return None;
+    }
+    let root = cmd!(sh, "id -u").quiet().read().is_ok_and(|id| id.trim() == "0");
+    if root {
+        return Some(&["env"]);
+    }
+    let sudo = cmd!(sh, "sudo -n true").quiet().ignore_stderr().run().is_ok();
+    sudo.then_some(&["sudo", "-n", "env"])
+}

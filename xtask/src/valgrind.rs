@@ -1,0 +1,76 @@
+//! The tests under valgrind: no error, and no memory lost.
+
+use std::fs;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result, bail, ensure};
+use xshell::cmd;
+
+use crate::native::{self, Build};
+use crate::stage::Outcome;
+use crate::workspace::{Workspace, empty_directory};
+
+/// Rust test programs that run under valgrind: those that reach the unsafe code, and not those whose thousands of hits would take hours.
+const RUST_TESTS: &[&str] = &["--lib"];
+
+pub fn c(workspace: &Workspace) -> Result<Outcome> {
+    let run = Run::new(workspace, "c")?;
+    let prefix = native::release_prefix(workspace);
+    let build = Build { kind: "valgrind", prefix: &prefix, options: &[], launcher: &run.command.join(";") };
+    run.judge(native::test_projects(workspace, &build))
+}
+
+pub fn rust(workspace: &Workspace) -> Result<Outcome> {
+    let run = Run::new(workspace, "rust")?;
+    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let version = cmd!(workspace.shell, "{rustc} -vV").quiet().read()?;
+    let host = version.lines().find_map(|line| line.strip_prefix("host: ")).context("rustc -vV names its host")?;
+    let runner = format!("CARGO_TARGET_{}_RUNNER", host.to_uppercase().replace('-', "_"));
+    let tests = workspace
+        .cargo(&["test", "--package", "crumple", "--all-features"])
+        .args(RUST_TESTS)
+        .env(runner, run.command.join(" "))
+        .env("PROPTEST_CASES", "2")
+        .run();
+    run.judge(tests.map_err(Into::into))
+}
+
+/// One run of many programs, each with a log.
+struct Run {
+    logs: PathBuf,
+    command: Vec<String>,
+}
+
+impl Run {
+    /// Only memory that is "definitely lost" fails: rayon's queues keep pointers with tag bits, which valgrind takes for "possibly lost".
+    fn new(workspace: &Workspace, name: &str) -> Result<Self> {
+        let logs = workspace.target.join("valgrind").join(name);
+        empty_directory(&logs)?;
+        let log = format!("--log-file={}", logs.join("%p.log").display());
+        let leaks = ["--leak-check=full", "--show-leak-kinds=definite", "--errors-for-leak-kinds=definite"];
+        let command = ["valgrind", "--error-exitcode=99"].into_iter().chain(leaks).chain([&*log]);
+        let command = command.map(str::to_owned).collect();
+        Ok(Self { logs, command })
+    }
+
+    /// Prints the logs that hold findings. That there are logs shows that the programs did run under valgrind.
+    fn judge(&self, tests: Result<()>) -> Result<Outcome> {
+        let mut programs = 0;
+        let mut with_findings = 0;
+        for entry in fs::read_dir(&self.logs)? {
+            let log = fs::read_to_string(entry?.path())?;
+            programs += 1;
+            if !log.contains("ERROR SUMMARY: 0 errors") {
+                with_findings += 1;
+                println!("{log}");
+            }
+        }
+        if with_findings > 0 {
+            bail!("valgrind finds something in {with_findings} of {programs} programs");
+        }
+        tests?;
+        ensure!(programs > 0, "no program ran under valgrind");
+        println!("valgrind finds nothing in {programs} programs");
+        Ok(Outcome::Passed)
+    }
+}
