@@ -624,6 +624,22 @@ proptest! {
     }
 
     #[test]
+    fn positions_do_not_depend_on_what_else_is_asked_for(body in any_body(), seed in any::<u64>(), hits in 1usize..20) {
+        let (_, set) = body;
+        let mut instance = new(set);
+        for hit in random_hits(set, hits, seed) {
+            instance.submit(&hit).unwrap();
+        }
+        let all = Output::fresh(&mut instance);
+        let mut positions = vec![[0.0; 3]; set.vertex_count()];
+        let memory = VertexMemory::separate(&mut positions, None, None).unwrap();
+        instance.deform(&mut Tracker::new(), memory, &Serial).unwrap();
+        for v in 0..set.vertex_count() {
+            prop_assert_eq!(bits(positions[v]), bits(all.positions[v]));
+        }
+    }
+
+    #[test]
     fn the_classic_rules_write_their_changes_too(body in any_body(), seed in any::<u64>(), k in 0.0f32..=1.0) {
         let (_, set) = body;
         let mut dice = Dice::new(seed);
