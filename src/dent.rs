@@ -106,10 +106,17 @@ impl Carried {
         }
     }
 
-    /// Displacement (m) and normal change that the example brings to a vertex at base position `v`, unscaled.
-    pub(crate) fn at(&self, set: &ExampleSet, example: usize, v: Vec3) -> Option<(Vec3, Vec3)> {
+    /// Displacement that the example brings to a vertex at base position `v`, unscaled, m.
+    pub(crate) fn at(&self, set: &ExampleSet, example: usize, v: Vec3) -> Vec3 {
+        let stamp = set.examples()[example].stamp();
+        stamp.map_or(Vec3::ZERO, |s| self.from_stamp * s.displacement(self.to_stamp * (v - self.contact)))
+    }
+
+    /// The same, and the change of a unit normal that is `normal` at rest.
+    pub(crate) fn with_normal(&self, set: &ExampleSet, example: usize, v: Vec3, normal: Vec3) -> Option<(Vec3, Vec3)> {
         let stamp = set.examples()[example].stamp()?;
-        let (u, n) = stamp.both(self.to_stamp * (v - self.contact))?;
+        let normal = self.from_stamp.transpose() * normal;
+        let (u, n) = stamp.with_normal(self.to_stamp * (v - self.contact), normal)?;
         Some((self.from_stamp * u, self.from_stamp * n * self.normal_scale))
     }
 }
@@ -129,7 +136,7 @@ pub(crate) fn place(set: &ExampleSet, contact: u32, depth: f32, pairs: &[Pair; M
         } else {
             let size = depth / e.depth();
             let carried = Carried::new(set, example, contact, size);
-            let u = carried.at(set, example, c).map_or(Vec3::ZERO, |(u, _)| u);
+            let u = carried.at(set, example, c);
             (size, Some(carried), u)
         };
         let scale = pair.share_fraction() * size;

@@ -512,7 +512,7 @@ impl ExampleBuilder<'_> {
                 positions: self.mesh.positions(),
                 index: self.index,
                 deltas: &deltas,
-                normals: normals.as_deref(),
+                normals: normals.as_deref().zip(self.mesh.normals()),
                 frame: tangent_basis(contact_normal.unwrap_or(Vec3::Z)),
                 contact: contact_point,
                 max_depth,

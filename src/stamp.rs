@@ -29,6 +29,9 @@ pub struct Stamp {
     displacements: Vec<Vec3>,
     /// Changes of the unit normal in the contact frame; empty where the mesh has no normals.
     normals: Vec<Vec3>,
+    /// The base normals those are changes of, in the contact frame: a vertex that faces elsewhere (the lid beside a dented
+    /// wall) must not take them over.
+    facing: Vec<Vec3>,
     /// Greatest distance of a grid corner from the contact: across the surface, and along the normal, m.
     reach: (f32, f32),
 }
@@ -38,7 +41,8 @@ pub(crate) struct Source<'a> {
     pub positions: &'a [Vec3],
     pub index: &'a VertexIndex,
     pub deltas: &'a [Vec3],
-    pub normals: Option<&'a [Vec3]>,
+    /// Changes of the unit normals, and the base normals themselves.
+    pub normals: Option<(&'a [Vec3], &'a [Vec3])>,
     /// Columns x, y, z of the contact frame.
     pub frame: Mat3,
     pub contact: Vec3,
@@ -77,7 +81,8 @@ impl Stamp {
             origin: lo,
             cell,
             displacements: vec![Vec3::ZERO; count],
-            normals: if s.normals.is_some() { vec![Vec3::ZERO; count] } else { Vec::new() },
+            normals: vec![Vec3::ZERO; if s.normals.is_some() { count } else { 0 }],
+            facing: vec![Vec3::ZERO; if s.normals.is_some() { count } else { 0 }],
             reach: (
                 Vec3::new(lo.x.abs().max(hi.x.abs()), lo.y.abs().max(hi.y.abs()), 0.0).length(),
                 lo.z.abs().max(hi.z.abs()),
@@ -86,10 +91,11 @@ impl Stamp {
         for i in 0..count {
             let at = UVec3::new(i as u32 % dims.x, i as u32 / dims.x % dims.y, i as u32 / (dims.x * dims.y));
             let p = s.contact + s.frame * (lo + at.as_vec3() * cell);
-            let (u, n) = stamp_node(s, p, fade);
-            stamp.displacements[i] = to_frame * u;
+            let node = stamp_node(s, p, fade);
+            stamp.displacements[i] = to_frame * node.displacement;
             if s.normals.is_some() {
-                stamp.normals[i] = to_frame * n;
+                stamp.normals[i] = to_frame * node.normal;
+                stamp.facing[i] = to_frame * node.facing;
             }
         }
         stamp
@@ -100,19 +106,18 @@ impl Stamp {
         self.cell_of(p).map_or(Vec3::ZERO, |c| c.read(&self.displacements, self.dims))
     }
 
-    /// Change of the unit normal at `p`, in the contact frame.
-    pub fn normal(&self, p: Vec3) -> Vec3 {
-        if self.normals.is_empty() {
-            return Vec3::ZERO;
-        }
-        self.cell_of(p).map_or(Vec3::ZERO, |c| c.read(&self.normals, self.dims))
-    }
-
-    /// Both at once: displacement (m) and change of the unit normal.
-    pub(crate) fn both(&self, p: Vec3) -> Option<(Vec3, Vec3)> {
+    /// Displacement at `p`, and the change of a unit normal that is `normal` at rest (both in the contact frame): the
+    /// example's own change, times the cosine between the two surfaces, none where they face apart.
+    pub(crate) fn with_normal(&self, p: Vec3, normal: Vec3) -> Option<(Vec3, Vec3)> {
         let c = self.cell_of(p)?;
-        let n = if self.normals.is_empty() { Vec3::ZERO } else { c.read(&self.normals, self.dims) };
-        Some((c.read(&self.displacements, self.dims), n))
+        let u = c.read(&self.displacements, self.dims);
+        if self.normals.is_empty() {
+            return Some((u, Vec3::ZERO));
+        }
+        let facing = c.read(&self.facing, self.dims);
+        let length = facing.length();
+        let cos = if length > 0.0 { (facing.dot(normal) / length).clamp(0.0, 1.0) } else { 0.0 };
+        Some((u, c.read(&self.normals, self.dims) * cos))
     }
 
     /// Nodes along x, y and z.
@@ -135,6 +140,11 @@ impl Stamp {
         &self.normals
     }
 
+    /// The nodes' base normals (not of unit length between vertices) in the contact frame; as many as there are normals.
+    pub fn facing_nodes(&self) -> &[Vec3] {
+        &self.facing
+    }
+
     /// Radius of a sphere around the contact that holds the grid when it is stretched by `stretch` in the surface, m.
     pub(crate) fn reach(&self, stretch: f32) -> f32 {
         let (across, along) = (self.reach.0 * stretch, self.reach.1);
@@ -143,7 +153,7 @@ impl Stamp {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        (self.displacements.len() + self.normals.len()) * 12
+        (self.displacements.len() + self.normals.len() + self.facing.len()) * 12
     }
 
     fn cell_of(&self, p: Vec3) -> Option<Cell> {
@@ -174,25 +184,37 @@ impl Cell {
     }
 }
 
-/// Field (mesh space) at `p`: mean of the four nearest vertices, faded with distance from the surface.
-fn stamp_node(s: &Source<'_>, p: Vec3, fade: (f32, f32)) -> (Vec3, Vec3) {
-    let (mut u, mut n, mut sum, mut keep) = (Vec3::ZERO, Vec3::ZERO, 0.0f32, 1.0f32);
+/// The fields at one node, in mesh space.
+#[derive(Default)]
+struct Node {
+    displacement: Vec3,
+    normal: Vec3,
+    facing: Vec3,
+}
+
+/// The fields at `p`: mean of the four nearest vertices, changes faded with distance from the surface.
+fn stamp_node(s: &Source<'_>, p: Vec3, fade: (f32, f32)) -> Node {
+    let (mut node, mut sum, mut keep) = (Node::default(), 0.0f32, 1.0f32);
     // Distances below a ten-thousandth of the fade count as hits of the vertex itself.
     let floor = fade.0 * fade.0 * 1e-8;
     for (k, (v, d2)) in s.index.four(p).enumerate() {
         if k == 0 {
             let d = d2.sqrt();
             if d >= fade.1 {
-                return (Vec3::ZERO, Vec3::ZERO);
+                return Node::default();
             }
             keep = ((fade.1 - d) / (fade.1 - fade.0)).min(1.0);
         }
         let w = 1.0 / d2.max(floor);
-        u += s.deltas[v as usize] * w;
-        if let Some(normals) = s.normals {
-            n += normals[v as usize] * w;
+        node.displacement += s.deltas[v as usize] * w;
+        if let Some((changes, base)) = s.normals {
+            node.normal += changes[v as usize] * w;
+            node.facing += base[v as usize] * w;
         }
         sum += w;
     }
-    (u * (keep / sum), n * (keep / sum))
+    node.displacement *= keep / sum;
+    node.normal *= keep / sum;
+    node.facing /= sum;
+    node
 }

@@ -64,14 +64,21 @@ fn evaluate<const N: usize>(instance: &Instance, r: Range<usize>, normals: bool)
                     let n = if base_normals.is_some() { &mut sum.dent_normals[..len] } else { &mut [] };
                     set.examples()[part.example].anchored().add(r.clone(), scale, &mut sum.dent[..len], n);
                 }
-                Some(carried) => {
-                    for (i, p) in base.iter().enumerate() {
-                        if let Some((u, n)) = carried.at(set, part.example, *p) {
-                            sum.dent[i] += u * scale;
-                            sum.dent_normals[i] += n * scale;
+                Some(carried) => match base_normals.map(|n| &n[r.clone()]) {
+                    None => {
+                        for (i, p) in base.iter().enumerate() {
+                            sum.dent[i] += carried.at(set, part.example, *p) * scale;
                         }
                     }
-                }
+                    Some(normals) => {
+                        for (i, (p, n)) in base.iter().zip(normals).enumerate() {
+                            if let Some((u, n)) = carried.with_normal(set, part.example, *p, *n) {
+                                sum.dent[i] += u * scale;
+                                sum.dent_normals[i] += n * scale;
+                            }
+                        }
+                    }
+                },
             }
         }
         sum.add_dent(len, set.options().combine);

@@ -63,6 +63,7 @@ pub struct Grid {
     pub step: V,
     pub displacements: Vec<V>,
     pub normals: Vec<V>,
+    pub facing: Vec<V>,
     /// Rows are the contact frame's x, y, z in mesh space.
     pub frame: Matrix,
 }
@@ -76,6 +77,7 @@ impl Grid {
             step: from_f32(step),
             displacements: stamp.nodes().iter().map(|u| from_f32(u.to_array())).collect(),
             normals: stamp.normal_nodes().iter().map(|n| from_f32(n.to_array())).collect(),
+            facing: stamp.facing_nodes().iter().map(|n| from_f32(n.to_array())).collect(),
             frame: [frame.x_axis, frame.y_axis, frame.z_axis].map(|axis| from_f32(axis.to_array())),
         }
     }
@@ -131,8 +133,15 @@ pub fn example_at(model: &Model, mark: &Mark, part: &Part, vertex: usize) -> (V,
     }
     let (grid, rotation, s, p) = place(model, mark, example, vertex);
     let back = |u: V| apply(rotation, apply(transpose(grid.frame), u));
-    // slopes fall as a dent gets wider
-    let normals = if grid.normals.is_empty() { [0.0; 3] } else { scale(1.0 / s, grid.look_up(&grid.normals, p)) };
+    let normals = if grid.normals.is_empty() {
+        [0.0; 3]
+    } else {
+        // a vertex that faces elsewhere than the surface the example was made on takes less of its change
+        let facing = back(grid.look_up(&grid.facing, p));
+        let cos = dot(facing, model.normals[vertex]) / length(facing).max(1e-300);
+        // slopes fall as a dent gets wider
+        scale(cos.clamp(0.0, 1.0) / s, grid.look_up(&grid.normals, p))
+    };
     (back(grid.look_up(&grid.displacements, p)), back(normals))
 }
 
