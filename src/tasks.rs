@@ -27,9 +27,29 @@ impl TaskSystem for Serial {
     }
 }
 
-/// An own rayon pool; rayon's global pool is never touched. Its threads end when it is dropped.
+/// An own rayon pool; rayon's global pool is never touched. Its threads have ended once it is dropped.
 #[derive(Debug)]
-pub struct ThreadPool(Option<rayon::ThreadPool>);
+pub struct ThreadPool(Option<Threads>);
+
+#[derive(Debug)]
+struct Threads {
+    pool: rayon::ThreadPool,
+    /// To be waited for: a dropped pool only asks its threads to end.
+    _handles: Joined,
+}
+
+/// Threads that are waited for when this is dropped. (Fields are dropped in order, so the pool has asked them to end by
+/// then. None of them is the one that drops: they only run tasks while the pool is borrowed.)
+#[derive(Debug, Default)]
+struct Joined(Vec<std::thread::JoinHandle<()>>);
+
+impl Drop for Joined {
+    fn drop(&mut self) {
+        for handle in self.0.drain(..) {
+            let _ = handle.join();
+        }
+    }
+}
 
 impl ThreadPool {
     /// A pool of `threads` threads (0: one for each core the process may use; 1: none, the caller does the work).
@@ -45,25 +65,30 @@ impl ThreadPool {
         if threads == 1 {
             return Ok(Self(None));
         }
-        rayon::ThreadPoolBuilder::new()
+        let mut handles = Joined::default();
+        let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
-            .thread_name(|i| format!("crumple {i}"))
+            .spawn_handler(|thread| {
+                let name = format!("crumple {}", thread.index());
+                handles.0.push(std::thread::Builder::new().name(name).spawn(|| thread.run())?);
+                Ok(())
+            })
             .build()
-            .map(|p| Self(Some(p)))
-            .map_err(|e| Error::OutOfMemory { what: format!("{threads} threads ({e})"), bytes: 0 })
+            .map_err(|e| Error::OutOfMemory { what: format!("{threads} threads ({e})"), bytes: 0 })?;
+        Ok(Self(Some(Threads { pool, _handles: handles })))
     }
 }
 
 impl TaskSystem for ThreadPool {
     fn parallel_for(&self, count: usize, task: &(dyn Fn(usize) + Sync)) {
         match &self.0 {
-            Some(pool) if count > 1 => pool.install(|| (0..count).into_par_iter().for_each(task)),
+            Some(threads) if count > 1 => threads.pool.install(|| (0..count).into_par_iter().for_each(task)),
             _ => Serial.parallel_for(count, task),
         }
     }
 
     fn workers(&self) -> usize {
-        self.0.as_ref().map_or(1, |p| p.current_num_threads())
+        self.0.as_ref().map_or(1, |t| t.pool.current_num_threads())
     }
 }
 

@@ -47,8 +47,8 @@ pub extern "C" fn crumple_default_allocator_def() -> CrumpleAllocatorDef {
 
 /// Makes the library take all further memory from the host's functions, for the whole process; null goes back to the system's.
 /// May be called at any time: each piece of memory returns to the functions it came from, so those must stay callable until
-/// the last piece is back (destroying all contexts returns nearly all; threads of your own that used the library return a
-/// little when they end). At most 15 different allocators in the life of a process.
+/// the last piece is back. Destroying all contexts returns all, except for a few kB a thread that contexts with threads of Crumple's
+/// own leave to the next ones for the life of the process. At most 15 different allocators in the life of a process.
 ///
 /// Any thread. Errors: CRUMPLE_ERROR_UNSUPPORTED (a build without CRUMPLE_FEATURE_HOST_ALLOCATOR; see crumple_features()),
 /// CRUMPLE_ERROR_STRUCT_SIZE, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_NULL_POINTER (a function is missing),
@@ -73,8 +73,9 @@ pub unsafe extern "C" fn crumple_set_allocator(allocator: *const CrumpleAllocato
 
 #[cfg(feature = "host-allocator")]
 mod global {
-    //! Rust's global allocator. Memory may outlive the choice of an allocator, so each piece carries, just before its first
-    //! byte, the number of the allocator it came from.
+    //! Rust's global allocator. Memory may outlive the choice of an allocator, so each piece carries, just after its last
+    //! byte, the number of the allocator it came from. (After, not before: pointers then point to the begin of what was
+    //! allocated, which tools that look for leaks go by.)
 
     use super::super::result::{CrumpleResult, Failure};
     use super::CrumpleAllocatorDef;
@@ -82,10 +83,10 @@ mod global {
     use std::ffi::c_void;
     use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering::*};
 
-    /// The system's allocator is number 0.
+    /// Different hosts there may be; the system's allocator is number 0.
     const HOSTS: usize = 15;
-    /// Bytes of the header; also the least alignment asked of a host.
-    const HEADER: usize = 16;
+    /// The least alignment asked of a host.
+    const ALIGN: usize = 16;
 
     struct Host {
         alloc: AtomicPtr<c_void>,
@@ -156,56 +157,51 @@ mod global {
         }
     }
 
-    /// Bytes before the memory (a multiple of its alignment), and the layout of both together.
-    fn whole(layout: Layout) -> Option<(usize, Layout)> {
-        let align = layout.align().max(HEADER);
-        let size = layout.size().checked_add(align)?;
-        Some((align, Layout::from_size_align(size, align).ok()?))
+    /// The memory with the number after it, and where that lies.
+    fn whole(layout: Layout) -> Option<(Layout, usize)> {
+        let (whole, after) = layout.extend(Layout::new::<usize>()).ok()?;
+        Some((whole.align_to(ALIGN).ok()?.pad_to_align(), after))
     }
 
-    pub(super) struct HostAllocator;
+    struct HostAllocator;
 
     #[global_allocator]
     static GLOBAL: HostAllocator = HostAllocator;
 
     impl HostAllocator {
         unsafe fn take(layout: Layout, zeroed: bool) -> *mut u8 {
-            let Some((before, whole)) = whole(layout) else { return std::ptr::null_mut() };
+            let Some((whole, after)) = whole(layout) else { return std::ptr::null_mut() };
             let number = CURRENT.load(Acquire);
-            let base = match (number, zeroed) {
-                // SAFETY: the size is not 0, a header is in it.
+            let memory = match (number, zeroed) {
+                // SAFETY: the size is not 0, a number is in it.
                 (0, false) => unsafe { System.alloc(whole) },
                 // SAFETY: as above.
                 (0, true) => unsafe { System.alloc_zeroed(whole) },
                 _ => {
                     let (alloc, free, user) = functions(number);
                     // SAFETY: the host promised that its functions may be called so.
-                    let base = unsafe { alloc(whole.size(), whole.align(), user) }.cast::<u8>();
-                    if !base.addr().is_multiple_of(whole.align()) {
+                    let memory = unsafe { alloc(whole.size(), whole.align(), user) }.cast::<u8>();
+                    if !memory.addr().is_multiple_of(whole.align()) {
                         // SAFETY: it came from the line above.
-                        unsafe { free(base.cast(), whole.size(), whole.align(), user) };
+                        unsafe { free(memory.cast(), whole.size(), whole.align(), user) };
                         return std::ptr::null_mut();
                     }
-                    if zeroed && !base.is_null() {
+                    if zeroed && !memory.is_null() {
                         // SAFETY: `whole.size()` bytes are there.
-                        unsafe { base.write_bytes(0, whole.size()) };
+                        unsafe { memory.write_bytes(0, whole.size()) };
                     }
-                    base
+                    memory
                 }
             };
-            if base.is_null() {
-                return base;
+            if !memory.is_null() {
+                // SAFETY: `whole` has room for the number there, aligned.
+                unsafe { memory.add(after).cast::<usize>().write(number) };
             }
-            // SAFETY: `before` is at least the header's size and a multiple of the alignment, so both places are inside.
-            unsafe {
-                let memory = base.add(before);
-                memory.sub(HEADER).cast::<usize>().write(number);
-                memory
-            }
+            memory
         }
     }
 
-    // SAFETY: memory comes from `System` or from a host that promises the same, large enough for the header and the layout, and
+    // SAFETY: memory comes from `System` or from a host that promises the same, large enough for the layout and the number, and
     // goes back where it came from with the layout it was taken with.
     unsafe impl GlobalAlloc for HostAllocator {
         unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
@@ -219,16 +215,14 @@ mod global {
         }
 
         unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
-            let (before, whole) = whole(layout).expect("it was allocated with this layout");
-            // SAFETY: `take` wrote the header there, and gave `base` with this layout.
+            let Some((whole, after)) = whole(layout) else { return }; // then it never was allocated
+            // SAFETY: `take` wrote the number there, and gave `memory` with this layout.
             unsafe {
-                let number = memory.sub(HEADER).cast::<usize>().read();
-                let base = memory.sub(before);
-                match number {
-                    0 => System.dealloc(base, whole),
-                    _ => {
+                match memory.add(after).cast::<usize>().read() {
+                    0 => System.dealloc(memory, whole),
+                    number => {
                         let (_, free, user) = functions(number);
-                        free(base.cast(), whole.size(), whole.align(), user);
+                        free(memory.cast(), whole.size(), whole.align(), user);
                     }
                 }
             }
@@ -236,15 +230,18 @@ mod global {
 
         unsafe fn realloc(&self, memory: *mut u8, layout: Layout, new_size: usize) -> *mut u8 {
             let Ok(new_layout) = Layout::from_size_align(new_size, layout.align()) else { return std::ptr::null_mut() };
-            let (Some((before, old)), Some((_, new))) = (whole(layout), whole(new_layout)) else {
+            let (Some((old, after)), Some((new, new_after))) = (whole(layout), whole(new_layout)) else {
                 return std::ptr::null_mut();
             };
-            // SAFETY: `take` wrote the header there; the system's memory goes to the system with its layout, anything else is
+            // SAFETY: `take` wrote the number there; the system's memory goes to the system with its layout, anything else is
             // copied to new memory that is large enough.
             unsafe {
-                if memory.sub(HEADER).cast::<usize>().read() == 0 && CURRENT.load(Acquire) == 0 {
-                    let base = System.realloc(memory.sub(before), old, new.size());
-                    return if base.is_null() { base } else { base.add(before) };
+                if memory.add(after).cast::<usize>().read() == 0 && CURRENT.load(Acquire) == 0 {
+                    let memory = System.realloc(memory, old, new.size());
+                    if !memory.is_null() {
+                        memory.add(new_after).cast::<usize>().write(0);
+                    }
+                    return memory;
                 }
                 let fresh = Self::take(new_layout, false);
                 if !fresh.is_null() {
