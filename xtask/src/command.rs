@@ -1,4 +1,4 @@
-//! The `crumple` command, built and called as a person would call it.
+//! The `crumple` command, built and called as a person would call it. Each call answers what it printed.
 
 use std::path::{Path, PathBuf};
 
@@ -20,20 +20,21 @@ impl<'a> Command<'a> {
         Ok(Self { workspace, program })
     }
 
-    pub fn info(&self, file: &Path) -> Result<()> {
+    pub fn info(&self, file: &Path) -> Result<String> {
         let program = &self.program;
-        Ok(cmd!(self.workspace.shell, "{program} info {file}").run()?)
+        Ok(cmd!(self.workspace.shell, "{program} info {file}").quiet().read()?)
     }
 
     /// Writes `count` impacts on `file`'s mesh, the same ones at every call.
-    pub fn sample(&self, file: &Path, impacts: &Path, count: &str) -> Result<()> {
+    pub fn sample(&self, file: &Path, impacts: &Path, count: &str) -> Result<String> {
         let program = &self.program;
-        Ok(cmd!(self.workspace.shell, "{program} sample {file} --count {count} -o {impacts}").run()?)
+        Ok(cmd!(self.workspace.shell, "{program} sample {file} --count {count} -o {impacts}").quiet().read()?)
     }
 
-    pub fn apply(&self, file: &Path, impacts: &Path, dented: &Path, pictures: Option<&Path>) -> Result<()> {
+    pub fn apply(&self, file: &Path, impacts: &Path, dented: &Path, pictures: Option<&Path>) -> Result<String> {
         let program = &self.program;
         let pictures = pictures.map(|directory| ["--png".as_ref(), directory.as_os_str()]).into_iter().flatten();
-        Ok(cmd!(self.workspace.shell, "{program} apply {file} --impacts {impacts} -o {dented} {pictures...}").run()?)
+        let apply = cmd!(self.workspace.shell, "{program} apply {file} --impacts {impacts} -o {dented} {pictures...}");
+        Ok(apply.quiet().read()?)
     }
 }

@@ -6,7 +6,7 @@ use clap::Args;
 use crate::stage::{self, Outcome, Stage};
 use crate::tools::Tool;
 use crate::workspace::Workspace;
-use crate::{native, outside, peers, valgrind};
+use crate::{demo, native, outside, peers, valgrind};
 
 #[derive(Args, Default)]
 pub struct Options {
@@ -62,6 +62,14 @@ const STAGES: &[Stage] = &[
         wants: &[],
         closing: false,
         run: valgrind::rust,
+    },
+    Stage {
+        name: "demo",
+        shows: "`cargo xtask demo` dents a hood and a drum",
+        needs: &[],
+        wants: &[],
+        closing: false,
+        run: demo::check,
     },
     Stage {
         name: "blender",
