@@ -925,7 +925,7 @@ fn quick_marks_of_other_depth_at_one_place_are_marks_of_their_own() {
 
 /// A body made in other units dents alike: no constant of the model is a length.
 #[test]
-fn quick_a_body_dents_alike_in_any_unit() {
+fn a_body_dents_alike_in_any_unit() {
     let scaled = |factor: f32| {
         let mut mesh = scenes::cube(8);
         let mut examples = scenes::bowls(&mesh, 5, 0.45, 3);

@@ -4,7 +4,7 @@
 mod solver;
 
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use proptest::prelude::ProptestConfig;
 
@@ -290,25 +290,33 @@ pub fn build(mesh: MeshData, examples: Vec<ExampleData>, options: SetOptions) ->
 /// A named body with its example set.
 pub type Body = (&'static str, Arc<ExampleSet>);
 
+fn made_up(which: usize) -> Arc<ExampleSet> {
+    static SETS: [OnceLock<Arc<ExampleSet>>; 3] = [const { OnceLock::new() }; 3];
+    let make = || {
+        let (mesh, count, radius) = match which {
+            0 => (sheet(24), 5, 0.3),
+            1 => (ball(3), 6, 0.35),
+            _ => (cube(10), 6, 0.45),
+        };
+        let examples = bowls(&mesh, count, radius, which as u64 + 1);
+        build(mesh, examples, SetOptions::default())
+    };
+    SETS[which].get_or_init(make).clone()
+}
+
 pub fn sheet_set() -> Arc<ExampleSet> {
-    let mesh = sheet(24);
-    let examples = bowls(&mesh, 5, 0.3, 1);
-    build(mesh, examples, SetOptions::default())
+    made_up(0)
 }
 
 pub fn ball_set() -> Arc<ExampleSet> {
-    let mesh = ball(3);
-    let examples = bowls(&mesh, 6, 0.35, 2);
-    build(mesh, examples, SetOptions::default())
+    made_up(1)
 }
 
 pub fn cube_set() -> Arc<ExampleSet> {
-    let mesh = cube(10);
-    let examples = bowls(&mesh, 6, 0.45, 3);
-    build(mesh, examples, SetOptions::default())
+    made_up(2)
 }
 
-/// The made-up bodies: a flat sheet, a closed sphere, a cube with hard edges and a UV seam.
+/// The made-up bodies: a flat sheet, a closed sphere, a cube with hard edges and a UV seam. Built once.
 pub fn small_bodies() -> Vec<Body> {
     vec![("sheet", sheet_set()), ("ball", ball_set()), ("cube", cube_set())]
 }
