@@ -13,13 +13,22 @@ const PANEL: &str = "assets/solver/panel.glb";
 
 fn import(path: &Path) -> Imported {
     let bytes = std::fs::read(path).expect("readable");
-    gltf_slice(&bytes, path.parent(), MeshChoice::Index(0)).expect("a glTF")
+    gltf_slice(&bytes, path.parent(), MeshChoice::First).expect("a glTF")
+}
+
+/// Positions of a dented file's first primitive; its morph targets are gone, so it is no source of examples any more.
+fn dented(path: &Path) -> Vec<[f32; 3]> {
+    let file = gltf::Gltf::open(path).expect("a GLB");
+    let primitive = file.meshes().next().and_then(|m| m.primitives().next()).expect("a primitive");
+    assert_eq!(primitive.morph_targets().count(), 0);
+    let blob = file.blob.as_deref().expect("a binary chunk");
+    primitive.reader(|_| Some(blob)).read_positions().expect("positions").collect()
 }
 
 /// Length of each vertex's displacement between two files, m.
-fn displacements(before: &Imported, after: &Imported) -> Vec<f32> {
-    assert_eq!(before.mesh.positions.len(), after.mesh.positions.len());
-    let pairs = before.mesh.positions.iter().zip(&after.mesh.positions);
+fn displacements(before: &Imported, after: &[[f32; 3]]) -> Vec<f32> {
+    assert_eq!(before.mesh.positions.len(), after.len());
+    let pairs = before.mesh.positions.iter().zip(after);
     pairs.map(|(a, b)| Vec3::from(*a).distance(Vec3::from(*b))).collect()
 }
 
@@ -70,9 +79,8 @@ fn apply_dents_the_body_where_it_was_hit() {
     let report = crumple(&arguments).report();
     assert!(report.contains("here") && report.contains("1 of 1 impact left a dent; the damage is 1 mark"), "{report}");
 
-    let (before, after) = (import(&asset(PANEL)), import(&out));
-    assert!(after.examples.is_empty() && before.examples.len() == 32);
-    assert_eq!(before.primitives[0].material, after.primitives[0].material);
+    let (before, after) = (import(&asset(PANEL)), dented(&out));
+    assert_eq!(gltf::Gltf::open(&out).expect("a GLB").materials().next().and_then(|m| m.name()), Some("metal"));
     let moved = displacements(&before, &after);
     let (vertex, depth) = deepest(&moved);
     assert!(Vec3::from(before.mesh.positions[vertex]).distance(point) < 0.05, "vertex {vertex}");
@@ -96,7 +104,7 @@ fn apply_dents_the_body_where_it_was_hit() {
 fn apply_takes_impulses_and_world_space() {
     let folder = tempfile::tempdir().expect("a directory");
     let file = "tests/fixtures/nodes.glb";
-    let source = import_first(&asset(file));
+    let source = import(&asset(file));
     let to_world = Mat4::from_cols_array_2d(&source.node_transform.expect("a node"));
     let contact = Vec3::from(source.mesh.positions[0]);
     let push = Vec3::new(0.01, -0.03, 0.02);
@@ -115,10 +123,6 @@ fn apply_takes_impulses_and_world_space() {
     let impulse =
         format!(r#"[{{"point": {}, "impulse": {}, "duration": 0.5, "mass": 2}}]"#, list(contact), list(push * 4.0));
     assert_eq!(local, run("c.glb", impulse));
-}
-
-fn import_first(path: &Path) -> Imported {
-    gltf_slice(&std::fs::read(path).expect("readable"), path.parent(), MeshChoice::First).expect("a glTF")
 }
 
 #[test]
@@ -144,7 +148,7 @@ fn apply_reads_obj_and_the_literatures_rules() {
         ];
         let report = crumple(&arguments).report();
         assert!(report.contains("on 1 thread."), "{report}");
-        assert!(!import(&out).mesh.positions.is_empty());
+        assert!(!dented(&out).is_empty());
     }
     let classic =
         ["apply", obj[0], obj[1], obj[2], "--impacts", list.text(), "-o", out.text(), "--selection", "classic"];
@@ -177,7 +181,7 @@ fn sample_is_the_same_for_the_same_seed_and_can_be_applied() {
     let (list, out) = (folder.path().join("a.json"), folder.path().join("out.glb"));
     let report = crumple(&["apply", PANEL, "--impacts", list.text(), "-o", out.text()]).report();
     assert!(report.contains("12 of 12 impacts left a dent"), "{report}");
-    let (before, after) = (import(&asset(PANEL)), import(&out));
+    let (before, after) = (import(&asset(PANEL)), dented(&out));
     assert!(deepest(&displacements(&before, &after)).1 > 0.005);
 }
 

@@ -140,13 +140,13 @@ fn reach(text: &mut String, set: &ExampleSet) -> Result<()> {
     let near: f64 = areas.iter().zip(mesh.positions()).filter(|(_, p)| stays(set, **p)).map(|(a, _)| a).sum();
     writeln!(
         text,
-        "  A hit on {} of the area finds an example made there, which stays where it is; elsewhere carried ones are used.",
+        "  A hit on {} of the area finds an example made there; if it is about as deep, it stays where it is. Elsewhere examples are carried.",
         percent(near, area)
     )?;
     Ok(())
 }
 
-/// Whether a hit at `p` finds an example that stays where it was made.
+/// Whether a hit at `p` finds an example that was made there and may stay.
 fn stays(set: &ExampleSet, p: Vec3) -> bool {
     set.examples().iter().filter(|e| !e.is_empty()).any(|e| match e.placement() {
         Placement::Automatic => e.contact_point().distance(p) <= 0.1 * e.support_radius(),

@@ -52,7 +52,7 @@ impl Input {
                 !self.examples.is_empty(),
                 "{shown} is an OBJ, which holds no examples: give one or more with --example FILE.obj"
             );
-            let imported = import::obj_files(&self.file, &self.examples)?;
+            let imported = import::obj_files(&self.file, &self.examples).with_context(|| shown.to_string())?;
             (imported.clone(), Kind::Obj(Box::new(imported)))
         } else {
             ensure!(
