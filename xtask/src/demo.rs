@@ -36,7 +36,9 @@ pub fn check(workspace: &Workspace) -> Result<Outcome> {
     let out = workspace.target.join("demo");
     run(workspace, &out)?;
     for body in BODIES {
-        for file in ["base.png", "after.png", "heat.png", "before_after.png", "dented.glb", "impacts.json", "report.txt"] {
+        for file in
+            ["base.png", "after.png", "heat.png", "before_after.png", "dented.glb", "impacts.json", "report.txt"]
+        {
             let path = out.join(body).join(file);
             fs::metadata(&path).with_context(|| format!("the demo left no {}", path.display()))?;
         }
