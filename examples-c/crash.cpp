@@ -17,7 +17,7 @@
 namespace {
 
 using Vec = std::array<double, 3>;
-constexpr double STEP = 1.0 / 240, WINDOW = 1.0 / 30, SECONDS = 2.5; // s
+constexpr double STEP = 1.0 / 240, WINDOW = 1.0 / 30, SECONDS = 1.8; // s
 constexpr int FRAMES = 6;
 
 Vec operator+(const Vec &a, const Vec &b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }

@@ -1,8 +1,8 @@
 // Crumple dents meshes.
 //
 // You give it a base mesh and a few examples (the same mesh after a collision, made by an artist or a solver), report
-// impulses as your physics engine finds them, and it writes the deformed vertices into your own vertex buffers.
-// All functions and types are described where they are declared; examples-c holds whole programs.
+// impulses as your physics engine finds them, and it writes the deformed vertices into your own vertex buffers. All
+// functions and types are described where they are declared; examples-c holds whole programs.
 //
 //
 // The way through, in the order in which you meet it
@@ -27,32 +27,36 @@
 //                       lamps, decals and collision vertices that follow the dents
 //
 //
-// Results. Every call that can fail returns a CrumpleResult and writes its outputs only when that is CRUMPLE_OK. The text
-// of crumple_last_error() names what was wrong and what would be right. After an error nothing has changed and everything
-// stays usable. No call aborts, prints, throws or leaves a signal; see "Memory" for the one exception. Every call may
-// return CRUMPLE_ERROR_INTERNAL, a defect of the library.
+// Results. Every call that can fail returns a CrumpleResult and writes its outputs only when that is CRUMPLE_OK. The
+// text of crumple_last_error() names what was wrong and what would be right. After an error nothing has changed and
+// everything stays usable. No call aborts, prints, throws or leaves a signal; see "Memory" for the one exception.
+// Every call may return CRUMPLE_ERROR_INTERNAL, a defect of the library.
 //
-// Ownership. What Crumple creates, it owns, and you hold an id of it: a small struct by value, zero is null. An id ends
-// with its crumple_destroy_ or crumple_unregister_ call and is an error from then on, never a crash. Destroying an
-// instance unregisters its buffers; an example set lives on for the instances that use it; destroying the context
-// destroys everything in it. What you pass in, you own: defs, strings and arrays are read during the call and may be freed
-// after it. Two things must live longer: the memory of registered buffers, and what the callbacks of a context need.
+// Ownership. What Crumple creates, it owns, and you hold an id of it: a small struct by value, zero is null. An id
+// ends with its crumple_destroy_ or crumple_unregister_ call and is an error from then on, never a crash. Destroying
+// an instance unregisters its buffers; an example set lives on for the instances that use it; destroying the context
+// destroys everything in it. What you pass in, you own: defs, strings and arrays are read during the call and may be
+// freed after it. Two things must live longer: the memory of registered buffers, and what the callbacks of a context
+// need.
 //
-// Defs. Structs that end in Def come from their crumple_default_ function, which sets struct_size and the defaults; fill
-// in what you need. A struct_size of another version is an error.
+// Defs. Structs that end in Def come from their crumple_default_ function, which sets struct_size and the defaults;
+// fill in what you need. A struct_size of another version is an error.
 //
-// Threads. Calls are externally synchronised per context: two threads must not be inside the same context at once, and
-// callbacks must not call back into it. One that does gets CRUMPLE_ERROR_CONCURRENT_USE, in every build. Excepted are
-// crumple_submit_impulse() and crumple_submit_displacement(), which any number of threads may call at any time, also while
-// another thread deforms, and the functions that take no context. Different contexts know nothing of each other. The
-// result never depends on the number of threads or the order of hits.
+// Threads. Calls are externally synchronised per context: two threads must not be inside the same context at once,
+// and callbacks must not call back into it. One that does gets CRUMPLE_ERROR_CONCURRENT_USE, in every build. Excepted
+// are crumple_submit_impulse() and crumple_submit_displacement(), which any number of threads may call at any time,
+// also while another thread deforms, and the functions that take no context. Different contexts know nothing of each
+// other. The result never depends on the number of threads, nor on the order of the hits between two reads of the
+// damage (with CRUMPLE_RULE_MARKS it does not depend on those reads either, until marks merge because there are more
+// than mark_capacity).
 //
-// Units. Metres, seconds, kilograms; impulses in newton seconds. Any handedness, any axis up. Each number says its unit.
-// NaN and infinities are errors everywhere. Vertices are 32-bit floats, indices count from 0, enums are 32 bits wide (do
-// not compile with -fshort-enums).
+// Units. Metres, seconds, kilograms; impulses in newton seconds. Any handedness, any axis up. Each number says its
+// unit. NaN and infinities are errors everywhere. Vertices are 32-bit floats, indices count from 0, enums are 32 bits
+// wide (do not compile with -fshort-enums).
 //
-// Memory. Memory whose size your counts decide is asked for carefully: CRUMPLE_ERROR_OUT_OF_MEMORY when there is none.
-// Small allocations (messages, ids) end the process when the system has no memory at all, as in most programs.
+// Memory. Running out of it while your arrays are copied, or while room for what you create is made, is
+// CRUMPLE_ERROR_OUT_OF_MEMORY. Working memory beyond that is not guarded: where the system, or your allocator, has
+// none left for it, the process ends, as most programs do.
 //
 // Do not fork() a process with a live context and use it in the child.
 //
@@ -87,8 +91,8 @@
 /// Bit of crumple_features(): crumple_set_allocator() works.
 #define CRUMPLE_FEATURE_HOST_ALLOCATOR 4
 
-/// What every fallible call returns. After anything but CRUMPLE_OK no output was written, crumple_last_error() tells what was
-/// wrong and what would be right, and everything stays usable.
+/// What every fallible call returns. After anything but CRUMPLE_OK no output was written, crumple_last_error() tells
+/// what was wrong and what would be right, and everything stays usable.
 typedef enum {
     /// The call did what it says.
     CRUMPLE_OK = 0,
@@ -116,7 +120,8 @@ typedef enum {
     CRUMPLE_ERROR_IO = 11,
     /// Damage belongs to another example set or to another version.
     CRUMPLE_ERROR_DAMAGE_MISMATCH = 12,
-    /// Memory ran out. Only memory whose size your counts decide is reported so; see "Memory" at the top of the header.
+    /// Memory ran out. Only memory whose size your counts decide is reported so; see "Memory" at the top of the
+    /// header.
     CRUMPLE_ERROR_OUT_OF_MEMORY = 13,
     /// The call does not fit the instance's rule.
     CRUMPLE_ERROR_WRONG_RULE = 14,
@@ -190,8 +195,8 @@ typedef enum {
 typedef enum {
     /// Hits leave marks: bounded, local, the same in any order, without memory per vertex. The default.
     CRUMPLE_RULE_MARKS = 0,
-    /// The literature's rule "most displaced", for comparison: depends on the order of hits, needs memory per vertex, has no
-    /// marks.
+    /// The literature's rule "most displaced", for comparison: depends on the order of hits, needs memory per vertex,
+    /// has no marks.
     CRUMPLE_RULE_MOST_DISPLACED = 1,
     /// The literature's rule "blend", with blend_constant.
     CRUMPLE_RULE_BLEND = 2,
@@ -203,7 +208,8 @@ typedef enum {
     CRUMPLE_SELECTION_OF_RULE = 0,
     /// The examples nearest in place, size and angle, carried or anchored as each says. Marks only.
     CRUMPLE_SELECTION_NEAREST = 1,
-    /// The literature's: the one example that moves the contact in the direction most like the target, weight at most 1.
+    /// The literature's: the one example that moves the contact in the direction most like the target, weight at most
+    /// 1.
     CRUMPLE_SELECTION_CLASSIC = 2,
     /// The same without a limit of the weight: diverges above 2. The literature's rules only, for comparison.
     CRUMPLE_SELECTION_CLASSIC_UNCLAMPED = 3,
@@ -230,12 +236,12 @@ typedef enum {
 /// Everything that Crumple knows. Opaque.
 typedef struct CrumpleContext CrumpleContext;
 
-/// Gives size bytes aligned to align (a power of two, at least 16), or null. Called from any thread, several at once. Must not
-/// call Crumple, throw, or jump out.
+/// Gives size bytes aligned to align (a power of two, at least 16), or null. Called from any thread, several at once.
+/// Must not call Crumple, throw, or jump out.
 typedef void *(*CrumpleAlloc)(size_t size, size_t align, void *user);
 
-/// Takes back what CrumpleAlloc gave, with the same size and align. Called from any thread, several at once. Must not call
-/// Crumple, throw, or jump out.
+/// Takes back what CrumpleAlloc gave, with the same size and align. Called from any thread, several at once. Must not
+/// call Crumple, throw, or jump out.
 typedef void (*CrumpleFree)(void *pointer, size_t size, size_t align, void *user);
 
 /// The host's allocator.
@@ -250,17 +256,18 @@ typedef struct {
     void *user;
 } CrumpleAllocatorDef;
 
-/// Receives one message, UTF-8, without a line break at its end; the text is gone when the callback returns. Called from the
-/// thread that called Crumple. Must not call Crumple with the same context, throw, or jump out.
+/// Receives one message, UTF-8, without a line break at its end; the text is gone when the callback returns. Called
+/// from the thread that called Crumple. Must not call Crumple with the same context, throw, or jump out.
 typedef void (*CrumpleLog)(CrumpleLogLevel level, const char *message, void *user);
 
 /// One task of a parallel-for, given to you to be run: index is 0 to count - 1, task_data what came with it.
 typedef void (*CrumpleTask)(uint32_t index, void *task_data);
 
-/// Your parallel-for: call task(index, task_data) once for every index below count, on any threads and in any order, and return
-/// when all have returned. Tasks never block, never throw, and may run at once. What you forget is run after you return, and an
-/// index that you run twice does nothing the second time. Called from the thread that called Crumple. Must not throw or jump
-/// out. It may call crumple_submit_impulse() and crumple_submit_displacement(), nothing else of the same context.
+/// Your parallel-for: call task(index, task_data) once for every index below count, on any threads and in any order,
+/// and return when all have returned. Tasks never block, never throw, and may run at once. What you forget is run
+/// after you return, and an index that you run twice does nothing the second time. Called from the thread that called
+/// Crumple. Must not throw or jump out. It may call crumple_submit_impulse() and crumple_submit_displacement(),
+/// nothing else of the same context.
 typedef void (*CrumpleParallelFor)(uint32_t count, CrumpleTask task, void *task_data, void *user);
 
 /// The host's job system. Zero everywhere: there is none, Crumple uses threads of its own.
@@ -277,8 +284,8 @@ typedef struct {
 typedef struct {
     /// Bytes of this struct, from crumple_default_context_def().
     uint32_t struct_size;
-    /// Threads that deform: 0 one for each core, 1 only the calling thread, up to 1024. Without meaning where tasks is set.
-    /// Default 0.
+    /// Threads that deform: 0 one for each core, 1 only the calling thread, up to 1024. Without meaning where tasks
+    /// is set. Default 0.
     uint32_t threads;
     /// Receives messages. Null: none. Default null.
     CrumpleLog log;
@@ -288,15 +295,15 @@ typedef struct {
     CrumpleTaskSystem tasks;
 } CrumpleContextDef;
 
-/// An array that Crumple reads during the call and never keeps. Element i lies at data + i * stride; how many there are and
-/// of what type is said where the array is used. Zero everywhere: the array is absent.
+/// An array that Crumple reads during the call and never keeps. Element i lies at data + i * stride; how many there
+/// are and of what type is said where the array is used. Zero everywhere: the array is absent.
 typedef struct {
     /// First element; aligned to its type (4 bytes, or 2 for 16-bit indices). Null: absent.
     const void *data;
     /// Readable bytes from data on; at least (count - 1) * stride + the bytes of one element.
     size_t size;
-    /// Bytes from one element to the next: at least those of one element, a multiple of its alignment. 0 is an error, never
-    /// "tightly packed".
+    /// Bytes from one element to the next: at least those of one element, a multiple of its alignment. 0 is an error,
+    /// never "tightly packed".
     size_t stride;
 } CrumpleInput;
 
@@ -314,7 +321,8 @@ typedef struct {
 typedef struct {
     /// Bytes of this struct, from crumple_default_example_def().
     uint32_t struct_size;
-    /// Number of moved vertices in delta_indices, position_deltas and normal_deltas. Without meaning for target_positions.
+    /// Number of moved vertices in delta_indices, position_deltas and normal_deltas. Without meaning for
+    /// target_positions.
     uint32_t delta_count;
     /// Any UTF-8 text that ends with a zero, copied; need not be unique. Null: empty.
     const char *name;
@@ -350,8 +358,8 @@ typedef struct {
     float drop_below;
     /// Mass of every vertex, kg, for impulses that bring none of their own. 0: not known. Default 0.
     float vertex_mass;
-    /// Nodes along the longest side of the grid that a carried example is kept in: 4 to 128. Default 24; smooth dents lose
-    /// nothing, sharp creases want more.
+    /// Nodes along the longest side of the grid that a carried example is kept in: 4 to 128. Default 24; smooth dents
+    /// lose nothing, sharp creases want more.
     uint32_t stamp_resolution;
     /// Mass of each vertex, kg: vertex_count floats, instead of vertex_mass. Default absent.
     CrumpleInput vertex_masses;
@@ -375,8 +383,8 @@ typedef struct {
     CrumpleInput normals;
     /// Tangents as in glTF: vertex_count times 4 floats, xyz of unit length, w +1 or -1. Absent: none.
     CrumpleInput tangents;
-    /// Triangles: index_count indices, three a triangle, counter-clockwise seen from outside. Absent: a cloud of points, which
-    /// then needs normals.
+    /// Triangles: index_count indices, three a triangle, counter-clockwise seen from outside. Absent: a cloud of
+    /// points, which then needs normals.
     CrumpleInput indices;
     /// Number of indices, a multiple of 3.
     uint32_t index_count;
@@ -390,8 +398,8 @@ typedef struct {
     CrumpleExampleSetOptions options;
 } CrumpleExampleSetDef;
 
-/// A base mesh and its examples: immutable, shared by any number of instances. An id; zero is null. Compare ids field by
-/// field; copy them freely; a stale or foreign id is an error, never a crash.
+/// A base mesh and its examples: immutable, shared by any number of instances. An id; zero is null. Compare ids field
+/// by field; copy them freely; a stale or foreign id is an error, never a crash.
 typedef struct {
     /// Place in the context, plus one; 0 is null.
     uint32_t index;
@@ -405,13 +413,14 @@ typedef struct {
 typedef struct {
     /// Bytes of this struct, from crumple_default_gltf_def().
     uint32_t struct_size;
-    /// Index of the mesh in the file, where mesh_name is null; UINT32_MAX: the first mesh that has morph targets. Default
-    /// UINT32_MAX.
+    /// Index of the mesh in the file, where mesh_name is null; UINT32_MAX: the first mesh that has morph targets.
+    /// Default UINT32_MAX.
     uint32_t mesh_index;
     /// Name of the mesh, UTF-8. Null: mesh_index decides. Default null.
     const char *mesh_name;
-    /// Path of the .glb or .gltf file, UTF-8, for crumple_load_example_set_gltf(). For crumple_load_example_set_gltf_memory()
-    /// the folder that files named in it are relative to; null: such files are an error.
+    /// Path of the .glb or .gltf file, UTF-8, for crumple_load_example_set_gltf(). For
+    /// crumple_load_example_set_gltf_memory() the folder that files named in it are relative to; null: such files are
+    /// an error.
     const char *path;
     /// How the set is made ready. vertex_masses must be absent, or hold as many as the mesh has vertices.
     CrumpleExampleSetOptions options;
@@ -431,9 +440,9 @@ typedef struct {
     CrumpleExampleSetOptions options;
 } CrumpleObjDef;
 
-/// An array that Crumple writes. Element i lies at data + offset + i * stride. Positions and normals are 3 floats (12 bytes),
-/// tangents 4 (16 bytes), indices one uint32_t; Crumple touches those bytes and none between them, so that several streams may
-/// be interleaved in one vertex buffer. Zero everywhere: the array is absent.
+/// An array that Crumple writes. Element i lies at data + offset + i * stride. Positions and normals are 3 floats (12
+/// bytes), tangents 4 (16 bytes), indices one uint32_t; Crumple touches those bytes and none between them, so that
+/// several streams may be interleaved in one vertex buffer. Zero everywhere: the array is absent.
 typedef struct {
     /// Begin of the memory, aligned to 4 bytes. Null: absent.
     void *data;
@@ -441,8 +450,8 @@ typedef struct {
     size_t size;
     /// Bytes from data to the first element, a multiple of 4.
     size_t offset;
-    /// Bytes from one element to the next: at least those of one element, a multiple of 4. 0 is an error, never "tightly
-    /// packed".
+    /// Bytes from one element to the next: at least those of one element, a multiple of 4. 0 is an error, never
+    /// "tightly packed".
     size_t stride;
 } CrumpleStream;
 
@@ -548,7 +557,8 @@ typedef struct {
     CrumpleRule rule;
     /// How examples are chosen. Default CRUMPLE_SELECTION_OF_RULE.
     CrumpleSelection selection;
-    /// Marks kept, 1 to 65535, 32 bytes each. Above it the weakest mark gives its energy to its nearest neighbour. Default 64.
+    /// Marks kept, 1 to 65535, 32 bytes each. Above it the weakest mark gives its energy to its nearest neighbour.
+    /// Default 64.
     uint32_t mark_capacity;
     /// No vertex moves further than this, m. 0: the set's limit. Default 0.
     float depth_limit;
@@ -560,8 +570,8 @@ typedef struct {
     float max_contact_distance;
     /// Constant of CRUMPLE_RULE_BLEND, 0 to 1. Default 0.
     float blend_constant;
-    /// From mesh to world space, column-major (element 4 * column + row); see crumple_set_instance_transform(). Default the
-    /// identity.
+    /// From mesh to world space, column-major (element 4 * column + row); see crumple_set_instance_transform().
+    /// Default the identity.
     float local_to_world[16];
 } CrumpleInstanceDef;
 
@@ -591,8 +601,8 @@ typedef struct {
     uint32_t reserved[5];
 } CrumpleInstanceInfo;
 
-/// A hit by an impulse. The contact is displaced by impulse * duration / mass, so report a contact once, with its whole
-/// impulse and how long it took: fed with the time step of every frame instead, dents depend on the frame rate.
+/// A hit by an impulse. The contact is displaced by impulse * duration / mass, so report a contact once, with its
+/// whole impulse and how long it took: fed with the time step of every frame instead, dents depend on the frame rate.
 typedef struct {
     /// Bytes of this struct, from crumple_default_impulse_def().
     uint32_t struct_size;
@@ -644,8 +654,8 @@ typedef struct {
     uint16_t share;
 } CrumplePair;
 
-/// One dent: where, how deep, and made of which examples. Plain data of 32 bytes, the same on every machine: send it over the
-/// network as it is (little-endian) to show the same dent there.
+/// One dent: where, how deep, and made of which examples. Plain data of 32 bytes, the same on every machine: send it
+/// over the network as it is (little-endian) to show the same dent there.
 typedef struct {
     /// The vertex that was hit.
     uint32_t contact;
@@ -689,8 +699,8 @@ typedef struct {
     CrumpleStream positions;
     /// Unit normals: 3 floats a vertex. Absent: none are written.
     CrumpleStream normals;
-    /// Tangents: 4 floats a vertex, xyz of unit length and orthogonal to the normal, w as in the base mesh. Absent: none are
-    /// written.
+    /// Tangents: 4 floats a vertex, xyz of unit length and orthogonal to the normal, w as in the base mesh. Absent:
+    /// none are written.
     CrumpleStream tangents;
 } CrumpleHostBufferDef;
 
@@ -724,7 +734,8 @@ typedef struct {
     uint32_t count;
 } CrumpleRange;
 
-/// A point bound to the surface nearest to it. Plain data: keep it, copy it, save it; it fits every instance of its set.
+/// A point bound to the surface nearest to it. Plain data: keep it, copy it, save it; it fits every instance of its
+/// set.
 typedef struct {
     /// The triangle's vertices; all the same for a mesh without triangles.
     uint32_t vertices[3];
@@ -760,37 +771,38 @@ typedef struct {
 extern "C" {
 #endif // __cplusplus
 
-/// The version of the library that runs: major * 1000000 + minor * 1000 + patch. Compare it with CRUMPLE_VERSION, that of the
-/// header you compiled against. Never fails; any thread.
+/// The version of the library that runs: major * 1000000 + minor * 1000 + patch. Compare it with CRUMPLE_VERSION,
+/// that of the header you compiled against. Never fails; any thread.
 uint32_t crumple_version(void);
 
 /// The version of the library that runs as text, such as "0.1.0". Lives for ever. Never fails; any thread.
 const char *crumple_version_string(void);
 
-/// What this build of the library can do: the CRUMPLE_FEATURE_ bits, or-ed. Bits unknown to you may be set. Never fails; any
-/// thread.
+/// What this build of the library can do: the CRUMPLE_FEATURE_ bits, or-ed. Bits unknown to you may be set. Never
+/// fails; any thread.
 uint64_t crumple_features(void);
 
-/// What was wrong in the calling thread's last failed call, and what would be right, as UTF-8: "crumple_create_instance: ...".
-/// Empty before the first failure; a call that succeeds leaves it. Valid until the thread's next failed call. At most 1023
-/// bytes. Never null, never fails; any thread, each has its own text.
+/// What was wrong in the calling thread's last failed call, and what would be right, as UTF-8:
+/// "crumple_create_instance: ...". Empty before the first failure; a call that succeeds leaves it. Valid until the
+/// thread's next failed call. At most 1023 bytes. Never null, never fails; any thread, each has its own text.
 const char *crumple_last_error(void);
 
-/// The name of a result, such as "CRUMPLE_ERROR_FORMAT"; "unknown result" for a number that is none. Lives for ever. Never
-/// fails; any thread.
+/// The name of a result, such as "CRUMPLE_ERROR_FORMAT"; "unknown result" for a number that is none. Lives for ever.
+/// Never fails; any thread.
 const char *crumple_result_name(CrumpleResult result);
 
 /// An allocator def without functions: set both. Never fails; any thread.
 CrumpleAllocatorDef crumple_default_allocator_def(void);
 
-/// Makes the library take all further memory from the host's functions, for the whole process; null goes back to the system's.
-/// May be called at any time: each piece of memory returns to the functions it came from, so those must stay callable until
-/// the last piece is back (destroying all contexts returns nearly all; threads of your own that used the library return a
-/// little when they end). At most 15 different allocators in the life of a process.
+/// Makes the library take all further memory from the host's functions, for the whole process; null goes back to the
+/// system's. May be called at any time: each piece of memory returns to the functions it came from, so those must
+/// stay callable until the last piece is back. Destroying all contexts returns all, except for a few kB a thread that
+/// contexts with threads of Crumple's own leave to the next ones for the life of the process. At most 15 different
+/// allocators in the life of a process.
 ///
-/// Any thread. Errors: CRUMPLE_ERROR_UNSUPPORTED (a build without CRUMPLE_FEATURE_HOST_ALLOCATOR; see crumple_features()),
-/// CRUMPLE_ERROR_STRUCT_SIZE, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_NULL_POINTER (a function is missing),
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (a sixteenth allocator).
+/// Any thread. Errors: CRUMPLE_ERROR_UNSUPPORTED (a build without CRUMPLE_FEATURE_HOST_ALLOCATOR; see
+/// crumple_features()), CRUMPLE_ERROR_STRUCT_SIZE, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_NULL_POINTER (a function
+/// is missing), CRUMPLE_ERROR_INVALID_ARGUMENT (a sixteenth allocator).
 CrumpleResult crumple_set_allocator(const CrumpleAllocatorDef *allocator);
 
 /// The defaults: threads of Crumple's own, one for each core; no log. Never fails; any thread.
@@ -803,11 +815,11 @@ CrumpleContextDef crumple_default_context_def(void);
 /// CRUMPLE_ERROR_OUT_OF_MEMORY (the system starts no more threads).
 CrumpleResult crumple_context_create(const CrumpleContextDef *def, CrumpleContext **out_context);
 
-/// Destroys a context and everything made in it. Your own memory is never freed, and is not touched afterwards. Every id of
-/// the context, and the context itself, is an error from then on.
+/// Destroys a context and everything made in it. Your own memory is never freed, and is not touched afterwards. Every
+/// id of the context, and the context itself, is an error from then on.
 ///
-/// No other call with this context may be running. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID (destroyed
-/// already), CRUMPLE_ERROR_CONCURRENT_USE (nothing was destroyed).
+/// No other call with this context may be running. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID
+/// (destroyed already), CRUMPLE_ERROR_CONCURRENT_USE (nothing was destroyed).
 CrumpleResult crumple_context_destroy(CrumpleContext *context);
 
 /// An example without anything: set its positions. Never fails; any thread.
@@ -816,24 +828,25 @@ CrumpleExampleDef crumple_default_example_def(void);
 /// A set without anything: set its mesh and its examples. Never fails; any thread.
 CrumpleExampleSetDef crumple_default_example_set_def(void);
 
-/// Makes an example set from arrays, which are copied: free them afterwards. Takes a moment (it indexes the mesh and samples
-/// every example), so load before the scene starts, on a context of its own thread if need be.
+/// Makes an example set from arrays, which are copied: free them afterwards. Takes a moment (it indexes the mesh and
+/// samples every example), so load before the scene starts, on a context of its own thread if need be.
 ///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE (of def or of
-/// an example), CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (an enumerator or a count, a stride smaller than an
-/// element, an option out of range), CRUMPLE_ERROR_BUFFER_TOO_SMALL (an array has fewer bytes than its count needs),
-/// CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, CRUMPLE_ERROR_MESH (no vertices), CRUMPLE_ERROR_EXAMPLE_MISMATCH
-/// (no example, or one that does not fit the mesh), CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE.
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE
+/// (of def or of an example), CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (an enumerator or a count, a
+/// stride smaller than an element, an option out of range), CRUMPLE_ERROR_BUFFER_TOO_SMALL (an array has fewer bytes
+/// than its count needs), CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, CRUMPLE_ERROR_MESH (no
+/// vertices), CRUMPLE_ERROR_EXAMPLE_MISMATCH (no example, or one that does not fit the mesh),
+/// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE.
 CrumpleResult crumple_create_example_set(CrumpleContext *context,
                                          const CrumpleExampleSetDef *def,
                                          CrumpleExampleSet *out_set);
 
-/// Ends a set's id. Its memory lives on as long as instances use it, and they keep working. Strings that the set's infos
-/// pointed to are gone.
+/// Ends a set's id. Its memory lives on as long as instances use it, and they keep working. Strings that the set's
+/// infos pointed to are gone.
 ///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_destroy_example_set(CrumpleContext *context,
-                                          CrumpleExampleSet set);
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_destroy_example_set(CrumpleContext *context, CrumpleExampleSet set);
 
 /// The first mesh with morph targets, with default options; set the path. Never fails; any thread.
 CrumpleGltfDef crumple_default_gltf_def(void);
@@ -841,13 +854,14 @@ CrumpleGltfDef crumple_default_gltf_def(void);
 /// Default options; set the paths. Never fails; any thread.
 CrumpleObjDef crumple_default_obj_def(void);
 
-/// Makes an example set from a glTF 2.0 or GLB file: a mesh with its morph targets, dense or sparse, all primitives joined (see
-/// crumple_get_primitive()). Names come from mesh.extras.targetNames, contacts from mesh.extras.impacts where the file has
-/// them. Numbers are those of the mesh's own space: scales and rotations of nodes are not applied.
+/// Makes an example set from a glTF 2.0 or GLB file: a mesh with its morph targets, dense or sparse, all primitives
+/// joined (see crumple_get_primitive()). Names come from mesh.extras.targetNames, contacts from mesh.extras.impacts
+/// where the file has them. Numbers are those of the mesh's own space: scales and rotations of nodes are not applied.
 ///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT (malformed, or no such mesh: the text lists those there
-/// are), CRUMPLE_ERROR_UNSUPPORTED (compressed with Draco or meshopt, or a build without CRUMPLE_FEATURE_GLTF),
-/// CRUMPLE_ERROR_EXAMPLE_MISMATCH (no morph targets), and those of crumple_create_example_set().
+/// Externally synchronised. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT (malformed, or no such mesh: the text
+/// lists those there are), CRUMPLE_ERROR_UNSUPPORTED (compressed with Draco or meshopt, or a build without
+/// CRUMPLE_FEATURE_GLTF), CRUMPLE_ERROR_EXAMPLE_MISMATCH (no morph targets), and those of
+/// crumple_create_example_set().
 CrumpleResult crumple_load_example_set_gltf(CrumpleContext *context,
                                             const CrumpleGltfDef *def,
                                             CrumpleExampleSet *out_set);
@@ -861,11 +875,11 @@ CrumpleResult crumple_load_example_set_gltf_memory(CrumpleContext *context,
                                                    const CrumpleGltfDef *def,
                                                    CrumpleExampleSet *out_set);
 
-/// Makes an example set from a base OBJ file and one OBJ file an example, which has the base's vertices in the base's order and
-/// is named after its file. Polygons are cut into triangles.
+/// Makes an example set from a base OBJ file and one OBJ file an example, which has the base's vertices in the base's
+/// order and is named after its file. Polygons are cut into triangles.
 ///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT, CRUMPLE_ERROR_UNSUPPORTED (a build without
-/// CRUMPLE_FEATURE_OBJ), and those of crumple_create_example_set().
+/// Externally synchronised. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT, CRUMPLE_ERROR_UNSUPPORTED (a build
+/// without CRUMPLE_FEATURE_OBJ), and those of crumple_create_example_set().
 CrumpleResult crumple_load_example_set_obj(CrumpleContext *context,
                                            const CrumpleObjDef *def,
                                            CrumpleExampleSet *out_set);
@@ -899,8 +913,8 @@ CrumpleResult crumple_get_primitive(CrumpleContext *context,
                                     uint32_t primitive,
                                     CrumplePrimitive *out_primitive);
 
-/// Copies the base mesh into your memory: the vertex and index buffers to draw with, before the first dent. Normals are
-/// computed ones where the set was made without.
+/// Copies the base mesh into your memory: the vertex and index buffers to draw with, before the first dent. Normals
+/// are computed ones where the set was made without.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
 /// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (a stride smaller than an element, streams that overlap),
@@ -908,8 +922,8 @@ CrumpleResult crumple_get_primitive(CrumpleContext *context,
 /// CRUMPLE_ERROR_CONCURRENT_USE.
 CrumpleResult crumple_copy_base_mesh(CrumpleContext *context, CrumpleExampleSet set, const CrumpleMeshCopyDef *def);
 
-/// Tells the vertex of the base mesh nearest to a point, m, in the mesh's space; of equally near ones the lowest. Either output
-/// may be null; the distance is in m.
+/// Tells the vertex of the base mesh nearest to a point, m, in the mesh's space; of equally near ones the lowest.
+/// Either output may be null; the distance is in m.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_CONCURRENT_USE.
@@ -925,15 +939,16 @@ CrumpleInstanceDef crumple_default_instance_def(void);
 /// Creates an undamaged instance: a few hundred bytes, and 8 for each 128 vertices.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
-/// CRUMPLE_ERROR_INVALID_ID (def.set), CRUMPLE_ERROR_INVALID_ARGUMENT, CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_OUT_OF_MEMORY,
-/// CRUMPLE_ERROR_CONCURRENT_USE.
+/// CRUMPLE_ERROR_INVALID_ID (def.set), CRUMPLE_ERROR_INVALID_ARGUMENT, CRUMPLE_ERROR_NOT_FINITE,
+/// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE.
 CrumpleResult crumple_create_instance(CrumpleContext *context,
                                       const CrumpleInstanceDef *def,
                                       CrumpleInstance *out_instance);
 
 /// Ends an instance and unregisters its buffers, whose ids end too. Your memory stays as it is.
 ///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_CONCURRENT_USE.
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_CONCURRENT_USE.
 CrumpleResult crumple_destroy_instance(CrumpleContext *context, CrumpleInstance instance);
 
 /// Tells what an instance is at the moment.
@@ -944,9 +959,10 @@ CrumpleResult crumple_get_instance_info(CrumpleContext *context,
                                         CrumpleInstance instance,
                                         CrumpleInstanceInfo *out_info);
 
-/// Tells where an instance is: local_to_world points to 16 floats, column-major (element 4 * column + row, as in glTF, OpenGL
-/// and Vulkan), translation in elements 12 to 14, m, last row 0 0 0 1. May scale and shear, but not flatten. Only hits in
-/// CRUMPLE_SPACE_WORLD go through it, those submitted from then on; deformed vertices are always in the mesh's own space.
+/// Tells where an instance is: local_to_world points to 16 floats, column-major (element 4 * column + row, as in
+/// glTF, OpenGL and Vulkan), translation in elements 12 to 14, m, last row 0 0 0 1. May scale and shear, but not
+/// flatten. Only hits in CRUMPLE_SPACE_WORLD go through it, those submitted from then on; deformed vertices are
+/// always in the mesh's own space.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INVALID_ARGUMENT (it flattens, or the last row is another),
@@ -955,14 +971,12 @@ CrumpleResult crumple_set_instance_transform(CrumpleContext *context,
                                              CrumpleInstance instance,
                                              const float *local_to_world);
 
-/// No vertex of the instance moves further than depth_limit, m, from the next crumple_deform() on; 0: the set's limit. Damage
-/// that is there stays, and shows again when the limit is raised.
+/// No vertex of the instance moves further than depth_limit, m, from the next crumple_deform() on; 0: the set's
+/// limit. Damage that is there stays, and shows again when the limit is raised.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_NOT_FINITE,
 /// CRUMPLE_ERROR_INVALID_ARGUMENT, CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_set_instance_depth_limit(CrumpleContext *context,
-                                               CrumpleInstance instance,
-                                               float depth_limit);
+CrumpleResult crumple_set_instance_depth_limit(CrumpleContext *context, CrumpleInstance instance, float depth_limit);
 
 /// An impulse of nothing, in the mesh's space; set its point, impulse and duration. Never fails; any thread.
 CrumpleImpulseDef crumple_default_impulse_def(void);
@@ -971,32 +985,32 @@ CrumpleImpulseDef crumple_default_impulse_def(void);
 CrumpleDisplacementDef crumple_default_displacement_def(void);
 
 /// Reports an impulse. Its examples are chosen at once; the mark it makes counts from the next call that reads damage
-/// (crumple_deform(), crumple_get_marks() and so on), whatever the order and the threads hits came from. A hit that is too weak,
-/// or that no example answers, is no error: see status. out_result may be null.
+/// (crumple_deform(), crumple_get_marks() and so on), whatever the order and the threads hits came from. A hit that
+/// is too weak, or that no example answers, is no error: see status. out_result may be null.
 ///
-/// May be called from any thread at any time, also while other threads submit or deform; not while the instance or the context
-/// is being destroyed. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
-/// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INVALID_ARGUMENT (a duration not above 0, a negative mass, or
-/// none known), CRUMPLE_ERROR_CONTACT_TOO_FAR (the point is further from the body than the instance accepts),
-/// CRUMPLE_ERROR_OUT_OF_MEMORY. Nothing is left behind then.
+/// May be called from any thread at any time, also while other threads submit or deform; not while the instance or
+/// the context is being destroyed. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED,
+/// CRUMPLE_ERROR_STRUCT_SIZE, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INVALID_ARGUMENT (a
+/// duration not above 0, a negative mass, or none known), CRUMPLE_ERROR_CONTACT_TOO_FAR (the point is further from
+/// the body than the instance accepts), CRUMPLE_ERROR_OUT_OF_MEMORY. Nothing is left behind then.
 CrumpleResult crumple_submit_impulse(CrumpleContext *context,
                                      CrumpleInstance instance,
                                      const CrumpleImpulseDef *def,
                                      CrumpleHitResult *out_result);
 
-/// Reports a hit that should displace its contact so far. As crumple_submit_impulse() in every other respect, its threads and
-/// errors too.
+/// Reports a hit that should displace its contact so far. As crumple_submit_impulse() in every other respect, its
+/// threads and errors too.
 CrumpleResult crumple_submit_displacement(CrumpleContext *context,
                                           CrumpleInstance instance,
                                           const CrumpleDisplacementDef *def,
                                           CrumpleHitResult *out_result);
 
-/// Copies an instance's marks, sorted: the same hits give the same marks whatever their order. marks has room for capacity of
-/// them; with null and 0 only their number is told.
+/// Copies an instance's marks, sorted: the same hits give the same marks whatever their order. marks has room for
+/// capacity of them; with null and 0 only their number is told.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
-/// CRUMPLE_ERROR_BUFFER_TOO_SMALL (capacity is smaller than the number of marks), CRUMPLE_ERROR_WRONG_RULE (the literature's rules
-/// have no marks), CRUMPLE_ERROR_CONCURRENT_USE.
+/// CRUMPLE_ERROR_BUFFER_TOO_SMALL (capacity is smaller than the number of marks), CRUMPLE_ERROR_WRONG_RULE (the
+/// literature's rules have no marks), CRUMPLE_ERROR_CONCURRENT_USE.
 CrumpleResult crumple_get_marks(CrumpleContext *context,
                                 CrumpleInstance instance,
                                 CrumpleMark *marks,
@@ -1006,15 +1020,15 @@ CrumpleResult crumple_get_marks(CrumpleContext *context,
 /// Replaces an instance's marks by count others, of the same set, and forgets hits that wait. Null and 0: none.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that the set cannot have), CRUMPLE_ERROR_WRONG_RULE, CRUMPLE_ERROR_OUT_OF_MEMORY,
-/// CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that the set cannot have), CRUMPLE_ERROR_WRONG_RULE,
+/// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
 CrumpleResult crumple_set_marks(CrumpleContext *context,
                                 CrumpleInstance instance,
                                 const CrumpleMark *marks,
                                 uint32_t count);
 
-/// Saves an instance's damage as bytes, with a version and the set's fingerprint; the same bytes for the same damage on every
-/// machine. data has room for capacity bytes, of any alignment; with null and 0 only their number is told.
+/// Saves an instance's damage as bytes, with a version and the set's fingerprint; the same bytes for the same damage
+/// on every machine. data has room for capacity bytes, of any alignment; with null and 0 only their number is told.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_CONCURRENT_USE.
@@ -1026,13 +1040,10 @@ CrumpleResult crumple_save_damage(CrumpleContext *context,
 
 /// Replaces an instance's damage by size saved bytes, of any alignment, and forgets hits that wait.
 ///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_DAMAGE_MISMATCH (of another
-/// set, version or rule, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that the set cannot have),
-/// CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
-CrumpleResult crumple_load_damage(CrumpleContext *context,
-                                  CrumpleInstance instance,
-                                  const void *data,
-                                  size_t size);
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_DAMAGE_MISMATCH (of another set, version or rule, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT (a
+/// mark that the set cannot have), CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
+CrumpleResult crumple_load_damage(CrumpleContext *context, CrumpleInstance instance, const void *data, size_t size);
 
 /// Repairs an instance: every dent keeps this share of its depth, 0 (as new) to 1 (nothing repaired).
 ///
@@ -1042,25 +1053,25 @@ CrumpleResult crumple_repair_damage(CrumpleContext *context, CrumpleInstance ins
 
 /// Makes an instance as new, and forgets hits that wait.
 ///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_CONCURRENT_USE.
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_CONCURRENT_USE.
 CrumpleResult crumple_reset_damage(CrumpleContext *context, CrumpleInstance instance);
 
-/// Replaces the damage of instance by that of source, another instance with an equal set and the same kind of rule, and
-/// forgets hits that wait for instance. From itself: nothing happens.
+/// Replaces the damage of instance by that of source, another instance with an equal set and the same kind of rule,
+/// and forgets hits that wait for instance. From itself: nothing happens.
 ///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_DAMAGE_MISMATCH,
-/// CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
-CrumpleResult crumple_copy_damage(CrumpleContext *context,
-                                  CrumpleInstance instance,
-                                  CrumpleInstance source);
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_DAMAGE_MISMATCH, CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
+CrumpleResult crumple_copy_damage(CrumpleContext *context, CrumpleInstance instance, CrumpleInstance source);
 
 /// A buffer without memory; set its streams. Never fails; any thread.
 CrumpleHostBufferDef crumple_default_host_buffer_def(void);
 
-/// Registers memory of yours that crumple_deform() writes an instance's vertices to. An instance may have several, such as the
-/// members of a ring, each of which gets what it lacks. Nothing is written yet; the first deform writes every vertex. The
-/// memory is touched by crumple_deform() only, and must stay until the buffer is unregistered, given other memory, or its
-/// instance or context is destroyed. Memory of different buffers must not overlap (debug builds of the library check it).
+/// Registers memory of yours that crumple_deform() writes an instance's vertices to. An instance may have several,
+/// such as the members of a ring, each of which gets what it lacks. Nothing is written yet; the first deform writes
+/// every vertex. The memory is touched by crumple_deform() only, and must stay until the buffer is unregistered,
+/// given other memory, or its instance or context is destroyed. Memory of different buffers must not overlap (debug
+/// builds of the library check it).
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
 /// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (a stride smaller than an element, streams that overlap),
@@ -1073,14 +1084,16 @@ CrumpleResult crumple_register_host_buffer(CrumpleContext *context,
 
 /// Forgets a buffer. The memory stays as it is, yours alone again.
 ///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_CONCURRENT_USE.
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_CONCURRENT_USE.
 CrumpleResult crumple_unregister_buffer(CrumpleContext *context, CrumpleBuffer buffer);
 
-/// Says that somebody else wrote to a buffer's memory, or that its contents were lost: the next deform writes every vertex.
+/// Says that somebody else wrote to a buffer's memory, or that its contents were lost: the next deform writes every
+/// vertex.
 ///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_invalidate_buffer(CrumpleContext *context,
-                                        CrumpleBuffer buffer);
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_invalidate_buffer(CrumpleContext *context, CrumpleBuffer buffer);
 
 /// Gives a buffer other memory, such as a newly mapped one, and invalidates it.
 ///
@@ -1089,10 +1102,10 @@ CrumpleResult crumple_set_host_buffer_memory(CrumpleContext *context,
                                              CrumpleBuffer buffer,
                                              const CrumpleHostBufferDef *def);
 
-/// Brings buffers up to date: count ids at buffers, each once; with null and 0 all of the context. Writes only where damage
-/// changed since a buffer was last written, in parallel over all of them, and is cheap where nothing did. Do not read or write
-/// the buffers' memory meanwhile. An instance that nobody sees needs no deform: it catches up in one, however many hits it
-/// took. out_report may be null.
+/// Brings buffers up to date: count ids at buffers, each once; with null and 0 all of the context. Writes only where
+/// damage changed since a buffer was last written, in parallel over all of them, and is cheap where nothing did. Do
+/// not read or write the buffers' memory meanwhile. An instance that nobody sees needs no deform: it catches up in
+/// one, however many hits it took. out_report may be null.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (a buffer twice; in debug builds of the library: memory of two buffers overlaps),
@@ -1102,9 +1115,9 @@ CrumpleResult crumple_deform(CrumpleContext *context,
                              uint32_t count,
                              CrumpleDeformReport *out_report);
 
-/// Tells which vertices the last deform that named a buffer wrote (increasing ranges, apart from each other), and the box, m,
-/// around all of its vertices as they are now: what to upload, what to refit, what to cull with. ranges has room for capacity
-/// of them; with null and 0 only their number is told. out_bounds may be null.
+/// Tells which vertices the last deform that named a buffer wrote (increasing ranges, apart from each other), and the
+/// box, m, around all of its vertices as they are now: what to upload, what to refit, what to cull with. ranges has
+/// room for capacity of them; with null and 0 only their number is told. out_bounds may be null.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_BUFFER_TOO_SMALL (capacity is smaller than the number of ranges), CRUMPLE_ERROR_CONCURRENT_USE.
@@ -1115,8 +1128,8 @@ CrumpleResult crumple_get_buffer_changes(CrumpleContext *context,
                                          uint32_t *out_count,
                                          CrumpleAabb *out_bounds);
 
-/// Binds a point, m, in the mesh's space, to the surface nearest to it: it will keep its distance from the surface and turn
-/// with it.
+/// Binds a point, m, in the mesh's space, to the surface nearest to it: it will keep its distance from the surface
+/// and turn with it.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INVALID_ARGUMENT (further off than 1e9 m), CRUMPLE_ERROR_CONCURRENT_USE.
@@ -1125,7 +1138,8 @@ CrumpleResult crumple_attach_point(CrumpleContext *context,
                                    CrumpleVec3 point,
                                    CrumpleAttachment *out_attachment);
 
-/// Tells where an attached point is on a dented instance, hits that wait among them. Touches no buffer and reads none.
+/// Tells where an attached point is on a dented instance, hits that wait among them. Touches no buffer and reads
+/// none.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE and CRUMPLE_ERROR_NOT_FINITE (an attachment of another set, or none),

@@ -7,9 +7,9 @@
 //     body.submit_displacement(point, displacement).value();
 //     context.deform().value();
 //
-// Owners (Context, ExampleSet, Instance, Buffer) can be moved, not copied, and destroy what they own; release() hands the
-// id over instead. A Context must outlive what was made in it, as with the C functions; an owner that outlives its context
-// does nothing. Every owner gives its id with id(), and the C functions work on it as well: this file adds nothing to them.
+// Owners (Context, ExampleSet, Instance, Buffer) can be moved, not copied, and destroy what they own; release() hands
+// the id over instead. Destroying a Context destroys what was made in it; an owner that outlives its context does nothing.
+// Every owner gives its id with id(), and the C functions work on it as well: this file adds nothing to them.
 //
 // Every call that can fail gives a Result: value() is what it made, or throws Error; with CRUMPLE_NO_EXCEPTIONS defined,
 // value() ends the program instead, and you ask ok(), result() and message() first. A Result that nobody looks at is a

@@ -7,12 +7,12 @@ use super::result::CrumpleResult;
 use super::result::Failure;
 use std::ffi::c_void;
 
-/// Gives size bytes aligned to align (a power of two, at least 16), or null. Called from any thread, several at once. Must not
-/// call Crumple, throw, or jump out.
+/// Gives size bytes aligned to align (a power of two, at least 16), or null. Called from any thread, several at once.
+/// Must not call Crumple, throw, or jump out.
 pub type CrumpleAlloc = Option<unsafe extern "C" fn(size: usize, align: usize, user: *mut c_void) -> *mut c_void>;
 
-/// Takes back what CrumpleAlloc gave, with the same size and align. Called from any thread, several at once. Must not call
-/// Crumple, throw, or jump out.
+/// Takes back what CrumpleAlloc gave, with the same size and align. Called from any thread, several at once. Must not
+/// call Crumple, throw, or jump out.
 pub type CrumpleFree = Option<unsafe extern "C" fn(pointer: *mut c_void, size: usize, align: usize, user: *mut c_void)>;
 
 /// The host's allocator.
@@ -45,14 +45,15 @@ pub extern "C" fn crumple_default_allocator_def() -> CrumpleAllocatorDef {
     }
 }
 
-/// Makes the library take all further memory from the host's functions, for the whole process; null goes back to the system's.
-/// May be called at any time: each piece of memory returns to the functions it came from, so those must stay callable until
-/// the last piece is back. Destroying all contexts returns all, except for a few kB a thread that contexts with threads of Crumple's
-/// own leave to the next ones for the life of the process. At most 15 different allocators in the life of a process.
+/// Makes the library take all further memory from the host's functions, for the whole process; null goes back to the
+/// system's. May be called at any time: each piece of memory returns to the functions it came from, so those must
+/// stay callable until the last piece is back. Destroying all contexts returns all, except for a few kB a thread that
+/// contexts with threads of Crumple's own leave to the next ones for the life of the process. At most 15 different
+/// allocators in the life of a process.
 ///
-/// Any thread. Errors: CRUMPLE_ERROR_UNSUPPORTED (a build without CRUMPLE_FEATURE_HOST_ALLOCATOR; see crumple_features()),
-/// CRUMPLE_ERROR_STRUCT_SIZE, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_NULL_POINTER (a function is missing),
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (a sixteenth allocator).
+/// Any thread. Errors: CRUMPLE_ERROR_UNSUPPORTED (a build without CRUMPLE_FEATURE_HOST_ALLOCATOR; see
+/// crumple_features()), CRUMPLE_ERROR_STRUCT_SIZE, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_NULL_POINTER (a function
+/// is missing), CRUMPLE_ERROR_INVALID_ARGUMENT (a sixteenth allocator).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_set_allocator(allocator: *const CrumpleAllocatorDef) -> CrumpleResult {
     boundary("crumple_set_allocator", || {
@@ -73,9 +74,9 @@ pub unsafe extern "C" fn crumple_set_allocator(allocator: *const CrumpleAllocato
 
 #[cfg(feature = "host-allocator")]
 mod global {
-    //! Rust's global allocator. Memory may outlive the choice of an allocator, so each piece carries, just after its last
-    //! byte, the number of the allocator it came from. (After, not before: pointers then point to the begin of what was
-    //! allocated, which tools that look for leaks go by.)
+    //! Rust's global allocator. Memory may outlive the choice of an allocator, so each piece carries, just after its
+    //! last byte, the number of the allocator it came from. (After, not before: pointers then point to the begin of
+    //! what was allocated, which tools that look for leaks go by.)
 
     use super::super::result::{CrumpleResult, Failure};
     use super::CrumpleAllocatorDef;
@@ -201,8 +202,8 @@ mod global {
         }
     }
 
-    // SAFETY: memory comes from `System` or from a host that promises the same, large enough for the layout and the number, and
-    // goes back where it came from with the layout it was taken with.
+    // SAFETY: memory comes from `System` or from a host that promises the same, large enough for the layout and the
+    // number, and goes back where it came from with the layout it was taken with.
     unsafe impl GlobalAlloc for HostAllocator {
         unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
             // SAFETY: the caller's.
@@ -233,8 +234,8 @@ mod global {
             let (Some((old, after)), Some((new, new_after))) = (whole(layout), whole(new_layout)) else {
                 return std::ptr::null_mut();
             };
-            // SAFETY: `take` wrote the number there; the system's memory goes to the system with its layout, anything else is
-            // copied to new memory that is large enough.
+            // SAFETY: `take` wrote the number there; the system's memory goes to the system with its layout, anything
+            // else is copied to new memory that is large enough.
             unsafe {
                 if memory.add(after).cast::<usize>().read() == 0 && CURRENT.load(Acquire) == 0 {
                     let memory = System.realloc(memory, old, new.size());

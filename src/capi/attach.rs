@@ -7,7 +7,8 @@ use super::types::{CrumpleExampleSet, CrumpleInstance, CrumpleQuat, CrumpleVec3}
 use crate::Attachment;
 use bytemuck::{Pod, Zeroable};
 
-/// A point bound to the surface nearest to it. Plain data: keep it, copy it, save it; it fits every instance of its set.
+/// A point bound to the surface nearest to it. Plain data: keep it, copy it, save it; it fits every instance of its
+/// set.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 pub struct CrumpleAttachment {
@@ -29,8 +30,8 @@ pub struct CrumpleFrame {
     pub rotation: CrumpleQuat,
 }
 
-/// Binds a point, m, in the mesh's space, to the surface nearest to it: it will keep its distance from the surface and turn
-/// with it.
+/// Binds a point, m, in the mesh's space, to the surface nearest to it: it will keep its distance from the surface
+/// and turn with it.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INVALID_ARGUMENT (further off than 1e9 m), CRUMPLE_ERROR_CONCURRENT_USE.
@@ -50,7 +51,8 @@ pub unsafe extern "C" fn crumple_attach_point(
     })
 }
 
-/// Tells where an attached point is on a dented instance, hits that wait among them. Touches no buffer and reads none.
+/// Tells where an attached point is on a dented instance, hits that wait among them. Touches no buffer and reads
+/// none.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE and CRUMPLE_ERROR_NOT_FINITE (an attachment of another set, or none),

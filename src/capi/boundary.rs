@@ -5,7 +5,8 @@ use std::cell::Cell;
 use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
 use std::sync::OnceLock;
 
-/// Runs the body of the entry point `call`. What it answers, or how it fails, becomes the result and the last error's text.
+/// Runs the body of the entry point `call`. What it answers, or how it fails, becomes the result and the last error's
+/// text.
 pub(super) fn boundary(call: &'static str, body: impl FnOnce() -> Result<(), Failure>) -> CrumpleResult {
     match quietly(body) {
         Ok(Ok(())) => CrumpleResult::CrumpleOk,
@@ -61,8 +62,8 @@ impl Drop for Inside {
 
 type Hook = Box<dyn Fn(&PanicHookInfo<'_>) + Sync + Send>;
 
-/// std prints every panic before it unwinds. Puts a hook before the one there is, once: it stays silent where the panicking
-/// thread is inside this library, and passes all others on, so a Rust program's own hook keeps working.
+/// std prints every panic before it unwinds. Puts a hook before the one there is, once: it stays silent where the
+/// panicking thread is inside this library, and passes all others on, so a Rust program's own hook keeps working.
 fn silence_panics() {
     static BEFORE: OnceLock<Hook> = OnceLock::new();
     if BEFORE.get().is_some() || std::thread::panicking() {

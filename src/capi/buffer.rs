@@ -17,8 +17,8 @@ pub struct CrumpleHostBufferDef {
     pub positions: CrumpleStream,
     /// Unit normals: 3 floats a vertex. Absent: none are written.
     pub normals: CrumpleStream,
-    /// Tangents: 4 floats a vertex, xyz of unit length and orthogonal to the normal, w as in the base mesh. Absent: none are
-    /// written.
+    /// Tangents: 4 floats a vertex, xyz of unit length and orthogonal to the normal, w as in the base mesh. Absent:
+    /// none are written.
     pub tangents: CrumpleStream,
 }
 
@@ -95,10 +95,11 @@ pub extern "C" fn crumple_default_host_buffer_def() -> CrumpleHostBufferDef {
     }
 }
 
-/// Registers memory of yours that crumple_deform() writes an instance's vertices to. An instance may have several, such as the
-/// members of a ring, each of which gets what it lacks. Nothing is written yet; the first deform writes every vertex. The
-/// memory is touched by crumple_deform() only, and must stay until the buffer is unregistered, given other memory, or its
-/// instance or context is destroyed. Memory of different buffers must not overlap (debug builds of the library check it).
+/// Registers memory of yours that crumple_deform() writes an instance's vertices to. An instance may have several,
+/// such as the members of a ring, each of which gets what it lacks. Nothing is written yet; the first deform writes
+/// every vertex. The memory is touched by crumple_deform() only, and must stay until the buffer is unregistered,
+/// given other memory, or its instance or context is destroyed. Memory of different buffers must not overlap (debug
+/// builds of the library check it).
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
 /// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (a stride smaller than an element, streams that overlap),
@@ -128,7 +129,8 @@ pub unsafe extern "C" fn crumple_register_host_buffer(
 
 /// Forgets a buffer. The memory stays as it is, yours alone again.
 ///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_CONCURRENT_USE.
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_unregister_buffer(
     context: *mut CrumpleContext,
@@ -141,9 +143,11 @@ pub unsafe extern "C" fn crumple_unregister_buffer(
     })
 }
 
-/// Says that somebody else wrote to a buffer's memory, or that its contents were lost: the next deform writes every vertex.
+/// Says that somebody else wrote to a buffer's memory, or that its contents were lost: the next deform writes every
+/// vertex.
 ///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_CONCURRENT_USE.
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_invalidate_buffer(
     context: *mut CrumpleContext,

@@ -92,7 +92,8 @@ pub(super) unsafe fn read<T: bytemuck::AnyBitPattern>(pointer: *const T, name: &
 /// Reads an array of plain values. Null is an empty array where `count` is 0.
 ///
 /// # Safety
-/// `pointer` is null or points to `count` readable `T`, of which every pattern of bytes is a value, unchanged for `'a`.
+/// `pointer` is null or points to `count` readable `T`, of which every pattern of bytes is a value,
+/// unchanged for `'a`.
 pub(super) unsafe fn array<'a, T>(pointer: *const T, count: usize, name: &str) -> Result<&'a [T], Failure> {
     if count == 0 {
         return Ok(&[]);
@@ -151,8 +152,8 @@ impl<T> Out<T> {
     }
 }
 
-/// An array that the caller sized: nothing is written where it is null and its capacity 0 (the caller asks for the count),
-/// and a capacity below the count is an error.
+/// An array that the caller sized: nothing is written where it is null and its capacity 0 (the caller asks for the
+/// count), and a capacity below the count is an error.
 ///
 /// # Safety
 /// `pointer` is null or points to `capacity` writable `T`.

@@ -27,8 +27,8 @@ impl CEnum for CrumpleLogLevel {
     const ALL: &'static [Self] = &[Self::Info, Self::Warning];
 }
 
-/// Receives one message, UTF-8, without a line break at its end; the text is gone when the callback returns. Called from the
-/// thread that called Crumple. Must not call Crumple with the same context, throw, or jump out.
+/// Receives one message, UTF-8, without a line break at its end; the text is gone when the callback returns. Called
+/// from the thread that called Crumple. Must not call Crumple with the same context, throw, or jump out.
 pub type CrumpleLog =
     Option<unsafe extern "C" fn(level: MaybeUninit<CrumpleLogLevel>, message: *const c_char, user: *mut c_void)>;
 
@@ -41,8 +41,8 @@ pub struct CrumpleContext;
 pub struct CrumpleContextDef {
     /// Bytes of this struct, from crumple_default_context_def().
     pub struct_size: u32,
-    /// Threads that deform: 0 one for each core, 1 only the calling thread, up to 1024. Without meaning where tasks is set.
-    /// Default 0.
+    /// Threads that deform: 0 one for each core, 1 only the calling thread, up to 1024. Without meaning where tasks
+    /// is set. Default 0.
     pub threads: u32,
     /// Receives messages. Null: none. Default null.
     pub log: CrumpleLog,
@@ -62,7 +62,8 @@ pub(super) struct Context {
     log_user: *mut c_void,
     tasks: Box<dyn TaskSystem + Send + Sync>,
     state: Mutex<State>,
-    /// The same ids as `State::instances`, for the calls that may come from any thread. Changed only while `state` is held.
+    /// The same ids as `State::instances`, for the calls that may come from any thread. Changed only while `state` is
+    /// held.
     pub(super) inboxes: RwLock<Slots<Arc<Inbox>>>,
 }
 
@@ -78,8 +79,8 @@ pub(super) struct State {
     pub(super) buffers: Slots<BufferEntry>,
 }
 
-/// The contexts there are. What C holds is a number that is never used twice, not an address, so that a destroyed context is
-/// an error as well.
+/// The contexts there are. What C holds is a number that is never used twice, not an address, so that a destroyed
+/// context is an error as well.
 static CONTEXTS: RwLock<Contexts> = RwLock::new(Contexts { last: 0, live: Vec::new() });
 
 struct Contexts {
@@ -206,11 +207,11 @@ fn tag_of(number: usize) -> u16 {
     (number / STEP) as u16
 }
 
-/// Destroys a context and everything made in it. Your own memory is never freed, and is not touched afterwards. Every id of
-/// the context, and the context itself, is an error from then on.
+/// Destroys a context and everything made in it. Your own memory is never freed, and is not touched afterwards. Every
+/// id of the context, and the context itself, is an error from then on.
 ///
-/// No other call with this context may be running. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID (destroyed
-/// already), CRUMPLE_ERROR_CONCURRENT_USE (nothing was destroyed).
+/// No other call with this context may be running. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID
+/// (destroyed already), CRUMPLE_ERROR_CONCURRENT_USE (nothing was destroyed).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_destroy(context: *mut CrumpleContext) -> CrumpleResult {
     boundary("crumple_context_destroy", || {

@@ -18,8 +18,8 @@ pub struct CrumplePair {
     pub share: u16,
 }
 
-/// One dent: where, how deep, and made of which examples. Plain data of 32 bytes, the same on every machine: send it over the
-/// network as it is (little-endian) to show the same dent there.
+/// One dent: where, how deep, and made of which examples. Plain data of 32 bytes, the same on every machine: send it
+/// over the network as it is (little-endian) to show the same dent there.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 pub struct CrumpleMark {
@@ -40,12 +40,12 @@ const _: () = {
     assert!(std::mem::offset_of!(CrumpleMark, pairs) == std::mem::offset_of!(Mark, pairs));
 };
 
-/// Copies an instance's marks, sorted: the same hits give the same marks whatever their order. marks has room for capacity of
-/// them; with null and 0 only their number is told.
+/// Copies an instance's marks, sorted: the same hits give the same marks whatever their order. marks has room for
+/// capacity of them; with null and 0 only their number is told.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
-/// CRUMPLE_ERROR_BUFFER_TOO_SMALL (capacity is smaller than the number of marks), CRUMPLE_ERROR_WRONG_RULE (the literature's rules
-/// have no marks), CRUMPLE_ERROR_CONCURRENT_USE.
+/// CRUMPLE_ERROR_BUFFER_TOO_SMALL (capacity is smaller than the number of marks), CRUMPLE_ERROR_WRONG_RULE (the
+/// literature's rules have no marks), CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_get_marks(
     context: *mut CrumpleContext,
@@ -68,8 +68,8 @@ pub unsafe extern "C" fn crumple_get_marks(
 /// Replaces an instance's marks by count others, of the same set, and forgets hits that wait. Null and 0: none.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that the set cannot have), CRUMPLE_ERROR_WRONG_RULE, CRUMPLE_ERROR_OUT_OF_MEMORY,
-/// CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that the set cannot have), CRUMPLE_ERROR_WRONG_RULE,
+/// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_set_marks(
     context: *mut CrumpleContext,
@@ -84,8 +84,8 @@ pub unsafe extern "C" fn crumple_set_marks(
     })
 }
 
-/// Saves an instance's damage as bytes, with a version and the set's fingerprint; the same bytes for the same damage on every
-/// machine. data has room for capacity bytes, of any alignment; with null and 0 only their number is told.
+/// Saves an instance's damage as bytes, with a version and the set's fingerprint; the same bytes for the same damage
+/// on every machine. data has room for capacity bytes, of any alignment; with null and 0 only their number is told.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_CONCURRENT_USE.
@@ -110,9 +110,9 @@ pub unsafe extern "C" fn crumple_save_damage(
 
 /// Replaces an instance's damage by size saved bytes, of any alignment, and forgets hits that wait.
 ///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_DAMAGE_MISMATCH (of another
-/// set, version or rule, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that the set cannot have),
-/// CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_DAMAGE_MISMATCH (of another set, version or rule, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT (a
+/// mark that the set cannot have), CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_load_damage(
     context: *mut CrumpleContext,
@@ -145,7 +145,8 @@ pub unsafe extern "C" fn crumple_repair_damage(
 
 /// Makes an instance as new, and forgets hits that wait.
 ///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_CONCURRENT_USE.
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_reset_damage(
     context: *mut CrumpleContext,
@@ -157,11 +158,11 @@ pub unsafe extern "C" fn crumple_reset_damage(
     })
 }
 
-/// Replaces the damage of instance by that of source, another instance with an equal set and the same kind of rule, and
-/// forgets hits that wait for instance. From itself: nothing happens.
+/// Replaces the damage of instance by that of source, another instance with an equal set and the same kind of rule,
+/// and forgets hits that wait for instance. From itself: nothing happens.
 ///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_DAMAGE_MISMATCH,
-/// CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_DAMAGE_MISMATCH, CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_copy_damage(
     context: *mut CrumpleContext,

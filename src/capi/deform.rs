@@ -29,10 +29,10 @@ impl From<Aabb> for CrumpleAabb {
     }
 }
 
-/// Brings buffers up to date: count ids at buffers, each once; with null and 0 all of the context. Writes only where damage
-/// changed since a buffer was last written, in parallel over all of them, and is cheap where nothing did. Do not read or write
-/// the buffers' memory meanwhile. An instance that nobody sees needs no deform: it catches up in one, however many hits it
-/// took. out_report may be null.
+/// Brings buffers up to date: count ids at buffers, each once; with null and 0 all of the context. Writes only where
+/// damage changed since a buffer was last written, in parallel over all of them, and is cheap where nothing did. Do
+/// not read or write the buffers' memory meanwhile. An instance that nobody sees needs no deform: it catches up in
+/// one, however many hits it took. out_report may be null.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (a buffer twice; in debug builds of the library: memory of two buffers overlaps),
@@ -103,9 +103,9 @@ fn apart<'a>(entries: impl Iterator<Item = (CrumpleBuffer, &'a BufferEntry)>) ->
     Ok(())
 }
 
-/// Tells which vertices the last deform that named a buffer wrote (increasing ranges, apart from each other), and the box, m,
-/// around all of its vertices as they are now: what to upload, what to refit, what to cull with. ranges has room for capacity
-/// of them; with null and 0 only their number is told. out_bounds may be null.
+/// Tells which vertices the last deform that named a buffer wrote (increasing ranges, apart from each other), and the
+/// box, m, around all of its vertices as they are now: what to upload, what to refit, what to cull with. ranges has
+/// room for capacity of them; with null and 0 only their number is told. out_bounds may be null.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_BUFFER_TOO_SMALL (capacity is smaller than the number of ranges), CRUMPLE_ERROR_CONCURRENT_USE.

@@ -23,8 +23,8 @@ impl CEnum for CrumpleSpace {
     const ALL: &'static [Self] = &[Self::Local, Self::World];
 }
 
-/// A hit by an impulse. The contact is displaced by impulse * duration / mass, so report a contact once, with its whole
-/// impulse and how long it took: fed with the time step of every frame instead, dents depend on the frame rate.
+/// A hit by an impulse. The contact is displaced by impulse * duration / mass, so report a contact once, with its
+/// whole impulse and how long it took: fed with the time step of every frame instead, dents depend on the frame rate.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleImpulseDef {
@@ -177,14 +177,14 @@ pub extern "C" fn crumple_default_displacement_def() -> CrumpleDisplacementDef {
 }
 
 /// Reports an impulse. Its examples are chosen at once; the mark it makes counts from the next call that reads damage
-/// (crumple_deform(), crumple_get_marks() and so on), whatever the order and the threads hits came from. A hit that is too weak,
-/// or that no example answers, is no error: see status. out_result may be null.
+/// (crumple_deform(), crumple_get_marks() and so on), whatever the order and the threads hits came from. A hit that
+/// is too weak, or that no example answers, is no error: see status. out_result may be null.
 ///
-/// May be called from any thread at any time, also while other threads submit or deform; not while the instance or the context
-/// is being destroyed. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
-/// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INVALID_ARGUMENT (a duration not above 0, a negative mass, or
-/// none known), CRUMPLE_ERROR_CONTACT_TOO_FAR (the point is further from the body than the instance accepts),
-/// CRUMPLE_ERROR_OUT_OF_MEMORY. Nothing is left behind then.
+/// May be called from any thread at any time, also while other threads submit or deform; not while the instance or
+/// the context is being destroyed. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED,
+/// CRUMPLE_ERROR_STRUCT_SIZE, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INVALID_ARGUMENT (a
+/// duration not above 0, a negative mass, or none known), CRUMPLE_ERROR_CONTACT_TOO_FAR (the point is further from
+/// the body than the instance accepts), CRUMPLE_ERROR_OUT_OF_MEMORY. Nothing is left behind then.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_submit_impulse(
     context: *mut CrumpleContext,
@@ -212,8 +212,8 @@ pub unsafe extern "C" fn crumple_submit_impulse(
     unsafe { submit("crumple_submit_impulse", context, instance, read, out_result) }
 }
 
-/// Reports a hit that should displace its contact so far. As crumple_submit_impulse() in every other respect, its threads and
-/// errors too.
+/// Reports a hit that should displace its contact so far. As crumple_submit_impulse() in every other respect, its
+/// threads and errors too.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_submit_displacement(
     context: *mut CrumpleContext,

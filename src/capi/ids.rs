@@ -1,5 +1,6 @@
-//! Generational ids: what C holds instead of pointers. A slot's generation grows with every use, so an id whose thing was
-//! destroyed is told apart from the thing that took its place; a slot whose generations are used up is never used again.
+//! Generational ids: what C holds instead of pointers. A slot's generation grows with every use, so an id whose thing
+//! was destroyed is told apart from the thing that took its place; a slot whose generations are used up is never used
+//! again.
 
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance};

@@ -15,8 +15,8 @@ use std::sync::PoisonError;
 pub enum CrumpleRule {
     /// Hits leave marks: bounded, local, the same in any order, without memory per vertex. The default.
     Marks = 0,
-    /// The literature's rule "most displaced", for comparison: depends on the order of hits, needs memory per vertex, has no
-    /// marks.
+    /// The literature's rule "most displaced", for comparison: depends on the order of hits, needs memory per vertex,
+    /// has no marks.
     MostDisplaced = 1,
     /// The literature's rule "blend", with blend_constant.
     Blend = 2,
@@ -34,7 +34,8 @@ pub enum CrumpleSelection {
     OfRule = 0,
     /// The examples nearest in place, size and angle, carried or anchored as each says. Marks only.
     Nearest = 1,
-    /// The literature's: the one example that moves the contact in the direction most like the target, weight at most 1.
+    /// The literature's: the one example that moves the contact in the direction most like the target, weight at most
+    /// 1.
     Classic = 2,
     /// The same without a limit of the weight: diverges above 2. The literature's rules only, for comparison.
     ClassicUnclamped = 3,
@@ -58,7 +59,8 @@ pub struct CrumpleInstanceDef {
     pub rule: MaybeUninit<CrumpleRule>,
     /// How examples are chosen. Default CRUMPLE_SELECTION_OF_RULE.
     pub selection: MaybeUninit<CrumpleSelection>,
-    /// Marks kept, 1 to 65535, 32 bytes each. Above it the weakest mark gives its energy to its nearest neighbour. Default 64.
+    /// Marks kept, 1 to 65535, 32 bytes each. Above it the weakest mark gives its energy to its nearest neighbour.
+    /// Default 64.
     pub mark_capacity: u32,
     /// No vertex moves further than this, m. 0: the set's limit. Default 0.
     pub depth_limit: f32,
@@ -70,8 +72,8 @@ pub struct CrumpleInstanceDef {
     pub max_contact_distance: f32,
     /// Constant of CRUMPLE_RULE_BLEND, 0 to 1. Default 0.
     pub blend_constant: f32,
-    /// From mesh to world space, column-major (element 4 * column + row); see crumple_set_instance_transform(). Default the
-    /// identity.
+    /// From mesh to world space, column-major (element 4 * column + row); see crumple_set_instance_transform().
+    /// Default the identity.
     pub local_to_world: [f32; 16],
 }
 
@@ -128,8 +130,8 @@ pub extern "C" fn crumple_default_instance_def() -> CrumpleInstanceDef {
 /// Creates an undamaged instance: a few hundred bytes, and 8 for each 128 vertices.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
-/// CRUMPLE_ERROR_INVALID_ID (def.set), CRUMPLE_ERROR_INVALID_ARGUMENT, CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_OUT_OF_MEMORY,
-/// CRUMPLE_ERROR_CONCURRENT_USE.
+/// CRUMPLE_ERROR_INVALID_ID (def.set), CRUMPLE_ERROR_INVALID_ARGUMENT, CRUMPLE_ERROR_NOT_FINITE,
+/// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_create_instance(
     context: *mut CrumpleContext,
@@ -180,7 +182,8 @@ fn options(def: &CrumpleInstanceDef) -> Result<InstanceOptions, Failure> {
 
 /// Ends an instance and unregisters its buffers, whose ids end too. Your memory stays as it is.
 ///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_CONCURRENT_USE.
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_destroy_instance(
     context: *mut CrumpleContext,
@@ -226,9 +229,10 @@ pub unsafe extern "C" fn crumple_get_instance_info(
     })
 }
 
-/// Tells where an instance is: local_to_world points to 16 floats, column-major (element 4 * column + row, as in glTF, OpenGL
-/// and Vulkan), translation in elements 12 to 14, m, last row 0 0 0 1. May scale and shear, but not flatten. Only hits in
-/// CRUMPLE_SPACE_WORLD go through it, those submitted from then on; deformed vertices are always in the mesh's own space.
+/// Tells where an instance is: local_to_world points to 16 floats, column-major (element 4 * column + row, as in
+/// glTF, OpenGL and Vulkan), translation in elements 12 to 14, m, last row 0 0 0 1. May scale and shear, but not
+/// flatten. Only hits in CRUMPLE_SPACE_WORLD go through it, those submitted from then on; deformed vertices are
+/// always in the mesh's own space.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INVALID_ARGUMENT (it flattens, or the last row is another),
@@ -247,8 +251,8 @@ pub unsafe extern "C" fn crumple_set_instance_transform(
     })
 }
 
-/// No vertex of the instance moves further than depth_limit, m, from the next crumple_deform() on; 0: the set's limit. Damage
-/// that is there stays, and shows again when the limit is raised.
+/// No vertex of the instance moves further than depth_limit, m, from the next crumple_deform() on; 0: the set's
+/// limit. Damage that is there stays, and shows again when the limit is raised.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_NOT_FINITE,
 /// CRUMPLE_ERROR_INVALID_ARGUMENT, CRUMPLE_ERROR_CONCURRENT_USE.

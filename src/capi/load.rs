@@ -19,13 +19,14 @@ use std::ffi::{c_char, c_void};
 pub struct CrumpleGltfDef {
     /// Bytes of this struct, from crumple_default_gltf_def().
     pub struct_size: u32,
-    /// Index of the mesh in the file, where mesh_name is null; UINT32_MAX: the first mesh that has morph targets. Default
-    /// UINT32_MAX.
+    /// Index of the mesh in the file, where mesh_name is null; UINT32_MAX: the first mesh that has morph targets.
+    /// Default UINT32_MAX.
     pub mesh_index: u32,
     /// Name of the mesh, UTF-8. Null: mesh_index decides. Default null.
     pub mesh_name: *const c_char,
-    /// Path of the .glb or .gltf file, UTF-8, for crumple_load_example_set_gltf(). For crumple_load_example_set_gltf_memory()
-    /// the folder that files named in it are relative to; null: such files are an error.
+    /// Path of the .glb or .gltf file, UTF-8, for crumple_load_example_set_gltf(). For
+    /// crumple_load_example_set_gltf_memory() the folder that files named in it are relative to; null: such files are
+    /// an error.
     pub path: *const c_char,
     /// How the set is made ready. vertex_masses must be absent, or hold as many as the mesh has vertices.
     pub options: CrumpleExampleSetOptions,
@@ -81,13 +82,14 @@ pub extern "C" fn crumple_default_obj_def() -> CrumpleObjDef {
     }
 }
 
-/// Makes an example set from a glTF 2.0 or GLB file: a mesh with its morph targets, dense or sparse, all primitives joined (see
-/// crumple_get_primitive()). Names come from mesh.extras.targetNames, contacts from mesh.extras.impacts where the file has
-/// them. Numbers are those of the mesh's own space: scales and rotations of nodes are not applied.
+/// Makes an example set from a glTF 2.0 or GLB file: a mesh with its morph targets, dense or sparse, all primitives
+/// joined (see crumple_get_primitive()). Names come from mesh.extras.targetNames, contacts from mesh.extras.impacts
+/// where the file has them. Numbers are those of the mesh's own space: scales and rotations of nodes are not applied.
 ///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT (malformed, or no such mesh: the text lists those there
-/// are), CRUMPLE_ERROR_UNSUPPORTED (compressed with Draco or meshopt, or a build without CRUMPLE_FEATURE_GLTF),
-/// CRUMPLE_ERROR_EXAMPLE_MISMATCH (no morph targets), and those of crumple_create_example_set().
+/// Externally synchronised. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT (malformed, or no such mesh: the text
+/// lists those there are), CRUMPLE_ERROR_UNSUPPORTED (compressed with Draco or meshopt, or a build without
+/// CRUMPLE_FEATURE_GLTF), CRUMPLE_ERROR_EXAMPLE_MISMATCH (no morph targets), and those of
+/// crumple_create_example_set().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_load_example_set_gltf(
     context: *mut CrumpleContext,
@@ -147,11 +149,11 @@ pub unsafe extern "C" fn crumple_load_example_set_gltf_memory(
     })
 }
 
-/// Makes an example set from a base OBJ file and one OBJ file an example, which has the base's vertices in the base's order and
-/// is named after its file. Polygons are cut into triangles.
+/// Makes an example set from a base OBJ file and one OBJ file an example, which has the base's vertices in the base's
+/// order and is named after its file. Polygons are cut into triangles.
 ///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT, CRUMPLE_ERROR_UNSUPPORTED (a build without
-/// CRUMPLE_FEATURE_OBJ), and those of crumple_create_example_set().
+/// Externally synchronised. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT, CRUMPLE_ERROR_UNSUPPORTED (a build
+/// without CRUMPLE_FEATURE_OBJ), and those of crumple_create_example_set().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_load_example_set_obj(
     context: *mut CrumpleContext,

@@ -135,8 +135,8 @@ pub(super) struct Stream {
     pub(super) layout: Layout,
 }
 
-// SAFETY: a pointer to the caller's memory, which the header asks to be reachable from every thread that runs tasks; what may
-// write to it when is decided by who holds the `Stream`.
+// SAFETY: a pointer to the caller's memory, which the header asks to be reachable from every thread that runs tasks;
+// what may write to it when is decided by who holds the `Stream`.
 unsafe impl Send for Stream {}
 // SAFETY: as above.
 unsafe impl Sync for Stream {}

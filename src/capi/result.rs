@@ -7,8 +7,8 @@ use std::ffi::c_char;
 use std::mem::MaybeUninit;
 
 /// cbindgen:rename-all=ScreamingSnakeCase
-/// What every fallible call returns. After anything but CRUMPLE_OK no output was written, crumple_last_error() tells what was
-/// wrong and what would be right, and everything stays usable.
+/// What every fallible call returns. After anything but CRUMPLE_OK no output was written, crumple_last_error() tells
+/// what was wrong and what would be right, and everything stays usable.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(clippy::enum_variant_names)] // the C names
@@ -39,7 +39,8 @@ pub enum CrumpleResult {
     CrumpleErrorIo = 11,
     /// Damage belongs to another example set or to another version.
     CrumpleErrorDamageMismatch = 12,
-    /// Memory ran out. Only memory whose size your counts decide is reported so; see "Memory" at the top of the header.
+    /// Memory ran out. Only memory whose size your counts decide is reported so; see "Memory" at the top of the
+    /// header.
     CrumpleErrorOutOfMemory = 13,
     /// The call does not fit the instance's rule.
     CrumpleErrorWrongRule = 14,
@@ -123,8 +124,8 @@ impl From<crate::Error> for Failure {
     }
 }
 
-/// Bytes of the last error's text, its final zero among them. In place, so that it can be written when memory ran out and
-/// nothing is left behind when a thread ends.
+/// Bytes of the last error's text, its final zero among them. In place, so that it can be written when memory ran out
+/// and nothing is left behind when a thread ends.
 const TEXT: usize = 1024;
 
 thread_local! {
@@ -147,17 +148,17 @@ pub(super) fn remember(call: &str, message: &str) {
     });
 }
 
-/// What was wrong in the calling thread's last failed call, and what would be right, as UTF-8: "crumple_create_instance: ...".
-/// Empty before the first failure; a call that succeeds leaves it. Valid until the thread's next failed call. At most 1023
-/// bytes. Never null, never fails; any thread, each has its own text.
+/// What was wrong in the calling thread's last failed call, and what would be right, as UTF-8:
+/// "crumple_create_instance: ...". Empty before the first failure; a call that succeeds leaves it. Valid until the
+/// thread's next failed call. At most 1023 bytes. Never null, never fails; any thread, each has its own text.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_last_error() -> *const c_char {
     // A thread that is ending has lost its text already.
     LAST_ERROR.try_with(|text| text.as_ptr().cast::<c_char>().cast_const()).unwrap_or(c"".as_ptr())
 }
 
-/// The name of a result, such as "CRUMPLE_ERROR_FORMAT"; "unknown result" for a number that is none. Lives for ever. Never
-/// fails; any thread.
+/// The name of a result, such as "CRUMPLE_ERROR_FORMAT"; "unknown result" for a number that is none. Lives for ever.
+/// Never fails; any thread.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_result_name(result: MaybeUninit<CrumpleResult>) -> *const c_char {
     use CrumpleResult::*;

@@ -99,8 +99,8 @@ pub struct CrumpleExampleSetOptions {
     pub drop_below: f32,
     /// Mass of every vertex, kg, for impulses that bring none of their own. 0: not known. Default 0.
     pub vertex_mass: f32,
-    /// Nodes along the longest side of the grid that a carried example is kept in: 4 to 128. Default 24; smooth dents lose
-    /// nothing, sharp creases want more.
+    /// Nodes along the longest side of the grid that a carried example is kept in: 4 to 128. Default 24; smooth dents
+    /// lose nothing, sharp creases want more.
     pub stamp_resolution: u32,
     /// Mass of each vertex, kg: vertex_count floats, instead of vertex_mass. Default absent.
     pub vertex_masses: CrumpleInput,
@@ -118,7 +118,8 @@ pub struct CrumpleExampleSetOptions {
 pub struct CrumpleExampleDef {
     /// Bytes of this struct, from crumple_default_example_def().
     pub struct_size: u32,
-    /// Number of moved vertices in delta_indices, position_deltas and normal_deltas. Without meaning for target_positions.
+    /// Number of moved vertices in delta_indices, position_deltas and normal_deltas. Without meaning for
+    /// target_positions.
     pub delta_count: u32,
     /// Any UTF-8 text that ends with a zero, copied; need not be unique. Null: empty.
     pub name: *const c_char,
@@ -160,8 +161,8 @@ pub struct CrumpleExampleSetDef {
     pub normals: CrumpleInput,
     /// Tangents as in glTF: vertex_count times 4 floats, xyz of unit length, w +1 or -1. Absent: none.
     pub tangents: CrumpleInput,
-    /// Triangles: index_count indices, three a triangle, counter-clockwise seen from outside. Absent: a cloud of points, which
-    /// then needs normals.
+    /// Triangles: index_count indices, three a triangle, counter-clockwise seen from outside. Absent: a cloud of
+    /// points, which then needs normals.
     pub indices: CrumpleInput,
     /// Number of indices, a multiple of 3.
     pub index_count: u32,
@@ -255,14 +256,15 @@ pub extern "C" fn crumple_default_example_set_def() -> CrumpleExampleSetDef {
     }
 }
 
-/// Makes an example set from arrays, which are copied: free them afterwards. Takes a moment (it indexes the mesh and samples
-/// every example), so load before the scene starts, on a context of its own thread if need be.
+/// Makes an example set from arrays, which are copied: free them afterwards. Takes a moment (it indexes the mesh and
+/// samples every example), so load before the scene starts, on a context of its own thread if need be.
 ///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE (of def or of
-/// an example), CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (an enumerator or a count, a stride smaller than an
-/// element, an option out of range), CRUMPLE_ERROR_BUFFER_TOO_SMALL (an array has fewer bytes than its count needs),
-/// CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, CRUMPLE_ERROR_MESH (no vertices), CRUMPLE_ERROR_EXAMPLE_MISMATCH
-/// (no example, or one that does not fit the mesh), CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE.
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE
+/// (of def or of an example), CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (an enumerator or a count, a
+/// stride smaller than an element, an option out of range), CRUMPLE_ERROR_BUFFER_TOO_SMALL (an array has fewer bytes
+/// than its count needs), CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, CRUMPLE_ERROR_MESH (no
+/// vertices), CRUMPLE_ERROR_EXAMPLE_MISMATCH (no example, or one that does not fit the mesh),
+/// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_create_example_set(
     context: *mut CrumpleContext,
@@ -505,10 +507,11 @@ pub(super) unsafe fn read_options(options: &CrumpleExampleSetOptions, vertices: 
     })
 }
 
-/// Ends a set's id. Its memory lives on as long as instances use it, and they keep working. Strings that the set's infos
-/// pointed to are gone.
+/// Ends a set's id. Its memory lives on as long as instances use it, and they keep working. Strings that the set's
+/// infos pointed to are gone.
 ///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_CONCURRENT_USE.
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_destroy_example_set(
     context: *mut CrumpleContext,

@@ -230,8 +230,8 @@ fn item<'a, T>(items: &'a [T], index: u32, name: &str) -> Result<&'a T, Failure>
     items.get(index as usize).ok_or_else(|| crate::Error::IndexOutOfRange { name: name.into(), index, len }.into())
 }
 
-/// Copies the base mesh into your memory: the vertex and index buffers to draw with, before the first dent. Normals are
-/// computed ones where the set was made without.
+/// Copies the base mesh into your memory: the vertex and index buffers to draw with, before the first dent. Normals
+/// are computed ones where the set was made without.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
 /// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (a stride smaller than an element, streams that overlap),
@@ -279,8 +279,8 @@ pub unsafe extern "C" fn crumple_copy_base_mesh(
     })
 }
 
-/// Tells the vertex of the base mesh nearest to a point, m, in the mesh's space; of equally near ones the lowest. Either output
-/// may be null; the distance is in m.
+/// Tells the vertex of the base mesh nearest to a point, m, in the mesh's space; of equally near ones the lowest.
+/// Either output may be null; the distance is in m.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_CONCURRENT_USE.

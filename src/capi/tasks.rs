@@ -11,10 +11,11 @@ use std::sync::{Mutex, PoisonError, RwLock};
 /// One task of a parallel-for, given to you to be run: index is 0 to count - 1, task_data what came with it.
 pub type CrumpleTask = Option<unsafe extern "C" fn(index: u32, task_data: *mut c_void)>;
 
-/// Your parallel-for: call task(index, task_data) once for every index below count, on any threads and in any order, and return
-/// when all have returned. Tasks never block, never throw, and may run at once. What you forget is run after you return, and an
-/// index that you run twice does nothing the second time. Called from the thread that called Crumple. Must not throw or jump
-/// out. It may call crumple_submit_impulse() and crumple_submit_displacement(), nothing else of the same context.
+/// Your parallel-for: call task(index, task_data) once for every index below count, on any threads and in any order,
+/// and return when all have returned. Tasks never block, never throw, and may run at once. What you forget is run
+/// after you return, and an index that you run twice does nothing the second time. Called from the thread that called
+/// Crumple. Must not throw or jump out. It may call crumple_submit_impulse() and crumple_submit_displacement(),
+/// nothing else of the same context.
 pub type CrumpleParallelFor =
     Option<unsafe extern "C" fn(count: u32, task: CrumpleTask, task_data: *mut c_void, user: *mut c_void)>;
 
@@ -32,8 +33,9 @@ pub struct CrumpleTaskSystem {
 
 type Call = unsafe extern "C" fn(count: u32, task: CrumpleTask, task_data: *mut c_void, user: *mut c_void);
 
-/// The adapter. The host is not trusted to run every index once, nor to have stopped when it returns: each index is claimed,
-/// and leaving waits for those inside. `door` lives as long as the context, so a call that comes late finds it empty.
+/// The adapter. The host is not trusted to run every index once, nor to have stopped when it returns: each index is
+/// claimed, and leaving waits for those inside. `door` lives as long as the context, so a call that comes late finds
+/// it empty.
 pub(super) struct HostTasks {
     call: Call,
     user: *mut c_void,
@@ -118,8 +120,8 @@ impl TaskSystem for HostTasks {
             panicked: &raw const panicked,
         };
         *self.door.write().unwrap_or_else(PoisonError::into_inner) = Some(job());
-        // SAFETY: the host promised that its function may be called so; `run_task` may be called with the door as data from any
-        // thread, any number of times, with any index.
+        // SAFETY: the host promised that its function may be called so; `run_task` may be called with the door as
+        // data from any thread, any number of times, with any index.
         unsafe { (self.call)(number, Some(run_task), (&raw const *self.door).cast_mut().cast(), self.user) };
         for index in 0..count {
             // SAFETY: this is the thread that filled the door.

@@ -67,8 +67,8 @@ pub struct CrumpleRange {
     pub count: u32,
 }
 
-/// An array that Crumple reads during the call and never keeps. Element i lies at data + i * stride; how many there are and
-/// of what type is said where the array is used. Zero everywhere: the array is absent.
+/// An array that Crumple reads during the call and never keeps. Element i lies at data + i * stride; how many there
+/// are and of what type is said where the array is used. Zero everywhere: the array is absent.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleInput {
@@ -76,14 +76,14 @@ pub struct CrumpleInput {
     pub data: *const c_void,
     /// Readable bytes from data on; at least (count - 1) * stride + the bytes of one element.
     pub size: usize,
-    /// Bytes from one element to the next: at least those of one element, a multiple of its alignment. 0 is an error, never
-    /// "tightly packed".
+    /// Bytes from one element to the next: at least those of one element, a multiple of its alignment. 0 is an error,
+    /// never "tightly packed".
     pub stride: usize,
 }
 
-/// An array that Crumple writes. Element i lies at data + offset + i * stride. Positions and normals are 3 floats (12 bytes),
-/// tangents 4 (16 bytes), indices one uint32_t; Crumple touches those bytes and none between them, so that several streams may
-/// be interleaved in one vertex buffer. Zero everywhere: the array is absent.
+/// An array that Crumple writes. Element i lies at data + offset + i * stride. Positions and normals are 3 floats (12
+/// bytes), tangents 4 (16 bytes), indices one uint32_t; Crumple touches those bytes and none between them, so that
+/// several streams may be interleaved in one vertex buffer. Zero everywhere: the array is absent.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleStream {
@@ -93,8 +93,8 @@ pub struct CrumpleStream {
     pub size: usize,
     /// Bytes from data to the first element, a multiple of 4.
     pub offset: usize,
-    /// Bytes from one element to the next: at least those of one element, a multiple of 4. 0 is an error, never "tightly
-    /// packed".
+    /// Bytes from one element to the next: at least those of one element, a multiple of 4. 0 is an error, never
+    /// "tightly packed".
     pub stride: usize,
 }
 
@@ -106,8 +106,8 @@ impl CrumpleStream {
     pub(super) const ABSENT: Self = Self { data: std::ptr::null_mut(), size: 0, offset: 0, stride: 0 };
 }
 
-/// A base mesh and its examples: immutable, shared by any number of instances. An id; zero is null. Compare ids field by
-/// field; copy them freely; a stale or foreign id is an error, never a crash.
+/// A base mesh and its examples: immutable, shared by any number of instances. An id; zero is null. Compare ids field
+/// by field; copy them freely; a stale or foreign id is an error, never a crash.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
 pub struct CrumpleExampleSet {

@@ -40,8 +40,8 @@ const _: () = assert!(
     "src/capi/version.rs and Cargo.toml disagree about the version"
 );
 
-/// The version of the library that runs: major * 1000000 + minor * 1000 + patch. Compare it with CRUMPLE_VERSION, that of the
-/// header you compiled against. Never fails; any thread.
+/// The version of the library that runs: major * 1000000 + minor * 1000 + patch. Compare it with CRUMPLE_VERSION,
+/// that of the header you compiled against. Never fails; any thread.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_version() -> u32 {
     CRUMPLE_VERSION
@@ -53,8 +53,8 @@ pub extern "C" fn crumple_version_string() -> *const c_char {
     concat!(env!("CARGO_PKG_VERSION"), "\0").as_ptr().cast()
 }
 
-/// What this build of the library can do: the CRUMPLE_FEATURE_ bits, or-ed. Bits unknown to you may be set. Never fails; any
-/// thread.
+/// What this build of the library can do: the CRUMPLE_FEATURE_ bits, or-ed. Bits unknown to you may be set. Never
+/// fails; any thread.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_features() -> u64 {
     let bit = |on: bool, bit: u64| if on { bit } else { 0 };

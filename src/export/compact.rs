@@ -163,7 +163,8 @@ fn gather(
     Ok(bin)
 }
 
-fn renumber(keep: &[bool]) -> impl FnMut(&mut Value) {
+/// Turns an old index into the one it has when only `keep` is left.
+pub(super) fn renumber(keep: &[bool]) -> impl FnMut(&mut Value) + use<> {
     let mut next = 0usize;
     let new: Vec<usize> = keep
         .iter()

@@ -8,6 +8,10 @@ use serde_json::{Value, json};
 use std::collections::HashMap;
 
 pub(super) fn mesh(imported: &Imported, vertices: Vertices<'_>) -> Result<Vec<u8>, Error> {
+    imported.primitives.iter().enumerate().try_for_each(|(i, range)| check(imported, i, range))?;
+    if let Some(t) = &imported.texcoords {
+        super::each(imported.mesh.positions.len(), t, "texcoords")?;
+    }
     let mut root = json!({
         "asset": { "version": "2.0", "generator": concat!("crumple ", env!("CARGO_PKG_VERSION")) },
         "scene": 0,
@@ -37,6 +41,23 @@ pub(super) fn mesh(imported: &Imported, vertices: Vertices<'_>) -> Result<Vec<u8
 
 const IDENTITY: [[f32; 4]; 4] =
     [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+
+/// The fields are public, so the caller may have changed them.
+fn check(imported: &Imported, i: usize, range: &PrimitiveRange) -> Result<(), Error> {
+    let (vertices, triangles) = (imported.mesh.positions.len(), &imported.mesh.triangles);
+    let vertex_end = u64::from(range.first_vertex) + u64::from(range.vertex_count);
+    let triangle_end = u64::from(range.first_triangle) + u64::from(range.triangle_count);
+    if range.vertex_count == 0 || vertex_end > vertices as u64 || triangle_end > triangles.len() as u64 {
+        let right = format!("ranges within {vertices} vertices and {} triangles, not empty", triangles.len());
+        return Err(Error::invalid(&format!("primitives[{i}]"), format_args!("{range:?}"), &right));
+    }
+    let own = u64::from(range.first_vertex)..vertex_end;
+    let corners = triangles[range.first_triangle as usize..triangle_end as usize].as_flattened();
+    match corners.iter().find(|v| !own.contains(&u64::from(**v))) {
+        None => Ok(()),
+        Some(v) => Err(Error::invalid(&format!("a triangle corner of primitives[{i}]"), v, &format!("within {own:?}"))),
+    }
+}
 
 fn push_attributes(
     root: &mut Value,

@@ -128,9 +128,9 @@ fn drop_unused_samplers(animation: &mut Value) {
     if let Some(samplers) = animation.get_mut("samplers").and_then(Value::as_array_mut) {
         samplers.retain(|_| *keep.next().unwrap_or(&true));
     }
+    let mut renumber = compact::renumber(&used);
     for channel in list_mut(animation, "channels") {
-        let old = channel["sampler"].as_u64().unwrap_or(0) as usize;
-        channel["sampler"] = used[..old].iter().filter(|u| **u).count().into();
+        channel.get_mut("sampler").into_iter().for_each(&mut renumber);
     }
 }
 

@@ -151,22 +151,20 @@ pub(super) fn placements(mesh: &Value, names: &[String]) -> Result<Vec<Placement
 
 fn placements_by_name(map: &Map<String, Value>, names: &[String]) -> Result<Vec<Placement>, Error> {
     let mut out = vec![Placement::Automatic; names.len()];
+    let mut index: HashMap<&str, Vec<usize>> = HashMap::new();
+    names.iter().enumerate().for_each(|(i, name)| index.entry(name).or_default().push(i));
     for (name, word) in map {
         let text = word
             .as_str()
             .ok_or_else(|| malformed(format!("extras.placements['{name}'] is {}; a word is right", brief(word))))?;
         let placed = placement(text, &format!("['{name}']"))?;
-        let mut found = false;
-        for (slot, _) in out.iter_mut().zip(names).filter(|(_, n)| *n == name) {
-            *slot = placed;
-            found = true;
-        }
-        if !found {
+        let Some(targets) = index.get(name.as_str()) else {
             return Err(malformed(format!(
                 "extras.placements names '{name}'; there is no such target (there are {})",
                 listed(names)
             )));
-        }
+        };
+        targets.iter().for_each(|t| out[*t] = placed);
     }
     Ok(out)
 }

@@ -12,6 +12,17 @@ use std::path::Path;
 
 /// Reads a mesh and its morph targets from a `.gltf` or `.glb` file; see the [module](super) for what is read.
 ///
+/// ```
+/// use crumple::import::{MeshChoice, gltf_file};
+/// # let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+/// let imported = gltf_file(&folder.join("tests/fixtures/two_materials.glb"), MeshChoice::First)?;
+/// assert_eq!(imported.primitives.len(), 2);
+/// for example in &imported.examples {
+///     println!("{} was hit at {:?}", example.name, example.contact);
+/// }
+/// # Ok::<(), crumple::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Io`] when the file or one of its buffers cannot be read; [`Error::Unsupported`] for compressed or quantised geometry, other
 /// required extensions and other versions; [`Error::NoSuchMesh`] and [`Error::NoExamples`] say what the file has; [`Error::Format`],
@@ -267,7 +278,7 @@ fn deltas(doc: &Document<'_>, parts: &[Part<'_>], target: usize) -> Result<(Delt
         }
     }
     let any_normals =
-        parts.iter().any(|p| p.primitive.targets.iter().flatten().nth(target).is_some_and(|t| t.normals.is_some()));
+        parts.iter().filter_map(|p| p.primitive.targets.as_ref()?.get(target)).any(|t| t.normals.is_some());
     let sparse = |(indices, values)| Deltas::Sparse { indices, values };
     Ok((sparse(positions), normals.filter(|_| any_normals).map(sparse)))
 }

@@ -17,7 +17,7 @@
 //!   the glTF may be anywhere that a relative path reaches, `..` included, as glTF allows.
 //! - Compressed geometry (Draco, meshopt) and quantised positions are named in [`Error::Unsupported`].
 //!
-//! Three custom properties of the *mesh* (Blender: Object Data > Custom Properties, exported with
+//! Two custom properties of the *mesh* (Blender: Object Data > Custom Properties, exported with
 //! "Include > Custom Properties"; they arrive in `mesh.extras`) say more about the examples:
 //!
 //! - `impacts`: where each example was hit. A list of
@@ -30,29 +30,10 @@
 //!   One word for all (`"anchored"`), words by target order (`"anchored, carried"` or a list), or a map
 //!   `{"target name": "anchored"}`; what a map leaves out is automatic.
 //!
-//! ```
-//! use crumple::import::{MeshChoice, gltf_file};
-//! # let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
-//! let imported = gltf_file(&folder.join("tests/fixtures/two_materials.glb"), MeshChoice::First)?;
-//! assert_eq!(imported.primitives.len(), 2);
-//! for example in &imported.examples {
-//!     println!("{} was hit at {:?}", example.name, example.contact);
-//! }
-//! # Ok::<(), crumple::Error>(())
-//! ```
-//!
 //! # OBJ
 //!
 //! [`obj_files`] reads a base and one OBJ an example, all with the same `v` lines and faces in the same order, as
 //! solvers and sculpting tools write them.
-//!
-//! ```
-//! use crumple::import::obj_files;
-//! # let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");
-//! let imported = obj_files(&folder.join("plate.obj"), &[folder.join("plate_dent.obj")])?;
-//! assert_eq!(imported.examples[0].name, "plate_dent");
-//! # Ok::<(), crumple::Error>(())
-//! ```
 //!
 //! Nothing that a file says is trusted: lengths, offsets, counts and indices are checked before they are used, numbers must be finite,
 //! and memory stays in proportion to the file.

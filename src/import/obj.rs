@@ -13,6 +13,14 @@ use std::path::{Path, PathBuf};
 /// must have as many `v` lines, and the same faces in the same order or none; only its positions are read. Its name is its
 /// file's stem. Materials, groups and lines are not read.
 ///
+/// ```
+/// use crumple::import::obj_files;
+/// # let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");
+/// let imported = obj_files(&folder.join("plate.obj"), &[folder.join("plate_dent.obj")])?;
+/// assert_eq!(imported.examples[0].name, "plate_dent");
+/// # Ok::<(), crumple::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Io`] when a file cannot be read, [`Error::Format`], [`Error::IndexOutOfRange`] and [`Error::NotFinite`] when it is
 /// malformed, [`Error::ExampleMismatch`] when an example does not fit the base, [`Error::NoExamples`] when the list is empty.

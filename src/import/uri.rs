@@ -25,12 +25,14 @@ pub(crate) fn parse(uri: &str, what: &str) -> Result<Target, Error> {
             "{what} points to '{}'; only relative paths and data: URIs are read",
             shortened(uri)
         ))),
-        None if uri.starts_with(['/', '\\']) => Err(unsupported(format!(
-            "{what} points to the absolute path '{}'; only relative paths are read",
-            shortened(uri)
-        ))),
         None if uri.is_empty() => Err(malformed(format!("{what} has an empty uri"))),
-        None => Ok(Target::File(percent_decoded(uri))),
+        None => match percent_decoded(uri) {
+            path if path.starts_with(['/', '\\']) => Err(unsupported(format!(
+                "{what} points to the absolute path '{}'; only relative paths are read",
+                shortened(uri)
+            ))),
+            path => Ok(Target::File(path)),
+        },
     }
 }
 

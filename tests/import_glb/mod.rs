@@ -95,7 +95,9 @@ pub fn container(json: &[u8], bin: Option<&[u8]>) -> Vec<u8> {
         out.resize(out.len().next_multiple_of(4), 0);
     };
     chunk(b"JSON", &text);
-    bin.map(|bin| chunk(b"BIN\0", bin));
+    if let Some(bin) = bin {
+        chunk(b"BIN\0", bin);
+    }
     let length = out.len() as u32;
     out[8..12].copy_from_slice(&length.to_le_bytes());
     out

@@ -145,6 +145,14 @@ pub fn example_at(model: &Model, mark: &Mark, part: &Part, vertex: usize) -> (V,
     (back(grid.look_up(&grid.displacements, p)), back(normals))
 }
 
+/// Whether the surfaces that a stamp holds near `vertex` face so far apart that the mean of their normals has no direction to speak of.
+pub fn faces_nowhere(model: &Model, mark: &Mark, vertex: usize) -> bool {
+    mark.parts.iter().filter(|p| !p.anchored).any(|part| {
+        let (grid, _, _, p) = place(model, mark, &model.examples[part.example], vertex);
+        !grid.facing.is_empty() && (1e-30..0.05).contains(&length(grid.look_up(&grid.facing, p)))
+    })
+}
+
 /// What each part of a mark is multiplied with: its share of the target depth over its own, then all together so that the contact gets the
 /// target depth; anchored parts (and all, in a strict set) never above 1.
 pub fn scales(model: &Model, mark: &Mark) -> Vec<f64> {

@@ -6,7 +6,7 @@ use euc::{
     buffer::Buffer2d,
     rasterizer::{BackfaceCullingDisabled, Triangles},
 };
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// What is drawn: a triangle mesh with one scalar a vertex.
 #[derive(Clone, Copy)]
@@ -103,7 +103,28 @@ pub fn rasterise(body: Body<'_>, project: impl Fn(Vec3) -> ([f32; 4], f32), size
     let mut pixels = Buffer2d::new(size, Surface::NONE);
     let mut depth = Buffer2d::new(size, f32::INFINITY);
     Draw.draw::<Triangles<'_, _, BackfaceCullingDisabled>, _>(&corners, &mut pixels, Some(&mut depth));
+    heal(pixels.as_mut(), size);
     pixels
+}
+
+/// Closes the pinholes that rounding leaves between neighbouring triangles: single pixels that look through a surface
+/// which goes on at both sides.
+fn heal(pixels: &mut [Surface], [width, height]: [usize; 2]) {
+    let hole = |a: Surface, middle: Surface, b: Surface| {
+        let (low, high) = (a.distance.min(b.distance), a.distance.max(b.distance));
+        high.is_finite() && middle.distance - high > 8.0 * (high - low) + 1e-3 * high
+    };
+    for y in 0..height {
+        for x in 0..width {
+            let at = y * width + x;
+            let sides = [(x > 0 && x + 1 < width, 1), (y > 0 && y + 1 < height, width)];
+            for (inside, step) in sides {
+                if inside && hole(pixels[at - step], pixels[at], pixels[at + step]) {
+                    pixels[at] = pixels[at - step];
+                }
+            }
+        }
+    }
 }
 
 /// Draws `body` as a camera sees it.
@@ -138,39 +159,53 @@ impl ShadowMap {
     }
 
     /// How close what lies above `p` comes to it: 1 where it touches, falling over `height` m.
-    pub fn contact(&self, p: Vec3, radius: f32, height: f32, taps: usize, spin: f32) -> f32 {
-        self.gather(p, radius, taps, spin, |gap| if gap > -0.1 * height { (-gap.max(0.0) / height).exp() } else { 0.0 })
+    pub fn contact(&self, p: Vec3, radius: f32, height: f32, taps: Taps<'_>) -> f32 {
+        self.gather(p, radius, taps, |gap| if gap > -0.1 * height { (-gap.max(0.0) / height).exp() } else { 0.0 })
     }
 
     /// How much lies between `p` and the light within a disc of `radius` m about the ray: 0 nothing, 1 all. `bias` is
-    /// the gap that counts as touching, m; `spin` in 0..1 turns the sample pattern.
-    pub fn occlusion(&self, p: Vec3, radius: f32, bias: f32, taps: usize, spin: f32) -> f32 {
-        self.gather(p, radius, taps, spin, |gap| f32::from(gap > bias))
+    /// the gap that counts as touching, m.
+    pub fn occlusion(&self, p: Vec3, radius: f32, bias: f32, taps: Taps<'_>) -> f32 {
+        self.gather(p, radius, taps, |gap| f32::from(gap > bias))
     }
 
     /// Mean of `weight` over the gaps between `p` and what the light sees around it, m.
-    fn gather(&self, p: Vec3, radius: f32, taps: usize, spin: f32, weight: impl Fn(f32) -> f32) -> f32 {
+    fn gather(&self, p: Vec3, radius: f32, taps: Taps<'_>, weight: impl Fn(f32) -> f32) -> f32 {
         let q = p - self.centre;
-        let (x, y, z) = (q.dot(self.right), q.dot(self.up), -q.dot(self.direction));
+        let at = Vec2::new(q.dot(self.right), -q.dot(self.up));
+        if at.abs().max_element() > self.reach + radius {
+            return 0.0;
+        }
+        let z = -q.dot(self.direction);
+        let texels = 0.5 * self.size as f32 / self.reach;
+        let size = self.size as f32;
         let mut sum = 0.0;
-        for i in 0..taps {
-            let (dx, dy) = spiral(i, taps, spin);
-            let to_texel = |v: f32| (v / self.reach + 1.0) * 0.5 * self.size as f32;
-            let (tx, ty) = (to_texel(x + dx * radius), self.size as f32 - to_texel(y + dy * radius));
-            if tx >= 0.0 && ty >= 0.0 && tx < self.size as f32 && ty < self.size as f32 {
-                let distance = self.depth[ty as usize * self.size + tx as usize];
+        for tap in taps.points {
+            let t = (at + taps.turn.rotate(*tap) * radius) * texels + 0.5 * size;
+            if t.x >= 0.0 && t.y >= 0.0 && t.x < size && t.y < size {
+                let distance = self.depth[t.y as usize * self.size + t.x as usize];
                 if distance < f32::INFINITY {
                     sum += weight(z - distance);
                 }
             }
         }
-        sum / taps as f32
+        sum / taps.points.len() as f32
     }
 }
 
-/// The `i`-th of `n` points spread evenly over the unit disc.
-pub fn spiral(i: usize, n: usize, spin: f32) -> (f32, f32) {
-    let r = ((i as f32 + 0.5) / n as f32).sqrt();
-    let a = (i as f32 * 0.381_966 + spin) * std::f32::consts::TAU;
-    (r * a.cos(), r * a.sin())
+/// Points of the unit disc, to be turned by a rotation of their own at each pixel so that no pattern shows.
+#[derive(Clone, Copy)]
+pub struct Taps<'a> {
+    pub points: &'a [Vec2],
+    /// Cosine and sine.
+    pub turn: Vec2,
+}
+
+/// `n` points spread evenly over the unit disc.
+pub fn disc(n: usize) -> Vec<Vec2> {
+    let point = |i: usize| {
+        let angle = i as f32 * 0.381_966 * std::f32::consts::TAU;
+        Vec2::from_angle(angle) * ((i as f32 + 0.5) / n as f32).sqrt()
+    };
+    (0..n).map(point).collect()
 }

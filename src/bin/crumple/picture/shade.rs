@@ -2,9 +2,9 @@
 
 use super::{
     camera::{Camera, View},
-    raster::{Body, ShadowMap, Surface, spiral},
+    raster::{Body, ShadowMap, Surface, Taps, disc},
 };
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// Linear light, 1 is paper white.
 pub type Light = Vec3;
@@ -32,6 +32,9 @@ pub struct Studio<'a> {
     floor: f32,
     /// Radius of the body's bounding sphere, m.
     radius: f32,
+    /// Sample points for soft shadows on the floor, and on the body.
+    floor_taps: Vec<Vec2>,
+    body_taps: Vec<Vec2>,
 }
 
 /// How the body's surface looks.
@@ -71,6 +74,8 @@ impl<'a> Studio<'a> {
             sky_shadow: ShadowMap::new(body, up, centre, radius * 1.05, SHADOW_TEXELS / 2),
             floor,
             radius,
+            floor_taps: disc(32),
+            body_taps: disc(32),
         }
     }
 
@@ -82,8 +87,8 @@ impl<'a> Studio<'a> {
         let mut sum = Vec3::ZERO;
         if covered < samples * samples {
             let middle = samples as f32 * 0.5;
-            let spin = noise((x / samples) as u32, (y / samples) as u32);
-            let light = self.backdrop(x as f32 + middle, y as f32 + middle, frame, spin);
+            let taps = Taps { points: &self.floor_taps, turn: turn(x / samples, y / samples) };
+            let light = self.backdrop(x as f32 + middle, y as f32 + middle, frame, taps);
             sum += light * (samples * samples - covered) as f32;
         }
         // What is soft by nature is gathered once a pixel, at its first sample.
@@ -100,12 +105,12 @@ impl<'a> Studio<'a> {
         let surface = frame.at(x as usize, y as usize);
         let ray = self.camera.ray(x, y, frame.size);
         let p = self.camera.eye + ray * surface.distance;
-        let spin = noise((x as usize / samples) as u32, (y as usize / samples) as u32);
+        let taps = Taps { points: &self.body_taps, turn: turn(x as usize / samples, y as usize / samples) };
         let n = surface.normal.normalize_or(-ray);
         // A wall sees half the sky as it is: only what hangs over the space before it counts.
         let roof =
-            self.sky_shadow.occlusion(p + n * (self.radius * 0.10), self.radius * 0.10, self.radius * 0.08, 16, spin);
-        let open = self.openness(x, y, p, n, frame, spin);
+            self.sky_shadow.occlusion(p + n * (self.radius * 0.10), self.radius * 0.10, self.radius * 0.08, taps);
+        let open = self.openness(x, y, p, n, frame, taps);
         Shade { open: open * (1.0 - 0.75 * roof), direct: 1.0 - roof }
     }
 
@@ -169,7 +174,7 @@ impl<'a> Studio<'a> {
         light
     }
 
-    fn backdrop(&self, x: f32, y: f32, frame: &Frame<'_>, spin: f32) -> Light {
+    fn backdrop(&self, x: f32, y: f32, frame: &Frame<'_>, taps: Taps<'_>) -> Light {
         let ray = self.camera.ray(x, y, frame.size);
         let (u, v) = (x / frame.size[0] as f32 - 0.5, y / frame.size[1] as f32);
         let glow = (-(v - 0.45) * (v - 0.45) * 3.0).exp();
@@ -179,9 +184,9 @@ impl<'a> Studio<'a> {
             let t = (self.camera.eye.dot(self.up) - self.floor) / down;
             let p = self.camera.eye + ray * t;
             let inside = 1.0 - step(0.38, 0.5, u.abs());
-            let key = self.key_shadow.occlusion(p, self.radius * 0.14, self.radius * 0.004, 40, spin);
-            let sky = self.sky_shadow.occlusion(p, self.radius * 0.22, self.radius * 0.004, 40, spin);
-            let touch = self.sky_shadow.contact(p, self.radius * 0.05, self.radius * 0.10, 40, spin);
+            let key = self.key_shadow.occlusion(p, self.radius * 0.14, self.radius * 0.004, taps);
+            let sky = self.sky_shadow.occlusion(p, self.radius * 0.22, self.radius * 0.004, taps);
+            let touch = self.sky_shadow.contact(p, self.radius * 0.05, self.radius * 0.10, taps);
             light *= (1.0 - 0.22 * key * inside) * (1.0 - 0.22 * sky) * (1.0 - 0.60 * touch);
         }
         light
@@ -189,15 +194,13 @@ impl<'a> Studio<'a> {
 
     /// Share of the surroundings that a surface point sees, from the depths about its pixel (Alchemy's estimator, McGuire
     /// et al. 2011), at the scale of a dent: shallow dents darken a little, folds and gaps a lot.
-    fn openness(&self, x: f32, y: f32, p: Vec3, n: Vec3, frame: &Frame<'_>, spin: f32) -> f32 {
-        const TAPS: usize = 32;
+    fn openness(&self, x: f32, y: f32, p: Vec3, n: Vec3, frame: &Frame<'_>, taps: Taps<'_>) -> f32 {
         let reach = self.radius * 0.11;
         let pixels =
             reach / (2.0 * self.camera.tan.y * (self.camera.eye - p).dot(self.camera.back)) * frame.size[1] as f32;
         let mut shut = 0.0;
-        for i in 0..TAPS {
-            let (dx, dy) = spiral(i, TAPS, spin);
-            let (sx, sy) = (x + dx * pixels, y + dy * pixels);
+        for tap in taps.points {
+            let Vec2 { x: sx, y: sy } = Vec2::new(x, y) + taps.turn.rotate(*tap) * pixels;
             if sx < 0.0 || sy < 0.0 || sx >= frame.size[0] as f32 || sy >= frame.size[1] as f32 {
                 continue;
             }
@@ -212,7 +215,7 @@ impl<'a> Studio<'a> {
                 shut += (n.dot(to) - 0.004 * reach).max(0.0) / (square + 0.01 * reach * reach) * reach;
             }
         }
-        (1.0 - 1.1 * shut / TAPS as f32).clamp(0.0, 1.0)
+        (1.0 - 1.1 * shut / taps.points.len() as f32).clamp(0.0, 1.0)
     }
 }
 
@@ -246,9 +249,10 @@ fn band(x: f32, half: f32, soft: f32) -> f32 {
     1.0 - step(half - soft * 0.5, half + soft * 0.5, x.abs())
 }
 
-/// A number in 0..1 that differs from that of the neighbouring pixels: Jimenez's interleaved gradient noise, 2014.
-fn noise(x: u32, y: u32) -> f32 {
-    (52.982_918 * (0.067_110_56 * x as f32 + 0.005_837_15 * y as f32).fract()).fract()
+/// A rotation (cosine, sine) that differs from that of the neighbouring pixels: Jimenez's interleaved gradient noise, 2014.
+fn turn(x: usize, y: usize) -> Vec2 {
+    let noise = (52.982_918 * (0.067_110_56 * x as f32 + 0.005_837_15 * y as f32).fract()).fract();
+    Vec2::from_angle(noise * std::f32::consts::TAU)
 }
 
 /// Linear light as an 8-bit sRGB value, with a soft shoulder above 0.8 in place of clipping.

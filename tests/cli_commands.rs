@@ -1,0 +1,195 @@
+//! What the `crumple` command does with good input.
+
+mod cli_support;
+
+use cli_support::{Text, asset, crumple, names};
+use crumple::{
+    glam::{Mat4, Vec3},
+    import::{Imported, MeshChoice, gltf_slice},
+};
+use std::path::Path;
+
+const PANEL: &str = "assets/solver/panel.glb";
+
+fn import(path: &Path) -> Imported {
+    let bytes = std::fs::read(path).expect("readable");
+    gltf_slice(&bytes, path.parent(), MeshChoice::Index(0)).expect("a glTF")
+}
+
+/// Length of each vertex's displacement between two files, m.
+fn displacements(before: &Imported, after: &Imported) -> Vec<f32> {
+    assert_eq!(before.mesh.positions.len(), after.mesh.positions.len());
+    let pairs = before.mesh.positions.iter().zip(&after.mesh.positions);
+    pairs.map(|(a, b)| Vec3::from(*a).distance(Vec3::from(*b))).collect()
+}
+
+fn deepest(lengths: &[f32]) -> (usize, f32) {
+    lengths.iter().copied().enumerate().fold((0, 0.0), |a, b| if b.1 > a.1 { b } else { a })
+}
+
+/// Pixels of a PNG and its description.
+fn picture(path: &Path) -> (Vec<u8>, String) {
+    let file = std::io::BufReader::new(std::fs::File::open(path).expect("readable"));
+    let mut reader = png::Decoder::new(file).read_info().expect("a PNG");
+    let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
+    let frame = reader.next_frame(&mut pixels).expect("pixels");
+    assert_eq!((frame.width, frame.height, frame.color_type), (1280, 800, png::ColorType::Rgb));
+    let text = &reader.info().uncompressed_latin1_text;
+    let description = text.iter().find(|t| t.keyword == "Description").expect("a description");
+    (pixels, description.text.clone())
+}
+
+#[test]
+fn info_tells_what_a_file_holds() {
+    let report = crumple(&["info", PANEL]).report();
+    assert!(report.contains("panel: 2173 vertices, 4160 triangles, 1 primitive, 0 on seams"), "{report}");
+    assert!(report.contains("1.200 x 0.900 x 0.090 m"), "{report}");
+    let row = report.lines().find(|l| l.contains("train_00")).expect("a row");
+    let cells: Vec<&str> = row.split_whitespace().collect();
+    assert_eq!(cells[..4], ["0", "train_00", "704", "13.6"], "{row}");
+    assert!(row.contains("1689  (0.346, -0.270, 0.059)") && row.ends_with("automatic"), "{row}");
+    assert_eq!(report.lines().filter(|l| l.contains("train_")).count(), 32);
+    // The rim is pinned: nothing moves it.
+    assert!(report.contains("do not move") && report.contains("1 region"), "{report}");
+}
+
+#[test]
+fn info_chooses_a_mesh_by_name_and_by_index() {
+    let by_name = crumple(&["info", PANEL, "--mesh", "panel"]).report();
+    assert_eq!(by_name, crumple(&["info", PANEL, "--mesh", "0"]).report());
+}
+
+#[test]
+fn apply_dents_the_body_where_it_was_hit() {
+    let folder = tempfile::tempdir().expect("a directory");
+    let (list, out, png) = (folder.path().join("i.json"), folder.path().join("out.glb"), folder.path().join("a/b"));
+    let point = Vec3::new(-0.2, 0.1, 0.078);
+    let json = r#"[{"name": "here", "point": [-0.2, 0.1, 0.078], "displacement": [0, 0, -0.025]}]"#;
+    std::fs::write(&list, json).expect("written");
+    let arguments = ["apply", PANEL, "--impacts", list.text(), "-o", out.text(), "--png", png.text()];
+    let report = crumple(&arguments).report();
+    assert!(report.contains("here") && report.contains("1 of 1 impact left a dent; the damage is 1 mark"), "{report}");
+
+    let (before, after) = (import(&asset(PANEL)), import(&out));
+    assert!(after.examples.is_empty() && before.examples.len() == 32);
+    assert_eq!(before.primitives[0].material, after.primitives[0].material);
+    let moved = displacements(&before, &after);
+    let (vertex, depth) = deepest(&moved);
+    assert!(Vec3::from(before.mesh.positions[vertex]).distance(point) < 0.05, "vertex {vertex}");
+    assert!((depth - 0.025).abs() < 0.002, "{depth}");
+    assert!(report.contains(&format!("{:.1} mm", depth * 1e3)), "{report}");
+
+    assert_eq!(names(folder.path()), ["a", "i.json", "out.glb"], "nothing temporary stays");
+    assert_eq!(names(&png), ["after.png", "base.png", "before_after.png", "heat.png"]);
+    let pictures = ["base", "after", "heat", "before_after"].map(|n| picture(&png.join(format!("{n}.png"))));
+    for (pixels, _) in &pictures {
+        let colours: std::collections::HashSet<&[u8]> = pixels.chunks(3).collect();
+        assert!(colours.len() > 500, "{} colours", colours.len());
+    }
+    assert_ne!(pictures[0].0, pictures[1].0, "the dent shows");
+    let maximum = pictures[2].1.strip_prefix("displacement, 0 to ").and_then(|t| t.strip_suffix(" mm"));
+    let maximum: f32 = maximum.expect("the legend's range").parse().expect("a number");
+    assert!((maximum - depth * 1e3).abs() <= 1e-4 * maximum, "{maximum} {depth}");
+}
+
+#[test]
+fn apply_takes_impulses_and_world_space() {
+    let folder = tempfile::tempdir().expect("a directory");
+    let file = "tests/fixtures/nodes.glb";
+    let source = import_first(&asset(file));
+    let to_world = Mat4::from_cols_array_2d(&source.node_transform.expect("a node"));
+    let contact = Vec3::from(source.mesh.positions[0]);
+    let push = Vec3::new(0.01, -0.03, 0.02);
+    let (point, shift) = (to_world.transform_point3(contact), to_world.transform_vector3(push));
+    let run = |name: &str, json: String| {
+        let (list, out) = (folder.path().join("i.json"), folder.path().join(name));
+        std::fs::write(&list, json).expect("written");
+        let report = crumple(&["apply", file, "--impacts", list.text(), "-o", out.text()]).report();
+        let row = report.lines().nth(1).expect("a row").to_owned();
+        row.split_whitespace().skip(1).take(5).map(str::to_owned).collect::<Vec<_>>()
+    };
+    let list = |v: Vec3| format!("[{}, {}, {}]", v.x, v.y, v.z);
+    let local = run("a.glb", format!(r#"[{{"point": {}, "displacement": {}}}]"#, list(contact), list(push)));
+    let world = format!(r#"[{{"point": {}, "displacement": {}, "space": "world"}}]"#, list(point), list(shift));
+    assert_eq!(local, run("b.glb", world));
+    let impulse =
+        format!(r#"[{{"point": {}, "impulse": {}, "duration": 0.5, "mass": 2}}]"#, list(contact), list(push * 4.0));
+    assert_eq!(local, run("c.glb", impulse));
+}
+
+fn import_first(path: &Path) -> Imported {
+    gltf_slice(&std::fs::read(path).expect("readable"), path.parent(), MeshChoice::First).expect("a glTF")
+}
+
+#[test]
+fn apply_reads_obj_and_the_literatures_rules() {
+    let folder = tempfile::tempdir().expect("a directory");
+    let (list, out) = (folder.path().join("i.json"), folder.path().join("out.glb"));
+    let obj = ["tests/fixtures/plate.obj", "--example", "tests/fixtures/plate_dent.obj"];
+    assert_eq!(crumple(&["sample", obj[0], obj[1], obj[2], "-o", list.text(), "--count", "3"]).code, Some(0));
+    for rule in ["marks", "most-displaced", "blend=0.5"] {
+        let arguments = [
+            "apply",
+            obj[0],
+            obj[1],
+            obj[2],
+            "--impacts",
+            list.text(),
+            "-o",
+            out.text(),
+            "--rule",
+            rule,
+            "--threads",
+            "1",
+        ];
+        let report = crumple(&arguments).report();
+        assert!(report.contains("on 1 thread."), "{report}");
+        assert!(!import(&out).mesh.positions.is_empty());
+    }
+    let classic =
+        ["apply", obj[0], obj[1], obj[2], "--impacts", list.text(), "-o", out.text(), "--selection", "classic"];
+    crumple(&classic).report();
+}
+
+#[test]
+fn sample_is_the_same_for_the_same_seed_and_can_be_applied() {
+    let folder = tempfile::tempdir().expect("a directory");
+    let sample = |name: &str, seed: &str| {
+        let path = folder.path().join(name);
+        crumple(&["sample", PANEL, "-o", path.text(), "--count", "12", "--seed", seed]).report();
+        std::fs::read_to_string(path).expect("readable")
+    };
+    let (a, b, c) = (sample("a.json", "7"), sample("b.json", "7"), sample("c.json", "8"));
+    assert_eq!(a, b);
+    assert_ne!(a, c);
+    let list: serde_json::Value = serde_json::from_str(&a).expect("JSON");
+    let vector = |v: &serde_json::Value| Vec3::from_array([0, 1, 2].map(|i| v[i].as_f64().expect("a number") as f32));
+    let entries = list.as_array().expect("a list");
+    assert_eq!(entries.len(), 12);
+    for (i, e) in entries.iter().enumerate() {
+        let (p, u) = (vector(&e["point"]), vector(&e["displacement"]));
+        assert!(p.abs().cmple(Vec3::new(0.6, 0.45, 0.0901)).all() && p.z >= 0.0, "{p} lies on the body");
+        assert!(u.z < 0.0 && (0.007..0.059).contains(&u.length()), "{u} points inward, as deep as the examples");
+        for other in &entries[..i] {
+            assert!(vector(&other["point"]).distance(p) > 0.05, "spread");
+        }
+    }
+    let (list, out) = (folder.path().join("a.json"), folder.path().join("out.glb"));
+    let report = crumple(&["apply", PANEL, "--impacts", list.text(), "-o", out.text()]).report();
+    assert!(report.contains("12 of 12 impacts left a dent"), "{report}");
+    let (before, after) = (import(&asset(PANEL)), import(&out));
+    assert!(deepest(&displacements(&before, &after)).1 > 0.005);
+}
+
+#[test]
+fn apply_gives_the_same_file_on_any_number_of_threads() {
+    let folder = tempfile::tempdir().expect("a directory");
+    let list = folder.path().join("i.json");
+    crumple(&["sample", PANEL, "-o", list.text()]).report();
+    let run = |threads: &str| {
+        let out = folder.path().join(format!("{threads}.glb"));
+        crumple(&["apply", PANEL, "--impacts", list.text(), "-o", out.text(), "--threads", threads]).report();
+        std::fs::read(out).expect("readable")
+    };
+    assert!(run("1") == run("8"));
+}

@@ -1,0 +1,559 @@
+//! Rewritten glTFs: the mesh shows its deformed vertices, everything else is as it was, and other programs agree.
+#![cfg(feature = "gltf")]
+
+mod import_glb;
+
+use crumple::export::{deformed_glb, mesh_glb};
+use crumple::import::{Imported, MeshChoice, gltf_file};
+use crumple::{Error, ErrorKind};
+use import_glb::{Glb, SQUARE, UP, fixture, parts, square};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const FIXTURES: [(&str, usize); 9] = [
+    ("two_materials.glb", 0),
+    ("two_materials_sparse.glb", 0),
+    ("seams.glb", 0),
+    ("seams_sparse.glb", 0),
+    ("nodes.glb", 1),
+    ("nodes.glb", 2),
+    ("animated.glb", 0),
+    ("animated.glb", 2),
+    ("separate/bent door.gltf", 0),
+];
+
+/// The whole mesh bent along x, which turns no normal by more than it can show.
+fn bend(imported: &Imported) -> Vec<[f32; 3]> {
+    imported.mesh.positions.iter().map(|[x, y, z]| [*x, y + 0.25 * x * x, *z]).collect()
+}
+
+fn deformed(name: &str, mesh: usize) -> (Imported, Vec<u8>) {
+    let path = fixture(name);
+    let imported = gltf_file(&path, MeshChoice::Index(mesh)).unwrap();
+    let glb = deformed_glb(
+        &std::fs::read(&path).unwrap(),
+        path.parent(),
+        MeshChoice::Index(mesh),
+        &bend(&imported),
+        imported.mesh.normals.as_deref(),
+        imported.mesh.tangents.as_deref(),
+    );
+    (imported, glb.unwrap())
+}
+
+/// The source's JSON and its one buffer, wherever that is.
+fn source(name: &str) -> (Value, Vec<u8>) {
+    let bytes = std::fs::read(fixture(name)).unwrap();
+    if name.ends_with(".glb") {
+        return parts(&bytes);
+    }
+    let json: Value = serde_json::from_slice(&bytes).unwrap();
+    let uri = json["buffers"][0]["uri"].as_str().unwrap().replace("%20", " ");
+    let bin = std::fs::read(fixture(name).parent().unwrap().join(uri)).unwrap();
+    (json, bin)
+}
+
+fn view<'b>(json: &Value, bin: &'b [u8], view: &Value) -> &'b [u8] {
+    let view = &json["bufferViews"][view.as_u64().unwrap() as usize];
+    assert_eq!(view["buffer"], 0);
+    let offset = view["byteOffset"].as_u64().unwrap_or(0) as usize;
+    &bin[offset..offset + view["byteLength"].as_u64().unwrap() as usize]
+}
+
+/// An accessor with its bufferViews replaced by what is in them, so that files can be compared whatever their layout.
+fn content(json: &Value, bin: &[u8], accessor: &Value) -> Value {
+    let mut accessor = json["accessors"][accessor.as_u64().unwrap() as usize].clone();
+    for pointer in ["", "/sparse/indices", "/sparse/values"] {
+        if let Some(index) = accessor.pointer_mut(pointer).and_then(|a| a.get_mut("bufferView")) {
+            *index = view(json, bin, index).into();
+        }
+    }
+    accessor
+}
+
+/// The file with every accessor and image in place of its index, and no lists of accessors, views and buffers.
+fn resolved((json, bin): &(Value, Vec<u8>)) -> Value {
+    let mut out = json.clone();
+    let list =
+        |v: &mut Value, key: &str| v.get_mut(key).and_then(Value::as_array_mut).map(std::mem::take).unwrap_or_default();
+    let resolve = |index: &mut Value| *index = content(json, bin, index);
+    let mut meshes = list(&mut out, "meshes");
+    for p in meshes.iter_mut().flat_map(|m| m["primitives"].as_array_mut().unwrap()) {
+        p["attributes"].as_object_mut().unwrap().values_mut().for_each(resolve);
+        p.get_mut("indices").into_iter().for_each(resolve);
+        p.get_mut("targets")
+            .and_then(Value::as_array_mut)
+            .into_iter()
+            .flatten()
+            .flat_map(|t| t.as_object_mut().unwrap().values_mut())
+            .for_each(resolve);
+    }
+    out["meshes"] = meshes.into();
+    let mut skins = list(&mut out, "skins");
+    skins.iter_mut().for_each(|s| resolve(&mut s["inverseBindMatrices"]));
+    out["skins"] = skins.into();
+    let mut animations = list(&mut out, "animations");
+    for s in animations.iter_mut().flat_map(|a| a["samplers"].as_array_mut().unwrap()) {
+        resolve(&mut s["input"]);
+        resolve(&mut s["output"]);
+    }
+    out["animations"] = animations.into();
+    let mut images = list(&mut out, "images");
+    for image in &mut images {
+        image.get_mut("bufferView").into_iter().for_each(|v| *v = view(json, bin, v).into());
+    }
+    out["images"] = images.into();
+    for key in ["accessors", "bufferViews", "buffers"] {
+        out.as_object_mut().unwrap().remove(key);
+    }
+    out
+}
+
+fn floats(values: &[[f32; 3]]) -> Vec<u8> {
+    values.iter().flatten().flat_map(|x| x.to_le_bytes()).collect()
+}
+
+#[test]
+fn everything_but_the_mesh_is_as_it_was() {
+    for (name, mesh) in FIXTURES {
+        let (imported, glb) = deformed(name, mesh);
+        let (mut before, mut after) = (resolved(&source(name)), resolved(&parts(&glb)));
+        let positions = bend(&imported);
+        for range in &imported.primitives {
+            let own = range.first_vertex as usize..(range.first_vertex + range.vertex_count) as usize;
+            let (old, new) = [&mut before, &mut after]
+                .map(|f| f["meshes"][mesh]["primitives"][range.primitive as usize].take())
+                .into();
+            assert!(new.get("targets").is_none());
+            let position = &new["attributes"]["POSITION"];
+            assert_eq!(position["bufferView"], json!(floats(&positions[own.clone()])), "{name}");
+            for (bound, pick) in [("min", f32::min as fn(f32, f32) -> f32), ("max", f32::max)] {
+                let expected: [f32; 3] =
+                    std::array::from_fn(|i| positions[own.clone()].iter().map(|p| p[i]).reduce(pick).unwrap());
+                assert_eq!(position[bound], json!(expected.map(f64::from)), "{name}");
+            }
+            for key in ["NORMAL", "TEXCOORD_0", "TANGENT", "JOINTS_0", "WEIGHTS_0"] {
+                let value =
+                    |p: &Value| (p["attributes"][key]["bufferView"].clone(), p["attributes"][key]["type"].clone());
+                assert_eq!(value(&old), value(&new), "{name} {key}");
+            }
+            assert_eq!(old["indices"], new["indices"]);
+            assert_eq!(old["material"], new["material"]);
+        }
+        let extras = after["meshes"][mesh]["extras"].take();
+        assert_eq!(extras, Value::Null, "{name}: nothing but morph data was in them");
+        assert!(after["meshes"][mesh].get("weights").is_none());
+        for file in [&mut before, &mut after] {
+            file["meshes"][mesh].take();
+            // Compared in a test of its own.
+            file["images"].take();
+            file["animations"].take();
+        }
+        assert_eq!(before, after, "{name}");
+    }
+}
+
+#[test]
+fn what_only_the_targets_used_is_gone() {
+    for (name, mesh) in FIXTURES {
+        let (_, glb) = deformed(name, mesh);
+        let (json, bin) = parts(&glb);
+        assert_eq!(json["buffers"].as_array().unwrap().len(), 1);
+        assert!(json["buffers"][0].get("uri").is_none());
+        let length = json["buffers"][0]["byteLength"].as_u64().unwrap() as usize;
+        assert!((length..length + 4).contains(&bin.len()));
+        let viewed: u64 =
+            json["bufferViews"].as_array().unwrap().iter().map(|v| v["byteLength"].as_u64().unwrap()).sum();
+        let slack = json["bufferViews"].as_array().unwrap().len() as u64 * 16;
+        assert!(length as u64 <= viewed + slack, "{name}: {length} bytes for {viewed}");
+        if !name.starts_with("separate") {
+            assert!(glb.len() < std::fs::metadata(fixture(name)).unwrap().len() as usize, "{name}");
+        }
+    }
+    let (_, glb) = deformed("two_materials.glb", 0);
+    let (json, _) = parts(&glb);
+    // Positions, normals, texture coordinates of two parts, and indices, which the parts share in Blender's file.
+    assert_eq!(json["accessors"].as_array().unwrap().len(), 7);
+}
+
+#[test]
+fn weights_and_their_animation_go() {
+    for (mesh, left) in [(0, &["StillAction"][..]), (2, &["FlagAction", "StillAction"])] {
+        let (_, glb) = deformed("animated.glb", mesh);
+        let (json, _) = parts(&glb);
+        let names: Vec<_> = json["animations"].as_array().unwrap().iter().map(|a| &a["name"]).collect();
+        assert_eq!(names, left);
+    }
+    let mut glb = square();
+    let (time, weights, moves) =
+        (glb.floats("SCALAR", &[0., 1.]), glb.floats("SCALAR", &[0., 1., 1., 0.]), glb.floats("VEC3", &SQUARE[..6]));
+    glb.json["nodes"] = json!([{ "mesh": 0, "weights": [1, 1] }, { "mesh": 1, "weights": [1, 1] }]);
+    let other = glb.json["meshes"][0].clone();
+    glb.push("meshes", other);
+    let sampler = |output: usize| json!({ "input": time, "output": output });
+    let channel = |sampler: usize, node: usize, path: &str| json!({ "sampler": sampler, "target": { "node": node, "path": path } });
+    let pointer = |text: &str| json!({ "sampler": 1, "target": { "path": "pointer", "extensions": { "KHR_animation_pointer": { "pointer": text } } } });
+    glb.json["animations"] = json!([
+        { "samplers": [sampler(weights), sampler(weights), sampler(moves)],
+          "channels": [channel(0, 0, "weights"), channel(1, 1, "weights"), channel(2, 0, "translation")] },
+        { "samplers": [sampler(weights)], "channels": [channel(0, 0, "weights")] },
+        { "samplers": [sampler(moves), sampler(weights)],
+          "channels": [pointer("/meshes/0/weights"), pointer("/nodes/0/weights/1"), pointer("/nodes/1/weights"), channel(0, 1, "translation")] },
+    ]);
+    let out = deformed_glb(&glb.bytes(), None, MeshChoice::Index(0), &[[0.0; 3]; 4], None, None).unwrap();
+    let (json, _) = parts(&out);
+    assert_eq!(json["nodes"], json!([{ "mesh": 0 }, { "mesh": 1, "weights": [1, 1] }]));
+    let animations = json["animations"].as_array().unwrap();
+    assert_eq!(animations.len(), 2);
+    assert_eq!(animations[0]["channels"], json!([channel(0, 1, "weights"), channel(1, 0, "translation")]));
+    assert_eq!(animations[0]["samplers"].as_array().unwrap().len(), 2);
+    assert_eq!(animations[1]["channels"], json!([pointer("/nodes/1/weights"), channel(0, 1, "translation")]));
+    // Only animations of weights: the list goes, since glTF allows no empty one.
+    let list = glb.json["animations"].as_array_mut().unwrap();
+    *list = vec![list[1].clone()];
+    let out = deformed_glb(&glb.bytes(), None, MeshChoice::Index(0), &[[0.0; 3]; 4], None, None).unwrap();
+    assert!(parts(&out).0.get("animations").is_none());
+}
+
+#[test]
+fn images_are_embedded() {
+    let (_, glb) = deformed("separate/bent door.gltf", 0);
+    let (json, bin) = parts(&glb);
+    let image = &json["images"][0];
+    assert_eq!(view(&json, &bin, &image["bufferView"]), std::fs::read(fixture("separate/rust 1.png")).unwrap());
+    assert_eq!((&image["mimeType"], &image["name"]), (&json!("image/png"), &json!("rust 1")));
+    assert!(image.get("uri").is_none());
+    assert_eq!(json["textures"], source("separate/bent door.gltf").0["textures"]);
+
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("rust.txt"), "no image").unwrap();
+    std::fs::write(folder.path().join("a b.jpg"), b"\xFF\xD8\xFF\xE0").unwrap();
+    let with = |uri: &str| {
+        let mut glb = square();
+        glb.json["images"] = json!([{ "uri": uri, "extras": 7 }]);
+        deformed_glb(&glb.bytes(), Some(folder.path()), MeshChoice::First, &[[0.0; 3]; 4], None, None)
+    };
+    let error = with("nowhere.png").unwrap_err();
+    assert!(error.kind() == ErrorKind::Io && error.to_string().contains("nowhere.png"), "{error}");
+    let error = with("rust.txt").unwrap_err();
+    assert!(error.kind() == ErrorKind::Unsupported && error.to_string().contains("image 0, 'rust.txt'"), "{error}");
+    assert_eq!(with("https://example.com/a.png").unwrap_err().kind(), ErrorKind::Unsupported);
+    let jpeg = parts(&with("a%20b.jpg").unwrap()).0["images"][0].clone();
+    assert_eq!((&jpeg["mimeType"], &jpeg["name"], &jpeg["extras"]), (&json!("image/jpeg"), &json!("a b"), &json!(7)));
+    // Already in the file.
+    let data = "data:image/png;base64,iVBORw0KGgo=";
+    assert_eq!(parts(&with(data).unwrap()).0["images"][0]["uri"], data);
+}
+
+#[test]
+fn other_meshes_keep_what_they_share() {
+    let mut glb = square();
+    let mut other = glb.json["meshes"][0].clone();
+    other["name"] = "Other".into();
+    glb.push("meshes", other);
+    let out = deformed_glb(&glb.bytes(), None, MeshChoice::Index(0), &[[7.0; 3]; 4], None, None).unwrap();
+    let (before, after) = (resolved(&parts(&glb.bytes())), resolved(&parts(&out)));
+    assert_eq!(before["meshes"][1], after["meshes"][1]);
+    assert_eq!(
+        after["meshes"][0]["primitives"][0]["attributes"]["POSITION"]["bufferView"],
+        json!(floats(&[[7.0; 3]; 4]))
+    );
+    let original = &before["meshes"][0]["primitives"][0]["attributes"]["NORMAL"];
+    assert_eq!(
+        &after["meshes"][0]["primitives"][0]["attributes"]["NORMAL"], original,
+        "kept where no new ones are given"
+    );
+}
+
+#[test]
+fn normals_and_tangents_are_added_where_they_are_given() {
+    let mut glb = square();
+    glb.json["meshes"][0]["primitives"][0]["attributes"] = json!({ "POSITION": 0 });
+    glb.json["meshes"][0]["primitives"][0]["targets"][0] = json!({ "POSITION": 3 });
+    let (up, along) = ([[0.0, 1.0, 0.0]; 4], [[1.0, 0.0, 0.0, -1.0]; 4]);
+    let out = deformed_glb(&glb.bytes(), None, MeshChoice::First, &[[0.0; 3]; 4], Some(&up), Some(&along)).unwrap();
+    let after = resolved(&parts(&out));
+    let attributes = &after["meshes"][0]["primitives"][0]["attributes"];
+    assert_eq!(attributes["NORMAL"]["bufferView"], json!(floats(&up)));
+    assert_eq!((&attributes["TANGENT"]["type"], &attributes["TANGENT"]["count"]), (&json!("VEC4"), &json!(4)));
+    validate(&[("added.glb", out)]);
+}
+
+#[test]
+fn parts_that_share_vertices_still_do() {
+    let mut glb = square();
+    let again = glb.json["meshes"][0]["primitives"][0].clone();
+    glb.json["meshes"][0]["primitives"].as_array_mut().unwrap().push(again);
+    let out = deformed_glb(&glb.bytes(), None, MeshChoice::First, &[[0.0; 3]; 4], None, None).unwrap();
+    let (json, _) = parts(&out);
+    let [a, b] = [0, 1].map(|i| &json["meshes"][0]["primitives"][i]["attributes"]);
+    assert_eq!(a, b);
+    assert_eq!(json["accessors"].as_array().unwrap().len(), 3);
+}
+
+#[test]
+fn extras_and_unknown_things_survive() {
+    let mut glb = square();
+    glb.json["extras"] = json!({ "deep": [1, { "x": null }], "precise": 0.1 });
+    glb.json["asset"]["copyright"] = "somebody".into();
+    glb.json["unheard_of"] = json!({ "list": [1, 2, 3] });
+    glb.json["meshes"][0]["extras"]["mine"] = 5.into();
+    glb.json["meshes"][0]["primitives"][0]["extras"] = json!({ "targetNames": ["a"], "also": "mine" });
+    // Nothing uses these, and nothing did before.
+    let spare = glb.floats("VEC3", &UP);
+    let out = deformed_glb(&glb.bytes(), None, MeshChoice::First, &[[0.0; 3]; 4], None, None).unwrap();
+    let (json, bin) = parts(&out);
+    for key in ["extras", "asset", "unheard_of", "nodes", "scenes"] {
+        assert_eq!(json[key], glb.json[key]);
+    }
+    assert_eq!(json["meshes"][0]["extras"], json!({ "mine": 5 }));
+    assert_eq!(json["meshes"][0]["primitives"][0]["extras"], json!({ "also": "mine" }));
+    let kept = content(&glb.json, &glb.bin, &spare.into());
+    assert!(
+        (0..json["accessors"].as_array().unwrap().len()).any(|i| content(&json, &bin, &i.into()) == kept),
+        "unused before is kept"
+    );
+    let order: Vec<_> = json.as_object().unwrap().keys().collect();
+    assert_eq!(order[..2], ["asset", "scene"], "the order of keys is kept");
+}
+
+#[test]
+fn with_unknown_extensions_nothing_is_renumbered() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut glb = square();
+    glb.json["extensionsUsed"] = json!(["VENDOR_points_into_buffers"]);
+    glb.json["extensions"] = json!({ "VENDOR_points_into_buffers": { "bufferView": 5, "buffer": 1, "accessor": 3 } });
+    let extra: Vec<u8> = (0..48).collect();
+    std::fs::write(folder.path().join("extra.bin"), &extra).unwrap();
+    glb.push("buffers", json!({ "byteLength": 48, "uri": "extra.bin" }));
+    glb.push("bufferViews", json!({ "buffer": 1, "byteLength": 48 }));
+    let out = deformed_glb(&glb.bytes(), Some(folder.path()), MeshChoice::First, &[[2.0; 3]; 4], None, None).unwrap();
+    let (json, bin) = parts(&out);
+    let before = |key: &str| glb.json[key].as_array().unwrap().clone();
+    assert_eq!(json["accessors"].as_array().unwrap()[..6], before("accessors"));
+    assert_eq!(json["bufferViews"].as_array().unwrap()[..8], before("bufferViews"));
+    assert_eq!(bin[..glb.bin.len()], glb.bin, "old offsets hold");
+    assert!(json["buffers"][1]["uri"].as_str().unwrap().starts_with("data:application/octet-stream;base64,AAECAwQF"));
+    let position = &json["meshes"][0]["primitives"][0]["attributes"]["POSITION"];
+    assert_eq!(content(&json, &bin, position)["bufferView"], json!(floats(&[[2.0; 3]; 4])));
+    assert!(json["meshes"][0]["primitives"][0].get("targets").is_none());
+    // An extension that is there without being listed is as unknown.
+    glb.json.as_object_mut().unwrap().remove("extensionsUsed");
+    let again = deformed_glb(&glb.bytes(), Some(folder.path()), MeshChoice::First, &[[2.0; 3]; 4], None, None).unwrap();
+    assert_eq!(parts(&again).0["accessors"], json["accessors"]);
+}
+
+#[test]
+fn an_optional_compressed_copy_does_not_win() {
+    let mut glb = square();
+    glb.json["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
+    let draco = json!({ "KHR_draco_mesh_compression": { "bufferView": 0, "attributes": { "POSITION": 0 } } });
+    glb.json["meshes"][0]["primitives"][0]["extensions"] = draco;
+    let out = deformed_glb(&glb.bytes(), None, MeshChoice::First, &[[2.0; 3]; 4], None, None).unwrap();
+    assert!(parts(&out).0["meshes"][0]["primitives"][0].get("extensions").is_none());
+}
+
+#[test]
+fn views_that_overlap_are_stored_once_and_stay_aligned() {
+    let mut glb = Glb::empty();
+    let values: Vec<f32> = (0..3000).map(|i| i as f32).collect();
+    let whole = glb.floats("VEC3", &values);
+    let target = glb.floats("VEC3", &values);
+    // A hundred views of the same bytes, each a vertex further.
+    for i in 0..100 {
+        let view = glb.push("bufferViews", json!({ "buffer": 0, "byteOffset": i * 12, "byteLength": 10_000 }));
+        glb.push("accessors", json!({ "bufferView": view, "componentType": 5126, "count": 800, "type": "VEC3" }));
+    }
+    let attributes: serde_json::Map<String, Value> = (0..100).map(|i| (format!("_X{i}"), (i + 2).into())).collect();
+    let mut attributes = Value::Object(attributes);
+    attributes["POSITION"] = whole.into();
+    glb.push(
+        "meshes",
+        json!({ "primitives": [{ "attributes": attributes, "mode": 5, "targets": [{ "POSITION": target }] }] }),
+    );
+    let positions = vec![[0.0; 3]; 1000];
+    let out = deformed_glb(&glb.bytes(), None, MeshChoice::First, &positions, None, None).unwrap();
+    let (json, bin) = parts(&out);
+    assert!(bin.len() < 24_100, "{}", bin.len());
+    let primitive = |json: &Value| json["meshes"][0]["primitives"][0]["attributes"].clone();
+    for i in 0..100 {
+        let key = format!("_X{i}");
+        let (before, after) = (&primitive(&glb.json)[&key], &primitive(&json)[&key]);
+        assert_eq!(content(&glb.json, &glb.bin, before), content(&json, &bin, after));
+    }
+    assert!(json["bufferViews"].as_array().unwrap().iter().all(|v| v["byteOffset"].as_u64().unwrap() % 4 == 0));
+}
+
+#[test]
+fn vertices_that_do_not_fit_are_named() {
+    let glb = square().bytes();
+    let refuse = |positions: &[[f32; 3]], normals: Option<&[[f32; 3]]>, tangents: Option<&[[f32; 4]]>| -> Error {
+        deformed_glb(&glb, None, MeshChoice::First, positions, normals, tangents).unwrap_err()
+    };
+    let good = [[0.0; 3]; 4];
+    assert_eq!(
+        refuse(&good[..3], None, None).to_string(),
+        "positions.len() is 3; it must be 4, as many as the mesh has vertices"
+    );
+    assert_eq!(
+        refuse(&good, Some(&[]), None).to_string(),
+        "normals.len() is 0; it must be 4, as many as the mesh has vertices"
+    );
+    assert_eq!(refuse(&good, None, Some(&[[0.0; 4]; 5])).kind(), ErrorKind::InvalidArgument);
+    let mut bad = good;
+    bad[2][1] = f32::NAN;
+    assert_eq!(refuse(&bad, None, None).to_string(), "positions[2].y is NaN; every component must be finite");
+    assert_eq!(refuse(&good, Some(&bad), None).to_string(), "normals[2].y is NaN; every component must be finite");
+}
+
+#[test]
+fn new_files_from_imported_meshes() {
+    let mut files = Vec::new();
+    for (name, mesh) in FIXTURES {
+        let (imported, _) = deformed(name, mesh);
+        let glb =
+            mesh_glb(&imported, &bend(&imported), imported.mesh.normals.as_deref(), imported.mesh.tangents.as_deref())
+                .unwrap();
+        let (json, bin) = parts(&glb);
+        let primitives = json["meshes"][0]["primitives"].as_array().unwrap();
+        assert_eq!(primitives.len(), imported.primitives.len());
+        for (primitive, range) in primitives.iter().zip(&imported.primitives) {
+            let own = range.first_vertex as usize..(range.first_vertex + range.vertex_count) as usize;
+            assert_eq!(
+                content(&json, &bin, &primitive["attributes"]["POSITION"])["bufferView"],
+                json!(floats(&bend(&imported)[own]))
+            );
+            assert_eq!(content(&json, &bin, &primitive["indices"])["count"], range.triangle_count * 3);
+            let material =
+                primitive["material"].as_u64().map(|m| json["materials"][m as usize]["name"].as_str().unwrap());
+            assert_eq!(material, range.material.as_deref());
+        }
+        files.push((name, glb));
+    }
+    #[cfg(feature = "obj")]
+    {
+        let plate = crumple::import::obj_files(&fixture("plate.obj"), &[fixture("plate_dent.obj")]).unwrap();
+        let glb = mesh_glb(&plate, &plate.mesh.positions, None, None).unwrap();
+        let (json, _) = parts(&glb);
+        assert_eq!(json["meshes"][0]["primitives"][0]["attributes"], json!({ "POSITION": 0, "TEXCOORD_0": 1 }));
+        files.push(("plate", glb));
+        let points =
+            crumple::import::obj_slices(("points", b"v 0 0 0\nv 1 1 1"), &[("x", b"v 0 0 0\nv 1 1 2")]).unwrap();
+        let glb = mesh_glb(&points, &points.mesh.positions, None, None).unwrap();
+        assert_eq!(parts(&glb).0["meshes"][0]["primitives"][0]["mode"], 0);
+        files.push(("points", glb));
+        assert_eq!(mesh_glb(&points, &[], None, None).unwrap_err().kind(), ErrorKind::InvalidArgument);
+    }
+    validate(&files);
+}
+
+#[test]
+fn new_files_from_tampered_meshes() {
+    let good = gltf_file(&fixture("two_materials.glb"), MeshChoice::First).unwrap();
+    let refuse = |tamper: &dyn Fn(&mut Imported), part: &str| {
+        let mut bad = good.clone();
+        tamper(&mut bad);
+        let error = mesh_glb(&bad, &good.mesh.positions, None, None).unwrap_err();
+        assert!(error.kind() == ErrorKind::InvalidArgument && error.to_string().contains(part), "{error}");
+    };
+    refuse(&|m| m.primitives[1].vertex_count = 46, "primitives[1]");
+    refuse(&|m| m.primitives[1].first_vertex = u32::MAX, "primitives[1]");
+    refuse(&|m| m.primitives[0].vertex_count = 0, "not empty");
+    refuse(&|m| m.primitives[1].triangle_count = 65, "primitives[1]");
+    refuse(&|m| m.mesh.triangles[3][1] = 45, "a triangle corner of primitives[0] is 45; it must be within 0..45");
+    refuse(&|m| m.texcoords = Some(Vec::new()), "texcoords.len() is 0");
+}
+
+#[test]
+fn khronos_validator_finds_nothing() {
+    let files: Vec<_> = FIXTURES.iter().map(|(name, mesh)| (*name, deformed(name, *mesh).1)).collect();
+    validate(&files);
+}
+
+/// Writes the files to a folder that lasts as long as the value.
+fn written(files: &[(&str, Vec<u8>)]) -> (tempfile::TempDir, Vec<PathBuf>) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |(i, (name, _)): (usize, &(&str, Vec<u8>))| {
+        folder.path().join(format!("{i}_{}.glb", name.replace(['/', '.'], "_")))
+    };
+    let paths: Vec<_> = files.iter().enumerate().map(path).collect();
+    paths.iter().zip(files).for_each(|(path, (_, bytes))| std::fs::write(path, bytes).unwrap());
+    (folder, paths)
+}
+
+/// The output of an outside program; `None`, with a message, where it is not installed and `required` is not set to 1.
+fn outside(program: &str, script: &str, files: &[PathBuf], required: &str) -> Option<std::process::Output> {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join(script);
+    let output = Command::new(program).arg(script).args(files).output();
+    match output {
+        Ok(output) if output.status.code() != Some(3) => Some(output),
+        other => {
+            let why = other.map_or_else(|e| e.to_string(), |o| String::from_utf8_lossy(&o.stderr).into_owned());
+            assert!(std::env::var(required).as_deref() != Ok("1"), "{required} is set, and {program}: {why}");
+            eprintln!("skipped, {program}: {}", why.trim());
+            None
+        }
+    }
+}
+
+/// Khronos' validator, which needs node and an npm package (see validate_gltf.js). CRUMPLE_REQUIRE_VALIDATOR=1 makes it a must.
+fn validate(files: &[(&str, Vec<u8>)]) {
+    let (_folder, paths) = written(files);
+    if let Some(output) = outside("node", "validate_gltf.js", &paths, "CRUMPLE_REQUIRE_VALIDATOR") {
+        let found = String::from_utf8_lossy(&output.stdout);
+        // What Blender's own file says, and a skinned mesh below its armature is no fault of ours.
+        let ours: Vec<_> = found.lines().filter(|l| !l.contains("NODE_SKINNED_MESH_NON_ROOT")).collect();
+        assert!(ours.is_empty(), "{}", ours.join("\n"));
+        let ran = output.status.code() == Some(i32::from(!found.is_empty()));
+        assert!(ran, "the validator broke down: {}", String::from_utf8_lossy(&output.stderr));
+    }
+}
+
+/// Blender, which needs the bpy package (see check_in_blender.py); CRUMPLE_BLENDER_PYTHON names the Python that has it.
+/// CRUMPLE_REQUIRE_BLENDER=1 makes it a must.
+#[test]
+fn blender_opens_it_with_materials_uvs_and_node_tree() {
+    let outputs: Vec<_> = FIXTURES.iter().map(|(name, mesh)| (*name, deformed(name, *mesh).1)).collect();
+    let (_folder, paths) = written(&outputs);
+    let all: Vec<_> = FIXTURES.iter().map(|(name, _)| fixture(name)).chain(paths).collect();
+    let python = std::env::var("CRUMPLE_BLENDER_PYTHON").unwrap_or_else(|_| "python3".into());
+    let Some(output) = outside(&python, "check_in_blender.py", &all, "CRUMPLE_REQUIRE_BLENDER") else { return };
+    let stdout = String::from_utf8_lossy(&output.stdout);
+    let files: Vec<Value> =
+        stdout.lines().filter_map(|l| l.strip_prefix("FILE ")).map(|l| serde_json::from_str(l).unwrap()).collect();
+    assert_eq!(files.len(), 2 * FIXTURES.len(), "{stdout}\n{}", String::from_utf8_lossy(&output.stderr));
+    let (before, after) = files.split_at(FIXTURES.len());
+    for (((name, mesh), before), after) in FIXTURES.iter().zip(before).zip(after) {
+        let (imported, _) = deformed(name, *mesh);
+        let objects = |file: &Value| file["objects"].as_object().unwrap().clone();
+        let names = |file: &Value| objects(file).keys().cloned().collect::<Vec<_>>();
+        assert_eq!(names(before), names(after), "{name}");
+        assert_eq!(before["images"], after["images"], "{name}");
+        let mut actions = before["actions"].clone();
+        actions.as_array_mut().unwrap().retain(|a| imported.name != "Flag" || a != "FlagAction");
+        assert_eq!(actions, after["actions"], "{name}");
+        let mut dented = 0;
+        for (object, old) in objects(before) {
+            let new = &after["objects"][&object];
+            for key in ["kind", "parent", "matrix", "properties"] {
+                assert_eq!(old[key], new[key], "{name} {object} {key}");
+            }
+            for key in ["triangles", "materials", "material_of_each", "uvs"] {
+                assert_eq!(old["mesh"][key], new["mesh"][key], "{name} {object} {key}");
+            }
+            if old["mesh"]["shape_keys"].as_u64() > Some(0) && new["mesh"]["shape_keys"] == 0 {
+                dented += 1;
+                let positions: Vec<f64> = serde_json::from_value(new["mesh"]["positions"].clone()).unwrap();
+                let expected = bend(&imported);
+                assert_eq!(positions.len(), expected.len() * 3, "{name} {object}");
+                for (a, b) in positions.iter().zip(expected.as_flattened()) {
+                    assert!((a - f64::from(*b)).abs() < 1e-6, "{name} {object}");
+                }
+            } else {
+                assert_eq!(old["mesh"], new["mesh"], "{name} {object}");
+            }
+        }
+        assert_eq!(dented, if imported.name == "Door" { 2 } else { 1 }, "{name}");
+    }
+}
