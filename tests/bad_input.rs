@@ -815,7 +815,6 @@ fn quick_a_failed_deform_of_several_writes_none() {
         },
     ];
     refused!(crumple::deform(&mut jobs, &Serial), BufferTooSmall, "24", "36");
-    drop(jobs);
     assert_eq!((first, second), ([[7.0; 3]; 3], [[7.0; 3]; 2]));
     let memory = VertexMemory::separate(&mut first, None, None).unwrap();
     assert_eq!(a.deform(&mut one, memory, &Serial).unwrap().vertices_written, 3);
