@@ -11,17 +11,26 @@ use crate::stage::Outcome;
 use crate::workspace::{Workspace, empty_directory};
 
 /// Rust test programs that run under valgrind: those that reach the unsafe code, and not those whose thousands of hits would take hours.
-const RUST_TESTS: &[&str] = &["--lib"];
+const RUST_TESTS: &[&str] = &[
+    "--lib",
+    "--test=bad_input",
+    "--test=export_gltf",
+    "--test=import_broken",
+    "--test=import_gltf",
+    "--test=import_obj",
+    "--test=paper_equations",
+];
 
 pub fn c(workspace: &Workspace) -> Result<Outcome> {
-    let run = Run::new(workspace, "c")?;
+    let run = Run::new(workspace, "c", "definite,possible")?;
     let prefix = native::release_prefix(workspace);
     let build = Build { kind: "valgrind", prefix: &prefix, options: &[], launcher: &run.command.join(";") };
     run.judge(native::test_projects(workspace, &build))
 }
 
 pub fn rust(workspace: &Workspace) -> Result<Outcome> {
-    let run = Run::new(workspace, "rust")?;
+    // Rust's own test runner keeps pointers into the middle of blocks, which valgrind calls "possibly lost".
+    let run = Run::new(workspace, "rust", "definite")?;
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let version = cmd!(workspace.shell, "{rustc} -vV").quiet().read()?;
     let host = version.lines().find_map(|line| line.strip_prefix("host: ")).context("rustc -vV names its host")?;
@@ -42,13 +51,14 @@ struct Run {
 }
 
 impl Run {
-    fn new(workspace: &Workspace, name: &str) -> Result<Self> {
+    /// `leaks`: the kinds of lost memory that fail a program.
+    fn new(workspace: &Workspace, name: &str, leaks: &str) -> Result<Self> {
         let logs = workspace.target.join("valgrind").join(name);
         empty_directory(&logs)?;
         let log = format!("--log-file={}", logs.join("%p.log").display());
         let known = format!("--suppressions={}", workspace.path("tests/c/valgrind.supp").display());
-        let leaks = "--errors-for-leak-kinds=definite,possible";
-        let command = ["valgrind", "--error-exitcode=99", "--leak-check=full", leaks, &known, &log];
+        let leaks = format!("--errors-for-leak-kinds={leaks}");
+        let command = ["valgrind", "--error-exitcode=99", "--leak-check=full", &leaks, &known, &log];
         let command = command.map(str::to_owned).to_vec();
         Ok(Self { logs, command })
     }
@@ -59,8 +69,10 @@ impl Run {
         let mut with_findings = 0;
         for entry in fs::read_dir(&self.logs)? {
             let log = fs::read_to_string(entry?.path())?;
+            // A child that became another program (Blender, node) has a log without an end.
+            let Some(summary) = log.lines().find_map(|line| line.split("ERROR SUMMARY: ").nth(1)) else { continue };
             programs += 1;
-            if !log.contains("ERROR SUMMARY: 0 errors") {
+            if !summary.starts_with("0 errors") {
                 with_findings += 1;
                 println!("{log}");
             }
