@@ -59,7 +59,7 @@ pub struct Mark {
     /// (Sets that combine by sum or by the deepest keep the strength itself here.)
     pub energy: u64,
     /// Up to four examples, the used ones first.
-    pub pairs: [Pair; MAX_PAIRS],
+    pub pairs: [Pair; 4],
 }
 
 impl Mark {
@@ -67,7 +67,7 @@ impl Mark {
     pub const ONE: u64 = 1 << 32;
 
     /// One hit's mark.
-    pub fn new(contact: u32, depth: f32, pairs: [Pair; MAX_PAIRS]) -> Self {
+    pub fn new(contact: u32, depth: f32, pairs: [Pair; 4]) -> Self {
         let mut pairs = pairs;
         // Used pairs first, their order kept.
         pairs.sort_by_key(|p| p.is_none());

@@ -128,7 +128,7 @@ pub struct Outcome {
     /// Whether the target was longer than the depth limit and was cut to it.
     pub clamped: bool,
     /// The examples chosen, the weightiest first.
-    pub chosen: [Option<Chosen>; MAX_PAIRS],
+    pub chosen: [Option<Chosen>; 4],
     /// The mark it leaves; none with the classic rules.
     pub mark: Option<Mark>,
 }
