@@ -62,11 +62,15 @@ impl Stamp {
                 b.add(to_frame * (*p - s.contact));
             }
         }
-        let radius = s.support_radius.max((b.max - b.min).max_element() * 0.01);
-        // Room for the fade along the normal, and for one cell of taper across the surface.
+        // Between the last vertex that moves and its unmoved neighbours the field falls to zero over an edge's length; an
+        // example that moves a single vertex is nothing but that.
+        let edge = s.index.four(s.contact).map(|(_, d2)| d2.sqrt()).fold(0.0, f32::max);
+        let edge = if edge > 0.0 { edge } else { s.max_depth };
+        let radius = s.support_radius.max(edge);
+        // Room for the fade along the normal, and for the taper across the surface: an edge, and at least a cell.
         let fade = (radius * FADE_FROM, radius * FADE_TO);
         let across = (b.max - b.min).max(Vec3::splat(radius * 0.02)) / (resolution - 3).max(1) as f32;
-        let pad = Vec3::new(across.x, across.y, fade.1);
+        let pad = Vec3::new(across.x.max(edge), across.y.max(edge), fade.1);
         let (lo, hi) = (b.min - pad, b.max + pad);
         let fine = across.x.min(across.y);
         let dims = UVec3::new(
