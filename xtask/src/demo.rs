@@ -44,8 +44,8 @@ pub fn check(workspace: &Workspace) -> Result<Outcome> {
 
 fn dent(workspace: &Workspace, command: &Command<'_>, body: &str, out: &Path) -> Result<()> {
     fs::create_dir_all(out).with_context(|| format!("creating {}", out.display()))?;
-    let mesh = workspace.path(&format!("assets/demo/{body}.glb"));
-    let impacts = workspace.path(&format!("assets/demo/{body}.json"));
+    let mesh = workspace.path(format!("assets/demo/{body}.glb"));
+    let impacts = workspace.path(format!("assets/demo/{body}.json"));
     let info = command.info(&mesh)?;
     let applied = command.apply(&mesh, &impacts, &out.join("dented.glb"), Some(out))?;
     // Behind the last empty line is what came of it; before that, a table with a line a hit.
