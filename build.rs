@@ -4,8 +4,10 @@
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     if std::env::var("CARGO_CFG_TARGET_OS").as_deref() == Ok("linux") {
-        let major = env!("CARGO_PKG_VERSION_MAJOR");
-        println!("cargo::rustc-cdylib-link-arg=-Wl,-soname,libcrumple.so.{major}");
+        // The part of the version that a program built against it depends on: before 1.0 the minor number too.
+        let (major, minor) = (env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR"));
+        let version = if major == "0" { format!("{major}.{minor}") } else { major.to_owned() };
+        println!("cargo::rustc-cdylib-link-arg=-Wl,-soname,libcrumple.so.{version}");
         println!("cargo::rustc-cdylib-link-arg=-Wl,-z,nodelete");
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! PREFIX/include/crumple.h, crumple.hpp
-//! PREFIX/lib/libcrumple.so.0.1.0, libcrumple.so.0, libcrumple.so, libcrumple.a
+//! PREFIX/lib/libcrumple.so.0.1.0, libcrumple.so.0.1, libcrumple.so, libcrumple.a
 //! PREFIX/lib/cmake/Crumple/*.cmake
 //! PREFIX/lib/pkgconfig/crumple.pc
 //! PREFIX/share/licenses/crumple/
