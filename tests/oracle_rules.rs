@@ -132,7 +132,9 @@ fn check_evaluation(instance: &mut Instance, limit: f64) -> Result<(), TestCaseE
             let change = marks::normal_sum(&model, &scaled, v, combine, limit);
             // near a vanishing sum the direction is undefined
             if length(change) > 0.05 {
-                let allowed = 2e-5 * (1.0 + turn) / length(change);
+                // changes of normals are shortened as the displacement is; where that is less than its own rounding, by any factor up to 1
+                let shortened = (1e-5 * size / length(u)).min(1.0) * length(sub(change, model.normals[v]));
+                let allowed = (2e-5 * (1.0 + turn) + shortened) / length(change);
                 prop_assert!(off <= allowed, "normal of vertex {v}: {:?} is {off:e} from {n:?}", out.normals[v]);
             }
         }
@@ -487,4 +489,12 @@ fn quick_the_oracle_agrees_on_a_few_sets() {
         let mut instance = random_marks(&set, &mut dice, &InstanceOptions::default(), 3);
         check_evaluation(&mut instance, f64::from(set.depth_limit())).unwrap();
     }
+}
+/// Found by soaking: two dents of 1e-10 m at a vertex whose normal they change by a hundredth.
+#[test]
+fn quick_normals_where_a_dent_is_less_than_its_rounding() {
+    let mut dice = Dice::new(3_417_314_781_503_467_881);
+    let set = random_set(&mut dice, Combine::Energies, Seams::Keep);
+    let mut instance = random_marks(&set, &mut dice, &InstanceOptions::default(), 3);
+    check_evaluation(&mut instance, f64::from(set.depth_limit())).unwrap();
 }

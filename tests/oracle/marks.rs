@@ -145,12 +145,11 @@ pub fn example_at(model: &Model, mark: &Mark, part: &Part, vertex: usize) -> (V,
     (back(grid.look_up(&grid.displacements, p)), back(normals))
 }
 
-/// Whether the surfaces that a stamp holds near `vertex` face so far apart that the mean of their normals turns quickly within a cell: there
-/// the f32 look-up is off by much more than its own rounding.
+/// Whether the surfaces that a stamp holds near `vertex` face so far apart that the mean of their normals has no direction to speak of.
 pub fn faces_nowhere(model: &Model, mark: &Mark, vertex: usize) -> bool {
     mark.parts.iter().filter(|p| !p.anchored).any(|part| {
         let (grid, _, _, p) = place(model, mark, &model.examples[part.example], vertex);
-        !grid.facing.is_empty() && (1e-30..0.3).contains(&length(grid.look_up(&grid.facing, p)))
+        !grid.facing.is_empty() && (1e-30..0.05).contains(&length(grid.look_up(&grid.facing, p)))
     })
 }
 
