@@ -157,7 +157,7 @@ typedef enum {
 
 /// Whether an example may be carried away from where it was made.
 typedef enum {
-    /// Anchored for hits close to its own contact, carried for others. The default.
+    /// Anchored for hits close to its own contact that ask for about its own depth, carried for others. The default.
     CRUMPLE_PLACEMENT_AUTOMATIC = 0,
     /// Always where and as the artist made it: creases, frames, bumpers.
     CRUMPLE_PLACEMENT_ANCHORED = 1,
@@ -855,8 +855,9 @@ CrumpleGltfDef crumple_default_gltf_def(void);
 CrumpleObjDef crumple_default_obj_def(void);
 
 /// Makes an example set from a glTF 2.0 or GLB file: a mesh with its morph targets, dense or sparse, all primitives
-/// joined (see crumple_get_primitive()). Names come from mesh.extras.targetNames, contacts from mesh.extras.impacts
-/// where the file has them. Numbers are those of the mesh's own space: scales and rotations of nodes are not applied.
+/// joined (see crumple_get_primitive()). Where the file has them, names come from mesh.extras.targetNames, contacts from
+/// mesh.extras.impacts and placements from mesh.extras.placements. Numbers are those of the mesh's own space: scales and
+/// rotations of nodes are not applied.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT (malformed, or no such mesh: the text
 /// lists those there are), CRUMPLE_ERROR_UNSUPPORTED (compressed with Draco or meshopt, or a build without

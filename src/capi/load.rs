@@ -83,8 +83,9 @@ pub extern "C" fn crumple_default_obj_def() -> CrumpleObjDef {
 }
 
 /// Makes an example set from a glTF 2.0 or GLB file: a mesh with its morph targets, dense or sparse, all primitives
-/// joined (see crumple_get_primitive()). Names come from mesh.extras.targetNames, contacts from mesh.extras.impacts
-/// where the file has them. Numbers are those of the mesh's own space: scales and rotations of nodes are not applied.
+/// joined (see crumple_get_primitive()). Where the file has them, names come from mesh.extras.targetNames, contacts from
+/// mesh.extras.impacts and placements from mesh.extras.placements. Numbers are those of the mesh's own space: scales and
+/// rotations of nodes are not applied.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT (malformed, or no such mesh: the text
 /// lists those there are), CRUMPLE_ERROR_UNSUPPORTED (compressed with Draco or meshopt, or a build without

@@ -47,7 +47,7 @@ impl CEnum for CrumpleSeams {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CrumplePlacement {
-    /// Anchored for hits close to its own contact, carried for others. The default.
+    /// Anchored for hits close to its own contact that ask for about its own depth, carried for others. The default.
     Automatic = 0,
     /// Always where and as the artist made it: creases, frames, bumpers.
     Anchored = 1,
