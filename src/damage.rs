@@ -131,16 +131,8 @@ impl Mark {
     }
 }
 
-/// What a change of the damage touched.
-pub(crate) trait Touched {
-    fn dent(&mut self, dent: &Dent);
-}
-
-impl<F: FnMut(&Dent)> Touched for F {
-    fn dent(&mut self, dent: &Dent) {
-        self(dent);
-    }
-}
+/// Called with every dent that a change of the damage adds, alters or takes away.
+type Touched<'a> = &'a mut dyn FnMut(&Dent);
 
 /// The marks of one instance, sorted, each beside its dent.
 #[derive(Debug, Clone, Default)]
@@ -161,7 +153,7 @@ impl Damage {
     /// Adds new marks in canonical order, whatever order they came in. A mark that is there already gets the energy. Above
     /// `capacity` the weakest mark (least `strength * depth`; the first in order where equal) gives its energy, in metres
     /// squared, to the mark whose contact is nearest (the first in order where equal).
-    pub(crate) fn add(&mut self, set: &ExampleSet, mut new: Vec<Mark>, capacity: usize, touched: &mut dyn Touched) {
+    pub(crate) fn add(&mut self, set: &ExampleSet, mut new: Vec<Mark>, capacity: usize, touched: Touched<'_>) {
         new.sort_unstable_by(|a, b| a.key().cmp(&b.key()).then(a.energy.cmp(&b.energy)));
         for mark in new {
             self.add_one(set, mark, touched);
@@ -171,16 +163,16 @@ impl Damage {
         }
     }
 
-    fn add_one(&mut self, set: &ExampleSet, mark: Mark, touched: &mut dyn Touched) {
+    fn add_one(&mut self, set: &ExampleSet, mark: Mark, touched: Touched<'_>) {
         match self.marks.binary_search_by(|m| m.key().cmp(&mark.key())) {
             Ok(at) => {
                 let e = combined(self.marks[at].energy, mark.energy, set.options().combine);
                 self.set_energy(set, at, e);
-                touched.dent(&self.dents[at]);
+                touched(&self.dents[at]);
             }
             Err(at) => {
                 let dent = Dent::new(set, &mark);
-                touched.dent(&dent);
+                touched(&dent);
                 self.marks.insert(at, mark);
                 self.dents.insert(at, dent);
             }
@@ -192,7 +184,7 @@ impl Damage {
         self.dents[at].strength = crate::dent::strength(energy, set.options().combine);
     }
 
-    fn merge_weakest(&mut self, set: &ExampleSet, touched: &mut dyn Touched) {
+    fn merge_weakest(&mut self, set: &ExampleSet, touched: Touched<'_>) {
         let size = |i: usize| self.dents[i].strength * self.marks[i].depth;
         let weakest = (0..self.marks.len()).fold(0, |best, i| if size(i) < size(best) { i } else { best });
         let from = self.dents[weakest].contact;
@@ -206,8 +198,8 @@ impl Damage {
         let given = (self.marks[weakest].energy as f64 * power) as u64;
         let energy = combined(self.marks[heir].energy, given, combine);
         self.set_energy(set, heir, energy);
-        touched.dent(&self.dents[heir]);
-        touched.dent(&self.dents[weakest]);
+        touched(&self.dents[heir]);
+        touched(&self.dents[weakest]);
         self.marks.remove(weakest);
         self.dents.remove(weakest);
     }
@@ -218,7 +210,7 @@ impl Damage {
         set: &ExampleSet,
         marks: &[Mark],
         capacity: usize,
-        touched: &mut dyn Touched,
+        touched: Touched<'_>,
     ) -> Result<(), Error> {
         marks.iter().enumerate().try_for_each(|(i, m)| m.check(set, i))?;
         let mut copy = reserve(marks.len(), "marks")?;
@@ -229,11 +221,11 @@ impl Damage {
     }
 
     /// Multiplies every dent's depth by `keep`; what falls under a ten-thousandth of its depth goes.
-    pub(crate) fn scale(&mut self, set: &ExampleSet, keep: f32, touched: &mut dyn Touched) {
+    pub(crate) fn scale(&mut self, set: &ExampleSet, keep: f32, touched: Touched<'_>) {
         let keep = f64::from(keep);
         let factor = if set.options().combine == Combine::Energies { keep * keep } else { keep };
         for i in 0..self.marks.len() {
-            touched.dent(&self.dents[i]);
+            touched(&self.dents[i]);
             let e = (self.marks[i].energy as f64 * factor) as u64;
             self.set_energy(set, i, e);
         }
@@ -244,14 +236,14 @@ impl Damage {
         self.dents.retain(|d| !gone(d));
     }
 
-    pub(crate) fn clear(&mut self, touched: &mut dyn Touched) {
-        self.dents.iter().for_each(|d| touched.dent(d));
+    pub(crate) fn clear(&mut self, touched: Touched<'_>) {
+        self.dents.iter().for_each(touched);
         self.marks.clear();
         self.dents.clear();
     }
 
-    pub(crate) fn touch_all(&self, touched: &mut dyn Touched) {
-        self.dents.iter().for_each(|d| touched.dent(d));
+    pub(crate) fn touch_all(&self, touched: Touched<'_>) {
+        self.dents.iter().for_each(touched);
     }
 }
 

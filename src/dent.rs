@@ -12,7 +12,7 @@
 //! examples (and all, in a strict set) are never scaled above 1.
 
 use crate::examples::{Combine, ExampleSet};
-use crate::math::rotation_between;
+use crate::math::{Aabb, rotation_between};
 use crate::{Mark, Pair};
 use glam::{Mat3, Vec3};
 
@@ -41,7 +41,7 @@ pub(crate) struct Carried {
     /// What its normal changes are multiplied with, on top of `scale`: slopes fall as a dent gets wider.
     normal_scale: f32,
     /// Nothing moves further than this from the contact, m.
-    pub radius: f32,
+    radius: f32,
 }
 
 /// A mark made ready.
@@ -67,7 +67,7 @@ impl Dent {
     /// Whether it may move vertices of block `b`.
     pub(crate) fn touches(&self, set: &ExampleSet, b: usize) -> bool {
         self.parts.iter().any(|p| match &p.carried {
-            Some(c) => set.block_bounds()[b].distance_squared(c.contact) <= c.radius * c.radius,
+            Some(c) => c.reaches(&set.block_bounds()[b]),
             None => set.examples()[p.example].anchored().touches(b as u32),
         })
     }
@@ -77,12 +77,7 @@ impl Dent {
         for p in &self.parts {
             match &p.carried {
                 Some(c) => {
-                    let r2 = c.radius * c.radius;
-                    set.block_bounds()
-                        .iter()
-                        .enumerate()
-                        .filter(|(_, bounds)| bounds.distance_squared(c.contact) <= r2)
-                        .for_each(|(b, _)| f(b));
+                    (0..set.block_bounds().len()).filter(|b| c.reaches(&set.block_bounds()[*b])).for_each(&mut f);
                 }
                 None => set.examples()[p.example].anchored().blocks().for_each(|b| f(b as usize)),
             }
@@ -104,6 +99,11 @@ impl Carried {
             normal_scale: 1.0 / stretch,
             radius: e.stamp().map_or(0.0, |s| s.reach(stretch)),
         }
+    }
+
+    /// Whether anything in the box may move.
+    fn reaches(&self, bounds: &Aabb) -> bool {
+        bounds.distance_squared(self.contact) <= self.radius * self.radius
     }
 
     /// Displacement that the example brings to a vertex at base position `v`, unscaled, m.

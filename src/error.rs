@@ -201,6 +201,20 @@ impl Error {
     }
 }
 
+/// Fails where `x` is not above 0 and finite; `unit` follows in the text.
+pub(crate) fn positive(name: &str, x: f32, unit: &str) -> Result<(), Error> {
+    if x > 0.0 && x.is_finite() { Ok(()) } else { Err(Error::invalid(name, x, &format!("above 0 and finite, {unit}"))) }
+}
+
+/// Fails where `x` is negative or not finite; `unit` follows in the text.
+pub(crate) fn at_least_zero(name: &str, x: f32, unit: &str) -> Result<(), Error> {
+    if x >= 0.0 && x.is_finite() {
+        Ok(())
+    } else {
+        Err(Error::invalid(name, x, &format!("at least 0 and finite, {unit}")))
+    }
+}
+
 /// An empty vector with room for `n` elements, or [`Error::OutOfMemory`]; for allocations whose size the caller's counts decide.
 pub(crate) fn reserve<T>(n: usize, what: &str) -> Result<Vec<T>, Error> {
     let mut v = Vec::new();

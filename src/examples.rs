@@ -1,7 +1,7 @@
 //! The example set: a base mesh and its examples, checked and made ready. Immutable, shared by all instances.
 
 use crate::anchored::{Anchored, BLOCK, block_range};
-use crate::error::reserve;
+use crate::error::{at_least_zero, positive, reserve};
 use crate::math::{Aabb, tangent_basis, unit};
 use crate::mesh::{MAX_COORDINATE, Mesh, finite};
 use crate::nearest::{Nearest, VertexIndex};
@@ -100,6 +100,8 @@ pub struct Example {
     contact_normal: Option<Vec3>,
     contact_delta: Vec3,
     depth: f32,
+    /// Natural logarithm of `depth`: what selection compares.
+    log_depth: f32,
     max_depth: f32,
     support_radius: f32,
     moved: usize,
@@ -176,6 +178,10 @@ impl Example {
     /// What is carried; `None` for an anchored or empty example.
     pub fn stamp(&self) -> Option<&Stamp> {
         self.stamp.as_ref()
+    }
+
+    pub(crate) fn log_depth(&self) -> f32 {
+        self.log_depth
     }
 
     pub(crate) fn anchored(&self) -> &Anchored {
@@ -255,10 +261,9 @@ impl ExampleSet {
                 what: format!("{} were given; at most 65534 are possible", examples.len()),
             });
         }
-        let mesh = Mesh::new(mesh)?;
+        let (mesh, smooth) = Mesh::new(mesh)?;
         let index = VertexIndex::new(mesh.positions(), mesh.weld());
         let seams = seam_groups(mesh.weld());
-        let smooth = normals::smooth(mesh.positions(), mesh.triangles(), mesh.weld());
         let builder = ExampleBuilder { mesh: &mesh, index: &index, seams: &seams, smooth: &smooth, options: &options };
         let slots: Vec<Mutex<Option<Result<Built, Error>>>> = examples.iter().map(|_| Mutex::new(None)).collect();
         run_each(tasks, examples.len(), &|i| {
@@ -381,22 +386,13 @@ impl ExampleSet {
 }
 
 fn check_options(o: &SetOptions, vertices: usize) -> Result<(), Error> {
-    let positive = |name: &str, x: f32, unit: &str| {
-        if x > 0.0 && x.is_finite() {
-            Ok(())
-        } else {
-            Err(Error::invalid(name, x, &format!("above 0 and finite, {unit}")))
-        }
-    };
     if let Some(l) = o.depth_limit {
         positive("depth_limit", l, "m")?;
         if l > MAX_COORDINATE {
             return Err(Error::invalid("depth_limit", l, "at most 1e9 m"));
         }
     }
-    if !(o.drop_below >= 0.0 && o.drop_below.is_finite()) {
-        return Err(Error::invalid("drop_below", o.drop_below, "at least 0 and finite, m"));
-    }
+    at_least_zero("drop_below", o.drop_below, "m")?;
     if !(4..=128).contains(&o.stamp_resolution) {
         return Err(Error::invalid("stamp_resolution", o.stamp_resolution, "4 to 128"));
     }
@@ -529,6 +525,7 @@ impl ExampleBuilder<'_> {
             contact_normal,
             contact_delta,
             depth,
+            log_depth: libm::logf(depth),
             max_depth,
             support_radius,
             moved,

@@ -1,9 +1,9 @@
 //! One dented copy of a mesh: its inbox of hits, its damage, and which blocks changed when.
 
-use crate::anchored::{BLOCK, block_range};
 use crate::classic::{Blend, State};
 use crate::damage::{Damage, saved};
 use crate::dent::Dent;
+use crate::error::at_least_zero;
 use crate::examples::ExampleSet;
 use crate::select::{Effect, Params, select};
 use crate::{Error, Hit, Mark, Outcome, Selection};
@@ -76,13 +76,6 @@ impl InstanceOptions {
     }
 
     fn check(&self) -> Result<(), Error> {
-        let at_least_zero = |name: &str, x: f32, unit: &str| {
-            if x >= 0.0 && x.is_finite() {
-                Ok(())
-            } else {
-                Err(Error::invalid(name, x, &format!("at least 0 and finite, {unit}")))
-            }
-        };
         at_least_zero("yield_impulse", self.yield_impulse, "N·s")?;
         at_least_zero("yield_displacement", self.yield_displacement, "m")?;
         if let Some(d) = self.max_contact_distance {
@@ -525,10 +518,4 @@ impl<'a> Touch<'a> {
     fn everything(&mut self) {
         self.changes.blocks.fill(self.changes.epoch);
     }
-}
-
-/// The vertices of block `b` of an instance's mesh.
-pub(crate) fn block_vertices(set: &ExampleSet, b: usize) -> std::ops::Range<usize> {
-    debug_assert!(b * BLOCK < set.vertex_count());
-    block_range(b, set.vertex_count())
 }

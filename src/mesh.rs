@@ -27,8 +27,9 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Checks `data` and derives what it lacks.
-    pub(crate) fn new(data: MeshData) -> Result<Self, Error> {
+    /// Checks `data` and derives what it lacks. Beside it the smooth normals of its triangles (zero where there are none), which only
+    /// building needs.
+    pub(crate) fn new(data: MeshData) -> Result<(Self, Vec<Vec3>), Error> {
         let n = data.positions.len();
         if n == 0 {
             return Err(Error::Mesh { what: "it has 0 vertices; at least 1 is needed".into() });
@@ -89,7 +90,7 @@ impl Mesh {
             None => None,
         };
         let degenerate = data.triangles.iter().filter(|t| area_is_zero(&positions, **t)).count();
-        Ok(Self {
+        let mesh = Self {
             bounds: Aabb::of(&positions),
             seam_count: weld.iter().enumerate().filter(|(v, w)| **w as usize != *v).count(),
             positions,
@@ -100,7 +101,8 @@ impl Mesh {
             contact_normals,
             repaired_normals: repaired,
             degenerate_triangles: degenerate,
-        })
+        };
+        Ok((mesh, smooth))
     }
 
     /// Positions, m.

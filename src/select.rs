@@ -7,6 +7,7 @@
 //! Everything here is IEEE f32/f64 arithmetic with `sqrt` and `libm`, so the same hit makes the same mark everywhere.
 
 use crate::dent::{MAX_PAIRS, place};
+use crate::error::positive;
 use crate::examples::{ANCHORED_SIZE, ANCHORED_WITHIN, Example, ExampleSet};
 use crate::math::rotation_between;
 use crate::{Error, Mark, Pair, Placement};
@@ -219,13 +220,6 @@ pub(crate) fn select(set: &ExampleSet, p: &Params, hit: &Hit) -> Result<(Outcome
 
 fn check(hit: &Hit) -> Result<(), Error> {
     let finite = |name: &str, v: [f32; 3]| crate::mesh::finite(v, || name.into()).map(|_| ());
-    let positive = |name: &str, x: f32, unit: &str| {
-        if x > 0.0 && x.is_finite() {
-            Ok(())
-        } else {
-            Err(Error::invalid(name, x, &format!("above 0 and finite, {unit}")))
-        }
-    };
     finite("point", hit.point)?;
     match hit.cause {
         Cause::Displacement(d) => finite("displacement", d),
@@ -370,12 +364,12 @@ impl<'a> Around<'a> {
         if e.is_empty() || e.depth() < 1e-6 * self.set.depth_limit() {
             return None;
         }
-        let (depth, log_depth, dir) = if anchored {
+        let (depth, dir) = if anchored {
             let u = e.delta(self.contact);
-            (u.length(), libm::logf(e.depth()), u)
+            (u.length(), u)
         } else {
             let r = rotation_between(e.contact_normal()?, self.normal?);
-            (e.depth(), libm::logf(e.depth()), r * e.contact_displacement())
+            (e.depth(), r * e.contact_displacement())
         };
         if anchored && depth < REACH * e.depth() {
             return None;
@@ -385,7 +379,7 @@ impl<'a> Around<'a> {
             return None;
         }
         let place = (e.contact_point() - self.point).length() / self.place_width;
-        let size = (log_depth - self.log_size) / SIZE_WIDTH;
+        let size = (e.log_depth() - self.log_size) / SIZE_WIDTH;
         let angle = (1.0 - cos) / ANGLE_WIDTH;
         Some(place * place + size * size + angle * angle)
     }

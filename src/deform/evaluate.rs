@@ -8,9 +8,9 @@
 //! Marks are summed in their sorted order with plain f32 operations, so that coincident vertices, any cut into blocks and
 //! any thread give the same bits.
 
-use crate::anchored::BLOCK;
+use crate::anchored::{BLOCK, block_range};
 use crate::examples::{Combine, ExampleSet};
-use crate::instance::{Instance, block_vertices};
+use crate::instance::Instance;
 use crate::math::unit;
 use glam::{Vec3, Vec4};
 use std::ops::Range;
@@ -25,7 +25,7 @@ pub(crate) struct Vertices<const N: usize> {
 
 /// Evaluates all of block `b`.
 pub(crate) fn block(instance: &Instance, b: usize, normals: bool) -> Vertices<BLOCK> {
-    evaluate(instance, block_vertices(instance.example_set(), b), normals)
+    evaluate(instance, block_range(b, instance.example_set().vertex_count()), normals)
 }
 
 /// Position and unit normal of one vertex: the same bits as [`block`] gives.

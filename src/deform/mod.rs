@@ -7,6 +7,7 @@ mod tracker;
 pub use memory::{Attribute, RawStream, VertexMemory};
 pub use tracker::Tracker;
 
+use crate::anchored::block_range;
 use crate::tasks::run_each;
 use crate::{Aabb, Error, Instance, TaskSystem};
 use glam::Vec3;
@@ -109,7 +110,7 @@ fn write_block(job: &DeformJob<'_, '_>, b: usize) -> Aabb {
     let set = job.instance.example_set();
     let tangents = job.memory.has_tangents() && set.mesh().normals().is_some();
     let block = evaluate::block(job.instance, b, job.memory.has_normals() || tangents);
-    let first = crate::instance::block_vertices(set, b).start;
+    let first = block_range(b, set.vertex_count()).start;
     for i in 0..block.len {
         let (p, n) = (block.positions[i], block.normals[i]);
         let t = job.memory.has_tangents().then(|| evaluate::tangent(set, first + i, n));
