@@ -1,0 +1,63 @@
+//! A truth's body as the library sees it: a set of its first examples, hits, deformed vertices.
+
+use std::sync::Arc;
+
+use anyhow::Result;
+use crumple::{
+    Contact, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Placement, Serial, SetOptions,
+    Tracker, VertexMemory,
+};
+
+use crate::truth::{Body, Field, Impact};
+
+pub fn mesh(body: &Body) -> MeshData {
+    MeshData {
+        positions: body.vertices.clone(),
+        normals: Some(body.normals.clone()),
+        tangents: None,
+        triangles: body.triangles.clone(),
+    }
+}
+
+/// The first `count` training impacts as examples.
+pub fn examples(body: &Body, count: usize, placement: Placement) -> Vec<ExampleData> {
+    body.train.iter().take(count).map(|i| example(i, placement)).collect()
+}
+
+pub fn example(impact: &Impact, placement: Placement) -> ExampleData {
+    ExampleData {
+        contact: Some(Contact::Vertex(impact.contact_vertex)),
+        placement,
+        ..ExampleData::new(impact.source.clone(), Deltas::Full(impact.field.clone()))
+    }
+}
+
+/// A set of the first `count` training impacts.
+pub fn set(body: &Body, count: usize, placement: Placement, options: SetOptions) -> Result<Arc<ExampleSet>> {
+    Ok(Arc::new(ExampleSet::build(mesh(body), examples(body, count, placement), options, &Serial)?))
+}
+
+/// What an engine would report: the contact point and the displacement wanted there.
+pub fn hit(impact: &Impact) -> Hit {
+    Hit::displacement(impact.point, impact.displacement)
+}
+
+/// The displacement field after these hits, m.
+pub fn field_after(set: &Arc<ExampleSet>, options: &InstanceOptions, hits: &[Hit]) -> Result<Field> {
+    let mut instance = Instance::new(set.clone(), *options)?;
+    for hit in hits {
+        instance.submit(hit)?;
+        // One after the other: the classic rules depend on the order.
+        instance.fold();
+    }
+    displacements(&mut instance)
+}
+
+/// The displacement field of an instance, m.
+pub fn displacements(instance: &mut Instance) -> Result<Field> {
+    let set = instance.example_set().clone();
+    let mut positions = vec![[0.0f32; 3]; set.vertex_count()];
+    instance.deform(&mut Tracker::new(), VertexMemory::separate(&mut positions, None, None)?, &Serial)?;
+    let base = set.mesh().positions();
+    Ok(positions.iter().zip(base).map(|(p, b)| [p[0] - b.x, p[1] - b.y, p[2] - b.z]).collect())
+}
