@@ -47,7 +47,7 @@ fn times(a: [f64; 3], x: f64) -> [f64; 3] {
 /// How several dents become one field.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Rule {
-    /// The literature's: a vertex takes the candidate that displaces it further; else it moves towards it by this share.
+    /// The literature's (0: "most displaced"): a vertex takes the candidate that displaces it further; else it moves towards it by this share.
     Blend(f64),
     /// The plain sum.
     Sum,
@@ -204,9 +204,9 @@ impl Rule {
         }
     }
 
-    /// Whether the order of the dents is meant to matter.
+    /// Whether the order of the dents matters. (Without blending the longest wins in any order.)
     pub fn ordered(self) -> bool {
-        matches!(self, Rule::Blend(_) | Rule::Remainder)
+        matches!(self, Rule::Remainder) || matches!(self, Rule::Blend(k) if k > 0.0)
     }
 }
 
