@@ -85,6 +85,11 @@ def read(directory, name):
     return Table(path) if path.exists() else None
 
 
+def title(figure, text):
+    """What is seen, on top."""
+    figure.text(0.01, 1 - 0.08 / figure.get_figheight(), text, fontsize=13, fontweight="bold", ha="left", va="top")
+
+
 def footer(figure, table, n=None, more=""):
     """Machine, versions and counts, below the figure."""
     parts = [table.said("machine").split(" (family")[0] + ", one thread", table.said("rustc").split(" (")[0]]

@@ -35,8 +35,8 @@ def counts(table):
     return "held-out impacts: " + "; ".join(parts)
 
 
-def grid(height=8.6, **options):
-    figure, axes = plt.subplots(2, 2, figsize=(11, height), **options)
+def grid(height, width=11, **options):
+    figure, axes = plt.subplots(2, 2, figsize=(width, height), **options)
     return figure, dict(zip(PANELS, axes.ravel()))
 
 
@@ -62,34 +62,35 @@ def point(axis, row, colour, marker="o", size=5, filled=True):
 
 
 def speed(table, peers, directory):
-    figure, axes = grid(9.4)
-    slowest = max([r["us_per_impact"] for t in peers for r in t.rows if r.get("us_per_impact")] + [2000])
+    figure, axes = grid(11, width=12.6)
+    points = [r["us_per_impact"] for t in peers for r in t.rows if r.get("us_per_impact")]
+    slowest = max(points + [3000])
+    colours = {}
     for (truth, body), axis in axes.items():
         labels, xs, ys = [], [], []
 
-        def name(x, y, text, colour):
-            labels.append(axis.text(x, y, text, fontsize=8, color=colour, zorder=6))
+        def name(x, y, text, colour, weight="normal"):
+            labels.append(axis.text(x, y, text, fontsize=8, color=colour, fontweight=weight, zorder=6))
             xs.append(x)
             ys.append(y)
 
         def one(**wanted):
             return table.one(truth=truth, body=body, **wanted)
 
-        by_n = sorted((r for r in table.where(truth=truth, body=body, method="automatic", k=K) if r["stamp"] == stamp_of(table)), key=lambda r: r["examples"])
-        axis.plot([r["us_per_impact"] for r in by_n], [r["rel_l2_median"] for r in by_n], color=OURS, zorder=3)
-        for r in by_n:
-            x, y = point(axis, r, OURS, size=6 if r["examples"] == FULL else 4.5)
-            name(x, y, f"{r['examples']:.0f} examples" if r is by_n[0] else f"{r['examples']:.0f}", OURS)
-        by_k = sorted((r for r in table.where(truth=truth, body=body, method="automatic", examples=FULL) if r["stamp"] == stamp_of(table)), key=lambda r: r["k"])
-        axis.plot([r["us_per_impact"] for r in by_k], [r["rel_l2_median"] for r in by_k], color=OURS_LIGHT, zorder=2, ls="--", lw=1.1)
-        for r in by_k:
-            if r["k"] != K:
-                x, y = point(axis, r, OURS_LIGHT, "s", 4.5)
-                name(x, y, f"K={r['k']:.0f}", OURS_LIGHT)
-        for method, text, marker in (("anchored", "anchored only", "v"),):
-            r = one(method=method, examples=FULL)
-            if r:
-                name(*point(axis, r, OURS_LIGHT, marker, 6, filled=False), text, OURS_LIGHT)
+        def ours(**wanted):
+            return [r for r in table.where(truth=truth, body=body, method="automatic", **wanted) if r["stamp"] == stamp_of(table)]
+
+        by_n = sorted(ours(k=K), key=lambda r: r["examples"])
+        by_k = sorted(ours(examples=FULL), key=lambda r: r["k"])
+        for where in (axis, axis.inset_axes([0.075, 0.08, 0.49, 0.33], zorder=8)):
+            line(where, by_k, OURS_LIGHT, "--", "s")
+            line(where, by_n, OURS, "-", "o")
+        inset(where, by_n, by_k)
+        for r in by_n[:1] + by_n[-2:-1]:
+            name(r["us_per_impact"], r["rel_l2_median"], f"Crumple, {r['examples']:.0f} examples", OURS, "bold")
+        r = one(method="anchored", examples=FULL)
+        if r:
+            name(*point(axis, r, "#000000", "v", 6, filled=False), "anchored only", "#000000")
         for method, text, marker in (("classic", "classic, as is", "X"), ("classic_clamped", "classic, clamped", "P")):
             r = one(method=method, examples=FULL)
             if r:
@@ -97,50 +98,88 @@ def speed(table, peers, directory):
         r = one(method="radial")
         if r:
             name(*point(axis, r, RADIAL, "D", 5.5), "radial profile", RADIAL)
-        colours = {}
         for t in peers:
             for peer in dict.fromkeys(r["peer"] for r in t.rows):
-                rows = [r for r in t.where(truth=truth, body=body, peer=peer) if r["rel_l2_median"] and r["us_per_impact"]]
-                for setting in dict.fromkeys(str(r["setting"]) for r in rows):
-                    line = sorted((r for r in rows if str(r["setting"]) == setting), key=lambda r: r["us_per_impact"])
-                    colour = colours.setdefault(peer, [PEER, PEER_2, "#8C564B", "#444444"][len(colours) % 4])
-                    axis.plot([r["us_per_impact"] for r in line], [r["rel_l2_median"] for r in line], "-", color=colour, lw=1, zorder=2)
-                    for i, r in enumerate(line):
-                        axis.plot([r["us_per_impact"]], [r["rel_l2_median"]], "^", color=colour, ms=5, zorder=4)
-                        if r["rel_l2_p90"]:
-                            axis.plot([r["us_per_impact"]] * 2, [r["rel_l2_median"], r["rel_l2_p90"]], color=colour, lw=0.8, alpha=0.4)
-                        name(r["us_per_impact"], r["rel_l2_median"], f"{peer}, {r['quality']}" if i == 0 else str(r["quality"]), colour)
+                rows = [r for r in t.where(truth=truth, body=body, peer=peer) if number(r["rel_l2_median"]) and number(r["us_per_impact"])]
+                rows.sort(key=lambda r: r["us_per_impact"])
+                colour, marker = colours.setdefault(peer, [(PEER, "^"), (PEER_2, "p"), ("#8C564B", "<"), ("#444444", ">"), ("#999933", "h")][len(colours) % 5])
+                axis.plot([r["us_per_impact"] for r in rows], [r["rel_l2_median"] for r in rows], color=colour, lw=0.9, alpha=0.7, zorder=2)
+                for r in rows:
+                    x, y = r["us_per_impact"], r["rel_l2_median"]
+                    axis.plot([x], [y], marker, color=colour, ms=5.5, zorder=4)
+                    if number(r["rel_l2_p90"]):
+                        axis.plot([x, x], [y, r["rel_l2_p90"]], color=colour, lw=0.9, alpha=0.5, zorder=2)
+                    if number(r["scaled_rel_l2_median"]):
+                        axis.plot([x], [r["scaled_rel_l2_median"]], marker, color=colour, ms=5, mfc="white", zorder=4)
+                    name(x, y, str(r["quality"]), colour)
         axis.set_xscale("log")
-        axis.set_xlim(4, slowest * 3)
-        low = min(ys) / 2.2
-        axis.set_ylim(max(low, 0.02), max(ys + [1]) * 2)
+        axis.set_xlim(4, slowest * 12)
+        # Room below for the magnified part.
+        top, bottom = max(ys + [1]) * 2, min(ys) / 1.3
+        axis.set_ylim(bottom / (top / bottom) ** 0.85, top)
         log_error(axis)
-        axis.xaxis.set_major_formatter(FuncFormatter(lambda v, _: plain(v) if v < 1e4 else {1e4: "10 ms", 1e5: "0.1 s", 1e6: "1 s", 1e7: "10 s", 1e8: "100 s"}.get(v, "")))
+        axis.xaxis.set_major_formatter(FuncFormatter(lambda v, _: {1e3: "1 ms", 1e4: "10 ms", 1e5: "0.1 s", 1e6: "1 s", 1e7: "10 s", 1e8: "100 s"}.get(v, f"{v:g} µs")))
         floor = one(method="floor")["rel_l2_median"]
-        axis.axhline(1, color=FLOOR, lw=1, ls=":")
-        axis.text(0.99, 1, "no dent at all", transform=axis.get_yaxis_transform(), fontsize=8, color=FLOOR, ha="right", va="bottom")
+        axis.axhline(1, color=FLOOR, lw=1, ls=":", zorder=1)
+        axis.text(0.47, 1, "no dent at all", transform=axis.get_yaxis_transform(), fontsize=8, color=FLOOR, ha="left", va="bottom")
         inside = floor > axis.get_ylim()[0]
         if inside:
-            axis.axhline(floor, color=FLOOR, lw=1.2, ls="--")
+            axis.axhline(floor, color=FLOOR, lw=1.2, ls="--", zorder=1)
         axis.text(0.99, floor if inside else 0.01, f"the truth's own noise: {floor:g}" + ("" if inside else " (below)"), fontsize=8, color=FLOOR, ha="right", va="bottom",
                   transform=axis.get_yaxis_transform() if inside else axis.transAxes)
         axis.set_title(style.panel_title(truth, body), loc="left", fontweight="bold")
-        axis.set_xlabel("µs per impact, one thread, logarithmic")
+        axis.set_xlabel("time per impact, one thread, logarithmic")
         axis.set_ylabel("relative L2 error, median, logarithmic")
-        adjust_text(labels, x=xs, y=ys, ax=axis, expand=(1.15, 1.35), arrowprops=dict(arrowstyle="-", color="#AAAAAA", lw=0.6), min_arrow_len=6)
-    figure.suptitle("Accuracy against speed: near the truth at the price of a table look-up, not of a simulation" if peers else "Accuracy against speed: carried examples come nearest to the truth, for some hundred µs", x=0.01, ha="left", fontweight="bold")
+        adjust_text(labels, x=xs, y=ys, ax=axis, expand=(1.1, 1.4), arrowprops=dict(arrowstyle="-", color="#AAAAAA", lw=0.6), min_arrow_len=6, iter_lim=1500)
+    style.title(figure, "Accuracy against speed: near the truth in less than a millisecond" if peers else "Accuracy against speed: carried examples come nearest to the truth")
     legend = [
-        Line2D([], [], color=OURS, marker="o", label=f"Crumple, automatic, K = {K}, 4 to 32 examples"),
-        Line2D([], [], color=OURS_LIGHT, marker="s", ls="--", label=f"the same, K = 1 to 4, {FULL} examples"),
-        Line2D([], [], color=CLASSIC, marker="P", ls="", label=f"the literature's rule, {FULL} examples"),
-        Line2D([], [], color=RADIAL, marker="D", ls="", label="one radial profile, no examples"),
+        Line2D([], [], color=OURS, marker="o", label=f"Crumple, K = {K}, 4 to 32 examples"),
+        Line2D([], [], color=OURS_LIGHT, marker="s", ls="--", label=f"K = 1 to 4, {FULL} examples"),
+        Line2D([], [], color=CLASSIC, marker="P", ls="", label=f"literature's rule, {FULL} examples"),
+        Line2D([], [], color="#000000", marker="v", mfc="white", ls="", label=f"anchored only, {FULL}"),
+        Line2D([], [], color=RADIAL, marker="D", ls="", label="radial profile, no examples"),
     ]
-    if peers:
-        legend.append(Line2D([], [], color=PEER, marker="^", label="physics engines, several qualities"))
-    figure.legend(handles=legend, loc="upper left", bbox_to_anchor=(0.005, 0.963), ncol=len(legend), columnspacing=1.2, handletextpad=0.5)
-    style.footer(figure, table, counts(table), "Error over all vertices, given only contact point and target displacement. Point: median; bars: middle half of the impacts (engines: up to the 90th percentile).")
-    figure.tight_layout(rect=(0, 0.045, 1, 0.94), h_pad=1.6)
+    legend += [Line2D([], [], color=c, marker=m, label=peer) for peer, (c, m) in colours.items()]
+    figure.legend(handles=legend, loc="upper left", bbox_to_anchor=(0.005, 0.968), ncol=5, columnspacing=1.2, handletextpad=0.5)
+    engines = " Engines: hollow after one factor gave the contact its displacement; bars up to the 90th percentile." if peers else ""
+    style.footer(figure, table, counts(table), "Error over all vertices, given only contact point and target displacement. Point: median; bars: middle half of the impacts." + engines)
+    figure.tight_layout(rect=(0, 0.04, 1, 0.925 if len(legend) > 5 else 0.945), h_pad=1.6)
     style.save(figure, directory, "accuracy_speed")
+
+
+def line(axis, rows, colour, dashes, marker):
+    axis.plot([r["us_per_impact"] for r in rows], [r["rel_l2_median"] for r in rows], dashes, color=colour, lw=1.2, zorder=3)
+    for r in rows:
+        point(axis, r, colour, marker, 4.5)
+
+
+def inset(axis, by_n, by_k):
+    """The magnified part: every point of ours with its name."""
+    rows = by_n + by_k
+    if not rows:
+        return
+    axis.set_xscale("log")
+    axis.set_yscale("log")
+    x, y = [r["us_per_impact"] for r in rows], [r["rel_l2_median"] for r in rows]
+    axis.set_xlim(min(x) / 1.35, max(x) * 1.5)
+    axis.set_ylim(min(r["rel_l2_p25"] for r in rows) / 1.25, max(r["rel_l2_p75"] for r in rows) * 1.2)
+    for which, steps in ((axis.xaxis, (50, 100, 200, 300, 500, 1000, 2000)), (axis.yaxis, (0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 1))):
+        low, high = which.get_view_interval()
+        which.set_major_locator(FixedLocator([t for t in steps if low <= t <= high]))
+        which.set_minor_locator(NullLocator())
+        which.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
+    axis.tick_params(labelsize=8, pad=1.5)
+    axis.patch.set_alpha(1)
+    for side in axis.spines.values():
+        side.set_visible(True)
+    axis.text(0.015, 0.985, "magnified (µs)", transform=axis.transAxes, fontsize=8, color="#666666", va="top")
+    names = [(r, f"{r['examples']:.0f}", OURS) for r in by_n] + [(r, f"K={r['k']:.0f}", "#2B7FB5") for r in by_k if r["k"] != K]
+    labels = [axis.text(r["us_per_impact"], r["rel_l2_median"], text, fontsize=8, color=colour, zorder=9) for r, text, colour in names]
+    adjust_text(labels, x=x, y=y, ax=axis, expand=(1.25, 1.3), arrowprops=dict(arrowstyle="-", color="#AAAAAA", lw=0.6), min_arrow_len=5, iter_lim=1500)
+
+
+def number(value):
+    return isinstance(value, float) and value > 0
 
 
 def stamp_of(table):
@@ -172,7 +211,8 @@ def examples(table, directory):
         if r:
             axis.axhline(r["rel_l2_median"], color=RADIAL, ls="-.", lw=1.1, label="one radial profile, no examples")
         axis.axhline(1, color=FLOOR, lw=1, ls=":", label="no dent at all")
-        axis.set_ylim(0.08, 5 if truth == "presses" else 20)
+        axis.set_yscale("log")
+        axis.set_ylim(0.08, axis.get_ylim()[1] if axis.get_ylim()[1] > 3 else 3)
         log_error(axis)
         axis.set_xscale("log", base=2)
         axis.xaxis.set_major_locator(FixedLocator([4, 8, 16, 24, 32]))
@@ -182,11 +222,11 @@ def examples(table, directory):
         axis.set_ylabel("relative L2 error, logarithmic")
         axis.tick_params(labelbottom=True)
         axis.set_title(style.panel_title(truth, body), loc="left", fontweight="bold")
-    figure.suptitle("Few examples are enough when they are carried to where the body is hit", x=0.01, ha="left", fontweight="bold")
+    style.title(figure, "Few examples are enough when they are carried to where the body is hit")
     handles, labels = axes[PANELS[0]].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="upper left", bbox_to_anchor=(0.005, 0.955), ncol=4, columnspacing=1.4)
-    style.footer(figure, table, counts(table), "Median; bands: middle half of the impacts. Where a curve leaves the frame its error is above it. The presses' examples are prefixes of 32 rows from 8 simulations.")
-    figure.tight_layout(rect=(0, 0.05, 1, 0.895), h_pad=1.6)
+    figure.legend(handles, labels, loc="upper left", bbox_to_anchor=(0.005, 0.965), ncol=4, columnspacing=1.4)
+    style.footer(figure, table, counts(table), "Median; bands: middle half of the impacts. The presses' examples are prefixes of 32 rows from 8 simulations.")
+    figure.tight_layout(rect=(0, 0.05, 1, 0.905), h_pad=1.6)
     style.save(figure, directory, "accuracy_examples")
 
 
@@ -214,11 +254,11 @@ def stamps(table, directory):
         axis.set_ylabel("relative L2 error")
         axis.tick_params(labelbottom=True)
         axis.set_title(style.panel_title(truth, body), loc="left", fontweight="bold")
-    figure.suptitle("What a finer stamp buys", x=0.01, ha="left", fontweight="bold")
+    style.title(figure, "What a finer stamp buys")
     handles, labels = axes[PANELS[0]].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="upper left", bbox_to_anchor=(0.005, 0.95), ncol=4)
+    figure.legend(handles, labels, loc="upper left", bbox_to_anchor=(0.005, 0.963), ncol=4)
     style.footer(figure, table, counts(table), "Stamps hold displacements and changes of normals in f32.")
-    figure.tight_layout(rect=(0, 0.05, 1, 0.91), h_pad=1.6)
+    figure.tight_layout(rect=(0, 0.05, 1, 0.93), h_pad=1.6)
     style.save(figure, directory, "accuracy_stamps")
 
 
@@ -252,9 +292,9 @@ def each_impact(impacts, table, directory):
         axis.set_ylim(len(lines) - 0.5, -0.65)
         axis.set_yticks(range(len(lines)), [label for *_, label in lines])
         axis.grid(axis="y", visible=False)
-        axis.set_xlabel("relative L2 error, logarithmic (dotted: no dent; dashed: the truth's own noise)")
+        axis.set_xlabel("relative L2 error, logarithmic")
         axis.set_title(style.panel_title(truth, body), loc="left", fontweight="bold")
-    figure.suptitle("Every held-out impact: a dot each, the bar is the median", x=0.01, ha="left", fontweight="bold")
-    style.footer(figure, table, counts(table))
-    figure.tight_layout(rect=(0, 0.03, 1, 0.97), h_pad=1.6)
+    style.title(figure, "Every held-out impact: a dot each, the bar is the median")
+    style.footer(figure, table, counts(table), "Dotted: no dent at all; dashed: the truth's own noise.")
+    figure.tight_layout(rect=(0, 0.045, 1, 0.965), h_pad=1.6)
     style.save(figure, directory, "accuracy_impacts")

@@ -76,6 +76,7 @@ pub fn run(options: &Options) -> Result<()> {
     ]);
     for t in [&mut table, &mut each] {
         t.comment("command", "cargo xtask lab --only combine");
+        t.comment("default", format!("{:?}", SetOptions::default().combine).to_lowercase());
         t.comment("source", "true singles: each impact's own true dent, only the rule is wrong; predicted: the library's dents with 24 examples");
         t.comment("seam", "largest difference of displacement across an edge, over the truth's");
         t.comment(
