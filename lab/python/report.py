@@ -41,7 +41,10 @@ def own_text(part):
 
 
 def pair(row):
-    return f"{number(row['rel_l2_median'])} / {number(row['rel_l2_p90'])}" if row else "–"
+    if not row:
+        return "–"
+    digits = 2 if row["rel_l2_median"] >= 0.1 else 3 if row["rel_l2_median"] >= 0.01 else 4
+    return f"{number(row['rel_l2_median'], digits)} / {number(row['rel_l2_p90'], digits)}"
 
 
 def heads():
@@ -72,7 +75,7 @@ def accuracy(directory):
     rows += [line(f"Crumple, K = {k}, {FULL} examples", examples=FULL, k=k, **ours) for k in (1, 2, 4)]
     rows += [line(f"Crumple, carried only, K = {K}, {FULL}", examples=FULL, k=K, method="carried", stamp=stamp)]
     rows += [line(f"Crumple, all defaults, {n}", examples=n, k=K, method="defaults") for n in (4, FULL)]
-    rows += [line("the truth's own noise", method="floor")]
+    rows += [[c.split(" / ")[0] for c in line("the truth's own noise", method="floor")]]
     rows = [r for r in rows if any(c != "–" for c in r[1:])]
     n = {s: t.one(truth=s[0], body=s[1], method="none") for s in SCENES}
     held = "; ".join(f"{a} {b} {r['n']:.0f} impacts of {r['simulations']:.0f} simulations" for (a, b), r in n.items())

@@ -7,6 +7,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
+from matplotlib import patheffects
 
 # Colour-blind safe (Okabe and Ito).
 OURS = "#0072B2"
@@ -17,6 +18,8 @@ PEER_2 = "#CC79A7"
 RADIAL = "#E69F00"
 FLOOR = "#7F7F7F"
 INK = "#222222"
+# Keeps a label readable where lines run under it.
+HALO = [patheffects.withStroke(linewidth=2, foreground="white")]
 
 TRUTHS = {"shots": "shots (MuJoCo shells)", "presses": "presses (CalculiX bricks)"}
 BODIES = ("panel", "tube")

@@ -70,7 +70,7 @@ def speed(table, peers, directory):
         labels, xs, ys = [], [], []
 
         def name(x, y, text, colour, weight="normal"):
-            labels.append(axis.text(x, y, text, fontsize=8, color=colour, fontweight=weight, zorder=6))
+            labels.append(axis.text(x, y, text, fontsize=8, color=colour, fontweight=weight, zorder=6, path_effects=style.HALO))
             xs.append(x)
             ys.append(y)
 
@@ -86,7 +86,7 @@ def speed(table, peers, directory):
             line(where, by_k, OURS_LIGHT, "--", "s")
             line(where, by_n, OURS, "-", "o")
         inset(where, by_n, by_k)
-        for r in by_n[:1] + by_n[-2:-1]:
+        for r in (r for r in by_n if r["examples"] in (4, FULL)):
             name(r["us_per_impact"], r["rel_l2_median"], f"Crumple, {r['examples']:.0f} examples", OURS, "bold")
         r = one(method="anchored", examples=FULL)
         if r:
@@ -115,13 +115,13 @@ def speed(table, peers, directory):
         axis.set_xscale("log")
         axis.set_xlim(4, slowest * 12)
         # Room below for the magnified part.
-        top, bottom = max(ys + [1]) * 2, min(ys) / 1.3
+        top, bottom = max(ys + [1]) * 2, min(ys + [r["rel_l2_p25"] for r in by_n + by_k]) / 1.15
         axis.set_ylim(bottom / (top / bottom) ** 0.85, top)
         log_error(axis)
         axis.xaxis.set_major_formatter(FuncFormatter(lambda v, _: {1e3: "1 ms", 1e4: "10 ms", 1e5: "0.1 s", 1e6: "1 s", 1e7: "10 s", 1e8: "100 s"}.get(v, f"{v:g} µs")))
         floor = one(method="floor")["rel_l2_median"]
         axis.axhline(1, color=FLOOR, lw=1, ls=":", zorder=1)
-        axis.text(0.47, 1, "no dent at all", transform=axis.get_yaxis_transform(), fontsize=8, color=FLOOR, ha="left", va="bottom")
+        axis.text(0.47 if peers else 0.87, 1, "no dent at all", transform=axis.get_yaxis_transform(), fontsize=8, color=FLOOR, ha="left", va="bottom")
         inside = floor > axis.get_ylim()[0]
         if inside:
             axis.axhline(floor, color=FLOOR, lw=1.2, ls="--", zorder=1)
@@ -174,7 +174,7 @@ def inset(axis, by_n, by_k):
         side.set_visible(True)
     axis.text(0.015, 0.985, "magnified (µs)", transform=axis.transAxes, fontsize=8, color="#666666", va="top")
     names = [(r, f"{r['examples']:.0f}", OURS) for r in by_n] + [(r, f"K={r['k']:.0f}", "#2B7FB5") for r in by_k if r["k"] != K]
-    labels = [axis.text(r["us_per_impact"], r["rel_l2_median"], text, fontsize=8, color=colour, zorder=9) for r, text, colour in names]
+    labels = [axis.text(r["us_per_impact"], r["rel_l2_median"], text, fontsize=8, color=colour, zorder=9, path_effects=style.HALO) for r, text, colour in names]
     adjust_text(labels, x=x, y=y, ax=axis, expand=(1.25, 1.3), arrowprops=dict(arrowstyle="-", color="#AAAAAA", lw=0.6), min_arrow_len=5, iter_lim=1500)
 
 

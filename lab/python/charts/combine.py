@@ -93,7 +93,7 @@ def seams(table, directory):
         axis.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
         left, right = axis.get_xlim()
         axis.set_xlim(left, right + 0.05 * (right - left))
-        labels = [axis.text(x, y, str(i), fontsize=8.5, fontweight="bold" if r["rule"] == default(table) else "normal", zorder=5) for i, (x, y, r) in enumerate(zip(xs, ys, rows), 1)]
+        labels = [axis.text(x, y, str(i), fontsize=8.5, fontweight="bold" if r["rule"] == default(table) else "normal", zorder=5, path_effects=style.HALO) for i, (x, y, r) in enumerate(zip(xs, ys, rows), 1)]
         adjust_text(labels, x=xs, y=ys, ax=axis, expand=(1.3, 1.5), force_text=(0.4, 0.8), iter_lim=2000, arrowprops=dict(arrowstyle="-", color="#999999", lw=0.6), min_arrow_len=4)
         axis.set_title(style.panel_title(truth, body), loc="left", fontweight="bold")
         axis.set_xlabel("kept at earlier contacts, over the truth's: mean (line: down to the worst)")
