@@ -13,7 +13,7 @@ use anyhow::Result;
 use crate::Options;
 use crate::metric::{max_error_mm, median, quantile, relative_l2};
 use crate::table::{Table, num};
-use crate::truth::{Body, Impact, Truth};
+use crate::truth::{Body, Impact, Striker, Truth};
 use methods::{Answer, Method};
 
 /// Presses that spring back leave less than this at the contact, m: there is no dent to predict.
@@ -62,6 +62,10 @@ pub fn run(options: &Options) -> Result<()> {
         "source",
         "impact",
         "depth_mm",
+        "striker_radius_mm",
+        "speed_m_s",
+        "travel_mm",
+        "tilt_deg",
         "rel_l2",
         "max_error_mm",
         "us_per_impact",
@@ -100,10 +104,18 @@ pub fn run(options: &Options) -> Result<()> {
                     method.stamp.to_string(),
                 ];
                 for (index, (impact, a)) in impacts.iter().zip(&answers).enumerate() {
+                    let (radius, speed, travel) = match impact.striker {
+                        Striker::Ball { speed, radius, .. } => (radius, speed, f64::NAN),
+                        Striker::Punch { depth, radius } => (radius, f64::NAN, depth),
+                    };
                     let tail = [
                         impact.source.clone(),
                         index.to_string(),
                         num(1e3 * impact.depth()),
+                        num(1e3 * radius),
+                        num(speed),
+                        num(1e3 * travel),
+                        num(body.tilt_deg(impact)),
                         num(relative_l2(&a.field, &impact.field)),
                         num(max_error_mm(&a.field, &impact.field)),
                         num(a.us),
