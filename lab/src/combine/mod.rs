@@ -39,6 +39,7 @@ struct Score {
 }
 
 pub fn run(options: &Options) -> Result<()> {
+    let examples = if options.quick { 6 } else { EXAMPLES };
     let mut table = Table::new(&[
         "source",
         "rule",
@@ -77,7 +78,7 @@ pub fn run(options: &Options) -> Result<()> {
     for t in [&mut table, &mut each] {
         t.comment("command", "cargo xtask lab --only combine");
         t.comment("default", format!("{:?}", SetOptions::default().combine).to_lowercase());
-        t.comment("source", "true singles: each impact's own true dent, only the rule is wrong; predicted: the library's dents with 24 examples");
+        t.comment("source", format!("true singles: each impact's own true dent, only the rule is wrong; predicted: the library's dents with {examples} examples"));
         t.comment("seam", "largest difference of displacement across an edge, over the truth's");
         t.comment(
             "retention",
@@ -138,7 +139,7 @@ pub fn run(options: &Options) -> Result<()> {
         }
         for (name, combine) in [("sum", Combine::Sum), ("energies", Combine::Energies), ("deepest", Combine::Deepest)] {
             let set =
-                scene::set(&body, EXAMPLES, Placement::Automatic, SetOptions { combine, ..SetOptions::default() })?;
+                scene::set(&body, examples, Placement::Automatic, SetOptions { combine, ..SetOptions::default() })?;
             let deep = InstanceOptions { depth_limit: Some(DEEP), ..Default::default() };
             add("predicted", name, false, &|case, order| after(&set, &deep, case, order))?;
             if combine == SetOptions::default().combine {
@@ -148,7 +149,7 @@ pub fn run(options: &Options) -> Result<()> {
             }
         }
         let options = SetOptions { drop_below: 1e-4, ..SetOptions::default() };
-        let set = scene::set(&body, EXAMPLES, Placement::Anchored, options)?;
+        let set = scene::set(&body, examples, Placement::Anchored, options)?;
         for (name, rule) in [
             ("classic, most displaced", LibraryRule::MostDisplaced),
             ("classic, blend k=0.1", LibraryRule::Blend(0.1)),
