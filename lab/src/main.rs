@@ -1,12 +1,14 @@
 //! The lab: measures how near to two independent truths predicted dents come and what they cost, how dents combine, and
 //! where methods fail. `cargo xtask lab` runs all of it and draws the charts; each part writes CSV files.
 
-#![allow(dead_code)] // parts of what is here wait for their first user
+// What only the engines need.
+#![cfg_attr(not(feature = "engines"), allow(dead_code))]
 
 mod accuracy;
 mod combine;
 mod machine;
 mod metric;
+#[cfg(feature = "engines")]
 mod peers;
 mod pictures;
 mod scene;
@@ -36,6 +38,7 @@ enum Part {
     /// Where methods fail
     Stability(Options),
     /// Physics engines on the same impacts
+    #[cfg(feature = "engines")]
     Peers(Options),
     /// The literature's visual tests, classic beside ours
     Pictures(Options),
@@ -57,6 +60,7 @@ fn main() -> Result<()> {
         Part::Accuracy(options) => accuracy::run(&options),
         Part::Combine(options) => combine::run(&options),
         Part::Stability(options) => stability::run(&options),
+        #[cfg(feature = "engines")]
         Part::Peers(options) => peers::run(&options),
         Part::Pictures(options) => pictures::run(&options),
     }

@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 
+use crate::metric::dot64;
+
 /// Displacement of each vertex, m.
 pub type Field = Vec<[f32; 3]>;
 
@@ -161,6 +163,13 @@ impl Body {
     /// All four.
     pub fn read_all() -> Result<Vec<Self>> {
         Truth::ALL.iter().flat_map(|t| Truth::BODIES.map(|b| Body::read(*t, b))).collect()
+    }
+
+    /// Angle between an impact's direction and the inward normal at its contact, degrees.
+    pub fn tilt_deg(&self, impact: &Impact) -> f64 {
+        let cosine: f64 =
+            -dot64(impact.direction.map(f64::from), self.normals[impact.contact_vertex as usize].map(f64::from));
+        cosine.clamp(-1.0, 1.0).acos().to_degrees()
     }
 
     fn impacts(&self, directory: &Path, file: &str) -> Result<Vec<Impact>> {
@@ -341,6 +350,12 @@ mod tests {
                 assert_eq!(i.field.len(), n);
                 assert_eq!(i.field[i.contact_vertex as usize], i.displacement, "{} {}", body.name, i.source);
                 assert_eq!(body.vertices[i.contact_vertex as usize], i.point);
+                assert!(body.tilt_deg(i) < 60.0, "{} {} comes from inside", body.name, i.source);
+                if let Striker::Ball { tilt_deg, .. } = i.striker
+                    && !tilt_deg.is_nan()
+                {
+                    assert!((body.tilt_deg(i) - tilt_deg).abs() < 0.5, "{} {tilt_deg}", body.tilt_deg(i));
+                }
             }
             assert_eq!(body.train.len(), 32);
             assert!(body.triangles.iter().flatten().all(|v| (*v as usize) < n));

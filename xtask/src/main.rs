@@ -6,6 +6,7 @@ mod command;
 mod demo;
 mod header;
 mod install;
+mod lab;
 mod native;
 mod outside;
 mod peers;
@@ -54,6 +55,8 @@ enum Command {
         #[arg(long)]
         debug: bool,
     },
+    /// Measure accuracy, cost, stability and peers; write docs/lab with its tables, charts and report
+    Lab(lab::Options),
     /// Formatting, lints, docs, header and repository checks, then every test with nothing skipped
     Ci,
     /// Only the checks of `ci` that build nothing: asset size, README snippet, changelog
@@ -84,6 +87,7 @@ fn run(command: Command) -> Result<()> {
             let profile = if debug { install::Profile::Debug } else { install::Profile::Release };
             install::run(&workspace, &prefix, profile).map(drop)
         }
+        Command::Lab(options) => lab::run(&workspace, &options),
         Command::Ci => ci::run(&workspace),
         Command::Repo { fix } => repo::run(&workspace, fix),
     }

@@ -19,6 +19,8 @@ pub enum Tool {
     Valgrind,
     /// CPython 3.11 with `venv`: the one version that Blender's `bpy` package is built for.
     Python311,
+    /// Any CPython 3 with `venv`, for the lab's charts.
+    Python3,
     /// The windowing libraries that `bpy` is linked with, although nothing is shown.
     BlenderLibraries,
     /// Node's package manager, for the Khronos glTF validator.
@@ -51,6 +53,7 @@ impl Tool {
             Self::Python311 => {
                 cmd!(sh, "python3.11 -c 'import ensurepip, venv'").quiet().ignore_stderr().read().is_ok()
             }
+            Self::Python3 => cmd!(sh, "python3 -c 'import ensurepip, venv'").quiet().ignore_stderr().read().is_ok(),
             Self::BlenderLibraries if cfg!(not(target_os = "linux")) => true,
             Self::BlenderLibraries => cmd!(sh, "/sbin/ldconfig -p").quiet().read().is_ok_and(|known| {
                 BLENDER_LIBRARIES.iter().all(|(file, _)| known.lines().any(|line| line.trim_start().starts_with(file)))
@@ -69,6 +72,7 @@ impl Tool {
             Self::Ode => &["pkg-config", "libode-dev"],
             Self::Valgrind => &["valgrind", "libc6-dbg"],
             Self::Python311 => &["python3.11", "python3.11-venv"],
+            Self::Python3 => &["python3", "python3-venv"],
             Self::Npm => &["nodejs", "npm"],
         };
         packages.to_vec()
@@ -85,6 +89,7 @@ impl fmt::Display for Tool {
             Self::Ode => "the Open Dynamics Engine's headers",
             Self::Valgrind => "valgrind",
             Self::Python311 => "Python 3.11 with venv",
+            Self::Python3 => "Python 3 with venv",
             Self::BlenderLibraries => "X11 and OpenGL libraries for Blender",
             Self::Npm => "npm",
         })
@@ -99,7 +104,7 @@ pub fn provide(workspace: &Workspace, wanted: &BTreeSet<Tool>) -> Result<BTreeSe
     }
     let packages = packages_of(&missing);
     if let Some(privilege) = privilege(workspace) {
-        println!("installing what the tests lack: {}", packages.join(" "));
+        println!("installing what is missing: {}", packages.join(" "));
         let sh = &workspace.shell;
         let apt = |arguments: &[&str]| {
             let (program, rest) = (privilege[0], &privilege[1..]);

@@ -1,0 +1,225 @@
+"""Writes README.md into the lab's directory from the tables that are there: `report.py DIRECTORY`."""
+
+import sys
+from pathlib import Path
+
+from style import BODIES, TRUTHS, read
+
+HERE = Path(__file__).parent
+FULL = 24
+K = 3
+SCENES = [(t, b) for t in TRUTHS for b in BODIES]
+
+
+def number(x, digits=2):
+    return "–" if x is None or isinstance(x, str) else f"{x:.{digits}f}" if abs(x) < 100 else f"{x:.0f}"
+
+
+def duration(us):
+    if us is None or isinstance(us, str):
+        return "–"
+    return f"{us:.0f} µs" if us < 1000 else f"{us / 1e3:.1f} ms" if us < 1e5 else f"{us / 1e6:.1f} s"
+
+
+def size(count):
+    return "–" if count is None else f"{count:.0f} B" if count < 1000 else f"{count / 1e3:.0f} kB" if count < 1e6 else f"{count / 1e6:.1f} MB"
+
+
+def table(head, rows):
+    line = lambda cells: "| " + " | ".join(str(c) for c in cells) + " |"
+    return "\n".join([line(head), "|" + "---|" * len(head)] + [line(r) for r in rows]) + "\n"
+
+
+def picture(directory, name, text):
+    return f"![{text}]({name}.svg)\n" if (directory / f"{name}.svg").exists() else ""
+
+
+def own_text(part):
+    """What the author of a part says about it, if anything."""
+    path = HERE / "report" / f"{part}.md"
+    return path.read_text().rstrip() + "\n" if path.exists() else ""
+
+
+def pair(row):
+    if not row:
+        return "–"
+    digits = 2 if row["rel_l2_median"] >= 0.1 else 3 if row["rel_l2_median"] >= 0.01 else 4
+    return f"{number(row['rel_l2_median'], digits)} / {number(row['rel_l2_p90'], digits)}"
+
+
+def heads():
+    return [f"{t}, {b}" for t, b in SCENES]
+
+
+def accuracy(directory):
+    t = read(directory, "accuracy.csv")
+    if t is None:
+        return ""
+    stamp = t.one(method="defaults")["stamp"]
+
+    def line(name, **wanted):
+        found = [t.one(truth=truth, body=body, **wanted) for truth, body in SCENES]
+        known = [r for r in found if r]
+        times = [r["us_per_impact"] for r in known if r["us_per_impact"] is not None]
+        sizes = [r["bytes"] for r in known if r["bytes"] is not None]
+        span = lambda values, show: "–" if not values else show(min(values)) if show(min(values)) == show(max(values)) else f"{show(min(values))} to {show(max(values))}"
+        return [name, *map(pair, found), span(times, duration), span(sizes, size)]
+
+    ours = dict(method="automatic", stamp=stamp)
+    rows = [line("no dent at all", method="none")]
+    rows += [line(f"the literature's rule, as is, {FULL} examples", method="classic", examples=FULL)]
+    rows += [line(f"the same, weight clamped, {FULL}", method="classic_clamped", examples=FULL)]
+    rows += [line("one radial profile, no examples", method="radial")]
+    rows += [line(f"Crumple, anchored only, {FULL}", method="anchored", examples=FULL)]
+    rows += [line(f"Crumple, K = {K}, {n} examples", examples=n, k=K, **ours) for n in (4, 8, 16, FULL, 32)]
+    rows += [line(f"Crumple, K = {k}, {FULL} examples", examples=FULL, k=k, **ours) for k in (1, 2, 4)]
+    rows += [line(f"Crumple, carried only, K = {K}, {FULL}", examples=FULL, k=K, method="carried", stamp=stamp)]
+    rows += [line(f"Crumple, all defaults, {n}", examples=n, k=K, method="defaults") for n in (4, FULL)]
+    rows += [[c.split(" / ")[0] for c in line("the truth's own noise", method="floor")]]
+    rows = [r for r in rows if any(c != "–" for c in r[1:])]
+    n = {s: t.one(truth=s[0], body=s[1], method="none") for s in SCENES}
+    held = "; ".join(f"{a} {b} {r['n']:.0f} impacts of {r['simulations']:.0f} simulations" for (a, b), r in n.items())
+    radial = [(s, t.one(truth=s[0], body=s[1], method="radial")["rel_l2_median"], t.one(truth=s[0], body=s[1], examples=4, k=K, **ours)["rel_l2_median"]) for s in SCENES]
+    near = [f"{s[1]} of the {s[0]}" for s, without, four in radial if without < 1.1 * four]
+    loses = f" Four examples are no better than the profile without any on the {' and the '.join(near)}." if near else ""
+    text = f"""## 1. Accuracy against speed
+
+{picture(directory, "accuracy_speed", "Relative error against time per impact, for Crumple, the literature's rule, a radial profile and physics engines, on two bodies and two truths")}
+The error is the relative L2 of the displacement field over all vertices, against impacts that no example shows ({held}). A
+method is told the contact point and the displacement that stays there, nothing else. Cost is one thread, from the contact to
+the written positions: selection, placing, and every vertex touched. Median / 90th percentile; cost and memory are those of
+the four bodies:
+
+{table(["method", *heads(), "time an impact", "memory"], rows)}
+- The time is that of positions alone; with normals it is {number(ratio(t, stamp), 1)} times as long.
+- The literature's rule is the cheapest that uses examples, and it puts the dent where the example was made, not where the body
+  was hit; without the clamp its weight grows without limit where an example barely moves the contact.
+- The radial profile is cheaper still and needs next to no memory.{loses} It cannot know that a drum dents along its axis.
+- "Crumple, K = 3" lets dents be as deep as asked; with all defaults the deepest example limits them, which costs where
+  the examples are few and shallow. Presses that leave under 5 mm are left out: there is no dent to predict.
+
+{picture(directory, "accuracy_examples", "Error against the number of examples")}
+{picture(directory, "accuracy_stamps", "Error against the size of the stamps")}
+{picture(directory, "accuracy_impacts", "Error of every held-out impact")}
+"""
+    return text + peers(directory) + own_text("accuracy") + candidates(directory)
+
+
+def ratio(t, stamp):
+    rows = [r for r in t.where(method="automatic", examples=FULL, k=K, stamp=stamp) if r["us_with_normals"]]
+    factors = sorted(r["us_with_normals"] / r["us_per_impact"] for r in rows)
+    return factors[len(factors) // 2] if factors else None
+
+
+def peers(directory):
+    tables = [read(directory, p.name) for p in sorted(directory.glob("peers_*.csv"))]
+    rows = [r for t in tables for r in t.rows if "rel_l2_median" in r]
+    if not rows:
+        return ""
+    cells = [[f"{r['peer']} {r['version']}", f"{r['truth']}, {r['body']}", r["quality"], number(r["rel_l2_median"]), number(r["scaled_rel_l2_median"]),
+              duration(r["us_per_impact"]), size(r["bytes"]), f"{number(r['failures'], 0)} of {number(r['n'], 0)}"] for r in rows]
+    head = ["engine", "impacts", "quality", "error", "error when scaled", "time an impact", "memory", "failed"]
+    return f"""### Physics engines on the same impacts
+
+They are told more (what strikes, how fast or how far) and simulate the rest. "Error when scaled" is after one factor gave the
+contact the displacement that Crumple is told.
+
+{table(head, cells)}
+{own_text("peers")}"""
+
+
+def candidates(directory):
+    t = read(directory, "candidates.csv")
+    if t is None:
+        return ""
+    names = list(dict.fromkeys(r["candidate"] for r in t.rows))
+    counts = sorted({r["examples"] for r in t.rows})
+    n = FULL if FULL in counts else counts[-1]
+    rows = []
+    for name in names:
+        of = [r for r in t.rows if r["candidate"] == name]
+        cells = []
+        for truth, body in SCENES:
+            r = next((r for r in of if (r["truth"], r["body"], r["examples"]) == (truth, body, n)), None)
+            change = r and r["change"]
+            shown = "" if change in (None, "") else f" ({change * 100:+.0f} %)" if isinstance(change, float) else f" ({change})"
+            cells.append(number(r["cv_median"], 3) + shown if r else "–")
+        rows.append([name, of[0]["description"], *cells, "yes" if str(of[0]["kept"]).lower() in ("yes", "true", "1", "1.0") else "no"])
+    return f"""### What was tried
+
+Median error by cross-validation on the training impacts ({n:.0f} examples), and the change by the candidate. What won is the default.
+
+{table(["candidate", "what", *heads(), "kept"], rows)}
+{own_text("candidates")}"""
+
+
+def combining(directory):
+    t = read(directory, "combine.csv")
+    if t is None:
+        return ""
+
+    def rows(source):
+        for rule in dict.fromkeys(r["rule"] for r in t.where(source=source)):
+            cells = [t.one(source=source, rule=rule, truth=truth, body=body, kind="all") for truth, body in SCENES]
+            again = [t.one(source=source, rule=rule, truth="shots", body=body, kind="again") for body in BODIES]
+            known = [c for c in cells if c]
+            kept = [c["retention_worst"] for c in known if c["retention_worst"] is not None]
+            yield [rule, *map(pair, cells), " / ".join(number(a["rel_l2_median"]) for a in again if a), number(max(c["seam_worst"] for c in known)), number(min(kept) if kept else None),
+                   number(max(c["order_worst"] for c in known)), f"{max(c['inverted_worst'] for c in known):.0f}"]
+
+    head = ["rule", *heads(), "8 times at one place", "seam", "kept", "order", "inverted"]
+    n = ", ".join(f"{t.one(truth=a, body=b, kind='all')['n']:.0f} on the {b} of the {a}" for a, b in SCENES)
+    return f"""## 2. Several dents
+
+{picture(directory, "combine_errors", "Error of each rule after the last impact")}
+Sequences of two to four impacts ({n}), and one shot eight times at one place. First each rule is fed with the true dent of each
+impact on the fresh body, so that nothing but the rule is wrong. Error: median / 90th percentile after the last impact.
+"Seam" is the largest edge jump over the truth's, "kept" the displacement kept at earlier contacts over the truth's, "order" the
+largest difference between two orders of the same impacts over the deepest dent, "inverted" triangles beyond the truth's; each
+the worst over all bodies.
+
+{table(head, rows("true singles"))}
+End to end, with {FULL} examples (the library's rules are free of order by construction, the literature's are not):
+
+{table(head, rows("predicted"))}
+{picture(directory, "combine_seams", "Largest seam against what is kept of earlier dents")}
+- Shots beside each other nearly add; upon each other they grow as the root of their number; a press is measured from the
+  fresh surface, so there the deepest is nearest. No rule that sees only the dents serves all three best.
+- The "overlap" rules add as far as two dents are apart and take energies as far as they coincide; nothing in them is fitted. The
+  p of a p-norm is not fitted either: the table shows the steps. There are no training sequences, so nothing could be.
+{own_text("combine")}"""
+
+
+def section(directory, heading, part):
+    text = own_text(part)
+    charts = "\n".join(picture(directory, p.stem, p.stem.replace("_", " ")) for p in sorted(directory.glob(f"{part}*.svg")))
+    images = "" if charts else "\n".join(f"![{p.stem.replace('_', ' ')}]({p.name})\n" for p in sorted(directory.glob(f"{part}*.png")))
+    # A text that shows its pictures itself has them where it wants them.
+    if "![" in text:
+        charts = images = ""
+    return f"## {heading}\n\n{text}\n{charts}{images}\n" if text or charts or images else ""
+
+
+def main():
+    directory = Path(sys.argv[1])
+    tables = [t for t in (read(directory, n) for n in ("accuracy.csv", "combine.csv")) if t]
+    machine = tables[0] if tables else None
+    where = f"Machine: {machine.said('machine')}, {machine.said('cores')}; {machine.said('rustc')}; crumple {machine.said('crumple')}." if machine else ""
+    text = f"""# The lab
+
+Everything here is made by `cargo xtask lab`: tables (CSV), charts (SVG and PNG) and this page. {where}
+Two [truths](../../lab/data/README.md), computed by independent solvers, say what is right; parameters were chosen by cross-validation on training
+impacts, never on the held-out ones measured here. Figures are medians unless said otherwise.
+
+{accuracy(directory)}
+{combining(directory)}
+{section(directory, "3. Stability where methods fail", "stability")}
+{section(directory, "4. The literature's own pictures", "pictures")}"""
+    while "\n\n\n" in text:
+        text = text.replace("\n\n\n", "\n\n")
+    (directory / "README.md").write_text(text.rstrip() + "\n")
+    print(f"report: {directory / 'README.md'}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,130 @@
+//! `cargo xtask lab`: runs the lab's parts one after the other, draws their charts and writes docs/lab/README.md.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context, Result, bail, ensure};
+use clap::Args;
+use xshell::cmd;
+
+use crate::tools::{self, Tool};
+use crate::workspace::{Workspace, empty_directory};
+
+#[derive(Args)]
+pub struct Options {
+    /// A few impacts only, in under 3 minutes; into target/lab-quick, so that no committed figure is replaced
+    #[arg(long)]
+    pub quick: bool,
+    /// Only this part; may be given several times
+    #[arg(long, value_name = "PART")]
+    pub only: Vec<String>,
+}
+
+/// What a part runs, in this order; what is not there yet is left out.
+struct Part {
+    name: &'static str,
+    /// Subcommand of `crumple-lab`.
+    measures: Option<&'static str>,
+    /// Script in lab/python, told `--out DIRECTORY` and perhaps `--quick`.
+    script: Option<&'static str>,
+    /// Script that is told the directory alone.
+    shows: Option<&'static str>,
+}
+
+const fn part(name: &'static str) -> Part {
+    Part { name, measures: None, script: None, shows: None }
+}
+
+const PARTS: &[Part] = &[
+    Part { measures: Some("accuracy"), ..part("accuracy") },
+    Part { measures: Some("combine"), ..part("combine") },
+    Part { script: Some("candidates.py"), ..part("candidates") },
+    Part { measures: Some("peers"), script: Some("mujoco_peer.py"), ..part("peers") },
+    Part { measures: Some("stability"), ..part("stability") },
+    Part { measures: Some("pictures"), ..part("pictures") },
+    Part { shows: Some("draw.py"), ..part("charts") },
+    Part { shows: Some("report.py"), ..part("report") },
+];
+
+pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
+    for name in &options.only {
+        if !PARTS.iter().any(|part| part.name == name) {
+            let names: Vec<&str> = PARTS.iter().map(|part| part.name).collect();
+            bail!("there is no part {name:?}; there are: {}", names.join(", "));
+        }
+    }
+    let wanted = |part: &&Part| options.only.is_empty() || options.only.iter().any(|name| name == part.name);
+    let parts: Vec<&Part> = PARTS.iter().filter(wanted).collect();
+    let out = if options.quick { workspace.target.join("lab-quick") } else { workspace.path("docs/lab") };
+    if options.quick && options.only.is_empty() {
+        empty_directory(&out)?;
+    }
+
+    let start = Instant::now();
+    let program = timed("build", || {
+        workspace.cargo(&["build", "--release", "--package", "crumple-lab", "--all-features"]).run()?;
+        Ok(workspace.target.join("release/crumple-lab").with_extension(std::env::consts::EXE_EXTENSION))
+    })?;
+    let python = timed("python", || python(workspace))?;
+    let sh = &workspace.shell;
+    let _no_cache = sh.push_env("PYTHONDONTWRITEBYTECODE", "1");
+    for part in parts {
+        timed(part.name, || {
+            let quick = options.quick.then_some("--quick");
+            if let Some(subcommand) = part.measures {
+                cmd!(sh, "{program} {subcommand} {quick...} --out {out}").quiet().run()?;
+            }
+            if let Some(script) = part.script {
+                let path = script_path(workspace, script);
+                if path.exists() {
+                    cmd!(sh, "{python} {path} {quick...} --out {out}").quiet().run()?;
+                } else {
+                    println!("left out: there is no {}", path.display());
+                }
+            }
+            if let Some(script) = part.shows {
+                let path = script_path(workspace, script);
+                cmd!(sh, "{python} {path} {out}").quiet().run()?;
+            }
+            Ok(())
+        })
+        .with_context(|| format!("part {0} failed; alone: cargo xtask lab --only {0}", part.name))?;
+    }
+    println!("== lab: {} after {:.0} s", out.display(), start.elapsed().as_secs_f64());
+    Ok(())
+}
+
+fn timed<T>(name: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
+    let start = Instant::now();
+    let done = work()?;
+    println!("== {name}: {:.1} s", start.elapsed().as_secs_f64());
+    Ok(done)
+}
+
+fn script_path(workspace: &Workspace, script: &str) -> PathBuf {
+    workspace.path("lab/python").join(script)
+}
+
+/// An interpreter with what the scripts need, in the pinned versions, in an environment under the target directory.
+fn python(workspace: &Workspace) -> Result<PathBuf> {
+    let sh = &workspace.shell;
+    let environment = workspace.target.join("lab-venv");
+    let python = if cfg!(windows) { environment.join("Scripts/python.exe") } else { environment.join("bin/python") };
+    let requirements = workspace.path("lab/python/requirements.txt");
+    let wanted = std::fs::read_to_string(&requirements).context("reading lab/python/requirements.txt")?;
+    let installed = environment.join("installed.txt");
+    let works = |python: &Path| cmd!(sh, "{python} --version").quiet().ignore_stdout().ignore_stderr().run().is_ok();
+    if std::fs::read_to_string(&installed).is_ok_and(|have| have == wanted) && works(&python) {
+        return Ok(python);
+    }
+    let missing = tools::provide(workspace, &BTreeSet::from([Tool::Python3]))?;
+    ensure!(missing.is_empty(), "the lab's charts need Python. {}", tools::advice(&missing));
+    println!("installing into {}: {}", environment.display(), wanted.split_whitespace().collect::<Vec<_>>().join(" "));
+    empty_directory(&environment)?;
+    cmd!(sh, "python3 -m venv {environment}").quiet().run()?;
+    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--only-binary", ":all:", "-r"];
+    cmd!(sh, "{python} {pip...} {requirements}").quiet().run()?;
+    std::fs::write(&installed, wanted).context("noting what is installed")?;
+    Ok(python)
+}
