@@ -22,6 +22,7 @@ mod anchored;
 mod attach;
 mod capi;
 mod classic;
+mod contacts;
 mod damage;
 mod data;
 mod deform;
