@@ -176,7 +176,7 @@ fn quick_contacts_end_when_damage_is_replaced_repaired_or_reset() {
 }
 
 #[test]
-fn quick_the_oldest_contact_ends_when_there_are_too_many() {
+fn the_oldest_contact_ends_when_there_are_too_many() {
     let set = scenes::sheet_set();
     let mut dice = Dice::new(3);
     let mut instance = with(&set, InstanceOptions { capacity: 1000, ..InstanceOptions::default() });
