@@ -29,7 +29,9 @@ pub fn run(options: &Options) -> Result<()> {
             let mut instance = method.instance(&set)?;
             let mut dice = Dice::new(5);
             let mut submitted = 0;
-            for stop in stops {
+            // What diverges or forgets has done so long before.
+            let most = if matches!(method, Method::Ours | Method::Classic) { usize::MAX } else { 10_000 };
+            for stop in stops.iter().filter(|s| **s <= most) {
                 while submitted < *stop {
                     let share = dice.between(0.02, 1.5);
                     instance.submit(&random_hit(&set, &mut dice, share))?;

@@ -13,7 +13,7 @@ const HITS: usize = 75;
 const DURATION: f32 = 0.01;
 
 pub fn run(options: &Options) -> Result<()> {
-    let (step, seeds) = if options.quick { (3, 2) } else { (1, 5) };
+    let (step, seeds) = if options.quick { (4, 2) } else { (2, 5) };
     let columns = [
         "body",
         "method",

@@ -12,7 +12,7 @@ use crate::table::{Table, num};
 use crate::truth::Truth;
 
 pub fn run(options: &Options) -> Result<()> {
-    let (scenes, orders) = if options.quick { (2, 24) } else { (5, 120) };
+    let (scenes, orders) = if options.quick { (1, 24) } else { (3, 60) };
     let columns =
         ["body", "method", "hits", "orders", "results_median", "results_worst", "apart_median", "apart_worst", "n"];
     let mut table = Table::new(&columns);
@@ -30,7 +30,7 @@ pub fn run(options: &Options) -> Result<()> {
                     let mut dice = Dice::new(100 * scene + count as u64);
                     let hits: Vec<Hit> = (0..count)
                         .map(|_| {
-                            let share = dice.between(0.3, 1.0);
+                            let share = dice.between(0.05, 0.6);
                             random_hit(&set, &mut dice, share)
                         })
                         .collect();

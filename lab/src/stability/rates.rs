@@ -37,7 +37,7 @@ const WAYS: [Way; 5] = [
 ];
 
 pub fn run(options: &Options) -> Result<()> {
-    let (impacts, phases) = if options.quick { (4, 2) } else { (16, 6) };
+    let (impacts, phases) = if options.quick { (4, 2) } else { (12, 4) };
     let mut table =
         Table::new(&["body", "way", "reported", "rate_hz", "depth_median", "depth_least", "depth_most", "n"]);
     table.comment("what", "one contact of 25 ms whose force rises and falls, begun at any phase of a step");
