@@ -46,9 +46,9 @@
 // and callbacks must not call back into it. One that does gets CRUMPLE_ERROR_CONCURRENT_USE, in every build. Excepted
 // are crumple_submit_impulse(), crumple_submit_displacement() and crumple_end_contact(), which any number of threads
 // may call at any time, also while another thread deforms, and the functions that take no context. Different contexts
-// know nothing of each other. The result never depends on the number of threads, nor on the order of the hits between two reads of the
-// damage (with CRUMPLE_RULE_MARKS it does not depend on those reads either, until marks merge because there are more
-// than mark_capacity).
+// know nothing of each other. The result never depends on the number of threads, nor on the order of the hits between
+// two reads of the damage (with CRUMPLE_RULE_MARKS it does not depend on those reads either, until marks merge because
+// there are more than mark_capacity; contacts in parts up to the rounding of a sum).
 //
 // Units. Metres, seconds, kilograms; impulses in newton seconds. Any handedness, any axis up. Each number says its
 // unit. NaN and infinities are errors everywhere. Vertices are 32-bit floats, indices count from 0, enums are 32 bits
@@ -1024,22 +1024,21 @@ CrumpleResult crumple_submit_displacement(CrumpleContext *context,
 /// Ends a contact of an instance: its dent stays as it is, and later hits with the same id begin another one.
 ///
 /// A physics engine that reports one contact as many small impulses, one a step, gives all of them the same contact_id
-/// (of its own choice, one for each contact point and touch, not 0) and ends the contact when the bodies part. Then they
-/// make the one dent that the whole impulse in one report would have made, at any frame rate: while the contact is open,
-/// displacements (impulse * duration / mass) add, the point is the mean of their points, weighted by the lengths of
-/// their displacements, yield thresholds and depth limit hold for the sum, and the contact's one mark is replaced as
-/// more hits come.
+/// (of its own choice, one for each contact point and touch, not 0) and ends the contact when the bodies part. They
+/// make the one dent that the whole impulse in one report would have made, at any frame rate: while the contact is
+/// open, displacements (impulse * duration / mass) add, the point is the mean of their points, weighted by the lengths
+/// of their displacements, yield thresholds and depth limit hold for the sum, and the contact's one mark is replaced
+/// as more hits come.
 ///
 /// Counts from the next call that reads damage on, after all hits that have arrived by then: use an id again only after
 /// that. An id that is not open is no error. Contacts also end when the instance's damage is set, loaded, copied
-/// into, repaired or reset, and when more than 256 are open: the one hit longest ago ends then (of equals the lowest id).
+/// into, repaired or reset, and when more than 256 are open: the one hit longest ago ends then (of equals the lowest
+/// id).
 ///
 /// May be called from any thread at any time, as crumple_submit_impulse(). Errors: CRUMPLE_ERROR_NULL_POINTER,
 /// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (contact_id is 0), CRUMPLE_ERROR_WRONG_RULE (one of the
 /// literature's rules), CRUMPLE_ERROR_OUT_OF_MEMORY.
-CrumpleResult crumple_end_contact(CrumpleContext *context,
-                                  CrumpleInstance instance,
-                                  uint64_t contact_id);
+CrumpleResult crumple_end_contact(CrumpleContext *context, CrumpleInstance instance, uint64_t contact_id);
 
 /// Copies an instance's marks, sorted: the same hits give the same marks whatever their order. marks has room for
 /// capacity of them; with null and 0 only their number is told.

@@ -245,15 +245,16 @@ pub unsafe extern "C" fn crumple_submit_displacement(
 /// Ends a contact of an instance: its dent stays as it is, and later hits with the same id begin another one.
 ///
 /// A physics engine that reports one contact as many small impulses, one a step, gives all of them the same contact_id
-/// (of its own choice, one for each contact point and touch, not 0) and ends the contact when the bodies part. Then they
-/// make the one dent that the whole impulse in one report would have made, at any frame rate: while the contact is open,
-/// displacements (impulse * duration / mass) add, the point is the mean of their points, weighted by the lengths of
-/// their displacements, yield thresholds and depth limit hold for the sum, and the contact's one mark is replaced as
-/// more hits come.
+/// (of its own choice, one for each contact point and touch, not 0) and ends the contact when the bodies part. They
+/// make the one dent that the whole impulse in one report would have made, at any frame rate: while the contact is
+/// open, displacements (impulse * duration / mass) add, the point is the mean of their points, weighted by the lengths
+/// of their displacements, yield thresholds and depth limit hold for the sum, and the contact's one mark is replaced
+/// as more hits come.
 ///
 /// Counts from the next call that reads damage on, after all hits that have arrived by then: use an id again only after
 /// that. An id that is not open is no error. Contacts also end when the instance's damage is set, loaded, copied
-/// into, repaired or reset, and when more than 256 are open: the one hit longest ago ends then (of equals the lowest id).
+/// into, repaired or reset, and when more than 256 are open: the one hit longest ago ends then (of equals the lowest
+/// id).
 ///
 /// May be called from any thread at any time, as crumple_submit_impulse(). Errors: CRUMPLE_ERROR_NULL_POINTER,
 /// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (contact_id is 0), CRUMPLE_ERROR_WRONG_RULE (one of the
