@@ -130,7 +130,7 @@ def hits(table):
     last = max(r["hits"] for r in table.rows)
     ours, classic = [max(r["bytes_of_damage"] for r in table.where(method=m, hits=last)) for m in (OURS, CLASSIC)]
     style.title(figure, f"{last:,.0f} random hits: bounded, in {ours / 1e3:.1f} kB (the literature's state: {classic / 1e3:.0f} kB)")
-    finish(figure, axes[0, 0], table, "one sequence a body, 24 examples", "Example: the deepest, or the largest edge jump, of all examples.", bottom=0.1, top=0.945, legend=0.05)
+    finish(figure, axes[0, 0], table, "one sequence a body, 24 examples", "Example: the deepest, or the largest edge jump, of all examples. Blending, and the rule as is, were stopped at 10 000 hits.", bottom=0.1, top=0.945, legend=0.05)
     return figure
 
 
