@@ -15,7 +15,7 @@
 //                       crumple_copy_base_mesh, crumple_nearest_vertex
 //   4. Instances        crumple_create_instance, crumple_set_instance_transform, ..._depth_limit
 //                       one a body in the scene; a few hundred bytes each
-//   5. Hits             crumple_submit_impulse, crumple_submit_displacement
+//   5. Hits             crumple_submit_impulse, crumple_submit_displacement, crumple_end_contact
 //                       from any thread, whenever the physics engine reports a contact
 //   6. Damage           crumple_get_marks, crumple_set_marks, crumple_save_damage, crumple_load_damage,
 //                       crumple_repair_damage, crumple_reset_damage, crumple_copy_damage
@@ -44,11 +44,11 @@
 //
 // Threads. Calls are externally synchronised per context: two threads must not be inside the same context at once,
 // and callbacks must not call back into it. One that does gets CRUMPLE_ERROR_CONCURRENT_USE, in every build. Excepted
-// are crumple_submit_impulse() and crumple_submit_displacement(), which any number of threads may call at any time,
-// also while another thread deforms, and the functions that take no context. Different contexts know nothing of each
-// other. The result never depends on the number of threads, nor on the order of the hits between two reads of the
-// damage (with CRUMPLE_RULE_MARKS it does not depend on those reads either, until marks merge because there are more
-// than mark_capacity).
+// are crumple_submit_impulse(), crumple_submit_displacement() and crumple_end_contact(), which any number of threads
+// may call at any time, also while another thread deforms, and the functions that take no context. Different contexts
+// know nothing of each other. The result never depends on the number of threads, nor on the order of the hits between
+// two reads of the damage (with CRUMPLE_RULE_MARKS it does not depend on those reads either, until marks merge because
+// there are more than mark_capacity; contacts in parts up to the rounding of a sum).
 //
 // Units. Metres, seconds, kilograms; impulses in newton seconds. Any handedness, any axis up. Each number says its
 // unit. NaN and infinities are errors everywhere. Vertices are 32-bit floats, indices count from 0, enums are 32 bits
@@ -90,6 +90,8 @@
 
 /// Bit of crumple_features(): crumple_set_allocator() works.
 #define CRUMPLE_FEATURE_HOST_ALLOCATOR 4
+
+
 
 /// What every fallible call returns. After anything but CRUMPLE_OK no output was written, crumple_last_error() tells
 /// what was wrong and what would be right, and everything stays usable.
@@ -233,6 +235,9 @@ typedef enum {
     CRUMPLE_HIT_STATUS_NOTHING_REACHES = 2,
 } CrumpleHitStatus;
 
+/// The open contacts of one instance.
+typedef struct Contacts Contacts;
+
 /// Everything that Crumple knows. Opaque.
 typedef struct CrumpleContext CrumpleContext;
 
@@ -266,8 +271,8 @@ typedef void (*CrumpleTask)(uint32_t index, void *task_data);
 /// Your parallel-for: call task(index, task_data) once for every index below count, on any threads and in any order,
 /// and return when all have returned. Tasks never block, never throw, and may run at once. What you forget is run
 /// after you return, and an index that you run twice does nothing the second time. Called from the thread that called
-/// Crumple. Must not throw or jump out. It may call crumple_submit_impulse() and crumple_submit_displacement(),
-/// nothing else of the same context.
+/// Crumple. Must not throw or jump out. It may call crumple_submit_impulse(), crumple_submit_displacement() and
+/// crumple_end_contact(), nothing else of the same context.
 typedef void (*CrumpleParallelFor)(uint32_t count, CrumpleTask task, void *task_data, void *user);
 
 /// The host's job system. Zero everywhere: there is none, Crumple uses threads of its own.
@@ -597,12 +602,15 @@ typedef struct {
     uint32_t buffer_count;
     /// No vertex moves further than this, m.
     float depth_limit;
+    /// Open contacts, see crumple_end_contact().
+    uint32_t contact_count;
     /// Zero; room for later.
-    uint32_t reserved[5];
+    uint32_t reserved[4];
 } CrumpleInstanceInfo;
 
-/// A hit by an impulse. The contact is displaced by impulse * duration / mass, so report a contact once, with its
-/// whole impulse and how long it took: fed with the time step of every frame instead, dents depend on the frame rate.
+/// A hit by an impulse. The contact is displaced by impulse * duration / mass. Let duration be a constant of the
+/// material, never the time step, and report a contact once, with its whole impulse, or in parts with a contact_id:
+/// then dents do not depend on the frame rate.
 typedef struct {
     /// Bytes of this struct, from crumple_default_impulse_def().
     uint32_t struct_size;
@@ -612,10 +620,13 @@ typedef struct {
     CrumpleVec3 point;
     /// The impulse that the body received, N s.
     CrumpleVec3 impulse;
-    /// How long it acted, s; above 0. Default 0: set it.
+    /// How long it acted, s; above 0: a constant of the material, say 0.01, not the time step. Default 0: set it.
     float duration;
     /// Mass of the contact vertex, kg. 0: that of the set. Default 0.
     float mass;
+    /// Which contact it is part of, any number of your own; hits of one contact make one dent, see
+    /// crumple_end_contact(). 0: none, a hit of its own. Default 0.
+    uint64_t contact_id;
     /// Only tell what the hit would do, and leave nothing. Default false.
     bool preview;
 } CrumpleImpulseDef;
@@ -630,6 +641,8 @@ typedef struct {
     CrumpleVec3 point;
     /// How far the contact should move, m.
     CrumpleVec3 displacement;
+    /// Which contact it is part of, as in CrumpleImpulseDef. Default 0.
+    uint64_t contact_id;
     /// Only tell what the hit would do, and leave nothing. Default false.
     bool preview;
 } CrumpleDisplacementDef;
@@ -987,13 +1000,15 @@ CrumpleDisplacementDef crumple_default_displacement_def(void);
 
 /// Reports an impulse. Its examples are chosen at once; the mark it makes counts from the next call that reads damage
 /// (crumple_deform(), crumple_get_marks() and so on), whatever the order and the threads hits came from. A hit that
-/// is too weak, or that no example answers, is no error: see status. out_result may be null.
+/// is too weak, or that no example answers, is no error: see status. out_result may be null. With a contact_id it
+/// tells what the hit would do alone; see crumple_end_contact() for what it does with the contact's other hits.
 ///
 /// May be called from any thread at any time, also while other threads submit or deform; not while the instance or
 /// the context is being destroyed. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED,
 /// CRUMPLE_ERROR_STRUCT_SIZE, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INVALID_ARGUMENT (a
 /// duration not above 0, a negative mass, or none known), CRUMPLE_ERROR_CONTACT_TOO_FAR (the point is further from
-/// the body than the instance accepts), CRUMPLE_ERROR_OUT_OF_MEMORY. Nothing is left behind then.
+/// the body than the instance accepts), CRUMPLE_ERROR_WRONG_RULE (a contact_id with one of the literature's rules,
+/// which cannot replace what they have deformed), CRUMPLE_ERROR_OUT_OF_MEMORY. Nothing is left behind then.
 CrumpleResult crumple_submit_impulse(CrumpleContext *context,
                                      CrumpleInstance instance,
                                      const CrumpleImpulseDef *def,
@@ -1005,6 +1020,25 @@ CrumpleResult crumple_submit_displacement(CrumpleContext *context,
                                           CrumpleInstance instance,
                                           const CrumpleDisplacementDef *def,
                                           CrumpleHitResult *out_result);
+
+/// Ends a contact of an instance: its dent stays as it is, and later hits with the same id begin another one.
+///
+/// A physics engine that reports one contact as many small impulses, one a step, gives all of them the same contact_id
+/// (of its own choice, one for each contact point and touch, not 0) and ends the contact when the bodies part. They
+/// make the one dent that the whole impulse in one report would have made, at any frame rate: while the contact is
+/// open, displacements (impulse * duration / mass) add, the point is the mean of their points, weighted by the lengths
+/// of their displacements, yield thresholds and depth limit hold for the sum, and the contact's one mark is replaced
+/// as more hits come.
+///
+/// Counts from the next call that reads damage on, after all hits that have arrived by then: use an id again only after
+/// that. An id that is not open is no error. Contacts also end when the instance's damage is set, loaded, copied
+/// into, repaired or reset, and when more than 256 are open: the one hit longest ago ends then (of equals the lowest
+/// id).
+///
+/// May be called from any thread at any time, as crumple_submit_impulse(). Errors: CRUMPLE_ERROR_NULL_POINTER,
+/// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (contact_id is 0), CRUMPLE_ERROR_WRONG_RULE (one of the
+/// literature's rules), CRUMPLE_ERROR_OUT_OF_MEMORY.
+CrumpleResult crumple_end_contact(CrumpleContext *context, CrumpleInstance instance, uint64_t contact_id);
 
 /// Copies an instance's marks, sorted: the same hits give the same marks whatever their order. marks has room for
 /// capacity of them; with null and 0 only their number is told.
@@ -1018,7 +1052,8 @@ CrumpleResult crumple_get_marks(CrumpleContext *context,
                                 uint32_t capacity,
                                 uint32_t *out_count);
 
-/// Replaces an instance's marks by count others, of the same set, and forgets hits that wait. Null and 0: none.
+/// Replaces an instance's marks by count others, of the same set, forgets hits that wait and ends contacts. Null and
+/// 0: none.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that the set cannot have), CRUMPLE_ERROR_WRONG_RULE,
@@ -1039,27 +1074,27 @@ CrumpleResult crumple_save_damage(CrumpleContext *context,
                                   size_t capacity,
                                   size_t *out_size);
 
-/// Replaces an instance's damage by size saved bytes, of any alignment, and forgets hits that wait.
+/// Replaces an instance's damage by size saved bytes, of any alignment, forgets hits that wait and ends contacts.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_DAMAGE_MISMATCH (of another set, version or rule, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT (a
 /// mark that the set cannot have), CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
 CrumpleResult crumple_load_damage(CrumpleContext *context, CrumpleInstance instance, const void *data, size_t size);
 
-/// Repairs an instance: every dent keeps this share of its depth, 0 (as new) to 1 (nothing repaired).
+/// Repairs an instance: every dent keeps this share of its depth, 0 (as new) to 1 (nothing repaired). Ends contacts.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_NOT_FINITE,
 /// CRUMPLE_ERROR_INVALID_ARGUMENT, CRUMPLE_ERROR_CONCURRENT_USE.
 CrumpleResult crumple_repair_damage(CrumpleContext *context, CrumpleInstance instance, float keep);
 
-/// Makes an instance as new, and forgets hits that wait.
+/// Makes an instance as new, forgets hits that wait and ends contacts.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_CONCURRENT_USE.
 CrumpleResult crumple_reset_damage(CrumpleContext *context, CrumpleInstance instance);
 
 /// Replaces the damage of instance by that of source, another instance with an equal set and the same kind of rule,
-/// and forgets hits that wait for instance. From itself: nothing happens.
+/// forgets hits that wait for instance and ends its contacts. From itself: nothing happens.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_DAMAGE_MISMATCH, CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.

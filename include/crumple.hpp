@@ -266,6 +266,11 @@ public:
         return submit(def);
     }
 
+    /// Ends a contact: hits with its contact_id make one dent until then. Any thread, at any time.
+    Result<void> end_contact(uint64_t contact_id) {
+        return detail::done(crumple_end_contact(context(), id(), contact_id));
+    }
+
     Result<std::vector<CrumpleMark>> marks() const {
         return detail::fill<CrumpleMark, uint32_t>([&](CrumpleMark *marks, uint32_t capacity, uint32_t *count) {
             return crumple_get_marks(context(), id(), marks, capacity, count);

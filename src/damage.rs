@@ -5,6 +5,7 @@ use crate::examples::{Combine, ExampleSet};
 use crate::mesh::MAX_COORDINATE;
 use crate::{Error, error::reserve};
 use bytemuck::{Pod, Zeroable};
+use std::cmp::Ordering;
 
 /// An example and its share of a dent.
 #[repr(C)]
@@ -240,6 +241,31 @@ impl Damage {
         self.dents.iter().for_each(touched);
         self.marks.clear();
         self.dents.clear();
+    }
+
+    /// Calls `touched` with every dent that only one of two lists has, or whose strength is another.
+    pub(crate) fn differences(&self, other: &Damage, touched: Touched<'_>) {
+        let (mut a, mut b) = (0, 0);
+        while a < self.marks.len() || b < other.marks.len() {
+            let order = match (self.marks.get(a), other.marks.get(b)) {
+                (Some(x), Some(y)) => x.key().cmp(&y.key()),
+                (Some(_), None) => Ordering::Less,
+                (None, _) => Ordering::Greater,
+            };
+            match order {
+                Ordering::Less => touched(&self.dents[a]),
+                Ordering::Greater => touched(&other.dents[b]),
+                Ordering::Equal if self.marks[a].energy != other.marks[b].energy => touched(&self.dents[a]),
+                Ordering::Equal => {}
+            }
+            a += usize::from(order.is_le());
+            b += usize::from(order.is_ge());
+        }
+    }
+
+    pub(crate) fn memory_bytes(&self) -> usize {
+        let parts: usize = self.dents.iter().map(|d| d.parts.len() * size_of::<crate::dent::Part>()).sum();
+        self.marks.len() * (size_of::<Mark>() + size_of::<Dent>()) + parts
     }
 
     pub(crate) fn touch_all(&self, touched: Touched<'_>) {

@@ -1,13 +1,15 @@
 //! One dented copy of a mesh: its inbox of hits, its damage, and which blocks changed when.
 
 use crate::classic::{Blend, State};
+use crate::contacts::{Contacts, News, Part};
 use crate::damage::{Damage, saved};
 use crate::dent::Dent;
 use crate::error::at_least_zero;
 use crate::examples::ExampleSet;
-use crate::select::{Effect, Params, select};
-use crate::{Error, Hit, Mark, Outcome, Selection};
+use crate::select::{Effect, Params, select, to_local};
+use crate::{Cause, Error, Hit, Mark, Outcome, Selection};
 use glam::{DMat3, DVec3, Mat4, Vec3};
+use std::num::NonZeroU64;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, RwLock};
 
@@ -122,12 +124,15 @@ enum Pending {
     Mark(Mark),
     /// Contact vertex, example, bits of the weight (positive, so they sort as the numbers do).
     Classic(u32, u32, u32),
+    Part(Part),
+    End(NonZeroU64),
 }
 
 /// Where hits arrive: may be shared among threads, which may all submit at once, also while the instance is deformed.
 #[derive(Debug)]
 pub struct Inbox {
     set: Arc<ExampleSet>,
+    rule: Rule,
     params: RwLock<Params>,
     pending: Mutex<Vec<Pending>>,
 }
@@ -137,20 +142,51 @@ impl Inbox {
     ///
     /// A hit that is too weak, or that no example answers, is no error: see [`Outcome::status`].
     ///
+    /// Of a hit with a [`contact`](Hit::contact), the outcome tells what it would do alone. With the contact's other hits
+    /// it adds up: displacements (of impulses, `impulse * duration / mass`) add, the point is the mean of their points,
+    /// weighted by the lengths of their displacements, and the yield thresholds and the depth limit hold for the sum, which
+    /// leaves one mark. It is shown from the first fold on and replaced as more hits come, until the contact ends: when
+    /// [`Inbox::end_contact`] says so, when the instance's damage is replaced, repaired or reset, or when more than
+    /// [`Instance::MAX_CONTACTS`] are open (the one hit longest ago ends then; of equals the lowest id).
+    ///
     /// # Errors
     /// [`Error::NotFinite`], [`Error::InvalidArgument`] (duration or mass not above 0, or no mass known),
-    /// [`Error::ContactTooFar`]. Nothing is left behind then.
+    /// [`Error::ContactTooFar`]; [`Error::WrongRule`] for a contact with a classic rule, which cannot replace what it has
+    /// deformed. Nothing is left behind then.
     pub fn submit(&self, hit: &Hit) -> Result<Outcome, Error> {
-        let (outcome, effect) = self.select(hit)?;
-        let pending = match effect {
-            Effect::None => return Ok(outcome),
-            Effect::Mark(m) => Pending::Mark(m),
-            Effect::Classic { example, weight } => Pending::Classic(outcome.contact_vertex, example, weight.to_bits()),
+        let params = self.params();
+        let (outcome, effect) = self.select(&params, hit)?;
+        let pending = match (hit.contact, effect) {
+            (Some(id), _) => Pending::Part(Part {
+                id,
+                point: to_local(&params, hit.point, hit.space),
+                target: outcome.target,
+                impulse: match hit.cause {
+                    Cause::Impulse { impulse, .. } => {
+                        Some(DVec3::from_array(impulse.map(f64::from)).length().min(f32::MAX.into()) as f32)
+                    }
+                    Cause::Displacement(_) => None,
+                },
+            }),
+            (None, Effect::None) => return Ok(outcome),
+            (None, Effect::Mark(m)) => Pending::Mark(m),
+            (None, Effect::Classic { example, weight }) => {
+                Pending::Classic(outcome.contact_vertex, example, weight.to_bits())
+            }
         };
-        let mut queue = self.queue();
-        queue.try_reserve(1).map_err(|_| Error::OutOfMemory { what: "hits".into(), bytes: queue.len() as u64 * 80 })?;
-        queue.push(pending);
+        self.push(pending)?;
         Ok(outcome)
+    }
+
+    /// Ends a contact: its dent stays as it is, and later hits of the same id begin another one. Counts from the next fold
+    /// on, after all hits that have arrived by then: use an id again only after that. An id that is not open is no error,
+    /// since the contact may have ended already.
+    ///
+    /// # Errors
+    /// [`Error::WrongRule`] with a classic rule; [`Error::OutOfMemory`].
+    pub fn end_contact(&self, id: NonZeroU64) -> Result<(), Error> {
+        self.contacts_allowed("end_contact")?;
+        self.push(Pending::End(id))
     }
 
     /// What [`Inbox::submit`] would return, without leaving anything.
@@ -158,12 +194,30 @@ impl Inbox {
     /// # Errors
     /// Those of [`Inbox::submit`].
     pub fn preview(&self, hit: &Hit) -> Result<Outcome, Error> {
-        Ok(self.select(hit)?.0)
+        Ok(self.select(&self.params(), hit)?.0)
     }
 
-    fn select(&self, hit: &Hit) -> Result<(Outcome, Effect), Error> {
-        let params = *self.params.read().unwrap_or_else(|e| e.into_inner());
-        select(&self.set, &params, hit)
+    fn select(&self, params: &Params, hit: &Hit) -> Result<(Outcome, Effect), Error> {
+        if hit.contact.is_some() {
+            self.contacts_allowed("a hit with a contact id")?;
+        }
+        select(&self.set, params, hit)
+    }
+
+    fn contacts_allowed(&self, call: &str) -> Result<(), Error> {
+        if self.rule == Rule::Marks { Ok(()) } else { Err(needs_marks(call, self.rule)) }
+    }
+
+    fn params(&self) -> Params {
+        *self.params.read().unwrap_or_else(|e| e.into_inner())
+    }
+
+    fn push(&self, pending: Pending) -> Result<(), Error> {
+        let mut queue = self.queue();
+        let bytes = (queue.len() as u64 + 1) * size_of::<Pending>() as u64;
+        queue.try_reserve(1).map_err(|_| Error::OutOfMemory { what: "hits".into(), bytes })?;
+        queue.push(pending);
+        Ok(())
     }
 
     fn queue(&self) -> MutexGuard<'_, Vec<Pending>> {
@@ -194,7 +248,9 @@ pub struct Instance {
     set: Arc<ExampleSet>,
     options: InstanceOptions,
     inbox: Arc<Inbox>,
+    /// What is shown: settled marks and those of open contacts.
     damage: Damage,
+    contacts: Contacts,
     classic: Option<State>,
     limit: f32,
     changes: Changes,
@@ -212,6 +268,9 @@ pub(crate) struct Changes {
 }
 
 impl Instance {
+    /// No more contacts than these are open at a time (see [`Inbox::submit`]).
+    pub const MAX_CONTACTS: usize = Contacts::MAX;
+
     /// An undamaged copy.
     ///
     /// # Errors
@@ -235,10 +294,16 @@ impl Instance {
         let classic = if options.rule == Rule::Marks { None } else { Some(State::new(&set)?) };
         let blocks = set.block_bounds().len();
         Ok(Self {
-            inbox: Arc::new(Inbox { set: set.clone(), params: RwLock::new(params), pending: Mutex::default() }),
+            inbox: Arc::new(Inbox {
+                set: set.clone(),
+                rule: options.rule,
+                params: RwLock::new(params),
+                pending: Mutex::default(),
+            }),
             set,
             options,
             damage: Damage::default(),
+            contacts: Contacts::default(),
             classic,
             limit,
             changes: Changes { instance: NEXT.fetch_add(1, Ordering::Relaxed), epoch: 0, blocks: vec![0; blocks] },
@@ -266,6 +331,20 @@ impl Instance {
     /// Those of [`Inbox::submit`].
     pub fn submit(&self, hit: &Hit) -> Result<Outcome, Error> {
         self.inbox.submit(hit)
+    }
+
+    /// [`Inbox::end_contact`].
+    ///
+    /// # Errors
+    /// Those of [`Inbox::end_contact`].
+    pub fn end_contact(&self, id: NonZeroU64) -> Result<(), Error> {
+        self.inbox.end_contact(id)
+    }
+
+    /// How many contacts are open.
+    pub fn contact_count(&mut self) -> usize {
+        self.fold();
+        self.contacts.len()
     }
 
     /// [`Inbox::preview`].
@@ -327,17 +406,23 @@ impl Instance {
             return;
         }
         let mut touch = Touch::new(&self.set, &mut self.changes);
-        let mut marks = Vec::new();
+        let mut news = News { marks: Vec::new(), parts: Vec::new(), ended: Vec::new() };
         let mut classic = Vec::new();
         for p in pending {
             match p {
-                Pending::Mark(m) => marks.push(m),
+                Pending::Mark(m) => news.marks.push(m),
                 Pending::Classic(contact, example, weight) => classic.push((contact, example, weight)),
+                Pending::Part(part) => news.parts.push(part),
+                Pending::End(id) => news.ended.push(id),
             }
         }
-        if !marks.is_empty() {
-            let capacity = self.options.capacity as usize;
-            self.damage.add(&self.set, marks, capacity, &mut |d: &Dent| touch.dent(d));
+        let capacity = self.options.capacity as usize;
+        let mut touched = |d: &Dent| touch.dent(d);
+        if self.contacts.len() > 0 || !news.parts.is_empty() {
+            let params = self.inbox.params();
+            self.contacts.fold(&self.set, &params, capacity, news, &mut self.damage, &mut touched);
+        } else if !news.marks.is_empty() {
+            self.damage.add(&self.set, news.marks, capacity, &mut touched);
         }
         classic.sort_unstable();
         let constant = if let Rule::Blend(k) = self.options.rule { k } else { 0.0 };
@@ -360,7 +445,7 @@ impl Instance {
         Ok(self.damage.marks())
     }
 
-    /// Replaces all marks, and forgets hits that have not been folded yet.
+    /// Replaces all marks, forgets hits that have not been folded yet, and ends all contacts.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] naming the mark and its value; [`Error::WrongRule`]. Nothing changes then.
@@ -368,6 +453,7 @@ impl Instance {
         self.needs_marks("set_marks")?;
         let mut touch = Touch::new(&self.set, &mut self.changes);
         self.damage.replace(&self.set, marks, self.options.capacity as usize, &mut |d: &Dent| touch.dent(d))?;
+        self.contacts.close_all();
         self.inbox.queue().clear();
         Ok(())
     }
@@ -385,7 +471,7 @@ impl Instance {
         }
     }
 
-    /// Replaces the damage by saved bytes, and forgets hits that have not been folded yet.
+    /// Replaces the damage by saved bytes, forgets hits that have not been folded yet, and ends all contacts.
     ///
     /// # Errors
     /// [`Error::DamageMismatch`] for bytes of another version, set or rule, or cut short; [`Error::InvalidArgument`] for
@@ -402,7 +488,7 @@ impl Instance {
         self.set_marks(&marks)
     }
 
-    /// Repairs: every dent keeps this share of its depth, 0 to 1.
+    /// Repairs: every dent keeps this share of its depth, 0 to 1. Ends all contacts.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`].
@@ -411,6 +497,7 @@ impl Instance {
             return Err(Error::invalid("keep", keep, "0 (as new) to 1 (nothing repaired)"));
         }
         self.fold();
+        self.contacts.close_all();
         let mut touch = Touch::new(&self.set, &mut self.changes);
         self.damage.scale(&self.set, keep, &mut |d: &Dent| touch.dent(d));
         if let Some(state) = &mut self.classic {
@@ -420,8 +507,9 @@ impl Instance {
         Ok(())
     }
 
-    /// As new. Hits that have not been folded yet are forgotten too.
+    /// As new. Hits that have not been folded yet are forgotten too, and all contacts end.
     pub fn reset(&mut self) {
+        self.contacts.close_all();
         self.inbox.queue().clear();
         let mut touch = Touch::new(&self.set, &mut self.changes);
         self.damage.clear(&mut |d: &Dent| touch.dent(d));
@@ -462,12 +550,11 @@ impl Instance {
             .classic
             .as_ref()
             .map_or(0, |_| self.set.vertex_count() * if self.set.mesh().normals().is_some() { 24 } else { 12 });
-        let parts: usize = self.damage.dents().iter().map(|d| d.parts.len() * size_of::<crate::dent::Part>()).sum();
         size_of::<Self>()
             + state
             + self.changes.blocks.len() * 8
-            + self.damage.marks().len() * (size_of::<Mark>() + size_of::<Dent>())
-            + parts
+            + self.damage.memory_bytes()
+            + self.contacts.memory_bytes()
     }
 
     pub(crate) fn damage(&self) -> &Damage {
@@ -483,15 +570,12 @@ impl Instance {
     }
 
     fn needs_marks(&self, call: &str) -> Result<(), Error> {
-        if self.classic.is_none() {
-            return Ok(());
-        }
-        Err(Error::WrongRule {
-            call: call.into(),
-            needed: "the rule Marks".into(),
-            rule: self.options.rule.name().into(),
-        })
+        if self.classic.is_none() { Ok(()) } else { Err(needs_marks(call, self.options.rule)) }
     }
+}
+
+fn needs_marks(call: &str, rule: Rule) -> Error {
+    Error::WrongRule { call: call.into(), needed: "the rule Marks".into(), rule: rule.name().into() }
 }
 
 /// Notes blocks as changed, at an epoch of its own.

@@ -7,7 +7,7 @@
 //!    ([`MeshData`], [`ExampleData`]) or from files ([`import`]).
 //! 2. [`Instance::new`]: one dented copy. Instances share the set.
 //! 3. [`Instance::submit`]: a hit as the physics reports it. Examples are chosen and the hit becomes a [`Mark`]. Any
-//!    thread may submit ([`Inbox`]).
+//!    thread may submit ([`Inbox`]). Parts of one contact share an id ([`Hit::contact`]).
 //! 4. [`Instance::deform`]: marks become positions, normals and tangents in the caller's memory ([`VertexMemory`]), only
 //!    where something changed ([`Tracker`]).
 //!
@@ -22,6 +22,7 @@ mod anchored;
 mod attach;
 mod capi;
 mod classic;
+mod contacts;
 mod damage;
 mod data;
 mod deform;

@@ -12,6 +12,7 @@ use crate::examples::{ANCHORED_SIZE, ANCHORED_WITHIN, Example, ExampleSet};
 use crate::math::rotation_between;
 use crate::{Error, Mark, Pair, Placement};
 use glam::{DMat3, DVec3, Vec3};
+use std::num::NonZeroU64;
 
 /// Kernel width over the distance between contacts, as a share of the body's diagonal.
 const PLACE_WIDTH: f32 = 0.25;
@@ -38,8 +39,8 @@ pub enum Space {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Cause {
     /// The literature's target displacement `impulse * duration / mass` (Eq. 4.4). It depends on `duration`, so on the
-    /// engine's time step if that is what is passed: report a contact once, with its whole impulse and a duration of its
-    /// own, or use [`Cause::Displacement`].
+    /// engine's time step if that is what is passed: give a duration of the material's own, and report a contact once, with
+    /// its whole impulse, or in parts with an id ([`Hit::contact`]). [`Cause::Displacement`] has no duration.
     Impulse {
         /// N·s.
         impulse: [f32; 3],
@@ -61,17 +62,26 @@ pub struct Hit {
     pub cause: Cause,
     /// The space of `point` and of the vector in `cause`.
     pub space: Space,
+    /// The contact it is part of. `None`: a hit of its own. Hits of one contact, which may come over many steps until
+    /// [`Inbox::end_contact`](crate::Inbox::end_contact), make the one dent of their sum, whatever the time step. An
+    /// impulse's `duration` is then a constant of the material, not the step. The rule `Marks` only.
+    pub contact: Option<NonZeroU64>,
 }
 
 impl Hit {
     /// A hit in the mesh's space that should displace the contact by `displacement`, m.
     pub fn displacement(point: [f32; 3], displacement: [f32; 3]) -> Self {
-        Hit { point, cause: Cause::Displacement(displacement), space: Space::Local }
+        Hit { point, cause: Cause::Displacement(displacement), space: Space::Local, contact: None }
     }
 
     /// A hit in the mesh's space by an impulse (N·s) that acted for `duration` (s).
     pub fn impulse(point: [f32; 3], impulse: [f32; 3], duration: f32, mass: Option<f32>) -> Self {
-        Hit { point, cause: Cause::Impulse { impulse, duration, mass }, space: Space::Local }
+        Hit { point, cause: Cause::Impulse { impulse, duration, mass }, space: Space::Local, contact: None }
+    }
+
+    /// The same hit as part of a contact.
+    pub fn of_contact(self, id: NonZeroU64) -> Self {
+        Hit { contact: Some(id), ..self }
     }
 }
 
@@ -231,7 +241,7 @@ fn check(hit: &Hit) -> Result<(), Error> {
     }
 }
 
-fn to_local(p: &Params, point: [f32; 3], space: Space) -> DVec3 {
+pub(crate) fn to_local(p: &Params, point: [f32; 3], space: Space) -> DVec3 {
     let x = DVec3::new(point[0].into(), point[1].into(), point[2].into());
     if space == Space::World { p.world_to_local * (x - p.local_origin_in_world) } else { x }
 }

@@ -197,3 +197,23 @@ fn apply_gives_the_same_file_on_any_number_of_threads() {
     };
     assert!(run("1") == run("8"));
 }
+
+#[test]
+fn parts_of_one_contact_are_one_dent() {
+    let folder = tempfile::tempdir().expect("a directory");
+    let (list, out) = (folder.path().join("i.json"), folder.path().join("out.glb"));
+    let apply = |json: &str, rule: &str| {
+        std::fs::write(&list, json).expect("written");
+        crumple(&["apply", PANEL, "--impacts", list.text(), "-o", out.text(), "--rule", rule])
+    };
+    let part = r#"{"point": [-0.2, 0.1, 0.078], "displacement": [0, 0, -0.0125], "contact": 7}"#;
+    let report = apply(&format!("[{part}, {part}]"), "marks").report();
+    assert!(report.contains("2 of 2 impacts left a dent; the damage is 1 mark"), "{report}");
+    let split = dented(&out);
+    apply(r#"[{"point": [-0.2, 0.1, 0.078], "displacement": [0, 0, -0.025]}]"#, "marks").report();
+    assert_eq!(split, dented(&out));
+    let complaint = apply(&format!("[{part}]"), "most-displaced").complaint();
+    assert!(complaint.contains("contact id") && complaint.contains("rule Marks"), "{complaint}");
+    let complaint = apply(&format!("[{}]", part.replace('7', "0")), "marks").complaint();
+    assert!(complaint.contains("impact 0") && complaint.contains("nonzero"), "{complaint}");
+}

@@ -77,7 +77,7 @@ fn weight(outcome: &Outcome) -> (usize, f32) {
 fn quick_equation_4_4_impulse_times_duration_over_mass() {
     let instance = classic_instance(&set(), Rule::MostDisplaced, Selection::Classic);
     let cause = Cause::Impulse { impulse: [0.0, 0.0, -10.0], duration: 0.02, mass: Some(0.5) };
-    let outcome = instance.preview(&Hit { point: [0.0; 3], cause, space: Space::Local }).unwrap();
+    let outcome = instance.preview(&Hit { point: [0.0; 3], cause, space: Space::Local, contact: None }).unwrap();
     assert_near(outcome.target, [0.0, 0.0, -0.4]);
     let oracle = classic::target_displacement([0.0, 0.0, -10.0], 0.02, 0.5);
     assert!((oracle[2] + 0.4).abs() < 1e-15);
@@ -88,7 +88,10 @@ fn quick_the_mass_is_the_hits_own_else_the_vertex_s() {
     let cause = |mass| Cause::Impulse { impulse: [0.0, 0.0, -10.0], duration: 0.02, mass };
     let target = |set: &Arc<ExampleSet>, mass| {
         let instance = classic_instance(set, Rule::MostDisplaced, Selection::Classic);
-        instance.preview(&Hit { point: [0.0; 3], cause: cause(mass), space: Space::Local }).unwrap().target
+        instance
+            .preview(&Hit { point: [0.0; 3], cause: cause(mass), space: Space::Local, contact: None })
+            .unwrap()
+            .target
     };
     let uniform = set_with(SetOptions { mass: VertexMass::Uniform(4.0), ..SetOptions::default() });
     assert_near(target(&uniform, None), [0.0, 0.0, -0.05]);

@@ -429,7 +429,7 @@ fn quick_golden_marks_are_the_same_on_every_platform() {
                 });
                 let impulse = Cause::Impulse { impulse: dice.vector(90.0), duration: 0.01, mass: Some(2.5) };
                 let at = base(&set, dice.index(set.vertex_count()));
-                instance.submit(&Hit { point: at, cause: impulse, space: Space::Local }).unwrap();
+                instance.submit(&Hit { point: at, cause: impulse, space: Space::Local, contact: None }).unwrap();
                 instance.fold();
             }
             let out = Output::fresh(&mut instance);
@@ -1170,6 +1170,7 @@ fn quick_world_space_hits_arrive_in_the_bodys_own_space() {
                 point: to_world.transform_point3(Vec3::from_array(local.point)).to_array(),
                 cause: Cause::Displacement(to_world.transform_vector3(Vec3::from_array(d)).to_array()),
                 space: Space::World,
+                contact: None,
             };
             let (a, b) = (moved.preview(&local).unwrap(), moved.preview(&world).unwrap());
             assert_eq!(a.contact_vertex, b.contact_vertex);
@@ -1188,6 +1189,7 @@ fn quick_yield_thresholds_leave_no_mark() {
         point: [0.0; 3],
         cause: Cause::Impulse { impulse: [0.0, 0.0, -j], duration: 0.1, mass: Some(10.0) },
         space: Space::Local,
+        contact: None,
     };
     for (hit, status) in [
         (impulse(4.9), HitStatus::BelowYield),

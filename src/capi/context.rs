@@ -112,7 +112,7 @@ impl Context {
             Err(TryLockError::WouldBlock) => Err(Failure::new(
                 CrumpleResult::CrumpleErrorConcurrentUse,
                 "another thread is inside this context, or a callback calls back into it; take turns (only crumple_submit_ \
-                 functions may be called at any time)",
+                 functions and crumple_end_contact may be called at any time)",
             )),
         }
     }

@@ -65,7 +65,8 @@ pub unsafe extern "C" fn crumple_get_marks(
     })
 }
 
-/// Replaces an instance's marks by count others, of the same set, and forgets hits that wait. Null and 0: none.
+/// Replaces an instance's marks by count others, of the same set, forgets hits that wait and ends contacts. Null and
+/// 0: none.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that the set cannot have), CRUMPLE_ERROR_WRONG_RULE,
@@ -108,7 +109,7 @@ pub unsafe extern "C" fn crumple_save_damage(
     })
 }
 
-/// Replaces an instance's damage by size saved bytes, of any alignment, and forgets hits that wait.
+/// Replaces an instance's damage by size saved bytes, of any alignment, forgets hits that wait and ends contacts.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_DAMAGE_MISMATCH (of another set, version or rule, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT (a
@@ -127,7 +128,7 @@ pub unsafe extern "C" fn crumple_load_damage(
     })
 }
 
-/// Repairs an instance: every dent keeps this share of its depth, 0 (as new) to 1 (nothing repaired).
+/// Repairs an instance: every dent keeps this share of its depth, 0 (as new) to 1 (nothing repaired). Ends contacts.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_NOT_FINITE,
 /// CRUMPLE_ERROR_INVALID_ARGUMENT, CRUMPLE_ERROR_CONCURRENT_USE.
@@ -143,7 +144,7 @@ pub unsafe extern "C" fn crumple_repair_damage(
     })
 }
 
-/// Makes an instance as new, and forgets hits that wait.
+/// Makes an instance as new, forgets hits that wait and ends contacts.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_CONCURRENT_USE.
@@ -159,7 +160,7 @@ pub unsafe extern "C" fn crumple_reset_damage(
 }
 
 /// Replaces the damage of instance by that of source, another instance with an equal set and the same kind of rule,
-/// and forgets hits that wait for instance. From itself: nothing happens.
+/// forgets hits that wait for instance and ends its contacts. From itself: nothing happens.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_DAMAGE_MISMATCH, CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.

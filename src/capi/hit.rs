@@ -7,6 +7,7 @@ use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleInstance, CrumpleVec3};
 use crate::{Cause, Hit, HitStatus, Outcome, Space};
 use std::mem::MaybeUninit;
+use std::num::NonZeroU64;
 use std::sync::PoisonError;
 
 /// The space a hit is given in.
@@ -23,8 +24,9 @@ impl CEnum for CrumpleSpace {
     const ALL: &'static [Self] = &[Self::Local, Self::World];
 }
 
-/// A hit by an impulse. The contact is displaced by impulse * duration / mass, so report a contact once, with its
-/// whole impulse and how long it took: fed with the time step of every frame instead, dents depend on the frame rate.
+/// A hit by an impulse. The contact is displaced by impulse * duration / mass. Let duration be a constant of the
+/// material, never the time step, and report a contact once, with its whole impulse, or in parts with a contact_id:
+/// then dents do not depend on the frame rate.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleImpulseDef {
@@ -36,10 +38,13 @@ pub struct CrumpleImpulseDef {
     pub point: CrumpleVec3,
     /// The impulse that the body received, N s.
     pub impulse: CrumpleVec3,
-    /// How long it acted, s; above 0. Default 0: set it.
+    /// How long it acted, s; above 0: a constant of the material, say 0.01, not the time step. Default 0: set it.
     pub duration: f32,
     /// Mass of the contact vertex, kg. 0: that of the set. Default 0.
     pub mass: f32,
+    /// Which contact it is part of, any number of your own; hits of one contact make one dent, see
+    /// crumple_end_contact(). 0: none, a hit of its own. Default 0.
+    pub contact_id: u64,
     /// Only tell what the hit would do, and leave nothing. Default false.
     pub preview: MaybeUninit<bool>,
 }
@@ -56,6 +61,8 @@ pub struct CrumpleDisplacementDef {
     pub point: CrumpleVec3,
     /// How far the contact should move, m.
     pub displacement: CrumpleVec3,
+    /// Which contact it is part of, as in CrumpleImpulseDef. Default 0.
+    pub contact_id: u64,
     /// Only tell what the hit would do, and leave nothing. Default false.
     pub preview: MaybeUninit<bool>,
 }
@@ -160,6 +167,7 @@ pub extern "C" fn crumple_default_impulse_def() -> CrumpleImpulseDef {
         impulse: CrumpleVec3::default(),
         duration: 0.0,
         mass: 0.0,
+        contact_id: 0,
         preview: MaybeUninit::new(false),
     }
 }
@@ -172,19 +180,22 @@ pub extern "C" fn crumple_default_displacement_def() -> CrumpleDisplacementDef {
         space: MaybeUninit::new(CrumpleSpace::Local),
         point: CrumpleVec3::default(),
         displacement: CrumpleVec3::default(),
+        contact_id: 0,
         preview: MaybeUninit::new(false),
     }
 }
 
 /// Reports an impulse. Its examples are chosen at once; the mark it makes counts from the next call that reads damage
 /// (crumple_deform(), crumple_get_marks() and so on), whatever the order and the threads hits came from. A hit that
-/// is too weak, or that no example answers, is no error: see status. out_result may be null.
+/// is too weak, or that no example answers, is no error: see status. out_result may be null. With a contact_id it
+/// tells what the hit would do alone; see crumple_end_contact() for what it does with the contact's other hits.
 ///
 /// May be called from any thread at any time, also while other threads submit or deform; not while the instance or
 /// the context is being destroyed. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED,
 /// CRUMPLE_ERROR_STRUCT_SIZE, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INVALID_ARGUMENT (a
 /// duration not above 0, a negative mass, or none known), CRUMPLE_ERROR_CONTACT_TOO_FAR (the point is further from
-/// the body than the instance accepts), CRUMPLE_ERROR_OUT_OF_MEMORY. Nothing is left behind then.
+/// the body than the instance accepts), CRUMPLE_ERROR_WRONG_RULE (a contact_id with one of the literature's rules,
+/// which cannot replace what they have deformed), CRUMPLE_ERROR_OUT_OF_MEMORY. Nothing is left behind then.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_submit_impulse(
     context: *mut CrumpleContext,
@@ -206,7 +217,7 @@ pub unsafe extern "C" fn crumple_submit_impulse(
             duration: finite([def.duration], "def.duration")?[0],
             mass: (mass > 0.0).then_some(mass),
         };
-        Ok((hit(def.point, def.space, cause)?, boolean(def.preview)))
+        Ok((hit(def.point, def.space, def.contact_id, cause)?, boolean(def.preview)))
     };
     // SAFETY: the caller's.
     unsafe { submit("crumple_submit_impulse", context, instance, read, out_result) }
@@ -225,18 +236,49 @@ pub unsafe extern "C" fn crumple_submit_displacement(
         // SAFETY: the caller's.
         let def = unsafe { self::def(def, "def") }?;
         let cause = Cause::Displacement(finite(def.displacement.array(), "def.displacement")?);
-        Ok((hit(def.point, def.space, cause)?, boolean(def.preview)))
+        Ok((hit(def.point, def.space, def.contact_id, cause)?, boolean(def.preview)))
     };
     // SAFETY: the caller's.
     unsafe { submit("crumple_submit_displacement", context, instance, read, out_result) }
 }
 
-fn hit(point: CrumpleVec3, space: MaybeUninit<CrumpleSpace>, cause: Cause) -> Result<Hit, Failure> {
+/// Ends a contact of an instance: its dent stays as it is, and later hits with the same id begin another one.
+///
+/// A physics engine that reports one contact as many small impulses, one a step, gives all of them the same contact_id
+/// (of its own choice, one for each contact point and touch, not 0) and ends the contact when the bodies part. They
+/// make the one dent that the whole impulse in one report would have made, at any frame rate: while the contact is
+/// open, displacements (impulse * duration / mass) add, the point is the mean of their points, weighted by the lengths
+/// of their displacements, yield thresholds and depth limit hold for the sum, and the contact's one mark is replaced
+/// as more hits come.
+///
+/// Counts from the next call that reads damage on, after all hits that have arrived by then: use an id again only after
+/// that. An id that is not open is no error. Contacts also end when the instance's damage is set, loaded, copied
+/// into, repaired or reset, and when more than 256 are open: the one hit longest ago ends then (of equals the lowest
+/// id).
+///
+/// May be called from any thread at any time, as crumple_submit_impulse(). Errors: CRUMPLE_ERROR_NULL_POINTER,
+/// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (contact_id is 0), CRUMPLE_ERROR_WRONG_RULE (one of the
+/// literature's rules), CRUMPLE_ERROR_OUT_OF_MEMORY.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_end_contact(
+    context: *mut CrumpleContext,
+    instance: CrumpleInstance,
+    contact_id: u64,
+) -> CrumpleResult {
+    concurrent("crumple_end_contact", context, |context| {
+        let id = NonZeroU64::new(contact_id)
+            .ok_or_else(|| Failure::invalid("contact_id is 0; it must be the id that hits were given, not 0"))?;
+        let inbox = context.inboxes.read().unwrap_or_else(PoisonError::into_inner).get(instance, "instance")?.clone();
+        Ok(inbox.end_contact(id)?)
+    })
+}
+
+fn hit(point: CrumpleVec3, space: MaybeUninit<CrumpleSpace>, contact_id: u64, cause: Cause) -> Result<Hit, Failure> {
     let space = match enumerator(space, "def.space")? {
         CrumpleSpace::Local => Space::Local,
         CrumpleSpace::World => Space::World,
     };
-    Ok(Hit { point: finite(point.array(), "def.point")?, cause, space })
+    Ok(Hit { point: finite(point.array(), "def.point")?, cause, space, contact: NonZeroU64::new(contact_id) })
 }
 
 /// # Safety

@@ -96,8 +96,10 @@ pub struct CrumpleInstanceInfo {
     pub buffer_count: u32,
     /// No vertex moves further than this, m.
     pub depth_limit: f32,
+    /// Open contacts, see crumple_end_contact().
+    pub contact_count: u32,
     /// Zero; room for later.
-    pub reserved: [u32; 5],
+    pub reserved: [u32; 4],
 }
 
 /// What a context keeps of an instance.
@@ -213,9 +215,9 @@ pub unsafe extern "C" fn crumple_get_instance_info(
         // SAFETY: the caller's.
         let out = unsafe { Out::new(out_info, "out_info") }?;
         let entry = state.instances.get_mut(instance, "instance")?;
-        let mark_count = match entry.instance.options().rule {
-            Rule::Marks => entry.instance.marks()?.len() as u32,
-            _ => 0,
+        let (mark_count, contact_count) = match entry.instance.options().rule {
+            Rule::Marks => (entry.instance.marks()?.len() as u32, entry.instance.contact_count() as u32),
+            _ => (0, 0),
         };
         out.write(CrumpleInstanceInfo {
             set: entry.set,
@@ -223,7 +225,8 @@ pub unsafe extern "C" fn crumple_get_instance_info(
             mark_count,
             buffer_count: entry.buffers.len() as u32,
             depth_limit: entry.instance.depth_limit(),
-            reserved: [0; 5],
+            contact_count,
+            reserved: [0; 4],
         });
         Ok(())
     })

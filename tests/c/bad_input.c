@@ -443,6 +443,10 @@ static void hits(void) {
     BAD_KEEPING(STRUCT_SIZE, "crumple_default_displacement_def", told, crumple_submit_displacement(context, body, &push, &told));
     BAD_KEEPING(NULL_POINTER, "context is null", told, crumple_submit_displacement(NULL, body, &push, &told));
 
+    BAD(INVALID_ARGUMENT, "contact_id is 0", crumple_end_contact(context, body, 0));
+    BAD(NULL_POINTER, "context is null", crumple_end_contact(NULL, body, 1));
+    BAD_IMPULSE(NOT_FINITE, "def.point", (def.contact_id = 1, def.point.x = NAN));
+
     // Nothing, next to nothing, and far too much are no errors.
     const float sizes[] = {0, 1e-45f, 1e-30f, 1e30f, FLT_MAX};
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; ++i) {

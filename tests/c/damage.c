@@ -210,6 +210,50 @@ static void yield_and_mass(void) {
     OK(crumple_destroy_example_set(context, heavy));
 }
 
+// One contact in one report, in eight at 240 Hz, and in two at 30 Hz: the same dent.
+static void contacts(void) {
+    static Vertex vertices[3][VERTICES];
+    const int parts[3] = {1, 8, 2};
+    float depths[3];
+    for (int way = 0; way < 3; ++way) {
+        CrumpleInstance body = make_instance(context, set);
+        CrumpleBuffer buffer = register_all(body, vertices[way]);
+        CrumpleImpulseDef hit = crumple_default_impulse_def();
+        CrumpleInstanceInfo info;
+        CrumpleHitResult told;
+        FACT(hit.contact_id == 0);
+        hit.point = vec3(0.1f, 0.1f, 0);
+        hit.impulse = vec3(0, 0, -4.0f / (float)parts[way]);
+        hit.duration = 0.01f;
+        hit.mass = 1;
+        hit.contact_id = UINT64_MAX;
+        for (int i = 0; i < parts[way]; ++i) {
+            OK(crumple_submit_impulse(context, body, &hit, &told));
+            FACT(fabsf(told.target.z + 0.04f / (float)parts[way]) < 1e-6f); // what it would do alone
+            OK(crumple_deform(context, &buffer, 1, NULL));
+            OK(crumple_get_instance_info(context, body, &info));
+            FACT(info.mark_count == 1 && info.contact_count == 1);
+        }
+        OK(crumple_end_contact(context, body, hit.contact_id));
+        OK(crumple_end_contact(context, body, 5)); // not open: nothing happens
+        OK(crumple_deform(context, &buffer, 1, NULL));
+        OK(crumple_get_instance_info(context, body, &info));
+        FACT(info.mark_count == 1 && info.contact_count == 0);
+        depths[way] = deepest(vertices[way]);
+        // Ended, the same id is another contact; and the two kinds of hit have the same ids.
+        CrumpleDisplacementDef push = displacement_at(0.1f, 0.1f, 0.02f);
+        push.contact_id = hit.contact_id;
+        OK(crumple_submit_displacement(context, body, &push, NULL));
+        OK(crumple_get_instance_info(context, body, &info));
+        FACT(info.mark_count == 2 && info.contact_count == 1);
+        OK(crumple_reset_damage(context, body));
+        OK(crumple_get_instance_info(context, body, &info));
+        FACT(info.mark_count == 0 && info.contact_count == 0);
+        OK(crumple_destroy_instance(context, body));
+    }
+    FACT(depths[0] > 0.03f && fabsf(depths[1] - depths[0]) < 1e-6f && fabsf(depths[2] - depths[0]) < 1e-6f);
+}
+
 static void classic_rules(void) {
     static Vertex vertices[VERTICES];
     for (int rule = CRUMPLE_RULE_MOST_DISPLACED; rule <= CRUMPLE_RULE_BLEND; ++rule) {
@@ -232,7 +276,10 @@ static void classic_rules(void) {
         FAILS(CRUMPLE_ERROR_WRONG_RULE, "Marks", crumple_set_marks(context, body, NULL, 0));
         FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "kind", crumple_copy_damage(context, body, marked));
         OK(crumple_get_instance_info(context, body, &info));
-        FACT(info.mark_count == 0);
+        FACT(info.mark_count == 0 && info.contact_count == 0);
+        hit.contact_id = 1;
+        FAILS(CRUMPLE_ERROR_WRONG_RULE, "contact id", crumple_submit_displacement(context, body, &hit, NULL));
+        FAILS(CRUMPLE_ERROR_WRONG_RULE, "Marks", crumple_end_contact(context, body, 1));
         OK(crumple_destroy_instance(context, body));
         OK(crumple_destroy_instance(context, marked));
     }
@@ -260,6 +307,7 @@ int main(void) {
     marks_and_bytes();
     spaces();
     yield_and_mass();
+    contacts();
     classic_rules();
     attached();
     OK(crumple_context_destroy(context));

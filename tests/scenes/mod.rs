@@ -341,7 +341,7 @@ pub fn solver_set(body: &str, count: usize, placement: Placement) -> Arc<Example
 }
 
 pub fn push(point: [f32; 3], displacement: [f32; 3]) -> Hit {
-    Hit { point, cause: Cause::Displacement(displacement), space: Space::Local }
+    Hit { point, cause: Cause::Displacement(displacement), space: Space::Local, contact: None }
 }
 
 /// A hit near a random vertex, pushed inwards at up to about 60 degrees from the normal, by 0.02 to 1.5 of the set's depth limit.

@@ -14,7 +14,8 @@ use crate::workspace::{Workspace, empty_directory};
 const WHOLE: &[&str] =
     &["--lib", "--test=export_gltf", "--test=import_broken", "--test=import_gltf", "--test=import_obj"];
 /// Those of which only the tests named `quick_…` do: the others' thousands of hits would take hours.
-const IN_PART: &[&str] = &["--test=bad_input", "--test=oracle_rules", "--test=paper_equations", "--test=promises"];
+const IN_PART: &[&str] =
+    &["--test=bad_input", "--test=contacts", "--test=oracle_rules", "--test=paper_equations", "--test=promises"];
 
 pub fn c(workspace: &Workspace) -> Result<Outcome> {
     let run = Run::new(workspace, "c", "definite,possible")?;

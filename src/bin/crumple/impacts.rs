@@ -4,6 +4,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use crumple::{Cause, Hit, Space};
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
+use std::num::NonZeroU64;
 use std::path::Path;
 
 /// One impact as the file has it. Numbers are f64 here, so that one too large for f32 is noticed.
@@ -23,6 +24,8 @@ struct Entry {
     mass: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     space: Option<SpaceName>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    contact: Option<NonZeroU64>,
 }
 
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
@@ -90,7 +93,7 @@ fn entry(raw: &str) -> Result<Impact> {
         Some(SpaceName::World) => Space::World,
         _ => Space::Local,
     };
-    Ok(Impact { name: entry.name, hit: Hit { point, cause, space } })
+    Ok(Impact { name: entry.name, hit: Hit { point, cause, space, contact: entry.contact } })
 }
 
 fn vector(key: &str, value: [f64; 3]) -> Result<[f32; 3]> {

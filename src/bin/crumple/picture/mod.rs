@@ -1,20 +1,20 @@
-//! Pictures of a body before and after, without a GPU.
+//! Pictures of a body before and after, without a GPU. The lab draws with this module too.
 
 mod camera;
-mod legend;
+pub mod legend;
 mod raster;
 mod shade;
 #[cfg(test)]
 mod tests;
 
-pub use camera::View;
+pub use camera::{Camera, Margins, View};
 pub use legend::{Scale, millimetres};
+pub use raster::Body;
+pub use shade::Finish;
 
-use camera::{Camera, Margins};
 use glam::Vec3;
-use raster::Body;
 use rayon::prelude::*;
-use shade::{Finish, Frame, Studio};
+use shade::{Frame, Studio};
 
 /// Size of every picture, pixels.
 pub const SIZE: [usize; 2] = [1280, 800];
@@ -148,7 +148,7 @@ impl Subject<'_> {
 }
 
 /// One body in the studio.
-fn photograph(body: Body<'_>, camera: &Camera, view: View, size: [usize; 2], finish: &Finish<'_>) -> Image {
+pub fn photograph(body: Body<'_>, camera: &Camera, view: View, size: [usize; 2], finish: &Finish<'_>) -> Image {
     let fine = size.map(|n| n * SAMPLES);
     let surfaces = raster::through(camera, body, fine);
     let frame = Frame { surfaces: surfaces.as_ref(), size: fine };
@@ -179,7 +179,7 @@ impl Image {
         }
     }
 
-    fn beside(&self, other: &Image) -> Image {
+    pub fn beside(&self, other: &Image) -> Image {
         let rows = self.rgb.chunks_exact(self.width * 3).zip(other.rgb.chunks_exact(other.width * 3));
         let rgb = rows.flat_map(|(a, b)| a.iter().chain(b)).copied().collect();
         Image { width: self.width + other.width, height: self.height, rgb }
@@ -191,6 +191,7 @@ impl Image {
         let mut encoder = png::Encoder::new(&mut bytes, self.width as u32, self.height as u32);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_compression(png::Compression::High);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
         encoder.add_text_chunk("Description".into(), description.into())?;
         let mut writer = encoder.write_header()?;

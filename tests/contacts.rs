@@ -1,0 +1,277 @@
+//! Contacts reported in parts: the same dent at any frame rate, whole or split, whatever else hits the body meanwhile.
+
+mod scenes;
+
+use crumple::{Cause, Error, Hit, HitStatus, Instance, InstanceOptions, Mark, Rule};
+use proptest::prelude::*;
+use scenes::{Body, Dice, Output, push, random_hit};
+use std::num::NonZeroU64;
+
+fn bodies() -> &'static [Body] {
+    static BODIES: std::sync::OnceLock<Vec<Body>> = std::sync::OnceLock::new();
+    BODIES.get_or_init(scenes::small_bodies)
+}
+
+fn id(n: u64) -> NonZeroU64 {
+    NonZeroU64::new(n).unwrap()
+}
+
+fn with(set: &std::sync::Arc<crumple::ExampleSet>, options: InstanceOptions) -> Instance {
+    Instance::new(set.clone(), options).unwrap()
+}
+
+/// The same contacts, examples and energies; depths and shares up to rounding.
+fn assert_alike(a: &[Mark], b: &[Mark]) {
+    assert_eq!(a.len(), b.len(), "{a:?}\n{b:?}");
+    for (x, y) in a.iter().zip(b) {
+        assert_eq!((x.contact, x.energy), (y.contact, y.energy));
+        assert!((x.depth - y.depth).abs() <= 1e-6 * x.depth, "{} {}", x.depth, y.depth);
+        for (p, q) in x.pairs.iter().zip(&y.pairs) {
+            assert_eq!((p.example, p.anchored()), (q.example, q.anchored()));
+            assert!((p.share_fraction() - q.share_fraction()).abs() < 1e-4);
+        }
+    }
+}
+
+fn scaled(hit: &Hit, factor: f64) -> Hit {
+    let by = |v: [f32; 3]| v.map(|x| (f64::from(x) * factor) as f32);
+    let cause = match hit.cause {
+        Cause::Displacement(d) => Cause::Displacement(by(d)),
+        Cause::Impulse { impulse, duration, mass } => Cause::Impulse { impulse: by(impulse), duration, mass },
+    };
+    Hit { cause, ..*hit }
+}
+
+/// A contact of 25 ms whose force rises and falls: the impulse that each step of an engine at this rate reports, in
+/// `parts` sub-steps, as shares of the whole. The contact begins at `phase` of a step.
+fn steps(rate: f64, parts: usize, phase: f64) -> Vec<f64> {
+    const LASTS: f64 = 0.025;
+    let so_far = |t: f64| 0.5 - 0.5 * (std::f64::consts::PI * (t / LASTS).clamp(0.0, 1.0)).cos();
+    let dt = 1.0 / rate / parts as f64;
+    let count = ((LASTS + 1.0 / rate) / dt).ceil() as usize;
+    let at = |i: usize| i as f64 * dt - phase / rate;
+    (0..=count).map(|i| so_far(at(i + 1)) - so_far(at(i))).filter(|s| *s > 0.0).collect()
+}
+
+#[test]
+fn a_contact_leaves_the_same_mark_at_any_frame_rate_and_in_any_number_of_parts() {
+    for (body, set) in bodies() {
+        let mut dice = Dice::new(7);
+        for n in 0..4 {
+            let mut hit = random_hit(set, &mut dice);
+            if let (Cause::Displacement(d), true) = (hit.cause, n % 2 == 0) {
+                hit.cause = Cause::Impulse { impulse: d.map(|x| x * 100.0), duration: 0.01, mass: Some(1.0) };
+            }
+            let mut whole = with(set, InstanceOptions::default());
+            whole.submit(&hit).unwrap();
+            let expected = whole.marks().unwrap().to_vec();
+            for rate in [30.0, 60.0, 144.0, 240.0] {
+                for parts in [1, 2, 8, 40] {
+                    for read_between in [false, true] {
+                        let mut split = with(set, InstanceOptions::default());
+                        let mut out = Output::new(set);
+                        for share in steps(rate, parts, 0.3) {
+                            split.submit(&scaled(&hit, share).of_contact(id(9))).unwrap();
+                            if read_between {
+                                out.update(&mut split);
+                            }
+                        }
+                        split.end_contact(id(9)).unwrap();
+                        out.update(&mut split);
+                        assert_alike(split.marks().unwrap(), &expected);
+                        let fresh = Output::fresh(&mut split);
+                        assert!(out.all_bits() == fresh.all_bits(), "{body}: a replaced mark left something behind");
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn quick_without_an_id_the_parts_are_shallower_the_more_they_are() {
+    let set = scenes::sheet_set();
+    let hit = push([0.1, 0.1, 0.0], [0.0, 0.0, -0.03]);
+    let deepest = |parts: usize, contact: bool| {
+        let mut instance = with(&set, InstanceOptions::default());
+        for _ in 0..parts {
+            let part = scaled(&hit, 1.0 / parts as f64);
+            instance.submit(&if contact { part.of_contact(id(1)) } else { part }).unwrap();
+        }
+        let out = Output::fresh(&mut instance);
+        out.positions.iter().map(|p| -p[2]).fold(0.0, f32::max)
+    };
+    assert!((deepest(40, true) - deepest(1, true)).abs() < 1e-6);
+    assert!(deepest(40, false) < 0.3 * deepest(1, false));
+}
+
+#[test]
+fn quick_the_point_is_the_mean_weighted_by_depth() {
+    let set = scenes::sheet_set();
+    let mut instance = with(&set, InstanceOptions::default());
+    instance.submit(&push([-0.3, 0.0, 0.0], [0.0, 0.0, -0.01]).of_contact(id(1))).unwrap();
+    instance.submit(&push([0.1, 0.0, 0.0], [0.0, 0.0, -0.03]).of_contact(id(1))).unwrap();
+    let mut whole = with(&set, InstanceOptions::default());
+    whole.submit(&push([0.0, 0.0, 0.0], [0.0, 0.0, -0.04])).unwrap();
+    assert_alike(instance.marks().unwrap(), whole.marks().unwrap());
+}
+
+#[test]
+fn quick_yield_thresholds_hold_for_the_sum() {
+    let set = scenes::sheet_set();
+    let options = InstanceOptions { yield_impulse: 5.0, yield_displacement: 0.01, ..InstanceOptions::default() };
+    let mut instance = with(&set, options);
+    let small = Hit::impulse([0.0; 3], [0.0, 0.0, -1.0], 0.1, Some(10.0)).of_contact(id(1));
+    for n in 1..=10 {
+        let alone = instance.submit(&small).unwrap();
+        assert_eq!(alone.status, HitStatus::BelowYield);
+        assert_eq!(instance.marks().unwrap().len(), usize::from(n >= 5), "after {n} N s");
+    }
+    // Pushes that cancel each other leave nothing, though each alone would.
+    instance.reset();
+    instance.submit(&push([0.0; 3], [0.0, 0.0, -0.03]).of_contact(id(2))).unwrap();
+    instance.submit(&push([0.0; 3], [0.0, 0.0, 0.03]).of_contact(id(2))).unwrap();
+    assert!(instance.marks().unwrap().is_empty());
+}
+
+#[test]
+fn quick_contacts_end_when_damage_is_replaced_repaired_or_reset() {
+    let set = scenes::sheet_set();
+    let part = push([0.1, 0.1, 0.0], [0.0, 0.0, -0.01]).of_contact(id(3));
+    type End = fn(&mut Instance);
+    let ends: [(&str, End, usize); 6] = [
+        ("reset", |i| i.reset(), 0),
+        ("repair", |i| i.repair(0.5).unwrap(), 1),
+        ("set_marks", |i| i.set_marks(&[]).unwrap(), 0),
+        (
+            "load",
+            |i| {
+                let bytes = i.save();
+                i.load(&bytes).unwrap()
+            },
+            1,
+        ),
+        (
+            "copy",
+            |i| {
+                let mut other = Instance::new(i.example_set().clone(), *i.options()).unwrap();
+                i.copy_damage_from(&mut other).unwrap();
+            },
+            0,
+        ),
+        ("end_contact", |i| i.end_contact(id(3)).unwrap(), 1),
+    ];
+    for (name, end, left) in ends {
+        let mut instance = with(&set, InstanceOptions::default());
+        instance.submit(&part).unwrap();
+        assert_eq!((instance.contact_count(), instance.marks().unwrap().len()), (1, 1));
+        end(&mut instance);
+        assert_eq!((instance.contact_count(), instance.marks().unwrap().len()), (0, left), "{name}");
+        // The same id begins another dent: energies add.
+        instance.submit(&part).unwrap();
+        let marks = instance.marks().unwrap().to_vec();
+        assert_eq!(marks.iter().map(|m| m.energy).sum::<u64>() > Mark::ONE, left > 0, "{name}: {marks:?}");
+        assert_eq!(instance.contact_count(), 1);
+    }
+}
+
+#[test]
+fn the_oldest_contact_ends_when_there_are_too_many() {
+    let set = scenes::sheet_set();
+    let mut dice = Dice::new(3);
+    let mut instance = with(&set, InstanceOptions { capacity: 1000, ..InstanceOptions::default() });
+    let hit = random_hit(&set, &mut dice);
+    for n in 0..2 * Instance::MAX_CONTACTS as u64 {
+        instance.submit(&hit.of_contact(id(1 + n))).unwrap();
+        // The first is hit again and again, so it stays.
+        instance.submit(&scaled(&hit, 1e-3).of_contact(id(1))).unwrap();
+        assert!(instance.contact_count() <= Instance::MAX_CONTACTS);
+    }
+    assert_eq!(instance.contact_count(), Instance::MAX_CONTACTS);
+    let energy = |i: &mut Instance| i.marks().unwrap().iter().map(|m| m.energy).sum::<u64>();
+    assert_eq!(energy(&mut instance), 2 * Instance::MAX_CONTACTS as u64 * Mark::ONE);
+    // Had the first ended, this would be a dent of its own.
+    instance.submit(&hit.of_contact(id(1))).unwrap();
+    assert_eq!(energy(&mut instance), 2 * Instance::MAX_CONTACTS as u64 * Mark::ONE);
+}
+
+#[test]
+fn quick_ending_a_contact_that_is_not_open_does_nothing() {
+    let mut instance = with(&scenes::sheet_set(), InstanceOptions::default());
+    instance.end_contact(id(5)).unwrap();
+    assert_eq!((instance.contact_count(), instance.marks().unwrap().len()), (0, 0));
+}
+
+#[test]
+fn quick_classic_rules_refuse_contacts() {
+    for rule in [Rule::MostDisplaced, Rule::Blend(0.5)] {
+        let mut instance = with(&scenes::sheet_set(), InstanceOptions::classic(rule));
+        let hit = push([0.0; 3], [0.0, 0.0, -0.03]).of_contact(id(1));
+        for refused in [instance.submit(&hit).map(drop), instance.preview(&hit).map(drop), instance.end_contact(id(1))]
+        {
+            assert!(matches!(refused, Err(Error::WrongRule { .. })), "{refused:?}");
+        }
+        assert_eq!(instance.contact_count(), 0);
+        let (mut untouched, base) = (with(instance.example_set(), InstanceOptions::default()), &mut instance);
+        assert!(Output::fresh(base).positions == Output::fresh(&mut untouched).positions);
+    }
+}
+
+proptest! {
+    #![proptest_config(scenes::cases(24))]
+
+    /// Many contacts at once, each split at random over random frames, among hits of their own: the same marks as reported
+    /// whole, as long as none merge; and in any order within the frames the same bits, merged or not.
+    #[test]
+    fn contacts_in_parts_are_contacts_reported_whole(
+        body in (0..3usize).prop_map(|i| &bodies()[i]), contacts in 1usize..12, singles in 0usize..6,
+        frames in 1usize..9, capacity in prop_oneof![Just(3u32), Just(64)], seed in any::<u64>(),
+    ) {
+        let (_, set) = body;
+        let mut dice = Dice::new(seed);
+        let options = InstanceOptions { capacity, ..InstanceOptions::default() };
+        let (mut whole, mut split, mut turned) = (with(set, options), with(set, options), with(set, options));
+        let mut by_frame = vec![Vec::new(); frames];
+        for c in 0..contacts {
+            let hit = random_hit(set, &mut dice);
+            whole.submit(&hit.of_contact(id(1 + c as u64))).unwrap();
+            let cuts = 1 + dice.index(20);
+            let weights: Vec<f64> = (0..cuts).map(|_| f64::from(dice.between(0.01, 1.0))).collect();
+            let sum: f64 = weights.iter().sum();
+            for w in weights {
+                by_frame[dice.index(frames)].push(scaled(&hit, w / sum).of_contact(id(1 + c as u64)));
+            }
+        }
+        for _ in 0..singles {
+            let hit = random_hit(set, &mut dice);
+            whole.submit(&hit).unwrap();
+            by_frame[0].push(hit);
+        }
+        for hits in &by_frame {
+            for hit in hits {
+                split.submit(hit).unwrap();
+            }
+            for hit in hits.iter().rev() {
+                turned.submit(hit).unwrap();
+            }
+            prop_assert!(split.marks().unwrap().len() <= capacity as usize);
+            prop_assert!(exact(split.marks().unwrap()) == exact(turned.marks().unwrap()));
+        }
+        assert_alike(split.marks().unwrap(), whole.marks().unwrap());
+        for c in (0..contacts).rev() {
+            split.end_contact(id(1 + c as u64)).unwrap();
+            turned.end_contact(id(contacts as u64 - c as u64)).unwrap();
+        }
+        prop_assert!(exact(split.marks().unwrap()) == exact(turned.marks().unwrap()));
+        prop_assert_eq!(split.contact_count(), 0);
+        let (limit, out) = (split.depth_limit(), Output::fresh(&mut split));
+        for (p, b) in out.positions.iter().zip(set.mesh().positions()) {
+            let moved = (crumple::glam::Vec3::from_array(*p) - *b).length();
+            prop_assert!(moved <= limit * 1.00001 + 1e-6, "{moved} {limit}");
+        }
+    }
+}
+
+fn exact(marks: &[Mark]) -> Vec<(u32, u32, u64, [crumple::Pair; 4])> {
+    marks.iter().map(|m| (m.contact, m.depth.to_bits(), m.energy, m.pairs)).collect()
+}

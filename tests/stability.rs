@@ -1,0 +1,331 @@
+//! Where methods fail, ours does not: the facts behind the lab's charts of stability. (Frame rates: `contacts.rs`.)
+
+mod scenes;
+
+use std::sync::Arc;
+
+use crumple::glam::Vec3;
+use crumple::{
+    Contact, Deltas, Error, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Placement, Serial,
+    SetOptions,
+};
+use scenes::{Dice, Output, build, coincident, fnv, push, random_hit, sheet};
+
+fn new(set: &Arc<ExampleSet>) -> Instance {
+    Instance::new(set.clone(), InstanceOptions::default()).unwrap()
+}
+
+/// Displacements after these hits, one after the other.
+fn after(set: &Arc<ExampleSet>, hits: &[Hit]) -> Vec<Vec3> {
+    let mut instance = new(set);
+    for hit in hits {
+        instance.submit(hit).unwrap();
+        instance.fold();
+    }
+    field(&mut instance)
+}
+
+fn field(instance: &mut Instance) -> Vec<Vec3> {
+    let set = instance.example_set().clone();
+    let out = Output::fresh(instance);
+    out.positions.iter().zip(set.mesh().positions()).map(|(p, b)| Vec3::from_array(*p) - *b).collect()
+}
+
+fn deepest(field: &[Vec3]) -> f32 {
+    field.iter().map(|u| u.length()).fold(0.0, f32::max)
+}
+
+fn relative_l2(field: &[Vec3], truth: &[Vec3]) -> f64 {
+    let square = |v: Vec3| v.as_dvec3().length_squared();
+    let wrong: f64 = field.iter().zip(truth).map(|(a, b)| square(*a - *b)).sum();
+    (wrong / truth.iter().map(|b| square(*b)).sum::<f64>()).sqrt()
+}
+
+#[track_caller]
+fn assert_bounded(set: &ExampleSet, field: &[Vec3]) {
+    assert!(field.iter().all(|u| u.is_finite()));
+    let (limit, size) = (set.depth_limit(), set.mesh().bounds().diagonal());
+    assert!(deepest(field) <= limit * 1.00001 + size * 1e-6, "{} m; the limit is {limit} m", deepest(field));
+}
+
+/// A dent around `at` of the sheet that ends at `radius`, and pulls the surface to its middle by `pull` times the distance.
+fn dent(mesh: &MeshData, at: [f32; 2], radius: f32, direction: [f32; 3], pull: f32) -> ExampleData {
+    let one = |p: &[f32; 3]| {
+        let r = [p[0] - at[0], p[1] - at[1], 0.0];
+        let q = (r[0] * r[0] + r[1] * r[1]) / (radius * radius);
+        let w = if q < 1.0 { (1.0 - q) * (1.0 - q) } else { 0.0 };
+        [0, 1, 2].map(|k| w * (direction[k] - pull * r[k]))
+    };
+    ExampleData {
+        contact: Some(Contact::Point([at[0], at[1], 0.0])),
+        ..ExampleData::new("dent", Deltas::Full(mesh.positions.iter().map(one).collect()))
+    }
+}
+
+fn sheet_with(n: usize, dents: &[([f32; 2], f32, f32)]) -> Arc<ExampleSet> {
+    let mesh = sheet(n);
+    let examples = dents.iter().map(|(at, r, d)| dent(&mesh, *at, *r, [0.0, 0.0, -d], 0.0)).collect();
+    build(mesh, examples, SetOptions::default())
+}
+
+#[test]
+fn impulses_of_any_size_stay_within_the_limit() {
+    for (_, set) in scenes::small_bodies() {
+        for power in -6..=12 {
+            let mut dice = Dice::new(1);
+            let hits: Vec<Hit> = (0..75)
+                .map(|_| {
+                    let at = set.mesh().positions()[dice.index(set.vertex_count())].to_array();
+                    Hit::impulse(at, dice.vector(10f32.powi(power)), 0.01, Some(1.0))
+                })
+                .collect();
+            assert_bounded(&set, &after(&set, &hits));
+        }
+    }
+}
+
+#[test]
+fn a_contact_that_walks_off_an_example_neither_explodes_nor_vanishes() {
+    let set = sheet_with(64, &[([-0.25, 0.0], 0.3, 0.05), ([0.3, 0.25], 0.18, 0.03)]);
+    let target = 0.02;
+    for i in 0..=40 {
+        let x = -0.25 + i as f32 / 64.0;
+        let mut instance = new(&set);
+        let outcome = instance.submit(&push([x, 0.0, 0.0], [0.0, 0.0, -target])).unwrap();
+        let field = field(&mut instance);
+        let there = field[outcome.contact_vertex as usize].length();
+        assert!((there - target).abs() < 0.1 * target, "{there} m at {x} m");
+        assert!(deepest(&field) < 1.5 * target, "{} m at {x} m", deepest(&field));
+    }
+}
+
+#[test]
+fn a_hundred_thousand_hits_change_nothing_about_that() {
+    let set = scenes::sheet_set();
+    let mut instance = new(&set);
+    let mut dice = Dice::new(2);
+    for _ in 0..1000 {
+        for _ in 0..100 {
+            instance.submit(&random_hit(&set, &mut dice)).unwrap();
+        }
+        assert!(instance.marks().unwrap().len() <= instance.options().capacity as usize);
+    }
+    assert_bounded(&set, &field(&mut instance));
+}
+
+#[test]
+fn every_order_gives_the_same_bits() {
+    for (_, set) in scenes::small_bodies() {
+        let mut dice = Dice::new(3);
+        let mut hits: Vec<Hit> = (0..7).map(|_| random_hit(&set, &mut dice)).collect();
+        let mut hashes = std::collections::HashSet::new();
+        for _ in 0..40 {
+            dice.shuffle(&mut hits);
+            let bytes: Vec<u8> =
+                after(&set, &hits).iter().flat_map(|u| u.to_array()).flat_map(|x| x.to_bits().to_le_bytes()).collect();
+            hashes.insert(fnv(&bytes));
+        }
+        assert_eq!(hashes.len(), 1);
+    }
+}
+
+#[test]
+fn examples_that_contradict_each_other_stay_bounded() {
+    let mesh = sheet(32);
+    for placement in [Placement::Automatic, Placement::Anchored, Placement::Carried] {
+        for angle in [0.0f32, 30.0, 90.0, 150.0, 175.0, 179.0, 179.9, 179.999, 180.0] {
+            let (sin, cos) = (angle / 2.0).to_radians().sin_cos();
+            let tilted = |side: f32| ExampleData {
+                placement,
+                ..dent(&mesh, [0.0, 0.0], 0.3, [side * 0.03 * sin, 0.0, -0.03 * cos], 0.0)
+            };
+            let set = build(mesh.clone(), vec![tilted(1.0), tilted(-1.0)], SetOptions::default());
+            for at in [[0.0, 0.0, 0.0], [0.125, 0.0625, 0.0], [-0.25, 0.125, 0.0]] {
+                for target in [[0.0, 0.0, -0.03], [0.0, 0.0, 0.03], [0.02, 0.01, -0.001]] {
+                    assert_bounded(&set, &after(&set, &[push(at, target)]));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn supports_from_one_vertex_to_far_beyond_the_body() {
+    for radius in [1e-3, 0.03, 0.05, 0.3, 2.0, 100.0, 1e4] {
+        for other in [0.04, 50.0] {
+            let set = sheet_with(32, &[([0.0, 0.0], radius, 0.02), ([0.25, 0.25], other, 0.03)]);
+            let mut dice = Dice::new(6);
+            let hits: Vec<Hit> = (0..30).map(|_| random_hit(&set, &mut dice)).collect();
+            for hit in &hits {
+                assert_bounded(&set, &after(&set, &[*hit]));
+            }
+            assert_bounded(&set, &after(&set, &hits));
+        }
+    }
+}
+
+/// The panel or the tube with its first 8 examples, scaled, then moved; and 20 hits on it.
+fn placed(body: &str, scale: f64, away: f64) -> (Arc<ExampleSet>, Vec<Hit>) {
+    let (mesh, examples) = scenes::solver(body);
+    let by = |v: [f32; 3]| v.map(|x| (f64::from(x) * scale) as f32);
+    let moved = |p: [f32; 3]| p.map(|x| (f64::from(x) * scale + away) as f32);
+    let scaled = |mut e: ExampleData| {
+        match &mut e.positions {
+            Deltas::Full(values) | Deltas::Sparse { values, .. } => values.iter_mut().for_each(|u| *u = by(*u)),
+        }
+        if let Some(Contact::Point(p)) = &mut e.contact {
+            *p = moved(*p);
+        }
+        e
+    };
+    let mut dice = Dice::new(8);
+    let hits: Vec<Hit> = (0..20)
+        .map(|_| {
+            let v = dice.index(mesh.positions.len());
+            let size = dice.between(-0.04, -0.01);
+            push(moved(mesh.positions[v]), by(mesh.normals.as_ref().unwrap()[v].map(|x| x * size)))
+        })
+        .collect();
+    let positions = mesh.positions.iter().map(|p| moved(*p)).collect();
+    let examples = examples.into_iter().take(8).map(scaled).collect();
+    (build(MeshData { positions, ..mesh }, examples, SetOptions::default()), hits)
+}
+
+#[test]
+fn a_millionth_or_a_million_times_as_large_is_the_same_scene() {
+    for body in ["panel", "tube"] {
+        let (set, hits) = placed(body, 1.0, 0.0);
+        let reference = after(&set, &hits);
+        for power in [-6, -1, 3, 6] {
+            let scale = 10f64.powi(power);
+            let (set, hits) = placed(body, scale, 0.0);
+            let back: Vec<Vec3> = after(&set, &hits).iter().map(|u| *u / scale as f32).collect();
+            let error = relative_l2(&back, &reference);
+            assert!(error < 1e-3, "{body} at scale {scale}: {error}");
+        }
+    }
+}
+
+#[test]
+fn far_from_the_origin_only_rounding_is_lost() {
+    for body in ["panel", "tube"] {
+        let (set, hits) = placed(body, 1.0, 0.0);
+        let reference = after(&set, &hits);
+        for away in [1.0, 100.0] {
+            let (set, hits) = placed(body, 1.0, away);
+            let error = relative_l2(&after(&set, &hits), &reference);
+            // One rounding of a position, over a dent of the size of these.
+            let rounding = away * 6e-8 / f64::from(deepest(&reference));
+            assert!(error < 0.01 + 100.0 * rounding, "{body} at {away} m: {error}");
+        }
+        // So far off that the body's own vertices fall together: still bounded.
+        let (set, hits) = placed(body, 1.0, 1e6);
+        let field = after(&set, &hits);
+        assert!(field.iter().all(|u| u.is_finite()) && deepest(&field) <= set.depth_limit() * 1.00001 + 0.25);
+    }
+}
+
+#[test]
+fn spoilt_meshes_are_bounded_watertight_and_free_of_order() {
+    let good = sheet(16);
+    let dents = |mesh: &MeshData| {
+        [([0.0, 0.0], 0.25, 0.05), ([0.25, 0.25], 0.2, 0.03), ([-0.25, -0.125], 0.3, 0.04)]
+            .map(|(at, r, d)| ExampleData { contact: None, ..dent(mesh, at, r, [0.0, 0.0, -d], 0.3) })
+            .to_vec()
+    };
+    type Spoil = fn(&mut MeshData);
+    let spoils: [(&str, Spoil); 9] = [
+        ("equal corners", |m| m.triangles.extend((0..100).map(|v| [v, v, v + 1]))),
+        ("no area", |m| m.triangles.extend((0..100).map(|v| [v, v + 1, v + 2]))),
+        ("every triangle twice", |m| m.triangles.extend(m.triangles.clone())),
+        ("reversed ones beside", |m| {
+            let reversed: Vec<_> = m.triangles.iter().map(|[a, b, c]| [*a, *c, *b]).collect();
+            m.triangles.extend(reversed);
+        }),
+        ("corners of its own", |m| {
+            let all: Vec<u32> = m.triangles.iter().flatten().copied().collect();
+            m.positions = all.iter().map(|v| m.positions[*v as usize]).collect();
+            m.triangles = (0..all.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+        }),
+        ("three at an edge", |m| {
+            let n = m.positions.len() as u32;
+            let fins: Vec<_> = m.positions.iter().map(|p| [p[0], p[1], 0.1]).collect();
+            m.positions.extend(fins);
+            m.triangles.extend((0..n - 1).map(|v| [v, v + 1, n + v]));
+        }),
+        ("unused vertices", |m| m.positions.extend([[0.0, 0.0, 3.0]; 50])),
+        ("no triangles", |m| m.triangles.clear()),
+        ("one point", |m| m.positions.fill([0.125; 3])),
+    ];
+    for (name, spoil) in spoils {
+        let mut mesh = MeshData { normals: None, tangents: None, ..good.clone() };
+        spoil(&mut mesh);
+        let examples = dents(&mesh);
+        let groups = coincident(&mesh.positions);
+        let set = build(mesh, examples, SetOptions::default());
+        let mut dice = Dice::new(9);
+        let mut hits: Vec<Hit> = (0..60).map(|_| random_hit(&set, &mut dice)).collect();
+        let mut results = Vec::new();
+        for _ in 0..3 {
+            dice.shuffle(&mut hits);
+            let mut instance = new(&set);
+            for hit in &hits {
+                instance.submit(hit).unwrap();
+            }
+            let out = Output::fresh(&mut instance);
+            assert_bounded(&set, &field(&mut instance));
+            for group in &groups {
+                let at = out.positions[group[0]].map(f32::to_bits);
+                assert!(group.iter().all(|v| out.positions[*v].map(f32::to_bits) == at), "{name}: a seam opened");
+            }
+            results.push(out.positions);
+        }
+        assert!(results.iter().all(|r| *r == results[0]), "{name}: the order matters");
+    }
+}
+
+#[test]
+fn broken_meshes_are_refused_by_name() {
+    let example = |mesh: &MeshData| dent(mesh, [0.0, 0.0], 0.25, [0.0, 0.0, -0.05], 0.0);
+    let spoilt = |spoil: fn(&mut MeshData, &mut ExampleData)| {
+        let mut mesh = sheet(8);
+        let mut one = example(&mesh);
+        spoil(&mut mesh, &mut one);
+        ExampleSet::build(mesh, vec![one], SetOptions::default(), &Serial).map(drop).unwrap_err()
+    };
+    assert!(matches!(spoilt(|m, _| m.positions[7][1] = f32::NAN), Error::NotFinite { .. }));
+    assert!(matches!(spoilt(|m, _| m.triangles[3][2] = u32::MAX), Error::IndexOutOfRange { .. }));
+    assert!(matches!(spoilt(|m, _| *m = MeshData::default()), Error::Mesh { .. }));
+    let values = |e: &mut ExampleData, change: fn(&mut Vec<[f32; 3]>)| match &mut e.positions {
+        Deltas::Full(values) => change(values),
+        Deltas::Sparse { .. } => unreachable!("dents are full"),
+    };
+    for change in [|v: &mut Vec<[f32; 3]>| v[5][0] = f32::INFINITY, |v: &mut Vec<[f32; 3]>| v.truncate(10)] {
+        let mesh = sheet(8);
+        let mut one = example(&mesh);
+        values(&mut one, change);
+        let built = ExampleSet::build(mesh, vec![one], SetOptions::default(), &Serial).map(drop);
+        assert!(matches!(built, Err(Error::ExampleMismatch { .. } | Error::NotFinite { .. })), "{built:?}");
+    }
+}
+
+#[test]
+fn only_examples_that_fold_the_surface_fold_it() {
+    let mesh = sheet(50);
+    let turned = |field: &[Vec3]| {
+        let at = |v: u32| Vec3::from_array(mesh.positions[v as usize]) + field[v as usize];
+        let up = |t: &[u32; 3]| (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0])).z;
+        mesh.triangles.iter().filter(|t| up(t) <= 0.0).count()
+    };
+    for pull in [0.0, 0.3, 0.6, 0.9, 1.5, 3.0] {
+        let example = dent(&mesh, [0.0, 0.0], 0.2, [0.0, 0.0, -0.03], pull);
+        let Deltas::Full(values) = &example.positions else { unreachable!() };
+        let own = turned(&values.iter().map(|u| Vec3::from_array(*u)).collect::<Vec<_>>());
+        assert_eq!(own > 0, pull > 1.0);
+        let set = build(mesh.clone(), vec![example], SetOptions::default());
+        let at = |x: f32, y: f32| push([x, y, 0.0], [0.0, 0.0, -0.03]);
+        assert_eq!(turned(&after(&set, &[at(0.0, 0.0)])), own, "at its own place, pull {pull}");
+        let elsewhere = turned(&after(&set, &[at(0.22, 0.16)]));
+        assert_eq!(elsewhere > 0, own > 0, "{elsewhere} elsewhere, {own} in the example, pull {pull}");
+    }
+}
