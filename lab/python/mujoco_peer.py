@@ -219,8 +219,8 @@ def stability(quick: bool) -> Iterator[dict[str, object]]:
 
 def calibrate() -> None:
     """Yield strains for the presses, on two training simulations a body at half the grid's cells and 1 ms."""
-    for stretch in (0.0003, 0.0006, 0.0012, 0.0024):
-        for bend in (0.0006, 0.0012, 0.0024, 0.0048):
+    for stretch in (0.00015, 0.0003, 0.0006, 0.0012):
+        for bend in (0.00015, 0.0003, 0.0006, 0.0012):
             material = replace(PRESSES, yield_stretch=stretch, yield_bend=bend)
             rows = [measure("presses", body, Quality(0.5, 1, 2), material, "train") for body in BODIES]
             print(stretch, bend, *(f"{r['body']} {r['rel_l2_median']} {r['scaled_rel_l2_median']}" for r in rows), flush=True)
