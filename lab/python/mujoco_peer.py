@@ -53,7 +53,7 @@ class Quality:
 FULL = {
     "shots": [Quality(0.25, step, 16) for step in (4, 2, 1)]
     + [Quality(0.5, step, 16) for step in (4, 2, 1, 0.5)]
-    + [Quality(1, 4, 8), Quality(1, 2, 8), Quality(1, 1, 6), Quality(1, 0.5, 2), Quality(2, 1, 1)],
+    + [Quality(1, 4, 6), Quality(1, 2, 6), Quality(1, 1, 5), Quality(1, 0.5, 2), Quality(2, 1, 1)],
     "presses": [Quality(0.25, 2, 6), Quality(0.25, 1, 6), Quality(0.5, 2, 6), Quality(0.5, 1, 6), Quality(1, 1, 2)],
 }
 QUICK = {

@@ -15,12 +15,16 @@ const WHOLE: Range = [[30.0, 1e5], [3.0, 1e4], [3e-4, 0.1], [0.1, 100.0]];
 /// The best of `samples` spread over the whole range, then of a third as many around the best.
 pub fn search(bodies: &[Body], quality: Quality, hits: usize, samples: usize) -> (Material, f64) {
     let best = best_of(bodies, quality, hits, samples, WHOLE);
-    let m = best.0;
-    let around = |x: f32, factor: f64| [f64::from(x) / factor, f64::from(x) * factor];
-    let near = [around(m.edge_hz, 3.0), around(m.bend_hz, 3.0), around(m.plastic_yield, 2.0), around(m.shape_hz, 3.0)];
-    let near = if m.shape_hz == 0.0 { [near[0], near[1], near[2], [0.1, 1.0]] } else { near };
-    let refined = best_of(bodies, quality, hits, samples.div_ceil(3), near);
+    let refined = around(bodies, quality, hits, samples.div_ceil(3), best.0);
     if refined.1 < best.1 { refined } else { best }
+}
+
+/// The best of `samples` around one that is good.
+pub fn around(bodies: &[Body], quality: Quality, hits: usize, samples: usize, m: Material) -> (Material, f64) {
+    let near = |x: f32, factor: f64| [f64::from(x) / factor, f64::from(x) * factor];
+    let shape = if m.shape_hz == 0.0 { [0.1, 1.0] } else { near(m.shape_hz, 3.0) };
+    let range = [near(m.edge_hz, 3.0), near(m.bend_hz, 3.0), near(m.plastic_yield, 2.0), shape];
+    best_of(bodies, quality, hits, samples, range)
 }
 
 fn best_of(bodies: &[Body], quality: Quality, hits: usize, samples: usize, range: Range) -> (Material, f64) {

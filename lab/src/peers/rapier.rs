@@ -1,8 +1,7 @@
 //! A thin sheet of rapier's soft bodies (particles, edges, bending across edges; plastic edges and folds) that a ball
 //! hits, as the truths' solvers did.
 
-use std::time::Instant;
-
+use cpu_time::ThreadTime;
 use rapier3d::prelude::*;
 
 use super::sheet::Sheet;
@@ -63,7 +62,8 @@ pub struct Quality {
 pub struct Outcome {
     /// Displacement of each particle, m.
     pub field: Vec<[f32; 3]>,
-    pub wall_s: f64,
+    /// CPU time of the one thread, s.
+    pub seconds: f64,
     pub simulated_s: f64,
     /// Of the soft body: particles, edges, folds and surface.
     pub bytes: usize,
@@ -101,18 +101,18 @@ struct Scene {
 /// Hits a fresh sheet and lets it settle. Only the simulation is timed, not how the scene is built.
 pub fn hit(sheet: &Sheet, impact: &Impact, material: Material, quality: Quality) -> Outcome {
     let mut scene = Scene::new(sheet, impact, material, quality);
-    let started = Instant::now();
+    let started = ThreadTime::now();
     match impact.striker {
         Striker::Ball { .. } => scene.shoot(impact),
         Striker::Punch { depth, .. } => scene.press(vector(impact.direction) * depth as f32),
     }
     scene.settle();
-    let wall_s = started.elapsed().as_secs_f64();
+    let seconds = started.elapsed().as_secs_f64();
     let body = &scene.world.soft_bodies[scene.sheet];
     let field =
         body.particle_positions().zip(&sheet.vertices).map(|(p, b)| [p.x - b[0], p.y - b[1], p.z - b[2]]).collect();
     let quarantined = !body.is_enabled();
-    Outcome { field, wall_s, simulated_s: f64::from(scene.simulated), bytes: bytes(body), quarantined }
+    Outcome { field, seconds, simulated_s: f64::from(scene.simulated), bytes: bytes(body), quarantined }
 }
 
 impl Scene {

@@ -130,7 +130,7 @@ impl<'a> Reference<'a> {
             num(deepest(&outcome.field)),
             flips.to_string(),
             num(1e3 * depth),
-            num(outcome.wall_s / outcome.simulated_s),
+            num(outcome.seconds / outcome.simulated_s),
         ]
     }
 }
