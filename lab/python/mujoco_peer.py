@@ -33,7 +33,7 @@ ACCURACY_COLUMNS = (
     " max_error_mm_median us_per_impact bytes failures n"
 ).split()
 STABILITY_COLUMNS = (
-    "peer version body sweep value unit outcome max_displacement_m inverted_triangles depth_mm wall_s_per_simulated_s"
+    "peer version body sweep value unit outcome max_displacement_m inverted_triangles depth_mm cpu_s_per_simulated_s"
 ).split()
 
 
@@ -183,7 +183,7 @@ def stability_row(
     field = on_truth_grid(shell, outcome)
     usual_depth, usual_inverted = reference
     row: dict[str, object] = {"peer": "MuJoCo flex", "version": VERSION, "body": body, "sweep": sweep, "value": value}
-    row |= {"unit": unit, "wall_s_per_simulated_s": f"{outcome.seconds / outcome.simulated:.3f}"}
+    row |= {"unit": unit, "cpu_s_per_simulated_s": f"{outcome.seconds / outcome.simulated:.3f}"}
     if field is None or not np.isfinite(field).all():
         return row | {"outcome": "nan", "max_displacement_m": "", "inverted_triangles": "", "depth_mm": ""}
     largest = float(np.linalg.norm(field, axis=1).max())

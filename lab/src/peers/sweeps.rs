@@ -21,7 +21,7 @@ const COLUMNS: [&str; 11] = [
     "max_displacement_m",
     "inverted_triangles",
     "depth_mm",
-    "wall_s_per_simulated_s",
+    "cpu_s_per_simulated_s",
 ];
 
 /// What is varied, its unit, its values.
