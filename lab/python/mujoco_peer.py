@@ -167,6 +167,12 @@ def sweep_impact(body: str) -> tuple[Impact, Floats]:
     return impacts[median], fields[median]
 
 
+def true_depth_mm(body: str) -> float:
+    """What the truth's own setting left at the contact of the sweeps' shot."""
+    impact, field = sweep_impact(body)
+    return 1e3 * float(np.linalg.norm(field[impact.vertex]))
+
+
 def sweep_case(body: str, impact: Impact, sweep: str, value: float) -> tuple[Shell, Outcome]:
     """The reference with one thing changed."""
     step = value if sweep == "time step" else SWEEP_STEP_MS
@@ -266,6 +272,7 @@ def main() -> None:
         | {
             "reference": f"the training shot of median depth, {SWEEP_CELLS:g}x cells, {SWEEP_STEP_MS:g} ms",
             "stiffness": "elastic modulus times this, yield stress kept (yield strain divided)",
+            **{f"true depth {b}": f"{true_depth_mm(b):.2f} mm" for b in BODIES},
             "lost": "depth under a tenth of the reference's (not for balls slower than it)",
         },
         collect(stability(options.quick)),

@@ -31,7 +31,7 @@ def draw(directory):
     seen = [o for o in OUTCOMES if any(row["outcome"] == o for row in rows)]
     handles = [plt.Line2D([], [], ls="", marker=OUTCOMES[o][1], color=OUTCOMES[o][2], ms=7, label=OUTCOMES[o][0]) for o in seen]
     figure.legend(handles=handles, loc="upper left", bbox_to_anchor=(0.005, 1 - 0.36 / figure.get_figheight()), ncols=len(handles))
-    style.title(figure, "Physics engines far from their usual settings: where the dent is still one")
+    style.title(figure, "Physics engines: the dent follows step, stiffness and speed, and is lost at their ends")
     footer(figure, tables)
     figure.tight_layout(rect=(0, 0.045, 1, 1 - 0.62 / figure.get_figheight()), h_pad=1.2)
     style.save(figure, directory, "stability_peers")
@@ -66,6 +66,7 @@ def footer(figure, tables):
     machine = tables[0].said("machine").split(" (family")[0]
     runs = sum(len(table.rows) for table in tables)
     text = f"{machine}, one thread · {' · '.join(versions)} · {runs} runs, one of each\n"
-    text += "One training shot of median depth a body; under each mark the depth at the contact. "
+    true = {key.split()[-1]: value for table in tables for key, (value, *_) in table.comments.items() if key.startswith("true depth")}
+    text += f"One training shot of median depth a body ({', '.join(f'{b}: the truth is {d}' for b, d in true.items())}); under each mark the depth at the contact. "
     text += "A ball slower than the shot's may spring back: no fault."
     figure.text(0.01, 0.004, text, fontsize=8, color="#666666", ha="left", va="bottom", linespacing=1.35)

@@ -4,7 +4,7 @@ use anyhow::Result;
 
 use super::rapier::{Material, Outcome, Quality, hit};
 use super::sheet::Sheet;
-use super::{DEFAULT, VERSION, material};
+use super::{DEFAULT, SHOTS, VERSION};
 use crate::Options;
 use crate::metric::{deepest, length};
 use crate::table::{Table, num};
@@ -48,8 +48,11 @@ pub fn run(options: &Options, bodies: &[Body]) -> Result<()> {
     let shots = bodies.iter().filter(|b| b.truth == Truth::Shots).take(if options.quick { 1 } else { 2 });
     for body in shots {
         let impact = middle(body);
+        table.comment(format!("true depth {}", body.name), format!("{} mm", num(1e3 * impact.depth())));
         for hz in [60.0, 240.0] {
-            let reference = Reference::new(body, impact, Quality { hz, ..DEFAULT });
+            let quality = Quality { hz, ..DEFAULT };
+            let (_, material) = *SHOTS.iter().find(|(q, _)| *q == quality).expect("both are calibrated");
+            let reference = Reference::new(body, impact, quality, material);
             for (sweep, unit, values) in if options.quick { QUICK } else { SWEEPS } {
                 for value in values {
                     table.row(reference.row(body, sweep, unit, *value))?;
@@ -79,9 +82,8 @@ struct Reference<'a> {
 }
 
 impl<'a> Reference<'a> {
-    fn new(body: &Body, impact: &'a Impact, quality: Quality) -> Self {
+    fn new(body: &Body, impact: &'a Impact, quality: Quality, material: Material) -> Self {
         let sheet = Sheet::new(body, quality.stride);
-        let material = material(Truth::Shots, quality.hz);
         let outcome = hit(&sheet, impact, material, quality);
         let inverted = sheet.inverted(&outcome.field);
         let mut reference = Self { sheet, impact, quality, material, depth: 0.0, inverted };
