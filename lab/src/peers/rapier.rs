@@ -79,13 +79,13 @@ impl Outcome {
 
 /// Mass of the shots' ball, kg.
 const BALL_KG: f32 = 2.5;
-/// Mass damping of the sheet while it is hit and after, 1/s; the sheet rests below this speed, m/s; times in s. As in the
-/// truth of the shots, but soft springs get a second to come to rest.
+/// Mass damping of the sheet while it is hit and after, 1/s; the sheet rests below this speed, m/s; times in s. All as in
+/// the truth of the shots.
 const DAMPING_IN_CONTACT: f32 = 5.0;
 const DAMPING_AFTER: f32 = 60.0;
 const REST_SPEED: f32 = 2e-3;
 const SETTLE_AT_LEAST: f32 = 0.06;
-const SETTLE_AT_MOST: f32 = 1.0;
+const SETTLE_AT_MOST: f32 = 0.20;
 const CONTACT_AT_MOST: f32 = 0.30;
 /// Travel time of a press each way, s; never under twelve steps.
 const PRESS_S: f32 = 0.012;
