@@ -1,6 +1,7 @@
 //! rapier's soft bodies on the same impacts, at several qualities, and where they fail. rapier is given the ball, its mass
 //! and its speed (or its path) and finds contact and depth itself. MuJoCo's part is `lab/python/mujoco_peer.py`.
 
+#[cfg(test)]
 mod calibrate;
 mod rapier;
 mod sheet;
