@@ -62,7 +62,6 @@
 //
 // This file is generated from the library's source by `cargo xtask header`; do not edit it.
 
-
 #ifndef CRUMPLE_H
 #define CRUMPLE_H
 
@@ -90,8 +89,6 @@
 
 /// Bit of crumple_features(): crumple_set_allocator() works.
 #define CRUMPLE_FEATURE_HOST_ALLOCATOR 4
-
-
 
 /// What every fallible call returns. After anything but CRUMPLE_OK no output was written, crumple_last_error() tells
 /// what was wrong and what would be right, and everything stays usable.
@@ -234,9 +231,6 @@ typedef enum {
     /// No example moves the contact in the direction asked for.
     CRUMPLE_HIT_STATUS_NOTHING_REACHES = 2,
 } CrumpleHitStatus;
-
-/// The open contacts of one instance.
-typedef struct Contacts Contacts;
 
 /// Everything that Crumple knows. Opaque.
 typedef struct CrumpleContext CrumpleContext;
@@ -777,8 +771,6 @@ typedef struct {
     /// Rotation since rest.
     CrumpleQuat rotation;
 } CrumpleFrame;
-
-
 
 #ifdef __cplusplus
 extern "C" {

@@ -38,5 +38,9 @@ fn generate(workspace: &Workspace) -> Result<String> {
         .context("cbindgen cannot read the sources; does the library build?")?;
     let mut text = Vec::new();
     bindings.write(&mut text);
-    Ok(String::from_utf8(text)?.replace("\r\n", "\n"))
+    let text = String::from_utf8(text)?.replace("\r\n", "\n");
+    // What is left out of the header leaves its blank lines behind.
+    let mut lines: Vec<&str> = text.lines().collect();
+    lines.dedup_by(|line, above| line.is_empty() && above.is_empty());
+    Ok(lines.join("\n") + "\n")
 }
