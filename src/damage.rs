@@ -3,29 +3,35 @@
 use crate::dent::{Dent, MAX_PAIRS};
 use crate::examples::{Combine, ExampleSet};
 use crate::mesh::MAX_COORDINATE;
-use crate::{Error, error::reserve};
+use crate::{Error, Mirror, error::reserve};
 use bytemuck::{Pod, Zeroable};
 use std::cmp::Ordering;
 
-/// An example and its share of a dent.
+/// An example, how it is placed, and its share of a dent.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Pod, Zeroable)]
 pub struct Pair {
     /// Index of the example; 0xFFFF in an unused pair.
     pub example: u16,
-    /// Low 15 bits: share of the dent, 32767 being the whole. Top bit: the example stays where it was made.
+    /// Low 12 bits: share of the dent, two's complement, 1024 being the whole. Bits 12, 13 and 14: the example is mirrored in
+    /// x, y, z. Bit 15: it stays where it was made.
     pub share: u16,
 }
 
 impl Pair {
     /// An unused pair.
     pub const NONE: Pair = Pair { example: u16::MAX, share: 0 };
-    /// The share of an example that makes a dent alone.
-    pub const WHOLE: u16 = 0x7FFF;
+    /// The share of an example that makes a dent alone. Shares go from -2 to just under 2 of it.
+    pub const WHOLE: i16 = 1024;
 
-    /// `share` of [`Pair::WHOLE`].
-    pub fn new(example: u16, share: u16, anchored: bool) -> Self {
-        Pair { example, share: share & Self::WHOLE | u16::from(anchored) << 15 }
+    /// `share` of [`Pair::WHOLE`], -2048 to 2047 (its low 12 bits are kept), where and as the example was made.
+    pub fn anchored(example: u16, share: i16) -> Self {
+        Pair { example, share: share as u16 & 0xFFF | 1 << 15 }
+    }
+
+    /// `share` of [`Pair::WHOLE`], -2048 to 2047 (its low 12 bits are kept), carried to the contact, perhaps as a mirror image.
+    pub fn carried(example: u16, share: i16, mirror: Mirror) -> Self {
+        Pair { example, share: share as u16 & 0xFFF | u16::from(mirror.bits()) << 12 }
     }
 
     /// Whether it is unused.
@@ -34,13 +40,24 @@ impl Pair {
     }
 
     /// Whether the example stays where it was made.
-    pub fn anchored(self) -> bool {
+    pub fn is_anchored(self) -> bool {
         self.share >> 15 == 1
     }
 
-    /// The share, 0 to 1.
+    /// The planes that the example is mirrored in.
+    pub fn mirror(self) -> Mirror {
+        Mirror::from_bits((self.share >> 12) as u8)
+    }
+
+    /// The share in units of 1 / [`Pair::WHOLE`].
+    pub fn units(self) -> i16 {
+        // Sign extension of 12 bits.
+        (self.share << 4) as i16 >> 4
+    }
+
+    /// The share, -2 to just under 2; negative where the example corrects others that overshoot.
     pub fn share_fraction(self) -> f32 {
-        f32::from(self.share & Self::WHOLE) / f32::from(Self::WHOLE)
+        f32::from(self.units()) / f32::from(Self::WHOLE)
     }
 }
 
@@ -107,7 +124,7 @@ impl Mark {
                 "one to four used pairs, then unused ones (65535, 0)".into(),
             ));
         }
-        let mut total = 0;
+        let mut total = 0i32;
         for p in &self.pairs[..used] {
             let Some(e) = set.examples().get(p.example as usize).filter(|e| !e.is_empty()) else {
                 return Err(bad(
@@ -116,17 +133,24 @@ impl Mark {
                     format!("one of the set's {} examples, not an empty one", set.examples().len()),
                 ));
             };
-            if !p.anchored() && e.stamp().is_none() {
+            if !p.is_anchored() && e.stamp().is_none() {
                 return Err(bad(
                     "pair",
                     format!("example {} carried", p.example),
                     "anchored, as the set's example is".into(),
                 ));
             }
-            total += u32::from(p.share & Pair::WHOLE);
+            if p.is_anchored() && p.mirror() != Mirror::NONE {
+                return Err(bad(
+                    "pair",
+                    format!("example {} anchored and mirrored", p.example),
+                    "either: an anchored example is never mirrored".into(),
+                ));
+            }
+            total += i32::from(p.units());
         }
-        if total == 0 || total > u32::from(Pair::WHOLE) {
-            return Err(bad("shares", total.to_string(), "1 to 32767 in all".into()));
+        if !(1..=i32::from(Pair::WHOLE)).contains(&total) {
+            return Err(bad("shares", total.to_string(), "1 to 1024 in all".into()));
         }
         Ok(())
     }

@@ -7,13 +7,14 @@
 //! carried    a_i = T / |d_i(p_i)|    e_i(v) = R d_i at p_i + stretch^-1 (R^T (v - c))
 //! ```
 //!
-//! with `R` the smallest rotation from `n_i` to `n` and `stretch = clamp(sqrt(a_i), 1/4, 4)` in the surface. All are then
-//! scaled together by `g = T / |sum s_i a_i e_i(c)|`, so that the contact gets the depth asked for, except that anchored
-//! examples (and all, in a strict set) are never scaled above 1.
+//! with `R` the smallest rotation from `n_i` to `n` and `stretch = clamp(sqrt(a_i), 1/4, 4)` in the surface; a mirrored pair
+//! takes the example's mirror image for the example. All are then scaled together by `g = T / |sum s_i a_i e_i(c)|`, so that
+//! the contact gets the depth asked for, except that anchored examples (and all, in a strict set) are never scaled above 1.
+//! Towards a held rim what is carried falls to zero ([`crate::rim`]).
 
 use crate::examples::{Combine, ExampleSet};
 use crate::math::{Aabb, rotation_between};
-use crate::{Mark, Pair};
+use crate::{Mark, Mirror, Pair};
 use glam::{Mat3, Vec3};
 
 /// Limits of the stretch of a carried example in the surface.
@@ -56,7 +57,7 @@ pub(crate) struct Dent {
 impl Dent {
     /// From a valid mark.
     pub(crate) fn new(set: &ExampleSet, mark: &Mark) -> Self {
-        let (parts, _) = place(set, mark.contact, mark.depth, &mark.pairs);
+        let parts = place(set, mark.contact, mark.depth, &mark.pairs).parts;
         Dent {
             strength: strength(mark.energy, set.options().combine),
             contact: set.mesh().positions()[mark.contact as usize],
@@ -86,10 +87,15 @@ impl Dent {
 }
 
 impl Carried {
-    fn new(set: &ExampleSet, example: usize, contact: u32, size: f32) -> Self {
+    pub(crate) fn new(set: &ExampleSet, example: usize, mirror: Mirror, contact: u32, size: f32) -> Self {
         let e = &set.examples()[example];
         let n = set.mesh().contact_normal(contact).unwrap_or(Vec3::Z);
-        let from_stamp = rotation_between(e.contact_normal().unwrap_or(Vec3::Z), n) * e.frame();
+        let own = e.contact_normal().unwrap_or(Vec3::Z);
+        let from_stamp = if mirror == Mirror::NONE {
+            rotation_between(own, n) * e.frame()
+        } else {
+            rotation_between(mirror.direction(own), n) * mirror.matrix() * e.frame()
+        };
         let stretch = size.sqrt().clamp(STRETCH.0, STRETCH.1);
         let shrink = Vec3::new(1.0 / stretch, 1.0 / stretch, 1.0);
         Carried {
@@ -121,8 +127,17 @@ impl Carried {
     }
 }
 
-/// The parts of a mark, and the displacement they bring to the contact, m.
-pub(crate) fn place(set: &ExampleSet, contact: u32, depth: f32, pairs: &[Pair; MAX_PAIRS]) -> (Vec<Part>, Vec3) {
+/// A mark's parts, placed and scaled.
+pub(crate) struct Placed {
+    pub parts: Vec<Part>,
+    /// Displacement that they bring to the contact, m.
+    pub met: Vec3,
+    /// The same if no rim were held.
+    pub open: Vec3,
+}
+
+/// The parts of a mark.
+pub(crate) fn place(set: &ExampleSet, contact: u32, depth: f32, pairs: &[Pair; MAX_PAIRS]) -> Placed {
     let c = set.mesh().positions()[contact as usize];
     let mut parts = Vec::with_capacity(MAX_PAIRS);
     let mut at_contact = [Vec3::ZERO; MAX_PAIRS];
@@ -130,12 +145,12 @@ pub(crate) fn place(set: &ExampleSet, contact: u32, depth: f32, pairs: &[Pair; M
     for pair in pairs.iter().filter(|p| !p.is_none()) {
         let example = pair.example as usize;
         let e = &set.examples()[example];
-        let (size, carried, u) = if pair.anchored() {
+        let (size, carried, u) = if pair.is_anchored() {
             let u = e.delta(contact);
             (depth / u.length(), None, u)
         } else {
             let size = depth / e.depth();
-            let carried = Carried::new(set, example, contact, size);
+            let carried = Carried::new(set, example, pair.mirror(), contact, size);
             let u = carried.at(set, example, c);
             (size, Some(carried), u)
         };
@@ -152,15 +167,20 @@ pub(crate) fn place(set: &ExampleSet, contact: u32, depth: f32, pairs: &[Pair; M
     // Examples that cancel each other at the contact are not blown up to meet a depth they cannot.
     let together = if together.is_finite() { together.min(4.0) } else { 1.0 };
     let strict = set.options().strict;
-    let mut met = Vec3::ZERO;
+    let held = set.rim().at(contact).factor;
+    let (mut met, mut open) = (Vec3::ZERO, Vec3::ZERO);
     for (p, u) in parts.iter_mut().zip(at_contact) {
         p.scale *= together;
-        if (p.scale - 1.0).abs() < 1e-6 || (p.scale > 1.0 && (strict || p.carried.is_none())) {
+        if (p.scale - 1.0).abs() < 1e-6 {
             p.scale = 1.0;
         }
-        met += u * p.scale;
+        if strict || p.carried.is_none() {
+            p.scale = p.scale.clamp(-1.0, 1.0);
+        }
+        open += u * p.scale;
+        met += u * (if p.carried.is_some() { p.scale * held } else { p.scale });
     }
-    (parts, met)
+    Placed { parts, met, open }
 }
 
 /// Strength of a mark: its `energy` is strength, strength squared, or the greatest strength, as the set combines.

@@ -2,9 +2,13 @@
 
 use crate::anchored::{Anchored, BLOCK, block_range};
 use crate::error::{at_least_zero, positive, reserve};
+use crate::images::{Around, Images};
+use crate::learn::{Learned, learn};
 use crate::math::{Aabb, tangent_basis, unit};
 use crate::mesh::{MAX_COORDINATE, Mesh, finite};
+use crate::mirror::{self, Mirror};
 use crate::nearest::{Nearest, VertexIndex};
+use crate::rim::Rim;
 use crate::stamp::{Source, Stamp};
 use crate::tasks::run_each;
 use crate::{Contact, Deltas, Error, ExampleData, MeshData, Placement, TaskSystem, normals};
@@ -74,6 +78,11 @@ pub struct SetOptions {
     pub drop_below: f32,
     /// Nodes along the longest side of a stamp: 4 to 128.
     pub stamp_resolution: u32,
+    /// Whether examples also serve mirrored, where the body is the same on both sides of a coordinate plane through the centre
+    /// of its bounds.
+    pub mirror: bool,
+    /// Whether carried dents fall to zero towards edges of the sheet that the examples show to be held.
+    pub held_rims: bool,
 }
 
 impl Default for SetOptions {
@@ -85,7 +94,9 @@ impl Default for SetOptions {
             seams: Seams::default(),
             mass: VertexMass::default(),
             drop_below: 0.0,
-            stamp_resolution: 24,
+            stamp_resolution: 32,
+            mirror: true,
+            held_rims: true,
         }
     }
 }
@@ -211,6 +222,10 @@ pub struct SetReport {
     pub anchored_bytes: usize,
     /// Bytes of stamps.
     pub stamp_bytes: usize,
+    /// Planes through the centre of the bounds that map the body onto itself; none where [`SetOptions::mirror`] is off.
+    pub mirror_planes: Mirror,
+    /// Vertices (seams counted) on edges that the examples show to be held.
+    pub held_vertices: usize,
 }
 
 /// A base mesh with its examples. Immutable: share it (`Arc`) among the instances of the mesh and among threads.
@@ -235,6 +250,9 @@ pub struct ExampleSet {
     depth_limit: f32,
     index: VertexIndex,
     block_bounds: Vec<Aabb>,
+    images: Images,
+    rim: Rim,
+    learned: Learned,
     fingerprint: u64,
     report: SetReport,
     pub(crate) triangle_index: OnceLock<RTree<crate::attach::IndexedTriangle>>,
@@ -302,7 +320,15 @@ impl ExampleSet {
             .collect();
         let depth_limit = options.depth_limit.unwrap_or(deepest);
         let fingerprint = fingerprint(&mesh, &ready, &options);
-        Ok(Self {
+        if options.mirror {
+            report.mirror_planes = mirror::planes(positions, &index, &mesh.bounds());
+        }
+        let rim = if options.held_rims { Rim::find(&mesh, &ready) } else { Rim::default() };
+        report.held_vertices = rim.vertices();
+        let mut set = Self {
+            images: Images::new(&mesh, &ready, report.mirror_planes),
+            learned: Learned::nothing(ready.len()),
+            rim,
             mesh,
             examples: ready,
             options,
@@ -312,7 +338,9 @@ impl ExampleSet {
             fingerprint,
             report,
             triangle_index: OnceLock::new(),
-        })
+        };
+        set.learned = learn(&set, tasks);
+        Ok(set)
     }
 
     /// The base mesh.
@@ -357,7 +385,17 @@ impl ExampleSet {
             + self.mesh.normals().map_or(0, |n| n.len() * 24)
             + self.mesh.tangents().map_or(0, |t| t.len() * 16)
             + self.mesh.triangles().len() * 12;
-        mesh + self.report.anchored_bytes + self.report.stamp_bytes + self.block_bounds.len() * 24
+        let images = self.images.len() * size_of::<crate::images::Image>();
+        mesh + self.report.anchored_bytes
+            + self.report.stamp_bytes
+            + self.block_bounds.len() * 24
+            + self.rim.bytes()
+            + images
+    }
+
+    /// What it learned from its own examples, each left out in turn.
+    pub fn learned(&self) -> &Learned {
+        &self.learned
     }
 
     /// The vertex nearest to `point` (mesh space, m); the lowest index where several are equally near.
@@ -369,6 +407,20 @@ impl ExampleSet {
         self.index
             .nearest(p, self.mesh.positions())
             .ok_or_else(|| Error::invalid("point", p, "near enough that squared distances fit in f32"))
+    }
+
+    pub(crate) fn images(&self) -> &Images {
+        &self.images
+    }
+
+    pub(crate) fn rim(&self) -> &Rim {
+        &self.rim
+    }
+
+    /// A hit on `contact` as examples are measured against it; `place_width` as a share of the diagonal.
+    pub(crate) fn around(&self, contact: u32, direction: Vec3, size: f32, place_width: f32) -> Around<'_> {
+        let negligible = 1e-6 * self.depth_limit;
+        Around::new((&self.mesh, &self.examples, &self.images), (contact, direction, size), place_width, negligible)
     }
 
     pub(crate) fn block_bounds(&self) -> &[Aabb] {
@@ -432,6 +484,7 @@ fn fingerprint(mesh: &Mesh, examples: &[Example], options: &SetOptions) -> u64 {
         });
     }
     h.update(&[options.combine as u8, u8::from(options.strict), options.stamp_resolution as u8]);
+    h.update(&[u8::from(options.mirror), u8::from(options.held_rims)]);
     h.digest()
 }
 

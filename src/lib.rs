@@ -31,16 +31,21 @@ mod error;
 mod examples;
 #[cfg(feature = "gltf")]
 pub mod export;
+mod images;
 #[cfg(any(feature = "gltf", feature = "obj"))]
 pub mod import;
 mod instance;
+mod learn;
 mod math;
 mod mesh;
+mod mirror;
 mod nearest;
 mod normals;
+mod rim;
 mod select;
 mod stamp;
 mod tasks;
+mod weights;
 
 pub use attach::{Attachment, Frame};
 pub use damage::{Mark, Pair};
@@ -50,8 +55,10 @@ pub use error::{Error, ErrorKind};
 pub use examples::{Combine, Example, ExampleSet, Seams, SetOptions, SetReport, VertexMass};
 pub use glam;
 pub use instance::{Inbox, Instance, InstanceOptions, Rule};
+pub use learn::Learned;
 pub use math::Aabb;
 pub use mesh::Mesh;
+pub use mirror::Mirror;
 pub use nearest::Nearest;
 pub use select::{Cause, Chosen, Hit, HitStatus, Outcome, Selection, Space};
 pub use stamp::Stamp;

@@ -1,27 +1,21 @@
 //! Selection: an impulse becomes a mark.
 //!
-//! The default takes the K examples nearest in place, size and angle, kernel-weighted, and scales them together so that
-//! the contact gets the target displacement. The literature's rule ([`Selection::Classic`]) takes the one example whose
+//! The default takes the K examples that say most of a hit of this place, depth and lean, in shares that extrapolate between
+//! them ([`crate::weights`]), and scales them together so that the contact gets the target displacement. The literature's rule ([`Selection::Classic`]) takes the one example whose
 //! displacement of the contact has the best cosine with the target.
 //!
 //! Everything here is IEEE f32/f64 arithmetic with `sqrt` and `libm`, so the same hit makes the same mark everywhere.
 
-use crate::dent::{MAX_PAIRS, place};
+use crate::dent::{MAX_PAIRS, Placed, place};
 use crate::error::positive;
-use crate::examples::{ANCHORED_SIZE, ANCHORED_WITHIN, Example, ExampleSet};
-use crate::math::rotation_between;
+use crate::examples::{ANCHORED_SIZE, ANCHORED_WITHIN, ExampleSet};
+use crate::images::{Image, automatic};
+use crate::mirror::Mirror;
+use crate::weights::{self, Axes, CANDIDATES};
 use crate::{Error, Mark, Pair, Placement};
 use glam::{DMat3, DVec3, Vec3};
 use std::num::NonZeroU64;
 
-/// Kernel width over the distance between contacts, as a share of the body's diagonal.
-const PLACE_WIDTH: f32 = 0.25;
-/// Kernel width over the natural logarithm of the ratio of depths.
-const SIZE_WIDTH: f32 = 0.6;
-/// Kernel width over one minus the cosine between target and example.
-const ANGLE_WIDTH: f32 = 0.3;
-/// An anchored example reaches a vertex that it displaces by at least this share of its own contact's displacement.
-const REACH: f32 = 0.1;
 /// Targets below this share of the depth limit leave no mark.
 const NEGLIGIBLE: f64 = 1e-6;
 
@@ -88,7 +82,7 @@ impl Hit {
 /// How examples are chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Selection {
-    /// The K nearest in place, size and angle, carried or anchored as each example says.
+    /// The K that say most of the hit's place, depth and lean, carried or anchored as each example says.
     #[default]
     Nearest,
     /// The paper's Figure 4.2: best cosine among the examples that move the nearest vertex, anchored; weight at most 1.
@@ -113,12 +107,14 @@ pub enum HitStatus {
 pub struct Chosen {
     /// Its index.
     pub example: u32,
-    /// Its share of the dent; shares sum to 1.
+    /// Its share of the dent; shares sum to 1. Negative where it corrects others that overshoot.
     pub share: f32,
     /// What its displacements are multiplied with.
     pub scale: f32,
     /// Whether it stays where it was made.
     pub anchored: bool,
+    /// The planes that it is mirrored in.
+    pub mirror: Mirror,
 }
 
 /// What a hit was turned into, and what of it could not be met.
@@ -264,63 +260,64 @@ fn contact(set: &ExampleSet, p: &Params, point: DVec3) -> Result<crate::Nearest,
 }
 
 /// An example that could answer a hit.
-struct Candidate {
-    example: usize,
-    anchored: bool,
-    /// Squared distance in place, size and angle.
-    q: f32,
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Candidate {
+    pub example: u32,
+    pub mirror: Mirror,
+    pub anchored: bool,
+    pub axes: Axes,
+    /// Squared distance from the hit.
+    d: f32,
+}
+
+impl Candidate {
+    pub(crate) fn new(image: &Image, anchored: bool, axes: Axes) -> Self {
+        Candidate { example: image.example, mirror: image.mirror, anchored, axes, d: weights::distance(&axes) }
+    }
+
+    fn order(&self, other: &Self) -> std::cmp::Ordering {
+        self.d.total_cmp(&other.d).then((self.example, self.mirror).cmp(&(other.example, other.mirror)))
+    }
 }
 
 fn nearest(set: &ExampleSet, p: &Params, contact: u32, direction: Vec3, size: f32, out: &mut Outcome) -> Effect {
-    let mut found: Vec<Candidate> = Vec::with_capacity(set.examples().len());
+    let at = set.around(contact, direction, size, set.learned().place_width);
+    let mut found: Vec<Candidate> = Vec::with_capacity(set.images().len());
     let mut own: Option<Candidate> = None;
-    let at = Around::new(set, contact, direction, size);
-    for (i, e) in set.examples().iter().enumerate() {
-        let within = (e.contact_point() - at.point).length() <= ANCHORED_WITHIN * e.support_radius();
+    for image in set.images().iter() {
+        let e = &set.examples()[image.example as usize];
+        let here = (e.contact_point() - at.point).length() <= ANCHORED_WITHIN * e.support_radius()
+            && image.mirror == Mirror::NONE;
         let own_size = (1.0 - ANCHORED_SIZE..=1.001).contains(&(size / e.depth()));
-        let anchored =
-            e.placement() == Placement::Anchored || (e.placement() == Placement::Automatic && within && own_size);
-        let Some(q) = at.distance(e, anchored) else { continue };
-        let c = Candidate { example: i, anchored, q };
-        if anchored && within {
+        let may_carry = automatic(e);
+        let anchored = e.placement() == Placement::Anchored
+            || (may_carry && (here && own_size || set.learned().anchored[image.example as usize]));
+        // An automatic example that does not reach this far in place can still be carried here.
+        let placed = at.axes(image, anchored).map(|a| (anchored, a));
+        let placed =
+            placed.or_else(|| if anchored && may_carry { at.axes(image, false).map(|a| (false, a)) } else { None });
+        let Some((anchored, axes)) = placed else { continue };
+        let c = Candidate::new(image, anchored, axes);
+        if anchored && here && (own_size || e.placement() == Placement::Anchored) {
             // At an example's own contact it answers alone: the artist's dent, not a mixture.
-            if own.as_ref().is_none_or(|o| q < o.q) {
+            if own.as_ref().is_none_or(|o| c.d < o.d) {
                 own = Some(c);
             }
         } else {
             found.push(c);
         }
     }
-    let mut chosen = match own {
-        Some(c) => vec![c],
-        None => found,
+    let pairs = match own {
+        Some(c) => pairs(vec![c], 1),
+        None => pairs(found, p.examples_per_hit),
     };
-    let by_q = |a: &Candidate, b: &Candidate| a.q.total_cmp(&b.q).then(a.example.cmp(&b.example));
-    let k = p.examples_per_hit.min(chosen.len());
-    if k == 0 {
+    if pairs[0].is_none() {
         return Effect::None;
     }
-    if chosen.len() > k {
-        chosen.select_nth_unstable_by(k - 1, by_q);
-        chosen.truncate(k);
-    }
-    chosen.sort_unstable_by(by_q);
-    let weights: Vec<f32> = chosen.iter().map(|c| libm::expf(-0.5 * (c.q - chosen[0].q))).collect();
-    let sum: f32 = weights.iter().sum();
-    let mut pairs = [Pair::NONE; MAX_PAIRS];
-    let mut rest = Pair::WHOLE;
-    for (c, (pair, w)) in chosen.iter().zip(pairs.iter_mut().zip(&weights)).skip(1) {
-        let share = (w / sum * f32::from(Pair::WHOLE)) as u16;
-        if share > 0 {
-            *pair = Pair::new(c.example as u16, share, c.anchored);
-            rest -= share;
-        }
-    }
-    pairs[0] = Pair::new(chosen[0].example as u16, rest, chosen[0].anchored);
     // The dent's own direction at the contact decides how much of the target it can meet.
-    let (_, met) = place(set, contact, size, &pairs);
-    let along = met.length();
-    let depth = if along > 0.0 { (direction * size).dot(met / along) } else { 0.0 };
+    let open = place(set, contact, size, &pairs).open;
+    let along = open.length();
+    let depth = if along > 0.0 { (direction * size).dot(open / along) } else { 0.0 };
     // A target along the dent to within rounding is the dent.
     let depth = if (depth - size).abs() <= 1e-6 * size { size } else { depth };
     if depth.is_nan() || depth <= 0.0 {
@@ -329,70 +326,54 @@ fn nearest(set: &ExampleSet, p: &Params, contact: u32, direction: Vec3, size: f3
     marked(set, Mark::new(contact, depth, pairs), out)
 }
 
+/// Up to `k` of the candidates with their shares, the weightiest first.
+pub(crate) fn pairs(mut found: Vec<Candidate>, k: usize) -> [Pair; MAX_PAIRS] {
+    let mut pairs = [Pair::NONE; MAX_PAIRS];
+    if found.is_empty() {
+        return pairs;
+    }
+    if found.len() > CANDIDATES {
+        found.select_nth_unstable_by(CANDIDATES - 1, Candidate::order);
+        found.truncate(CANDIDATES);
+    }
+    found.sort_unstable_by(Candidate::order);
+    let axes: Vec<Axes> = found.iter().map(|c| c.axes).collect();
+    let mut chosen = weights::choose(&axes, k);
+    chosen.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    let units = |w: f64| (w * f64::from(Pair::WHOLE)).round_ties_even() as i32;
+    // The first takes what rounding leaves, so that shares sum to the whole.
+    let mut shares: Vec<(usize, i32)> = chosen.iter().map(|(i, w)| (*i, units(*w))).collect();
+    shares[0].1 = i32::from(Pair::WHOLE) - shares[1..].iter().map(|s| s.1).sum::<i32>();
+    if shares.iter().any(|s| !(-2048..2048).contains(&s.1)) {
+        // Far outside what the examples span, no mixture is better than the nearest.
+        shares = vec![(0, i32::from(Pair::WHOLE))];
+    }
+    for (slot, (i, share)) in pairs.iter_mut().zip(shares.iter().filter(|s| s.1 != 0)) {
+        let c = &found[*i];
+        *slot = if c.anchored {
+            Pair::anchored(c.example as u16, *share as i16)
+        } else {
+            Pair::carried(c.example as u16, *share as i16, c.mirror)
+        };
+    }
+    pairs
+}
+
 fn marked(set: &ExampleSet, mark: Mark, out: &mut Outcome) -> Effect {
-    let (parts, met) = place(set, mark.contact, mark.depth, &mark.pairs);
+    let Placed { parts, met, .. } = place(set, mark.contact, mark.depth, &mark.pairs);
     for (slot, (pair, part)) in out.chosen.iter_mut().zip(mark.pairs.iter().filter(|p| !p.is_none()).zip(&parts)) {
         *slot = Some(Chosen {
             example: u32::from(pair.example),
             share: pair.share_fraction(),
             scale: part.scale,
-            anchored: pair.anchored(),
+            anchored: pair.is_anchored(),
+            mirror: pair.mirror(),
         });
     }
     out.met = met.to_array();
     out.status = HitStatus::Marked;
     out.mark = Some(mark);
     Effect::Mark(mark)
-}
-
-/// A hit, as examples are measured against it.
-struct Around<'a> {
-    set: &'a ExampleSet,
-    contact: u32,
-    point: Vec3,
-    normal: Option<Vec3>,
-    direction: Vec3,
-    log_size: f32,
-    place_width: f32,
-}
-
-impl<'a> Around<'a> {
-    fn new(set: &'a ExampleSet, contact: u32, direction: Vec3, size: f32) -> Self {
-        Around {
-            set,
-            contact,
-            point: set.mesh().positions()[contact as usize],
-            normal: set.mesh().contact_normal(contact),
-            direction,
-            log_size: libm::logf(size),
-            place_width: (PLACE_WIDTH * set.mesh().bounds().diagonal()).max(f32::MIN_POSITIVE),
-        }
-    }
-
-    /// Squared distance of an example from the hit; `None` where it cannot answer it.
-    fn distance(&self, e: &Example, anchored: bool) -> Option<f32> {
-        if e.is_empty() || e.depth() < 1e-6 * self.set.depth_limit() {
-            return None;
-        }
-        let (depth, dir) = if anchored {
-            let u = e.delta(self.contact);
-            (u.length(), u)
-        } else {
-            let r = rotation_between(e.contact_normal()?, self.normal?);
-            (e.depth(), r * e.contact_displacement())
-        };
-        if anchored && depth < REACH * e.depth() {
-            return None;
-        }
-        let cos = dir.dot(self.direction) / depth;
-        if cos.is_nan() || cos <= 1e-3 {
-            return None;
-        }
-        let place = (e.contact_point() - self.point).length() / self.place_width;
-        let size = (e.log_depth() - self.log_size) / SIZE_WIDTH;
-        let angle = (1.0 - cos) / ANGLE_WIDTH;
-        Some(place * place + size * size + angle * angle)
-    }
 }
 
 /// Figure 4.2 of the paper: of the examples that move the contact, the one with the best cosine similarity (Eq. 4.5);
@@ -421,12 +402,13 @@ fn classic(
     let weight = size / d.length();
     let weight = if clamp { weight.min(1.0) } else { weight };
     if p.classic {
-        out.chosen[0] = Some(Chosen { example: example as u32, share: 1.0, scale: weight, anchored: true });
+        out.chosen[0] =
+            Some(Chosen { example: example as u32, share: 1.0, scale: weight, anchored: true, mirror: Mirror::NONE });
         out.met = (d * weight).to_array();
         out.status = HitStatus::Marked;
         return Effect::Classic { example: example as u32, weight };
     }
     let mut pairs = [Pair::NONE; MAX_PAIRS];
-    pairs[0] = Pair::new(example as u16, Pair::WHOLE, true);
+    pairs[0] = Pair::anchored(example as u16, Pair::WHOLE);
     marked(set, Mark::new(contact, size, pairs), out)
 }

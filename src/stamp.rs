@@ -9,8 +9,9 @@ use crate::math::Aabb;
 use crate::nearest::VertexIndex;
 use glam::{Mat3, UVec3, Vec3};
 
-/// Displacements below this share of the deepest are left out of a stamp's extent.
-const EXTENT: f32 = 1e-3;
+/// Displacements below this share of the deepest are left out of a stamp's extent: long flat tails would cost the dent itself
+/// its nodes.
+const EXTENT: f32 = 1e-2;
 /// Full value up to this distance from the surface, as a share of the support radius …
 const FADE_FROM: f32 = 0.1;
 /// … and nothing from here.
@@ -96,9 +97,14 @@ impl Stamp {
             let at = UVec3::new(i as u32 % dims.x, i as u32 / dims.x % dims.y, i as u32 / (dims.x * dims.y));
             let p = s.contact + s.frame * (lo + at.as_vec3() * cell);
             let node = stamp_node(s, p, fade);
-            stamp.displacements[i] = to_frame * node.displacement;
+            // Zero on the sides of the grid: the field ends without a step.
+            if at.x > 0 && at.y > 0 && at.x + 1 < dims.x && at.y + 1 < dims.y {
+                stamp.displacements[i] = to_frame * node.displacement;
+                if s.normals.is_some() {
+                    stamp.normals[i] = to_frame * node.normal;
+                }
+            }
             if s.normals.is_some() {
-                stamp.normals[i] = to_frame * node.normal;
                 stamp.facing[i] = to_frame * node.facing;
             }
         }

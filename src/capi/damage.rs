@@ -8,13 +8,14 @@ use crate::{Mark, Pair};
 use bytemuck::{Pod, Zeroable};
 use std::ffi::c_void;
 
-/// An example and its share of a dent.
+/// An example, how it is placed, and its share of a dent.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
 pub struct CrumplePair {
     /// Index of the example; 0xFFFF in an unused pair.
     pub example: u16,
-    /// Low 15 bits: share of the dent, 32767 being the whole. Top bit: the example stays where it was made.
+    /// Low 12 bits: share of the dent, two's complement, 1024 being the whole. Bits 12, 13 and 14: the example is mirrored in
+    /// x, y, z. Bit 15: it stays where it was made.
     pub share: u16,
 }
 

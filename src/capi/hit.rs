@@ -95,12 +95,14 @@ pub enum CrumpleHitStatus {
 pub struct CrumpleChosen {
     /// Its index in the set.
     pub example: u32,
-    /// Its share of the dent; the shares of a hit sum to 1.
+    /// Its share of the dent; the shares of a hit sum to 1. Negative where it corrects others that overshoot.
     pub share: f32,
     /// What its displacements are multiplied with.
     pub scale: f32,
     /// Whether it stays where it was made; otherwise it is carried to the contact.
     pub anchored: bool,
+    /// The planes that it is mirrored in: 1 for x, 2 for y, 4 for z, added up.
+    pub mirror: u8,
 }
 
 /// What a hit was turned into, and what of it could not be met.
@@ -134,8 +136,13 @@ impl From<&Outcome> for CrumpleHitResult {
         let mut chosen = [CrumpleChosen::default(); 4];
         let mut chosen_count = 0;
         for (to, from) in chosen.iter_mut().zip(outcome.chosen.iter().flatten()) {
-            *to =
-                CrumpleChosen { example: from.example, share: from.share, scale: from.scale, anchored: from.anchored };
+            *to = CrumpleChosen {
+                example: from.example,
+                share: from.share,
+                scale: from.scale,
+                anchored: from.anchored,
+                mirror: from.mirror.bits(),
+            };
             chosen_count += 1;
         }
         CrumpleHitResult {

@@ -99,8 +99,8 @@ pub struct CrumpleExampleSetOptions {
     pub drop_below: f32,
     /// Mass of every vertex, kg, for impulses that bring none of their own. 0: not known. Default 0.
     pub vertex_mass: f32,
-    /// Nodes along the longest side of the grid that a carried example is kept in: 4 to 128. Default 24; smooth dents
-    /// lose nothing, sharp creases want more.
+    /// Nodes along the longest side of the grid that a carried example is kept in: 4 to 128. Default 32; sharp creases
+    /// want more.
     pub stamp_resolution: u32,
     /// Mass of each vertex, kg: vertex_count floats, instead of vertex_mass. Default absent.
     pub vertex_masses: CrumpleInput,
@@ -110,6 +110,11 @@ pub struct CrumpleExampleSetOptions {
     pub seams: MaybeUninit<CrumpleSeams>,
     /// Whether carried examples may never be scaled above their own depth, as anchored ones never are. Default false.
     pub strict: MaybeUninit<bool>,
+    /// Whether examples also serve mirrored, where the body is the same on both sides of a coordinate plane through the
+    /// centre of its bounds. Default true.
+    pub mirror: MaybeUninit<bool>,
+    /// Whether carried dents fall to zero towards edges of the sheet that the examples show to be held. Default true.
+    pub held_rims: MaybeUninit<bool>,
 }
 
 /// One example: the base mesh after a collision. Give target_positions, or delta_indices with position_deltas.
@@ -209,6 +214,8 @@ pub(super) fn default_options() -> CrumpleExampleSetOptions {
         combine: MaybeUninit::new(CrumpleCombine::Energies),
         seams: MaybeUninit::new(CrumpleSeams::Weld),
         strict: MaybeUninit::new(false),
+        mirror: MaybeUninit::new(true),
+        held_rims: MaybeUninit::new(true),
     }
 }
 
@@ -497,6 +504,8 @@ pub(super) unsafe fn read_options(options: &CrumpleExampleSetOptions, vertices: 
             CrumpleCombine::Deepest => Combine::Deepest,
         },
         strict: boolean(options.strict),
+        mirror: boolean(options.mirror),
+        held_rims: boolean(options.held_rims),
         seams: match enumerator(options.seams, "def.options.seams")? {
             CrumpleSeams::Weld => Seams::Weld,
             CrumpleSeams::Keep => Seams::Keep,

@@ -54,6 +54,7 @@ fn evaluate<const N: usize>(instance: &Instance, r: Range<usize>, normals: bool)
         }
         return out;
     }
+    let rim = set.rim().block(b).map(|w| &w[r.start - b * BLOCK..]);
     let mut sum = Sum::<N>::new();
     for dent in instance.damage().dents().iter().filter(|d| d.touches(set, b)) {
         sum.clear_dent(len);
@@ -67,14 +68,19 @@ fn evaluate<const N: usize>(instance: &Instance, r: Range<usize>, normals: bool)
                 Some(carried) => match base_normals.map(|n| &n[r.clone()]) {
                     None => {
                         for (i, p) in base.iter().enumerate() {
-                            sum.dent[i] += carried.at(set, part.example, *p) * scale;
+                            let factor = rim.map_or(1.0, |w| w[i].factor);
+                            sum.dent[i] += carried.at(set, part.example, *p) * factor * scale;
                         }
                     }
                     Some(normals) => {
                         for (i, (p, n)) in base.iter().zip(normals).enumerate() {
-                            if let Some((u, n)) = carried.with_normal(set, part.example, *p, *n) {
+                            if let Some((mut u, mut change)) = carried.with_normal(set, part.example, *p, *n) {
+                                if let Some(w) = rim {
+                                    change = w[i].turn(u, change, *n);
+                                    u *= w[i].factor;
+                                }
                                 sum.dent[i] += u * scale;
-                                sum.dent_normals[i] += n * scale;
+                                sum.dent_normals[i] += change * scale;
                             }
                         }
                     }

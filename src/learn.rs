@@ -1,0 +1,187 @@
+//! What a set learns from itself at build: every example is left out in turn and predicted from the others.
+//!
+//! Learned are the width of the place axes (how far an example's say reaches: on an even sheet everywhere, on a body of many
+//! parts not far) and, for each automatic example, whether hits around it are better met by examples that stay where they were
+//! made or by carried ones. The errors themselves tell an artist where one more example would help most.
+
+use crate::dent::place;
+use crate::images::automatic;
+use crate::select::{Candidate, pairs};
+use crate::tasks::run_each;
+use crate::weights::Axes;
+use crate::{ExampleSet, Placement, TaskSystem};
+use glam::Vec3;
+use std::sync::Mutex;
+
+/// Widths of the place axes that are tried, as shares of the bounds' diagonal. The first is taken where too little is known.
+const WIDTHS: [f32; 3] = [1.3, 0.5, 0.2];
+/// Fewer examples than this teach nothing: with half of them gone, who predicts whom is chance.
+const ENOUGH: usize = 8;
+/// At most so many examples are left out in turn, evenly spread over the list …
+const QUERIES: usize = 64;
+/// … predicted from so many others (what instances take by default) …
+const EXAMPLES: usize = 3;
+/// … at so many vertices.
+const SAMPLES: usize = 384;
+/// Vertices within this many support radii of the contact are looked at.
+const AROUND: f32 = 1.5;
+/// A narrower width must beat the first by this factor: by less it is chance (cross-validated on the solved bodies, nothing is
+/// gained on average without such a margin).
+const CLEARLY: f32 = 0.95;
+/// Staying in place must beat carrying by this factor to be taken: a dent that is where the body was hit is what was asked.
+const BETTER: f32 = 0.9;
+/// Placement is decided by the errors of an example and its nearest neighbours, this many in all.
+const NEIGHBOURS: usize = 3;
+/// Errors count up to this: how wrong a failed prediction is says nothing.
+const WORST: f32 = 2.0;
+
+/// How well the examples of a set predict each other, and what follows. Errors are relative L2 errors of the displacement
+/// field around the example left out: 0 is perfect, predicting no dent is 1.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Learned {
+    /// Width of the place axes, as a share of the bounds' diagonal.
+    pub place_width: f32,
+    /// Error of each example when the others predict it carried; `None` where it was not tried or nothing answered.
+    pub carried_error: Vec<Option<f32>>,
+    /// The same when the others stay where they were made.
+    pub anchored_error: Vec<Option<f32>>,
+    /// Whether each automatic example stays in place for hits around it.
+    pub anchored: Vec<bool>,
+}
+
+impl Learned {
+    /// Nothing known yet, of `n` examples.
+    pub(crate) fn nothing(n: usize) -> Self {
+        Learned {
+            place_width: WIDTHS[0],
+            carried_error: vec![None; n],
+            anchored_error: vec![None; n],
+            anchored: vec![false; n],
+        }
+    }
+
+    /// The example that the others predict worst: one more near it would help most.
+    pub fn worst(&self) -> Option<(usize, f32)> {
+        let best = |i: usize| match (self.carried_error[i], self.anchored_error[i]) {
+            (Some(c), Some(a)) if self.anchored[i] => Some(a.min(c)),
+            (c, a) => c.or(a),
+        };
+        (0..self.anchored.len())
+            .filter_map(|i| best(i).map(|e| (i, e)))
+            .max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))
+    }
+
+    /// Median of the errors of the placement that each example has.
+    pub fn median(&self) -> Option<f32> {
+        let of = |i: usize| if self.anchored[i] { self.anchored_error[i] } else { self.carried_error[i] };
+        let mut errors: Vec<f32> = (0..self.anchored.len()).filter_map(of).collect();
+        errors.sort_by(f32::total_cmp);
+        errors.get(errors.len() / 2).copied()
+    }
+}
+
+/// The errors of one example left out: carried, for each width, and anchored.
+#[derive(Default, Clone, Copy)]
+struct Errors {
+    carried: [Option<f32>; WIDTHS.len()],
+    anchored: Option<f32>,
+}
+
+/// Leaves the set's examples out in turn.
+pub(crate) fn learn(set: &ExampleSet, tasks: &dyn TaskSystem) -> Learned {
+    let examples = set.examples();
+    let mut learned = Learned::nothing(examples.len());
+    let usable: Vec<usize> = (0..examples.len()).filter(|i| examples[*i].stamp().is_some()).collect();
+    if usable.len() < 2 {
+        return learned;
+    }
+    let step = usable.len().div_ceil(QUERIES);
+    let queries: Vec<usize> = usable.iter().copied().step_by(step).collect();
+    let slots: Vec<Mutex<Errors>> = queries.iter().map(|_| Mutex::default()).collect();
+    run_each(tasks, queries.len(), &|i| {
+        let errors = left_out(set, queries[i]);
+        *slots[i].lock().unwrap_or_else(|e| e.into_inner()) = errors;
+    });
+    let errors: Vec<Errors> = slots.into_iter().map(|s| s.into_inner().unwrap_or_else(|e| e.into_inner())).collect();
+    let answered = errors.iter().filter(|e| e.carried[0].is_some()).count();
+    let mean = |w: usize| errors.iter().filter_map(|e| e.carried[w]).map(|x| x.min(WORST)).sum::<f32>();
+    let mut width = 0;
+    if answered >= ENOUGH {
+        for w in 1..WIDTHS.len() {
+            if mean(w) < mean(width) && mean(w) < CLEARLY * mean(0) {
+                width = w;
+            }
+        }
+    }
+    learned.place_width = WIDTHS[width];
+    for (q, e) in queries.iter().zip(&errors) {
+        learned.carried_error[*q] = e.carried[width];
+        learned.anchored_error[*q] = e.anchored;
+    }
+    if answered >= ENOUGH {
+        for i in usable.iter().filter(|i| automatic(&examples[**i])) {
+            learned.anchored[*i] = stays(set, &learned, &queries, *i);
+        }
+    }
+    learned
+}
+
+/// Whether around example `i` anchored examples predict better than carried ones.
+fn stays(set: &ExampleSet, learned: &Learned, queries: &[usize], i: usize) -> bool {
+    let at = |q: usize| set.examples()[q].contact_point();
+    let mut near: Vec<usize> = queries.iter().copied().filter(|q| learned.carried_error[*q].is_some()).collect();
+    near.sort_by(|a, b| (at(*a) - at(i)).length().total_cmp(&(at(*b) - at(i)).length()).then(a.cmp(b)));
+    near.truncate(NEIGHBOURS);
+    let sum = |of: &[Option<f32>]| near.iter().map(|q| of[*q].unwrap_or(WORST).min(WORST)).sum::<f32>();
+    sum(&learned.anchored_error) < BETTER * sum(&learned.carried_error)
+}
+
+fn left_out(set: &ExampleSet, q: usize) -> Errors {
+    let examples = set.examples();
+    let e = &examples[q];
+    let samples = samples(set, q);
+    let (contact, size) = (e.contact_vertex(), e.depth());
+    let direction = e.contact_displacement() / size;
+    let twin: Vec<bool> = examples.iter().map(|other| set.images().twins(e, other)).collect();
+    let others = || set.images().iter().filter(|i| i.example as usize != q && !twin[i.example as usize]);
+    let predict = |width: f32, anchored: bool| {
+        let at = set.around(contact, direction, size, width);
+        let usable = |i: usize| anchored || examples[i].placement() != Placement::Anchored;
+        let found: Vec<Candidate> = others()
+            .filter(|i| usable(i.example as usize))
+            .filter_map(|i| at.axes(i, anchored).map(|axes: Axes| Candidate::new(i, anchored, axes)))
+            .collect();
+        let pairs = pairs(found, EXAMPLES);
+        (!pairs[0].is_none()).then(|| {
+            let parts = place(set, contact, size, &pairs).parts;
+            let (mut wrong, mut all) = (0.0f64, 0.0f64);
+            for v in &samples {
+                let p = set.mesh().positions()[*v as usize];
+                let mut u = Vec3::ZERO;
+                for part in &parts {
+                    u += match &part.carried {
+                        Some(c) => c.at(set, part.example, p) * set.rim().at(*v).factor,
+                        None => examples[part.example].delta(*v),
+                    } * part.scale;
+                }
+                let truth = e.delta(*v);
+                wrong += f64::from((u - truth).length_squared());
+                all += f64::from(truth.length_squared());
+            }
+            (wrong / all).sqrt() as f32
+        })
+    };
+    Errors { carried: WIDTHS.map(|w| predict(w, false)), anchored: predict(WIDTHS[0], true) }
+}
+
+/// Vertices around an example's contact, evenly spread over the mesh's order.
+fn samples(set: &ExampleSet, q: usize) -> Vec<u32> {
+    let e = &set.examples()[q];
+    let radius = e.support_radius() * AROUND;
+    let positions = set.mesh().positions();
+    let near: Vec<u32> = (0..positions.len() as u32)
+        .filter(|v| (positions[*v as usize] - e.contact_point()).length() <= radius)
+        .collect();
+    let step = near.len().div_ceil(SAMPLES).max(1);
+    near.into_iter().step_by(step).chain([e.contact_vertex()]).collect()
+}

@@ -1,0 +1,183 @@
+//! The held rim: where examples show that an edge of the sheet does not move, a carried dent falls to zero towards it.
+//!
+//! A rim is a loop of boundary edges. It is held when no example moves any of its vertices (by more than a hundredth of its
+//! deepest displacement) although some example moves a vertex beside it. Towards it, carried displacements are multiplied
+//! with a window that rises smoothly from 0 on the rim to 1 at [`WIDTH`] of the diagonal. Anchored examples are left as they
+//! are.
+
+use crate::Example;
+use crate::anchored::{BLOCK, block_range};
+use crate::mesh::Mesh;
+use glam::Vec3;
+use rstar::{RTree, primitives::GeomWithData};
+
+/// Width of the window, as a share of the bounds' diagonal.
+const WIDTH: f32 = 0.03;
+/// What counts as moved, as a share of an example's deepest displacement.
+const MOVED: f32 = 0.01;
+
+/// The window at one vertex.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Window {
+    /// What carried displacements are multiplied with, 0 to 1.
+    pub factor: f32,
+    /// Its gradient, 1/m.
+    pub gradient: Vec3,
+}
+
+impl Window {
+    /// Away from every held rim.
+    pub(crate) const OPEN: Window = Window { factor: 1.0, gradient: Vec3::ZERO };
+
+    /// The change of a unit normal where a carried displacement `u` is held back: the window's own slope tilts the surface too.
+    pub(crate) fn turn(&self, u: Vec3, change: Vec3, normal: Vec3) -> Vec3 {
+        let along = self.gradient - normal * normal.dot(self.gradient);
+        change * self.factor - along * u.dot(normal)
+    }
+}
+
+/// The windows of the blocks that come near a held rim.
+#[derive(Debug, Default)]
+pub(crate) struct Rim {
+    blocks: Vec<Option<Box<[Window]>>>,
+    vertices: usize,
+}
+
+impl Rim {
+    /// What the examples show to be held.
+    pub(crate) fn find(mesh: &Mesh, examples: &[Example]) -> Self {
+        let held = held(mesh, examples);
+        if held.is_empty() {
+            return Rim::default();
+        }
+        let positions = mesh.positions();
+        let width = WIDTH * mesh.bounds().diagonal();
+        let points = held.iter().map(|v| GeomWithData::new(positions[*v as usize].to_array(), *v)).collect();
+        let index: RTree<GeomWithData<[f32; 3], u32>> = RTree::bulk_load(points);
+        let window = |p: Vec3| {
+            let Some((near, d2)) = index.nearest_neighbor_iter_with_distance_2(p.to_array()).next() else {
+                return Window::OPEN;
+            };
+            let away = p - positions[near.data as usize];
+            let s = d2.sqrt() / width;
+            if s.is_nan() || s >= 1.0 {
+                return Window::OPEN;
+            }
+            let slope = if d2 > 0.0 { away / d2.sqrt() * (6.0 * s * (1.0 - s) / width) } else { Vec3::ZERO };
+            Window { factor: s * s * (3.0 - 2.0 * s), gradient: slope }
+        };
+        let blocks = (0..positions.len().div_ceil(BLOCK))
+            .map(|b| {
+                let block: Box<[Window]> =
+                    positions[block_range(b, positions.len())].iter().map(|p| window(*p)).collect();
+                block.iter().any(|w| w.factor < 1.0).then_some(block)
+            })
+            .collect();
+        Rim { blocks, vertices: held.len() }
+    }
+
+    /// The windows of block `b`, from its first vertex; `None` where all are open.
+    pub(crate) fn block(&self, b: usize) -> Option<&[Window]> {
+        self.blocks.get(b)?.as_deref()
+    }
+
+    /// The window at vertex `v`.
+    pub(crate) fn at(&self, v: u32) -> Window {
+        self.block(v as usize / BLOCK).map_or(Window::OPEN, |b| b[v as usize % BLOCK])
+    }
+
+    /// Number of held vertices.
+    pub(crate) fn vertices(&self) -> usize {
+        self.vertices
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        self.blocks.iter().flatten().map(|b| b.len() * size_of::<Window>()).sum::<usize>()
+            + self.blocks.len() * size_of::<Option<Box<[Window]>>>()
+    }
+}
+
+/// Vertices (the lowest at each position) of the loops that are held.
+fn held(mesh: &Mesh, examples: &[Example]) -> Vec<u32> {
+    let (triangles, weld) = (mesh.triangles(), mesh.weld());
+    let welded = |t: &[u32; 3]| t.map(|v| weld[v as usize]);
+    let mut edges: Vec<(u32, u32)> = Vec::with_capacity(triangles.len() * 3);
+    for t in triangles.iter().map(welded) {
+        edges.extend(
+            [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])].map(|(a, b)| (a.min(b), a.max(b))).iter().filter(|e| e.0 != e.1),
+        );
+    }
+    edges.sort_unstable();
+    let boundary: Vec<(u32, u32)> = edges.chunk_by(|a, b| a == b).filter(|c| c.len() == 1).map(|c| c[0]).collect();
+    if boundary.is_empty() {
+        return Vec::new();
+    }
+    let mut loops = Loops::new(mesh.positions().len(), &boundary);
+    // Vertices beside a loop, each with the loop.
+    let mut beside: Vec<(u32, u32)> = Vec::new();
+    for t in triangles.iter().map(welded) {
+        for v in t {
+            for w in t {
+                if !loops.has(w)
+                    && let Some(l) = loops.of(v)
+                {
+                    beside.push((w, l));
+                }
+            }
+        }
+    }
+    beside.sort_unstable();
+    beside.dedup();
+    let rim: Vec<(u32, u32)> = (0..weld.len() as u32).filter_map(|v| loops.of(v).map(|l| (v, l))).collect();
+    let moves = |near: &[(u32, u32)]| {
+        let mut moved = vec![false; weld.len()];
+        for e in examples {
+            let least = MOVED * e.max_depth();
+            for (v, l) in near {
+                if !moved[*l as usize] && e.delta(*v).length() > least {
+                    moved[*l as usize] = true;
+                }
+            }
+        }
+        moved
+    };
+    let (free, shown) = (moves(&rim), moves(&beside));
+    rim.iter().filter(|(_, l)| !free[*l as usize] && shown[*l as usize]).map(|(v, _)| *v).collect()
+}
+
+/// Boundary vertices joined into loops.
+struct Loops {
+    parent: Vec<u32>,
+    member: Vec<bool>,
+}
+
+impl Loops {
+    fn new(vertices: usize, edges: &[(u32, u32)]) -> Self {
+        let mut loops = Loops { parent: (0..vertices as u32).collect(), member: vec![false; vertices] };
+        for (a, b) in edges {
+            loops.member[*a as usize] = true;
+            loops.member[*b as usize] = true;
+            let (a, b) = (loops.root(*a), loops.root(*b));
+            loops.parent[a.max(b) as usize] = a.min(b);
+        }
+        loops
+    }
+
+    fn has(&self, v: u32) -> bool {
+        self.member[v as usize]
+    }
+
+    /// The loop that vertex `v` is on: its lowest vertex.
+    fn of(&mut self, v: u32) -> Option<u32> {
+        self.has(v).then(|| self.root(v))
+    }
+
+    fn root(&mut self, mut v: u32) -> u32 {
+        while self.parent[v as usize] != v {
+            let up = self.parent[self.parent[v as usize] as usize];
+            self.parent[v as usize] = up;
+            v = up;
+        }
+        v
+    }
+}
