@@ -129,28 +129,7 @@ contact the displacement that Crumple is told.
 
 
 def candidates(directory):
-    t = read(directory, "candidates.csv")
-    if t is None:
-        return ""
-    names = list(dict.fromkeys(r["candidate"] for r in t.rows))
-    counts = sorted({r["examples"] for r in t.rows})
-    n = FULL if FULL in counts else counts[-1]
-    rows = []
-    for name in names:
-        of = [r for r in t.rows if r["candidate"] == name]
-        cells = []
-        for truth, body in SCENES:
-            r = next((r for r in of if (r["truth"], r["body"], r["examples"]) == (truth, body, n)), None)
-            change = r and r["change"]
-            shown = "" if change in (None, "") else f" ({change * 100:+.0f} %)" if isinstance(change, float) else f" ({change})"
-            cells.append(number(r["cv_median"], 3) + shown if r else "–")
-        rows.append([name, of[0]["description"], *cells, "yes" if str(of[0]["kept"]).lower() in ("yes", "true", "1", "1.0") else "no"])
-    return f"""### What was tried
-
-Median error by cross-validation on the training impacts ({n:.0f} examples), and the change by the candidate. What won is the default.
-
-{table(["candidate", "what", *heads(), "kept"], rows)}
-{own_text("candidates")}"""
+    return own_text("candidates") if (directory / "candidates.csv").exists() else ""
 
 
 def combining(directory):
