@@ -33,7 +33,7 @@ def draw(directory):
     figure.legend(handles=handles, loc="upper left", bbox_to_anchor=(0.005, 1 - 0.36 / figure.get_figheight()), ncols=len(handles))
     style.title(figure, "Physics engines: the dent follows step, stiffness and speed, and is lost at their ends")
     footer(figure, tables)
-    figure.tight_layout(rect=(0, 0.045, 1, 1 - 0.62 / figure.get_figheight()), h_pad=1.2)
+    figure.tight_layout(rect=(0, 0.055, 1, 1 - 0.62 / figure.get_figheight()), h_pad=1.2)
     style.save(figure, directory, "stability_peers")
 
 
@@ -67,6 +67,6 @@ def footer(figure, tables):
     runs = sum(len(table.rows) for table in tables)
     text = f"{machine}, one thread · {' · '.join(versions)} · {runs} runs, one of each\n"
     true = {key.split()[-1]: value for table in tables for key, (value, *_) in table.comments.items() if key.startswith("true depth")}
-    text += f"One training shot of median depth a body ({', '.join(f'{b}: the truth is {d}' for b, d in true.items())}); under each mark the depth at the contact. "
+    text += f"One training shot of median depth a body ({', '.join(f'{b}: the truth is {d}' for b, d in true.items())}); under each mark the depth at the contact.\n"
     text += "A ball slower than the shot's may spring back: no fault."
     figure.text(0.01, 0.004, text, fontsize=8, color="#666666", ha="left", va="bottom", linespacing=1.35)

@@ -48,19 +48,19 @@ const DEFAULT: Quality = Quality { stride: 2, hz: 60.0, substeps: 4, sweeps: 3 }
 const SHOTS: [(Quality, Material); 7] = [
     (Quality { stride: 4, ..DEFAULT }, of(1062.4, 42.1, 0.1050, 0.0)),
     (DEFAULT, of(267.7, 142.3, 0.1264, 12.79)),
-    (Quality { substeps: 12, sweeps: 8, ..DEFAULT }, of(267.7, 142.3, 0.1264, 12.79)),
+    (Quality { substeps: 12, sweeps: 8, ..DEFAULT }, of(1311.4, 160.9, 0.0341, 7.660)),
     (Quality { stride: 4, hz: 240.0, ..DEFAULT }, of(3540.0, 65.6, 0.0291, 9.923)),
     (Quality { hz: 240.0, ..DEFAULT }, of(513.5, 185.4, 0.0668, 5.456)),
     (Quality { hz: 1000.0, ..DEFAULT }, of(1311.3, 160.9, 0.0341, 7.659)),
-    (Quality { stride: 1, hz: 240.0, ..DEFAULT }, of(513.5, 185.4, 0.0668, 5.456)),
+    (Quality { stride: 1, hz: 240.0, ..DEFAULT }, of(1311.3, 160.9, 0.0341, 7.659)),
 ];
 
 /// The same for the presses.
 const PRESSES: [(Quality, Material); 5] = [
     (Quality { stride: 4, ..DEFAULT }, of(6908.3, 4.63, 0.000587, 0.0)),
     (DEFAULT, of(159.4, 28.9, 0.0135, 0.0)),
-    (Quality { substeps: 12, sweeps: 8, ..DEFAULT }, of(100147.0, 151.2, 0.0041, 0.0)),
-    (Quality { stride: 4, hz: 240.0, ..DEFAULT }, of(100147.0, 151.2, 0.0041, 0.0)),
+    (Quality { substeps: 12, sweeps: 8, ..DEFAULT }, of(38934.7, 235.5, 0.0035, 0.0)),
+    (Quality { stride: 4, hz: 240.0, ..DEFAULT }, of(392.4, 15.07, 0.00066, 0.0)),
     (Quality { hz: 240.0, ..DEFAULT }, of(100147.0, 151.2, 0.0041, 0.0)),
 ];
 
