@@ -91,11 +91,7 @@ impl Carried {
         let e = &set.examples()[example];
         let n = set.mesh().contact_normal(contact).unwrap_or(Vec3::Z);
         let own = e.contact_normal().unwrap_or(Vec3::Z);
-        let from_stamp = if mirror == Mirror::NONE {
-            rotation_between(own, n) * e.frame()
-        } else {
-            rotation_between(mirror.direction(own), n) * mirror.matrix() * e.frame()
-        };
+        let from_stamp = rotation_between(mirror.direction(own), n) * mirror.matrix() * e.frame();
         let stretch = size.sqrt().clamp(STRETCH.0, STRETCH.1);
         let shrink = Vec3::new(1.0 / stretch, 1.0 / stretch, 1.0);
         Carried {

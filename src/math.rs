@@ -49,14 +49,15 @@ impl Aabb {
     }
 }
 
-/// The smallest rotation that takes unit vector `a` to unit vector `b`. Where they are opposite, a half turn about an
-/// axis that depends on `a` alone.
+/// The smallest rotation that takes unit vector `a` to unit vector `b`. Where they are opposite, a half turn about the axis at
+/// right angles to `a` that is nearest to z (to x, where `a` is along z): mirrored in coordinate planes, it is the mirrored turn.
 ///
 /// In f64, of vectors made unit length again: near opposite ones `1 / (1 + cos)` blows up what f32 rounded off.
 pub(crate) fn rotation_between(a: Vec3, b: Vec3) -> Mat3 {
     if a.dot(b) < -0.9999 {
         // Half a turn about u, then the small rest from -a to b.
-        let u = tangent_basis(a).x_axis;
+        let towards = if a.z.abs() < 0.99 { Vec3::Z } else { Vec3::X };
+        let u = unit(towards - a * a.dot(towards)).unwrap_or(towards);
         let half = Mat3::from_cols(u * (2.0 * u.x), u * (2.0 * u.y), u * (2.0 * u.z)) - Mat3::IDENTITY;
         return rotation_between(-a, b) * half;
     }

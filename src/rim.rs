@@ -97,7 +97,7 @@ impl Rim {
     }
 }
 
-/// Vertices (the lowest at each position) of the loops that are held.
+/// Vertices of the loops that are held, all that stand at one position: an example may tear them apart.
 fn held(mesh: &Mesh, examples: &[Example]) -> Vec<u32> {
     let (triangles, weld) = (mesh.triangles(), mesh.weld());
     let welded = |t: &[u32; 3]| t.map(|v| weld[v as usize]);
@@ -113,7 +113,7 @@ fn held(mesh: &Mesh, examples: &[Example]) -> Vec<u32> {
         return Vec::new();
     }
     let mut loops = Loops::new(mesh.positions().len(), &boundary);
-    // Vertices beside a loop, each with the loop.
+    // Vertices beside a loop (the lowest at each position), each with the loop.
     let mut beside: Vec<(u32, u32)> = Vec::new();
     for t in triangles.iter().map(welded) {
         for v in t {
@@ -129,6 +129,7 @@ fn held(mesh: &Mesh, examples: &[Example]) -> Vec<u32> {
     beside.sort_unstable();
     beside.dedup();
     let rim: Vec<(u32, u32)> = (0..weld.len() as u32).filter_map(|v| loops.of(v).map(|l| (v, l))).collect();
+    let (beside, rim) = (copies(weld, &beside), copies(weld, &rim));
     let moves = |near: &[(u32, u32)]| {
         let mut moved = vec![false; weld.len()];
         for e in examples {
@@ -143,6 +144,12 @@ fn held(mesh: &Mesh, examples: &[Example]) -> Vec<u32> {
     };
     let (free, shown) = (moves(&rim), moves(&beside));
     rim.iter().filter(|(_, l)| !free[*l as usize] && shown[*l as usize]).map(|(v, _)| *v).collect()
+}
+
+/// `near`, sorted, with all vertices that stand where its vertices do.
+fn copies(weld: &[u32], near: &[(u32, u32)]) -> Vec<(u32, u32)> {
+    let at = |w: u32| near[near.partition_point(|n| n.0 < w)..].iter().take_while(move |n| n.0 == w);
+    weld.iter().zip(0..).flat_map(|(w, v)| at(*w).map(move |n| (v, n.1))).collect()
 }
 
 /// Boundary vertices joined into loops.

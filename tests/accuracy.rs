@@ -76,32 +76,37 @@ fn quantile(sorted: &[f64], q: f64) -> f64 {
     sorted[low] + (at - low as f64) * (sorted[high] - sorted[low])
 }
 
-/// The medians of the design's table. At 32 examples the design tells classic and carried by 3 only.
+/// The medians of the design's table (at 32 examples it tells classic and carried by 3 only), and what the model must stay below: about 15 %
+/// above what it reached when its shares became those of kriging.
 struct Row {
     body: &'static str,
     examples: usize,
     classic: f64,
     carried_1: Option<f64>,
     carried_3: f64,
+    at_most: f64,
 }
 
 const TABLE: [Row; 6] = [
-    Row { body: "panel", examples: 4, classic: 1.01, carried_1: Some(0.33), carried_3: 0.24 },
-    Row { body: "panel", examples: 24, classic: 0.90, carried_1: Some(0.20), carried_3: 0.19 },
-    Row { body: "panel", examples: 32, classic: 0.83, carried_1: None, carried_3: 0.18 },
-    Row { body: "tube", examples: 4, classic: 1.05, carried_1: Some(0.28), carried_3: 0.21 },
-    Row { body: "tube", examples: 24, classic: 1.12, carried_1: Some(0.27), carried_3: 0.18 },
-    Row { body: "tube", examples: 32, classic: 1.24, carried_1: None, carried_3: 0.16 },
+    Row { body: "panel", examples: 4, classic: 1.01, carried_1: Some(0.33), carried_3: 0.24, at_most: 0.156 },
+    Row { body: "panel", examples: 24, classic: 0.90, carried_1: Some(0.20), carried_3: 0.19, at_most: 0.122 },
+    Row { body: "panel", examples: 32, classic: 0.83, carried_1: None, carried_3: 0.18, at_most: 0.112 },
+    Row { body: "tube", examples: 4, classic: 1.05, carried_1: Some(0.28), carried_3: 0.21, at_most: 0.170 },
+    Row { body: "tube", examples: 24, classic: 1.12, carried_1: Some(0.27), carried_3: 0.18, at_most: 0.142 },
+    Row { body: "tube", examples: 32, classic: 1.24, carried_1: None, carried_3: 0.16, at_most: 0.135 },
 ];
 
+/// The classic rules are the design's own: their figures are reproduced.
 const TOLERANCE: f64 = 0.05;
+/// 90th percentile of all but the classic rules and the default depth limit.
+const WORST: f64 = 0.4;
 
 #[test]
-fn the_designs_table_is_reproduced() {
+fn no_worse_than_the_designs_table_and_than_it_was() {
     let classic = InstanceOptions { rule: Rule::MostDisplaced, selection: Selection::Classic, ..Default::default() };
     // The table's carried examples were scaled to any depth asked for; by default none passes the deepest example's.
     let carried = |k| InstanceOptions { examples_per_hit: k, depth_limit: Some(1.0), ..Default::default() };
-    let mut far = Vec::new();
+    let mut wrong = Vec::new();
     println!("relative L2, median / p90 (design's median)\n");
     println!(
         "| examples | classic, clamped | carried, 1 | carried, 3 | automatic, 3 | all defaults |\n|---|---|---|---|---|---|"
@@ -117,29 +122,34 @@ fn the_designs_table_is_reproduced() {
             examples.truncate(row.examples);
             scenes::build(mesh, examples, SetOptions { drop_below: 1e-4, ..SetOptions::default() })
         };
+        let near = |v: f64| v - TOLERANCE..=v + TOLERANCE;
+        let below = |v: f64| 0.0..=v;
+        let anything = below(f64::INFINITY);
+        let by_3 = below(row.at_most.min(row.carried_3));
+        let by_1 = row.carried_1.map_or(anything.clone(), below);
         let mut line = format!("| {}: {} |", row.body, row.examples);
-        for (set, options, expected, what) in [
-            (&cut, classic, Some(row.classic), "classic"),
-            (&as_carried, carried(1), row.carried_1, "carried by 1"),
-            (&as_carried, carried(3), Some(row.carried_3), "carried by 3"),
-            (&automatic, carried(3), None, "automatic"),
-            (&automatic, InstanceOptions::default(), None, "defaults"),
+        for (set, options, design, allowed, worst, what) in [
+            (&cut, classic, Some(row.classic), near(row.classic), f64::INFINITY, "classic"),
+            (&as_carried, carried(1), row.carried_1, by_1, WORST, "carried by 1"),
+            (&as_carried, carried(3), Some(row.carried_3), by_3.clone(), WORST, "carried by 3"),
+            (&automatic, carried(3), None, by_3, WORST, "automatic"),
+            (&automatic, InstanceOptions::default(), None, anything, f64::INFINITY, "defaults"),
         ] {
             let errors = errors(set, &options, &held_out);
             let (median, p90) = (quantile(&errors, 0.5), quantile(&errors, 0.9));
             line += &format!(" {median:.3} / {p90:.3}");
-            if let Some(expected) = expected {
-                line += &format!(" ({expected:.2})");
-                if (median - expected).abs() > TOLERANCE {
-                    far.push(format!(
-                        "{} {} {what}: {median:.3}, the design has {expected:.2}",
-                        row.body, row.examples
-                    ));
-                }
+            if let Some(design) = design {
+                line += &format!(" ({design:.2})");
+            }
+            if !allowed.contains(&median) || p90 > worst {
+                wrong.push(format!(
+                    "{} {} {what}: {median:.3} / {p90:.3}, not in {allowed:?} / {worst}",
+                    row.body, row.examples
+                ));
             }
             line += " |";
         }
         println!("{line}");
     }
-    assert!(far.is_empty(), "further than {TOLERANCE} from the design:\n{}", far.join("\n"));
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

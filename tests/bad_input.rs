@@ -8,7 +8,7 @@ use std::sync::Arc;
 use crumple::glam::{Mat4, Vec3, Vec4};
 use crumple::{
     Attachment, Attribute, Cause, Contact, Deltas, Error, ErrorKind, ExampleData, ExampleSet, Hit, HitStatus, Instance,
-    InstanceOptions, Mark, MeshData, Pair, Placement, Rule, Selection, Serial, SetOptions, Space, ThreadPool, Tracker,
+    InstanceOptions, Mark, MeshData, Mirror, Pair, Placement, Rule, Selection, Serial, SetOptions, Space, ThreadPool, Tracker,
     VertexMass, VertexMemory,
 };
 use proptest::prelude::*;
@@ -540,9 +540,15 @@ fn quick_marks_that_are_none() {
         (Mark { pairs: [Pair::NONE; 4], ..ok }, "pairs"),
         (Mark { pairs: [Pair::NONE, pair, Pair::NONE, Pair::NONE], ..ok }, "pairs"),
         (Mark { pairs: [Pair { example: 1, ..pair }, Pair::NONE, Pair::NONE, Pair::NONE], ..ok }, "example"),
-        (Mark { pairs: [Pair::new(0, 0, true), Pair::NONE, Pair::NONE, Pair::NONE], ..ok }, "shares"),
         (Mark { pairs: [pair; 4], ..ok }, "shares"),
+        (Mark { pairs: [Pair { share: 0x9400, ..pair }, Pair::NONE, Pair::NONE, Pair::NONE], ..ok }, "mirrored"),
+        (Mark { pairs: [Pair { share: 0xF400, ..pair }, Pair::NONE, Pair::NONE, Pair::NONE], ..ok }, "mirrored"),
     ];
+    // shares sum to 1 to 1024, whatever signs they have
+    let carried = |share| Pair::carried(0, share, Mirror::NONE);
+    for shares in [[0, 0], [-1, 0], [-2048, 0], [1024, 1], [2047, -1022], [2047, 2047], [-2048, -2048], [500, -500]] {
+        bad.push((Mark { pairs: [carried(shares[0]), carried(shares[1]), Pair::NONE, Pair::NONE], ..ok }, "shares"));
+    }
     for depth in [0.0, -1.0, NAN, INF, 2e9] {
         bad.push((Mark { depth, ..ok }, "depth"));
     }
@@ -550,6 +556,23 @@ fn quick_marks_that_are_none() {
         let error = refused!(instance.set_marks(&[ok, mark]), InvalidArgument, name, "mark 1");
         assert_eq!(error.kind(), ErrorKind::InvalidArgument);
         still_usable(&mut instance, &marks);
+        // the same in a file: the bytes of the one mark replaced
+        let mut bytes = instance.save();
+        let at = bytes.len() - 32;
+        bytes[at..at + 4].copy_from_slice(&mark.contact.to_le_bytes());
+        bytes[at + 4..at + 8].copy_from_slice(&mark.depth.to_le_bytes());
+        bytes[at + 8..at + 16].copy_from_slice(&mark.energy.to_le_bytes());
+        for (i, p) in mark.pairs.iter().enumerate() {
+            bytes[at + 16 + 4 * i..at + 18 + 4 * i].copy_from_slice(&p.example.to_le_bytes());
+            bytes[at + 18 + 4 * i..at + 20 + 4 * i].copy_from_slice(&p.share.to_le_bytes());
+        }
+        assert!(instance.load(&bytes).is_err_and(|e| e.to_string().contains(name)), "{mark:?}");
+        still_usable(&mut instance, &marks);
+    }
+    // and what is just within
+    for shares in [[1, 0], [2047, -1023], [2047, -2046], [-1023, 2047], [1024, 0]] {
+        let pairs = [carried(shares[0]), carried(shares[1]), Pair::NONE, Pair::NONE];
+        instance.set_marks(&[Mark { pairs, ..ok }]).unwrap();
     }
 }
 
@@ -558,7 +581,7 @@ fn quick_marks_that_carry_what_is_pinned() {
     let pinned = ExampleData { placement: Placement::Anchored, ..dent() };
     let set = Arc::new(build(triangle(), vec![pinned]).unwrap());
     let mut instance = Instance::new(set, InstanceOptions::default()).unwrap();
-    let pairs = [Pair::new(0, 32767, false), Pair::NONE, Pair::NONE, Pair::NONE];
+    let pairs = [Pair::carried(0, Pair::WHOLE, Mirror::NONE), Pair::NONE, Pair::NONE, Pair::NONE];
     refused!(instance.set_marks(&[Mark::new(0, 0.1, pairs)]), InvalidArgument, "mark 0", "carried", "anchored");
     still_usable(&mut instance, &[]);
 }
@@ -685,11 +708,14 @@ fn quick_examples_that_barely_move_their_own_contact_stay_bounded() {
             instance.submit(&push([0.3, 0.3, 0.0], [0.0, 0.0, -size])).unwrap();
         }
         check_within(&mut instance);
-        for anchored in [true, false] {
+        for (anchored, shares) in [(true, (624, 400)), (false, (624, 400)), (true, (2047, -1100)), (false, (-2000, 2047))] {
             for depth in [1e-30, 1e-3, 1.0, 1e9] {
                 for energy in [1, Mark::ONE, u64::MAX] {
-                    let pairs =
-                        [Pair::new(0, 20_000, anchored), Pair::new(0, 12_000, !anchored), Pair::NONE, Pair::NONE];
+                    let pair = |share, anchored| {
+                        if anchored { Pair::anchored(0, share) } else { Pair::carried(0, share, Mirror::from_bits(2)) }
+                    };
+                    let (a, b) = shares;
+                    let pairs = [pair(a, anchored), pair(b, !anchored), Pair::NONE, Pair::NONE];
                     let list = [
                         Mark { energy, ..Mark::new(contact, depth, pairs) },
                         Mark { energy, ..Mark::new(70, depth, pairs) },

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use crumple::glam::{Mat4, Quat, Vec3};
 use crumple::{
     Attribute, Cause, Combine, DeformJob, Deltas, Error, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Mark,
-    Pair, Placement, Rule, Serial, SetOptions, Space, TaskSystem, ThreadPool, Tracker, VertexMemory,
+    Mirror, Pair, Placement, Rule, Serial, SetOptions, Space, TaskSystem, ThreadPool, Tracker, VertexMemory,
 };
 use proptest::prelude::*;
 use scenes::{Body, Dice, Output, POISON, fnv, push, random_hit, random_hits};
@@ -80,6 +80,31 @@ fn check_bounded(instance: &mut Instance) -> Result<(), TestCaseError> {
     Ok(())
 }
 
+/// A mark that no selection would make, but that is accepted: any shares, negative ones too, any mirrors, anchored anywhere.
+fn any_mark(set: &ExampleSet, dice: &mut Dice) -> Mark {
+    let mut pairs = [Pair::NONE; 4];
+    let used = 1 + dice.index(4);
+    loop {
+        let mut total = 0;
+        for pair in pairs.iter_mut().take(used) {
+            let share = [dice.index(4096) as i16 - 2048, dice.index(900) as i16 - 200][dice.index(2)];
+            let example = dice.index(set.examples().len()) as u16;
+            *pair = if dice.index(2) == 0 {
+                Pair::anchored(example, share)
+            } else {
+                Pair::carried(example, share, Mirror::from_bits(dice.index(8) as u8))
+            };
+            total += i32::from(pair.units());
+        }
+        if (1..=1024).contains(&total) {
+            break;
+        }
+    }
+    let depth = [1e-30, 1e-9, 0.01, 1.0, 1e9][dice.index(5)];
+    let energy = [1, Mark::ONE, u64::MAX][dice.index(3)];
+    Mark { contact: dice.index(set.vertex_count()) as u32, depth, energy, pairs }
+}
+
 /// Anything an engine might report: sizes from 1e-30 to 1e30, any direction, as displacements and impulses.
 fn wild_hit(set: &ExampleSet, dice: &mut Dice) -> Hit {
     let mut hit = random_hit(set, dice);
@@ -123,14 +148,7 @@ proptest! {
         let mut dice = Dice::new(seed);
         let mut list = Vec::new();
         for _ in 0..1 + dice.index(20) {
-            let mut pairs = [Pair::NONE; 4];
-            let used = 1 + dice.index(4);
-            for pair in pairs.iter_mut().take(used) {
-                *pair = Pair::new(dice.index(set.examples().len()) as u16, 1 + dice.index(8000) as u16, dice.index(2) == 0);
-            }
-            let depth = [1e-30, 1e-9, 0.01, 1.0, 1e9][dice.index(5)];
-            let energy = [1, Mark::ONE, u64::MAX][dice.index(3)];
-            list.push(Mark { contact: dice.index(set.vertex_count()) as u32, depth, energy, pairs });
+            list.push(any_mark(set, &mut dice));
         }
         let mut instance = new(set);
         instance.set_marks(&list).unwrap();
@@ -185,7 +203,7 @@ fn quick_bounded() {
 fn reaches(set: &ExampleSet, mark: &Mark, v: usize) -> bool {
     mark.pairs.iter().filter(|p| !p.is_none()).any(|pair| {
         let e = &set.examples()[usize::from(pair.example)];
-        if pair.anchored() {
+        if pair.is_anchored() {
             return e.delta(v as u32) != Vec3::ZERO || e.normal_delta(v as u32) != Vec3::ZERO;
         }
         let stamp = e.stamp().expect("a carried example has a stamp");
@@ -321,6 +339,21 @@ proptest! {
         dice.shuffle(&mut hits);
         let frames = cut(hits, &mut dice);
         prop_assert!(once == save_after(set, &options, &frames));
+    }
+
+    #[test]
+    fn nor_does_the_order_of_given_marks(body in any_body(), count in 1usize..20, seed in any::<u64>(), capacity in 1u32..20) {
+        let (_, set) = body;
+        let mut dice = Dice::new(seed);
+        let mut marks: Vec<Mark> = (0..count).map(|_| any_mark(set, &mut dice)).collect();
+        let given = |marks: &[Mark]| {
+            let mut instance = with(set, InstanceOptions { capacity, ..InstanceOptions::default() });
+            instance.set_marks(marks).unwrap();
+            (instance.save(), Output::fresh(&mut instance).all_bits())
+        };
+        let once = given(&marks);
+        dice.shuffle(&mut marks);
+        prop_assert!(once == given(&marks));
     }
 
     #[test]
@@ -461,6 +494,10 @@ proptest! {
         for hit in random_hits(&set, count, seed) {
             instance.submit(&hit).unwrap();
         }
+        check_seams(&mut instance)?;
+        let mut dice = Dice::new(seed);
+        let marks: Vec<Mark> = (0..4).map(|_| any_mark(&set, &mut dice)).collect();
+        instance.set_marks(&marks).unwrap();
         check_seams(&mut instance)?;
     }
 }
@@ -603,6 +640,7 @@ fn act(instance: &mut Instance, saves: &mut Vec<Vec<u8>>, dice: &mut Dice) {
         6 => {
             let mut marks = instance.marks().unwrap().to_vec();
             marks.truncate(dice.index(marks.len() + 1));
+            marks.extend((0..dice.index(3)).map(|_| any_mark(&set, dice)));
             instance.set_marks(&marks).unwrap();
         }
         7 => instance.fold(),

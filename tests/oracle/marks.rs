@@ -2,15 +2,21 @@
 
 use crumple::Combine;
 
-use super::vector::{Matrix, V, add, apply, dot, from_f32, length, rotation_between, scale, sub, transpose, unit};
+use super::body::mirrored;
+use super::vector::{
+    Matrix, V, add, apply, dot, from_f32, length, product, rotation_between, scale, sub, transpose, unit,
+};
 use super::{Example, Model};
 
 /// A mark's pair of example and share.
 #[derive(Debug, Clone, Copy)]
 pub struct Part {
     pub example: usize,
+    /// 1 is the whole; may be negative.
     pub share: f64,
     pub anchored: bool,
+    /// Planes it is mirrored in.
+    pub mirror: u8,
 }
 
 /// One dent.
@@ -24,12 +30,15 @@ pub struct Mark {
     pub parts: Vec<Part>,
 }
 
-/// The documented layout of a pair: share in 1/32767 in the low 15 bits, anchored in the top bit.
+/// The documented layout of a pair: share in 1/1024 in the low 12 bits, two's complement; mirrored in x, y, z in the next three; anchored
+/// in the top bit.
 pub fn part_of(pair: crumple::Pair) -> Part {
+    let units = f64::from(pair.share & 0xfff);
     Part {
         example: usize::from(pair.example),
-        share: f64::from(pair.share & 0x7fff) / 32767.0,
+        share: if units < 2048.0 { units } else { units - 4096.0 } / 1024.0,
         anchored: pair.share & 0x8000 != 0,
+        mirror: (pair.share >> 12 & 7) as u8,
     }
 }
 
@@ -104,20 +113,24 @@ impl Grid {
     }
 }
 
-/// Where `vertex` falls in the stamp of an example carried to the mark: contact frame, m, stretch undone.
-fn place<'a>(model: &Model, mark: &Mark, example: &'a Example, vertex: usize) -> (&'a Grid, Matrix, f64, V) {
+/// Where `vertex` falls in the stamp of an example carried to the mark (contact frame, m, stretch undone), the way back, and the stretch.
+fn place<'a>(model: &'a Model, mark: &Mark, part: &Part, vertex: usize) -> (&'a Grid, Matrix, f64, V) {
+    let example = &model.examples[part.example];
     let grid = example.grid.as_ref().expect("a carried example has a stamp");
-    let rotation = rotation_between(example.contact_normal, model.contact_normals[mark.contact]);
-    let local = apply(transpose(rotation), sub(model.positions[vertex], model.positions[mark.contact]));
+    let normal = mirrored(example.contact_normal, part.mirror);
+    let rotation = rotation_between(normal, model.contact_normals[mark.contact]);
+    let mirror = [0, 1, 2].map(|i| mirrored([0, 1, 2].map(|j| f64::from(u8::from(i == j))), part.mirror));
+    // stamp to mesh: out of the contact frame, mirrored, turned
+    let back = product(rotation, product(mirror, transpose(grid.frame)));
+    let p = apply(transpose(back), sub(model.positions[vertex], model.positions[mark.contact]));
     let s = stretch(mark.depth, example);
-    let p = apply(grid.frame, local);
-    (grid, rotation, s, [p[0] / s, p[1] / s, p[2]])
+    (grid, back, s, [p[0] / s, p[1] / s, p[2]])
 }
 
 /// Whether `vertex` falls so near the border of a stamp that rounding decides whether it is inside.
 pub fn on_a_border(model: &Model, mark: &Mark, vertex: usize) -> bool {
     mark.parts.iter().filter(|p| !p.anchored).any(|part| {
-        let (grid, _, _, p) = place(model, mark, &model.examples[part.example], vertex);
+        let (grid, _, _, p) = place(model, mark, part, vertex);
         (0..3).any(|k| {
             let x = (p[k] - grid.first[k]) / grid.step[k];
             x.abs() < 1e-3 || (x - (grid.dims[k] - 1) as f64).abs() < 1e-3
@@ -125,38 +138,49 @@ pub fn on_a_border(model: &Model, mark: &Mark, vertex: usize) -> bool {
     })
 }
 
-/// Displacement and change of normal of `vertex` by one example of a mark at full strength.
-pub fn example_at(model: &Model, mark: &Mark, part: &Part, vertex: usize) -> (V, V) {
+/// Displacement and change of normal of `vertex` by one example of a mark at full strength, if no rim were held.
+pub fn open_at(model: &Model, mark: &Mark, part: &Part, vertex: usize) -> (V, V) {
     let example = &model.examples[part.example];
     if part.anchored {
         return (example.deltas[vertex], example.normal_deltas[vertex]);
     }
-    let (grid, rotation, s, p) = place(model, mark, example, vertex);
-    let back = |u: V| apply(rotation, apply(transpose(grid.frame), u));
+    let (grid, back, s, p) = place(model, mark, part, vertex);
     let normals = if grid.normals.is_empty() {
         [0.0; 3]
     } else {
         // a vertex that faces elsewhere than the surface the example was made on takes less of its change
-        let facing = back(grid.look_up(&grid.facing, p));
+        let facing = apply(back, grid.look_up(&grid.facing, p));
         let cos = dot(facing, model.normals[vertex]) / length(facing).max(1e-300);
         // slopes fall as a dent gets wider
         scale(cos.clamp(0.0, 1.0) / s, grid.look_up(&grid.normals, p))
     };
-    (back(grid.look_up(&grid.displacements, p)), back(normals))
+    (apply(back, grid.look_up(&grid.displacements, p)), apply(back, normals))
+}
+
+/// The same with held rims: what is carried falls to zero towards them, and the surface tilts by that.
+pub fn example_at(model: &Model, mark: &Mark, part: &Part, vertex: usize) -> (V, V) {
+    let (u, change) = open_at(model, mark, part, vertex);
+    let window = &model.windows[vertex];
+    if part.anchored || window.factor == 1.0 {
+        return (u, change);
+    }
+    let n = model.normals[vertex];
+    let slope = sub(window.gradient, scale(dot(window.gradient, n), n));
+    (scale(window.factor, u), sub(scale(window.factor, change), scale(dot(u, n), slope)))
 }
 
 /// Whether the surfaces that a stamp holds near `vertex` face so far apart that the mean of their normals has no direction to speak of.
 pub fn faces_nowhere(model: &Model, mark: &Mark, vertex: usize) -> bool {
     mark.parts.iter().filter(|p| !p.anchored).any(|part| {
-        let (grid, _, _, p) = place(model, mark, &model.examples[part.example], vertex);
+        let (grid, _, _, p) = place(model, mark, part, vertex);
         !grid.facing.is_empty() && (1e-30..0.05).contains(&length(grid.look_up(&grid.facing, p)))
     })
 }
 
 /// What each part of a mark is multiplied with: its share of the target depth over its own, then all together so that the contact gets the
-/// target depth; anchored parts (and all, in a strict set) never above 1.
+/// target depth where no rim is held; anchored parts (and all, in a strict set) never beyond -1 or 1.
 pub fn scales(model: &Model, mark: &Mark) -> Vec<f64> {
-    let at_contact: Vec<V> = mark.parts.iter().map(|p| example_at(model, mark, p, mark.contact).0).collect();
+    let at_contact: Vec<V> = mark.parts.iter().map(|p| open_at(model, mark, p, mark.contact).0).collect();
     let mut scales = Vec::new();
     let mut sum = [0.0; 3];
     for (part, u) in mark.parts.iter().zip(&at_contact) {
@@ -169,10 +193,19 @@ pub fn scales(model: &Model, mark: &Mark) -> Vec<f64> {
     for (s, part) in scales.iter_mut().zip(&mark.parts) {
         *s *= together;
         if part.anchored || model.strict {
-            *s = s.min(1.0);
+            *s = s.clamp(-1.0, 1.0);
         }
     }
     scales
+}
+
+/// Displacement of the contact by one mark of strength 1, if no rim were held.
+pub fn open(model: &Model, mark: &Mark) -> V {
+    let mut sum = [0.0; 3];
+    for (part, w) in mark.parts.iter().zip(scales(model, mark)) {
+        sum = add(sum, scale(w, open_at(model, mark, part, mark.contact).0));
+    }
+    sum
 }
 
 /// Displacement of the contact by one mark of strength 1.
@@ -209,10 +242,14 @@ pub fn size(model: &Model, Scaled(mark, scales): &Scaled<'_>) -> (f64, f64) {
     let mut sum = (0.0, 0.0);
     for (part, s) in mark.parts.iter().zip(scales) {
         let example = &model.examples[part.example];
-        let w = mark.strength * s;
+        let w = mark.strength * s.abs();
         sum.0 += w * longest(&example.deltas);
         let stretch = if part.anchored { 1.0 } else { stretch(mark.depth, example) };
         sum.1 += w / stretch * longest(&example.normal_deltas);
+        if !part.anchored && !model.held.is_empty() {
+            // the steepest slope of the window
+            sum.1 += w * longest(&example.deltas) * 1.5 / (0.03 * model.diagonal);
+        }
     }
     sum
 }

@@ -2,12 +2,16 @@
 //! What it takes from the library is data only: the examples' displacements as stored, the stamps' grid values, and documented constants.
 #![allow(dead_code)]
 
+pub mod body;
 pub mod classic;
 pub mod damage;
+pub mod kriging;
+pub mod learn;
 pub mod marks;
 pub mod select;
 pub mod vector;
 
+use body::Window;
 use crumple::{ExampleSet, Placement};
 use marks::Grid;
 use vector::{V, from_f32, length, sub};
@@ -19,6 +23,8 @@ pub struct Example {
     pub contact_point: V,
     pub contact_normal: V,
     pub placement: Placement,
+    /// Whether the set learned that it stays in place for hits around it.
+    pub stays: bool,
     pub support_radius: f64,
     /// One displacement a vertex, m.
     pub deltas: Vec<V>,
@@ -42,16 +48,54 @@ pub struct Model {
     /// Normals of contacts: smooth across hard edges.
     pub contact_normals: Vec<V>,
     pub diagonal: f64,
+    /// Where mirror planes meet, and which there are: bit 0 for x, 1 for y, 2 for z.
+    pub centre: V,
+    pub planes: u8,
+    /// Vertices on held rims (every copy at a seam), and the window of each vertex.
+    pub held: Vec<usize>,
+    pub windows: Vec<Window>,
     pub strict: bool,
+    pub depth_limit: f64,
+    /// Width of the place axes that the set learned, as a share of the diagonal.
+    pub place_width: f64,
     pub examples: Vec<Example>,
+    /// What of the body hangs on rounding: whether a rim is held, which images fall together.
+    pub close: bool,
+    pub images: Vec<select::Image>,
 }
 
 impl Model {
     pub fn of(set: &ExampleSet) -> Self {
         let mesh = set.mesh();
         let count = set.vertex_count();
-        Self {
-            positions: mesh.positions().iter().map(|p| from_f32(p.to_array())).collect(),
+        let positions: Vec<V> = mesh.positions().iter().map(|p| from_f32(p.to_array())).collect();
+        let examples: Vec<Example> = set
+            .examples()
+            .iter()
+            .enumerate()
+            .map(|(i, e)| Example {
+                contact_vertex: e.contact_vertex() as usize,
+                contact_point: from_f32(e.contact_point().to_array()),
+                contact_normal: e.contact_normal().map_or([0.0; 3], |n| from_f32(n.to_array())),
+                placement: e.placement(),
+                stays: set.learned().anchored[i],
+                support_radius: f64::from(e.support_radius()),
+                normal_deltas: (0..count as u32).map(|v| from_f32(e.normal_delta(v).to_array())).collect(),
+                grid: e.stamp().map(|s| Grid::of(s, e.frame())),
+                deltas: (0..count as u32).map(|v| from_f32(e.delta(v).to_array())).collect(),
+            })
+            .collect();
+        let (planes, centre, diagonal) = body::mirror_planes(&positions);
+        let mut close = false;
+        let fields: Vec<&[V]> = examples.iter().map(|e| e.deltas.as_slice()).collect();
+        let held = if set.options().held_rims {
+            body::held_vertices(&positions, mesh.triangles(), &fields, &mut close)
+        } else {
+            Vec::new()
+        };
+        let windows = positions.iter().map(|p| body::window(*p, &positions, &held, diagonal)).collect();
+        let mut model = Self {
+            positions,
             normals: match mesh.normals() {
                 Some(n) => n.iter().map(|n| from_f32(n.to_array())).collect(),
                 None => vec![[0.0; 3]; count],
@@ -59,23 +103,21 @@ impl Model {
             contact_normals: (0..count as u32)
                 .map(|v| mesh.contact_normal(v).map_or([0.0; 3], |n| from_f32(n.to_array())))
                 .collect(),
-            diagonal: f64::from(mesh.bounds().diagonal()),
+            diagonal,
+            centre,
+            planes: if set.options().mirror { planes } else { 0 },
+            held,
+            windows,
             strict: set.options().strict,
-            examples: set
-                .examples()
-                .iter()
-                .map(|e| Example {
-                    contact_vertex: e.contact_vertex() as usize,
-                    contact_point: from_f32(e.contact_point().to_array()),
-                    contact_normal: e.contact_normal().map_or([0.0; 3], |n| from_f32(n.to_array())),
-                    placement: e.placement(),
-                    support_radius: f64::from(e.support_radius()),
-                    normal_deltas: (0..count as u32).map(|v| from_f32(e.normal_delta(v).to_array())).collect(),
-                    grid: e.stamp().map(|s| Grid::of(s, e.frame())),
-                    deltas: (0..count as u32).map(|v| from_f32(e.delta(v).to_array())).collect(),
-                })
-                .collect(),
-        }
+            depth_limit: f64::from(set.depth_limit()),
+            place_width: f64::from(set.learned().place_width),
+            examples,
+            close,
+            images: Vec::new(),
+        };
+        model.images = select::images(&model, &mut close);
+        model.close |= close;
+        model
     }
 
     /// The nearest base vertex and its distance; the lowest index where several are equally near.

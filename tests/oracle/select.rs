@@ -1,28 +1,103 @@
-//! The default selection: the K examples nearest in place, size and angle, kernel-weighted, scaled together to the target.
+//! The default selection: every example and its mirror images, seven axes, kriging among the twelve nearest, scaled together to the target.
 
 use crumple::Placement;
 
-use super::marks::{Mark, Part, met};
+use super::body::{mirrored, mirrored_point};
+use super::kriging::{Axes, choices, squared, weights};
+use super::marks::{Mark, Part, met, open};
 use super::vector::{V, apply, dot, length, rotation_between, scale, sub};
 use super::{Example, Model};
 
-/// Documented kernel widths: place as a share of the body's diagonal, size in natural logarithms of depth, angle as one minus the cosine.
-const PLACE: f64 = 0.25;
-const SIZE: f64 = 0.6;
-const ANGLE: f64 = 0.3;
+/// Documented widths: place as a share of the body's diagonal where anchored (where carried it is learned), depth in natural logarithms,
+/// lean.
+const ANCHORED_PLACE: f64 = 0.15;
+const DEPTH: f64 = 2.4;
+const LEAN: f64 = 0.05;
 /// An automatic example is anchored within this share of its support radius around its own contact; anchored ones answer alone there.
 const WITHIN: f64 = 0.1;
 /// An automatic example is anchored there only for targets of about its own depth.
 const OWN_SIZE: (f64, f64) = (0.9, 1.001);
 /// An anchored example reaches the vertices that it displaces by at least this share of its own contact's displacement.
 const REACH: f64 = 0.1;
+/// So many nearest are considered.
+const NEAREST: usize = 12;
+/// Images fall together within this share of the diagonal, this logarithm of depth, this lean.
+const SAME: [f64; 3] = [0.01, 0.02, 0.01];
 
-/// A candidate and its squared kernel distance.
+/// An example, or its image in some of the mirror planes.
+#[derive(Debug, Clone, Copy)]
+pub struct Image {
+    pub example: usize,
+    pub mirror: u8,
+    pub point: V,
+    pub normal: V,
+    /// Unit displacement at its contact, and its part in the surface there.
+    pub direction: V,
+    pub lean: V,
+}
+
+/// The part of `v` in the surface with normal `n`.
+pub fn in_surface(v: V, n: V) -> V {
+    sub(v, scale(dot(v, n), n))
+}
+
+pub fn image(model: &Model, i: usize, mirror: u8) -> Image {
+    let e = &model.examples[i];
+    let d = e.deltas[e.contact_vertex];
+    let direction = mirrored(scale(1.0 / length(d), d), mirror);
+    let normal = mirrored(e.contact_normal, mirror);
+    let lean = in_surface(direction, normal);
+    Image { example: i, mirror, point: mirrored_point(e.contact_point, mirror, model.centre), normal, direction, lean }
+}
+
+/// All examples that move something, and images of those that can be carried, without images that fall together with an example or with an
+/// image before them.
+pub fn images(model: &Model, close: &mut bool) -> Vec<Image> {
+    let usable: Vec<usize> = (0..model.examples.len()).filter(|i| model.examples[*i].depth() > 0.0).collect();
+    let mut all: Vec<Image> = usable.iter().map(|i| image(model, *i, 0)).collect();
+    for i in usable {
+        for m in (1..8u8).filter(|m| model.examples[i].grid.is_some() && m & !model.planes == 0) {
+            let new = image(model, i, m);
+            let depth = |i: &Image| model.examples[i.example].depth().ln();
+            let taken = all.iter().any(|old| {
+                let off = [
+                    length(sub(old.point, new.point)) / model.diagonal,
+                    (depth(old) - depth(&new)).abs(),
+                    length(sub(old.lean, new.lean)),
+                ];
+                *close |= (0..3).any(|k| (off[k] / SAME[k] - 1.0).abs() < 1e-3)
+                    && (0..3).all(|k| off[k] < SAME[k] * 1.001);
+                (0..3).all(|k| off[k] <= SAME[k])
+            });
+            if !taken {
+                all.push(new);
+            }
+        }
+    }
+    all.sort_by_key(|i| (i.example, i.mirror));
+    all
+}
+
+/// A candidate, relative to the hit.
 #[derive(Debug, Clone, Copy)]
 pub struct Candidate {
     pub example: usize,
+    pub mirror: u8,
     pub anchored: bool,
-    pub q: f64,
+    pub axes: Axes,
+}
+
+impl Candidate {
+    pub fn distance(&self) -> f64 {
+        squared(&self.axes, &[0.0; 7])
+    }
+}
+
+/// A hit: contact, and target displacement.
+#[derive(Debug, Clone, Copy)]
+pub struct Asked {
+    pub contact: usize,
+    pub target: V,
 }
 
 /// What the oracle would do with a hit.
@@ -30,102 +105,154 @@ pub struct Candidate {
 pub struct Selected {
     pub mark: Mark,
     pub met: V,
-    /// Some decision (a threshold, a rank) was so close that rounding may turn it.
-    pub close: bool,
 }
 
 fn near(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-4 * (1.0 + b.abs())
 }
 
-/// Squared kernel distance; `None` where the example cannot answer. `close` is set where a threshold is near.
-fn distance(
+/// An image as a candidate; `None` where it cannot answer. `close` is set where a threshold is near.
+pub fn candidate(
     model: &Model,
-    e: &Example,
+    image: &Image,
     anchored: bool,
-    contact: usize,
-    target: V,
-    limit: f64,
+    asked: &Asked,
+    width: f64,
     close: &mut bool,
-) -> Option<f64> {
-    if e.depth() < 1e-6 * limit {
+) -> Option<Candidate> {
+    let e = &model.examples[image.example];
+    if e.depth() < 1e-6 * model.depth_limit || (anchored && image.mirror != 0) {
         return None;
     }
-    let there = if anchored {
-        e.deltas[contact]
+    let normal = model.contact_normals[asked.contact];
+    let (there, depth, width) = if anchored {
+        let u = e.deltas[asked.contact];
+        *close |= near(length(u) / e.depth(), REACH);
+        if length(u) == 0.0 || length(u) < REACH * e.depth() {
+            return None;
+        }
+        (scale(1.0 / length(u), u), length(u), ANCHORED_PLACE)
     } else {
-        let r = rotation_between(e.contact_normal, model.contact_normals[contact]);
-        apply(r, e.deltas[e.contact_vertex])
+        (apply(rotation_between(image.normal, normal), image.direction), e.depth(), width)
     };
-    *close |= anchored && near(length(there) / e.depth(), REACH);
-    if anchored && (length(there) < REACH * e.depth() || length(there) == 0.0) {
-        return None;
-    }
-    let cos = dot(there, target) / (length(there) * length(target));
+    let size = length(asked.target);
+    let direction = scale(1.0 / size, asked.target);
+    let cos = dot(there, direction);
     *close |= near(cos, 1e-3);
     if cos <= 1e-3 {
         return None;
     }
-    let place = length(sub(e.contact_point, model.positions[contact])) / (PLACE * model.diagonal);
-    let size = (e.depth() / length(target)).ln() / SIZE;
-    let angle = (1.0 - cos) / ANGLE;
-    Some(place * place + size * size + angle * angle)
+    let longest = model.images.iter().map(|i| length(i.lean)).fold(0.0, f64::max);
+    let leans = in_surface(direction, normal);
+    let leans = scale((longest / length(leans).max(1e-300)).min(1.0), leans);
+    let place = scale(1.0 / (width * model.diagonal), sub(image.point, model.positions[asked.contact]));
+    let lean = scale(1.0 / LEAN, sub(in_surface(there, normal), leans));
+    let size = (depth / size).ln() / DEPTH;
+    let axes = [place[0], place[1], place[2], size, lean[0], lean[1], lean[2]];
+    Some(Candidate { example: image.example, mirror: image.mirror, anchored, axes })
 }
 
-/// The mark of a hit at vertex `contact`, or `None` where nothing reaches. `target` may be longer than `limit`; it is cut to it first.
-pub fn select(model: &Model, contact: usize, target: V, limit: f64, k: usize) -> (Option<Selected>, bool) {
-    let target = scale((limit / length(target)).min(1.0), target);
-    let mut close = false;
+/// Every way in which up to `k` of the candidates may answer: pairs with shares in units of 1/1024, zero shares left out.
+pub fn answers(list: &[Candidate], k: usize, close: &mut bool) -> Vec<Vec<Part>> {
+    let mut list = list.to_vec();
+    list.sort_by(|a, b| a.distance().total_cmp(&b.distance()));
+    if list.len() > NEAREST {
+        let (a, b) = (list[NEAREST - 1].distance(), list[NEAREST].distance());
+        *close |= (a - b).abs() <= 1e-5 * (1.0 + b);
+        list.truncate(NEAREST);
+    }
+    if list.is_empty() {
+        return Vec::new();
+    }
+    let points: Vec<Axes> = list.iter().map(|c| c.axes).collect();
+    let Some(ways) = choices(&points, k) else {
+        *close = true;
+        return Vec::new();
+    };
+    let part = |i: usize, units: f64| Part {
+        example: list[i].example,
+        share: units / 1024.0,
+        anchored: list[i].anchored,
+        mirror: list[i].mirror,
+    };
+    let mut all = Vec::new();
+    for way in ways {
+        let (s, _) = weights(&way.iter().map(|i| points[*i]).collect::<Vec<_>>());
+        let mut order: Vec<usize> = (0..way.len()).collect();
+        order.sort_by(|a, b| s[*b].total_cmp(&s[*a]));
+        let mut units: Vec<f64> = order.iter().map(|i| (s[*i] * 1024.0).round()).collect();
+        units[0] = 1024.0 - units[1..].iter().sum::<f64>();
+        *close |= units.iter().any(|u| (u - 2047.5).abs() < 3.0 || (u + 2048.5).abs() < 3.0);
+        if units.iter().any(|u| *u < -2048.0 || *u > 2047.0) {
+            // the nearest, or one as near
+            let first = list[0].distance();
+            all.extend(
+                (0..list.len()).filter(|i| list[*i].distance() <= first * (1.0 + 1e-5) + 1e-9).map(|i| vec![part(i, 1024.0)]),
+            );
+        } else {
+            all.push(order.iter().zip(&units).filter(|(_, u)| **u != 0.0).map(|(i, u)| part(way[*i], *u)).collect());
+        }
+    }
+    all
+}
+
+/// Who could answer a hit: those that do so alone, and all others.
+pub fn candidates(model: &Model, asked: &Asked, close: &mut bool) -> (Vec<Candidate>, Vec<Candidate>) {
     let (mut own, mut others): (Vec<Candidate>, Vec<Candidate>) = (Vec::new(), Vec::new());
-    for (i, e) in model.examples.iter().enumerate() {
-        let away = length(sub(e.contact_point, model.positions[contact]));
-        close |= near(away, WITHIN * e.support_radius) && away > 0.0;
-        let within = away <= WITHIN * e.support_radius;
-        let ratio = length(target) / e.depth();
+    for image in &model.images {
+        let e: &Example = &model.examples[image.example];
+        let away = length(sub(e.contact_point, model.positions[asked.contact]));
+        *close |= near(away, WITHIN * e.support_radius) && away > 0.0;
+        let here = away <= WITHIN * e.support_radius && image.mirror == 0;
+        let ratio = length(asked.target) / e.depth();
         let own_size = (OWN_SIZE.0..=OWN_SIZE.1).contains(&ratio);
-        close |= e.placement == Placement::Automatic && (near(ratio, OWN_SIZE.0) || near(ratio, OWN_SIZE.1));
-        let anchored = match e.placement {
-            Placement::Anchored => true,
-            Placement::Carried => false,
-            Placement::Automatic => within && own_size,
-        };
-        if let Some(q) = distance(model, e, anchored, contact, target, limit, &mut close) {
-            let list = if anchored && within { &mut own } else { &mut others };
-            list.push(Candidate { example: i, anchored, q });
+        let automatic = e.placement == Placement::Automatic && e.grid.is_some();
+        *close |= automatic && here && (near(ratio, OWN_SIZE.0) || near(ratio, OWN_SIZE.1));
+        let anchored = e.placement == Placement::Anchored || automatic && (e.stays || here && own_size);
+        let width = model.place_width;
+        let mut found = candidate(model, image, anchored, asked, width, close);
+        if found.is_none() && anchored && automatic {
+            // what would stay but does not reach is carried
+            found = candidate(model, image, false, asked, width, close);
         }
+        let Some(c) = found else { continue };
+        let alone = c.anchored && here && (own_size || e.placement == Placement::Anchored);
+        if alone { &mut own } else { &mut others }.push(c);
     }
-    let alone = !own.is_empty();
-    let mut list = if alone { own } else { others };
-    list.sort_by(|a, b| a.q.total_cmp(&b.q).then(a.example.cmp(&b.example)));
-    let k = if alone { 1 } else { k };
-    for pair in list.windows(2).take(k) {
-        close |= near(pair[0].q, pair[1].q);
+    (own, others)
+}
+
+/// The marks that a hit at vertex `contact` may leave: more than one only where rounding decides. None where nothing reaches. `target` may
+/// be longer than `limit`; it is cut to it first. The flag says that some threshold is so near that rounding may turn it.
+pub fn select(model: &Model, contact: usize, target: V, limit: f64, k: usize) -> (Vec<Option<Selected>>, bool) {
+    let target = scale((limit / length(target)).min(1.0), target);
+    let mut close = model.close;
+    let asked = Asked { contact, target };
+    let (mut own, others) = candidates(model, &asked, &mut close);
+    let ways = if own.is_empty() {
+        answers(&others, k, &mut close)
+    } else {
+        own.sort_by(|a, b| a.distance().total_cmp(&b.distance()));
+        close |= own.len() > 1 && near(own[0].distance(), own[1].distance());
+        answers(&own[..1], 1, &mut close)
+    };
+    if ways.is_empty() {
+        return (vec![None], close);
     }
-    list.truncate(k);
-    let Some(first) = list.first().copied() else { return (None, close) };
-    let weights: Vec<f64> = list.iter().map(|c| (-0.5 * (c.q - first.q)).exp()).collect();
-    let total: f64 = weights.iter().sum();
-    let mut parts: Vec<Part> = Vec::new();
-    let mut rest = 32767.0;
-    for (c, w) in list.iter().zip(&weights).skip(1) {
-        let share = (w / total * 32767.0).floor();
-        if share > 0.0 {
-            parts.push(Part { example: c.example, share: share / 32767.0, anchored: c.anchored });
-            rest -= share;
+    let of = |parts: Vec<Part>, close: &mut bool| {
+        // The dent has its own direction at the contact: of the target it meets the component along it.
+        let mut mark = Mark { contact, depth: length(target), strength: 1.0, parts };
+        let brings = open(model, &mark);
+        if length(brings) == 0.0 {
+            return None;
         }
-    }
-    parts.insert(0, Part { example: first.example, share: rest / 32767.0, anchored: first.anchored });
-    // The dent has its own direction at the contact: of the target it meets the component along it.
-    let mut mark = Mark { contact, depth: length(target), strength: 1.0, parts };
-    let brings = met(model, &mark);
-    if length(brings) == 0.0 {
-        return (None, close);
-    }
-    mark.depth = dot(target, brings) / length(brings);
-    close |= mark.depth.abs() < 1e-4 * length(target);
-    if mark.depth <= 0.0 {
-        return (None, close);
-    }
-    let met = met(model, &mark);
-    (Some(Selected { mark, met, close }), close)
+        mark.depth = dot(target, brings) / length(brings);
+        *close |= mark.depth.abs() < 1e-4 * length(target);
+        if mark.depth <= 0.0 {
+            return None;
+        }
+        let met = met(model, &mark);
+        Some(Selected { mark, met })
+    };
+    (ways.into_iter().map(|parts| of(parts, &mut close)).collect(), close)
 }

@@ -51,6 +51,11 @@ pub fn transpose(m: Matrix) -> Matrix {
     [0, 1, 2].map(|i| [m[0][i], m[1][i], m[2][i]])
 }
 
+pub fn product(a: Matrix, b: Matrix) -> Matrix {
+    let b = transpose(b);
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| dot(a[i], b[j])))
+}
+
 /// The smallest rotation that takes unit vector `a` to unit vector `b` (Rodrigues). They must not be opposite.
 pub fn smallest_rotation(a: V, b: V) -> Matrix {
     let v = cross(a, b);
@@ -64,21 +69,15 @@ pub fn smallest_rotation(a: V, b: V) -> Matrix {
     })
 }
 
-/// The same for any two: where they are opposite (to within a cosine of 1e-4), half a turn about the x axis of `tangent_basis(a)` first.
+/// The same for any two: where they are opposite (to within a cosine of 1e-4), half a turn about what is nearest to z at right angles to `a`
+/// (to x, where `a` is along z) first.
 pub fn rotation_between(a: V, b: V) -> Matrix {
     let (a, b) = (unit(a), unit(b));
     if dot(a, b) >= -0.9999 {
         return smallest_rotation(a, b);
     }
-    let u = tangent_x(a);
+    let towards = if a[2].abs() < 0.99 { [0.0, 0.0, 1.0] } else { [1.0, 0.0, 0.0] };
+    let u = unit(sub(towards, scale(dot(a, towards), a)));
     let half = [0, 1, 2].map(|i| [0, 1, 2].map(|j| 2.0 * u[i] * u[j] - f64::from(u8::from(i == j))));
-    let rest = transpose(smallest_rotation(scale(-1.0, a), b));
-    transpose([0, 1, 2].map(|j| [0, 1, 2].map(|i| (0..3).map(|l| rest[l][i] * half[l][j]).sum())))
-}
-
-/// x axis of the frame of Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 2017.
-fn tangent_x(n: V) -> V {
-    let sign = 1f64.copysign(n[2]);
-    let a = -1.0 / (sign + n[2]);
-    [1.0 + sign * n[0] * n[0] * a, sign * n[0] * n[1] * a, -sign * n[0]]
+    product(smallest_rotation(scale(-1.0, a), b), half)
 }

@@ -228,6 +228,12 @@ pub fn cube(n: usize) -> MeshData {
     mesh
 }
 
+/// The vertex nearest to `point`.
+pub fn nearest(mesh: &MeshData, point: [f32; 3]) -> u32 {
+    let away = |v: &u32| length(sub(mesh.positions[*v as usize], point));
+    (0..mesh.positions.len() as u32).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap()
+}
+
 /// Groups of vertices that share a position, bit for bit.
 pub fn coincident(positions: &[[f32; 3]]) -> Vec<Vec<usize>> {
     let mut groups: HashMap<[u32; 3], Vec<usize>> = HashMap::new();

@@ -1,0 +1,135 @@
+//! What the model needs to know of the body itself: its mirror planes and its held rims. Brute force.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::vector::{V, add, length, scale, sub};
+
+/// `v` with its x turned round where bit 0 of `planes` is set, y where bit 1 is, z where bit 2 is.
+pub fn mirrored(v: V, planes: u8) -> V {
+    // no -0: a frame's axes hang on the sign of its normal's z
+    [0, 1, 2].map(|k| 0.0 + if planes >> k & 1 == 1 { -v[k] } else { v[k] })
+}
+
+/// A point mirrored in planes through `centre`.
+pub fn mirrored_point(p: V, planes: u8, centre: V) -> V {
+    if planes == 0 { p } else { add(centre, mirrored(sub(p, centre), planes)) }
+}
+
+/// The coordinate planes through the middle of the bounds that map 99 % of the vertices to within a thousandth of the diagonal of another;
+/// none across an axis along which the body is no thicker than twice that.
+pub fn mirror_planes(positions: &[V]) -> (u8, V, f64) {
+    let (mut low, mut high) = (positions[0], positions[0]);
+    for p in positions {
+        low = [0, 1, 2].map(|k| low[k].min(p[k]));
+        high = [0, 1, 2].map(|k| high[k].max(p[k]));
+    }
+    let (centre, diagonal) = (scale(0.5, add(low, high)), length(sub(high, low)));
+    let near = 1e-3 * diagonal;
+    let mut planes = 0;
+    for k in 0..3 {
+        let allowed = positions.len() / 100;
+        let mut lost = 0;
+        for p in positions {
+            let image = mirrored_point(*p, 1 << k, centre);
+            lost += usize::from(!positions.iter().any(|q| length(sub(*q, image)) <= near));
+            if lost > allowed {
+                break;
+            }
+        }
+        if lost <= allowed && high[k] - low[k] > 2.0 * near {
+            planes |= 1 << k;
+        }
+    }
+    (planes, centre, diagonal)
+}
+
+/// The window towards held rims at one vertex.
+#[derive(Debug, Clone, Copy)]
+pub struct Window {
+    pub factor: f64,
+    /// Its slope, 1/m, and whether that has a direction: not where two held vertices are equally near.
+    pub gradient: V,
+    pub clear: bool,
+}
+
+pub const OPEN: Window = Window { factor: 1.0, gradient: [0.0; 3], clear: true };
+
+/// Vertices on held rims, every copy at a seam: loops of edges that one triangle has, that no example moves by more than a hundredth of its
+/// deepest displacement, beside vertices of which some example moves one. `close` is set where that hangs on rounding.
+pub fn held_vertices(positions: &[V], triangles: &[[u32; 3]], fields: &[&[V]], close: &mut bool) -> Vec<usize> {
+    // vertices at one position are one point
+    let mut points: BTreeMap<[u64; 3], usize> = BTreeMap::new();
+    let point: Vec<usize> =
+        positions.iter().enumerate().map(|(v, p)| *points.entry(p.map(f64::to_bits)).or_insert(v)).collect();
+    let triangles: Vec<[usize; 3]> = triangles.iter().map(|t| t.map(|v| point[v as usize])).collect();
+    let mut edges: BTreeMap<(usize, usize), usize> = BTreeMap::new();
+    for [a, b, c] in &triangles {
+        for (a, b) in [(a, b), (b, c), (c, a)] {
+            if a != b {
+                *edges.entry((*a.min(b), *a.max(b))).or_insert(0) += 1;
+            }
+        }
+    }
+    let rim: Vec<(usize, usize)> = edges.into_iter().filter(|(_, n)| *n == 1).map(|(e, _)| e).collect();
+    let on_rim: BTreeSet<usize> = rim.iter().flat_map(|(a, b)| [*a, *b]).collect();
+    let mut left = on_rim.clone();
+    let mut held = Vec::new();
+    while let Some(first) = left.pop_first() {
+        let mut ring = BTreeSet::from([first]);
+        loop {
+            let before = ring.len();
+            for (a, b) in &rim {
+                if ring.contains(a) || ring.contains(b) {
+                    ring.extend([*a, *b]);
+                }
+            }
+            if ring.len() == before {
+                break;
+            }
+        }
+        left.retain(|v| !ring.contains(v));
+        let beside: BTreeSet<usize> = triangles
+            .iter()
+            .filter(|t| t.iter().any(|v| ring.contains(v)))
+            .flatten()
+            .copied()
+            .filter(|v| !on_rim.contains(v))
+            .collect();
+        let mut moves = |which: &BTreeSet<usize>| {
+            fields.iter().any(|d| {
+                let least = 0.01 * d.iter().map(|u| length(*u)).fold(0.0, f64::max);
+                (0..positions.len()).filter(|v| which.contains(&point[*v])).any(|v| {
+                    *close |= least > 0.0 && (length(d[v]) / least - 1.0).abs() < 1e-5;
+                    length(d[v]) > least
+                })
+            })
+        };
+        if !moves(&ring) && moves(&beside) {
+            held.extend((0..positions.len()).filter(|v| ring.contains(&point[*v])));
+        }
+    }
+    held.sort_unstable();
+    held
+}
+
+/// `s²(3 - 2s)` of the distance to the nearest held vertex over 3 % of the diagonal.
+pub fn window(p: V, positions: &[V], held: &[usize], diagonal: f64) -> Window {
+    let width = 0.03 * diagonal;
+    let Some(nearest) = held.iter().copied().min_by(|a, b| {
+        length(sub(p, positions[*a])).total_cmp(&length(sub(p, positions[*b])))
+    }) else {
+        return OPEN;
+    };
+    let away = sub(p, positions[nearest]);
+    let near = length(away);
+    let clear = held.iter().all(|h| {
+        positions[*h] == positions[nearest] || length(sub(p, positions[*h])) > near * (1.0 + 1e-5)
+    });
+    let s = near / width;
+    if s >= 1.0 {
+        return OPEN;
+    }
+    let slope = 6.0 * s * (1.0 - s) / width;
+    let gradient = if near > 0.0 { scale(slope / near, away) } else { [0.0; 3] };
+    Window { factor: s * s * (3.0 - 2.0 * s), gradient, clear }
+}

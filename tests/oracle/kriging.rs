@@ -1,0 +1,86 @@
+//! Ordinary kriging as textbooks have it: one linear system, solved by elimination.
+
+/// Seven numbers: place, logarithm of depth, lean, each over its width.
+pub type Axes = [f64; 7];
+
+/// Documented: kernel over squared distance, and nugget.
+pub fn kernel(squared: f64) -> f64 {
+    1.0 / (1.0 + squared / 2.0)
+}
+pub const NUGGET: f64 = 0.03;
+
+pub fn squared(a: &Axes, b: &Axes) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
+}
+
+/// Gaussian elimination with pivots.
+fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
+    let n = b.len();
+    for col in 0..n {
+        let pivot = (col..n).max_by(|i, j| a[*i][col].abs().total_cmp(&a[*j][col].abs())).unwrap();
+        a.swap(col, pivot);
+        b.swap(col, pivot);
+        for row in 0..n {
+            if row != col {
+                let f = a[row][col] / a[col][col];
+                let upper = a[col].clone();
+                a[row].iter_mut().zip(&upper).for_each(|(x, y)| *x -= f * y);
+                b[row] -= f * b[col];
+            }
+        }
+    }
+    (0..n).map(|i| b[i] / a[i][i]).collect()
+}
+
+/// Shares of the points for a hit at the origin, `(K + 0.03 I) s + m = k`, `sum s = 1`; and the variance they leave.
+pub fn weights(points: &[Axes]) -> (Vec<f64>, f64) {
+    let n = points.len();
+    let covariance = |i: usize, j: usize| kernel(squared(&points[i], &points[j])) + if i == j { NUGGET } else { 0.0 };
+    let hit: Vec<f64> = points.iter().map(|p| kernel(squared(p, &[0.0; 7]))).collect();
+    let mut rows: Vec<Vec<f64>> =
+        (0..n).map(|i| (0..n).map(|j| covariance(i, j)).chain([1.0]).collect()).collect();
+    rows.push(vec![1.0; n].into_iter().chain([0.0]).collect());
+    let mut s = solve(rows, hit.iter().copied().chain([1.0]).collect());
+    s.truncate(n);
+    let mut variance = 1.0;
+    for i in 0..n {
+        variance -= 2.0 * s[i] * hit[i];
+        for j in 0..n {
+            variance += s[i] * covariance(i, j) * s[j];
+        }
+    }
+    (s, variance)
+}
+
+/// What rounding may make of two variances.
+const TIE: f64 = 3e-5;
+
+/// Every way to take `k` of the points, one after the other, each the one that makes the variance least: more than one where there are
+/// ties. `None` where there are too many to tell.
+pub fn choices(points: &[Axes], k: usize) -> Option<Vec<Vec<usize>>> {
+    let mut ways: Vec<Vec<usize>> = vec![Vec::new()];
+    for _ in 0..k.min(points.len()) {
+        let mut next: Vec<Vec<usize>> = Vec::new();
+        for way in &ways {
+            let with = |i: usize| way.iter().copied().chain([i]).collect::<Vec<usize>>();
+            let tried: Vec<(Vec<usize>, f64)> = (0..points.len())
+                .filter(|i| !way.contains(i))
+                .map(|i| {
+                    let way = with(i);
+                    let variance = weights(&way.iter().map(|i| points[*i]).collect::<Vec<_>>()).1;
+                    (way, variance)
+                })
+                .collect();
+            let least = tried.iter().map(|t| t.1).fold(f64::INFINITY, f64::min);
+            next.extend(tried.into_iter().filter(|t| t.1 <= least + TIE).map(|t| t.0));
+        }
+        next.iter_mut().for_each(|w| w.sort_unstable());
+        next.sort();
+        next.dedup();
+        if next.len() > 60 {
+            return None;
+        }
+        ways = next;
+    }
+    Some(ways)
+}
