@@ -15,6 +15,10 @@ const LEAN_WIDTH: f32 = 0.05;
 const ANCHORED_WIDTH: f32 = 0.15;
 /// An anchored example reaches a vertex that it displaces by at least this share of its own contact's displacement.
 const REACH: f32 = 0.1;
+/// A target that leans less than this (a tenth of a degree) is along the normal: nobody knew how it leans …
+const UPRIGHT: f32 = 0.002;
+/// … and one that leans more than the most leaning example by this factor is not what a dent's contact does.
+const BEYOND: f32 = 3.0;
 /// Two images are one when they differ by no more than this: in place (share of the diagonal), logarithm of depth, and lean.
 const SAME: (f32, f32, f32) = (0.01, 0.02, 0.01);
 /// Two examples are copies of each other when they differ by no more than this in logarithm of depth and in lean.
@@ -122,7 +126,8 @@ pub(crate) struct Around<'a> {
     pub point: Vec3,
     normal: Option<Vec3>,
     direction: Vec3,
-    lean: Vec3,
+    /// `None` where it is not known.
+    lean: Option<Vec3>,
     log_size: f32,
     /// Widths of the place axes, m: of carried and of anchored examples.
     place: (f32, f32),
@@ -140,9 +145,10 @@ impl<'a> Around<'a> {
     ) -> Self {
         let normal = mesh.contact_normal(contact);
         let lean = normal.map_or(Vec3::ZERO, |n| direction - n * n.dot(direction));
-        // An engine's impulse may lean more than any example: it is then like the most leaning one that way.
+        // The direction of an impulse, or a displacement made up along the normal, says nothing of how a dent leans.
         let length = lean.length();
-        let lean = if length > images.lean { lean * (images.lean / length) } else { lean };
+        let cut = if length > images.lean { lean * (images.lean / length) } else { lean };
+        let lean = (UPRIGHT..=BEYOND * images.lean).contains(&length).then_some(cut);
         let width = |share: f32| (share * images.diagonal).max(f32::MIN_POSITIVE);
         Around {
             examples,
@@ -182,7 +188,7 @@ impl<'a> Around<'a> {
             return None;
         }
         let p = (image.point - self.point) / width;
-        let l = (lean - self.lean) / LEAN_WIDTH;
+        let l = self.lean.map_or(Vec3::ZERO, |known| (lean - known) / LEAN_WIDTH);
         Some([p.x, p.y, p.z, (log_depth - self.log_size) / SIZE_WIDTH, l.x, l.y, l.z])
     }
 }
