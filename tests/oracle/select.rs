@@ -65,8 +65,8 @@ pub fn images(model: &Model, close: &mut bool) -> Vec<Image> {
                     (depth(old) - depth(&new)).abs(),
                     length(sub(old.lean, new.lean)),
                 ];
-                *close |= (0..3).any(|k| (off[k] / SAME[k] - 1.0).abs() < 1e-3)
-                    && (0..3).all(|k| off[k] < SAME[k] * 1.001);
+                *close |=
+                    (0..3).any(|k| (off[k] / SAME[k] - 1.0).abs() < 1e-3) && (0..3).all(|k| off[k] < SAME[k] * 1.001);
                 (0..3).all(|k| off[k] <= SAME[k])
             });
             if !taken {
@@ -187,7 +187,9 @@ pub fn answers(list: &[Candidate], k: usize, close: &mut bool) -> Vec<Vec<Part>>
             // the nearest, or one as near
             let first = list[0].distance();
             all.extend(
-                (0..list.len()).filter(|i| list[*i].distance() <= first * (1.0 + 1e-5) + 1e-9).map(|i| vec![part(i, 1024.0)]),
+                (0..list.len())
+                    .filter(|i| list[*i].distance() <= first * (1.0 + 1e-5) + 1e-9)
+                    .map(|i| vec![part(i, 1024.0)]),
             );
         } else {
             all.push(order.iter().zip(&units).filter(|(_, u)| **u != 0.0).map(|(i, u)| part(way[*i], *u)).collect());
