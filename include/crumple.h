@@ -205,7 +205,7 @@ typedef enum {
 typedef enum {
     /// CRUMPLE_SELECTION_NEAREST with marks, CRUMPLE_SELECTION_CLASSIC with the literature's rules. The default.
     CRUMPLE_SELECTION_OF_RULE = 0,
-    /// The examples nearest in place, size and angle, carried or anchored as each says. Marks only.
+    /// The examples that say most of a hit's place, depth and lean, carried or anchored as each says. Marks only.
     CRUMPLE_SELECTION_NEAREST = 1,
     /// The literature's: the one example that moves the contact in the direction most like the target, weight at most
     /// 1.
@@ -357,8 +357,8 @@ typedef struct {
     float drop_below;
     /// Mass of every vertex, kg, for impulses that bring none of their own. 0: not known. Default 0.
     float vertex_mass;
-    /// Nodes along the longest side of the grid that a carried example is kept in: 4 to 128. Default 24; smooth dents
-    /// lose nothing, sharp creases want more.
+    /// Nodes along the longest side of the grid that a carried example is kept in: 4 to 128. Default 32; sharp creases
+    /// want more.
     uint32_t stamp_resolution;
     /// Mass of each vertex, kg: vertex_count floats, instead of vertex_mass. Default absent.
     CrumpleInput vertex_masses;
@@ -368,6 +368,11 @@ typedef struct {
     CrumpleSeams seams;
     /// Whether carried examples may never be scaled above their own depth, as anchored ones never are. Default false.
     bool strict;
+    /// Whether examples also serve mirrored, where the body is the same on both sides of a coordinate plane through the
+    /// centre of its bounds. Default true.
+    bool mirror;
+    /// Whether carried dents fall to zero towards edges of the sheet that the examples show to be held. Default true.
+    bool held_rims;
 } CrumpleExampleSetOptions;
 
 /// A base mesh and its examples, as arrays.
@@ -645,19 +650,22 @@ typedef struct {
 typedef struct {
     /// Its index in the set.
     uint32_t example;
-    /// Its share of the dent; the shares of a hit sum to 1.
+    /// Its share of the dent; the shares of a hit sum to 1. Negative where it corrects others that overshoot.
     float share;
     /// What its displacements are multiplied with.
     float scale;
     /// Whether it stays where it was made; otherwise it is carried to the contact.
     bool anchored;
+    /// The planes that it is mirrored in: 1 for x, 2 for y, 4 for z, added up.
+    uint8_t mirror;
 } CrumpleChosen;
 
-/// An example and its share of a dent.
+/// An example, how it is placed, and its share of a dent.
 typedef struct {
     /// Index of the example; 0xFFFF in an unused pair.
     uint16_t example;
-    /// Low 15 bits: share of the dent, 32767 being the whole. Top bit: the example stays where it was made.
+    /// Low 12 bits: share of the dent, two's complement, 1024 being the whole. Bits 12, 13 and 14: the example is mirrored in
+    /// x, y, z. Bit 15: it stays where it was made.
     uint16_t share;
 } CrumplePair;
 

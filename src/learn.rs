@@ -174,7 +174,7 @@ fn left_out(set: &ExampleSet, q: usize) -> Errors {
     Errors { carried: WIDTHS.map(|w| predict(w, false)), anchored: predict(WIDTHS[0], true) }
 }
 
-/// Vertices around an example's contact, evenly spread over the mesh's order.
+/// Vertices around an example's contact, every n-th of the mesh's order, and the contact.
 fn samples(set: &ExampleSet, q: usize) -> Vec<u32> {
     let e = &set.examples()[q];
     let radius = e.support_radius() * AROUND;

@@ -1,8 +1,8 @@
 //! Selection: an impulse becomes a mark.
 //!
 //! The default takes the K examples that say most of a hit of this place, depth and lean, in shares that extrapolate between
-//! them ([`crate::weights`]), and scales them together so that the contact gets the target displacement. The literature's rule ([`Selection::Classic`]) takes the one example whose
-//! displacement of the contact has the best cosine with the target.
+//! them ([`crate::weights`]), and scales them together so that the contact gets the target displacement. The literature's rule
+//! ([`Selection::Classic`]) takes the one example whose displacement of the contact has the best cosine with the target.
 //!
 //! Everything here is IEEE f32/f64 arithmetic with `sqrt` and `libm`, so the same hit makes the same mark everywhere.
 

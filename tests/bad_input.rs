@@ -8,8 +8,8 @@ use std::sync::Arc;
 use crumple::glam::{Mat4, Vec3, Vec4};
 use crumple::{
     Attachment, Attribute, Cause, Contact, Deltas, Error, ErrorKind, ExampleData, ExampleSet, Hit, HitStatus, Instance,
-    InstanceOptions, Mark, MeshData, Mirror, Pair, Placement, Rule, Selection, Serial, SetOptions, Space, ThreadPool, Tracker,
-    VertexMass, VertexMemory,
+    InstanceOptions, Mark, MeshData, Mirror, Pair, Placement, Rule, Selection, Serial, SetOptions, Space, ThreadPool,
+    Tracker, VertexMass, VertexMemory,
 };
 use proptest::prelude::*;
 use scenes::{Dice, Output, push, random_hit};
@@ -708,7 +708,9 @@ fn quick_examples_that_barely_move_their_own_contact_stay_bounded() {
             instance.submit(&push([0.3, 0.3, 0.0], [0.0, 0.0, -size])).unwrap();
         }
         check_within(&mut instance);
-        for (anchored, shares) in [(true, (624, 400)), (false, (624, 400)), (true, (2047, -1100)), (false, (-2000, 2047))] {
+        for (anchored, shares) in
+            [(true, (624, 400)), (false, (624, 400)), (true, (2047, -1100)), (false, (-2000, 2047))]
+        {
             for depth in [1e-30, 1e-3, 1.0, 1e9] {
                 for energy in [1, Mark::ONE, u64::MAX] {
                     let pair = |share, anchored| {

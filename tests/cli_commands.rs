@@ -57,9 +57,29 @@ fn info_tells_what_a_file_holds() {
     let cells: Vec<&str> = row.split_whitespace().collect();
     assert_eq!(cells[..4], ["0", "train_00", "704", "13.6"], "{row}");
     assert!(row.contains("1689  (0.346, -0.270, 0.059)") && row.ends_with("automatic"), "{row}");
-    assert_eq!(report.lines().filter(|l| l.contains("train_")).count(), 32);
+    assert_eq!(report.lines().filter(|l| l.contains("train_") && l.ends_with("automatic")).count(), 32);
     // The rim is pinned: nothing moves it.
     assert!(report.contains("do not move") && report.contains("1 region"), "{report}");
+}
+
+#[test]
+fn info_tells_what_the_examples_show() {
+    let report = crumple(&["info", PANEL]).report();
+    assert!(report.contains("same on both sides in x, y; examples serve both"), "{report}");
+    assert!(report.contains("184 vertices on edges that the examples show to be held"), "{report}");
+    let after = report.split("Examples predict each other").nth(1).expect("the section");
+    let line = |name: &str| after.lines().find(|l| l.trim_start().starts_with(name)).expect(name).to_owned();
+    let number = |line: &str| -> f32 {
+        line.split_whitespace().nth(1).unwrap().trim_end_matches(',').parse().expect("a number")
+    };
+    let (median, worst) = (number(&line("error")), number(&line("worst")));
+    assert!(median > 0.02 && median < 0.3 && worst > median, "{after}");
+    assert!(line("worst").contains("train_") && line("worst").ends_with("one more near it would help most"), "{after}");
+    assert!(line("reach").ends_with("over 1.3 diagonals"), "{after}");
+    assert!(line("placement").contains("carry them"), "{after}");
+    // nothing to learn from one example
+    let one = crumple(&["info", "tests/fixtures/nodes.glb"]).report();
+    assert!(!one.contains("predict each other") && one.contains("  mirror    "), "{one}");
 }
 
 #[test]
@@ -84,7 +104,10 @@ fn apply_dents_the_body_where_it_was_hit() {
     let moved = displacements(&before, &after);
     let (vertex, depth) = deepest(&moved);
     assert!(Vec3::from(before.mesh.positions[vertex]).distance(point) < 0.05, "vertex {vertex}");
-    assert!((depth - 0.025).abs() < 0.002, "{depth}");
+    // the contact gets what was asked for; the dent may be a little deeper beside it
+    let distance = |v: &usize| Vec3::from(before.mesh.positions[*v]).distance(point);
+    let contact = (0..moved.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("a vertex");
+    assert!((moved[contact] - 0.025).abs() < 0.001 && depth < 1.2 * moved[contact], "{} {depth}", moved[contact]);
     assert!(report.contains(&format!("{:.1} mm", depth * 1e3)), "{report}");
 
     assert_eq!(names(folder.path()), ["a", "i.json", "out.glb"], "nothing temporary stays");

@@ -202,15 +202,18 @@ fn rim(set: &ExampleSet) -> Vec<usize> {
 #[test]
 fn a_held_rim_never_moves_under_what_is_carried() {
     let moves = |held_rims: bool| {
-        let set =
-            with_placement("panel", 12, Placement::Carried, SetOptions { held_rims, ..SetOptions::default() });
+        let set = with_placement("panel", 12, Placement::Carried, SetOptions { held_rims, ..SetOptions::default() });
         let rim = rim(&set);
         assert_eq!(set.report().held_vertices, if held_rims { rim.len() } else { 0 });
         let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
         let mut dice = Dice::new(11);
         for i in 0..60 {
             // most of them beside the rim
-            let hit = if i % 4 == 0 { random_hit(&set, &mut dice) } else { scenes::hit_at(&set, rim[dice.index(rim.len())], &mut dice) };
+            let hit = if i % 4 == 0 {
+                random_hit(&set, &mut dice)
+            } else {
+                scenes::hit_at(&set, rim[dice.index(rim.len())], &mut dice)
+            };
             instance.submit(&hit).unwrap();
         }
         let out = Output::fresh(&mut instance);
@@ -360,9 +363,8 @@ fn normals_beside_a_held_rim_are_those_of_the_surface() {
     let mut round = example(&mesh, contact, |p| Vec3::new(0.0, 0.0, -0.05 * (-p.length_squared() / 0.01).exp()));
     round.placement = Placement::Carried;
     // shows that the sides are held, and never answers: it points outwards
-    let shows = example(&mesh, contact, |p| {
-        Vec3::new(0.0, 0.0, if p.x.abs().max(p.y.abs()) < 0.4999 { 0.01 } else { 0.0 })
-    });
+    let shows =
+        example(&mesh, contact, |p| Vec3::new(0.0, 0.0, if p.x.abs().max(p.y.abs()) < 0.4999 { 0.01 } else { 0.0 }));
     let set = build(mesh, vec![round, shows], SetOptions::default());
     assert_eq!(set.report().held_vertices, 800);
     let rim = rim(&set);
@@ -494,7 +496,8 @@ fn scales_stay_within_one_where_they_must() {
             e.placement = [Placement::Carried, Placement::Automatic, Placement::Anchored][i % 3];
         }
         let set = build(mesh, examples, options);
-        let instance = Instance::new(set.clone(), InstanceOptions { examples_per_hit: 4, ..Default::default() }).unwrap();
+        let instance =
+            Instance::new(set.clone(), InstanceOptions { examples_per_hit: 4, ..Default::default() }).unwrap();
         let mut dice = Dice::new(6);
         for _ in 0..300 {
             let vertex = dice.index(set.vertex_count());

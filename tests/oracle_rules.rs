@@ -52,7 +52,8 @@ fn random_set(dice: &mut Dice, combine: Combine, seams: Seams) -> Arc<ExampleSet
     let strict = dice.index(4) == 0;
     let stamp_resolution = 8 + dice.index(20) as u32;
     let (mirror, held_rims) = (dice.index(4) != 0, dice.index(6) != 0);
-    let options = SetOptions { combine, seams, depth_limit, strict, stamp_resolution, mirror, held_rims, ..Default::default() };
+    let options =
+        SetOptions { combine, seams, depth_limit, strict, stamp_resolution, mirror, held_rims, ..Default::default() };
     build(mesh, examples, options)
 }
 

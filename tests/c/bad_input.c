@@ -48,6 +48,9 @@ static void *crooked(void *pointer) {
         memcpy(&(field), &number_, 4);                                                                                 \
     } while (0)
 
+// A byte that is neither of the two.
+#define SET_BOOL(field, number) memset(&(field), (number), 1)
+
 static void contexts(void) {
     CrumpleContextDef def = crumple_default_context_def();
     CrumpleContext *out;
@@ -165,6 +168,21 @@ static void meshes(void) {
     weighed.options.vertex_masses = input_of(masses, sizeof masses, 4);
     FACT(crumple_create_example_set(context, &weighed, &out_set) != CRUMPLE_OK && keeps(&out_set, sizeof out_set));
     usable();
+
+    // Any byte but 0 is true; each of the two is another set.
+    uint64_t prints[4];
+    for (int i = 0; i < 4; ++i) {
+        CrumpleExampleSetDef odd = sheet.def;
+        CrumpleExampleSetInfo info;
+        CrumpleExampleSet made;
+        SET_BOOL(odd.options.mirror, i == 1 ? 0 : i == 3 ? 0xAB : 1);
+        SET_BOOL(odd.options.held_rims, i == 2 ? 0 : i == 3 ? 0x02 : 1);
+        OK(crumple_create_example_set(context, &odd, &made));
+        OK(crumple_get_example_set_info(context, made, &info));
+        prints[i] = info.fingerprint;
+        OK(crumple_destroy_example_set(context, made));
+    }
+    FACT(prints[0] == prints[3] && prints[0] != prints[1] && prints[0] != prints[2] && prints[1] != prints[2]);
 }
 
 static void examples(void) {
@@ -515,7 +533,10 @@ static void damage(void) {
     BAD_MARK("energy", bad.energy = 0);
     BAD_MARK("example", bad.pairs[0].example = EXAMPLES);
     BAD_MARK("pairs", bad.pairs[0].example = 0xFFFF; bad.pairs[0].share = 0);
-    BAD_MARK("shares", for (int i = 0; i < 4; ++i) { bad.pairs[i].example = 0; bad.pairs[i].share = 0x7FFF; });
+    BAD_MARK("shares", for (int i = 0; i < 4; ++i) { bad.pairs[i].example = 0; bad.pairs[i].share = 0x400; });
+    BAD_MARK("shares", bad.pairs[0].share = 0xC00);                                   // negative
+    BAD_MARK("mirrored", bad.pairs[0].share = 0x8000 | 0x1000 | 0x400);               // anchored too
+    BAD_MARK("mirrored", bad.pairs[0].share = 0x8000 | 0x7000 | 0x400);
     FAILS(CRUMPLE_ERROR_NULL_POINTER, "marks", crumple_set_marks(context, body, NULL, 1));
     FAILS(CRUMPLE_ERROR_MISALIGNED, "marks", crumple_set_marks(context, body, crooked(marks), 1));
 

@@ -285,6 +285,36 @@ static void classic_rules(void) {
     }
 }
 
+static void mirrored(void) {
+    // The sheet is the same on both sides; its second dent, at (0.25, 0.2), also serves at (-0.25, -0.2).
+    for (int on = 0; on < 2; ++on) {
+        CrumpleExampleSetDef def = sheet.def;
+        CrumpleExampleSet made;
+        CrumpleHitResult told;
+        int found = 0;
+        CrumpleDisplacementDef hit = displacement_at(-0.25f, -0.2f, 0.03f);
+        FACT(def.options.mirror && def.options.held_rims); // the defaults
+        def.options.mirror = on;
+        OK(crumple_create_example_set(context, &def, &made));
+        CrumpleInstance body = make_instance(context, made);
+        OK(crumple_submit_displacement(context, body, &hit, &told));
+        FACT(told.status == CRUMPLE_HIT_STATUS_MARKED);
+        float shares = 0;
+        for (uint32_t i = 0; i < told.chosen_count; ++i) {
+            const CrumpleChosen *chosen = &told.chosen[i];
+            uint16_t pair = told.mark.pairs[i].share;
+            FACT(chosen->mirror == (pair >> 12 & 7) && chosen->anchored == (pair >> 15 == 1));
+            FACT(chosen->share == (float)((pair & 0xFFF) < 2048 ? pair & 0xFFF : (pair & 0xFFF) - 4096) / 1024);
+            shares += chosen->share;
+            found |= chosen->example == 1 && chosen->mirror == 3;
+            FACT(on || chosen->mirror == 0);
+        }
+        FACT(shares == 1 && found == on);
+        OK(crumple_destroy_instance(context, body));
+        OK(crumple_destroy_example_set(context, made));
+    }
+}
+
 static void attached(void) {
     CrumpleInstance body = make_instance(context, set);
     CrumpleAttachment lamp;
@@ -309,6 +339,7 @@ int main(void) {
     yield_and_mass();
     contacts();
     classic_rules();
+    mirrored();
     attached();
     OK(crumple_context_destroy(context));
     printf("%u checks\n", checks);

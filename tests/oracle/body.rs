@@ -115,16 +115,15 @@ pub fn held_vertices(positions: &[V], triangles: &[[u32; 3]], fields: &[&[V]], c
 /// `s²(3 - 2s)` of the distance to the nearest held vertex over 3 % of the diagonal.
 pub fn window(p: V, positions: &[V], held: &[usize], diagonal: f64) -> Window {
     let width = 0.03 * diagonal;
-    let Some(nearest) = held.iter().copied().min_by(|a, b| {
-        length(sub(p, positions[*a])).total_cmp(&length(sub(p, positions[*b])))
-    }) else {
+    let Some(nearest) =
+        held.iter().copied().min_by(|a, b| length(sub(p, positions[*a])).total_cmp(&length(sub(p, positions[*b]))))
+    else {
         return OPEN;
     };
     let away = sub(p, positions[nearest]);
     let near = length(away);
-    let clear = held.iter().all(|h| {
-        positions[*h] == positions[nearest] || length(sub(p, positions[*h])) > near * (1.0 + 1e-5)
-    });
+    let clear =
+        held.iter().all(|h| positions[*h] == positions[nearest] || length(sub(p, positions[*h])) > near * (1.0 + 1e-5));
     let s = near / width;
     if s >= 1.0 {
         return OPEN;

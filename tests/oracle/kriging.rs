@@ -37,8 +37,7 @@ pub fn weights(points: &[Axes]) -> (Vec<f64>, f64) {
     let n = points.len();
     let covariance = |i: usize, j: usize| kernel(squared(&points[i], &points[j])) + if i == j { NUGGET } else { 0.0 };
     let hit: Vec<f64> = points.iter().map(|p| kernel(squared(p, &[0.0; 7]))).collect();
-    let mut rows: Vec<Vec<f64>> =
-        (0..n).map(|i| (0..n).map(|j| covariance(i, j)).chain([1.0]).collect()).collect();
+    let mut rows: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| covariance(i, j)).chain([1.0]).collect()).collect();
     rows.push(vec![1.0; n].into_iter().chain([0.0]).collect());
     let mut s = solve(rows, hit.iter().copied().chain([1.0]).collect());
     s.truncate(n);

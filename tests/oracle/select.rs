@@ -13,6 +13,9 @@ use super::{Example, Model};
 const ANCHORED_PLACE: f64 = 0.15;
 const DEPTH: f64 = 2.4;
 const LEAN: f64 = 0.05;
+/// A target's lean is known from here on, and up to so many times the longest lean of any example.
+const UPRIGHT: f64 = 0.002;
+const BEYOND: f64 = 3.0;
 /// An automatic example is anchored within this share of its support radius around its own contact; anchored ones answer alone there.
 const WITHIN: f64 = 0.1;
 /// An automatic example is anchored there only for targets of about its own depth.
@@ -65,8 +68,8 @@ pub fn images(model: &Model, close: &mut bool) -> Vec<Image> {
                     (depth(old) - depth(&new)).abs(),
                     length(sub(old.lean, new.lean)),
                 ];
-                *close |= (0..3).any(|k| (off[k] / SAME[k] - 1.0).abs() < 1e-3)
-                    && (0..3).all(|k| off[k] < SAME[k] * 1.001);
+                *close |=
+                    (0..3).any(|k| (off[k] / SAME[k] - 1.0).abs() < 1e-3) && (0..3).all(|k| off[k] < SAME[k] * 1.001);
                 (0..3).all(|k| off[k] <= SAME[k])
             });
             if !taken {
@@ -144,9 +147,12 @@ pub fn candidate(
     }
     let longest = model.images.iter().map(|i| length(i.lean)).fold(0.0, f64::max);
     let leans = in_surface(direction, normal);
-    let leans = scale((longest / length(leans).max(1e-300)).min(1.0), leans);
+    let leaning = length(leans);
+    *close |= near(leaning, UPRIGHT) || near(leaning, BEYOND * longest) || (leaning - UPRIGHT).abs() < 1e-6;
+    let known = (UPRIGHT..=BEYOND * longest).contains(&leaning);
+    let leans = scale((longest / leaning.max(1e-300)).min(1.0), leans);
     let place = scale(1.0 / (width * model.diagonal), sub(image.point, model.positions[asked.contact]));
-    let lean = scale(1.0 / LEAN, sub(in_surface(there, normal), leans));
+    let lean = if known { scale(1.0 / LEAN, sub(in_surface(there, normal), leans)) } else { [0.0; 3] };
     let size = (depth / size).ln() / DEPTH;
     let axes = [place[0], place[1], place[2], size, lean[0], lean[1], lean[2]];
     Some(Candidate { example: image.example, mirror: image.mirror, anchored, axes })
@@ -187,7 +193,9 @@ pub fn answers(list: &[Candidate], k: usize, close: &mut bool) -> Vec<Vec<Part>>
             // the nearest, or one as near
             let first = list[0].distance();
             all.extend(
-                (0..list.len()).filter(|i| list[*i].distance() <= first * (1.0 + 1e-5) + 1e-9).map(|i| vec![part(i, 1024.0)]),
+                (0..list.len())
+                    .filter(|i| list[*i].distance() <= first * (1.0 + 1e-5) + 1e-9)
+                    .map(|i| vec![part(i, 1024.0)]),
             );
         } else {
             all.push(order.iter().zip(&units).filter(|(_, u)| **u != 0.0).map(|(i, u)| part(way[*i], *u)).collect());

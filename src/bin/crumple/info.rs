@@ -1,4 +1,4 @@
-//! `crumple info`: what a file's mesh and examples are, and where the examples do not reach.
+//! `crumple info`: what a file's mesh and examples are, what they show of each other, and where they do not reach.
 
 use crate::{
     picture::millimetres,
@@ -7,7 +7,7 @@ use crate::{
 };
 use anyhow::Result;
 use clap::Args;
-use crumple::{Aabb, ExampleSet, Mesh, Placement, ThreadPool, glam::Vec3};
+use crumple::{Aabb, ExampleSet, Mesh, Mirror, Placement, ThreadPool, glam::Vec3};
 use std::fmt::Write;
 
 #[derive(Args)]
@@ -21,6 +21,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     let mut text = format!("{}\n", arguments.input.file.display());
     body(&mut text, &source)?;
     examples(&mut text, &source.set);
+    learned(&mut text, &source.set)?;
     reach(&mut text, &source.set)?;
     Ok(text)
 }
@@ -46,6 +47,14 @@ fn body(text: &mut String, source: &Source) -> Result<()> {
         source.set.memory_bytes() as f64 * 1e-6
     )?;
     let report = source.set.report();
+    writeln!(text, "  mirror    {}", planes(report.mirror_planes))?;
+    if report.held_vertices > 0 {
+        let held = count(report.held_vertices, "vertex", "vertices");
+        writeln!(
+            text,
+            "  rim       {held} on edges that the examples show to be held; carried dents leave them where they are"
+        )?;
+    }
     if report.welded > 0 {
         let widest = millimetres(report.widest_weld);
         writeln!(
@@ -61,6 +70,16 @@ fn body(text: &mut String, source: &Source) -> Result<()> {
         writeln!(text, "  note      {} triangles have no area", report.degenerate_triangles)?;
     }
     Ok(())
+}
+
+/// Which mirror images examples serve in.
+fn planes(planes: Mirror) -> String {
+    let names: Vec<&str> =
+        (0..3).filter(|k| planes.bits() >> k & 1 == 1).map(|k| ["x", "y", "z"][k as usize]).collect();
+    match names.as_slice() {
+        [] => "no plane maps the body onto itself".into(),
+        names => format!("the body is the same on both sides in {}; examples serve both", names.join(", ")),
+    }
 }
 
 fn examples(text: &mut String, set: &ExampleSet) {
@@ -97,6 +116,30 @@ fn examples(text: &mut String, set: &ExampleSet) {
         ]);
     }
     table.write(text);
+}
+
+/// How well the examples predict each other, each left out in turn.
+fn learned(text: &mut String, set: &ExampleSet) -> Result<()> {
+    let learned = set.learned();
+    let (Some(median), Some((worst, error))) = (learned.median(), learned.worst()) else { return Ok(()) };
+    text.push_str("\n  Examples predict each other\n");
+    writeln!(text, "  error     {median:.2} in the median of the field left out; 0 is perfect, no dent at all is 1")?;
+    let name: String = set.examples()[worst].name().chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    writeln!(text, "  worst     {error:.2}, {name} (#{worst}): one more near it would help most")?;
+    writeln!(text, "  reach     what an example says fades over {:.1} diagonals", learned.place_width)?;
+    let stay: Vec<String> =
+        (0..learned.anchored.len()).filter(|i| learned.anchored[*i]).map(|i| i.to_string()).collect();
+    match stay.len() {
+        0 => writeln!(text, "  placement hits between the automatic examples carry them")?,
+        n => writeln!(
+            text,
+            "  placement hits around {} leave {} in place: {}",
+            count(n, "automatic example", "automatic examples"),
+            if n == 1 { "it" } else { "them" },
+            stay.join(", ")
+        )?,
+    }
+    Ok(())
 }
 
 /// Which part of the body the examples move where they were made.
