@@ -27,7 +27,7 @@ fn assert_alike(a: &[Mark], b: &[Mark]) {
         assert_eq!((x.contact, x.energy), (y.contact, y.energy));
         assert!((x.depth - y.depth).abs() <= 1e-6 * x.depth, "{} {}", x.depth, y.depth);
         for (p, q) in x.pairs.iter().zip(&y.pairs) {
-            assert_eq!((p.example, p.anchored()), (q.example, q.anchored()));
+            assert_eq!((p.example, p.is_anchored()), (q.example, q.is_anchored()));
             assert!((p.share_fraction() - q.share_fraction()).abs() < 1e-4);
         }
     }
