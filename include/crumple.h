@@ -206,7 +206,7 @@ typedef enum {
 typedef enum {
     /// CRUMPLE_SELECTION_NEAREST with marks, CRUMPLE_SELECTION_CLASSIC with the literature's rules. The default.
     CRUMPLE_SELECTION_OF_RULE = 0,
-    /// The examples nearest in place, size and angle, carried or anchored as each says. Marks only.
+    /// The examples that say most of a hit's place, depth and lean, carried or anchored as each says. Marks only.
     CRUMPLE_SELECTION_NEAREST = 1,
     /// The literature's: the one example that moves the contact in the direction most like the target, weight at most
     /// 1.
