@@ -74,6 +74,7 @@ def accuracy(directory):
     rows += [line(f"Crumple, K = {K}, {n} examples", examples=n, k=K, **ours) for n in (4, 8, 16, FULL, 32)]
     rows += [line(f"Crumple, K = {k}, {FULL} examples", examples=FULL, k=k, **ours) for k in (1, 2, 4)]
     rows += [line(f"Crumple, carried only, K = {K}, {FULL}", examples=FULL, k=K, method="carried", stamp=stamp)]
+    rows += [line(f"Crumple, K = {K}, {n}, told the depth alone", method="depth_only", examples=n, k=K) for n in (4, FULL)]
     rows += [line(f"Crumple, all defaults, {n}", examples=n, k=K, method="defaults") for n in (4, FULL)]
     rows += [[c.split(" / ")[0] for c in line("the truth's own noise", method="floor")]]
     rows = [r for r in rows if any(c != "–" for c in r[1:])]
@@ -95,6 +96,8 @@ the four bodies:
 - The literature's rule is the cheapest that uses examples, and it puts the dent where the example was made, not where the body
   was hit; without the clamp its weight grows without limit where an example barely moves the contact.
 - The radial profile is cheaper still and needs next to no memory.{loses} It cannot know that a drum dents along its axis.
+- "Told the depth alone": the same hits reported along the normal, without the tangential part of the displacement (an engine's impulse
+  does not know it). It is what a dent's lean is worth, and every other row of ours has it.
 - "Crumple, K = 3" lets dents be as deep as asked; with all defaults the deepest example limits them, which costs where
   the examples are few and shallow. Presses that leave under 5 mm are left out: there is no dent to predict.
 

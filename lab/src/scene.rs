@@ -42,6 +42,14 @@ pub fn hit(impact: &Impact) -> Hit {
     Hit::displacement(impact.point, impact.displacement)
 }
 
+/// What an engine would report that knows the depth alone: as deep, along the normal.
+pub fn along_normal(set: &ExampleSet, impact: &Impact) -> Hit {
+    let normal = set.mesh().contact_normal(impact.contact_vertex).unwrap_or_default();
+    let d = impact.displacement;
+    let depth = d.iter().map(|x| x * x).sum::<f32>().sqrt();
+    Hit::displacement(impact.point, (normal * -depth).to_array())
+}
+
 /// The displacement field after these hits, m.
 pub fn field_after(set: &Arc<ExampleSet>, options: &InstanceOptions, hits: &[Hit]) -> Result<Field> {
     let mut instance = Instance::new(set.clone(), *options)?;

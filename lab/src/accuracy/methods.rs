@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use anyhow::Result;
 use crumple::{
-    ExampleSet, HitStatus, Instance, InstanceOptions, Placement, Rule, Selection, Serial, SetOptions, Tracker,
+    ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Placement, Rule, Selection, Serial, SetOptions, Tracker,
     VertexMemory,
 };
 
@@ -17,7 +17,8 @@ use crate::truth::{Body, Field, Impact};
 
 /// One configuration.
 pub struct Method {
-    /// `classic`, `classic_clamped`, `radial`, `anchored`, `carried`, `automatic` or `defaults`.
+    /// `classic`, `classic_clamped`, `radial`, `anchored`, `carried`, `automatic`, `depth_only` (automatic, told the depth along the
+    /// normal instead of the displacement) or `defaults`.
     pub name: &'static str,
     /// How many training impacts it has, a prefix.
     pub examples: usize,
@@ -48,7 +49,7 @@ type Visit<'a> = dyn FnMut(&Method, &mut dyn FnMut(&Impact) -> Result<Answer>) -
 const EXAMPLES: [usize; 5] = [4, 8, 16, 24, 32];
 /// The counts at which K and stamp sizes are varied.
 const VARIED: [usize; 2] = [4, 24];
-const STAMPS: [u32; 5] = [8, 12, 16, 24, 32];
+const STAMPS: [u32; 6] = [8, 12, 16, 24, 32, 48];
 const K: u32 = 3;
 /// Above every dent, m: measures the dents' shapes, not how deep the deepest example happens to be.
 const DEEP: f32 = 1.0;
@@ -93,6 +94,7 @@ pub fn each(body: &Body, quick: bool, visit: &mut Visit) -> Result<()> {
                 measure(&set, name, n, k, stamp, deep(k), &timer, visit)?;
             }
             if placement == Placement::Automatic {
+                measure(&set, "depth_only", n, K, stamp, deep(K), &timer, visit)?;
                 measure(&set, "defaults", n, K, stamp, InstanceOptions::default(), &timer, visit)?;
             }
         }
@@ -143,12 +145,15 @@ fn measure(
         stamp_bytes: if stamp == 0 { 0 } else { report.stamp_bytes },
         ..named(name, examples, k, stamp)
     };
-    visit(&method, &mut |impact| library(set, &options, impact, timer))
+    let hit = |impact: &Impact| match name {
+        "depth_only" => scene::along_normal(set, impact),
+        _ => scene::hit(impact),
+    };
+    visit(&method, &mut |impact| library(set, &options, hit(impact), timer))
 }
 
 /// The library's answer: what an engine pays from the contact to the vertices, other instances being left aside.
-fn library(set: &Arc<ExampleSet>, options: &InstanceOptions, impact: &Impact, timer: &Timer) -> Result<Answer> {
-    let hit = scene::hit(impact);
+fn library(set: &Arc<ExampleSet>, options: &InstanceOptions, hit: Hit, timer: &Timer) -> Result<Answer> {
     let mut body = Instance::new(set.clone(), *options)?;
     let answered = body.submit(&hit)?.status == HitStatus::Marked;
     let field = scene::displacements(&mut body)?;
