@@ -52,130 +52,109 @@ def log_error(axis, ticks=(0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100))
     axis.yaxis.set_minor_locator(NullLocator())
 
 
-def point(axis, row, colour, marker="o", size=5, filled=True):
-    """Median, with the middle half of the impacts as bars."""
-    x, y = row["us_per_impact"], row["rel_l2_median"]
-    axis.plot([x, x], [row["rel_l2_p25"], row["rel_l2_p75"]], color=colour, lw=0.9, alpha=0.55, zorder=2)
-    axis.plot([row["us_p25"], row["us_p75"]], [y, y], color=colour, lw=0.9, alpha=0.55, zorder=2)
-    axis.plot([x], [y], marker, color=colour, ms=size, mfc=colour if filled else "white", zorder=4)
-    return x, y
+# What is above or below is drawn at the edge, with its value.
+SHOWN = (0.05, 2.2)
 
 
 def speed(table, peers, directory):
-    figure, axes = grid(11, width=12.6)
-    points = [r["us_per_impact"] for t in peers for r in t.rows if r.get("us_per_impact")]
-    slowest = max(points + [3000])
+    figure, axes = grid(12.4, width=14, sharex=True)
     colours = {}
     for (truth, body), axis in axes.items():
         labels, xs, ys = [], [], []
 
-        def name(x, y, text, colour, weight="normal"):
-            labels.append(axis.text(x, y, text, fontsize=8, color=colour, fontweight=weight, zorder=6, path_effects=style.HALO))
+        def mark(x, y, text, colour, marker, size=6, weight="normal", filled=True):
+            inside = min(max(y, SHOWN[0] * 1.06), SHOWN[1] / 1.06)
+            if inside != y:
+                marker, text = ("^" if y > inside else "v"), f"{text}: {y:.2g}"
+            axis.plot([x], [inside], marker, color=colour, ms=size, mfc=colour if filled else "white", zorder=4)
+            labels.append(axis.text(x, inside, text, fontsize=8, color=colour, fontweight=weight, zorder=6, path_effects=style.HALO))
             xs.append(x)
-            ys.append(y)
+            ys.append(inside)
+
+        def spread(x, low, high, colour):
+            axis.plot([x, x], [max(low, SHOWN[0]), min(high, SHOWN[1])], color=colour, lw=0.9, alpha=0.45, zorder=2)
+
+        def ours(row, text, colour, marker, size=6, weight="normal", filled=True):
+            if row:
+                spread(row["us_per_impact"], row["rel_l2_p25"], row["rel_l2_p75"], colour)
+                mark(row["us_per_impact"], row["rel_l2_median"], text, colour, marker, size, weight, filled)
 
         def one(**wanted):
             return table.one(truth=truth, body=body, **wanted)
 
-        def ours(**wanted):
-            return [r for r in table.where(truth=truth, body=body, method="automatic", **wanted) if r["stamp"] == stamp_of(table)]
-
-        by_n = sorted(ours(k=K), key=lambda r: r["examples"])
-        by_k = sorted(ours(examples=FULL), key=lambda r: r["k"])
-        for where in (axis, axis.inset_axes([0.075, 0.08, 0.49, 0.33], zorder=8)):
-            line(where, by_k, OURS_LIGHT, "--", "s")
-            line(where, by_n, OURS, "-", "o")
-        inset(where, by_n, by_k)
-        for r in (r for r in by_n if r["examples"] in (4, FULL)):
-            name(r["us_per_impact"], r["rel_l2_median"], f"Crumple, {r['examples']:.0f} examples", OURS, "bold")
-        r = one(method="anchored", examples=FULL)
-        if r:
-            name(*point(axis, r, "#000000", "v", 6, filled=False), "anchored only", "#000000")
-        for method, text, marker in (("classic", "classic, as is", "X"), ("classic_clamped", "classic, clamped", "P")):
-            r = one(method=method, examples=FULL)
-            if r:
-                name(*point(axis, r, CLASSIC, marker, 7), text, CLASSIC)
-        r = one(method="radial")
-        if r:
-            name(*point(axis, r, RADIAL, "D", 5.5), "radial profile", RADIAL)
-        for t in peers:
-            for peer in dict.fromkeys(r["peer"] for r in t.rows):
-                rows = [r for r in t.where(truth=truth, body=body, peer=peer) if number(r["rel_l2_median"]) and number(r["us_per_impact"])]
-                rows.sort(key=lambda r: r["us_per_impact"])
-                colour, marker = colours.setdefault(peer, [(PEER, "^"), (PEER_2, "p"), ("#8C564B", "<"), ("#444444", ">"), ("#999933", "h")][len(colours) % 5])
-                axis.plot([r["us_per_impact"] for r in rows], [r["rel_l2_median"] for r in rows], color=colour, lw=0.9, alpha=0.7, zorder=2)
-                for r in rows:
-                    x, y = r["us_per_impact"], r["rel_l2_median"]
-                    axis.plot([x], [y], marker, color=colour, ms=5.5, zorder=4)
-                    if number(r["rel_l2_p90"]):
-                        axis.plot([x, x], [y, r["rel_l2_p90"]], color=colour, lw=0.9, alpha=0.5, zorder=2)
-                    if number(r["scaled_rel_l2_median"]):
-                        axis.plot([x], [r["scaled_rel_l2_median"]], marker, color=colour, ms=5, mfc="white", zorder=4)
-                    name(x, y, str(r["quality"]), colour)
+        automatic = [r for r in table.where(truth=truth, body=body, method="automatic") if r["stamp"] == stamp_of(table)]
+        by_n = sorted((r for r in automatic if r["k"] == K), key=lambda r: r["examples"])
+        by_k = sorted((r for r in automatic if r["examples"] == FULL), key=lambda r: r["k"])
+        for rows, colour, dashes in ((by_k, OURS_LIGHT, "--"), (by_n, OURS, "-")):
+            axis.plot([r["us_per_impact"] for r in rows], [r["rel_l2_median"] for r in rows], dashes, color=colour, lw=1.2, zorder=3)
+        for r in by_n:
+            ours(r, f"{r['examples']:.0f}", OURS, "o", 6, "bold")
+        for r in (r for r in by_k if r["k"] != K):
+            ours(r, f"K={r['k']:.0f}", OURS_LIGHT, "s", 5)
+        ours(one(method="depth_only", examples=FULL), f"{FULL}, told the depth alone", OURS, "o", 6, filled=False)
+        ours(one(method="anchored", examples=FULL), "anchored only", "#000000", "v", 6, filled=False)
+        ours(one(method="classic", examples=FULL), "classic", CLASSIC, "X", 7)
+        ours(one(method="classic_clamped", examples=FULL), "classic, clamped", CLASSIC, "P", 7)
+        ours(one(method="radial"), "radial profile", RADIAL, "D", 6)
+        engines(peers, truth, body, axis, colours, mark, spread)
         axis.set_xscale("log")
-        axis.set_xlim(4, slowest * 12)
-        # Room below for the magnified part.
-        top, bottom = max(ys + [1]) * 2, min(ys + [r["rel_l2_p25"] for r in by_n + by_k]) / 1.15
-        axis.set_ylim(bottom / (top / bottom) ** 0.85, top)
+        axis.set_xlim(8, 1.5e8)
+        axis.set_ylim(*SHOWN)
         log_error(axis)
+        axis.xaxis.set_major_locator(FixedLocator([10.0**e for e in range(1, 9)]))
         axis.xaxis.set_major_formatter(FuncFormatter(lambda v, _: {1e3: "1 ms", 1e4: "10 ms", 1e5: "0.1 s", 1e6: "1 s", 1e7: "10 s", 1e8: "100 s"}.get(v, f"{v:g} µs")))
-        floor = one(method="floor")["rel_l2_median"]
+        axis.tick_params(labelbottom=True)
         axis.axhline(1, color=FLOOR, lw=1, ls=":", zorder=1)
-        axis.text(0.47 if peers else 0.87, 1, "no dent at all", transform=axis.get_yaxis_transform(), fontsize=8, color=FLOOR, ha="left", va="bottom")
-        inside = floor > axis.get_ylim()[0]
-        if inside:
+        axis.text(0.995, 1.02, "no dent at all", transform=axis.get_yaxis_transform(), fontsize=8, color=FLOOR, ha="right", va="bottom")
+        floor = one(method="floor")["rel_l2_median"]
+        if floor > SHOWN[0]:
             axis.axhline(floor, color=FLOOR, lw=1.2, ls="--", zorder=1)
-        axis.text(0.99, floor if inside else 0.01, f"the truth's own noise: {floor:g}" + ("" if inside else " (below)"), fontsize=8, color=FLOOR, ha="right", va="bottom",
-                  transform=axis.get_yaxis_transform() if inside else axis.transAxes)
+        axis.text(0.01, max(floor, SHOWN[0]) * 1.02, f"the truth's own noise: {floor:g}" + ("" if floor > SHOWN[0] else ", below"), fontsize=8, color=FLOOR,
+                  ha="left", va="bottom", transform=axis.get_yaxis_transform())
         axis.set_title(style.panel_title(truth, body), loc="left", fontweight="bold")
-        axis.set_xlabel("time per impact, one thread, logarithmic")
-        axis.set_ylabel("relative L2 error, median, logarithmic")
-        adjust_text(labels, x=xs, y=ys, ax=axis, expand=(1.1, 1.4), arrowprops=dict(arrowstyle="-", color="#AAAAAA", lw=0.6), min_arrow_len=6, iter_lim=1500)
-    style.title(figure, "Accuracy against speed: near the truth in less than a millisecond" if peers else "Accuracy against speed: carried examples come nearest to the truth")
+        axis.set_xlabel("time per impact, one thread")
+        axis.set_ylabel("relative L2 error, median")
+        adjust_text(labels, x=xs, y=ys, ax=axis, expand=(1.15, 1.5), arrowprops=dict(arrowstyle="-", color="#AAAAAA", lw=0.6), min_arrow_len=6, iter_lim=2000)
+    style.title(figure, "Accuracy against speed: about as near to the truth as physics engines, in a thousandth of their time")
     legend = [
         Line2D([], [], color=OURS, marker="o", label=f"Crumple, K = {K}, 4 to 32 examples"),
-        Line2D([], [], color=OURS_LIGHT, marker="s", ls="--", label=f"K = 1 to 4, {FULL} examples"),
+        Line2D([], [], color=OURS_LIGHT, marker="s", ls="--", label=f"K = 1, 2, 4 with {FULL} examples"),
         Line2D([], [], color=CLASSIC, marker="P", ls="", label=f"literature's rule, {FULL} examples"),
-        Line2D([], [], color="#000000", marker="v", mfc="white", ls="", label=f"anchored only, {FULL}"),
+        Line2D([], [], color="#000000", marker="v", mfc="white", ls="", label=f"Crumple, anchored only, {FULL}"),
         Line2D([], [], color=RADIAL, marker="D", ls="", label="radial profile, no examples"),
     ]
-    legend += [Line2D([], [], color=c, marker=m, label=peer) for peer, (c, m) in colours.items()]
-    figure.legend(handles=legend, loc="upper left", bbox_to_anchor=(0.005, 0.968), ncol=5, columnspacing=1.2, handletextpad=0.5)
-    engines = " Engines: hollow after one factor gave the contact its displacement; bars up to the 90th percentile." if peers else ""
-    style.footer(figure, table, counts(table), "Error over all vertices, given only contact point and target displacement. Point: median; bars: middle half of the impacts." + engines)
-    figure.tight_layout(rect=(0, 0.04, 1, 0.925 if len(legend) > 5 else 0.945), h_pad=1.6)
+    legend += [Line2D([], [], color=c, marker=m, ls="", label=peer) for peer, (c, m) in colours.items()]
+    figure.legend(handles=legend, loc="upper left", bbox_to_anchor=(0.005, 0.972), ncol=5, columnspacing=1.2, handletextpad=0.5)
+    notes = "Error over all vertices, given contact point and target displacement; point: median, bar: middle half of the impacts. Engines are given the ball and its flight, and one factor that brings the contact to its displacement;"
+    style.footer(figure, table, counts(table), notes + "\nTheir labels: cells along a side (of the truth's), and step; * with 12 substeps of 9 sweeps. Bars of engines: up to the 90th percentile. Arrows: beyond the axis.")
+    figure.tight_layout(rect=(0, 0.045, 1, 0.93), h_pad=1.6)
     style.save(figure, directory, "accuracy_speed")
 
 
-def line(axis, rows, colour, dashes, marker):
-    axis.plot([r["us_per_impact"] for r in rows], [r["rel_l2_median"] for r in rows], dashes, color=colour, lw=1.2, zorder=3)
-    for r in rows:
-        point(axis, r, colour, marker, 4.5)
+def engines(peers, truth, body, axis, colours, mark, spread):
+    """The physics engines' points of one panel, by the error after scaling."""
+    looks = [(PEER, "^"), (PEER_2, "p"), ("#8C564B", "<"), ("#444444", ">"), ("#999933", "h")]
+    for t in peers:
+        for peer in dict.fromkeys(r["peer"] for r in t.rows):
+            colour, marker = colours.setdefault(peer, looks[len(colours) % len(looks)])
+            for r in t.where(truth=truth, body=body, peer=peer):
+                x, y, high = r["us_per_impact"], r["scaled_rel_l2_median"], r["scaled_rel_l2_p90"]
+                if not number(y) or not number(x):
+                    continue
+                if number(high):
+                    spread(x, y, high, colour)
+                if "noise floor" in str(r["quality"]):
+                    mark(x, y, "the truth's own setting", FLOOR, "*", 9)
+                else:
+                    mark(x, y, short(str(r["quality"])), colour, marker)
 
 
-def inset(axis, by_n, by_k):
-    """The magnified part: every point of ours with its name."""
-    rows = by_n + by_k
-    if not rows:
-        return
-    axis.set_xscale("log")
-    axis.set_yscale("log")
-    x, y = [r["us_per_impact"] for r in rows], [r["rel_l2_median"] for r in rows]
-    axis.set_xlim(min(x) / 1.35, max(x) * 1.5)
-    axis.set_ylim(min(r["rel_l2_p25"] for r in rows) / 1.25, max(r["rel_l2_p75"] for r in rows) * 1.2)
-    for which, steps in ((axis.xaxis, (50, 100, 200, 300, 500, 1000, 2000)), (axis.yaxis, (0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 1))):
-        low, high = which.get_view_interval()
-        which.set_major_locator(FixedLocator([t for t in steps if low <= t <= high]))
-        which.set_minor_locator(NullLocator())
-        which.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
-    axis.tick_params(labelsize=8, pad=1.5)
-    axis.patch.set_alpha(1)
-    for side in axis.spines.values():
-        side.set_visible(True)
-    axis.text(0.015, 0.985, "magnified (µs)", transform=axis.transAxes, fontsize=8, color="#666666", va="top")
-    names = [(r, f"{r['examples']:.0f}", OURS) for r in by_n] + [(r, f"K={r['k']:.0f}", "#2B7FB5") for r in by_k if r["k"] != K]
-    labels = [axis.text(r["us_per_impact"], r["rel_l2_median"], text, fontsize=8, color=colour, zorder=9, path_effects=style.HALO) for r, text, colour in names]
-    adjust_text(labels, x=x, y=y, ax=axis, expand=(1.25, 1.3), arrowprops=dict(arrowstyle="-", color="#AAAAAA", lw=0.6), min_arrow_len=5, iter_lim=1500)
+def short(quality):
+    """A label for a quality: `½, 1 ms`."""
+    cells, _, rest = quality.partition("x cells, ")
+    cells = {"0.25": "¼", "0.5": "½"}.get(cells, cells)
+    step = rest.split(",")[0].split(" (")[0]
+    return f"{cells}, {step}" + ("*" if "12 substeps" in rest else "")
 
 
 def number(value):
