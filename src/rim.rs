@@ -1,7 +1,7 @@
 //! The held rim: where examples show that an edge of the sheet does not move, a carried dent falls to zero towards it.
 //!
 //! A rim is a loop of boundary edges. It is held when no example moves any of its vertices (by more than a hundredth of its
-//! deepest displacement) although some example moves a vertex beside it. Towards it, carried displacements are multiplied
+//! deepest displacement) although some example moves a vertex beside it, within the window's width. Towards it, carried displacements are multiplied
 //! with a window that rises smoothly from 0 on the rim to 1 at [`WIDTH`] of the diagonal. Anchored examples are left as they
 //! are.
 
@@ -123,6 +123,24 @@ fn held(mesh: &Mesh, examples: &[Example]) -> Vec<u32> {
                 {
                     beside.push((w, l));
                 }
+            }
+        }
+    }
+    // On a fine mesh the next vertices hardly move where the sheet is clamped: those within the window's width count too.
+    let positions = mesh.positions();
+    let edge = (0..positions.len() as u32).filter(|v| weld[*v as usize] == *v && loops.has(*v));
+    let edge = RTree::bulk_load(edge.map(|v| GeomWithData::new(positions[v as usize].to_array(), v)).collect());
+    let near = (WIDTH * mesh.bounds().diagonal()).powi(2);
+    for v in 0..positions.len() as u32 {
+        if weld[v as usize] != v || loops.has(v) {
+            continue;
+        }
+        let mut last = None;
+        for r in edge.locate_within_distance(positions[v as usize].to_array(), near) {
+            let at = loops.of(r.data);
+            if at != last {
+                beside.extend(at.map(|l| (v, l)));
+                last = at;
             }
         }
     }

@@ -55,7 +55,7 @@ pub struct Window {
 pub const OPEN: Window = Window { factor: 1.0, gradient: [0.0; 3], clear: true };
 
 /// Vertices on held rims, every copy at a seam: loops of edges that one triangle has, that no example moves by more than a hundredth of its
-/// deepest displacement, beside vertices of which some example moves one. `close` is set where that hangs on rounding.
+/// deepest displacement, beside vertices (in one triangle with it, or within 3 % of the diagonal) of which some example moves one. `close` is set where that hangs on rounding.
 pub fn held_vertices(positions: &[V], triangles: &[[u32; 3]], fields: &[&[V]], close: &mut bool) -> Vec<usize> {
     // vertices at one position are one point
     let mut points: BTreeMap<[u64; 3], usize> = BTreeMap::new();
@@ -70,6 +70,9 @@ pub fn held_vertices(positions: &[V], triangles: &[[u32; 3]], fields: &[&[V]], c
             }
         }
     }
+    let low = |k: usize| positions.iter().map(|p| p[k]).fold(f64::MAX, f64::min);
+    let high = |k: usize| positions.iter().map(|p| p[k]).fold(f64::MIN, f64::max);
+    let diagonal = length([0, 1, 2].map(|k| high(k) - low(k)));
     let rim: Vec<(usize, usize)> = edges.into_iter().filter(|(_, n)| *n == 1).map(|(e, _)| e).collect();
     let on_rim: BTreeSet<usize> = rim.iter().flat_map(|(a, b)| [*a, *b]).collect();
     let mut left = on_rim.clone();
@@ -88,12 +91,22 @@ pub fn held_vertices(positions: &[V], triangles: &[[u32; 3]], fields: &[&[V]], c
             }
         }
         left.retain(|v| !ring.contains(v));
+        let width = 0.03 * diagonal;
+        let within: Vec<usize> = (0..positions.len())
+            .filter(|v| point[*v] == *v && !on_rim.contains(v))
+            .filter(|v| {
+                let off = ring.iter().map(|r| length(sub(positions[*v], positions[*r]))).fold(f64::MAX, f64::min);
+                *close |= (off / width - 1.0).abs() < 1e-5;
+                off <= width
+            })
+            .collect();
         let beside: BTreeSet<usize> = triangles
             .iter()
             .filter(|t| t.iter().any(|v| ring.contains(v)))
             .flatten()
             .copied()
             .filter(|v| !on_rim.contains(v))
+            .chain(within)
             .collect();
         let mut moves = |which: &BTreeSet<usize>| {
             fields.iter().any(|d| {
