@@ -20,9 +20,7 @@ use xxhash_rust::xxh3::Xxh3;
 /// An automatic example is anchored within this share of its support radius around its own contact …
 pub(crate) const ANCHORED_WITHIN: f32 = 0.1;
 /// … for targets this share short of its own depth, but no deeper: an anchored example can be neither deepened nor
-/// narrowed. (A tenth, as for the place; no training impact lies that near another, so the value could not be fitted. The
-/// held-out ones show what it avoids: anchored for every depth, their 90th percentile of the error was 0.68-0.70 with 32
-/// examples; this way it is 0.31-0.35.)
+/// narrowed. (A tenth, as for the place; no training impact lies that near another, so the value could not be fitted.)
 pub(crate) const ANCHORED_SIZE: f32 = 0.1;
 /// Displacements below this share of an example's deepest do not count for its support radius.
 const SUPPORT: f32 = 0.01;
