@@ -8,7 +8,7 @@
 use crate::damage::Damage;
 use crate::dent::Dent;
 use crate::examples::ExampleSet;
-use crate::select::{Effect, Params, select};
+use crate::select::{Effect, Params, select, to_f32};
 use crate::{Hit, Mark};
 use glam::DVec3;
 use std::num::NonZeroU64;
@@ -77,8 +77,7 @@ impl Open {
         }
         // Each point was near enough; their mean may lie inside the body.
         let params = Params { max_distance: f32::INFINITY, ..*params };
-        let f32s = |v: DVec3| v.to_array().map(|x| x.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32);
-        match select(set, &params, &Hit::displacement(f32s(self.point / self.weight), f32s(self.target))) {
+        match select(set, &params, &Hit::displacement(to_f32(self.point / self.weight), to_f32(self.target))) {
             Ok((_, Effect::Mark(mark))) => Some(mark),
             _ => None,
         }

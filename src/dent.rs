@@ -87,7 +87,7 @@ impl Dent {
 }
 
 impl Carried {
-    pub(crate) fn new(set: &ExampleSet, example: usize, mirror: Mirror, contact: u32, size: f32) -> Self {
+    fn new(set: &ExampleSet, example: usize, mirror: Mirror, contact: u32, size: f32) -> Self {
         let e = &set.examples()[example];
         let n = set.mesh().contact_normal(contact).unwrap_or(Vec3::Z);
         let own = e.contact_normal().unwrap_or(Vec3::Z);

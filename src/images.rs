@@ -74,16 +74,14 @@ pub(crate) struct Images {
 impl Images {
     pub(crate) fn new(mesh: &Mesh, examples: &[Example], planes: Mirror) -> Self {
         let (centre, diagonal) = (mirror::centre(&mesh.bounds()), mesh.bounds().diagonal());
-        let usable = |e: &&(usize, &Example)| !e.1.is_empty();
-        let all: Vec<(usize, &Example)> = examples.iter().enumerate().collect();
-        let own = || all.iter().filter(usable).map(|(i, e)| Image::new(e, *i, Mirror::NONE, centre));
+        let usable = || examples.iter().enumerate().filter(|(_, e)| !e.is_empty());
+        let mut images: Vec<Image> = usable().map(|(i, e)| Image::new(e, i, Mirror::NONE, centre)).collect();
         let mut kept: RTree<GeomWithData<[f32; 3], Image>> = RTree::new();
-        own().for_each(|i| kept.insert(GeomWithData::new(i.point.to_array(), i)));
-        let mut images: Vec<Image> = own().collect();
+        images.iter().for_each(|i| kept.insert(GeomWithData::new(i.point.to_array(), *i)));
         let near = (SAME.0 * diagonal).powi(2);
-        for (i, e) in all.iter().filter(usable).filter(|(_, e)| e.stamp().is_some()) {
-            for m in (1..8).map(Mirror::from_bits).filter(|m| m.within(planes)) {
-                let image = Image::new(e, *i, m, centre);
+        for (i, e) in usable().filter(|(_, e)| e.stamp().is_some()) {
+            for m in planes.choices().filter(|m| *m != Mirror::NONE) {
+                let image = Image::new(e, i, m, centre);
                 let at = image.point.to_array();
                 if !kept.locate_within_distance(at, near).any(|k| k.data.same(&image, diagonal)) {
                     kept.insert(GeomWithData::new(at, image));
@@ -111,7 +109,7 @@ impl Images {
             return false;
         }
         let own = Image::new(a, 0, Mirror::NONE, self.centre);
-        (0..8).map(Mirror::from_bits).filter(|m| m.within(self.planes)).any(|m| {
+        self.planes.choices().any(|m| {
             let image = Image::new(b, 0, m, self.centre);
             let lean = turned(image.lean, image.normal, own.normal);
             (image.log_depth - own.log_depth).abs() <= TWIN.0 && (lean - own.lean).length() <= TWIN.1

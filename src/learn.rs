@@ -104,11 +104,11 @@ pub(crate) fn learn(set: &ExampleSet, tasks: &dyn TaskSystem) -> Learned {
     });
     let errors: Vec<Errors> = slots.into_iter().map(|s| s.into_inner().unwrap_or_else(|e| e.into_inner())).collect();
     let answered = errors.iter().filter(|e| e.carried[0].is_some()).count();
-    let mean = |w: usize| errors.iter().filter_map(|e| e.carried[w]).map(|x| x.min(WORST)).sum::<f32>();
+    let total = |w: usize| errors.iter().filter_map(|e| e.carried[w]).map(|x| x.min(WORST)).sum::<f32>();
     let mut width = 0;
     if answered >= ENOUGH {
         for w in 1..WIDTHS.len() {
-            if mean(w) < mean(width) && mean(w) < CLEARLY * mean(0) {
+            if total(w) < total(width) && total(w) < CLEARLY * total(0) {
                 width = w;
             }
         }

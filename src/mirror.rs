@@ -35,6 +35,11 @@ impl Mirror {
         self.0 & !other.0 == 0
     }
 
+    /// Every choice of its planes, none of them first.
+    pub(crate) fn choices(self) -> impl Iterator<Item = Mirror> {
+        (0..8).map(Mirror).filter(move |m| m.within(self))
+    }
+
     fn signs(self) -> Vec3 {
         let sign = |bit: u8| if self.0 >> bit & 1 == 1 { -1.0 } else { 1.0 };
         Vec3::new(sign(0), sign(1), sign(2))
@@ -70,11 +75,11 @@ pub(crate) fn planes(positions: &[Vec3], index: &VertexIndex, bounds: &Aabb) -> 
             hit || left.checked_sub(1).map(|l| left = l).is_some()
         })
     };
-    Mirror((0..3).map(|bit| 1 << bit).filter(|bits| flat_is_not_mirrored(bounds, *bits) && maps(Mirror(*bits))).sum())
+    Mirror((0..3).map(|bit| 1 << bit).filter(|bits| has_extent(bounds, *bits) && maps(Mirror(*bits))).sum())
 }
 
 /// A body without extent along an axis is its own image there, which would only double every example.
-fn flat_is_not_mirrored(bounds: &Aabb, bits: u8) -> bool {
+fn has_extent(bounds: &Aabb, bits: u8) -> bool {
     let extent = (bounds.max - bounds.min)[bits.trailing_zeros() as usize];
     extent > 2.0 * TOLERANCE * bounds.diagonal()
 }

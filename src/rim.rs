@@ -1,9 +1,9 @@
 //! The held rim: where examples show that an edge of the sheet does not move, a carried dent falls to zero towards it.
 //!
 //! A rim is a loop of boundary edges. It is held when no example moves any of its vertices (by more than a hundredth of its
-//! deepest displacement) although some example moves a vertex beside it, within the window's width. Towards it, carried displacements are multiplied
-//! with a window that rises smoothly from 0 on the rim to 1 at [`WIDTH`] of the diagonal. Anchored examples are left as they
-//! are.
+//! deepest displacement) although some example moves a vertex beside it (in one triangle with it, or within the window's
+//! width). Towards it, carried displacements are multiplied with a window that rises smoothly from 0 on the rim to 1 at
+//! [`WIDTH`] of the diagonal. Anchored examples are left as they are.
 
 use crate::Example;
 use crate::anchored::{BLOCK, block_range};

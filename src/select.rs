@@ -242,7 +242,8 @@ pub(crate) fn to_local(p: &Params, point: [f32; 3], space: Space) -> DVec3 {
     if space == Space::World { p.world_to_local * (x - p.local_origin_in_world) } else { x }
 }
 
-fn to_f32(v: DVec3) -> [f32; 3] {
+/// Rounded; what f32 cannot hold becomes the largest it can.
+pub(crate) fn to_f32(v: DVec3) -> [f32; 3] {
     v.to_array().map(|x| x.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32)
 }
 

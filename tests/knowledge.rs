@@ -374,12 +374,7 @@ fn normals_beside_a_held_rim_are_those_of_the_surface() {
             let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
             instance.submit(&push([x, y, 0.0], [0.0, 0.0, -depth])).unwrap();
             let out = Output::fresh(&mut instance);
-            let mut sums = vec![Vec3::ZERO; set.vertex_count()];
-            for t in set.mesh().triangles() {
-                let p = t.map(|v| Vec3::from_array(out.positions[v as usize]));
-                let n = (p[1] - p[0]).cross(p[2] - p[0]);
-                t.iter().for_each(|v| sums[*v as usize] += n);
-            }
+            let sums = scenes::area_normals(&set, &out.positions);
             let angle = |v: usize| sums[v].normalize().angle_between(Vec3::from_array(out.normals[v])).to_degrees();
             // on the rim itself triangles are on one side only
             let inside = (0..sums.len()).filter(|v| rim.binary_search(v).is_err());

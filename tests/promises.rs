@@ -1119,12 +1119,7 @@ fn normals_without_given_ones_are_those_of_the_dented_surface() {
     let mut instance = new(&set);
     instance.submit(&push(e.contact_point().to_array(), e.contact_displacement().to_array())).unwrap();
     let out = Output::fresh(&mut instance);
-    let mut sums = vec![Vec3::ZERO; set.vertex_count()];
-    for t in set.mesh().triangles() {
-        let p = t.map(|v| Vec3::from_array(out.positions[v as usize]));
-        let n = (p[1] - p[0]).cross(p[2] - p[0]);
-        t.iter().for_each(|v| sums[*v as usize] += n);
-    }
+    let sums = scenes::area_normals(&set, &out.positions);
     for (v, sum) in sums.iter().enumerate() {
         let cos = sum.normalize().dot(Vec3::from_array(out.normals[v]));
         assert!(cos > 0.99, "vertex {v}: {cos}");

@@ -9,6 +9,7 @@ use std::sync::{Arc, OnceLock};
 use proptest::prelude::ProptestConfig;
 use proptest::test_runner::RngSeed;
 
+use crumple::glam::Vec3;
 use crumple::{
     Cause, Contact, DeformReport, Deltas, ExampleData, ExampleSet, Hit, Instance, MeshData, Placement, Serial,
     SetOptions, Space, TaskSystem, Tracker, VertexMemory,
@@ -232,6 +233,17 @@ pub fn cube(n: usize) -> MeshData {
 pub fn nearest(mesh: &MeshData, point: [f32; 3]) -> u32 {
     let away = |v: &u32| length(sub(mesh.positions[*v as usize], point));
     (0..mesh.positions.len() as u32).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap()
+}
+
+/// The surface's normals at deformed vertices, as long as twice the area of their triangles.
+pub fn area_normals(set: &ExampleSet, positions: &[[f32; 3]]) -> Vec<Vec3> {
+    let mut sums = vec![Vec3::ZERO; set.vertex_count()];
+    for t in set.mesh().triangles() {
+        let p = t.map(|v| Vec3::from_array(positions[v as usize]));
+        let n = (p[1] - p[0]).cross(p[2] - p[0]);
+        t.iter().for_each(|v| sums[*v as usize] += n);
+    }
+    sums
 }
 
 /// Groups of vertices that share a position, bit for bit.
