@@ -2,6 +2,7 @@
 //! Processing Units". It needs per-vertex state and its result depends on the order of impulses; the default rule does
 //! neither. Kept complete for comparison.
 
+use crate::anchored::Anchored;
 use crate::damage::saved;
 use crate::examples::ExampleSet;
 use crate::{Error, error::reserve};
@@ -12,6 +13,36 @@ use glam::Vec3;
 pub(crate) struct Blend {
     /// The "fine constant" of line 8: 0 keeps the most displaced candidate.
     pub constant: f32,
+}
+
+/// An example as the literature stores it: an index and three floats a vertex that it moves.
+#[derive(Debug, Clone)]
+pub(crate) struct Sparse {
+    entries: Vec<Entry>,
+    /// Change of the normal of each; empty where the mesh has no normals.
+    normals: Vec<Vec3>,
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+struct Entry {
+    vertex: u32,
+    /// m.
+    displacement: Vec3,
+}
+
+impl Sparse {
+    pub(crate) fn new(example: &Anchored, normals: bool) -> Self {
+        let moved = || example.iter().filter(move |(_, d, _)| normals || *d != Vec3::ZERO);
+        Sparse {
+            entries: moved().map(|(vertex, displacement, _)| Entry { vertex, displacement }).collect(),
+            normals: if normals { moved().map(|(_, _, n)| n).collect() } else { Vec::new() },
+        }
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&self.entries[..]) + size_of_val(&self.normals[..])
+    }
 }
 
 /// Displaced vertices of one instance.
@@ -45,20 +76,21 @@ impl State {
     pub(crate) fn apply(&mut self, set: &ExampleSet, example: u32, weight: f32, blend: Blend) {
         let base = set.mesh().positions();
         let lerp = |a: Vec3, b: Vec3, w: f32| a + (b - a) * w;
-        for (v, d, n) in set.examples()[example as usize].anchored().iter() {
-            let v = v as usize;
+        let sparse = set.sparse(example);
+        for (i, e) in sparse.entries.iter().enumerate() {
+            let v = e.vertex as usize;
             let current = self.positions[v];
-            let result = lerp(current, base[v] + d, weight);
+            let result = lerp(current, base[v] + e.displacement, weight);
             if !result.is_finite() {
                 continue;
             }
             let further = (result - base[v]).length_squared() >= (current - base[v]).length_squared();
             // Vertices around the dent have a change of normal only: the paper's example does not hold them.
-            if d != Vec3::ZERO {
+            if e.displacement != Vec3::ZERO {
                 self.positions[v] = if further { result } else { lerp(current, result, blend.constant) };
             }
             if let (Some(normal), Some(base)) = (self.normals.get_mut(v), set.mesh().normals()) {
-                let result = lerp(*normal, base[v] + n, weight);
+                let result = lerp(*normal, base[v] + sparse.normals[i], weight);
                 if result.is_finite() {
                     *normal = if further { result } else { lerp(*normal, result, blend.constant) };
                 }

@@ -15,10 +15,14 @@
 use crate::examples::{Combine, ExampleSet};
 use crate::math::{Aabb, rotation_between};
 use crate::{Mark, Mirror, Pair};
-use glam::{Mat3, Vec3};
+use crate::skin::Skin;
+use crate::stamp::Grid;
+use glam::{Mat3, UVec3, Vec3};
 
 /// Limits of the stretch of a carried example in the surface.
 const STRETCH: (f32, f32) = (0.25, 4.0);
+/// What rounding may add to a coordinate on a stamp's grid, in nodes.
+const ROUNDING: f32 = 1e-2;
 /// Pairs a mark may have.
 pub(crate) const MAX_PAIRS: usize = 4;
 
@@ -34,13 +38,18 @@ pub(crate) struct Part {
 /// Where a carried example goes.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Carried {
-    contact: Vec3,
+    pub contact: Vec3,
     /// Mesh space relative to the contact into the stamp's frame, stretch undone.
     to_stamp: Mat3,
+    /// The same on into units of the stamp's nodes, and what is taken off to count from the first.
+    pub to_grid: Mat3,
+    pub grid_origin: Vec3,
+    /// Greatest coordinates on the grid.
+    grid_top: Vec3,
     /// The stamp's frame into mesh space.
-    from_stamp: Mat3,
+    pub from_stamp: Mat3,
     /// What its normal changes are multiplied with, on top of `scale`: slopes fall as a dent gets wider.
-    normal_scale: f32,
+    pub normal_scale: f32,
     /// Nothing moves further than this from the contact, m.
     radius: f32,
 }
@@ -65,22 +74,14 @@ impl Dent {
         }
     }
 
-    /// Whether it may move vertices of block `b`.
-    pub(crate) fn touches(&self, set: &ExampleSet, b: usize) -> bool {
-        self.parts.iter().any(|p| match &p.carried {
-            Some(c) => c.reaches(&set.block_bounds()[b]),
-            None => set.examples()[p.example].anchored().touches(b as u32),
-        })
-    }
-
-    /// Calls `f` with every block it may move, some perhaps twice.
-    pub(crate) fn blocks(&self, set: &ExampleSet, mut f: impl FnMut(usize)) {
+    /// Calls `f` with every block of a skin that it may move, some perhaps twice.
+    pub(crate) fn blocks(&self, skin: &Skin, mut f: impl FnMut(usize)) {
         for p in &self.parts {
             match &p.carried {
                 Some(c) => {
-                    (0..set.block_bounds().len()).filter(|b| c.reaches(&set.block_bounds()[*b])).for_each(&mut f);
+                    (0..skin.blocks()).filter(|b| c.reaches(&skin.block_bounds[*b])).for_each(&mut f);
                 }
-                None => set.examples()[p.example].anchored().blocks().for_each(|b| f(b as usize)),
+                None => skin.anchored[p.example].blocks().for_each(|b| f(b as usize)),
             }
         }
     }
@@ -94,32 +95,37 @@ impl Carried {
         let from_stamp = rotation_between(mirror.direction(own), n) * mirror.matrix() * e.frame();
         let stretch = size.sqrt().clamp(STRETCH.0, STRETCH.1);
         let shrink = Vec3::new(1.0 / stretch, 1.0 / stretch, 1.0);
+        let to_stamp = Mat3::from_diagonal(shrink) * from_stamp.transpose();
+        // Only an anchored example lacks a stamp, and it is not carried.
+        let grid = e.stamp().map_or(Grid::POINT, |s| s.grid);
         Carried {
             contact: set.mesh().positions()[contact as usize],
-            to_stamp: Mat3::from_diagonal(shrink) * from_stamp.transpose(),
+            to_stamp,
+            to_grid: Mat3::from_diagonal(1.0 / grid.cell) * to_stamp,
+            grid_origin: grid.origin / grid.cell,
+            grid_top: (grid.dims - UVec3::ONE).as_vec3(),
             from_stamp,
             normal_scale: 1.0 / stretch,
             radius: e.stamp().map_or(0.0, |s| s.reach(stretch)),
         }
     }
 
-    /// Whether anything in the box may move.
-    fn reaches(&self, bounds: &Aabb) -> bool {
-        bounds.distance_squared(self.contact) <= self.radius * self.radius
+    /// Whether anything in the box may move: whether it meets the stamp's sphere, and along none of the stamp's axes lies apart.
+    pub(crate) fn reaches(&self, bounds: &Aabb) -> bool {
+        if bounds.distance_squared(self.contact) > self.radius * self.radius {
+            return false;
+        }
+        // Differences first: far from the origin they lose nothing.
+        let centre = (bounds.min - self.contact + (bounds.max - self.contact)) * 0.5;
+        let centre = self.to_grid * centre - self.grid_origin;
+        let half = self.to_grid.abs() * ((bounds.max - bounds.min) * 0.5) + Vec3::splat(ROUNDING);
+        (centre + half).cmpge(Vec3::ZERO).all() && (centre - half).cmple(self.grid_top).all()
     }
 
     /// Displacement that the example brings to a vertex at base position `v`, unscaled, m.
     pub(crate) fn at(&self, set: &ExampleSet, example: usize, v: Vec3) -> Vec3 {
         let stamp = set.examples()[example].stamp();
         stamp.map_or(Vec3::ZERO, |s| self.from_stamp * s.displacement(self.to_stamp * (v - self.contact)))
-    }
-
-    /// The same, and the change of a unit normal that is `normal` at rest.
-    pub(crate) fn with_normal(&self, set: &ExampleSet, example: usize, v: Vec3, normal: Vec3) -> Option<(Vec3, Vec3)> {
-        let stamp = set.examples()[example].stamp()?;
-        let normal = self.from_stamp.transpose() * normal;
-        let (u, n) = stamp.with_normal(self.to_stamp * (v - self.contact), normal)?;
-        Some((self.from_stamp * u, self.from_stamp * n * self.normal_scale))
     }
 }
 

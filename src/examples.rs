@@ -1,6 +1,7 @@
 //! The example set: a base mesh and its examples, checked and made ready. Immutable, shared by all instances.
 
-use crate::anchored::{Anchored, BLOCK, block_range};
+use crate::classic::Sparse;
+use crate::anchored::{Anchored, Bytes, Steps};
 use crate::error::{at_least_zero, positive, reserve};
 use crate::images::{Around, Images};
 use crate::learn::{Learned, learn};
@@ -9,12 +10,13 @@ use crate::mesh::{MAX_COORDINATE, Mesh, finite};
 use crate::mirror::{self, Mirror};
 use crate::nearest::{Nearest, VertexIndex};
 use crate::rim::Rim;
+use crate::skin::Skin;
 use crate::stamp::{Source, Stamp};
 use crate::tasks::run_each;
 use crate::{Contact, Deltas, Error, ExampleData, MeshData, Placement, TaskSystem, normals};
 use glam::Vec3;
 use rstar::RTree;
-use std::sync::{Mutex, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock};
 use xxhash_rust::xxh3::Xxh3;
 
 /// An automatic example is anchored within this share of its support radius around its own contact …
@@ -74,8 +76,15 @@ pub struct SetOptions {
     pub mass: VertexMass,
     /// Displacements up to this length are dropped, m. 0 drops only exact zeros.
     pub drop_below: f32,
-    /// Nodes along the longest side of a stamp: 4 to 128.
+    /// Nodes along the longest side of a stamp: 4 to 128. With a tolerance, at most.
     pub stamp_resolution: u32,
+    /// How far an example of weight 1 may put a vertex off, m. `None` keeps every displacement as an exact float. With a
+    /// tolerance displacements are whole multiples of one step for the set, in the narrowest integers, and those no longer than
+    /// the tolerance are dropped; stamps get the coarsest grid that holds it, if any of up to `stamp_resolution` nodes does
+    /// ([`Stamp::error`] tells).
+    pub tolerance: Option<f32>,
+    /// With a tolerance: how far an example of weight 1 may turn a normal off, degrees; above 0 to 45.
+    pub normal_tolerance: f32,
     /// Whether examples also serve mirrored, where the body is the same on both sides of a coordinate plane through the centre
     /// of its bounds.
     pub mirror: bool,
@@ -93,6 +102,8 @@ impl Default for SetOptions {
             mass: VertexMass::default(),
             drop_below: 0.0,
             stamp_resolution: 32,
+            tolerance: None,
+            normal_tolerance: 1.0,
             mirror: true,
             held_rims: true,
         }
@@ -114,7 +125,7 @@ pub struct Example {
     max_depth: f32,
     support_radius: f32,
     moved: usize,
-    anchored: Anchored,
+    anchored: Arc<Anchored>,
     stamp: Option<Stamp>,
 }
 
@@ -193,10 +204,6 @@ impl Example {
         self.log_depth
     }
 
-    pub(crate) fn anchored(&self) -> &Anchored {
-        &self.anchored
-    }
-
     /// The stamp's frame: columns are x, y (in the surface) and z (the contact normal) in mesh space.
     pub fn frame(&self) -> glam::Mat3 {
         tangent_basis(self.contact_normal.unwrap_or(Vec3::Z))
@@ -216,8 +223,14 @@ pub struct SetReport {
     pub repaired_normals: usize,
     /// Triangles without area.
     pub degenerate_triangles: usize,
-    /// Bytes of anchored displacements and normals.
+    /// Bytes of anchored displacements and normals, with their headers.
     pub anchored_bytes: usize,
+    /// Of these, the normals'.
+    pub normal_bytes: usize,
+    /// Vertices that examples move, counted over all examples.
+    pub moved_vertices: usize,
+    /// Blocks of anchored displacements with 1, 2 and 4 bytes a number, counted over all examples.
+    pub blocks_by_width: [usize; 3],
     /// Bytes of stamps.
     pub stamp_bytes: usize,
     /// Planes through the centre of the bounds that map the body onto itself; none where [`SetOptions::mirror`] is off.
@@ -242,17 +255,17 @@ pub struct SetReport {
 /// ```
 #[derive(Debug)]
 pub struct ExampleSet {
-    mesh: Mesh,
+    skin: Skin,
     examples: Vec<Example>,
     options: SetOptions,
     depth_limit: f32,
     index: VertexIndex,
-    block_bounds: Vec<Aabb>,
     images: Images,
-    rim: Rim,
     learned: Learned,
     fingerprint: u64,
     report: SetReport,
+    /// What the classic rules read, made for the first hit that needs it.
+    sparse: Vec<OnceLock<Sparse>>,
     pub(crate) triangle_index: OnceLock<RTree<crate::attach::IndexedTriangle>>,
 }
 
@@ -280,7 +293,9 @@ impl ExampleSet {
         let (mesh, smooth) = Mesh::new(mesh)?;
         let index = VertexIndex::new(mesh.positions(), mesh.weld());
         let seams = seam_groups(mesh.weld());
-        let builder = ExampleBuilder { mesh: &mesh, index: &index, seams: &seams, smooth: &smooth, options: &options };
+        let steps = options.tolerance.map_or(Steps::EXACT, |t| Steps::new(t, options.normal_tolerance));
+        let builder =
+            ExampleBuilder { mesh: &mesh, index: &index, seams: &seams, smooth: &smooth, options: &options, steps };
         let slots: Vec<Mutex<Option<Result<Built, Error>>>> = examples.iter().map(|_| Mutex::new(None)).collect();
         run_each(tasks, examples.len(), &|i| {
             let built = builder.build(i, &examples[i]);
@@ -299,7 +314,11 @@ impl ExampleSet {
             })??;
             report.welded += built.welded;
             report.widest_weld = report.widest_weld.max(built.widest_weld);
-            report.anchored_bytes += built.example.anchored.bytes();
+            let bytes: Bytes = built.example.anchored.bytes();
+            report.anchored_bytes += bytes.total();
+            report.normal_bytes += bytes.normals;
+            report.moved_vertices += built.example.moved;
+            report.blocks_by_width.iter_mut().zip(bytes.blocks).for_each(|(sum, n)| *sum += n);
             report.stamp_bytes += built.example.stamp.as_ref().map_or(0, Stamp::bytes);
             if built.example.is_empty() {
                 report.empty_examples.push(i);
@@ -313,9 +332,6 @@ impl ExampleSet {
             });
         }
         let positions = mesh.positions();
-        let block_bounds = (0..positions.len().div_ceil(BLOCK))
-            .map(|b| Aabb::of(&positions[block_range(b, positions.len())]))
-            .collect();
         let depth_limit = options.depth_limit.unwrap_or(deepest);
         let fingerprint = fingerprint(&mesh, &ready, &options);
         if options.mirror {
@@ -326,13 +342,12 @@ impl ExampleSet {
         let mut set = Self {
             images: Images::new(&mesh, &ready, report.mirror_planes),
             learned: Learned::nothing(ready.len()),
-            rim,
-            mesh,
+            skin: Skin::new(mesh, rim, ready.iter().map(|e| e.anchored.clone()).collect()),
+            sparse: ready.iter().map(|_| OnceLock::new()).collect(),
             examples: ready,
             options,
             depth_limit,
             index,
-            block_bounds,
             fingerprint,
             report,
             triangle_index: OnceLock::new(),
@@ -343,12 +358,12 @@ impl ExampleSet {
 
     /// The base mesh.
     pub fn mesh(&self) -> &Mesh {
-        &self.mesh
+        &self.skin.mesh
     }
 
     /// Number of vertices.
     pub fn vertex_count(&self) -> usize {
-        self.mesh.positions().len()
+        self.skin.vertex_count()
     }
 
     /// The examples, in the order given.
@@ -380,15 +395,16 @@ impl ExampleSet {
     pub fn memory_bytes(&self) -> usize {
         let v = self.vertex_count();
         let mesh = v * (12 + 4 + 16) // positions, welds, the spatial index's leaves
-            + self.mesh.normals().map_or(0, |n| n.len() * 24)
-            + self.mesh.tangents().map_or(0, |t| t.len() * 16)
-            + self.mesh.triangles().len() * 12;
+            + self.mesh().normals().map_or(0, |n| n.len() * 24)
+            + self.mesh().tangents().map_or(0, |t| t.len() * 16)
+            + self.mesh().triangles().len() * 12;
         let images = self.images.len() * size_of::<crate::images::Image>();
         mesh + self.report.anchored_bytes
             + self.report.stamp_bytes
-            + self.block_bounds.len() * 24
-            + self.rim.bytes()
+            + self.skin.blocks() * size_of::<Aabb>()
+            + self.skin.rim.bytes()
             + images
+            + self.sparse.iter().filter_map(OnceLock::get).map(Sparse::bytes).sum::<usize>()
     }
 
     /// What it learned from its own examples, each left out in turn.
@@ -403,8 +419,14 @@ impl ExampleSet {
     pub fn nearest_vertex(&self, point: [f32; 3]) -> Result<Nearest, Error> {
         let p = finite(point, || "point".into())?;
         self.index
-            .nearest(p, self.mesh.positions())
+            .nearest(p, self.mesh().positions())
             .ok_or_else(|| Error::invalid("point", p, "near enough that squared distances fit in f32"))
+    }
+
+    /// An example as the classic rules read it.
+    pub(crate) fn sparse(&self, example: u32) -> &Sparse {
+        let anchored = &self.skin.anchored[example as usize];
+        self.sparse[example as usize].get_or_init(|| Sparse::new(anchored, self.mesh().normals().is_some()))
     }
 
     pub(crate) fn images(&self) -> &Images {
@@ -412,17 +434,23 @@ impl ExampleSet {
     }
 
     pub(crate) fn rim(&self) -> &Rim {
-        &self.rim
+        &self.skin.rim
     }
 
     /// A hit on `contact` as examples are measured against it; `place_width` as a share of the diagonal.
     pub(crate) fn around(&self, contact: u32, direction: Vec3, size: f32, place_width: f32) -> Around<'_> {
         let negligible = 1e-6 * self.depth_limit;
-        Around::new((&self.mesh, &self.examples, &self.images), (contact, direction, size), place_width, negligible)
+        Around::new((self.mesh(), &self.examples, &self.images), (contact, direction, size), place_width, negligible)
     }
 
-    pub(crate) fn block_bounds(&self) -> &[Aabb] {
-        &self.block_bounds
+    /// What damage is shown on: the set's own mesh.
+    pub(crate) fn skin(&self) -> &Skin {
+        &self.skin
+    }
+
+    /// Everything that damage is shown on, the set's own mesh first.
+    pub(crate) fn skins(&self) -> impl Iterator<Item = &Skin> {
+        std::iter::once(&self.skin)
     }
 
     /// Mass of vertex `v`, kg.
@@ -445,6 +473,12 @@ fn check_options(o: &SetOptions, vertices: usize) -> Result<(), Error> {
     at_least_zero("drop_below", o.drop_below, "m")?;
     if !(4..=128).contains(&o.stamp_resolution) {
         return Err(Error::invalid("stamp_resolution", o.stamp_resolution, "4 to 128"));
+    }
+    if let Some(t) = o.tolerance {
+        positive("tolerance", t, "m")?;
+        if !(o.normal_tolerance > 0.0 && o.normal_tolerance <= 45.0) {
+            return Err(Error::invalid("normal_tolerance", o.normal_tolerance, "above 0 and at most 45 degrees"));
+        }
     }
     match &o.mass {
         VertexMass::None => Ok(()),
@@ -498,6 +532,7 @@ struct ExampleBuilder<'a> {
     seams: &'a [Vec<u32>],
     smooth: &'a [Vec3],
     options: &'a SetOptions,
+    steps: Steps,
 }
 
 impl ExampleBuilder<'_> {
@@ -518,6 +553,8 @@ impl ExampleBuilder<'_> {
             (None, Some(base)) => Some(self.computed_normals(&deltas, base)),
             (_, None) => None,
         };
+        let (given, given_normals) = (deltas, normals);
+        let (deltas, normals) = self.rounded(&given, given_normals.as_deref(), &mismatch)?;
         let moved = deltas.iter().filter(|d| **d != Vec3::ZERO).count();
         let max_depth = deltas.iter().map(|d| d.length()).fold(0.0, f32::max);
         let contact_vertex = self.contact_vertex(data, &deltas, &mismatch)?;
@@ -559,14 +596,14 @@ impl ExampleBuilder<'_> {
             let source = Source {
                 positions: self.mesh.positions(),
                 index: self.index,
-                deltas: &deltas,
-                normals: normals.as_deref().zip(self.mesh.normals()),
+                deltas: &given,
+                normals: given_normals.as_deref().zip(self.mesh.normals()),
                 frame: tangent_basis(contact_normal.unwrap_or(Vec3::Z)),
                 contact: contact_point,
                 max_depth,
                 support_radius,
             };
-            Stamp::build(&source, self.options.stamp_resolution)
+            Stamp::build(&source, self.options.stamp_resolution, self.options.tolerance)
         });
         let example = Example {
             name: data.name.clone(),
@@ -580,10 +617,31 @@ impl ExampleBuilder<'_> {
             max_depth,
             support_radius,
             moved,
-            anchored: Anchored::new(&deltas, normals.as_deref()),
+            anchored: Arc::new(Anchored::new(&deltas, normals.as_deref(), self.steps)),
             stamp,
         };
         Ok(Built { example, welded, widest_weld })
+    }
+
+    /// Displacements and changes of normals as they will be stored.
+    fn rounded(
+        &self,
+        deltas: &[Vec3],
+        normals: Option<&[Vec3]>,
+        mismatch: &dyn Fn(String) -> Error,
+    ) -> Result<(Vec<Vec3>, Option<Vec<Vec3>>), Error> {
+        let mut kept = reserve(deltas.len(), "an example's displacements")?;
+        let least = self.options.tolerance.unwrap_or(0.0);
+        kept.extend(deltas.iter().map(|d| self.steps.displacement(*d, least)));
+        let longest = deltas.iter().map(|d| d.abs().max_element()).fold(0.0, f32::max);
+        if self.steps.whole && longest > self.steps.position * Steps::MOST {
+            return Err(mismatch(format!(
+                "it moves a vertex by {longest} m, too far to be told to {least} m in a float; give a tolerance of at least {} m, or none",
+                longest / Steps::MOST
+            )));
+        }
+        let normals = normals.map(|n| n.iter().map(|n| self.steps.normal_change(*n)).collect());
+        Ok((kept, normals))
     }
 
     /// One vector a vertex.

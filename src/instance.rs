@@ -263,8 +263,8 @@ pub(crate) struct Changes {
     pub instance: u64,
     /// Grows with each change.
     pub epoch: u64,
-    /// Epoch of the last change of each block; 0 for a block at rest since the beginning.
-    pub blocks: Vec<u64>,
+    /// Of each level of detail the epoch of the last change of each block; 0 for a block at rest since the beginning.
+    pub blocks: Vec<Vec<u64>>,
 }
 
 impl Instance {
@@ -292,7 +292,7 @@ impl Instance {
             classic: options.rule != Rule::Marks,
         };
         let classic = if options.rule == Rule::Marks { None } else { Some(State::new(&set)?) };
-        let blocks = set.block_bounds().len();
+        let blocks = set.skins().map(|s| vec![0; s.blocks()]).collect();
         Ok(Self {
             inbox: Arc::new(Inbox {
                 set: set.clone(),
@@ -306,7 +306,7 @@ impl Instance {
             contacts: Contacts::default(),
             classic,
             limit,
-            changes: Changes { instance: NEXT.fetch_add(1, Ordering::Relaxed), epoch: 0, blocks: vec![0; blocks] },
+            changes: Changes { instance: NEXT.fetch_add(1, Ordering::Relaxed), epoch: 0, blocks },
         })
     }
 
@@ -429,7 +429,7 @@ impl Instance {
         if let Some(state) = &mut self.classic {
             for (_, example, weight) in classic {
                 state.apply(&self.set, example, f32::from_bits(weight), Blend { constant });
-                self.set.examples()[example as usize].anchored().blocks().for_each(|b| touch.block(b as usize));
+                touch.example(example as usize);
             }
         }
     }
@@ -552,7 +552,7 @@ impl Instance {
             .map_or(0, |_| self.set.vertex_count() * if self.set.mesh().normals().is_some() { 24 } else { 12 });
         size_of::<Self>()
             + state
-            + self.changes.blocks.len() * 8
+            + self.changes.blocks.iter().map(|b| b.len() * 8).sum::<usize>()
             + self.damage.memory_bytes()
             + self.contacts.memory_bytes()
     }
@@ -563,6 +563,11 @@ impl Instance {
 
     pub(crate) fn classic_state(&self) -> Option<&State> {
         self.classic.as_ref()
+    }
+
+    /// Displacements no longer than this, as scaled, are left out, m.
+    pub(crate) fn least(&self) -> f32 {
+        0.0
     }
 
     pub(crate) fn changes(&self) -> &Changes {
@@ -591,15 +596,19 @@ impl<'a> Touch<'a> {
     }
 
     fn dent(&mut self, d: &Dent) {
-        let (epoch, blocks) = (self.changes.epoch, &mut self.changes.blocks);
-        d.blocks(self.set, |b| blocks[b] = epoch);
+        for (skin, blocks) in self.set.skins().zip(&mut self.changes.blocks) {
+            d.blocks(skin, |b| blocks[b] = self.changes.epoch);
+        }
     }
 
-    fn block(&mut self, b: usize) {
-        self.changes.blocks[b] = self.changes.epoch;
+    /// All that an anchored example moves.
+    fn example(&mut self, example: usize) {
+        for (skin, blocks) in self.set.skins().zip(&mut self.changes.blocks) {
+            skin.anchored[example].blocks().for_each(|b| blocks[b as usize] = self.changes.epoch);
+        }
     }
 
     fn everything(&mut self) {
-        self.changes.blocks.fill(self.changes.epoch);
+        self.changes.blocks.iter_mut().for_each(|b| b.fill(self.changes.epoch));
     }
 }

@@ -19,6 +19,7 @@
 #![deny(missing_docs)]
 
 mod anchored;
+mod array;
 mod attach;
 mod capi;
 mod classic;
@@ -43,6 +44,8 @@ mod nearest;
 mod normals;
 mod rim;
 mod select;
+mod simd;
+mod skin;
 mod stamp;
 mod tasks;
 mod weights;
@@ -61,5 +64,6 @@ pub use mesh::Mesh;
 pub use mirror::Mirror;
 pub use nearest::Nearest;
 pub use select::{Cause, Chosen, Hit, HitStatus, Outcome, Selection, Space};
-pub use stamp::Stamp;
+pub use simd::SimdLevel;
+pub use stamp::{Stamp, StampError};
 pub use tasks::{Serial, TaskSystem, ThreadPool};

@@ -6,8 +6,10 @@
 //! [`WIDTH`] of the diagonal. Anchored examples are left as they are.
 
 use crate::Example;
+use crate::array::Array;
 use crate::anchored::{BLOCK, block_range};
 use crate::mesh::Mesh;
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use rstar::{RTree, primitives::GeomWithData};
 
@@ -28,73 +30,110 @@ pub(crate) struct Window {
 impl Window {
     /// Away from every held rim.
     pub(crate) const OPEN: Window = Window { factor: 1.0, gradient: Vec3::ZERO };
+}
 
-    /// The change of a unit normal where a carried displacement `u` is held back: the window's own slope tilts the surface too.
-    pub(crate) fn turn(&self, u: Vec3, change: Vec3, normal: Vec3) -> Vec3 {
-        let along = self.gradient - normal * normal.dot(self.gradient);
-        change * self.factor - along * u.dot(normal)
+/// The windows of one block's vertices, component by component.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(crate) struct WindowBlock {
+    pub factor: [f32; BLOCK],
+    /// x, y, z; 1/m.
+    pub gradient: [[f32; BLOCK]; 3],
+}
+
+impl WindowBlock {
+    const OPEN: WindowBlock = WindowBlock { factor: [1.0; BLOCK], gradient: [[0.0; BLOCK]; 3] };
+
+    fn set(&mut self, i: usize, w: Window) {
+        self.factor[i] = w.factor;
+        self.gradient.iter_mut().zip(w.gradient.to_array()).for_each(|(g, x)| g[i] = x);
     }
 }
 
 /// The windows of the blocks that come near a held rim.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Clone)]
 pub(crate) struct Rim {
-    blocks: Vec<Option<Box<[Window]>>>,
-    vertices: usize,
+    /// Of each block the index of its windows, [`Rim::CLEAR`] where all are open; empty where nothing is held.
+    pub(crate) blocks: Array<u32>,
+    pub(crate) windows: Array<WindowBlock>,
+    /// Vertices that are held, increasing.
+    pub(crate) held: Array<u32>,
 }
 
 impl Rim {
+    /// A block away from every held rim.
+    pub(crate) const CLEAR: u32 = u32::MAX;
+
     /// What the examples show to be held.
     pub(crate) fn find(mesh: &Mesh, examples: &[Example]) -> Self {
         let held = held(mesh, examples);
-        if held.is_empty() {
-            return Rim::default();
-        }
-        let positions = mesh.positions();
-        let width = WIDTH * mesh.bounds().diagonal();
-        let points = held.iter().map(|v| GeomWithData::new(positions[*v as usize].to_array(), *v)).collect();
-        let index: RTree<GeomWithData<[f32; 3], u32>> = RTree::bulk_load(points);
-        let window = |p: Vec3| {
-            let Some((near, d2)) = index.nearest_neighbor_iter_with_distance_2(p.to_array()).next() else {
-                return Window::OPEN;
-            };
-            let away = p - positions[near.data as usize];
-            let s = d2.sqrt() / width;
-            if s.is_nan() || s >= 1.0 {
-                return Window::OPEN;
-            }
-            let slope = if d2 > 0.0 { away / d2.sqrt() * (6.0 * s * (1.0 - s) / width) } else { Vec3::ZERO };
-            Window { factor: s * s * (3.0 - 2.0 * s), gradient: slope }
-        };
-        let blocks = (0..positions.len().div_ceil(BLOCK))
-            .map(|b| {
-                let block: Box<[Window]> =
-                    positions[block_range(b, positions.len())].iter().map(|p| window(*p)).collect();
-                block.iter().any(|w| w.factor < 1.0).then_some(block)
-            })
-            .collect();
-        Rim { blocks, vertices: held.len() }
+        let points: Vec<Vec3> = held.iter().map(|v| mesh.positions()[*v as usize]).collect();
+        let (blocks, windows) = windows(&points, mesh.bounds().diagonal(), mesh.positions());
+        Rim { blocks: blocks.into(), windows: windows.into(), held: held.into() }
+    }
+
+    /// The same rim as another mesh of the same body sees it.
+    pub(crate) fn on(&self, own: &Mesh, other: &[Vec3]) -> Self {
+        let points: Vec<Vec3> = self.held.iter().map(|v| own.positions()[*v as usize]).collect();
+        let (blocks, windows) = windows(&points, own.bounds().diagonal(), other);
+        Rim { blocks: blocks.into(), windows: windows.into(), held: Array::default() }
     }
 
     /// The windows of block `b`, from its first vertex; `None` where all are open.
-    pub(crate) fn block(&self, b: usize) -> Option<&[Window]> {
-        self.blocks.get(b)?.as_deref()
+    pub(crate) fn block(&self, b: usize) -> Option<&WindowBlock> {
+        self.windows.get(*self.blocks.get(b)? as usize)
     }
 
     /// The window at vertex `v`.
     pub(crate) fn at(&self, v: u32) -> Window {
-        self.block(v as usize / BLOCK).map_or(Window::OPEN, |b| b[v as usize % BLOCK])
+        let i = v as usize % BLOCK;
+        self.block(v as usize / BLOCK).map_or(Window::OPEN, |b| Window {
+            factor: b.factor[i],
+            gradient: Vec3::from(b.gradient.map(|g| g[i])),
+        })
     }
 
     /// Number of held vertices.
     pub(crate) fn vertices(&self) -> usize {
-        self.vertices
+        self.held.len()
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        self.blocks.iter().flatten().map(|b| b.len() * size_of::<Window>()).sum::<usize>()
-            + self.blocks.len() * size_of::<Option<Box<[Window]>>>()
+        self.blocks.bytes() + self.windows.bytes() + self.held.bytes()
     }
+}
+
+/// Windows around held points for a body with this diagonal (m): of each block the index of its windows, and these.
+fn windows(held: &[Vec3], diagonal: f32, positions: &[Vec3]) -> (Vec<u32>, Vec<WindowBlock>) {
+    if held.is_empty() {
+        return Default::default();
+    }
+    let width = WIDTH * diagonal;
+    let points = held.iter().map(|p| p.to_array()).collect();
+    let index: RTree<[f32; 3]> = RTree::bulk_load(points);
+    let window = |p: Vec3| {
+        let Some((near, d2)) = index.nearest_neighbor_iter_with_distance_2(p.to_array()).next() else {
+            return Window::OPEN;
+        };
+        let away = p - Vec3::from(*near);
+        let s = d2.sqrt() / width;
+        if s.is_nan() || s >= 1.0 {
+            return Window::OPEN;
+        }
+        let slope = if d2 > 0.0 { away / d2.sqrt() * (6.0 * s * (1.0 - s) / width) } else { Vec3::ZERO };
+        Window { factor: s * s * (3.0 - 2.0 * s), gradient: slope }
+    };
+    let mut all: Vec<WindowBlock> = Vec::new();
+    let blocks = (0..positions.len().div_ceil(BLOCK)).map(|b| {
+        let mut block = WindowBlock::OPEN;
+        positions[block_range(b, positions.len())].iter().enumerate().for_each(|(i, p)| block.set(i, window(*p)));
+        if block.factor.iter().all(|f| *f >= 1.0) {
+            return Rim::CLEAR;
+        }
+        all.push(block);
+        all.len() as u32 - 1
+    });
+    (blocks.collect(), all)
 }
 
 /// Vertices of the loops that are held, all that stand at one position: an example may tear them apart.

@@ -832,11 +832,13 @@ fn quick_a_failed_deform_of_several_writes_none() {
     let (mut one, mut two) = (Tracker::new(), Tracker::new());
     let mut jobs = [
         crumple::DeformJob {
+            lod: 0,
             instance: &a,
             tracker: &mut one,
             memory: VertexMemory::separate(&mut first, None, None).unwrap(),
         },
         crumple::DeformJob {
+            lod: 0,
             instance: &b,
             tracker: &mut two,
             memory: VertexMemory::separate(&mut second, None, None).unwrap(),

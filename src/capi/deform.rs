@@ -69,6 +69,7 @@ pub unsafe extern "C" fn crumple_deform(
         let mut jobs = reserve(if all { entries.len() } else { chosen.len() }, "deform jobs")?;
         for (_, entry) in entries.iter_mut::<CrumpleBuffer>().filter(|(id, _)| is_chosen(id)) {
             jobs.push(DeformJob {
+                lod: 0,
                 instance: &instances.get(entry.owner, "instance")?.instance,
                 tracker: &mut entry.tracker,
                 // SAFETY: the caller keeps registered memory alive, and leaves it alone during this call.

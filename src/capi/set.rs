@@ -102,6 +102,11 @@ pub struct CrumpleExampleSetOptions {
     /// Nodes along the longest side of the grid that a carried example is kept in: 4 to 128. Default 32; sharp creases
     /// want more.
     pub stamp_resolution: u32,
+    /// How far an example of weight 1 may put a vertex off, m: displacements are kept as integers of 1 or 2 bytes that hold
+    /// this, and carried examples on the coarsest grid that does. 0, the default: exact floats.
+    pub tolerance: f32,
+    /// With a tolerance: how far an example of weight 1 may turn a normal off, degrees; above 0 to 45. Default 1.
+    pub normal_tolerance: f32,
     /// Mass of each vertex, kg: vertex_count floats, instead of vertex_mass. Default absent.
     pub vertex_masses: CrumpleInput,
     /// How the dents of several hits combine. Default CRUMPLE_COMBINE_ENERGIES.
@@ -210,6 +215,8 @@ pub(super) fn default_options() -> CrumpleExampleSetOptions {
         drop_below: 0.0,
         vertex_mass: 0.0,
         stamp_resolution: SetOptions::default().stamp_resolution,
+        tolerance: 0.0,
+        normal_tolerance: SetOptions::default().normal_tolerance,
         vertex_masses: CrumpleInput::ABSENT,
         combine: MaybeUninit::new(CrumpleCombine::Energies),
         seams: MaybeUninit::new(CrumpleSeams::Weld),
@@ -513,6 +520,8 @@ pub(super) unsafe fn read_options(options: &CrumpleExampleSetOptions, vertices: 
         mass,
         drop_below: options.drop_below,
         stamp_resolution: options.stamp_resolution,
+        tolerance: positive_or_none(options.tolerance, "def.options.tolerance", "m")?,
+        normal_tolerance: options.normal_tolerance,
     })
 }
 

@@ -2,8 +2,9 @@
 //! interface that writes through raw pointers.
 
 use crate::Error;
-use glam::{Vec3, Vec4};
+use glam::Vec4;
 use std::marker::PhantomData;
+use std::ops::Range;
 
 /// Where an attribute lies in interleaved vertices, bytes; multiples of 4.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -158,21 +159,59 @@ impl<'a> VertexMemory<'a> {
         self.tangent.is_some()
     }
 
-    /// Writes vertex `v`; attributes that the memory lacks are left out.
+    /// The positions of vertices `r` where they lie one after the other, as floats.
     ///
     /// # Safety
-    /// `check_size` has passed for more than `v` vertices, and no other thread writes vertex `v` at the same time.
-    pub(crate) unsafe fn write(&self, v: usize, position: Vec3, normal: Vec3, tangent: Option<Vec4>) {
-        // SAFETY: passed on.
-        unsafe {
-            put(&self.position, v, position.to_array());
-            if let Some(s) = &self.normal {
-                put(s, v, normal.to_array());
-            }
-            if let (Some(s), Some(t)) = (&self.tangent, tangent) {
-                put(s, v, t.to_array());
-            }
+    /// `check_size` has passed for all vertices of `r`, and no other thread accesses them as long as the slice lives.
+    #[allow(clippy::mut_from_ref)]
+    pub(crate) unsafe fn positions(&self, r: Range<usize>) -> Option<&mut [f32]> {
+        let s = &self.position;
+        let first = s.data.wrapping_add(s.layout.offset + r.start * s.layout.stride).cast::<f32>();
+        if s.layout.stride != 12 || !first.is_aligned() {
+            return None;
         }
+        // SAFETY: in bounds and alone by the caller's promise; aligned; any bytes are floats.
+        Some(unsafe { std::slice::from_raw_parts_mut(first, 3 * r.len()) })
+    }
+
+    /// Writes positions, three floats each, from vertex `first` on.
+    ///
+    /// # Safety
+    /// `check_size` has passed for all these vertices, and no other thread accesses them at the same time.
+    pub(crate) unsafe fn write_positions(&self, first: usize, positions: &[f32]) {
+        // SAFETY: passed on.
+        unsafe { put_all(&self.position, first, positions) }
+    }
+
+    /// Writes normals, three floats each, from vertex `first` on; nothing where the memory has none.
+    ///
+    /// # Safety
+    /// As [`VertexMemory::write_positions`].
+    pub(crate) unsafe fn write_normals(&self, first: usize, normals: &[f32]) {
+        if let Some(s) = &self.normal {
+            // SAFETY: passed on.
+            unsafe { put_all(s, first, normals) }
+        }
+    }
+
+    /// Writes the tangent of vertex `v`; nothing where the memory has none.
+    ///
+    /// # Safety
+    /// As [`VertexMemory::write_positions`].
+    pub(crate) unsafe fn write_tangent(&self, v: usize, tangent: Vec4) {
+        if let Some(s) = &self.tangent {
+            // SAFETY: passed on.
+            unsafe { put(s, v, tangent.to_array()) }
+        }
+    }
+}
+
+/// # Safety
+/// The values of all these vertices lie within the stream, and no other thread accesses them.
+unsafe fn put_all(s: &RawStream, first: usize, values: &[f32]) {
+    for (i, v) in values.chunks_exact(3).enumerate() {
+        // SAFETY: passed on.
+        unsafe { put(s, first + i, [v[0], v[1], v[2]]) }
     }
 }
 

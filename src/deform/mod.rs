@@ -1,24 +1,30 @@
 //! Deformation on the CPU: dirty blocks of any number of outputs, evaluated in parallel, written into the caller's memory.
 
 mod evaluate;
+mod kernel;
 mod memory;
 mod tracker;
 
 pub use memory::{Attribute, RawStream, VertexMemory};
 pub use tracker::Tracker;
 
-use crate::anchored::block_range;
+use crate::anchored::{BLOCK, block_range};
+use crate::skin::Skin;
 use crate::tasks::run_each;
 use crate::{Aabb, Error, Instance, TaskSystem};
 use glam::Vec3;
 use memory::Scattered;
 
-/// Blocks a task evaluates, at most.
-const BLOCKS_A_TASK: usize = 8;
+/// Blocks a task evaluates, at most …
+const BLOCKS_A_TASK: usize = 64;
+/// … and tasks a worker gets, at least, where there are so many blocks.
+const PIECES: usize = 8;
 
 /// One output to bring up to date.
 #[derive(Debug)]
 pub struct DeformJob<'a, 'm> {
+    /// The mesh: 0 is the set's own, then its levels of detail in the order they were added.
+    pub lod: usize,
     /// The instance; hits must have been folded ([`Instance::fold`]), others wait for the next time.
     pub instance: &'a Instance,
     /// What the memory holds already.
@@ -39,7 +45,7 @@ pub struct DeformReport {
 }
 
 /// Brings outputs up to date: evaluates the blocks that changed since each was last written, and writes those only. Work
-/// is balanced by blocks over all outputs.
+/// is balanced by blocks over all outputs; an output that is up to date costs a comparison.
 ///
 /// # Errors
 /// [`Error::BufferTooSmall`], or [`Error::Unsupported`] for normals or tangents that the mesh does not have. They name the
@@ -48,30 +54,36 @@ pub fn deform(jobs: &mut [DeformJob<'_, '_>], tasks: &dyn TaskSystem) -> Result<
     for job in jobs.iter() {
         check(job)?;
     }
-    let dirty: Vec<Vec<usize>> = jobs.iter().map(|j| j.tracker.dirty(j.instance.changes()).collect()).collect();
-    let total: usize = dirty.iter().map(Vec::len).sum();
-    let mut report = DeformReport::default();
-    let items: Vec<(usize, usize)> =
-        dirty.iter().enumerate().flat_map(|(j, blocks)| blocks.iter().map(move |b| (j, *b))).collect();
+    // Job and block of each piece of work, job by job.
+    let mut items: Vec<(u32, u32)> = Vec::new();
+    for (j, job) in jobs.iter().enumerate() {
+        let dirty = job.tracker.dirty(job.instance.changes(), job.lod);
+        items.extend(dirty.map(|block| (j as u32, block as u32)));
+    }
+    let total = items.len();
     let mut bounds = vec![Aabb::EMPTY; total];
     {
         let slots = Scattered::new(&mut bounds);
         let jobs = &*jobs;
-        let chunk = total.div_ceil(tasks.workers().max(1) * 4).clamp(1, BLOCKS_A_TASK);
+        let chunk = total.div_ceil(tasks.workers().max(1) * PIECES).clamp(1, BLOCKS_A_TASK);
         run_each(tasks, total.div_ceil(chunk), &|t| {
-            for (i, (job, block)) in items.iter().enumerate().skip(t * chunk).take(chunk) {
-                let b = write_block(&jobs[*job], *block);
-                // SAFETY: item `i` belongs to this task alone, and `run_each` runs a task once.
-                unsafe { slots.set(i, b) };
+            let from = t * chunk;
+            for (i, (job, block)) in items[from..(from + chunk).min(total)].iter().enumerate() {
+                let b = write_block(&jobs[*job as usize], *block as usize);
+                // SAFETY: item `from + i` belongs to this task alone, and `run_each` runs a task once.
+                unsafe { slots.set(from + i, b) };
             }
         });
     }
+    let mut report = DeformReport::default();
     let mut at = 0;
-    for (job, blocks) in jobs.iter_mut().zip(&dirty) {
-        job.tracker.written(job.instance, blocks, &bounds[at..at + blocks.len()]);
-        at += blocks.len();
-        report.blocks_written += blocks.len() as u64;
-        report.blocks_skipped += (job.instance.changes().blocks.len() - blocks.len()) as u64;
+    for (j, job) in jobs.iter_mut().enumerate() {
+        let count = items[at..].iter().take_while(|(job, _)| *job as usize == j).count();
+        let written = at..at + count;
+        at += count;
+        job.tracker.written(job.instance, job.lod, &items[written.clone()], &bounds[written]);
+        report.blocks_written += count as u64;
+        report.blocks_skipped += (job.skin().blocks() - count) as u64;
         report.vertices_written += job.tracker.changed().iter().map(|r| u64::from(r.end - r.start)).sum::<u64>();
     }
     Ok(report)
@@ -89,12 +101,18 @@ impl Instance {
         tasks: &dyn TaskSystem,
     ) -> Result<DeformReport, Error> {
         self.fold();
-        deform(&mut [DeformJob { instance: self, tracker, memory }], tasks)
+        deform(&mut [DeformJob { lod: 0, instance: self, tracker, memory }], tasks)
+    }
+}
+
+impl DeformJob<'_, '_> {
+    fn skin(&self) -> &Skin {
+        self.instance.example_set().skin()
     }
 }
 
 fn check(job: &DeformJob<'_, '_>) -> Result<(), Error> {
-    let mesh = job.instance.example_set().mesh();
+    let mesh = &job.skin().mesh;
     if job.memory.has_normals() && mesh.normals().is_none() {
         return Err(Error::Unsupported {
             what: "a normal output: the mesh has neither normals nor triangles to compute them from".into(),
@@ -107,20 +125,39 @@ fn check(job: &DeformJob<'_, '_>) -> Result<(), Error> {
 }
 
 fn write_block(job: &DeformJob<'_, '_>, b: usize) -> Aabb {
-    let set = job.instance.example_set();
-    let tangents = job.memory.has_tangents() && set.mesh().normals().is_some();
-    let block = evaluate::block(job.instance, b, job.memory.has_normals() || tangents);
-    let first = block_range(b, set.vertex_count()).start;
-    for i in 0..block.len {
-        let (p, n) = (block.positions[i], block.normals[i]);
-        let t = job.memory.has_tangents().then(|| evaluate::tangent(set, first + i, n));
-        // SAFETY: `check` passed for all vertices; the blocks of an output are distinct and outputs do not overlap.
-        unsafe { job.memory.write(first + i, p, n, t) };
+    let skin = job.skin();
+    let range = block_range(b, skin.vertex_count());
+    let with_tangents = job.memory.has_tangents() && skin.mesh.normals().is_some();
+    let block = evaluate::Job { instance: job.instance, skin, block: b };
+    let n = 3 * range.len();
+    let mut normals: evaluate::Flat = [0.0; 3 * BLOCK];
+    let wanted = (job.memory.has_normals() || with_tangents).then_some(&mut normals[..n]);
+    // SAFETY: `check` passed for all vertices; the blocks of an output are distinct and outputs do not overlap.
+    let bounds = match unsafe { job.memory.positions(range.clone()) } {
+        Some(positions) => evaluate::block(block, positions, wanted),
+        None => {
+            let mut positions: evaluate::Flat = [0.0; 3 * BLOCK];
+            let bounds = evaluate::block(block, &mut positions[..n], wanted);
+            // SAFETY: the same.
+            unsafe { job.memory.write_positions(range.start, &positions[..n]) };
+            bounds
+        }
+    };
+    if job.memory.has_normals() {
+        // SAFETY: the same.
+        unsafe { job.memory.write_normals(range.start, &normals[..n]) };
     }
-    Aabb::of(&block.positions[..block.len])
+    if job.memory.has_tangents() {
+        for (i, n) in normals[..n].chunks_exact(3).enumerate() {
+            let tangent = evaluate::tangent(skin, range.start + i, Vec3::from_slice(n));
+            // SAFETY: the same.
+            unsafe { job.memory.write_tangent(range.start + i, tangent) };
+        }
+    }
+    bounds
 }
 
 /// Position (m) and unit normal of one vertex as deformed.
 pub(crate) fn displaced(instance: &Instance, v: usize) -> (Vec3, Option<Vec3>) {
-    evaluate::vertex(instance, v)
+    evaluate::vertex(instance, instance.example_set().skin(), v)
 }

@@ -11,6 +11,7 @@ use std::ops::Range;
 pub struct Tracker {
     /// Instance and epoch written last; instance 0 is none.
     instance: u64,
+    lod: usize,
     epoch: u64,
     block_bounds: Vec<Aabb>,
     changed: Vec<Range<u32>>,
@@ -38,31 +39,34 @@ impl Tracker {
         self.bounds
     }
 
-    /// Blocks that must be written.
-    pub(crate) fn dirty<'a>(&self, changes: &'a Changes) -> impl Iterator<Item = usize> + 'a {
-        let since = (self.instance == changes.instance).then_some(self.epoch);
-        changes.blocks.iter().enumerate().filter(move |(_, at)| since.is_none_or(|s| **at > s)).map(|(b, _)| b)
+    /// Blocks of a level of detail that must be written, increasing.
+    pub(crate) fn dirty<'a>(&self, changes: &'a Changes, lod: usize) -> impl Iterator<Item = usize> + 'a {
+        let since = (self.instance == changes.instance && self.lod == lod).then_some(self.epoch);
+        let blocks = if since == Some(changes.epoch) { &[][..] } else { &changes.blocks[lod][..] };
+        blocks.iter().enumerate().filter(move |(_, at)| since.is_none_or(|s| **at > s)).map(|(b, _)| b)
     }
 
-    /// Notes that `blocks` (increasing) were written and have these bounds.
-    pub(crate) fn written(&mut self, instance: &Instance, blocks: &[usize], bounds: &[Aabb]) {
-        let (changes, n) = (instance.changes(), instance.example_set().vertex_count());
-        self.block_bounds.resize(changes.blocks.len(), Aabb::EMPTY);
+    /// Notes that these blocks (second of each pair; increasing) were written and have these bounds.
+    pub(crate) fn written(&mut self, instance: &Instance, lod: usize, blocks: &[(u32, u32)], bounds: &[Aabb]) {
+        let changes = instance.changes();
         self.changed.clear();
-        for (b, bound) in blocks.iter().zip(bounds) {
-            self.block_bounds[*b] = *bound;
-            let r = block_range(*b, n);
-            match self.changed.last_mut() {
-                Some(last) if last.end == r.start as u32 => last.end = r.end as u32,
-                _ => self.changed.push(r.start as u32..r.end as u32),
-            }
-        }
         if !blocks.is_empty() {
+            let n = instance.example_set().skin().vertex_count();
+            self.block_bounds.resize(changes.blocks[lod].len(), Aabb::EMPTY);
+            for ((_, b), bound) in blocks.iter().zip(bounds) {
+                self.block_bounds[*b as usize] = *bound;
+                let r = block_range(*b as usize, n);
+                match self.changed.last_mut() {
+                    Some(last) if last.end == r.start as u32 => last.end = r.end as u32,
+                    _ => self.changed.push(r.start as u32..r.end as u32),
+                }
+            }
             let mut all = Aabb::EMPTY;
             self.block_bounds.iter().for_each(|b| all.union(b));
             self.bounds = Some(all);
         }
         self.instance = changes.instance;
+        self.lod = lod;
         self.epoch = changes.epoch;
     }
 }

@@ -1,0 +1,179 @@
+//! Eight lanes in AVX2.
+
+use super::Simd;
+use std::arch::x86_64::*;
+
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Avx2;
+
+// SAFETY of every block below: the trait's callers run where AVX2 is there, and pass valid pointers and nodes.
+impl Simd for Avx2 {
+    const LANES: usize = 8;
+    type F = __m256;
+    type I = __m256i;
+    type M = __m256;
+
+    #[inline(always)]
+    unsafe fn splat(x: f32) -> __m256 {
+        unsafe { _mm256_set1_ps(x) }
+    }
+    #[inline(always)]
+    unsafe fn load(p: *const f32) -> __m256 {
+        unsafe { _mm256_loadu_ps(p) }
+    }
+    #[inline(always)]
+    unsafe fn store(p: *mut f32, v: __m256) {
+        unsafe { _mm256_storeu_ps(p, v) }
+    }
+    #[inline(always)]
+    unsafe fn add(a: __m256, b: __m256) -> __m256 {
+        unsafe { _mm256_add_ps(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn sub(a: __m256, b: __m256) -> __m256 {
+        unsafe { _mm256_sub_ps(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn mul(a: __m256, b: __m256) -> __m256 {
+        unsafe { _mm256_mul_ps(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn div(a: __m256, b: __m256) -> __m256 {
+        unsafe { _mm256_div_ps(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn sqrt(a: __m256) -> __m256 {
+        unsafe { _mm256_sqrt_ps(a) }
+    }
+    #[inline(always)]
+    unsafe fn min(a: __m256, b: __m256) -> __m256 {
+        unsafe { _mm256_min_ps(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn max(a: __m256, b: __m256) -> __m256 {
+        unsafe { _mm256_max_ps(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn equal(a: __m256, b: __m256) -> __m256 {
+        unsafe { _mm256_cmp_ps::<_CMP_EQ_OQ>(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn greater(a: __m256, b: __m256) -> __m256 {
+        unsafe { _mm256_cmp_ps::<_CMP_GT_OQ>(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn both(a: __m256, b: __m256) -> __m256 {
+        unsafe { _mm256_and_ps(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn any(m: __m256) -> bool {
+        unsafe { _mm256_movemask_ps(m) != 0 }
+    }
+    #[inline(always)]
+    unsafe fn select(m: __m256, a: __m256, b: __m256) -> __m256 {
+        unsafe { _mm256_blendv_ps(b, a, m) }
+    }
+    #[inline(always)]
+    unsafe fn splat_int(x: i32) -> __m256i {
+        unsafe { _mm256_set1_epi32(x) }
+    }
+    #[inline(always)]
+    unsafe fn truncate(a: __m256) -> __m256i {
+        unsafe { _mm256_cvttps_epi32(a) }
+    }
+    #[inline(always)]
+    unsafe fn float(a: __m256i) -> __m256 {
+        unsafe { _mm256_cvtepi32_ps(a) }
+    }
+    #[inline(always)]
+    unsafe fn add_int(a: __m256i, b: __m256i) -> __m256i {
+        unsafe { _mm256_add_epi32(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn mul_int(a: __m256i, b: __m256i) -> __m256i {
+        unsafe { _mm256_mullo_epi32(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn min_int(a: __m256i, b: __m256i) -> __m256i {
+        unsafe { _mm256_min_epi32(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn max_int(a: __m256i, b: __m256i) -> __m256i {
+        unsafe { _mm256_max_epi32(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn load_i8(p: *const i8) -> __m256 {
+        unsafe { _mm256_cvtepi32_ps(_mm256_cvtepi8_epi32(_mm_loadl_epi64(p.cast()))) }
+    }
+    #[inline(always)]
+    unsafe fn load_i16(p: *const i16) -> __m256 {
+        unsafe { _mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(_mm_loadu_si128(p.cast()))) }
+    }
+    #[inline(always)]
+    unsafe fn deinterleave([a, b, c]: [__m256; 3]) -> [__m256; 3] {
+        unsafe {
+            // 0-3 and 12-15, 4-7 and 16-19, 8-11 and 20-23.
+            let m03 = _mm256_permute2f128_ps::<0x30>(a, b);
+            let m14 = _mm256_permute2f128_ps::<0x21>(a, c);
+            let m25 = _mm256_permute2f128_ps::<0x30>(b, c);
+            let xy = _mm256_shuffle_ps::<0b10_01_11_10>(m14, m25);
+            let yz = _mm256_shuffle_ps::<0b01_00_10_01>(m03, m14);
+            [
+                _mm256_shuffle_ps::<0b10_00_11_00>(m03, xy),
+                _mm256_shuffle_ps::<0b11_01_10_00>(yz, xy),
+                _mm256_shuffle_ps::<0b11_00_11_01>(yz, m25),
+            ]
+        }
+    }
+    #[inline(always)]
+    unsafe fn interleave([x, y, z]: [__m256; 3]) -> [__m256; 3] {
+        unsafe {
+            let xy = _mm256_shuffle_ps::<0b10_00_10_00>(x, y);
+            let yz = _mm256_shuffle_ps::<0b11_01_11_01>(y, z);
+            let zx = _mm256_shuffle_ps::<0b11_01_10_00>(z, x);
+            let r03 = _mm256_shuffle_ps::<0b10_00_10_00>(xy, zx);
+            let r14 = _mm256_shuffle_ps::<0b11_01_10_00>(yz, xy);
+            let r25 = _mm256_shuffle_ps::<0b11_01_11_01>(zx, yz);
+            [
+                _mm256_permute2f128_ps::<0x20>(r03, r14),
+                _mm256_permute2f128_ps::<0x30>(r25, r03),
+                _mm256_permute2f128_ps::<0x31>(r14, r25),
+            ]
+        }
+    }
+    #[inline(always)]
+    unsafe fn gather_packed(p: *const u32, at: __m256i) -> [__m256; 3] {
+        unsafe {
+            let n = _mm256_i32gather_epi32::<4>(p.cast(), at);
+            [
+                _mm256_cvtepi32_ps(_mm256_srai_epi32::<22>(_mm256_slli_epi32::<22>(n))),
+                _mm256_cvtepi32_ps(_mm256_srai_epi32::<21>(_mm256_slli_epi32::<11>(n))),
+                _mm256_cvtepi32_ps(_mm256_srai_epi32::<21>(n)),
+            ]
+        }
+    }
+    #[inline(always)]
+    unsafe fn gather_i16(p: *const [i16; 4], at: __m256i) -> [__m256; 3] {
+        unsafe {
+            let xy = _mm256_i32gather_epi32::<8>(p.cast(), at);
+            let z = _mm256_i32gather_epi32::<8>(p.cast::<i32>().add(1), at);
+            [
+                _mm256_cvtepi32_ps(_mm256_srai_epi32::<16>(_mm256_slli_epi32::<16>(xy))),
+                _mm256_cvtepi32_ps(_mm256_srai_epi32::<16>(xy)),
+                _mm256_cvtepi32_ps(_mm256_srai_epi32::<16>(_mm256_slli_epi32::<16>(z))),
+            ]
+        }
+    }
+    #[inline(always)]
+    unsafe fn gather_f32(p: *const [f32; 3], at: __m256i) -> [__m256; 3] {
+        unsafe {
+            let at = _mm256_add_epi32(at, _mm256_add_epi32(at, at));
+            let p = p.cast::<f32>();
+            [
+                _mm256_i32gather_ps::<4>(p, at),
+                _mm256_i32gather_ps::<4>(p.add(1), at),
+                _mm256_i32gather_ps::<4>(p.add(2), at),
+            ]
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! Sixteen lanes in AVX-512 (F, BW, DQ, VL).
+
+use super::{Avx2, Simd};
+use std::arch::x86_64::*;
+
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Avx512;
+
+/// # Safety
+/// Where AVX-512 is there.
+#[inline(always)]
+unsafe fn join(lo: __m256, hi: __m256) -> __m512 {
+    unsafe { _mm512_insertf32x8::<1>(_mm512_castps256_ps512(lo), hi) }
+}
+
+/// # Safety
+/// Where AVX-512 is there.
+#[inline(always)]
+unsafe fn halves(v: __m512) -> [__m256; 2] {
+    unsafe { [_mm512_castps512_ps256(v), _mm512_extractf32x8_ps::<1>(v)] }
+}
+
+// SAFETY of every block below: the trait's callers run where AVX-512 is there, and pass valid pointers and nodes.
+impl Simd for Avx512 {
+    const LANES: usize = 16;
+    type F = __m512;
+    type I = __m512i;
+    type M = __mmask16;
+
+    #[inline(always)]
+    unsafe fn splat(x: f32) -> __m512 {
+        unsafe { _mm512_set1_ps(x) }
+    }
+    #[inline(always)]
+    unsafe fn load(p: *const f32) -> __m512 {
+        unsafe { _mm512_loadu_ps(p) }
+    }
+    #[inline(always)]
+    unsafe fn store(p: *mut f32, v: __m512) {
+        unsafe { _mm512_storeu_ps(p, v) }
+    }
+    #[inline(always)]
+    unsafe fn add(a: __m512, b: __m512) -> __m512 {
+        unsafe { _mm512_add_ps(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn sub(a: __m512, b: __m512) -> __m512 {
+        unsafe { _mm512_sub_ps(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn mul(a: __m512, b: __m512) -> __m512 {
+        unsafe { _mm512_mul_ps(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn div(a: __m512, b: __m512) -> __m512 {
+        unsafe { _mm512_div_ps(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn sqrt(a: __m512) -> __m512 {
+        unsafe { _mm512_sqrt_ps(a) }
+    }
+    #[inline(always)]
+    unsafe fn min(a: __m512, b: __m512) -> __m512 {
+        unsafe { _mm512_min_ps(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn max(a: __m512, b: __m512) -> __m512 {
+        unsafe { _mm512_max_ps(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn equal(a: __m512, b: __m512) -> __mmask16 {
+        unsafe { _mm512_cmp_ps_mask::<_CMP_EQ_OQ>(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn greater(a: __m512, b: __m512) -> __mmask16 {
+        unsafe { _mm512_cmp_ps_mask::<_CMP_GT_OQ>(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn both(a: __mmask16, b: __mmask16) -> __mmask16 {
+        a & b
+    }
+    #[inline(always)]
+    unsafe fn any(m: __mmask16) -> bool {
+        m != 0
+    }
+    #[inline(always)]
+    unsafe fn select(m: __mmask16, a: __m512, b: __m512) -> __m512 {
+        unsafe { _mm512_mask_blend_ps(m, b, a) }
+    }
+    #[inline(always)]
+    unsafe fn splat_int(x: i32) -> __m512i {
+        unsafe { _mm512_set1_epi32(x) }
+    }
+    #[inline(always)]
+    unsafe fn truncate(a: __m512) -> __m512i {
+        unsafe { _mm512_cvttps_epi32(a) }
+    }
+    #[inline(always)]
+    unsafe fn float(a: __m512i) -> __m512 {
+        unsafe { _mm512_cvtepi32_ps(a) }
+    }
+    #[inline(always)]
+    unsafe fn add_int(a: __m512i, b: __m512i) -> __m512i {
+        unsafe { _mm512_add_epi32(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn mul_int(a: __m512i, b: __m512i) -> __m512i {
+        unsafe { _mm512_mullo_epi32(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn min_int(a: __m512i, b: __m512i) -> __m512i {
+        unsafe { _mm512_min_epi32(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn max_int(a: __m512i, b: __m512i) -> __m512i {
+        unsafe { _mm512_max_epi32(a, b) }
+    }
+    #[inline(always)]
+    unsafe fn load_i8(p: *const i8) -> __m512 {
+        unsafe { _mm512_cvtepi32_ps(_mm512_cvtepi8_epi32(_mm_loadu_si128(p.cast()))) }
+    }
+    #[inline(always)]
+    unsafe fn load_i16(p: *const i16) -> __m512 {
+        unsafe { _mm512_cvtepi32_ps(_mm512_cvtepi16_epi32(_mm256_loadu_si256(p.cast()))) }
+    }
+    #[inline(always)]
+    unsafe fn deinterleave([a, b, c]: [__m512; 3]) -> [__m512; 3] {
+        unsafe {
+            let ([a0, a1], [b0, b1], [c0, c1]) = (halves(a), halves(b), halves(c));
+            let (lo, hi) = (Avx2::deinterleave([a0, a1, b0]), Avx2::deinterleave([b1, c0, c1]));
+            [join(lo[0], hi[0]), join(lo[1], hi[1]), join(lo[2], hi[2])]
+        }
+    }
+    #[inline(always)]
+    unsafe fn interleave([x, y, z]: [__m512; 3]) -> [__m512; 3] {
+        unsafe {
+            let ([x0, x1], [y0, y1], [z0, z1]) = (halves(x), halves(y), halves(z));
+            let (lo, hi) = (Avx2::interleave([x0, y0, z0]), Avx2::interleave([x1, y1, z1]));
+            [join(lo[0], lo[1]), join(lo[2], hi[0]), join(hi[1], hi[2])]
+        }
+    }
+    #[inline(always)]
+    unsafe fn gather_packed(p: *const u32, at: __m512i) -> [__m512; 3] {
+        unsafe {
+            let n = _mm512_i32gather_epi32::<4>(at, p.cast());
+            [
+                _mm512_cvtepi32_ps(_mm512_srai_epi32::<22>(_mm512_slli_epi32::<22>(n))),
+                _mm512_cvtepi32_ps(_mm512_srai_epi32::<21>(_mm512_slli_epi32::<11>(n))),
+                _mm512_cvtepi32_ps(_mm512_srai_epi32::<21>(n)),
+            ]
+        }
+    }
+    #[inline(always)]
+    unsafe fn gather_i16(p: *const [i16; 4], at: __m512i) -> [__m512; 3] {
+        unsafe {
+            let xy = _mm512_i32gather_epi32::<8>(at, p.cast());
+            let z = _mm512_i32gather_epi32::<8>(at, p.cast::<i32>().add(1));
+            [
+                _mm512_cvtepi32_ps(_mm512_srai_epi32::<16>(_mm512_slli_epi32::<16>(xy))),
+                _mm512_cvtepi32_ps(_mm512_srai_epi32::<16>(xy)),
+                _mm512_cvtepi32_ps(_mm512_srai_epi32::<16>(_mm512_slli_epi32::<16>(z))),
+            ]
+        }
+    }
+    #[inline(always)]
+    unsafe fn gather_f32(p: *const [f32; 3], at: __m512i) -> [__m512; 3] {
+        unsafe {
+            let at = _mm512_add_epi32(at, _mm512_add_epi32(at, at));
+            let p = p.cast::<f32>();
+            [
+                _mm512_i32gather_ps::<4>(at, p),
+                _mm512_i32gather_ps::<4>(at, p.add(1)),
+                _mm512_i32gather_ps::<4>(at, p.add(2)),
+            ]
+        }
+    }
+}
