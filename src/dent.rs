@@ -16,7 +16,7 @@ use crate::examples::{Combine, ExampleSet};
 use crate::math::{Aabb, rotation_between};
 use crate::{Mark, Mirror, Pair};
 use crate::skin::Skin;
-use crate::stamp::Grid;
+use crate::stamp::{Grid, Stamp};
 use glam::{Mat3, UVec3, Vec3};
 
 /// Limits of the stretch of a carried example in the surface.
@@ -45,11 +45,15 @@ pub(crate) struct Carried {
     pub to_grid: Mat3,
     pub grid_origin: Vec3,
     /// Greatest coordinates on the grid.
-    grid_top: Vec3,
+    pub grid_top: Vec3,
     /// The stamp's frame into mesh space.
-    pub from_stamp: Mat3,
-    /// What its normal changes are multiplied with, on top of `scale`: slopes fall as a dent gets wider.
-    pub normal_scale: f32,
+    from_stamp: Mat3,
+    /// From a stamp's numbers to displacements in mesh space, and to changes of normals: these are also multiplied with one over
+    /// the stretch, since slopes fall as a dent gets wider.
+    pub displacement: Mat3,
+    pub normal_change: Mat3,
+    /// Directions in mesh space into the stamp's frame.
+    pub facing: Mat3,
     /// Nothing moves further than this from the contact, m.
     radius: f32,
 }
@@ -98,6 +102,7 @@ impl Carried {
         let to_stamp = Mat3::from_diagonal(shrink) * from_stamp.transpose();
         // Only an anchored example lacks a stamp, and it is not carried.
         let grid = e.stamp().map_or(Grid::POINT, |s| s.grid);
+        let steps = |of: fn(&Stamp) -> Vec3| e.stamp().map_or(Mat3::ZERO, |s| Mat3::from_diagonal(of(s)));
         Carried {
             contact: set.mesh().positions()[contact as usize],
             to_stamp,
@@ -105,7 +110,9 @@ impl Carried {
             grid_origin: grid.origin / grid.cell,
             grid_top: (grid.dims - UVec3::ONE).as_vec3(),
             from_stamp,
-            normal_scale: 1.0 / stretch,
+            displacement: from_stamp * steps(|s| s.displacements.step),
+            normal_change: from_stamp * steps(|s| s.normals.step) * (1.0 / stretch),
+            facing: from_stamp.transpose(),
             radius: e.stamp().map_or(0.0, |s| s.reach(stretch)),
         }
     }

@@ -8,10 +8,10 @@
 //! Marks are summed in their sorted order with plain f32 operations, so that coincident vertices, any cut into blocks,
 //! any thread and any [`SimdLevel`] give the same bits.
 
-use super::kernel::{self, Finish, Lengths, Look, Soa};
+use super::kernel::{self, Block, From, Lengths, Ready};
 use crate::anchored::{BLOCK, GROUP, block_range};
 use crate::classic::State;
-use crate::dent::{Dent, Part};
+use crate::dent::Part;
 use crate::examples::Combine;
 use crate::instance::Instance;
 use crate::math::{Aabb, unit};
@@ -34,33 +34,33 @@ pub(crate) struct Job<'a> {
 
 /// Writes positions (m), and unit normals if wanted: three floats a vertex of the block, no more. Returns the bounds of the
 /// positions. A mesh without normals gets none.
-pub(crate) fn block(job: Job<'_>, positions: &mut [f32], normals: Option<&mut [f32]>) -> Aabb {
+pub(crate) fn block<'a>(job: Job<'a>, room: &mut Room<'a>, positions: &mut [f32], normals: Option<&mut [f32]>) -> Aabb {
     let len = block_range(job.block, job.skin.vertex_count()).len();
     assert!(positions.len() == 3 * len && normals.as_ref().is_none_or(|n| n.len() == 3 * len));
     match SimdLevel::current() {
         #[cfg(target_arch = "x86_64")]
         // SAFETY: the level is in force only where the processor has it.
-        SimdLevel::Avx512 => unsafe { avx512(job, positions, normals) },
+        SimdLevel::Avx512 => unsafe { avx512(job, room, positions, normals) },
         #[cfg(target_arch = "x86_64")]
         // SAFETY: the same.
-        SimdLevel::Avx2 => unsafe { avx2(job, positions, normals) },
+        SimdLevel::Avx2 => unsafe { avx2(job, room, positions, normals) },
         // SAFETY: always there.
-        _ => unsafe { evaluate::<Portable, Portable>(job, positions, normals) },
+        _ => unsafe { evaluate::<Portable, Portable>(job, room, positions, normals) },
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2")]
-fn avx512(job: Job<'_>, positions: &mut [f32], normals: Option<&mut [f32]>) -> Aabb {
+fn avx512<'a>(job: Job<'a>, room: &mut Room<'a>, positions: &mut [f32], normals: Option<&mut [f32]>) -> Aabb {
     // SAFETY: the attribute says so.
-    unsafe { evaluate::<Avx2, Avx512>(job, positions, normals) }
+    unsafe { evaluate::<Avx2, Avx512>(job, room, positions, normals) }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn avx2(job: Job<'_>, positions: &mut [f32], normals: Option<&mut [f32]>) -> Aabb {
+fn avx2<'a>(job: Job<'a>, room: &mut Room<'a>, positions: &mut [f32], normals: Option<&mut [f32]>) -> Aabb {
     // SAFETY: the attribute says so.
-    unsafe { evaluate::<Avx2, Avx2>(job, positions, normals) }
+    unsafe { evaluate::<Avx2, Avx2>(job, room, positions, normals) }
 }
 
 /// Position and unit normal of one vertex: the same bits as [`block`] gives.
@@ -69,162 +69,168 @@ pub(crate) fn vertex(instance: &Instance, skin: &Skin, v: usize) -> (Vec3, Optio
     let n = 3 * block_range(block, skin.vertex_count()).len();
     let (mut positions, mut normals): (Flat, Flat) = ([0.0; 3 * BLOCK], [0.0; 3 * BLOCK]);
     let some = skin.mesh.normals().is_some();
-    self::block(Job { instance, skin, block }, &mut positions[..n], some.then_some(&mut normals[..n]));
+    self::block(Job { instance, skin, block }, &mut Room::new(), &mut positions[..n], some.then_some(&mut normals[..n]));
     let at = |f: &Flat| Vec3::new(f[3 * i], f[3 * i + 1], f[3 * i + 2]);
     (at(&positions), some.then(|| at(&normals)))
 }
 
-/// A part that moves vertices of the block.
-#[derive(Clone, Copy)]
-struct Active<'a> {
-    dent: usize,
-    part: &'a Part,
-    scale: f32,
-    /// Displacements of the example no longer than this are left out, m.
-    least: f32,
-    /// Nothing in the block is moved further by it, m.
-    longest: f32,
+/// What evaluating blocks needs of memory, used over and over.
+pub(crate) struct Room<'a> {
+    parts: Vec<Ready<'a>>,
+    base: Flat,
+    base_normals: Flat,
+    positions: Flat,
+    normals: Flat,
 }
 
-/// The parts of an instance's dents that move vertices of the block, in order.
-fn active<'a>(job: Job<'a>) -> impl Iterator<Item = Active<'a>> {
-    let dents = job.instance.damage().dents().iter().enumerate();
-    dents.flat_map(move |(dent, d)| d.parts.iter().filter_map(move |part| one(job, dent, d, part)))
+impl Room<'_> {
+    pub(crate) fn new() -> Self {
+        let zero = [0.0; 3 * BLOCK];
+        Room { parts: Vec::new(), base: zero, base_normals: zero, positions: zero, normals: zero }
+    }
 }
 
-fn one<'a>(job: Job<'a>, dent: usize, d: &Dent, part: &'a Part) -> Option<Active<'a>> {
-    let skin = job.skin;
-    let longest = match &part.carried {
-        Some(c) if c.reaches(&skin.block_bounds[job.block]) => {
-            job.instance.example_set().examples()[part.example].stamp()?.longest
+/// The parts of an instance's dents that move vertices of the block, in order, each with the length below which it moves none.
+fn active<'a>(job: Job<'a>, parts: &mut Vec<Ready<'a>>) -> Touched {
+    parts.clear();
+    let mut touched = Touched { dents: 0, longest: 0.0, stored: false };
+    for dent in job.instance.damage().dents() {
+        let before = parts.len();
+        for part in &dent.parts {
+            if let Some((source, longest)) = reached(job, part) {
+                let scale = part.scale * dent.strength;
+                let least = if scale == 0.0 { 0.0 } else { job.instance.least() / scale.abs() };
+                if least == 0.0 || longest > least {
+                    parts.push(Ready { source, scale, least, last: false });
+                    touched.longest += longest * scale.abs();
+                    touched.stored |= part.carried.is_none();
+                }
+            }
         }
-        Some(_) => return None,
-        None => skin.anchored[part.example].block(job.block as u32)?.longest,
-    };
-    let scale = part.scale * d.strength;
-    let least = if scale == 0.0 { 0.0 } else { job.instance.least() / scale.abs() };
-    (least == 0.0 || longest > least).then(|| Active { dent, part, scale, least, longest: longest * scale.abs() })
+        if parts.len() > before {
+            touched.dents += 1;
+            parts.last_mut().into_iter().for_each(|p| p.last = true);
+        }
+    }
+    touched
+}
+
+/// What moves a block.
+struct Touched {
+    dents: usize,
+    /// No vertex is moved further by all of them together, m.
+    longest: f32,
+    /// Whether anchored examples are among them.
+    stored: bool,
+}
+
+/// What a part brings to the block, if anything, and the longest of its displacements, m.
+fn reached<'a>(job: Job<'a>, part: &'a Part) -> Option<(From<'a>, f32)> {
+    let skin = job.skin;
+    match &part.carried {
+        Some(c) if c.reaches(&skin.block_bounds[job.block]) => {
+            let stamp = job.instance.example_set().examples()[part.example].stamp()?;
+            Some((From::Carried(c, stamp), stamp.longest))
+        }
+        Some(_) => None,
+        None => {
+            let anchored = &skin.anchored[part.example];
+            let head = anchored.block(job.block as u32)?;
+            Some((From::Stored(anchored.displacements(head), anchored.normals(head)), head.longest))
+        }
+    }
 }
 
 /// # Safety
 /// Where the instructions of `N` and `W` are there. `N` has eight lanes.
 #[inline(always)]
-unsafe fn evaluate<N: Simd, W: Simd>(job: Job<'_>, positions: &mut [f32], normals: Option<&mut [f32]>) -> Aabb {
+unsafe fn evaluate<'a, N: Simd, W: Simd>(
+    job: Job<'a>,
+    room: &mut Room<'a>,
+    positions: &mut [f32],
+    normals: Option<&mut [f32]>,
+) -> Aabb {
     debug_assert_eq!(N::LANES, GROUP);
     let mesh = &job.skin.mesh;
     let range = block_range(job.block, job.skin.vertex_count());
     let base: &[f32] = bytemuck::cast_slice(&mesh.positions()[range.clone()]);
     let base_normals: Option<&[f32]> = mesh.normals().map(|n| bytemuck::cast_slice(&n[range.clone()]));
-    let mut normals = normals.zip(base_normals);
+    let normals = normals.zip(base_normals);
     if let Some(state) = job.instance.classic_state() {
         return classic(state, range.start, positions, normals);
     }
-    let mut parts = active(job);
-    let (first, second) = (parts.next(), parts.next());
-    let Some(first) = first else {
+    let touched = active(job, &mut room.parts);
+    if touched.dents == 0 {
         positions.copy_from_slice(base);
         if let Some((normals, base)) = normals {
             normals.copy_from_slice(base);
         }
         return job.skin.block_bounds[job.block];
-    };
-    let limit = job.instance.depth_limit();
-    // Rounding never takes a length over the limit by this much.
-    let reaches_limit = |longest: f32| longest * 1.00001 > limit;
-    if second.is_none()
-        && normals.is_none()
-        && first.least == 0.0
-        && !reaches_limit(first.longest)
-        && first.part.carried.is_none()
-    {
-        let anchored = &job.skin.anchored[first.part.example];
-        if let Some(head) = anchored.block(job.block as u32) {
-            // SAFETY: passed on.
-            let (min, max) = unsafe {
-                kernel::displace_stored::<N>(base, &anchored.displacements(head), first.scale, positions).bounds()
-            };
-            return Aabb { min, max };
-        }
     }
-    let rim = job.skin.rim.block(job.block);
-    let groups = (0, range.len().div_ceil(16));
-    let (mut at, mut sum) = (Soa::ZERO, Soa::ZERO);
-    // Only where they are needed: base normals, sums of their changes and unit normals; one dent and squares of several.
-    let (mut base_n, mut sum_n) = (Soa::ZERO, Soa::ZERO);
-    let (mut dent, mut dent_n, mut squares) = (Soa::ZERO, Soa::ZERO, [0.0f32; BLOCK]);
-    // SAFETY: passed on.
-    unsafe {
-        kernel::split::<N>(base, &mut at);
-        if let Some((_, base)) = &normals {
-            kernel::split::<N>(base, &mut base_n);
-        }
-        let mut longest = 0.0;
-        let lengths = match job.instance.example_set().options().combine {
+    // Rounding never takes a length over the limit by this much.
+    let limit = job.instance.depth_limit();
+    let limit = (touched.longest * 1.00001 > limit).then_some(limit);
+    if let ([Ready { source: From::Stored(stored, _), scale, least: 0.0, .. }], None, None) = (&room.parts[..], &normals, limit) {
+        // SAFETY: passed on.
+        let (min, max) = unsafe { kernel::displace_stored::<N>(base, stored, *scale, positions) };
+        return Aabb { min, max };
+    }
+    let block = Block {
+        base: whole(base, &mut room.base),
+        base_normals: normals.as_ref().map(|(_, base)| whole(base, &mut room.base_normals)),
+        len: range.len(),
+        parts: &room.parts,
+        window: job.skin.rim.block(job.block),
+        several: touched.dents > 1,
+        lengths: match job.instance.example_set().options().combine {
             Combine::Sum => Lengths::Free,
             Combine::Energies => Lengths::Squares,
             Combine::Deepest => Lengths::Longest,
-        };
-        // A lone dent needs no sums of its own.
-        let alone = active(job).all(|p| p.dent == first.dent);
-        let mut current = first.dent;
-        for p in active(job) {
-            if p.dent != current {
-                kernel::add_dent::<N>(&mut dent, &mut sum, &mut squares, lengths);
-                current = p.dent;
-            }
-            longest += p.longest;
-            let to = if alone { &mut sum } else { &mut dent };
-            match &p.part.carried {
-                None => {
-                    let anchored = &job.skin.anchored[p.part.example];
-                    let Some(head) = anchored.block(job.block as u32) else { continue };
-                    kernel::add_stored::<N>(&anchored.displacements(head), p.scale, p.least, to);
-                    if normals.is_some() {
-                        kernel::add_stored::<N>(&anchored.normals(head), p.scale, 0.0, &mut sum_n);
-                    }
-                }
-                Some(carried) => {
-                    let Some(stamp) = job.instance.example_set().examples()[p.part.example].stamp() else { continue };
-                    let look =
-                        Look { carried, stamp, scale: p.scale, least: p.least, window: rim, base: &at };
-                    let normals = normals.is_some().then_some((&base_n, &mut sum_n));
-                    kernel::add_carried::<W>(&look, groups, to, normals);
-                }
-            }
+        },
+        limit,
+    };
+    // The last block of a mesh may be short.
+    let short = range.len() < BLOCK;
+    let with_normals = normals.is_some();
+    let to = if short { &mut room.positions } else { into(positions, &mut room.positions) };
+    let mut normals = normals.map(|(n, _)| n);
+    let to_normals = match &mut normals {
+        Some(n) if !short => into(n, &mut room.normals),
+        _ => &mut room.normals,
+    };
+    // SAFETY: passed on.
+    let (min, max) = unsafe {
+        match (touched.stored, with_normals) {
+            (true, true) => kernel::displace::<N, true>(&block, to, to_normals),
+            (true, false) => kernel::displace::<N, false>(&block, to, to_normals),
+            (false, true) => kernel::displace::<W, true>(&block, to, to_normals),
+            (false, false) => kernel::displace::<W, false>(&block, to, to_normals),
         }
-        if !alone {
-            kernel::add_dent::<N>(&mut dent, &mut sum, &mut squares, lengths);
+    };
+    if short {
+        positions.copy_from_slice(&room.positions[..positions.len()]);
+        if let Some(n) = normals {
+            n.copy_from_slice(&room.normals[..n.len()]);
         }
-        let finish = Finish {
-            base: &at,
-            normals: normals.is_some().then_some((&base_n, &sum_n)),
-            squares: (!alone).then_some(&squares),
-            lengths,
-            limit: reaches_limit(longest).then_some(limit),
-        };
-        kernel::finish::<N>(&finish, &mut sum, normals.is_some().then_some(&mut dent_n));
-        write::<N>(&sum, positions);
-        if let Some((normals, _)) = &mut normals {
-            write::<N>(&dent_n, normals);
-        }
-        let (min, max) = kernel::bounds::<N>(&sum, range.len());
-        Aabb { min, max }
     }
+    Aabb { min, max }
 }
 
-/// # Safety
-/// As [`evaluate`].
-#[inline(always)]
-unsafe fn write<N: Simd>(from: &Soa, to: &mut [f32]) {
-    // SAFETY: passed on.
-    unsafe {
-        if let Ok(whole) = <&mut Flat>::try_from(&mut *to) {
-            kernel::join::<N>(from, whole);
-        } else {
-            let mut whole = [0.0; 3 * BLOCK];
-            kernel::join::<N>(from, &mut whole);
-            to.copy_from_slice(&whole[..to.len()]);
-        }
+/// A whole block: `from`, or `room` with its floats and zeros where it is short.
+fn whole<'b>(from: &'b [f32], room: &'b mut Flat) -> &'b Flat {
+    if let Some(whole) = from.first_chunk() {
+        return whole;
+    }
+    room.fill(0.0);
+    room[..from.len()].copy_from_slice(from);
+    room
+}
+
+/// A whole block to write: `to` itself, unless it is short.
+fn into<'b>(to: &'b mut [f32], room: &'b mut Flat) -> &'b mut Flat {
+    match to.first_chunk_mut() {
+        Some(whole) => whole,
+        None => room,
     }
 }
 

@@ -209,6 +209,13 @@ impl<'a> VertexMemory<'a> {
 /// # Safety
 /// The values of all these vertices lie within the stream, and no other thread accesses them.
 unsafe fn put_all(s: &RawStream, first: usize, values: &[f32]) {
+    if s.layout.stride == 12 {
+        // SAFETY: one after the other, so that all lie within the stream; bytes need no alignment.
+        return unsafe {
+            let to = s.data.add(s.layout.offset + first * s.layout.stride);
+            values.as_ptr().cast::<u8>().copy_to_nonoverlapping(to, size_of_val(values));
+        };
+    }
     for (i, v) in values.chunks_exact(3).enumerate() {
         // SAFETY: passed on.
         unsafe { put(s, first + i, [v[0], v[1], v[2]]) }

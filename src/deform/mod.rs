@@ -68,8 +68,9 @@ pub fn deform(jobs: &mut [DeformJob<'_, '_>], tasks: &dyn TaskSystem) -> Result<
         let chunk = total.div_ceil(tasks.workers().max(1) * PIECES).clamp(1, BLOCKS_A_TASK);
         run_each(tasks, total.div_ceil(chunk), &|t| {
             let from = t * chunk;
+            let mut room = Room { evaluate: evaluate::Room::new(), positions: [0.0; 3 * BLOCK], normals: [0.0; 3 * BLOCK] };
             for (i, (job, block)) in items[from..(from + chunk).min(total)].iter().enumerate() {
-                let b = write_block(&jobs[*job as usize], *block as usize);
+                let b = write_block(&jobs[*job as usize], *block as usize, &mut room);
                 // SAFETY: item `from + i` belongs to this task alone, and `run_each` runs a task once.
                 unsafe { slots.set(from + i, b) };
             }
@@ -124,31 +125,38 @@ fn check(job: &DeformJob<'_, '_>) -> Result<(), Error> {
     job.memory.check_size(mesh.positions().len())
 }
 
-fn write_block(job: &DeformJob<'_, '_>, b: usize) -> Aabb {
+/// What a task needs of memory, used over and over.
+struct Room<'a> {
+    evaluate: evaluate::Room<'a>,
+    positions: evaluate::Flat,
+    normals: evaluate::Flat,
+}
+
+fn write_block<'a>(job: &'a DeformJob<'_, '_>, b: usize, room: &mut Room<'a>) -> Aabb {
     let skin = job.skin();
     let range = block_range(b, skin.vertex_count());
     let with_tangents = job.memory.has_tangents() && skin.mesh.normals().is_some();
     let block = evaluate::Job { instance: job.instance, skin, block: b };
     let n = 3 * range.len();
-    let mut normals: evaluate::Flat = [0.0; 3 * BLOCK];
-    let wanted = (job.memory.has_normals() || with_tangents).then_some(&mut normals[..n]);
+    let Room { evaluate: room, positions, normals } = room;
+    let (positions, normals) = (&mut positions[..n], &mut normals[..n]);
+    let wanted = (job.memory.has_normals() || with_tangents).then_some(&mut *normals);
     // SAFETY: `check` passed for all vertices; the blocks of an output are distinct and outputs do not overlap.
     let bounds = match unsafe { job.memory.positions(range.clone()) } {
-        Some(positions) => evaluate::block(block, positions, wanted),
+        Some(positions) => evaluate::block(block, room, positions, wanted),
         None => {
-            let mut positions: evaluate::Flat = [0.0; 3 * BLOCK];
-            let bounds = evaluate::block(block, &mut positions[..n], wanted);
+            let bounds = evaluate::block(block, room, positions, wanted);
             // SAFETY: the same.
-            unsafe { job.memory.write_positions(range.start, &positions[..n]) };
+            unsafe { job.memory.write_positions(range.start, positions) };
             bounds
         }
     };
     if job.memory.has_normals() {
         // SAFETY: the same.
-        unsafe { job.memory.write_normals(range.start, &normals[..n]) };
+        unsafe { job.memory.write_normals(range.start, normals) };
     }
     if job.memory.has_tangents() {
-        for (i, n) in normals[..n].chunks_exact(3).enumerate() {
+        for (i, n) in normals.chunks_exact(3).enumerate() {
             let tangent = evaluate::tangent(skin, range.start + i, Vec3::from_slice(n));
             // SAFETY: the same.
             unsafe { job.memory.write_tangent(range.start + i, tangent) };

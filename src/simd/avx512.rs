@@ -68,6 +68,20 @@ impl Simd for Avx512 {
         unsafe { _mm512_max_ps(a, b) }
     }
     #[inline(always)]
+    unsafe fn lowest(a: __m512) -> f32 {
+        unsafe {
+            let [lo, hi] = halves(a);
+            Avx2::lowest(_mm256_min_ps(lo, hi))
+        }
+    }
+    #[inline(always)]
+    unsafe fn highest(a: __m512) -> f32 {
+        unsafe {
+            let [lo, hi] = halves(a);
+            Avx2::highest(_mm256_max_ps(lo, hi))
+        }
+    }
+    #[inline(always)]
     unsafe fn equal(a: __m512, b: __m512) -> __mmask16 {
         unsafe { _mm512_cmp_ps_mask::<_CMP_EQ_OQ>(a, b) }
     }

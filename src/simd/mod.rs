@@ -113,6 +113,10 @@ pub(crate) trait Simd: Copy {
     unsafe fn greater(a: Self::F, b: Self::F) -> Self::M;
     unsafe fn both(a: Self::M, b: Self::M) -> Self::M;
     unsafe fn any(m: Self::M) -> bool;
+    /// The least of the lanes, which are numbers.
+    unsafe fn lowest(a: Self::F) -> f32;
+    /// The greatest of the lanes, which are numbers.
+    unsafe fn highest(a: Self::F) -> f32;
     /// `a` where `m`, else `b`.
     unsafe fn select(m: Self::M, a: Self::F, b: Self::F) -> Self::F;
 

@@ -61,6 +61,14 @@ impl Simd for Portable {
         a.simd_gt(b).select(a, b)
     }
     #[inline(always)]
+    unsafe fn lowest(a: f32x8) -> f32 {
+        a.to_array().into_iter().fold(f32::INFINITY, |m, x| if x < m { x } else { m })
+    }
+    #[inline(always)]
+    unsafe fn highest(a: f32x8) -> f32 {
+        a.to_array().into_iter().fold(f32::NEG_INFINITY, |m, x| if x > m { x } else { m })
+    }
+    #[inline(always)]
     unsafe fn equal(a: f32x8, b: f32x8) -> f32x8 {
         a.simd_eq(b)
     }
