@@ -278,7 +278,7 @@ impl ExampleSet {
             });
         }
         let (mesh, smooth) = Mesh::new(mesh)?;
-        let index = VertexIndex::new(mesh.positions(), mesh.weld());
+        let index = VertexIndex::new(mesh.positions(), mesh.weld(), tasks);
         let seams = seam_groups(mesh.weld());
         let builder = ExampleBuilder { mesh: &mesh, index: &index, seams: &seams, smooth: &smooth, options: &options };
         let slots: Vec<Mutex<Option<Result<Built, Error>>>> = examples.iter().map(|_| Mutex::new(None)).collect();
@@ -379,7 +379,8 @@ impl ExampleSet {
     /// Memory held for mesh and examples, bytes.
     pub fn memory_bytes(&self) -> usize {
         let v = self.vertex_count();
-        let mesh = v * (12 + 4 + 16) // positions, welds, the spatial index's leaves
+        let mesh = v * (12 + 4) // positions, welds
+            + self.index.bytes()
             + self.mesh.normals().map_or(0, |n| n.len() * 24)
             + self.mesh.tangents().map_or(0, |t| t.len() * 16)
             + self.mesh.triangles().len() * 12;
