@@ -338,6 +338,7 @@ impl ExampleSet {
             triangle_index: OnceLock::new(),
         };
         set.learned = learn(&set, tasks);
+        set.images.arrange(&set.mesh, &set.examples, &set.learned);
         Ok(set)
     }
 
@@ -384,7 +385,7 @@ impl ExampleSet {
             + self.mesh.normals().map_or(0, |n| n.len() * 24)
             + self.mesh.tangents().map_or(0, |t| t.len() * 16)
             + self.mesh.triangles().len() * 12;
-        let images = self.images.len() * size_of::<crate::images::Image>();
+        let images = self.images.bytes();
         mesh + self.report.anchored_bytes
             + self.report.stamp_bytes
             + self.block_bounds.len() * 24

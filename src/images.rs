@@ -1,9 +1,11 @@
 //! What selection compares a hit with: every example, and its mirror images where the body has mirror planes.
 
+use crate::examples::ANCHORED_WITHIN;
+use crate::few::Few;
 use crate::math::rotation_between;
 use crate::mirror::{self, Mirror};
-use crate::weights::Axes;
-use crate::{Example, Mesh, Placement};
+use crate::weights::{Axes, CANDIDATES};
+use crate::{Example, Learned, Mesh, Placement};
 use glam::Vec3;
 use rstar::{RTree, primitives::GeomWithData};
 
@@ -19,10 +21,17 @@ const REACH: f32 = 0.1;
 const UPRIGHT: f32 = 0.002;
 /// … and one that leans more than the most leaning example by this factor is not what a dent's contact does.
 const BEYOND: f32 = 3.0;
+/// One plus the cosine of two normals: below it they are nearly opposite.
+const OPPOSITE: f32 = 1e-2;
 /// Two images are one when they differ by no more than this: in place (share of the diagonal), logarithm of depth, and lean.
 const SAME: (f32, f32, f32) = (0.01, 0.02, 0.01);
 /// Two examples are copies of each other when they differ by no more than this in logarithm of depth and in lean.
 const TWIN: (f32, f32) = (1e-3, 2e-3);
+
+/// Images that are measured together, in vector operations.
+const LANES: usize = 8;
+/// What a bound on a squared distance may be off by: a few roundings, relative and (below the normal numbers) absolute.
+const SLACK: (f32, f32) = (4e-6, 1e-30);
 
 /// An example, or its mirror image, at its own contact.
 #[derive(Debug, Clone, Copy)]
@@ -64,6 +73,8 @@ impl Image {
 #[derive(Debug, Default)]
 pub(crate) struct Images {
     images: Vec<Image>,
+    /// The same, side by side; empty until [`Images::arrange`].
+    lanes: Vec<Lanes>,
     /// The longest lean of any example.
     lean: f32,
     diagonal: f32,
@@ -91,15 +102,77 @@ impl Images {
         }
         images.sort_by_key(|i| (i.example, i.mirror));
         let lean = images.iter().map(|i| i.lean.length()).fold(0.0, f32::max);
-        Images { images, lean, diagonal, planes, centre }
+        Images { images, lanes: Vec::new(), lean, diagonal, planes, centre }
     }
 
     pub(crate) fn iter(&self) -> impl Iterator<Item = &Image> {
         self.images.iter()
     }
 
-    pub(crate) fn len(&self) -> usize {
-        self.images.len()
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&self.images[..]) + size_of_val(&self.lanes[..])
+    }
+
+    /// Makes ready for [`Images::search`]: what was learned decides which examples may stay where they were made.
+    pub(crate) fn arrange(&mut self, mesh: &Mesh, examples: &[Example], learned: &Learned) {
+        let lane = |image: &Image| {
+            let i = image.example as usize;
+            let e = &examples[i];
+            let here = ANCHORED_WITHIN * e.support_radius();
+            let stays = e.placement() == Placement::Anchored || learned.anchored[i];
+            if image.mirror != Mirror::NONE || e.placement() == Placement::Carried {
+                return (-1.0, e.depth());
+            }
+            let near = if stays { here.max(reach(mesh, e)) } else { here };
+            let depth = if e.placement() == Placement::Anchored { -1.0 } else { e.depth() };
+            (near * near * (1.0 + 1e-5) + f32::MIN_POSITIVE, depth)
+        };
+        self.lanes = self
+            .images
+            .chunks(LANES)
+            .map(|chunk| {
+                let mut lanes = Lanes::EMPTY;
+                for (i, image) in chunk.iter().enumerate() {
+                    let (near, depth) = lane(image);
+                    lanes.set(i, image, near, depth);
+                }
+                lanes
+            })
+            .collect();
+    }
+
+    /// Calls `here` with every image whose example may be anchored for the hit (it returns the squared distance of what answers
+    /// otherwise than alone), and `near` with those others that can be among the [`CANDIDATES`] nearest when they are
+    /// carried: all of these, and few besides.
+    pub(crate) fn search(
+        &self,
+        hit: &Around,
+        mut here: impl FnMut(&Image) -> Option<f32>,
+        mut near: impl FnMut(&Image),
+    ) {
+        let mut nearest = Bar::new();
+        let mut waiting: Few<(f32, usize), 32> = Few::new();
+        let mut settle = |waiting: &mut Few<(f32, usize), 32>, limit: f32| {
+            waiting.iter().filter(|w| w.0 <= limit).for_each(|w| near(&self.images[w.1]));
+            waiting.clear();
+        };
+        for (lanes, first) in self.lanes.iter().zip((0..).step_by(LANES)) {
+            for (bound, i) in hit.bounds(lanes).into_iter().zip(first..) {
+                if bound > nearest.limit {
+                    continue;
+                }
+                if bound == f32::NEG_INFINITY {
+                    here(&self.images[i]).into_iter().for_each(|d| nearest.add(d));
+                    continue;
+                }
+                if waiting.len() == 32 {
+                    settle(&mut waiting, nearest.limit);
+                }
+                waiting.push((bound, i));
+                nearest.add(bound);
+            }
+        }
+        settle(&mut waiting, nearest.limit);
     }
 
     /// Whether `b` is `a` over again, moved or mirrored (a copy by symmetry): leaving one out and keeping the other teaches
@@ -114,6 +187,75 @@ impl Images {
             let lean = turned(image.lean, image.normal, own.normal);
             (image.log_depth - own.log_depth).abs() <= TWIN.0 && (lean - own.lean).length() <= TWIN.1
         })
+    }
+}
+
+/// Nothing further from an example's contact is moved enough for the example to answer there without being carried, m.
+fn reach(mesh: &Mesh, e: &Example) -> f32 {
+    let least = REACH * e.depth() * (1.0 - 1e-5);
+    let moved = e.anchored().iter().filter(|(_, u, _)| u.length() >= least);
+    moved.map(|(v, _, _)| (mesh.positions()[v as usize] - e.contact_point()).length()).fold(0.0, f32::max)
+}
+
+/// Some images side by side. Places without one never answer.
+#[derive(Debug, Clone, Copy)]
+struct Lanes {
+    point: [[f32; LANES]; 3],
+    normal: [[f32; LANES]; 3],
+    lean: [[f32; LANES]; 3],
+    /// Normal times direction.
+    along: [f32; LANES],
+    log_depth: [f32; LANES],
+    /// Depth of the example, m; -1 where it is not carried.
+    depth: [f32; LANES],
+    /// Squared distance, m², up to which the example may be anchored for a hit; -1 where it never is.
+    near: [f32; LANES],
+}
+
+impl Lanes {
+    const EMPTY: Lanes = {
+        let zero = [0.0; LANES];
+        Lanes {
+            point: [zero; 3],
+            normal: [zero; 3],
+            lean: [zero; 3],
+            along: zero,
+            log_depth: zero,
+            depth: [-1.0; LANES],
+            near: [-1.0; LANES],
+        }
+    };
+
+    fn set(&mut self, i: usize, image: &Image, near: f32, depth: f32) {
+        for axis in 0..3 {
+            self.point[axis][i] = image.point[axis];
+            self.normal[axis][i] = image.normal[axis];
+            self.lean[axis][i] = image.lean[axis];
+        }
+        self.along[i] = image.normal.dot(image.direction);
+        self.log_depth[i] = image.log_depth;
+        (self.depth[i], self.near[i]) = (depth, near);
+    }
+}
+
+/// The least bounds so far, and from them the distance beyond which no image can be among the nearest.
+struct Bar {
+    least: [f32; CANDIDATES],
+    limit: f32,
+}
+
+impl Bar {
+    fn new() -> Self {
+        Bar { least: [f32::MAX; CANDIDATES], limit: f32::MAX }
+    }
+
+    fn add(&mut self, bound: f32) {
+        for i in (1..CANDIDATES).rev() {
+            self.least[i] = self.least[i].min(self.least[i - 1].max(bound));
+        }
+        self.least[0] = self.least[0].min(bound);
+        // Twice the slack and more: the bounds were lowered by it.
+        self.limit = (self.least[CANDIDATES - 1] * (1.0 + 3.0 * SLACK.0) + 3.0 * SLACK.1).min(f32::MAX);
     }
 }
 
@@ -161,6 +303,36 @@ impl<'a> Around<'a> {
         }
     }
 
+    /// Bounds from below on the squared distances of images when they are carried: infinity where one does not answer, minus
+    /// infinity where its example may be anchored, or where only [`Around::axes`] can tell.
+    ///
+    /// Whether one answers is decided by the very operations of [`Around::axes`]. Of the distance only the divisions by widths
+    /// are made products, which is within the slack.
+    #[inline]
+    fn bounds(&self, lanes: &Lanes) -> [f32; LANES] {
+        let (normal, known) = (self.normal.unwrap_or(Vec3::ZERO), self.lean.unwrap_or(Vec3::ZERO));
+        let negligible = if self.normal.is_some() { self.negligible } else { f32::INFINITY };
+        let (place, size) = (1.0 / self.place.0, 1.0 / SIZE_WIDTH);
+        let leaning = if self.lean.is_some() { 1.0 / LEAN_WIDTH } else { 0.0 };
+        let at = |of: &[[f32; LANES]; 3], i: usize| Vec3::new(of[0][i], of[1][i], of[2][i]);
+        let mut bounds = [0.0; LANES];
+        for (i, bound) in bounds.iter_mut().enumerate() {
+            let off = at(&lanes.point, i) - self.point;
+            let (a, v) = (at(&lanes.normal, i), at(&lanes.lean, i));
+            let k = 1.0 + a.dot(normal);
+            let lean = v - (a + normal) * (v.dot(normal) / k);
+            let cos = (normal * lanes.along[i] + lean).dot(self.direction);
+            let (p, l) = (off * place, (lean - known) * leaning);
+            let depth = (lanes.log_depth[i] - self.log_size) * size;
+            let d = p.dot(p) + depth * depth + l.dot(l);
+            let answers = cos > 1e-3 && lanes.depth[i] >= negligible;
+            let d = if answers { d * (1.0 - SLACK.0) - SLACK.1 } else { f32::INFINITY };
+            let unclear = off.dot(off) <= lanes.near[i] || k < OPPOSITE;
+            *bound = if unclear { f32::NEG_INFINITY } else { d };
+        }
+        bounds
+    }
+
     /// An image relative to the hit; `None` where it cannot answer it.
     pub(crate) fn axes(&self, image: &Image, anchored: bool) -> Option<Axes> {
         let e = &self.examples[image.example as usize];
@@ -194,7 +366,7 @@ impl<'a> Around<'a> {
 /// `v`, at right angles to unit vector `a`, turned by the smallest rotation from `a` to unit vector `b`.
 fn turned(v: Vec3, a: Vec3, b: Vec3) -> Vec3 {
     let k = 1.0 + a.dot(b);
-    if k < 1e-2 { rotation_between(a, b) * v } else { v - (a + b) * (v.dot(b) / k) }
+    if k < OPPOSITE { rotation_between(a, b) * v } else { v - (a + b) * (v.dot(b) / k) }
 }
 
 /// Whether an automatic example's placement is decided by what it knows of its surroundings.
