@@ -2,11 +2,11 @@
 
 use crate::examples::ANCHORED_WITHIN;
 use crate::few::Few;
-use crate::math::rotation_between;
+use crate::math::{Aabb, rotation_between};
 use crate::mirror::{self, Mirror};
 use crate::weights::{Axes, CANDIDATES};
 use crate::{Example, Learned, Mesh, Placement};
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use rstar::{RTree, primitives::GeomWithData};
 
 /// Axis width over the natural logarithm of the ratio of depths.
@@ -29,7 +29,7 @@ const SAME: (f32, f32, f32) = (0.01, 0.02, 0.01);
 const TWIN: (f32, f32) = (1e-3, 2e-3);
 
 /// Images that are measured together, in vector operations.
-const LANES: usize = 8;
+const LANES: usize = 4;
 /// What a bound on a squared distance may be off by: a few roundings, relative and (below the normal numbers) absolute.
 const SLACK: (f32, f32) = (4e-6, 1e-30);
 
@@ -127,52 +127,48 @@ impl Images {
             let depth = if e.placement() == Placement::Anchored { -1.0 } else { e.depth() };
             (near * near * (1.0 + 1e-5) + f32::MIN_POSITIVE, depth)
         };
-        self.lanes = self
-            .images
-            .chunks(LANES)
-            .map(|chunk| {
-                let mut lanes = Lanes::EMPTY;
-                for (i, image) in chunk.iter().enumerate() {
-                    let (near, depth) = lane(image);
-                    lanes.set(i, image, near, depth);
-                }
-                lanes
-            })
-            .collect();
+        let mut order: Vec<u32> = (0..self.images.len() as u32).collect();
+        cluster(&self.images, &mut order);
+        let group = |group: &[u32]| {
+            let mut lanes = Lanes::EMPTY;
+            for (i, at) in group.iter().enumerate() {
+                let image = &self.images[*at as usize];
+                let (near, depth) = lane(image);
+                lanes.set(i, *at, image, near, depth);
+            }
+            lanes
+        };
+        self.lanes = order.chunks(LANES).map(group).collect();
     }
 
-    /// Calls `here` with every image whose example may be anchored for the hit (it returns the squared distance of what answers
-    /// otherwise than alone), and `near` with those others that can be among the [`CANDIDATES`] nearest when they are
-    /// carried: all of these, and few besides.
-    pub(crate) fn search(
-        &self,
-        hit: &Around,
-        mut here: impl FnMut(&Image) -> Option<f32>,
-        mut near: impl FnMut(&Image),
-    ) {
+    /// Calls `consider` with true and every image whose example may be anchored for the hit (it returns the squared distance of
+    /// what answers otherwise than alone), and with false and those others that can be among the [`CANDIDATES`] nearest when
+    /// they are carried: all of these, and few besides.
+    pub(crate) fn search(&self, hit: &Around, mut consider: impl FnMut(&Image, bool) -> Option<f32>) {
+        let wide = Wide::new(hit);
         let mut nearest = Bar::new();
-        let mut waiting: Few<(f32, usize), 32> = Few::new();
-        let mut settle = |waiting: &mut Few<(f32, usize), 32>, limit: f32| {
-            waiting.iter().filter(|w| w.0 <= limit).for_each(|w| near(&self.images[w.1]));
-            waiting.clear();
-        };
-        for (lanes, first) in self.lanes.iter().zip((0..).step_by(LANES)) {
-            for (bound, i) in hit.bounds(lanes).into_iter().zip(first..) {
+        let mut waiting: Few<(f32, u32), 32> = Few::new();
+        for lanes in &self.lanes {
+            let Some(bounds) = wide.bounds(lanes, nearest.limit) else { continue };
+            for (bound, i) in bounds.to_array().into_iter().zip(lanes.image) {
                 if bound > nearest.limit {
                     continue;
                 }
                 if bound == f32::NEG_INFINITY {
-                    here(&self.images[i]).into_iter().for_each(|d| nearest.add(d));
+                    consider(&self.images[i as usize], true).into_iter().for_each(|d| nearest.add(d));
                     continue;
                 }
                 if waiting.len() == 32 {
-                    settle(&mut waiting, nearest.limit);
+                    let near = waiting.iter().filter(|w| w.0 <= nearest.limit);
+                    near.for_each(|w| _ = consider(&self.images[w.1 as usize], false));
+                    waiting.clear();
                 }
                 waiting.push((bound, i));
                 nearest.add(bound);
             }
         }
-        settle(&mut waiting, nearest.limit);
+        let near = waiting.iter().filter(|w| w.0 <= nearest.limit);
+        near.for_each(|w| _ = consider(&self.images[w.1 as usize], false));
     }
 
     /// Whether `b` is `a` over again, moved or mirrored (a copy by symmetry): leaving one out and keeping the other teaches
@@ -200,33 +196,34 @@ fn reach(mesh: &Mesh, e: &Example) -> f32 {
 /// Some images side by side. Places without one never answer.
 #[derive(Debug, Clone, Copy)]
 struct Lanes {
-    point: [[f32; LANES]; 3],
-    normal: [[f32; LANES]; 3],
-    lean: [[f32; LANES]; 3],
+    point: [Vec4; 3],
+    normal: [Vec4; 3],
+    lean: [Vec4; 3],
     /// Normal times direction.
-    along: [f32; LANES],
-    log_depth: [f32; LANES],
+    along: Vec4,
+    log_depth: Vec4,
     /// Depth of the example, m; -1 where it is not carried.
-    depth: [f32; LANES],
+    depth: Vec4,
     /// Squared distance, m², up to which the example may be anchored for a hit; -1 where it never is.
-    near: [f32; LANES],
+    near: Vec4,
+    /// Their numbers.
+    image: [u32; LANES],
 }
 
 impl Lanes {
-    const EMPTY: Lanes = {
-        let zero = [0.0; LANES];
-        Lanes {
-            point: [zero; 3],
-            normal: [zero; 3],
-            lean: [zero; 3],
-            along: zero,
-            log_depth: zero,
-            depth: [-1.0; LANES],
-            near: [-1.0; LANES],
-        }
+    const EMPTY: Lanes = Lanes {
+        point: [Vec4::ZERO; 3],
+        normal: [Vec4::ZERO; 3],
+        lean: [Vec4::ZERO; 3],
+        along: Vec4::ZERO,
+        log_depth: Vec4::ZERO,
+        depth: Vec4::NEG_ONE,
+        near: Vec4::NEG_ONE,
+        image: [0; LANES],
     };
 
-    fn set(&mut self, i: usize, image: &Image, near: f32, depth: f32) {
+    fn set(&mut self, i: usize, at: u32, image: &Image, near: f32, depth: f32) {
+        self.image[i] = at;
         for axis in 0..3 {
             self.point[axis][i] = image.point[axis];
             self.normal[axis][i] = image.normal[axis];
@@ -236,6 +233,29 @@ impl Lanes {
         self.log_depth[i] = image.log_depth;
         (self.depth[i], self.near[i]) = (depth, near);
     }
+}
+
+/// Scalar products, summed as those of [`Vec3`] are.
+#[inline]
+fn dot(a: [Vec4; 3], b: [Vec4; 3]) -> Vec4 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Brings images that are near each other in place into groups of [`LANES`].
+fn cluster(images: &[Image], order: &mut [u32]) {
+    if order.len() <= LANES {
+        return;
+    }
+    let bounds = Aabb::of(order.iter().map(|i| &images[*i as usize].point));
+    let axis = (bounds.max - bounds.min).max_position();
+    let half = (order.len() / 2).next_multiple_of(LANES).min(order.len() - 1);
+    order.select_nth_unstable_by(half, |a, b| {
+        let at = |i: u32| images[i as usize].point[axis];
+        at(*a).total_cmp(&at(*b)).then(a.cmp(b))
+    });
+    let (a, b) = order.split_at_mut(half);
+    cluster(images, a);
+    cluster(images, b);
 }
 
 /// The least bounds so far, and from them the distance beyond which no image can be among the nearest.
@@ -303,36 +323,6 @@ impl<'a> Around<'a> {
         }
     }
 
-    /// Bounds from below on the squared distances of images when they are carried: infinity where one does not answer, minus
-    /// infinity where its example may be anchored, or where only [`Around::axes`] can tell.
-    ///
-    /// Whether one answers is decided by the very operations of [`Around::axes`]. Of the distance only the divisions by widths
-    /// are made products, which is within the slack.
-    #[inline]
-    fn bounds(&self, lanes: &Lanes) -> [f32; LANES] {
-        let (normal, known) = (self.normal.unwrap_or(Vec3::ZERO), self.lean.unwrap_or(Vec3::ZERO));
-        let negligible = if self.normal.is_some() { self.negligible } else { f32::INFINITY };
-        let (place, size) = (1.0 / self.place.0, 1.0 / SIZE_WIDTH);
-        let leaning = if self.lean.is_some() { 1.0 / LEAN_WIDTH } else { 0.0 };
-        let at = |of: &[[f32; LANES]; 3], i: usize| Vec3::new(of[0][i], of[1][i], of[2][i]);
-        let mut bounds = [0.0; LANES];
-        for (i, bound) in bounds.iter_mut().enumerate() {
-            let off = at(&lanes.point, i) - self.point;
-            let (a, v) = (at(&lanes.normal, i), at(&lanes.lean, i));
-            let k = 1.0 + a.dot(normal);
-            let lean = v - (a + normal) * (v.dot(normal) / k);
-            let cos = (normal * lanes.along[i] + lean).dot(self.direction);
-            let (p, l) = (off * place, (lean - known) * leaning);
-            let depth = (lanes.log_depth[i] - self.log_size) * size;
-            let d = p.dot(p) + depth * depth + l.dot(l);
-            let answers = cos > 1e-3 && lanes.depth[i] >= negligible;
-            let d = if answers { d * (1.0 - SLACK.0) - SLACK.1 } else { f32::INFINITY };
-            let unclear = off.dot(off) <= lanes.near[i] || k < OPPOSITE;
-            *bound = if unclear { f32::NEG_INFINITY } else { d };
-        }
-        bounds
-    }
-
     /// An image relative to the hit; `None` where it cannot answer it.
     pub(crate) fn axes(&self, image: &Image, anchored: bool) -> Option<Axes> {
         let e = &self.examples[image.example as usize];
@@ -360,6 +350,68 @@ impl<'a> Around<'a> {
         let p = (image.point - self.point) / width;
         let l = self.lean.map_or(Vec3::ZERO, |known| (lean - known) / LEAN_WIDTH);
         Some([p.x, p.y, p.z, (log_depth - self.log_size) / SIZE_WIDTH, l.x, l.y, l.z])
+    }
+}
+
+/// A hit, the same in all lanes.
+struct Wide {
+    point: [Vec4; 3],
+    normal: [Vec4; 3],
+    direction: [Vec4; 3],
+    lean: [Vec4; 3],
+    log_size: Vec4,
+    negligible: Vec4,
+    /// One over the widths of the place axes, m, and of the lean axes (0 where the lean is not known).
+    place: Vec4,
+    leaning: Vec4,
+}
+
+impl Wide {
+    fn new(hit: &Around) -> Self {
+        let wide = |v: Option<Vec3>| v.unwrap_or(Vec3::ZERO).to_array().map(Vec4::splat);
+        Wide {
+            point: wide(Some(hit.point)),
+            normal: wide(hit.normal),
+            direction: wide(Some(hit.direction)),
+            lean: wide(hit.lean),
+            log_size: Vec4::splat(hit.log_size),
+            // Without normals nothing is carried.
+            negligible: Vec4::splat(if hit.normal.is_some() { hit.negligible } else { f32::INFINITY }),
+            place: Vec4::splat(1.0 / hit.place.0),
+            leaning: Vec4::splat(if hit.lean.is_some() { 1.0 / LEAN_WIDTH } else { 0.0 }),
+        }
+    }
+
+    /// Bounds from below on the squared distances of images when they are carried: infinity where one does not answer, minus
+    /// infinity where its example may be anchored, or where only [`Around::axes`] can tell. `None` where all are above `limit`.
+    ///
+    /// Whether one answers is decided by the very operations of [`Around::axes`]. Of the distance only the divisions by widths
+    /// are made products, which is within the slack.
+    #[inline]
+    fn bounds(&self, lanes: &Lanes, limit: f32) -> Option<Vec4> {
+        #[inline]
+        fn each(f: impl Fn(usize) -> Vec4) -> [Vec4; 3] {
+            [f(0), f(1), f(2)]
+        }
+        let off = each(|i| lanes.point[i] - self.point[i]);
+        let p = each(|i| off[i] * self.place);
+        let depth = (lanes.log_depth - self.log_size) * (1.0 / SIZE_WIDTH);
+        let d = dot(p, p) + depth * depth;
+        let least = d * (1.0 - SLACK.0) - SLACK.1;
+        let here = dot(off, off).cmple(lanes.near);
+        if !(here | least.cmple(Vec4::splat(limit))).any() {
+            return None;
+        }
+        let k = Vec4::ONE + dot(lanes.normal, self.normal);
+        let t = dot(lanes.lean, self.normal) / k;
+        let lean = each(|i| lanes.lean[i] - (lanes.normal[i] + self.normal[i]) * t);
+        let cos = dot(each(|i| self.normal[i] * lanes.along + lean[i]), self.direction);
+        let l = each(|i| (lean[i] - self.lean[i]) * self.leaning);
+        let d = d + dot(l, l);
+        let answers = cos.cmpgt(Vec4::splat(1e-3)) & lanes.depth.cmpge(self.negligible);
+        let d = Vec4::select(answers, d * (1.0 - SLACK.0) - SLACK.1, Vec4::INFINITY);
+        let unclear = here | k.cmplt(Vec4::splat(OPPOSITE));
+        Some(Vec4::select(unclear, Vec4::NEG_INFINITY, d))
     }
 }
 

@@ -300,10 +300,6 @@ impl Candidates {
         let after = self.0.iter().rev().take_while(|other| c.order(other).is_lt()).count();
         self.0.insert(self.0.len() - after, c);
     }
-
-    fn iter(&self) -> impl Iterator<Item = &Candidate> {
-        self.0.iter()
-    }
 }
 
 fn nearest(set: &ExampleSet, p: &Params, contact: u32, direction: Vec3, size: f32, out: &mut Outcome) -> Effect {
@@ -327,28 +323,22 @@ fn nearest(set: &ExampleSet, p: &Params, contact: u32, direction: Vec3, size: f3
         let alone = anchored && here && (own_size || e.placement() == Placement::Anchored);
         Some((c, alone))
     };
-    let mut near = Candidates::new();
-    set.images().search(
-        &at,
-        |image| {
-            let (c, alone) = consider(image)?;
-            if !alone {
-                found.add(c);
-                return Some(c.d);
-            }
-            // At an example's own contact it answers alone: the artist's dent, not a mixture.
-            if own.as_ref().is_none_or(|o| c.d < o.d) {
-                own = Some(c);
-            }
-            None
-        },
-        |image| {
-            if let Some(axes) = at.axes(image, false) {
-                near.add(Candidate::new(image, false, axes));
-            }
-        },
-    );
-    near.iter().for_each(|c| found.add(*c));
+    set.images().search(&at, |image, may_stay| {
+        if !may_stay {
+            found.add(Candidate::new(image, false, at.axes(image, false)?));
+            return None;
+        }
+        let (c, alone) = consider(image)?;
+        if !alone {
+            found.add(c);
+            return Some(c.d);
+        }
+        // At an example's own contact it answers alone: the artist's dent, not a mixture.
+        if own.as_ref().is_none_or(|o| c.order(o).is_lt()) {
+            own = Some(c);
+        }
+        None
+    });
     let pairs = match own {
         Some(c) => pairs(&Candidates::of(c), 1),
         None => pairs(&found, p.examples_per_hit),
