@@ -30,6 +30,8 @@ const TWIN: (f32, f32) = (1e-3, 2e-3);
 
 /// Images that are measured together, in vector operations.
 const LANES: usize = 4;
+/// Images that wait until the bounds of the others are known: more than usually come to be among the nearest on the way.
+const WAITING: usize = 96;
 /// What a bound on a squared distance may be off by: a few roundings, relative and (below the normal numbers) absolute.
 const SLACK: (f32, f32) = (4e-6, 1e-30);
 
@@ -147,7 +149,7 @@ impl Images {
     pub(crate) fn search(&self, hit: &Around, mut consider: impl FnMut(&Image, bool) -> Option<f32>) {
         let wide = Wide::new(hit);
         let mut nearest = Bar::new();
-        let mut waiting: Few<(f32, u32), 32> = Few::new();
+        let mut waiting: Few<(f32, u32), WAITING> = Few::new();
         for lanes in &self.lanes {
             let Some(bounds) = wide.bounds(lanes, nearest.limit) else { continue };
             for (bound, i) in bounds.to_array().into_iter().zip(lanes.image) {
@@ -158,7 +160,7 @@ impl Images {
                     consider(&self.images[i as usize], true).into_iter().for_each(|d| nearest.add(d));
                     continue;
                 }
-                if waiting.len() == 32 {
+                if waiting.len() == WAITING {
                     let near = waiting.iter().filter(|w| w.0 <= nearest.limit);
                     near.for_each(|w| _ = consider(&self.images[w.1 as usize], false));
                     waiting.clear();
@@ -258,24 +260,29 @@ fn cluster(images: &[Image], order: &mut [u32]) {
     cluster(images, b);
 }
 
-/// The least bounds so far, and from them the distance beyond which no image can be among the nearest.
+/// The least bounds so far, least first, and from them the distance beyond which no image can be among the nearest.
 struct Bar {
-    least: [f32; CANDIDATES],
+    least: [Vec4; CANDIDATES / LANES],
     limit: f32,
 }
 
 impl Bar {
     fn new() -> Self {
-        Bar { least: [f32::MAX; CANDIDATES], limit: f32::MAX }
+        Bar { least: [Vec4::MAX; CANDIDATES / LANES], limit: f32::MAX }
     }
 
+    /// Every place takes the bound, or what was in the place before it, if that is less than what it has.
+    #[inline]
     fn add(&mut self, bound: f32) {
-        for i in (1..CANDIDATES).rev() {
-            self.least[i] = self.least[i].min(self.least[i - 1].max(bound));
+        let mut before = bound;
+        for least in &mut self.least {
+            let moved = Vec4::new(before, least.x, least.y, least.z).max(Vec4::splat(bound));
+            before = least.w;
+            *least = least.min(moved);
         }
-        self.least[0] = self.least[0].min(bound);
         // Twice the slack and more: the bounds were lowered by it.
-        self.limit = (self.least[CANDIDATES - 1] * (1.0 + 3.0 * SLACK.0) + 3.0 * SLACK.1).min(f32::MAX);
+        let last = self.least[CANDIDATES / LANES - 1].w;
+        self.limit = (last * (1.0 + 3.0 * SLACK.0) + 3.0 * SLACK.1).min(f32::MAX);
     }
 }
 
