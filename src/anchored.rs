@@ -40,11 +40,6 @@ impl Width {
             _ => None,
         }
     }
-
-    /// Words of eight bytes that a group takes.
-    fn words(self) -> usize {
-        GROUP * 3 * self as usize / 8
-    }
 }
 
 /// One block that the example touches.
@@ -137,6 +132,8 @@ pub(crate) enum Numbers<'a> {
 }
 
 impl Stored<'_> {
+    pub(crate) const NOTHING: Stored<'static> = Stored { groups: 0, numbers: Numbers::I8(&[]), step: 1.0 };
+
     /// The vector of vertex `v` of the block.
     fn at(&self, v: usize) -> Vec3 {
         let group = v / GROUP;
@@ -189,22 +186,32 @@ impl Anchored {
     }
 
     /// What is stored of block `b`.
+    #[inline(always)]
     pub(crate) fn block(&self, b: u32) -> Option<&Head> {
         let heads: &[Head] = &self.heads;
-        heads.binary_search_by_key(&b, |h| h.block).ok().map(|i| &heads[i])
+        let (first, last) = (heads.first()?.block, heads.last()?.block);
+        let (after, before) = (b.checked_sub(first)? as usize, last.checked_sub(b)? as usize);
+        // Blocks increase, so that head is at most as many on from the first as its block is, and likewise before the last:
+        // without gaps that is one place.
+        let (low, high) = ((heads.len() - 1).saturating_sub(before), after.min(heads.len() - 1));
+        let near = heads.get(low..=high)?;
+        near.binary_search_by_key(&b, |h| h.block).ok().map(|i| &near[i])
     }
 
     /// The displacements of a block.
+    #[inline(always)]
     pub(crate) fn displacements(&self, h: &Head) -> Stored<'_> {
         self.stored(h.at as usize, h.groups, h.width, self.steps.position)
     }
 
     /// The changes of normals of a block.
+    #[inline(always)]
     pub(crate) fn normals(&self, h: &Head) -> Stored<'_> {
         let at = h.at as usize + words(h.groups, h.width);
         self.stored(at, h.normal_groups, h.normal_width, self.steps.normal)
     }
 
+    #[inline(always)]
     fn stored(&self, at: usize, groups: u16, width: u8, step: f32) -> Stored<'_> {
         let data = &self.words[at..at + words(groups, width)];
         let numbers = match width {
@@ -265,8 +272,10 @@ impl Bytes {
 }
 
 /// Words of eight bytes that `groups` take.
+#[inline(always)]
 pub(crate) fn words(groups: u16, width: u8) -> usize {
-    groups.count_ones() as usize * Width::of(width).map_or(0, Width::words)
+    // A group of 24 numbers is three words for each byte of a number.
+    groups.count_ones() as usize * (GROUP * 3 / 8) * width as usize
 }
 
 /// Groups of a block in which anything is not zero.

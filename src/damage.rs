@@ -288,8 +288,7 @@ impl Damage {
     }
 
     pub(crate) fn memory_bytes(&self) -> usize {
-        let parts: usize = self.dents.iter().map(|d| d.parts.len() * size_of::<crate::dent::Part>()).sum();
-        self.marks.len() * (size_of::<Mark>() + size_of::<Dent>()) + parts
+        self.marks.len() * (size_of::<Mark>() + size_of::<Dent>())
     }
 
     pub(crate) fn touch_all(&self, touched: Touched<'_>) {

@@ -13,11 +13,12 @@
 //! Towards a held rim what is carried falls to zero ([`crate::rim`]).
 
 use crate::examples::{Combine, ExampleSet};
+use crate::few::Few;
 use crate::math::{Aabb, rotation_between};
-use crate::{Mark, Mirror, Pair};
 use crate::skin::Skin;
 use crate::stamp::{Grid, Stamp};
 use glam::{Mat3, UVec3, Vec3};
+use crate::{Mark, Pair};
 
 /// Limits of the stretch of a carried example in the surface.
 const STRETCH: (f32, f32) = (0.25, 4.0);
@@ -27,7 +28,7 @@ const ROUNDING: f32 = 1e-2;
 pub(crate) const MAX_PAIRS: usize = 4;
 
 /// One example of a dent, placed and scaled.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Part {
     pub example: usize,
     /// What its displacements are multiplied with.
@@ -64,13 +65,13 @@ pub(crate) struct Dent {
     /// What all its parts are multiplied with: grows with hits that repeat it.
     pub strength: f32,
     pub contact: Vec3,
-    pub parts: Vec<Part>,
+    pub parts: Few<Part, MAX_PAIRS>,
 }
 
 impl Dent {
     /// From a valid mark.
     pub(crate) fn new(set: &ExampleSet, mark: &Mark) -> Self {
-        let parts = place(set, mark.contact, mark.depth, &mark.pairs).parts;
+        let parts = place(set, mark.contact, mark.depth, &mark.pairs, &turns(set, mark.contact, &mark.pairs)).parts;
         Dent {
             strength: strength(mark.energy, set.options().combine),
             contact: set.mesh().positions()[mark.contact as usize],
@@ -92,11 +93,8 @@ impl Dent {
 }
 
 impl Carried {
-    fn new(set: &ExampleSet, example: usize, mirror: Mirror, contact: u32, size: f32) -> Self {
+    fn new(set: &ExampleSet, example: usize, from_stamp: Mat3, contact: u32, size: f32) -> Self {
         let e = &set.examples()[example];
-        let n = set.mesh().contact_normal(contact).unwrap_or(Vec3::Z);
-        let own = e.contact_normal().unwrap_or(Vec3::Z);
-        let from_stamp = rotation_between(mirror.direction(own), n) * mirror.matrix() * e.frame();
         let stretch = size.sqrt().clamp(STRETCH.0, STRETCH.1);
         let shrink = Vec3::new(1.0 / stretch, 1.0 / stretch, 1.0);
         let to_stamp = Mat3::from_diagonal(shrink) * from_stamp.transpose();
@@ -138,20 +136,40 @@ impl Carried {
 
 /// A mark's parts, placed and scaled.
 pub(crate) struct Placed {
-    pub parts: Vec<Part>,
+    pub parts: Few<Part, MAX_PAIRS>,
     /// Displacement that they bring to the contact, m.
     pub met: Vec3,
     /// The same if no rim were held.
     pub open: Vec3,
 }
 
-/// The parts of a mark.
-pub(crate) fn place(set: &ExampleSet, contact: u32, depth: f32, pairs: &[Pair; MAX_PAIRS]) -> Placed {
+/// Of each carried pair of a mark, the rotation of its stamp's frame into mesh space (mirrored, for a mirrored one). It is the
+/// same for any depth.
+pub(crate) fn turns(set: &ExampleSet, contact: u32, pairs: &[Pair; MAX_PAIRS]) -> [Mat3; MAX_PAIRS] {
+    let n = set.mesh().contact_normal(contact).unwrap_or(Vec3::Z);
+    pairs.map(|pair| {
+        if pair.is_none() || pair.is_anchored() {
+            return Mat3::IDENTITY;
+        }
+        let (e, mirror) = (&set.examples()[pair.example as usize], pair.mirror());
+        let own = e.contact_normal().unwrap_or(Vec3::Z);
+        rotation_between(mirror.direction(own), n) * mirror.matrix() * e.frame()
+    })
+}
+
+/// The parts of a mark with the [`turns`] of its pairs.
+pub(crate) fn place(
+    set: &ExampleSet,
+    contact: u32,
+    depth: f32,
+    pairs: &[Pair; MAX_PAIRS],
+    turns: &[Mat3; MAX_PAIRS],
+) -> Placed {
     let c = set.mesh().positions()[contact as usize];
-    let mut parts = Vec::with_capacity(MAX_PAIRS);
+    let mut parts: Few<Part, MAX_PAIRS> = Few::new();
     let mut at_contact = [Vec3::ZERO; MAX_PAIRS];
     let mut sum = Vec3::ZERO;
-    for pair in pairs.iter().filter(|p| !p.is_none()) {
+    for (pair, turn) in pairs.iter().zip(turns).filter(|(p, _)| !p.is_none()) {
         let example = pair.example as usize;
         let e = &set.examples()[example];
         let (size, carried, u) = if pair.is_anchored() {
@@ -159,7 +177,7 @@ pub(crate) fn place(set: &ExampleSet, contact: u32, depth: f32, pairs: &[Pair; M
             (depth / u.length(), None, u)
         } else {
             let size = depth / e.depth();
-            let carried = Carried::new(set, example, pair.mirror(), contact, size);
+            let carried = Carried::new(set, example, *turn, contact, size);
             let u = carried.at(set, example, c);
             (size, Some(carried), u)
         };

@@ -200,6 +200,10 @@ impl Example {
         self.stamp.as_ref()
     }
 
+    pub(crate) fn anchored(&self) -> &Anchored {
+        &self.anchored
+    }
+
     pub(crate) fn log_depth(&self) -> f32 {
         self.log_depth
     }
@@ -291,7 +295,7 @@ impl ExampleSet {
             });
         }
         let (mesh, smooth) = Mesh::new(mesh)?;
-        let index = VertexIndex::new(mesh.positions(), mesh.weld());
+        let index = VertexIndex::new(mesh.positions(), mesh.weld(), tasks);
         let seams = seam_groups(mesh.weld());
         let steps = options.tolerance.map_or(Steps::EXACT, |t| Steps::new(t, options.normal_tolerance));
         let builder =
@@ -353,6 +357,7 @@ impl ExampleSet {
             triangle_index: OnceLock::new(),
         };
         set.learned = learn(&set, tasks);
+        set.images.arrange(&set.skin.mesh, &set.examples, &set.learned);
         Ok(set)
     }
 
@@ -394,11 +399,12 @@ impl ExampleSet {
     /// Memory held for mesh and examples, bytes.
     pub fn memory_bytes(&self) -> usize {
         let v = self.vertex_count();
-        let mesh = v * (12 + 4 + 16) // positions, welds, the spatial index's leaves
+        let mesh = v * (12 + 4) // positions, welds
+            + self.index.bytes()
             + self.mesh().normals().map_or(0, |n| n.len() * 24)
             + self.mesh().tangents().map_or(0, |t| t.len() * 16)
             + self.mesh().triangles().len() * 12;
-        let images = self.images.len() * size_of::<crate::images::Image>();
+        let images = self.images.bytes();
         mesh + self.report.anchored_bytes
             + self.report.stamp_bytes
             + self.skin.blocks() * size_of::<Aabb>()

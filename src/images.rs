@@ -1,10 +1,12 @@
 //! What selection compares a hit with: every example, and its mirror images where the body has mirror planes.
 
-use crate::math::rotation_between;
+use crate::examples::ANCHORED_WITHIN;
+use crate::few::Few;
+use crate::math::{Aabb, rotation_between};
 use crate::mirror::{self, Mirror};
-use crate::weights::Axes;
-use crate::{Example, Mesh, Placement};
-use glam::Vec3;
+use crate::weights::{Axes, CANDIDATES};
+use crate::{Example, Learned, Mesh, Placement};
+use glam::{Vec3, Vec4};
 use rstar::{RTree, primitives::GeomWithData};
 
 /// Axis width over the natural logarithm of the ratio of depths.
@@ -19,10 +21,19 @@ const REACH: f32 = 0.1;
 const UPRIGHT: f32 = 0.002;
 /// … and one that leans more than the most leaning example by this factor is not what a dent's contact does.
 const BEYOND: f32 = 3.0;
+/// One plus the cosine of two normals: below it they are nearly opposite.
+const OPPOSITE: f32 = 1e-2;
 /// Two images are one when they differ by no more than this: in place (share of the diagonal), logarithm of depth, and lean.
 const SAME: (f32, f32, f32) = (0.01, 0.02, 0.01);
 /// Two examples are copies of each other when they differ by no more than this in logarithm of depth and in lean.
 const TWIN: (f32, f32) = (1e-3, 2e-3);
+
+/// Images that are measured together, in vector operations.
+const LANES: usize = 4;
+/// Images that wait until the bounds of the others are known: more than usually come to be among the nearest on the way.
+const WAITING: usize = 96;
+/// What a bound on a squared distance may be off by: a few roundings, relative and (below the normal numbers) absolute.
+const SLACK: (f32, f32) = (4e-6, 1e-30);
 
 /// An example, or its mirror image, at its own contact.
 #[derive(Debug, Clone, Copy)]
@@ -64,6 +75,8 @@ impl Image {
 #[derive(Debug, Default)]
 pub(crate) struct Images {
     images: Vec<Image>,
+    /// The same, side by side; empty until [`Images::arrange`].
+    lanes: Vec<Lanes>,
     /// The longest lean of any example.
     lean: f32,
     diagonal: f32,
@@ -91,15 +104,73 @@ impl Images {
         }
         images.sort_by_key(|i| (i.example, i.mirror));
         let lean = images.iter().map(|i| i.lean.length()).fold(0.0, f32::max);
-        Images { images, lean, diagonal, planes, centre }
+        Images { images, lanes: Vec::new(), lean, diagonal, planes, centre }
     }
 
     pub(crate) fn iter(&self) -> impl Iterator<Item = &Image> {
         self.images.iter()
     }
 
-    pub(crate) fn len(&self) -> usize {
-        self.images.len()
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&self.images[..]) + size_of_val(&self.lanes[..])
+    }
+
+    /// Makes ready for [`Images::search`]: what was learned decides which examples may stay where they were made.
+    pub(crate) fn arrange(&mut self, mesh: &Mesh, examples: &[Example], learned: &Learned) {
+        let lane = |image: &Image| {
+            let i = image.example as usize;
+            let e = &examples[i];
+            let here = ANCHORED_WITHIN * e.support_radius();
+            let stays = e.placement() == Placement::Anchored || learned.anchored[i];
+            if image.mirror != Mirror::NONE || e.placement() == Placement::Carried {
+                return (-1.0, e.depth());
+            }
+            let near = if stays { here.max(reach(mesh, e)) } else { here };
+            let depth = if e.placement() == Placement::Anchored { -1.0 } else { e.depth() };
+            (near * near * (1.0 + 1e-5) + f32::MIN_POSITIVE, depth)
+        };
+        let mut order: Vec<u32> = (0..self.images.len() as u32).collect();
+        cluster(&self.images, &mut order);
+        let group = |group: &[u32]| {
+            let mut lanes = Lanes::EMPTY;
+            for (i, at) in group.iter().enumerate() {
+                let image = &self.images[*at as usize];
+                let (near, depth) = lane(image);
+                lanes.set(i, *at, image, near, depth);
+            }
+            lanes
+        };
+        self.lanes = order.chunks(LANES).map(group).collect();
+    }
+
+    /// Calls `consider` with true and every image whose example may be anchored for the hit (it returns the squared distance of
+    /// what answers otherwise than alone), and with false and those others that can be among the [`CANDIDATES`] nearest when
+    /// they are carried: all of these, and few besides.
+    pub(crate) fn search(&self, hit: &Around, mut consider: impl FnMut(&Image, bool) -> Option<f32>) {
+        let wide = Wide::new(hit);
+        let mut nearest = Bar::new();
+        let mut waiting: Few<(f32, u32), WAITING> = Few::new();
+        for lanes in &self.lanes {
+            let Some(bounds) = wide.bounds(lanes, nearest.limit) else { continue };
+            for (bound, i) in bounds.to_array().into_iter().zip(lanes.image) {
+                if bound > nearest.limit {
+                    continue;
+                }
+                if bound == f32::NEG_INFINITY {
+                    consider(&self.images[i as usize], true).into_iter().for_each(|d| nearest.add(d));
+                    continue;
+                }
+                if waiting.len() == WAITING {
+                    let near = waiting.iter().filter(|w| w.0 <= nearest.limit);
+                    near.for_each(|w| _ = consider(&self.images[w.1 as usize], false));
+                    waiting.clear();
+                }
+                waiting.push((bound, i));
+                nearest.add(bound);
+            }
+        }
+        let near = waiting.iter().filter(|w| w.0 <= nearest.limit);
+        near.for_each(|w| _ = consider(&self.images[w.1 as usize], false));
     }
 
     /// Whether `b` is `a` over again, moved or mirrored (a copy by symmetry): leaving one out and keeping the other teaches
@@ -114,6 +185,104 @@ impl Images {
             let lean = turned(image.lean, image.normal, own.normal);
             (image.log_depth - own.log_depth).abs() <= TWIN.0 && (lean - own.lean).length() <= TWIN.1
         })
+    }
+}
+
+/// Nothing further from an example's contact is moved enough for the example to answer there without being carried, m.
+fn reach(mesh: &Mesh, e: &Example) -> f32 {
+    let least = REACH * e.depth() * (1.0 - 1e-5);
+    let moved = e.anchored().iter().filter(|(_, u, _)| u.length() >= least);
+    moved.map(|(v, _, _)| (mesh.positions()[v as usize] - e.contact_point()).length()).fold(0.0, f32::max)
+}
+
+/// Some images side by side. Places without one never answer.
+#[derive(Debug, Clone, Copy)]
+struct Lanes {
+    point: [Vec4; 3],
+    normal: [Vec4; 3],
+    lean: [Vec4; 3],
+    /// Normal times direction.
+    along: Vec4,
+    log_depth: Vec4,
+    /// Depth of the example, m; -1 where it is not carried.
+    depth: Vec4,
+    /// Squared distance, m², up to which the example may be anchored for a hit; -1 where it never is.
+    near: Vec4,
+    /// Their numbers.
+    image: [u32; LANES],
+}
+
+impl Lanes {
+    const EMPTY: Lanes = Lanes {
+        point: [Vec4::ZERO; 3],
+        normal: [Vec4::ZERO; 3],
+        lean: [Vec4::ZERO; 3],
+        along: Vec4::ZERO,
+        log_depth: Vec4::ZERO,
+        depth: Vec4::NEG_ONE,
+        near: Vec4::NEG_ONE,
+        image: [0; LANES],
+    };
+
+    fn set(&mut self, i: usize, at: u32, image: &Image, near: f32, depth: f32) {
+        self.image[i] = at;
+        for axis in 0..3 {
+            self.point[axis][i] = image.point[axis];
+            self.normal[axis][i] = image.normal[axis];
+            self.lean[axis][i] = image.lean[axis];
+        }
+        self.along[i] = image.normal.dot(image.direction);
+        self.log_depth[i] = image.log_depth;
+        (self.depth[i], self.near[i]) = (depth, near);
+    }
+}
+
+/// Scalar products, summed as those of [`Vec3`] are.
+#[inline]
+fn dot(a: [Vec4; 3], b: [Vec4; 3]) -> Vec4 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Brings images that are near each other in place into groups of [`LANES`].
+fn cluster(images: &[Image], order: &mut [u32]) {
+    if order.len() <= LANES {
+        return;
+    }
+    let bounds = Aabb::of(order.iter().map(|i| &images[*i as usize].point));
+    let axis = (bounds.max - bounds.min).max_position();
+    let half = (order.len() / 2).next_multiple_of(LANES).min(order.len() - 1);
+    order.select_nth_unstable_by(half, |a, b| {
+        let at = |i: u32| images[i as usize].point[axis];
+        at(*a).total_cmp(&at(*b)).then(a.cmp(b))
+    });
+    let (a, b) = order.split_at_mut(half);
+    cluster(images, a);
+    cluster(images, b);
+}
+
+/// The least bounds so far, least first, and from them the distance beyond which no image can be among the nearest.
+struct Bar {
+    least: [Vec4; CANDIDATES / LANES],
+    limit: f32,
+}
+
+impl Bar {
+    fn new() -> Self {
+        Bar { least: [Vec4::MAX; CANDIDATES / LANES], limit: f32::MAX }
+    }
+
+    /// Every place takes the bound, or what was in the place before it, if that is less than what it has.
+    #[inline]
+    fn add(&mut self, bound: f32) {
+        let mut before = bound;
+        for least in &mut self.least {
+            let moved = Vec4::new(before, least.x, least.y, least.z).max(Vec4::splat(bound));
+            before = least.w;
+            *least = least.min(moved);
+        }
+        // Twice the slack and more: the bounds were lowered by it.
+        let last = self.least[CANDIDATES / LANES - 1].w;
+        self.limit = (last * (1.0 + 3.0 * SLACK.0) + 3.0 * SLACK.1).min(f32::MAX);
     }
 }
 
@@ -191,10 +360,72 @@ impl<'a> Around<'a> {
     }
 }
 
+/// A hit, the same in all lanes.
+struct Wide {
+    point: [Vec4; 3],
+    normal: [Vec4; 3],
+    direction: [Vec4; 3],
+    lean: [Vec4; 3],
+    log_size: Vec4,
+    negligible: Vec4,
+    /// One over the widths of the place axes, m, and of the lean axes (0 where the lean is not known).
+    place: Vec4,
+    leaning: Vec4,
+}
+
+impl Wide {
+    fn new(hit: &Around) -> Self {
+        let wide = |v: Option<Vec3>| v.unwrap_or(Vec3::ZERO).to_array().map(Vec4::splat);
+        Wide {
+            point: wide(Some(hit.point)),
+            normal: wide(hit.normal),
+            direction: wide(Some(hit.direction)),
+            lean: wide(hit.lean),
+            log_size: Vec4::splat(hit.log_size),
+            // Without normals nothing is carried.
+            negligible: Vec4::splat(if hit.normal.is_some() { hit.negligible } else { f32::INFINITY }),
+            place: Vec4::splat(1.0 / hit.place.0),
+            leaning: Vec4::splat(if hit.lean.is_some() { 1.0 / LEAN_WIDTH } else { 0.0 }),
+        }
+    }
+
+    /// Bounds from below on the squared distances of images when they are carried: infinity where one does not answer, minus
+    /// infinity where its example may be anchored, or where only [`Around::axes`] can tell. `None` where all are above `limit`.
+    ///
+    /// Whether one answers is decided by the very operations of [`Around::axes`]. Of the distance only the divisions by widths
+    /// are made products, which is within the slack.
+    #[inline]
+    fn bounds(&self, lanes: &Lanes, limit: f32) -> Option<Vec4> {
+        #[inline]
+        fn each(f: impl Fn(usize) -> Vec4) -> [Vec4; 3] {
+            [f(0), f(1), f(2)]
+        }
+        let off = each(|i| lanes.point[i] - self.point[i]);
+        let p = each(|i| off[i] * self.place);
+        let depth = (lanes.log_depth - self.log_size) * (1.0 / SIZE_WIDTH);
+        let d = dot(p, p) + depth * depth;
+        let least = d * (1.0 - SLACK.0) - SLACK.1;
+        let here = dot(off, off).cmple(lanes.near);
+        if !(here | least.cmple(Vec4::splat(limit))).any() {
+            return None;
+        }
+        let k = Vec4::ONE + dot(lanes.normal, self.normal);
+        let t = dot(lanes.lean, self.normal) / k;
+        let lean = each(|i| lanes.lean[i] - (lanes.normal[i] + self.normal[i]) * t);
+        let cos = dot(each(|i| self.normal[i] * lanes.along + lean[i]), self.direction);
+        let l = each(|i| (lean[i] - self.lean[i]) * self.leaning);
+        let d = d + dot(l, l);
+        let answers = cos.cmpgt(Vec4::splat(1e-3)) & lanes.depth.cmpge(self.negligible);
+        let d = Vec4::select(answers, d * (1.0 - SLACK.0) - SLACK.1, Vec4::INFINITY);
+        let unclear = here | k.cmplt(Vec4::splat(OPPOSITE));
+        Some(Vec4::select(unclear, Vec4::NEG_INFINITY, d))
+    }
+}
+
 /// `v`, at right angles to unit vector `a`, turned by the smallest rotation from `a` to unit vector `b`.
 fn turned(v: Vec3, a: Vec3, b: Vec3) -> Vec3 {
     let k = 1.0 + a.dot(b);
-    if k < 1e-2 { rotation_between(a, b) * v } else { v - (a + b) * (v.dot(b) / k) }
+    if k < OPPOSITE { rotation_between(a, b) * v } else { v - (a + b) * (v.dot(b) / k) }
 }
 
 /// Whether an automatic example's placement is decided by what it knows of its surroundings.

@@ -4,11 +4,10 @@
 //! parts not far) and, for each automatic example, whether hits around it are better met by examples that stay where they were
 //! made or by carried ones. The errors themselves tell an artist where one more example would help most.
 
-use crate::dent::place;
+use crate::dent::{place, turns};
 use crate::images::automatic;
-use crate::select::{Candidate, pairs};
+use crate::select::{Candidate, Candidates, pairs};
 use crate::tasks::run_each;
-use crate::weights::Axes;
 use crate::{ExampleSet, Placement, TaskSystem};
 use glam::Vec3;
 use std::sync::Mutex;
@@ -147,13 +146,15 @@ fn left_out(set: &ExampleSet, q: usize) -> Errors {
     let predict = |width: f32, anchored: bool| {
         let at = set.around(contact, direction, size, width);
         let usable = |i: usize| anchored || examples[i].placement() != Placement::Anchored;
-        let found: Vec<Candidate> = others()
-            .filter(|i| usable(i.example as usize))
-            .filter_map(|i| at.axes(i, anchored).map(|axes: Axes| Candidate::new(i, anchored, axes)))
-            .collect();
-        let pairs = pairs(found, EXAMPLES);
+        let mut found = Candidates::new();
+        for i in others().filter(|i| usable(i.example as usize)) {
+            if let Some(axes) = at.axes(i, anchored) {
+                found.add(Candidate::new(i, anchored, axes));
+            }
+        }
+        let pairs = pairs(&found, EXAMPLES);
         (!pairs[0].is_none()).then(|| {
-            let parts = place(set, contact, size, &pairs).parts;
+            let parts = place(set, contact, size, &pairs, &turns(set, contact, &pairs)).parts;
             let (mut wrong, mut all) = (0.0f64, 0.0f64);
             for v in &samples {
                 let p = set.mesh().positions()[*v as usize];

@@ -32,6 +32,7 @@ mod error;
 mod examples;
 #[cfg(feature = "gltf")]
 pub mod export;
+mod few;
 mod images;
 #[cfg(any(feature = "gltf", feature = "obj"))]
 pub mod import;

@@ -6,9 +6,10 @@
 //!
 //! Everything here is IEEE f32/f64 arithmetic with `sqrt` and `libm`, so the same hit makes the same mark everywhere.
 
-use crate::dent::{MAX_PAIRS, Placed, place};
+use crate::dent::{MAX_PAIRS, Placed, place, turns};
 use crate::error::positive;
 use crate::examples::{ANCHORED_SIZE, ANCHORED_WITHIN, ExampleSet};
+use crate::few::Few;
 use crate::images::{Image, automatic};
 use crate::mirror::Mirror;
 use crate::weights::{self, Axes, CANDIDATES};
@@ -261,7 +262,7 @@ fn contact(set: &ExampleSet, p: &Params, point: DVec3) -> Result<crate::Nearest,
 }
 
 /// An example that could answer a hit.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Candidate {
     pub example: u32,
     pub mirror: Mirror,
@@ -281,11 +282,31 @@ impl Candidate {
     }
 }
 
+/// The nearest of the candidates, nearest first; of equally near ones the first example.
+pub(crate) struct Candidates(Few<Candidate, CANDIDATES>);
+
+impl Candidates {
+    pub(crate) fn new() -> Self {
+        Candidates(Few::new())
+    }
+
+    fn of(c: Candidate) -> Self {
+        let mut one = Self::new();
+        one.add(c);
+        one
+    }
+
+    pub(crate) fn add(&mut self, c: Candidate) {
+        let after = self.0.iter().rev().take_while(|other| c.order(other).is_lt()).count();
+        self.0.insert(self.0.len() - after, c);
+    }
+}
+
 fn nearest(set: &ExampleSet, p: &Params, contact: u32, direction: Vec3, size: f32, out: &mut Outcome) -> Effect {
     let at = set.around(contact, direction, size, set.learned().place_width);
-    let mut found: Vec<Candidate> = Vec::with_capacity(set.images().len());
+    let mut found = Candidates::new();
     let mut own: Option<Candidate> = None;
-    for image in set.images().iter() {
+    let consider = |image: &Image| {
         let e = &set.examples()[image.example as usize];
         let here = (e.contact_point() - at.point).length() <= ANCHORED_WITHIN * e.support_radius()
             && image.mirror == Mirror::NONE;
@@ -297,26 +318,38 @@ fn nearest(set: &ExampleSet, p: &Params, contact: u32, direction: Vec3, size: f3
         let placed = at.axes(image, anchored).map(|a| (anchored, a));
         let placed =
             placed.or_else(|| if anchored && may_carry { at.axes(image, false).map(|a| (false, a)) } else { None });
-        let Some((anchored, axes)) = placed else { continue };
+        let (anchored, axes) = placed?;
         let c = Candidate::new(image, anchored, axes);
-        if anchored && here && (own_size || e.placement() == Placement::Anchored) {
-            // At an example's own contact it answers alone: the artist's dent, not a mixture.
-            if own.as_ref().is_none_or(|o| c.d < o.d) {
-                own = Some(c);
-            }
-        } else {
-            found.push(c);
+        let alone = anchored && here && (own_size || e.placement() == Placement::Anchored);
+        Some((c, alone))
+    };
+    set.images().search(&at, |image, may_stay| {
+        if !may_stay {
+            found.add(Candidate::new(image, false, at.axes(image, false)?));
+            return None;
         }
-    }
+        let (c, alone) = consider(image)?;
+        if !alone {
+            found.add(c);
+            return Some(c.d);
+        }
+        // At an example's own contact it answers alone: the artist's dent, not a mixture.
+        if own.as_ref().is_none_or(|o| c.order(o).is_lt()) {
+            own = Some(c);
+        }
+        None
+    });
     let pairs = match own {
-        Some(c) => pairs(vec![c], 1),
-        None => pairs(found, p.examples_per_hit),
+        Some(c) => pairs(&Candidates::of(c), 1),
+        None => pairs(&found, p.examples_per_hit),
     };
     if pairs[0].is_none() {
         return Effect::None;
     }
     // The dent's own direction at the contact decides how much of the target it can meet.
-    let open = place(set, contact, size, &pairs).open;
+    let turns = turns(set, contact, &pairs);
+    let placed = place(set, contact, size, &pairs, &turns);
+    let open = placed.open;
     let along = open.length();
     let depth = if along > 0.0 { (direction * size).dot(open / along) } else { 0.0 };
     // A target along the dent to within rounding is the dent.
@@ -324,30 +357,30 @@ fn nearest(set: &ExampleSet, p: &Params, contact: u32, direction: Vec3, size: f3
     if depth.is_nan() || depth <= 0.0 {
         return Effect::None;
     }
-    marked(set, Mark::new(contact, depth, pairs), out)
+    let placed = if depth == size { placed } else { place(set, contact, depth, &pairs, &turns) };
+    marked(&placed, Mark::new(contact, depth, pairs), out)
 }
 
 /// Up to `k` of the candidates with their shares, the weightiest first.
-pub(crate) fn pairs(mut found: Vec<Candidate>, k: usize) -> [Pair; MAX_PAIRS] {
+pub(crate) fn pairs(found: &Candidates, k: usize) -> [Pair; MAX_PAIRS] {
     let mut pairs = [Pair::NONE; MAX_PAIRS];
+    let found = &found.0;
     if found.is_empty() {
         return pairs;
     }
-    if found.len() > CANDIDATES {
-        found.select_nth_unstable_by(CANDIDATES - 1, Candidate::order);
-        found.truncate(CANDIDATES);
-    }
-    found.sort_unstable_by(Candidate::order);
-    let axes: Vec<Axes> = found.iter().map(|c| c.axes).collect();
+    let mut axes: Few<Axes, CANDIDATES> = Few::new();
+    found.iter().for_each(|c| axes.push(c.axes));
     let mut chosen = weights::choose(&axes, k);
-    chosen.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    chosen.sort_unstable_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     let units = |w: f64| (w * f64::from(Pair::WHOLE)).round_ties_even() as i32;
     // The first takes what rounding leaves, so that shares sum to the whole.
-    let mut shares: Vec<(usize, i32)> = chosen.iter().map(|(i, w)| (*i, units(*w))).collect();
+    let mut shares: Few<(usize, i32), MAX_PAIRS> = Few::new();
+    chosen.iter().for_each(|(i, w)| shares.push((*i, units(*w))));
     shares[0].1 = i32::from(Pair::WHOLE) - shares[1..].iter().map(|s| s.1).sum::<i32>();
     if shares.iter().any(|s| !(-2048..2048).contains(&s.1)) {
         // Far outside what the examples span, no mixture is better than the nearest.
-        shares = vec![(0, i32::from(Pair::WHOLE))];
+        shares.clear();
+        shares.push((0, i32::from(Pair::WHOLE)));
     }
     for (slot, (i, share)) in pairs.iter_mut().zip(shares.iter().filter(|s| s.1 != 0)) {
         let c = &found[*i];
@@ -360,9 +393,8 @@ pub(crate) fn pairs(mut found: Vec<Candidate>, k: usize) -> [Pair; MAX_PAIRS] {
     pairs
 }
 
-fn marked(set: &ExampleSet, mark: Mark, out: &mut Outcome) -> Effect {
-    let Placed { parts, met, .. } = place(set, mark.contact, mark.depth, &mark.pairs);
-    for (slot, (pair, part)) in out.chosen.iter_mut().zip(mark.pairs.iter().filter(|p| !p.is_none()).zip(&parts)) {
+fn marked(Placed { parts, met, .. }: &Placed, mark: Mark, out: &mut Outcome) -> Effect {
+    for (slot, (pair, part)) in out.chosen.iter_mut().zip(mark.pairs.iter().filter(|p| !p.is_none()).zip(parts)) {
         *slot = Some(Chosen {
             example: u32::from(pair.example),
             share: pair.share_fraction(),
@@ -411,5 +443,6 @@ fn classic(
     }
     let mut pairs = [Pair::NONE; MAX_PAIRS];
     pairs[0] = Pair::anchored(example as u16, Pair::WHOLE);
-    marked(set, Mark::new(contact, size, pairs), out)
+    let placed = place(set, contact, size, &pairs, &turns(set, contact, &pairs));
+    marked(&placed, Mark::new(contact, size, pairs), out)
 }

@@ -9,6 +9,9 @@
 //!
 //! Plain IEEE f32/f64 operations without transcendentals: the same bits everywhere.
 
+use crate::dent::MAX_PAIRS;
+use crate::few::Few;
+
 /// Only so many nearest examples are considered.
 pub(crate) const CANDIDATES: usize = 12;
 /// Variance of what the axes do not tell, as a share of the kernel's height.
@@ -26,83 +29,116 @@ fn kernel(d: f64) -> f64 {
     1.0 / (1.0 + 0.5 * d)
 }
 
-/// Indices into `near` (at most [`CANDIDATES`], nearest first) of the `k` chosen, with their weights; the sum of weights is 1
-/// to rounding.
-pub(crate) fn choose(near: &[Axes], k: usize) -> Vec<(usize, f64)> {
-    let n = near.len();
-    let d = |i: usize, j: usize| -> f64 {
-        near[i].iter().zip(&near[j]).map(|(a, b)| f64::from(a - b) * f64::from(a - b)).sum()
-    };
-    let to_hit: Vec<f64> = near.iter().map(|a| kernel(a.iter().map(|x| f64::from(*x) * f64::from(*x)).sum())).collect();
-    let mut chosen = Factor::default();
-    while chosen.picked.len() < k.min(n) {
-        let mut best: Option<(f64, usize, Row)> = None;
-        for i in (0..n).filter(|i| !chosen.picked.contains(i)) {
-            let covariances: Vec<f64> = chosen.picked.iter().map(|j| kernel(d(i, *j))).collect();
-            let Some(row) = chosen.row(&covariances, to_hit[i]) else { continue };
-            let variance = chosen.variance(&row);
-            if best.as_ref().is_none_or(|b| variance < b.0) {
-                best = Some((variance, i, row));
-            }
-        }
-        let Some((_, i, row)) = best else { break };
-        chosen.push(i, row);
+/// Indices into `near` (at most [`CANDIDATES`], nearest first) of the `k` chosen (at most [`MAX_PAIRS`]), with their weights;
+/// the sum of weights is 1 to rounding.
+pub(crate) fn choose(near: &[Axes], k: usize) -> Few<(usize, f64), MAX_PAIRS> {
+    let n = near.len().min(CANDIDATES);
+    let mut system = System::new(&near[..n]);
+    let mut picked: Few<Row, MAX_PAIRS> = Few::new();
+    while picked.len() < k.min(n).min(MAX_PAIRS) {
+        let Some(row) = system.best(&picked, n) else { break };
+        system.take(&picked, &row, near);
+        picked.push(row);
     }
-    chosen.weights()
+    weights(&picked)
 }
 
-/// A Cholesky factor that grows by one example at a time, with the systems that kriging solves.
-#[derive(Default)]
-struct Factor {
-    picked: Vec<usize>,
-    rows: Vec<Row>,
+/// One value a candidate. All are computed for all, picked ones and empty places too, in loops that become vector operations.
+type Each = [f64; CANDIDATES];
+
+/// The Cholesky factor of the picked examples' covariances, with one more row for each candidate that could be picked next.
+struct System {
+    /// The candidate's covariance with the hit.
+    to_hit: Each,
+    /// Its row, and of that the sum of squares and the products with `L^-1 k` and `L^-1 1` of the rows picked.
+    lower: [Each; MAX_PAIRS],
+    square: Each,
+    hit: Each,
+    one: Each,
+    picked: [bool; CANDIDATES],
 }
 
-/// One more row of the factor: `lower` and its diagonal, and the next entries of `L^-1 k` and `L^-1 1`.
+/// One row of the factor: `lower` and its diagonal, and its entries of `L^-1 k` and `L^-1 1`.
+#[derive(Debug, Clone, Copy, Default)]
 struct Row {
-    lower: Vec<f64>,
+    candidate: usize,
+    lower: [f64; MAX_PAIRS],
     diagonal: f64,
     hit: f64,
     one: f64,
 }
 
-impl Factor {
-    fn row(&self, covariances: &[f64], to_hit: f64) -> Option<Row> {
-        let mut lower: Vec<f64> = Vec::with_capacity(covariances.len());
-        for (r, c) in self.rows.iter().zip(covariances) {
-            let known: f64 = r.lower.iter().zip(&lower).map(|(a, b)| a * b).sum();
-            lower.push((c - known) / r.diagonal);
+impl System {
+    fn new(near: &[Axes]) -> Self {
+        let mut to_hit = [0.0; CANDIDATES];
+        for (k, a) in to_hit.iter_mut().zip(near) {
+            *k = kernel(a.iter().map(|x| f64::from(*x) * f64::from(*x)).sum());
         }
-        let dot = |f: fn(&Row) -> f64| -> f64 { lower.iter().zip(&self.rows).map(|(l, r)| l * f(r)).sum() };
-        let square = 1.0 + NUGGET - lower.iter().map(|l| l * l).sum::<f64>();
-        let diagonal = (square > 0.0).then(|| square.sqrt())?;
-        Some(Row { diagonal, hit: (to_hit - dot(|r| r.hit)) / diagonal, one: (1.0 - dot(|r| r.one)) / diagonal, lower })
+        let zero = [0.0; CANDIDATES];
+        System { to_hit, lower: [zero; MAX_PAIRS], square: zero, hit: zero, one: zero, picked: [false; CANDIDATES] }
     }
 
-    /// Kriging variance with `row` added, up to a constant.
-    fn variance(&self, row: &Row) -> f64 {
-        let sum = |f: fn(&Row) -> f64| self.rows.iter().map(f).sum::<f64>() + f(row);
-        let missing = 1.0 - sum(|r| r.hit * r.one);
-        missing * missing / sum(|r| r.one * r.one) - sum(|r| r.hit * r.hit)
-    }
-
-    fn push(&mut self, i: usize, row: Row) {
-        self.picked.push(i);
-        self.rows.push(row);
-    }
-
-    fn weights(&self) -> Vec<(usize, f64)> {
-        let sum = |f: fn(&Row) -> f64| self.rows.iter().map(f).sum::<f64>();
-        let lift = (1.0 - sum(|r| r.hit * r.one)) / sum(|r| r.one * r.one);
-        let n = self.rows.len();
-        // Back substitution: L^T w = L^-1 k + lift L^-1 1.
-        let mut w = vec![0.0; n];
-        for i in (0..n).rev() {
-            let known: f64 = (i + 1..n).map(|j| self.rows[j].lower[i] * w[j]).sum();
-            w[i] = (self.rows[i].hit + lift * self.rows[i].one - known) / self.rows[i].diagonal;
+    /// The one of the first `n` candidates with which the kriging variance is least.
+    fn best(&self, rows: &[Row], n: usize) -> Option<Row> {
+        let sum = |f: fn(&Row) -> f64| rows.iter().map(f).sum::<f64>();
+        let (cross, ones, hits) = (sum(|r| r.hit * r.one), sum(|r| r.one * r.one), sum(|r| r.hit * r.hit));
+        let (mut diagonal, mut hit, mut one, mut variance) =
+            ([0.0; CANDIDATES], [0.0; CANDIDATES], [0.0; CANDIDATES], [0.0; CANDIDATES]);
+        for i in 0..CANDIDATES {
+            diagonal[i] = (1.0 + NUGGET - self.square[i]).sqrt();
+            hit[i] = (self.to_hit[i] - self.hit[i]) / diagonal[i];
+            one[i] = (1.0 - self.one[i]) / diagonal[i];
+            // Up to a constant.
+            let missing = 1.0 - (cross + hit[i] * one[i]);
+            variance[i] = missing * missing / (ones + one[i] * one[i]) - (hits + hit[i] * hit[i]);
         }
-        self.picked.iter().copied().zip(w).collect()
+        let mut best: Option<usize> = None;
+        // A diagonal of zero (or none at all): what it would tell is known.
+        for i in (0..n).filter(|i| !self.picked[*i] && diagonal[*i] > 0.0) {
+            if best.is_none_or(|b| variance[i] < variance[b]) {
+                best = Some(i);
+            }
+        }
+        best.map(|i| {
+            let lower = self.lower.map(|l| l[i]);
+            Row { candidate: i, lower, diagonal: diagonal[i], hit: hit[i], one: one[i] }
+        })
     }
+
+    /// Lengthens the candidates' rows by the entry that belongs to `row`, the next after `rows`.
+    fn take(&mut self, rows: &[Row], row: &Row, near: &[Axes]) {
+        self.picked[row.candidate] = true;
+        let mut d = [0.0; CANDIDATES];
+        for (d, a) in d.iter_mut().zip(near) {
+            *d = a.iter().zip(&near[row.candidate]).map(|(a, b)| f64::from(a - b) * f64::from(a - b)).sum();
+        }
+        for i in 0..CANDIDATES {
+            let mut known = 0.0;
+            for (lower, own) in self.lower.iter().zip(row.lower).take(rows.len()) {
+                known += own * lower[i];
+            }
+            let l = (kernel(d[i]) - known) / row.diagonal;
+            self.lower[rows.len()][i] = l;
+            self.square[i] += l * l;
+            self.hit[i] += l * row.hit;
+            self.one[i] += l * row.one;
+        }
+    }
+}
+
+fn weights(rows: &[Row]) -> Few<(usize, f64), MAX_PAIRS> {
+    let sum = |f: fn(&Row) -> f64| rows.iter().map(f).sum::<f64>();
+    let lift = (1.0 - sum(|r| r.hit * r.one)) / sum(|r| r.one * r.one);
+    let n = rows.len();
+    // Back substitution: L^T w = L^-1 k + lift L^-1 1.
+    let mut w = [0.0; MAX_PAIRS];
+    for i in (0..n).rev() {
+        let known: f64 = (i + 1..n).map(|j| rows[j].lower[i] * w[j]).sum();
+        w[i] = (rows[i].hit + lift * rows[i].one - known) / rows[i].diagonal;
+    }
+    let mut weights = Few::new();
+    rows.iter().zip(w).for_each(|(r, w)| weights.push((r.candidate, w)));
+    weights
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@
 //! any thread and any [`SimdLevel`] give the same bits.
 
 use super::kernel::{self, Block, From, Lengths, Ready};
-use crate::anchored::{BLOCK, GROUP, block_range};
+use crate::anchored::{BLOCK, GROUP, Stored, block_range};
 use crate::classic::State;
 use crate::dent::Part;
 use crate::examples::Combine;
@@ -30,37 +30,48 @@ pub(crate) struct Job<'a> {
     pub instance: &'a Instance,
     pub skin: &'a Skin,
     pub block: usize,
+    /// Whether so much is written that it had better not go through the caches; [`finish`] is to be called then.
+    pub stream: bool,
 }
 
-/// Writes positions (m), and unit normals if wanted: three floats a vertex of the block, no more. Returns the bounds of the
+/// Writes positions (m), and unit normals if wanted: three floats a vertex of the block, no more; and the bounds of the
 /// positions. A mesh without normals gets none.
-pub(crate) fn block<'a>(job: Job<'a>, room: &mut Room<'a>, positions: &mut [f32], normals: Option<&mut [f32]>) -> Aabb {
+pub(crate) fn block<'a>(job: Job<'a>, room: &mut Room<'a>, positions: &mut [f32], normals: Option<&mut [f32]>, bounds: &mut Aabb) {
     let len = block_range(job.block, job.skin.vertex_count()).len();
     assert!(positions.len() == 3 * len && normals.as_ref().is_none_or(|n| n.len() == 3 * len));
     match SimdLevel::current() {
         #[cfg(target_arch = "x86_64")]
         // SAFETY: the level is in force only where the processor has it.
-        SimdLevel::Avx512 => unsafe { avx512(job, room, positions, normals) },
+        SimdLevel::Avx512 => unsafe { avx512(job, room, positions, normals, bounds) },
         #[cfg(target_arch = "x86_64")]
         // SAFETY: the same.
-        SimdLevel::Avx2 => unsafe { avx2(job, room, positions, normals) },
+        SimdLevel::Avx2 => unsafe { avx2(job, room, positions, normals, bounds) },
         // SAFETY: always there.
-        _ => unsafe { evaluate::<Portable, Portable>(job, room, positions, normals) },
+        _ => unsafe { evaluate::<Portable, Portable>(job, room, positions, normals, bounds) },
+    }
+}
+
+/// Makes what was streamed in this thread visible to others.
+pub(crate) fn finish() {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: SSE is always there.
+    unsafe {
+        std::arch::x86_64::_mm_sfence();
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2")]
-fn avx512<'a>(job: Job<'a>, room: &mut Room<'a>, positions: &mut [f32], normals: Option<&mut [f32]>) -> Aabb {
+fn avx512<'a>(job: Job<'a>, room: &mut Room<'a>, positions: &mut [f32], normals: Option<&mut [f32]>, bounds: &mut Aabb) {
     // SAFETY: the attribute says so.
-    unsafe { evaluate::<Avx2, Avx512>(job, room, positions, normals) }
+    unsafe { evaluate::<Avx2, Avx512>(job, room, positions, normals, bounds) }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn avx2<'a>(job: Job<'a>, room: &mut Room<'a>, positions: &mut [f32], normals: Option<&mut [f32]>) -> Aabb {
+fn avx2<'a>(job: Job<'a>, room: &mut Room<'a>, positions: &mut [f32], normals: Option<&mut [f32]>, bounds: &mut Aabb) {
     // SAFETY: the attribute says so.
-    unsafe { evaluate::<Avx2, Avx2>(job, room, positions, normals) }
+    unsafe { evaluate::<Avx2, Avx2>(job, room, positions, normals, bounds) }
 }
 
 /// Position and unit normal of one vertex: the same bits as [`block`] gives.
@@ -69,7 +80,9 @@ pub(crate) fn vertex(instance: &Instance, skin: &Skin, v: usize) -> (Vec3, Optio
     let n = 3 * block_range(block, skin.vertex_count()).len();
     let (mut positions, mut normals): (Flat, Flat) = ([0.0; 3 * BLOCK], [0.0; 3 * BLOCK]);
     let some = skin.mesh.normals().is_some();
-    self::block(Job { instance, skin, block }, &mut Room::new(), &mut positions[..n], some.then_some(&mut normals[..n]));
+    let job = Job { instance, skin, block, stream: false };
+    let mut bounds = Aabb::EMPTY;
+    self::block(job, &mut Room::new(), &mut positions[..n], some.then_some(&mut normals[..n]), &mut bounds);
     let at = |f: &Flat| Vec3::new(f[3 * i], f[3 * i + 1], f[3 * i + 2]);
     (at(&positions), some.then(|| at(&normals)))
 }
@@ -91,13 +104,14 @@ impl Room<'_> {
 }
 
 /// The parts of an instance's dents that move vertices of the block, in order, each with the length below which it moves none.
-fn active<'a>(job: Job<'a>, parts: &mut Vec<Ready<'a>>) -> Touched {
+#[inline(always)]
+fn active<'a>(job: Job<'a>, normals: bool, parts: &mut Vec<Ready<'a>>) -> Touched {
     parts.clear();
     let mut touched = Touched { dents: 0, longest: 0.0, stored: false };
     for dent in job.instance.damage().dents() {
         let before = parts.len();
         for part in &dent.parts {
-            if let Some((source, longest)) = reached(job, part) {
+            if let Some((source, longest)) = reached(job, normals, part) {
                 let scale = part.scale * dent.strength;
                 let least = if scale == 0.0 { 0.0 } else { job.instance.least() / scale.abs() };
                 if least == 0.0 || longest > least {
@@ -125,7 +139,8 @@ struct Touched {
 }
 
 /// What a part brings to the block, if anything, and the longest of its displacements, m.
-fn reached<'a>(job: Job<'a>, part: &'a Part) -> Option<(From<'a>, f32)> {
+#[inline(always)]
+fn reached<'a>(job: Job<'a>, normals: bool, part: &'a Part) -> Option<(From<'a>, f32)> {
     let skin = job.skin;
     match &part.carried {
         Some(c) if c.reaches(&skin.block_bounds[job.block]) => {
@@ -136,7 +151,8 @@ fn reached<'a>(job: Job<'a>, part: &'a Part) -> Option<(From<'a>, f32)> {
         None => {
             let anchored = &skin.anchored[part.example];
             let head = anchored.block(job.block as u32)?;
-            Some((From::Stored(anchored.displacements(head), anchored.normals(head)), head.longest))
+            let changes = if normals { anchored.normals(head) } else { Stored::NOTHING };
+            Some((From::Stored(anchored.displacements(head), changes), head.longest))
         }
     }
 }
@@ -149,7 +165,8 @@ unsafe fn evaluate<'a, N: Simd, W: Simd>(
     room: &mut Room<'a>,
     positions: &mut [f32],
     normals: Option<&mut [f32]>,
-) -> Aabb {
+    bounds: &mut Aabb,
+) {
     debug_assert_eq!(N::LANES, GROUP);
     let mesh = &job.skin.mesh;
     let range = block_range(job.block, job.skin.vertex_count());
@@ -157,23 +174,25 @@ unsafe fn evaluate<'a, N: Simd, W: Simd>(
     let base_normals: Option<&[f32]> = mesh.normals().map(|n| bytemuck::cast_slice(&n[range.clone()]));
     let normals = normals.zip(base_normals);
     if let Some(state) = job.instance.classic_state() {
-        return classic(state, range.start, positions, normals);
+        *bounds = classic(state, range.start, positions, normals);
+        return;
     }
-    let touched = active(job, &mut room.parts);
+    let touched = active(job, normals.is_some(), &mut room.parts);
     if touched.dents == 0 {
         positions.copy_from_slice(base);
         if let Some((normals, base)) = normals {
             normals.copy_from_slice(base);
         }
-        return job.skin.block_bounds[job.block];
+        *bounds = job.skin.block_bounds[job.block];
+        return;
     }
     // Rounding never takes a length over the limit by this much.
     let limit = job.instance.depth_limit();
     let limit = (touched.longest * 1.00001 > limit).then_some(limit);
     if let ([Ready { source: From::Stored(stored, _), scale, least: 0.0, .. }], None, None) = (&room.parts[..], &normals, limit) {
         // SAFETY: passed on.
-        let (min, max) = unsafe { kernel::displace_stored::<N>(base, stored, *scale, positions) };
-        return Aabb { min, max };
+        (bounds.min, bounds.max) = unsafe { kernel::displace_stored::<N>(base, stored, *scale, positions, job.stream) };
+        return;
     }
     let block = Block {
         base: whole(base, &mut room.base),
@@ -199,7 +218,7 @@ unsafe fn evaluate<'a, N: Simd, W: Simd>(
         _ => &mut room.normals,
     };
     // SAFETY: passed on.
-    let (min, max) = unsafe {
+    (bounds.min, bounds.max) = unsafe {
         match (touched.stored, with_normals) {
             (true, true) => kernel::displace::<N, true>(&block, to, to_normals),
             (true, false) => kernel::displace::<N, false>(&block, to, to_normals),
@@ -213,7 +232,6 @@ unsafe fn evaluate<'a, N: Simd, W: Simd>(
             n.copy_from_slice(&room.normals[..n.len()]);
         }
     }
-    Aabb { min, max }
 }
 
 /// A whole block: `from`, or `room` with its floats and zeros where it is short.

@@ -176,7 +176,8 @@ impl<S: Simd> Extent<S> {
                 high[k] = S::highest(self.high[k]);
             }
         }
-        (low.min(self.rest.0), high.max(self.rest.1))
+        let rest = &self.rest;
+        if rest.0.x > rest.1.x { (low, high) } else { (low.min(rest.0), high.max(rest.1)) }
     }
 
     /// Of vectors that were added x y z x y z ….
@@ -190,22 +191,37 @@ impl<S: Simd> Extent<S> {
 }
 
 /// `to = base + scale * stored`, all x y z x y z …: what [`displace`] gives for a lone dent under the depth limit, in one pass
-/// without sorting components apart. `S` has `GROUP` lanes. Returns bounds of what it wrote.
+/// without sorting components apart. `S` has `GROUP` lanes. Where told to, it writes past the caches. Returns bounds of what it
+/// wrote.
 #[inline(always)]
 pub(crate) unsafe fn displace_stored<S: Simd>(
     base: &[f32],
     stored: &Stored<'_>,
     scale: f32,
     to: &mut [f32],
+    stream: bool,
 ) -> (Vec3, Vec3) {
+    let scale = stored.step * scale;
+    let stream = stream && to.as_ptr().addr() % 16 == 0;
     // SAFETY: passed on.
     unsafe {
-        match stored.numbers {
-            Numbers::I8(n) => displace_numbers::<S, I8>(base, I8(n), stored.groups, stored.step * scale, to),
-            Numbers::I16(n) => displace_numbers::<S, I16>(base, I16(n), stored.groups, stored.step * scale, to),
-            Numbers::F32(n) => displace_numbers::<S, F32>(base, F32(n), stored.groups, stored.step * scale, to),
+        match (stored.numbers, stream) {
+            (Numbers::I8(n), false) => displace_numbers::<S, I8, false>(base, I8(n), stored.groups, scale, to),
+            (Numbers::I16(n), false) => displace_numbers::<S, I16, false>(base, I16(n), stored.groups, scale, to),
+            (Numbers::F32(n), false) => displace_numbers::<S, F32, false>(base, F32(n), stored.groups, scale, to),
+            (Numbers::I8(n), true) => displace_numbers::<S, I8, true>(base, I8(n), stored.groups, scale, to),
+            (Numbers::I16(n), true) => displace_numbers::<S, I16, true>(base, I16(n), stored.groups, scale, to),
+            (Numbers::F32(n), true) => displace_numbers::<S, F32, true>(base, F32(n), stored.groups, scale, to),
         }
     }
+}
+
+/// # Safety
+/// `LANES` floats may be written there; if `STREAM`, aligned to 16 bytes.
+#[inline(always)]
+unsafe fn put<S: Simd, const STREAM: bool>(p: *mut f32, v: S::F) {
+    // SAFETY: passed on.
+    unsafe { if STREAM { S::stream(p, v) } else { S::store(p, v) } }
 }
 
 /// Stored numbers of one width.
@@ -238,7 +254,7 @@ narrow!(I16, i16, load_i16);
 narrow!(F32, f32, load);
 
 #[inline(always)]
-unsafe fn displace_numbers<S: Simd, N: Narrow>(
+unsafe fn displace_numbers<S: Simd, N: Narrow, const STREAM: bool>(
     base: &[f32],
     numbers: N,
     groups: u16,
@@ -258,7 +274,7 @@ unsafe fn displace_numbers<S: Simd, N: Narrow>(
                 let at = group * FLOATS;
                 let v = each!(k => S::add(S::load(b.add(at + k * GROUP)), S::mul(numbers.load::<S>(at + k * GROUP), f)));
                 for k in 0..3 {
-                    S::store(o.add(at + k * GROUP), v[k]);
+                    put::<S, STREAM>(o.add(at + k * GROUP), v[k]);
                 }
                 extent.add(v);
             }
@@ -273,7 +289,7 @@ unsafe fn displace_numbers<S: Simd, N: Narrow>(
                 kept += FLOATS;
             }
             for k in 0..3 {
-                S::store(o.add(at + k * GROUP), v[k]);
+                put::<S, STREAM>(o.add(at + k * GROUP), v[k]);
             }
             extent.add(v);
         }

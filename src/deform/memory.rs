@@ -240,11 +240,14 @@ impl<'a, T> Scattered<'a, T> {
         Self(slice.as_mut_ptr(), slice.len(), PhantomData)
     }
 
+    /// Element `i`, to be written in place.
+    ///
     /// # Safety
-    /// No other thread sets element `i` at the same time.
-    pub(crate) unsafe fn set(&self, i: usize, value: T) {
+    /// Nobody else accesses element `i` as long as the reference lives.
+    #[allow(clippy::mut_from_ref)]
+    pub(crate) unsafe fn at(&self, i: usize) -> &mut T {
         assert!(i < self.1);
         // SAFETY: in bounds by the assertion; alone by the caller's promise.
-        unsafe { *self.0.add(i) = value }
+        unsafe { &mut *self.0.add(i) }
     }
 }

@@ -20,6 +20,10 @@ const BLOCKS_A_TASK: usize = 64;
 /// … and tasks a worker gets, at least, where there are so many blocks.
 const PIECES: usize = 8;
 
+/// From so many blocks on positions go past the caches, where they lie one after the other: 48 MB of them. Below, where caches
+/// hold what is written, that costs more than it saves.
+const STREAM: usize = 32768;
+
 /// One output to bring up to date.
 #[derive(Debug)]
 pub struct DeformJob<'a, 'm> {
@@ -65,14 +69,18 @@ pub fn deform(jobs: &mut [DeformJob<'_, '_>], tasks: &dyn TaskSystem) -> Result<
     {
         let slots = Scattered::new(&mut bounds);
         let jobs = &*jobs;
+        let stream = total >= STREAM;
         let chunk = total.div_ceil(tasks.workers().max(1) * PIECES).clamp(1, BLOCKS_A_TASK);
         run_each(tasks, total.div_ceil(chunk), &|t| {
             let from = t * chunk;
             let mut room = Room { evaluate: evaluate::Room::new(), positions: [0.0; 3 * BLOCK], normals: [0.0; 3 * BLOCK] };
             for (i, (job, block)) in items[from..(from + chunk).min(total)].iter().enumerate() {
-                let b = write_block(&jobs[*job as usize], *block as usize, &mut room);
                 // SAFETY: item `from + i` belongs to this task alone, and `run_each` runs a task once.
-                unsafe { slots.set(from + i, b) };
+                let bounds = unsafe { slots.at(from + i) };
+                write_block(&jobs[*job as usize], *block as usize, stream, &mut room, bounds);
+            }
+            if stream {
+                evaluate::finish();
             }
         });
     }
@@ -132,25 +140,24 @@ struct Room<'a> {
     normals: evaluate::Flat,
 }
 
-fn write_block<'a>(job: &'a DeformJob<'_, '_>, b: usize, room: &mut Room<'a>) -> Aabb {
+fn write_block<'a>(job: &'a DeformJob<'_, '_>, b: usize, stream: bool, room: &mut Room<'a>, bounds: &mut Aabb) {
     let skin = job.skin();
     let range = block_range(b, skin.vertex_count());
     let with_tangents = job.memory.has_tangents() && skin.mesh.normals().is_some();
-    let block = evaluate::Job { instance: job.instance, skin, block: b };
+    let block = evaluate::Job { instance: job.instance, skin, block: b, stream };
     let n = 3 * range.len();
     let Room { evaluate: room, positions, normals } = room;
     let (positions, normals) = (&mut positions[..n], &mut normals[..n]);
     let wanted = (job.memory.has_normals() || with_tangents).then_some(&mut *normals);
     // SAFETY: `check` passed for all vertices; the blocks of an output are distinct and outputs do not overlap.
-    let bounds = match unsafe { job.memory.positions(range.clone()) } {
-        Some(positions) => evaluate::block(block, room, positions, wanted),
+    match unsafe { job.memory.positions(range.clone()) } {
+        Some(positions) => evaluate::block(block, room, positions, wanted, bounds),
         None => {
-            let bounds = evaluate::block(block, room, positions, wanted);
+            evaluate::block(block, room, positions, wanted, bounds);
             // SAFETY: the same.
             unsafe { job.memory.write_positions(range.start, positions) };
-            bounds
         }
-    };
+    }
     if job.memory.has_normals() {
         // SAFETY: the same.
         unsafe { job.memory.write_normals(range.start, normals) };
@@ -162,7 +169,6 @@ fn write_block<'a>(job: &'a DeformJob<'_, '_>, b: usize, room: &mut Room<'a>) ->
             unsafe { job.memory.write_tangent(range.start + i, tangent) };
         }
     }
-    bounds
 }
 
 /// Position (m) and unit normal of one vertex as deformed.

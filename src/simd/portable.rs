@@ -33,6 +33,11 @@ impl Simd for Portable {
         unsafe { p.cast::<[f32; 8]>().write_unaligned(v.to_array()) }
     }
     #[inline(always)]
+    unsafe fn stream(p: *mut f32, v: f32x8) {
+        // SAFETY: passed on.
+        unsafe { Self::store(p, v) }
+    }
+    #[inline(always)]
     unsafe fn add(a: f32x8, b: f32x8) -> f32x8 {
         a + b
     }

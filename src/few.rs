@@ -1,0 +1,55 @@
+//! A list of at most `N` elements that lives where it is declared: selection allocates nothing.
+
+use std::ops::{Deref, DerefMut};
+
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Few<T, const N: usize> {
+    items: [T; N],
+    len: usize,
+}
+
+impl<T: Copy + Default, const N: usize> Few<T, N> {
+    pub(crate) fn new() -> Self {
+        Few { items: [T::default(); N], len: 0 }
+    }
+
+    /// Appends an element; the list must have room.
+    pub(crate) fn push(&mut self, item: T) {
+        self.items[self.len] = item;
+        self.len += 1;
+    }
+
+    /// Inserts an element at `at`; what then is beyond the last place falls off.
+    pub(crate) fn insert(&mut self, at: usize, item: T) {
+        if at < N {
+            self.len = (self.len + 1).min(N);
+            self.items.copy_within(at..self.len - 1, at + 1);
+            self.items[at] = item;
+        }
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.len = 0;
+    }
+}
+
+impl<T, const N: usize> Deref for Few<T, N> {
+    type Target = [T];
+    fn deref(&self) -> &[T] {
+        &self.items[..self.len]
+    }
+}
+
+impl<T, const N: usize> DerefMut for Few<T, N> {
+    fn deref_mut(&mut self) -> &mut [T] {
+        &mut self.items[..self.len]
+    }
+}
+
+impl<'a, T, const N: usize> IntoIterator for &'a Few<T, N> {
+    type Item = &'a T;
+    type IntoIter = std::slice::Iter<'a, T>;
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
