@@ -43,7 +43,7 @@ pub fn build(bench: &Bench) -> Result<()> {
     let mut copy = [Contender::new("memcpy", || timed(|| to.copy_from_slice(&from)))];
     let memcpy = interleaved(&bench.plan, &mut copy).remove(0);
     let row = Row::time("build_1m_24ex", &Times::new(seconds), "s");
-    bench.add(row.beside_time("memcpy", &memcpy, Sense::Times).hash(fingerprint));
+    bench.add(row.beside_time("memcpy", &memcpy, Sense::Cost).hash(fingerprint));
     Ok(())
 }
 
@@ -64,7 +64,7 @@ pub fn index(bench: &Bench) -> Result<()> {
     let times = interleaved(&bench.plan, &mut contenders);
     drop(contenders);
     for (name, times_of) in [("index_build_1m_kiddo", &times[0]), ("index_build_1m_rstar", &times[1])] {
-        bench.add(Row::time(name, times_of, "ms").beside_time("memcpy", &times[2], Sense::Times));
+        bench.add(Row::time(name, times_of, "ms").beside_time("memcpy", &times[2], Sense::Cost));
     }
     Ok(())
 }

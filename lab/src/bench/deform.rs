@@ -43,7 +43,7 @@ fn rows(bench: &Bench, name: &str, m: &Measured, all: &[Measured], size: Size, l
     };
     for (suffix, reference, aim) in [("", "classic", aims.0), ("_memcpy", "memcpy", aims.1)] {
         let row = Row::time(format!("{name}{suffix}"), &m.times, "ms");
-        let row = row.beside_time(reference, of(all, reference), Sense::Faster).hash(m.hash);
+        let row = row.beside_time(reference, of(all, reference), Sense::Speed).hash(m.hash);
         bench.add(Row { aim: aim.map(Aim::AtLeast), ..row });
     }
 }
@@ -55,7 +55,7 @@ pub fn four_examples(bench: &Bench) -> Result<()> {
     let measured = sheets.measure(&bench.plan, bench.tasks(1))?;
     for m in measured.iter().filter(|m| m.method != "classic" && m.method != "memcpy") {
         let row = Row::time(format!("deform_4ex_{}_1m_t1", m.method), &m.times, "ms");
-        let row = row.beside_time("classic x 4", of(&measured, "classic"), Sense::Faster).hash(m.hash);
+        let row = row.beside_time("classic x 4", of(&measured, "classic"), Sense::Speed).hash(m.hash);
         bench.add(Row { aim: (m.method != "f32").then_some(Aim::AtLeast(3.0)), ..row });
     }
     Ok(())

@@ -24,7 +24,7 @@ pub fn run(bench: &Bench) -> Result<()> {
     let mut contenders = [Contender::new("all", || all.frame()), Contender::new("few", || few.frame())];
     let times = interleaved(&bench.plan, &mut contenders);
     drop(contenders);
-    let row = Row::time("idle_1000", &times[0], "µs").beside_time("10 bodies", &times[1], Sense::Times);
+    let row = Row::time("idle_1000", &times[0], "µs").beside_time("10 bodies", &times[1], Sense::Cost);
     bench.add(row.aim(Aim::AtMost(1.2)).hash(all.hash()));
     Ok(())
 }

@@ -13,6 +13,7 @@ use super::real::{EXAMPLES, bodies, finer, name};
 use super::reference::Classic;
 use super::report::{Aim, Row, Sense};
 use crate::accuracy::heldout;
+use crate::metric::median;
 use crate::scene;
 use crate::truth::Impact;
 
@@ -46,8 +47,8 @@ fn measure(bench: &Bench, name: &str, set: Arc<ExampleSet>, impacts: &[&Impact],
     let plan = Plan { budget: bench.plan.budget / impacts.len().max(1) as u32, ..bench.plan };
     let options = InstanceOptions { examples_per_hit: 3, depth_limit: Some(DEEP), ..Default::default() };
     let mut ours = Deformed::new(&set, options, &[], true, bench.tasks(1))?;
-    let (mut whole, mut classics, mut a_vertex, mut classic_a_vertex) =
-        (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let (mut whole, mut classics, mut counts) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut a_vertex, mut classic_a_vertex) = (Vec::new(), Vec::new());
     let mut hash = 0u64;
     for impact in impacts {
         let hit: Hit = scene::hit(impact);
@@ -65,6 +66,7 @@ fn measure(bench: &Bench, name: &str, set: Arc<ExampleSet>, impacts: &[&Impact],
         let mut contenders =
             [Contender::new("ours", || ours.hit(&[], &[hit])), Contender::new("classic", || classic.run())];
         let times: Vec<f64> = interleaved(&plan, &mut contenders).iter().map(Times::median).collect();
+        counts.push(moved);
         whole.push(times[0]);
         classics.push(times[1]);
         a_vertex.push(times[0] / moved);
@@ -72,9 +74,11 @@ fn measure(bench: &Bench, name: &str, set: Arc<ExampleSet>, impacts: &[&Impact],
     }
     let row = |suffix: &str, ours: Vec<f64>, classic: &[f64], unit| {
         let row = Row::time(format!("{name}{suffix}"), &Times::new(ours), unit);
-        row.beside_time("classic", &Times::new(classic.to_vec()), Sense::Times).hash(hash)
+        row.beside_time("classic", &Times::new(classic.to_vec()), Sense::Cost).hash(hash)
     };
     bench.add(row("", whole, &classics, "µs").aim(Aim::Value(aim)));
     bench.add(row("_vertex", a_vertex, &classic_a_vertex, "ns/vertex"));
+    let all = set.vertex_count() as f64;
+    bench.add(Row::new(format!("{name}_moved"), median(&counts), "vertices").beside("of the body", all, Sense::Cost));
     Ok(())
 }

@@ -40,7 +40,7 @@ pub fn batch(bench: &Bench) -> Result<()> {
             let times = interleaved(&bench.plan, &mut contenders);
             drop(contenders);
             let name = if width.name() == "f32" { name.to_owned() } else { format!("{name}_{}", width.name()) };
-            let row = Row::time(name, &times[0], "µs").beside_time("one hit", &times[1], Sense::Times);
+            let row = Row::time(name, &times[0], "µs").beside_time("one hit", &times[1], Sense::Cost);
             bench.add(Row { aim, ..row.hash(ten.hash()) });
         }
     }
@@ -81,13 +81,13 @@ pub fn carried(bench: &Bench) -> Result<()> {
         let classic = times[times.len() - 1].per(entries as f64);
         for (i, (name, _)) in ours.iter().enumerate() {
             let (t, hash) = &per_vertex[i];
-            let row = Row::time(name, t, "ns/vertex").beside_time("classic", &classic, Sense::Times).hash(*hash);
+            let row = Row::time(name, t, "ns/vertex").beside_time("classic", &classic, Sense::Cost).hash(*hash);
             let aim = (i == 0).then_some(Aim::AtMost(if place == "1m" { 3.0 } else { 2.0 }));
             bench.add(Row { aim, ..row });
         }
         for (k, one, three) in [(1, 0, 2), (3, 1, 3)] {
             let row = Row::time(format!("{}_vs_one", name(3, k, place)), &per_vertex[three].0, "ns/vertex");
-            let row = row.beside_time("one mark", &per_vertex[one].0, Sense::Times);
+            let row = row.beside_time("one mark", &per_vertex[one].0, Sense::Cost);
             bench.add(row.aim(Aim::AtMost(2.5)));
         }
     }

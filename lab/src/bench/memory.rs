@@ -26,10 +26,10 @@ pub fn run(bench: &Bench) -> Result<()> {
                 Width::I16 => (Some(7.0), Some(4.0)),
                 Width::I8 => (Some(4.0), Some(4.0)),
             };
-            let row = Row::new(&name, positions / moved, "B/vertex").beside("classic", CLASSIC, Sense::Faster);
+            let row = Row::new(&name, positions / moved, "B/vertex").beside("classic", CLASSIC, Sense::Cost);
             bench.add(Row { aim: aim.map(Aim::Value), ..row });
             let row = Row::new(format!("{name}_normals"), (both - positions) / moved, "B/vertex");
-            bench.add(Row { aim: more.map(Aim::Value), ..row.beside("f32", 12.0, Sense::Faster) });
+            bench.add(Row { aim: more.map(Aim::Value), ..row.beside("f32", 12.0, Sense::Cost) });
         }
     }
     Ok(())

@@ -183,17 +183,13 @@ pub fn run(options: &Options) -> Result<()> {
         println!("{key}: {value}");
     }
     println!("command: {recipe}");
-    println!(
-        "ratio: with an aim of at least (>=), and beside classic and memcpy in deform and scaling, the reference over the"
-    );
-    println!("value: how many times as fast; else the value over the reference. Medians of interleaved runs.");
+    println!("ratio: \"x speed\" is reference over value (how many times as fast), \"x cost\" is value over reference");
+    println!("times: medians of interleaved runs; a reference takes turns with what is held against it");
     reference::verify()?;
     println!("classic: agrees with the library's own rule to 1e-6 m");
     for workload in WORKLOADS.iter().filter(|w| bench.wanted(w.name)) {
         bench.report.borrow_mut().group(workload.name, workload.about);
-        let at = Instant::now();
         (workload.run)(&bench)?;
-        println!("  {:.1} s", at.elapsed().as_secs_f64());
     }
     if bench.report.borrow().rows().is_empty() {
         let names: Vec<&str> = WORKLOADS.iter().map(|w| w.name).collect();

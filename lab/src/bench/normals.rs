@@ -38,7 +38,7 @@ pub fn run(bench: &Bench) -> Result<()> {
         let mut contenders = [Contender::new("with", || with.run()), Contender::new("without", || without.run())];
         let times = interleaved(&bench.plan, &mut contenders);
         drop(contenders);
-        let row = Row::time(name, &times[0], "ms").beside_time("positions", &times[1], Sense::Times);
+        let row = Row::time(name, &times[0], "ms").beside_time("positions", &times[1], Sense::Cost);
         bench.add(row.aim(Aim::AtMost(1.9)).hash(with.hash()));
     }
     Ok(())

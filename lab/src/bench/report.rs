@@ -13,18 +13,27 @@ use crate::table::{Table, num};
 /// What a value is held against.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Sense {
-    /// Ratio is reference over value: how many times as fast (or as small).
-    Faster,
-    /// Ratio is value over reference: how many times as much.
-    Times,
+    /// Ratio is reference over value: how many times as fast.
+    Speed,
+    /// Ratio is value over reference: how many times as much time or memory.
+    Cost,
+}
+
+impl Sense {
+    fn name(self) -> &'static str {
+        match self {
+            Sense::Speed => "speed",
+            Sense::Cost => "cost",
+        }
+    }
 }
 
 /// What a row should reach.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Aim {
-    /// The ratio at least, with [`Sense::Faster`].
+    /// The ratio at least, with [`Sense::Speed`].
     AtLeast(f64),
-    /// The ratio at most, with [`Sense::Times`].
+    /// The ratio at most, with [`Sense::Cost`].
     AtMost(f64),
     /// The value itself at most, in its unit.
     Value(f64),
@@ -48,16 +57,7 @@ pub struct Row {
 
 impl Row {
     pub fn new(name: impl Into<String>, value: f64, unit: &'static str) -> Self {
-        Row {
-            name: name.into(),
-            value,
-            unit,
-            reference: None,
-            sense: Sense::Times,
-            aim: None,
-            hash: None,
-            spread: None,
-        }
+        Row { name: name.into(), value, unit, reference: None, sense: Sense::Cost, aim: None, hash: None, spread: None }
     }
 
     /// The median of `times`, shown in `unit` (s, ms, µs or ns).
@@ -91,8 +91,8 @@ impl Row {
     pub fn ratio(&self) -> Option<f64> {
         let (_, reference) = self.reference.as_ref()?;
         Some(match self.sense {
-            Sense::Faster => reference / self.value,
-            Sense::Times => self.value / reference,
+            Sense::Speed => reference / self.value,
+            Sense::Cost => self.value / reference,
         })
     }
 
@@ -137,14 +137,15 @@ fn per_second(unit: &str) -> f64 {
 #[derive(Debug, Default)]
 pub struct Report {
     rows: Vec<Row>,
+    /// Heads of a group that has no rows yet.
+    head: Option<String>,
 }
 
 impl Report {
-    /// The columns' heads, under what the group of rows is.
-    pub fn group(&self, name: &str, about: &str) {
-        println!("\n{name}: {about}");
+    /// What the rows that follow are; printed with the first of them.
+    pub fn group(&mut self, name: &str, about: &str) {
         let head = ["name", "value", "unit", "reference", "", "ratio", "aim", "met", "hash"].map(str::to_owned);
-        println!("{}", line(&head));
+        self.head = Some(format!("\n{name}: {about}\n{}", line(&head)));
     }
 
     pub fn add(&mut self, row: Row) {
@@ -155,11 +156,14 @@ impl Report {
             row.unit.to_owned(),
             reference,
             beside,
-            row.ratio().map_or_else(String::new, |r| format!("{r:.2}")),
+            row.ratio().map_or_else(String::new, |r| format!("{r:.2} x {}", row.sense.name())),
             row.aim_text(),
             row.met_text().to_owned(),
             row.hash.map_or_else(String::new, |h| format!("{h:016x}")),
         ];
+        if let Some(head) = self.head.take() {
+            println!("{head}");
+        }
         println!("{}", line(&cells));
         self.rows.push(row);
     }
@@ -174,9 +178,9 @@ impl Report {
         let aims = self.rows.iter().filter(|r| r.aim.is_some()).count();
         println!("\n{} of {aims} aims are met; {} rows", aims - missed.len(), self.rows.len());
         for row in missed {
-            let ratio = row.ratio().map_or_else(String::new, |r| format!("{r:.2} x"));
+            let ratio = row.ratio().map_or_else(String::new, |r| format!("{r:.2} x {}", row.sense.name()));
             println!(
-                "  missed: {:36} {:>10} {:9} {ratio:>9}  {}",
+                "  missed: {:36} {:>10} {:9} {ratio:>14}  {}",
                 row.name,
                 short(row.value),
                 row.unit,
@@ -238,8 +242,8 @@ impl Report {
                 num(r.ratio().unwrap_or(f64::NAN)),
                 match (&r.reference, r.sense) {
                     (None, _) => "",
-                    (_, Sense::Faster) => "reference / value",
-                    (_, Sense::Times) => "value / reference",
+                    (_, Sense::Speed) => "reference / value",
+                    (_, Sense::Cost) => "value / reference",
                 }
                 .to_owned(),
                 r.aim_text(),
@@ -260,7 +264,7 @@ fn file_name(machine: &Machine) -> String {
 fn line(cells: &[String; 9]) -> String {
     let [name, value, unit, reference, beside, ratio, aim, met, hash] = cells;
     let text =
-        format!("  {name:36} {value:>10} {unit:10} {reference:>14} {beside:>10} {ratio:>8}  {aim:13} {met:4} {hash}");
+        format!("  {name:36} {value:>10} {unit:10} {reference:>14} {beside:>10} {ratio:>14}  {aim:16} {met:4} {hash}");
     text.trim_end().to_owned()
 }
 
@@ -283,9 +287,9 @@ mod tests {
 
     #[test]
     fn ratios_say_what_aims_ask_for() {
-        let fast = row().beside("classic", 6.0, Sense::Faster).aim(Aim::AtLeast(2.5));
+        let fast = row().beside("classic", 6.0, Sense::Speed).aim(Aim::AtLeast(2.5));
         assert_eq!((fast.value, fast.ratio(), fast.met()), (2.0, Some(3.0), Some(true)));
-        let slow = row().beside_time("one", &Times::new(vec![0.001]), Sense::Times).aim(Aim::AtMost(1.5));
+        let slow = row().beside_time("one", &Times::new(vec![0.001]), Sense::Cost).aim(Aim::AtMost(1.5));
         assert_eq!((slow.ratio(), slow.met()), (Some(2.0), Some(false)));
         assert_eq!(row().aim(Aim::Value(2.0)).met(), Some(true));
         assert_eq!((row().ratio(), row().met()), (None, None));
@@ -294,7 +298,7 @@ mod tests {
     #[test]
     fn json_is_an_array_of_objects_with_five_keys() {
         let mut report = Report::default();
-        report.add(row().beside("classic", 6.0, Sense::Faster));
+        report.add(row().beside("classic", 6.0, Sense::Speed));
         report.add(row());
         let json: Value = serde_json::from_str(&report.json().to_string()).unwrap();
         for entry in json.as_array().unwrap() {

@@ -75,7 +75,7 @@ pub fn run(bench: &Bench, out: Option<&Path>) -> Result<()> {
                     let row =
                         Row::time(format!("scaling_{}_{}_t{count}", m.method, size.name()), &per_vertex, "ns/vertex");
                     let classic = of(&measured, "classic").per(sheets.moved as f64);
-                    bench.add(row.beside_time("classic", &classic, Sense::Faster).hash(m.hash));
+                    bench.add(row.beside_time("classic", &classic, Sense::Speed).hash(m.hash));
                 }
                 if count == 1 {
                     single.push((m.method, s));
@@ -91,7 +91,7 @@ pub fn run(bench: &Bench, out: Option<&Path>) -> Result<()> {
                 ])?;
                 if count == 2 {
                     let row = Row::time(format!("scaling_{}_{}_t1_t2", m.method, size.name()), &m.times, "ms");
-                    let row = row.beside("one thread", 1e3 * alone, Sense::Faster).hash(m.hash);
+                    let row = row.beside("one thread", 1e3 * alone, Sense::Speed).hash(m.hash);
                     let ours = m.method != "classic" && m.method != "memcpy";
                     let aim = (ours && sheets.vertices() >= SHARED_FROM).then_some(Aim::AtLeast(1.7));
                     bench.add(Row { aim, ..row });
