@@ -21,6 +21,11 @@ def duration(us):
     return f"{us:.0f} µs" if us < 1000 else f"{us / 1e3:.1f} ms" if us < 1e5 else f"{us / 1e6:.1f} s"
 
 
+def milliseconds(ms):
+    """In three digits."""
+    return f"{float(format(ms, '.3g')):g} ms" if ms >= 1 else f"{1e3 * ms:.3g} µs"
+
+
 def size(count):
     return "–" if count is None else f"{count:.0f} B" if count < 1000 else f"{count / 1e3:.0f} kB" if count < 1e6 else f"{count / 1e6:.1f} MB"
 
@@ -182,7 +187,7 @@ def speed(directory):
 
     def cell(method, size, threads):
         row = t.one(method=method, moved_vertices=size, threads=threads)
-        return duration(1e3 * row["ms"]) if row and row["ms"] >= 0.01 else f"{1e3 * row['ms']:.1f} µs" if row else "–"
+        return milliseconds(row["ms"]) if row else "–"
 
     rows = [[f"{size:,.0f}".replace(",", " "), *(f"{cell(m, size, 1)} / {cell(m, size, 2)}" for m in methods)] for size in sizes]
     return f"""## 5. Speed

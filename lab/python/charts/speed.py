@@ -45,10 +45,12 @@ def duration(ms):
 
 
 def finish(figure, axis, table, more):
+    # Inches from below: the footer, the legend, the axes.
+    at = lambda inches: inches / figure.get_figheight()
     handles, labels = axis.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="lower center", ncol=len(labels), bbox_to_anchor=(0.5, 0.105))
+    figure.legend(handles, labels, loc="lower center", ncol=len(labels), bbox_to_anchor=(0.5, at(0.4)))
     style.footer(figure, table, more=more, threads="threads as shown")
-    figure.tight_layout(rect=(0, 0.165, 1, 0.93))
+    figure.tight_layout(rect=(0, at(0.7), 1, 1 - at(0.35)))
 
 
 def vertices(table):
@@ -77,7 +79,7 @@ def vertices(table):
 
 
 def threads(table):
-    """Bars of speed over one thread, where the machine has two threads; lines where it has more."""
+    """At up to three sizes."""
     sizes = sorted({r["vertices"] for r in table.rows})
     counts = sorted({r["threads"] for r in table.rows})
     shown = sizes if len(sizes) <= 3 else [sizes[len(sizes) // 3], sizes[2 * len(sizes) // 3], sizes[-1]]
@@ -101,5 +103,5 @@ def threads(table):
     decades(axes[0, 0].yaxis, min(times) / 2, 2 * max(times), duration)
     axes[0, 0].set_ylabel("time of one deformation")
     style.title(figure, "Time against threads")
-    finish(figure, axes[0, 0], table, "As above; dotted: what one thread takes, divided by their number.")
+    finish(figure, axes[0, 0], table, "One anchored example that moves every vertex of a sheet, positions only. Dotted: what one thread takes, divided by their number.")
     return figure

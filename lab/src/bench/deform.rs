@@ -22,8 +22,8 @@ pub fn one_example(bench: &Bench) -> Result<()> {
                 continue;
             }
             let sheets = Sheets::build(size.vertices(), &[Dent { reach, ..Dent::whole([0.5; 2]) }], bench.tasks(2))?;
-            let measured = sheets.measure(&bench.plan, bench.tasks(threads))?;
-            for m in measured.iter().filter(|m| m.method != "classic" && m.method != "memcpy") {
+            let measured = sheets.measure(bench, &[threads])?;
+            for m in measured.iter().filter(|m| m.is_ours()) {
                 let local = reach != Reach::Whole;
                 rows(bench, &format!("deform_1ex_{}_{case}", m.method), m, &measured, size, local);
             }
@@ -43,7 +43,7 @@ fn rows(bench: &Bench, name: &str, m: &Measured, all: &[Measured], size: Size, l
     };
     for (suffix, reference, aim) in [("", "classic", aims.0), ("_memcpy", "memcpy", aims.1)] {
         let row = Row::time(format!("{name}{suffix}"), &m.times, "ms");
-        let row = row.beside_time(reference, of(all, reference), Sense::Speed).hash(m.hash);
+        let row = row.beside_time(reference, of(all, reference, m.threads), Sense::Speed).hash(m.hash);
         bench.add(Row { aim: aim.map(Aim::AtLeast), ..row });
     }
 }
@@ -52,10 +52,10 @@ fn rows(bench: &Bench, name: &str, m: &Measured, all: &[Measured], size: Size, l
 pub fn four_examples(bench: &Bench) -> Result<()> {
     let dents = [[0.3, 0.4], [0.6, 0.3], [0.5, 0.7], [0.7, 0.6]].map(Dent::whole);
     let sheets = Sheets::build(Size::M1.vertices(), &dents, bench.tasks(2))?;
-    let measured = sheets.measure(&bench.plan, bench.tasks(1))?;
-    for m in measured.iter().filter(|m| m.method != "classic" && m.method != "memcpy") {
+    let measured = sheets.measure(bench, &[1])?;
+    for m in measured.iter().filter(|m| m.is_ours()) {
         let row = Row::time(format!("deform_4ex_{}_1m_t1", m.method), &m.times, "ms");
-        let row = row.beside_time("classic x 4", of(&measured, "classic"), Sense::Speed).hash(m.hash);
+        let row = row.beside_time("classic x 4", of(&measured, "classic", 1), Sense::Speed).hash(m.hash);
         bench.add(Row { aim: (m.method != "f32").then_some(Aim::AtLeast(3.0)), ..row });
     }
     Ok(())

@@ -4,9 +4,10 @@ use std::path::Path;
 
 use anyhow::Result;
 
+use super::measure::Times;
 use super::report::{Aim, Row, Sense};
 use super::sheet::Dent;
-use super::sheets::{Sheets, of};
+use super::sheets::{Measured, Sheets, of};
 use super::width::Width;
 use super::{Bench, Size};
 use crate::table::{Table, num};
@@ -49,53 +50,19 @@ pub fn run(bench: &Bench, out: Option<&Path>) -> Result<()> {
             continue;
         }
         let sheets = Sheets::build(size.vertices(), &[Dent::whole([0.5; 2])], bench.tasks(2))?;
-        let mut single: Vec<(&str, f64)> = Vec::new();
-        for &count in &counts {
-            let measured = sheets.measure(&bench.plan, bench.tasks(count))?;
-            let (classic, memcpy) = (of(&measured, "classic").median(), of(&measured, "memcpy").median());
-            for m in &measured {
-                let s = m.times.median();
-                let per_vertex = m.times.per(sheets.moved as f64);
-                let hash = format!("{:016x}", m.hash);
-                if count <= 2 {
-                    vertices.row([
-                        m.method.to_owned(),
-                        count.to_string(),
-                        sheets.vertices().to_string(),
-                        sheets.moved.to_string(),
-                        num(1e3 * s),
-                        num(1e3 * m.times.quantile(0.25)),
-                        num(1e3 * m.times.quantile(0.75)),
-                        num(1e9 * per_vertex.median()),
-                        num(classic / s),
-                        num(memcpy / s),
-                        m.times.runs().to_string(),
-                        hash.clone(),
-                    ])?;
-                    let row =
-                        Row::time(format!("scaling_{}_{}_t{count}", m.method, size.name()), &per_vertex, "ns/vertex");
-                    let classic = of(&measured, "classic").per(sheets.moved as f64);
-                    bench.add(row.beside_time("classic", &classic, Sense::Speed).hash(m.hash));
-                }
-                if count == 1 {
-                    single.push((m.method, s));
-                }
-                let alone = single.iter().find(|(name, _)| *name == m.method).map_or(f64::NAN, |(_, s)| *s);
-                threads.row([
-                    m.method.to_owned(),
-                    count.to_string(),
-                    sheets.vertices().to_string(),
-                    num(1e3 * s),
-                    num(alone / s),
-                    hash,
-                ])?;
-                if count == 2 {
-                    let row = Row::time(format!("scaling_{}_{}_t1_t2", m.method, size.name()), &m.times, "ms");
-                    let row = row.beside("one thread", 1e3 * alone, Sense::Speed).hash(m.hash);
-                    let ours = m.method != "classic" && m.method != "memcpy";
-                    let aim = (ours && sheets.vertices() >= SHARED_FROM).then_some(Aim::AtLeast(1.7));
-                    bench.add(Row { aim, ..row });
-                }
+        let measured = sheets.measure(bench, &counts)?;
+        for m in &measured {
+            threads.row([
+                m.method.to_owned(),
+                m.threads.to_string(),
+                sheets.vertices().to_string(),
+                num(1e3 * m.times.median()),
+                num(of(&measured, m.method, 1).median() / m.times.median()),
+                format!("{:016x}", m.hash),
+            ])?;
+            if m.threads <= 2 {
+                vertices.row(cells(m, &measured, &sheets))?;
+                rows(bench, size, m, &measured, &sheets);
             }
         }
     }
@@ -104,4 +71,36 @@ pub fn run(bench: &Bench, out: Option<&Path>) -> Result<()> {
         threads.write(out, "speed_threads.csv")?;
     }
     Ok(())
+}
+
+fn cells(m: &Measured, all: &[Measured], sheets: &Sheets) -> [String; 12] {
+    let s = m.times.median();
+    [
+        m.method.to_owned(),
+        m.threads.to_string(),
+        sheets.vertices().to_string(),
+        sheets.moved.to_string(),
+        num(1e3 * s),
+        num(1e3 * m.times.quantile(0.25)),
+        num(1e3 * m.times.quantile(0.75)),
+        num(1e9 * s / sheets.moved as f64),
+        num(of(all, "classic", m.threads).median() / s),
+        num(of(all, "memcpy", m.threads).median() / s),
+        m.times.runs().to_string(),
+        format!("{:016x}", m.hash),
+    ]
+}
+
+fn rows(bench: &Bench, size: Size, m: &Measured, all: &[Measured], sheets: &Sheets) {
+    let name = format!("scaling_{}_{}", m.method, size.name());
+    let per_vertex = |times: &Times| times.per(sheets.moved as f64);
+    let row = Row::time(format!("{name}_t{}", m.threads), &per_vertex(&m.times), "ns/vertex");
+    let classic = per_vertex(of(all, "classic", m.threads));
+    bench.add(row.beside_time("classic", &classic, Sense::Speed).hash(m.hash));
+    if m.threads == 2 {
+        let row = Row::time(format!("{name}_t1_t2"), &m.times, "ms");
+        let row = row.beside_time("one thread", of(all, m.method, 1), Sense::Speed).hash(m.hash);
+        let aim = (m.is_ours() && sheets.vertices() >= SHARED_FROM).then_some(Aim::AtLeast(1.7));
+        bench.add(Row { aim, ..row });
+    }
 }

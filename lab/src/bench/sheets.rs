@@ -1,12 +1,14 @@
 //! The plain case, at any size and on any threads: anchored examples of the sheet, all active, positions only.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use anyhow::Result;
 use crumple::{ExampleSet, InstanceOptions, TaskSystem};
 
+use super::Bench;
 use super::deformed::Deformed;
-use super::measure::{Contender, Plan, Times, interleaved};
+use super::measure::{Contender, Times, interleaved};
 use super::reference::{Classic, Memcpy};
 use super::sheet::{Dent, Sheet, own_marks};
 use super::width::Width;
@@ -22,8 +24,41 @@ pub struct Sheets {
 pub struct Measured {
     /// A width's name, `classic` or `memcpy`.
     pub method: &'static str,
+    pub threads: usize,
     pub times: Times,
     pub hash: u64,
+}
+
+impl Measured {
+    /// Whether it is the library, not a reference.
+    pub fn is_ours(&self) -> bool {
+        self.method != "classic" && self.method != "memcpy"
+    }
+}
+
+/// One of the methods at work.
+enum Method<'t> {
+    Ours(Deformed<'t>),
+    Classic(Classic<'t>),
+    Memcpy(Memcpy<'t>),
+}
+
+impl Method<'_> {
+    fn run(&mut self) -> Duration {
+        match self {
+            Method::Ours(m) => m.run(),
+            Method::Classic(m) => m.run(),
+            Method::Memcpy(m) => m.run(),
+        }
+    }
+
+    fn hash(&mut self) -> u64 {
+        match self {
+            Method::Ours(m) => m.hash(),
+            Method::Classic(m) => m.hash(),
+            Method::Memcpy(m) => m.hash(),
+        }
+    }
 }
 
 impl Sheets {
@@ -37,38 +72,40 @@ impl Sheets {
         self.sets[0].1.vertex_count()
     }
 
-    /// Each width, then the literature's kernel and a copy of as many positions as move.
-    pub fn measure(&self, plan: &Plan, tasks: &dyn TaskSystem) -> Result<Vec<Measured>> {
-        let mut ours = Vec::new();
-        for (width, set) in &self.sets {
-            let marks = own_marks(set);
-            ours.push((width.name(), Deformed::new(set, InstanceOptions::default(), &marks, false, tasks)?));
+    /// On each of these numbers of threads, all in turn: each width, the literature's kernel, and a copy of as many positions
+    /// as move.
+    pub fn measure(&self, bench: &Bench, threads: &[usize]) -> Result<Vec<Measured>> {
+        let mut methods: Vec<(&'static str, usize, Method)> = Vec::new();
+        for &count in threads {
+            let tasks = bench.tasks(count);
+            for (width, set) in &self.sets {
+                let ours = Deformed::new(set, InstanceOptions::default(), &own_marks(set), false, tasks)?;
+                methods.push((width.name(), count, Method::Ours(ours)));
+            }
+            let set = &self.sets[0].1;
+            methods.push(("classic", count, Method::Classic(Classic::of_set(set, tasks))));
+            let memcpy = Memcpy::new(set.mesh().positions(), self.moved, tasks);
+            methods.push(("memcpy", count, Method::Memcpy(memcpy)));
         }
-        let set = &self.sets[0].1;
-        let mut classic = Classic::of_set(set, tasks);
-        let mut memcpy = Memcpy::new(set.mesh().positions(), self.moved, tasks);
         let mut contenders: Vec<Contender> =
-            ours.iter_mut().map(|(name, d)| Contender::new(*name, || d.run())).collect();
-        contenders.push(Contender::new("classic", || classic.run()));
-        contenders.push(Contender::new("memcpy", || memcpy.run()));
-        let mut times = interleaved(plan, &mut contenders).into_iter();
+            methods.iter_mut().map(|(name, _, method)| Contender::new(*name, || method.run())).collect();
+        let times = interleaved(&bench.plan, &mut contenders);
         drop(contenders);
-        let mut measured = Vec::new();
-        for ((method, deformed), times) in ours.iter_mut().zip(times.by_ref()) {
-            measured.push(Measured { method, times, hash: deformed.hash() });
-        }
-        for ((method, hash), times) in [("classic", classic.hash()), ("memcpy", memcpy.hash())].into_iter().zip(times) {
-            measured.push(Measured { method, times, hash });
-        }
-        Ok(measured)
+        let measured = methods.into_iter().zip(times).map(|((method, threads, mut at_work), times)| Measured {
+            method,
+            threads,
+            times,
+            hash: at_work.hash(),
+        });
+        Ok(measured.collect())
     }
 }
 
-/// The times of `method`.
+/// The times of `method` on so many threads.
 ///
 /// # Panics
 /// Where it was not measured: `classic` and `memcpy` always are.
-pub fn of<'m>(measured: &'m [Measured], method: &str) -> &'m Times {
-    let found = measured.iter().find(|m| m.method == method);
-    &found.unwrap_or_else(|| panic!("{method} was not measured")).times
+pub fn of<'m>(measured: &'m [Measured], method: &str, threads: usize) -> &'m Times {
+    let found = measured.iter().find(|m| m.method == method && m.threads == threads);
+    &found.unwrap_or_else(|| panic!("{method} was not measured on {threads} threads")).times
 }
