@@ -135,7 +135,7 @@ mod tests {
         let plan = Plan { budget: Duration::ZERO, least: 1, most: 1 };
         let short = Contender::new("short", || {
             calls += 1;
-            Duration::from_micros(100)
+            Duration::from_micros(90)
         });
         let times = interleaved(&plan, &mut [short]);
         assert_eq!(times[0].runs(), 3);

@@ -177,7 +177,7 @@ pub fn run(options: &Options) -> Result<()> {
     // Tables of a part of the workloads would replace whole ones.
     let whole = !options.quick && options.only.is_empty();
     let mut bench = Bench::new(options.quick, &options.only)?;
-    bench.lab = (!options.quick && bench.wanted("scaling") && whole).then(|| options.lab.clone());
+    bench.lab = whole.then(|| options.lab.clone());
     let recipe = recipe(options);
     for (key, value) in Machine::here().comments("threads as the names say: t1, t2; one where they do not") {
         println!("{key}: {value}");

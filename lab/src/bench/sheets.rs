@@ -3,21 +3,25 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use crumple::{ExampleSet, InstanceOptions, TaskSystem};
+use glam::Vec3;
 
 use super::Bench;
 use super::deformed::Deformed;
 use super::measure::{Contender, Times, interleaved};
 use super::reference::{Classic, Memcpy};
 use super::sheet::{Dent, Sheet, own_marks};
-use super::width::Width;
+use super::width::{Width, tolerance};
 
 /// Sets of one sheet in each width that there is.
 pub struct Sheets {
     pub sets: Vec<(Width, Arc<ExampleSet>)>,
     /// Vertices that any example moves.
     pub moved: usize,
+    /// The largest component of any displacement, m.
+    largest: f32,
+    examples: usize,
 }
 
 /// What was measured of one method.
@@ -65,7 +69,8 @@ impl Sheets {
     pub fn build(vertices: usize, dents: &[Dent], tasks: &dyn TaskSystem) -> Result<Self> {
         let sets = Sheet::new(vertices).sets(dents, tasks)?;
         let moved = sets[0].1.examples().iter().map(|e| e.moved_vertices()).max().unwrap_or(0);
-        Ok(Self { sets, moved })
+        let largest = dents.iter().map(|d| d.depth).fold(0.0, f32::max);
+        Ok(Self { sets, moved, largest, examples: dents.len() })
     }
 
     pub fn vertices(&self) -> usize {
@@ -91,13 +96,33 @@ impl Sheets {
             methods.iter_mut().map(|(name, _, method)| Contender::new(*name, || method.run())).collect();
         let times = interleaved(&bench.plan, &mut contenders);
         drop(contenders);
-        let measured = methods.into_iter().zip(times).map(|((method, threads, mut at_work), times)| Measured {
-            method,
-            threads,
-            times,
-            hash: at_work.hash(),
+        let hashes: Vec<u64> = methods.iter_mut().map(|(.., method)| method.hash()).collect();
+        self.check(&methods)?;
+        let results = methods.iter().zip(hashes).zip(times);
+        let measured = results.map(|(((method, threads, _), hash), times)| {
+            let (method, threads) = (*method, *threads);
+            Measured { method, threads, times, hash }
         });
         Ok(measured.collect())
+    }
+
+    /// Every width must come as near to exact f32 as its tolerance says: a fast wrong answer is none.
+    fn check(&self, methods: &[(&'static str, usize, Method)]) -> Result<()> {
+        let ours = |width: Width| {
+            let of_width = methods.iter().filter(move |(name, ..)| *name == width.name());
+            of_width.filter_map(|(.., m)| if let Method::Ours(m) = m { Some(m.positions()) } else { None })
+        };
+        let Some(exact) = ours(Width::F32).next() else { return Ok(()) };
+        for width in self.sets.iter().map(|(width, _)| *width) {
+            // Each example is off by as much at most; strengths and scales are below 1. Rounding of the positions on top.
+            let allowed = self.examples as f32 * tolerance(width, self.largest).unwrap_or(0.0) + 1e-6;
+            for positions in ours(width) {
+                let apart = |(a, b): (&[f32; 3], &[f32; 3])| Vec3::from_array(*a).distance(Vec3::from_array(*b));
+                let worst = positions.iter().zip(exact).map(apart).fold(0.0, f32::max);
+                ensure!(worst <= allowed, "{} is {worst} m off; {allowed} m are allowed", width.name());
+            }
+        }
+        Ok(())
     }
 }
 
