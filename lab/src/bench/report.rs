@@ -51,8 +51,8 @@ pub struct Row {
     pub aim: Option<Aim>,
     /// xxh3 of the bits of what was computed.
     pub hash: Option<u64>,
-    /// First and third quartile, in the unit, and how many runs.
-    pub spread: Option<(f64, f64, usize)>,
+    /// Least, first and third quartile, in the unit, and how many runs.
+    pub spread: Option<([f64; 3], usize)>,
 }
 
 impl Row {
@@ -64,7 +64,7 @@ impl Row {
     pub fn time(name: impl Into<String>, times: &Times, unit: &'static str) -> Self {
         let f = per_second(unit);
         Row {
-            spread: Some((f * times.quantile(0.25), f * times.quantile(0.75), times.runs())),
+            spread: Some(([0.0, 0.25, 0.75].map(|q| f * times.quantile(q)), times.runs())),
             ..Self::new(name, f * times.median(), unit)
         }
     }
@@ -214,6 +214,7 @@ impl Report {
         let mut table = Table::threaded(&[
             "name",
             "value",
+            "least",
             "p25",
             "p75",
             "runs",
@@ -228,11 +229,12 @@ impl Report {
         ]);
         table.comment("command", recipe);
         for r in &self.rows {
-            let (low, high, runs) = r.spread.unwrap_or((f64::NAN, f64::NAN, 0));
+            let ([least, low, high], runs) = r.spread.unwrap_or(([f64::NAN; 3], 0));
             let (reference, value) = r.reference.clone().unwrap_or((String::new(), f64::NAN));
             table.row([
                 r.name.clone(),
                 num(r.value),
+                num(least),
                 num(low),
                 num(high),
                 if runs == 0 { String::new() } else { runs.to_string() },

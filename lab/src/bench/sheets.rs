@@ -42,7 +42,7 @@ impl Measured {
 
 /// One of the methods at work.
 enum Method<'t> {
-    Ours(Deformed<'t>),
+    Ours(Box<Deformed<'t>>),
     Classic(Classic<'t>),
     Memcpy(Memcpy<'t>),
 }
@@ -85,7 +85,7 @@ impl Sheets {
             let tasks = bench.tasks(count);
             for (width, set) in &self.sets {
                 let ours = Deformed::new(set, InstanceOptions::default(), &own_marks(set), false, tasks)?;
-                methods.push((width.name(), count, Method::Ours(ours)));
+                methods.push((width.name(), count, Method::Ours(ours.into())));
             }
             let set = &self.sets[0].1;
             methods.push(("classic", count, Method::Classic(Classic::of_set(set, tasks))));
