@@ -40,7 +40,7 @@ pub fn build(bench: &Bench) -> Result<()> {
     }
     // Copying what goes in.
     let (from, mut to) = (vec![1u8; bytes], vec![0u8; bytes]);
-    let mut copy = [Contender::new("memcpy", || timed(|| to.copy_from_slice(&from)))];
+    let mut copy = [Contender::new(|| timed(|| to.copy_from_slice(&from)))];
     let memcpy = interleaved(&bench.plan, &mut copy).remove(0);
     let row = Row::time("build_1m_24ex", &Times::new(seconds), "s");
     bench.add(row.beside_time("memcpy", &memcpy, Sense::Cost).hash(fingerprint));
@@ -54,12 +54,12 @@ pub fn index(bench: &Bench) -> Result<()> {
     let vectors: Vec<glam::Vec3> = points.iter().map(|p| (*p).into()).collect();
     let mut memcpy = Memcpy::new(&vectors, points.len(), bench.tasks(1));
     let mut contenders = [
-        Contender::new("kiddo", || timed(|| _ = std::hint::black_box(kd_tree(&points)))),
-        Contender::new("rstar", || {
+        Contender::new(|| timed(|| _ = std::hint::black_box(kd_tree(&points)))),
+        Contender::new(|| {
             let entries: Vec<_> = points.iter().zip(0u32..).map(|(p, v)| GeomWithData::new(*p, v)).collect();
             timed(|| _ = std::hint::black_box(RTree::bulk_load(entries)))
         }),
-        Contender::new("memcpy", || memcpy.run()),
+        Contender::new(|| memcpy.run()),
     ];
     let times = interleaved(&bench.plan, &mut contenders);
     drop(contenders);

@@ -21,7 +21,7 @@ pub fn run(bench: &Bench) -> Result<()> {
     let sets = Sheet::new(VERTICES).sets(&[dent], bench.tasks(2))?;
     let set = &sets[0].1;
     let (mut all, mut few) = (Fleet::new(set, BODIES, bench.tasks(1))?, Fleet::new(set, HIT, bench.tasks(1))?);
-    let mut contenders = [Contender::new("all", || all.frame()), Contender::new("few", || few.frame())];
+    let mut contenders = [Contender::new(|| all.frame()), Contender::new(|| few.frame())];
     let times = interleaved(&bench.plan, &mut contenders);
     drop(contenders);
     let row = Row::time("idle_1000", &times[0], "µs").beside_time("10 bodies", &times[1], Sense::Cost);

@@ -63,8 +63,7 @@ fn measure(bench: &Bench, name: &str, set: Arc<ExampleSet>, impacts: &[&Impact],
         let moved = field.len().max(1) as f64;
         // The literature's kernel, told which example and where: no selection, no normals, no bounds.
         let mut classic = Classic::new(base, &[field], bench.tasks(1));
-        let mut contenders =
-            [Contender::new("ours", || ours.hit(&[], &[hit])), Contender::new("classic", || classic.run())];
+        let mut contenders = [Contender::new(|| ours.hit(&[], &[hit])), Contender::new(|| classic.run())];
         let times: Vec<f64> = interleaved(&plan, &mut contenders).iter().map(Times::median).collect();
         counts.push(moved);
         whole.push(times[0]);

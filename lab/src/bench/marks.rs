@@ -33,10 +33,8 @@ pub fn batch(bench: &Bench) -> Result<()> {
         for (name, before, aim) in [("batch_10", &marks[..], Some(Aim::AtMost(1.5))), ("batch_10_fresh", &[], None)] {
             let mut bodies = [0, 1].map(|_| Deformed::new(&set, options, &[], false, tasks));
             let [Ok(ten), Ok(one)] = &mut bodies else { anyhow::bail!("the body of {name} cannot be made") };
-            let mut contenders = [
-                Contender::new("ten", || ten.hit(before, &hits)),
-                Contender::new("one", || one.hit(before, &hits[..1])),
-            ];
+            let mut contenders =
+                [Contender::new(|| ten.hit(before, &hits)), Contender::new(|| one.hit(before, &hits[..1]))];
             let times = interleaved(&bench.plan, &mut contenders);
             drop(contenders);
             let name = if width.name() == "f32" { name.to_owned() } else { format!("{name}_{}", width.name()) };
@@ -65,9 +63,8 @@ pub fn carried(bench: &Bench) -> Result<()> {
         let everything: Vec<(u32, glam::Vec3)> = crate::bench::reference::field(&set, &set.examples()[0]);
         let mut classic = Classic::new(set.mesh().positions(), &[everything], tasks);
         let entries = classic.entries();
-        let mut contenders: Vec<Contender> =
-            ours.iter_mut().map(|(name, d)| Contender::new(name.as_str(), || d.run())).collect();
-        contenders.push(Contender::new("classic", || classic.run()));
+        let mut contenders: Vec<Contender> = ours.iter_mut().map(|(_, d)| Contender::new(|| d.run())).collect();
+        contenders.push(Contender::new(|| classic.run()));
         let times = interleaved(&bench.plan, &mut contenders);
         drop(contenders);
         let per_vertex: Vec<(Times, u64)> = ours

@@ -6,14 +6,13 @@ use crate::metric::quantile;
 
 /// One of the things that are measured in turn.
 pub struct Contender<'a> {
-    pub name: String,
     /// Prepares, works, and says how long the work alone took. Each call does the same work.
     run: Box<dyn FnMut() -> Duration + 'a>,
 }
 
 impl<'a> Contender<'a> {
-    pub fn new(name: impl Into<String>, run: impl FnMut() -> Duration + 'a) -> Self {
-        Self { name: name.into(), run: Box::new(run) }
+    pub fn new(run: impl FnMut() -> Duration + 'a) -> Self {
+        Self { run: Box::new(run) }
     }
 }
 
@@ -115,7 +114,7 @@ mod tests {
         let order = RefCell::new(Vec::new());
         let contender = |name: &'static str, ms: u64| {
             let order = &order;
-            Contender::new(name, move || {
+            Contender::new(move || {
                 order.borrow_mut().push(name);
                 std::thread::sleep(Duration::from_millis(1));
                 Duration::from_millis(ms)
@@ -133,7 +132,7 @@ mod tests {
     fn short_work_runs_several_times_a_turn() {
         let mut calls = 0;
         let plan = Plan { budget: Duration::ZERO, least: 1, most: 1 };
-        let short = Contender::new("short", || {
+        let short = Contender::new(|| {
             calls += 1;
             Duration::from_micros(90)
         });

@@ -35,7 +35,7 @@ pub fn run(bench: &Bench) -> Result<()> {
     for (name, set, marks) in cases {
         let make = |normals| Deformed::new(&set, InstanceOptions::default(), &marks, normals, bench.tasks(1));
         let (mut with, mut without) = (make(true)?, make(false)?);
-        let mut contenders = [Contender::new("with", || with.run()), Contender::new("without", || without.run())];
+        let mut contenders = [Contender::new(|| with.run()), Contender::new(|| without.run())];
         let times = interleaved(&bench.plan, &mut contenders);
         drop(contenders);
         let row = Row::time(name, &times[0], "ms").beside_time("positions", &times[1], Sense::Cost);

@@ -56,11 +56,11 @@ fn measure(bench: &Bench, name: String, sheet: &Sheet, set: Arc<ExampleSet>) -> 
     };
     let (a, b) = (Cell::new(0), Cell::new(0));
     let mut contenders = [
-        Contender::new("preview", || {
+        Contender::new(|| {
             let hits = &hits[turn(&a)];
             timed(|| hits.iter().for_each(|h| _ = std::hint::black_box(body.preview(h))))
         }),
-        Contender::new("nearest", || {
+        Contender::new(|| {
             let hits = &hits[turn(&b)];
             timed(|| hits.iter().for_each(|h| _ = std::hint::black_box(set.nearest_vertex(h.point))))
         }),

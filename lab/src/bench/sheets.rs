@@ -93,7 +93,7 @@ impl Sheets {
             methods.push(("memcpy", count, Method::Memcpy(memcpy)));
         }
         let mut contenders: Vec<Contender> =
-            methods.iter_mut().map(|(name, _, method)| Contender::new(*name, || method.run())).collect();
+            methods.iter_mut().map(|(.., method)| Contender::new(|| method.run())).collect();
         let times = interleaved(&bench.plan, &mut contenders);
         drop(contenders);
         let hashes: Vec<u64> = methods.iter_mut().map(|(.., method)| method.hash()).collect();
