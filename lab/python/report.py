@@ -21,6 +21,11 @@ def duration(us):
     return f"{us:.0f} µs" if us < 1000 else f"{us / 1e3:.1f} ms" if us < 1e5 else f"{us / 1e6:.1f} s"
 
 
+def milliseconds(ms):
+    """In three digits."""
+    return f"{float(format(ms, '.3g')):g} ms" if ms >= 1 else f"{1e3 * ms:.3g} µs"
+
+
 def size(count):
     return "–" if count is None else f"{count:.0f} B" if count < 1000 else f"{count / 1e3:.0f} kB" if count < 1e6 else f"{count / 1e6:.1f} MB"
 
@@ -172,6 +177,29 @@ End to end, with {FULL} examples (the library's rules are free of order by const
 {own_text("combine")}"""
 
 
+def speed(directory):
+    t = read(directory, "speed_vertices.csv")
+    if t is None:
+        return ""
+    names = {"classic": "literature's kernel", "f32": "Crumple, f32", "i16": "Crumple, 16 bit", "i8": "Crumple, 8 bit", "memcpy": "copying the positions"}
+    methods = [m for m in names if t.where(method=m)]
+    sizes = sorted({r["moved_vertices"] for r in t.rows})
+
+    def cell(method, size, threads):
+        row = t.one(method=method, moved_vertices=size, threads=threads)
+        return milliseconds(row["ms"]) if row else "–"
+
+    rows = [[f"{size:,.0f}".replace(",", " "), *(f"{cell(m, size, 1)} / {cell(m, size, 2)}" for m in methods)] for size in sizes]
+    return f"""## 5. Speed
+
+{picture(directory, "speed_vertices", "Time against moved vertices, for Crumple, the literature's kernel and a copy")}
+Time of one deformation by one example, on one thread / on two:
+
+{table(["moved vertices", *(names[m] for m in methods)], rows)}
+{picture(directory, "speed_threads", "Time against threads")}
+{own_text("speed")}"""
+
+
 def section(directory, heading, part):
     text = own_text(part)
     charts = "\n".join(picture(directory, p.stem, p.stem.replace("_", " ")) for p in sorted(directory.glob(f"{part}*.svg")))
@@ -196,7 +224,8 @@ impacts, never on the held-out ones measured here. Figures are medians unless sa
 {accuracy(directory)}
 {combining(directory)}
 {section(directory, "3. Stability where methods fail", "stability")}
-{section(directory, "4. The literature's own pictures", "pictures")}"""
+{section(directory, "4. The literature's own pictures", "pictures")}
+{speed(directory)}"""
     while "\n\n\n" in text:
         text = text.replace("\n\n\n", "\n\n")
     (directory / "README.md").write_text(text.rstrip() + "\n")

@@ -93,9 +93,9 @@ def title(figure, text):
     figure.text(0.01, 1 - 0.08 / figure.get_figheight(), text, fontsize=13, fontweight="bold", ha="left", va="top")
 
 
-def footer(figure, table, n=None, more=""):
+def footer(figure, table, n=None, more="", threads="one thread"):
     """Machine, versions and counts, below the figure."""
-    parts = [table.said("machine").split(" (family")[0] + ", one thread", table.said("rustc").split(" (")[0]]
+    parts = [table.said("machine").split(" (family")[0] + ", " + threads, table.said("rustc").split(" (")[0]]
     parts.append("crumple " + table.said("crumple"))
     if n:
         parts.append(n)

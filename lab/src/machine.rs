@@ -22,11 +22,11 @@ impl Machine {
         Self { cpu, cores: std::thread::available_parallelism().map_or(1, usize::from) }
     }
 
-    /// For the top of a CSV file.
-    pub fn comments(&self) -> Vec<(&'static str, String)> {
+    /// For the top of a CSV file; `threads` says on how many of them costs are.
+    pub fn comments(&self, threads: &str) -> Vec<(&'static str, String)> {
         vec![
             ("machine", self.cpu.clone()),
-            ("cores", format!("{} (every cost is that of one thread)", self.cores)),
+            ("cores", format!("{} ({threads})", self.cores)),
             ("system", format!("{} {}", std::env::consts::OS, std::env::consts::ARCH)),
             ("rustc", env!("LAB_RUSTC").to_owned()),
             ("crumple", env!("CARGO_PKG_VERSION").to_owned()),

@@ -5,6 +5,7 @@
 #![cfg_attr(not(feature = "engines"), allow(dead_code))]
 
 mod accuracy;
+mod bench;
 mod combine;
 mod machine;
 mod metric;
@@ -42,6 +43,10 @@ enum Part {
     Peers(Options),
     /// The literature's visual tests, classic beside ours
     Pictures(Options),
+    /// Time against the number of moved vertices and against threads
+    Speed(Options),
+    /// Fixed workloads beside references of the same run
+    Bench(bench::Options),
 }
 
 /// What every part is told.
@@ -63,5 +68,7 @@ fn main() -> Result<()> {
         #[cfg(feature = "engines")]
         Part::Peers(options) => peers::run(&options),
         Part::Pictures(options) => pictures::run(&options),
+        Part::Speed(options) => bench::speed(&options),
+        Part::Bench(options) => bench::run(&options),
     }
 }

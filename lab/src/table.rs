@@ -17,11 +17,20 @@ pub struct Table {
 }
 
 impl Table {
-    /// With the machine and the versions on top.
+    /// With the machine and the versions on top, of costs on one thread.
     pub fn new(columns: &[&str]) -> Self {
+        Self::of_costs(columns, "every cost is that of one thread")
+    }
+
+    /// The same of costs on as many threads as the rows say.
+    pub fn threaded(columns: &[&str]) -> Self {
+        Self::of_costs(columns, "threads as the rows say")
+    }
+
+    fn of_costs(columns: &[&str], threads: &str) -> Self {
         let mut table =
             Self { comments: Vec::new(), columns: columns.iter().map(|c| (*c).to_owned()).collect(), rows: Vec::new() };
-        for (key, value) in Machine::here().comments() {
+        for (key, value) in Machine::here().comments(threads) {
             table.comment(key, value);
         }
         table

@@ -1,6 +1,7 @@
 //! `cargo xtask …`: one command for each thing that people and CI do with this repository,
 //! the same on every platform.
 
+mod bench;
 mod ci;
 mod command;
 mod demo;
@@ -57,6 +58,8 @@ enum Command {
     },
     /// Measure accuracy, cost, stability and peers; write docs/lab with its tables, charts and report
     Lab(lab::Options),
+    /// Measure fixed workloads beside references of the same run; write docs/bench
+    Bench(bench::Options),
     /// Formatting, lints, docs, header and repository checks, then every test with nothing skipped
     Ci,
     /// Only the checks of `ci` that build nothing: asset size, README snippet, changelog
@@ -88,6 +91,7 @@ fn run(command: Command) -> Result<()> {
             install::run(&workspace, &prefix, profile).map(drop)
         }
         Command::Lab(options) => lab::run(&workspace, &options),
+        Command::Bench(options) => bench::run(&workspace, &options),
         Command::Ci => ci::run(&workspace),
         Command::Repo { fix } => repo::run(&workspace, fix),
     }

@@ -1,0 +1,62 @@
+//! Anchored examples of a sheet, against the literature's kernel and against a copy.
+
+use anyhow::Result;
+
+use super::report::{Aim, Row, Sense};
+use super::sheet::{Dent, Reach};
+use super::sheets::{Measured, Sheets, of};
+use super::width::Width;
+use super::{Bench, Size};
+
+/// Sizes, and on how many threads.
+const CASES: [(Size, usize); 3] = [(Size::K64, 1), (Size::M1, 1), (Size::M10, 2)];
+
+pub fn one_example(bench: &Bench) -> Result<()> {
+    for (size, threads) in CASES {
+        if bench.quick && size == Size::M10 {
+            continue;
+        }
+        for (suffix, reach) in [("", Reach::Whole), ("_local", Reach::FIFTH)] {
+            let case = format!("{}_t{threads}{suffix}", size.name());
+            if !Width::ALL.iter().any(|w| bench.wanted(&format!("deform_1ex_{}_{case}", w.name()))) {
+                continue;
+            }
+            let sheets = Sheets::build(size.vertices(), &[Dent { reach, ..Dent::whole([0.5; 2]) }], bench.tasks(2))?;
+            let measured = sheets.measure(bench, &[threads])?;
+            for m in measured.iter().filter(|m| m.is_ours()) {
+                let local = reach != Reach::Whole;
+                rows(bench, &format!("deform_1ex_{}_{case}", m.method), m, &measured, size, local);
+            }
+        }
+    }
+    Ok(())
+}
+
+fn rows(bench: &Bench, name: &str, m: &Measured, all: &[Measured], size: Size, local: bool) {
+    let in_cache = size == Size::K64;
+    let aims = match m.method {
+        _ if local => (None, None),
+        "i16" if !in_cache => (Some(2.5), Some(1.0)),
+        "i8" if !in_cache => (Some(3.5), Some(1.0)),
+        "i16" | "i8" => (Some(3.0), None),
+        _ => (None, None),
+    };
+    for (suffix, reference, aim) in [("", "classic", aims.0), ("_memcpy", "memcpy", aims.1)] {
+        let row = Row::time(format!("{name}{suffix}"), &m.times, "ms");
+        let row = row.beside_time(reference, of(all, reference, m.threads), Sense::Speed).hash(m.hash);
+        bench.add(Row { aim: aim.map(Aim::AtLeast), ..row });
+    }
+}
+
+/// Four overlapping examples, against four passes of the kernel.
+pub fn four_examples(bench: &Bench) -> Result<()> {
+    let dents = [[0.3, 0.4], [0.6, 0.3], [0.5, 0.7], [0.7, 0.6]].map(Dent::whole);
+    let sheets = Sheets::build(Size::M1.vertices(), &dents, bench.tasks(2))?;
+    let measured = sheets.measure(bench, &[1])?;
+    for m in measured.iter().filter(|m| m.is_ours()) {
+        let row = Row::time(format!("deform_4ex_{}_1m_t1", m.method), &m.times, "ms");
+        let row = row.beside_time("classic x 4", of(&measured, "classic", 1), Sense::Speed).hash(m.hash);
+        bench.add(Row { aim: (m.method != "f32").then_some(Aim::AtLeast(3.0)), ..row });
+    }
+    Ok(())
+}

@@ -1,0 +1,123 @@
+//! The library at work: an instance, its output, and what is done to it before each run.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use anyhow::Result;
+use crumple::{DeformJob, ExampleSet, Hit, Instance, InstanceOptions, Mark, TaskSystem, Tracker, VertexMemory};
+use xxhash_rust::xxh3::xxh3_64;
+
+use super::measure::timed;
+
+/// xxh3 of the bits of positions, as this machine stores them.
+pub fn hash(positions: &[[f32; 3]]) -> u64 {
+    xxh3_64(bytemuck::cast_slice(positions))
+}
+
+/// An instance with an output of contiguous positions, and normals where wanted.
+pub struct Deformed<'t> {
+    instance: Instance,
+    tracker: Tracker,
+    positions: Vec<[f32; 3]>,
+    normals: Option<Vec<[f32; 3]>>,
+    tasks: &'t dyn TaskSystem,
+    /// Two damages of the same reach, taken in turn: each run evaluates all vertices that the marks touch.
+    damages: [Vec<Mark>; 2],
+    turn: usize,
+}
+
+impl<'t> Deformed<'t> {
+    /// `marks` are taken in two strengths, neither the whole (which need not be multiplied).
+    pub fn new(
+        set: &Arc<ExampleSet>,
+        options: InstanceOptions,
+        marks: &[Mark],
+        normals: bool,
+        tasks: &'t dyn TaskSystem,
+    ) -> Result<Self> {
+        let count = set.vertex_count();
+        let damage = |strength: f64| {
+            let energy = (strength * strength * Mark::ONE as f64) as u64;
+            marks.iter().map(|m| Mark { energy, ..*m }).collect()
+        };
+        let mut it = Self {
+            instance: Instance::new(set.clone(), options)?,
+            tracker: Tracker::new(),
+            positions: vec![[0.0; 3]; count],
+            normals: normals.then(|| vec![[0.0; 3]; count]),
+            tasks,
+            damages: [damage(0.9), damage(0.8)],
+            turn: 0,
+        };
+        // What no mark touches is written once, here.
+        it.deform()?;
+        Ok(it)
+    }
+
+    /// Changes the damage, then times what brings the output up to date.
+    pub fn run(&mut self) -> Duration {
+        self.turn ^= 1;
+        let set = self.instance.set_marks(&self.damages[self.turn]);
+        timed(|| set.and_then(|()| self.deform()).unwrap_or_else(|e| panic!("{e}")))
+    }
+
+    /// Puts the damage back to `before` and brings the output up to date, then times these hits from submission to vertices.
+    pub fn hit(&mut self, before: &[Mark], hits: &[Hit]) -> Duration {
+        let set = self.instance.set_marks(before);
+        set.and_then(|()| self.deform()).unwrap_or_else(|e| panic!("{e}"));
+        timed(|| {
+            for hit in hits {
+                self.instance.submit(hit).unwrap_or_else(|e| panic!("{e}"));
+            }
+            self.instance.fold();
+            self.deform().unwrap_or_else(|e| panic!("{e}"));
+        })
+    }
+
+    fn deform(&mut self) -> Result<(), crumple::Error> {
+        let memory = VertexMemory::separate(&mut self.positions, self.normals.as_deref_mut(), None)?;
+        let job = DeformJob { instance: &self.instance, tracker: &mut self.tracker, memory };
+        crumple::deform(&mut [job], self.tasks).map(drop)
+    }
+
+    /// Hash of the positions with the first damage, or as they are where there is none.
+    pub fn hash(&mut self) -> u64 {
+        if !self.damages[0].is_empty() {
+            self.turn = 1;
+            self.run();
+        }
+        hash(&self.positions)
+    }
+
+    /// Vertices that are not where the base mesh has them.
+    pub fn moved(&self) -> usize {
+        let base = self.instance.example_set().mesh().positions();
+        self.positions.iter().zip(base).filter(|(p, b)| **p != b.to_array()).count()
+    }
+
+    pub fn positions(&self) -> &[[f32; 3]] {
+        &self.positions
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bench::sheet::{Dent, Reach, Sheet, own_marks};
+    use crumple::Serial;
+
+    #[test]
+    fn every_run_changes_every_vertex_that_the_marks_move() {
+        let dent = Dent { reach: Reach::FIFTH, ..Dent::whole([0.5; 2]) };
+        let sets = Sheet::new(4096).sets(&[dent], &Serial).unwrap();
+        let set = &sets[0].1;
+        let mut ours = Deformed::new(set, InstanceOptions::default(), &own_marks(set), false, &Serial).unwrap();
+        let first = ours.hash();
+        let before = ours.positions().to_vec();
+        ours.run();
+        let changed = ours.positions().iter().zip(&before).filter(|(a, b)| a != b).count();
+        // All but a few at the rim, where a tenth of the displacement may be lost in rounding.
+        assert!(changed * 100 > 98 * ours.moved() && ours.moved() > 750, "{changed} of {}", ours.moved());
+        assert_eq!(ours.hash(), first);
+    }
+}

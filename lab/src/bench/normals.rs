@@ -1,0 +1,45 @@
+//! What normals cost on top of positions.
+
+use anyhow::Result;
+use crumple::{InstanceOptions, Placement};
+
+use super::deformed::Deformed;
+use super::marks::{carried_marks, carried_set};
+use super::measure::{Contender, interleaved};
+use super::report::{Aim, Row, Sense};
+use super::sheet::{Dent, Sheet, own_marks};
+use super::width::{Width, options};
+use super::{Bench, Size};
+
+/// One mark, K = 1, over all of the sheet, on one thread.
+pub fn run(bench: &Bench) -> Result<()> {
+    let size = if bench.quick { Size::K64 } else { Size::M1 };
+    let mut cases = Vec::new();
+    if bench.wanted("normals_anchored") {
+        let (sheet, dent) = (Sheet::new(size.vertices()), Dent::whole([0.5; 2]));
+        for width in Width::ALL {
+            let Some(options) = options(width, dent.depth) else { continue };
+            let examples = vec![sheet.example(&dent, Placement::Anchored)];
+            let options = crumple::SetOptions { mirror: false, ..options };
+            let set = crumple::ExampleSet::build(sheet.surface(), examples, options, bench.tasks(2))?;
+            let marks = own_marks(&set);
+            let name = if width == Width::F32 { String::new() } else { format!("_{}", width.name()) };
+            cases.push((format!("normals_anchored{name}"), set.into(), marks));
+        }
+    }
+    if bench.wanted("normals_carried") {
+        let set = carried_set(size, bench)?;
+        let marks = carried_marks(&set, size, 1, 1);
+        cases.push(("normals_carried".to_owned(), set, marks));
+    }
+    for (name, set, marks) in cases {
+        let make = |normals| Deformed::new(&set, InstanceOptions::default(), &marks, normals, bench.tasks(1));
+        let (mut with, mut without) = (make(true)?, make(false)?);
+        let mut contenders = [Contender::new(|| with.run()), Contender::new(|| without.run())];
+        let times = interleaved(&bench.plan, &mut contenders);
+        drop(contenders);
+        let row = Row::time(name, &times[0], "ms").beside_time("positions", &times[1], Sense::Cost);
+        bench.add(row.aim(Aim::AtMost(1.9)).hash(with.hash()));
+    }
+    Ok(())
+}
