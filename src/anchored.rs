@@ -96,7 +96,11 @@ impl Steps {
 
     /// What will be read back for a displacement; zero where it is no longer than `least` (m).
     pub(crate) fn displacement(self, d: Vec3, least: f32) -> Vec3 {
-        if self.whole && d.length() <= least { Vec3::ZERO } else { self.rounded(d, self.position) * self.position + Vec3::ZERO }
+        if self.whole && d.length() <= least {
+            Vec3::ZERO
+        } else {
+            self.rounded(d, self.position) * self.position + Vec3::ZERO
+        }
     }
 
     /// What will be read back for a change of a normal.
@@ -286,7 +290,8 @@ fn moved(v: &[Vec3]) -> u16 {
 /// Appends the numbers of `groups` in the narrowest width that holds them.
 fn store(v: &[Vec3], groups: u16, steps: Steps, step: f32, out: &mut Vec<u64>) -> Width {
     let stored = (0..GROUPS).filter(|g| groups >> g & 1 == 1).flat_map(|g| {
-        (g * GROUP..(g + 1) * GROUP).flat_map(|i| steps.rounded(v.get(i).copied().unwrap_or(Vec3::ZERO), step).to_array())
+        (g * GROUP..(g + 1) * GROUP)
+            .flat_map(|i| steps.rounded(v.get(i).copied().unwrap_or(Vec3::ZERO), step).to_array())
     });
     let numbers: Vec<f32> = stored.collect();
     let most = numbers.iter().map(|x| x.abs()).fold(0.0, f32::max);
@@ -313,7 +318,11 @@ mod tests {
         (0..n)
             .map(|i| {
                 let x = i as f32;
-                if i % 50 < 20 { Vec3::new((x * 0.7).sin(), (x * 1.3).cos(), (x * 0.1).sin()) * scale } else { Vec3::ZERO }
+                if i % 50 < 20 {
+                    Vec3::new((x * 0.7).sin(), (x * 1.3).cos(), (x * 0.1).sin()) * scale
+                } else {
+                    Vec3::ZERO
+                }
             })
             .collect()
     }

@@ -17,8 +17,8 @@ use crate::few::Few;
 use crate::math::{Aabb, rotation_between};
 use crate::skin::Skin;
 use crate::stamp::{Grid, Stamp};
-use glam::{Mat3, UVec3, Vec3};
 use crate::{Mark, Pair};
+use glam::{Mat3, UVec3, Vec3};
 
 /// Limits of the stretch of a carried example in the surface.
 const STRETCH: (f32, f32) = (0.25, 4.0);

@@ -6,8 +6,8 @@
 //! [`WIDTH`] of the diagonal. Anchored examples are left as they are.
 
 use crate::Example;
-use crate::array::Array;
 use crate::anchored::{BLOCK, block_range};
+use crate::array::Array;
 use crate::mesh::Mesh;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -87,10 +87,8 @@ impl Rim {
     /// The window at vertex `v`.
     pub(crate) fn at(&self, v: u32) -> Window {
         let i = v as usize % BLOCK;
-        self.block(v as usize / BLOCK).map_or(Window::OPEN, |b| Window {
-            factor: b.factor[i],
-            gradient: Vec3::from(b.gradient.map(|g| g[i])),
-        })
+        self.block(v as usize / BLOCK)
+            .map_or(Window::OPEN, |b| Window { factor: b.factor[i], gradient: Vec3::from(b.gradient.map(|g| g[i])) })
     }
 
     /// Number of held vertices.

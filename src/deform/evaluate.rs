@@ -36,7 +36,13 @@ pub(crate) struct Job<'a> {
 
 /// Writes positions (m), and unit normals if wanted: three floats a vertex of the block, no more; and the bounds of the
 /// positions. A mesh without normals gets none.
-pub(crate) fn block<'a>(job: Job<'a>, room: &mut Room<'a>, positions: &mut [f32], normals: Option<&mut [f32]>, bounds: &mut Aabb) {
+pub(crate) fn block<'a>(
+    job: Job<'a>,
+    room: &mut Room<'a>,
+    positions: &mut [f32],
+    normals: Option<&mut [f32]>,
+    bounds: &mut Aabb,
+) {
     let len = block_range(job.block, job.skin.vertex_count()).len();
     assert!(positions.len() == 3 * len && normals.as_ref().is_none_or(|n| n.len() == 3 * len));
     match SimdLevel::current() {
@@ -62,7 +68,13 @@ pub(crate) fn finish() {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2")]
-fn avx512<'a>(job: Job<'a>, room: &mut Room<'a>, positions: &mut [f32], normals: Option<&mut [f32]>, bounds: &mut Aabb) {
+fn avx512<'a>(
+    job: Job<'a>,
+    room: &mut Room<'a>,
+    positions: &mut [f32],
+    normals: Option<&mut [f32]>,
+    bounds: &mut Aabb,
+) {
     // SAFETY: the attribute says so.
     unsafe { evaluate::<Avx2, Avx512>(job, room, positions, normals, bounds) }
 }
@@ -189,7 +201,9 @@ unsafe fn evaluate<'a, N: Simd, W: Simd>(
     // Rounding never takes a length over the limit by this much.
     let limit = job.instance.depth_limit();
     let limit = (touched.longest * 1.00001 > limit).then_some(limit);
-    if let ([Ready { source: From::Stored(stored, _), scale, least: 0.0, .. }], None, None) = (&room.parts[..], &normals, limit) {
+    if let ([Ready { source: From::Stored(stored, _), scale, least: 0.0, .. }], None, None) =
+        (&room.parts[..], &normals, limit)
+    {
         // SAFETY: passed on.
         (bounds.min, bounds.max) = unsafe { kernel::displace_stored::<N>(base, stored, *scale, positions, job.stream) };
         return;
@@ -219,7 +233,9 @@ unsafe fn evaluate<'a, N: Simd, W: Simd>(
     };
     // SAFETY: passed on.
     (bounds.min, bounds.max) = unsafe {
-        match (touched.stored, with_normals) {
+        // Said this way so that nothing is compiled twice where both have as many lanes.
+        let narrow = touched.stored || W::LANES == N::LANES;
+        match (narrow, with_normals) {
             (true, true) => kernel::displace::<N, true>(&block, to, to_normals),
             (true, false) => kernel::displace::<N, false>(&block, to, to_normals),
             (false, true) => kernel::displace::<W, true>(&block, to, to_normals),

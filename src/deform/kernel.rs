@@ -272,7 +272,8 @@ unsafe fn displace_numbers<S: Simd, N: Narrow, const STREAM: bool>(
         if groups == u16::MAX && whole == GROUPS {
             for group in 0..GROUPS {
                 let at = group * FLOATS;
-                let v = each!(k => S::add(S::load(b.add(at + k * GROUP)), S::mul(numbers.load::<S>(at + k * GROUP), f)));
+                let v =
+                    each!(k => S::add(S::load(b.add(at + k * GROUP)), S::mul(numbers.load::<S>(at + k * GROUP), f)));
                 for k in 0..3 {
                     put::<S, STREAM>(o.add(at + k * GROUP), v[k]);
                 }
@@ -456,8 +457,7 @@ unsafe fn add_carried<S: Simd, const NORMALS: bool>(
             return;
         }
         let dims = stamp.grid.dims.as_ivec3();
-        let node =
-            each!(k => S::max_int(S::min_int(S::truncate(held[k]), S::splat_int(dims[k] - 2)), S::splat_int(0)));
+        let node = each!(k => S::max_int(S::min_int(S::truncate(held[k]), S::splat_int(dims[k] - 2)), S::splat_int(0)));
         let (row, layer) = (dims.x, dims.x * dims.y);
         let line = S::add_int(S::mul_int(node[1], S::splat_int(row)), S::mul_int(node[2], S::splat_int(layer)));
         let cell = Cell::<S> {
@@ -481,7 +481,9 @@ unsafe fn add_carried<S: Simd, const NORMALS: bool>(
         if NORMALS {
             let (change, facing) = match (&stamp.normals.array, &stamp.facing.array) {
                 (NodeArray::Packed(n), NodeArray::Packed(f)) => (cell.read(Packed(n)), cell.read(Packed(f))),
-                (NodeArray::Exact(n), NodeArray::Exact(f)) if !n.is_empty() => (cell.read(Exact(n)), cell.read(Exact(f))),
+                (NodeArray::Exact(n), NodeArray::Exact(f)) if !n.is_empty() => {
+                    (cell.read(Exact(n)), cell.read(Exact(f)))
+                }
                 _ => ([S::splat(0.0); 3], [S::splat(0.0); 3]),
             };
             let n = rest.normal;

@@ -73,7 +73,8 @@ pub fn deform(jobs: &mut [DeformJob<'_, '_>], tasks: &dyn TaskSystem) -> Result<
         let chunk = total.div_ceil(tasks.workers().max(1) * PIECES).clamp(1, BLOCKS_A_TASK);
         run_each(tasks, total.div_ceil(chunk), &|t| {
             let from = t * chunk;
-            let mut room = Room { evaluate: evaluate::Room::new(), positions: [0.0; 3 * BLOCK], normals: [0.0; 3 * BLOCK] };
+            let mut room =
+                Room { evaluate: evaluate::Room::new(), positions: [0.0; 3 * BLOCK], normals: [0.0; 3 * BLOCK] };
             for (i, (job, block)) in items[from..(from + chunk).min(total)].iter().enumerate() {
                 // SAFETY: item `from + i` belongs to this task alone, and `run_each` runs a task once.
                 let bounds = unsafe { slots.at(from + i) };

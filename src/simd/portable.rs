@@ -6,9 +6,14 @@ use wide::{f32x8, i32x8};
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Portable;
 
+#[inline(always)]
 fn three(f: impl Fn(usize) -> [f32; 3]) -> [f32x8; 3] {
-    let v: [[f32; 3]; 8] = std::array::from_fn(f);
-    [0, 1, 2].map(|k| f32x8::from(v.map(|v| v[k])))
+    let [a, b, c, d, e, g, h, i] = [f(0), f(1), f(2), f(3), f(4), f(5), f(6), f(7)];
+    [
+        f32x8::from([a[0], b[0], c[0], d[0], e[0], g[0], h[0], i[0]]),
+        f32x8::from([a[1], b[1], c[1], d[1], e[1], g[1], h[1], i[1]]),
+        f32x8::from([a[2], b[2], c[2], d[2], e[2], g[2], h[2], i[2]]),
+    ]
 }
 
 // SAFETY of the whole block: the instructions are always there; pointers are valid by the trait's terms.
@@ -132,15 +137,22 @@ impl Simd for Portable {
         f32x8::from(unsafe { p.cast::<[i16; 8]>().read_unaligned() }.map(f32::from))
     }
     #[inline(always)]
-    unsafe fn deinterleave(v: [f32x8; 3]) -> [f32x8; 3] {
-        let v = v.map(|v| v.to_array());
-        let flat = |i: usize| v[i / 8][i % 8];
-        [0, 1, 2].map(|k| f32x8::from(std::array::from_fn::<f32, 8, _>(|i| flat(3 * i + k))))
+    unsafe fn deinterleave([a, b, c]: [f32x8; 3]) -> [f32x8; 3] {
+        let (a, b, c) = (a.to_array(), b.to_array(), c.to_array());
+        [
+            f32x8::from([a[0], a[3], a[6], b[1], b[4], b[7], c[2], c[5]]),
+            f32x8::from([a[1], a[4], a[7], b[2], b[5], c[0], c[3], c[6]]),
+            f32x8::from([a[2], a[5], b[0], b[3], b[6], c[1], c[4], c[7]]),
+        ]
     }
     #[inline(always)]
-    unsafe fn interleave(v: [f32x8; 3]) -> [f32x8; 3] {
-        let v = v.map(|v| v.to_array());
-        [0, 1, 2].map(|part| f32x8::from(std::array::from_fn::<f32, 8, _>(|i| v[(8 * part + i) % 3][(8 * part + i) / 3])))
+    unsafe fn interleave([x, y, z]: [f32x8; 3]) -> [f32x8; 3] {
+        let (x, y, z) = (x.to_array(), y.to_array(), z.to_array());
+        [
+            f32x8::from([x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2]]),
+            f32x8::from([z[2], x[3], y[3], z[3], x[4], y[4], z[4], x[5]]),
+            f32x8::from([y[5], z[5], x[6], y[6], z[6], x[7], y[7], z[7]]),
+        ]
     }
     #[inline(always)]
     unsafe fn gather_packed(p: *const u32, at: i32x8) -> [f32x8; 3] {

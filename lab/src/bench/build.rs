@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use anyhow::Result;
-use crumple::{ExampleSet, Placement, SetOptions};
+use crumple::{ExampleSet, Placement};
 use kiddo::ImmutableKdTree;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
@@ -12,6 +12,7 @@ use super::measure::{Contender, Times, interleaved, timed};
 use super::reference::Memcpy;
 use super::report::{Row, Sense};
 use super::sheet::{Dent, Reach, Sheet};
+use super::width::baked;
 use super::{Bench, Size};
 
 const EXAMPLES: usize = 24;
@@ -33,7 +34,7 @@ pub fn build(bench: &Bench) -> Result<()> {
         let examples: Vec<_> = dents().iter().map(|d| sheet.example(d, Placement::Automatic)).collect();
         bytes = mesh.positions.len() * 12 + mesh.triangles.len() * 12;
         let start = Instant::now();
-        let set = ExampleSet::build(mesh, examples, SetOptions::default(), bench.tasks(2))?;
+        let set = ExampleSet::build(mesh, examples, baked(), bench.tasks(2))?;
         seconds.push(start.elapsed().as_secs_f64());
         bytes += set.examples().iter().map(|e| 16 * e.moved_vertices()).sum::<usize>();
         fingerprint = set.fingerprint();

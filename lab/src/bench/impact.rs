@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use anyhow::Result;
-use crumple::{ExampleSet, Hit, InstanceOptions, Placement, SetOptions};
+use crumple::{ExampleSet, Hit, InstanceOptions, Placement};
 use glam::Vec3;
 
 use super::Bench;
@@ -12,6 +12,7 @@ use super::measure::{Contender, Plan, Times, interleaved};
 use super::real::{EXAMPLES, bodies, finer, name};
 use super::reference::Classic;
 use super::report::{Aim, Row, Sense};
+use super::width::baked;
 use crate::accuracy::heldout;
 use crate::metric::median;
 use crate::scene;
@@ -36,7 +37,7 @@ pub fn run(bench: &Bench) -> Result<()> {
                 _ => heldout(&body, bench.quick),
             };
             let (mesh, examples) = finer.build(&body, placement);
-            let set = ExampleSet::build(mesh, examples, SetOptions::default(), bench.tasks(2))?;
+            let set = ExampleSet::build(mesh, examples, baked(), bench.tasks(2))?;
             measure(bench, &row, Arc::new(set), &impacts, aim)?;
         }
     }

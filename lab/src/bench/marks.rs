@@ -100,8 +100,7 @@ pub fn carried_set(size: Size, bench: &Bench) -> Result<Arc<ExampleSet>> {
     let sheet = Sheet::new(size.vertices());
     let dents = [[0.5, 0.5], [0.45, 0.55], [0.55, 0.5]].map(Dent::whole);
     let examples = dents.iter().map(|d| sheet.example(d, Placement::Carried)).collect();
-    let largest = dents[0].depth;
-    let mut options = super::width::options(super::width::Width::F32, largest).unwrap_or_default();
+    let mut options = super::width::baked();
     // Anchored copies of them are not wanted, and a bumpy sheet is no mirror image of itself.
     options.mirror = false;
     Ok(Arc::new(ExampleSet::build(sheet.surface(), examples, options, bench.tasks(2))?))

@@ -4,12 +4,13 @@ use std::cell::Cell;
 use std::sync::Arc;
 
 use anyhow::Result;
-use crumple::{ExampleSet, Hit, Instance, InstanceOptions, Placement, SetOptions};
+use crumple::{ExampleSet, Hit, Instance, InstanceOptions, Placement};
 use xxhash_rust::xxh3::Xxh3;
 
 use super::measure::{Contender, interleaved, timed};
 use super::report::{Aim, Row, Sense};
 use super::sheet::{Dent, Reach, Sheet};
+use super::width::baked;
 use super::{Bench, Size};
 
 const EXAMPLES: usize = 100;
@@ -26,7 +27,7 @@ pub fn run(bench: &Bench) -> Result<()> {
         let sheet = Sheet::new(size.vertices());
         let dents = spread(EXAMPLES).map(|centre| Dent { centre, depth: 0.02, reach: Reach::Disc(0.05) });
         let examples = dents.map(|d| sheet.example(&d, Placement::Automatic)).collect();
-        let set = ExampleSet::build(sheet.surface(), examples, SetOptions::default(), bench.tasks(2))?;
+        let set = ExampleSet::build(sheet.surface(), examples, baked(), bench.tasks(2))?;
         measure(bench, name, &sheet, Arc::new(set))?;
     }
     Ok(())

@@ -108,10 +108,9 @@ impl Sheet {
         let largest = dents.iter().map(|d| d.depth).fold(0.0, f32::max);
         let mut sets = Vec::new();
         for width in Width::ALL {
-            let Some(options) = options(width, largest) else { continue };
             let examples = dents.iter().map(|d| self.example(d, Placement::Anchored)).collect();
             // Anchored examples need no mirror planes, which are slow to look for in large meshes.
-            let options = SetOptions { mirror: false, ..options };
+            let options = SetOptions { mirror: false, ..options(width, largest) };
             sets.push((width, Arc::new(ExampleSet::build(self.points(), examples, options, tasks)?)));
         }
         Ok(sets)

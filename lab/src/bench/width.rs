@@ -36,17 +36,20 @@ impl Width {
 /// `2 tolerance / sqrt(3)` leaves a vertex within the tolerance.
 pub fn tolerance(width: Width, largest: f32) -> Option<f32> {
     // A little above, so that rounding does not make it one step more.
-    width.steps().map(|steps| 1.0001 * largest / steps * 3f32.sqrt() / 2.0)
+    width.steps().map(|steps| 1.002 * largest / steps * 3f32.sqrt() / 2.0)
 }
 
-/// Options of a set whose largest component of any displacement is `largest`, m. `None` where the library has no such width:
-/// it is then left out of every table.
-pub fn options(width: Width, largest: f32) -> Option<SetOptions> {
-    match tolerance(width, largest) {
-        None => Some(SetOptions::default()),
-        // `SetOptions { tolerance, ..Default::default() }` once the library has integer widths.
-        Some(_) => None,
-    }
+/// Options of a set whose largest component of any displacement is `largest`, m.
+/// What `crumple bake` takes where nothing else is said, m.
+pub const BAKED: f32 = 1e-4;
+
+/// Options of a set as it is baked for a game.
+pub fn baked() -> SetOptions {
+    SetOptions { tolerance: Some(BAKED), ..SetOptions::default() }
+}
+
+pub fn options(width: Width, largest: f32) -> SetOptions {
+    SetOptions { tolerance: tolerance(width, largest), ..SetOptions::default() }
 }
 
 #[cfg(test)]
