@@ -138,7 +138,7 @@ pub(crate) enum Numbers<'a> {
 
 impl Stored<'_> {
     /// The vector of vertex `v` of the block.
-    fn at(&self, v: usize) -> Vec3 {
+    pub(crate) fn at(&self, v: usize) -> Vec3 {
         let group = v / GROUP;
         if self.groups >> group & 1 == 0 {
             return Vec3::ZERO;

@@ -9,7 +9,7 @@
 //! any thread and any [`SimdLevel`] give the same bits.
 
 use super::kernel::{self, Finish, Lengths, Look, Soa};
-use crate::anchored::{BLOCK, GROUP, block_range};
+use crate::anchored::{BLOCK, GROUP, Stored, block_range};
 use crate::classic::State;
 use crate::dent::{Dent, Part};
 use crate::examples::Combine;
@@ -61,6 +61,24 @@ fn avx512(job: Job<'_>, positions: &mut [f32], normals: Option<&mut [f32]>) -> A
 fn avx2(job: Job<'_>, positions: &mut [f32], normals: Option<&mut [f32]>) -> Aabb {
     // SAFETY: the attribute says so.
     unsafe { evaluate::<Avx2, Avx2>(job, positions, normals) }
+}
+
+/// Length of the longest stored vector, all of whose numbers are finite: the bits that `Vec3::length` gives of it.
+pub(crate) fn longest(stored: &Stored<'_>) -> f32 {
+    match SimdLevel::current() {
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: the level is in force only where the processor has it.
+        SimdLevel::Avx512 | SimdLevel::Avx2 => unsafe { longest_avx2(stored) },
+        // SAFETY: always there.
+        _ => unsafe { kernel::longest::<Portable>(stored) },
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn longest_avx2(stored: &Stored<'_>) -> f32 {
+    // SAFETY: the attribute says so.
+    unsafe { kernel::longest::<Avx2>(stored) }
 }
 
 /// Position and unit normal of one vertex: the same bits as [`block`] gives.

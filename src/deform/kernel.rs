@@ -216,6 +216,22 @@ pub(crate) unsafe fn displace_stored<S: Simd>(base: &[f32], stored: &Stored<'_>,
     }
 }
 
+/// Length of the longest stored vector; all numbers are finite. `S` has `GROUP` lanes.
+#[inline(always)]
+pub(crate) unsafe fn longest<S: Simd>(stored: &Stored<'_>) -> f32 {
+    // SAFETY: passed on; 16 lanes at most.
+    unsafe {
+        let (step, mut most) = (S::splat(stored.step), S::splat(0.0));
+        for kept in 0..stored.groups.count_ones() as usize {
+            let v = scaled::<S>(S::deinterleave(numbers::<S>(&stored.numbers, kept)), step);
+            most = S::max(dot::<S>(v, v), most);
+        }
+        let mut lanes = [0.0f32; 16];
+        S::store(lanes.as_mut_ptr(), most);
+        lanes.iter().copied().fold(0.0, f32::max).sqrt()
+    }
+}
+
 /// Lowest and highest coordinates seen so far.
 pub(crate) struct Extent<S: Simd> {
     /// x y z x y z …, as vertices lie in memory.
