@@ -313,7 +313,7 @@ impl ExampleSet {
             });
         }
         let (mesh, smooth) = Mesh::new(mesh)?;
-        let index = VertexIndex::new(mesh.positions(), mesh.weld());
+        let index = VertexIndex::new(mesh.positions(), mesh.weld(), tasks);
         let seams = seam_groups(mesh.weld());
         let steps = options.tolerance.map_or(Steps::EXACT, |t| Steps::new(t, options.normal_tolerance));
         let builder =
@@ -438,7 +438,8 @@ impl ExampleSet {
     /// Memory held for mesh and examples, bytes.
     pub fn memory_bytes(&self) -> usize {
         let v = self.vertex_count();
-        let mesh = v * (12 + 4 + 16) // positions, welds, the spatial index's leaves
+        let mesh = v * (12 + 4) // positions, welds
+            + self.index.bytes()
             + self.mesh().normals().map_or(0, |n| n.len() * 24)
             + self.mesh().tangents().map_or(0, |t| t.len() * 16)
             + self.mesh().triangles().len() * 12;

@@ -289,7 +289,7 @@ impl Fields {
         }
         // Between the last vertex that moves and its unmoved neighbours the field falls to zero over an edge's length; an
         // example that moves a single vertex is nothing but that.
-        let edge = s.index.four(s.contact).map(|(_, d2)| d2.sqrt()).fold(0.0, f32::max);
+        let edge = s.index.four(s.contact).iter().map(|(_, d2)| d2.sqrt()).fold(0.0, f32::max);
         let edge = if edge > 0.0 { edge } else { s.max_depth };
         let radius = s.support_radius.max(edge);
         // Room for the fade along the normal, and for the taper across the surface: an edge, and at least a cell.
@@ -401,7 +401,11 @@ fn stamp_node(s: &Source<'_>, p: Vec3, fade: (f32, f32)) -> Node {
     let (mut node, mut sum, mut keep) = (Node::default(), 0.0f32, 1.0f32);
     // Distances below a ten-thousandth of the fade count as hits of the vertex itself.
     let floor = fade.0 * fade.0 * 1e-8;
-    for (k, (v, d2)) in s.index.four(p).enumerate() {
+    let near = s.index.four_if_near(p, fade.1);
+    if near.is_empty() {
+        return node;
+    }
+    for (k, (v, d2)) in near.iter().enumerate() {
         if k == 0 {
             let d = d2.sqrt();
             if d >= fade.1 {
