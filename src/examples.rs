@@ -492,6 +492,10 @@ impl ExampleSet {
         Ok(())
     }
 
+    pub(crate) fn index(&self) -> &VertexIndex {
+        &self.index
+    }
+
     pub(crate) fn images(&self) -> &Images {
         &self.images
     }

@@ -62,7 +62,7 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
         return Err(wrong("the widest weld", record.widest_weld, "at least 0 m"));
     }
     Ok(ExampleSet::assemble(Parts {
-        index: index(&skin.mesh),
+        index: index(&file, skin.vertex_count())?,
         skin,
         examples,
         options,
@@ -75,8 +75,10 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
     }))
 }
 
-fn index(mesh: &Mesh) -> VertexIndex {
-    VertexIndex::new(mesh.positions(), mesh.weld())
+/// Whatever its arrays hold, it answers with vertices of the mesh.
+fn index(file: &File<'_>, vertices: usize) -> Result<VertexIndex, Error> {
+    VertexIndex::of(file.array(Id::IndexInner, 0)?, file.array(Id::IndexLeaves, 0)?, vertices)
+        .ok_or_else(|| wrong("the spatial index", "no tree of the mesh's vertices", "one, with all its nodes"))
 }
 
 fn one<T: Pod>(array: &Array<T>, id: Id) -> Result<&T, Error> {

@@ -91,11 +91,13 @@ enum Id {
     Anchored = 26,
     Heads = 27,
     Words = 28,
+    IndexInner = 29,
+    IndexLeaves = 30,
     SourceOrder = 64,
 }
 
 impl Id {
-    const ALL: [Id; 20] = [
+    const ALL: [Id; 22] = [
         Id::Set,
         Id::Examples,
         Id::Names,
@@ -115,6 +117,8 @@ impl Id {
         Id::Anchored,
         Id::Heads,
         Id::Words,
+        Id::IndexInner,
+        Id::IndexLeaves,
         Id::SourceOrder,
     ];
 
@@ -148,6 +152,8 @@ impl Id {
             Id::Anchored => "anchored",
             Id::Heads => "heads",
             Id::Words => "words",
+            Id::IndexInner => "index inner",
+            Id::IndexLeaves => "index leaves",
             Id::SourceOrder => "source order",
         }
     }

@@ -43,6 +43,9 @@ impl<'a> File<'a> {
         for (k, skin) in set.skins().enumerate() {
             file.skin(k as u32, skin);
         }
+        let (inner, leaves) = set.index().parts();
+        file.array(Id::IndexInner, 0, inner);
+        file.array(Id::IndexLeaves, 0, leaves);
         file.array(Id::SourceOrder, 0, set.source_order().unwrap_or_default());
         let mut at = size_of::<Header>() + file.sections.len() * size_of::<Entry>();
         for s in &file.sections {
