@@ -319,3 +319,49 @@ fn hits_on_a_loaded_set_are_those_of_its_maker_on_any_thread() {
         }
     });
 }
+
+/// `CARGO_PROFILE_TEST_OPT_LEVEL=3 cargo test --test format load_time -- --ignored --nocapture`
+#[test]
+#[ignore = "measures"]
+fn load_time() {
+    let n = 1000;
+    let at = |i: usize| [(i % n) as f32 * 1e-3, (i / n) as f32 * 1e-3, 0.0];
+    let positions: Vec<[f32; 3]> = (0..n * n).map(at).collect();
+    let v = |i: usize, j: usize| (j * n + i) as u32;
+    let squares = (0..n - 1).flat_map(|j| (0..n - 1).map(move |i| (i, j)));
+    let triangles: Vec<[u32; 3]> =
+        squares.flat_map(|(i, j)| [[v(i, j), v(i + 1, j), v(i + 1, j + 1)], [v(i, j), v(i + 1, j + 1), v(i, j + 1)]]).collect();
+    let mesh = MeshData { positions, triangles, ..MeshData::default() };
+    let examples: Vec<ExampleData> = (0..24)
+        .map(|k| {
+            let centre = [0.2 + 0.12 * (k % 6) as f32, 0.2 + 0.2 * (k / 6) as f32];
+            let bowl = |p: &[f32; 3]| {
+                let q = ((p[0] - centre[0]).powi(2) + (p[1] - centre[1]).powi(2)) / 0.3f32.powi(2);
+                let w = (1.0 - q).max(0.0).powi(2);
+                [0.01 * w * (p[0] - centre[0]), 0.01 * w * (p[1] - centre[1]), -0.05 * w]
+            };
+            ExampleData::new(format!("bowl {k}"), Deltas::Full(mesh.positions.iter().map(bowl).collect()))
+        })
+        .collect();
+    let pool = ThreadPool::new(0).unwrap();
+    let best = |f: &mut dyn FnMut()| {
+        (0..5).map(|_| { let t = std::time::Instant::now(); f(); t.elapsed().as_secs_f64() * 1e3 }).fold(f64::MAX, f64::min)
+    };
+    for tolerance in [None, Some(1e-4), Some(1e-6)] {
+        let options = SetOptions { tolerance, stamp_resolution: 16, mirror: false, held_rims: false, ..SetOptions::default() };
+        let built = std::time::Instant::now();
+        let set = ExampleSet::build(mesh.clone(), examples.clone(), options, &pool).unwrap();
+        let built = built.elapsed().as_secs_f64() * 1e3;
+        let file: &'static [u8] = set.save().unwrap().leak();
+        drop(set);
+        let mut copy = vec![0u8; file.len()];
+        let memcpy = best(&mut || copy.copy_from_slice(file));
+        let serial = best(&mut || drop(ExampleSet::load(file, &Serial).unwrap()));
+        let parallel = best(&mut || drop(ExampleSet::load(file, &pool).unwrap()));
+        let hash = best(&mut || { std::hint::black_box(crumple::file_checksum(file, &Serial)); });
+        println!(
+            "tolerance {tolerance:?}: {:.1} MB; built in {built:.0} ms; memcpy {memcpy:.1} ms; load {serial:.1} ms ({:.1} x) on one thread, {parallel:.1} ms ({:.1} x) on all; checksum alone {hash:.1} ms",
+            file.len() as f64 * 1e-6, serial / memcpy, parallel / memcpy
+        );
+    }
+}

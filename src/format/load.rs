@@ -9,7 +9,7 @@ use crate::array::{Array, FileBytes};
 use crate::examples::{Combine, Example, ExampleSet, Parts, Seams, SetOptions, VertexMass, check_options, deepest};
 use crate::learn::Learned;
 use crate::mesh::{MAX_COORDINATE, Mesh, MeshArrays};
-use crate::nearest::VertexIndex;
+use crate::nearest::{LEAF, VertexIndex};
 use crate::rim::Rim;
 use crate::skin::Skin;
 use crate::stamp::{Grid, NodeArray, Nodes, Stamp, StampError};
@@ -62,7 +62,7 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
         return Err(wrong("the widest weld", record.widest_weld, "at least 0 m"));
     }
     Ok(ExampleSet::assemble(Parts {
-        index: index(&file, skin.vertex_count())?,
+        index: index(&file, &skin.mesh)?,
         skin,
         examples,
         options,
@@ -76,7 +76,14 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
 }
 
 /// Whatever its arrays hold, it answers with vertices of the mesh.
-fn index(file: &File<'_>, vertices: usize) -> Result<VertexIndex, Error> {
+fn index(file: &File<'_>, mesh: &Mesh) -> Result<VertexIndex, Error> {
+    let vertices = mesh.positions().len();
+    // Of vertices at one position one is in the tree.
+    let leaves = (vertices - mesh.seam_count()).div_ceil(LEAF);
+    let found = file.array::<crate::nearest::Leaf>(Id::IndexLeaves, 0)?.len();
+    if found != leaves {
+        return Err(length_of(Id::IndexLeaves, found, leaves));
+    }
     VertexIndex::of(file.array(Id::IndexInner, 0)?, file.array(Id::IndexLeaves, 0)?, vertices)
         .ok_or_else(|| wrong("the spatial index", "no tree of the mesh's vertices", "one, with all its nodes"))
 }
