@@ -370,13 +370,22 @@ impl ExampleSet {
         B: AsRef<[u8]> + Send + Sync + 'static,
     {
         little_endian()?;
-        let mut file = FileBytes::new(Arc::new(bytes));
+        let file = FileBytes::new(Arc::new(bytes));
         if !file.as_slice().as_ptr().addr().is_multiple_of(IN_PLACE) {
-            let mut copy = Aligned::new(file.as_slice().len())?;
-            copy.as_mut().copy_from_slice(file.as_slice());
-            file = FileBytes::new(Arc::new(copy));
+            return Self::load_copy(file.as_slice(), tasks);
         }
         load::set(&file, tasks)
+    }
+
+    /// [`ExampleSet::load`] from a copy of the bytes.
+    ///
+    /// # Errors
+    /// Those of [`ExampleSet::load`].
+    pub fn load_copy(bytes: &[u8], tasks: &dyn TaskSystem) -> Result<Self, Error> {
+        little_endian()?;
+        let mut copy = Aligned::new(bytes.len())?;
+        copy.as_mut().copy_from_slice(bytes);
+        load::set(&FileBytes::new(Arc::new(copy)), tasks)
     }
 
     /// A set from a `.crumple` file, which is read into one allocation.
