@@ -263,6 +263,12 @@ struct AnchoredRecord {
     words: u32,
 }
 
+// docs/format.md tells these.
+const _: () = assert!(size_of::<Header>() == 64 && size_of::<Entry>() == 32);
+const _: () = assert!(size_of::<SetRecord>() == 64 && size_of::<ExampleRecord>() == 40);
+const _: () = assert!(size_of::<StampRecord>() == 84 && size_of::<SkinRecord>() == 16);
+const _: () = assert!(size_of::<crate::anchored::Head>() == 20 && size_of::<crate::rim::WindowBlock>() == 2048);
+
 /// Nodes of a field begin at multiples of this in their section.
 const NODES_ALIGN: usize = 16;
 

@@ -6,7 +6,7 @@ static Sheet sheet;
 
 static CrumpleExampleSet make(void) {
     CrumpleExampleSet set;
-    fill_sheet(&sheet);
+    make_sheet(&sheet);
     sheet.def.options.stamp_resolution = 8;
     sheet.def.options.tolerance = 1e-4f;
     OK(crumple_create_example_set(context, &sheet.def, &set));
@@ -31,18 +31,12 @@ static unsigned char *save(CrumpleExampleSet set, size_t *size) {
 
 // Positions of the sheet after one hit.
 static void dent(CrumpleExampleSet set, float (*positions)[3]) {
-    CrumpleInstanceDef def = crumple_default_instance_def();
+    CrumpleInstance instance = make_instance(context, set);
     CrumpleHostBufferDef memory = crumple_default_host_buffer_def();
-    CrumpleDisplacementHit hit = crumple_default_displacement_hit();
-    CrumpleInstance instance;
+    CrumpleDisplacementDef hit = displacement_at(0.1f, 0.05f, 0.04f);
     CrumpleBuffer buffer;
-    def.set = set;
-    OK(crumple_create_instance(context, &def, &instance));
-    hit.displacement.z = -0.05f;
     OK(crumple_submit_displacement(context, instance, &hit, NULL));
-    memory.positions.data = positions;
-    memory.positions.size = sizeof(float) * 3 * VERTICES;
-    memory.positions.stride = sizeof(float) * 3;
+    memory.positions = stream_of(positions, sizeof(float) * 3 * VERTICES, 0, sizeof(float) * 3);
     OK(crumple_register_host_buffer(context, instance, &memory, &buffer));
     OK(crumple_deform(context, NULL, 0, NULL));
     OK(crumple_destroy_instance(context, instance));
@@ -97,14 +91,12 @@ static void loading(const char *folder) {
 // Kept bytes are needed as long as instances are, not only as long as the id.
 static void lifetimes(void) {
     CrumpleExampleSet set = make(), loaded;
-    CrumpleInstanceDef def = crumple_default_instance_def();
     CrumpleInstance instance;
     size_t size;
     unsigned char *bytes = save(set, &size);
     OK(crumple_destroy_example_set(context, set));
     OK(crumple_load_example_set_memory(context, bytes, size, CRUMPLE_BYTES_KEEP, &loaded));
-    def.set = loaded;
-    OK(crumple_create_instance(context, &def, &instance));
+    instance = make_instance(context, loaded);
     OK(crumple_destroy_example_set(context, loaded));
     OK(crumple_reset_damage(context, instance));
     OK(crumple_destroy_instance(context, instance));
@@ -143,9 +135,8 @@ static void bad_bytes(void) {
 }
 
 int main(int count, char **arguments) {
-    CrumpleContextDef def = crumple_default_context_def();
     FACT(count == 2);
-    OK(crumple_context_create(&def, &context));
+    context = make_context(2);
     loading(arguments[1]);
     lifetimes();
     bad_bytes();

@@ -4,6 +4,7 @@
 mod ci;
 mod command;
 mod demo;
+mod fuzz;
 mod header;
 mod install;
 mod lab;
@@ -55,6 +56,8 @@ enum Command {
         #[arg(long)]
         debug: bool,
     },
+    /// Fuzz what reads files from outside, guided by coverage
+    Fuzz(fuzz::Options),
     /// Measure accuracy, cost, stability and peers; write docs/lab with its tables, charts and report
     Lab(lab::Options),
     /// Formatting, lints, docs, header and repository checks, then every test with nothing skipped
@@ -87,6 +90,7 @@ fn run(command: Command) -> Result<()> {
             let profile = if debug { install::Profile::Debug } else { install::Profile::Release };
             install::run(&workspace, &prefix, profile).map(drop)
         }
+        Command::Fuzz(options) => fuzz::run(&workspace, &options),
         Command::Lab(options) => lab::run(&workspace, &options),
         Command::Ci => ci::run(&workspace),
         Command::Repo { fix } => repo::run(&workspace, fix),
