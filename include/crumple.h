@@ -10,7 +10,9 @@
 //   1. Context          crumple_default_context_def, crumple_context_create
 //                       threads, log, your own job system; crumple_set_allocator before that, if at all
 //   2. Example sets     crumple_create_example_set (arrays), crumple_load_example_set_gltf, ..._gltf_memory, ..._obj
-//                       while loading; one a mesh, shared by all its instances
+//                       while loading; one a mesh, shared by all its instances; made ready once, it is saved with
+//                       crumple_save_example_set (or "crumple bake") and loads at once from then on:
+//                       crumple_load_example_set_memory, crumple_load_example_set_file
 //   3. Looking inside   crumple_get_example_set_info, crumple_get_example_info, crumple_get_primitive,
 //                       crumple_copy_base_mesh, crumple_nearest_vertex
 //   4. Instances        crumple_create_instance, crumple_set_instance_transform, ..._depth_limit
@@ -36,8 +38,8 @@
 // ends with its crumple_destroy_ or crumple_unregister_ call and is an error from then on, never a crash. Destroying
 // an instance unregisters its buffers; an example set lives on for the instances that use it; destroying the context
 // destroys everything in it. What you pass in, you own: defs, strings and arrays are read during the call and may be
-// freed after it. Two things must live longer: the memory of registered buffers, and what the callbacks of a context
-// need.
+// freed after it. Three things must live longer: the memory of registered buffers, what the callbacks of a context need,
+// and bytes that a set was told to keep.
 //
 // Defs. Structs that end in Def come from their crumple_default_ function, which sets struct_size and the defaults;
 // fill in what you need. A struct_size of another version is an error.
@@ -189,6 +191,16 @@ typedef enum {
     /// They move apart, as the example says: a tear that the artist made.
     CRUMPLE_SEAMS_KEEP = 1,
 } CrumpleSeams;
+
+/// What becomes of the bytes that a set is loaded from.
+typedef enum {
+    /// They are copied: free them after the call.
+    CRUMPLE_BYTES_COPY = 0,
+    /// They are kept and used where they lie: a memory map, or an asset that stays loaded. They must stay readable and must
+    /// not change until the set was destroyed and all its instances with it, or the context. Where they do not begin at a
+    /// multiple of 16 bytes they are copied all the same; do not rely on that.
+    CRUMPLE_BYTES_KEEP = 1,
+} CrumpleBytes;
 
 /// What hits do to an instance.
 typedef enum {
@@ -360,6 +372,11 @@ typedef struct {
     /// Nodes along the longest side of the grid that a carried example is kept in: 4 to 128. Default 32; sharp creases
     /// want more.
     uint32_t stamp_resolution;
+    /// How far an example of weight 1 may put a vertex off, m: displacements are kept as integers of 1 or 2 bytes that hold
+    /// this, and carried examples on the coarsest grid that does. 0, the default: exact floats.
+    float tolerance;
+    /// With a tolerance: how far an example of weight 1 may turn a normal off, degrees; above 0 to 45. Default 1.
+    float normal_tolerance;
     /// Mass of each vertex, kg: vertex_count floats, instead of vertex_mass. Default absent.
     CrumpleInput vertex_masses;
     /// How the dents of several hits combine. Default CRUMPLE_COMBINE_ENERGIES.
@@ -897,6 +914,41 @@ CrumpleResult crumple_load_example_set_gltf_memory(CrumpleContext *context,
 CrumpleResult crumple_load_example_set_obj(CrumpleContext *context,
                                            const CrumpleObjDef *def,
                                            CrumpleExampleSet *out_set);
+
+/// Makes an example set from the size bytes of a .crumple file at data, which "crumple bake" or crumple_save_example_set()
+/// wrote: at once, since nothing is built or unpacked. bytes tells whether they are copied or kept, see CrumpleBytes.
+/// Everything in them is checked: no file can make Crumple read or write what it should not. The set has one primitive, no
+/// name and no node transform.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED (out_set),
+/// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (bytes is no enumerator), CRUMPLE_ERROR_FORMAT (damaged, cut
+/// short, or no baked set), CRUMPLE_ERROR_UNSUPPORTED (of another version of the format, or a big-endian processor),
+/// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE. Nothing is kept then.
+CrumpleResult crumple_load_example_set_memory(CrumpleContext *context,
+                                              const void *data,
+                                              size_t size,
+                                              CrumpleBytes bytes,
+                                              CrumpleExampleSet *out_set);
+
+/// The same from a file, which is read into memory: path is UTF-8.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ARGUMENT (path is
+/// not UTF-8), and those of crumple_load_example_set_memory().
+CrumpleResult crumple_load_example_set_file(CrumpleContext *context,
+                                            const char *path,
+                                            CrumpleExampleSet *out_set);
+
+/// Saves an example set as the bytes of a .crumple file; the same bytes for the same set on every machine. data has room
+/// for capacity bytes, of any alignment; with null and 0 only their number is told.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED (out_size),
+/// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_UNSUPPORTED (a big-endian processor),
+/// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_save_example_set(CrumpleContext *context,
+                                       CrumpleExampleSet set,
+                                       void *data,
+                                       size_t capacity,
+                                       size_t *out_size);
 
 /// Copies nothing; set the streams that you want. Never fails; any thread.
 CrumpleMeshCopyDef crumple_default_mesh_copy_def(void);

@@ -334,6 +334,12 @@ public:
         return detail::get<CrumplePrimitive>(
             [&](CrumplePrimitive *primitive) { return crumple_get_primitive(context(), id(), index, primitive); });
     }
+    /// The bytes of a .crumple file.
+    Result<std::vector<unsigned char>> save() const {
+        return detail::fill<unsigned char, std::size_t>([&](unsigned char *data, std::size_t capacity, std::size_t *size) {
+            return crumple_save_example_set(context(), id(), data, capacity, size);
+        });
+    }
     Result<void> copy_base_mesh(const CrumpleMeshCopyDef &def) const {
         return detail::done(crumple_copy_base_mesh(context(), id(), &def));
     }
@@ -411,6 +417,17 @@ public:
     Result<ExampleSet> load_obj(const CrumpleObjDef &def) {
         return own<ExampleSet, CrumpleExampleSet>(
             [&](CrumpleExampleSet *out) { return crumple_load_example_set_obj(context_, &def, out); });
+    }
+
+    /// From the bytes of a .crumple file; with CRUMPLE_BYTES_KEEP they must outlive the set and its instances.
+    Result<ExampleSet> load_baked(const void *data, std::size_t size, CrumpleBytes bytes = CRUMPLE_BYTES_COPY) {
+        return own<ExampleSet, CrumpleExampleSet>([&](CrumpleExampleSet *out) {
+            return crumple_load_example_set_memory(context_, data, size, bytes, out);
+        });
+    }
+    Result<ExampleSet> load_baked(const char *path) {
+        return own<ExampleSet, CrumpleExampleSet>(
+            [&](CrumpleExampleSet *out) { return crumple_load_example_set_file(context_, path, out); });
     }
 
     Result<Instance> create_instance(const CrumpleInstanceDef &def) {

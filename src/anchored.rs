@@ -139,7 +139,7 @@ impl Stored<'_> {
     pub(crate) const NOTHING: Stored<'static> = Stored { groups: 0, numbers: Numbers::I8(&[]), step: 1.0 };
 
     /// The vector of vertex `v` of the block.
-    fn at(&self, v: usize) -> Vec3 {
+    pub(crate) fn at(&self, v: usize) -> Vec3 {
         let group = v / GROUP;
         if self.groups >> group & 1 == 0 {
             return Vec3::ZERO;

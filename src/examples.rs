@@ -1,6 +1,7 @@
 //! The example set: a base mesh and its examples, checked and made ready. Immutable, shared by all instances.
 
 use crate::anchored::{Anchored, Bytes, Steps};
+use crate::array::Array;
 use crate::classic::Sparse;
 use crate::error::{at_least_zero, positive, reserve};
 use crate::images::{Around, Images};
@@ -113,20 +114,20 @@ impl Default for SetOptions {
 /// One example of a set.
 #[derive(Debug)]
 pub struct Example {
-    name: String,
-    placement: Placement,
-    contact_vertex: u32,
-    contact_point: Vec3,
-    contact_normal: Option<Vec3>,
-    contact_delta: Vec3,
-    depth: f32,
+    pub(crate) name: String,
+    pub(crate) placement: Placement,
+    pub(crate) contact_vertex: u32,
+    pub(crate) contact_point: Vec3,
+    pub(crate) contact_normal: Option<Vec3>,
+    pub(crate) contact_delta: Vec3,
+    pub(crate) depth: f32,
     /// Natural logarithm of `depth`: what selection compares.
-    log_depth: f32,
-    max_depth: f32,
-    support_radius: f32,
-    moved: usize,
-    anchored: Arc<Anchored>,
-    stamp: Option<Stamp>,
+    pub(crate) log_depth: f32,
+    pub(crate) max_depth: f32,
+    pub(crate) support_radius: f32,
+    pub(crate) moved: usize,
+    pub(crate) anchored: Arc<Anchored>,
+    pub(crate) stamp: Option<Stamp>,
 }
 
 impl Example {
@@ -270,7 +271,28 @@ pub struct ExampleSet {
     report: SetReport,
     /// What the classic rules read, made for the first hit that needs it.
     sparse: Vec<OnceLock<Sparse>>,
+    /// Of each vertex its number before [`crate::reorder`]; only for tools.
+    source_order: Option<Array<u32>>,
     pub(crate) triangle_index: OnceLock<RTree<crate::attach::IndexedTriangle>>,
+}
+
+/// What a set is put together from, made or loaded.
+pub(crate) struct Parts {
+    pub skin: Skin,
+    pub examples: Vec<Example>,
+    pub options: SetOptions,
+    pub index: VertexIndex,
+    pub learned: Learned,
+    pub planes: Mirror,
+    pub fingerprint: u64,
+    pub welded: usize,
+    pub widest_weld: f32,
+    pub source_order: Option<Array<u32>>,
+}
+
+/// The longest displacement of any example, m.
+pub(crate) fn deepest(examples: &[Example]) -> f32 {
+    examples.iter().map(|e| e.max_depth).fold(0.0, f32::max)
 }
 
 impl ExampleSet {
@@ -305,60 +327,93 @@ impl ExampleSet {
             let built = builder.build(i, &examples[i]);
             *slots[i].lock().unwrap_or_else(|e| e.into_inner()) = Some(built);
         });
-        let mut report = SetReport {
-            repaired_normals: mesh.repaired_normals(),
-            degenerate_triangles: mesh.degenerate_triangles(),
-            ..Default::default()
-        };
+        let (mut welded, mut widest_weld) = (0, 0.0f32);
         let mut ready = reserve(examples.len(), "examples")?;
         for (i, slot) in slots.into_iter().enumerate() {
             let built = slot.into_inner().unwrap_or_else(|e| e.into_inner());
             let built = built.ok_or_else(|| {
                 Error::invalid("the task system", format!("example {i} not run"), "to run every task")
             })??;
-            report.welded += built.welded;
-            report.widest_weld = report.widest_weld.max(built.widest_weld);
-            let bytes: Bytes = built.example.anchored.bytes();
-            report.anchored_bytes += bytes.total();
-            report.normal_bytes += bytes.normals;
-            report.moved_vertices += built.example.moved;
-            report.blocks_by_width.iter_mut().zip(bytes.blocks).for_each(|(sum, n)| *sum += n);
-            report.stamp_bytes += built.example.stamp.as_ref().map_or(0, Stamp::bytes);
-            if built.example.is_empty() {
-                report.empty_examples.push(i);
-            }
+            welded += built.welded;
+            widest_weld = widest_weld.max(built.widest_weld);
             ready.push(built.example);
         }
-        let deepest = ready.iter().map(|e| e.max_depth).fold(0.0, f32::max);
-        if deepest == 0.0 {
+        if deepest(&ready) == 0.0 {
             return Err(Error::NoExamples {
                 what: format!("none of the {} given moves a vertex by more than {} m", ready.len(), options.drop_below),
             });
         }
-        let positions = mesh.positions();
-        let depth_limit = options.depth_limit.unwrap_or(deepest);
-        let fingerprint = fingerprint(&mesh, &ready, &options);
-        if options.mirror {
-            report.mirror_planes = mirror::planes(positions, &index, &mesh.bounds());
-        }
+        let planes = if options.mirror {
+            mirror::planes(mesh.positions(), &index, &mesh.bounds())
+        } else {
+            Mirror::NONE
+        };
         let rim = if options.held_rims { Rim::find(&mesh, &ready) } else { Rim::default() };
-        report.held_vertices = rim.vertices();
-        let mut set = Self {
-            images: Images::new(&mesh, &ready, report.mirror_planes),
+        let mut set = Self::assemble(Parts {
+            fingerprint: fingerprint(&mesh, &ready, &options),
             learned: Learned::nothing(ready.len()),
             skin: Skin::new(mesh, rim, ready.iter().map(|e| e.anchored.clone()).collect()),
-            sparse: ready.iter().map(|_| OnceLock::new()).collect(),
             examples: ready,
             options,
-            depth_limit,
             index,
-            fingerprint,
-            report,
-            triangle_index: OnceLock::new(),
-        };
+            planes,
+            welded,
+            widest_weld,
+            source_order: None,
+        });
         set.learned = learn(&set, tasks);
-        set.images.arrange(&set.skin.mesh, &set.examples, &set.learned);
+        set.arrange();
         Ok(set)
+    }
+
+    /// Makes what was learned known to selection.
+    fn arrange(&mut self) {
+        self.images.arrange(&self.skin.mesh, &self.examples, &self.learned);
+    }
+
+    /// From parts that are as [`ExampleSet::build`] makes them.
+    pub(crate) fn new(parts: Parts) -> Self {
+        let mut set = Self::assemble(parts);
+        set.arrange();
+        set
+    }
+
+    fn assemble(p: Parts) -> Self {
+        let mesh = &p.skin.mesh;
+        let mut report = SetReport {
+            welded: p.welded,
+            widest_weld: p.widest_weld,
+            repaired_normals: mesh.repaired_normals(),
+            degenerate_triangles: mesh.degenerate_triangles(),
+            mirror_planes: p.planes,
+            held_vertices: p.skin.rim.vertices(),
+            ..Default::default()
+        };
+        for (i, e) in p.examples.iter().enumerate() {
+            let bytes: Bytes = e.anchored.bytes();
+            report.anchored_bytes += bytes.total();
+            report.normal_bytes += bytes.normals;
+            report.moved_vertices += e.moved;
+            report.blocks_by_width.iter_mut().zip(bytes.blocks).for_each(|(sum, n)| *sum += n);
+            report.stamp_bytes += e.stamp.as_ref().map_or(0, Stamp::bytes);
+            if e.is_empty() {
+                report.empty_examples.push(i);
+            }
+        }
+        Self {
+            images: Images::new(mesh, &p.examples, p.planes),
+            depth_limit: p.options.depth_limit.unwrap_or(deepest(&p.examples)),
+            sparse: p.examples.iter().map(|_| OnceLock::new()).collect(),
+            learned: p.learned,
+            skin: p.skin,
+            examples: p.examples,
+            options: p.options,
+            index: p.index,
+            fingerprint: p.fingerprint,
+            report,
+            source_order: p.source_order,
+            triangle_index: OnceLock::new(),
+        }
     }
 
     /// The base mesh.
@@ -435,6 +490,28 @@ impl ExampleSet {
         self.sparse[example as usize].get_or_init(|| Sparse::new(anchored, self.mesh().normals().is_some()))
     }
 
+    /// Of each vertex its number in the source, where the set was made from a [reordered](crate::reorder) mesh and
+    /// [told so](ExampleSet::set_source_order).
+    pub fn source_order(&self) -> Option<&[u32]> {
+        self.source_order.as_deref()
+    }
+
+    /// Keeps what [`reorder`](crate::reorder) returned with the set, and with its file: of each vertex its number in the
+    /// source. Nothing else depends on it.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] unless every number below the number of vertices is there once.
+    pub fn set_source_order(&mut self, order: Vec<u32>) -> Result<(), Error> {
+        crate::format::check_order(&order, self.vertex_count())
+            .map_err(|(value, expected)| Error::invalid("the source order", value, &expected))?;
+        self.source_order = Some(order.into());
+        Ok(())
+    }
+
+    pub(crate) fn index(&self) -> &VertexIndex {
+        &self.index
+    }
+
     pub(crate) fn images(&self) -> &Images {
         &self.images
     }
@@ -469,7 +546,7 @@ impl ExampleSet {
     }
 }
 
-fn check_options(o: &SetOptions, vertices: usize) -> Result<(), Error> {
+pub(crate) fn check_options(o: &SetOptions, vertices: usize) -> Result<(), Error> {
     if let Some(l) = o.depth_limit {
         positive("depth_limit", l, "m")?;
         if l > MAX_COORDINATE {

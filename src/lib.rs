@@ -11,6 +11,9 @@
 //! 4. [`Instance::deform`]: marks become positions, normals and tangents in the caller's memory ([`VertexMemory`]), only
 //!    where something changed ([`Tracker`]).
 //!
+//! The work of step 1 needs doing only once: [`ExampleSet::save`] is a file from which [`ExampleSet::load`] has the same set at once, with the
+//! arrays where they lie in it.
+//!
 //! Damage is the short list of marks: read it, save it, send it, repair it. Vertices are a pure function of it.
 //!
 //! # Features
@@ -33,6 +36,7 @@ mod examples;
 #[cfg(feature = "gltf")]
 pub mod export;
 mod few;
+mod format;
 mod images;
 #[cfg(any(feature = "gltf", feature = "obj"))]
 pub mod import;
@@ -43,6 +47,7 @@ mod mesh;
 mod mirror;
 mod nearest;
 mod normals;
+mod reorder;
 mod rim;
 mod select;
 mod simd;
@@ -56,6 +61,8 @@ pub use damage::{Mark, Pair};
 pub use data::{Contact, Deltas, ExampleData, MeshData, Placement};
 pub use deform::{Attribute, DeformJob, DeformReport, RawStream, Tracker, VertexMemory, deform};
 pub use error::{Error, ErrorKind};
+#[doc(hidden)]
+pub use format::file_checksum;
 pub use examples::{Combine, Example, ExampleSet, Seams, SetOptions, SetReport, VertexMass};
 pub use glam;
 pub use instance::{Inbox, Instance, InstanceOptions, Rule};
@@ -64,6 +71,7 @@ pub use math::Aabb;
 pub use mesh::Mesh;
 pub use mirror::Mirror;
 pub use nearest::Nearest;
+pub use reorder::reorder;
 pub use select::{Cause, Chosen, Hit, HitStatus, Outcome, Selection, Space};
 pub use simd::SimdLevel;
 pub use stamp::{Stamp, StampError};

@@ -1,5 +1,6 @@
 //! The base mesh: checked, with its seams, contact normals and bounds known.
 
+use crate::array::Array;
 use crate::error::reserve;
 use crate::math::{Aabb, unit};
 use crate::{Error, MeshData, normals};
@@ -12,18 +13,24 @@ pub(crate) const MAX_COORDINATE: f32 = 1e9;
 /// The base mesh of an example set. Vertices keep the caller's order.
 #[derive(Debug, Clone)]
 pub struct Mesh {
-    positions: Vec<Vec3>,
-    normals: Option<Vec<Vec3>>,
-    tangents: Option<Vec<Vec4>>,
-    triangles: Vec<[u32; 3]>,
-    /// Lowest vertex with the same position.
-    weld: Vec<u32>,
-    /// Unit surface normals for contacts: smooth over all vertices at one position. Zero where there is none.
-    contact_normals: Option<Vec<Vec3>>,
+    arrays: MeshArrays,
     bounds: Aabb,
     seam_count: usize,
     repaired_normals: usize,
     degenerate_triangles: usize,
+}
+
+/// What a mesh keeps of each vertex and triangle.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct MeshArrays {
+    pub positions: Array<Vec3>,
+    pub normals: Option<Array<Vec3>>,
+    pub tangents: Option<Array<Vec4>>,
+    pub triangles: Array<[u32; 3]>,
+    /// Lowest vertex with the same position.
+    pub weld: Array<u32>,
+    /// Unit surface normals for contacts: smooth over all vertices at one position. As many as normals.
+    pub contact_normals: Option<Array<Vec3>>,
 }
 
 impl Mesh {
@@ -78,7 +85,7 @@ impl Mesh {
             None => None,
         };
         let contact_normals = vertex_normals.as_ref().map(|given| contact_normals(&smooth, given, &weld));
-        let tangents = match data.tangents {
+        let tangents: Option<Vec<Vec4>> = match data.tangents {
             Some(given) => {
                 for (i, t) in given.iter().enumerate() {
                     if !t.iter().all(|x| x.is_finite()) {
@@ -90,39 +97,50 @@ impl Mesh {
             None => None,
         };
         let degenerate = data.triangles.iter().filter(|t| area_is_zero(&positions, **t)).count();
-        let mesh = Self {
-            bounds: Aabb::of(&positions),
-            seam_count: weld.iter().enumerate().filter(|(v, w)| **w as usize != *v).count(),
-            positions,
-            normals: vertex_normals,
-            tangents,
-            triangles: data.triangles,
-            weld,
-            contact_normals,
-            repaired_normals: repaired,
-            degenerate_triangles: degenerate,
+        let arrays = MeshArrays {
+            positions: positions.into(),
+            normals: vertex_normals.map(Array::from),
+            tangents: tangents.map(Array::from),
+            triangles: data.triangles.into(),
+            weld: weld.into(),
+            contact_normals: contact_normals.map(Array::from),
         };
-        Ok((mesh, smooth))
+        Ok((Self::of(arrays, repaired, degenerate), smooth))
+    }
+
+    /// From arrays that are as [`Mesh::new`] makes them, with the numbers of repaired normals and of triangles without area.
+    pub(crate) fn of(arrays: MeshArrays, repaired_normals: usize, degenerate_triangles: usize) -> Self {
+        Self {
+            bounds: Aabb::of(arrays.positions.iter()),
+            seam_count: arrays.weld.iter().enumerate().filter(|(v, w)| **w as usize != *v).count(),
+            arrays,
+            repaired_normals,
+            degenerate_triangles,
+        }
+    }
+
+    pub(crate) fn arrays(&self) -> &MeshArrays {
+        &self.arrays
     }
 
     /// Positions, m.
     pub fn positions(&self) -> &[Vec3] {
-        &self.positions
+        &self.arrays.positions
     }
 
     /// Unit normals: the caller's, or computed. `None` where there are neither normals nor triangles.
     pub fn normals(&self) -> Option<&[Vec3]> {
-        self.normals.as_deref()
+        self.arrays.normals.as_deref()
     }
 
     /// The caller's tangents.
     pub fn tangents(&self) -> Option<&[Vec4]> {
-        self.tangents.as_deref()
+        self.arrays.tangents.as_deref()
     }
 
     /// Triangles, three vertex indices each.
     pub fn triangles(&self) -> &[[u32; 3]] {
-        &self.triangles
+        &self.arrays.triangles
     }
 
     /// Bounds of the base positions.
@@ -137,7 +155,7 @@ impl Mesh {
 
     /// Of each vertex, the lowest vertex at the same position.
     pub fn weld(&self) -> &[u32] {
-        &self.weld
+        &self.arrays.weld
     }
 
     /// Normals of length zero that were replaced by computed ones.
@@ -153,7 +171,7 @@ impl Mesh {
     /// The outward unit normal that a contact at `vertex` has: smooth over all vertices at its position, so that hard
     /// edges have one. `None` where the mesh has neither normals nor triangles.
     pub fn contact_normal(&self, vertex: u32) -> Option<Vec3> {
-        self.contact_normals.as_ref().map(|n| n[vertex as usize])
+        self.arrays.contact_normals.as_ref().map(|n| n[vertex as usize])
     }
 }
 

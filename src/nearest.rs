@@ -16,6 +16,7 @@
 //! round monotonously, so that no point in a box is nearer: answers are those of comparing all vertices.
 
 use crate::TaskSystem;
+use crate::array::Array;
 use crate::math::Aabb;
 use crate::tasks::run_each;
 use bytemuck::{Pod, Zeroable};
@@ -150,7 +151,6 @@ pub(crate) struct Tree<'a> {
 impl<'a> Tree<'a> {
     /// The tree in arrays of any origin, for a mesh of `vertices`: `None` unless there is a leaf, there are as many inner nodes
     /// as that takes, and all vertices are the mesh's. Arrays that are no tree give wrong vertices, nothing worse.
-    #[allow(dead_code, reason = "for files that hold a set made ready")]
     pub(crate) fn new(inner: &'a [Inner], leaves: &'a [Leaf], vertices: usize) -> Option<Self> {
         let fits = (1..MAX_LEAVES).contains(&leaves.len()) && inner.len() == inner_nodes(leaves.len());
         let known = || leaves.iter().all(|l| l.vertex.iter().all(|v| (*v as usize) < vertices));
@@ -318,8 +318,8 @@ impl Four {
 /// A tree of its own.
 #[derive(Debug)]
 pub(crate) struct VertexIndex {
-    inner: Vec<Inner>,
-    leaves: Vec<Leaf>,
+    inner: Array<Inner>,
+    leaves: Array<Leaf>,
 }
 
 impl VertexIndex {
@@ -357,7 +357,14 @@ impl VertexIndex {
                 }
             }
         }
-        VertexIndex { inner, leaves: leaves.into_iter().map(|l| l.0).collect() }
+        let leaves: Vec<Leaf> = leaves.into_iter().map(|l| l.0).collect();
+        VertexIndex { inner: inner.into(), leaves: leaves.into() }
+    }
+
+    /// The tree in arrays of any origin, for a mesh of `vertices`; `None` as [`Tree::new`] says.
+    pub(crate) fn of(inner: Array<Inner>, leaves: Array<Leaf>, vertices: usize) -> Option<Self> {
+        Tree::new(&inner, &leaves, vertices)?;
+        Some(VertexIndex { inner, leaves })
     }
 
     pub(crate) fn tree(&self) -> Tree<'_> {
@@ -380,7 +387,6 @@ impl VertexIndex {
     }
 
     /// The arrays, as [`Tree::new`] takes them.
-    #[allow(dead_code, reason = "for files that hold a set made ready")]
     pub(crate) fn parts(&self) -> (&[Inner], &[Leaf]) {
         (&self.inner, &self.leaves)
     }

@@ -44,6 +44,12 @@ pub(crate) struct WindowBlock {
 impl WindowBlock {
     const OPEN: WindowBlock = WindowBlock { factor: [1.0; BLOCK], gradient: [[0.0; BLOCK]; 3] };
 
+    /// No gradient of a window is greater than this on a body with this diagonal (m), 1/m.
+    pub(crate) fn steepest(diagonal: f32) -> f32 {
+        // 6 s (1 - s) is 1.5 at most; a little more for rounding.
+        1.51 / (WIDTH * diagonal)
+    }
+
     fn set(&mut self, i: usize, w: Window) {
         self.factor[i] = w.factor;
         self.gradient.iter_mut().zip(w.gradient.to_array()).for_each(|(g, x)| g[i] = x);

@@ -240,3 +240,43 @@ fn parts_of_one_contact_are_one_dent() {
     let complaint = apply(&format!("[{}]", part.replace('7', "0")), "marks").complaint();
     assert!(complaint.contains("impact 0") && complaint.contains("nonzero"), "{complaint}");
 }
+
+#[test]
+fn bake_writes_a_set_that_the_other_commands_take() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
+    let (baked, order) = (at("panel.crumple"), at("panel.order"));
+    let report = crumple(&[
+        "bake", PANEL, "-o", &baked, "--tolerance", "0.5mm", "--normal-tolerance", "2deg", "--stamp-resolution", "8", "--reorder",
+        "--permutation", &order,
+    ])
+    .report();
+    assert!(report.contains("plain sparse displacements") && report.contains("16.00"), "{report}");
+    let row = report.lines().find(|l| l.trim_start().starts_with("positions")).expect("a row");
+    let numbers: Vec<f64> = row.split_whitespace().filter_map(|w| w.parse().ok()).collect();
+    assert!(numbers[0] <= 0.5 && numbers[0] > 0.1 && numbers[1] < numbers[0] && numbers[2] == 0.5, "{row}");
+    // Eight nodes a side cannot hold half a millimetre, and that is said.
+    assert!(report.contains("of 32 stamps hold the tolerance when carried"), "{report}");
+    assert_eq!(names(folder.path()), ["panel.crumple", "panel.order"]);
+
+    let mut vertices: Vec<u32> = std::fs::read(&order)
+        .expect("written")
+        .chunks_exact(4)
+        .map(|b| u32::from_le_bytes(b.try_into().expect("four")))
+        .collect();
+    let set = crumple::ExampleSet::load_file(&baked, &crumple::Serial).expect("a set");
+    assert_eq!(set.source_order(), Some(&vertices[..]));
+    let source = import(&asset(PANEL));
+    for (v, old) in vertices.iter().enumerate() {
+        assert_eq!(set.mesh().positions()[v].to_array(), source.mesh.positions[*old as usize]);
+    }
+    vertices.sort_unstable();
+    assert!(vertices.into_iter().eq(0..2173));
+
+    let info = crumple(&["info", &baked]).report();
+    assert!(info.contains("panel: 2173 vertices") && info.contains("train_31"), "{info}");
+    let (impacts, dented_file) = (at("impacts.json"), at("dented.glb"));
+    crumple(&["sample", &baked, "-o", &impacts, "--count", "3"]).report();
+    crumple(&["apply", &baked, "--impacts", &impacts, "-o", &dented_file]).report();
+    assert_eq!(dented(Path::new(&dented_file)).len(), 2173);
+}

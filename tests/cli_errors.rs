@@ -198,3 +198,28 @@ fn a_rule_and_a_selection_that_do_not_go_together() {
     has(&crumple(&arguments).complaint(), &["selection"]);
     assert_eq!(names(folder.path()), ["i.json"]);
 }
+
+#[test]
+fn bake_says_what_is_wrong() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
+    let (panel, out) = ("assets/solver/panel.glb", at("out.crumple"));
+    for (tolerance, part) in [("1km", "'km'"), ("0", "above 0"), ("-1mm", "above 0"), ("much", "length"), ("0,1mm", "',1mm'")] {
+        let run = crumple(&["bake", panel, "-o", &out, &format!("--tolerance={tolerance}")]);
+        assert!(run.code == Some(2) && run.stderr.contains(part), "{tolerance}: {}", run.stderr);
+    }
+    let run = crumple(&["bake", panel, "-o", &out, "--permutation", &at("order")]);
+    assert!(run.code == Some(2) && run.stderr.contains("--reorder"), "{}", run.stderr);
+
+    crumple(&["bake", panel, "-o", &out, "--tolerance", "1mm", "--stamp-resolution", "4"]).report();
+    let again = crumple(&["bake", &out, "-o", &at("again.crumple")]).complaint();
+    assert!(again.contains("baked already"), "{again}");
+    let mesh = crumple(&["info", &out, "--mesh", "0"]).complaint();
+    assert!(mesh.contains("--mesh"), "{mesh}");
+    let mut bytes = std::fs::read(&out).expect("written");
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    std::fs::write(&out, bytes).expect("written");
+    let damaged = crumple(&["info", &out]).complaint();
+    assert!(damaged.contains("checksum") && damaged.contains("out.crumple"), "{damaged}");
+}

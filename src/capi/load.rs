@@ -1,17 +1,17 @@
 //! Example sets from files.
 
-use super::check::{Def, Out, array, def, string};
-#[cfg(any(feature = "gltf", feature = "obj"))]
-use super::context::{Context, State};
-use super::context::{CrumpleContext, exclusive};
+use super::check::{CEnum, Def, Out, array, def, enumerator, string, write_array};
+use super::context::{Context, CrumpleContext, State, exclusive};
 use super::result::{CrumpleResult, Failure};
-use super::set::{CrumpleExampleSetOptions, default_options};
 #[cfg(any(feature = "gltf", feature = "obj"))]
 use super::set::{add_set, c_string, read_options};
-#[cfg(any(feature = "gltf", feature = "obj"))]
+use super::set::{CrumpleExampleSetOptions, default_options, insert_set};
 use super::set_info::CrumplePrimitive;
+use super::tasks::Quiet;
 use super::types::CrumpleExampleSet;
+use crate::ExampleSet;
 use std::ffi::{c_char, c_void};
+use std::mem::MaybeUninit;
 
 /// Which mesh of a glTF file, and how it is made ready.
 #[repr(C)]
@@ -186,6 +186,111 @@ pub unsafe extern "C" fn crumple_load_example_set_obj(
             Err(not_built("obj"))
         }
     })
+}
+
+/// What becomes of the bytes that a set is loaded from.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CrumpleBytes {
+    /// They are copied: free them after the call.
+    Copy = 0,
+    /// They are kept and used where they lie: a memory map, or an asset that stays loaded. They must stay readable and must
+    /// not change until the set was destroyed and all its instances with it, or the context. Where they do not begin at a
+    /// multiple of 16 bytes they are copied all the same; do not rely on that.
+    Keep = 1,
+}
+
+impl CEnum for CrumpleBytes {
+    const ALL: &'static [Self] = &[Self::Copy, Self::Keep];
+}
+
+/// Makes an example set from the size bytes of a .crumple file at data, which "crumple bake" or crumple_save_example_set()
+/// wrote: at once, since nothing is built or unpacked. bytes tells whether they are copied or kept, see CrumpleBytes.
+/// Everything in them is checked: no file can make Crumple read or write what it should not. The set has one primitive, no
+/// name and no node transform.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED (out_set),
+/// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (bytes is no enumerator), CRUMPLE_ERROR_FORMAT (damaged, cut
+/// short, or no baked set), CRUMPLE_ERROR_UNSUPPORTED (of another version of the format, or a big-endian processor),
+/// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE. Nothing is kept then.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_load_example_set_memory(
+    context: *mut CrumpleContext,
+    data: *const c_void,
+    size: usize,
+    bytes: MaybeUninit<CrumpleBytes>,
+    out_set: *mut CrumpleExampleSet,
+) -> CrumpleResult {
+    exclusive("crumple_load_example_set_memory", context, |context, state| {
+        // SAFETY: the caller's.
+        let out = unsafe { Out::new(out_set, "out_set") }?;
+        let keep = enumerator(bytes, "bytes")? == CrumpleBytes::Keep;
+        // SAFETY: the caller's; kept bytes stay as they are for as long as the set lives.
+        let bytes: &'static [u8] = unsafe { array(data.cast::<u8>(), size, "data") }?;
+        state.sets.reserve::<CrumpleExampleSet>()?;
+        let tasks = Quiet(context.tasks());
+        let set = if keep { ExampleSet::load(bytes, &tasks) } else { ExampleSet::load_copy(bytes, &tasks) }?;
+        add_baked(context, state, set, out);
+        Ok(())
+    })
+}
+
+/// The same from a file, which is read into memory: path is UTF-8.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ARGUMENT (path is
+/// not UTF-8), and those of crumple_load_example_set_memory().
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_load_example_set_file(
+    context: *mut CrumpleContext,
+    path: *const c_char,
+    out_set: *mut CrumpleExampleSet,
+) -> CrumpleResult {
+    exclusive("crumple_load_example_set_file", context, |context, state| {
+        // SAFETY: the caller's.
+        let out = unsafe { Out::new(out_set, "out_set") }?;
+        // SAFETY: the caller's.
+        let path = required(unsafe { string(path, "path") }?, "path")?;
+        state.sets.reserve::<CrumpleExampleSet>()?;
+        let set = ExampleSet::load_file(path, &Quiet(context.tasks()))?;
+        add_baked(context, state, set, out);
+        Ok(())
+    })
+}
+
+/// Saves an example set as the bytes of a .crumple file; the same bytes for the same set on every machine. data has room
+/// for capacity bytes, of any alignment; with null and 0 only their number is told.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED (out_size),
+/// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_UNSUPPORTED (a big-endian processor),
+/// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_save_example_set(
+    context: *mut CrumpleContext,
+    set: CrumpleExampleSet,
+    data: *mut c_void,
+    capacity: usize,
+    out_size: *mut usize,
+) -> CrumpleResult {
+    exclusive("crumple_save_example_set", context, |_, state| {
+        // SAFETY: the caller's.
+        let out = unsafe { Out::new(out_size, "out_size") }?;
+        let set = &state.sets.get(set, "set")?.set;
+        let size = if data.is_null() && capacity == 0 {
+            set.saved_bytes()
+        } else {
+            let bytes = set.save()?;
+            // SAFETY: the caller's.
+            unsafe { write_array(&bytes, data.cast::<u8>(), capacity, "data") }?;
+            bytes.len()
+        };
+        out.write(size);
+        Ok(())
+    })
+}
+
+fn add_baked(context: &Context, state: &mut State, set: ExampleSet, out: Out<CrumpleExampleSet>) {
+    let whole = CrumplePrimitive::new(0..set.vertex_count() as u32, 0..set.mesh().triangles().len() as u32);
+    insert_set(context, state, set, (c"".into(), vec![whole], Vec::new(), None), out);
 }
 
 fn required<'a>(text: Option<&'a str>, name: &str) -> Result<&'a str, Failure> {

@@ -312,8 +312,20 @@ pub(super) fn add_set(
     out: Out<CrumpleExampleSet>,
 ) -> Result<(), Failure> {
     state.sets.reserve::<CrumpleExampleSet>()?;
-    let names = examples.iter().map(|e| c_string(&e.name)).collect();
     let set = ExampleSet::build(mesh, examples, options, &Quiet(context.tasks()))?;
+    insert_set(context, state, set, (name, primitives, materials, node_transform), out);
+    Ok(())
+}
+
+/// Gives a set an id, for which there is room.
+pub(super) fn insert_set(
+    context: &Context,
+    state: &mut State,
+    set: ExampleSet,
+    (name, primitives, materials, node_transform): (CString, Vec<CrumplePrimitive>, Vec<CString>, Option<[f32; 16]>),
+    out: Out<CrumpleExampleSet>,
+) {
+    let names = set.examples().iter().map(|e| c_string(e.name())).collect();
     for example in set.examples().iter().filter(|e| e.is_empty()) {
         context.log(CrumpleLogLevel::Warning, &format!("example '{}' moves no vertex", example.name()));
     }
@@ -328,7 +340,6 @@ pub(super) fn add_set(
     );
     let entry = SetEntry { set: Arc::new(set), name, names, primitives, _materials: materials, node_transform };
     out.write(state.sets.insert(entry));
-    Ok(())
 }
 
 unsafe fn read_mesh(def: &CrumpleExampleSetDef) -> Result<MeshData, Failure> {

@@ -86,6 +86,24 @@ fn avx2<'a>(job: Job<'a>, room: &mut Room<'a>, positions: &mut [f32], normals: O
     unsafe { evaluate::<Avx2, Avx2>(job, room, positions, normals, bounds) }
 }
 
+/// Length of the longest stored vector, all of whose numbers are finite: the bits that `Vec3::length` gives of it.
+pub(crate) fn longest(stored: &Stored<'_>) -> f32 {
+    match SimdLevel::current() {
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: the level is in force only where the processor has it.
+        SimdLevel::Avx512 | SimdLevel::Avx2 => unsafe { longest_avx2(stored) },
+        // SAFETY: always there.
+        _ => unsafe { kernel::longest::<Portable>(stored) },
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn longest_avx2(stored: &Stored<'_>) -> f32 {
+    // SAFETY: the attribute says so.
+    unsafe { kernel::longest::<Avx2>(stored) }
+}
+
 /// Position and unit normal of one vertex: the same bits as [`block`] gives.
 pub(crate) fn vertex(instance: &Instance, skin: &Skin, v: usize) -> (Vec3, Option<Vec3>) {
     let (block, i) = (v / BLOCK, v % BLOCK);

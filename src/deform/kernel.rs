@@ -129,6 +129,20 @@ unsafe fn numbers<S: Simd>(stored: &Numbers<'_>, group: usize) -> V<S> {
     }
 }
 
+/// Length of the longest stored vector; all numbers are finite. `S` has `GROUP` lanes.
+#[inline(always)]
+pub(crate) unsafe fn longest<S: Simd>(stored: &Stored<'_>) -> f32 {
+    // SAFETY: passed on.
+    unsafe {
+        let (step, mut most) = (S::splat(stored.step), S::splat(0.0));
+        for kept in 0..stored.groups.count_ones() as usize {
+            let v = scaled::<S>(S::deinterleave(numbers::<S>(&stored.numbers, kept)), step);
+            most = S::max(dot::<S>(v, v), most);
+        }
+        S::highest(most).sqrt()
+    }
+}
+
 /// Lowest and highest coordinates seen so far.
 struct Extent<S: Simd> {
     low: V<S>,

@@ -8,6 +8,8 @@ mod tracker;
 pub use memory::{Attribute, RawStream, VertexMemory};
 pub use tracker::Tracker;
 
+pub(crate) use evaluate::longest;
+
 use crate::anchored::{BLOCK, block_range};
 use crate::skin::Skin;
 use crate::tasks::run_each;

@@ -5,6 +5,7 @@ mod bench;
 mod ci;
 mod command;
 mod demo;
+mod fuzz;
 mod header;
 mod install;
 mod lab;
@@ -56,6 +57,8 @@ enum Command {
         #[arg(long)]
         debug: bool,
     },
+    /// Fuzz what reads files from outside, guided by coverage
+    Fuzz(fuzz::Options),
     /// Measure accuracy, cost, stability and peers; write docs/lab with its tables, charts and report
     Lab(lab::Options),
     /// Measure fixed workloads beside references of the same run; write docs/bench
@@ -90,6 +93,7 @@ fn run(command: Command) -> Result<()> {
             let profile = if debug { install::Profile::Debug } else { install::Profile::Release };
             install::run(&workspace, &prefix, profile).map(drop)
         }
+        Command::Fuzz(options) => fuzz::run(&workspace, &options),
         Command::Lab(options) => lab::run(&workspace, &options),
         Command::Bench(options) => bench::run(&workspace, &options),
         Command::Ci => ci::run(&workspace),

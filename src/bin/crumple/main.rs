@@ -1,6 +1,7 @@
 //! The `crumple` command: dents a file's mesh with the file's own examples.
 
 mod apply;
+mod bake;
 mod impacts;
 mod info;
 mod output;
@@ -25,6 +26,8 @@ struct Arguments {
 enum Command {
     /// Tell what a file's mesh and examples are, and which part of the body the examples do not reach
     Info(info::Arguments),
+    /// Make a mesh's example set ready once and write it as a .crumple file, which loads at once
+    Bake(bake::Arguments),
     /// Dent a mesh by a list of impacts and write it as a GLB
     Apply(apply::Arguments),
     /// Write a list of impacts to start from
@@ -34,6 +37,7 @@ enum Command {
 fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Info(a) => info::run(&a),
+        Command::Bake(a) => bake::run(&a),
         Command::Apply(a) => apply::run(&a),
         Command::Sample(a) => sample::run(&a),
     };

@@ -3,11 +3,12 @@
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use crumple::{
-    ExampleSet, SetOptions, TaskSystem,
+    ExampleSet, MeshData, SetOptions, TaskSystem,
     glam::{Mat4, Vec3},
-    import::{self, Imported, MeshChoice},
+    import::{self, Imported, MeshChoice, PrimitiveRange},
 };
 use std::{
+    io::Read,
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -15,7 +16,7 @@ use std::{
 /// Which mesh of which file.
 #[derive(Args)]
 pub struct Input {
-    /// glTF or GLB file with morph targets, or an OBJ file (then give --example)
+    /// glTF or GLB file with morph targets, an OBJ file (then give --example), or a file that `crumple bake` wrote
     pub file: PathBuf,
     /// Mesh of a glTF file by name, or by index from 0; the first with morph targets where left out
     #[arg(long, value_name = "NAME|INDEX")]
@@ -35,25 +36,59 @@ pub struct Source {
     kind: Kind,
 }
 
-enum Kind {
+pub enum Kind {
     Gltf { bytes: Vec<u8>, base_dir: PathBuf, mesh: Option<String> },
     Obj(Box<Imported>),
+    Baked,
 }
 
 impl Input {
-    /// Reads the file and builds its example set.
+    /// Reads the file and builds its example set, or loads it ready-made.
     pub fn load(&self, tasks: &dyn TaskSystem) -> Result<Source> {
+        let shown = self.file.display();
+        if self.is_baked()? {
+            ensure!(
+                self.mesh.is_none() && self.examples.is_empty(),
+                "{shown} is a baked set, which holds one mesh with its examples; leave --mesh and --example out"
+            );
+            let set = ExampleSet::load_file(&self.file, tasks).with_context(|| shown.to_string())?;
+            let name = self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            return Ok(Source { set: Arc::new(set), name, primitives: 1, transform: None, kind: Kind::Baked });
+        }
+        let (imported, kind) = self.import()?;
+        let Imported { name, mesh, examples, primitives, node_transform, .. } = imported;
+        let set = ExampleSet::build(mesh, examples, SetOptions::default(), tasks).with_context(|| shown.to_string())?;
+        Ok(Source {
+            set: Arc::new(set),
+            name,
+            primitives: primitives.len(),
+            transform: node_transform.map(|m| Mat4::from_cols_array_2d(&m)),
+            kind,
+        })
+    }
+
+    /// Whether the file was written by `crumple bake`.
+    pub fn is_baked(&self) -> Result<bool> {
+        let mut start = Vec::new();
+        let file = std::fs::File::open(&self.file);
+        let read = file.and_then(|f| f.take(8).read_to_end(&mut start));
+        read.with_context(|| format!("cannot read {}", self.file.display()))?;
+        Ok(ExampleSet::is_saved(&start))
+    }
+
+    /// Reads a file of an artist's.
+    pub fn import(&self) -> Result<(Imported, Kind)> {
         let shown = self.file.display();
         let is_obj = self.file.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
         let bytes = std::fs::read(&self.file).with_context(|| format!("cannot read {shown}"))?;
-        let (imported, kind) = if is_obj {
+        if is_obj {
             ensure!(self.mesh.is_none(), "--mesh chooses within a glTF file; {shown} is an OBJ, all of it is the mesh");
             ensure!(
                 !self.examples.is_empty(),
                 "{shown} is an OBJ, which holds no examples: give one or more with --example FILE.obj"
             );
             let imported = import::obj_files(&self.file, &self.examples).with_context(|| shown.to_string())?;
-            (imported.clone(), Kind::Obj(Box::new(imported)))
+            Ok((imported.clone(), Kind::Obj(Box::new(imported))))
         } else {
             ensure!(
                 self.examples.is_empty(),
@@ -66,17 +101,8 @@ impl Input {
             let base_dir = self.file.parent().unwrap_or(Path::new("")).to_owned();
             let imported =
                 import::gltf_slice(&bytes, Some(&base_dir), choice(&self.mesh)).with_context(|| shown.to_string())?;
-            (imported, Kind::Gltf { bytes, base_dir, mesh: self.mesh.clone() })
-        };
-        let Imported { name, mesh, examples, primitives, node_transform, .. } = imported;
-        let set = ExampleSet::build(mesh, examples, SetOptions::default(), tasks).with_context(|| shown.to_string())?;
-        Ok(Source {
-            set: Arc::new(set),
-            name,
-            primitives: primitives.len(),
-            transform: node_transform.map(|m| Mat4::from_cols_array_2d(&m)),
-            kind,
-        })
+            Ok((imported, Kind::Gltf { bytes, base_dir, mesh: self.mesh.clone() }))
+        }
     }
 }
 
@@ -93,6 +119,32 @@ impl Source {
                 crumple::export::deformed_glb(bytes, Some(base_dir), choice(mesh), positions, normals, tangents)
             }
             Kind::Obj(imported) => crumple::export::mesh_glb(imported, positions, normals, tangents),
+            Kind::Baked => crumple::export::mesh_glb(&self.as_imported(), positions, normals, tangents),
+        }
+    }
+
+    /// What a baked set still knows of what it was made from: the mesh.
+    fn as_imported(&self) -> Imported {
+        let mesh = self.set.mesh();
+        let part = PrimitiveRange {
+            primitive: 0,
+            first_vertex: 0,
+            vertex_count: self.set.vertex_count() as u32,
+            first_triangle: 0,
+            triangle_count: mesh.triangles().len() as u32,
+            material: None,
+        };
+        Imported {
+            name: self.name.clone(),
+            mesh: MeshData {
+                positions: mesh.positions().iter().map(|p| p.to_array()).collect(),
+                triangles: mesh.triangles().to_vec(),
+                ..MeshData::default()
+            },
+            texcoords: None,
+            examples: Vec::new(),
+            primitives: vec![part],
+            node_transform: None,
         }
     }
 

@@ -1,0 +1,316 @@
+//! `crumple bake`: a mesh's example set made ready once, in a file that loads at once, and what that cost in accuracy.
+
+use crate::{
+    output::{Output, progress},
+    picture::millimetres,
+    source::Input,
+    table::{Table, count},
+};
+use anyhow::{Context, Result, bail, ensure};
+use clap::Args;
+use crumple::{ExampleSet, SetOptions, Stamp, ThreadPool, glam::Vec3};
+use std::{fmt::Write, path::PathBuf, time::Instant};
+
+/// Bytes that the plain sparse form takes a moved vertex: an index and three floats.
+const SPARSE: usize = 16;
+
+#[derive(Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    input: Input,
+    /// Where to write the baked set
+    #[arg(short, long, value_name = "OUT.crumple")]
+    output: PathBuf,
+    /// How far an example may put a vertex off, such as 0.1mm (um, mm, cm, m, in; a bare number is metres). Without it
+    /// every displacement is kept as exact floats
+    #[arg(long, value_name = "LENGTH", value_parser = length)]
+    tolerance: Option<f32>,
+    /// With a tolerance: how far an example may turn a normal off, such as 1deg or 0.02rad (a bare number is degrees)
+    #[arg(long, value_name = "ANGLE", value_parser = angle, requires = "tolerance")]
+    normal_tolerance: Option<f32>,
+    /// Nodes along the longest side of what carried dents are read from; with a tolerance, at most
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..=128))]
+    stamp_resolution: Option<u32>,
+    /// No vertex ever moves further than this; the deepest example where left out
+    #[arg(long, value_name = "LENGTH", value_parser = length)]
+    depth_limit: Option<f32>,
+    /// Put the vertices into an order in which neighbours in space are neighbours in memory: smaller and faster, but your
+    /// vertex buffers must follow it (see --permutation)
+    #[arg(long)]
+    reorder: bool,
+    /// Where to write that order: of each vertex its number in the source, little-endian u32; it is in the baked set too
+    #[arg(long, value_name = "FILE", requires = "reorder")]
+    permutation: Option<PathBuf>,
+    /// Threads; 0 is one for each core
+    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1024))]
+    threads: u32,
+}
+
+/// A number and what follows it.
+fn split(text: &str) -> (Option<f64>, &str) {
+    let text = text.trim();
+    // The longest beginning that is a number: "1e-4m" is one and a metre, "5e" five and an unknown unit.
+    let ends = (1..=text.len()).rev().filter(|at| text.is_char_boundary(*at));
+    let number = |at: &usize| text[..*at].bytes().all(|b| b"0123456789+-.eE".contains(&b));
+    ends.filter(number)
+        .find_map(|at| text[..at].parse().ok().map(|n| (Some(n), text[at..].trim_start())))
+        .unwrap_or((None, text))
+}
+
+fn length(text: &str) -> Result<f32, String> {
+    const UNITS: [(&str, f64); 7] =
+        [("um", 1e-6), ("µm", 1e-6), ("mm", 1e-3), ("cm", 1e-2), ("m", 1.0), ("in", 0.0254), ("", 1.0)];
+    let (Some(number), unit) = split(text) else {
+        return Err("it must be a length, such as 0.1mm".into());
+    };
+    let Some((_, metres)) = UNITS.iter().find(|u| u.0 == unit) else {
+        return Err(format!("'{unit}' is no unit of length here; give um, mm, cm, m or in, or none for metres"));
+    };
+    let length = (number * metres) as f32;
+    if length > 0.0 && length.is_finite() { Ok(length) } else { Err("it must be above 0 and finite".into()) }
+}
+
+fn angle(text: &str) -> Result<f32, String> {
+    let (Some(number), unit) = split(text) else {
+        return Err("it must be an angle, such as 1deg".into());
+    };
+    let degrees = match unit {
+        "" | "deg" | "°" => number,
+        "rad" => number.to_degrees(),
+        _ => return Err(format!("'{unit}' is no unit of angle here; give deg or rad, or none for degrees")),
+    } as f32;
+    if degrees > 0.0 && degrees <= 45.0 { Ok(degrees) } else { Err("it must be above 0 and at most 45 degrees".into()) }
+}
+
+pub fn run(arguments: &Arguments) -> Result<String> {
+    let shown = arguments.input.file.display();
+    if arguments.input.is_baked()? {
+        bail!("{shown} is baked already; bake the artist's file again with other options");
+    }
+    let mut file = Output::create(&arguments.output)?;
+    let mut permutation = arguments.permutation.as_deref().map(Output::create).transpose()?;
+    ensure!(
+        arguments.permutation.as_deref() != Some(&arguments.output),
+        "--permutation and --output both name {}; name two files",
+        arguments.output.display()
+    );
+    let pool = ThreadPool::new(arguments.threads as usize)?;
+    let bar = progress(4);
+    bar.set_message("reading");
+    let (imported, _) = arguments.input.import()?;
+    let (mut mesh, mut examples) = (imported.mesh, imported.examples);
+    let order = arguments.reorder.then(|| crumple::reorder(&mut mesh, &mut examples));
+    bar.inc(1);
+    bar.set_message("baking");
+    let defaults = SetOptions::default();
+    let options = SetOptions {
+        depth_limit: arguments.depth_limit,
+        stamp_resolution: arguments.stamp_resolution.unwrap_or(defaults.stamp_resolution),
+        tolerance: arguments.tolerance,
+        normal_tolerance: arguments.normal_tolerance.unwrap_or(defaults.normal_tolerance),
+        ..defaults
+    };
+    // What the baked set is compared with; of it only what stays where it was made is looked at.
+    let exact = SetOptions { tolerance: None, stamp_resolution: 4, mirror: false, held_rims: false, ..options.clone() };
+    let exact = ExampleSet::build(mesh.clone(), examples.clone(), exact, &pool).with_context(|| shown.to_string())?;
+    bar.inc(1);
+    let start = Instant::now();
+    let mut set = ExampleSet::build(mesh, examples, options, &pool).with_context(|| shown.to_string())?;
+    let built = start.elapsed();
+    bar.inc(1);
+    bar.set_message("writing");
+    if let Some(order) = order {
+        if let Some(file) = &mut permutation {
+            file.fill(&order.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>())?;
+        }
+        set.set_source_order(order)?;
+    }
+    let bytes = set.save()?;
+    file.fill(&bytes)?;
+    let length = bytes.len();
+    let start = Instant::now();
+    ExampleSet::load(bytes, &pool).context("what was baked does not load")?;
+    let loaded = start.elapsed();
+    file.commit()?;
+    permutation.map(Output::commit).transpose()?;
+    bar.finish_and_clear();
+
+    let mut text = format!("{}: {}\n\n", arguments.output.display(), megabytes(length));
+    sizes(&mut text, &set, &exact, length);
+    errors(&mut text, &set, &exact)?;
+    stamps(&mut text, &set)?;
+    writeln!(
+        text,
+        "\n  Made ready in {:.0} ms; loads in {:.2} ms.",
+        built.as_secs_f64() * 1e3,
+        loaded.as_secs_f64() * 1e3
+    )?;
+    if let Some(path) = &arguments.permutation {
+        writeln!(text, "  Wrote {}: of each vertex its number in the source.", path.display())?;
+    } else if arguments.reorder {
+        writeln!(text, "  Vertices are in another order than the source's; --permutation FILE writes which.")?;
+    }
+    Ok(text)
+}
+
+fn megabytes(bytes: usize) -> String {
+    if bytes < 100_000 { format!("{:.1} kB", bytes as f64 * 1e-3) } else { format!("{:.2} MB", bytes as f64 * 1e-6) }
+}
+
+/// Where the bytes go, against the plain sparse form.
+fn sizes(text: &mut String, set: &ExampleSet, exact: &ExampleSet, file: usize) {
+    let report = set.report();
+    // Both forms are measured by the vertices that the source moves.
+    let moved = exact.report().moved_vertices.max(1);
+    let mut table = Table::new(&["", ">bytes", ">a moved vertex"]);
+    let mut row = |name: &str, bytes: usize| {
+        table.row(vec![name.into(), bytes.to_string(), format!("{:.2}", bytes as f64 / moved as f64)]);
+    };
+    row("plain sparse displacements", moved * SPARSE);
+    row("displacements, with headers", report.anchored_bytes - report.normal_bytes);
+    row("changes of normals", report.normal_bytes);
+    row("stamps", report.stamp_bytes);
+    row("mesh, index and the rest", file - report.anchored_bytes - report.stamp_bytes);
+    row("file", file);
+    table.write(text);
+    let [one, two, four] = report.blocks_by_width;
+    let dropped = exact.report().moved_vertices - report.moved_vertices.min(exact.report().moved_vertices);
+    let _ = writeln!(
+        text,
+        "\n  moved     {} in {}; {} moved by no more than the tolerance and were dropped",
+        count(moved, "vertex", "vertices"),
+        count(set.examples().len(), "example", "examples"),
+        dropped
+    );
+    let _ = writeln!(text, "  blocks    {one} of 1 byte a number, {two} of 2, {four} of 4");
+}
+
+/// Largest and root mean square of some errors.
+#[derive(Default)]
+struct Error {
+    max: f64,
+    sum: f64,
+    count: usize,
+}
+
+impl Error {
+    fn add(&mut self, e: f64) {
+        self.max = self.max.max(e);
+        self.sum += e * e;
+        self.count += 1;
+    }
+
+    fn rms(&self) -> f64 {
+        (self.sum / self.count.max(1) as f64).sqrt()
+    }
+}
+
+/// How far the baked examples are off the source's, measured.
+fn errors(text: &mut String, set: &ExampleSet, exact: &ExampleSet) -> Result<()> {
+    let (mut positions, mut normals) = (Error::default(), Error::default());
+    let base = set.mesh().normals();
+    for (a, b) in set.examples().iter().zip(exact.examples()) {
+        for v in 0..set.vertex_count() as u32 {
+            let (d, e) = (a.delta(v), b.delta(v));
+            if e != Vec3::ZERO {
+                positions.add((d.as_dvec3() - e.as_dvec3()).length());
+            }
+            let (m, n) = (a.normal_delta(v), b.normal_delta(v));
+            if let Some(base) = base
+                && n != Vec3::ZERO
+            {
+                let of = |change: Vec3| (base[v as usize].as_dvec3() + change.as_dvec3()).normalize_or_zero();
+                let (p, q) = (of(m), of(n));
+                normals.add(p.cross(q).length().atan2(p.dot(q)).to_degrees());
+            }
+        }
+    }
+    text.push('\n');
+    let mut table = Table::new(&["off the source", ">largest", ">rms", ">allowed"]);
+    let o = set.options();
+    let mm = |x: f64| format!("{:.4} mm", x * 1e3);
+    let allowed = o.tolerance.map_or("exact".into(), |t| mm(t.into()));
+    table.row(vec!["positions".into(), mm(positions.max), mm(positions.rms()), allowed]);
+    if base.is_some() {
+        let degrees = |x: f64| format!("{x:.3} deg");
+        let allowed = if o.tolerance.is_some() { degrees(o.normal_tolerance.into()) } else { "exact".into() };
+        table.row(vec!["normals".into(), degrees(normals.max), degrees(normals.rms()), allowed]);
+    }
+    table.write(text);
+    Ok(())
+}
+
+/// What carried dents are read from, and whether it holds the tolerance.
+fn stamps(text: &mut String, set: &ExampleSet) -> Result<()> {
+    let all: Vec<(&str, &Stamp)> = set.examples().iter().filter_map(|e| Some((e.name(), e.stamp()?))).collect();
+    if all.is_empty() {
+        writeln!(text, "\n  stamps    none: no example may be carried")?;
+        return Ok(());
+    }
+    text.push('\n');
+    let mut table = Table::new(&["stamp", ">nodes", ">bytes a node", ">largest mm", ">rms mm"]);
+    for (name, s) in &all {
+        let [x, y, z] = s.dims();
+        let error = |f: fn(crumple::StampError) -> f32| s.error().map_or("not measured".into(), |e| millimetres(f(e)));
+        table.row(vec![
+            (*name).into(),
+            format!("{x} x {y} x {z}"),
+            s.node_bytes().to_string(),
+            error(|e| e.max),
+            error(|e| e.rms),
+        ]);
+    }
+    table.write(text);
+    let Some(tolerance) = set.options().tolerance else { return Ok(()) };
+    let off = |s: &Stamp| s.error().map_or(0.0, |e| e.max);
+    let held = all.iter().filter(|(_, s)| off(s) <= tolerance).count();
+    let worst = all.iter().max_by(|a, b| off(a.1).total_cmp(&off(b.1)));
+    if let (true, Some((name, worst))) = (held < all.len(), worst) {
+        writeln!(
+            text,
+            "\n  {held} of {} hold the tolerance when carried; {name} is off by up to {} mm: no grid of up to {} nodes a side \
+             holds it. Where examples stay as they were made, all do.",
+            count(all.len(), "stamp", "stamps"),
+            millimetres(off(worst)),
+            set.options().stamp_resolution
+        )?;
+    } else {
+        writeln!(text, "\n  All stamps hold the tolerance.")?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_have_units() {
+        for (text, metres) in [
+            ("0.1mm", 1e-4),
+            ("100 um", 1e-4),
+            ("100µm", 1e-4),
+            ("1e-4", 1e-4),
+            ("1e-4m", 1e-4),
+            ("0.01cm", 1e-4),
+            ("1in", 0.0254),
+            (" 2m ", 2.0),
+        ] {
+            assert_eq!(length(text), Ok(metres), "{text}");
+        }
+        for text in ["", "mm", "0", "-1mm", "nan", "inf", "1km", "0,1mm", "1 mm mm", "1e99m", "1e"] {
+            assert!(length(text).is_err(), "{text}");
+        }
+        assert!(length("3ft").unwrap_err().contains("'ft'"));
+    }
+
+    #[test]
+    fn angles_have_units() {
+        assert_eq!(angle("1"), Ok(1.0));
+        assert_eq!(angle("2deg"), Ok(2.0));
+        assert_eq!(angle("0.5rad"), Ok(0.5f64.to_degrees() as f32));
+        for text in ["0", "46", "1rad", "1mm", "", "nan"] {
+            assert!(angle(text).is_err(), "{text}");
+        }
+    }
+}

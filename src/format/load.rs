@@ -1,0 +1,389 @@
+//! A file becomes a set.
+
+use super::read::{File, length_of};
+use super::{
+    AnchoredRecord, ExampleRecord, Id, NODES_ALIGN, SetRecord, SkinRecord, StampRecord, check, wrong,
+};
+use crate::anchored::{Anchored, Head, Steps};
+use crate::array::{Array, FileBytes};
+use crate::examples::{Combine, Example, ExampleSet, Parts, Seams, SetOptions, VertexMass, check_options, deepest};
+use crate::learn::Learned;
+use crate::mesh::{MAX_COORDINATE, Mesh, MeshArrays};
+use crate::nearest::{LEAF, VertexIndex};
+use crate::rim::Rim;
+use crate::skin::Skin;
+use crate::stamp::{Grid, NodeArray, Nodes, Stamp, StampError};
+use crate::tasks::run_each;
+use crate::{Error, Mirror, Placement, TaskSystem};
+use bytemuck::{Pod, cast_slice};
+use glam::{UVec3, Vec3};
+use std::sync::{Arc, Mutex};
+
+/// The set in a file.
+pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSet, Error> {
+    let file = File::open(bytes, tasks)?;
+    let record = *one::<SetRecord>(&file.array(Id::Set, 0)?, Id::Set)?;
+    if record.skins != 1 {
+        return Err(Error::Unsupported { what: format!("a baked set with {} meshes; 1 is possible", record.skins) });
+    }
+    file.check_skins(record.skins)?;
+    if !(1..u32::from(u16::MAX)).contains(&record.examples) {
+        return Err(wrong("the number of examples", record.examples, "1 to 65534"));
+    }
+    let count = record.examples as usize;
+    let records: Array<ExampleRecord> = file.array_of(Id::Examples, 0, count)?;
+    let mut skins = crate::error::reserve(record.skins as usize, "meshes")?;
+    let vertices = one::<SkinRecord>(&file.array(Id::Skin, 0)?, Id::Skin)?.vertices as usize;
+    let options = options(&record, &file, vertices)?;
+    let steps = options.tolerance.map_or(Steps::EXACT, |t| Steps::new(t, options.normal_tolerance));
+    if !(steps.position.is_finite() && steps.normal > 0.0) {
+        return Err(wrong("the tolerance", record.tolerance, "such that its steps are floats"));
+    }
+    for k in 0..record.skins {
+        skins.push(skin(&file, k, count, steps)?);
+    }
+    let stamps = stamps(&file, &records)?;
+    check_all(&skins, &stamps, tasks)?;
+    let skin = skins.swap_remove(0);
+    let learned = learned(&record, &records)?;
+    let examples = examples(&file, &records, &skin, stamps)?;
+    if deepest(&examples) == 0.0 {
+        return Err(wrong("the deepest displacement of all examples", 0, "above 0"));
+    }
+    let planes = Mirror::from_bits(record.planes);
+    if record.planes != planes.bits() || planes != Mirror::NONE && !options.mirror {
+        return Err(wrong("the mirror planes", record.planes, "0 to 7; 0 where mirroring is off"));
+    }
+    let order: Array<u32> = file.array(Id::SourceOrder, 0)?;
+    if !order.is_empty() {
+        check::order(&order, skin.vertex_count()).map_err(|(v, expected)| wrong("section source order", v, expected))?;
+    }
+    if !(record.widest_weld >= 0.0) {
+        return Err(wrong("the widest weld", record.widest_weld, "at least 0 m"));
+    }
+    Ok(ExampleSet::new(Parts {
+        index: index(&file, &skin.mesh)?,
+        skin,
+        examples,
+        options,
+        learned,
+        planes,
+        fingerprint: record.fingerprint,
+        welded: record.welded as usize,
+        widest_weld: record.widest_weld,
+        source_order: (!order.is_empty()).then_some(order),
+    }))
+}
+
+/// Whatever its arrays hold, it answers with vertices of the mesh.
+fn index(file: &File<'_>, mesh: &Mesh) -> Result<VertexIndex, Error> {
+    let vertices = mesh.positions().len();
+    // Of vertices at one position one is in the tree.
+    let leaves = (vertices - mesh.seam_count()).div_ceil(LEAF);
+    let found = file.array::<crate::nearest::Leaf>(Id::IndexLeaves, 0)?.len();
+    if found != leaves {
+        return Err(length_of(Id::IndexLeaves, found, leaves));
+    }
+    VertexIndex::of(file.array(Id::IndexInner, 0)?, file.array(Id::IndexLeaves, 0)?, vertices)
+        .ok_or_else(|| wrong("the spatial index", "no tree of the mesh's vertices", "one, with all its nodes"))
+}
+
+fn one<T: Pod>(array: &Array<T>, id: Id) -> Result<&T, Error> {
+    if let [one] = &array[..] { Ok(one) } else { Err(length_of(id, array.len(), 1)) }
+}
+
+fn flag(name: &str, x: u8) -> Result<bool, Error> {
+    match x {
+        0 => Ok(false),
+        1 => Ok(true),
+        _ => Err(wrong(name, x, "0 or 1")),
+    }
+}
+
+fn options(r: &SetRecord, file: &File<'_>, vertices: usize) -> Result<SetOptions, Error> {
+    let masses: Array<f32> = file.array(Id::Masses, 0)?;
+    if r.zero != 0 {
+        return Err(wrong("the last byte of section set", r.zero, "0"));
+    }
+    if (r.mass_kind == 2) == masses.is_empty() {
+        return Err(length_of(Id::Masses, masses.len(), if r.mass_kind == 2 { vertices } else { 0 }));
+    }
+    let given = |x: f32| (x.to_bits() != 0).then_some(x);
+    let options = SetOptions {
+        depth_limit: given(r.depth_limit),
+        combine: match r.combine {
+            0 => Combine::Sum,
+            1 => Combine::Energies,
+            2 => Combine::Deepest,
+            other => return Err(wrong("the way of combining", other, "0 to 2")),
+        },
+        strict: flag("strict", r.strict)?,
+        seams: if flag("the way of seams", r.seams)? { Seams::Keep } else { Seams::Weld },
+        mass: match r.mass_kind {
+            0 => VertexMass::None,
+            1 => VertexMass::Uniform(r.mass),
+            2 => VertexMass::PerVertex(masses.to_vec()),
+            other => return Err(wrong("the kind of mass", other, "0 to 2")),
+        },
+        drop_below: r.drop_below,
+        stamp_resolution: r.stamp_resolution,
+        tolerance: given(r.tolerance),
+        normal_tolerance: r.normal_tolerance,
+        mirror: flag("mirror", r.mirror)?,
+        held_rims: flag("held rims", r.held_rims)?,
+    };
+    check_options(&options, vertices).map_err(|e| Error::Format { what: format!("baked set: {e}") })?;
+    Ok(options)
+}
+
+/// A mesh with everything of it, unchecked but for lengths.
+fn skin(file: &File<'_>, k: u32, examples: usize, steps: Steps) -> Result<Skin, Error> {
+    let record = *one::<SkinRecord>(&file.array(Id::Skin, k)?, Id::Skin)?;
+    let n = record.vertices as usize;
+    if n == 0 || record.vertices == u32::MAX || record.zero != 0 {
+        return Err(wrong("the number of vertices", n, "1 to 4294967294"));
+    }
+    let positions: Array<Vec3> = file.array_of(Id::Positions, k, n)?;
+    let normals: Array<Vec3> = file.array(Id::Normals, k)?;
+    let contact_normals: Array<Vec3> = file.array_of(Id::ContactNormals, k, normals.len())?;
+    let tangents: Array<[f32; 4]> = file.array(Id::Tangents, k)?;
+    for (id, len) in [(Id::Normals, normals.len()), (Id::Tangents, tangents.len())] {
+        if len != 0 && len != n {
+            return Err(length_of(id, len, n));
+        }
+    }
+    // The same bytes as vectors of their own alignment, which 64 is a multiple of.
+    let tangents = file.array::<glam::Vec4>(Id::Tangents, k)?;
+    let some = |a: Array<Vec3>| (!a.is_empty()).then_some(a);
+    let arrays = MeshArrays {
+        positions,
+        normals: some(normals),
+        tangents: (!tangents.is_empty()).then_some(tangents),
+        triangles: file.array(Id::Triangles, k)?,
+        weld: file.array_of(Id::Weld, k, n)?,
+        contact_normals: some(contact_normals),
+    };
+    let mesh = Mesh::of(arrays, record.repaired_normals as usize, record.degenerate_triangles as usize);
+    let rim = Rim {
+        blocks: file.array(Id::RimBlocks, k)?,
+        windows: file.array(Id::RimWindows, k)?,
+        held: file.array(Id::RimHeld, k)?,
+    };
+    Ok(Skin::new(mesh, rim, anchored(file, k, examples, steps)?))
+}
+
+/// One an example.
+fn anchored(file: &File<'_>, k: u32, examples: usize, steps: Steps) -> Result<Vec<Arc<Anchored>>, Error> {
+    let records: Array<AnchoredRecord> = file.array_of(Id::Anchored, k, examples)?;
+    let heads = file.range(Id::Heads, k, size_of::<Head>())?;
+    let words = file.range(Id::Words, k, size_of::<u64>())?;
+    let (mut head, mut word) = (heads.start, words.start);
+    let mut out = crate::error::reserve(examples, "examples")?;
+    for r in records.iter() {
+        let ends = (head + r.heads as usize * size_of::<Head>(), word + r.words as usize * size_of::<u64>());
+        if ends.0 > heads.end || ends.1 > words.end {
+            let value = format!("{} heads and {} words", r.heads, r.words);
+            return Err(wrong("an element of section anchored", value, "what sections heads and words still hold"));
+        }
+        out.push(Arc::new(Anchored {
+            steps,
+            heads: file.part(head..ends.0, Id::Heads)?,
+            words: file.part(word..ends.1, Id::Words)?,
+        }));
+        (head, word) = ends;
+    }
+    if (head, word) != (heads.end, words.end) {
+        return Err(wrong("the sum of section anchored", "less than sections heads and words", "all of them"));
+    }
+    Ok(out)
+}
+
+/// The stamps of those examples that have one, unchecked but for lengths.
+fn stamps(file: &File<'_>, examples: &[ExampleRecord]) -> Result<Vec<Stamp>, Error> {
+    let count = examples.iter().filter(|e| e.stamp != 0).count();
+    let records: Array<StampRecord> = file.array_of(Id::Stamps, 0, count)?;
+    let section = file.range(Id::Nodes, 0, 1)?;
+    let mut at = section.start;
+    let mut out = crate::error::reserve(count, "stamps")?;
+    for r in records.iter() {
+        let dims = UVec3::from_array(r.dims);
+        if !(dims.min_element() >= 2 && dims.max_element() <= 128) {
+            return Err(wrong("the nodes of a stamp", dims, "2 to 128 along each axis"));
+        }
+        if !matches!(r.nodes, [4 | 8, 4, 4] | [12, 12, 12]) {
+            return Err(wrong("the bytes of a stamp's nodes", format!("{:?}", r.nodes), "4, 4, 4 or 8, 4, 4 or 12, 12, 12"));
+        }
+        let grid = Grid { dims, origin: Vec3::from_array(r.origin), cell: Vec3::from_array(r.cell) };
+        let mut field = |i: usize| {
+            let start = section.start + (at - section.start).next_multiple_of(NODES_ALIGN);
+            let end = start + grid.count() * r.nodes[i] as usize;
+            if end > section.end {
+                return Err(wrong("the end of a stamp's nodes", end - section.start, section.len()));
+            }
+            at = end;
+            let array = match r.nodes[i] {
+                4 => NodeArray::Packed(file.part(start..end, Id::Nodes)?),
+                8 => NodeArray::Half(file.part(start..end, Id::Nodes)?),
+                _ => NodeArray::Exact(file.part(start..end, Id::Nodes)?),
+            };
+            Ok(Nodes { array, step: Vec3::from_array(r.steps[i]) })
+        };
+        let (displacements, normals, facing) = (field(0)?, field(1)?, field(2)?);
+        let error = flag("whether a stamp was measured", r.measured)?;
+        if !(r.error_max >= 0.0 && r.error_rms >= 0.0) {
+            return Err(wrong("the error of a stamp", format!("{}, {}", r.error_max, r.error_rms), "at least 0 m"));
+        }
+        let error = error.then_some(StampError { max: r.error_max, rms: r.error_rms });
+        out.push(Stamp { grid, displacements, normals, facing, longest: 0.0, error });
+    }
+    if at != section.end {
+        return Err(wrong("the end of the last stamp's nodes", at - section.start, section.len()));
+    }
+    Ok(out)
+}
+
+/// Scans everything that is as long as the file, in tasks.
+fn check_all(skins: &[Skin], stamps: &[Stamp], tasks: &dyn TaskSystem) -> Result<(), Error> {
+    type Check<'a> = Box<dyn Fn() -> Result<(), Error> + Send + Sync + 'a>;
+    let mut checks: Vec<Check<'_>> = Vec::new();
+    let diagonal = skins[0].mesh.bounds().diagonal();
+    for skin in skins {
+        let a = skin.mesh.arrays();
+        let n = skin.vertex_count();
+        checks.push(Box::new(|| {
+            check::numbers("section positions", cast_slice(&a.positions), MAX_COORDINATE)?;
+            check::weld(&a.weld, &a.positions)
+        }));
+        checks.push(Box::new(|| {
+            check::units("section normals", a.normals.as_deref().unwrap_or_default())?;
+            check::units("section contact normals", a.contact_normals.as_deref().unwrap_or_default())?;
+            check::numbers("section tangents", cast_slice(a.tangents.as_deref().unwrap_or_default()), f32::MAX)
+        }));
+        checks.push(Box::new(move || check::indices("section triangles", a.triangles.as_flattened(), n)));
+        checks.push(Box::new(move || check::rim(&skin.rim, n, diagonal)));
+        for (i, anchored) in skin.anchored.iter().enumerate() {
+            checks.push(Box::new(move || check::anchored(anchored, n, &format!("example {i}"))));
+        }
+    }
+    checks.extend(stamps.iter().map(|s| -> Check<'_> { Box::new(|| stamp(s)) }));
+    let slots: Vec<Mutex<Result<(), Error>>> = checks.iter().map(|_| Mutex::new(Ok(()))).collect();
+    run_each(tasks, checks.len(), &|i| {
+        *slots[i].lock().unwrap_or_else(|e| e.into_inner()) = checks[i]();
+    });
+    // The first in order, whoever found it first.
+    slots.into_iter().try_for_each(|s| s.into_inner().unwrap_or_else(|e| e.into_inner()))
+}
+
+fn stamp(s: &Stamp) -> Result<(), Error> {
+    check::numbers("a stamp's origin", &s.grid.origin.to_array(), f32::MAX)?;
+    check::numbers("a stamp's cell", &s.grid.cell.to_array(), f32::MAX)?;
+    if s.grid.cell.min_element() <= 0.0 {
+        return Err(wrong("a stamp's cell", s.grid.cell, "above 0 m"));
+    }
+    for (name, nodes) in [("displacements", &s.displacements), ("normals", &s.normals), ("facings", &s.facing)] {
+        let name = &format!("a stamp's {name}");
+        check::numbers(name, &nodes.step.to_array(), check::MAX_DISPLACEMENT)?;
+        if nodes.step.min_element() < 0.0 {
+            return Err(wrong(format!("the step of {name}"), nodes.step, "at least 0"));
+        }
+        if let NodeArray::Exact(n) = &nodes.array {
+            check::exact_nodes(name, n, check::MAX_DISPLACEMENT)?;
+        }
+    }
+    Ok(())
+}
+
+fn learned(set: &SetRecord, records: &[ExampleRecord]) -> Result<Learned, Error> {
+    check::between("the learned width of the place axes", set.place_width, 0.01, 10.0)?;
+    let error = |x: f32| match x {
+        x if x.is_nan() => Ok(None),
+        x if x >= 0.0 => Ok(Some(x)),
+        x => Err(wrong("a learned error", x, "at least 0, or not a number")),
+    };
+    Ok(Learned {
+        place_width: set.place_width,
+        carried_error: records.iter().map(|r| error(r.carried_error)).collect::<Result<_, _>>()?,
+        anchored_error: records.iter().map(|r| error(r.anchored_error)).collect::<Result<_, _>>()?,
+        anchored: records.iter().map(|r| flag("whether an example stays", r.stays)).collect::<Result<_, _>>()?,
+    })
+}
+
+fn examples(
+    file: &File<'_>,
+    records: &[ExampleRecord],
+    skin: &Skin,
+    stamps: Vec<Stamp>,
+) -> Result<Vec<Example>, Error> {
+    let names: Array<u8> = file.array(Id::Names, 0)?;
+    let (mut names, mut stamps) = (&names[..], stamps.into_iter());
+    let mut out = crate::error::reserve(records.len(), "examples")?;
+    for (i, (r, anchored)) in records.iter().zip(&skin.anchored).enumerate() {
+        let name;
+        (name, names) = names
+            .split_at_checked(r.name as usize)
+            .ok_or_else(|| wrong(format!("the length of the name of example {i}"), r.name, names.len()))?;
+        let name = std::str::from_utf8(name)
+            .map_err(|e| wrong(format!("the name of example {i}"), format!("wrong at byte {}", e.valid_up_to()), "UTF-8"))?;
+        let stamp = flag("whether an example has a stamp", r.stamp)?.then(|| stamps.next()).flatten();
+        out.push(example(i, r, skin, (name, anchored.clone(), stamp))?);
+    }
+    if !names.is_empty() {
+        return Err(wrong("the rest of section names", format!("{} bytes", names.len()), "empty"));
+    }
+    Ok(out)
+}
+
+fn example(
+    i: usize,
+    r: &ExampleRecord,
+    skin: &Skin,
+    (name, anchored, stamp): (&str, Arc<Anchored>, Option<Stamp>),
+) -> Result<Example, Error> {
+    let of = |what: &str| format!("{what} of example {i}");
+    let positions = skin.mesh.positions();
+    let Some(contact_point) = positions.get(r.contact_vertex as usize).copied() else {
+        return Err(wrong(of("the contact"), r.contact_vertex, format!("below {}", positions.len())));
+    };
+    let placement = match r.placement {
+        0 => Placement::Automatic,
+        1 => Placement::Anchored,
+        2 => Placement::Carried,
+        other => return Err(wrong(of("the placement"), other, "0 to 2")),
+    };
+    let max_depth = anchored.heads.iter().map(|h| h.longest).fold(0.0, f32::max);
+    let contact_delta = anchored.delta(r.contact_vertex);
+    let depth = contact_delta.length();
+    if (r.moved > 0) != (max_depth > 0.0) || r.moved as usize > positions.len() {
+        return Err(wrong(of("the number of moved vertices"), r.moved, "0 only where none moves, at most all"));
+    }
+    if r.moved > 0 && depth == 0.0 {
+        return Err(wrong(of("the displacement of the contact"), 0, "above 0 m"));
+    }
+    let contact_normal = Vec3::from_array(r.contact_normal);
+    let contact_normal = (contact_normal != Vec3::ZERO).then_some(contact_normal);
+    check::units(&of("the contact normal"), contact_normal.as_slice())?;
+    check::between(&of("the support radius"), r.support_radius, 0.0, f32::MAX)?;
+    let carried = placement != Placement::Anchored;
+    if carried && skin.mesh.normals().is_none() {
+        return Err(wrong(of("the placement"), r.placement, "1 (anchored) on a mesh without normals"));
+    }
+    if stamp.is_some() != (carried && r.moved > 0) {
+        return Err(wrong(of("the stamp"), r.stamp, "there where it may be carried and moves anything"));
+    }
+    let stamp = stamp.map(|s| Stamp { longest: s.displacements.longest(), ..s });
+    Ok(Example {
+        name: name.to_owned(),
+        placement,
+        contact_vertex: r.contact_vertex,
+        contact_point,
+        contact_normal,
+        contact_delta,
+        depth,
+        log_depth: libm::logf(depth),
+        max_depth,
+        support_radius: r.support_radius,
+        moved: r.moved as usize,
+        anchored,
+        stamp,
+    })
+}

@@ -1,0 +1,63 @@
+//! Coverage-guided fuzzing on the stable toolchain: the compiler's coverage pass is switched on by flags of code generation.
+
+use std::fs;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use clap::Args;
+use xshell::cmd;
+
+use crate::workspace::Workspace;
+
+/// What libFuzzer needs to see where a run went.
+const COVERAGE: &[&str] = &[
+    "-Cpasses=sancov-module",
+    "-Cllvm-args=-sanitizer-coverage-level=4",
+    "-Cllvm-args=-sanitizer-coverage-inline-8bit-counters",
+    "-Cllvm-args=-sanitizer-coverage-pc-table",
+    "-Cllvm-args=-sanitizer-coverage-trace-compares",
+    "-Ccodegen-units=1",
+    "--cfg=fuzzing",
+];
+
+#[derive(Args)]
+pub struct Options {
+    /// How long, s
+    #[arg(long, default_value_t = 120)]
+    seconds: u32,
+    /// Processes at once
+    #[arg(long, default_value_t = 1)]
+    jobs: u32,
+    /// Where what was found interesting is kept from run to run [default: the target directory's fuzz/corpus]
+    #[arg(long)]
+    corpus: Option<PathBuf>,
+}
+
+pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
+    let shell = &workspace.shell;
+    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let version = cmd!(shell, "{rustc} -vV").quiet().read()?;
+    let host = version.lines().find_map(|line| line.strip_prefix("host: ")).context("rustc -vV names its host")?;
+    let home = workspace.target.join("fuzz");
+    let corpus = options.corpus.clone().unwrap_or_else(|| home.join("corpus"));
+    fs::create_dir_all(&corpus).with_context(|| format!("making {}", corpus.display()))?;
+    let manifest = workspace.path("fuzz/Cargo.toml");
+    // With a target named, build scripts and macros are not instrumented.
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    cmd!(shell, "{cargo} build --release --manifest-path {manifest} --target {host} --target-dir {home}")
+        .env("RUSTFLAGS", COVERAGE.join(" "))
+        .run()?;
+    let programs = home.join(host).join("release");
+    let (seeds, load) = (programs.join("seeds"), programs.join("load"));
+    cmd!(shell, "{seeds} {corpus}").run()?;
+    let (seconds, jobs) = (options.seconds.to_string(), options.jobs.to_string());
+    let found = format!("{}/", home.display());
+    let mut fuzz = cmd!(shell, "{load} {corpus} -max_total_time={seconds} -timeout=10 -rss_limit_mb=2048")
+        .arg(format!("-artifact_prefix={found}"))
+        .arg("-max_len=65536")
+        .arg("-print_final_stats=1");
+    if options.jobs > 1 {
+        fuzz = fuzz.arg(format!("-fork={jobs}"));
+    }
+    fuzz.run().with_context(|| format!("what broke it lies in {found}"))
+}
