@@ -324,6 +324,11 @@ public:
         return detail::get<CrumpleExampleSetInfo>(
             [&](CrumpleExampleSetInfo *info) { return crumple_get_example_set_info(context(), id(), info); });
     }
+    /// Before the first instance is made: another mesh that shows the same damage; its number.
+    Result<uint32_t> add_lod(const CrumpleLodDef &def) {
+        return detail::get<uint32_t>(
+            [&](uint32_t *lod) { return crumple_example_set_add_lod(context(), id(), &def, lod); });
+    }
     /// Its strings live as long as this.
     Result<CrumpleExampleInfo> example(uint32_t index) const {
         return detail::get<CrumpleExampleInfo>(

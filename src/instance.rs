@@ -441,7 +441,7 @@ impl Instance {
     /// [`Error::WrongRule`] with a classic rule.
     pub fn marks(&mut self) -> Result<&[Mark], Error> {
         self.fold();
-        self.needs_marks("marks")?;
+        self.only_marks("marks")?;
         Ok(self.damage.marks())
     }
 
@@ -450,7 +450,7 @@ impl Instance {
     /// # Errors
     /// [`Error::InvalidArgument`] naming the mark and its value; [`Error::WrongRule`]. Nothing changes then.
     pub fn set_marks(&mut self, marks: &[Mark]) -> Result<(), Error> {
-        self.needs_marks("set_marks")?;
+        self.only_marks("set_marks")?;
         let mut touch = Touch::new(&self.set, &mut self.changes);
         self.damage.replace(&self.set, marks, self.options.capacity as usize, &mut |d: &Dent| touch.dent(d))?;
         self.contacts.close_all();
@@ -574,8 +574,12 @@ impl Instance {
         &self.changes
     }
 
-    fn needs_marks(&self, call: &str) -> Result<(), Error> {
-        if self.classic.is_none() { Ok(()) } else { Err(needs_marks(call, self.options.rule)) }
+    fn only_marks(&self, call: &str) -> Result<(), Error> {
+        if self.classic.is_none() { Ok(()) } else { Err(self.needs_marks(call)) }
+    }
+
+    pub(crate) fn needs_marks(&self, call: &str) -> Error {
+        needs_marks(call, self.options.rule)
     }
 }
 

@@ -37,6 +37,7 @@ mod images;
 pub mod import;
 mod instance;
 mod learn;
+mod lod;
 mod math;
 mod mesh;
 mod mirror;
@@ -59,6 +60,7 @@ pub use examples::{Combine, Example, ExampleSet, Seams, SetOptions, SetReport, V
 pub use glam;
 pub use instance::{Inbox, Instance, InstanceOptions, Rule};
 pub use learn::Learned;
+pub use lod::LodReport;
 pub use math::Aabb;
 pub use mesh::Mesh;
 pub use mirror::Mirror;

@@ -105,6 +105,18 @@ impl Mesh {
         Ok((mesh, smooth))
     }
 
+    /// The same without normals, as if it had no triangles to compute them from.
+    pub(crate) fn without_normals(self) -> Self {
+        Mesh { normals: None, contact_normals: None, ..self }
+    }
+
+    /// Bytes it takes.
+    pub(crate) fn bytes(&self) -> usize {
+        let normals = self.normals.iter().chain(&self.contact_normals).map(|n| size_of_val::<[Vec3]>(n)).sum::<usize>();
+        let tangents = self.tangents.as_ref().map_or(0, |t| size_of_val::<[Vec4]>(t));
+        size_of_val::<[Vec3]>(&self.positions) + 4 * self.weld.len() + normals + tangents + 12 * self.triangles.len()
+    }
+
     /// Positions, m.
     pub fn positions(&self) -> &[Vec3] {
         &self.positions

@@ -23,7 +23,7 @@ const PIECES: usize = 8;
 /// One output to bring up to date.
 #[derive(Debug)]
 pub struct DeformJob<'a, 'm> {
-    /// The mesh: 0 is the set's own, then its levels of detail in the order they were added.
+    /// The mesh: 0 is the set's own, then its levels of detail in the order they were added ([`crate::ExampleSet::add_lod`]).
     pub lod: usize,
     /// The instance; hits must have been folded ([`Instance::fold`]), others wait for the next time.
     pub instance: &'a Instance,
@@ -48,8 +48,9 @@ pub struct DeformReport {
 /// is balanced by blocks over all outputs; an output that is up to date costs a comparison.
 ///
 /// # Errors
-/// [`Error::BufferTooSmall`], or [`Error::Unsupported`] for normals or tangents that the mesh does not have. They name the
-/// output; nothing is written then.
+/// [`Error::IndexOutOfRange`] for a level of detail that the set does not have; [`Error::WrongRule`] for one of an instance with
+/// a classic rule, whose state is the base mesh's; [`Error::BufferTooSmall`], or [`Error::Unsupported`] for normals or tangents
+/// that the mesh does not have. They name the output; nothing is written then.
 pub fn deform(jobs: &mut [DeformJob<'_, '_>], tasks: &dyn TaskSystem) -> Result<DeformReport, Error> {
     for job in jobs.iter() {
         check(job)?;
@@ -69,7 +70,10 @@ pub fn deform(jobs: &mut [DeformJob<'_, '_>], tasks: &dyn TaskSystem) -> Result<
         run_each(tasks, total.div_ceil(chunk), &|t| {
             let from = t * chunk;
             for (i, (job, block)) in items[from..(from + chunk).min(total)].iter().enumerate() {
-                let b = write_block(&jobs[*job as usize], *block as usize);
+                let job = &jobs[*job as usize];
+                // `check` has passed: there is one.
+                let Ok(skin) = job.skin() else { continue };
+                let b = write_block(job, skin, *block as usize);
                 // SAFETY: item `from + i` belongs to this task alone, and `run_each` runs a task once.
                 unsafe { slots.set(from + i, b) };
             }
@@ -81,9 +85,10 @@ pub fn deform(jobs: &mut [DeformJob<'_, '_>], tasks: &dyn TaskSystem) -> Result<
         let count = items[at..].iter().take_while(|(job, _)| *job as usize == j).count();
         let written = at..at + count;
         at += count;
-        job.tracker.written(job.instance, job.lod, &items[written.clone()], &bounds[written]);
+        let vertices = job.skin()?.vertex_count();
+        job.tracker.written((job.instance, job.lod, vertices), &items[written.clone()], &bounds[written]);
         report.blocks_written += count as u64;
-        report.blocks_skipped += (job.skin().blocks() - count) as u64;
+        report.blocks_skipped += (job.skin()?.blocks() - count) as u64;
         report.vertices_written += job.tracker.changed().iter().map(|r| u64::from(r.end - r.start)).sum::<u64>();
     }
     Ok(report)
@@ -106,13 +111,16 @@ impl Instance {
 }
 
 impl DeformJob<'_, '_> {
-    fn skin(&self) -> &Skin {
-        self.instance.example_set().skin()
+    fn skin(&self) -> Result<&Skin, Error> {
+        self.instance.example_set().lod(self.lod)
     }
 }
 
 fn check(job: &DeformJob<'_, '_>) -> Result<(), Error> {
-    let mesh = &job.skin().mesh;
+    let mesh = &job.skin()?.mesh;
+    if job.lod > 0 && job.instance.classic_state().is_some() {
+        return Err(job.instance.needs_marks("a deform of another level of detail than 0"));
+    }
     if job.memory.has_normals() && mesh.normals().is_none() {
         return Err(Error::Unsupported {
             what: "a normal output: the mesh has neither normals nor triangles to compute them from".into(),
@@ -124,8 +132,7 @@ fn check(job: &DeformJob<'_, '_>) -> Result<(), Error> {
     job.memory.check_size(mesh.positions().len())
 }
 
-fn write_block(job: &DeformJob<'_, '_>, b: usize) -> Aabb {
-    let skin = job.skin();
+fn write_block(job: &DeformJob<'_, '_>, skin: &Skin, b: usize) -> Aabb {
     let range = block_range(b, skin.vertex_count());
     let with_tangents = job.memory.has_tangents() && skin.mesh.normals().is_some();
     let block = evaluate::Job { instance: job.instance, skin, block: b };
