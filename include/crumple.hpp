@@ -234,6 +234,10 @@ public:
     Result<void> set_depth_limit(float limit) {
         return detail::done(crumple_set_instance_depth_limit(context(), id(), limit));
     }
+    /// m; 0: nothing is left out. See crumple_pixel_tolerance().
+    Result<void> set_tolerance(float tolerance) {
+        return detail::done(crumple_instance_set_tolerance(context(), id(), tolerance));
+    }
 
     /// Any thread, at any time.
     Result<CrumpleHitResult> submit(const CrumpleImpulseDef &def) {

@@ -49,6 +49,7 @@ mod simd;
 mod skin;
 mod stamp;
 mod tasks;
+mod tolerance;
 mod weights;
 
 pub use attach::{Attachment, Frame};
@@ -69,3 +70,4 @@ pub use select::{Cause, Chosen, Hit, HitStatus, Outcome, Selection, Space};
 pub use simd::SimdLevel;
 pub use stamp::{Stamp, StampError};
 pub use tasks::{Serial, TaskSystem, ThreadPool};
+pub use tolerance::pixel_tolerance;

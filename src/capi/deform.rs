@@ -19,8 +19,10 @@ pub struct CrumpleDeformReport {
     pub blocks_written: u64,
     /// Blocks that were up to date already.
     pub blocks_skipped: u64,
+    /// Examples of marks that tolerances left out of blocks written, see crumple_instance_set_tolerance().
+    pub parts_skipped: u64,
     /// Zero; room for later.
-    pub reserved: [u64; 5],
+    pub reserved: [u64; 4],
 }
 
 impl From<Aabb> for CrumpleAabb {
@@ -81,7 +83,8 @@ pub unsafe extern "C" fn crumple_deform(
             vertices_written: report.vertices_written,
             blocks_written: report.blocks_written,
             blocks_skipped: report.blocks_skipped,
-            reserved: [0; 5],
+            parts_skipped: report.parts_skipped,
+            reserved: [0; 4],
         });
         Ok(())
     })

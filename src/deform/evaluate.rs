@@ -20,6 +20,7 @@ use crate::simd::{Avx2, Avx512};
 use crate::simd::{Portable, Simd, SimdLevel};
 use crate::skin::Skin;
 use glam::{Vec3, Vec4};
+use std::cell::Cell;
 
 /// Vertices x y z x y z … of one block.
 pub(crate) type Flat = [f32; 3 * BLOCK];
@@ -30,6 +31,8 @@ pub(crate) struct Job<'a> {
     pub instance: &'a Instance,
     pub skin: &'a Skin,
     pub block: usize,
+    /// Counts parts that the tolerance leaves out of the block.
+    pub left_out: &'a Cell<u32>,
 }
 
 /// Writes positions (m), and unit normals if wanted: three floats a vertex of the block, no more. Returns the bounds of the
@@ -69,7 +72,7 @@ pub(crate) fn vertex(instance: &Instance, skin: &Skin, v: usize) -> (Vec3, Optio
     let n = 3 * block_range(block, skin.vertex_count()).len();
     let (mut positions, mut normals): (Flat, Flat) = ([0.0; 3 * BLOCK], [0.0; 3 * BLOCK]);
     let some = skin.mesh.normals().is_some();
-    self::block(Job { instance, skin, block }, &mut positions[..n], some.then_some(&mut normals[..n]));
+    self::block(Job { instance, skin, block, left_out: &Cell::new(0) }, &mut positions[..n], some.then_some(&mut normals[..n]));
     let at = |f: &Flat| Vec3::new(f[3 * i], f[3 * i + 1], f[3 * i + 2]);
     (at(&positions), some.then(|| at(&normals)))
 }
@@ -87,12 +90,12 @@ struct Active<'a> {
 }
 
 /// The parts of an instance's dents that move vertices of the block, in order.
-fn active<'a>(job: Job<'a>) -> impl Iterator<Item = Active<'a>> {
-    let dents = job.instance.damage().dents().iter().enumerate();
-    dents.flat_map(move |(dent, d)| d.parts.iter().filter_map(move |part| one(job, dent, d, part)))
+fn active<'a>(job: Job<'a>, normals: bool) -> impl Iterator<Item = Active<'a>> {
+    let dents = job.instance.damage().near(&job.skin.block_bounds[job.block]);
+    dents.flat_map(move |(dent, d)| d.parts.iter().filter_map(move |part| one(job, normals, dent, d, part)))
 }
 
-fn one<'a>(job: Job<'a>, dent: usize, d: &Dent, part: &'a Part) -> Option<Active<'a>> {
+fn one<'a>(job: Job<'a>, normals: bool, dent: usize, d: &Dent, part: &'a Part) -> Option<Active<'a>> {
     let skin = job.skin;
     let longest = match &part.carried {
         Some(c) if c.reaches(&skin.block_bounds[job.block]) => {
@@ -103,7 +106,15 @@ fn one<'a>(job: Job<'a>, dent: usize, d: &Dent, part: &'a Part) -> Option<Active
     };
     let scale = part.scale * d.strength;
     let least = if scale == 0.0 { 0.0 } else { job.instance.least() / scale.abs() };
-    (least == 0.0 || longest > least).then(|| Active { dent, part, scale, least, longest: longest * scale.abs() })
+    // Normals of a part are shown in all blocks or in none, so that they agree where blocks meet.
+    let shown = least == 0.0
+        || longest > least
+        || (normals && part.carried.is_none() && skin.anchored[part.example].exceeds(least));
+    if !shown {
+        job.left_out.set(job.left_out.get() + 1);
+        return None;
+    }
+    Some(Active { dent, part, scale, least, longest: longest * scale.abs() })
 }
 
 /// # Safety
@@ -119,7 +130,7 @@ unsafe fn evaluate<N: Simd, W: Simd>(job: Job<'_>, positions: &mut [f32], normal
     if let Some(state) = job.instance.classic_state() {
         return classic(state, range.start, positions, normals);
     }
-    let mut parts = active(job);
+    let mut parts = active(job, normals.is_some());
     let (first, second) = (parts.next(), parts.next());
     let Some(first) = first else {
         positions.copy_from_slice(base);
@@ -146,6 +157,7 @@ unsafe fn evaluate<N: Simd, W: Simd>(job: Job<'_>, positions: &mut [f32], normal
             return Aabb { min, max };
         }
     }
+    let parts: Vec<Active<'_>> = [Some(first), second].into_iter().flatten().chain(parts).collect();
     let rim = job.skin.rim.block(job.block);
     let groups = (0, range.len().div_ceil(16));
     let (mut at, mut sum) = (Soa::ZERO, Soa::ZERO);
@@ -165,9 +177,9 @@ unsafe fn evaluate<N: Simd, W: Simd>(job: Job<'_>, positions: &mut [f32], normal
             Combine::Deepest => Lengths::Longest,
         };
         // A lone dent needs no sums of its own.
-        let alone = active(job).all(|p| p.dent == first.dent);
+        let alone = parts.iter().all(|p| p.dent == first.dent);
         let mut current = first.dent;
-        for p in active(job) {
+        for p in &parts {
             if p.dent != current {
                 kernel::add_dent::<N>(&mut dent, &mut sum, &mut squares, lengths);
                 current = p.dent;

@@ -14,6 +14,8 @@ use crate::tasks::run_each;
 use crate::{Aabb, Error, Instance, TaskSystem};
 use glam::Vec3;
 use memory::Scattered;
+use std::cell::Cell;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Blocks a task evaluates, at most …
 const BLOCKS_A_TASK: usize = 64;
@@ -42,6 +44,8 @@ pub struct DeformReport {
     pub blocks_written: u64,
     /// Blocks that were up to date.
     pub blocks_skipped: u64,
+    /// Examples of marks that the instances' tolerances left out of blocks written, over all of these.
+    pub parts_skipped: u64,
 }
 
 /// Brings outputs up to date: evaluates the blocks that changed since each was last written, and writes those only. Work
@@ -63,23 +67,26 @@ pub fn deform(jobs: &mut [DeformJob<'_, '_>], tasks: &dyn TaskSystem) -> Result<
     }
     let total = items.len();
     let mut bounds = vec![Aabb::EMPTY; total];
+    let parts_skipped = AtomicU64::new(0);
     {
         let slots = Scattered::new(&mut bounds);
         let jobs = &*jobs;
         let chunk = total.div_ceil(tasks.workers().max(1) * PIECES).clamp(1, BLOCKS_A_TASK);
         run_each(tasks, total.div_ceil(chunk), &|t| {
             let from = t * chunk;
+            let left_out = Cell::new(0);
             for (i, (job, block)) in items[from..(from + chunk).min(total)].iter().enumerate() {
                 let job = &jobs[*job as usize];
                 // `check` has passed: there is one.
                 let Ok(skin) = job.skin() else { continue };
-                let b = write_block(job, skin, *block as usize);
+                let b = write_block(job, skin, *block as usize, &left_out);
                 // SAFETY: item `from + i` belongs to this task alone, and `run_each` runs a task once.
                 unsafe { slots.set(from + i, b) };
             }
+            parts_skipped.fetch_add(left_out.get().into(), Ordering::Relaxed);
         });
     }
-    let mut report = DeformReport::default();
+    let mut report = DeformReport { parts_skipped: parts_skipped.into_inner(), ..DeformReport::default() };
     let mut at = 0;
     for (j, job) in jobs.iter_mut().enumerate() {
         let count = items[at..].iter().take_while(|(job, _)| *job as usize == j).count();
@@ -132,10 +139,10 @@ fn check(job: &DeformJob<'_, '_>) -> Result<(), Error> {
     job.memory.check_size(mesh.positions().len())
 }
 
-fn write_block(job: &DeformJob<'_, '_>, skin: &Skin, b: usize) -> Aabb {
+fn write_block(job: &DeformJob<'_, '_>, skin: &Skin, b: usize, left_out: &Cell<u32>) -> Aabb {
     let range = block_range(b, skin.vertex_count());
     let with_tangents = job.memory.has_tangents() && skin.mesh.normals().is_some();
-    let block = evaluate::Job { instance: job.instance, skin, block: b };
+    let block = evaluate::Job { instance: job.instance, skin, block: b, left_out };
     let n = 3 * range.len();
     let mut normals: evaluate::Flat = [0.0; 3 * BLOCK];
     let wanted = (job.memory.has_normals() || with_tangents).then_some(&mut normals[..n]);
