@@ -302,6 +302,8 @@ impl Instance {
         };
         let classic = if options.rule == Rule::Marks { None } else { Some(State::new(&set)?) };
         let blocks = set.skins().map(|s| vec![0; s.blocks()]).collect();
+        let tolerance = if options.rule == Rule::Marks { rounded(options.tolerance) } else { 0.0 };
+        let least = threshold(&set, &[], tolerance);
         Ok(Self {
             inbox: Arc::new(Inbox {
                 set: set.clone(),
@@ -315,8 +317,8 @@ impl Instance {
             contacts: Contacts::default(),
             classic,
             limit,
-            tolerance: if options.rule == Rule::Marks { rounded(options.tolerance) } else { 0.0 },
-            least: 0.0,
+            tolerance,
+            least,
             changes: Changes { instance: NEXT.fetch_add(1, Ordering::Relaxed), epoch: 0, blocks },
         })
     }
@@ -419,7 +421,7 @@ impl Instance {
     /// bit. [`crate::pixel_tolerance`] tells how much is invisible at a distance. Rounding of f32 comes on top.
     ///
     /// The tolerance is rounded down to a power of two times 1 m, so that a camera which moves a little changes nothing; where
-    /// it changes, everything that is dented is written anew. Instances with a classic rule ignore it.
+    /// it changes, what is dented by more is written anew. Instances with a classic rule ignore it.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for a tolerance that is negative or not finite.
@@ -437,8 +439,9 @@ impl Instance {
     fn update_threshold(&mut self) {
         let least = threshold(&self.set, self.damage.dents(), self.tolerance);
         if least != self.least {
+            // What neither shows looks as before.
+            let mut touch = Touch::new(&self.set, &mut self.changes, least.min(self.least));
             self.least = least;
-            let mut touch = Touch::new(&self.set, &mut self.changes, 0.0);
             self.damage.touch_all(&mut |d: &Dent| touch.dent(d));
         }
     }

@@ -3,7 +3,7 @@
 //! A displacement that a part (one example of one mark) brings to a vertex is left out where it is no longer than the threshold
 //! `t`. That rule looks at one vertex and one part alone, so vertices at one position agree whatever blocks they are in; that
 //! whole blocks and whole parts need not be read follows from it. `t` is one number for the whole instance at any time: where
-//! it changes, everything that marks touch is written anew.
+//! it changes, all that either threshold shows is written anew.
 //!
 //! **No vertex is wrong by more than the tolerance.** At a vertex, let the lengths left out sum to `e`, those of mark m to `e_m`.
 //! `position = base + P_r(S)`, with `P_r` the projection onto the ball of radius `r` and `r = min(sqrt Q, L)` (energies),
@@ -35,7 +35,7 @@ pub(crate) fn rounded(tolerance: f32) -> f32 {
 
 /// Displacements of a part no longer than this, as scaled, may be left out, m.
 pub(crate) fn threshold(set: &ExampleSet, dents: &[Dent], tolerance: f32) -> f32 {
-    if tolerance <= 0.0 || dents.is_empty() {
+    if tolerance <= 0.0 {
         return 0.0;
     }
     let firsts: Vec<usize> = set

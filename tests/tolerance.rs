@@ -147,7 +147,8 @@ fn what_is_too_short_to_matter_is_skipped() {
     assert_eq!((report.blocks_written, body.marks().unwrap().len()), (0, 2));
 
     body.set_tolerance(0.0).unwrap();
-    body.set_marks(&{ let m = body.marks().unwrap(); m.to_vec() }).unwrap();
+    let marks = body.marks().unwrap().to_vec();
+    body.set_marks(&marks).unwrap();
     output.update(&mut body);
     let mut fresh = with(&set, 0.0);
     fresh.submit(&deepest).unwrap();

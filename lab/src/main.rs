@@ -12,6 +12,7 @@ mod metric;
 mod peers;
 mod pictures;
 mod scene;
+mod scene200;
 mod stability;
 mod table;
 mod timing;
@@ -42,6 +43,8 @@ enum Part {
     Peers(Options),
     /// The literature's visual tests, classic beside ours
     Pictures(Options),
+    /// 200 dented bodies before a camera: levels of detail and run-time tolerances
+    Scene(Options),
 }
 
 /// What every part is told.
@@ -63,5 +66,6 @@ fn main() -> Result<()> {
         #[cfg(feature = "engines")]
         Part::Peers(options) => peers::run(&options),
         Part::Pictures(options) => pictures::run(&options),
+        Part::Scene(options) => scene200::run(&options),
     }
 }

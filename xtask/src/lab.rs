@@ -43,6 +43,7 @@ const PARTS: &[Part] = &[
     Part { measures: Some("peers"), script: Some("mujoco_peer.py"), ..part("peers") },
     Part { measures: Some("stability"), ..part("stability") },
     Part { measures: Some("pictures"), ..part("pictures") },
+    Part { measures: Some("scene"), ..part("scene") },
     Part { shows: Some("draw.py"), ..part("charts") },
     Part { shows: Some("report.py"), ..part("report") },
 ];
