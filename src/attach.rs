@@ -43,9 +43,7 @@ impl ExampleSet {
         let vertex = self.nearest_vertex(point)?.vertex;
         let single = Attachment { vertices: [vertex; 3], weights: [1.0, 0.0, 0.0], point };
         Ok(match self.triangles().nearest_neighbor(point) {
-            Some(t) => {
-                Attachment { vertices: t.vertices, weights: closest(t.corners(), p).map(|w| w as f32), point }
-            }
+            Some(t) => Attachment { vertices: t.vertices, weights: closest(t.corners(), p).map(|w| w as f32), point },
             None => single,
         })
     }

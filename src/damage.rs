@@ -1,8 +1,8 @@
 //! Damage: a short, sorted list of marks. The only state an instance of the default rule has.
 
 use crate::dent::{Dent, MAX_PAIRS, Reach};
-use crate::math::Aabb;
 use crate::examples::{Combine, ExampleSet};
+use crate::math::Aabb;
 use crate::mesh::MAX_COORDINATE;
 use crate::{Error, Mirror, error::reserve};
 use bytemuck::{Pod, Zeroable};

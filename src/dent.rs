@@ -14,9 +14,9 @@
 
 use crate::examples::{Combine, ExampleSet};
 use crate::math::{Aabb, rotation_between};
-use crate::{Mark, Mirror, Pair};
 use crate::skin::Skin;
 use crate::stamp::Grid;
+use crate::{Mark, Mirror, Pair};
 use glam::{Mat3, UVec3, Vec3};
 
 /// Limits of the stretch of a carried example in the surface.

@@ -1,7 +1,7 @@
 //! The example set: a base mesh and its examples, checked and made ready. Immutable, shared by all instances.
 
-use crate::classic::Sparse;
 use crate::anchored::{Anchored, Bytes, Steps};
+use crate::classic::Sparse;
 use crate::error::{at_least_zero, positive, reserve};
 use crate::images::{Around, Images};
 use crate::learn::{Learned, learn};

@@ -68,7 +68,8 @@ impl ExampleSet {
         let mut anchored = reserve(count, "a level of detail's examples")?;
         for slot in slots {
             let ready = slot.into_inner().unwrap_or_else(|e| e.into_inner());
-            let ready = ready.ok_or_else(|| Error::invalid("the task system", "a task not run", "to run every task"))??;
+            let ready =
+                ready.ok_or_else(|| Error::invalid("the task system", "a task not run", "to run every task"))??;
             anchored.push(Arc::new(ready));
         }
         let rim = self.rim().on(self.mesh(), mesh.positions());
@@ -165,7 +166,13 @@ fn bind_one(
     nearest.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.vertices.cmp(&b.1.vertices)));
     let corners = |t: &IndexedTriangle| Corners { vertices: t.vertices, weights: closest(t.corners(), p) };
     // There is at least one triangle.
-    let Some((d, first)) = nearest.first() else { return Ok(Bound { at: Corners::vertex(near.vertex), facing: Corners::vertex(near.vertex), distance: near.distance }) };
+    let Some((d, first)) = nearest.first() else {
+        return Ok(Bound {
+            at: Corners::vertex(near.vertex),
+            facing: Corners::vertex(near.vertex),
+            distance: near.distance,
+        });
+    };
     let at = corners(first);
     let facing = nearest.iter().map(|(_, t)| corners(t)).fold(at, best);
     Ok(Bound { at, facing, distance: d.sqrt() })
@@ -198,7 +205,9 @@ fn transfer(
     let turned = match (base.normals(), mesh.normals()) {
         (Some(from), Some(normals)) => {
             let mut turned = reserve(bound.len(), "an example's changes of normals")?;
-            turned.extend(bound.iter().zip(normals).map(|(b, n)| steps.normal_change(turn(&b.facing, from, &changes, *n))));
+            turned.extend(
+                bound.iter().zip(normals).map(|(b, n)| steps.normal_change(turn(&b.facing, from, &changes, *n))),
+            );
             Some(turned)
         }
         _ => None,

@@ -79,7 +79,8 @@ pub(crate) fn threshold(set: &ExampleSet, dents: &[Dent], tolerance: f32) -> f32
 /// viewport height (pixels): the tolerance of an instance whose nearest vertex is that far off. 0, which leaves out nothing,
 /// where a value is negative or not a number, the field of view is not below half a turn, or the height is 0; at most 1e9 m.
 pub fn pixel_tolerance(pixels: f32, distance: f32, fov_y: f32, viewport_height: f32) -> f32 {
-    let sensible = pixels >= 0.0 && distance >= 0.0 && fov_y > 0.0 && fov_y < std::f32::consts::PI && viewport_height > 0.0;
+    let sensible =
+        pixels >= 0.0 && distance >= 0.0 && fov_y > 0.0 && fov_y < std::f32::consts::PI && viewport_height > 0.0;
     if !sensible {
         return 0.0;
     }

@@ -367,11 +367,8 @@ pub unsafe extern "C" fn crumple_example_set_add_lod(
         // SAFETY: the caller's.
         let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_lod, "out_lod")?) };
         let entry = state.sets.get_mut(set, "set")?;
-        let shared = Arc::strong_count(&entry.set) - 1;
         let set = Arc::get_mut(&mut entry.set).ok_or_else(|| {
-            Failure::invalid(format!(
-                "set is in use ({shared} references by its instances); add levels of detail before the first instance is made"
-            ))
+            Failure::invalid("set has instances; add its levels of detail before the first instance is made")
         })?;
         // SAFETY: the caller's.
         let mesh = unsafe { read_mesh(&def) }?;

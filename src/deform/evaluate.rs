@@ -72,7 +72,11 @@ pub(crate) fn vertex(instance: &Instance, skin: &Skin, v: usize) -> (Vec3, Optio
     let n = 3 * block_range(block, skin.vertex_count()).len();
     let (mut positions, mut normals): (Flat, Flat) = ([0.0; 3 * BLOCK], [0.0; 3 * BLOCK]);
     let some = skin.mesh.normals().is_some();
-    self::block(Job { instance, skin, block, left_out: &Cell::new(0) }, &mut positions[..n], some.then_some(&mut normals[..n]));
+    self::block(
+        Job { instance, skin, block, left_out: &Cell::new(0) },
+        &mut positions[..n],
+        some.then_some(&mut normals[..n]),
+    );
     let at = |f: &Flat| Vec3::new(f[3 * i], f[3 * i + 1], f[3 * i + 2]);
     (at(&positions), some.then(|| at(&normals)))
 }
@@ -197,8 +201,7 @@ unsafe fn evaluate<N: Simd, W: Simd>(job: Job<'_>, positions: &mut [f32], normal
                 }
                 Some(carried) => {
                     let Some(stamp) = job.instance.example_set().examples()[p.part.example].stamp() else { continue };
-                    let look =
-                        Look { carried, stamp, scale: p.scale, least: p.least, window: rim, base: &at };
+                    let look = Look { carried, stamp, scale: p.scale, least: p.least, window: rim, base: &at };
                     let normals = normals.is_some().then_some((&base_n, &mut sum_n));
                     kernel::add_carried::<W>(&look, groups, to, normals);
                 }

@@ -21,7 +21,8 @@ impl Place {
     pub fn project(&self, p: Vec3) -> Option<Vec3> {
         let p = self.turn * p + self.at;
         let focal = HEIGHT as f32 * 0.5 / (FOV * 0.5).tan();
-        (p.z > NEAR).then(|| Vec3::new(WIDTH as f32 * 0.5 + focal * p.x / p.z, HEIGHT as f32 * 0.5 - focal * p.y / p.z, p.z))
+        (p.z > NEAR)
+            .then(|| Vec3::new(WIDTH as f32 * 0.5 + focal * p.x / p.z, HEIGHT as f32 * 0.5 - focal * p.y / p.z, p.z))
     }
 }
 
@@ -69,7 +70,8 @@ impl Raster {
         for y in span(low.y, high.y, HEIGHT) {
             for x in span(low.x, high.x, WIDTH) {
                 let (px, py) = (x as f32 + 0.5, y as f32 + 0.5);
-                let w = [area(p[1], p[2], px, py), area(p[2], p[0], px, py), area(p[0], p[1], px, py)].map(|a| a / whole);
+                let w =
+                    [area(p[1], p[2], px, py), area(p[2], p[0], px, py), area(p[0], p[1], px, py)].map(|a| a / whole);
                 if w.iter().any(|w| *w < 0.0) {
                     continue;
                 }

@@ -46,6 +46,7 @@ pub fn clustered(mesh: &MeshData, cell: f32) -> MeshData {
 pub fn edge(mesh: &MeshData) -> f32 {
     let at = |v: u32| Vec3::from(mesh.positions[v as usize]);
     let squares = mesh.triangles.iter().flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]);
-    let (sum, n) = squares.fold((0.0f64, 0u32), |(s, n), (a, b)| (s + f64::from((at(a) - at(b)).length_squared()), n + 1));
+    let (sum, n) =
+        squares.fold((0.0f64, 0u32), |(s, n), (a, b)| (s + f64::from((at(a) - at(b)).length_squared()), n + 1));
     (sum / f64::from(n.max(1))).sqrt() as f32
 }
