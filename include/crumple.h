@@ -430,6 +430,26 @@ typedef struct {
     uint16_t context;
 } CrumpleExampleSet;
 
+/// Another mesh of a set's body, as arrays.
+typedef struct {
+    /// Bytes of this struct, from crumple_default_lod_def().
+    uint32_t struct_size;
+    /// Its vertices, at least 1. Their order is yours and is kept.
+    uint32_t vertex_count;
+    /// Positions: vertex_count times 3 floats, m, in the base mesh's space. Required.
+    CrumpleInput positions;
+    /// Unit normals: vertex_count times 3 floats. Absent: computed from the triangles, smooth across seams.
+    CrumpleInput normals;
+    /// Tangents as in glTF: vertex_count times 4 floats, xyz of unit length, w +1 or -1. Absent: none.
+    CrumpleInput tangents;
+    /// Triangles: index_count indices, three a triangle, counter-clockwise seen from outside. Absent: none.
+    CrumpleInput indices;
+    /// Number of indices, a multiple of 3.
+    uint32_t index_count;
+    /// Type of indices. Default CRUMPLE_INDEX_TYPE_U32.
+    CrumpleIndexType index_type;
+} CrumpleLodDef;
+
 /// Which mesh of a glTF file, and how it is made ready.
 typedef struct {
     /// Bytes of this struct, from crumple_default_gltf_def().
@@ -476,10 +496,12 @@ typedef struct {
     size_t stride;
 } CrumpleStream;
 
-/// Where the base mesh is copied to. Absent streams are left out.
+/// Where a set's mesh is copied to. Absent streams are left out.
 typedef struct {
     /// Bytes of this struct, from crumple_default_mesh_copy_def().
     uint32_t struct_size;
+    /// Which mesh: 0 the base mesh, else a number from crumple_example_set_add_lod(). Default 0.
+    uint32_t lod;
     /// Positions: 3 floats a vertex, m.
     CrumpleStream positions;
     /// Unit normals: 3 floats a vertex.
@@ -524,6 +546,8 @@ typedef struct {
     float node_transform[16];
     /// Whether the mesh has tangents.
     bool has_tangents;
+    /// Meshes that show the damage: 1, the base mesh, and those of crumple_example_set_add_lod().
+    uint32_t lod_count;
     /// Zero; room for later.
     uint64_t reserved[4];
 } CrumpleExampleSetInfo;
@@ -591,6 +615,8 @@ typedef struct {
     float max_contact_distance;
     /// Constant of CRUMPLE_RULE_BLEND, 0 to 1. Default 0.
     float blend_constant;
+    /// No vertex is wrong by more than this, m; see crumple_instance_set_tolerance(). Default 0: nothing is left out.
+    float tolerance;
     /// From mesh to world space, column-major (element 4 * column + row); see crumple_set_instance_transform().
     /// Default the identity.
     float local_to_world[16];
@@ -727,6 +753,9 @@ typedef struct {
 typedef struct {
     /// Bytes of this struct, from crumple_default_host_buffer_def().
     uint32_t struct_size;
+    /// The mesh whose vertices are written: 0 the base mesh, else a number from crumple_example_set_add_lod(). Counts of
+    /// vertices are that mesh's. Default 0.
+    uint32_t lod;
     /// Positions: 3 floats a vertex, m. Required.
     CrumpleStream positions;
     /// Unit normals: 3 floats a vertex. Absent: none are written.
@@ -754,8 +783,10 @@ typedef struct {
     uint64_t blocks_written;
     /// Blocks that were up to date already.
     uint64_t blocks_skipped;
+    /// Examples of marks that tolerances left out of blocks written, see crumple_instance_set_tolerance().
+    uint64_t parts_skipped;
     /// Zero; room for later.
-    uint64_t reserved[5];
+    uint64_t reserved[4];
 } CrumpleDeformReport;
 
 /// Consecutive vertices.
@@ -871,6 +902,25 @@ CrumpleResult crumple_create_example_set(CrumpleContext *context,
                                          const CrumpleExampleSetDef *def,
                                          CrumpleExampleSet *out_set);
 
+/// A level of detail without anything: set its mesh. Never fails; any thread.
+CrumpleLodDef crumple_default_lod_def(void);
+
+/// Adds another mesh of the same body that shows the same damage, such as a level of detail or a collision proxy. The arrays
+/// are copied. Its number, 1 for the first, is what CrumpleHostBufferDef.lod takes. Each of its vertices is bound to the nearest
+/// point of the base surface and moves as that does; one that stands on a base vertex moves exactly as that one. Contacts, marks,
+/// saved damage and the set's fingerprint stay those of the base mesh. All instances of the set know all of its levels, so
+/// add them before the first instance is made.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
+/// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (the set has instances; an enumerator, a count, or a stride smaller
+/// than an element), CRUMPLE_ERROR_BUFFER_TOO_SMALL (an array has fewer bytes than its count needs),
+/// CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, CRUMPLE_ERROR_MESH (no vertices),
+/// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE. The set is as it was then.
+CrumpleResult crumple_example_set_add_lod(CrumpleContext *context,
+                                          CrumpleExampleSet set,
+                                          const CrumpleLodDef *def,
+                                          uint32_t *out_lod);
+
 /// Ends a set's id. Its memory lives on as long as instances use it, and they keep working. Strings that the set's
 /// infos pointed to are gone.
 ///
@@ -979,14 +1029,16 @@ CrumpleResult crumple_get_primitive(CrumpleContext *context,
                                     uint32_t primitive,
                                     CrumplePrimitive *out_primitive);
 
-/// Copies the base mesh into your memory: the vertex and index buffers to draw with, before the first dent. Normals
+/// Copies the base mesh, or a level of detail, into your memory: the vertex and index buffers to draw with, before the first dent. Normals
 /// are computed ones where the set was made without.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
 /// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (a stride smaller than an element, streams that overlap),
-/// CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_MESH (normals or tangents of a mesh that has none),
-/// CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_copy_base_mesh(CrumpleContext *context, CrumpleExampleSet set, const CrumpleMeshCopyDef *def);
+/// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE (def.lod), CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_MESH (normals or tangents of a
+/// mesh that has none), CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_copy_base_mesh(CrumpleContext *context,
+                                     CrumpleExampleSet set,
+                                     const CrumpleMeshCopyDef *def);
 
 /// Tells the vertex of the base mesh nearest to a point, m, in the mesh's space; of equally near ones the lowest.
 /// Either output may be null; the distance is in m.
@@ -1043,6 +1095,26 @@ CrumpleResult crumple_set_instance_transform(CrumpleContext *context,
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_NOT_FINITE,
 /// CRUMPLE_ERROR_INVALID_ARGUMENT, CRUMPLE_ERROR_CONCURRENT_USE.
 CrumpleResult crumple_set_instance_depth_limit(CrumpleContext *context, CrumpleInstance instance, float depth_limit);
+
+/// Lets vertices of the instance be wrong by up to tolerance, m, in the mesh's space, so that deforming it costs less:
+/// displacements too short to matter are left out. 0: nothing is left out. Seams stay closed. It is rounded down to a power of
+/// two times 1 m, so it may be set in each frame from crumple_pixel_tolerance(); where that changes, the next crumple_deform()
+/// writes everything that is dented anew. Instances with one of the literature's rules ignore it.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_NOT_FINITE,
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (below 0), CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_instance_set_tolerance(CrumpleContext *context,
+                                             CrumpleInstance instance,
+                                             float tolerance);
+
+/// The length, m, that covers so many pixels at a distance, m, before a camera with this vertical field of view, radians, and
+/// viewport height, pixels: the tolerance for an instance whose nearest vertex is that far off. 0, which leaves out nothing, for
+/// values that make no sense: negative, not a number, a field of view of half a turn or more, a height of 0. Never fails; any
+/// thread.
+float crumple_pixel_tolerance(float pixels,
+                              float distance,
+                              float fov_y,
+                              float viewport_height);
 
 /// An impulse of nothing, in the mesh's space; set its point, impulse and duration. Never fails; any thread.
 CrumpleImpulseDef crumple_default_impulse_def(void);
@@ -1163,7 +1235,8 @@ CrumpleHostBufferDef crumple_default_host_buffer_def(void);
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
 /// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (a stride smaller than an element, streams that overlap),
-/// CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_MESH (normals or tangents of a mesh that has none),
+/// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE (def.lod), CRUMPLE_ERROR_WRONG_RULE (def.lod above 0 for an instance with one of the
+/// literature's rules), CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_MESH (normals or tangents of a mesh that has none),
 /// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE.
 CrumpleResult crumple_register_host_buffer(CrumpleContext *context,
                                            CrumpleInstance instance,
@@ -1183,7 +1256,7 @@ CrumpleResult crumple_unregister_buffer(CrumpleContext *context, CrumpleBuffer b
 /// CRUMPLE_ERROR_CONCURRENT_USE.
 CrumpleResult crumple_invalidate_buffer(CrumpleContext *context, CrumpleBuffer buffer);
 
-/// Gives a buffer other memory, such as a newly mapped one, and invalidates it.
+/// Gives a buffer other memory, such as a newly mapped one, perhaps for another level of detail, and invalidates it.
 ///
 /// Externally synchronised. Errors: as for crumple_register_host_buffer(); the buffer keeps its memory then.
 CrumpleResult crumple_set_host_buffer_memory(CrumpleContext *context,

@@ -234,6 +234,10 @@ public:
     Result<void> set_depth_limit(float limit) {
         return detail::done(crumple_set_instance_depth_limit(context(), id(), limit));
     }
+    /// m; 0: nothing is left out. See crumple_pixel_tolerance().
+    Result<void> set_tolerance(float tolerance) {
+        return detail::done(crumple_instance_set_tolerance(context(), id(), tolerance));
+    }
 
     /// Any thread, at any time.
     Result<CrumpleHitResult> submit(const CrumpleImpulseDef &def) {
@@ -323,6 +327,11 @@ public:
     Result<CrumpleExampleSetInfo> info() const {
         return detail::get<CrumpleExampleSetInfo>(
             [&](CrumpleExampleSetInfo *info) { return crumple_get_example_set_info(context(), id(), info); });
+    }
+    /// Before the first instance is made: another mesh that shows the same damage; its number.
+    Result<uint32_t> add_lod(const CrumpleLodDef &def) {
+        return detail::get<uint32_t>(
+            [&](uint32_t *lod) { return crumple_example_set_add_lod(context(), id(), &def, lod); });
     }
     /// Its strings live as long as this.
     Result<CrumpleExampleInfo> example(uint32_t index) const {

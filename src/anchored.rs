@@ -189,6 +189,11 @@ impl Anchored {
         self.heads.iter().map(|h| h.block)
     }
 
+    /// Whether it moves any vertex by more than `least`, m.
+    pub(crate) fn exceeds(&self, least: f32) -> bool {
+        self.heads.iter().any(|h| h.longest > least)
+    }
+
     /// What is stored of block `b`.
     #[inline(always)]
     pub(crate) fn block(&self, b: u32) -> Option<&Head> {

@@ -41,17 +41,21 @@ impl ExampleSet {
     pub fn attach(&self, point: [f32; 3]) -> Result<Attachment, Error> {
         let p = finite(point, || "point".into())?;
         let vertex = self.nearest_vertex(point)?.vertex;
-        let mesh = self.mesh();
-        let index = self.triangle_index.get_or_init(|| {
+        let single = Attachment { vertices: [vertex; 3], weights: [1.0, 0.0, 0.0], point };
+        Ok(match self.triangles().nearest_neighbor(point) {
+            Some(t) => Attachment { vertices: t.vertices, weights: closest(t.corners(), p).map(|w| w as f32), point },
+            None => single,
+        })
+    }
+
+    /// The base mesh's triangles by place, indexed at the first call.
+    pub(crate) fn triangles(&self) -> &RTree<IndexedTriangle> {
+        self.triangle_index.get_or_init(|| {
+            let mesh = self.mesh();
             let corner = |v: u32| mesh.positions()[v as usize].to_array();
             RTree::bulk_load(
                 mesh.triangles().iter().map(|t| IndexedTriangle { corners: t.map(corner), vertices: *t }).collect(),
             )
-        });
-        let single = Attachment { vertices: [vertex; 3], weights: [1.0, 0.0, 0.0], point };
-        Ok(match index.nearest_neighbor(point) {
-            Some(t) => Attachment { vertices: t.vertices, weights: closest(t.corners.map(Vec3::from_array), p), point },
-            None => single,
         })
     }
 }
@@ -116,7 +120,13 @@ fn turn(from: [Vec3; 3], to: [Vec3; 3]) -> Mat3 {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct IndexedTriangle {
     corners: [[f32; 3]; 3],
-    vertices: [u32; 3],
+    pub(crate) vertices: [u32; 3],
+}
+
+impl IndexedTriangle {
+    pub(crate) fn corners(&self) -> [Vec3; 3] {
+        self.corners.map(Vec3::from_array)
+    }
 }
 
 impl RTreeObject for IndexedTriangle {
@@ -128,14 +138,16 @@ impl RTreeObject for IndexedTriangle {
 
 impl PointDistance for IndexedTriangle {
     fn distance_2(&self, point: &[f32; 3]) -> f32 {
-        let c = self.corners.map(Vec3::from_array);
-        let w = closest(c, Vec3::from_array(*point));
-        (c[0] * w[0] + c[1] * w[1] + c[2] * w[2] - Vec3::from_array(*point)).length_squared()
+        let (c, p) = (self.corners(), Vec3::from_array(*point));
+        let w = closest(c, p);
+        let at = |k: usize| c[k].as_dvec3() * w[k];
+        (at(0) + at(1) + at(2) - p.as_dvec3()).length_squared() as f32
     }
 }
 
 /// Barycentric weights of the point of a triangle that is closest to `p` (Ericson, Real-Time Collision Detection, 5.1.5).
-fn closest([a, b, c]: [Vec3; 3], p: Vec3) -> [f32; 3] {
+pub(crate) fn closest(triangle: [Vec3; 3], p: Vec3) -> [f64; 3] {
+    let ([a, b, c], p) = (triangle.map(|v| v.as_dvec3()), p.as_dvec3());
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));
     if d1 <= 0.0 && d2 <= 0.0 {

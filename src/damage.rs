@@ -1,7 +1,8 @@
 //! Damage: a short, sorted list of marks. The only state an instance of the default rule has.
 
-use crate::dent::{Dent, MAX_PAIRS};
+use crate::dent::{Dent, MAX_PAIRS, Reach};
 use crate::examples::{Combine, ExampleSet};
+use crate::math::Aabb;
 use crate::mesh::MAX_COORDINATE;
 use crate::{Error, Mirror, error::reserve};
 use bytemuck::{Pod, Zeroable};
@@ -164,6 +165,8 @@ type Touched<'a> = &'a mut dyn FnMut(&Dent);
 pub(crate) struct Damage {
     marks: Vec<Mark>,
     dents: Vec<Dent>,
+    /// Of each dent, side by side: every block that is evaluated looks at all of them.
+    reaches: Vec<Reach>,
 }
 
 impl Damage {
@@ -173,6 +176,12 @@ impl Damage {
 
     pub(crate) fn dents(&self) -> &[Dent] {
         &self.dents
+    }
+
+    /// The dents that may move something in a box, in order.
+    pub(crate) fn near<'a>(&'a self, bounds: &'a Aabb) -> impl Iterator<Item = (usize, &'a Dent)> {
+        let near = self.reaches.iter().enumerate().filter(|(_, r)| bounds.distance_squared(r.contact) <= r.square);
+        near.map(|(i, _)| (i, &self.dents[i]))
     }
 
     /// Adds new marks in canonical order, whatever order they came in. A mark that is there already gets the energy. Above
@@ -199,6 +208,7 @@ impl Damage {
                 let dent = Dent::new(set, &mark);
                 touched(&dent);
                 self.marks.insert(at, mark);
+                self.reaches.insert(at, dent.reach());
                 self.dents.insert(at, dent);
             }
         }
@@ -227,6 +237,7 @@ impl Damage {
         touched(&self.dents[weakest]);
         self.marks.remove(weakest);
         self.dents.remove(weakest);
+        self.reaches.remove(weakest);
     }
 
     /// Replaces all marks. Fails before anything changes.
@@ -259,12 +270,14 @@ impl Damage {
         let mut k = keep.iter();
         self.marks.retain(|_| *k.next().unwrap_or(&true));
         self.dents.retain(|d| !gone(d));
+        self.reaches = self.dents.iter().map(Dent::reach).collect();
     }
 
     pub(crate) fn clear(&mut self, touched: Touched<'_>) {
         self.dents.iter().for_each(touched);
         self.marks.clear();
         self.dents.clear();
+        self.reaches.clear();
     }
 
     /// Calls `touched` with every dent that only one of two lists has, or whose strength is another.
@@ -279,7 +292,10 @@ impl Damage {
             match order {
                 Ordering::Less => touched(&self.dents[a]),
                 Ordering::Greater => touched(&other.dents[b]),
-                Ordering::Equal if self.marks[a].energy != other.marks[b].energy => touched(&self.dents[a]),
+                Ordering::Equal if self.marks[a].energy != other.marks[b].energy => {
+                    touched(&self.dents[a]);
+                    touched(&other.dents[b]);
+                }
                 Ordering::Equal => {}
             }
             a += usize::from(order.is_le());
@@ -288,7 +304,7 @@ impl Damage {
     }
 
     pub(crate) fn memory_bytes(&self) -> usize {
-        self.marks.len() * (size_of::<Mark>() + size_of::<Dent>())
+        self.marks.len() * (size_of::<Mark>() + size_of::<Dent>() + size_of::<Reach>())
     }
 
     pub(crate) fn touch_all(&self, touched: Touched<'_>) {

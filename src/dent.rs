@@ -79,9 +79,44 @@ impl Dent {
         }
     }
 
-    /// Calls `f` with every block of a skin that it may move, some perhaps twice.
-    pub(crate) fn blocks(&self, skin: &Skin, mut f: impl FnMut(usize)) {
+    /// Where it may move anything.
+    pub(crate) fn reach(&self) -> Reach {
+        let radius = |p: &Part| p.carried.as_ref().map_or(f32::INFINITY, |c| c.radius);
+        let radius = self.parts.iter().map(radius).fold(0.0, f32::max);
+        Reach { contact: self.contact, square: radius * radius }
+    }
+
+    /// Whether part `p` is shown on a skin: not where no displacement of it, as scaled, is longer than `least` (m, above 0).
+    fn counts(&self, set: &ExampleSet, skin: &Skin, p: &Part, least: f32) -> bool {
+        let scale = (p.scale * self.strength).abs();
+        least == 0.0
+            || scale == 0.0
+            || match &p.carried {
+                Some(_) => set.examples()[p.example].stamp().is_none_or(|s| s.longest > least / scale),
+                None => skin.anchored[p.example].exceeds(least / scale),
+            }
+    }
+
+    /// Calls `f` with every block of a skin that a part may move, and the longest displacement that it may bring there, m.
+    pub(crate) fn lengths(&self, set: &ExampleSet, skin: &Skin, mut f: impl FnMut(usize, f32)) {
         for p in &self.parts {
+            let scale = (p.scale * self.strength).abs();
+            match &p.carried {
+                Some(c) => {
+                    let longest = set.examples()[p.example].stamp().map_or(0.0, |s| s.longest) * scale;
+                    let reached = (0..skin.blocks()).filter(|b| c.reaches(&skin.block_bounds[*b]));
+                    reached.for_each(|b| f(b, longest));
+                }
+                None => {
+                    skin.anchored[p.example].heads.iter().for_each(|h| f(h.block as usize, h.longest * scale));
+                }
+            }
+        }
+    }
+
+    /// Calls `f` with every block of a skin that it may move by more than `least` (m; 0: at all), some perhaps twice.
+    pub(crate) fn blocks(&self, set: &ExampleSet, skin: &Skin, least: f32, mut f: impl FnMut(usize)) {
+        for p in self.parts.iter().filter(|p| self.counts(set, skin, p, least)) {
             match &p.carried {
                 Some(c) => {
                     (0..skin.blocks()).filter(|b| c.reaches(&skin.block_bounds[*b])).for_each(&mut f);
@@ -90,6 +125,14 @@ impl Dent {
             }
         }
     }
+}
+
+/// A sphere outside which a dent moves nothing; endless where it has an anchored example.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Reach {
+    pub contact: Vec3,
+    /// Radius squared, m².
+    pub square: f32,
 }
 
 impl Carried {

@@ -66,8 +66,8 @@ pub enum Error {
         /// The number of elements there are.
         len: u64,
     },
-    /// The base mesh cannot be used.
-    #[error("base mesh: {what}")]
+    /// The base mesh, or one of its levels of detail, cannot be used.
+    #[error("mesh: {what}")]
     Mesh {
         /// What is wrong with it and what would be right.
         what: String,

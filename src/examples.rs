@@ -6,7 +6,7 @@ use crate::classic::Sparse;
 use crate::error::{at_least_zero, positive, reserve};
 use crate::images::{Around, Images};
 use crate::learn::{Learned, learn};
-use crate::math::{Aabb, tangent_basis, unit};
+use crate::math::{tangent_basis, unit};
 use crate::mesh::{MAX_COORDINATE, Mesh, finite};
 use crate::mirror::{self, Mirror};
 use crate::nearest::{Nearest, VertexIndex};
@@ -14,7 +14,7 @@ use crate::rim::Rim;
 use crate::skin::Skin;
 use crate::stamp::{Source, Stamp};
 use crate::tasks::run_each;
-use crate::{Contact, Deltas, Error, ExampleData, MeshData, Placement, TaskSystem, normals};
+use crate::{Contact, Deltas, Error, ExampleData, LodReport, MeshData, Placement, TaskSystem, normals};
 use glam::Vec3;
 use rstar::RTree;
 use std::sync::{Arc, Mutex, OnceLock};
@@ -242,6 +242,8 @@ pub struct SetReport {
     pub mirror_planes: Mirror,
     /// Vertices (seams counted) on edges that the examples show to be held.
     pub held_vertices: usize,
+    /// Of each level of detail that was added; what stands above is the base mesh's alone.
+    pub lods: Vec<LodReport>,
 }
 
 /// A base mesh with its examples. Immutable: share it (`Arc`) among the instances of the mesh and among threads.
@@ -261,6 +263,8 @@ pub struct SetReport {
 #[derive(Debug)]
 pub struct ExampleSet {
     skin: Skin,
+    /// Other meshes that show the same damage, from level of detail 1 on.
+    lods: Vec<Skin>,
     examples: Vec<Example>,
     options: SetOptions,
     depth_limit: f32,
@@ -279,6 +283,8 @@ pub struct ExampleSet {
 /// What a set is put together from, made or loaded.
 pub(crate) struct Parts {
     pub skin: Skin,
+    /// Levels of detail, each with its report.
+    pub lods: Vec<(Skin, LodReport)>,
     pub examples: Vec<Example>,
     pub options: SetOptions,
     pub index: VertexIndex,
@@ -343,16 +349,14 @@ impl ExampleSet {
                 what: format!("none of the {} given moves a vertex by more than {} m", ready.len(), options.drop_below),
             });
         }
-        let planes = if options.mirror {
-            mirror::planes(mesh.positions(), &index, &mesh.bounds())
-        } else {
-            Mirror::NONE
-        };
+        let planes =
+            if options.mirror { mirror::planes(mesh.positions(), &index, &mesh.bounds()) } else { Mirror::NONE };
         let rim = if options.held_rims { Rim::find(&mesh, &ready) } else { Rim::default() };
         let mut set = Self::assemble(Parts {
             fingerprint: fingerprint(&mesh, &ready, &options),
             learned: Learned::nothing(ready.len()),
             skin: Skin::new(mesh, rim, ready.iter().map(|e| e.anchored.clone()).collect()),
+            lods: Vec::new(),
             examples: ready,
             options,
             index,
@@ -387,6 +391,7 @@ impl ExampleSet {
             degenerate_triangles: mesh.degenerate_triangles(),
             mirror_planes: p.planes,
             held_vertices: p.skin.rim.vertices(),
+            lods: p.lods.iter().map(|l| l.1).collect(),
             ..Default::default()
         };
         for (i, e) in p.examples.iter().enumerate() {
@@ -406,6 +411,7 @@ impl ExampleSet {
             sparse: p.examples.iter().map(|_| OnceLock::new()).collect(),
             learned: p.learned,
             skin: p.skin,
+            lods: p.lods.into_iter().map(|l| l.0).collect(),
             examples: p.examples,
             options: p.options,
             index: p.index,
@@ -421,7 +427,20 @@ impl ExampleSet {
         &self.skin.mesh
     }
 
-    /// Number of vertices.
+    /// How many meshes show the damage: 1, the base mesh, and the levels of detail that were added.
+    pub fn lod_count(&self) -> usize {
+        1 + self.lods.len()
+    }
+
+    /// The mesh of a level of detail; 0 is the base mesh.
+    ///
+    /// # Errors
+    /// [`Error::IndexOutOfRange`].
+    pub fn lod_mesh(&self, lod: usize) -> Result<&Mesh, Error> {
+        Ok(&self.lod(lod)?.mesh)
+    }
+
+    /// Number of vertices of the base mesh.
     pub fn vertex_count(&self) -> usize {
         self.skin.vertex_count()
     }
@@ -451,19 +470,12 @@ impl ExampleSet {
         &self.report
     }
 
-    /// Memory held for mesh and examples, bytes.
+    /// Memory held for meshes and examples, bytes.
     pub fn memory_bytes(&self) -> usize {
-        let v = self.vertex_count();
-        let mesh = v * (12 + 4) // positions, welds
-            + self.index.bytes()
-            + self.mesh().normals().map_or(0, |n| n.len() * 24)
-            + self.mesh().tangents().map_or(0, |t| t.len() * 16)
-            + self.mesh().triangles().len() * 12;
         let images = self.images.bytes();
-        mesh + self.report.anchored_bytes
+        self.skins().map(Skin::bytes).sum::<usize>()
+            + self.index.bytes()
             + self.report.stamp_bytes
-            + self.skin.blocks() * size_of::<Aabb>()
-            + self.skin.rim.bytes()
             + images
             + self.sparse.iter().filter_map(OnceLock::get).map(Sparse::bytes).sum::<usize>()
     }
@@ -533,7 +545,21 @@ impl ExampleSet {
 
     /// Everything that damage is shown on, the set's own mesh first.
     pub(crate) fn skins(&self) -> impl Iterator<Item = &Skin> {
-        std::iter::once(&self.skin)
+        std::iter::once(&self.skin).chain(&self.lods)
+    }
+
+    /// The skin of a level of detail.
+    pub(crate) fn lod(&self, lod: usize) -> Result<&Skin, Error> {
+        self.skins().nth(lod).ok_or_else(|| Error::IndexOutOfRange {
+            name: "the level of detail".into(),
+            index: lod as u64,
+            len: self.lod_count() as u64,
+        })
+    }
+
+    pub(crate) fn push_lod(&mut self, skin: Skin, report: LodReport) {
+        self.lods.push(skin);
+        self.report.lods.push(report);
     }
 
     /// Mass of vertex `v`, kg.

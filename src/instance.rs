@@ -7,6 +7,7 @@ use crate::dent::Dent;
 use crate::error::at_least_zero;
 use crate::examples::ExampleSet;
 use crate::select::{Effect, Params, select, to_local};
+use crate::tolerance::{rounded, threshold};
 use crate::{Cause, Error, Hit, Mark, Outcome, Selection};
 use glam::{DMat3, DVec3, Mat4, Vec3};
 use std::num::NonZeroU64;
@@ -54,6 +55,8 @@ pub struct InstanceOptions {
     pub yield_displacement: f32,
     /// Contacts further than this from the nearest vertex are refused, m. `None`: the body's diagonal.
     pub max_contact_distance: Option<f32>,
+    /// No vertex is wrong by more than this, m; 0: nothing is left out. See [`Instance::set_tolerance`].
+    pub tolerance: f32,
 }
 
 impl Default for InstanceOptions {
@@ -67,6 +70,7 @@ impl Default for InstanceOptions {
             yield_impulse: 0.0,
             yield_displacement: 0.0,
             max_contact_distance: None,
+            tolerance: 0.0,
         }
     }
 }
@@ -84,6 +88,7 @@ impl InstanceOptions {
             at_least_zero("max_contact_distance", d, "m")?;
         }
         check_limit(self.depth_limit)?;
+        at_least_zero("tolerance", self.tolerance, "m")?;
         if !(1..=4).contains(&self.examples_per_hit) {
             return Err(Error::invalid("examples_per_hit", self.examples_per_hit, "1 to 4"));
         }
@@ -253,6 +258,10 @@ pub struct Instance {
     contacts: Contacts,
     classic: Option<State>,
     limit: f32,
+    /// In force: a power of two times 1 m, or 0.
+    tolerance: f32,
+    /// Displacements no longer than this, as scaled, are left out, m.
+    least: f32,
     changes: Changes,
 }
 
@@ -293,6 +302,8 @@ impl Instance {
         };
         let classic = if options.rule == Rule::Marks { None } else { Some(State::new(&set)?) };
         let blocks = set.skins().map(|s| vec![0; s.blocks()]).collect();
+        let tolerance = if options.rule == Rule::Marks { rounded(options.tolerance) } else { 0.0 };
+        let least = threshold(&set, &[], tolerance);
         Ok(Self {
             inbox: Arc::new(Inbox {
                 set: set.clone(),
@@ -306,6 +317,8 @@ impl Instance {
             contacts: Contacts::default(),
             classic,
             limit,
+            tolerance,
+            least,
             changes: Changes { instance: NEXT.fetch_add(1, Ordering::Relaxed), epoch: 0, blocks },
         })
     }
@@ -393,9 +406,44 @@ impl Instance {
         check_limit(limit)?;
         self.limit = limit.unwrap_or(self.set.depth_limit());
         self.inbox.params.write().unwrap_or_else(|e| e.into_inner()).limit = self.limit;
-        let mut touch = Touch::new(&self.set, &mut self.changes);
+        let mut touch = Touch::new(&self.set, &mut self.changes, self.least);
         self.damage.touch_all(&mut |d: &Dent| touch.dent(d));
         Ok(())
+    }
+
+    /// The tolerance in force, m: what was asked for, rounded down to a power of two times 1 m; 0 where nothing is left out.
+    pub fn tolerance(&self) -> f32 {
+        self.tolerance
+    }
+
+    /// Lets vertices be wrong by up to `tolerance` (m, in the mesh's space; 0: by nothing) so that deforming costs less:
+    /// displacements too short to matter are left out, whole blocks and whole examples of them unread. Seams stay closed bit for
+    /// bit. [`crate::pixel_tolerance`] tells how much is invisible at a distance. Rounding of f32 comes on top.
+    ///
+    /// The tolerance is rounded down to a power of two times 1 m, so that a camera which moves a little changes nothing; where
+    /// it changes, what is dented by more is written anew. Instances with a classic rule ignore it.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a tolerance that is negative or not finite.
+    pub fn set_tolerance(&mut self, tolerance: f32) -> Result<(), Error> {
+        at_least_zero("tolerance", tolerance, "m")?;
+        let tolerance = rounded(tolerance);
+        if self.classic.is_none() && tolerance != self.tolerance {
+            self.tolerance = tolerance;
+            self.update_threshold();
+        }
+        Ok(())
+    }
+
+    /// After every change of damage or tolerance.
+    fn update_threshold(&mut self) {
+        let least = threshold(&self.set, self.damage.dents(), self.tolerance);
+        if least != self.least {
+            // What neither shows looks as before.
+            let mut touch = Touch::new(&self.set, &mut self.changes, least.min(self.least));
+            self.least = least;
+            self.damage.touch_all(&mut |d: &Dent| touch.dent(d));
+        }
     }
 
     /// Turns the hits that have arrived into damage, in an order of their own: the result does not depend on the order
@@ -405,7 +453,7 @@ impl Instance {
         if pending.is_empty() {
             return;
         }
-        let mut touch = Touch::new(&self.set, &mut self.changes);
+        let mut touch = Touch::new(&self.set, &mut self.changes, self.least);
         let mut news = News { marks: Vec::new(), parts: Vec::new(), ended: Vec::new() };
         let mut classic = Vec::new();
         for p in pending {
@@ -432,6 +480,7 @@ impl Instance {
                 touch.example(example as usize);
             }
         }
+        self.update_threshold();
     }
 
     /// The marks, sorted. Above the capacity, the weakest mark (least strength times depth) gives its energy, in metres
@@ -441,7 +490,7 @@ impl Instance {
     /// [`Error::WrongRule`] with a classic rule.
     pub fn marks(&mut self) -> Result<&[Mark], Error> {
         self.fold();
-        self.needs_marks("marks")?;
+        self.only_marks("marks")?;
         Ok(self.damage.marks())
     }
 
@@ -450,11 +499,12 @@ impl Instance {
     /// # Errors
     /// [`Error::InvalidArgument`] naming the mark and its value; [`Error::WrongRule`]. Nothing changes then.
     pub fn set_marks(&mut self, marks: &[Mark]) -> Result<(), Error> {
-        self.needs_marks("set_marks")?;
-        let mut touch = Touch::new(&self.set, &mut self.changes);
+        self.only_marks("set_marks")?;
+        let mut touch = Touch::new(&self.set, &mut self.changes, self.least);
         self.damage.replace(&self.set, marks, self.options.capacity as usize, &mut |d: &Dent| touch.dent(d))?;
         self.contacts.close_all();
         self.inbox.queue().clear();
+        self.update_threshold();
         Ok(())
     }
 
@@ -480,7 +530,7 @@ impl Instance {
         if self.classic.is_some() {
             self.classic = Some(State::load(&self.set, bytes)?);
             self.inbox.queue().clear();
-            Touch::new(&self.set, &mut self.changes).everything();
+            Touch::new(&self.set, &mut self.changes, 0.0).everything();
             return Ok(());
         }
         let entries = saved::entries(&self.set, bytes, saved::MARKS, size_of::<Mark>())?;
@@ -498,12 +548,13 @@ impl Instance {
         }
         self.fold();
         self.contacts.close_all();
-        let mut touch = Touch::new(&self.set, &mut self.changes);
+        let mut touch = Touch::new(&self.set, &mut self.changes, self.least);
         self.damage.scale(&self.set, keep, &mut |d: &Dent| touch.dent(d));
         if let Some(state) = &mut self.classic {
             state.scale(&self.set, keep);
             touch.everything();
         }
+        self.update_threshold();
         Ok(())
     }
 
@@ -511,12 +562,13 @@ impl Instance {
     pub fn reset(&mut self) {
         self.contacts.close_all();
         self.inbox.queue().clear();
-        let mut touch = Touch::new(&self.set, &mut self.changes);
+        let mut touch = Touch::new(&self.set, &mut self.changes, self.least);
         self.damage.clear(&mut |d: &Dent| touch.dent(d));
         if let Some(state) = &mut self.classic {
             state.scale(&self.set, 0.0);
             touch.everything();
         }
+        self.update_threshold();
     }
 
     /// Takes over the damage of another instance of the same set and kind of rule.
@@ -567,15 +619,19 @@ impl Instance {
 
     /// Displacements no longer than this, as scaled, are left out, m.
     pub(crate) fn least(&self) -> f32 {
-        0.0
+        self.least
     }
 
     pub(crate) fn changes(&self) -> &Changes {
         &self.changes
     }
 
-    fn needs_marks(&self, call: &str) -> Result<(), Error> {
-        if self.classic.is_none() { Ok(()) } else { Err(needs_marks(call, self.options.rule)) }
+    fn only_marks(&self, call: &str) -> Result<(), Error> {
+        if self.classic.is_none() { Ok(()) } else { Err(self.needs_marks(call)) }
+    }
+
+    pub(crate) fn needs_marks(&self, call: &str) -> Error {
+        needs_marks(call, self.options.rule)
     }
 }
 
@@ -587,17 +643,19 @@ fn needs_marks(call: &str, rule: Rule) -> Error {
 struct Touch<'a> {
     set: &'a ExampleSet,
     changes: &'a mut Changes,
+    /// Displacements no longer than this do not show, m.
+    least: f32,
 }
 
 impl<'a> Touch<'a> {
-    fn new(set: &'a ExampleSet, changes: &'a mut Changes) -> Self {
+    fn new(set: &'a ExampleSet, changes: &'a mut Changes, least: f32) -> Self {
         changes.epoch += 1;
-        Touch { set, changes }
+        Touch { set, changes, least }
     }
 
     fn dent(&mut self, d: &Dent) {
         for (skin, blocks) in self.set.skins().zip(&mut self.changes.blocks) {
-            d.blocks(skin, |b| blocks[b] = self.changes.epoch);
+            d.blocks(self.set, skin, self.least, |b| blocks[b] = self.changes.epoch);
         }
     }
 

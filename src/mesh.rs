@@ -123,6 +123,20 @@ impl Mesh {
         &self.arrays
     }
 
+    /// The same without normals, as if it had no triangles to compute them from.
+    pub(crate) fn without_normals(self) -> Self {
+        let arrays = MeshArrays { normals: None, contact_normals: None, ..self.arrays };
+        Mesh { arrays, ..self }
+    }
+
+    /// Bytes it takes.
+    pub(crate) fn bytes(&self) -> usize {
+        let a = &self.arrays;
+        let normals = a.normals.iter().chain(&a.contact_normals).map(Array::bytes).sum::<usize>();
+        let tangents = a.tangents.as_ref().map_or(0, Array::bytes);
+        a.positions.bytes() + a.weld.bytes() + normals + tangents + a.triangles.bytes()
+    }
+
     /// Positions, m.
     pub fn positions(&self) -> &[Vec3] {
         &self.arrays.positions

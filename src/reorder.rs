@@ -100,7 +100,12 @@ mod tests {
         let indices: Vec<u32> = (0..1024).filter(|v| near(&positions[*v as usize])).collect();
         let values = indices.iter().map(|v| [0.0, 0.0, positions[*v as usize][0]]).collect();
         let contact = indices[3];
-        let mesh = MeshData { normals: Some(positions.clone()), positions, triangles: vec![[5, 9, 1023]], ..Default::default() };
+        let mesh = MeshData {
+            normals: Some(positions.clone()),
+            positions,
+            triangles: vec![[5, 9, 1023]],
+            ..Default::default()
+        };
         let sparse = ExampleData {
             contact: Some(Contact::Vertex(contact)),
             ..ExampleData::new("sparse", Deltas::Sparse { indices, values })

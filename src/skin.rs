@@ -25,6 +25,14 @@ impl Skin {
         Skin { mesh, block_bounds, rim, anchored }
     }
 
+    /// Bytes it takes, its anchored examples among them.
+    pub(crate) fn bytes(&self) -> usize {
+        self.mesh.bytes()
+            + self.blocks() * size_of::<Aabb>()
+            + self.rim.bytes()
+            + self.anchored.iter().map(|a| a.bytes().total()).sum::<usize>()
+    }
+
     pub(crate) fn vertex_count(&self) -> usize {
         self.mesh.positions().len()
     }

@@ -200,6 +200,30 @@ Time of one deformation by one example, on one thread / on two:
 {own_text("speed")}"""
 
 
+def scene(directory):
+    t = read(directory, "scene.csv")
+    if t is None:
+        return ""
+
+    def line(r):
+        level = "base mesh" if r["lod_edge_px"] == 0 else f"edges up to {r['lod_edge_px']:.0f} px"
+        return [level, f"{r['tolerance_px']:g}", f"{number(r['ms_per_frame'])} ms", f"{r['vertices_per_frame']:.0f}", f"{r['blocks_per_frame']:.0f}",
+                f"{r['parts_skipped']:.0f}", size(r["bytes_bodies"]), number(r["error_px_p99"], 3), number(r["error_px_max"]), number(r["tolerance_error_px_p99"], 3),
+                number(r["tolerance_error_px_max"], 3), number(r["lod_error_px_p99"], 3), number(r["lod_dent_error_px_p99"], 3)]
+
+    head = ["shown", "tolerance, px", "a frame", "vertices", "blocks", "parts left out", "bodies", "error p99", "max", "tolerance's p99", "max", "level's p99", "its dents' p99"]
+    rows = [line(r) for r in t.where(outputs="positions and normals")]
+    return f"""## 6. A scene
+
+{picture(directory, "scene", "Cost of a frame against the error on the screen, by tolerance and level of detail")}
+{t.said("what")}; cost is {t.said("cost")}. Levels: {t.said("levels")}; the sets take {size(t.rows[0]["bytes_sets"])} together. Errors are in pixels,
+of the surface point that covers a pixel: all of it over the {t.rows[0]["covered_pixels"]:.0f} covered pixels; the tolerance's own, and that of the level's dents
+alone (without what its shape is off at rest), over the {t.rows[0]["dented_pixels"]:.0f} that dents move by a tenth of a pixel or more.
+
+{table(head, rows)}
+{own_text("scene")}"""
+
+
 def section(directory, heading, part):
     text = own_text(part)
     charts = "\n".join(picture(directory, p.stem, p.stem.replace("_", " ")) for p in sorted(directory.glob(f"{part}*.svg")))
@@ -225,7 +249,8 @@ impacts, never on the held-out ones measured here. Figures are medians unless sa
 {combining(directory)}
 {section(directory, "3. Stability where methods fail", "stability")}
 {section(directory, "4. The literature's own pictures", "pictures")}
-{speed(directory)}"""
+{speed(directory)}
+{scene(directory)}"""
     while "\n\n\n" in text:
         text = text.replace("\n\n\n", "\n\n")
     (directory / "README.md").write_text(text.rstrip() + "\n")

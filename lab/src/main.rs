@@ -13,6 +13,7 @@ mod metric;
 mod peers;
 mod pictures;
 mod scene;
+mod scene200;
 mod stability;
 mod table;
 mod timing;
@@ -47,6 +48,8 @@ enum Part {
     Speed(Options),
     /// Fixed workloads beside references of the same run
     Bench(bench::Options),
+    /// 200 dented bodies before a camera: levels of detail and run-time tolerances
+    Scene(Options),
 }
 
 /// What every part is told.
@@ -70,5 +73,6 @@ fn main() -> Result<()> {
         Part::Pictures(options) => pictures::run(&options),
         Part::Speed(options) => bench::speed(&options),
         Part::Bench(options) => bench::run(&options),
+        Part::Scene(options) => scene200::run(&options),
     }
 }

@@ -5,7 +5,7 @@ use super::context::{CrumpleContext, exclusive};
 use super::memory::{Stream, disjoint};
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleBuffer, CrumpleInstance, CrumpleStream};
-use crate::{Attribute, ExampleSet, RawStream, Tracker, VertexMemory};
+use crate::{Attribute, Instance, RawStream, Rule, Tracker, VertexMemory};
 
 /// Memory for the deformed vertices of one instance, in the mesh's order and space.
 #[repr(C)]
@@ -13,6 +13,9 @@ use crate::{Attribute, ExampleSet, RawStream, Tracker, VertexMemory};
 pub struct CrumpleHostBufferDef {
     /// Bytes of this struct, from crumple_default_host_buffer_def().
     pub struct_size: u32,
+    /// The mesh whose vertices are written: 0 the base mesh, else a number from crumple_example_set_add_lod(). Counts of
+    /// vertices are that mesh's. Default 0.
+    pub lod: u32,
     /// Positions: 3 floats a vertex, m. Required.
     pub positions: CrumpleStream,
     /// Unit normals: 3 floats a vertex. Absent: none are written.
@@ -30,6 +33,7 @@ unsafe impl Def for CrumpleHostBufferDef {
 /// What a context keeps of a buffer. Buffers of graphics devices will be another kind of memory here.
 pub(super) struct BufferEntry {
     pub(super) owner: CrumpleInstance,
+    pub(super) lod: usize,
     pub(super) tracker: Tracker,
     pub(super) memory: HostMemory,
 }
@@ -43,8 +47,12 @@ pub(super) struct HostMemory {
 }
 
 impl HostMemory {
-    fn new(def: &CrumpleHostBufferDef, set: &ExampleSet) -> Result<Self, Failure> {
-        let n = set.vertex_count();
+    fn new(def: &CrumpleHostBufferDef, instance: &Instance) -> Result<Self, Failure> {
+        if def.lod > 0 && instance.options().rule != Rule::Marks {
+            return Err(instance.needs_marks("a buffer of another level of detail than 0").into());
+        }
+        let mesh = instance.example_set().lod_mesh(def.lod as usize)?;
+        let n = mesh.positions().len();
         let positions = Stream::new(def.positions, 12, n, "def.positions")?;
         let normals = Stream::new(def.normals, 12, n, "def.normals")?;
         let tangents = Stream::new(def.tangents, 16, n, "def.tangents")?;
@@ -52,10 +60,10 @@ impl HostMemory {
         let lacks = |what: &str, why: &str| -> Failure {
             crate::Error::Mesh { what: format!("it has no {what} to deform{why}") }.into()
         };
-        if normals.is_some() && set.mesh().normals().is_none() {
+        if normals.is_some() && mesh.normals().is_none() {
             return Err(lacks("normals", ", nor triangles to compute them from"));
         }
-        if tangents.is_some() && set.mesh().tangents().is_none() {
+        if tangents.is_some() && mesh.tangents().is_none() {
             return Err(lacks("tangents", ""));
         }
         let positions = positions.ok_or_else(|| {
@@ -89,6 +97,7 @@ impl HostMemory {
 pub extern "C" fn crumple_default_host_buffer_def() -> CrumpleHostBufferDef {
     CrumpleHostBufferDef {
         struct_size: size_of::<CrumpleHostBufferDef>() as u32,
+        lod: 0,
         positions: CrumpleStream::ABSENT,
         normals: CrumpleStream::ABSENT,
         tangents: CrumpleStream::ABSENT,
@@ -103,7 +112,8 @@ pub extern "C" fn crumple_default_host_buffer_def() -> CrumpleHostBufferDef {
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
 /// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (a stride smaller than an element, streams that overlap),
-/// CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_MESH (normals or tangents of a mesh that has none),
+/// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE (def.lod), CRUMPLE_ERROR_WRONG_RULE (def.lod above 0 for an instance with one of the
+/// literature's rules), CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_MESH (normals or tangents of a mesh that has none),
 /// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_register_host_buffer(
@@ -116,11 +126,16 @@ pub unsafe extern "C" fn crumple_register_host_buffer(
         // SAFETY: the caller's.
         let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_buffer, "out_buffer")?) };
         let entry = state.instances.get_mut(instance, "instance")?;
-        let memory = HostMemory::new(&def, entry.instance.example_set())?;
+        let memory = HostMemory::new(&def, &entry.instance)?;
         state.buffers.reserve::<CrumpleBuffer>()?;
         let full = |_| Failure::new(CrumpleResult::CrumpleErrorOutOfMemory, "no memory for one more buffer");
         entry.buffers.try_reserve(1).map_err(full)?;
-        let id = state.buffers.insert(BufferEntry { owner: instance, tracker: Tracker::new(), memory });
+        let id = state.buffers.insert(BufferEntry {
+            owner: instance,
+            lod: def.lod as usize,
+            tracker: Tracker::new(),
+            memory,
+        });
         entry.buffers.push(id);
         out.write(id);
         Ok(())
@@ -159,7 +174,7 @@ pub unsafe extern "C" fn crumple_invalidate_buffer(
     })
 }
 
-/// Gives a buffer other memory, such as a newly mapped one, and invalidates it.
+/// Gives a buffer other memory, such as a newly mapped one, perhaps for another level of detail, and invalidates it.
 ///
 /// Externally synchronised. Errors: as for crumple_register_host_buffer(); the buffer keeps its memory then.
 #[unsafe(no_mangle)]
@@ -172,8 +187,8 @@ pub unsafe extern "C" fn crumple_set_host_buffer_memory(
         // SAFETY: the caller's.
         let def = unsafe { self::def(def, "def") }?;
         let entry = state.buffers.get_mut(buffer, "buffer")?;
-        let set = state.instances.get(entry.owner, "instance")?.instance.example_set();
-        entry.memory = HostMemory::new(&def, set)?;
+        entry.memory = HostMemory::new(&def, &state.instances.get(entry.owner, "instance")?.instance)?;
+        entry.lod = def.lod as usize;
         entry.tracker.invalidate();
         Ok(())
     })

@@ -19,8 +19,10 @@ pub struct CrumpleDeformReport {
     pub blocks_written: u64,
     /// Blocks that were up to date already.
     pub blocks_skipped: u64,
+    /// Examples of marks that tolerances left out of blocks written, see crumple_instance_set_tolerance().
+    pub parts_skipped: u64,
     /// Zero; room for later.
-    pub reserved: [u64; 5],
+    pub reserved: [u64; 4],
 }
 
 impl From<Aabb> for CrumpleAabb {
@@ -69,7 +71,7 @@ pub unsafe extern "C" fn crumple_deform(
         let mut jobs = reserve(if all { entries.len() } else { chosen.len() }, "deform jobs")?;
         for (_, entry) in entries.iter_mut::<CrumpleBuffer>().filter(|(id, _)| is_chosen(id)) {
             jobs.push(DeformJob {
-                lod: 0,
+                lod: entry.lod,
                 instance: &instances.get(entry.owner, "instance")?.instance,
                 tracker: &mut entry.tracker,
                 // SAFETY: the caller keeps registered memory alive, and leaves it alone during this call.
@@ -81,7 +83,8 @@ pub unsafe extern "C" fn crumple_deform(
             vertices_written: report.vertices_written,
             blocks_written: report.blocks_written,
             blocks_skipped: report.blocks_skipped,
-            reserved: [0; 5],
+            parts_skipped: report.parts_skipped,
+            reserved: [0; 4],
         });
         Ok(())
     })
@@ -128,7 +131,10 @@ pub unsafe extern "C" fn crumple_get_buffer_changes(
         found.extend(changed.iter().map(|r| CrumpleRange { first: r.start, count: r.end - r.start }));
         // SAFETY: the caller's.
         unsafe { write_array(&found, ranges, capacity as usize, "ranges") }?;
-        let at_rest = || state.instances.get(entry.owner, "instance").map(|e| e.instance.example_set().mesh().bounds());
+        let at_rest = || -> Result<Aabb, Failure> {
+            let set = state.instances.get(entry.owner, "instance")?.instance.example_set();
+            Ok(set.lod_mesh(entry.lod)?.bounds())
+        };
         let bounds = entry.tracker.bounds().map_or_else(at_rest, Ok)?;
         outs.0.write(found.len() as u32);
         outs.1.write(bounds.into());

@@ -72,6 +72,8 @@ pub struct CrumpleInstanceDef {
     pub max_contact_distance: f32,
     /// Constant of CRUMPLE_RULE_BLEND, 0 to 1. Default 0.
     pub blend_constant: f32,
+    /// No vertex is wrong by more than this, m; see crumple_instance_set_tolerance(). Default 0: nothing is left out.
+    pub tolerance: f32,
     /// From mesh to world space, column-major (element 4 * column + row); see crumple_set_instance_transform().
     /// Default the identity.
     pub local_to_world: [f32; 16],
@@ -125,6 +127,7 @@ pub extern "C" fn crumple_default_instance_def() -> CrumpleInstanceDef {
         yield_displacement: options.yield_displacement,
         max_contact_distance: 0.0,
         blend_constant: 0.0,
+        tolerance: options.tolerance,
         local_to_world: Mat4::IDENTITY.to_cols_array(),
     }
 }
@@ -179,6 +182,7 @@ fn options(def: &CrumpleInstanceDef) -> Result<InstanceOptions, Failure> {
         yield_impulse,
         yield_displacement,
         max_contact_distance: positive_or_none(def.max_contact_distance, "def.max_contact_distance", "m")?,
+        tolerance: finite([def.tolerance], "def.tolerance")?[0],
     })
 }
 
@@ -269,4 +273,32 @@ pub unsafe extern "C" fn crumple_set_instance_depth_limit(
         let limit = positive_or_none(depth_limit, "depth_limit", "m")?;
         Ok(state.instances.get_mut(instance, "instance")?.instance.set_depth_limit(limit)?)
     })
+}
+
+/// Lets vertices of the instance be wrong by up to tolerance, m, in the mesh's space, so that deforming it costs less:
+/// displacements too short to matter are left out. 0: nothing is left out. Seams stay closed. It is rounded down to a power of
+/// two times 1 m, so it may be set in each frame from crumple_pixel_tolerance(); where that changes, the next crumple_deform()
+/// writes everything that is dented anew. Instances with one of the literature's rules ignore it.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_NOT_FINITE,
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (below 0), CRUMPLE_ERROR_CONCURRENT_USE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_instance_set_tolerance(
+    context: *mut CrumpleContext,
+    instance: CrumpleInstance,
+    tolerance: f32,
+) -> CrumpleResult {
+    exclusive("crumple_instance_set_tolerance", context, |_, state| {
+        let tolerance = finite([tolerance], "tolerance")?[0];
+        Ok(state.instances.get_mut(instance, "instance")?.instance.set_tolerance(tolerance)?)
+    })
+}
+
+/// The length, m, that covers so many pixels at a distance, m, before a camera with this vertical field of view, radians, and
+/// viewport height, pixels: the tolerance for an instance whose nearest vertex is that far off. 0, which leaves out nothing, for
+/// values that make no sense: negative, not a number, a field of view of half a turn or more, a height of 0. Never fails; any
+/// thread.
+#[unsafe(no_mangle)]
+pub extern "C" fn crumple_pixel_tolerance(pixels: f32, distance: f32, fov_y: f32, viewport_height: f32) -> f32 {
+    crate::pixel_tolerance(pixels, distance, fov_y, viewport_height)
 }

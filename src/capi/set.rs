@@ -290,7 +290,7 @@ pub unsafe extern "C" fn crumple_create_example_set(
         let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_set, "out_set")?) };
         // SAFETY: the caller's.
         let (mesh, examples) = unsafe {
-            let mesh = read_mesh(&def)?;
+            let mesh = read_mesh(&base_of(&def))?;
             let examples = read_examples(&def, &mesh)?;
             (mesh, examples)
         };
@@ -300,6 +300,89 @@ pub unsafe extern "C" fn crumple_create_example_set(
         let options = unsafe { read_options(&def.options, mesh.positions.len()) }?;
         let name = CString::default();
         add_set(context, state, (mesh, examples, options), (name, vec![whole], Vec::new(), None), out)
+    })
+}
+
+/// Another mesh of a set's body, as arrays.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CrumpleLodDef {
+    /// Bytes of this struct, from crumple_default_lod_def().
+    pub struct_size: u32,
+    /// Its vertices, at least 1. Their order is yours and is kept.
+    pub vertex_count: u32,
+    /// Positions: vertex_count times 3 floats, m, in the base mesh's space. Required.
+    pub positions: CrumpleInput,
+    /// Unit normals: vertex_count times 3 floats. Absent: computed from the triangles, smooth across seams.
+    pub normals: CrumpleInput,
+    /// Tangents as in glTF: vertex_count times 4 floats, xyz of unit length, w +1 or -1. Absent: none.
+    pub tangents: CrumpleInput,
+    /// Triangles: index_count indices, three a triangle, counter-clockwise seen from outside. Absent: none.
+    pub indices: CrumpleInput,
+    /// Number of indices, a multiple of 3.
+    pub index_count: u32,
+    /// Type of indices. Default CRUMPLE_INDEX_TYPE_U32.
+    pub index_type: MaybeUninit<CrumpleIndexType>,
+}
+
+// SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
+unsafe impl Def for CrumpleLodDef {
+    const DEFAULT: &'static str = "crumple_default_lod_def";
+}
+
+/// A level of detail without anything: set its mesh. Never fails; any thread.
+#[unsafe(no_mangle)]
+pub extern "C" fn crumple_default_lod_def() -> CrumpleLodDef {
+    CrumpleLodDef {
+        struct_size: size_of::<CrumpleLodDef>() as u32,
+        vertex_count: 0,
+        positions: CrumpleInput::ABSENT,
+        normals: CrumpleInput::ABSENT,
+        tangents: CrumpleInput::ABSENT,
+        indices: CrumpleInput::ABSENT,
+        index_count: 0,
+        index_type: MaybeUninit::new(CrumpleIndexType::U32),
+    }
+}
+
+/// Adds another mesh of the same body that shows the same damage, such as a level of detail or a collision proxy. The arrays
+/// are copied. Its number, 1 for the first, is what CrumpleHostBufferDef.lod takes. Each of its vertices is bound to the nearest
+/// point of the base surface and moves as that does; one that stands on a base vertex moves exactly as that one. Contacts, marks,
+/// saved damage and the set's fingerprint stay those of the base mesh. All instances of the set know all of its levels, so
+/// add them before the first instance is made.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
+/// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (the set has instances; an enumerator, a count, or a stride smaller
+/// than an element), CRUMPLE_ERROR_BUFFER_TOO_SMALL (an array has fewer bytes than its count needs),
+/// CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, CRUMPLE_ERROR_MESH (no vertices),
+/// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE. The set is as it was then.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_example_set_add_lod(
+    context: *mut CrumpleContext,
+    set: CrumpleExampleSet,
+    def: *const CrumpleLodDef,
+    out_lod: *mut u32,
+) -> CrumpleResult {
+    exclusive("crumple_example_set_add_lod", context, |context, state| {
+        // SAFETY: the caller's.
+        let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_lod, "out_lod")?) };
+        let entry = state.sets.get_mut(set, "set")?;
+        let set = Arc::get_mut(&mut entry.set).ok_or_else(|| {
+            Failure::invalid("set has instances; add its levels of detail before the first instance is made")
+        })?;
+        // SAFETY: the caller's.
+        let mesh = unsafe { read_mesh(&def) }?;
+        let lod = set.add_lod(mesh, &Quiet(context.tasks()))?;
+        let report = set.report().lods[lod - 1];
+        context.log(
+            CrumpleLogLevel::Info,
+            &format!(
+                "level of detail {lod}: {} vertices, at most {} m from the base surface, {} bytes",
+                report.vertices, report.farthest, report.bytes
+            ),
+        );
+        out.write(lod as u32);
+        Ok(())
     })
 }
 
@@ -342,7 +425,21 @@ pub(super) fn insert_set(
     out.write(state.sets.insert(entry));
 }
 
-unsafe fn read_mesh(def: &CrumpleExampleSetDef) -> Result<MeshData, Failure> {
+/// The base mesh alone.
+fn base_of(def: &CrumpleExampleSetDef) -> CrumpleLodDef {
+    CrumpleLodDef {
+        vertex_count: def.vertex_count,
+        positions: def.positions,
+        normals: def.normals,
+        tangents: def.tangents,
+        indices: def.indices,
+        index_count: def.index_count,
+        index_type: def.index_type,
+        ..crumple_default_lod_def()
+    }
+}
+
+unsafe fn read_mesh(def: &CrumpleLodDef) -> Result<MeshData, Failure> {
     let vertices = def.vertex_count as usize;
     if vertices == 0 {
         return Err(
@@ -360,7 +457,7 @@ unsafe fn read_mesh(def: &CrumpleExampleSetDef) -> Result<MeshData, Failure> {
     Ok(MeshData { positions, normals, tangents, triangles })
 }
 
-unsafe fn read_triangles(def: &CrumpleExampleSetDef) -> Result<Vec<[u32; 3]>, Failure> {
+unsafe fn read_triangles(def: &CrumpleLodDef) -> Result<Vec<[u32; 3]>, Failure> {
     let count = def.index_count as usize;
     if !count.is_multiple_of(3) {
         return Err(Failure::invalid(format!("def.index_count is {count}; it must be a multiple of 3")));

@@ -39,6 +39,8 @@ pub struct CrumpleExampleSetInfo {
     pub node_transform: [f32; 16],
     /// Whether the mesh has tangents.
     pub has_tangents: bool,
+    /// Meshes that show the damage: 1, the base mesh, and those of crumple_example_set_add_lod().
+    pub lod_count: u32,
     /// Zero; room for later.
     pub reserved: [u64; 4],
 }
@@ -100,12 +102,14 @@ impl CrumplePrimitive {
     }
 }
 
-/// Where the base mesh is copied to. Absent streams are left out.
+/// Where a set's mesh is copied to. Absent streams are left out.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleMeshCopyDef {
     /// Bytes of this struct, from crumple_default_mesh_copy_def().
     pub struct_size: u32,
+    /// Which mesh: 0 the base mesh, else a number from crumple_example_set_add_lod(). Default 0.
+    pub lod: u32,
     /// Positions: 3 floats a vertex, m.
     pub positions: CrumpleStream,
     /// Unit normals: 3 floats a vertex.
@@ -126,6 +130,7 @@ unsafe impl Def for CrumpleMeshCopyDef {
 pub extern "C" fn crumple_default_mesh_copy_def() -> CrumpleMeshCopyDef {
     CrumpleMeshCopyDef {
         struct_size: size_of::<CrumpleMeshCopyDef>() as u32,
+        lod: 0,
         positions: CrumpleStream::ABSENT,
         normals: CrumpleStream::ABSENT,
         tangents: CrumpleStream::ABSENT,
@@ -163,6 +168,7 @@ pub unsafe extern "C" fn crumple_get_example_set_info(
             bounds: mesh.bounds().into(),
             node_transform: entry.node_transform.unwrap_or(IDENTITY),
             has_tangents: mesh.tangents().is_some(),
+            lod_count: set.lod_count() as u32,
             reserved: [0; 4],
         });
         Ok(())
@@ -230,13 +236,13 @@ fn item<'a, T>(items: &'a [T], index: u32, name: &str) -> Result<&'a T, Failure>
     items.get(index as usize).ok_or_else(|| crate::Error::IndexOutOfRange { name: name.into(), index, len }.into())
 }
 
-/// Copies the base mesh into your memory: the vertex and index buffers to draw with, before the first dent. Normals
+/// Copies the base mesh, or a level of detail, into your memory: the vertex and index buffers to draw with, before the first dent. Normals
 /// are computed ones where the set was made without.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
 /// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (a stride smaller than an element, streams that overlap),
-/// CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_MESH (normals or tangents of a mesh that has none),
-/// CRUMPLE_ERROR_CONCURRENT_USE.
+/// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE (def.lod), CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_MESH (normals or tangents of a
+/// mesh that has none), CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_copy_base_mesh(
     context: *mut CrumpleContext,
@@ -247,7 +253,8 @@ pub unsafe extern "C" fn crumple_copy_base_mesh(
         // SAFETY: the caller's.
         let def = unsafe { self::def(def, "def") }?;
         let set = &state.sets.get(set, "set")?.set;
-        let (mesh, n) = (set.mesh(), set.vertex_count());
+        let mesh = set.lod_mesh(def.lod as usize)?;
+        let n = mesh.positions().len();
         let positions = Stream::new(def.positions, 12, n, "def.positions")?;
         let normals = Stream::new(def.normals, 12, n, "def.normals")?;
         let tangents = Stream::new(def.tangents, 16, n, "def.tangents")?;

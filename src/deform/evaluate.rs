@@ -120,6 +120,8 @@ pub(crate) fn vertex(instance: &Instance, skin: &Skin, v: usize) -> (Vec3, Optio
 /// What evaluating blocks needs of memory, used over and over.
 pub(crate) struct Room<'a> {
     parts: Vec<Ready<'a>>,
+    /// Parts that the tolerance left out of blocks so far.
+    pub left_out: u32,
     base: Flat,
     base_normals: Flat,
     positions: Flat,
@@ -129,25 +131,32 @@ pub(crate) struct Room<'a> {
 impl Room<'_> {
     pub(crate) fn new() -> Self {
         let zero = [0.0; 3 * BLOCK];
-        Room { parts: Vec::new(), base: zero, base_normals: zero, positions: zero, normals: zero }
+        Room { parts: Vec::new(), left_out: 0, base: zero, base_normals: zero, positions: zero, normals: zero }
     }
 }
 
 /// The parts of an instance's dents that move vertices of the block, in order, each with the length below which it moves none.
 #[inline(always)]
-fn active<'a>(job: Job<'a>, normals: bool, parts: &mut Vec<Ready<'a>>) -> Touched {
+fn active<'a>(job: Job<'a>, normals: bool, room: &mut Room<'a>) -> Touched {
+    let Room { parts, left_out, .. } = room;
     parts.clear();
     let mut touched = Touched { dents: 0, longest: 0.0, stored: false };
-    for dent in job.instance.damage().dents() {
+    for (_, dent) in job.instance.damage().near(&job.skin.block_bounds[job.block]) {
         let before = parts.len();
         for part in &dent.parts {
             if let Some((source, longest)) = reached(job, normals, part) {
                 let scale = part.scale * dent.strength;
                 let least = if scale == 0.0 { 0.0 } else { job.instance.least() / scale.abs() };
-                if least == 0.0 || longest > least {
+                // Normals of a part are shown in all blocks or in none, so that they agree where blocks meet.
+                let shown = least == 0.0
+                    || longest > least
+                    || (normals && part.carried.is_none() && job.skin.anchored[part.example].exceeds(least));
+                if shown {
                     parts.push(Ready { source, scale, least, last: false });
                     touched.longest += longest * scale.abs();
                     touched.stored |= part.carried.is_none();
+                } else {
+                    *left_out += 1;
                 }
             }
         }
@@ -207,7 +216,7 @@ unsafe fn evaluate<'a, N: Simd, W: Simd>(
         *bounds = classic(state, range.start, positions, normals);
         return;
     }
-    let touched = active(job, normals.is_some(), &mut room.parts);
+    let touched = active(job, normals.is_some(), room);
     if touched.dents == 0 {
         positions.copy_from_slice(base);
         if let Some((normals, base)) = normals {

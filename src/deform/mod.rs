@@ -16,6 +16,7 @@ use crate::tasks::run_each;
 use crate::{Aabb, Error, Instance, TaskSystem};
 use glam::Vec3;
 use memory::Scattered;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Blocks a task evaluates, at most …
 const BLOCKS_A_TASK: usize = 64;
@@ -29,7 +30,7 @@ const STREAM: usize = 32768;
 /// One output to bring up to date.
 #[derive(Debug)]
 pub struct DeformJob<'a, 'm> {
-    /// The mesh: 0 is the set's own, then its levels of detail in the order they were added.
+    /// The mesh: 0 is the set's own, then its levels of detail in the order they were added ([`crate::ExampleSet::add_lod`]).
     pub lod: usize,
     /// The instance; hits must have been folded ([`Instance::fold`]), others wait for the next time.
     pub instance: &'a Instance,
@@ -48,14 +49,17 @@ pub struct DeformReport {
     pub blocks_written: u64,
     /// Blocks that were up to date.
     pub blocks_skipped: u64,
+    /// Examples of marks that the instances' tolerances left out of blocks written, over all of these.
+    pub parts_skipped: u64,
 }
 
 /// Brings outputs up to date: evaluates the blocks that changed since each was last written, and writes those only. Work
 /// is balanced by blocks over all outputs; an output that is up to date costs a comparison.
 ///
 /// # Errors
-/// [`Error::BufferTooSmall`], or [`Error::Unsupported`] for normals or tangents that the mesh does not have. They name the
-/// output; nothing is written then.
+/// [`Error::IndexOutOfRange`] for a level of detail that the set does not have; [`Error::WrongRule`] for one of an instance with
+/// a classic rule, whose state is the base mesh's; [`Error::BufferTooSmall`], or [`Error::Unsupported`] for normals or tangents
+/// that the mesh does not have. They name the output; nothing is written then.
 pub fn deform(jobs: &mut [DeformJob<'_, '_>], tasks: &dyn TaskSystem) -> Result<DeformReport, Error> {
     for job in jobs.iter() {
         check(job)?;
@@ -68,6 +72,7 @@ pub fn deform(jobs: &mut [DeformJob<'_, '_>], tasks: &dyn TaskSystem) -> Result<
     }
     let total = items.len();
     let mut bounds = vec![Aabb::EMPTY; total];
+    let parts_skipped = AtomicU64::new(0);
     {
         let slots = Scattered::new(&mut bounds);
         let jobs = &*jobs;
@@ -78,24 +83,30 @@ pub fn deform(jobs: &mut [DeformJob<'_, '_>], tasks: &dyn TaskSystem) -> Result<
             let mut room =
                 Room { evaluate: evaluate::Room::new(), positions: [0.0; 3 * BLOCK], normals: [0.0; 3 * BLOCK] };
             for (i, (job, block)) in items[from..(from + chunk).min(total)].iter().enumerate() {
+                let job = &jobs[*job as usize];
+                // `check` has passed: there is one.
+                let Ok(skin) = job.skin() else { continue };
+                let block = evaluate::Job { instance: job.instance, skin, block: *block as usize, stream };
                 // SAFETY: item `from + i` belongs to this task alone, and `run_each` runs a task once.
                 let bounds = unsafe { slots.at(from + i) };
-                write_block(&jobs[*job as usize], *block as usize, stream, &mut room, bounds);
+                write_block(job, block, &mut room, bounds);
             }
             if stream {
                 evaluate::finish();
             }
+            parts_skipped.fetch_add(room.evaluate.left_out.into(), Ordering::Relaxed);
         });
     }
-    let mut report = DeformReport::default();
+    let mut report = DeformReport { parts_skipped: parts_skipped.into_inner(), ..DeformReport::default() };
     let mut at = 0;
     for (j, job) in jobs.iter_mut().enumerate() {
         let count = items[at..].iter().take_while(|(job, _)| *job as usize == j).count();
         let written = at..at + count;
         at += count;
-        job.tracker.written(job.instance, job.lod, &items[written.clone()], &bounds[written]);
+        let vertices = job.skin()?.vertex_count();
+        job.tracker.written((job.instance, job.lod, vertices), &items[written.clone()], &bounds[written]);
         report.blocks_written += count as u64;
-        report.blocks_skipped += (job.skin().blocks() - count) as u64;
+        report.blocks_skipped += (job.skin()?.blocks() - count) as u64;
         report.vertices_written += job.tracker.changed().iter().map(|r| u64::from(r.end - r.start)).sum::<u64>();
     }
     Ok(report)
@@ -118,13 +129,16 @@ impl Instance {
 }
 
 impl DeformJob<'_, '_> {
-    fn skin(&self) -> &Skin {
-        self.instance.example_set().skin()
+    fn skin(&self) -> Result<&Skin, Error> {
+        self.instance.example_set().lod(self.lod)
     }
 }
 
 fn check(job: &DeformJob<'_, '_>) -> Result<(), Error> {
-    let mesh = &job.skin().mesh;
+    let mesh = &job.skin()?.mesh;
+    if job.lod > 0 && job.instance.classic_state().is_some() {
+        return Err(job.instance.needs_marks("a deform of another level of detail than 0"));
+    }
     if job.memory.has_normals() && mesh.normals().is_none() {
         return Err(Error::Unsupported {
             what: "a normal output: the mesh has neither normals nor triangles to compute them from".into(),
@@ -143,11 +157,10 @@ struct Room<'a> {
     normals: evaluate::Flat,
 }
 
-fn write_block<'a>(job: &'a DeformJob<'_, '_>, b: usize, stream: bool, room: &mut Room<'a>, bounds: &mut Aabb) {
-    let skin = job.skin();
+fn write_block<'a>(job: &'a DeformJob<'_, '_>, block: evaluate::Job<'a>, room: &mut Room<'a>, bounds: &mut Aabb) {
+    let (skin, b) = (block.skin, block.block);
     let range = block_range(b, skin.vertex_count());
     let with_tangents = job.memory.has_tangents() && skin.mesh.normals().is_some();
-    let block = evaluate::Job { instance: job.instance, skin, block: b, stream };
     let n = 3 * range.len();
     let Room { evaluate: room, positions, normals } = room;
     let (positions, normals) = (&mut positions[..n], &mut normals[..n]);

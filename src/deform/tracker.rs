@@ -47,15 +47,19 @@ impl Tracker {
     }
 
     /// Notes that these blocks (second of each pair; increasing) were written and have these bounds.
-    pub(crate) fn written(&mut self, instance: &Instance, lod: usize, blocks: &[(u32, u32)], bounds: &[Aabb]) {
+    pub(crate) fn written(
+        &mut self,
+        (instance, lod, vertices): (&Instance, usize, usize),
+        blocks: &[(u32, u32)],
+        bounds: &[Aabb],
+    ) {
         let changes = instance.changes();
         self.changed.clear();
         if !blocks.is_empty() {
-            let n = instance.example_set().skin().vertex_count();
             self.block_bounds.resize(changes.blocks[lod].len(), Aabb::EMPTY);
             for ((_, b), bound) in blocks.iter().zip(bounds) {
                 self.block_bounds[*b as usize] = *bound;
-                let r = block_range(*b as usize, n);
+                let r = block_range(*b as usize, vertices);
                 match self.changed.last_mut() {
                     Some(last) if last.end == r.start as u32 => last.end = r.end as u32,
                     _ => self.changed.push(r.start as u32..r.end as u32),

@@ -2,7 +2,7 @@
 
 use super::read::{File, length_of};
 use super::{
-    AnchoredRecord, ExampleRecord, Id, NODES_ALIGN, SetRecord, SkinRecord, StampRecord, check, wrong,
+    AnchoredRecord, ExampleRecord, Id, MAX_SKINS, NODES_ALIGN, SetRecord, SkinRecord, StampRecord, check, wrong,
 };
 use crate::anchored::{Anchored, Head, Steps};
 use crate::array::{Array, FileBytes};
@@ -14,7 +14,7 @@ use crate::rim::Rim;
 use crate::skin::Skin;
 use crate::stamp::{Grid, NodeArray, Nodes, Stamp, StampError};
 use crate::tasks::run_each;
-use crate::{Error, Mirror, Placement, TaskSystem};
+use crate::{Error, LodReport, Mirror, Placement, TaskSystem};
 use bytemuck::{Pod, cast_slice};
 use glam::{UVec3, Vec3};
 use std::sync::{Arc, Mutex};
@@ -23,8 +23,8 @@ use std::sync::{Arc, Mutex};
 pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSet, Error> {
     let file = File::open(bytes, tasks)?;
     let record = *one::<SetRecord>(&file.array(Id::Set, 0)?, Id::Set)?;
-    if record.skins != 1 {
-        return Err(Error::Unsupported { what: format!("a baked set with {} meshes; 1 is possible", record.skins) });
+    if !(1..=MAX_SKINS).contains(&record.skins) {
+        return Err(wrong("the number of meshes", record.skins, format!("1 to {MAX_SKINS}")));
     }
     file.check_skins(record.skins)?;
     if !(1..u32::from(u16::MAX)).contains(&record.examples) {
@@ -44,7 +44,17 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
     }
     let stamps = stamps(&file, &records)?;
     check_all(&skins, &stamps, tasks)?;
-    let skin = skins.swap_remove(0);
+    let mut skins = skins.into_iter();
+    let Some(skin) = skins.next() else { return Err(wrong("the number of meshes", 0, "at least 1")) };
+    let lods = (1..).zip(skins).map(|(k, skin)| {
+        let farthest = one::<SkinRecord>(&file.array(Id::Skin, k)?, Id::Skin)?.farthest;
+        if !(farthest >= 0.0) {
+            return Err(wrong(format!("how far mesh {k} is off"), farthest, "at least 0 m"));
+        }
+        let report = LodReport { vertices: skin.vertex_count(), bytes: skin.bytes(), farthest };
+        Ok((skin, report))
+    });
+    let lods = lods.collect::<Result<Vec<_>, Error>>()?;
     let learned = learned(&record, &records)?;
     let examples = examples(&file, &records, &skin, stamps)?;
     if deepest(&examples) == 0.0 {
@@ -56,7 +66,8 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
     }
     let order: Array<u32> = file.array(Id::SourceOrder, 0)?;
     if !order.is_empty() {
-        check::order(&order, skin.vertex_count()).map_err(|(v, expected)| wrong("section source order", v, expected))?;
+        check::order(&order, skin.vertex_count())
+            .map_err(|(v, expected)| wrong("section source order", v, expected))?;
     }
     if !(record.widest_weld >= 0.0) {
         return Err(wrong("the widest weld", record.widest_weld, "at least 0 m"));
@@ -64,6 +75,7 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
     Ok(ExampleSet::new(Parts {
         index: index(&file, &skin.mesh)?,
         skin,
+        lods,
         examples,
         options,
         learned,
@@ -140,7 +152,7 @@ fn options(r: &SetRecord, file: &File<'_>, vertices: usize) -> Result<SetOptions
 fn skin(file: &File<'_>, k: u32, examples: usize, steps: Steps) -> Result<Skin, Error> {
     let record = *one::<SkinRecord>(&file.array(Id::Skin, k)?, Id::Skin)?;
     let n = record.vertices as usize;
-    if n == 0 || record.vertices == u32::MAX || record.zero != 0 {
+    if n == 0 || record.vertices == u32::MAX {
         return Err(wrong("the number of vertices", n, "1 to 4294967294"));
     }
     let positions: Array<Vec3> = file.array_of(Id::Positions, k, n)?;
@@ -211,7 +223,11 @@ fn stamps(file: &File<'_>, examples: &[ExampleRecord]) -> Result<Vec<Stamp>, Err
             return Err(wrong("the nodes of a stamp", dims, "2 to 128 along each axis"));
         }
         if !matches!(r.nodes, [4 | 8, 4, 4] | [12, 12, 12]) {
-            return Err(wrong("the bytes of a stamp's nodes", format!("{:?}", r.nodes), "4, 4, 4 or 8, 4, 4 or 12, 12, 12"));
+            return Err(wrong(
+                "the bytes of a stamp's nodes",
+                format!("{:?}", r.nodes),
+                "4, 4, 4 or 8, 4, 4 or 12, 12, 12",
+            ));
         }
         let grid = Grid { dims, origin: Vec3::from_array(r.origin), cell: Vec3::from_array(r.cell) };
         let mut field = |i: usize| {
@@ -322,8 +338,9 @@ fn examples(
         (name, names) = names
             .split_at_checked(r.name as usize)
             .ok_or_else(|| wrong(format!("the length of the name of example {i}"), r.name, names.len()))?;
-        let name = std::str::from_utf8(name)
-            .map_err(|e| wrong(format!("the name of example {i}"), format!("wrong at byte {}", e.valid_up_to()), "UTF-8"))?;
+        let name = std::str::from_utf8(name).map_err(|e| {
+            wrong(format!("the name of example {i}"), format!("wrong at byte {}", e.valid_up_to()), "UTF-8")
+        })?;
         let stamp = flag("whether an example has a stamp", r.stamp)?.then(|| stamps.next()).flatten();
         out.push(example(i, r, skin, (name, anchored.clone(), stamp))?);
     }

@@ -252,8 +252,12 @@ struct SkinRecord {
     vertices: u32,
     repaired_normals: u32,
     degenerate_triangles: u32,
-    zero: u32,
+    /// m; 0 of the base mesh.
+    farthest: f32,
 }
+
+/// A set has no more meshes: its own and levels of detail.
+pub(crate) const MAX_SKINS: u32 = 64;
 
 /// One element of section `anchored`: how much of `heads` and `words` is one example's.
 #[repr(C)]

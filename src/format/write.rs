@@ -4,10 +4,10 @@ use super::{
     ALIGN, AnchoredRecord, CHUNK, Entry, ExampleRecord, Header, Id, MAGIC, NODES_ALIGN, SetRecord, SkinRecord,
     StampRecord, UNHASHED, VERSION, checksum,
 };
+use crate::Placement;
 use crate::examples::{Combine, Example, ExampleSet, Seams, VertexMass};
 use crate::skin::Skin;
 use crate::stamp::{NodeArray, Nodes, Stamp};
-use crate::Placement;
 use bytemuck::{Pod, bytes_of, cast_slice};
 use std::borrow::Cow;
 use std::io::{self, Write};
@@ -41,7 +41,8 @@ impl<'a> File<'a> {
         let mut file = File { sections: Vec::new(), table: Vec::new(), length: 0 };
         file.set(set);
         for (k, skin) in set.skins().enumerate() {
-            file.skin(k as u32, skin);
+            let farthest = k.checked_sub(1).map_or(0.0, |lod| set.report().lods[lod].farthest);
+            file.skin(k as u32, skin, farthest);
         }
         let (inner, leaves) = set.index().parts();
         file.array(Id::IndexInner, 0, inner);
@@ -156,23 +157,28 @@ impl<'a> File<'a> {
             zero: 0,
         };
         self.records(Id::Set, 0, &[record]);
-        let examples: Vec<ExampleRecord> = set.examples().iter().enumerate().map(|(i, e)| ExampleRecord {
-            name: e.name().len() as u32,
-            contact_vertex: e.contact_vertex(),
-            moved: e.moved_vertices() as u32,
-            support_radius: e.support_radius(),
-            contact_normal: e.contact_normal().unwrap_or_default().to_array(),
-            carried_error: learned.carried_error[i].unwrap_or(f32::NAN),
-            anchored_error: learned.anchored_error[i].unwrap_or(f32::NAN),
-            placement: match e.placement() {
-                Placement::Automatic => 0,
-                Placement::Anchored => 1,
-                Placement::Carried => 2,
-            },
-            stays: learned.anchored[i].into(),
-            stamp: e.stamp().is_some().into(),
-            zero: 0,
-        }).collect();
+        let examples: Vec<ExampleRecord> = set
+            .examples()
+            .iter()
+            .enumerate()
+            .map(|(i, e)| ExampleRecord {
+                name: e.name().len() as u32,
+                contact_vertex: e.contact_vertex(),
+                moved: e.moved_vertices() as u32,
+                support_radius: e.support_radius(),
+                contact_normal: e.contact_normal().unwrap_or_default().to_array(),
+                carried_error: learned.carried_error[i].unwrap_or(f32::NAN),
+                anchored_error: learned.anchored_error[i].unwrap_or(f32::NAN),
+                placement: match e.placement() {
+                    Placement::Automatic => 0,
+                    Placement::Anchored => 1,
+                    Placement::Carried => 2,
+                },
+                stays: learned.anchored[i].into(),
+                stamp: e.stamp().is_some().into(),
+                zero: 0,
+            })
+            .collect();
         self.records(Id::Examples, 0, &examples);
         let names: Vec<u8> = set.examples().iter().flat_map(|e| e.name().bytes()).collect();
         self.records(Id::Names, 0, &names);
@@ -186,13 +192,13 @@ impl<'a> File<'a> {
         self.pieces(Id::Nodes, 0, 1, NODES_ALIGN, nodes.map(Cow::Borrowed).collect());
     }
 
-    fn skin(&mut self, k: u32, skin: &'a Skin) {
+    fn skin(&mut self, k: u32, skin: &'a Skin, farthest: f32) {
         let (mesh, arrays) = (&skin.mesh, skin.mesh.arrays());
         let record = SkinRecord {
             vertices: skin.vertex_count() as u32,
             repaired_normals: mesh.repaired_normals() as u32,
             degenerate_triangles: mesh.degenerate_triangles() as u32,
-            zero: 0,
+            farthest,
         };
         self.records(Id::Skin, k, &[record]);
         self.array(Id::Positions, k, &arrays.positions);

@@ -44,6 +44,7 @@ const PARTS: &[Part] = &[
     Part { measures: Some("stability"), ..part("stability") },
     Part { measures: Some("pictures"), ..part("pictures") },
     Part { measures: Some("speed"), ..part("speed") },
+    Part { measures: Some("scene"), ..part("scene") },
     Part { shows: Some("draw.py"), ..part("charts") },
     Part { shows: Some("report.py"), ..part("report") },
 ];

@@ -1,0 +1,116 @@
+// Levels of detail and tolerances through the C interface.
+#include "support.h"
+
+enum { COARSE = 13, COARSE_VERTICES = COARSE * COARSE, COARSE_INDICES = (COARSE - 1) * (COARSE - 1) * 6 };
+
+static Sheet sheet;
+static float coarse[COARSE_VERTICES][3], coarse_normals[COARSE_VERTICES][3];
+static uint16_t coarse_indices[COARSE_INDICES];
+
+// Every second row and column of the sheet.
+static CrumpleLodDef every_second(void) {
+    CrumpleLodDef def = crumple_default_lod_def();
+    int n = 0;
+    for (int v = 0; v < COARSE_VERTICES; ++v) {
+        int from = v / COARSE * 2 * SIDE + v % COARSE * 2;
+        memcpy(coarse[v], sheet.positions[from], 12);
+        memcpy(coarse_normals[v], sheet.normals[from], 12);
+        if (v % COARSE < COARSE - 1 && v / COARSE < COARSE - 1) {
+            int quad[6] = {v, v + 1, v + COARSE, v + COARSE, v + 1, v + COARSE + 1};
+            for (int k = 0; k < 6; ++k) coarse_indices[n++] = (uint16_t)quad[k];
+        }
+    }
+    def.vertex_count = COARSE_VERTICES;
+    def.positions = input_of(coarse, sizeof coarse, 12);
+    def.normals = input_of(coarse_normals, sizeof coarse_normals, 12);
+    def.indices = input_of(coarse_indices, sizeof coarse_indices, 2);
+    def.index_count = COARSE_INDICES;
+    def.index_type = CRUMPLE_INDEX_TYPE_U16;
+    return def;
+}
+
+static CrumpleBuffer register_level(CrumpleContext *context, CrumpleInstance body, uint32_t lod, float (*positions)[3], size_t count) {
+    CrumpleHostBufferDef def = crumple_default_host_buffer_def();
+    CrumpleBuffer buffer;
+    FACT(def.lod == 0);
+    def.lod = lod;
+    def.positions = stream_of(positions, count * 12, 0, 12);
+    OK(crumple_register_host_buffer(context, body, &def, &buffer));
+    return buffer;
+}
+
+static void levels(CrumpleContext *context) {
+    CrumpleExampleSet set;
+    CrumpleExampleSetInfo info;
+    CrumpleLodDef def = every_second(), bad;
+    uint32_t lod = 0;
+    OK(crumple_create_example_set(context, &sheet.def, &set));
+    OK(crumple_get_example_set_info(context, set, &info));
+    FACT(info.lod_count == 1);
+    uint64_t bytes = info.memory_bytes;
+    bad = def;
+    bad.vertex_count = 0;
+    FAILS_KEEPING(CRUMPLE_ERROR_MESH, "vertex_count is 0", lod, crumple_example_set_add_lod(context, set, &bad, &lod));
+    bad = def;
+    bad.struct_size = 3;
+    FAILS(CRUMPLE_ERROR_STRUCT_SIZE, "crumple_default_lod_def", crumple_example_set_add_lod(context, set, &bad, &lod));
+    bad = def;
+    bad.positions.size = 100;
+    FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "def.positions", crumple_example_set_add_lod(context, set, &bad, &lod));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "out_lod", crumple_example_set_add_lod(context, set, &def, NULL));
+    OK(crumple_example_set_add_lod(context, set, &def, &lod));
+    FACT(lod == 1);
+    OK(crumple_get_example_set_info(context, set, &info));
+    FACT(info.lod_count == 2 && info.memory_bytes > bytes);
+
+    static float copy[COARSE_VERTICES][3];
+    CrumpleMeshCopyDef mesh = crumple_default_mesh_copy_def();
+    mesh.lod = 1;
+    mesh.positions = stream_of(copy, sizeof copy, 0, 12);
+    OK(crumple_copy_base_mesh(context, set, &mesh));
+    FACT(memcmp(copy, coarse, sizeof copy) == 0);
+    mesh.lod = 2;
+    FAILS(CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, "below 2", crumple_copy_base_mesh(context, set, &mesh));
+
+    CrumpleInstance body = make_instance(context, set);
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "before the first instance", crumple_example_set_add_lod(context, set, &def, &lod));
+    static float fine[VERTICES][3], few[COARSE_VERTICES][3];
+    CrumpleBuffer base = register_level(context, body, 0, fine, VERTICES), level = register_level(context, body, 1, few, COARSE_VERTICES);
+    CrumpleHostBufferDef third = crumple_default_host_buffer_def();
+    third.lod = 2;
+    third.positions = stream_of(fine, sizeof fine, 0, 12);
+    FAILS(CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, "below 2", crumple_register_host_buffer(context, body, &third, &base));
+    CrumpleDisplacementDef hit = displacement_at(0.1f, 0.1f, 0.04f);
+    OK(crumple_submit_displacement(context, body, &hit, NULL));
+    CrumpleDeformReport report;
+    OK(crumple_deform(context, &level, 1, &report));
+    FACT(report.vertices_written == COARSE_VERTICES && report.parts_skipped == 0);
+    OK(crumple_deform(context, NULL, 0, &report));
+    FACT(report.vertices_written == VERTICES);
+    int moved = 0;
+    for (int v = 0; v < COARSE_VERTICES; ++v) {
+        FACT(memcmp(few[v], fine[v / COARSE * 2 * SIDE + v % COARSE * 2], 12) == 0);
+        moved += memcmp(few[v], coarse[v], 12) != 0;
+    }
+    FACT(moved > 3);
+
+    // Farther than the eye can tell, nothing is dented.
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "tolerance", crumple_instance_set_tolerance(context, body, -1));
+    OK(crumple_instance_set_tolerance(context, body, crumple_pixel_tolerance(1, 1e4f, 1, 1080)));
+    OK(crumple_deform(context, NULL, 0, &report));
+    FACT(report.parts_skipped > 0);
+    FACT(memcmp(few, coarse, sizeof few) == 0 && memcmp(fine, sheet.positions, sizeof fine) == 0);
+    OK(crumple_instance_set_tolerance(context, body, 0));
+    OK(crumple_deform(context, NULL, 0, NULL));
+    FACT(memcmp(few, coarse, sizeof few) != 0);
+    FACT(crumple_pixel_tolerance(-1, 10, 1, 1080) == 0 && crumple_pixel_tolerance(1, 10, 1, 1080) > 0);
+}
+
+int main(void) {
+    make_sheet(&sheet);
+    CrumpleContext *context = make_context(1);
+    levels(context);
+    OK(crumple_context_destroy(context));
+    printf("%u checks\n", checks);
+    return 0;
+}

@@ -1,0 +1,315 @@
+//! Levels of detail: several meshes show one damage. Against the base mesh bit for bit where they share vertices, against an
+//! interpolation in f64 where they do not.
+
+mod scenes;
+
+use std::sync::Arc;
+
+use crumple::glam::DVec3;
+use crumple::{
+    DeformJob, DeformReport, Error, ErrorKind, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData,
+    Placement, Rule, Serial, SetOptions, ThreadPool, Tracker, VertexMemory, deform,
+};
+use scenes::{Dice, ball, bowls, coincident, cube, length, push, random_hits, sheet};
+
+/// Positions and normals of one level, and what they hold.
+struct Level {
+    lod: usize,
+    positions: Vec<[f32; 3]>,
+    normals: Vec<[f32; 3]>,
+    tracker: Tracker,
+}
+
+impl Level {
+    fn new(set: &ExampleSet, lod: usize) -> Self {
+        let n = set.lod_mesh(lod).unwrap().positions().len();
+        Level { lod, positions: vec![[0.0; 3]; n], normals: vec![[0.0; 3]; n], tracker: Tracker::new() }
+    }
+
+    fn update(&mut self, instance: &mut Instance) -> DeformReport {
+        instance.fold();
+        let memory = VertexMemory::separate(&mut self.positions, Some(&mut self.normals), None).unwrap();
+        deform(&mut [DeformJob { lod: self.lod, instance, tracker: &mut self.tracker, memory }], &Serial).unwrap()
+    }
+
+    fn of(instance: &mut Instance, lod: usize) -> Self {
+        let mut level = Level::new(&instance.example_set().clone(), lod);
+        level.update(instance);
+        level
+    }
+
+    fn bits(&self) -> Vec<[u32; 3]> {
+        self.positions.iter().map(|p| p.map(f32::to_bits)).collect()
+    }
+}
+
+fn options(tolerance: Option<f32>) -> SetOptions {
+    SetOptions { tolerance, stamp_resolution: 12, ..SetOptions::default() }
+}
+
+fn placed(mut examples: Vec<ExampleData>, placement: Placement) -> Vec<ExampleData> {
+    examples.iter_mut().for_each(|e| e.placement = placement);
+    examples
+}
+
+fn with_lods(mesh: MeshData, examples: Vec<ExampleData>, options: SetOptions, lods: &[MeshData]) -> Arc<ExampleSet> {
+    let mut set = ExampleSet::build(mesh, examples, options, &Serial).unwrap();
+    for (i, lod) in lods.iter().enumerate() {
+        assert_eq!(set.add_lod(lod.clone(), &Serial).unwrap(), i + 1);
+    }
+    assert_eq!((set.lod_count(), set.report().lods.len()), (1 + lods.len(), lods.len()));
+    Arc::new(set)
+}
+
+fn dented(set: &Arc<ExampleSet>, hits: &[Hit]) -> Instance {
+    let body = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+    hits.iter().for_each(|h| assert!(body.submit(h).is_ok()));
+    body
+}
+
+/// Hits at the examples' own contacts, which anchor them, and anywhere else.
+fn hits(set: &ExampleSet, seed: u64) -> Vec<Hit> {
+    let own = set.examples().iter().map(|e| push(e.contact_point().into(), e.contact_displacement().into()));
+    own.take(3).chain(random_hits(set, 5, seed)).collect()
+}
+
+#[test]
+fn a_level_that_is_the_base_mesh_moves_as_the_base_does() {
+    for (mesh, radius) in [(sheet(12), 0.4), (ball(2), 0.45), (cube(4), 0.6)] {
+        for placement in [Placement::Anchored, Placement::Carried, Placement::Automatic] {
+            for tolerance in [None, Some(1e-4)] {
+                let examples = placed(bowls(&mesh, 4, radius, 3), placement);
+                let set = with_lods(mesh.clone(), examples, options(tolerance), std::slice::from_ref(&mesh));
+                assert_eq!(set.report().lods[0].farthest, 0.0);
+                let mut body = dented(&set, &hits(&set, 9));
+                let (base, lod) = (Level::of(&mut body, 0), Level::of(&mut body, 1));
+                assert_eq!(base.bits(), lod.bits(), "{placement:?} {tolerance:?}");
+                for (a, b) in base.normals.iter().zip(&lod.normals) {
+                    assert!(length([a[0] - b[0], a[1] - b[1], a[2] - b[2]]) < 1e-6, "{a:?} {b:?}");
+                }
+                assert_eq!(base.tracker.bounds(), lod.tracker.bounds());
+            }
+        }
+    }
+}
+
+#[test]
+fn a_level_of_every_second_row_moves_as_the_base_where_they_share_vertices() {
+    for tolerance in [None, Some(1e-4)] {
+        let (fine, coarse) = (sheet(24), sheet(12));
+        let set = with_lods(fine.clone(), bowls(&fine, 5, 0.4, 1), options(tolerance), &[coarse]);
+        let mut body = dented(&set, &hits(&set, 4));
+        let (base, lod) = (Level::of(&mut body, 0), Level::of(&mut body, 1));
+        for i in 0..=12 {
+            for j in 0..=12 {
+                let (a, b) = (base.positions[2 * i * 25 + 2 * j], lod.positions[i * 13 + j]);
+                assert_eq!(a.map(f32::to_bits), b.map(f32::to_bits), "{i} {j}");
+            }
+        }
+    }
+}
+
+/// Displacement of a point of the flat sheet by linear interpolation over its triangles, in f64.
+fn interpolated(n: usize, point: [f32; 3], of: &dyn Fn(usize) -> DVec3) -> DVec3 {
+    let (x, y) = ((f64::from(point[0]) + 0.5) * n as f64, (f64::from(point[1]) + 0.5) * n as f64);
+    let (i, j) = ((x.floor() as usize).min(n - 1), (y.floor() as usize).min(n - 1));
+    let (u, v) = (x - i as f64, y - j as f64);
+    let at = |a: usize, b: usize| of((i + a) * (n + 1) + j + b);
+    // Each square is cut along the diagonal from (0, 0) to (1, 1).
+    if u >= v {
+        at(0, 0) * (1.0 - u) + at(1, 0) * (u - v) + at(1, 1) * v
+    } else {
+        at(0, 0) * (1.0 - v) + at(0, 1) * (v - u) + at(1, 1) * u
+    }
+}
+
+#[test]
+fn vertices_between_follow_the_interpolated_displacement() {
+    let (n, tolerance) = (24, 1e-4);
+    let mut dice = Dice::new(8);
+    let mut points: Vec<[f32; 3]> =
+        (0..700).map(|_| [dice.between(-0.5, 0.5), dice.between(-0.5, 0.5), dice.between(-0.02, 0.02)]).collect();
+    // On an edge, and on a vertex.
+    points.extend([[0.5, 0.01, 0.0], [-0.5, -0.5, 0.0]]);
+    let lod = MeshData { positions: points.clone(), normals: Some(vec![[0.0, 0.0, 1.0]; 702]), ..MeshData::default() };
+    for tolerance in [None, Some(tolerance)] {
+        let mesh = sheet(n);
+        let examples = placed(bowls(&mesh, 4, 0.35, 2), Placement::Anchored);
+        let set = with_lods(mesh, examples, options(tolerance), std::slice::from_ref(&lod));
+        assert!((set.report().lods[0].farthest - 0.02).abs() < 1e-3);
+        let mut still = 0;
+        for e in set.examples() {
+            let body = dented(&set, &[push(e.contact_point().into(), e.contact_displacement().into())]);
+            let mut body = body;
+            let level = Level::of(&mut body, 1);
+            let delta = |v: usize| e.delta(v as u32).as_dvec3();
+            for (p, q) in points.iter().zip(&level.positions) {
+                let wanted = interpolated(n, *p, &delta);
+                let got = DVec3::new(f64::from(q[0]), f64::from(q[1]), f64::from(q[2]))
+                    - DVec3::new(f64::from(p[0]), f64::from(p[1]), f64::from(p[2]));
+                let off = (got - wanted).length();
+                assert!(off <= f64::from(tolerance.unwrap_or(0.0)) + 2e-7, "{off} at {p:?}");
+                if wanted == DVec3::ZERO {
+                    assert_eq!(p.map(f32::to_bits), q.map(f32::to_bits));
+                    still += 1;
+                }
+            }
+        }
+        assert!(still > 100, "{still}");
+    }
+}
+
+#[test]
+fn normals_of_a_level_turn_as_the_surface_does() {
+    let (fine, coarse) = (ball(3), ball(2));
+    let set = with_lods(fine.clone(), placed(bowls(&fine, 3, 0.5, 2), Placement::Anchored), options(None), &[coarse]);
+    let e = &set.examples()[0];
+    let mut body = dented(&set, &[push(e.contact_point().into(), e.contact_displacement().into())]);
+    let (base, lod) = (Level::of(&mut body, 0), Level::of(&mut body, 1));
+    let at_rest: Vec<[f32; 3]> = set.mesh().positions().iter().map(|p| p.to_array()).collect();
+    let mut turned = 0;
+    for (v, p) in set.lod_mesh(1).unwrap().positions().iter().enumerate() {
+        let same = at_rest.iter().position(|q| *q == p.to_array()).expect("a split keeps its vertices");
+        let (a, b) = (base.normals[same], lod.normals[v]);
+        assert!(length([a[0] - b[0], a[1] - b[1], a[2] - b[2]]) < 1e-5);
+        turned += usize::from(length([a[0] - p.x * 2.0, a[1] - p.y * 2.0, a[2] - p.z * 2.0]) > 0.05);
+    }
+    assert!(turned > 3, "{turned}");
+}
+
+#[test]
+fn a_far_coarser_collision_proxy_is_dented_too() {
+    let mesh = cube(12);
+    let set = with_lods(mesh.clone(), bowls(&mesh, 6, 0.8, 2), options(None), &[cube(2)]);
+    assert_eq!(set.report().lods[0].vertices, cube(2).positions.len());
+    let mut body = dented(&set, &[push([0.5, 0.0, 0.0], [-0.1, 0.0, 0.0])]);
+    let (base, proxy) = (Level::of(&mut body, 0), Level::of(&mut body, 1));
+    let rest = cube(2).positions;
+    let deepest = |now: &[[f32; 3]], rest: &[[f32; 3]]| {
+        now.iter().zip(rest).map(|(p, q)| length([p[0] - q[0], p[1] - q[1], p[2] - q[2]])).fold(0.0, f32::max)
+    };
+    let (of_base, of_proxy) = (deepest(&base.positions, &mesh.positions), deepest(&proxy.positions, &rest));
+    assert!(of_base > 0.05 && (of_base - of_proxy).abs() < 1e-6, "{of_base} {of_proxy}");
+}
+
+#[test]
+fn only_dirty_blocks_of_a_level_are_written() {
+    let mesh = sheet(24);
+    let set = with_lods(mesh.clone(), bowls(&mesh, 6, 0.15, 2), options(None), &[sheet(80), sheet(12)]);
+    let e = &set.examples()[0];
+    let mut body = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+    let mut levels: Vec<Level> = (0..3).map(|lod| Level::new(&set, lod)).collect();
+    for level in &mut levels {
+        let all = level.positions.len() as u64;
+        assert_eq!(level.update(&mut body).vertices_written, all);
+        assert_eq!(level.update(&mut body).vertices_written, 0);
+    }
+    body.submit(&push(e.contact_point().into(), e.contact_displacement().into())).unwrap();
+    for level in &mut levels {
+        let before = level.positions.clone();
+        level.positions.fill([f32::NAN; 3]);
+        let report = level.update(&mut body);
+        assert!(report.blocks_written > 0);
+        if level.lod == 1 {
+            assert!(report.blocks_skipped > 20, "{report:?}");
+        }
+        let written = |v: usize| level.tracker.changed().iter().any(|r| r.contains(&(v as u32)));
+        for v in 0..before.len() {
+            assert_eq!(written(v), !level.positions[v][0].is_nan(), "{v}");
+        }
+        let fresh = Level::of(&mut body, level.lod);
+        for v in 0..before.len() {
+            let now = if written(v) { level.positions[v] } else { before[v] };
+            assert_eq!(now, fresh.positions[v]);
+        }
+        level.positions = fresh.positions;
+    }
+}
+
+#[test]
+fn all_levels_see_a_hit_whenever_they_are_deformed() {
+    let mesh = ball(2);
+    let set = with_lods(mesh.clone(), bowls(&mesh, 5, 0.5, 7), options(None), &[ball(1), ball(3)]);
+    let mut body = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+    let mut levels: Vec<Level> = (0..3).map(|lod| Level::new(&set, lod)).collect();
+    for (frame, hit) in random_hits(&set, 12, 5).iter().enumerate() {
+        body.submit(hit).unwrap();
+        levels[frame % 3].update(&mut body);
+    }
+    for level in &mut levels {
+        level.update(&mut body);
+        assert_eq!(level.bits(), Level::of(&mut body, level.lod).bits());
+    }
+    // One tracker and its memory may change levels: everything is written again.
+    let mut moved = Level::new(&set, 2);
+    moved.tracker = levels[0].tracker.clone();
+    assert_eq!(moved.update(&mut body).vertices_written, moved.positions.len() as u64);
+    assert_eq!(moved.bits(), levels[2].bits());
+    body.reset();
+    levels[1].update(&mut body);
+    assert_eq!(levels[1].positions, ball(1).positions);
+}
+
+#[test]
+fn seams_of_a_level_stay_closed() {
+    let mesh = cube(10);
+    for tolerance in [None, Some(1e-4)] {
+        for lod in [cube(6), cube(14)] {
+            let groups = coincident(&lod.positions);
+            assert!(groups.len() > 50);
+            let set = with_lods(mesh.clone(), bowls(&mesh, 6, 0.6, 2), options(tolerance), &[lod]);
+            let mut body = dented(&set, &hits(&set, 6));
+            let level = Level::of(&mut body, 1);
+            let bits = level.bits();
+            for g in &groups {
+                assert!(g.iter().all(|v| bits[*v] == bits[g[0]]), "{g:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn levels_are_bound_alike_on_any_number_of_threads() {
+    let (mesh, lod) = (ball(3), ball(2));
+    let build = |threads: usize| {
+        let tasks = ThreadPool::new(threads).unwrap();
+        let mut set = ExampleSet::build(mesh.clone(), bowls(&mesh, 3, 0.5, 2), options(None), &tasks).unwrap();
+        set.add_lod(lod.clone(), &tasks).unwrap();
+        let set = Arc::new(set);
+        Level::of(&mut dented(&set, &hits(&set, 1)), 1).bits()
+    };
+    assert_eq!(build(1), build(3));
+}
+
+#[test]
+fn what_cannot_be_a_level_is_refused_and_leaves_nothing() {
+    let mesh = sheet(8);
+    let mut set = ExampleSet::build(mesh.clone(), bowls(&mesh, 2, 0.4, 2), options(None), &Serial).unwrap();
+    let (bytes, fingerprint) = (set.memory_bytes(), set.fingerprint());
+    let error = set.add_lod(MeshData::default(), &Serial).unwrap_err();
+    assert_eq!(error.to_string(), "mesh: level of detail 1: it has 0 vertices; at least 1 is needed");
+    let far = MeshData { positions: vec![[f32::NAN; 3]], ..MeshData::default() };
+    assert_eq!(set.add_lod(far, &Serial).unwrap_err().kind(), ErrorKind::NotFinite);
+    let loose = MeshData { triangles: vec![[0, 1, 9]], positions: vec![[0.0; 3]; 3], ..MeshData::default() };
+    assert_eq!(set.add_lod(loose, &Serial).unwrap_err().kind(), ErrorKind::IndexOutOfRange);
+    assert_eq!((set.lod_count(), set.memory_bytes()), (1, bytes));
+
+    set.add_lod(sheet(4), &Serial).unwrap();
+    assert_eq!(set.fingerprint(), fingerprint);
+    assert_eq!(set.memory_bytes(), bytes + set.report().lods[0].bytes);
+    let error = set.lod_mesh(2).unwrap_err();
+    assert_eq!(error, Error::IndexOutOfRange { name: "the level of detail".into(), index: 2, len: 2 });
+    let set = Arc::new(set);
+    let job = |lod: usize, rule: Rule, count: usize| {
+        let options = if rule == Rule::Marks { InstanceOptions::default() } else { InstanceOptions::classic(rule) };
+        let instance = Instance::new(set.clone(), options).unwrap();
+        let (mut positions, mut tracker) = (vec![[0.0f32; 3]; count], Tracker::new());
+        let memory = VertexMemory::separate(&mut positions, None, None).unwrap();
+        deform(&mut [DeformJob { lod, instance: &instance, tracker: &mut tracker, memory }], &Serial)
+    };
+    assert_eq!(job(2, Rule::Marks, 25).unwrap_err().to_string(), "the level of detail is 2; it must be below 2");
+    assert_eq!(job(1, Rule::MostDisplaced, 25).unwrap_err().kind(), ErrorKind::WrongRule);
+    assert_eq!(job(1, Rule::Marks, 24).unwrap_err().kind(), ErrorKind::BufferTooSmall);
+    assert_eq!(job(0, Rule::MostDisplaced, 81).unwrap().vertices_written, 81);
+    assert_eq!(job(1, Rule::Marks, 25).unwrap().vertices_written, 25);
+}
