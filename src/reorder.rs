@@ -149,6 +149,6 @@ mod tests {
         assert_eq!(mesh.triangles[0][2], 77);
         order.sort_unstable();
         assert_eq!(order, [0, 1, 2]);
-        assert_eq!(reorder(&mut MeshData::default(), &mut []), []);
+        assert!(reorder(&mut MeshData::default(), &mut []).is_empty());
     }
 }
