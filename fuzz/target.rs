@@ -33,7 +33,8 @@ pub fn load_and_use(file: Vec<u8>) -> bool {
             let _ = body.submit(&Hit::displacement(point, push));
             let _ = body.submit(&Hit::displacement(point.map(|x| x + size * 0.1), push));
         }
-        let (mut positions, mut normals, mut tangents) = (vec![[0.0f32; 3]; n], vec![[0.0f32; 3]; n], vec![[0.0f32; 4]; n]);
+        let (mut positions, mut normals, mut tangents) =
+            (vec![[0.0f32; 3]; n], vec![[0.0f32; 3]; n], vec![[0.0f32; 4]; n]);
         let memory = VertexMemory::separate(
             &mut positions,
             set.mesh().normals().is_some().then_some(&mut normals),

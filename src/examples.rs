@@ -1,8 +1,8 @@
 //! The example set: a base mesh and its examples, checked and made ready. Immutable, shared by all instances.
 
-use crate::classic::Sparse;
 use crate::anchored::{Anchored, Bytes, Steps};
 use crate::array::Array;
+use crate::classic::Sparse;
 use crate::error::{at_least_zero, positive, reserve};
 use crate::images::{Around, Images};
 use crate::learn::{Learned, learn};
@@ -339,11 +339,8 @@ impl ExampleSet {
                 what: format!("none of the {} given moves a vertex by more than {} m", ready.len(), options.drop_below),
             });
         }
-        let planes = if options.mirror {
-            mirror::planes(mesh.positions(), &index, &mesh.bounds())
-        } else {
-            Mirror::NONE
-        };
+        let planes =
+            if options.mirror { mirror::planes(mesh.positions(), &index, &mesh.bounds()) } else { Mirror::NONE };
         let rim = if options.held_rims { Rim::find(&mesh, &ready) } else { Rim::default() };
         let mut set = Self::assemble(Parts {
             fingerprint: fingerprint(&mesh, &ready, &options),

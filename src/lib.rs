@@ -60,9 +60,9 @@ pub use damage::{Mark, Pair};
 pub use data::{Contact, Deltas, ExampleData, MeshData, Placement};
 pub use deform::{Attribute, DeformJob, DeformReport, RawStream, Tracker, VertexMemory, deform};
 pub use error::{Error, ErrorKind};
+pub use examples::{Combine, Example, ExampleSet, Seams, SetOptions, SetReport, VertexMass};
 #[doc(hidden)]
 pub use format::file_checksum;
-pub use examples::{Combine, Example, ExampleSet, Seams, SetOptions, SetReport, VertexMass};
 pub use glam;
 pub use instance::{Inbox, Instance, InstanceOptions, Rule};
 pub use learn::Learned;

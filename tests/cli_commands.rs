@@ -247,8 +247,19 @@ fn bake_writes_a_set_that_the_other_commands_take() {
     let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
     let (baked, order) = (at("panel.crumple"), at("panel.order"));
     let report = crumple(&[
-        "bake", PANEL, "-o", &baked, "--tolerance", "0.5mm", "--normal-tolerance", "2deg", "--stamp-resolution", "8", "--reorder",
-        "--permutation", &order,
+        "bake",
+        PANEL,
+        "-o",
+        &baked,
+        "--tolerance",
+        "0.5mm",
+        "--normal-tolerance",
+        "2deg",
+        "--stamp-resolution",
+        "8",
+        "--reorder",
+        "--permutation",
+        &order,
     ])
     .report();
     assert!(report.contains("plain sparse displacements") && report.contains("16.00"), "{report}");

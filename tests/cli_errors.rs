@@ -204,7 +204,9 @@ fn bake_says_what_is_wrong() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
     let (panel, out) = ("assets/solver/panel.glb", at("out.crumple"));
-    for (tolerance, part) in [("1km", "'km'"), ("0", "above 0"), ("-1mm", "above 0"), ("much", "length"), ("0,1mm", "',1mm'")] {
+    for (tolerance, part) in
+        [("1km", "'km'"), ("0", "above 0"), ("-1mm", "above 0"), ("much", "length"), ("0,1mm", "',1mm'")]
+    {
         let run = crumple(&["bake", panel, "-o", &out, &format!("--tolerance={tolerance}")]);
         assert!(run.code == Some(2) && run.stderr.contains(part), "{tolerance}: {}", run.stderr);
     }

@@ -41,7 +41,10 @@ fn small_sets() -> Vec<(&'static str, Arc<ExampleSet>)> {
     let points = MeshData { positions: sheet.positions.clone(), ..MeshData::default() };
     let point_dents = scenes::bowls(&sheet, 3, 0.4, 5);
     vec![
-        ("cube", scenes::build(cube.clone(), bowls.clone(), SetOptions { stamp_resolution: 8, ..SetOptions::default() })),
+        (
+            "cube",
+            scenes::build(cube.clone(), bowls.clone(), SetOptions { stamp_resolution: 8, ..SetOptions::default() }),
+        ),
         ("baked cube", scenes::build(cube.clone(), bowls, SetOptions { stamp_resolution: 8, ..baked(1e-3) })),
         (
             "all options",
@@ -62,7 +65,14 @@ fn small_sets() -> Vec<(&'static str, Arc<ExampleSet>)> {
                 },
             ),
         ),
-        ("held sheet", scenes::build(sheet.clone(), scenes::bowls(&sheet, 3, 0.3, 7), SetOptions { stamp_resolution: 6, ..baked(1e-5) })),
+        (
+            "held sheet",
+            scenes::build(
+                sheet.clone(),
+                scenes::bowls(&sheet, 3, 0.3, 7),
+                SetOptions { stamp_resolution: 6, ..baked(1e-5) },
+            ),
+        ),
         ("points", scenes::build(points, point_dents, SetOptions { mass: VertexMass::Uniform(2.0), ..baked(1e-3) })),
     ]
 }
@@ -257,7 +267,8 @@ fn optional_sections_are_skipped_and_others_refused() {
 fn damage(file: &mut [u8], dice: &mut Dice) {
     for _ in 0..1 + dice.index(4) {
         let at = dice.index(file.len() / 4) * 4;
-        let words = [0, 1, 2, 0x7FC0_0000, 0x7F80_0000, 0xFF80_0000, 0x7F7F_FFFF, u32::MAX, 0x8000_0000, 1 << 16, 0x3F80_0000];
+        let words =
+            [0, 1, 2, 0x7FC0_0000, 0x7F80_0000, 0xFF80_0000, 0x7F7F_FFFF, u32::MAX, 0x8000_0000, 1 << 16, 0x3F80_0000];
         match dice.index(4) {
             0 => file[at + dice.index(4)] ^= 1 << dice.index(8),
             1 => file[at..at + 4].copy_from_slice(&words[dice.index(words.len())].to_le_bytes()),
@@ -329,8 +340,9 @@ fn load_time() {
     let positions: Vec<[f32; 3]> = (0..n * n).map(at).collect();
     let v = |i: usize, j: usize| (j * n + i) as u32;
     let squares = (0..n - 1).flat_map(|j| (0..n - 1).map(move |i| (i, j)));
-    let triangles: Vec<[u32; 3]> =
-        squares.flat_map(|(i, j)| [[v(i, j), v(i + 1, j), v(i + 1, j + 1)], [v(i, j), v(i + 1, j + 1), v(i, j + 1)]]).collect();
+    let triangles: Vec<[u32; 3]> = squares
+        .flat_map(|(i, j)| [[v(i, j), v(i + 1, j), v(i + 1, j + 1)], [v(i, j), v(i + 1, j + 1), v(i, j + 1)]])
+        .collect();
     let mesh = MeshData { positions, triangles, ..MeshData::default() };
     let examples: Vec<ExampleData> = (0..24)
         .map(|k| {
@@ -345,10 +357,17 @@ fn load_time() {
         .collect();
     let pool = ThreadPool::new(0).unwrap();
     let best = |f: &mut dyn FnMut()| {
-        (0..5).map(|_| { let t = std::time::Instant::now(); f(); t.elapsed().as_secs_f64() * 1e3 }).fold(f64::MAX, f64::min)
+        (0..5)
+            .map(|_| {
+                let t = std::time::Instant::now();
+                f();
+                t.elapsed().as_secs_f64() * 1e3
+            })
+            .fold(f64::MAX, f64::min)
     };
     for tolerance in [None, Some(1e-4), Some(1e-6)] {
-        let options = SetOptions { tolerance, stamp_resolution: 16, mirror: false, held_rims: false, ..SetOptions::default() };
+        let options =
+            SetOptions { tolerance, stamp_resolution: 16, mirror: false, held_rims: false, ..SetOptions::default() };
         let built = std::time::Instant::now();
         let set = ExampleSet::build(mesh.clone(), examples.clone(), options, &pool).unwrap();
         let built = built.elapsed().as_secs_f64() * 1e3;
@@ -358,10 +377,14 @@ fn load_time() {
         let memcpy = best(&mut || copy.copy_from_slice(file));
         let serial = best(&mut || drop(ExampleSet::load(file, &Serial).unwrap()));
         let parallel = best(&mut || drop(ExampleSet::load(file, &pool).unwrap()));
-        let hash = best(&mut || { std::hint::black_box(crumple::file_checksum(file, &Serial)); });
+        let hash = best(&mut || {
+            std::hint::black_box(crumple::file_checksum(file, &Serial));
+        });
         println!(
             "tolerance {tolerance:?}: {:.1} MB; built in {built:.0} ms; memcpy {memcpy:.1} ms; load {serial:.1} ms ({:.1} x) on one thread, {parallel:.1} ms ({:.1} x) on all; checksum alone {hash:.1} ms",
-            file.len() as f64 * 1e-6, serial / memcpy, parallel / memcpy
+            file.len() as f64 * 1e-6,
+            serial / memcpy,
+            parallel / memcpy
         );
     }
 }

@@ -3,9 +3,9 @@
 use super::check::{CEnum, Def, Out, array, def, enumerator, string, write_array};
 use super::context::{Context, CrumpleContext, State, exclusive};
 use super::result::{CrumpleResult, Failure};
+use super::set::{CrumpleExampleSetOptions, default_options, insert_set};
 #[cfg(any(feature = "gltf", feature = "obj"))]
 use super::set::{add_set, c_string, read_options};
-use super::set::{CrumpleExampleSetOptions, default_options, insert_set};
 use super::set_info::CrumplePrimitive;
 use super::tasks::Quiet;
 use super::types::CrumpleExampleSet;

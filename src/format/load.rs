@@ -1,9 +1,7 @@
 //! A file becomes a set.
 
 use super::read::{File, length_of};
-use super::{
-    AnchoredRecord, ExampleRecord, Id, NODES_ALIGN, SetRecord, SkinRecord, StampRecord, check, wrong,
-};
+use super::{AnchoredRecord, ExampleRecord, Id, NODES_ALIGN, SetRecord, SkinRecord, StampRecord, check, wrong};
 use crate::anchored::{Anchored, Head, Steps};
 use crate::array::{Array, FileBytes};
 use crate::examples::{Combine, Example, ExampleSet, Parts, Seams, SetOptions, VertexMass, check_options, deepest};
@@ -56,11 +54,10 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
     }
     let order: Array<u32> = file.array(Id::SourceOrder, 0)?;
     if !order.is_empty() {
-        check::order(&order, skin.vertex_count()).map_err(|(v, expected)| wrong("section source order", v, expected))?;
+        check::order(&order, skin.vertex_count())
+            .map_err(|(v, expected)| wrong("section source order", v, expected))?;
     }
-    if !(record.widest_weld >= 0.0) {
-        return Err(wrong("the widest weld", record.widest_weld, "at least 0 m"));
-    }
+    check::between("the widest weld", record.widest_weld, 0.0, f32::INFINITY)?;
     Ok(ExampleSet::assemble(Parts {
         index: index(&file, &skin.mesh)?,
         skin,
@@ -211,7 +208,11 @@ fn stamps(file: &File<'_>, examples: &[ExampleRecord]) -> Result<Vec<Stamp>, Err
             return Err(wrong("the nodes of a stamp", dims, "2 to 128 along each axis"));
         }
         if !matches!(r.nodes, [4 | 8, 4, 4] | [12, 12, 12]) {
-            return Err(wrong("the bytes of a stamp's nodes", format!("{:?}", r.nodes), "4, 4, 4 or 8, 4, 4 or 12, 12, 12"));
+            return Err(wrong(
+                "the bytes of a stamp's nodes",
+                format!("{:?}", r.nodes),
+                "4, 4, 4 or 8, 4, 4 or 12, 12, 12",
+            ));
         }
         let grid = Grid { dims, origin: Vec3::from_array(r.origin), cell: Vec3::from_array(r.cell) };
         let mut field = |i: usize| {
@@ -322,8 +323,9 @@ fn examples(
         (name, names) = names
             .split_at_checked(r.name as usize)
             .ok_or_else(|| wrong(format!("the length of the name of example {i}"), r.name, names.len()))?;
-        let name = std::str::from_utf8(name)
-            .map_err(|e| wrong(format!("the name of example {i}"), format!("wrong at byte {}", e.valid_up_to()), "UTF-8"))?;
+        let name = std::str::from_utf8(name).map_err(|e| {
+            wrong(format!("the name of example {i}"), format!("wrong at byte {}", e.valid_up_to()), "UTF-8")
+        })?;
         let stamp = flag("whether an example has a stamp", r.stamp)?.then(|| stamps.next()).flatten();
         out.push(example(i, r, skin, (name, anchored.clone(), stamp))?);
     }

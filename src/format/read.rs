@@ -18,10 +18,12 @@ impl<'a> File<'a> {
         let all = bytes.as_slice();
         let too_short = || wrong("its length", format!("{} bytes", all.len()), "at least the 64 of a header");
         let header: Header =
-            bytemuck::pod_read_unaligned(all.get(..size_of::<Header>()).ok_or_else(|| match all.starts_with(&MAGIC) {
-                false if !all.is_empty() => not_one(all),
-                _ => too_short(),
-            })?);
+            bytemuck::pod_read_unaligned(all.get(..size_of::<Header>()).ok_or_else(
+                || match all.starts_with(&MAGIC) {
+                    false if !all.is_empty() => not_one(all),
+                    _ => too_short(),
+                },
+            )?);
         if header.magic != MAGIC {
             return Err(not_one(all));
         }
@@ -31,14 +33,17 @@ impl<'a> File<'a> {
             });
         }
         if header.length != all.len() as u64 {
-            return Err(wrong("the length in its header", header.length, format!("{}, the bytes there are", all.len())));
+            return Err(wrong(
+                "the length in its header",
+                header.length,
+                format!("{}, the bytes there are", all.len()),
+            ));
         }
         if header.zero != [0; 32] {
             return Err(wrong("the rest of its header", "not zero", "zero"));
         }
-        let table = size_of::<Header>()..(header.sections as usize)
-            .saturating_mul(size_of::<Entry>())
-            .saturating_add(size_of::<Header>());
+        let table = size_of::<Header>()
+            ..(header.sections as usize).saturating_mul(size_of::<Entry>()).saturating_add(size_of::<Header>());
         let table_end = table.end;
         let Some(table) = all.get(table) else {
             return Err(wrong("the number of sections", header.sections, "so few that their table fits into the file"));
@@ -100,7 +105,11 @@ impl<'a> File<'a> {
         let Ok(at) = self.sections.binary_search_by_key(&(id, skin), |s| s.0) else { return Ok(0..0) };
         let e = &self.sections[at].1;
         if e.element as usize != element {
-            return Err(wrong(format!("the element size of section {}", id.name()), e.element, format!("{element} bytes")));
+            return Err(wrong(
+                format!("the element size of section {}", id.name()),
+                e.element,
+                format!("{element} bytes"),
+            ));
         }
         if !e.length.is_multiple_of(element as u64) || e.length == 0 {
             return Err(wrong(
@@ -142,5 +151,9 @@ pub(super) fn length_of(id: Id, len: usize, count: usize) -> Error {
 
 fn not_one(all: &[u8]) -> Error {
     let start = all.get(..8).unwrap_or(all).escape_ascii().to_string();
-    wrong("its beginning", format!("'{start}'"), "'crumple\\n': this is no baked set, or it went through a text conversion")
+    wrong(
+        "its beginning",
+        format!("'{start}'"),
+        "'crumple\\n': this is no baked set, or it went through a text conversion",
+    )
 }

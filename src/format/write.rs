@@ -4,10 +4,10 @@ use super::{
     ALIGN, AnchoredRecord, CHUNK, Entry, ExampleRecord, Header, Id, MAGIC, NODES_ALIGN, SetRecord, SkinRecord,
     StampRecord, UNHASHED, VERSION, checksum,
 };
+use crate::Placement;
 use crate::examples::{Combine, Example, ExampleSet, Seams, VertexMass};
 use crate::skin::Skin;
 use crate::stamp::{NodeArray, Nodes, Stamp};
-use crate::Placement;
 use bytemuck::{Pod, bytes_of, cast_slice};
 use std::borrow::Cow;
 use std::io::{self, Write};
@@ -156,23 +156,28 @@ impl<'a> File<'a> {
             zero: 0,
         };
         self.records(Id::Set, 0, &[record]);
-        let examples: Vec<ExampleRecord> = set.examples().iter().enumerate().map(|(i, e)| ExampleRecord {
-            name: e.name().len() as u32,
-            contact_vertex: e.contact_vertex(),
-            moved: e.moved_vertices() as u32,
-            support_radius: e.support_radius(),
-            contact_normal: e.contact_normal().unwrap_or_default().to_array(),
-            carried_error: learned.carried_error[i].unwrap_or(f32::NAN),
-            anchored_error: learned.anchored_error[i].unwrap_or(f32::NAN),
-            placement: match e.placement() {
-                Placement::Automatic => 0,
-                Placement::Anchored => 1,
-                Placement::Carried => 2,
-            },
-            stays: learned.anchored[i].into(),
-            stamp: e.stamp().is_some().into(),
-            zero: 0,
-        }).collect();
+        let examples: Vec<ExampleRecord> = set
+            .examples()
+            .iter()
+            .enumerate()
+            .map(|(i, e)| ExampleRecord {
+                name: e.name().len() as u32,
+                contact_vertex: e.contact_vertex(),
+                moved: e.moved_vertices() as u32,
+                support_radius: e.support_radius(),
+                contact_normal: e.contact_normal().unwrap_or_default().to_array(),
+                carried_error: learned.carried_error[i].unwrap_or(f32::NAN),
+                anchored_error: learned.anchored_error[i].unwrap_or(f32::NAN),
+                placement: match e.placement() {
+                    Placement::Automatic => 0,
+                    Placement::Anchored => 1,
+                    Placement::Carried => 2,
+                },
+                stays: learned.anchored[i].into(),
+                stamp: e.stamp().is_some().into(),
+                zero: 0,
+            })
+            .collect();
         self.records(Id::Examples, 0, &examples);
         let names: Vec<u8> = set.examples().iter().flat_map(|e| e.name().bytes()).collect();
         self.records(Id::Names, 0, &names);
