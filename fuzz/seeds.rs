@@ -1,4 +1,4 @@
-//! Writes small baked sets to begin fuzzing with: seeds FOLDER
+//! Small baked sets to begin fuzzing with.
 use crumple::{Combine, Deltas, ExampleData, ExampleSet, MeshData, Placement, Serial, SetOptions, VertexMass};
 use std::path::Path;
 
@@ -34,8 +34,8 @@ fn dents(mesh: &MeshData, count: u32) -> Vec<ExampleData> {
     (0..count).map(dent).collect()
 }
 
-fn main() {
-    let folder = std::env::args().nth(1).expect("a folder");
+/// Writes them into a folder.
+pub fn write(folder: &Path) {
     let small = SetOptions { stamp_resolution: 4, ..SetOptions::default() };
     let baked = SetOptions { tolerance: Some(1e-3), ..small.clone() };
     let mesh = sheet(12);
@@ -55,6 +55,6 @@ fn main() {
     ];
     for (i, (mesh, examples, options)) in sets.into_iter().enumerate() {
         let set = ExampleSet::build(mesh, examples, options, &Serial).expect("a seed");
-        std::fs::write(Path::new(&folder).join(format!("set{i}.crumple")), set.save().expect("saved")).expect("written");
+        std::fs::write(folder.join(format!("set{i}.crumple")), set.save().expect("saved")).expect("written");
     }
 }

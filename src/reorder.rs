@@ -24,8 +24,8 @@ pub fn reorder(mesh: &mut MeshData, examples: &mut [ExampleData]) -> Vec<u32> {
     }
     let renumber = |v: &mut u32| *v = new_of.get(*v as usize).copied().unwrap_or(*v);
     permute(&mut mesh.positions, &order);
-    mesh.normals.as_mut().map(|n| permute(n, &order));
-    mesh.tangents.as_mut().map(|t| permute(t, &order));
+    mesh.normals.iter_mut().for_each(|n| permute(n, &order));
+    mesh.tangents.iter_mut().for_each(|t| permute(t, &order));
     mesh.triangles.iter_mut().flatten().for_each(renumber);
     for e in examples {
         for deltas in [Some(&mut e.positions), e.normals.as_mut()].into_iter().flatten() {

@@ -9,8 +9,8 @@ mod target;
 use std::sync::Arc;
 
 use crumple::{
-    Combine, Deltas, Error, ErrorKind, ExampleData, ExampleSet, Hit, MeshData, Placement, Seams, Serial, SetOptions,
-    ThreadPool, VertexMass,
+    Combine, DeformJob, Deltas, Error, ErrorKind, ExampleData, ExampleSet, Hit, MeshData, Placement, Seams, Serial,
+    SetOptions, ThreadPool, Tracker, VertexMass, VertexMemory,
 };
 use proptest::prelude::*;
 use scenes::{Dice, Output, cases, random_hits};
@@ -40,7 +40,12 @@ fn small_sets() -> Vec<(&'static str, Arc<ExampleSet>)> {
     let sheet = scenes::sheet(8);
     let points = MeshData { positions: sheet.positions.clone(), ..MeshData::default() };
     let point_dents = scenes::bowls(&sheet, 3, 0.4, 5);
+    let mut levels = scenes::build(cube.clone(), placed.clone(), SetOptions { stamp_resolution: 6, ..baked(1e-4) });
+    let set = Arc::get_mut(&mut levels).unwrap();
+    set.add_lod(scenes::cube(2), &Serial).unwrap();
+    set.add_lod(scenes::cube(1), &Serial).unwrap();
     vec![
+        ("levels of detail", levels),
         (
             "cube",
             scenes::build(cube.clone(), bowls.clone(), SetOptions { stamp_resolution: 8, ..SetOptions::default() }),
@@ -119,6 +124,21 @@ fn loaded_sets_are_the_saved_ones_bit_for_bit() {
         }
         assert_eq!(a.marks().unwrap(), b.marks().unwrap(), "{name}");
         assert_eq!(Output::fresh(&mut a).all_bits(), Output::fresh(&mut b).all_bits(), "{name}");
+        for lod in 1..set.lod_count() {
+            let [a, b] = [&a, &b].map(|instance| {
+                let mut positions = vec![[0.0f32; 3]; set.lod_mesh(lod).unwrap().positions().len()];
+                let memory = VertexMemory::separate(&mut positions, None, None).unwrap();
+                let tracker = &mut Tracker::new();
+                crumple::deform(&mut [DeformJob { lod, instance, tracker, memory }], &Serial).unwrap();
+                positions
+            });
+            assert_eq!(a, b, "{name} at level {lod}");
+            assert_ne!(
+                a,
+                set.lod_mesh(lod).unwrap().positions().iter().map(|p| p.to_array()).collect::<Vec<_>>(),
+                "{name}"
+            );
+        }
         // Damage goes from one to the other.
         b.reset();
         b.load(&a.save()).unwrap();
@@ -299,7 +319,7 @@ proptest! {
     #![proptest_config(cases(400))]
 
     #[test]
-    fn damage_without_a_new_checksum_is_always_found(which in 0..5usize, seed in any::<u64>()) {
+    fn damage_without_a_new_checksum_is_always_found(which in 0..6usize, seed in any::<u64>()) {
         let mut file = saved()[which].clone();
         damage(&mut file, &mut Dice::new(seed));
         // Between sections are zeros that the checksum covers too.
@@ -307,7 +327,7 @@ proptest! {
     }
 
     #[test]
-    fn damage_with_a_new_checksum_is_an_error_or_a_usable_set(which in 0..5usize, seed in any::<u64>()) {
+    fn damage_with_a_new_checksum_is_an_error_or_a_usable_set(which in 0..6usize, seed in any::<u64>()) {
         let mut file = saved()[which].clone();
         damage_sections(&mut file, &mut Dice::new(seed));
         repair(&mut file);

@@ -31,9 +31,10 @@ pub(super) fn between(name: &str, x: f32, low: f32, high: f32) -> Result<(), Err
 
 /// Vectors of length 1, to a thousandth.
 pub(super) fn units(name: &str, all: &[Vec3]) -> Result<(), Error> {
-    let off = |v: &Vec3| !((v.length_squared() - 1.0).abs() <= 2e-3);
-    if all.iter().fold(false, |any, v| any | off(v)) {
-        let at = all.iter().position(off).unwrap_or(0);
+    // False also for what is no number.
+    let unit = |v: &Vec3| (v.length_squared() - 1.0).abs() <= 2e-3;
+    if !all.iter().fold(true, |all, v| all & unit(v)) {
+        let at = all.iter().position(|v| !unit(v)).unwrap_or(0);
         return Err(wrong(format!("vector {at} of {name}"), all[at], "of length 1"));
     }
     Ok(())
@@ -158,7 +159,7 @@ fn block(a: &Anchored, h: &Head, len: usize) -> Result<(), (&'static str, String
         }
     }
     let found = length(&a.displacements(h));
-    if h.longest != found || !(found <= MAX_DISPLACEMENT) {
+    if h.longest != found || found > MAX_DISPLACEMENT {
         let expected = format!("{found}, at most {MAX_DISPLACEMENT:e} m");
         return Err(("the longest displacement", h.longest.to_string(), expected));
     }

@@ -48,9 +48,7 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
     let Some(skin) = skins.next() else { return Err(wrong("the number of meshes", 0, "at least 1")) };
     let lods = (1..).zip(skins).map(|(k, skin)| {
         let farthest = one::<SkinRecord>(&file.array(Id::Skin, k)?, Id::Skin)?.farthest;
-        if !(farthest >= 0.0) {
-            return Err(wrong(format!("how far mesh {k} is off"), farthest, "at least 0 m"));
-        }
+        check::between("the greatest distance of a level of detail", farthest, 0.0, f32::MAX)?;
         let report = LodReport { vertices: skin.vertex_count(), bytes: skin.bytes(), farthest };
         Ok((skin, report))
     });
@@ -69,9 +67,7 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
         check::order(&order, skin.vertex_count())
             .map_err(|(v, expected)| wrong("section source order", v, expected))?;
     }
-    if !(record.widest_weld >= 0.0) {
-        return Err(wrong("the widest weld", record.widest_weld, "at least 0 m"));
-    }
+    check::between("the widest weld", record.widest_weld, 0.0, f32::INFINITY)?;
     Ok(ExampleSet::new(Parts {
         index: index(&file, &skin.mesh)?,
         skin,

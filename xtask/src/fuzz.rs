@@ -47,12 +47,11 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     cmd!(shell, "{cargo} build --release --manifest-path {manifest} --target {host} --target-dir {home}")
         .env("RUSTFLAGS", COVERAGE.join(" "))
         .run()?;
-    let programs = home.join(host).join("release");
-    let (seeds, load) = (programs.join("seeds"), programs.join("load"));
-    cmd!(shell, "{seeds} {corpus}").run()?;
+    let load = home.join(host).join("release").join("load");
     let (seconds, jobs) = (options.seconds.to_string(), options.jobs.to_string());
     let found = format!("{}/", home.display());
     let mut fuzz = cmd!(shell, "{load} {corpus} -max_total_time={seconds} -timeout=10 -rss_limit_mb=2048")
+        .env("CRUMPLE_SEEDS", &corpus)
         .arg(format!("-artifact_prefix={found}"))
         .arg("-max_len=65536")
         .arg("-print_final_stats=1");
