@@ -30,7 +30,8 @@ def draw(directory):
         axis.xaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
         axis.axvline(0.5, color=style.FLOOR, lw=0.9, ls=":")
     axes[0].set_ylabel("ms a frame, one thread, logarithmic")
-    style.title(figure, "200 dented bodies from 1 m to 300 m: cost of a frame against what is off on the screen")
+    bodies = table.said("what").split(" bodies")[0]
+    style.title(figure, f"{bodies} dented bodies from 1 m to 300 m: cost of a frame against what is off on the screen")
     more = "Submitting and deforming, positions and normals. Dotted: half a pixel. " + table.said("what")
     style.footer(figure, table, None, more)
     figure.tight_layout(rect=(0, 0.06, 1, 0.94), w_pad=2)
