@@ -42,8 +42,8 @@ fn small_sets() -> Vec<(&'static str, Arc<ExampleSet>)> {
     let point_dents = scenes::bowls(&sheet, 3, 0.4, 5);
     let mut levels = scenes::build(cube.clone(), placed.clone(), SetOptions { stamp_resolution: 6, ..baked(1e-4) });
     let set = Arc::get_mut(&mut levels).unwrap();
+    set.add_lod(scenes::cube(6), &Serial).unwrap();
     set.add_lod(scenes::cube(2), &Serial).unwrap();
-    set.add_lod(scenes::cube(1), &Serial).unwrap();
     vec![
         ("levels of detail", levels),
         (

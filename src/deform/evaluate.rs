@@ -6,18 +6,16 @@
 //! ```
 //!
 //! Marks are summed in their sorted order with plain f32 operations, so that coincident vertices, any cut into blocks,
-//! any thread and any [`SimdLevel`] give the same bits.
+//! any thread and any [`crate::SimdLevel`] give the same bits.
 
-use super::kernel::{self, Block, From, Lengths, Ready};
-use crate::anchored::{BLOCK, GROUP, Stored, block_range};
+use super::kernel::{Block, From, Lengths, Ready};
+use super::levels;
+use crate::anchored::{BLOCK, Stored, block_range};
 use crate::classic::State;
 use crate::dent::Part;
 use crate::examples::Combine;
 use crate::instance::Instance;
 use crate::math::{Aabb, unit};
-#[cfg(target_arch = "x86_64")]
-use crate::simd::{Avx2, Avx512};
-use crate::simd::{Portable, Simd, SimdLevel};
 use crate::skin::Skin;
 use glam::{Vec3, Vec4};
 
@@ -30,78 +28,8 @@ pub(crate) struct Job<'a> {
     pub instance: &'a Instance,
     pub skin: &'a Skin,
     pub block: usize,
-    /// Whether so much is written that it had better not go through the caches; [`finish`] is to be called then.
+    /// Whether so much is written that it had better not go through the caches; [`levels::finish`] is to be called then.
     pub stream: bool,
-}
-
-/// Writes positions (m), and unit normals if wanted: three floats a vertex of the block, no more; and the bounds of the
-/// positions. A mesh without normals gets none.
-pub(crate) fn block<'a>(
-    job: Job<'a>,
-    room: &mut Room<'a>,
-    positions: &mut [f32],
-    normals: Option<&mut [f32]>,
-    bounds: &mut Aabb,
-) {
-    let len = block_range(job.block, job.skin.vertex_count()).len();
-    assert!(positions.len() == 3 * len && normals.as_ref().is_none_or(|n| n.len() == 3 * len));
-    match SimdLevel::current() {
-        #[cfg(target_arch = "x86_64")]
-        // SAFETY: the level is in force only where the processor has it.
-        SimdLevel::Avx512 => unsafe { avx512(job, room, positions, normals, bounds) },
-        #[cfg(target_arch = "x86_64")]
-        // SAFETY: the same.
-        SimdLevel::Avx2 => unsafe { avx2(job, room, positions, normals, bounds) },
-        // SAFETY: always there.
-        _ => unsafe { evaluate::<Portable, Portable>(job, room, positions, normals, bounds) },
-    }
-}
-
-/// Makes what was streamed in this thread visible to others.
-pub(crate) fn finish() {
-    #[cfg(target_arch = "x86_64")]
-    // SAFETY: SSE is always there.
-    unsafe {
-        std::arch::x86_64::_mm_sfence();
-    }
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2")]
-fn avx512<'a>(
-    job: Job<'a>,
-    room: &mut Room<'a>,
-    positions: &mut [f32],
-    normals: Option<&mut [f32]>,
-    bounds: &mut Aabb,
-) {
-    // SAFETY: the attribute says so.
-    unsafe { evaluate::<Avx2, Avx512>(job, room, positions, normals, bounds) }
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn avx2<'a>(job: Job<'a>, room: &mut Room<'a>, positions: &mut [f32], normals: Option<&mut [f32]>, bounds: &mut Aabb) {
-    // SAFETY: the attribute says so.
-    unsafe { evaluate::<Avx2, Avx2>(job, room, positions, normals, bounds) }
-}
-
-/// Length of the longest stored vector, all of whose numbers are finite: the bits that `Vec3::length` gives of it.
-pub(crate) fn longest(stored: &Stored<'_>) -> f32 {
-    match SimdLevel::current() {
-        #[cfg(target_arch = "x86_64")]
-        // SAFETY: the level is in force only where the processor has it.
-        SimdLevel::Avx512 | SimdLevel::Avx2 => unsafe { longest_avx2(stored) },
-        // SAFETY: always there.
-        _ => unsafe { kernel::longest::<Portable>(stored) },
-    }
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn longest_avx2(stored: &Stored<'_>) -> f32 {
-    // SAFETY: the attribute says so.
-    unsafe { kernel::longest::<Avx2>(stored) }
 }
 
 /// Position and unit normal of one vertex: the same bits as [`block`] gives.
@@ -196,19 +124,18 @@ fn reached<'a>(job: Job<'a>, normals: bool, part: &'a Part) -> Option<(From<'a>,
     }
 }
 
-/// # Safety
-/// Where the instructions of `N` and `W` are there. `N` has eight lanes.
-#[inline(always)]
-unsafe fn evaluate<'a, N: Simd, W: Simd>(
+/// Writes positions (m), and unit normals if wanted: three floats a vertex of the block, no more; and the bounds of the
+/// positions. A mesh without normals gets none.
+pub(crate) fn block<'a>(
     job: Job<'a>,
     room: &mut Room<'a>,
     positions: &mut [f32],
     normals: Option<&mut [f32]>,
     bounds: &mut Aabb,
 ) {
-    debug_assert_eq!(N::LANES, GROUP);
     let mesh = &job.skin.mesh;
     let range = block_range(job.block, job.skin.vertex_count());
+    assert!(positions.len() == 3 * range.len() && normals.as_ref().is_none_or(|n| n.len() == 3 * range.len()));
     let base: &[f32] = bytemuck::cast_slice(&mesh.positions()[range.clone()]);
     let base_normals: Option<&[f32]> = mesh.normals().map(|n| bytemuck::cast_slice(&n[range.clone()]));
     let normals = normals.zip(base_normals);
@@ -231,8 +158,7 @@ unsafe fn evaluate<'a, N: Simd, W: Simd>(
     if let ([Ready { source: From::Stored(stored, _), scale, least: 0.0, .. }], None, None) =
         (&room.parts[..], &normals, limit)
     {
-        // SAFETY: passed on.
-        (bounds.min, bounds.max) = unsafe { kernel::displace_stored::<N>(base, stored, *scale, positions, job.stream) };
+        (bounds.min, bounds.max) = levels::displace_stored(base, stored, *scale, positions, job.stream);
         return;
     }
     let block = Block {
@@ -251,24 +177,13 @@ unsafe fn evaluate<'a, N: Simd, W: Simd>(
     };
     // The last block of a mesh may be short.
     let short = range.len() < BLOCK;
-    let with_normals = normals.is_some();
     let to = if short { &mut room.positions } else { into(positions, &mut room.positions) };
     let mut normals = normals.map(|(n, _)| n);
     let to_normals = match &mut normals {
         Some(n) if !short => into(n, &mut room.normals),
         _ => &mut room.normals,
     };
-    // SAFETY: passed on.
-    (bounds.min, bounds.max) = unsafe {
-        // Said this way so that nothing is compiled twice where both have as many lanes.
-        let narrow = touched.stored || W::LANES == N::LANES;
-        match (narrow, with_normals) {
-            (true, true) => kernel::displace::<N, true>(&block, to, to_normals),
-            (true, false) => kernel::displace::<N, false>(&block, to, to_normals),
-            (false, true) => kernel::displace::<W, true>(&block, to, to_normals),
-            (false, false) => kernel::displace::<W, false>(&block, to, to_normals),
-        }
-    };
+    (bounds.min, bounds.max) = levels::displace(&block, touched.stored, to, to_normals);
     if short {
         positions.copy_from_slice(&room.positions[..positions.len()]);
         if let Some(n) = normals {

@@ -2,13 +2,14 @@
 
 mod evaluate;
 mod kernel;
+mod levels;
 mod memory;
 mod tracker;
 
 pub use memory::{Attribute, RawStream, VertexMemory};
 pub use tracker::Tracker;
 
-pub(crate) use evaluate::longest;
+pub(crate) use levels::longest;
 
 use crate::anchored::{BLOCK, block_range};
 use crate::skin::Skin;
@@ -92,7 +93,7 @@ pub fn deform(jobs: &mut [DeformJob<'_, '_>], tasks: &dyn TaskSystem) -> Result<
                 write_block(job, block, &mut room, bounds);
             }
             if stream {
-                evaluate::finish();
+                levels::finish();
             }
             parts_skipped.fetch_add(room.evaluate.left_out.into(), Ordering::Relaxed);
         });

@@ -92,6 +92,8 @@ def speed(table, peers, directory):
         for r in (r for r in by_k if r["k"] != K):
             ours(r, f"K={r['k']:.0f}", OURS_LIGHT, "s", 5)
         ours(one(method="depth_only", examples=FULL), f"{FULL}, told the depth alone", OURS, "o", 6, filled=False)
+        for name in ("0.1mm", "1mm", "5mm"):
+            ours(one(method=f"baked_{name}", examples=FULL), f"baked to {name[:-2]} mm", OURS, "*", 9)
         ours(one(method="anchored", examples=FULL), "anchored only", "#000000", "v", 6, filled=False)
         ours(one(method="classic", examples=FULL), "classic", CLASSIC, "X", 7)
         ours(one(method="classic_clamped", examples=FULL), "classic, clamped", CLASSIC, "P", 7)
@@ -119,6 +121,7 @@ def speed(table, peers, directory):
     legend = [
         Line2D([], [], color=OURS, marker="o", label=f"Crumple, K = {K}, 4 to 32 examples"),
         Line2D([], [], color=OURS_LIGHT, marker="s", ls="--", label=f"K = 1, 2, 4 with {FULL} examples"),
+        Line2D([], [], color=OURS, marker="*", ls="", ms=9, label=f"baked to a tolerance, {FULL}"),
         Line2D([], [], color=CLASSIC, marker="P", ls="", label=f"literature's rule, {FULL} examples"),
         Line2D([], [], color="#000000", marker="v", mfc="white", ls="", label=f"Crumple, anchored only, {FULL}"),
         Line2D([], [], color=RADIAL, marker="D", ls="", label="radial profile, no examples"),

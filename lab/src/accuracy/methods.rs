@@ -18,7 +18,7 @@ use crate::truth::{Body, Field, Impact};
 /// One configuration.
 pub struct Method {
     /// `classic`, `classic_clamped`, `radial`, `anchored`, `carried`, `automatic`, `depth_only` (automatic, told the depth along the
-    /// normal instead of the displacement) or `defaults`.
+    /// normal instead of the displacement), `defaults`, or `baked_` and a tolerance (automatic).
     pub name: &'static str,
     /// How many training impacts it has, a prefix.
     pub examples: usize,
@@ -51,6 +51,9 @@ const EXAMPLES: [usize; 5] = [4, 8, 16, 24, 32];
 const VARIED: [usize; 2] = [4, 24];
 const STAMPS: [u32; 6] = [8, 12, 16, 24, 32, 48];
 const K: u32 = 3;
+/// Automatic sets baked to a tolerance, m.
+const BAKED: [(&str, f32); 4] =
+    [("baked_0.01mm", 1e-5), ("baked_0.1mm", 1e-4), ("baked_1mm", 1e-3), ("baked_5mm", 5e-3)];
 /// Above every dent, m: measures the dents' shapes, not how deep the deepest example happens to be.
 const DEEP: f32 = 1.0;
 
@@ -96,6 +99,13 @@ pub fn each(body: &Body, quick: bool, visit: &mut Visit) -> Result<()> {
             if placement == Placement::Automatic {
                 measure(&set, "depth_only", n, K, stamp, deep(K), &timer, visit)?;
                 measure(&set, "defaults", n, K, stamp, InstanceOptions::default(), &timer, visit)?;
+            }
+        }
+        if VARIED.contains(&n) {
+            for (name, tolerance) in BAKED {
+                let options = SetOptions { tolerance: Some(tolerance), ..SetOptions::default() };
+                let set = scene::set(body, n, Placement::Automatic, options)?;
+                measure(&set, name, n, K, default_stamp, deep(K), &timer, visit)?;
             }
         }
         if VARIED.contains(&n) && !quick {

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use crumple::{ExampleSet, Placement};
 use kiddo::ImmutableKdTree;
 use rstar::RTree;
@@ -10,7 +10,7 @@ use rstar::primitives::GeomWithData;
 
 use super::measure::{Contender, Times, interleaved, timed};
 use super::reference::Memcpy;
-use super::report::{Row, Sense};
+use super::report::{Aim, Row, Sense};
 use super::sheet::{Dent, Reach, Sheet};
 use super::width::baked;
 use super::{Bench, Size};
@@ -74,9 +74,27 @@ fn kd_tree(points: &[[f32; 3]]) -> ImmutableKdTree<f32, 3> {
     ImmutableKdTree::new_from_slice(points)
 }
 
-/// Loading a baked set of a million vertices and 24 examples, against copying the file's bytes; aim: at most 3 times. There are no
-/// baked files yet, so nothing is measured: bake `ExampleSet::build(sheet.surface(), dents() …)` to bytes here, then let loading them
-/// and `copy_from_slice` take turns, as in [`build`].
-pub fn load(_bench: &Bench) -> Result<()> {
+/// Loading a baked set of a million vertices and 24 examples from memory, against copying the file's bytes.
+pub fn load(bench: &Bench) -> Result<()> {
+    let sheet = Sheet::new(Size::M1.vertices());
+    let examples: Vec<_> = dents().iter().map(|d| sheet.example(d, Placement::Automatic)).collect();
+    let set = ExampleSet::build(sheet.surface(), examples, baked(), bench.tasks(2))?;
+    let saved = set.save()?;
+    let (fingerprint, bytes) = (set.fingerprint(), saved.len());
+    drop(set);
+    // A set keeps what it was loaded from.
+    let file: &'static [u8] = saved.leak();
+    let mut to = vec![0u8; bytes];
+    let load = |threads| timed(|| _ = std::hint::black_box(ExampleSet::load(file, bench.tasks(threads))));
+    let mut contenders =
+        [Contender::new(|| load(1)), Contender::new(|| load(2)), Contender::new(|| timed(|| to.copy_from_slice(file)))];
+    let times = interleaved(&bench.plan, &mut contenders);
+    drop(contenders);
+    ensure!(ExampleSet::load(file, bench.tasks(1))?.fingerprint() == fingerprint, "the loaded set is another one");
+    for (name, time) in [("load_1m_24ex", &times[0]), ("load_1m_24ex_t2", &times[1])] {
+        let row = Row::time(name, time, "ms").beside_time("memcpy", &times[2], Sense::Cost).hash(fingerprint);
+        bench.add(row.aim(Aim::AtMost(3.0)));
+    }
+    bench.add(Row::new("load_1m_24ex_size", bytes as f64 / 1e6, "MB"));
     Ok(())
 }

@@ -76,7 +76,7 @@ impl<'t> Deformed<'t> {
 
     fn deform(&mut self) -> Result<(), crumple::Error> {
         let memory = VertexMemory::separate(&mut self.positions, self.normals.as_deref_mut(), None)?;
-        let job = DeformJob { instance: &self.instance, tracker: &mut self.tracker, memory };
+        let job = DeformJob { lod: 0, instance: &self.instance, tracker: &mut self.tracker, memory };
         crumple::deform(&mut [job], self.tasks).map(drop)
     }
 

@@ -65,7 +65,7 @@ impl<'t> Fleet<'t> {
         let parts = self.instances.iter().zip(&mut self.trackers).zip(&mut self.outputs);
         let jobs: Result<Vec<DeformJob>, crumple::Error> = parts
             .map(|((instance, tracker), output)| {
-                Ok(DeformJob { instance, tracker, memory: VertexMemory::separate(output, None, None)? })
+                Ok(DeformJob { lod: 0, instance, tracker, memory: VertexMemory::separate(output, None, None)? })
             })
             .collect();
         let mut jobs = jobs.unwrap_or_else(|e| panic!("{e}"));

@@ -97,7 +97,10 @@ pub fn run(options: &Options) -> Result<()> {
         "what",
         format!("{count} bodies from 1 m to 300 m, {} frames, a tenth of the bodies hit in each", frames),
     );
-    table.comment("cost", "submitting the hits and deforming all outputs, processor time of one thread, median of the frames");
+    table.comment(
+        "cost",
+        "submitting the hits and deforming all outputs, processor time of one thread, median of the frames",
+    );
     table.comment("dented", "pixels whose surface point the dents move by a tenth of a pixel or more: those that tolerance and lod_dent errors are of");
     table.comment("error", "how far the surface point that covers a pixel is off on the screen, against the base mesh without tolerance; 1920 x 1080, 60 degrees");
     for (i, kind) in kinds.iter().enumerate() {

@@ -1,0 +1,87 @@
+//! Each kernel compiled for each level, and called for the one in force.
+
+use super::evaluate::Flat;
+use super::kernel::{self, Block};
+use crate::anchored::Stored;
+#[cfg(target_arch = "x86_64")]
+use crate::simd::{Avx2, Avx512};
+use crate::simd::{Portable, SimdLevel};
+use glam::Vec3;
+
+type Bounds = (Vec3, Vec3);
+
+/// Functions with the same arguments as a kernel, compiled for a level's instructions.
+macro_rules! compiled {
+    ($name:ident, $features:literal, $kernel:expr, ($($arg:ident: $of:ty),*) -> $out:ty) => {
+        #[cfg(target_arch = "x86_64")]
+        #[target_feature(enable = $features)]
+        fn $name($($arg: $of),*) -> $out {
+            // SAFETY: the attribute says that the instructions are there.
+            unsafe { $kernel($($arg),*) }
+        }
+    };
+}
+
+compiled!(stored_avx2, "avx2", kernel::displace_stored::<Avx2>,
+    (base: &[f32], stored: &Stored<'_>, scale: f32, to: &mut [f32], stream: bool) -> Bounds);
+compiled!(longest_avx2, "avx2", kernel::longest::<Avx2>, (stored: &Stored<'_>) -> f32);
+compiled!(positions_avx2, "avx2", kernel::displace::<Avx2, false>,
+    (block: &Block<'_>, positions: &mut Flat, normals: &mut Flat) -> Bounds);
+compiled!(normals_avx2, "avx2", kernel::displace::<Avx2, true>,
+    (block: &Block<'_>, positions: &mut Flat, normals: &mut Flat) -> Bounds);
+compiled!(positions_avx512, "avx512f,avx512bw,avx512dq,avx512vl,avx2", kernel::displace::<Avx512, false>,
+    (block: &Block<'_>, positions: &mut Flat, normals: &mut Flat) -> Bounds);
+compiled!(normals_avx512, "avx512f,avx512bw,avx512dq,avx512vl,avx2", kernel::displace::<Avx512, true>,
+    (block: &Block<'_>, positions: &mut Flat, normals: &mut Flat) -> Bounds);
+
+/// [`kernel::displace_stored`].
+#[inline]
+pub(crate) fn displace_stored(base: &[f32], stored: &Stored<'_>, scale: f32, to: &mut [f32], stream: bool) -> Bounds {
+    match SimdLevel::current() {
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: a level is in force only where the processor has it; so everywhere below.
+        SimdLevel::Avx2 | SimdLevel::Avx512 => unsafe { stored_avx2(base, stored, scale, to, stream) },
+        // SAFETY: always there; so everywhere below.
+        _ => unsafe { kernel::displace_stored::<Portable>(base, stored, scale, to, stream) },
+    }
+}
+
+/// [`kernel::displace`], with `narrow` in lanes as many as a group has vertices, which stored parts need.
+#[inline]
+pub(crate) fn displace(block: &Block<'_>, narrow: bool, positions: &mut Flat, normals: &mut Flat) -> Bounds {
+    // SAFETY: as above.
+    unsafe {
+        match (SimdLevel::current(), block.base_normals.is_some()) {
+            #[cfg(target_arch = "x86_64")]
+            (SimdLevel::Avx512, false) if !narrow => positions_avx512(block, positions, normals),
+            #[cfg(target_arch = "x86_64")]
+            (SimdLevel::Avx512, true) if !narrow => normals_avx512(block, positions, normals),
+            #[cfg(target_arch = "x86_64")]
+            (SimdLevel::Avx2 | SimdLevel::Avx512, false) => positions_avx2(block, positions, normals),
+            #[cfg(target_arch = "x86_64")]
+            (SimdLevel::Avx2 | SimdLevel::Avx512, true) => normals_avx2(block, positions, normals),
+            (_, false) => kernel::displace::<Portable, false>(block, positions, normals),
+            (_, true) => kernel::displace::<Portable, true>(block, positions, normals),
+        }
+    }
+}
+
+/// Length of the longest stored vector, all of whose numbers are finite: the bits that `Vec3::length` gives of it.
+pub(crate) fn longest(stored: &Stored<'_>) -> f32 {
+    match SimdLevel::current() {
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: as above.
+        SimdLevel::Avx2 | SimdLevel::Avx512 => unsafe { longest_avx2(stored) },
+        // SAFETY: as above.
+        _ => unsafe { kernel::longest::<Portable>(stored) },
+    }
+}
+
+/// Makes what was streamed in this thread visible to others.
+pub(crate) fn finish() {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: SSE is always there.
+    unsafe {
+        std::arch::x86_64::_mm_sfence();
+    }
+}
