@@ -286,7 +286,7 @@ impl Found for Four {
 
     #[inline]
     fn add(&mut self, leaf: &Leaf, distances: &[f32; LEAF]) {
-        if !(least(distances) <= self.reach) {
+        if least(distances) > self.reach {
             return;
         }
         for (d, vertex) in distances.iter().copied().zip(leaf.vertex) {
