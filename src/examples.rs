@@ -275,7 +275,7 @@ pub struct ExampleSet {
     report: SetReport,
     /// What the classic rules read, made for the first hit that needs it.
     sparse: Vec<OnceLock<Sparse>>,
-    /// Of each vertex its number before [`crate::reorder`]; only for tools.
+    /// Of each vertex its number before [`reorder`](fn@crate::reorder); only for tools.
     source_order: Option<Array<u32>>,
     pub(crate) triangle_index: OnceLock<RTree<crate::attach::IndexedTriangle>>,
 }
@@ -502,13 +502,13 @@ impl ExampleSet {
         self.sparse[example as usize].get_or_init(|| Sparse::new(anchored, self.mesh().normals().is_some()))
     }
 
-    /// Of each vertex its number in the source, where the set was made from a [reordered](crate::reorder) mesh and
+    /// Of each vertex its number in the source, where the set was made from a [reordered](fn@crate::reorder) mesh and
     /// [told so](ExampleSet::set_source_order).
     pub fn source_order(&self) -> Option<&[u32]> {
         self.source_order.as_deref()
     }
 
-    /// Keeps what [`reorder`](crate::reorder) returned with the set, and with its file: of each vertex its number in the
+    /// Keeps what [`reorder`](fn@crate::reorder) returned with the set, and with its file: of each vertex its number in the
     /// source. Nothing else depends on it.
     ///
     /// # Errors
