@@ -218,9 +218,9 @@ fn only_dirty_blocks_of_a_level_are_written() {
             assert_eq!(written(v), !level.positions[v][0].is_nan(), "{v}");
         }
         let fresh = Level::of(&mut body, level.lod);
-        for v in 0..before.len() {
-            let now = if written(v) { level.positions[v] } else { before[v] };
-            assert_eq!(now, fresh.positions[v]);
+        for (v, before) in before.iter().enumerate() {
+            let now = if written(v) { &level.positions[v] } else { before };
+            assert_eq!(now, &fresh.positions[v]);
         }
         level.positions = fresh.positions;
     }

@@ -143,6 +143,9 @@ pub(crate) fn block<'a>(
         *bounds = classic(state, range.start, positions, normals);
         return;
     }
+    if normals.is_none() && lone(job, base, positions, bounds) {
+        return;
+    }
     let touched = active(job, normals.is_some(), room);
     if touched.dents == 0 {
         positions.copy_from_slice(base);
@@ -152,15 +155,8 @@ pub(crate) fn block<'a>(
         *bounds = job.skin.block_bounds[job.block];
         return;
     }
-    // Rounding never takes a length over the limit by this much.
     let limit = job.instance.depth_limit();
-    let limit = (touched.longest * 1.00001 > limit).then_some(limit);
-    if let ([Ready { source: From::Stored(stored, _), scale, least: 0.0, .. }], None, None) =
-        (&room.parts[..], &normals, limit)
-    {
-        (bounds.min, bounds.max) = levels::displace_stored(base, stored, *scale, positions, job.stream);
-        return;
-    }
+    let limit = reaches(touched.longest, limit).then_some(limit);
     let block = Block {
         base: whole(base, &mut room.base),
         base_normals: normals.as_ref().map(|(_, base)| whole(base, &mut room.base_normals)),
@@ -190,6 +186,28 @@ pub(crate) fn block<'a>(
             n.copy_from_slice(&room.normals[..n.len()]);
         }
     }
+}
+
+/// Positions where one anchored example is all that can move the block, under the depth limit: in one pass, bound by memory.
+/// The same bits as the general way gives. False where it is not so; nothing is written then.
+#[inline(always)]
+fn lone(job: Job<'_>, base: &[f32], positions: &mut [f32], bounds: &mut Aabb) -> bool {
+    let mut near = job.instance.damage().near(&job.skin.block_bounds[job.block]);
+    let (Some((_, dent)), None) = (near.next(), near.next()) else { return false };
+    let [Part { example, scale, carried: None }] = &dent.parts[..] else { return false };
+    let anchored = &job.skin.anchored[*example];
+    let (Some(head), scale) = (anchored.block(job.block as u32), scale * dent.strength) else { return false };
+    if job.instance.least() > 0.0 || reaches(head.longest * scale.abs(), job.instance.depth_limit()) {
+        return false;
+    }
+    let stored = anchored.displacements(head);
+    (bounds.min, bounds.max) = levels::displace_stored(base, &stored, scale, positions, job.stream);
+    true
+}
+
+/// Whether dents of this summed length may reach the limit, m: rounding never takes a length over it by more.
+fn reaches(longest: f32, limit: f32) -> bool {
+    longest * 1.00001 > limit
 }
 
 /// A whole block: `from`, or `room` with its floats and zeros where it is short.

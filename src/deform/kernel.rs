@@ -1,10 +1,12 @@
 //! The kernels: what turns stored displacements and stamps into vertices, some lanes at a time.
 //!
-//! They go over one block's vertices once, some lanes at a time, with all sums in registers, and are generic over [`Simd`]. Operations and their
+//! They go over one block's vertices once, with all sums in registers, and are generic over [`Simd`]. Operations and their
 //! order are the same at every level and width, so results are the same bits.
 //!
 //! Every function here is `unsafe` for one reason: it may only run where the level's instructions are there. Pointers are made
 //! from slices and arrays whose lengths are stated.
+
+#![expect(clippy::needless_range_loop, reason = "x, y and z side by side read better by their number")]
 
 use crate::anchored::{BLOCK, GROUP, GROUPS, Numbers, Stored};
 use crate::dent::Carried;
@@ -216,7 +218,7 @@ pub(crate) unsafe fn displace_stored<S: Simd>(
     stream: bool,
 ) -> (Vec3, Vec3) {
     let scale = stored.step * scale;
-    let stream = stream && to.as_ptr().addr() % 16 == 0;
+    let stream = stream && to.as_ptr().addr().is_multiple_of(16);
     // SAFETY: passed on.
     unsafe {
         match (stored.numbers, stream) {
