@@ -210,7 +210,7 @@ fn bodies(kinds: &[Kind], count: usize) -> Vec<Body> {
         .map(|i| {
             let kind = i % kinds.len();
             let far = 1.0 + 299.0 * (i as f32 / (count - 1) as f32).powf(1.5) + kinds[kind].radius;
-            let turn = Mat3::from_rotation_y(between(&mut dice, 0.0, 6.28))
+            let turn = Mat3::from_rotation_y(between(&mut dice, 0.0, std::f64::consts::TAU))
                 * Mat3::from_rotation_x(between(&mut dice, -1.8, -0.6));
             // Within the middle nine tenths of the view.
             let high = 0.9 * (FOV / 2.0).tan();
