@@ -143,7 +143,8 @@ pub(crate) fn block<'a>(
         *bounds = classic(state, range.start, positions, normals);
         return;
     }
-    if normals.is_none() && lone(job, base, positions, bounds) {
+    let mut normals = normals;
+    if lone(job, base, positions, &mut normals, bounds) {
         return;
     }
     let touched = active(job, normals.is_some(), room);
@@ -188,10 +189,17 @@ pub(crate) fn block<'a>(
     }
 }
 
-/// Positions where one anchored example is all that can move the block, under the depth limit: in one pass, bound by memory.
-/// The same bits as the general way gives. False where it is not so; nothing is written then.
+/// Where one anchored example is all that can move the block, under the depth limit: in one pass, bound by memory. The same
+/// bits as the general way gives. False where it is not so; nothing is written then. A block that is short of vertices goes the
+/// general way if normals are wanted.
 #[inline(always)]
-fn lone(job: Job<'_>, base: &[f32], positions: &mut [f32], bounds: &mut Aabb) -> bool {
+fn lone(
+    job: Job<'_>,
+    base: &[f32],
+    positions: &mut [f32],
+    normals: &mut Option<(&mut [f32], &[f32])>,
+    bounds: &mut Aabb,
+) -> bool {
     let mut near = job.instance.damage().near(&job.skin.block_bounds[job.block]);
     let (Some((_, dent)), None) = (near.next(), near.next()) else { return false };
     let [Part { example, scale, carried: None }] = &dent.parts[..] else { return false };
@@ -199,6 +207,10 @@ fn lone(job: Job<'_>, base: &[f32], positions: &mut [f32], bounds: &mut Aabb) ->
     let (Some(head), scale) = (anchored.block(job.block as u32), scale * dent.strength) else { return false };
     if job.instance.least() > 0.0 || reaches(head.longest * scale.abs(), job.instance.depth_limit()) {
         return false;
+    }
+    if let Some((to, base)) = normals {
+        let (Some(to), Some(base)) = (to.first_chunk_mut(), base.first_chunk()) else { return false };
+        levels::turn_stored(base, &anchored.normals(head), scale, to);
     }
     let stored = anchored.displacements(head);
     (bounds.min, bounds.max) = levels::displace_stored(base, &stored, scale, positions, job.stream);

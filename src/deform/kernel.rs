@@ -246,6 +246,9 @@ trait Narrow: Copy {
     /// `at + LANES` numbers are there.
     unsafe fn load<S: Simd>(self, at: usize) -> S::F;
     fn len(self) -> usize;
+    /// # Safety
+    /// Where the instructions are there.
+    unsafe fn prefetch<S: Simd>(self, at: usize);
 }
 
 macro_rules! narrow {
@@ -261,6 +264,11 @@ macro_rules! narrow {
             #[inline(always)]
             fn len(self) -> usize {
                 self.0.len()
+            }
+            #[inline(always)]
+            unsafe fn prefetch<S: Simd>(self, at: usize) {
+                // SAFETY: passed on.
+                unsafe { S::prefetch(self.0.as_ptr().wrapping_add(at)) }
             }
         }
     };
@@ -288,6 +296,12 @@ unsafe fn displace_numbers<S: Simd, N: Narrow, const STREAM: bool>(
         if groups == u16::MAX && whole == GROUPS {
             for group in 0..GROUPS {
                 let at = group * FLOATS;
+                // A block ahead: most often the next block is the next to be written.
+                for k in 0..2 {
+                    S::prefetch(b.wrapping_add(at + BLOCK * 3 + k * 16));
+                    S::prefetch(o.wrapping_add(at + BLOCK * 3 + k * 16));
+                }
+                numbers.prefetch::<S>(at + BLOCK * 3);
                 let v =
                     each!(k => S::add(S::load(b.add(at + k * GROUP)), S::mul(numbers.load::<S>(at + k * GROUP), f)));
                 for k in 0..3 {
@@ -324,6 +338,35 @@ unsafe fn displace_numbers<S: Simd, N: Narrow, const STREAM: bool>(
             extent.add_rest(o);
         }
         extent.bounds_of_flat()
+    }
+}
+
+/// Unit normals along `base + scale * stored`, x y z x y z …: what [`displace`] gives for a lone dent under the depth limit. `S` has
+/// `GROUP` lanes.
+#[inline(always)]
+pub(crate) unsafe fn turn_stored<S: Simd>(
+    base: &[f32; 3 * BLOCK],
+    stored: &Stored<'_>,
+    scale: f32,
+    to: &mut [f32; 3 * BLOCK],
+) {
+    let mut kept = 0;
+    // SAFETY: groups within the block.
+    unsafe {
+        let scale = S::splat(stored.step * scale);
+        for group in 0..GROUPS {
+            let at = 3 * GROUP * group;
+            let (from, to) = (base.as_ptr().add(at), to.as_mut_ptr().add(at));
+            if stored.groups >> group & 1 == 0 {
+                for k in 0..3 {
+                    S::store(to.add(k * GROUP), S::load(from.add(k * GROUP)));
+                }
+                continue;
+            }
+            let change = scaled::<S>(S::deinterleave(numbers::<S>(&stored.numbers, kept)), scale);
+            kept += 1;
+            store3::<S>(normal::<S>(load3::<S>(from), change, change), to);
+        }
     }
 }
 

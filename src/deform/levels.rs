@@ -24,6 +24,8 @@ macro_rules! compiled {
 
 compiled!(stored_avx2, "avx2", kernel::displace_stored::<Avx2>,
     (base: &[f32], stored: &Stored<'_>, scale: f32, to: &mut [f32], stream: bool) -> Bounds);
+compiled!(turn_avx2, "avx2", kernel::turn_stored::<Avx2>,
+    (base: &Flat, stored: &Stored<'_>, scale: f32, to: &mut Flat) -> ());
 compiled!(longest_avx2, "avx2", kernel::longest::<Avx2>, (stored: &Stored<'_>) -> f32);
 compiled!(positions_avx2, "avx2", kernel::displace::<Avx2, false>,
     (block: &Block<'_>, positions: &mut Flat, normals: &mut Flat) -> Bounds);
@@ -43,6 +45,18 @@ pub(crate) fn displace_stored(base: &[f32], stored: &Stored<'_>, scale: f32, to:
         SimdLevel::Avx2 | SimdLevel::Avx512 => unsafe { stored_avx2(base, stored, scale, to, stream) },
         // SAFETY: always there; so everywhere below.
         _ => unsafe { kernel::displace_stored::<Portable>(base, stored, scale, to, stream) },
+    }
+}
+
+/// [`kernel::turn_stored`].
+#[inline]
+pub(crate) fn turn_stored(base: &Flat, stored: &Stored<'_>, scale: f32, to: &mut Flat) {
+    match SimdLevel::current() {
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: as above.
+        SimdLevel::Avx2 | SimdLevel::Avx512 => unsafe { turn_avx2(base, stored, scale, to) },
+        // SAFETY: as above.
+        _ => unsafe { kernel::turn_stored::<Portable>(base, stored, scale, to) },
     }
 }
 

@@ -102,6 +102,8 @@ pub(crate) trait Simd: Copy {
     unsafe fn store(p: *mut f32, v: Self::F);
     /// [`Simd::store`] past the caches, to memory aligned to 16 bytes; other threads see it after a fence.
     unsafe fn stream(p: *mut f32, v: Self::F);
+    /// Tells that the line around `p`, which need not be valid, will be read soon.
+    unsafe fn prefetch<T>(p: *const T);
     unsafe fn add(a: Self::F, b: Self::F) -> Self::F;
     unsafe fn sub(a: Self::F, b: Self::F) -> Self::F;
     unsafe fn mul(a: Self::F, b: Self::F) -> Self::F;

@@ -43,6 +43,8 @@ impl Simd for Portable {
         unsafe { Self::store(p, v) }
     }
     #[inline(always)]
+    unsafe fn prefetch<T>(_p: *const T) {}
+    #[inline(always)]
     unsafe fn add(a: f32x8, b: f32x8) -> f32x8 {
         a + b
     }
