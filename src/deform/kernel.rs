@@ -296,12 +296,12 @@ unsafe fn displace_numbers<S: Simd, N: Narrow, const STREAM: bool>(
         if groups == u16::MAX && whole == GROUPS {
             for group in 0..GROUPS {
                 let at = group * FLOATS;
-                // A block ahead: most often the next block is the next to be written.
+                // Two blocks ahead, which most often are the next to be written.
                 for k in 0..2 {
-                    S::prefetch(b.wrapping_add(at + BLOCK * 3 + k * 16));
-                    S::prefetch(o.wrapping_add(at + BLOCK * 3 + k * 16));
+                    S::prefetch(b.wrapping_add(at + BLOCK * 6 + k * 16));
+                    S::prefetch_write(o.wrapping_add(at + BLOCK * 6 + k * 16));
                 }
-                numbers.prefetch::<S>(at + BLOCK * 3);
+                numbers.prefetch::<S>(at + BLOCK * 6);
                 let v =
                     each!(k => S::add(S::load(b.add(at + k * GROUP)), S::mul(numbers.load::<S>(at + k * GROUP), f)));
                 for k in 0..3 {

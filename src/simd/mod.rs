@@ -104,6 +104,8 @@ pub(crate) trait Simd: Copy {
     unsafe fn stream(p: *mut f32, v: Self::F);
     /// Tells that the line around `p`, which need not be valid, will be read soon.
     unsafe fn prefetch<T>(p: *const T);
+    /// The same of a line that will be written.
+    unsafe fn prefetch_write<T>(p: *mut T);
     unsafe fn add(a: Self::F, b: Self::F) -> Self::F;
     unsafe fn sub(a: Self::F, b: Self::F) -> Self::F;
     unsafe fn mul(a: Self::F, b: Self::F) -> Self::F;

@@ -45,6 +45,8 @@ impl Simd for Portable {
     #[inline(always)]
     unsafe fn prefetch<T>(_p: *const T) {}
     #[inline(always)]
+    unsafe fn prefetch_write<T>(_p: *mut T) {}
+    #[inline(always)]
     unsafe fn add(a: f32x8, b: f32x8) -> f32x8 {
         a + b
     }
