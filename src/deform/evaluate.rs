@@ -28,8 +28,6 @@ pub(crate) struct Job<'a> {
     pub instance: &'a Instance,
     pub skin: &'a Skin,
     pub block: usize,
-    /// Whether so much is written that it had better not go through the caches; [`levels::finish`] is to be called then.
-    pub stream: bool,
 }
 
 /// Position and unit normal of one vertex: the same bits as [`block`] gives.
@@ -38,7 +36,7 @@ pub(crate) fn vertex(instance: &Instance, skin: &Skin, v: usize) -> (Vec3, Optio
     let n = 3 * block_range(block, skin.vertex_count()).len();
     let (mut positions, mut normals): (Flat, Flat) = ([0.0; 3 * BLOCK], [0.0; 3 * BLOCK]);
     let some = skin.mesh.normals().is_some();
-    let job = Job { instance, skin, block, stream: false };
+    let job = Job { instance, skin, block };
     let mut bounds = Aabb::EMPTY;
     self::block(job, &mut Room::new(), &mut positions[..n], some.then_some(&mut normals[..n]), &mut bounds);
     let at = |f: &Flat| Vec3::new(f[3 * i], f[3 * i + 1], f[3 * i + 2]);
@@ -213,7 +211,7 @@ fn lone(
         levels::turn_stored(base, &anchored.normals(head), scale, to);
     }
     let stored = anchored.displacements(head);
-    (bounds.min, bounds.max) = levels::displace_stored(base, &stored, scale, positions, job.stream);
+    (bounds.min, bounds.max) = levels::displace_stored(base, &stored, scale, positions);
     true
 }
 

@@ -207,7 +207,7 @@ impl<S: Simd> Extent<S> {
 }
 
 /// `to = base + scale * stored`, all x y z x y z …: what [`displace`] gives for a lone dent under the depth limit, in one pass
-/// without sorting components apart. `S` has `GROUP` lanes. Where told to, it writes past the caches. Returns bounds of what it
+/// without sorting components apart. `S` has `GROUP` lanes. Returns bounds of what it
 /// wrote.
 #[inline(always)]
 pub(crate) unsafe fn displace_stored<S: Simd>(
@@ -215,29 +215,16 @@ pub(crate) unsafe fn displace_stored<S: Simd>(
     stored: &Stored<'_>,
     scale: f32,
     to: &mut [f32],
-    stream: bool,
 ) -> (Vec3, Vec3) {
     let scale = stored.step * scale;
-    let stream = stream && to.as_ptr().addr().is_multiple_of(16);
     // SAFETY: passed on.
     unsafe {
-        match (stored.numbers, stream) {
-            (Numbers::I8(n), false) => displace_numbers::<S, I8, false>(base, I8(n), stored.groups, scale, to),
-            (Numbers::I16(n), false) => displace_numbers::<S, I16, false>(base, I16(n), stored.groups, scale, to),
-            (Numbers::F32(n), false) => displace_numbers::<S, F32, false>(base, F32(n), stored.groups, scale, to),
-            (Numbers::I8(n), true) => displace_numbers::<S, I8, true>(base, I8(n), stored.groups, scale, to),
-            (Numbers::I16(n), true) => displace_numbers::<S, I16, true>(base, I16(n), stored.groups, scale, to),
-            (Numbers::F32(n), true) => displace_numbers::<S, F32, true>(base, F32(n), stored.groups, scale, to),
+        match stored.numbers {
+            Numbers::I8(n) => displace_numbers::<S, I8>(base, I8(n), stored.groups, scale, to),
+            Numbers::I16(n) => displace_numbers::<S, I16>(base, I16(n), stored.groups, scale, to),
+            Numbers::F32(n) => displace_numbers::<S, F32>(base, F32(n), stored.groups, scale, to),
         }
     }
-}
-
-/// # Safety
-/// `LANES` floats may be written there; if `STREAM`, aligned to 16 bytes.
-#[inline(always)]
-unsafe fn put<S: Simd, const STREAM: bool>(p: *mut f32, v: S::F) {
-    // SAFETY: passed on.
-    unsafe { if STREAM { S::stream(p, v) } else { S::store(p, v) } }
 }
 
 /// Stored numbers of one width.
@@ -278,7 +265,7 @@ narrow!(I16, i16, load_i16);
 narrow!(F32, f32, load);
 
 #[inline(always)]
-unsafe fn displace_numbers<S: Simd, N: Narrow, const STREAM: bool>(
+unsafe fn displace_numbers<S: Simd, N: Narrow>(
     base: &[f32],
     numbers: N,
     groups: u16,
@@ -296,7 +283,7 @@ unsafe fn displace_numbers<S: Simd, N: Narrow, const STREAM: bool>(
         if groups == u16::MAX && whole == GROUPS {
             for group in 0..GROUPS {
                 let at = group * FLOATS;
-                // Two blocks ahead, which most often are the next to be written.
+                // Two blocks ahead, which most often are the next to be written. (With that, stores past the caches cost time.)
                 for k in 0..2 {
                     S::prefetch(b.wrapping_add(at + BLOCK * 6 + k * 16));
                     S::prefetch_write(o.wrapping_add(at + BLOCK * 6 + k * 16));
@@ -305,7 +292,7 @@ unsafe fn displace_numbers<S: Simd, N: Narrow, const STREAM: bool>(
                 let v =
                     each!(k => S::add(S::load(b.add(at + k * GROUP)), S::mul(numbers.load::<S>(at + k * GROUP), f)));
                 for k in 0..3 {
-                    put::<S, STREAM>(o.add(at + k * GROUP), v[k]);
+                    S::store(o.add(at + k * GROUP), v[k]);
                 }
                 extent.add(v);
             }
@@ -320,7 +307,7 @@ unsafe fn displace_numbers<S: Simd, N: Narrow, const STREAM: bool>(
                 kept += FLOATS;
             }
             for k in 0..3 {
-                put::<S, STREAM>(o.add(at + k * GROUP), v[k]);
+                S::store(o.add(at + k * GROUP), v[k]);
             }
             extent.add(v);
         }

@@ -23,7 +23,7 @@ macro_rules! compiled {
 }
 
 compiled!(stored_avx2, "avx2", kernel::displace_stored::<Avx2>,
-    (base: &[f32], stored: &Stored<'_>, scale: f32, to: &mut [f32], stream: bool) -> Bounds);
+    (base: &[f32], stored: &Stored<'_>, scale: f32, to: &mut [f32]) -> Bounds);
 compiled!(turn_avx2, "avx2", kernel::turn_stored::<Avx2>,
     (base: &Flat, stored: &Stored<'_>, scale: f32, to: &mut Flat) -> ());
 compiled!(longest_avx2, "avx2", kernel::longest::<Avx2>, (stored: &Stored<'_>) -> f32);
@@ -38,13 +38,13 @@ compiled!(normals_avx512, "avx512f,avx512bw,avx512dq,avx512vl,avx2", kernel::dis
 
 /// [`kernel::displace_stored`].
 #[inline]
-pub(crate) fn displace_stored(base: &[f32], stored: &Stored<'_>, scale: f32, to: &mut [f32], stream: bool) -> Bounds {
+pub(crate) fn displace_stored(base: &[f32], stored: &Stored<'_>, scale: f32, to: &mut [f32]) -> Bounds {
     match SimdLevel::current() {
         #[cfg(target_arch = "x86_64")]
         // SAFETY: a level is in force only where the processor has it; so everywhere below.
-        SimdLevel::Avx2 | SimdLevel::Avx512 => unsafe { stored_avx2(base, stored, scale, to, stream) },
+        SimdLevel::Avx2 | SimdLevel::Avx512 => unsafe { stored_avx2(base, stored, scale, to) },
         // SAFETY: always there; so everywhere below.
-        _ => unsafe { kernel::displace_stored::<Portable>(base, stored, scale, to, stream) },
+        _ => unsafe { kernel::displace_stored::<Portable>(base, stored, scale, to) },
     }
 }
 
@@ -88,14 +88,5 @@ pub(crate) fn longest(stored: &Stored<'_>) -> f32 {
         SimdLevel::Avx2 | SimdLevel::Avx512 => unsafe { longest_avx2(stored) },
         // SAFETY: as above.
         _ => unsafe { kernel::longest::<Portable>(stored) },
-    }
-}
-
-/// Makes what was streamed in this thread visible to others.
-pub(crate) fn finish() {
-    #[cfg(target_arch = "x86_64")]
-    // SAFETY: SSE is always there.
-    unsafe {
-        std::arch::x86_64::_mm_sfence();
     }
 }

@@ -24,10 +24,6 @@ const BLOCKS_A_TASK: usize = 64;
 /// … and tasks a worker gets, at least, where there are so many blocks.
 const PIECES: usize = 8;
 
-/// From so many blocks on positions go past the caches, where they lie one after the other: 48 MB of them. Below, where caches
-/// hold what is written, that costs more than it saves.
-const STREAM: usize = 32768;
-
 /// One output to bring up to date.
 #[derive(Debug)]
 pub struct DeformJob<'a, 'm> {
@@ -77,7 +73,6 @@ pub fn deform(jobs: &mut [DeformJob<'_, '_>], tasks: &dyn TaskSystem) -> Result<
     {
         let slots = Scattered::new(&mut bounds);
         let jobs = &*jobs;
-        let stream = total >= STREAM;
         let chunk = total.div_ceil(tasks.workers().max(1) * PIECES).clamp(1, BLOCKS_A_TASK);
         run_each(tasks, total.div_ceil(chunk), &|t| {
             let from = t * chunk;
@@ -87,13 +82,10 @@ pub fn deform(jobs: &mut [DeformJob<'_, '_>], tasks: &dyn TaskSystem) -> Result<
                 let job = &jobs[*job as usize];
                 // `check` has passed: there is one.
                 let Ok(skin) = job.skin() else { continue };
-                let block = evaluate::Job { instance: job.instance, skin, block: *block as usize, stream };
+                let block = evaluate::Job { instance: job.instance, skin, block: *block as usize };
                 // SAFETY: item `from + i` belongs to this task alone, and `run_each` runs a task once.
                 let bounds = unsafe { slots.at(from + i) };
                 write_block(job, block, &mut room, bounds);
-            }
-            if stream {
-                levels::finish();
             }
             parts_skipped.fetch_add(room.evaluate.left_out.into(), Ordering::Relaxed);
         });

@@ -26,13 +26,6 @@ impl Simd for Avx2 {
         unsafe { _mm256_storeu_ps(p, v) }
     }
     #[inline(always)]
-    unsafe fn stream(p: *mut f32, v: __m256) {
-        unsafe {
-            _mm_stream_ps(p, _mm256_castps256_ps128(v));
-            _mm_stream_ps(p.add(4), _mm256_extractf128_ps::<1>(v));
-        }
-    }
-    #[inline(always)]
     unsafe fn prefetch<T>(p: *const T) {
         unsafe { _mm_prefetch::<_MM_HINT_T0>(p.cast()) }
     }

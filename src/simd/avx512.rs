@@ -40,14 +40,6 @@ impl Simd for Avx512 {
         unsafe { _mm512_storeu_ps(p, v) }
     }
     #[inline(always)]
-    unsafe fn stream(p: *mut f32, v: __m512) {
-        unsafe {
-            let [lo, hi] = halves(v);
-            Avx2::stream(p, lo);
-            Avx2::stream(p.add(8), hi);
-        }
-    }
-    #[inline(always)]
     unsafe fn prefetch<T>(p: *const T) {
         unsafe { _mm_prefetch::<_MM_HINT_T0>(p.cast()) }
     }

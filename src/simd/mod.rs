@@ -100,8 +100,6 @@ pub(crate) trait Simd: Copy {
     unsafe fn splat(x: f32) -> Self::F;
     unsafe fn load(p: *const f32) -> Self::F;
     unsafe fn store(p: *mut f32, v: Self::F);
-    /// [`Simd::store`] past the caches, to memory aligned to 16 bytes; other threads see it after a fence.
-    unsafe fn stream(p: *mut f32, v: Self::F);
     /// Tells that the line around `p`, which need not be valid, will be read soon.
     unsafe fn prefetch<T>(p: *const T);
     /// The same of a line that will be written.

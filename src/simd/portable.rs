@@ -38,11 +38,6 @@ impl Simd for Portable {
         unsafe { p.cast::<[f32; 8]>().write_unaligned(v.to_array()) }
     }
     #[inline(always)]
-    unsafe fn stream(p: *mut f32, v: f32x8) {
-        // SAFETY: passed on.
-        unsafe { Self::store(p, v) }
-    }
-    #[inline(always)]
     unsafe fn prefetch<T>(_p: *const T) {}
     #[inline(always)]
     unsafe fn prefetch_write<T>(_p: *mut T) {}

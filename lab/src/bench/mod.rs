@@ -155,11 +155,7 @@ const WORKLOADS: &[Workload] = &[
     },
     Workload { name: "select", about: "one hit, 100 examples, without what it does to vertices", run: select::run },
     Workload { name: "idle_1000", about: "1000 bodies, ten of them hit, against those ten alone", run: idle::run },
-    Workload {
-        name: "load_1m_24ex",
-        about: "a baked file, against copying its bytes (not there yet)",
-        run: build::load,
-    },
+    Workload { name: "load_1m_24ex", about: "a baked file, against copying its bytes", run: build::load },
     Workload {
         name: "build_1m_24ex",
         about: "a set from arrays, two threads, against copying them",

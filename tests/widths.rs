@@ -1,0 +1,132 @@
+//! Baked sets: every width of numbers, every kind of stamp, every SIMD level and any number of threads give the same bits, and an
+//! example is never further off than the set's tolerance, whatever its weight. Only sources of this repository, and f64.
+
+mod scenes;
+
+use std::sync::Arc;
+
+use crumple::glam::{DVec3, Vec3};
+use crumple::{
+    Deltas, ExampleData, ExampleSet, Instance, InstanceOptions, Mark, Mirror, Pair, Placement, Serial, SetOptions,
+    SimdLevel, TaskSystem, ThreadPool, Tracker, VertexMemory,
+};
+use scenes::{Dice, random_hits};
+
+fn written(instance: &mut Instance, normals: bool, tasks: &dyn TaskSystem) -> Vec<u32> {
+    let n = instance.example_set().vertex_count();
+    let (mut positions, mut turned) = (vec![[f32::NAN; 3]; n], vec![[0.0f32; 3]; n]);
+    let memory = VertexMemory::separate(&mut positions, normals.then_some(&mut turned[..]), None).unwrap();
+    let report = instance.deform(&mut Tracker::new(), memory, tasks).unwrap();
+    assert_eq!(report.vertices_written, n as u64);
+    positions.iter().chain(&turned).flatten().map(|x| x.to_bits()).collect()
+}
+
+/// Positions must not depend on whether normals are written too: other kernels run then.
+#[test]
+fn levels_widths_and_threads_give_the_same_bits() {
+    let pool = ThreadPool::new(3).unwrap();
+    for body in ["panel", "tube"] {
+        for tolerance in [None, Some(1e-6), Some(1e-5), Some(1e-4), Some(1e-3), Some(1e-2)] {
+            let (mesh, mut examples) = scenes::solver(body);
+            examples.truncate(8);
+            examples[1].placement = Placement::Anchored;
+            let set = scenes::build(mesh, examples, SetOptions { tolerance, ..SetOptions::default() });
+            let widths = set.report().blocks_by_width;
+            let e = &set.examples()[1];
+            let alone = |share: i16| {
+                let mut pairs = [Pair::NONE; 4];
+                pairs[0] = Pair::anchored(1, share);
+                Mark::new(e.contact_vertex(), 0.7 * e.depth(), pairs)
+            };
+            // A lone anchored dent, then many of all kinds.
+            for hits in [0, 25] {
+                let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+                if hits == 0 {
+                    instance.set_marks(&[alone(Pair::WHOLE)]).unwrap();
+                }
+                for hit in random_hits(&set, hits, 9) {
+                    instance.submit(&hit).unwrap();
+                }
+                let mut seen: Option<Vec<u32>> = None;
+                for level in SimdLevel::available() {
+                    level.force().unwrap();
+                    for tasks in [&Serial as &dyn TaskSystem, &pool] {
+                        let (bare, full) = (written(&mut instance, false, tasks), written(&mut instance, true, tasks));
+                        let n = 3 * set.vertex_count();
+                        assert!(bare[..n] == full[..n], "{body} {tolerance:?} {widths:?} {level:?}");
+                        let seen = seen.get_or_insert_with(|| full.clone());
+                        assert!(*seen == full, "{body} {tolerance:?} {widths:?} {level:?}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Of an example's displacements as the file has them, and as the set shows them at a weight.
+#[test]
+fn no_vertex_is_further_off_than_the_tolerance() {
+    let mut dice = Dice::new(77);
+    for body in ["panel", "tube"] {
+        let (mesh, mut examples) = scenes::solver(body);
+        examples.truncate(6);
+        examples.iter_mut().for_each(|e| e.placement = Placement::Anchored);
+        for tolerance in [1e-6f32, 1e-5, 1e-4, 1e-3, 1e-2] {
+            let options = SetOptions { tolerance: Some(tolerance), depth_limit: Some(10.0), ..SetOptions::default() };
+            let set = scenes::build(mesh.clone(), examples.clone(), options);
+            for (i, source) in examples.iter().enumerate() {
+                let truth = displacements(source, set.vertex_count());
+                let e = &set.examples()[i];
+                if e.is_empty() {
+                    continue;
+                }
+                for weight in [1.0, dice.between(0.01, 1.0)] {
+                    let mut pairs = [Pair::NONE; 4];
+                    pairs[0] = Pair::anchored(i as u16, Pair::WHOLE);
+                    let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+                    instance.set_marks(&[Mark::new(e.contact_vertex(), weight * e.depth(), pairs)]).unwrap();
+                    let mut shown = vec![[0.0f32; 3]; set.vertex_count()];
+                    let memory = VertexMemory::separate(&mut shown, None, None).unwrap();
+                    instance.deform(&mut Tracker::new(), memory, &Serial).unwrap();
+                    let mut worst = 0.0f64;
+                    for (v, d) in truth.iter().enumerate() {
+                        let base: Vec3 = set.mesh().positions()[v];
+                        let right = base.as_dvec3() + *d * f64::from(weight);
+                        let off = (Vec3::from(shown[v]).as_dvec3() - right).length();
+                        // The position itself is rounded to a float.
+                        worst = worst.max(off - f64::from(base.abs().max_element().max(0.1)) * 3e-7);
+                    }
+                    assert!(worst <= f64::from(tolerance * weight), "{body} {i} at {weight}: {worst} > {tolerance}");
+                }
+            }
+        }
+    }
+}
+
+fn displacements(e: &ExampleData, n: usize) -> Vec<DVec3> {
+    let vector = |d: &[f32; 3]| Vec3::from(*d).as_dvec3();
+    match &e.positions {
+        Deltas::Full(d) => d.iter().map(vector).collect(),
+        Deltas::Sparse { indices, values } => {
+            let mut out = vec![DVec3::ZERO; n];
+            indices.iter().zip(values).for_each(|(v, d)| out[*v as usize] = vector(d));
+            out
+        }
+    }
+}
+
+/// Mirror images and stamps of each kind are among what the first test runs.
+#[test]
+fn the_kinds_of_stamps_are_all_there() {
+    let (mesh, examples) = scenes::solver("panel");
+    let bytes = |tolerance| {
+        let options = SetOptions { tolerance, ..SetOptions::default() };
+        let set: Arc<ExampleSet> = scenes::build(mesh.clone(), examples[..4].to_vec(), options);
+        let nodes: Vec<usize> = set.examples().iter().filter_map(|e| e.stamp()).map(|s| s.node_bytes()).collect();
+        assert!(set.report().mirror_planes != Mirror::NONE);
+        nodes
+    };
+    assert!(bytes(None).iter().all(|b| *b == 12));
+    assert!(bytes(Some(1e-2)).iter().all(|b| *b == 4));
+    assert!(bytes(Some(1e-6)).iter().all(|b| [4, 8].contains(b)));
+}
