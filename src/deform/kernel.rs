@@ -6,6 +6,7 @@
 //! Every function here is `unsafe` for one reason: it may only run where the level's instructions are there. Pointers are made
 //! from slices and arrays whose lengths are stated.
 
+#![expect(clippy::undocumented_unsafe_blocks, reason = "where none is given, it is the one above")]
 #![expect(clippy::needless_range_loop, reason = "x, y and z side by side read better by their number")]
 
 use crate::anchored::{BLOCK, GROUP, GROUPS, Numbers, Stored};

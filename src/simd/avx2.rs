@@ -1,5 +1,7 @@
 //! Eight lanes in AVX2.
 
+#![expect(clippy::undocumented_unsafe_blocks, reason = "one reason for all of them, said once")]
+
 use super::Simd;
 use std::arch::x86_64::*;
 

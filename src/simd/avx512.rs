@@ -1,5 +1,7 @@
 //! Sixteen lanes in AVX-512 (F, BW, DQ, VL).
 
+#![expect(clippy::undocumented_unsafe_blocks, reason = "one reason for all of them, said once")]
+
 use super::{Avx2, Simd};
 use std::arch::x86_64::*;
 
