@@ -670,6 +670,16 @@ impl ExampleBuilder<'_> {
         let contact_point = self.mesh.positions()[contact_vertex as usize];
         let contact_delta = deltas[contact_vertex as usize];
         let depth = contact_delta.length();
+        if let Some(tolerance) = self.options.tolerance
+            && depth == 0.0
+            && given[contact_vertex as usize] != Vec3::ZERO
+            && moved > 0
+        {
+            return Err(mismatch(format!(
+                "it moves its own contact, vertex {contact_vertex}, by {} m, which the tolerance of {tolerance} m leaves out; give a finer tolerance",
+                given[contact_vertex as usize].length()
+            )));
+        }
         if moved > 0 && depth == 0.0 {
             return Err(mismatch(format!(
                 "it does not move its own contact, vertex {contact_vertex}; give a contact inside the dent, or none to take the deepest vertex"
