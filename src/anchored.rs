@@ -294,11 +294,13 @@ fn moved(v: &[Vec3]) -> u16 {
 
 /// Appends the numbers of `groups` in the narrowest width that holds them.
 fn store(v: &[Vec3], groups: u16, steps: Steps, step: f32, out: &mut Vec<u64>) -> Width {
-    let stored = (0..GROUPS).filter(|g| groups >> g & 1 == 1).flat_map(|g| {
-        (g * GROUP..(g + 1) * GROUP)
-            .flat_map(|i| steps.rounded(v.get(i).copied().unwrap_or(Vec3::ZERO), step).to_array())
-    });
-    let numbers: Vec<f32> = stored.collect();
+    let mut numbers: Vec<f32> = Vec::with_capacity(groups.count_ones() as usize * GROUP * 3);
+    for group in (0..GROUPS).filter(|g| groups >> g & 1 == 1) {
+        for i in group * GROUP..(group + 1) * GROUP {
+            let v = v.get(i).copied().unwrap_or(Vec3::ZERO);
+            numbers.extend_from_slice(&steps.rounded(v, step).to_array());
+        }
+    }
     let most = numbers.iter().map(|x| x.abs()).fold(0.0, f32::max);
     let width = match most {
         _ if !steps.whole => Width::F32,
@@ -306,12 +308,14 @@ fn store(v: &[Vec3], groups: u16, steps: Steps, step: f32, out: &mut Vec<u64>) -
         m if m <= 32767.0 => Width::I16,
         _ => Width::F32,
     };
-    let bytes: Vec<u8> = match width {
-        Width::I8 => numbers.iter().map(|x| *x as i8 as u8).collect(),
-        Width::I16 => numbers.iter().flat_map(|x| (*x as i16).to_ne_bytes()).collect(),
-        Width::F32 => numbers.iter().flat_map(|x| x.to_ne_bytes()).collect(),
+    let mut words = |bytes: &[u8]| {
+        out.extend(bytes.chunks_exact(8).map(|w| u64::from_ne_bytes(std::array::from_fn(|i| w[i]))));
     };
-    out.extend(bytes.chunks_exact(8).map(|w| u64::from_ne_bytes(std::array::from_fn(|i| w[i]))));
+    match width {
+        Width::I8 => words(bytemuck::cast_slice(&numbers.iter().map(|x| *x as i8).collect::<Vec<_>>())),
+        Width::I16 => words(bytemuck::cast_slice(&numbers.iter().map(|x| *x as i16).collect::<Vec<_>>())),
+        Width::F32 => words(bytemuck::cast_slice(&numbers)),
+    }
     width
 }
 

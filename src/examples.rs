@@ -10,7 +10,7 @@ use crate::math::{tangent_basis, unit};
 use crate::mesh::{MAX_COORDINATE, Mesh, finite};
 use crate::mirror::{self, Mirror};
 use crate::nearest::{Nearest, VertexIndex};
-use crate::rim::Rim;
+use crate::rim::{self, Rim};
 use crate::skin::Skin;
 use crate::stamp::{Source, Stamp};
 use crate::tasks::run_each;
@@ -335,6 +335,7 @@ impl ExampleSet {
         });
         let (mut welded, mut widest_weld) = (0, 0.0f32);
         let mut ready = reserve(examples.len(), "examples")?;
+        let mut moves = reserve(examples.len(), "examples")?;
         for (i, slot) in slots.into_iter().enumerate() {
             let built = slot.into_inner().unwrap_or_else(|e| e.into_inner());
             let built = built.ok_or_else(|| {
@@ -342,6 +343,7 @@ impl ExampleSet {
             })??;
             welded += built.welded;
             widest_weld = widest_weld.max(built.widest_weld);
+            moves.push(built.moves);
             ready.push(built.example);
         }
         if deepest(&ready) == 0.0 {
@@ -351,7 +353,7 @@ impl ExampleSet {
         }
         let planes =
             if options.mirror { mirror::planes(mesh.positions(), &index, &mesh.bounds()) } else { Mirror::NONE };
-        let rim = if options.held_rims { Rim::find(&mesh, &ready) } else { Rim::default() };
+        let rim = if options.held_rims { Rim::find(&mesh, &moves) } else { Rim::default() };
         let mut set = Self::assemble(Parts {
             fingerprint: fingerprint(&mesh, &ready, &options),
             learned: Learned::nothing(ready.len()),
@@ -631,6 +633,8 @@ fn fingerprint(mesh: &Mesh, examples: &[Example], options: &SetOptions) -> u64 {
 
 struct Built {
     example: Example,
+    /// Which vertices it moves, for finding held rims.
+    moves: Vec<bool>,
     welded: usize,
     widest_weld: f32,
 }
@@ -739,7 +743,8 @@ impl ExampleBuilder<'_> {
             anchored: Arc::new(Anchored::new(&deltas, normals.as_deref(), self.steps)),
             stamp,
         };
-        Ok(Built { example, welded, widest_weld })
+        let moves = if self.options.held_rims { rim::moves(&given) } else { Vec::new() };
+        Ok(Built { example, moves, welded, widest_weld })
     }
 
     /// Displacements and changes of normals as they will be stored.

@@ -5,7 +5,6 @@
 //! width). Towards it, carried displacements are multiplied with a window that rises smoothly from 0 on the rim to 1 at
 //! [`WIDTH`] of the diagonal. Anchored examples are left as they are.
 
-use crate::Example;
 use crate::anchored::{BLOCK, block_range};
 use crate::array::Array;
 use crate::mesh::Mesh;
@@ -70,8 +69,8 @@ impl Rim {
     /// A block away from every held rim.
     pub(crate) const CLEAR: u32 = u32::MAX;
 
-    /// What the examples show to be held.
-    pub(crate) fn find(mesh: &Mesh, examples: &[Example]) -> Self {
+    /// What the examples show to be held, given which vertices each of them [moves](moves).
+    pub(crate) fn find(mesh: &Mesh, examples: &[Vec<bool>]) -> Self {
         let held = held(mesh, examples);
         let points: Vec<Vec3> = held.iter().map(|v| mesh.positions()[*v as usize]).collect();
         let (blocks, windows) = windows(&points, mesh.bounds().diagonal(), mesh.positions());
@@ -140,8 +139,15 @@ fn windows(held: &[Vec3], diagonal: f32, positions: &[Vec3]) -> (Vec<u32>, Vec<W
     (blocks.collect(), all)
 }
 
+/// Whether an example moves each vertex. Told from displacements as they were given: what a tolerance leaves out still shows that
+/// an edge is free.
+pub(crate) fn moves(deltas: &[Vec3]) -> Vec<bool> {
+    let deepest = deltas.iter().map(|d| d.length()).fold(0.0, f32::max);
+    deltas.iter().map(|d| d.length() > MOVED * deepest).collect()
+}
+
 /// Vertices of the loops that are held, all that stand at one position: an example may tear them apart.
-fn held(mesh: &Mesh, examples: &[Example]) -> Vec<u32> {
+fn held(mesh: &Mesh, examples: &[Vec<bool>]) -> Vec<u32> {
     let (triangles, weld) = (mesh.triangles(), mesh.weld());
     let welded = |t: &[u32; 3]| t.map(|v| weld[v as usize]);
     let mut edges: Vec<(u32, u32)> = Vec::with_capacity(triangles.len() * 3);
@@ -193,13 +199,8 @@ fn held(mesh: &Mesh, examples: &[Example]) -> Vec<u32> {
     let (beside, rim) = (copies(weld, &beside), copies(weld, &rim));
     let moves = |near: &[(u32, u32)]| {
         let mut moved = vec![false; weld.len()];
-        for e in examples {
-            let least = MOVED * e.max_depth();
-            for (v, l) in near {
-                if !moved[*l as usize] && e.delta(*v).length() > least {
-                    moved[*l as usize] = true;
-                }
-            }
+        for (v, l) in near {
+            moved[*l as usize] |= examples.iter().any(|e| e[*v as usize]);
         }
         moved
     };
