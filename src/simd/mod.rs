@@ -16,6 +16,7 @@ pub(crate) use avx512::Avx512;
 pub(crate) use portable::Portable;
 
 use crate::Error;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 /// Instructions that deformation is compiled for. The result is the same, bit for bit, at every level.
@@ -34,8 +35,18 @@ pub enum SimdLevel {
 static LEVEL: AtomicU8 = AtomicU8::new(0);
 
 impl SimdLevel {
-    /// The best level of this processor.
+    /// The best level of this processor; no better than the environment variable `CRUMPLE_SIMD` says when first asked, if that is
+    /// `portable` or `avx2`: for tools that do not know newer instructions.
     pub fn best() -> Self {
+        static BEST: OnceLock<SimdLevel> = OnceLock::new();
+        *BEST.get_or_init(|| match std::env::var("CRUMPLE_SIMD").as_deref() {
+            Ok("portable") => SimdLevel::Portable,
+            Ok("avx2") => Self::of_processor().min(SimdLevel::Avx2),
+            _ => Self::of_processor(),
+        })
+    }
+
+    fn of_processor() -> Self {
         #[cfg(target_arch = "x86_64")]
         {
             use std::arch::is_x86_feature_detected as has;
