@@ -3,7 +3,7 @@
 //! For a mark with target depth `T` at contact `c` (normal `n`), a pair of example `i` and share `s_i` contributes
 //!
 //! ```text
-//! anchored   a_i = T / |d_i(c)|      e_i(v) = d_i(v)
+//! anchored   a_i = T / |d_i(c)|      e_i(v) = d_i(v)      (at the example's own contact d_i(c) is not rounded)
 //! carried    a_i = T / |d_i(p_i)|    e_i(v) = R d_i at p_i + stretch^-1 (R^T (v - c))
 //! ```
 //!
@@ -216,7 +216,7 @@ pub(crate) fn place(
         let example = pair.example as usize;
         let e = &set.examples()[example];
         let (size, carried, u) = if pair.is_anchored() {
-            let u = e.delta(contact);
+            let u = e.met_at(contact, c);
             (depth / u.length(), None, u)
         } else {
             let size = depth / e.depth();

@@ -156,22 +156,22 @@ impl Example {
         self.contact_normal
     }
 
-    /// Displacement of the contact vertex, m.
+    /// Displacement of the contact vertex as it was given, m: not rounded to a tolerance, since hits are compared with it.
     pub fn contact_displacement(&self) -> Vec3 {
         self.contact_delta
     }
 
-    /// Length of the displacement of the contact vertex, m. 0 only for an empty example.
+    /// Length of that displacement, m. 0 only for an empty example.
     pub fn depth(&self) -> f32 {
         self.depth
     }
 
-    /// Length of the longest displacement, m.
+    /// Length of the longest displacement as stored, m.
     pub fn max_depth(&self) -> f32 {
         self.max_depth
     }
 
-    /// Greatest distance from the contact of a vertex displaced by at least a hundredth of `max_depth`, m.
+    /// Greatest distance from the contact of a vertex displaced by at least a hundredth of the deepest (as given), m.
     pub fn support_radius(&self) -> f32 {
         self.support_radius
     }
@@ -186,9 +186,18 @@ impl Example {
         self.moved == 0
     }
 
-    /// Displacement of vertex `v`, m.
+    /// Displacement of vertex `v` as stored, m.
     pub fn delta(&self, v: u32) -> Vec3 {
         self.anchored.delta(v)
+    }
+
+    /// What a hit on vertex `v`, at position `p` (m), is compared with when the example stays where it was made: at its own
+    /// contact the displacement as given, elsewhere as stored.
+    pub(crate) fn met_at(&self, v: u32, p: Vec3) -> Vec3 {
+        let stored = self.delta(v);
+        // The other side of a seam that stays closed is the same place.
+        let own = v == self.contact_vertex || (p == self.contact_point && stored == self.delta(self.contact_vertex));
+        if own { self.contact_delta } else { stored }
     }
 
     /// Change of the unit normal of vertex `v`.
@@ -296,9 +305,9 @@ pub(crate) struct Parts {
     pub source_order: Option<Array<u32>>,
 }
 
-/// The longest displacement of any example, m.
+/// The longest displacement of any example, m, also of contacts before they are rounded.
 pub(crate) fn deepest(examples: &[Example]) -> f32 {
-    examples.iter().map(|e| e.max_depth).fold(0.0, f32::max)
+    examples.iter().map(|e| e.max_depth.max(e.depth)).fold(0.0, f32::max)
 }
 
 impl ExampleSet {
@@ -620,6 +629,7 @@ fn fingerprint(mesh: &Mesh, examples: &[Example], options: &SetOptions) -> u64 {
     for e in examples {
         vec(e.contact_point);
         vec(e.contact_normal.unwrap_or(Vec3::ZERO));
+        vec(e.contact_delta);
         vec(Vec3::splat(e.placement as u8 as f32));
         e.anchored.iter().for_each(|(v, d, _)| {
             vec(Vec3::new(f32::from_bits(v), 0.0, 0.0));
@@ -669,21 +679,12 @@ impl ExampleBuilder<'_> {
         let (given, given_normals) = (deltas, normals);
         let (deltas, normals) = self.rounded(&given, given_normals.as_deref(), &mismatch)?;
         let moved = deltas.iter().filter(|d| **d != Vec3::ZERO).count();
-        let max_depth = deltas.iter().map(|d| d.length()).fold(0.0, f32::max);
-        let contact_vertex = self.contact_vertex(data, &deltas, &mismatch)?;
+        let longest = |deltas: &[Vec3]| deltas.iter().map(|d| d.length()).fold(0.0, f32::max);
+        let (max_depth, deepest) = (longest(&deltas), longest(&given));
+        let contact_vertex = self.contact_vertex(data, &given, &mismatch)?;
         let contact_point = self.mesh.positions()[contact_vertex as usize];
-        let contact_delta = deltas[contact_vertex as usize];
+        let contact_delta = if moved > 0 { given[contact_vertex as usize] } else { Vec3::ZERO };
         let depth = contact_delta.length();
-        if let Some(tolerance) = self.options.tolerance
-            && depth == 0.0
-            && given[contact_vertex as usize] != Vec3::ZERO
-            && moved > 0
-        {
-            return Err(mismatch(format!(
-                "it moves its own contact, vertex {contact_vertex}, by {} m, which the tolerance of {tolerance} m leaves out; give a finer tolerance",
-                given[contact_vertex as usize].length()
-            )));
-        }
         if moved > 0 && depth == 0.0 {
             return Err(mismatch(format!(
                 "it does not move its own contact, vertex {contact_vertex}; give a contact inside the dent, or none to take the deepest vertex"
@@ -711,8 +712,8 @@ impl ExampleBuilder<'_> {
             .mesh
             .positions()
             .iter()
-            .zip(&deltas)
-            .filter(|(_, d)| d.length() >= SUPPORT * max_depth && **d != Vec3::ZERO)
+            .zip(&given)
+            .filter(|(_, d)| d.length() >= SUPPORT * deepest && **d != Vec3::ZERO)
             .map(|(p, _)| (*p - contact_point).length())
             .fold(0.0, f32::max);
         let stamp = (placement != Placement::Anchored && moved > 0).then(|| {
@@ -723,7 +724,7 @@ impl ExampleBuilder<'_> {
                 normals: given_normals.as_deref().zip(self.mesh.normals()),
                 frame: tangent_basis(contact_normal.unwrap_or(Vec3::Z)),
                 contact: contact_point,
-                max_depth,
+                max_depth: deepest,
                 support_radius,
             };
             Stamp::build(&source, self.options.stamp_resolution, self.options.tolerance)

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use crumple::glam::{DVec3, Vec3};
 use crumple::{
-    Deltas, ExampleData, ExampleSet, Instance, InstanceOptions, Mark, Mirror, Pair, Placement, Serial, SetOptions,
+    Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, Mark, Mirror, Pair, Placement, Serial, SetOptions,
     SimdLevel, TaskSystem, ThreadPool, Tracker, VertexMemory,
 };
 use scenes::{Dice, random_hits};
@@ -97,6 +97,45 @@ fn no_vertex_is_further_off_than_the_tolerance() {
                         worst = worst.max(off - f64::from(base.abs().max_element().max(0.1)) * 3e-7);
                     }
                     assert!(worst <= f64::from(tolerance * weight), "{body} {i} at {weight}: {worst} > {tolerance}");
+                }
+            }
+        }
+    }
+}
+
+/// Hits are compared with what an example was given to do at its contact, however coarsely its displacements are stored; a hit
+/// that repeats an example shows it as stored.
+#[test]
+fn contacts_are_not_rounded() {
+    for body in ["panel", "tube"] {
+        let (mesh, mut examples) = scenes::solver(body);
+        examples.truncate(6);
+        let build = |tolerance| {
+            let options = SetOptions { tolerance, ..SetOptions::default() };
+            scenes::build(mesh.clone(), examples.clone(), options)
+        };
+        let exact = build(None);
+        for tolerance in [1e-4f32, 1e-3, 1e-2] {
+            let set = build(Some(tolerance));
+            for (i, (a, b)) in
+                exact.examples().iter().zip(set.examples()).enumerate().filter(|(_, (_, b))| !b.is_empty())
+            {
+                assert_eq!(a.contact_displacement(), b.contact_displacement());
+                assert_eq!((a.depth(), a.support_radius()), (b.depth(), b.support_radius()));
+                let hit = Hit::displacement(b.contact_point().into(), b.contact_displacement().into());
+                let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+                let outcome = instance.submit(&hit).unwrap();
+                let chosen = outcome.chosen[0].unwrap();
+                assert_eq!(
+                    (chosen.example, chosen.scale, outcome.chosen[1]),
+                    (i as u32, 1.0, None),
+                    "{body} {tolerance}"
+                );
+                assert!(!outcome.clamped && Vec3::from(outcome.unmet).length() <= 1e-6 * b.depth());
+                let shown = written(&mut instance, false, &Serial);
+                for (v, p) in set.mesh().positions().iter().enumerate() {
+                    let right = (*p + b.delta(v as u32)).to_array().map(f32::to_bits);
+                    assert_eq!(shown[3 * v..3 * v + 3], right, "{body} {tolerance} {i} {v}");
                 }
             }
         }

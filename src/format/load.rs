@@ -54,7 +54,7 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
     });
     let lods = lods.collect::<Result<Vec<_>, Error>>()?;
     let learned = learned(&record, &records)?;
-    let examples = examples(&file, &records, &skin, stamps)?;
+    let examples = examples(&file, &records, &skin, (stamps, options.tolerance.unwrap_or(0.0)))?;
     if deepest(&examples) == 0.0 {
         return Err(wrong("the deepest displacement of all examples", 0, "above 0"));
     }
@@ -324,7 +324,7 @@ fn examples(
     file: &File<'_>,
     records: &[ExampleRecord],
     skin: &Skin,
-    stamps: Vec<Stamp>,
+    (stamps, tolerance): (Vec<Stamp>, f32),
 ) -> Result<Vec<Example>, Error> {
     let names: Array<u8> = file.array(Id::Names, 0)?;
     let (mut names, mut stamps) = (&names[..], stamps.into_iter());
@@ -338,7 +338,7 @@ fn examples(
             wrong(format!("the name of example {i}"), format!("wrong at byte {}", e.valid_up_to()), "UTF-8")
         })?;
         let stamp = flag("whether an example has a stamp", r.stamp)?.then(|| stamps.next()).flatten();
-        out.push(example(i, r, skin, (name, anchored.clone(), stamp))?);
+        out.push(example(i, r, (skin, tolerance), (name, anchored.clone(), stamp))?);
     }
     if !names.is_empty() {
         return Err(wrong("the rest of section names", format!("{} bytes", names.len()), "empty"));
@@ -349,7 +349,7 @@ fn examples(
 fn example(
     i: usize,
     r: &ExampleRecord,
-    skin: &Skin,
+    (skin, tolerance): (&Skin, f32),
     (name, anchored, stamp): (&str, Arc<Anchored>, Option<Stamp>),
 ) -> Result<Example, Error> {
     let of = |what: &str| format!("{what} of example {i}");
@@ -364,13 +364,21 @@ fn example(
         other => return Err(wrong(of("the placement"), other, "0 to 2")),
     };
     let max_depth = anchored.heads.iter().map(|h| h.longest).fold(0.0, f32::max);
-    let contact_delta = anchored.delta(r.contact_vertex);
+    let contact_delta = Vec3::from_array(r.contact_displacement);
     let depth = contact_delta.length();
+    let off = contact_delta.distance(anchored.delta(r.contact_vertex));
+    if off.is_nan() || off > tolerance * 1.001 {
+        return Err(wrong(
+            of("the displacement of the contact"),
+            contact_delta,
+            "what is stored of it, to the tolerance",
+        ));
+    }
     if (r.moved > 0) != (max_depth > 0.0) || r.moved as usize > positions.len() {
         return Err(wrong(of("the number of moved vertices"), r.moved, "0 only where none moves, at most all"));
     }
-    if r.moved > 0 && depth == 0.0 {
-        return Err(wrong(of("the displacement of the contact"), 0, "above 0 m"));
+    if (r.moved > 0) != (depth > 0.0) {
+        return Err(wrong(of("the displacement of the contact"), depth, "above 0 m where any vertex moves, else 0"));
     }
     let contact_normal = Vec3::from_array(r.contact_normal);
     let contact_normal = (contact_normal != Vec3::ZERO).then_some(contact_normal);

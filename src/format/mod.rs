@@ -24,7 +24,7 @@ use xxhash_rust::xxh3::xxh3_64;
 /// The first bytes of every file; the last one tells a file that went through a text conversion.
 const MAGIC: [u8; 8] = *b"crumple\n";
 /// Files of other versions are refused.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Sections begin at multiples of this; the largest alignment that any element needs is 16.
 const ALIGN: usize = 64;
 /// What the memory of a file must be a multiple of to be used in place.
@@ -210,6 +210,8 @@ struct ExampleRecord {
     support_radius: f32,
     /// Zero where there is none.
     contact_normal: [f32; 3],
+    /// As given, m.
+    contact_displacement: [f32; 3],
     /// Learned; not a number where not known.
     carried_error: f32,
     /// Learned; not a number where not known.
@@ -269,7 +271,7 @@ struct AnchoredRecord {
 
 // docs/format.md tells these.
 const _: () = assert!(size_of::<Header>() == 64 && size_of::<Entry>() == 32);
-const _: () = assert!(size_of::<SetRecord>() == 64 && size_of::<ExampleRecord>() == 40);
+const _: () = assert!(size_of::<SetRecord>() == 64 && size_of::<ExampleRecord>() == 52);
 const _: () = assert!(size_of::<StampRecord>() == 84 && size_of::<SkinRecord>() == 16);
 const _: () = assert!(size_of::<crate::anchored::Head>() == 20 && size_of::<crate::rim::WindowBlock>() == 2048);
 

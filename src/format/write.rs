@@ -167,6 +167,7 @@ impl<'a> File<'a> {
                 moved: e.moved_vertices() as u32,
                 support_radius: e.support_radius(),
                 contact_normal: e.contact_normal().unwrap_or_default().to_array(),
+                contact_displacement: e.contact_displacement().to_array(),
                 carried_error: learned.carried_error[i].unwrap_or(f32::NAN),
                 anchored_error: learned.anchored_error[i].unwrap_or(f32::NAN),
                 placement: match e.placement() {
