@@ -13,11 +13,11 @@ use crate::nearest::{Nearest, VertexIndex};
 use crate::rim::{self, Rim};
 use crate::skin::Skin;
 use crate::stamp::{Source, Stamp};
-use crate::tasks::run_each;
+use crate::tasks::map;
 use crate::{Contact, Deltas, Error, ExampleData, LodReport, MeshData, Placement, TaskSystem, normals};
 use glam::Vec3;
 use rstar::RTree;
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::{Arc, OnceLock};
 use xxhash_rust::xxh3::Xxh3;
 
 /// An automatic example is anchored within this share of its support radius around its own contact …
@@ -337,19 +337,12 @@ impl ExampleSet {
         let steps = options.tolerance.map_or(Steps::EXACT, |t| Steps::new(t, options.normal_tolerance));
         let builder =
             ExampleBuilder { mesh: &mesh, index: &index, seams: &seams, smooth: &smooth, options: &options, steps };
-        let slots: Vec<Mutex<Option<Result<Built, Error>>>> = examples.iter().map(|_| Mutex::new(None)).collect();
-        run_each(tasks, examples.len(), &|i| {
-            let built = builder.build(i, &examples[i]);
-            *slots[i].lock().unwrap_or_else(|e| e.into_inner()) = Some(built);
-        });
+        let built = map(tasks, examples.iter().enumerate(), |(i, e)| builder.build(i, e));
         let (mut welded, mut widest_weld) = (0, 0.0f32);
         let mut ready = reserve(examples.len(), "examples")?;
         let mut moves = reserve(examples.len(), "examples")?;
-        for (i, slot) in slots.into_iter().enumerate() {
-            let built = slot.into_inner().unwrap_or_else(|e| e.into_inner());
-            let built = built.ok_or_else(|| {
-                Error::invalid("the task system", format!("example {i} not run"), "to run every task")
-            })??;
+        for built in built {
+            let built = built?;
             welded += built.welded;
             widest_weld = widest_weld.max(built.widest_weld);
             moves.push(built.moves);

@@ -18,10 +18,9 @@
 use crate::TaskSystem;
 use crate::array::Array;
 use crate::math::Aabb;
-use crate::tasks::run_each;
+use crate::tasks::map;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
-use std::sync::Mutex;
 
 /// Points a leaf.
 pub(crate) const LEAF: usize = 16;
@@ -336,17 +335,12 @@ impl VertexIndex {
         let mut leaves = vec![(Leaf::EMPTY, Aabb::EMPTY); count];
         let (late, early) = leaves.split_at_mut(shallow_leaves(count));
         let (start, rest) = points.split_at((early.len() * LEAF).min(points.len()));
-        let slots: Vec<_> = [(early, start), (late, rest)]
+        let pieces = [(early, start), (late, rest)]
             .into_iter()
-            .flat_map(|(l, p)| l.chunks_mut(LEAVES_A_TASK).zip(p.chunks(LEAVES_A_TASK * LEAF)))
-            .map(|pair| Mutex::new(Some(pair)))
-            .collect();
-        run_each(tasks, slots.len(), &|i| {
-            if let Some((leaves, points)) = take(&slots[i]) {
-                leaves.iter_mut().zip(points.chunks(LEAF)).for_each(|(l, p)| *l = (Leaf::of(p), bounds(p)));
-            }
+            .flat_map(|(l, p)| l.chunks_mut(LEAVES_A_TASK).zip(p.chunks(LEAVES_A_TASK * LEAF)));
+        map(tasks, pieces, |(leaves, points)| {
+            leaves.iter_mut().zip(points.chunks(LEAF)).for_each(|(l, p)| *l = (Leaf::of(p), bounds(p)));
         });
-        drop(slots);
         let mut inner = vec![Inner::EMPTY; inner_nodes(count)];
         for i in (0..inner.len()).rev() {
             for child in 0..WIDE {
@@ -479,31 +473,23 @@ fn bounds(points: &[Point]) -> Aabb {
     b
 }
 
-fn take<T>(slot: &Mutex<Option<T>>) -> Option<T> {
-    slot.lock().unwrap_or_else(|e| e.into_inner()).take()
-}
-
 /// Brings the points of a tree with so many leaves into its order, from left to right.
 fn arrange(points: &mut [Point], leaves: usize, tasks: &dyn TaskSystem) {
     let mut branches = vec![(points, leaves)];
     // Level by level until there is enough to do for all; then each branch to its end.
     let enough = if tasks.workers() > 1 { tasks.workers() * 4 } else { 1 };
     while branches.len() < enough && branches.iter().any(|b| b.1 > 1) {
-        let slots: Vec<_> = branches.drain(..).map(|b| Mutex::new((Some(b), Vec::new()))).collect();
-        run_each(tasks, slots.len(), &|i| {
-            let mut slot = slots[i].lock().unwrap_or_else(|e| e.into_inner());
-            if let Some((points, leaves)) = slot.0.take() {
-                slot.1 = if leaves > 1 { part(points, leaves).into() } else { vec![(points, leaves)] };
-            }
-        });
-        branches.extend(slots.into_iter().flat_map(|s| s.into_inner().unwrap_or_else(|e| e.into_inner()).1));
+        let parted =
+            map(
+                tasks,
+                branches,
+                |(points, leaves)| {
+                    if leaves > 1 { part(points, leaves).into() } else { vec![(points, leaves)] }
+                },
+            );
+        branches = parted.into_iter().flatten().collect();
     }
-    let slots: Vec<_> = branches.into_iter().map(|b| Mutex::new(Some(b))).collect();
-    run_each(tasks, slots.len(), &|i| {
-        if let Some((points, leaves)) = take(&slots[i]) {
-            finish(points, leaves);
-        }
-    });
+    map(tasks, branches, |(points, leaves)| finish(points, leaves));
 }
 
 /// Parts points down to leaves.

@@ -13,11 +13,11 @@ use crate::nearest::{LEAF, VertexIndex};
 use crate::rim::Rim;
 use crate::skin::Skin;
 use crate::stamp::{Grid, NodeArray, Nodes, Stamp, StampError};
-use crate::tasks::run_each;
+use crate::tasks::map;
 use crate::{Error, LodReport, Mirror, Placement, TaskSystem};
 use bytemuck::{Pod, cast_slice};
 use glam::{UVec3, Vec3};
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 /// The set in a file.
 pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSet, Error> {
@@ -256,7 +256,7 @@ fn stamps(file: &File<'_>, examples: &[ExampleRecord]) -> Result<Vec<Stamp>, Err
 
 /// Scans everything that is as long as the file, in tasks.
 fn check_all(skins: &[Skin], stamps: &[Stamp], tasks: &dyn TaskSystem) -> Result<(), Error> {
-    type Check<'a> = Box<dyn Fn() -> Result<(), Error> + Send + Sync + 'a>;
+    type Check<'a> = Box<dyn FnOnce() -> Result<(), Error> + Send + 'a>;
     let mut checks: Vec<Check<'_>> = Vec::new();
     let diagonal = skins[0].mesh.bounds().diagonal();
     for skin in skins {
@@ -278,12 +278,8 @@ fn check_all(skins: &[Skin], stamps: &[Stamp], tasks: &dyn TaskSystem) -> Result
         }
     }
     checks.extend(stamps.iter().map(|s| -> Check<'_> { Box::new(|| stamp(s)) }));
-    let slots: Vec<Mutex<Result<(), Error>>> = checks.iter().map(|_| Mutex::new(Ok(()))).collect();
-    run_each(tasks, checks.len(), &|i| {
-        *slots[i].lock().unwrap_or_else(|e| e.into_inner()) = checks[i]();
-    });
-    // The first in order, whoever found it first.
-    slots.into_iter().try_for_each(|s| s.into_inner().unwrap_or_else(|e| e.into_inner()))
+    // The first error in order, whoever found it first.
+    map(tasks, checks, |check| check()).into_iter().collect()
 }
 
 fn stamp(s: &Stamp) -> Result<(), Error> {

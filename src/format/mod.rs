@@ -12,13 +12,12 @@ mod write;
 pub(crate) use check::order as check_order;
 
 use crate::array::FileBytes;
-use crate::tasks::run_each;
+use crate::tasks::map;
 use crate::{Error, ExampleSet, TaskSystem};
 use bytemuck::{Pod, Zeroable};
 use std::io::{Read, Write};
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 use xxhash_rust::xxh3::xxh3_64;
 
 /// The first bytes of every file; the last one tells a file that went through a text conversion.
@@ -316,11 +315,7 @@ fn checksum(hashes: &[u64]) -> u64 {
 /// The checksum that a file should have, whatever its own says; for tests that damage files on purpose.
 #[doc(hidden)]
 pub fn file_checksum(file: &[u8], tasks: &dyn TaskSystem) -> u64 {
-    let chunks: Vec<&[u8]> = file.get(UNHASHED..).unwrap_or_default().chunks(CHUNK).collect();
-    let hashes: Vec<AtomicU64> = chunks.iter().map(|_| AtomicU64::new(0)).collect();
-    run_each(tasks, chunks.len(), &|i| hashes[i].store(xxh3_64(chunks[i]), Ordering::Relaxed));
-    let hashes: Vec<u64> = hashes.into_iter().map(AtomicU64::into_inner).collect();
-    checksum(&hashes)
+    checksum(&map(tasks, file.get(UNHASHED..).unwrap_or_default().chunks(CHUNK), xxh3_64))
 }
 
 fn little_endian() -> Result<(), Error> {
