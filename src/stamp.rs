@@ -289,7 +289,7 @@ impl Fields {
         }
         // Between the last vertex that moves and its unmoved neighbours the field falls to zero over an edge's length; an
         // example that moves a single vertex is nothing but that.
-        let edge = s.index.four(s.contact).iter().map(|(_, d2)| d2.sqrt()).fold(0.0, f32::max);
+        let edge = s.index.four(s.contact).iter().map(|(d2, _)| d2.sqrt()).fold(0.0, f32::max);
         let edge = if edge > 0.0 { edge } else { s.max_depth };
         let radius = s.support_radius.max(edge);
         // Room for the fade along the normal, and for the taper across the surface: an edge, and at least a cell.
@@ -398,21 +398,13 @@ struct Node {
 
 /// The fields at `p`: mean of the four nearest vertices, changes faded with distance from the surface.
 fn stamp_node(s: &Source<'_>, p: Vec3, fade: (f32, f32)) -> Node {
-    let (mut node, mut sum, mut keep) = (Node::default(), 0.0f32, 1.0f32);
+    let near = s.index.four_if_near(p, fade.1);
+    let Some(d) = near.first().map(|(d2, _)| d2.sqrt()).filter(|d| *d < fade.1) else { return Node::default() };
+    let keep = ((fade.1 - d) / (fade.1 - fade.0)).min(1.0);
     // Distances below a ten-thousandth of the fade count as hits of the vertex itself.
     let floor = fade.0 * fade.0 * 1e-8;
-    let near = s.index.four_if_near(p, fade.1);
-    if near.is_empty() {
-        return node;
-    }
-    for (k, (v, d2)) in near.iter().enumerate() {
-        if k == 0 {
-            let d = d2.sqrt();
-            if d >= fade.1 {
-                return Node::default();
-            }
-            keep = ((fade.1 - d) / (fade.1 - fade.0)).min(1.0);
-        }
+    let (mut node, mut sum) = (Node::default(), 0.0f32);
+    for &(d2, v) in &near {
         let w = 1.0 / d2.max(floor);
         node.displacement += s.deltas[v as usize] * w;
         if let Some((changes, base)) = s.normals {

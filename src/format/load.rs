@@ -88,11 +88,8 @@ fn index(file: &File<'_>, mesh: &Mesh) -> Result<VertexIndex, Error> {
     let vertices = mesh.positions().len();
     // Of vertices at one position one is in the tree.
     let leaves = (vertices - mesh.seam_count()).div_ceil(LEAF);
-    let found = file.array::<crate::nearest::Leaf>(Id::IndexLeaves, 0)?.len();
-    if found != leaves {
-        return Err(length_of(Id::IndexLeaves, found, leaves));
-    }
-    VertexIndex::of(file.array(Id::IndexInner, 0)?, file.array(Id::IndexLeaves, 0)?, vertices)
+    let leaves = file.array_of(Id::IndexLeaves, 0, leaves)?;
+    VertexIndex::of(file.array(Id::IndexInner, 0)?, leaves, vertices)
         .ok_or_else(|| wrong("the spatial index", "no tree of the mesh's vertices", "one, with all its nodes"))
 }
 
