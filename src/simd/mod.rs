@@ -3,6 +3,18 @@
 //! One source for every level: a kernel is generic over [`Simd`], and each level compiles it for its instructions. All
 //! operations are the IEEE ones (no fused multiply-add, no approximate reciprocals), so every level gives the same bits.
 
+/// Functions of [`Simd`] that are one expression of intrinsics.
+#[cfg(target_arch = "x86_64")]
+macro_rules! intrinsics {
+    ($(fn $name:ident $(<$t:ident>)? ($($arg:ident: $type:ty),*) $(-> $out:ty)? = $body:expr;)*) => {$(
+        #[inline(always)]
+        unsafe fn $name $(<$t>)? ($($arg: $type),*) $(-> $out)? {
+            // SAFETY: callers keep the trait's terms, which are those of the intrinsics.
+            unsafe { $body }
+        }
+    )*};
+}
+
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
