@@ -228,18 +228,18 @@ struct ExampleRecord {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 struct StampRecord {
-    /// Nodes along x, y, z.
-    dims: [u32; 3],
+    /// Nodes along x and y.
+    dims: [u32; 2],
     /// m.
-    origin: [f32; 3],
+    origin: [f32; 2],
     /// m.
-    cell: [f32; 3],
-    /// What the numbers of displacements, of changes of normals and of base normals are multiples of.
-    steps: [[f32; 3]; 3],
-    /// Bytes a node of the same three: 4, 8, 12; 0 where there are none.
-    nodes: [u8; 3],
-    /// Whether the errors are known.
-    measured: u8,
+    cell: [f32; 2],
+    /// What displacements (m), heights (m) and changes of normals are multiples of.
+    displacement: [f32; 3],
+    height: f32,
+    normal: [f32; 3],
+    /// m.
+    fade: f32,
     /// m.
     error_max: f32,
     /// m.
@@ -271,11 +271,8 @@ struct AnchoredRecord {
 // docs/format.md tells these.
 const _: () = assert!(size_of::<Header>() == 64 && size_of::<Entry>() == 32);
 const _: () = assert!(size_of::<SetRecord>() == 64 && size_of::<ExampleRecord>() == 52);
-const _: () = assert!(size_of::<StampRecord>() == 84 && size_of::<SkinRecord>() == 16);
+const _: () = assert!(size_of::<StampRecord>() == 64 && size_of::<SkinRecord>() == 16);
 const _: () = assert!(size_of::<crate::anchored::Head>() == 20 && size_of::<crate::rim::WindowBlock>() == 2048);
-
-/// Nodes of a field begin at multiples of this in their section.
-const NODES_ALIGN: usize = 16;
 
 /// 64 bytes of a file, aligned.
 #[repr(C, align(64))]
