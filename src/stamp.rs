@@ -167,9 +167,9 @@ impl Stamp {
 
     /// Displacement and change of the unit normal at `p` (contact frame, m) where the surface faces along its own base normal, in the
     /// contact frame; and the z of that base normal.
-    pub fn read(&self, p: Vec3) -> Option<Read> {
+    pub fn read(&self, p: Vec3) -> Option<StampSample> {
         let (grid, steps) = (&self.grid, &self.steps);
-        let g = (unrolled(p) - grid.origin) / grid.cell;
+        let g = unrolled(p) * (1.0 / grid.cell) - grid.origin / grid.cell;
         let top = (grid.dims - UVec2::ONE).as_vec2();
         // Also false for NaN.
         if !(g.cmpge(Vec2::ZERO).all() && g.cmple(top).all()) {
@@ -187,7 +187,7 @@ impl Stamp {
         }
         let [x, y, z, h, nx, ny, nz, facing] = sums.map(|s| s as f32 / WEIGHTS);
         let keep = (2.0 - (p.z - h * steps.height).abs() * (2.0 / self.fade)).clamp(0.0, 1.0);
-        Some(Read {
+        Some(StampSample {
             displacement: Vec3::new(x, y, z) * steps.displacement * keep,
             normal: Vec3::new(nx, ny, nz) * steps.normal * keep,
             facing: facing / MOST,
@@ -255,7 +255,7 @@ impl Stamp {
 
 /// What a [`Stamp`] says of a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Read {
+pub struct StampSample {
     /// Displacement in the contact frame, m.
     pub displacement: Vec3,
     /// Change of the unit normal in the contact frame.

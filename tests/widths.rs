@@ -154,18 +154,20 @@ fn displacements(e: &ExampleData, n: usize) -> Vec<DVec3> {
     }
 }
 
-/// Mirror images and stamps of each kind are among what the first test runs.
+/// A stamp holds the tolerance with as few nodes as can, or has all it may; mirror images are among what the first test runs.
 #[test]
-fn the_kinds_of_stamps_are_all_there() {
+fn stamps_get_the_coarsest_grid_that_holds_the_tolerance() {
     let (mesh, examples) = scenes::solver("panel");
-    let bytes = |tolerance| {
-        let options = SetOptions { tolerance, ..SetOptions::default() };
+    let stamps = |tolerance, stamp_resolution| -> Vec<(u32, f32)> {
+        let options = SetOptions { tolerance, stamp_resolution, ..SetOptions::default() };
         let set: Arc<ExampleSet> = scenes::build(mesh.clone(), examples[..4].to_vec(), options);
-        let nodes: Vec<usize> = set.examples().iter().filter_map(|e| e.stamp()).map(|s| s.node_bytes()).collect();
         assert!(set.report().mirror_planes != Mirror::NONE);
-        nodes
+        set.examples().iter().filter_map(|e| e.stamp()).map(|s| (s.dims()[0], s.error().max)).collect()
     };
-    assert!(bytes(None).iter().all(|b| *b == 12));
-    assert!(bytes(Some(1e-2)).iter().all(|b| *b == 4));
-    assert!(bytes(Some(1e-6)).iter().all(|b| [4, 8].contains(b)));
+    let coarser = |n: u32| stamps(None, n);
+    for (i, (nodes, error)) in stamps(Some(1e-2), 64).into_iter().enumerate() {
+        assert!(nodes == 64 || error <= 1e-2, "{i}: {nodes} nodes, {error} m");
+        assert!(nodes == 4 || coarser(nodes - 1)[i].1 > 1e-2, "{i}: {nodes} nodes");
+    }
+    assert!(stamps(Some(1e-6), 32).iter().chain(&stamps(None, 32)).all(|s| s.0 == 32));
 }
