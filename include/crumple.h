@@ -369,8 +369,8 @@ typedef struct {
     float drop_below;
     /// Mass of every vertex, kg, for impulses that bring none of their own. 0: not known. Default 0.
     float vertex_mass;
-    /// Nodes along the longest side of the grid that a carried example is kept in: 4 to 128. Default 32; sharp creases
-    /// want more.
+    /// Nodes along each side of the grid that a carried example is kept in: 4 to 128. Default 32; sharp creases want
+    /// more. With a tolerance, at most.
     uint32_t stamp_resolution;
     /// How far an example of weight 1 may put a vertex off, m: displacements are kept as integers of 1 or 2 bytes that hold
     /// this, and carried examples on the coarsest grid that does. 0, the default: exact floats.

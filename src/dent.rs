@@ -105,29 +105,25 @@ impl Dent {
 
     /// Calls `f` with every block of a skin that a part may move, and the longest displacement that it may bring there, m.
     pub(crate) fn lengths(&self, set: &ExampleSet, skin: &Skin, mut f: impl FnMut(usize, f32)) {
-        for p in &self.parts {
-            let scale = (p.scale * self.strength).abs();
-            match &p.carried {
-                Some(c) => {
-                    let longest = set.examples()[p.example].stamp().map_or(0.0, |s| s.longest) * scale;
-                    let reached = (0..skin.blocks()).filter(|b| c.reaches(&skin.block_bounds[*b]));
-                    reached.for_each(|b| f(b, longest));
-                }
-                None => {
-                    skin.anchored[p.example].heads.iter().for_each(|h| f(h.block as usize, h.longest * scale));
-                }
-            }
-        }
+        self.parts.iter().for_each(|p| self.part_lengths(set, skin, p, &mut f));
     }
 
     /// Calls `f` with every block of a skin that it may move by more than `least` (m; 0: at all), some perhaps twice.
     pub(crate) fn blocks(&self, set: &ExampleSet, skin: &Skin, least: f32, mut f: impl FnMut(usize)) {
-        for p in self.parts.iter().filter(|p| self.counts(set, skin, p, least)) {
-            match &p.carried {
-                Some(c) => {
-                    (0..skin.blocks()).filter(|b| c.reaches(&skin.block_bounds[*b])).for_each(&mut f);
-                }
-                None => skin.anchored[p.example].blocks().for_each(|b| f(b as usize)),
+        let counts = self.parts.iter().filter(|p| self.counts(set, skin, p, least));
+        counts.for_each(|p| self.part_lengths(set, skin, p, &mut |b, _| f(b)));
+    }
+
+    fn part_lengths(&self, set: &ExampleSet, skin: &Skin, p: &Part, f: &mut impl FnMut(usize, f32)) {
+        let scale = (p.scale * self.strength).abs();
+        match &p.carried {
+            Some(c) => {
+                let longest = set.examples()[p.example].stamp().map_or(0.0, |s| s.longest) * scale;
+                let reached = (0..skin.blocks()).filter(|b| c.reaches(&skin.block_bounds[*b]));
+                reached.for_each(|b| f(b, longest));
+            }
+            None => {
+                skin.anchored[p.example].heads.iter().for_each(|h| f(h.block as usize, h.longest * scale));
             }
         }
     }

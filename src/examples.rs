@@ -77,7 +77,7 @@ pub struct SetOptions {
     pub mass: VertexMass,
     /// Displacements up to this length are dropped, m. 0 drops only exact zeros.
     pub drop_below: f32,
-    /// Nodes along the longest side of a stamp: 4 to 128. With a tolerance, at most.
+    /// Nodes along each side of a stamp: 4 to 128. With a tolerance, at most.
     pub stamp_resolution: u32,
     /// How far an example of weight 1 may put a vertex off, m. `None` keeps every displacement as an exact float. With a
     /// tolerance displacements are whole multiples of one step for the set, in the narrowest integers, and those no longer than

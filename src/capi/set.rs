@@ -99,8 +99,8 @@ pub struct CrumpleExampleSetOptions {
     pub drop_below: f32,
     /// Mass of every vertex, kg, for impulses that bring none of their own. 0: not known. Default 0.
     pub vertex_mass: f32,
-    /// Nodes along the longest side of the grid that a carried example is kept in: 4 to 128. Default 32; sharp creases
-    /// want more.
+    /// Nodes along each side of the grid that a carried example is kept in: 4 to 128. Default 32; sharp creases want
+    /// more. With a tolerance, at most.
     pub stamp_resolution: u32,
     /// How far an example of weight 1 may put a vertex off, m: displacements are kept as integers of 1 or 2 bytes that hold
     /// this, and carried examples on the coarsest grid that does. 0, the default: exact floats.

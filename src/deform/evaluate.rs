@@ -8,7 +8,7 @@
 //! Marks are summed in their sorted order with plain f32 operations, so that coincident vertices, any cut into blocks,
 //! any thread and any [`crate::SimdLevel`] give the same bits.
 
-use super::kernel::{Block, From, Lengths, Ready};
+use super::kernel::{Block, Lengths, Ready, Source};
 use super::levels;
 use crate::anchored::{BLOCK, Stored, block_range};
 use crate::classic::State;
@@ -67,7 +67,7 @@ fn active<'a>(job: Job<'a>, normals: bool, room: &mut Room<'a>) -> Touched {
     let Room { parts, left_out, .. } = room;
     parts.clear();
     let mut touched = Touched { dents: 0, longest: 0.0, stored: false };
-    for (_, dent) in job.instance.damage().near(&job.skin.block_bounds[job.block]) {
+    for dent in job.instance.damage().near(&job.skin.block_bounds[job.block]) {
         let before = parts.len();
         for part in &dent.parts {
             if let Some((source, longest)) = reached(job, normals, part) {
@@ -105,19 +105,19 @@ struct Touched {
 
 /// What a part brings to the block, if anything, and the longest of its displacements, m.
 #[inline(always)]
-fn reached<'a>(job: Job<'a>, normals: bool, part: &'a Part) -> Option<(From<'a>, f32)> {
+fn reached<'a>(job: Job<'a>, normals: bool, part: &'a Part) -> Option<(Source<'a>, f32)> {
     let skin = job.skin;
     match &part.carried {
         Some(c) if c.reaches(&skin.block_bounds[job.block]) => {
             let stamp = job.instance.example_set().examples()[part.example].stamp()?;
-            Some((From::Carried(c, stamp), stamp.longest))
+            Some((Source::Carried(c, stamp), stamp.longest))
         }
         Some(_) => None,
         None => {
             let anchored = &skin.anchored[part.example];
             let head = anchored.block(job.block as u32)?;
             let changes = if normals { anchored.normals(head) } else { Stored::NOTHING };
-            Some((From::Stored(anchored.displacements(head), changes), head.longest))
+            Some((Source::Stored(anchored.displacements(head), changes), head.longest))
         }
     }
 }
@@ -199,7 +199,7 @@ fn lone(
     bounds: &mut Aabb,
 ) -> bool {
     let mut near = job.instance.damage().near(&job.skin.block_bounds[job.block]);
-    let (Some((_, dent)), None) = (near.next(), near.next()) else { return false };
+    let (Some(dent), None) = (near.next(), near.next()) else { return false };
     let [Part { example, scale, carried: None }] = &dent.parts[..] else { return false };
     let anchored = &job.skin.anchored[*example];
     let (Some(head), scale) = (anchored.block(job.block as u32), scale * dent.strength) else { return false };

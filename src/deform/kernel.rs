@@ -203,8 +203,7 @@ impl<S: Simd> Extent<S> {
 }
 
 /// `to = base + scale * stored`, all x y z x y z …: what [`displace`] gives for a lone dent under the depth limit, in one pass
-/// without sorting components apart. `S` has `GROUP` lanes. Returns bounds of what it
-/// wrote.
+/// without sorting components apart. `S` has `GROUP` lanes. Returns bounds of what it wrote.
 #[inline(always)]
 pub(crate) unsafe fn displace_stored<S: Simd>(
     base: &[f32],
@@ -356,7 +355,7 @@ pub(crate) unsafe fn turn_stored<S: Simd>(
 /// One part of a dent, made ready for a block.
 #[derive(Clone, Copy)]
 pub(crate) struct Ready<'a> {
-    pub source: From<'a>,
+    pub source: Source<'a>,
     /// What its displacements are multiplied with.
     pub scale: f32,
     /// Displacements no longer than this, unscaled, are left out, m.
@@ -366,7 +365,7 @@ pub(crate) struct Ready<'a> {
 }
 
 #[derive(Clone, Copy)]
-pub(crate) enum From<'a> {
+pub(crate) enum Source<'a> {
     /// Displacements and changes of normals.
     Stored(Stored<'a>, Stored<'a>),
     Carried(&'a Carried, &'a Stamp),
@@ -539,13 +538,13 @@ pub(crate) unsafe fn displace<S: Simd, const NORMALS: bool>(
             let mut sums = Sums::<S> { dent: zero, all: zero, squares: S::splat(0.0), change: zero };
             for part in block.parts {
                 match &part.source {
-                    From::Stored(displacements, changes) => {
+                    Source::Stored(displacements, changes) => {
                         add_stored::<S>(displacements, at, part.scale, part.least, &mut sums.dent);
                         if NORMALS {
                             add_stored::<S>(changes, at, part.scale, 0.0, &mut sums.change);
                         }
                     }
-                    From::Carried(c, stamp) => {
+                    Source::Carried(c, stamp) => {
                         add_carried::<S, NORMALS>(part, (c, stamp), block.window, &rest, &mut sums);
                     }
                 }

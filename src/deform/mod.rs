@@ -96,10 +96,11 @@ pub fn deform(jobs: &mut [DeformJob<'_, '_>], tasks: &dyn TaskSystem) -> Result<
         let count = items[at..].iter().take_while(|(job, _)| *job as usize == j).count();
         let written = at..at + count;
         at += count;
-        let vertices = job.skin()?.vertex_count();
+        let skin = job.skin()?;
+        let (vertices, blocks) = (skin.vertex_count(), skin.blocks());
         job.tracker.written((job.instance, job.lod, vertices), &items[written.clone()], &bounds[written]);
         report.blocks_written += count as u64;
-        report.blocks_skipped += (job.skin()?.blocks() - count) as u64;
+        report.blocks_skipped += (blocks - count) as u64;
         report.vertices_written += job.tracker.changed().iter().map(|r| u64::from(r.end - r.start)).sum::<u64>();
     }
     Ok(report)
