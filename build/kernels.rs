@@ -12,6 +12,9 @@ const KERNELS: &[(&str, &str, &[&str])] = &[
     ("marks_positions", "marks", &[]),
     ("marks_normals", "marks", &["NORMALS"]),
     ("marks_tangents", "marks", &["NORMALS", "TANGENTS"]),
+    ("classic_positions", "classic", &[]),
+    ("classic_normals", "classic", &["NORMALS"]),
+    ("classic_tangents", "classic", &["NORMALS", "TANGENTS"]),
 ];
 
 pub fn build() {

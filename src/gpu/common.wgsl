@@ -6,6 +6,9 @@
 // Vertices a block.
 const BLOCK = 128u;
 const NONE = 0xFFFFFFFFu;
+// Words of an item and of a part in `frame`.
+const ITEM = 8u;
+const PART = 8u;
 
 // Word offsets in `frame`.
 struct Call {
@@ -101,6 +104,38 @@ fn tangent_of(base: vec4<f32>, base_normal: vec3<f32>, normal: vec3<f32>) -> vec
     let b = normal.x * normal.y * a;
     let across = vec3(1.0 + sign * normal.x * normal.x * a, sign * b, -sign * normal.x);
     return vec4(unit(flat, across), base.w);
+}
+
+// ------------------------------------------------------------------------------------------------------- anchored examples
+
+fn signed(bits: u32, shift: u32, right: u32) -> f32 {
+    return f32(bitcast<i32>(bits << shift) >> right);
+}
+
+// The stored vector of vertex `v` of a block, in steps: `width` bytes a number, groups of eight vertices.
+fn stored(at: u32, width: u32, groups: u32, v: u32) -> vec3<f32> {
+    let group = v >> 3u;
+    if ((groups >> group) & 1u) == 0u {
+        return vec3(0.0);
+    }
+    let before = countOneBits(groups & ((1u << group) - 1u));
+    let n = 3u * (before * 8u + (v & 7u));
+    if width == 1u {
+        let shift = (n & 3u) * 8u;
+        let low = arena[at + (n >> 2u)];
+        let high = arena[at + ((n + 2u) >> 2u)];
+        let w = select((low >> shift) | (high << ((32u - shift) & 31u)), low, shift == 0u);
+        return vec3(signed(w, 24u, 24u), signed(w, 16u, 24u), signed(w, 8u, 24u));
+    }
+    if width == 2u {
+        let a = arena[at + (n >> 1u)];
+        let b = arena[at + (n >> 1u) + 1u];
+        if (n & 1u) == 0u {
+            return vec3(signed(a, 16u, 16u), signed(a, 0u, 16u), signed(b, 16u, 16u));
+        }
+        return vec3(signed(a, 0u, 16u), signed(b, 16u, 16u), signed(b, 0u, 16u));
+    }
+    return arena_vector(at + n);
 }
 
 // ---------------------------------------------------------------------------------------------------- the host's formats

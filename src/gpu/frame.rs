@@ -3,7 +3,8 @@
 use super::NONE;
 use super::format::Layout;
 use super::skin::Place;
-use crate::anchored::block_range;
+use crate::anchored::{Anchored, block_range};
+use crate::classic::State;
 use crate::deform::evaluate::{self, Job, Which};
 use crate::deform::kernel::{From, Lengths, Ready};
 use crate::dent::{Carried, MAX_PAIRS};
@@ -22,6 +23,8 @@ const SEVERAL: u32 = 1;
 const SQUARES: u32 = 2;
 const LONGEST: u32 = 4;
 const LIMITED: u32 = 8;
+/// … of an item of a classic rule …
+const AT_REST: u32 = 1;
 /// … and of a part.
 const LAST: u32 = 1;
 const IS_CARRIED: u32 = 2;
@@ -33,7 +36,7 @@ pub(crate) struct Frame {
     items: Vec<u32>,
     /// One for each part of a dent that moves a block.
     parts: Vec<u32>,
-    /// One for each carried part of an instance's dents, whatever blocks it moves.
+    /// One for each carried part of an instance's dents, whatever blocks it moves. Of classic instances, states of vertices.
     carried: Vec<u32>,
     /// One a target.
     targets: Vec<u32>,
@@ -132,6 +135,64 @@ impl Frame {
         (bounds.min, bounds.max) = (bounds.min - grown, bounds.max + grown);
         bounds
     }
+}
+
+impl Frame {
+    /// Adds a block of the present target, of an instance with a classic rule: the hits since the epoch that the device's state
+    /// is of, or, where that is none or too old, the state itself. Answers a box that holds its vertices.
+    pub(crate) fn classic_block(
+        &mut self,
+        (job, state): (Job<'_>, &State),
+        normals: bool,
+        place: &Place,
+        since: Option<u64>,
+    ) -> Aabb {
+        let Frame { items, parts, carried, targets, .. } = self;
+        let range = block_range(job.block, job.skin.vertex_count());
+        let (begin, mut given, mut flags) = (parts.len() / PART_WORDS, NONE, 0);
+        match since.and_then(|epoch| state.applied_since(epoch)) {
+            Some(hits) => {
+                for hit in hits {
+                    let (example, weight) = (hit.example as usize, hit.weight);
+                    add_hit(parts, &job.skin.anchored[example], (job.block, weight), |at| place.numbers(example, at));
+                }
+            }
+            None if job.instance.changes().blocks[0][job.block] == 0 => flags = AT_REST,
+            None => {
+                given = carried.len() as u32;
+                for v in range.clone() {
+                    let mut words = Words(carried);
+                    words.floats(state.position(v).to_array());
+                    if normals {
+                        words.floats(state.normal(v).unwrap_or(Vec3::ZERO).to_array());
+                    }
+                }
+            }
+        }
+        let mut words = Words(items);
+        words.put([(targets.len() / TARGET_WORDS) as u32 - 1, range.start as u32, range.len() as u32]);
+        words.put([begin as u32, (parts.len() / PART_WORDS) as u32, flags, given]);
+        words.floats([job.instance.blend_constant()]);
+        let mut bounds = Aabb::EMPTY;
+        range.for_each(|v| bounds.add(state.position(v)));
+        bounds
+    }
+}
+
+/// Adds what a hit's example stores of a block, if anything; `words` tells where its numbers are.
+fn add_hit(parts: &mut Vec<u32>, a: &Anchored, (block, weight): (usize, f32), words: impl Fn(usize) -> u32) {
+    let Some(head) = a.block(block as u32) else { return };
+    let (displacements, changes) = (a.displacements(head), a.normals(head));
+    let at = head.at as usize;
+    let normals_at = at + crate::anchored::words(head.groups, head.width);
+    let mut to = Words(parts);
+    to.put([
+        u32::from(head.width) << 8 | u32::from(head.normal_width) << 16,
+        u32::from(head.groups) | u32::from(head.normal_groups) << 16,
+        words(at),
+        words(normals_at),
+    ]);
+    to.floats([displacements.step, changes.step, weight, 0.0]);
 }
 
 /// Displacements no longer than `least` become zero; all stay where it is 0: as a square to compare with.

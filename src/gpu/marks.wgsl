@@ -3,9 +3,7 @@
 override NORMALS: bool = false;
 override TANGENTS: bool = false;
 
-// Words of an item, a part and a carried example in `frame`.
-const ITEM = 8u;
-const PART = 8u;
+// Words of a carried example in `frame`.
 const CARRIED = 56u;
 
 const SEVERAL = 1u;
@@ -22,36 +20,6 @@ struct Sums {
     all: vec3<f32>,
     squares: f32,
     change: vec3<f32>,
-}
-
-fn signed(bits: u32, shift: u32, right: u32) -> f32 {
-    return f32(bitcast<i32>(bits << shift) >> right);
-}
-
-// The stored vector of vertex `v` of a block, in steps: `width` bytes a number, groups of eight vertices.
-fn stored(at: u32, width: u32, groups: u32, v: u32) -> vec3<f32> {
-    let group = v >> 3u;
-    if ((groups >> group) & 1u) == 0u {
-        return vec3(0.0);
-    }
-    let before = countOneBits(groups & ((1u << group) - 1u));
-    let n = 3u * (before * 8u + (v & 7u));
-    if width == 1u {
-        let shift = (n & 3u) * 8u;
-        let low = arena[at + (n >> 2u)];
-        let high = arena[at + ((n + 2u) >> 2u)];
-        let w = select((low >> shift) | (high << ((32u - shift) & 31u)), low, shift == 0u);
-        return vec3(signed(w, 24u, 24u), signed(w, 16u, 24u), signed(w, 8u, 24u));
-    }
-    if width == 2u {
-        let a = arena[at + (n >> 1u)];
-        let b = arena[at + (n >> 1u) + 1u];
-        if (n & 1u) == 0u {
-            return vec3(signed(a, 16u, 16u), signed(a, 0u, 16u), signed(b, 16u, 16u));
-        }
-        return vec3(signed(a, 0u, 16u), signed(b, 16u, 16u), signed(b, 0u, 16u));
-    }
-    return arena_vector(at + n);
 }
 
 // Vectors no longer than the root of `square` become zero; all stay where it is negative.

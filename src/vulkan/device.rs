@@ -6,10 +6,12 @@ use super::functions::{Functions, InstanceFunctions};
 use super::host::Hosts;
 use super::kernels::{Kernels, Set};
 use super::record::Scratch;
+use super::state::State;
 use crate::Error;
 use ash::vk::{self, Handle};
 use std::ffi::CStr;
 use std::fmt;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The host's Vulkan device.
@@ -79,6 +81,7 @@ pub struct Device {
     pub(super) hosts: Hosts,
     pub(super) arena: Arena,
     pub(super) slots: Vec<Slot>,
+    pub(super) states: Vec<Arc<State>>,
     /// Sets that are no longer needed, each with the last frame that may use it.
     pub(super) garbage: Vec<(u64, Set)>,
     pub(super) recorded: u64,
@@ -150,6 +153,7 @@ impl Device {
             hosts: Hosts::default(),
             arena: Arena::default(),
             slots: Vec::new(),
+            states: Vec::new(),
             garbage: Vec::new(),
             recorded: 0,
             completed: 0,
@@ -161,6 +165,7 @@ impl Device {
     /// What they used is used again or freed, and what belonged to sets that no target shows any more. Cheap; once a frame.
     pub fn completed(&mut self, frame: u64) {
         self.completed = self.completed.max(frame);
+        self.drop_states();
         let (gpu, done) = (&self.gpu, self.completed);
         self.arena.completed(gpu, done, |chunk| {
             for slot in &mut self.slots {
@@ -212,6 +217,7 @@ impl Drop for Device {
         // SAFETY: all frames are done.
         unsafe {
             self.arena.destroy(&self.gpu);
+            self.states.iter().for_each(|s| s.destroy(&self.gpu));
             self.hosts.sets().for_each(|s| self.gpu.destroy_set(s));
             for slot in &self.slots {
                 slot.destroy(&self.gpu);

@@ -3,6 +3,7 @@
 use super::arena::Home;
 use super::device::{Device, Gpu};
 use super::kernels::{Kernel, Kernels, Set};
+use super::state::State;
 use crate::examples::ExampleSet;
 use crate::gpu::{self, Encoding, Layout};
 use crate::{Aabb, Error, Tracker};
@@ -107,6 +108,8 @@ pub struct Target {
     /// Bytes before it in the window, modulo 2^64: what is not written may begin before.
     pub(super) first: u64,
     pub(super) home: Arc<Home>,
+    /// Of an instance with a classic rule.
+    pub(super) state: Option<Arc<State>>,
     pub(super) tracker: Tracker,
 }
 
@@ -270,6 +273,7 @@ impl Device {
             layout,
             first,
             home,
+            state: None,
             tracker: Tracker::new(),
         })
     }

@@ -20,18 +20,32 @@ macro_rules! spirv {
     };
 }
 
-const MODULES: [&[u8]; 3] = [spirv!("marks_positions"), spirv!("marks_normals"), spirv!("marks_tangents")];
+/// Of the default rule, then of the classic ones; each as [`Kernel`] counts.
+const MODULES: [&[u8]; 6] = [
+    spirv!("marks_positions"),
+    spirv!("marks_normals"),
+    spirv!("marks_tangents"),
+    spirv!("classic_positions"),
+    spirv!("classic_normals"),
+    spirv!("classic_tangents"),
+];
 /// What a kernel is told at a dispatch: `Call` in common.wgsl.
 pub(super) type Call = [u32; 6];
 
 /// Layouts and pipelines.
 #[derive(Debug, Default)]
 pub(super) struct Kernels {
-    /// Arena and frame; the host's buffer.
+    /// Arena and frame; one buffer: the host's, and a state.
     set_layouts: [vk::DescriptorSetLayout; 2],
     pub layout: vk::PipelineLayout,
     cache: vk::PipelineCache,
-    pub pipelines: [vk::Pipeline; 3],
+    pipelines: [vk::Pipeline; 6],
+}
+
+impl Kernels {
+    pub(super) fn pipeline(&self, kernel: Kernel, classic: bool) -> vk::Pipeline {
+        self.pipelines[kernel as usize + if classic { 3 } else { 0 }]
+    }
 }
 
 /// A descriptor set in a pool of its own.
@@ -71,7 +85,8 @@ impl Gpu {
         let push = [vk::PushConstantRange::default()
             .stage_flags(vk::ShaderStageFlags::COMPUTE)
             .size(size_of::<Call>() as u32)];
-        let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&k.set_layouts).push_constant_ranges(&push);
+        let sets = [k.set_layouts[0], k.set_layouts[1], k.set_layouts[1]];
+        let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets).push_constant_ranges(&push);
         // SAFETY: as above.
         let result = unsafe { (f.create_pipeline_layout)(device, &info, null(), &mut k.layout) };
         checked("vkCreatePipelineLayout", result)?;
@@ -116,7 +131,7 @@ impl Gpu {
         Ok(data)
     }
 
-    /// Of arena and frame (two buffers), or of the host's buffer (one): handle, offset and bytes of each.
+    /// Of arena and frame (two buffers), or of the host's buffer or a state (one): handle, offset and bytes of each.
     pub(super) fn set(&self, k: &Kernels, buffers: &[(vk::Buffer, u64, u64)]) -> Result<Set, Error> {
         let (f, device) = (&self.functions, self.device);
         let sizes = [vk::DescriptorPoolSize::default()

@@ -11,6 +11,9 @@
 //! the device rounds additions, multiplications, divisions and square roots as IEEE 754 says (lavapipe and SwiftShader do);
 //! Vulkan allows divisions to be off by 2.5 units in the last place, and numbers below 1.2e-38 to count as 0.
 //!
+//! Instances with a classic rule have a state of 24 bytes a vertex on the device, for each target that shows one (12 where it
+//! has positions alone), and a dispatch of their own. Hits are applied to it in order, as the CPU applies them to its own.
+//!
 //! # Frames
 //! The host numbers its frames from 1 on. The command buffers of a frame are submitted once each, in the order of recording,
 //! on one queue of the family that the device was made with (or with semaphores that order them so).
@@ -32,6 +35,7 @@ mod host;
 mod kernels;
 mod memory;
 mod record;
+mod state;
 
 pub use ash::vk;
 pub use device::{Device, DeviceDef};

@@ -35,7 +35,8 @@ pub struct RecordReport {
     pub blocks_skipped: u64,
     /// Examples of marks that the instances' tolerances left out of blocks written.
     pub parts_skipped: u64,
-    /// Dispatches: one for each VkBuffer, times the pieces that it or the examples on the device must be cut into.
+    /// Dispatches: one for each VkBuffer, times the pieces that it or the examples on the device must be cut into; and one for
+    /// each target of an instance with a classic rule.
     pub dispatches: u32,
     /// Bytes that are copied to the device for this frame, those of new meshes among them.
     pub bytes_copied: u64,
@@ -65,6 +66,8 @@ struct Key {
     window: usize,
     /// Of the arena.
     chunk: u32,
+    /// Of an instance with a classic rule the job itself, which alone has its state.
+    classic: Option<u32>,
 }
 
 struct Dispatch {
@@ -81,7 +84,7 @@ impl Device {
     /// command buffer, primary or secondary, is in the recording state, outside a render pass, of a pool of the device's queue
     /// family, and is submitted once, before or together with what the next recording goes into.
     ///
-    /// **Left changed in the command buffer**: the compute pipeline, the compute descriptor sets 0 and 1, and the first 24 bytes
+    /// **Left changed in the command buffer**: the compute pipeline, the compute descriptor sets 0 to 2, and the first 24 bytes
     /// of the push constants of stage compute. Nothing else.
     ///
     /// Buffers, memory and descriptor sets are only made while more recordings are in flight, or more changes in a frame, than
@@ -89,7 +92,8 @@ impl Device {
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for a null command buffer, a frame that is done or below the last, a target of another device,
-    /// set or removed buffer; [`Error::WrongRule`] for an instance with a classic rule; [`Error::Unsupported`] for more work than
+    /// set or removed buffer; [`Error::WrongRule`] for an instance with a classic rule at
+    /// another level of detail than 0, whose state is the base mesh's; [`Error::Unsupported`] for more work than
     /// the device can bind; [`Error::OutOfMemory`], [`Error::Vulkan`], [`Error::DeviceLost`]. Nothing is recorded then, and
     /// targets hold what they held.
     ///
@@ -112,7 +116,7 @@ impl Device {
         let recorded = self.prepare(&mut scratch, jobs).and_then(|mut report| {
             if report.blocks_written > 0 {
                 let slot = self.fill(&scratch)?;
-                self.commands(&mut scratch, commands, frame, slot, &mut report)?;
+                self.commands(&mut scratch, (commands, frame, slot), jobs, &mut report)?;
             }
             Ok(report)
         });
@@ -127,7 +131,7 @@ impl Device {
     }
 
     /// Checks all jobs and packs what they have to write.
-    fn prepare(&self, s: &mut Scratch, jobs: &[RecordJob<'_>]) -> Result<RecordReport, Error> {
+    fn prepare(&mut self, s: &mut Scratch, jobs: &mut [RecordJob<'_>]) -> Result<RecordReport, Error> {
         let mut report = RecordReport::default();
         s.frame.clear();
         s.order.clear();
@@ -137,11 +141,15 @@ impl Device {
         s.writes.clear();
         for (j, job) in jobs.iter().enumerate() {
             self.check(job).map_err(|e| named(e, j))?;
+        }
+        for (j, job) in jobs.iter_mut().enumerate() {
+            self.add_state(job.instance, job.target)?;
             let (target, changes) = (&job.target, job.instance.changes());
             if target.tracker.dirty(changes, target.lod).next().is_some() {
-                let Target { buffer, window, .. } = **target;
+                let (buffer, window) = (target.buffer, target.window);
                 let handle = self.hosts.get(buffer)?.def.buffer;
-                s.order.push((Key { handle, buffer, window, chunk: target.home.chunk }, j as u32));
+                let classic = job.instance.classic_state().map(|_| j as u32);
+                s.order.push((Key { handle, buffer, window, chunk: target.home.chunk, classic }, j as u32));
             } else {
                 report.blocks_skipped += changes.blocks[target.lod].len() as u64;
             }
@@ -160,9 +168,13 @@ impl Device {
             }
             s.frame.target(instance, place, &target.layout, target.first);
             let before = s.blocks.len();
+            let since = target.tracker.since(instance.changes(), target.lod);
             for block in target.tracker.dirty(instance.changes(), target.lod) {
                 let job = evaluate::Job { instance, skin, block };
-                s.bounds.push(s.frame.block(job, normals, place));
+                s.bounds.push(match instance.classic_state() {
+                    Some(state) => s.frame.classic_block((job, state), normals, place, since),
+                    None => s.frame.block(job, normals, place),
+                });
                 s.blocks.push((*j, block as u32));
             }
             let count = (s.blocks.len() - before) as u64;
@@ -192,8 +204,8 @@ impl Device {
         if !std::ptr::eq(target.set.as_ptr(), Arc::as_ptr(instance.example_set())) {
             return Err(Error::invalid("instance", "of another example set", "an instance of the target's set"));
         }
-        if instance.classic_state().is_some() {
-            return Err(instance.needs_marks("record"));
+        if target.lod > 0 && instance.classic_state().is_some() {
+            return Err(instance.needs_marks("a recording of another level of detail than 0"));
         }
         Ok(())
     }
@@ -213,9 +225,8 @@ impl Device {
     fn commands(
         &mut self,
         s: &mut Scratch,
-        commands: vk::CommandBuffer,
-        frame: u64,
-        slot: usize,
+        (commands, frame, slot): (vk::CommandBuffer, u64, usize),
+        jobs: &[RecordJob<'_>],
         report: &mut RecordReport,
     ) -> Result<(), Error> {
         let ([items, parts, carried, targets], words) = s.frame.offsets();
@@ -256,6 +267,12 @@ impl Device {
             from |= host.def.before.stages;
             to |= host.def.after.stages;
         }
+        let state = |d: &Dispatch| d.key.classic.and_then(|j| jobs[j as usize].target.state.as_ref());
+        for state in s.dispatches.iter().filter_map(state) {
+            state.use_in(frame);
+            let (read, write) = (vk::AccessFlags::SHADER_READ, vk::AccessFlags::SHADER_WRITE);
+            s.before.push(barrier(state.handle(), 0..vk::WHOLE_SIZE, write, read | write));
+        }
         cmd_barrier(&self.gpu, commands, (from, own), &s.before);
         let mut bound = None;
         let mut previous: Option<vk::Buffer> = None;
@@ -284,15 +301,20 @@ impl Device {
                 across.saturating_mul(self.workgroup),
                 count,
             ];
-            let sets = [slot.set(d.key.chunk).handle, window.set.handle];
+            let sets =
+                [slot.set(d.key.chunk).handle, window.set.handle, state(d).map_or(window.set.handle, |s| s.set())];
+            let (count_of_sets, pipeline) = match d.key.classic {
+                Some(_) => (3, kernels.pipeline(d.kernel, true)),
+                None => (2, kernels.pipeline(d.kernel, false)),
+            };
             let (point, compute) = (vk::PipelineBindPoint::COMPUTE, vk::ShaderStageFlags::COMPUTE);
             // SAFETY: as above; handles are alive, and stay so until the frame is done.
             unsafe {
-                if bound != Some(d.kernel) {
-                    (f.cmd_bind_pipeline)(commands, point, kernels.pipelines[d.kernel as usize]);
-                    bound = Some(d.kernel);
+                if bound != Some(pipeline) {
+                    (f.cmd_bind_pipeline)(commands, point, pipeline);
+                    bound = Some(pipeline);
                 }
-                (f.cmd_bind_sets)(commands, point, kernels.layout, 0, 2, sets.as_ptr(), 0, null());
+                (f.cmd_bind_sets)(commands, point, kernels.layout, 0, count_of_sets, sets.as_ptr(), 0, null());
                 let size = size_of::<Call>() as u32;
                 (f.cmd_push_constants)(commands, kernels.layout, compute, 0, size, call.as_ptr().cast());
                 (f.cmd_dispatch)(commands, across, groups.div_ceil(across), 1);

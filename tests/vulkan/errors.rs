@@ -133,7 +133,7 @@ fn targets_that_will_not_do_are_refused() {
 
 #[test]
 fn recordings_that_will_not_do_are_refused_and_change_nothing() {
-    use ErrorKind::{InvalidArgument, WrongRule};
+    use ErrorKind::InvalidArgument;
     let set = scenes::cube_set();
     on_each_device(|engine| {
         let (mut crumple, mut other) = (engine.crumple(), engine.crumple());
@@ -153,8 +153,6 @@ fn recordings_that_will_not_do_are_refused_and_change_nothing() {
             refused(record(&mut other, c, 4, &instance, &mut target), InvalidArgument, &["target of job 0"]);
             let stranger = folded(&scenes::ball_set(), 1, 1);
             refused(record(&mut crumple, c, 4, &stranger, &mut target), InvalidArgument, &["example set", "job 0"]);
-            let classic = Instance::new(set.clone(), InstanceOptions::classic(Rule::MostDisplaced)).unwrap();
-            refused(record(&mut crumple, c, 4, &classic, &mut target), WrongRule, &["Marks"]);
         });
         assert!(seen.words().iter().all(|w| *w == POISON) && target.bounds().is_none());
         // After all that it works.
@@ -172,6 +170,25 @@ fn recordings_that_will_not_do_are_refused_and_change_nothing() {
         crumple.remove_buffer(id).unwrap();
         let gone = record(&mut crumple, vk::Handle::from_raw(1), 6, &again, &mut target);
         refused(gone, InvalidArgument, &["buffer of job 0"]);
+    });
+}
+
+#[test]
+fn classic_rules_show_the_base_mesh_alone() {
+    let mesh = scenes::sheet(8);
+    let examples = scenes::bowls(&mesh, 2, 0.3, 1);
+    let mut set = crumple::ExampleSet::build(mesh, examples, SetOptions::default(), &crumple::Serial).unwrap();
+    set.add_lod(scenes::sheet(4), &crumple::Serial).unwrap();
+    let set = std::sync::Arc::new(set);
+    on_each_device(|engine| {
+        let mut crumple = engine.crumple();
+        let plan = Plan::everything(&set, 1, 0);
+        let (_, id) = engine.target_buffer(&mut crumple, plan.size);
+        let target = &mut crumple.add_target(&set, &plan.def(id)).unwrap();
+        let instance = &Instance::new(set.clone(), InstanceOptions::classic(Rule::MostDisplaced)).unwrap();
+        // SAFETY: the command buffer is recording.
+        let recorded = engine.run(|c| unsafe { crumple.record(c, 1, &mut [RecordJob { instance, target }]) });
+        refused(recorded, ErrorKind::WrongRule, &["level of detail", "Marks"]);
     });
 }
 

@@ -249,3 +249,46 @@ fn pipelines_are_cached() {
         }
     });
 }
+
+/// What recording costs the CPU, told beside the numbers of instances: not a test, since it depends on the machine. A release
+/// build tells: `cargo test --release --test vulkan -- --ignored --nocapture cost`.
+#[test]
+#[ignore = "a measurement"]
+fn recording_cost() {
+    let mesh = scenes::sheet(100);
+    let examples = scenes::bowls(&mesh, 5, 0.1, 1);
+    let set = scenes::build(mesh, examples, crumple::SetOptions::default());
+    on_each_device(|engine| {
+        for count in [1, 10, 100, 1000] {
+            let mut crumple = engine.crumple();
+            let size = Plan::everything(&set, 0, 0).size;
+            let plans: Vec<Plan> = (0..count).map(|i| Plan::everything(&set, 0, i * size)).collect();
+            let (_, id) = engine.target_buffer(&mut crumple, count * size);
+            let mut instances: Vec<Instance> = (0..count).map(|i| folded(&set, 3, i)).collect();
+            let mut targets: Vec<Target> =
+                plans.iter().map(|p| crumple.add_target(&set, &p.def(id)).unwrap()).collect();
+            let mut times = Vec::new();
+            let (mut blocks, mut frame) = (0, 0);
+            for round in 0..20 {
+                frame += 1;
+                let mut jobs = jobs(&instances, &mut targets);
+                let commands = engine.begin(vk::CommandBufferLevel::PRIMARY);
+                let start = std::time::Instant::now();
+                // SAFETY: the command buffer is recording.
+                let report = unsafe { crumple.record(commands, frame, &mut jobs) }.unwrap();
+                let took = start.elapsed();
+                engine.submit(commands, vk::Fence::null());
+                engine.wait();
+                crumple.completed(frame);
+                if round > 2 {
+                    times.push(took);
+                    blocks = report.blocks_written;
+                }
+                instances.iter_mut().enumerate().for_each(|(i, instance)| hit(instance, 1, frame * 1000 + i as u64));
+            }
+            times.sort();
+            let median = times[times.len() / 2].as_secs_f64() * 1e6;
+            println!("{}: {count} instances, {blocks} blocks: {median:.1} µs", engine.name);
+        }
+    });
+}

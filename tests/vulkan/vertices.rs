@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use crumple::vulkan::{Attribute, Encoding, RecordJob};
-use crumple::{Combine, ExampleSet, Instance, InstanceOptions, Mark, Mirror, Pair, Placement, Serial, SetOptions};
+use crumple::{
+    Combine, ExampleSet, Instance, InstanceOptions, Mark, Mirror, Pair, Placement, Rule, Serial, SetOptions,
+};
 
 use crate::harness::{Engine, POISON, on_each_device};
 use crate::scenes::{self, Dice};
@@ -149,6 +151,42 @@ fn levels_of_detail_show_the_same_damage() {
                 hit(i, 3, frame);
                 frame < 3
             });
+        }
+    });
+}
+
+#[test]
+fn classic_rules_are_those_of_the_cpu() {
+    let baked = |tolerance| {
+        let mesh = scenes::sheet(30);
+        let examples = scenes::bowls(&mesh, 5, 0.3, 3);
+        scenes::build(mesh, examples, SetOptions { tolerance: Some(tolerance), ..SetOptions::default() })
+    };
+    let sets = [scenes::cube_set(), scenes::ball_set(), baked(3e-3), baked(1e-5)];
+    on_each_device(|engine| {
+        for (set, rule) in sets.iter().zip([Rule::MostDisplaced, Rule::Blend(0.3), Rule::Blend(0.0), Rule::Blend(1.0)])
+        {
+            let unclamped = crumple::Selection::ClassicUnclamped;
+            let options = InstanceOptions { selection: unclamped, ..InstanceOptions::classic(rule) };
+            for plan in [Plan::everything(set, 0, 8), Plan::interleaved(set, 0, 0, [Some(Encoding::F32), None, None])] {
+                let mut instance = Instance::new(set.clone(), options).unwrap();
+                // Undamaged in the first frame; then more hits than the journal holds, and what no journal tells.
+                compare(engine, &format!("{rule:?}"), &mut instance, &plan, |i, frame| {
+                    match frame {
+                        4 => hit(i, 300, frame),
+                        6 => i.repair(0.7).unwrap(),
+                        8 => i.reset(),
+                        _ => hit(i, 1 + 7 * (frame as usize % 3), frame),
+                    }
+                    frame < 10
+                });
+                let mut damaged = Instance::new(set.clone(), options).unwrap();
+                hit(&mut damaged, 20, 5);
+                compare(engine, "damaged before", &mut damaged, &plan, |i, frame| {
+                    hit(i, 1, frame);
+                    frame < 2
+                });
+            }
         }
     });
 }

@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use xshell::cmd;
 
 use crate::stage::Outcome;
@@ -14,7 +14,7 @@ use crate::workspace::{Workspace, empty_directory};
 const MANIFESTS: &str = "/usr/share/vulkan/icd.d";
 /// Debian's package that holds SwiftShader, and where in it.
 const PACKAGE: &str = "chromium-common";
-const LIBRARY: &str = "usr/lib/chromium/libvk_swiftshader.so";
+const PACKAGED: &str = "usr/lib/chromium/libvk_swiftshader.so";
 
 pub fn run(workspace: &Workspace) -> Result<Outcome> {
     let lavapipe = lavapipe()?;
@@ -60,9 +60,11 @@ fn swiftshader(workspace: &Workspace) -> Result<PathBuf> {
     }
     let mut files = fs::read_dir(&directory)?.filter_map(|e| Some(e.ok()?.path()));
     let package = files.find(|p| p.extension().is_some_and(|e| e == "deb")).context("no package was downloaded")?;
-    cmd!(sh, "dpkg-deb -x {package} {directory}").run()?;
-    let library = directory.join(LIBRARY);
-    ensure!(library.exists(), "{PACKAGE} holds no {LIBRARY}");
+    let unpacked = directory.join("package");
+    cmd!(sh, "dpkg-deb -x {package} {unpacked}").run()?;
+    let library = directory.join("libvk_swiftshader.so");
+    fs::rename(unpacked.join(PACKAGED), &library).with_context(|| format!("{PACKAGE} holds no {PACKAGED}"))?;
+    fs::remove_dir_all(unpacked)?;
     fs::remove_file(package)?;
     // The package's own manifest names its library relative to itself, which the loader takes as relative to where it runs.
     let text = format!(
