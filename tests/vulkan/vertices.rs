@@ -1,8 +1,9 @@
 //! The same vertices as the CPU's.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
-use crumple::vulkan::{Attribute, Encoding, RecordJob};
+use crumple::vulkan::{Attribute, Device, Encoding, RecordJob};
 use crumple::{
     Combine, ExampleSet, Instance, InstanceOptions, Mark, Mirror, Pair, Placement, Rule, Serial, SetOptions,
 };
@@ -66,23 +67,26 @@ fn any_marks(set: &ExampleSet, count: usize, dice: &mut Dice) -> Vec<Mark> {
     all
 }
 
+/// The next frame, of whatever device.
+static FRAME: AtomicU64 = AtomicU64::new(1);
+
 /// Records an instance again and again as it changes, and compares the whole buffer each time.
 fn compare(
-    engine: &Engine,
+    (engine, crumple): (&Engine, &mut Device),
     name: &str,
     instance: &mut Instance,
     plan: &Plan,
     mut change: impl FnMut(&mut Instance, u64) -> bool,
 ) {
-    let mut crumple = engine.crumple();
-    let (seen, id) = engine.target_buffer(&mut crumple, plan.offset + plan.size + 64);
+    let (seen, id) = engine.target_buffer(crumple, plan.offset + plan.size + 64);
     let mut target = crumple.add_target(&instance.example_set().clone(), &plan.def(id)).unwrap();
     let mut wanted = vec![POISON; seen.words().len()];
     for frame in 1.. {
         let job = RecordJob { instance, target: &mut target };
+        let number = FRAME.fetch_add(1, Ordering::Relaxed);
         // SAFETY: the command buffer is recording.
-        let report = engine.run(|c| unsafe { crumple.record(c, frame, &mut [job]) }).unwrap();
-        crumple.completed(frame);
+        let report = engine.run(|c| unsafe { crumple.record(c, number, &mut [job]) }).unwrap();
+        crumple.completed(number);
         plan.expect(instance, &mut wanted);
         same(seen.words(), &wanted, &format!("{name} on {}, frame {frame}, {report:?}", engine.name));
         let bounds = target.bounds().unwrap();
@@ -100,10 +104,11 @@ fn compare(
 fn vertices_are_those_of_the_cpu() {
     let sets = sets();
     on_each_device(|engine| {
+        let mut crumple = engine.crumple();
         for (name, set) in &sets {
             let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
             let plan = Plan::everything(set, 0, 20);
-            compare(engine, name, &mut instance, &plan, |instance, frame| {
+            compare((engine, &mut crumple), name, &mut instance, &plan, |instance, frame| {
                 match frame {
                     1 => hit(instance, 1, 7),
                     2 => hit(instance, 2, 8),
@@ -127,13 +132,14 @@ fn vertices_are_those_of_the_cpu() {
 fn positions_alone_and_normals_alone_are_the_same() {
     let set = scenes::cube_set();
     on_each_device(|engine| {
+        let mut crumple = engine.crumple();
         for normals in [None, Some(Encoding::F32)] {
             let plan = Plan::interleaved(&set, 0, 8, [Some(Encoding::F32), normals, None]);
-            compare(engine, "cube", &mut folded(&set, 9, 3), &plan, |_, _| false);
+            compare((engine, &mut crumple), "cube", &mut folded(&set, 9, 3), &plan, |_, _| false);
         }
         // Tangents without normals.
         let plan = Plan::interleaved(&set, 0, 0, [Some(Encoding::F32), None, Some(Encoding::F32)]);
-        compare(engine, "cube", &mut folded(&set, 9, 3), &plan, |_, _| false);
+        compare((engine, &mut crumple), "cube", &mut folded(&set, 9, 3), &plan, |_, _| false);
     });
 }
 
@@ -145,9 +151,10 @@ fn levels_of_detail_show_the_same_damage() {
     set.add_lod(scenes::cube(6), &Serial).unwrap();
     let set = Arc::new(set);
     on_each_device(|engine| {
+        let mut crumple = engine.crumple();
         for lod in 0..2 {
             let plan = Plan::everything(&set, lod, 4);
-            compare(engine, "lod", &mut folded(&set, 5, 3), &plan, |i, frame| {
+            compare((engine, &mut crumple), "lod", &mut folded(&set, 5, 3), &plan, |i, frame| {
                 hit(i, 3, frame);
                 frame < 3
             });
@@ -164,6 +171,7 @@ fn classic_rules_are_those_of_the_cpu() {
     };
     let sets = [scenes::cube_set(), scenes::ball_set(), baked(3e-3), baked(1e-5)];
     on_each_device(|engine| {
+        let mut crumple = engine.crumple();
         for (set, rule) in sets.iter().zip([Rule::MostDisplaced, Rule::Blend(0.3), Rule::Blend(0.0), Rule::Blend(1.0)])
         {
             let unclamped = crumple::Selection::ClassicUnclamped;
@@ -171,7 +179,7 @@ fn classic_rules_are_those_of_the_cpu() {
             for plan in [Plan::everything(set, 0, 8), Plan::interleaved(set, 0, 0, [Some(Encoding::F32), None, None])] {
                 let mut instance = Instance::new(set.clone(), options).unwrap();
                 // Undamaged in the first frame; then more hits than the journal holds, and what no journal tells.
-                compare(engine, &format!("{rule:?}"), &mut instance, &plan, |i, frame| {
+                compare((engine, &mut crumple), &format!("{rule:?}"), &mut instance, &plan, |i, frame| {
                     match frame {
                         4 => hit(i, 300, frame),
                         6 => i.repair(0.7).unwrap(),
@@ -182,7 +190,7 @@ fn classic_rules_are_those_of_the_cpu() {
                 });
                 let mut damaged = Instance::new(set.clone(), options).unwrap();
                 hit(&mut damaged, 20, 5);
-                compare(engine, "damaged before", &mut damaged, &plan, |i, frame| {
+                compare((engine, &mut crumple), "damaged before", &mut damaged, &plan, |i, frame| {
                     hit(i, 1, frame);
                     frame < 2
                 });
@@ -197,13 +205,20 @@ fn formats_are_converted_as_rust_does() {
     let positions = [Encoding::F32, Encoding::F16x4, Encoding::Snorm16x4];
     let others = [Encoding::F32, Encoding::Snorm16x4, Encoding::Snorm8x4];
     on_each_device(|engine| {
+        let mut crumple = engine.crumple();
         for (p, n) in positions.into_iter().zip(others) {
             for t in others {
                 let plan = Plan::interleaved(&set, 0, 16, [Some(p), Some(n), Some(t)]);
-                compare(engine, &format!("{p:?} {n:?} {t:?}"), &mut folded(&set, 9, 5), &plan, |i, frame| {
-                    hit(i, 9, frame);
-                    frame < 2
-                });
+                compare(
+                    (engine, &mut crumple),
+                    &format!("{p:?} {n:?} {t:?}"),
+                    &mut folded(&set, 9, 5),
+                    &plan,
+                    |i, frame| {
+                        hit(i, 9, frame);
+                        frame < 2
+                    },
+                );
             }
         }
     });
