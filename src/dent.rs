@@ -3,7 +3,7 @@
 //! For a mark with target depth `T` at contact `c` (normal `n`), a pair of example `i` and share `s_i` contributes
 //!
 //! ```text
-//! anchored   a_i = T / |d_i(c)|      e_i(v) = d_i(v)
+//! anchored   a_i = T / |d_i(c)|      e_i(v) = d_i(v)      (at the example's own contact d_i(c) is not rounded)
 //! carried    a_i = T / |d_i(p_i)|    e_i(v) = R d_i at p_i + stretch^-1 (R^T (v - c))
 //! ```
 //!
@@ -16,14 +16,14 @@ use crate::examples::{Combine, ExampleSet};
 use crate::few::Few;
 use crate::math::{Aabb, rotation_between};
 use crate::skin::Skin;
-use crate::stamp::{Grid, Stamp};
+use crate::stamp::WEIGHTS;
 use crate::{Mark, Pair};
-use glam::{Mat3, UVec3, Vec3};
+use glam::{Mat3, UVec2, Vec2, Vec3};
 
 /// Limits of the stretch of a carried example in the surface.
 const STRETCH: (f32, f32) = (0.25, 4.0);
-/// What rounding may add to a coordinate on a stamp's grid, in nodes.
-const ROUNDING: f32 = 1e-2;
+/// What boxes are made larger by before they are found not to meet a stamp, as a share: far more than rounding.
+const ROUNDING: f32 = 1e-4;
 /// Pairs a mark may have.
 pub(crate) const MAX_PAIRS: usize = 4;
 
@@ -41,20 +41,26 @@ pub(crate) struct Part {
 pub(crate) struct Carried {
     pub contact: Vec3,
     /// Mesh space relative to the contact into the stamp's frame, stretch undone.
-    to_stamp: Mat3,
-    /// The same on into units of the stamp's nodes, and what is taken off to count from the first.
-    pub to_grid: Mat3,
-    pub grid_origin: Vec3,
+    pub to_stamp: Mat3,
+    /// From unrolled coordinates to units of the stamp's nodes, and what is taken off to count from the first.
+    pub per_cell: Vec2,
+    pub grid_origin: Vec2,
     /// Greatest coordinates on the grid.
-    pub grid_top: Vec3,
+    pub grid_top: Vec2,
     /// The stamp's frame into mesh space.
     from_stamp: Mat3,
-    /// From a stamp's numbers to displacements in mesh space, and to changes of normals: these are also multiplied with one over
-    /// the stretch, since slopes fall as a dent gets wider.
+    /// From weighted sums of a stamp's numbers to displacements in mesh space, and to changes of normals: these are also multiplied
+    /// with one over the stretch, since slopes fall as a dent gets wider.
     pub displacement: Mat3,
     pub normal_change: Mat3,
-    /// Directions in mesh space into the stamp's frame.
-    pub facing: Mat3,
+    /// The same to heights, m.
+    pub height: f32,
+    /// Two over the stamp's fade, 1/m.
+    pub fade: f32,
+    /// What lies lower or higher in the stamp's frame is not moved, m.
+    heights: (f32, f32),
+    /// The stamp's z in mesh space.
+    pub up: Vec3,
     /// Nothing moves further than this from the contact, m.
     radius: f32,
 }
@@ -136,38 +142,68 @@ pub(crate) struct Reach {
 }
 
 impl Carried {
+    const NOTHING: Carried = Carried {
+        contact: Vec3::ZERO,
+        to_stamp: Mat3::ZERO,
+        per_cell: Vec2::ONE,
+        grid_origin: Vec2::ZERO,
+        grid_top: Vec2::ZERO,
+        from_stamp: Mat3::ZERO,
+        displacement: Mat3::ZERO,
+        normal_change: Mat3::ZERO,
+        height: 0.0,
+        fade: 0.0,
+        heights: (0.0, 0.0),
+        up: Vec3::Z,
+        radius: 0.0,
+    };
+
     fn new(set: &ExampleSet, example: usize, from_stamp: Mat3, contact: u32, size: f32) -> Self {
         let e = &set.examples()[example];
         let stretch = size.sqrt().clamp(STRETCH.0, STRETCH.1);
         let shrink = Vec3::new(1.0 / stretch, 1.0 / stretch, 1.0);
         let to_stamp = Mat3::from_diagonal(shrink) * from_stamp.transpose();
+        let c = Carried { contact: set.mesh().positions()[contact as usize], to_stamp, from_stamp, ..Carried::NOTHING };
         // Only an anchored example lacks a stamp, and it is not carried.
-        let grid = e.stamp().map_or(Grid::POINT, |s| s.grid);
-        let steps = |of: fn(&Stamp) -> Vec3| e.stamp().map_or(Mat3::ZERO, |s| Mat3::from_diagonal(of(s)));
+        let Some(s) = e.stamp() else { return c };
+        let unit = |step: Vec3| Mat3::from_diagonal(step * (1.0 / WEIGHTS));
         Carried {
-            contact: set.mesh().positions()[contact as usize],
-            to_stamp,
-            to_grid: Mat3::from_diagonal(1.0 / grid.cell) * to_stamp,
-            grid_origin: grid.origin / grid.cell,
-            grid_top: (grid.dims - UVec3::ONE).as_vec3(),
-            from_stamp,
-            displacement: from_stamp * steps(|s| s.displacements.step),
-            normal_change: from_stamp * steps(|s| s.normals.step) * (1.0 / stretch),
-            facing: from_stamp.transpose(),
-            radius: e.stamp().map_or(0.0, |s| s.reach(stretch)),
+            per_cell: 1.0 / s.grid.cell,
+            grid_origin: s.grid.origin / s.grid.cell,
+            grid_top: (s.grid.dims - UVec2::ONE).as_vec2(),
+            displacement: from_stamp * unit(s.steps.displacement),
+            normal_change: from_stamp * unit(s.steps.normal) * (1.0 / stretch),
+            height: s.steps.height * (1.0 / WEIGHTS),
+            fade: 2.0 / s.fade,
+            heights: (s.heights.0 - s.fade, s.heights.1 + s.fade),
+            up: from_stamp.z_axis,
+            radius: s.reach(stretch),
+            ..c
         }
     }
 
-    /// Whether anything in the box may move: whether it meets the stamp's sphere, and along none of the stamp's axes lies apart.
+    /// Whether anything in the box may move: whether it meets the stamp's sphere, and in the stamp's frame lies neither above nor below
+    /// nor beside it.
     pub(crate) fn reaches(&self, bounds: &Aabb) -> bool {
         if bounds.distance_squared(self.contact) > self.radius * self.radius {
             return false;
         }
         // Differences first: far from the origin they lose nothing.
-        let centre = (bounds.min - self.contact + (bounds.max - self.contact)) * 0.5;
-        let centre = self.to_grid * centre - self.grid_origin;
-        let half = self.to_grid.abs() * ((bounds.max - bounds.min) * 0.5) + Vec3::splat(ROUNDING);
-        (centre + half).cmpge(Vec3::ZERO).all() && (centre - half).cmple(self.grid_top).all()
+        let centre = self.to_stamp * ((bounds.min - self.contact + (bounds.max - self.contact)) * 0.5);
+        let half = self.to_stamp.abs() * ((bounds.max - bounds.min) * 0.5);
+        let half = half * (1.0 + ROUNDING) + Vec3::splat(self.radius * ROUNDING);
+        let (low, high) = (centre - half, centre + half);
+        if low.z > self.heights.1 || high.z < self.heights.0 {
+            return false;
+        }
+        // Unrolling takes no point of the box further out than the steepest could be.
+        let across = low.truncate().max(-high.truncate()).max(Vec2::ZERO).length_squared();
+        let up = low.z.abs().max(high.z.abs());
+        let steep = up * up / across;
+        let lift = 1.0 + 0.5 * if steep < 2.0 { steep } else { 2.0 } + ROUNDING;
+        let low = low.truncate().min(low.truncate() * lift) * self.per_cell - self.grid_origin;
+        let high = high.truncate().max(high.truncate() * lift) * self.per_cell - self.grid_origin;
+        high.cmpge(Vec2::ZERO).all() && low.cmple(self.grid_top).all()
     }
 
     /// Displacement that the example brings to a vertex at base position `v`, unscaled, m.
@@ -216,7 +252,7 @@ pub(crate) fn place(
         let example = pair.example as usize;
         let e = &set.examples()[example];
         let (size, carried, u) = if pair.is_anchored() {
-            let u = e.delta(contact);
+            let u = e.met_at(contact, c);
             (depth / u.length(), None, u)
         } else {
             let size = depth / e.depth();

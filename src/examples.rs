@@ -13,11 +13,11 @@ use crate::nearest::{Nearest, VertexIndex};
 use crate::rim::{self, Rim};
 use crate::skin::Skin;
 use crate::stamp::{Source, Stamp};
-use crate::tasks::run_each;
+use crate::tasks::map;
 use crate::{Contact, Deltas, Error, ExampleData, LodReport, MeshData, Placement, TaskSystem, normals};
 use glam::Vec3;
 use rstar::RTree;
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::{Arc, OnceLock};
 use xxhash_rust::xxh3::Xxh3;
 
 /// An automatic example is anchored within this share of its support radius around its own contact …
@@ -156,22 +156,22 @@ impl Example {
         self.contact_normal
     }
 
-    /// Displacement of the contact vertex, m.
+    /// Displacement of the contact vertex as it was given, m: not rounded to a tolerance, since hits are compared with it.
     pub fn contact_displacement(&self) -> Vec3 {
         self.contact_delta
     }
 
-    /// Length of the displacement of the contact vertex, m. 0 only for an empty example.
+    /// Length of that displacement, m. 0 only for an empty example.
     pub fn depth(&self) -> f32 {
         self.depth
     }
 
-    /// Length of the longest displacement, m.
+    /// Length of the longest displacement as stored, m.
     pub fn max_depth(&self) -> f32 {
         self.max_depth
     }
 
-    /// Greatest distance from the contact of a vertex displaced by at least a hundredth of `max_depth`, m.
+    /// Greatest distance from the contact of a vertex displaced by at least a hundredth of the deepest (as given), m.
     pub fn support_radius(&self) -> f32 {
         self.support_radius
     }
@@ -186,9 +186,18 @@ impl Example {
         self.moved == 0
     }
 
-    /// Displacement of vertex `v`, m.
+    /// Displacement of vertex `v` as stored, m.
     pub fn delta(&self, v: u32) -> Vec3 {
         self.anchored.delta(v)
+    }
+
+    /// What a hit on vertex `v`, at position `p` (m), is compared with when the example stays where it was made: at its own
+    /// contact the displacement as given, elsewhere as stored.
+    pub(crate) fn met_at(&self, v: u32, p: Vec3) -> Vec3 {
+        let stored = self.delta(v);
+        // The other side of a seam that stays closed is the same place.
+        let own = v == self.contact_vertex || (p == self.contact_point && stored == self.delta(self.contact_vertex));
+        if own { self.contact_delta } else { stored }
     }
 
     /// Change of the unit normal of vertex `v`.
@@ -296,9 +305,9 @@ pub(crate) struct Parts {
     pub source_order: Option<Array<u32>>,
 }
 
-/// The longest displacement of any example, m.
+/// The longest displacement of any example, m, also of contacts before they are rounded.
 pub(crate) fn deepest(examples: &[Example]) -> f32 {
-    examples.iter().map(|e| e.max_depth).fold(0.0, f32::max)
+    examples.iter().map(|e| e.max_depth.max(e.depth)).fold(0.0, f32::max)
 }
 
 impl ExampleSet {
@@ -328,19 +337,12 @@ impl ExampleSet {
         let steps = options.tolerance.map_or(Steps::EXACT, |t| Steps::new(t, options.normal_tolerance));
         let builder =
             ExampleBuilder { mesh: &mesh, index: &index, seams: &seams, smooth: &smooth, options: &options, steps };
-        let slots: Vec<Mutex<Option<Result<Built, Error>>>> = examples.iter().map(|_| Mutex::new(None)).collect();
-        run_each(tasks, examples.len(), &|i| {
-            let built = builder.build(i, &examples[i]);
-            *slots[i].lock().unwrap_or_else(|e| e.into_inner()) = Some(built);
-        });
+        let built = map(tasks, examples.iter().enumerate(), |(i, e)| builder.build(i, e));
         let (mut welded, mut widest_weld) = (0, 0.0f32);
         let mut ready = reserve(examples.len(), "examples")?;
         let mut moves = reserve(examples.len(), "examples")?;
-        for (i, slot) in slots.into_iter().enumerate() {
-            let built = slot.into_inner().unwrap_or_else(|e| e.into_inner());
-            let built = built.ok_or_else(|| {
-                Error::invalid("the task system", format!("example {i} not run"), "to run every task")
-            })??;
+        for built in built {
+            let built = built?;
             welded += built.welded;
             widest_weld = widest_weld.max(built.widest_weld);
             moves.push(built.moves);
@@ -620,6 +622,7 @@ fn fingerprint(mesh: &Mesh, examples: &[Example], options: &SetOptions) -> u64 {
     for e in examples {
         vec(e.contact_point);
         vec(e.contact_normal.unwrap_or(Vec3::ZERO));
+        vec(e.contact_delta);
         vec(Vec3::splat(e.placement as u8 as f32));
         e.anchored.iter().for_each(|(v, d, _)| {
             vec(Vec3::new(f32::from_bits(v), 0.0, 0.0));
@@ -669,21 +672,12 @@ impl ExampleBuilder<'_> {
         let (given, given_normals) = (deltas, normals);
         let (deltas, normals) = self.rounded(&given, given_normals.as_deref(), &mismatch)?;
         let moved = deltas.iter().filter(|d| **d != Vec3::ZERO).count();
-        let max_depth = deltas.iter().map(|d| d.length()).fold(0.0, f32::max);
-        let contact_vertex = self.contact_vertex(data, &deltas, &mismatch)?;
+        let longest = |deltas: &[Vec3]| deltas.iter().map(|d| d.length()).fold(0.0, f32::max);
+        let (max_depth, deepest) = (longest(&deltas), longest(&given));
+        let contact_vertex = self.contact_vertex(data, &given, &mismatch)?;
         let contact_point = self.mesh.positions()[contact_vertex as usize];
-        let contact_delta = deltas[contact_vertex as usize];
+        let contact_delta = if moved > 0 { given[contact_vertex as usize] } else { Vec3::ZERO };
         let depth = contact_delta.length();
-        if let Some(tolerance) = self.options.tolerance
-            && depth == 0.0
-            && given[contact_vertex as usize] != Vec3::ZERO
-            && moved > 0
-        {
-            return Err(mismatch(format!(
-                "it moves its own contact, vertex {contact_vertex}, by {} m, which the tolerance of {tolerance} m leaves out; give a finer tolerance",
-                given[contact_vertex as usize].length()
-            )));
-        }
         if moved > 0 && depth == 0.0 {
             return Err(mismatch(format!(
                 "it does not move its own contact, vertex {contact_vertex}; give a contact inside the dent, or none to take the deepest vertex"
@@ -711,8 +705,8 @@ impl ExampleBuilder<'_> {
             .mesh
             .positions()
             .iter()
-            .zip(&deltas)
-            .filter(|(_, d)| d.length() >= SUPPORT * max_depth && **d != Vec3::ZERO)
+            .zip(&given)
+            .filter(|(_, d)| d.length() >= SUPPORT * deepest && **d != Vec3::ZERO)
             .map(|(p, _)| (*p - contact_point).length())
             .fold(0.0, f32::max);
         let stamp = (placement != Placement::Anchored && moved > 0).then(|| {
@@ -723,7 +717,7 @@ impl ExampleBuilder<'_> {
                 normals: given_normals.as_deref().zip(self.mesh.normals()),
                 frame: tangent_basis(contact_normal.unwrap_or(Vec3::Z)),
                 contact: contact_point,
-                max_depth,
+                max_depth: deepest,
                 support_radius,
             };
             Stamp::build(&source, self.options.stamp_resolution, self.options.tolerance)

@@ -23,7 +23,10 @@ impl<T: Copy + Default, const N: usize> Few<T, N> {
     pub(crate) fn insert(&mut self, at: usize, item: T) {
         if at < N {
             self.len = (self.len + 1).min(N);
-            self.items.copy_within(at..self.len - 1, at + 1);
+            // For so few elements a call to `memmove` costs more.
+            for i in (at + 1..self.len).rev() {
+                self.items[i] = self.items[i - 1];
+            }
             self.items[at] = item;
         }
     }

@@ -337,7 +337,7 @@ impl<'a> Around<'a> {
             return None;
         }
         let (log_depth, lean, cos, width) = if anchored {
-            let u = e.delta(self.contact);
+            let u = e.met_at(self.contact, self.point);
             let depth = u.length();
             if depth < REACH * e.depth() || image.mirror != Mirror::NONE {
                 return None;

@@ -7,10 +7,9 @@
 use crate::dent::{place, turns};
 use crate::images::automatic;
 use crate::select::{Candidate, Candidates, pairs};
-use crate::tasks::run_each;
+use crate::tasks::map;
 use crate::{ExampleSet, Placement, TaskSystem};
 use glam::Vec3;
-use std::sync::Mutex;
 
 /// Widths of the place axes that are tried, as shares of the bounds' diagonal. The first is taken where too little is known.
 const WIDTHS: [f32; 3] = [1.3, 0.5, 0.2];
@@ -96,12 +95,7 @@ pub(crate) fn learn(set: &ExampleSet, tasks: &dyn TaskSystem) -> Learned {
     }
     let step = usable.len().div_ceil(QUERIES);
     let queries: Vec<usize> = usable.iter().copied().step_by(step).collect();
-    let slots: Vec<Mutex<Errors>> = queries.iter().map(|_| Mutex::default()).collect();
-    run_each(tasks, queries.len(), &|i| {
-        let errors = left_out(set, queries[i]);
-        *slots[i].lock().unwrap_or_else(|e| e.into_inner()) = errors;
-    });
-    let errors: Vec<Errors> = slots.into_iter().map(|s| s.into_inner().unwrap_or_else(|e| e.into_inner())).collect();
+    let errors = map(tasks, &queries, |q| left_out(set, *q));
     let answered = errors.iter().filter(|e| e.carried[0].is_some()).count();
     let total = |w: usize| errors.iter().filter_map(|e| e.carried[w]).map(|x| x.min(WORST)).sum::<f32>();
     let mut width = 0;

@@ -81,6 +81,6 @@ pub use nearest::Nearest;
 pub use reorder::reorder;
 pub use select::{Cause, Chosen, Hit, HitStatus, Outcome, Selection, Space};
 pub use simd::SimdLevel;
-pub use stamp::{Stamp, StampError};
+pub use stamp::{Stamp, StampError, StampSample};
 pub use tasks::{Serial, TaskSystem, ThreadPool};
 pub use tolerance::pixel_tolerance;

@@ -11,11 +11,11 @@ use crate::format::MAX_SKINS;
 use crate::math::{rotation_between, unit};
 use crate::mesh::Mesh;
 use crate::skin::Skin;
-use crate::tasks::run_each;
+use crate::tasks::map;
 use crate::{Error, MeshData, TaskSystem};
 use glam::{DVec3, Vec3};
 use rstar::{PointDistance, RTree};
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 /// Vertices that one task binds.
 const CHUNK: usize = 512;
@@ -63,18 +63,12 @@ impl ExampleSet {
             self.triangle_index.take();
         }
         let (bound, farthest) = bound?;
-        let count = self.examples().len();
-        let slots: Vec<Mutex<Option<Result<Anchored, Error>>>> = (0..count).map(|_| Mutex::new(None)).collect();
-        run_each(tasks, count, &|i| {
-            let anchored = transfer(self.mesh(), &self.skin().anchored[i], &mesh, &bound, self.options().tolerance);
-            *slots[i].lock().unwrap_or_else(|e| e.into_inner()) = Some(anchored);
-        });
-        let mut anchored = reserve(count, "a level of detail's examples")?;
-        for slot in slots {
-            let ready = slot.into_inner().unwrap_or_else(|e| e.into_inner());
-            let ready =
-                ready.ok_or_else(|| Error::invalid("the task system", "a task not run", "to run every task"))??;
-            anchored.push(Arc::new(ready));
+        let of_base = &self.skin().anchored;
+        let tolerance = self.options().tolerance;
+        let transferred = map(tasks, of_base, |a| transfer(self.mesh(), a, &mesh, &bound, tolerance));
+        let mut anchored = reserve(of_base.len(), "a level of detail's examples")?;
+        for ready in transferred {
+            anchored.push(Arc::new(ready?));
         }
         let rim = self.rim().on(self.mesh(), mesh.positions());
         let skin = Skin::new(mesh, rim, anchored);
@@ -118,19 +112,14 @@ fn bind(set: &ExampleSet, mesh: &Mesh, tasks: &dyn TaskSystem) -> Result<(Vec<Bo
     let triangles = set.triangles();
     let mut copies: Vec<(u32, u32)> = set.mesh().weld().iter().copied().zip(0..).collect();
     copies.sort_unstable();
-    let chunks = positions.len().div_ceil(CHUNK);
-    let slots: Vec<Mutex<Result<Vec<Bound>, Error>>> = (0..chunks).map(|_| Mutex::new(Ok(Vec::new()))).collect();
-    run_each(tasks, chunks, &|c| {
-        let range = c * CHUNK..((c + 1) * CHUNK).min(positions.len());
+    let chunks = map(tasks, (0..positions.len()).step_by(CHUNK), |from| {
+        let range = from..(from + CHUNK).min(positions.len());
         let bound = range.map(|v| bind_one(set, triangles, &copies, positions[v], mesh.normals().map(|n| n[v])));
-        *slots[c].lock().unwrap_or_else(|e| e.into_inner()) = bound.collect();
+        bound.collect::<Result<Vec<_>, Error>>()
     });
     let mut all = reserve(positions.len(), "a level of detail's vertices")?;
-    for slot in slots {
-        all.extend(slot.into_inner().unwrap_or_else(|e| e.into_inner())?);
-    }
-    if all.len() != positions.len() {
-        return Err(Error::invalid("the task system", "a task not run", "to run every task"));
+    for chunk in chunks {
+        all.extend(chunk?);
     }
     let farthest = all.iter().map(|b| b.distance).fold(0.0, f32::max);
     Ok((all, farthest))

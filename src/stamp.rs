@@ -1,46 +1,71 @@
-//! A stamp: an example's displacement field resampled once, at build, into a small grid in its contact frame, so that it
-//! can be carried to where the body was hit, on any mesh.
+//! A stamp: an example's fields laid flat at build, so that the example can be carried to where a body was hit, on any mesh.
 //!
-//! The frame has its origin at the example's contact, x and y in the surface, z along the normal. A node's value is that
-//! of the surface nearest to it (inverse-square mean of the four nearest vertices), faded out away from the surface; a
-//! vertex of the deformed mesh reads it by trilinear interpolation. Outside the grid the field is zero.
+//! In the example's contact frame (origin at the contact, x and y in the surface, z along the normal) the surface around the
+//! contact is unrolled onto a plane:
 //!
-//! With a tolerance the grid is the coarsest that holds it at the example's own vertices (at most `stamp_resolution` nodes a
-//! side), and nodes are packed into 4 or 8 bytes.
+//! ```text
+//! q = (x, y) (1 + min(z² / (x² + y²), 2) / 2)
+//! ```
+//!
+//! On a flat sheet that is (x, y); on a cylinder, up to 109 degrees around, within 5 % of the length of the arc. A small grid over q
+//! keeps what the example does there, and how high the surface lies. A vertex takes the grid's bilinear mean at its own q, times a
+//! factor that falls with its distance along z from that height: from 1 at half the stamp's [`Stamp::fade`] to 0 at all of it.
+//! Outside the grid the fields are zero. Nodes are eight numbers of 16 bits, weights whole numbers of 14 bits, so that means are exact
+//! in integers and the same on every processor.
+//!
+//! A node's value is that of the surface under it (inverse-square mean of the four nearest vertices). With a tolerance the grid is
+//! the coarsest that holds it at the example's own vertices (at most `stamp_resolution` nodes a side).
 
 use crate::array::Array;
 use crate::math::Aabb;
 use crate::nearest::VertexIndex;
-use crate::simd::{PACKED, pack, unpack};
-use glam::{Mat3, UVec3, Vec3};
+use glam::{Mat3, UVec2, Vec2, Vec3};
+use std::collections::VecDeque;
 
 /// Displacements below this share of the deepest are left out of a stamp's extent: long flat tails would cost the dent itself
 /// its nodes.
 const EXTENT: f32 = 1e-2;
-/// Full value up to this distance from the surface, as a share of the support radius …
-const FADE_FROM: f32 = 0.1;
-/// … and nothing from here.
-const FADE_TO: f32 = 0.2;
+/// Nothing is moved from this distance above or below the surface, as a share of the support radius.
+const FADE: f32 = 0.2;
 /// Nodes along the longest side of the coarsest grid.
 const COARSEST: u32 = 4;
-/// Where no grid holds the tolerance, narrower nodes may add this share to the error that the finest has.
-const NARROWER: f32 = 1.05;
+/// The greatest of what [`unrolled`] adds to 1, and the tangent (squared) of the steepness where it gets there.
+const LIFT: (f32, f32) = (1.0, 2.0);
 
-/// An example's field on a grid in its contact frame.
+/// Displacement x, y, z; height; change of the unit normal x, y, z; z of the base normal.
+pub(crate) type Node = [i16; 8];
+/// What the four weights of a bilinear mean sum to.
+pub(crate) const WEIGHTS: f32 = 16384.0;
+/// The greatest number in a node.
+const MOST: f32 = 32767.0;
+/// From a weighted sum of the nodes' last numbers to the z of a base normal.
+pub(crate) const FACING: f32 = 1.0 / (MOST * WEIGHTS);
+
+/// An example's fields around its contact, in its contact frame.
 #[derive(Debug, Clone)]
 pub struct Stamp {
     pub(crate) grid: Grid,
-    /// Displacements in the contact frame, m; x runs fastest.
-    pub(crate) displacements: Nodes,
-    /// Changes of the unit normal in the contact frame; empty where the mesh has no normals.
-    pub(crate) normals: Nodes,
-    /// The base normals those are changes of, in the contact frame: a vertex that faces elsewhere (the lid beside a dented
-    /// wall) must not take them over.
-    pub(crate) facing: Nodes,
-    /// Length of the longest displacement of a node, m.
+    /// x runs fastest.
+    pub(crate) nodes: Array<Node>,
+    pub(crate) steps: NodeSteps,
+    /// Nothing is moved from this distance above or below the surface, m.
+    pub(crate) fade: f32,
+    /// The lowest and the highest node, m.
+    pub(crate) heights: (f32, f32),
+    /// No displacement read from it is longer, m.
     pub(crate) longest: f32,
-    /// How far it is off the example at its own vertices, m; unknown in exact sets.
-    pub(crate) error: Option<StampError>,
+    /// How far it is off the example at its own vertices.
+    pub(crate) error: StampError,
+}
+
+/// What a node's numbers are multiples of. (The z of the base normal: of 1/32767.)
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct NodeSteps {
+    /// m.
+    pub displacement: Vec3,
+    /// m.
+    pub height: f32,
+    pub normal: Vec3,
 }
 
 /// How far a stamp is off its example, at the vertices that the example moves, m.
@@ -52,117 +77,47 @@ pub struct StampError {
     pub rms: f32,
 }
 
-/// Where a stamp's nodes are.
+/// Where a stamp's nodes are, on the unrolled surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Grid {
-    /// Nodes along x, y, z; each at least 2.
-    pub dims: UVec3,
-    /// Position of node (0, 0, 0), m.
-    pub origin: Vec3,
+    /// Nodes along x and y; each at least 2.
+    pub dims: UVec2,
+    /// Position of node (0, 0), m.
+    pub origin: Vec2,
     /// Distance between nodes, m.
-    pub cell: Vec3,
+    pub cell: Vec2,
+}
+
+/// A point of the contact frame on the plane. A point right above or below the contact is at its place.
+pub(crate) fn unrolled(p: Vec3) -> Vec2 {
+    let across = p.x * p.x + p.y * p.y;
+    // Not a number where both are 0, which is then no less than 2.
+    let steep = p.z * p.z / across;
+    let steep = if steep < LIFT.1 { steep } else { LIFT.1 };
+    let scale = 1.0 + steep * (LIFT.0 / LIFT.1);
+    Vec2::new(p.x * scale, p.y * scale)
+}
+
+/// The point at height `z` that [`unrolled`] takes to `q`; `z` is held to where there is one.
+fn rolled(q: Vec2, z: f32) -> Vec3 {
+    let r = q.length();
+    let z = z.clamp(-0.7 * r, 0.7 * r);
+    let across = 0.5 * (r + (r * r - 2.0 * z * z).max(0.0).sqrt());
+    (q.normalize_or_zero() * across).extend(z)
 }
 
 impl Grid {
-    /// Of nothing.
-    pub(crate) const POINT: Grid = Grid { dims: UVec3::splat(2), origin: Vec3::ZERO, cell: Vec3::ONE };
-
     pub(crate) fn count(&self) -> usize {
-        (self.dims.x * self.dims.y * self.dims.z) as usize
+        (self.dims.x * self.dims.y) as usize
     }
 
-    /// Greatest distance of a corner from the contact: across the surface, and along the normal, m.
-    fn reach(&self) -> (f32, f32) {
-        let far = self.origin.abs().max((self.origin + (self.dims - UVec3::ONE).as_vec3() * self.cell).abs());
-        (far.truncate().length(), far.z)
+    fn at(&self, i: usize) -> UVec2 {
+        UVec2::new(i as u32 % self.dims.x, i as u32 / self.dims.x)
     }
 
-    fn position(&self, i: usize) -> (UVec3, Vec3) {
-        let (i, d) = (i as u32, self.dims);
-        let at = UVec3::new(i % d.x, i / d.x % d.y, i / (d.x * d.y));
-        (at, self.origin + at.as_vec3() * self.cell)
+    fn position(&self, i: usize) -> Vec2 {
+        self.origin + self.at(i).as_vec2() * self.cell
     }
-}
-
-/// One field over a grid.
-#[derive(Debug, Clone)]
-pub(crate) struct Nodes {
-    pub array: NodeArray,
-    /// What the numbers of x, y and z are multiples of; 1 where they are floats.
-    pub step: Vec3,
-}
-
-#[derive(Debug, Clone)]
-pub(crate) enum NodeArray {
-    /// 10, 11 and 11 bits.
-    Packed(Array<u32>),
-    /// 16 bits each; the fourth is 0.
-    Half(Array<[i16; 4]>),
-    Exact(Array<[f32; 3]>),
-}
-
-impl Nodes {
-    fn exact(nodes: &[Vec3]) -> Self {
-        let nodes: Vec<[f32; 3]> = nodes.iter().map(|n| n.to_array()).collect();
-        Nodes { array: NodeArray::Exact(nodes.into()), step: Vec3::ONE }
-    }
-
-    fn none() -> Self {
-        Nodes { array: NodeArray::Exact(Array::default()), step: Vec3::ONE }
-    }
-
-    fn packed(nodes: &[Vec3]) -> Self {
-        let (step, whole) = steps(nodes, Vec3::from(PACKED.map(|m| m as f32)));
-        let nodes: Vec<u32> = whole.map(|n| pack(n.map(|x| x as i32))).collect();
-        Nodes { array: NodeArray::Packed(nodes.into()), step }
-    }
-
-    fn half(nodes: &[Vec3]) -> Self {
-        let (step, whole) = steps(nodes, Vec3::splat(32767.0));
-        let nodes: Vec<[i16; 4]> = whole.map(|[x, y, z]| [x as i16, y as i16, z as i16, 0]).collect();
-        Nodes { array: NodeArray::Half(nodes.into()), step }
-    }
-
-    pub(crate) fn len(&self) -> usize {
-        match &self.array {
-            NodeArray::Packed(n) => n.len(),
-            NodeArray::Half(n) => n.len(),
-            NodeArray::Exact(n) => n.len(),
-        }
-    }
-
-    pub(crate) fn bytes(&self) -> usize {
-        match &self.array {
-            NodeArray::Packed(n) => n.bytes(),
-            NodeArray::Half(n) => n.bytes(),
-            NodeArray::Exact(n) => n.bytes(),
-        }
-    }
-
-    #[inline]
-    fn at(&self, i: usize) -> Vec3 {
-        let n = match &self.array {
-            NodeArray::Packed(n) => Vec3::from(unpack(n[i]).map(|x| x as f32)),
-            NodeArray::Half(n) => Vec3::new(n[i][0].into(), n[i][1].into(), n[i][2].into()),
-            NodeArray::Exact(n) => Vec3::from(n[i]),
-        };
-        n * self.step
-    }
-
-    pub(crate) fn longest(&self) -> f32 {
-        (0..self.len()).map(|i| self.at(i).length()).fold(0.0, f32::max)
-    }
-
-    fn all(&self) -> Vec<Vec3> {
-        (0..self.len()).map(|i| self.at(i)).collect()
-    }
-}
-
-/// The step of each component for which the largest is `most` steps, and the nodes in steps.
-fn steps(nodes: &[Vec3], most: Vec3) -> (Vec3, impl Iterator<Item = [f32; 3]> + '_) {
-    let largest = nodes.iter().fold(Vec3::ZERO, |m, n| m.max(n.abs()));
-    let step = Vec3::select(largest.cmpgt(Vec3::ZERO), largest / most, Vec3::ONE);
-    (step, nodes.iter().map(move |n| (*n / step).clamp(-most, most).to_array().map(f32::round_ties_even)))
 }
 
 /// What a stamp is made from: fields over the base mesh, and the contact's frame.
@@ -180,177 +135,278 @@ pub(crate) struct Source<'a> {
 }
 
 impl Stamp {
-    /// Resamples a field into at most `resolution` nodes an axis; with a tolerance (m) into the coarsest grid and the narrowest
-    /// nodes that hold it, or, where none does, that are about as good as the finest.
+    /// Resamples fields into `resolution` nodes an axis; with a tolerance (m) into the coarsest grid of up to as many that
+    /// holds it, if one does.
     pub(crate) fn build(s: &Source<'_>, resolution: u32, tolerance: Option<f32>) -> Self {
-        let finest = Fields::resample(s, resolution);
-        let Some(tolerance) = tolerance else { return finest.stamp(Nodes::exact, Nodes::exact) };
-        let error = |f: &Fields| s.error(&f.grid, &Nodes::exact(&f.displacements));
-        let reached = error(&finest).max;
-        let (mut best, mut allowed) = (finest, tolerance);
-        if reached > tolerance {
-            allowed = reached * NARROWER;
-        } else {
-            // The error falls with the resolution, if not always: bisected, then held.
-            let (mut low, mut high) = (COARSEST.min(resolution), resolution);
-            while low < high {
-                let middle = low.midpoint(high);
-                let fields = Fields::resample(s, middle);
-                if error(&fields).max <= tolerance * 0.9 {
-                    high = middle;
-                    best = fields;
-                } else {
-                    low = middle + 1;
-                }
+        let mut best = s.resample(resolution);
+        let Some(tolerance) = tolerance.filter(|t| best.error.max <= *t) else { return best };
+        // The error falls with the resolution, if not always: bisected, then held.
+        let (mut low, mut high) = (COARSEST.min(resolution), resolution);
+        while low < high {
+            let middle = low.midpoint(high);
+            let stamp = s.resample(middle);
+            if stamp.error.max <= tolerance {
+                high = middle;
+                best = stamp;
+            } else {
+                low = middle + 1;
             }
         }
-        let mut stamp = best.stamp(Nodes::packed, Nodes::packed);
-        let mut off = s.error(&stamp.grid, &stamp.displacements);
-        if off.max > allowed {
-            stamp = best.stamp(Nodes::half, Nodes::packed);
-            off = s.error(&stamp.grid, &stamp.displacements);
+        best
+    }
+
+    /// From what a file says; heights and longest displacement are told from the nodes.
+    pub(crate) fn new(grid: Grid, nodes: Array<Node>, steps: NodeSteps, fade: f32, error: StampError) -> Self {
+        let height = |n: &Node| f32::from(n[3]) * steps.height;
+        let heights =
+            nodes.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(lo, hi), n| (lo.min(height(n)), hi.max(height(n))));
+        // Weights may sum to a unit more than they should.
+        let longest = nodes.iter().map(|n| (of(n, 0) * steps.displacement).length()).fold(0.0, f32::max) * 1.0002;
+        Stamp { grid, nodes, steps, fade, heights, longest, error }
+    }
+
+    /// Displacement and change of the unit normal at `p` (contact frame, m) where the surface faces along its own base normal, in the
+    /// contact frame; and the z of that base normal.
+    pub fn read(&self, p: Vec3) -> Option<StampSample> {
+        let (grid, steps) = (&self.grid, &self.steps);
+        let g = unrolled(p) * (1.0 / grid.cell) - grid.origin / grid.cell;
+        let top = (grid.dims - UVec2::ONE).as_vec2();
+        // Also false for NaN.
+        if !(g.cmpge(Vec2::ZERO).all() && g.cmple(top).all()) {
+            return None;
         }
-        stamp.error = Some(off);
-        stamp
+        let base = g.as_uvec2().min(grid.dims - UVec2::splat(2));
+        let t = g - base.as_vec2();
+        let (x, y, both) = ((t.x * WEIGHTS) as i32, (t.y * WEIGHTS) as i32, (t.x * t.y * WEIGHTS) as i32);
+        let weights = [(WEIGHTS as i32 - x - y + both).max(0), x - both, y - both, both];
+        let row = grid.dims.x as usize;
+        let first = base.x as usize + base.y as usize * row;
+        let mut sums = [0i32; 8];
+        for (at, w) in [first, first + 1, first + row, first + row + 1].into_iter().zip(weights) {
+            sums.iter_mut().zip(self.nodes[at]).for_each(|(s, n)| *s += w * i32::from(n));
+        }
+        let [x, y, z, h, nx, ny, nz, facing] = sums.map(|s| s as f32 / WEIGHTS);
+        let keep = (2.0 - (p.z - h * steps.height).abs() * (2.0 / self.fade)).clamp(0.0, 1.0);
+        Some(StampSample {
+            displacement: Vec3::new(x, y, z) * steps.displacement * keep,
+            normal: Vec3::new(nx, ny, nz) * steps.normal * keep,
+            facing: facing / MOST,
+        })
     }
 
     /// Displacement at `p` (contact frame, m), in the contact frame, m.
     pub fn displacement(&self, p: Vec3) -> Vec3 {
-        self.grid.cell_of(p).map_or(Vec3::ZERO, |c| c.read(&self.displacements, self.grid.dims))
+        self.read(p).map_or(Vec3::ZERO, |r| r.displacement)
     }
 
-    /// Nodes along x, y and z.
-    pub fn dims(&self) -> [u32; 3] {
+    /// Nodes along x and y of the unrolled surface.
+    pub fn dims(&self) -> [u32; 2] {
         self.grid.dims.to_array()
     }
 
-    /// Position of node (0, 0, 0) in the contact frame, and the distance between nodes, m.
-    pub fn grid(&self) -> ([f32; 3], [f32; 3]) {
+    /// Position of node (0, 0) on the unrolled surface, and the distance between nodes, m.
+    pub fn grid(&self) -> ([f32; 2], [f32; 2]) {
         (self.grid.origin.to_array(), self.grid.cell.to_array())
     }
 
-    /// The nodes' displacements in the contact frame, m; x runs fastest, then y.
+    /// The nodes' displacements in the contact frame, m; x runs fastest.
     pub fn nodes(&self) -> Vec<Vec3> {
-        self.displacements.all()
+        self.nodes.iter().map(|n| of(n, 0) * self.steps.displacement).collect()
     }
 
-    /// The nodes' changes of the unit normal in the contact frame; empty where the mesh has no normals.
+    /// How high the surface lies at the nodes: z in the contact frame, m.
+    pub fn height_nodes(&self) -> Vec<f32> {
+        self.nodes.iter().map(|n| f32::from(n[3]) * self.steps.height).collect()
+    }
+
+    /// The nodes' changes of the unit normal in the contact frame; zero where the mesh has no normals.
     pub fn normal_nodes(&self) -> Vec<Vec3> {
-        self.normals.all()
+        self.nodes.iter().map(|n| of(n, 4) * self.steps.normal).collect()
     }
 
-    /// The nodes' base normals (not of unit length between vertices) in the contact frame; as many as there are normals.
-    pub fn facing_nodes(&self) -> Vec<Vec3> {
-        self.facing.all()
+    /// The z of the nodes' base normals in the contact frame, -1 to 1.
+    pub fn facing_nodes(&self) -> Vec<f32> {
+        self.nodes.iter().map(|n| f32::from(n[7]) / MOST).collect()
     }
 
-    /// How far it is off the example at the vertices that the example moves; `None` in a set without a tolerance, where it was
-    /// not measured.
-    pub fn error(&self) -> Option<StampError> {
+    /// Nothing is moved from this distance above or below the surface, m; all of it up to half the distance.
+    pub fn fade(&self) -> f32 {
+        self.fade
+    }
+
+    /// How far it is off the example at the vertices that the example moves.
+    pub fn error(&self) -> StampError {
         self.error
     }
 
-    /// Bytes a node's displacement takes: 4, 8 or (exact) 12.
-    pub fn node_bytes(&self) -> usize {
-        self.displacements.bytes() / self.displacements.len().max(1)
-    }
-
-    /// Radius of a sphere around the contact that holds the grid when it is stretched by `stretch` in the surface, m.
+    /// Radius of a sphere around the contact that holds the field when it is stretched by `stretch` in the surface, m.
     pub(crate) fn reach(&self, stretch: f32) -> f32 {
-        let (across, along) = self.grid.reach();
-        let across = across * stretch;
+        let top = (self.grid.dims - UVec2::ONE).as_vec2() * self.grid.cell;
+        let across = self.grid.origin.abs().max((self.grid.origin + top).abs()).length() * stretch;
+        let along = self.heights.0.abs().max(self.heights.1.abs()) + self.fade;
         // A little more than exact, so that rounding never cuts a vertex off.
         (across * across + along * along).sqrt() * 1.0001
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        self.displacements.bytes() + self.normals.bytes() + self.facing.bytes()
+        self.nodes.bytes()
     }
 }
 
-/// The fields of a stamp, as floats.
-struct Fields {
-    grid: Grid,
-    displacements: Vec<Vec3>,
-    normals: Vec<Vec3>,
-    facing: Vec<Vec3>,
+/// What a [`Stamp`] says of a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StampSample {
+    /// Displacement in the contact frame, m.
+    pub displacement: Vec3,
+    /// Change of the unit normal in the contact frame.
+    pub normal: Vec3,
+    /// The z of the base normal.
+    pub facing: f32,
 }
 
-impl Fields {
-    fn resample(s: &Source<'_>, resolution: u32) -> Self {
-        let to_frame = s.frame.transpose();
-        let limit = s.max_depth * EXTENT;
-        let mut b = Aabb::EMPTY;
-        b.add(Vec3::ZERO);
-        for (p, d) in s.positions.iter().zip(s.deltas) {
-            if d.length() >= limit {
-                b.add(to_frame * (*p - s.contact));
-            }
-        }
-        // Between the last vertex that moves and its unmoved neighbours the field falls to zero over an edge's length; an
-        // example that moves a single vertex is nothing but that.
-        let edge = s.index.four(s.contact).iter().map(|(_, d2)| d2.sqrt()).fold(0.0, f32::max);
-        let edge = if edge > 0.0 { edge } else { s.max_depth };
-        let radius = s.support_radius.max(edge);
-        // Room for the fade along the normal, and for the taper across the surface: an edge, and at least a cell.
-        let fade = (radius * FADE_FROM, radius * FADE_TO);
-        let across = (b.max - b.min).max(Vec3::splat(radius * 0.02)) / (resolution - 3).max(1) as f32;
-        let pad = Vec3::new(across.x.max(edge), across.y.max(edge), fade.1);
-        let (lo, hi) = (b.min - pad, b.max + pad);
-        let fine = across.x.min(across.y);
-        let dims = UVec3::new(
-            resolution,
-            resolution,
-            (((hi.z - lo.z) / fine).ceil() as u32).saturating_add(1).clamp(2, resolution),
-        );
-        let grid = Grid { dims, origin: lo, cell: (hi - lo) / (dims - UVec3::ONE).as_vec3() };
-        let count = grid.count();
-        let with_normals = if s.normals.is_some() { count } else { 0 };
-        let mut fields = Fields {
-            grid,
-            displacements: vec![Vec3::ZERO; count],
-            normals: vec![Vec3::ZERO; with_normals],
-            facing: vec![Vec3::ZERO; with_normals],
-        };
-        for i in 0..count {
-            let (at, p) = grid.position(i);
-            let node = stamp_node(s, s.contact + s.frame * p, fade);
-            // Zero on the sides of the grid: the field ends without a step.
-            if at.x > 0 && at.y > 0 && at.x + 1 < dims.x && at.y + 1 < dims.y {
-                fields.displacements[i] = to_frame * node.displacement;
-                if s.normals.is_some() {
-                    fields.normals[i] = to_frame * node.normal;
-                }
-            }
-            if s.normals.is_some() {
-                fields.facing[i] = to_frame * node.facing;
-            }
-        }
-        fields
-    }
-
-    fn stamp(&self, displacements: impl Fn(&[Vec3]) -> Nodes, normals: impl Fn(&[Vec3]) -> Nodes) -> Stamp {
-        let some = |nodes: &[Vec3]| if nodes.is_empty() { Nodes::none() } else { normals(nodes) };
-        let displacements = displacements(&self.displacements);
-        Stamp {
-            grid: self.grid,
-            longest: displacements.longest(),
-            displacements,
-            normals: some(&self.normals),
-            facing: some(&self.facing),
-            error: None,
-        }
-    }
+fn of(n: &Node, first: usize) -> Vec3 {
+    Vec3::new(n[first].into(), n[first + 1].into(), n[first + 2].into())
 }
 
 impl Source<'_> {
-    /// How far `nodes` are off the field they were made from, at the vertices that it moves.
-    fn error(&self, grid: &Grid, nodes: &Nodes) -> StampError {
+    fn resample(&self, resolution: u32) -> Stamp {
+        // Between the last vertex that moves and its unmoved neighbours the field falls to zero over an edge's length; an
+        // example that moves a single vertex is nothing but that.
+        let edge = self.index.four(self.contact).iter().map(|(d2, _)| d2.sqrt()).fold(0.0, f32::max);
+        let edge = if edge > 0.0 { edge } else { self.max_depth };
+        let radius = self.support_radius.max(edge);
+        let fade = (radius * FADE).max(edge);
+        let grid = self.grid(resolution, edge, radius);
+        let heights = self.heights(&grid, fade);
+        let samples: Vec<Sample> = (0..grid.count())
+            .map(|i| {
+                let at = grid.at(i);
+                let p = rolled(grid.position(i), heights[i]);
+                // Zero on the sides of the grid: the field ends without a step.
+                let side = at.cmpeq(UVec2::ZERO).any() || (at + UVec2::ONE).cmpeq(grid.dims).any();
+                self.sample(self.contact + self.frame * p, fade, side)
+            })
+            .collect();
+        let (displacement, displacements) = whole(samples.iter().map(|s| s.displacement));
+        let (normal, normals) = whole(samples.iter().map(|s| s.normal));
+        let (height, heights) = whole(heights.iter().map(|h| Vec3::new(0.0, 0.0, *h)));
+        let nodes: Vec<Node> = (0..grid.count())
+            .map(|i| {
+                let ([x, y, z], [nx, ny, nz]) = (displacements[i], normals[i]);
+                let facing = (samples[i].facing.clamp(-1.0, 1.0) * MOST).round_ties_even() as i16;
+                [x, y, z, heights[i][2], nx, ny, nz, facing]
+            })
+            .collect();
+        let steps = NodeSteps { displacement, height: height.z, normal };
+        let stamp = Stamp::new(grid, nodes.into(), steps, fade, StampError::default());
+        Stamp { error: self.error(&stamp), ..stamp }
+    }
+
+    /// A grid around what moves, with room to fall to zero: an edge, and at least a cell.
+    fn grid(&self, resolution: u32, edge: f32, radius: f32) -> Grid {
+        let limit = self.max_depth * EXTENT;
+        let mut b = Aabb::EMPTY;
+        b.add(Vec3::ZERO);
+        for (p, d) in self.positions.iter().zip(self.deltas) {
+            if d.length() >= limit {
+                b.add(unrolled(self.to_frame(*p)).extend(0.0));
+            }
+        }
+        let (lo, hi) = (b.min.truncate(), b.max.truncate());
+        let cell = (hi - lo).max(Vec2::splat(radius * 0.02)) / (resolution - 3).max(1) as f32;
+        let pad = cell.max(Vec2::splat(edge));
+        let dims = UVec2::splat(resolution);
+        Grid { dims, origin: lo - pad, cell: (hi - lo + pad * 2.0) / (dims - UVec2::ONE).as_vec2() }
+    }
+
+    fn to_frame(&self, p: Vec3) -> Vec3 {
+        self.frame.transpose() * (p - self.contact)
+    }
+
+    /// How high the surface lies at each node. It is followed from the contact outwards, from node to node, so that of several sheets
+    /// the one that was hit is kept.
+    fn heights(&self, grid: &Grid, fade: f32) -> Vec<f32> {
+        let mut heights = vec![f32::NAN; grid.count()];
+        let (w, h) = (grid.dims.x as usize, grid.dims.y as usize);
+        let middle = (-grid.origin / grid.cell).round().as_uvec2().min(grid.dims - UVec2::ONE);
+        let first = middle.x as usize + middle.y as usize * w;
+        heights[first] = self.height(grid.position(first), 0.0, fade);
+        let mut next = VecDeque::from([first]);
+        while let Some(i) = next.pop_front() {
+            let (x, y) = (i % w, i / w);
+            let beside = [
+                (x > 0).then(|| i - 1),
+                (x + 1 < w).then_some(i + 1),
+                (y > 0).then(|| i - w),
+                (y + 1 < h).then_some(i + w),
+            ];
+            for j in beside.into_iter().flatten() {
+                if heights[j].is_nan() {
+                    heights[j] = self.height(grid.position(j), heights[i], fade);
+                    next.push_back(j);
+                }
+            }
+        }
+        heights
+    }
+
+    /// How high the surface lies at `q`, sought from a guess (m); the guess where none is near.
+    fn height(&self, q: Vec2, guess: f32, fade: f32) -> f32 {
+        let surface = |z: f32| -> Option<f32> {
+            let p = self.contact + self.frame * rolled(q, z);
+            let near = self.index.four_if_near(p, fade);
+            let (mut sum, mut total) = (0.0, 0.0);
+            for (d2, v) in near.iter() {
+                let w = 1.0 / d2.max(fade * fade * 1e-8);
+                sum += self.to_frame(self.positions[*v as usize]).z * w;
+                total += w;
+            }
+            (total > 0.0).then(|| sum / total)
+        };
+        let mut z = guess;
+        for _ in 0..3 {
+            let (Some(a), limit) = (surface(z), fade) else { return z };
+            let Some(b) = surface(a) else { return a };
+            // Each step leaves the same share of the error (Aitken's extrapolation).
+            let (first, second) = (a - z, b - a);
+            let further = second * second / (first - second);
+            z = if further.abs() <= limit && first * second > 0.0 { b + further } else { b };
+        }
+        z
+    }
+
+    /// The fields at `p` (mesh space): mean of the four nearest vertices, changes faded with distance from the surface, and zero if
+    /// `still`.
+    fn sample(&self, p: Vec3, fade: f32, still: bool) -> Sample {
+        let (mut sample, mut facing, mut sum) = (Sample::default(), Vec3::ZERO, 0.0f32);
+        // Distances below a ten-thousandth of the fade count as hits of the vertex itself.
+        let floor = fade * fade * 1e-8;
+        let near = self.index.four_if_near(p, fade);
+        let Some((nearest, _)) = near.first() else { return sample };
+        let keep = (2.0 - 2.0 * nearest.sqrt() / fade).clamp(0.0, 1.0);
+        for (d2, v) in near.iter() {
+            let w = 1.0 / d2.max(floor);
+            sample.displacement += self.deltas[*v as usize] * w;
+            if let Some((changes, base)) = self.normals {
+                sample.normal += changes[*v as usize] * w;
+                facing += base[*v as usize] * w;
+            }
+            sum += w;
+        }
+        let keep = if still { 0.0 } else { keep / sum };
         let to_frame = self.frame.transpose();
+        Sample {
+            displacement: to_frame * sample.displacement * keep,
+            normal: to_frame * sample.normal * keep,
+            facing: (to_frame * facing).normalize_or_zero().z,
+        }
+    }
+
+    /// How far a stamp is off the field that it was made from, at the vertices that it moves.
+    fn error(&self, stamp: &Stamp) -> StampError {
         let (mut max, mut sum, mut count) = (0.0f32, 0.0f64, 0u32);
         for (p, d) in self.positions.iter().zip(self.deltas).filter(|(_, d)| **d != Vec3::ZERO) {
-            let at = grid.cell_of(to_frame * (*p - self.contact));
-            let off = at.map_or(Vec3::ZERO, |c| self.frame * c.read(nodes, grid.dims)) - *d;
+            let off = self.frame * stamp.displacement(self.to_frame(*p)) - *d;
             max = max.max(off.length());
             sum += f64::from(off.length_squared());
             count += 1;
@@ -359,70 +415,43 @@ impl Source<'_> {
     }
 }
 
-impl Grid {
-    fn cell_of(&self, p: Vec3) -> Option<Cell> {
-        let g = (p - self.origin) / self.cell;
-        let top = (self.dims - UVec3::ONE).as_vec3();
-        // Also false for NaN.
-        if !(g.cmpge(Vec3::ZERO).all() && g.cmple(top).all()) {
-            return None;
-        }
-        let base = g.as_uvec3().min(self.dims - UVec3::splat(2));
-        Some(Cell { base, t: g - base.as_vec3() })
-    }
-}
-
-struct Cell {
-    base: UVec3,
-    t: Vec3,
-}
-
-impl Cell {
-    fn read(&self, nodes: &Nodes, dims: UVec3) -> Vec3 {
-        let (sy, sz) = (dims.x as usize, (dims.x * dims.y) as usize);
-        let o = self.base.x as usize + self.base.y as usize * sy + self.base.z as usize * sz;
-        let lerp = |a: Vec3, b: Vec3, t: f32| a + (b - a) * t;
-        let row = |o: usize| lerp(nodes.at(o), nodes.at(o + 1), self.t.x);
-        let plane = |o: usize| lerp(row(o), row(o + sy), self.t.y);
-        lerp(plane(o), plane(o + sz), self.t.z)
-    }
-}
-
-/// The fields at one node, in mesh space.
-#[derive(Default)]
-struct Node {
+/// The fields at one node, in the contact frame.
+#[derive(Default, Clone, Copy)]
+struct Sample {
     displacement: Vec3,
     normal: Vec3,
-    facing: Vec3,
+    facing: f32,
 }
 
-/// The fields at `p`: mean of the four nearest vertices, changes faded with distance from the surface.
-fn stamp_node(s: &Source<'_>, p: Vec3, fade: (f32, f32)) -> Node {
-    let (mut node, mut sum, mut keep) = (Node::default(), 0.0f32, 1.0f32);
-    // Distances below a ten-thousandth of the fade count as hits of the vertex itself.
-    let floor = fade.0 * fade.0 * 1e-8;
-    let near = s.index.four_if_near(p, fade.1);
-    if near.is_empty() {
-        return node;
-    }
-    for (k, (v, d2)) in near.iter().enumerate() {
-        if k == 0 {
-            let d = d2.sqrt();
-            if d >= fade.1 {
-                return Node::default();
-            }
-            keep = ((fade.1 - d) / (fade.1 - fade.0)).min(1.0);
+/// The steps of x, y and z for which the largest is [`MOST`] of them, and the vectors in steps.
+fn whole(vectors: impl Iterator<Item = Vec3> + Clone) -> (Vec3, Vec<[i16; 3]>) {
+    let largest = vectors.clone().fold(Vec3::ZERO, |m, v| m.max(v.abs()));
+    let step = Vec3::select(largest.cmpgt(Vec3::ZERO), largest / MOST, Vec3::ONE);
+    let round = |v: Vec3| (v / step).clamp(Vec3::splat(-MOST), Vec3::splat(MOST)).to_array();
+    (step, vectors.map(|v| round(v).map(|x| x.round_ties_even() as i16)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cylinders_unroll_to_the_length_of_the_arc() {
+        for degrees in 1..109 {
+            let a = (degrees as f32).to_radians();
+            let q = unrolled(Vec3::new(a.sin(), 0.0, a.cos() - 1.0));
+            assert!((q.x / a - 1.0).abs() < 0.05 && q.y == 0.0, "{degrees}: {} of {a}", q.x);
         }
-        let w = 1.0 / d2.max(floor);
-        node.displacement += s.deltas[v as usize] * w;
-        if let Some((changes, base)) = s.normals {
-            node.normal += changes[v as usize] * w;
-            node.facing += base[v as usize] * w;
-        }
-        sum += w;
+        assert_eq!(unrolled(Vec3::new(0.3, -0.4, 0.0)), Vec2::new(0.3, -0.4));
+        assert_eq!(unrolled(Vec3::new(0.0, 0.0, 0.5)), Vec2::ZERO);
     }
-    node.displacement *= keep / sum;
-    node.normal *= keep / sum;
-    node.facing /= sum;
-    node
+
+    #[test]
+    fn rolling_is_the_way_back() {
+        for z in [-0.5f32, -0.1, 0.0, 0.3, 0.6] {
+            let q = Vec2::new(0.8, -0.5);
+            let p = rolled(q, z);
+            assert!(p.z == z && (unrolled(p) - q).length() < 1e-5, "{p}");
+        }
+    }
 }

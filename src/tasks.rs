@@ -4,9 +4,10 @@
 use crate::Error;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// One parallel-for. Implementations call `task(i)` for every `i` in `0..count` exactly once, on any threads, and return
-/// when all calls have returned.
+/// when all calls have returned. Where one panics, they panic.
 pub trait TaskSystem: Sync {
     /// Runs `task(0) … task(count - 1)`.
     fn parallel_for(&self, count: usize, task: &(dyn Fn(usize) + Sync));
@@ -108,6 +109,21 @@ pub(crate) fn run_each(tasks: &dyn TaskSystem, count: usize, task: &(dyn Fn(usiz
     (0..count).for_each(once);
 }
 
+/// What `f` makes of each item, in their order. Each item is a task of its own, and may be borrowed mutably.
+pub(crate) fn map<T: Send, U: Send>(
+    tasks: &dyn TaskSystem,
+    items: impl IntoIterator<Item = T>,
+    f: impl Fn(T) -> U + Sync,
+) -> Vec<U> {
+    let slots: Vec<_> = items.into_iter().map(|item| Mutex::new((Some(item), None))).collect();
+    run_each(tasks, slots.len(), &|i| {
+        let mut slot = slots[i].lock().unwrap_or_else(PoisonError::into_inner);
+        slot.1 = slot.0.take().map(&f);
+    });
+    let made = slots.into_iter().map(|s| s.into_inner().unwrap_or_else(PoisonError::into_inner).1);
+    made.map(|made| made.expect("all ran; a task system must pass on the panic of one")).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -129,6 +145,34 @@ mod tests {
             });
             assert!(runs.iter().all(|r| r.load(Ordering::Relaxed) == 1));
         }
+    }
+
+    #[test]
+    fn what_tasks_make_is_in_the_order_of_the_items() {
+        for tasks in [&Sloppy as &dyn TaskSystem, &Serial, &ThreadPool::new(3).unwrap()] {
+            for count in [0, 1, 2, 20] {
+                let mut numbers: Vec<usize> = (0..count).collect();
+                let made = map(tasks, numbers.iter_mut().enumerate(), |(i, n)| {
+                    *n += 1;
+                    format!("{i}")
+                });
+                assert_eq!(made, (0..count).map(|i| i.to_string()).collect::<Vec<_>>());
+                assert!(numbers.into_iter().eq(1..=count));
+            }
+        }
+    }
+
+    #[test]
+    #[should_panic(expected = "panic of one")]
+    fn a_result_that_a_swallowed_panic_left_out_is_not_passed_over() {
+        struct Swallows;
+        impl TaskSystem for Swallows {
+            fn parallel_for(&self, count: usize, task: &(dyn Fn(usize) + Sync)) {
+                let run = |i| std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| task(i)));
+                (0..count).for_each(|i| drop(run(i)));
+            }
+        }
+        map(&Swallows, 0..4, |i| assert!(i != 2, "task two"));
     }
 
     #[test]

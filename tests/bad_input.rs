@@ -823,7 +823,7 @@ fn quick_outputs_that_the_mesh_has_not() {
 }
 
 #[test]
-fn quick_a_tolerance_that_leaves_out_a_contact_is_named() {
+fn quick_tolerances_that_cannot_be_are_named() {
     let mesh = MeshData { positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], ..MeshData::default() };
     let values = vec![[0.0, 0.0, -0.002], [0.0, 0.0, -0.1]];
     let mut example = ExampleData::new("dent", Deltas::Sparse { indices: vec![0, 1], values });
@@ -832,8 +832,7 @@ fn quick_a_tolerance_that_leaves_out_a_contact_is_named() {
         let options = SetOptions { tolerance: Some(tolerance), ..SetOptions::default() };
         ExampleSet::build(mesh.clone(), vec![example.clone()], options, &Serial)
     };
-    assert!(build(0.001).is_ok());
-    refused!(build(0.005), ExampleMismatch, "0.002", "tolerance of 0.005");
+    assert!(build(0.001).is_ok() && build(0.005).is_ok());
     refused!(build(1e-12), ExampleMismatch, "0.1", "give a tolerance of at least");
     refused!(build(-1.0), InvalidArgument, "tolerance", "-1");
     refused!(build(f32::NAN), InvalidArgument, "tolerance", "NaN");

@@ -115,7 +115,7 @@ fn loaded_sets_are_the_saved_ones_bit_for_bit() {
         assert_eq!(loaded.mesh().seam_count(), set.mesh().seam_count(), "{name}");
         for (a, b) in loaded.examples().iter().zip(set.examples()) {
             assert_eq!((a.name(), a.placement(), a.depth()), (b.name(), b.placement(), b.depth()), "{name}");
-            assert_eq!(a.stamp().and_then(|s| s.error()), b.stamp().and_then(|s| s.error()), "{name}");
+            assert_eq!(a.stamp().map(|s| s.error()), b.stamp().map(|s| s.error()), "{name}");
         }
         let hits = random_hits(&set, 40, 11);
         let [mut a, mut b] = [&set, &loaded].map(|s| crumple::Instance::new(s.clone(), Default::default()).unwrap());

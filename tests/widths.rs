@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use crumple::glam::{DVec3, Vec3};
 use crumple::{
-    Deltas, ExampleData, ExampleSet, Instance, InstanceOptions, Mark, Mirror, Pair, Placement, Serial, SetOptions,
+    Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, Mark, Mirror, Pair, Placement, Serial, SetOptions,
     SimdLevel, TaskSystem, ThreadPool, Tracker, VertexMemory,
 };
 use scenes::{Dice, random_hits};
@@ -103,6 +103,45 @@ fn no_vertex_is_further_off_than_the_tolerance() {
     }
 }
 
+/// Hits are compared with what an example was given to do at its contact, however coarsely its displacements are stored; a hit
+/// that repeats an example shows it as stored.
+#[test]
+fn contacts_are_not_rounded() {
+    for body in ["panel", "tube"] {
+        let (mesh, mut examples) = scenes::solver(body);
+        examples.truncate(6);
+        let build = |tolerance| {
+            let options = SetOptions { tolerance, ..SetOptions::default() };
+            scenes::build(mesh.clone(), examples.clone(), options)
+        };
+        let exact = build(None);
+        for tolerance in [1e-4f32, 1e-3, 1e-2] {
+            let set = build(Some(tolerance));
+            for (i, (a, b)) in
+                exact.examples().iter().zip(set.examples()).enumerate().filter(|(_, (_, b))| !b.is_empty())
+            {
+                assert_eq!(a.contact_displacement(), b.contact_displacement());
+                assert_eq!((a.depth(), a.support_radius()), (b.depth(), b.support_radius()));
+                let hit = Hit::displacement(b.contact_point().into(), b.contact_displacement().into());
+                let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+                let outcome = instance.submit(&hit).unwrap();
+                let chosen = outcome.chosen[0].unwrap();
+                assert_eq!(
+                    (chosen.example, chosen.scale, outcome.chosen[1]),
+                    (i as u32, 1.0, None),
+                    "{body} {tolerance}"
+                );
+                assert!(!outcome.clamped && Vec3::from(outcome.unmet).length() <= 1e-6 * b.depth());
+                let shown = written(&mut instance, false, &Serial);
+                for (v, p) in set.mesh().positions().iter().enumerate() {
+                    let right = (*p + b.delta(v as u32)).to_array().map(f32::to_bits);
+                    assert_eq!(shown[3 * v..3 * v + 3], right, "{body} {tolerance} {i} {v}");
+                }
+            }
+        }
+    }
+}
+
 fn displacements(e: &ExampleData, n: usize) -> Vec<DVec3> {
     let vector = |d: &[f32; 3]| Vec3::from(*d).as_dvec3();
     match &e.positions {
@@ -115,18 +154,20 @@ fn displacements(e: &ExampleData, n: usize) -> Vec<DVec3> {
     }
 }
 
-/// Mirror images and stamps of each kind are among what the first test runs.
+/// A stamp holds the tolerance with as few nodes as can, or has all it may; mirror images are among what the first test runs.
 #[test]
-fn the_kinds_of_stamps_are_all_there() {
+fn stamps_get_the_coarsest_grid_that_holds_the_tolerance() {
     let (mesh, examples) = scenes::solver("panel");
-    let bytes = |tolerance| {
-        let options = SetOptions { tolerance, ..SetOptions::default() };
+    let stamps = |tolerance, stamp_resolution| -> Vec<(u32, f32)> {
+        let options = SetOptions { tolerance, stamp_resolution, ..SetOptions::default() };
         let set: Arc<ExampleSet> = scenes::build(mesh.clone(), examples[..4].to_vec(), options);
-        let nodes: Vec<usize> = set.examples().iter().filter_map(|e| e.stamp()).map(|s| s.node_bytes()).collect();
         assert!(set.report().mirror_planes != Mirror::NONE);
-        nodes
+        set.examples().iter().filter_map(|e| e.stamp()).map(|s| (s.dims()[0], s.error().max)).collect()
     };
-    assert!(bytes(None).iter().all(|b| *b == 12));
-    assert!(bytes(Some(1e-2)).iter().all(|b| *b == 4));
-    assert!(bytes(Some(1e-6)).iter().all(|b| [4, 8].contains(b)));
+    let coarser = |n: u32| stamps(None, n);
+    for (i, (nodes, error)) in stamps(Some(1e-2), 64).into_iter().enumerate() {
+        assert!(nodes == 64 || error <= 1e-2, "{i}: {nodes} nodes, {error} m");
+        assert!(nodes == 4 || coarser(nodes - 1)[i].1 > 1e-2, "{i}: {nodes} nodes");
+    }
+    assert!(stamps(Some(1e-6), 32).iter().chain(&stamps(None, 32)).all(|s| s.0 == 32));
 }

@@ -78,7 +78,7 @@ def accuracy(directory):
     rows += [line(f"Crumple, anchored only, {FULL}", method="anchored", examples=FULL)]
     rows += [line(f"Crumple, K = {K}, {n} examples", examples=n, k=K, **ours) for n in (4, 8, 16, FULL, 32)]
     rows += [line(f"Crumple, K = {k}, {FULL} examples", examples=FULL, k=k, **ours) for k in (1, 2, 4)]
-    rows += [line(f"Crumple, K = {K}, {FULL}, baked to {name[:-2]} mm", method=f"baked_{name}", examples=FULL, k=K) for name in ("0.01mm", "0.1mm")]
+    rows += [line(f"Crumple, K = {K}, {FULL}, baked to {name[:-2]} mm", method=f"baked_{name}", examples=FULL, k=K) for name in ("0.01mm", "0.1mm", "1mm")]
     rows += [line(f"Crumple, carried only, K = {K}, {FULL}", examples=FULL, k=K, method="carried", stamp=stamp)]
     rows += [line(f"Crumple, K = {K}, {n}, told the depth alone", method="depth_only", examples=n, k=K) for n in (4, FULL)]
     rows += [line(f"Crumple, all defaults, {n}", examples=n, k=K, method="defaults") for n in (4, FULL)]

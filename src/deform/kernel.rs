@@ -13,7 +13,7 @@ use crate::anchored::{BLOCK, GROUP, GROUPS, Numbers, Stored};
 use crate::dent::Carried;
 use crate::rim::WindowBlock;
 use crate::simd::Simd;
-use crate::stamp::{NodeArray, Stamp};
+use crate::stamp::{FACING, Stamp, WEIGHTS};
 use glam::Vec3;
 
 /// One value for each of x, y and z. No closures here, nor anywhere below: they would not be compiled for the level.
@@ -69,11 +69,6 @@ unsafe fn turned<S: Simd>(m: &[f32; 9], v: V<S>) -> V<S> {
             S::mul(S::splat(m[6 + k]), v[2])
         ))
     }
-}
-
-#[inline(always)]
-unsafe fn lerp<S: Simd>(a: V<S>, b: V<S>, t: S::F) -> V<S> {
-    unsafe { each!(k => S::add(a[k], S::mul(S::sub(b[k], a[k]), t))) }
 }
 
 /// Vectors no longer than `least` become zero; all stay where it is 0.
@@ -358,78 +353,6 @@ pub(crate) unsafe fn turn_stored<S: Simd>(
     }
 }
 
-/// A field over a grid, and how its nodes are read.
-trait Field: Copy {
-    /// # Safety
-    /// `at` lies within the nodes.
-    unsafe fn read<S: Simd>(self, at: S::I) -> V<S>;
-    /// The field some nodes further on.
-    fn after(self, nodes: usize) -> Self;
-}
-
-#[derive(Clone, Copy)]
-struct Packed<'a>(&'a [u32]);
-#[derive(Clone, Copy)]
-struct Half<'a>(&'a [[i16; 4]]);
-#[derive(Clone, Copy)]
-struct Exact<'a>(&'a [[f32; 3]]);
-
-macro_rules! field {
-    ($name:ident, $gather:ident) => {
-        impl Field for $name<'_> {
-            #[inline(always)]
-            unsafe fn read<S: Simd>(self, at: S::I) -> V<S> {
-                // SAFETY: passed on.
-                unsafe { S::$gather(self.0.as_ptr(), at) }
-            }
-            #[inline(always)]
-            fn after(self, nodes: usize) -> Self {
-                $name(&self.0[nodes..])
-            }
-        }
-    };
-}
-field!(Packed, gather_packed);
-field!(Half, gather_i16);
-field!(Exact, gather_f32);
-
-/// Where in a grid's cell the lanes are.
-struct Cell<S: Simd> {
-    at: S::I,
-    t: V<S>,
-    /// Nodes from one row, and from one layer, to the next.
-    row: usize,
-    layer: usize,
-}
-
-impl<S: Simd> Cell<S> {
-    #[inline(always)]
-    unsafe fn read<F: Field>(&self, f: F) -> V<S> {
-        // SAFETY: `at` is at least a node short of the last in each direction.
-        unsafe {
-            let near = self.plane(f);
-            let far = self.plane(f.after(self.layer));
-            lerp::<S>(near, far, self.t[2])
-        }
-    }
-
-    #[inline(always)]
-    unsafe fn plane<F: Field>(&self, f: F) -> V<S> {
-        // SAFETY: as in `read`.
-        unsafe {
-            let near = self.line(f);
-            let far = self.line(f.after(self.row));
-            lerp::<S>(near, far, self.t[1])
-        }
-    }
-
-    #[inline(always)]
-    unsafe fn line<F: Field>(&self, f: F) -> V<S> {
-        // SAFETY: as in `read`.
-        unsafe { lerp::<S>(f.read::<S>(self.at), f.after(1).read::<S>(self.at), self.t[0]) }
-    }
-}
-
 /// One part of a dent, made ready for a block.
 #[derive(Clone, Copy)]
 pub(crate) struct Ready<'a> {
@@ -483,7 +406,7 @@ unsafe fn add_stored<S: Simd>(stored: &Stored<'_>, at: usize, scale: f32, least:
     }
 }
 
-/// Adds what a carried example brings.
+/// Adds what a carried example brings: what [`Stamp::read`] says, in lanes.
 #[inline(always)]
 unsafe fn add_carried<S: Simd, const NORMALS: bool>(
     part: &Ready<'_>,
@@ -492,54 +415,62 @@ unsafe fn add_carried<S: Simd, const NORMALS: bool>(
     rest: &Rest<S>,
     sums: &mut Sums<S>,
 ) {
-    // SAFETY: passed on; coordinates are held in the grid, also where they are not a number, and a stamp's fields have as many
-    // nodes as its grid.
+    // SAFETY: passed on; coordinates are held in the grid, also where they are not a number.
     unsafe {
+        let (zero, one, two) = (S::splat(0.0), S::splat(1.0), S::splat(2.0));
         let p = each!(k => S::sub(rest.position[k], S::splat(c.contact[k])));
-        let g = turned::<S>(&c.to_grid.to_cols_array(), p);
-        let g = each!(k => S::sub(g[k], S::splat(c.grid_origin[k])));
-        let held = each!(k => S::min(S::max(g[k], S::splat(0.0)), S::splat(c.grid_top[k])));
-        let inside = S::both(S::equal(g[0], held[0]), S::both(S::equal(g[1], held[1]), S::equal(g[2], held[2])));
+        let p = turned::<S>(&c.to_stamp.to_cols_array(), p);
+        // `unrolled`, on into units of nodes.
+        let across = S::add(S::mul(p[0], p[0]), S::mul(p[1], p[1]));
+        let steep = S::min(S::div(S::mul(p[2], p[2]), across), two);
+        let lift = S::add(one, S::mul(steep, S::splat(0.5)));
+        let g = [
+            S::sub(S::mul(S::mul(p[0], lift), S::splat(c.per_cell.x)), S::splat(c.grid_origin.x)),
+            S::sub(S::mul(S::mul(p[1], lift), S::splat(c.per_cell.y)), S::splat(c.grid_origin.y)),
+        ];
+        let x = S::min(S::max(g[0], zero), S::splat(c.grid_top.x));
+        let y = S::min(S::max(g[1], zero), S::splat(c.grid_top.y));
+        let inside = S::both(S::equal(g[0], x), S::equal(g[1], y));
         if !S::any(inside) {
             return;
         }
-        let dims = stamp.grid.dims.as_ivec3();
-        let node = each!(k => S::max_int(S::min_int(S::truncate(held[k]), S::splat_int(dims[k] - 2)), S::splat_int(0)));
-        let (row, layer) = (dims.x, dims.x * dims.y);
-        let line = S::add_int(S::mul_int(node[1], S::splat_int(row)), S::mul_int(node[2], S::splat_int(layer)));
-        let cell = Cell::<S> {
-            at: S::add_int(node[0], line),
-            t: each!(k => S::sub(held[k], S::float(node[k]))),
-            row: row as usize,
-            layer: layer as usize,
-        };
-        let u = match &stamp.displacements.array {
-            NodeArray::Packed(n) => cell.read(Packed(n)),
-            NodeArray::Half(n) => cell.read(Half(n)),
-            NodeArray::Exact(n) => cell.read(Exact(n)),
-        };
-        let u = cut::<S>(turned::<S>(&c.displacement.to_cols_array(), u), part.least);
-        let (mut factor, mut slope) = (S::splat(1.0), [S::splat(0.0); 3]);
+        let dims = stamp.grid.dims.as_ivec2();
+        let column = S::max_int(S::min_int(S::truncate(x), S::splat_int(dims.x - 2)), S::splat_int(0));
+        let row = S::max_int(S::min_int(S::truncate(y), S::splat_int(dims.y - 2)), S::splat_int(0));
+        let (x, y) = (S::sub(x, S::float(column)), S::sub(y, S::float(row)));
+        let whole = S::splat(WEIGHTS);
+        let both = S::truncate(S::mul(S::mul(x, y), whole));
+        let (x, y) = (S::truncate(S::mul(x, whole)), S::truncate(S::mul(y, whole)));
+        let neither = S::add_int(S::sub_int(S::sub_int(S::splat_int(WEIGHTS as i32), x), y), both);
+        let near = S::packed(S::max_int(neither, S::splat_int(0)), S::sub_int(x, both));
+        let far = S::packed(S::sub_int(y, both), both);
+        let at = S::add_int(column, S::mul_int(row, S::splat_int(dims.x)));
+        let [u, change] = S::blend::<NORMALS>(stamp.nodes.as_ptr(), dims.x as usize, at, near, far);
+        let off = S::sub(p[2], S::mul(S::float(u[3]), S::splat(c.height)));
+        let off = S::max(off, S::sub(zero, off));
+        let keep = S::min(S::max(S::sub(two, S::mul(off, S::splat(c.fade))), zero), one);
+        let inside = S::both(inside, S::greater(keep, zero));
+        if !S::any(inside) {
+            return;
+        }
+        let u = turned::<S>(&c.displacement.to_cols_array(), each!(k => S::float(u[k])));
+        let u = cut::<S>(scaled::<S>(u, keep), part.least);
+        let (mut factor, mut slope) = (one, [zero; 3]);
         if let Some(w) = window {
             factor = S::load(w.factor.as_ptr().add(rest.at));
             slope = each!(k => S::load(w.gradient[k].as_ptr().add(rest.at)));
         }
         let scale = S::splat(part.scale);
         if NORMALS {
-            let (change, facing) = match (&stamp.normals.array, &stamp.facing.array) {
-                (NodeArray::Packed(n), NodeArray::Packed(f)) => (cell.read(Packed(n)), cell.read(Packed(f))),
-                (NodeArray::Exact(n), NodeArray::Exact(f)) if !n.is_empty() => {
-                    (cell.read(Exact(n)), cell.read(Exact(f)))
-                }
-                _ => ([S::splat(0.0); 3], [S::splat(0.0); 3]),
-            };
             let n = rest.normal;
-            let facing = each!(k => S::mul(facing[k], S::splat(stamp.facing.step[k])));
-            let length = S::sqrt(dot::<S>(facing, facing));
-            let cos = S::div(dot::<S>(facing, turned::<S>(&c.facing.to_cols_array(), n)), length);
-            // A facing of length 0 gives no number, and thus 0.
-            let cos = S::min(S::max(cos, S::splat(0.0)), S::splat(1.0));
-            let mut change = scaled::<S>(turned::<S>(&c.normal_change.to_cols_array(), change), cos);
+            // A vertex that faces elsewhere than the surface of the example (the lid beside a dented wall) does not take over how that
+            // turned.
+            let facing = S::mul(S::float(change[3]), S::splat(FACING));
+            let apart = S::sub(dot::<S>(n, each!(k => S::splat(c.up[k]))), facing);
+            let apart = S::max(apart, S::sub(zero, apart));
+            let alike = S::min(S::max(S::sub(two, S::add(apart, apart)), zero), one);
+            let change = turned::<S>(&c.normal_change.to_cols_array(), each!(k => S::float(change[k])));
+            let mut change = scaled::<S>(change, S::mul(keep, alike));
             if window.is_some() {
                 // The window's own slope tilts the surface too.
                 let along = dot::<S>(n, slope);
@@ -547,11 +478,11 @@ unsafe fn add_carried<S: Simd, const NORMALS: bool>(
                 let lift = dot::<S>(u, n);
                 change = each!(k => S::sub(S::mul(change[k], factor), S::mul(along[k], lift)));
             }
-            let change = select::<S>(inside, scaled::<S>(change, scale), [S::splat(0.0); 3]);
+            let change = select::<S>(inside, scaled::<S>(change, scale), [zero; 3]);
             sums.change = add::<S>(sums.change, change);
         }
         let u = if window.is_some() { scaled::<S>(u, factor) } else { u };
-        let u = select::<S>(inside, scaled::<S>(u, scale), [S::splat(0.0); 3]);
+        let u = select::<S>(inside, scaled::<S>(u, scale), [zero; 3]);
         sums.dent = add::<S>(sums.dent, u);
     }
 }

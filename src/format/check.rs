@@ -3,7 +3,6 @@
 use super::wrong;
 use crate::Error;
 use crate::anchored::{Anchored, BLOCK, GROUP, Head, Numbers, Stored, Width, block_range, words};
-use crate::array::Array;
 use crate::deform::longest;
 use crate::mesh::MAX_COORDINATE;
 use crate::rim::{Rim, WindowBlock};
@@ -168,9 +167,4 @@ fn block(a: &Anchored, h: &Head, len: usize) -> Result<(), (&'static str, String
 
 fn length(stored: &Stored<'_>) -> f32 {
     if stored.groups == 0 { 0.0 } else { longest(stored) }
-}
-
-/// Nodes kept as floats.
-pub(super) fn exact_nodes(name: &str, nodes: &Array<[f32; 3]>, limit: f32) -> Result<(), Error> {
-    numbers(name, nodes.as_flattened(), limit)
 }

@@ -1,9 +1,7 @@
 //! A file becomes a set.
 
 use super::read::{File, length_of};
-use super::{
-    AnchoredRecord, ExampleRecord, Id, MAX_SKINS, NODES_ALIGN, SetRecord, SkinRecord, StampRecord, check, wrong,
-};
+use super::{AnchoredRecord, ExampleRecord, Id, MAX_SKINS, SetRecord, SkinRecord, StampRecord, check, wrong};
 use crate::anchored::{Anchored, Head, Steps};
 use crate::array::{Array, FileBytes};
 use crate::examples::{Combine, Example, ExampleSet, Parts, Seams, SetOptions, VertexMass, check_options, deepest};
@@ -12,12 +10,12 @@ use crate::mesh::{MAX_COORDINATE, Mesh, MeshArrays};
 use crate::nearest::{LEAF, VertexIndex};
 use crate::rim::Rim;
 use crate::skin::Skin;
-use crate::stamp::{Grid, NodeArray, Nodes, Stamp, StampError};
-use crate::tasks::run_each;
+use crate::stamp::{Grid, Node, NodeSteps, Stamp, StampError};
+use crate::tasks::map;
 use crate::{Error, LodReport, Mirror, Placement, TaskSystem};
 use bytemuck::{Pod, cast_slice};
-use glam::{UVec3, Vec3};
-use std::sync::{Arc, Mutex};
+use glam::{UVec2, Vec2, Vec3};
+use std::sync::Arc;
 
 /// The set in a file.
 pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSet, Error> {
@@ -43,7 +41,7 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
         skins.push(skin(&file, k, count, steps)?);
     }
     let stamps = stamps(&file, &records)?;
-    check_all(&skins, &stamps, tasks)?;
+    check_all(&skins, tasks)?;
     let mut skins = skins.into_iter();
     let Some(skin) = skins.next() else { return Err(wrong("the number of meshes", 0, "at least 1")) };
     let lods = (1..).zip(skins).map(|(k, skin)| {
@@ -54,7 +52,7 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
     });
     let lods = lods.collect::<Result<Vec<_>, Error>>()?;
     let learned = learned(&record, &records)?;
-    let examples = examples(&file, &records, &skin, stamps)?;
+    let examples = examples(&file, &records, &skin, (stamps, options.tolerance.unwrap_or(0.0)))?;
     if deepest(&examples) == 0.0 {
         return Err(wrong("the deepest displacement of all examples", 0, "above 0"));
     }
@@ -88,11 +86,8 @@ fn index(file: &File<'_>, mesh: &Mesh) -> Result<VertexIndex, Error> {
     let vertices = mesh.positions().len();
     // Of vertices at one position one is in the tree.
     let leaves = (vertices - mesh.seam_count()).div_ceil(LEAF);
-    let found = file.array::<crate::nearest::Leaf>(Id::IndexLeaves, 0)?.len();
-    if found != leaves {
-        return Err(length_of(Id::IndexLeaves, found, leaves));
-    }
-    VertexIndex::of(file.array(Id::IndexInner, 0)?, file.array(Id::IndexLeaves, 0)?, vertices)
+    let leaves = file.array_of(Id::IndexLeaves, 0, leaves)?;
+    VertexIndex::of(file.array(Id::IndexInner, 0)?, leaves, vertices)
         .ok_or_else(|| wrong("the spatial index", "no tree of the mesh's vertices", "one, with all its nodes"))
 }
 
@@ -206,47 +201,38 @@ fn anchored(file: &File<'_>, k: u32, examples: usize, steps: Steps) -> Result<Ve
     Ok(out)
 }
 
-/// The stamps of those examples that have one, unchecked but for lengths.
+/// The stamps of those examples that have one.
 fn stamps(file: &File<'_>, examples: &[ExampleRecord]) -> Result<Vec<Stamp>, Error> {
     let count = examples.iter().filter(|e| e.stamp != 0).count();
     let records: Array<StampRecord> = file.array_of(Id::Stamps, 0, count)?;
-    let section = file.range(Id::Nodes, 0, 1)?;
+    let section = file.range(Id::Nodes, 0, size_of::<Node>())?;
     let mut at = section.start;
     let mut out = crate::error::reserve(count, "stamps")?;
     for r in records.iter() {
-        let dims = UVec3::from_array(r.dims);
+        let (dims, steps) = (UVec2::from_array(r.dims), Vec3::from_array(r.displacement));
         if !(dims.min_element() >= 2 && dims.max_element() <= 128) {
             return Err(wrong("the nodes of a stamp", dims, "2 to 128 along each axis"));
         }
-        if !matches!(r.nodes, [4 | 8, 4, 4] | [12, 12, 12]) {
-            return Err(wrong(
-                "the bytes of a stamp's nodes",
-                format!("{:?}", r.nodes),
-                "4, 4, 4 or 8, 4, 4 or 12, 12, 12",
-            ));
+        let grid = Grid { dims, origin: Vec2::from_array(r.origin), cell: Vec2::from_array(r.cell) };
+        check::numbers("a stamp's origin", &r.origin, f32::MAX)?;
+        check::numbers("a stamp's cell", &r.cell, f32::MAX)?;
+        if grid.cell.min_element() <= 0.0 {
+            return Err(wrong("a stamp's cell", grid.cell, "above 0 m"));
         }
-        let grid = Grid { dims, origin: Vec3::from_array(r.origin), cell: Vec3::from_array(r.cell) };
-        let mut field = |i: usize| {
-            let start = section.start + (at - section.start).next_multiple_of(NODES_ALIGN);
-            let end = start + grid.count() * r.nodes[i] as usize;
-            if end > section.end {
-                return Err(wrong("the end of a stamp's nodes", end - section.start, section.len()));
-            }
-            at = end;
-            let array = match r.nodes[i] {
-                4 => NodeArray::Packed(file.part(start..end, Id::Nodes)?),
-                8 => NodeArray::Half(file.part(start..end, Id::Nodes)?),
-                _ => NodeArray::Exact(file.part(start..end, Id::Nodes)?),
-            };
-            Ok(Nodes { array, step: Vec3::from_array(r.steps[i]) })
-        };
-        let (displacements, normals, facing) = (field(0)?, field(1)?, field(2)?);
-        let error = flag("whether a stamp was measured", r.measured)?;
-        if !(r.error_max >= 0.0 && r.error_rms >= 0.0) {
-            return Err(wrong("the error of a stamp", format!("{}, {}", r.error_max, r.error_rms), "at least 0 m"));
+        check::between("a stamp's fade", r.fade, f32::MIN_POSITIVE, f32::MAX)?;
+        for step in r.displacement.iter().chain(&[r.height]).chain(&r.normal) {
+            check::between("a stamp's step", *step, 0.0, check::MAX_DISPLACEMENT)?;
         }
-        let error = error.then_some(StampError { max: r.error_max, rms: r.error_rms });
-        out.push(Stamp { grid, displacements, normals, facing, longest: 0.0, error });
+        check::between("the error of a stamp", r.error_max, 0.0, f32::MAX)?;
+        check::between("the error of a stamp", r.error_rms, 0.0, f32::MAX)?;
+        let end = at + grid.count() * size_of::<Node>();
+        if end > section.end {
+            return Err(wrong("the end of a stamp's nodes", end - section.start, section.len()));
+        }
+        let nodes = file.part(at..end, Id::Nodes)?;
+        at = end;
+        let steps = NodeSteps { displacement: steps, height: r.height, normal: Vec3::from_array(r.normal) };
+        out.push(Stamp::new(grid, nodes, steps, r.fade, StampError { max: r.error_max, rms: r.error_rms }));
     }
     if at != section.end {
         return Err(wrong("the end of the last stamp's nodes", at - section.start, section.len()));
@@ -255,8 +241,8 @@ fn stamps(file: &File<'_>, examples: &[ExampleRecord]) -> Result<Vec<Stamp>, Err
 }
 
 /// Scans everything that is as long as the file, in tasks.
-fn check_all(skins: &[Skin], stamps: &[Stamp], tasks: &dyn TaskSystem) -> Result<(), Error> {
-    type Check<'a> = Box<dyn Fn() -> Result<(), Error> + Send + Sync + 'a>;
+fn check_all(skins: &[Skin], tasks: &dyn TaskSystem) -> Result<(), Error> {
+    type Check<'a> = Box<dyn FnOnce() -> Result<(), Error> + Send + 'a>;
     let mut checks: Vec<Check<'_>> = Vec::new();
     let diagonal = skins[0].mesh.bounds().diagonal();
     for skin in skins {
@@ -277,32 +263,8 @@ fn check_all(skins: &[Skin], stamps: &[Stamp], tasks: &dyn TaskSystem) -> Result
             checks.push(Box::new(move || check::anchored(anchored, n, &format!("example {i}"))));
         }
     }
-    checks.extend(stamps.iter().map(|s| -> Check<'_> { Box::new(|| stamp(s)) }));
-    let slots: Vec<Mutex<Result<(), Error>>> = checks.iter().map(|_| Mutex::new(Ok(()))).collect();
-    run_each(tasks, checks.len(), &|i| {
-        *slots[i].lock().unwrap_or_else(|e| e.into_inner()) = checks[i]();
-    });
-    // The first in order, whoever found it first.
-    slots.into_iter().try_for_each(|s| s.into_inner().unwrap_or_else(|e| e.into_inner()))
-}
-
-fn stamp(s: &Stamp) -> Result<(), Error> {
-    check::numbers("a stamp's origin", &s.grid.origin.to_array(), f32::MAX)?;
-    check::numbers("a stamp's cell", &s.grid.cell.to_array(), f32::MAX)?;
-    if s.grid.cell.min_element() <= 0.0 {
-        return Err(wrong("a stamp's cell", s.grid.cell, "above 0 m"));
-    }
-    for (name, nodes) in [("displacements", &s.displacements), ("normals", &s.normals), ("facings", &s.facing)] {
-        let name = &format!("a stamp's {name}");
-        check::numbers(name, &nodes.step.to_array(), check::MAX_DISPLACEMENT)?;
-        if nodes.step.min_element() < 0.0 {
-            return Err(wrong(format!("the step of {name}"), nodes.step, "at least 0"));
-        }
-        if let NodeArray::Exact(n) = &nodes.array {
-            check::exact_nodes(name, n, check::MAX_DISPLACEMENT)?;
-        }
-    }
-    Ok(())
+    // The first error in order, whoever found it first.
+    map(tasks, checks, |check| check()).into_iter().collect()
 }
 
 fn learned(set: &SetRecord, records: &[ExampleRecord]) -> Result<Learned, Error> {
@@ -324,7 +286,7 @@ fn examples(
     file: &File<'_>,
     records: &[ExampleRecord],
     skin: &Skin,
-    stamps: Vec<Stamp>,
+    (stamps, tolerance): (Vec<Stamp>, f32),
 ) -> Result<Vec<Example>, Error> {
     let names: Array<u8> = file.array(Id::Names, 0)?;
     let (mut names, mut stamps) = (&names[..], stamps.into_iter());
@@ -338,7 +300,7 @@ fn examples(
             wrong(format!("the name of example {i}"), format!("wrong at byte {}", e.valid_up_to()), "UTF-8")
         })?;
         let stamp = flag("whether an example has a stamp", r.stamp)?.then(|| stamps.next()).flatten();
-        out.push(example(i, r, skin, (name, anchored.clone(), stamp))?);
+        out.push(example(i, r, (skin, tolerance), (name, anchored.clone(), stamp))?);
     }
     if !names.is_empty() {
         return Err(wrong("the rest of section names", format!("{} bytes", names.len()), "empty"));
@@ -349,7 +311,7 @@ fn examples(
 fn example(
     i: usize,
     r: &ExampleRecord,
-    skin: &Skin,
+    (skin, tolerance): (&Skin, f32),
     (name, anchored, stamp): (&str, Arc<Anchored>, Option<Stamp>),
 ) -> Result<Example, Error> {
     let of = |what: &str| format!("{what} of example {i}");
@@ -364,13 +326,21 @@ fn example(
         other => return Err(wrong(of("the placement"), other, "0 to 2")),
     };
     let max_depth = anchored.heads.iter().map(|h| h.longest).fold(0.0, f32::max);
-    let contact_delta = anchored.delta(r.contact_vertex);
+    let contact_delta = Vec3::from_array(r.contact_displacement);
     let depth = contact_delta.length();
+    let off = contact_delta.distance(anchored.delta(r.contact_vertex));
+    if off.is_nan() || off > tolerance * 1.001 {
+        return Err(wrong(
+            of("the displacement of the contact"),
+            contact_delta,
+            "what is stored of it, to the tolerance",
+        ));
+    }
     if (r.moved > 0) != (max_depth > 0.0) || r.moved as usize > positions.len() {
         return Err(wrong(of("the number of moved vertices"), r.moved, "0 only where none moves, at most all"));
     }
-    if r.moved > 0 && depth == 0.0 {
-        return Err(wrong(of("the displacement of the contact"), 0, "above 0 m"));
+    if (r.moved > 0) != (depth > 0.0) {
+        return Err(wrong(of("the displacement of the contact"), depth, "above 0 m where any vertex moves, else 0"));
     }
     let contact_normal = Vec3::from_array(r.contact_normal);
     let contact_normal = (contact_normal != Vec3::ZERO).then_some(contact_normal);
@@ -383,7 +353,6 @@ fn example(
     if stamp.is_some() != (carried && r.moved > 0) {
         return Err(wrong(of("the stamp"), r.stamp, "there where it may be carried and moves anything"));
     }
-    let stamp = stamp.map(|s| Stamp { longest: s.displacements.longest(), ..s });
     Ok(Example {
         name: name.to_owned(),
         placement,

@@ -12,19 +12,18 @@ mod write;
 pub(crate) use check::order as check_order;
 
 use crate::array::FileBytes;
-use crate::tasks::run_each;
+use crate::tasks::map;
 use crate::{Error, ExampleSet, TaskSystem};
 use bytemuck::{Pod, Zeroable};
 use std::io::{Read, Write};
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 use xxhash_rust::xxh3::xxh3_64;
 
 /// The first bytes of every file; the last one tells a file that went through a text conversion.
 const MAGIC: [u8; 8] = *b"crumple\n";
 /// Files of other versions are refused.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Sections begin at multiples of this; the largest alignment that any element needs is 16.
 const ALIGN: usize = 64;
 /// What the memory of a file must be a multiple of to be used in place.
@@ -210,6 +209,8 @@ struct ExampleRecord {
     support_radius: f32,
     /// Zero where there is none.
     contact_normal: [f32; 3],
+    /// As given, m.
+    contact_displacement: [f32; 3],
     /// Learned; not a number where not known.
     carried_error: f32,
     /// Learned; not a number where not known.
@@ -227,18 +228,18 @@ struct ExampleRecord {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 struct StampRecord {
-    /// Nodes along x, y, z.
-    dims: [u32; 3],
+    /// Nodes along x and y.
+    dims: [u32; 2],
     /// m.
-    origin: [f32; 3],
+    origin: [f32; 2],
     /// m.
-    cell: [f32; 3],
-    /// What the numbers of displacements, of changes of normals and of base normals are multiples of.
-    steps: [[f32; 3]; 3],
-    /// Bytes a node of the same three: 4, 8, 12; 0 where there are none.
-    nodes: [u8; 3],
-    /// Whether the errors are known.
-    measured: u8,
+    cell: [f32; 2],
+    /// What displacements (m), heights (m) and changes of normals are multiples of.
+    displacement: [f32; 3],
+    height: f32,
+    normal: [f32; 3],
+    /// m.
+    fade: f32,
     /// m.
     error_max: f32,
     /// m.
@@ -269,12 +270,9 @@ struct AnchoredRecord {
 
 // docs/format.md tells these.
 const _: () = assert!(size_of::<Header>() == 64 && size_of::<Entry>() == 32);
-const _: () = assert!(size_of::<SetRecord>() == 64 && size_of::<ExampleRecord>() == 40);
-const _: () = assert!(size_of::<StampRecord>() == 84 && size_of::<SkinRecord>() == 16);
+const _: () = assert!(size_of::<SetRecord>() == 64 && size_of::<ExampleRecord>() == 52);
+const _: () = assert!(size_of::<StampRecord>() == 64 && size_of::<SkinRecord>() == 16);
 const _: () = assert!(size_of::<crate::anchored::Head>() == 20 && size_of::<crate::rim::WindowBlock>() == 2048);
-
-/// Nodes of a field begin at multiples of this in their section.
-const NODES_ALIGN: usize = 16;
 
 /// 64 bytes of a file, aligned.
 #[repr(C, align(64))]
@@ -314,11 +312,7 @@ fn checksum(hashes: &[u64]) -> u64 {
 /// The checksum that a file should have, whatever its own says; for tests that damage files on purpose.
 #[doc(hidden)]
 pub fn file_checksum(file: &[u8], tasks: &dyn TaskSystem) -> u64 {
-    let chunks: Vec<&[u8]> = file.get(UNHASHED..).unwrap_or_default().chunks(CHUNK).collect();
-    let hashes: Vec<AtomicU64> = chunks.iter().map(|_| AtomicU64::new(0)).collect();
-    run_each(tasks, chunks.len(), &|i| hashes[i].store(xxh3_64(chunks[i]), Ordering::Relaxed));
-    let hashes: Vec<u64> = hashes.into_iter().map(AtomicU64::into_inner).collect();
-    checksum(&hashes)
+    checksum(&map(tasks, file.get(UNHASHED..).unwrap_or_default().chunks(CHUNK), xxh3_64))
 }
 
 fn little_endian() -> Result<(), Error> {

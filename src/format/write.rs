@@ -1,13 +1,13 @@
 //! A set becomes a file.
 
 use super::{
-    ALIGN, AnchoredRecord, CHUNK, Entry, ExampleRecord, Header, Id, MAGIC, NODES_ALIGN, SetRecord, SkinRecord,
-    StampRecord, UNHASHED, VERSION, checksum,
+    ALIGN, AnchoredRecord, CHUNK, Entry, ExampleRecord, Header, Id, MAGIC, SetRecord, SkinRecord, StampRecord,
+    UNHASHED, VERSION, checksum,
 };
 use crate::Placement;
 use crate::examples::{Combine, Example, ExampleSet, Seams, VertexMass};
 use crate::skin::Skin;
-use crate::stamp::{NodeArray, Nodes, Stamp};
+use crate::stamp::{Node, Stamp};
 use bytemuck::{Pod, bytes_of, cast_slice};
 use std::borrow::Cow;
 use std::io::{self, Write};
@@ -19,13 +19,11 @@ struct Section<'a> {
     skin: u32,
     element: usize,
     pieces: Vec<Cow<'a, [u8]>>,
-    /// Each piece begins at a multiple of this.
-    align: usize,
 }
 
 impl Section<'_> {
     fn length(&self) -> usize {
-        self.pieces.iter().fold(0, |at, p| at.next_multiple_of(self.align) + p.len())
+        self.pieces.iter().map(|p| p.len()).sum()
     }
 }
 
@@ -90,37 +88,34 @@ impl<'a> File<'a> {
     /// All bytes in order.
     fn each(&self, header: &Header, put: &mut dyn FnMut(&[u8]) -> io::Result<()>) -> io::Result<()> {
         let mut at = 0;
-        let mut put = |bytes: &[u8], align: usize| {
-            let gap = at % align;
-            if gap > 0 {
-                put(&[0; ALIGN][..align - gap])?;
-                at += align - gap;
-            }
+        let mut put = |bytes: &[u8]| {
             at += bytes.len();
-            put(bytes)
+            put(bytes).map(|()| at)
         };
-        put(bytes_of(header), 1)?;
-        put(cast_slice(&self.table), 1)?;
+        put(bytes_of(header))?;
+        let mut at = put(cast_slice(&self.table))?;
         for s in &self.sections {
-            put(&[], ALIGN)?;
-            s.pieces.iter().try_for_each(|p| put(p, s.align))?;
+            put(&[0; ALIGN][..at.next_multiple_of(ALIGN) - at])?;
+            for piece in &s.pieces {
+                at = put(piece)?;
+            }
         }
         Ok(())
     }
 
     /// Sections without an element are left out.
-    fn pieces(&mut self, id: Id, skin: u32, element: usize, align: usize, pieces: Vec<Cow<'a, [u8]>>) {
+    fn pieces(&mut self, id: Id, skin: u32, element: usize, pieces: Vec<Cow<'a, [u8]>>) {
         if pieces.iter().any(|p| !p.is_empty()) {
-            self.sections.push(Section { id, skin, element, pieces, align });
+            self.sections.push(Section { id, skin, element, pieces });
         }
     }
 
     fn array<T: Pod>(&mut self, id: Id, skin: u32, elements: &'a [T]) {
-        self.pieces(id, skin, size_of::<T>(), 1, vec![Cow::Borrowed(cast_slice(elements))]);
+        self.pieces(id, skin, size_of::<T>(), vec![Cow::Borrowed(cast_slice(elements))]);
     }
 
     fn records<T: Pod>(&mut self, id: Id, skin: u32, records: &[T]) {
-        self.pieces(id, skin, size_of::<T>(), 1, vec![Cow::Owned(cast_slice(records).to_vec())]);
+        self.pieces(id, skin, size_of::<T>(), vec![Cow::Owned(cast_slice(records).to_vec())]);
     }
 
     fn set(&mut self, set: &'a ExampleSet) {
@@ -167,6 +162,7 @@ impl<'a> File<'a> {
                 moved: e.moved_vertices() as u32,
                 support_radius: e.support_radius(),
                 contact_normal: e.contact_normal().unwrap_or_default().to_array(),
+                contact_displacement: e.contact_displacement().to_array(),
                 carried_error: learned.carried_error[i].unwrap_or(f32::NAN),
                 anchored_error: learned.anchored_error[i].unwrap_or(f32::NAN),
                 placement: match e.placement() {
@@ -188,8 +184,8 @@ impl<'a> File<'a> {
         let stamps = || set.examples().iter().filter_map(Example::stamp);
         let records: Vec<StampRecord> = stamps().map(record_of).collect();
         self.records(Id::Stamps, 0, &records);
-        let nodes = stamps().flat_map(|s| [&s.displacements, &s.normals, &s.facing].map(bytes_of_nodes));
-        self.pieces(Id::Nodes, 0, 1, NODES_ALIGN, nodes.map(Cow::Borrowed).collect());
+        let nodes = stamps().map(|s| Cow::Borrowed(cast_slice(&s.nodes)));
+        self.pieces(Id::Nodes, 0, size_of::<Node>(), nodes.collect());
     }
 
     fn skin(&mut self, k: u32, skin: &'a Skin, farthest: f32) {
@@ -217,36 +213,23 @@ impl<'a> File<'a> {
             .collect();
         self.records(Id::Anchored, k, &records);
         let heads = skin.anchored.iter().map(|a| Cow::Borrowed(cast_slice(&a.heads)));
-        self.pieces(Id::Heads, k, size_of::<crate::anchored::Head>(), 1, heads.collect());
+        self.pieces(Id::Heads, k, size_of::<crate::anchored::Head>(), heads.collect());
         let words = skin.anchored.iter().map(|a| Cow::Borrowed(cast_slice(&a.words)));
-        self.pieces(Id::Words, k, size_of::<u64>(), 1, words.collect());
+        self.pieces(Id::Words, k, size_of::<u64>(), words.collect());
     }
 }
 
 fn record_of(s: &Stamp) -> StampRecord {
-    let fields = [&s.displacements, &s.normals, &s.facing];
     StampRecord {
         dims: s.grid.dims.to_array(),
         origin: s.grid.origin.to_array(),
         cell: s.grid.cell.to_array(),
-        steps: fields.map(|n| n.step.to_array()),
-        nodes: fields.map(|n| match &n.array {
-            _ if n.len() == 0 => 0,
-            NodeArray::Packed(_) => 4,
-            NodeArray::Half(_) => 8,
-            NodeArray::Exact(_) => 12,
-        }),
-        measured: s.error.is_some().into(),
-        error_max: s.error.map_or(0.0, |e| e.max),
-        error_rms: s.error.map_or(0.0, |e| e.rms),
-    }
-}
-
-fn bytes_of_nodes(n: &Nodes) -> &[u8] {
-    match &n.array {
-        NodeArray::Packed(n) => cast_slice(n),
-        NodeArray::Half(n) => cast_slice(n),
-        NodeArray::Exact(n) => cast_slice(n),
+        displacement: s.steps.displacement.to_array(),
+        height: s.steps.height,
+        normal: s.steps.normal.to_array(),
+        fade: s.fade,
+        error_max: s.error.max,
+        error_rms: s.error.rms,
     }
 }
 

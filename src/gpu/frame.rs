@@ -9,13 +9,13 @@ use crate::deform::evaluate::{self, Job, Which};
 use crate::deform::kernel::{From, Lengths, Ready};
 use crate::dent::{Carried, MAX_PAIRS};
 use crate::math::Aabb;
-use crate::stamp::{NodeArray, Stamp};
+use crate::stamp::{FACING, Stamp};
 use glam::{Mat3, Vec3};
 
 /// Words of each kind, as in the kernels.
 pub(crate) const ITEM_WORDS: usize = 8;
 const PART_WORDS: usize = 8;
-const CARRIED_WORDS: usize = 56;
+const CARRIED_WORDS: usize = 48;
 const TARGET_WORDS: usize = 16;
 
 /// Flags of an item …
@@ -225,25 +225,20 @@ fn add_carried_part(parts: &mut Vec<u32>, ready: &Ready<'_>, index: u32) {
     words.floats([ready.scale, 0.0, cut(ready.least), 0.0]);
 }
 
-fn add_carried(carried: &mut Vec<u32>, c: &Carried, stamp: &Stamp, [displacements, normals, facing]: [u32; 3]) {
-    let kind = |nodes: &NodeArray| match nodes {
-        NodeArray::Packed(_) => 1,
-        NodeArray::Half(_) => 2,
-        NodeArray::Exact(n) if !n.is_empty() => 3,
-        NodeArray::Exact(_) => 0,
-    };
+fn add_carried(carried: &mut Vec<u32>, c: &Carried, stamp: &Stamp, nodes: u32) {
     let mut words = Words(carried);
     words.floats(c.contact.to_array());
-    words.matrix(&c.to_grid);
+    words.matrix(&c.to_stamp);
+    words.floats(c.per_cell.to_array());
     words.floats(c.grid_origin.to_array());
     words.floats(c.grid_top.to_array());
     words.matrix(&c.displacement);
     words.matrix(&c.normal_change);
-    words.matrix(&c.facing);
-    words.floats(stamp.facing.step.to_array());
+    words.floats([c.height, c.fade]);
+    words.floats(c.up.to_array());
+    words.floats([FACING]);
     words.put(stamp.grid.dims.to_array());
-    words.put([displacements, normals, facing]);
-    words.put([kind(&stamp.displacements.array) | kind(&stamp.normals.array) << 2, 0]);
+    words.put([nodes, 0, 0, 0]);
 }
 
 /// Appends words.

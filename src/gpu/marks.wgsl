@@ -4,7 +4,9 @@ override NORMALS: bool = false;
 override TANGENTS: bool = false;
 
 // Words of a carried example in `frame`.
-const CARRIED = 56u;
+const CARRIED = 48u;
+// What the weights of a bilinear mean sum to: WEIGHTS in src/stamp.rs.
+const WEIGHTS = 16384.0;
 
 const SEVERAL = 1u;
 const SQUARES = 2u;
@@ -27,34 +29,19 @@ fn cut(v: vec3<f32>, square: f32) -> vec3<f32> {
     return select(vec3(0.0), v, dot3(v, v) > square);
 }
 
-fn lerp3(a: vec3<f32>, b: vec3<f32>, t: f32) -> vec3<f32> {
-    return a + (b - a) * t;
+// Adds half of a node, four numbers of 16 bits, times a weight.
+fn add_half(sum: vec4<i32>, at: u32, weight: i32) -> vec4<i32> {
+    let a = bitcast<i32>(arena[at]);
+    let b = bitcast<i32>(arena[at + 1u]);
+    return sum + vec4((a << 16u) >> 16u, a >> 16u, (b << 16u) >> 16u, b >> 16u) * weight;
 }
 
-// Node `i` of a stamp's field, in steps: 1 packed in a word, 2 in 16 bits, 3 floats.
-fn node(at: u32, kind: u32, i: u32) -> vec3<f32> {
-    if kind == 1u {
-        let w = arena[at + i];
-        return vec3(signed(w, 22u, 22u), signed(w, 11u, 21u), signed(w, 0u, 21u));
-    }
-    if kind == 2u {
-        let a = arena[at + 2u * i];
-        let b = arena[at + 2u * i + 1u];
-        return vec3(signed(a, 16u, 16u), signed(a, 0u, 16u), signed(b, 16u, 16u));
-    }
-    return arena_vector(at + 3u * i);
-}
-
-fn line(at: u32, kind: u32, i: u32, t: f32) -> vec3<f32> {
-    return lerp3(node(at, kind, i), node(at, kind, i + 1u), t);
-}
-
-fn plane(at: u32, kind: u32, i: u32, row: u32, t: vec3<f32>) -> vec3<f32> {
-    return lerp3(line(at, kind, i, t.x), line(at, kind, i + row, t.x), t.y);
-}
-
-fn field(at: u32, kind: u32, i: u32, row: u32, layer: u32, t: vec3<f32>) -> vec3<f32> {
-    return lerp3(plane(at, kind, i, row, t), plane(at, kind, i + layer, row, t), t.z);
+// The weighted sum of half of the four nodes of a cell, in steps; exact. A node has four words.
+fn blend(at: u32, row: u32, weights: vec4<i32>) -> vec4<f32> {
+    var sum = add_half(vec4(0), at, weights.x);
+    sum = add_half(sum, at + 4u, weights.y);
+    sum = add_half(sum, at + 4u * row, weights.z);
+    return vec4<f32>(add_half(sum, at + 4u * row + 4u, weights.w));
 }
 
 // The 3×3 matrix at `m` (columns) times `v`.
@@ -64,40 +51,46 @@ fn turned(m: u32, v: vec3<f32>) -> vec3<f32> {
 
 fn add_carried(part: u32, window: u32, v: u32, position: vec3<f32>, normal: vec3<f32>, sums: ptr<function, Sums>) {
     let c = call.carried + frame[part + 1u] * CARRIED;
-    let top = frame_vector(c + 15u);
-    let g = turned(c + 3u, position - frame_vector(c)) - frame_vector(c + 12u);
-    let h = vec3(held(g.x, 0.0, top.x), held(g.y, 0.0, top.y), held(g.z, 0.0, top.z));
-    if !all(g == h) {
+    let p = turned(c + 3u, position - frame_vector(c));
+    // stamp.rs, `unrolled`, on into units of nodes.
+    let steep = least((p.z * p.z) / (p.x * p.x + p.y * p.y), 2.0);
+    let lift = 1.0 + steep * 0.5;
+    let gx = (p.x * lift) * frame_float(c + 12u) - frame_float(c + 14u);
+    let gy = (p.y * lift) * frame_float(c + 13u) - frame_float(c + 15u);
+    let hx = held(gx, 0.0, frame_float(c + 16u));
+    let hy = held(gy, 0.0, frame_float(c + 17u));
+    if !(gx == hx && gy == hy) {
         return;
     }
-    let dims = vec3(frame[c + 48u], frame[c + 49u], frame[c + 50u]);
-    // Nodes are at least two a side, and `h` is at least 0.
-    let first = min(vec3<u32>(vec3<i32>(h)), dims - 2u);
-    let row = dims.x;
-    let layer = dims.x * dims.y;
-    let i = first.x + first.y * row + first.z * layer;
-    let t = h - vec3<f32>(first);
-    let kinds = frame[c + 54u];
+    // Nodes are at least two a side, and coordinates at least 0.
+    let dims = vec2(frame[c + 42u], frame[c + 43u]);
+    let first = min(vec2<u32>(vec2<i32>(vec2(hx, hy))), dims - 2u);
+    let x = hx - f32(first.x);
+    let y = hy - f32(first.y);
+    let both = i32((x * y) * WEIGHTS);
+    let wx = i32(x * WEIGHTS);
+    let wy = i32(y * WEIGHTS);
+    let neither = max(i32(WEIGHTS) - wx - wy + both, 0);
+    let weights = vec4(neither, wx - both, wy - both, both);
+    let at = frame[c + 44u] + 4u * (first.x + first.y * dims.x);
+    let sums4 = blend(at, dims.x, weights);
+    let off = abs(p.z - sums4.w * frame_float(c + 36u));
+    let keep = held(2.0 - off * frame_float(c + 37u), 0.0, 1.0);
+    if !(keep > 0.0) {
+        return;
+    }
     let scale = frame_float(part + 4u);
-    var u = cut(turned(c + 18u, field(frame[c + 51u], kinds & 3u, i, row, layer, t)), frame_float(part + 6u));
+    var u = cut(turned(c + 18u, sums4.xyz) * keep, frame_float(part + 6u));
     var factor = 1.0;
     if window != NONE {
         factor = arena_float(window + v);
     }
     if NORMALS {
-        var change = vec3(0.0);
-        var facing = vec3(0.0);
-        let kind = (kinds >> 2u) & 3u;
-        if kind != 0u {
-            change = field(frame[c + 52u], kind, i, row, layer, t);
-            facing = field(frame[c + 53u], kind, i, row, layer, t);
-        }
-        facing = facing * frame_vector(c + 45u);
-        let length = sqrt(dot3(facing, facing));
-        var cosine = dot3(facing, turned(c + 36u, normal)) / length;
-        // A facing of length 0 has none.
-        cosine = select(0.0, held(cosine, 0.0, 1.0), length > 0.0);
-        change = turned(c + 27u, change) * cosine;
+        let turn = blend(at + 2u, dims.x, weights);
+        // A vertex that faces elsewhere than the surface of the example does not take over how that turned.
+        let apart = abs(dot3(normal, frame_vector(c + 38u)) - turn.w * frame_float(c + 41u));
+        let alike = held(2.0 - (apart + apart), 0.0, 1.0);
+        var change = turned(c + 27u, turn.xyz) * (keep * alike);
         if window != NONE {
             // The window's own slope tilts the surface too.
             let at = window + BLOCK + v;

@@ -3,8 +3,10 @@
 use crate::examples::ExampleSet;
 use crate::rim::Rim;
 use crate::skin::Skin;
-use crate::stamp::NodeArray;
+use crate::stamp::Node;
 use bytemuck::{cast_slice, cast_slice_mut};
+
+const NODE_WORDS: usize = size_of::<Node>() / 4;
 
 /// Where the parts of a mesh begin, words from its own first.
 #[derive(Debug)]
@@ -51,20 +53,17 @@ impl SkinWords {
     }
 }
 
-/// Where the fields of a set's stamps begin, words from the first: displacements, changes of normals, facings.
+/// Where the nodes of a set's stamps begin, words from the first.
 #[derive(Debug)]
 pub(crate) struct StampWords {
-    stamps: Vec<[u32; 3]>,
+    stamps: Vec<u32>,
     total: u64,
 }
 
 impl StampWords {
     pub(crate) fn new(set: &ExampleSet) -> Self {
         let mut at = Counter(0);
-        let stamps = set.examples().iter().map(|e| {
-            let Some(s) = e.stamp() else { return [0; 3] };
-            [&s.displacements, &s.normals, &s.facing].map(|n| at.take(node_bytes(&n.array).len() / 4))
-        });
+        let stamps = set.examples().iter().map(|e| e.stamp().map_or(0, |s| at.take(s.nodes.len() * NODE_WORDS)));
         StampWords { stamps: stamps.collect(), total: at.0 }
     }
 
@@ -75,20 +74,9 @@ impl StampWords {
     pub(crate) fn write(&self, set: &ExampleSet, to: &mut [u32]) {
         for (e, at) in set.examples().iter().zip(&self.stamps) {
             let Some(s) = e.stamp() else { continue };
-            for (at, nodes) in at.iter().zip([&s.displacements, &s.normals, &s.facing]) {
-                let from = node_bytes(&nodes.array);
-                cast_slice_mut(&mut to[*at as usize..][..from.len() / 4]).copy_from_slice(from);
-            }
+            let words = &mut to[*at as usize..][..s.nodes.len() * NODE_WORDS];
+            cast_slice_mut::<u32, u8>(words).copy_from_slice(cast_slice(&s.nodes));
         }
-    }
-}
-
-/// The nodes as they lie in memory. The kernels read them from words, of which the first byte is the lowest.
-fn node_bytes(nodes: &NodeArray) -> &[u8] {
-    match nodes {
-        NodeArray::Packed(n) => cast_slice(n),
-        NodeArray::Half(n) => cast_slice(n),
-        NodeArray::Exact(n) => cast_slice(n),
     }
 }
 
@@ -126,9 +114,9 @@ impl Place {
         Some(self.skin_at + self.skin.windows + window * (size_of::<crate::rim::WindowBlock>() / 4) as u32)
     }
 
-    /// The fields of an example's stamp.
-    pub(crate) fn stamp(&self, example: usize) -> [u32; 3] {
-        self.stamps.stamps[example].map(|at| self.stamps_at + at)
+    /// The nodes of an example's stamp.
+    pub(crate) fn stamp(&self, example: usize) -> u32 {
+        self.stamps_at + self.stamps.stamps[example]
     }
 }
 

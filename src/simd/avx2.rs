@@ -3,6 +3,7 @@
 #![expect(clippy::undocumented_unsafe_blocks, reason = "one reason for all of them, said once")]
 
 use super::Simd;
+use crate::stamp::Node;
 use std::arch::x86_64::*;
 
 #[derive(Debug, Clone, Copy)]
@@ -15,54 +16,38 @@ impl Simd for Avx2 {
     type I = __m256i;
     type M = __m256;
 
-    #[inline(always)]
-    unsafe fn splat(x: f32) -> __m256 {
-        unsafe { _mm256_set1_ps(x) }
+    intrinsics! {
+        fn splat(x: f32) -> __m256 = _mm256_set1_ps(x);
+        fn load(p: *const f32) -> __m256 = _mm256_loadu_ps(p);
+        fn store(p: *mut f32, v: __m256) = _mm256_storeu_ps(p, v);
+        fn prefetch<T>(p: *const T) = _mm_prefetch::<_MM_HINT_T0>(p.cast());
+        fn prefetch_write<T>(p: *mut T) = _mm_prefetch::<_MM_HINT_ET0>(p.cast());
+        fn add(a: __m256, b: __m256) -> __m256 = _mm256_add_ps(a, b);
+        fn sub(a: __m256, b: __m256) -> __m256 = _mm256_sub_ps(a, b);
+        fn mul(a: __m256, b: __m256) -> __m256 = _mm256_mul_ps(a, b);
+        fn div(a: __m256, b: __m256) -> __m256 = _mm256_div_ps(a, b);
+        fn sqrt(a: __m256) -> __m256 = _mm256_sqrt_ps(a);
+        fn min(a: __m256, b: __m256) -> __m256 = _mm256_min_ps(a, b);
+        fn max(a: __m256, b: __m256) -> __m256 = _mm256_max_ps(a, b);
+        fn equal(a: __m256, b: __m256) -> __m256 = _mm256_cmp_ps::<_CMP_EQ_OQ>(a, b);
+        fn greater(a: __m256, b: __m256) -> __m256 = _mm256_cmp_ps::<_CMP_GT_OQ>(a, b);
+        fn both(a: __m256, b: __m256) -> __m256 = _mm256_and_ps(a, b);
+        fn any(m: __m256) -> bool = _mm256_movemask_ps(m) != 0;
+        fn select(m: __m256, a: __m256, b: __m256) -> __m256 = _mm256_blendv_ps(b, a, m);
+        fn splat_int(x: i32) -> __m256i = _mm256_set1_epi32(x);
+        fn truncate(a: __m256) -> __m256i = _mm256_cvttps_epi32(a);
+        fn float(a: __m256i) -> __m256 = _mm256_cvtepi32_ps(a);
+        fn add_int(a: __m256i, b: __m256i) -> __m256i = _mm256_add_epi32(a, b);
+        fn sub_int(a: __m256i, b: __m256i) -> __m256i = _mm256_sub_epi32(a, b);
+        fn mul_int(a: __m256i, b: __m256i) -> __m256i = _mm256_mullo_epi32(a, b);
+        fn min_int(a: __m256i, b: __m256i) -> __m256i = _mm256_min_epi32(a, b);
+        fn max_int(a: __m256i, b: __m256i) -> __m256i = _mm256_max_epi32(a, b);
+        fn load_i8(p: *const i8) -> __m256 = _mm256_cvtepi32_ps(_mm256_cvtepi8_epi32(_mm_loadl_epi64(p.cast())));
+        fn load_i16(p: *const i16) -> __m256 = _mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(_mm_loadu_si128(p.cast())));
+        fn packed(low: __m256i, high: __m256i) -> __m256i =
+            _mm256_blend_epi16::<0xAA>(low, _mm256_slli_epi32::<16>(high));
     }
-    #[inline(always)]
-    unsafe fn load(p: *const f32) -> __m256 {
-        unsafe { _mm256_loadu_ps(p) }
-    }
-    #[inline(always)]
-    unsafe fn store(p: *mut f32, v: __m256) {
-        unsafe { _mm256_storeu_ps(p, v) }
-    }
-    #[inline(always)]
-    unsafe fn prefetch<T>(p: *const T) {
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(p.cast()) }
-    }
-    #[inline(always)]
-    unsafe fn prefetch_write<T>(p: *mut T) {
-        unsafe { _mm_prefetch::<_MM_HINT_ET0>(p.cast()) }
-    }
-    #[inline(always)]
-    unsafe fn add(a: __m256, b: __m256) -> __m256 {
-        unsafe { _mm256_add_ps(a, b) }
-    }
-    #[inline(always)]
-    unsafe fn sub(a: __m256, b: __m256) -> __m256 {
-        unsafe { _mm256_sub_ps(a, b) }
-    }
-    #[inline(always)]
-    unsafe fn mul(a: __m256, b: __m256) -> __m256 {
-        unsafe { _mm256_mul_ps(a, b) }
-    }
-    #[inline(always)]
-    unsafe fn div(a: __m256, b: __m256) -> __m256 {
-        unsafe { _mm256_div_ps(a, b) }
-    }
-    #[inline(always)]
-    unsafe fn sqrt(a: __m256) -> __m256 {
-        unsafe { _mm256_sqrt_ps(a) }
-    }
-    #[inline(always)]
-    unsafe fn min(a: __m256, b: __m256) -> __m256 {
-        unsafe { _mm256_min_ps(a, b) }
-    }
-    #[inline(always)]
-    unsafe fn max(a: __m256, b: __m256) -> __m256 {
-        unsafe { _mm256_max_ps(a, b) }
-    }
+
     #[inline(always)]
     unsafe fn lowest(a: __m256) -> f32 {
         unsafe {
@@ -78,62 +63,6 @@ impl Simd for Avx2 {
             let v = _mm_max_ps(v, _mm_movehl_ps(v, v));
             _mm_cvtss_f32(_mm_max_ss(v, _mm_shuffle_ps::<1>(v, v)))
         }
-    }
-    #[inline(always)]
-    unsafe fn equal(a: __m256, b: __m256) -> __m256 {
-        unsafe { _mm256_cmp_ps::<_CMP_EQ_OQ>(a, b) }
-    }
-    #[inline(always)]
-    unsafe fn greater(a: __m256, b: __m256) -> __m256 {
-        unsafe { _mm256_cmp_ps::<_CMP_GT_OQ>(a, b) }
-    }
-    #[inline(always)]
-    unsafe fn both(a: __m256, b: __m256) -> __m256 {
-        unsafe { _mm256_and_ps(a, b) }
-    }
-    #[inline(always)]
-    unsafe fn any(m: __m256) -> bool {
-        unsafe { _mm256_movemask_ps(m) != 0 }
-    }
-    #[inline(always)]
-    unsafe fn select(m: __m256, a: __m256, b: __m256) -> __m256 {
-        unsafe { _mm256_blendv_ps(b, a, m) }
-    }
-    #[inline(always)]
-    unsafe fn splat_int(x: i32) -> __m256i {
-        unsafe { _mm256_set1_epi32(x) }
-    }
-    #[inline(always)]
-    unsafe fn truncate(a: __m256) -> __m256i {
-        unsafe { _mm256_cvttps_epi32(a) }
-    }
-    #[inline(always)]
-    unsafe fn float(a: __m256i) -> __m256 {
-        unsafe { _mm256_cvtepi32_ps(a) }
-    }
-    #[inline(always)]
-    unsafe fn add_int(a: __m256i, b: __m256i) -> __m256i {
-        unsafe { _mm256_add_epi32(a, b) }
-    }
-    #[inline(always)]
-    unsafe fn mul_int(a: __m256i, b: __m256i) -> __m256i {
-        unsafe { _mm256_mullo_epi32(a, b) }
-    }
-    #[inline(always)]
-    unsafe fn min_int(a: __m256i, b: __m256i) -> __m256i {
-        unsafe { _mm256_min_epi32(a, b) }
-    }
-    #[inline(always)]
-    unsafe fn max_int(a: __m256i, b: __m256i) -> __m256i {
-        unsafe { _mm256_max_epi32(a, b) }
-    }
-    #[inline(always)]
-    unsafe fn load_i8(p: *const i8) -> __m256 {
-        unsafe { _mm256_cvtepi32_ps(_mm256_cvtepi8_epi32(_mm_loadl_epi64(p.cast()))) }
-    }
-    #[inline(always)]
-    unsafe fn load_i16(p: *const i16) -> __m256 {
-        unsafe { _mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(_mm_loadu_si128(p.cast()))) }
     }
     #[inline(always)]
     unsafe fn deinterleave([a, b, c]: [__m256; 3]) -> [__m256; 3] {
@@ -168,38 +97,75 @@ impl Simd for Avx2 {
         }
     }
     #[inline(always)]
-    unsafe fn gather_packed(p: *const u32, at: __m256i) -> [__m256; 3] {
+    unsafe fn blend<const ALL: bool>(
+        p: *const Node,
+        row: usize,
+        at: __m256i,
+        near: __m256i,
+        far: __m256i,
+    ) -> [[__m256i; 4]; 2] {
         unsafe {
-            let n = _mm256_i32gather_epi32::<4>(p.cast(), at);
-            [
-                _mm256_cvtepi32_ps(_mm256_srai_epi32::<22>(_mm256_slli_epi32::<22>(n))),
-                _mm256_cvtepi32_ps(_mm256_srai_epi32::<21>(_mm256_slli_epi32::<11>(n))),
-                _mm256_cvtepi32_ps(_mm256_srai_epi32::<21>(n)),
-            ]
+            let mut index = [0i32; 8];
+            _mm256_storeu_si256(index.as_mut_ptr().cast(), at);
+            let nodes = [p, p.add(row)];
+            let a = two::<0x00, ALL>(nodes, [index[0], index[4]], [near, far]);
+            let b = two::<0x55, ALL>(nodes, [index[1], index[5]], [near, far]);
+            let c = two::<0xAA, ALL>(nodes, [index[2], index[6]], [near, far]);
+            let d = two::<0xFF, ALL>(nodes, [index[3], index[7]], [near, far]);
+            let rest = if ALL { columns([a[1], b[1], c[1], d[1]]) } else { [_mm256_setzero_si256(); 4] };
+            [columns([a[0], b[0], c[0], d[0]]), rest]
         }
     }
-    #[inline(always)]
-    unsafe fn gather_i16(p: *const [i16; 4], at: __m256i) -> [__m256; 3] {
-        unsafe {
-            let xy = _mm256_i32gather_epi32::<8>(p.cast(), at);
-            let z = _mm256_i32gather_epi32::<8>(p.cast::<i32>().add(1), at);
-            [
-                _mm256_cvtepi32_ps(_mm256_srai_epi32::<16>(_mm256_slli_epi32::<16>(xy))),
-                _mm256_cvtepi32_ps(_mm256_srai_epi32::<16>(xy)),
-                _mm256_cvtepi32_ps(_mm256_srai_epi32::<16>(_mm256_slli_epi32::<16>(z))),
-            ]
+}
+
+/// The weighted sums of two lanes, which are four apart, each in its half: weights are told by the lane within a half.
+///
+/// # Safety
+/// As [`Simd::blend`].
+#[inline(always)]
+unsafe fn two<const LANE: i32, const ALL: bool>(
+    rows: [*const Node; 2],
+    at: [i32; 2],
+    weights: [__m256i; 2],
+) -> [__m256i; 2] {
+    unsafe {
+        let mut sums = [_mm256_setzero_si256(); 2];
+        for k in 0..2 {
+            let (p, q) = (rows[k].add(at[0] as usize), rows[k].add(at[1] as usize));
+            let (a, b) = (both(p, q), both(p.add(1), q.add(1)));
+            let w = _mm256_shuffle_epi32::<LANE>(weights[k]);
+            sums[0] = _mm256_add_epi32(sums[0], _mm256_madd_epi16(_mm256_unpacklo_epi16(a, b), w));
+            if ALL {
+                sums[1] = _mm256_add_epi32(sums[1], _mm256_madd_epi16(_mm256_unpackhi_epi16(a, b), w));
+            }
         }
+        sums
     }
-    #[inline(always)]
-    unsafe fn gather_f32(p: *const [f32; 3], at: __m256i) -> [__m256; 3] {
-        unsafe {
-            let at = _mm256_add_epi32(at, _mm256_add_epi32(at, at));
-            let p = p.cast::<f32>();
-            [
-                _mm256_i32gather_ps::<4>(p, at),
-                _mm256_i32gather_ps::<4>(p.add(1), at),
-                _mm256_i32gather_ps::<4>(p.add(2), at),
-            ]
-        }
+}
+
+/// # Safety
+/// As [`Simd::blend`].
+#[inline(always)]
+unsafe fn both(a: *const Node, b: *const Node) -> __m256i {
+    unsafe {
+        _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(_mm_loadu_si128(a.cast())), _mm_loadu_si128(b.cast()))
+    }
+}
+
+/// In each half: four rows become four columns.
+///
+/// # Safety
+/// Where AVX2 is there.
+#[inline(always)]
+unsafe fn columns([a, b, c, d]: [__m256i; 4]) -> [__m256i; 4] {
+    unsafe {
+        let (ab, cd) = (_mm256_unpacklo_epi32(a, b), _mm256_unpacklo_epi32(c, d));
+        let (ab_high, cd_high) = (_mm256_unpackhi_epi32(a, b), _mm256_unpackhi_epi32(c, d));
+        [
+            _mm256_unpacklo_epi64(ab, cd),
+            _mm256_unpackhi_epi64(ab, cd),
+            _mm256_unpacklo_epi64(ab_high, cd_high),
+            _mm256_unpackhi_epi64(ab_high, cd_high),
+        ]
     }
 }

@@ -3,6 +3,18 @@
 //! One source for every level: a kernel is generic over [`Simd`], and each level compiles it for its instructions. All
 //! operations are the IEEE ones (no fused multiply-add, no approximate reciprocals), so every level gives the same bits.
 
+/// Functions of [`Simd`] that are one expression of intrinsics.
+#[cfg(target_arch = "x86_64")]
+macro_rules! intrinsics {
+    ($(fn $name:ident $(<$t:ident>)? ($($arg:ident: $type:ty),*) $(-> $out:ty)? = $body:expr;)*) => {$(
+        #[inline(always)]
+        unsafe fn $name $(<$t>)? ($($arg: $type),*) $(-> $out)? {
+            // SAFETY: callers keep the trait's terms, which are those of the intrinsics.
+            unsafe { $body }
+        }
+    )*};
+}
+
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
@@ -16,6 +28,7 @@ pub(crate) use avx512::Avx512;
 pub(crate) use portable::Portable;
 
 use crate::Error;
+use crate::stamp::Node;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU8, Ordering};
 
@@ -140,6 +153,7 @@ pub(crate) trait Simd: Copy {
     unsafe fn truncate(a: Self::F) -> Self::I;
     unsafe fn float(a: Self::I) -> Self::F;
     unsafe fn add_int(a: Self::I, b: Self::I) -> Self::I;
+    unsafe fn sub_int(a: Self::I, b: Self::I) -> Self::I;
     unsafe fn mul_int(a: Self::I, b: Self::I) -> Self::I;
     unsafe fn min_int(a: Self::I, b: Self::I) -> Self::I;
     unsafe fn max_int(a: Self::I, b: Self::I) -> Self::I;
@@ -153,38 +167,23 @@ pub(crate) trait Simd: Copy {
     /// The way back.
     unsafe fn interleave(v: [Self::F; 3]) -> [Self::F; 3];
 
-    /// 10, 11 and 11 bits (x, y, z from the lowest bit up), signed, at `p[at]`.
-    unsafe fn gather_packed(p: *const u32, at: Self::I) -> [Self::F; 3];
-    /// The first three of four at `p[at]`.
-    unsafe fn gather_i16(p: *const [i16; 4], at: Self::I) -> [Self::F; 3];
-    /// Three floats at `p[at]`.
-    unsafe fn gather_f32(p: *const [f32; 3], at: Self::I) -> [Self::F; 3];
-}
-
-/// x, y and z of a packed node: 10, 11 and 11 bits, signed, from the lowest up.
-pub(crate) fn unpack(n: u32) -> [i32; 3] {
-    let n = n as i32;
-    [n << 22 >> 22, n << 11 >> 21, n >> 21]
-}
-
-/// The greatest values of x, y and z in a packed node.
-pub(crate) const PACKED: [i32; 3] = [511, 1023, 1023];
-
-/// The way back from [`unpack`]; values within [`PACKED`].
-pub(crate) fn pack([x, y, z]: [i32; 3]) -> u32 {
-    (x as u32 & 0x3FF) | (y as u32 & 0x7FF) << 10 | (z as u32) << 21
+    /// The lower 16 bits of each lane of `high` above those of `low`.
+    unsafe fn packed(low: Self::I, high: Self::I) -> Self::I;
+    /// Of each lane the weighted sum of four nodes: those at `p[at]` and after it, times the lower and the upper 16 bits of
+    /// `near`, and those `row` further on, times `far`; the nodes' first four numbers, and if `ALL` the last four too (else
+    /// zeros).
+    unsafe fn blend<const ALL: bool>(
+        p: *const Node,
+        row: usize,
+        at: Self::I,
+        near: Self::I,
+        far: Self::I,
+    ) -> [[Self::I; 4]; 2];
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn packed_nodes_unpack() {
-        for v in [[0, 0, 0], [511, -1023, 1023], [-511, 1023, -1023], [-1, -1, -1], [1, 2, 3], [-300, 700, 5]] {
-            assert_eq!(unpack(pack(v)), v);
-        }
-    }
 
     #[test]
     fn levels_that_the_processor_lacks_are_refused() {

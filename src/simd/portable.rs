@@ -1,20 +1,11 @@
 //! Eight lanes in what every processor of the target has.
 
-use super::{Simd, unpack};
+use super::Simd;
+use crate::stamp::Node;
 use wide::{f32x8, i32x8};
 
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Portable;
-
-#[inline(always)]
-fn three(f: impl Fn(usize) -> [f32; 3]) -> [f32x8; 3] {
-    let [a, b, c, d, e, g, h, i] = [f(0), f(1), f(2), f(3), f(4), f(5), f(6), f(7)];
-    [
-        f32x8::from([a[0], b[0], c[0], d[0], e[0], g[0], h[0], i[0]]),
-        f32x8::from([a[1], b[1], c[1], d[1], e[1], g[1], h[1], i[1]]),
-        f32x8::from([a[2], b[2], c[2], d[2], e[2], g[2], h[2], i[2]]),
-    ]
-}
 
 // SAFETY of the whole block: the instructions are always there; pointers are valid by the trait's terms.
 impl Simd for Portable {
@@ -114,6 +105,10 @@ impl Simd for Portable {
         a + b
     }
     #[inline(always)]
+    unsafe fn sub_int(a: i32x8, b: i32x8) -> i32x8 {
+        a - b
+    }
+    #[inline(always)]
     unsafe fn mul_int(a: i32x8, b: i32x8) -> i32x8 {
         a * b
     }
@@ -154,24 +149,30 @@ impl Simd for Portable {
         ]
     }
     #[inline(always)]
-    unsafe fn gather_packed(p: *const u32, at: i32x8) -> [f32x8; 3] {
-        let at = at.to_array();
-        // SAFETY: `at` is within the nodes.
-        three(|i| unpack(unsafe { p.add(at[i] as usize).read() }).map(|x| x as f32))
+    unsafe fn packed(low: i32x8, high: i32x8) -> i32x8 {
+        (low & i32x8::splat(0xFFFF)) | high << 16
     }
     #[inline(always)]
-    unsafe fn gather_i16(p: *const [i16; 4], at: i32x8) -> [f32x8; 3] {
-        let at = at.to_array();
-        three(|i| {
-            // SAFETY: `at` is within the nodes.
-            let [x, y, z, _] = unsafe { p.add(at[i] as usize).read() }.map(f32::from);
-            [x, y, z]
-        })
-    }
-    #[inline(always)]
-    unsafe fn gather_f32(p: *const [f32; 3], at: i32x8) -> [f32x8; 3] {
-        let at = at.to_array();
-        // SAFETY: `at` is within the nodes.
-        three(|i| unsafe { p.add(at[i] as usize).read() })
+    unsafe fn blend<const ALL: bool>(
+        p: *const Node,
+        row: usize,
+        at: i32x8,
+        near: i32x8,
+        far: i32x8,
+    ) -> [[i32x8; 4]; 2] {
+        let (at, near, far) = (at.to_array(), near.to_array(), far.to_array());
+        let mut sums = [[0i32; 8]; 8];
+        for i in 0..8 {
+            for (first, w) in [(at[i] as usize, near[i]), (at[i] as usize + row, far[i])] {
+                // SAFETY: `at`, what follows it and what lies a row further on are within the nodes.
+                let [a, b] = unsafe { p.add(first).cast::<[Node; 2]>().read() };
+                let (wa, wb) = (i32::from(w as i16), w >> 16);
+                for k in 0..if ALL { 8 } else { 4 } {
+                    sums[k][i] += i32::from(a[k]) * wa + i32::from(b[k]) * wb;
+                }
+            }
+        }
+        let [a, b, c, d, e, f, g, h] = sums.map(i32x8::from);
+        [[a, b, c, d], [e, f, g, h]]
     }
 }

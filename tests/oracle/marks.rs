@@ -64,57 +64,82 @@ pub fn stretch(depth: f64, example: &Example) -> f64 {
     (depth / example.depth()).sqrt().clamp(STRETCH.0, STRETCH.1)
 }
 
-/// A stamp's grid in f64.
+/// A stamp in f64.
 #[derive(Debug, Clone)]
-pub struct Grid {
-    pub dims: [usize; 3],
-    pub first: V,
-    pub step: V,
+pub struct Chart {
+    pub dims: [usize; 2],
+    pub first: [f64; 2],
+    pub step: [f64; 2],
     pub displacements: Vec<V>,
+    pub heights: Vec<f64>,
     pub normals: Vec<V>,
-    pub facing: Vec<V>,
+    pub facing: Vec<f64>,
+    pub fade: f64,
     /// Rows are the contact frame's x, y, z in mesh space.
     pub frame: Matrix,
 }
 
-impl Grid {
+/// What a stamp says of a point: displacement and change of normal before they fade, the share that is left of them, and the z of the
+/// base normal.
+#[derive(Debug, Clone, Copy)]
+pub struct Sample {
+    pub displacement: V,
+    pub normal: V,
+    pub keep: f64,
+    pub facing: f64,
+}
+
+impl Chart {
     pub fn of(stamp: &crumple::Stamp, frame: glam::Mat3) -> Self {
         let (first, step) = stamp.grid();
         Self {
             dims: stamp.dims().map(|n| n as usize),
-            first: from_f32(first),
-            step: from_f32(step),
+            first: first.map(f64::from),
+            step: step.map(f64::from),
             displacements: stamp.nodes().iter().map(|u| from_f32(u.to_array())).collect(),
+            heights: stamp.height_nodes().into_iter().map(f64::from).collect(),
             normals: stamp.normal_nodes().iter().map(|n| from_f32(n.to_array())).collect(),
-            facing: stamp.facing_nodes().iter().map(|n| from_f32(n.to_array())).collect(),
+            facing: stamp.facing_nodes().into_iter().map(f64::from).collect(),
+            fade: f64::from(stamp.fade()),
             frame: [frame.x_axis, frame.y_axis, frame.z_axis].map(|axis| from_f32(axis.to_array())),
         }
     }
 
-    /// Trilinear; zero outside.
-    fn look_up(&self, values: &[V], p: V) -> V {
-        let mut cell = [0usize; 3];
-        let mut part = [0.0; 3];
-        for k in 0..3 {
-            let x = (p[k] - self.first[k]) / self.step[k];
-            if !(0.0..=(self.dims[k] - 1) as f64).contains(&x) {
-                return [0.0; 3];
+    /// Where `p` comes to lie on the unrolled surface, in units of nodes.
+    fn unrolled(&self, p: V) -> [f64; 2] {
+        let across = p[0] * p[0] + p[1] * p[1];
+        let steep = if across > 0.0 { (p[2] * p[2] / across).min(2.0) } else { 2.0 };
+        [0, 1].map(|k| (p[k] * (1.0 + steep / 2.0) - self.first[k]) / self.step[k])
+    }
+
+    /// Bilinear; nothing outside.
+    fn look_up(&self, p: V) -> Option<Sample> {
+        let at = self.unrolled(p);
+        let mut cell = [0usize; 2];
+        let mut part = [0.0; 2];
+        for k in 0..2 {
+            if !(0.0..=(self.dims[k] - 1) as f64).contains(&at[k]) {
+                return None;
             }
-            cell[k] = (x.floor() as usize).min(self.dims[k] - 2);
-            part[k] = x - cell[k] as f64;
+            cell[k] = (at[k].floor() as usize).min(self.dims[k] - 2);
+            part[k] = at[k] - cell[k] as f64;
         }
-        let mut sum = [0.0; 3];
-        for corner in 0..8 {
-            let at = [0, 1, 2].map(|k| cell[k] + (corner >> k & 1));
-            let weight: f64 = (0..3).map(|k| if corner >> k & 1 == 1 { part[k] } else { 1.0 - part[k] }).product();
-            sum = add(sum, scale(weight, values[at[0] + self.dims[0] * (at[1] + self.dims[1] * at[2])]));
+        let (mut height, mut sum) = (0.0, Sample { displacement: [0.0; 3], normal: [0.0; 3], keep: 0.0, facing: 0.0 });
+        for corner in 0..4 {
+            let weight: f64 = (0..2).map(|k| if corner >> k & 1 == 1 { part[k] } else { 1.0 - part[k] }).product();
+            let node = cell[0] + (corner & 1) + self.dims[0] * (cell[1] + (corner >> 1));
+            sum.displacement = add(sum.displacement, scale(weight, self.displacements[node]));
+            sum.normal = add(sum.normal, scale(weight, self.normals[node]));
+            sum.facing += weight * self.facing[node];
+            height += weight * self.heights[node];
         }
-        sum
+        // all of it up to half the fade above or below the surface, nothing from all of it
+        Some(Sample { keep: (2.0 - 2.0 * (p[2] - height).abs() / self.fade).clamp(0.0, 1.0), ..sum })
     }
 }
 
 /// Where `vertex` falls in the stamp of an example carried to the mark (contact frame, m, stretch undone), the way back, and the stretch.
-fn place<'a>(model: &'a Model, mark: &Mark, part: &Part, vertex: usize) -> (&'a Grid, Matrix, f64, V) {
+fn place<'a>(model: &'a Model, mark: &Mark, part: &Part, vertex: usize) -> (&'a Chart, Matrix, f64, V) {
     let example = &model.examples[part.example];
     let grid = example.grid.as_ref().expect("a carried example has a stamp");
     let normal = mirrored(example.contact_normal, part.mirror);
@@ -131,10 +156,8 @@ fn place<'a>(model: &'a Model, mark: &Mark, part: &Part, vertex: usize) -> (&'a 
 pub fn on_a_border(model: &Model, mark: &Mark, vertex: usize) -> bool {
     mark.parts.iter().filter(|p| !p.anchored).any(|part| {
         let (grid, _, _, p) = place(model, mark, part, vertex);
-        (0..3).any(|k| {
-            let x = (p[k] - grid.first[k]) / grid.step[k];
-            x.abs() < 1e-3 || (x - (grid.dims[k] - 1) as f64).abs() < 1e-3
-        })
+        let at = grid.unrolled(p);
+        (0..2).any(|k| at[k].abs() < 1e-3 || (at[k] - (grid.dims[k] - 1) as f64).abs() < 1e-3)
     })
 }
 
@@ -145,16 +168,17 @@ pub fn open_at(model: &Model, mark: &Mark, part: &Part, vertex: usize) -> (V, V)
         return (example.deltas[vertex], example.normal_deltas[vertex]);
     }
     let (grid, back, s, p) = place(model, mark, part, vertex);
-    let normals = if grid.normals.is_empty() {
+    let Some(sample) = grid.look_up(p) else { return ([0.0; 3], [0.0; 3]) };
+    // a vertex that faces elsewhere than the surface the example was made on takes nothing of its change
+    let normals = if model.normals.is_empty() {
         [0.0; 3]
     } else {
-        // a vertex that faces elsewhere than the surface the example was made on takes less of its change
-        let facing = apply(back, grid.look_up(&grid.facing, p));
-        let cos = dot(facing, model.normals[vertex]) / length(facing).max(1e-300);
+        let facing = dot(apply(back, [0.0, 0.0, 1.0]), model.normals[vertex]);
+        let alike = (2.0 - 2.0 * (facing - sample.facing).abs()).clamp(0.0, 1.0);
         // slopes fall as a dent gets wider
-        scale(cos.clamp(0.0, 1.0) / s, grid.look_up(&grid.normals, p))
+        scale(sample.keep * alike / s, sample.normal)
     };
-    (apply(back, grid.look_up(&grid.displacements, p)), apply(back, normals))
+    (apply(back, scale(sample.keep, sample.displacement)), apply(back, normals))
 }
 
 /// The same with held rims: what is carried falls to zero towards them, and the surface tilts by that.
@@ -167,14 +191,6 @@ pub fn example_at(model: &Model, mark: &Mark, part: &Part, vertex: usize) -> (V,
     let n = model.normals[vertex];
     let slope = sub(window.gradient, scale(dot(window.gradient, n), n));
     (scale(window.factor, u), sub(scale(window.factor, change), scale(dot(u, n), slope)))
-}
-
-/// Whether the surfaces that a stamp holds near `vertex` face so far apart that the mean of their normals has no direction to speak of.
-pub fn faces_nowhere(model: &Model, mark: &Mark, vertex: usize) -> bool {
-    mark.parts.iter().filter(|p| !p.anchored).any(|part| {
-        let (grid, _, _, p) = place(model, mark, part, vertex);
-        !grid.facing.is_empty() && (1e-30..0.05).contains(&length(grid.look_up(&grid.facing, p)))
-    })
 }
 
 /// What each part of a mark is multiplied with: its share of the target depth over its own, then all together so that the contact gets the

@@ -13,7 +13,7 @@ pub mod vector;
 
 use body::Window;
 use crumple::{ExampleSet, Placement};
-use marks::Grid;
+use marks::Chart;
 use vector::{V, from_f32, length, sub};
 
 /// One example, in f64.
@@ -30,7 +30,7 @@ pub struct Example {
     pub deltas: Vec<V>,
     /// One change of the unit normal a vertex.
     pub normal_deltas: Vec<V>,
-    pub grid: Option<Grid>,
+    pub grid: Option<Chart>,
 }
 
 impl Example {
@@ -81,7 +81,7 @@ impl Model {
                 stays: set.learned().anchored[i],
                 support_radius: f64::from(e.support_radius()),
                 normal_deltas: (0..count as u32).map(|v| from_f32(e.normal_delta(v).to_array())).collect(),
-                grid: e.stamp().map(|s| Grid::of(s, e.frame())),
+                grid: e.stamp().map(|s| Chart::of(s, e.frame())),
                 deltas: (0..count as u32).map(|v| from_f32(e.delta(v).to_array())).collect(),
             })
             .collect();

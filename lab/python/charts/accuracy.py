@@ -92,7 +92,7 @@ def speed(table, peers, directory):
         for r in (r for r in by_k if r["k"] != K):
             ours(r, f"K={r['k']:.0f}", OURS_LIGHT, "s", 5)
         ours(one(method="depth_only", examples=FULL), f"{FULL}, told the depth alone", OURS, "o", 6, filled=False)
-        for name in ("0.01mm", "0.1mm"):
+        for name in ("0.01mm", "0.1mm", "1mm"):
             ours(one(method=f"baked_{name}", examples=FULL), f"baked to {name[:-2]} mm", OURS, "*", 9)
         ours(one(method="anchored", examples=FULL), "anchored only", "#000000", "v", 6, filled=False)
         ours(one(method="classic", examples=FULL), "classic", CLASSIC, "X", 7)

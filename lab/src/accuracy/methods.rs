@@ -52,7 +52,7 @@ const VARIED: [usize; 2] = [4, 24];
 const STAMPS: [u32; 6] = [8, 12, 16, 24, 32, 48];
 const K: u32 = 3;
 /// Automatic sets baked to a tolerance, m.
-const BAKED: [(&str, f32); 2] = [("baked_0.01mm", 1e-5), ("baked_0.1mm", 1e-4)];
+const BAKED: [(&str, f32); 3] = [("baked_0.01mm", 1e-5), ("baked_0.1mm", 1e-4), ("baked_1mm", 1e-3)];
 /// Above every dent, m: measures the dents' shapes, not how deep the deepest example happens to be.
 const DEEP: f32 = 1.0;
 

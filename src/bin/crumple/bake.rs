@@ -248,21 +248,14 @@ fn stamps(text: &mut String, set: &ExampleSet) -> Result<()> {
         return Ok(());
     }
     text.push('\n');
-    let mut table = Table::new(&["stamp", ">nodes", ">bytes a node", ">largest mm", ">rms mm"]);
+    let mut table = Table::new(&["stamp", ">nodes", ">largest mm", ">rms mm"]);
     for (name, s) in &all {
-        let [x, y, z] = s.dims();
-        let error = |f: fn(crumple::StampError) -> f32| s.error().map_or("not measured".into(), |e| millimetres(f(e)));
-        table.row(vec![
-            (*name).into(),
-            format!("{x} x {y} x {z}"),
-            s.node_bytes().to_string(),
-            error(|e| e.max),
-            error(|e| e.rms),
-        ]);
+        let ([x, y], error) = (s.dims(), s.error());
+        table.row(vec![(*name).into(), format!("{x} x {y}"), millimetres(error.max), millimetres(error.rms)]);
     }
     table.write(text);
     let Some(tolerance) = set.options().tolerance else { return Ok(()) };
-    let off = |s: &Stamp| s.error().map_or(0.0, |e| e.max);
+    let off = |s: &Stamp| s.error().max;
     let held = all.iter().filter(|(_, s)| off(s) <= tolerance).count();
     let worst = all.iter().max_by(|a, b| off(a.1).total_cmp(&off(b.1)));
     if let (true, Some((name, worst))) = (held < all.len(), worst) {
