@@ -1,8 +1,16 @@
 //! Link arguments of the shared C library: its name for the loader, and that it stays loaded, since its threads may still be
-//! ending when a host unloads it.
+//! ending when a host unloads it. With the feature `vulkan`, the kernels in `src/gpu` as SPIR-V too.
+
+#[cfg(feature = "vulkan")]
+#[path = "build/kernels.rs"]
+mod kernels;
+#[cfg(feature = "vulkan")]
+#[path = "build/spirv.rs"]
+mod spirv;
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rerun-if-changed=build");
     if std::env::var("CARGO_CFG_TARGET_OS").as_deref() == Ok("linux") {
         // The part of the version that a program built against it depends on: before 1.0 the minor number too.
         let (major, minor) = (env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR"));
@@ -10,4 +18,6 @@ fn main() {
         println!("cargo::rustc-cdylib-link-arg=-Wl,-soname,libcrumple.so.{version}");
         println!("cargo::rustc-cdylib-link-arg=-Wl,-z,nodelete");
     }
+    #[cfg(feature = "vulkan")]
+    kernels::build();
 }

@@ -126,6 +126,10 @@ typedef enum {
     CRUMPLE_ERROR_OUT_OF_MEMORY = 13,
     /// The call does not fit the instance's rule.
     CRUMPLE_ERROR_WRONG_RULE = 14,
+    /// A call into the graphics driver failed.
+    CRUMPLE_ERROR_VULKAN = 15,
+    /// The graphics device is lost. Damage is not.
+    CRUMPLE_ERROR_DEVICE_LOST = 16,
     /// A pointer is null that must not be.
     CRUMPLE_ERROR_NULL_POINTER = 64,
     /// The struct_size of a def is not that of this version: take defs from their crumple_default_ function.

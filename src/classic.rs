@@ -50,7 +50,23 @@ impl Sparse {
 pub(crate) struct State {
     positions: Vec<Vec3>,
     normals: Vec<Vec3>,
+    /// The last hits, in order: who keeps the state elsewhere applies what is new there.
+    journal: Vec<Applied>,
+    /// The journal holds all that happened after this epoch.
+    known_since: u64,
 }
+
+/// A hit as it was applied.
+#[derive(Debug, Clone, Copy)]
+#[cfg_attr(not(feature = "vulkan"), expect(dead_code, reason = "for who keeps the state elsewhere"))]
+pub(crate) struct Applied {
+    epoch: u64,
+    pub example: u32,
+    pub weight: f32,
+}
+
+/// Hits that a journal holds; of a state that is further behind all is taken over.
+const JOURNAL: usize = 256;
 
 impl State {
     pub(crate) fn new(set: &ExampleSet) -> Result<Self, Error> {
@@ -59,7 +75,7 @@ impl State {
         let base = set.mesh().normals().unwrap_or(&[]);
         let mut normals = reserve(base.len(), "an instance's normals")?;
         normals.extend_from_slice(base);
-        Ok(State { positions, normals })
+        Ok(State { positions, normals, journal: Vec::new(), known_since: 0 })
     }
 
     pub(crate) fn position(&self, v: usize) -> Vec3 {
@@ -69,6 +85,27 @@ impl State {
     /// Not of unit length; `None` where the mesh has no normals.
     pub(crate) fn normal(&self, v: usize) -> Option<Vec3> {
         self.normals.get(v).copied()
+    }
+
+    /// The hits that were applied after an epoch; `None` where that is too long ago, or anything else happened since.
+    #[cfg(feature = "vulkan")]
+    pub(crate) fn applied_since(&self, epoch: u64) -> Option<&[Applied]> {
+        (epoch >= self.known_since).then(|| &self.journal[self.journal.partition_point(|a| a.epoch <= epoch)..])
+    }
+
+    /// Notes that a hit was applied at an epoch.
+    pub(crate) fn note(&mut self, epoch: u64, example: u32, weight: f32) {
+        if self.journal.len() == JOURNAL {
+            self.known_since = self.journal[JOURNAL / 2].epoch;
+            self.journal.retain(|a| a.epoch > self.known_since);
+        }
+        self.journal.push(Applied { epoch, example, weight });
+    }
+
+    /// Notes that something else than hits changed the state at an epoch.
+    pub(crate) fn replaced(&mut self, epoch: u64) {
+        self.known_since = epoch;
+        self.journal.clear();
     }
 
     /// Figure 4.3 for every vertex that `example` moves. A candidate that is not finite (an unclamped weight far above 2,

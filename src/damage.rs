@@ -179,9 +179,9 @@ impl Damage {
     }
 
     /// The dents that may move something in a box, in order.
-    pub(crate) fn near<'a>(&'a self, bounds: &'a Aabb) -> impl Iterator<Item = &'a Dent> {
+    pub(crate) fn near<'a>(&'a self, bounds: &'a Aabb) -> impl Iterator<Item = (usize, &'a Dent)> {
         let near = self.reaches.iter().enumerate().filter(|(_, r)| bounds.distance_squared(r.contact) <= r.square);
-        near.map(|(i, _)| &self.dents[i])
+        near.map(|(i, _)| (i, &self.dents[i]))
     }
 
     /// Adds new marks in canonical order, whatever order they came in. A mark that is there already gets the energy. Above

@@ -32,6 +32,10 @@ pub enum ErrorKind {
     OutOfMemory,
     /// The call does not fit the instance's rule.
     WrongRule,
+    /// A call into the graphics driver failed.
+    Vulkan,
+    /// The graphics device is lost; damage is not.
+    DeviceLost,
 }
 
 /// Every error of the library. The text names the value that was wrong and what would be right.
@@ -173,6 +177,20 @@ pub enum Error {
         /// The rule there is.
         rule: String,
     },
+    /// A call into the graphics driver failed.
+    #[error("{call} answers {result}")]
+    Vulkan {
+        /// The Vulkan function.
+        call: String,
+        /// What it returned.
+        result: String,
+    },
+    /// The graphics device is lost. Damage is not: register the same instances with a new device.
+    #[error("{call} says that the device is lost; damage is not: make another device and register its buffers there")]
+    DeviceLost {
+        /// The Vulkan function that said so.
+        call: String,
+    },
 }
 
 impl Error {
@@ -193,6 +211,8 @@ impl Error {
             Error::DamageMismatch { .. } => ErrorKind::DamageMismatch,
             Error::OutOfMemory { .. } => ErrorKind::OutOfMemory,
             Error::WrongRule { .. } => ErrorKind::WrongRule,
+            Error::Vulkan { .. } => ErrorKind::Vulkan,
+            Error::DeviceLost { .. } => ErrorKind::DeviceLost,
         }
     }
 

@@ -453,6 +453,7 @@ impl Instance {
         if pending.is_empty() {
             return;
         }
+        let constant = self.blend_constant();
         let mut touch = Touch::new(&self.set, &mut self.changes, self.least);
         let mut news = News { marks: Vec::new(), parts: Vec::new(), ended: Vec::new() };
         let mut classic = Vec::new();
@@ -473,10 +474,11 @@ impl Instance {
             self.damage.add(&self.set, news.marks, capacity, &mut touched);
         }
         classic.sort_unstable();
-        let constant = if let Rule::Blend(k) = self.options.rule { k } else { 0.0 };
         if let Some(state) = &mut self.classic {
             for (_, example, weight) in classic {
-                state.apply(&self.set, example, f32::from_bits(weight), Blend { constant });
+                let weight = f32::from_bits(weight);
+                state.apply(&self.set, example, weight, Blend { constant });
+                state.note(touch.changes.epoch, example, weight);
                 touch.example(example as usize);
             }
         }
@@ -528,9 +530,11 @@ impl Instance {
     /// a mark that the set cannot have. Nothing changes then.
     pub fn load(&mut self, bytes: &[u8]) -> Result<(), Error> {
         if self.classic.is_some() {
-            self.classic = Some(State::load(&self.set, bytes)?);
+            let mut state = State::load(&self.set, bytes)?;
             self.inbox.queue().clear();
             Touch::new(&self.set, &mut self.changes, 0.0).everything();
+            state.replaced(self.changes.epoch);
+            self.classic = Some(state);
             return Ok(());
         }
         let entries = saved::entries(&self.set, bytes, saved::MARKS, size_of::<Mark>())?;
@@ -552,6 +556,7 @@ impl Instance {
         self.damage.scale(&self.set, keep, &mut |d: &Dent| touch.dent(d));
         if let Some(state) = &mut self.classic {
             state.scale(&self.set, keep);
+            state.replaced(touch.changes.epoch);
             touch.everything();
         }
         self.update_threshold();
@@ -566,6 +571,7 @@ impl Instance {
         self.damage.clear(&mut |d: &Dent| touch.dent(d));
         if let Some(state) = &mut self.classic {
             state.scale(&self.set, 0.0);
+            state.replaced(touch.changes.epoch);
             touch.everything();
         }
         self.update_threshold();
@@ -611,6 +617,11 @@ impl Instance {
 
     pub(crate) fn damage(&self) -> &Damage {
         &self.damage
+    }
+
+    /// What a classic rule blends by; 0 keeps the most displaced candidate.
+    pub(crate) fn blend_constant(&self) -> f32 {
+        if let Rule::Blend(k) = self.options.rule { k } else { 0.0 }
     }
 
     pub(crate) fn classic_state(&self) -> Option<&State> {

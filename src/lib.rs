@@ -17,7 +17,7 @@
 //! Damage is the short list of marks: read it, save it, send it, repair it. Vertices are a pure function of it.
 //!
 //! # Features
-//! `gltf` and `obj` (default) read those formats; `cli` builds the `crumple` command; `host-allocator` lets the C
+//! `gltf` and `obj` (default) read those formats; `vulkan` (default) records deformation into the host's command buffers; `cli` builds the `crumple` command; `host-allocator` lets the C
 //! interface's host provide memory.
 #![deny(missing_docs)]
 
@@ -37,6 +37,8 @@ mod examples;
 pub mod export;
 mod few;
 mod format;
+#[cfg(feature = "vulkan")]
+mod gpu;
 mod images;
 #[cfg(any(feature = "gltf", feature = "obj"))]
 pub mod import;
@@ -56,6 +58,8 @@ mod skin;
 mod stamp;
 mod tasks;
 mod tolerance;
+#[cfg(feature = "vulkan")]
+pub mod vulkan;
 mod weights;
 
 pub use attach::{Attachment, Frame};

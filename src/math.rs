@@ -72,6 +72,21 @@ pub(crate) fn rotation_between(a: Vec3, b: Vec3) -> Mat3 {
     )
 }
 
+/// `t` turned by the smallest rotation that takes unit vector `a` to unit vector `b`: [`rotation_between`] in f32 alone, which
+/// every processor and graphics device has. Near opposite vectors it is good to a thousandth.
+pub(crate) fn turned_as(a: Vec3, b: Vec3, t: Vec3) -> Vec3 {
+    let (mut from, mut v) = (a, t);
+    if a.dot(b) < -0.9999 {
+        let towards = if a.z.abs() < 0.99 { Vec3::Z } else { Vec3::X };
+        let u = unit(towards - a * a.dot(towards)).unwrap_or(towards);
+        v = u * (2.0 * u.dot(t)) - t;
+        from = -a;
+    }
+    let c = from.cross(b);
+    let w = c.cross(v);
+    v + w + c.cross(w) * (1.0 / (1.0 + from.dot(b)))
+}
+
 /// A right-handed orthonormal frame whose z axis is the unit vector `n`
 /// (Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 2017).
 pub(crate) fn tangent_basis(n: Vec3) -> Mat3 {
@@ -108,6 +123,9 @@ mod tests {
             for b in dirs.map(|v| unit(v).unwrap()) {
                 let r = rotation_between(a, b);
                 assert!((r * a - b).length() < 1e-5, "{a} to {b}: {}", r * a);
+                for t in [Vec3::X, Vec3::Y, Vec3::Z] {
+                    assert!((turned_as(a, b, t) - r * t).length() < 1e-3, "{a} to {b}: {t}");
+                }
                 assert!((r.determinant() - 1.0).abs() < 1e-5);
                 assert!((r.transpose() * r - Mat3::IDENTITY).to_cols_array().iter().all(|x| x.abs() < 1e-5));
             }

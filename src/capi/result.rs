@@ -44,6 +44,10 @@ pub enum CrumpleResult {
     CrumpleErrorOutOfMemory = 13,
     /// The call does not fit the instance's rule.
     CrumpleErrorWrongRule = 14,
+    /// A call into the graphics driver failed.
+    CrumpleErrorVulkan = 15,
+    /// The graphics device is lost. Damage is not.
+    CrumpleErrorDeviceLost = 16,
     /// A pointer is null that must not be.
     CrumpleErrorNullPointer = 64,
     /// The struct_size of a def is not that of this version: take defs from their crumple_default_ function.
@@ -75,6 +79,8 @@ impl CEnum for CrumpleResult {
             CrumpleErrorDamageMismatch,
             CrumpleErrorOutOfMemory,
             CrumpleErrorWrongRule,
+            CrumpleErrorVulkan,
+            CrumpleErrorDeviceLost,
             CrumpleErrorNullPointer,
             CrumpleErrorStructSize,
             CrumpleErrorInvalidId,
@@ -119,6 +125,8 @@ impl From<crate::Error> for Failure {
             ErrorKind::DamageMismatch => CrumpleErrorDamageMismatch,
             ErrorKind::OutOfMemory => CrumpleErrorOutOfMemory,
             ErrorKind::WrongRule => CrumpleErrorWrongRule,
+            ErrorKind::Vulkan => CrumpleErrorVulkan,
+            ErrorKind::DeviceLost => CrumpleErrorDeviceLost,
         };
         Self::new(result, error.to_string())
     }
@@ -179,6 +187,8 @@ pub extern "C" fn crumple_result_name(result: MaybeUninit<CrumpleResult>) -> *co
         CrumpleErrorDamageMismatch => c"CRUMPLE_ERROR_DAMAGE_MISMATCH",
         CrumpleErrorOutOfMemory => c"CRUMPLE_ERROR_OUT_OF_MEMORY",
         CrumpleErrorWrongRule => c"CRUMPLE_ERROR_WRONG_RULE",
+        CrumpleErrorVulkan => c"CRUMPLE_ERROR_VULKAN",
+        CrumpleErrorDeviceLost => c"CRUMPLE_ERROR_DEVICE_LOST",
         CrumpleErrorNullPointer => c"CRUMPLE_ERROR_NULL_POINTER",
         CrumpleErrorStructSize => c"CRUMPLE_ERROR_STRUCT_SIZE",
         CrumpleErrorInvalidId => c"CRUMPLE_ERROR_INVALID_ID",

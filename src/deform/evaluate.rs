@@ -15,7 +15,7 @@ use crate::classic::State;
 use crate::dent::Part;
 use crate::examples::Combine;
 use crate::instance::Instance;
-use crate::math::{Aabb, unit};
+use crate::math::{Aabb, turned_as, unit};
 use crate::skin::Skin;
 use glam::{Vec3, Vec4};
 
@@ -61,15 +61,37 @@ impl Room<'_> {
     }
 }
 
-/// The parts of an instance's dents that move vertices of the block, in order, each with the length below which it moves none.
+/// The parts of an instance's dents that move vertices of the block, in order.
 #[inline(always)]
 fn active<'a>(job: Job<'a>, normals: bool, room: &mut Room<'a>) -> Touched {
     let Room { parts, left_out, .. } = room;
     parts.clear();
+    shown(job, normals, left_out, |_, part| parts.push(part))
+}
+
+/// Which part of an instance's damage: its dent and its place in that.
+#[derive(Clone, Copy)]
+#[cfg_attr(not(feature = "vulkan"), expect(dead_code, reason = "who evaluates elsewhere wants to know"))]
+pub(crate) struct Which<'a> {
+    pub dent: usize,
+    pub number: usize,
+    pub part: &'a Part,
+}
+
+/// Calls `f` with each part of the instance's dents that moves vertices of the block, in order; `left_out` counts what the
+/// tolerance leaves out.
+#[inline(always)]
+pub(crate) fn shown<'a>(
+    job: Job<'a>,
+    normals: bool,
+    left_out: &mut u32,
+    mut f: impl FnMut(Which<'a>, Ready<'a>),
+) -> Touched {
     let mut touched = Touched { dents: 0, longest: 0.0, stored: false };
-    for dent in job.instance.damage().near(&job.skin.block_bounds[job.block]) {
-        let before = parts.len();
-        for part in &dent.parts {
+    for (index, dent) in job.instance.damage().near(&job.skin.block_bounds[job.block]) {
+        // One behind, since the last is marked.
+        let mut waiting: Option<(Which<'a>, Ready<'a>)> = None;
+        for (number, part) in dent.parts.iter().enumerate() {
             if let Some((source, longest)) = reached(job, normals, part) {
                 let scale = part.scale * dent.strength;
                 let least = if scale == 0.0 { 0.0 } else { job.instance.least() / scale.abs() };
@@ -78,7 +100,10 @@ fn active<'a>(job: Job<'a>, normals: bool, room: &mut Room<'a>) -> Touched {
                     || longest > least
                     || (normals && part.carried.is_none() && job.skin.anchored[part.example].exceeds(least));
                 if shown {
-                    parts.push(Ready { source, scale, least, last: false });
+                    let ready = Ready { source, scale, least, last: false };
+                    if let Some((which, ready)) = waiting.replace((Which { dent: index, number, part }, ready)) {
+                        f(which, ready);
+                    }
                     touched.longest += longest * scale.abs();
                     touched.stored |= part.carried.is_none();
                 } else {
@@ -86,19 +111,19 @@ fn active<'a>(job: Job<'a>, normals: bool, room: &mut Room<'a>) -> Touched {
                 }
             }
         }
-        if parts.len() > before {
+        if let Some((which, ready)) = waiting {
+            f(which, Ready { last: true, ..ready });
             touched.dents += 1;
-            parts.last_mut().into_iter().for_each(|p| p.last = true);
         }
     }
     touched
 }
 
 /// What moves a block.
-struct Touched {
-    dents: usize,
+pub(crate) struct Touched {
+    pub dents: usize,
     /// No vertex is moved further by all of them together, m.
-    longest: f32,
+    pub longest: f32,
     /// Whether anchored examples are among them.
     stored: bool,
 }
@@ -154,8 +179,6 @@ pub(crate) fn block<'a>(
         *bounds = job.skin.block_bounds[job.block];
         return;
     }
-    let limit = job.instance.depth_limit();
-    let limit = reaches(touched.longest, limit).then_some(limit);
     let block = Block {
         base: whole(base, &mut room.base),
         base_normals: normals.as_ref().map(|(_, base)| whole(base, &mut room.base_normals)),
@@ -163,12 +186,8 @@ pub(crate) fn block<'a>(
         parts: &room.parts,
         window: job.skin.rim.block(job.block),
         several: touched.dents > 1,
-        lengths: match job.instance.example_set().options().combine {
-            Combine::Sum => Lengths::Free,
-            Combine::Energies => Lengths::Squares,
-            Combine::Deepest => Lengths::Longest,
-        },
-        limit,
+        lengths: lengths(job.instance),
+        limit: limit(job.instance, &touched),
     };
     // The last block of a mesh may be short.
     let short = range.len() < BLOCK;
@@ -199,7 +218,7 @@ fn lone(
     bounds: &mut Aabb,
 ) -> bool {
     let mut near = job.instance.damage().near(&job.skin.block_bounds[job.block]);
-    let (Some(dent), None) = (near.next(), near.next()) else { return false };
+    let (Some((_, dent)), None) = (near.next(), near.next()) else { return false };
     let [Part { example, scale, carried: None }] = &dent.parts[..] else { return false };
     let anchored = &job.skin.anchored[*example];
     let (Some(head), scale) = (anchored.block(job.block as u32), scale * dent.strength) else { return false };
@@ -213,6 +232,20 @@ fn lone(
     let stored = anchored.displacements(head);
     (bounds.min, bounds.max) = levels::displace_stored(base, &stored, scale, positions);
     true
+}
+
+/// How lengths of the instance's dents combine.
+pub(crate) fn lengths(instance: &Instance) -> Lengths {
+    match instance.example_set().options().combine {
+        Combine::Sum => Lengths::Free,
+        Combine::Energies => Lengths::Squares,
+        Combine::Deepest => Lengths::Longest,
+    }
+}
+
+/// The instance's depth limit, m, where what moves a block may reach it.
+pub(crate) fn limit(instance: &Instance, touched: &Touched) -> Option<f32> {
+    Some(instance.depth_limit()).filter(|limit| reaches(touched.longest, *limit))
 }
 
 /// Whether dents of this summed length may reach the limit, m: rounding never takes a length over it by more.
@@ -263,7 +296,7 @@ pub(crate) fn tangent(skin: &Skin, v: usize, normal: Vec3) -> Vec4 {
     if normal == base {
         return t;
     }
-    let turned = crate::math::rotation_between(base, normal) * t.truncate();
+    let turned = turned_as(base, normal, t.truncate());
     let flat = turned - normal * normal.dot(turned);
     unit(flat).unwrap_or_else(|| crate::math::tangent_basis(normal).x_axis).extend(t.w)
 }

@@ -1,7 +1,7 @@
 //! Deformation on the CPU: dirty blocks of any number of outputs, evaluated in parallel, written into the caller's memory.
 
-mod evaluate;
-mod kernel;
+pub(crate) mod evaluate;
+pub(crate) mod kernel;
 mod levels;
 mod memory;
 mod tracker;

@@ -41,9 +41,14 @@ impl Tracker {
 
     /// Blocks of a level of detail that must be written, increasing.
     pub(crate) fn dirty<'a>(&self, changes: &'a Changes, lod: usize) -> impl Iterator<Item = usize> + 'a {
-        let since = (self.instance == changes.instance && self.lod == lod).then_some(self.epoch);
+        let since = self.since(changes, lod);
         let blocks = if since == Some(changes.epoch) { &[][..] } else { &changes.blocks[lod][..] };
         blocks.iter().enumerate().filter(move |(_, at)| since.is_none_or(|s| **at > s)).map(|(b, _)| b)
+    }
+
+    /// The epoch as of which it holds this instance's level of detail, if it holds that.
+    pub(crate) fn since(&self, changes: &Changes, lod: usize) -> Option<u64> {
+        (self.instance == changes.instance && self.lod == lod).then_some(self.epoch)
     }
 
     /// Notes that these blocks (second of each pair; increasing) were written and have these bounds.

@@ -17,6 +17,7 @@ mod stage;
 mod test;
 mod tools;
 mod valgrind;
+mod vulkan;
 mod workspace;
 
 use std::path::PathBuf;

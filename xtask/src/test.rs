@@ -6,14 +6,14 @@ use clap::Args;
 use crate::stage::{self, Outcome, Stage};
 use crate::tools::Tool;
 use crate::workspace::Workspace;
-use crate::{demo, native, outside, peers, valgrind};
+use crate::{demo, native, outside, peers, valgrind, vulkan};
 
 #[derive(Args, Default)]
 pub struct Options {
     /// Fail where a stage would be skipped; also on where CI=true
     #[arg(long)]
     pub require_all: bool,
-    /// Only the Rust tests and CTest
+    /// Only the Rust tests, those of Vulkan among them, and CTest
     #[arg(long, conflicts_with = "only")]
     pub quick: bool,
     /// Only this stage; may be given several times
@@ -88,6 +88,14 @@ const STAGES: &[Stage] = &[
         run: peers::gltf_validator,
     },
     Stage {
+        name: "vulkan",
+        shows: "what is recorded into Vulkan command buffers, on lavapipe and SwiftShader, under validation",
+        needs: &[Tool::Vulkan],
+        wants: &[],
+        closing: false,
+        run: vulkan::run,
+    },
+    Stage {
         name: "rust",
         shows: "the Rust tests, documentation examples among them",
         needs: &[],
@@ -107,7 +115,7 @@ const STAGES: &[Stage] = &[
 
 pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     let wanted = |stage: &&Stage| match options {
-        Options { quick: true, .. } => ["install", "rust", "ctest"].contains(&stage.name),
+        Options { quick: true, .. } => ["install", "vulkan", "rust", "ctest"].contains(&stage.name),
         Options { only, .. } if !only.is_empty() => only.iter().any(|name| name == stage.name),
         _ => true,
     };
@@ -124,7 +132,9 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
 
 fn rust(workspace: &Workspace) -> Result<Outcome> {
     workspace.cargo(&["test", "--profile", "xtask", "--package", "xtask"]).run()?;
-    workspace.cargo(&["test", "--package", "crumple", "--all-features"]).run()?;
+    // Vulkan has a stage of its own, with drivers of its own.
+    let all = workspace.cargo(&["test", "--package", "crumple", "--all-features"]);
+    all.env("VK_DRIVER_FILES", workspace.path("no-driver")).run()?;
     // Without the engines it compares with: they take longer to build than all the rest.
     workspace.cargo(&["test", "--package", "crumple-lab"]).run()?;
     Ok(Outcome::Passed)

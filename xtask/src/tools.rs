@@ -25,7 +25,12 @@ pub enum Tool {
     BlenderLibraries,
     /// Node's package manager, for the Khronos glTF validator.
     Npm,
+    /// Vulkan's loader and validation layers, and Mesa's software driver.
+    Vulkan,
 }
+
+/// What of Vulkan's files show that it is there.
+const VALIDATION: &str = "/usr/share/vulkan/explicit_layer.d/VkLayer_khronos_validation.json";
 
 /// What `bpy` loads, with the Debian packages that hold it.
 const BLENDER_LIBRARIES: &[(&str, &str)] = &[
@@ -59,6 +64,12 @@ impl Tool {
                 BLENDER_LIBRARIES.iter().all(|(file, _)| known.lines().any(|line| line.trim_start().starts_with(file)))
             }),
             Self::Npm => cmd!(sh, "npm --version").quiet().ignore_stderr().read().is_ok(),
+            Self::Vulkan => {
+                let known = cmd!(sh, "/sbin/ldconfig -p").quiet().ignore_stderr().read().unwrap_or_default();
+                known.contains("libvulkan.so.1")
+                    && known.contains("libvulkan_lvp.so")
+                    && std::path::Path::new(VALIDATION).exists()
+            }
         }
     }
 
@@ -74,6 +85,7 @@ impl Tool {
             Self::Python311 => &["python3.11", "python3.11-venv"],
             Self::Python3 => &["python3", "python3-venv"],
             Self::Npm => &["nodejs", "npm"],
+            Self::Vulkan => &["libvulkan1", "mesa-vulkan-drivers", "vulkan-validationlayers"],
         };
         packages.to_vec()
     }
@@ -92,6 +104,7 @@ impl fmt::Display for Tool {
             Self::Python3 => "Python 3 with venv",
             Self::BlenderLibraries => "X11 and OpenGL libraries for Blender",
             Self::Npm => "npm",
+            Self::Vulkan => "Vulkan with Mesa's software driver and the validation layers",
         })
     }
 }
@@ -103,13 +116,8 @@ pub fn provide(workspace: &Workspace, wanted: &BTreeSet<Tool>) -> Result<BTreeSe
         return Ok(missing);
     }
     let packages = packages_of(&missing);
-    if let Some(privilege) = privilege(workspace) {
+    if let Some(apt) = apt(workspace) {
         println!("installing what is missing: {}", packages.join(" "));
-        let sh = &workspace.shell;
-        let apt = |arguments: &[&str]| {
-            let (program, rest) = (privilege[0], &privilege[1..]);
-            cmd!(sh, "{program} {rest...} DEBIAN_FRONTEND=noninteractive apt-get -q -y {arguments...}").run()
-        };
         // A package list that cannot be refreshed, or one package that the release does not have, must not stop the others:
         // what is missing afterwards says so by itself.
         let _ = apt(&["update"]);
@@ -144,6 +152,23 @@ fn packages_of(tools: &BTreeSet<Tool>) -> Vec<&'static str> {
 
 fn still_missing(workspace: &Workspace, wanted: &BTreeSet<Tool>) -> BTreeSet<Tool> {
     wanted.iter().copied().filter(|tool| !tool.here(workspace)).collect()
+}
+
+/// Renews the list of packages, where that is allowed.
+pub fn refresh(workspace: &Workspace) {
+    if let Some(apt) = apt(workspace) {
+        let _ = apt(&["update"]);
+    }
+}
+
+/// `apt-get` with these arguments, where we may.
+fn apt(workspace: &Workspace) -> Option<impl Fn(&[&str]) -> xshell::Result<()>> {
+    let privilege = privilege(workspace)?;
+    let sh = &workspace.shell;
+    Some(move |arguments: &[&str]| {
+        let (program, rest) = (privilege[0], &privilege[1..]);
+        cmd!(sh, "{program} {rest...} DEBIAN_FRONTEND=noninteractive apt-get -q -y {arguments...}").run()
+    })
 }
 
 /// The words before `NAME=value apt-get`: `env` as root, `sudo -n env` where that asks for no password, `None` elsewhere and where there is no apt.

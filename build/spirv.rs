@@ -1,0 +1,72 @@
+//! What SPIR-V gets after naga has written it.
+
+/// Words before the first instruction.
+const HEADER: usize = 5;
+const NO_CONTRACTION: u32 = 42;
+
+mod op {
+    pub const TYPE_VOID: u32 = 19;
+    pub const TYPE_FORWARD_POINTER: u32 = 39;
+    pub const ACCESS_CHAIN: u32 = 65;
+    pub const DECORATE: u32 = 71;
+    pub const F_NEGATE: u32 = 127;
+    pub const F_ADD: u32 = 129;
+    pub const F_SUB: u32 = 131;
+    pub const F_MUL: u32 = 133;
+    pub const F_DIV: u32 = 136;
+    pub const VECTOR_TIMES_SCALAR: u32 = 142;
+}
+
+/// Opcode and words of each instruction, the first of which holds opcode and length.
+pub fn instructions(module: &[u32]) -> impl Iterator<Item = (u32, &[u32])> {
+    let mut rest = &module[HEADER..];
+    std::iter::from_fn(move || {
+        let length = (*rest.first()? >> 16) as usize;
+        let (instruction, after) = rest.split_at(length);
+        rest = after;
+        Some((instruction[0] & 0xFFFF, instruction))
+    })
+}
+
+/// Access chains that go on from another become one: naga steps from a buffer to its array, and from there to an element,
+/// and synchronization validation does not see what is stored through the second step. Without this a missing barrier would
+/// pass unseen.
+pub fn with_folded_chains(module: &[u32]) -> Vec<u32> {
+    // Of each chain its base and indices, already folded.
+    let mut chains: Vec<(u32, Vec<u32>)> = Vec::new();
+    let mut out = module[..HEADER].to_vec();
+    for (opcode, words) in instructions(module) {
+        if opcode != op::ACCESS_CHAIN {
+            out.extend(words);
+            continue;
+        }
+        let (result, mut base, mut indices) = (words[2], words[3], words[4..].to_vec());
+        if let Some((_, before)) = chains.iter().find(|(id, _)| *id == base) {
+            indices.splice(0..0, before[1..].iter().copied());
+            base = before[0];
+        }
+        let length = 4 + indices.len() as u32;
+        out.extend([length << 16 | op::ACCESS_CHAIN, words[1], result, base]);
+        out.extend(&indices);
+        indices.insert(0, base);
+        chains.push((result, indices));
+    }
+    out
+}
+
+/// Decorates every floating-point operation with NoContraction: no multiplication is fused with an addition, so that results
+/// are those of the CPU.
+pub fn without_contraction(module: &[u32]) -> Vec<u32> {
+    use op::*;
+    let decorations: Vec<u32> = instructions(module)
+        .filter(|(opcode, _)| [F_NEGATE, F_ADD, F_SUB, F_MUL, F_DIV, VECTOR_TIMES_SCALAR].contains(opcode))
+        .flat_map(|(_, words)| [3 << 16 | DECORATE, words[2], NO_CONTRACTION])
+        .collect();
+    // Annotations end where types begin.
+    let before: usize = instructions(module)
+        .take_while(|(opcode, _)| !(TYPE_VOID..=TYPE_FORWARD_POINTER).contains(opcode))
+        .map(|(_, words)| words.len())
+        .sum();
+    let (head, tail) = module.split_at(HEADER + before);
+    [head, &decorations, tail].concat()
+}

@@ -1,0 +1,222 @@
+// What both rules share: where things lie, vectors, and vertices as the host stores them. Joined before each kernel.
+//
+// Every operation is written out, in the order in which src/deform/kernel.rs does it: no built-in whose result differs from
+// device to device (dot, mix, normalize, min, max, pack…).
+
+// Vertices a block.
+const BLOCK = 128u;
+const NONE = 0xFFFFFFFFu;
+// Words of an item and of a part in `frame`.
+const ITEM = 8u;
+const PART = 8u;
+
+// Word offsets in `frame`.
+struct Call {
+    items: u32,
+    parts: u32,
+    carried: u32,
+    targets: u32,
+    // Invocations in a row of workgroups, and those that are wanted in all.
+    row: u32,
+    count: u32,
+}
+var<immediate> call: Call;
+
+// Meshes, examples, stamps: what does not change.
+@group(0) @binding(0) var<storage, read> arena: array<u32>;
+// The frame's items, parts and targets.
+@group(0) @binding(1) var<storage, read> frame: array<u32>;
+// The host's buffer, or a window of it.
+@group(1) @binding(0) var<storage, read_write> vertices: array<u32>;
+
+fn frame_float(at: u32) -> f32 {
+    return bitcast<f32>(frame[at]);
+}
+
+fn frame_vector(at: u32) -> vec3<f32> {
+    return vec3(frame_float(at), frame_float(at + 1u), frame_float(at + 2u));
+}
+
+fn arena_float(at: u32) -> f32 {
+    return bitcast<f32>(arena[at]);
+}
+
+fn arena_vector(at: u32) -> vec3<f32> {
+    return vec3(arena_float(at), arena_float(at + 1u), arena_float(at + 2u));
+}
+
+fn dot3(a: vec3<f32>, b: vec3<f32>) -> f32 {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+fn cross3(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
+    return vec3(a.y * b.z - b.y * a.z, a.z * b.x - b.z * a.x, a.x * b.y - b.x * a.y);
+}
+
+// Of two numbers; where `a` is not one, `b`.
+fn least(a: f32, b: f32) -> f32 {
+    return select(b, a, a < b);
+}
+
+fn most(a: f32, b: f32) -> f32 {
+    return select(b, a, a > b);
+}
+
+fn held(x: f32, low: f32, high: f32) -> f32 {
+    return least(most(x, low), high);
+}
+
+// `v` of unit length, or `other` where it has no length.
+fn unit(v: vec3<f32>, other: vec3<f32>) -> vec3<f32> {
+    let m = most(most(abs(v.x), abs(v.y)), abs(v.z));
+    if !(m > 0.0 && m <= 3.4028234e38) {
+        return other;
+    }
+    let w = v / m;
+    return w / sqrt(dot3(w, w));
+}
+
+// math.rs, `turned_as`.
+fn turned_as(a: vec3<f32>, b: vec3<f32>, t: vec3<f32>) -> vec3<f32> {
+    var from_ = a;
+    var v = t;
+    if dot3(a, b) < -0.9999 {
+        let towards = select(vec3(1.0, 0.0, 0.0), vec3(0.0, 0.0, 1.0), abs(a.z) < 0.99);
+        let u = unit(towards - a * dot3(a, towards), towards);
+        v = u * (2.0 * dot3(u, t)) - t;
+        from_ = -a;
+    }
+    let c = cross3(from_, b);
+    let w = cross3(c, v);
+    return v + w + cross3(c, w) * (1.0 / (1.0 + dot3(from_, b)));
+}
+
+// evaluate.rs, `tangent`.
+fn tangent_of(base: vec4<f32>, base_normal: vec3<f32>, normal: vec3<f32>) -> vec4<f32> {
+    if all(base_normal == normal) {
+        return base;
+    }
+    let turned = turned_as(base_normal, normal, base.xyz);
+    let flat = turned - normal * dot3(normal, turned);
+    // math.rs, `tangent_basis`.
+    let sign = select(1.0, -1.0, (bitcast<u32>(normal.z) >> 31u) != 0u);
+    let a = -1.0 / (sign + normal.z);
+    let b = normal.x * normal.y * a;
+    let across = vec3(1.0 + sign * normal.x * normal.x * a, sign * b, -sign * normal.x);
+    return vec4(unit(flat, across), base.w);
+}
+
+// ------------------------------------------------------------------------------------------------------- anchored examples
+
+fn signed(bits: u32, shift: u32, right: u32) -> f32 {
+    return f32(bitcast<i32>(bits << shift) >> right);
+}
+
+// The stored vector of vertex `v` of a block, in steps: `width` bytes a number, groups of eight vertices.
+fn stored(at: u32, width: u32, groups: u32, v: u32) -> vec3<f32> {
+    let group = v >> 3u;
+    if ((groups >> group) & 1u) == 0u {
+        return vec3(0.0);
+    }
+    let before = countOneBits(groups & ((1u << group) - 1u));
+    let n = 3u * (before * 8u + (v & 7u));
+    if width == 1u {
+        let shift = (n & 3u) * 8u;
+        let low = arena[at + (n >> 2u)];
+        let high = arena[at + ((n + 2u) >> 2u)];
+        let w = select((low >> shift) | (high << ((32u - shift) & 31u)), low, shift == 0u);
+        return vec3(signed(w, 24u, 24u), signed(w, 16u, 24u), signed(w, 8u, 24u));
+    }
+    if width == 2u {
+        let a = arena[at + (n >> 1u)];
+        let b = arena[at + (n >> 1u) + 1u];
+        if (n & 1u) == 0u {
+            return vec3(signed(a, 16u, 16u), signed(a, 0u, 16u), signed(b, 16u, 16u));
+        }
+        return vec3(signed(a, 0u, 16u), signed(b, 16u, 16u), signed(b, 0u, 16u));
+    }
+    return arena_vector(at + n);
+}
+
+// ---------------------------------------------------------------------------------------------------- the host's formats
+// Codes and conversions are those of src/gpu/format.rs.
+
+const F16X4 = 1u;
+const SNORM16X4 = 2u;
+const SNORM8X4 = 3u;
+// Words of a target in `frame`.
+const TARGET = 16u;
+
+fn f16_bits(x: f32) -> u32 {
+    let bits = bitcast<u32>(x);
+    let sign = (bits >> 16u) & 0x8000u;
+    let size = bits & 0x7FFFFFFFu;
+    if size >= 0x477FE000u {
+        return sign | select(0x7BFFu, 0x7E00u, size > 0x7F800000u);
+    }
+    if size < 0x38800000u {
+        return sign | (bitcast<u32>(bitcast<f32>(size) + 0.5) - 0x3F000000u);
+    }
+    return sign | ((size - 0x38000000u + 0xFFFu + ((size >> 13u) & 1u)) >> 13u);
+}
+
+fn snorm_bits(x: f32, top: f32) -> u32 {
+    let y = held(x, -1.0, 1.0) * top;
+    return bitcast<u32>(i32(y + select(0.5, -0.5, y < 0.0)));
+}
+
+fn write4(at: u32, format: u32, v: vec4<f32>) {
+    if format == F16X4 {
+        vertices[at] = f16_bits(v.x) | (f16_bits(v.y) << 16u);
+        vertices[at + 1u] = f16_bits(v.z) | (f16_bits(v.w) << 16u);
+    } else if format == SNORM16X4 {
+        vertices[at] = (snorm_bits(v.x, 32767.0) & 0xFFFFu) | (snorm_bits(v.y, 32767.0) << 16u);
+        vertices[at + 1u] = (snorm_bits(v.z, 32767.0) & 0xFFFFu) | (snorm_bits(v.w, 32767.0) << 16u);
+    } else {
+        let low = (snorm_bits(v.x, 127.0) & 0xFFu) | ((snorm_bits(v.y, 127.0) & 0xFFu) << 8u);
+        vertices[at] = low | ((snorm_bits(v.z, 127.0) & 0xFFu) << 16u) | (snorm_bits(v.w, 127.0) << 24u);
+    }
+}
+
+fn write3(at: u32, v: vec3<f32>) {
+    vertices[at] = bitcast<u32>(v.x);
+    vertices[at + 1u] = bitcast<u32>(v.y);
+    vertices[at + 2u] = bitcast<u32>(v.z);
+}
+
+fn write_position(t: u32, vertex: u32, p: vec3<f32>) {
+    let at = frame[t + 3u] + vertex * frame[t + 4u];
+    let format = frame[t + 9u] & 0xFFu;
+    if format == 0u {
+        write3(at, p);
+    } else if format == F16X4 {
+        write4(at, format, vec4(p, 1.0));
+    } else {
+        write4(at, format, vec4((p - frame_vector(t + 10u)) / frame_vector(t + 13u), 1.0));
+    }
+}
+
+fn write_normal(t: u32, vertex: u32, n: vec3<f32>) {
+    let stride = frame[t + 6u];
+    if stride == 0u {
+        return;
+    }
+    let at = frame[t + 5u] + vertex * stride;
+    let format = (frame[t + 9u] >> 8u) & 0xFFu;
+    if format == 0u {
+        write3(at, n);
+    } else {
+        write4(at, format, vec4(n, 0.0));
+    }
+}
+
+fn write_tangent(t: u32, vertex: u32, v: vec4<f32>) {
+    let at = frame[t + 7u] + vertex * frame[t + 8u];
+    let format = (frame[t + 9u] >> 16u) & 0xFFu;
+    if format == 0u {
+        write3(at, v.xyz);
+        vertices[at + 3u] = bitcast<u32>(v.w);
+    } else {
+        write4(at, format, v);
+    }
+}

@@ -1,0 +1,266 @@
+//! The host's device as it is used here, and everything that is made on it.
+
+use super::arena::Arena;
+use super::frames::Slot;
+use super::functions::{Functions, InstanceFunctions};
+use super::host::Hosts;
+use super::kernels::{Kernels, Set};
+use super::record::Scratch;
+use super::state::State;
+use crate::Error;
+use ash::vk::{self, Handle};
+use std::ffi::CStr;
+use std::fmt;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// The host's Vulkan device.
+#[derive(Clone)]
+pub struct DeviceDef<'a> {
+    /// The loader that the instance was made with: `vkGetInstanceProcAddr`. All functions are taken from it.
+    pub get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
+    /// The instance, of Vulkan 1.1 or later.
+    pub instance: vk::Instance,
+    /// The physical device, of Vulkan 1.1 or later.
+    pub physical_device: vk::PhysicalDevice,
+    /// The device.
+    pub device: vk::Device,
+    /// Family of the queue that command buffers will be submitted to; one that can compute.
+    pub queue_family: u32,
+    /// What [`Device::pipeline_cache_data`] gave at an earlier run, or nothing. Data of another driver is not used.
+    pub pipeline_cache: &'a [u8],
+    /// Invocations a workgroup: a power of two from 32 to 256, no more than the device can. 128 where nothing says otherwise.
+    pub workgroup_size: u32,
+}
+
+impl<'a> DeviceDef<'a> {
+    /// Of these handles, without cached pipelines.
+    pub fn new(
+        get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
+        instance: vk::Instance,
+        physical_device: vk::PhysicalDevice,
+        device: vk::Device,
+        queue_family: u32,
+    ) -> Self {
+        let (pipeline_cache, workgroup_size): (&'a [u8], u32) = (&[], 128);
+        DeviceDef {
+            get_instance_proc_addr,
+            instance,
+            physical_device,
+            device,
+            queue_family,
+            pipeline_cache,
+            workgroup_size,
+        }
+    }
+}
+
+/// What everything is made with.
+pub(super) struct Gpu {
+    pub functions: Functions,
+    pub device: vk::Device,
+    pub memory: vk::PhysicalDeviceMemoryProperties,
+    pub limits: vk::PhysicalDeviceLimits,
+    /// Buffers, pieces of memory and descriptor pools made so far.
+    made: AtomicU64,
+}
+
+impl Gpu {
+    pub(super) fn count(&self) {
+        self.made.fetch_add(1, Ordering::Relaxed);
+    }
+}
+
+/// A Vulkan device of the host that deformation is recorded for.
+pub struct Device {
+    pub(super) gpu: Gpu,
+    /// Tells targets of other devices.
+    pub(super) id: u64,
+    pub(super) kernels: Kernels,
+    pub(super) workgroup: u32,
+    pub(super) hosts: Hosts,
+    pub(super) arena: Arena,
+    pub(super) slots: Vec<Slot>,
+    pub(super) states: Vec<Arc<State>>,
+    /// Sets that are no longer needed, each with the last frame that may use it.
+    pub(super) garbage: Vec<(u64, Set)>,
+    pub(super) recorded: u64,
+    pub(super) completed: u64,
+    pub(super) scratch: Scratch,
+}
+
+impl fmt::Debug for Device {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Device")
+            .field("device", &self.gpu.device)
+            .field("recorded", &self.recorded)
+            .field("completed", &self.completed)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Device {
+    /// Takes the host's device: loads functions and makes pipelines (some milliseconds, less with cached data).
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a null handle, a queue family that is not there or cannot compute, or a workgroup size
+    /// that is none; [`Error::Unsupported`] naming a function that the loader does not have, or a device below Vulkan 1.1;
+    /// [`Error::Vulkan`], [`Error::DeviceLost`].
+    ///
+    /// # Safety
+    /// The handles are valid, belong together, and stay valid until the device is dropped.
+    pub unsafe fn new(def: &DeviceDef<'_>) -> Result<Self, Error> {
+        let named = [
+            ("the VkInstance", def.instance.is_null()),
+            ("the VkPhysicalDevice", def.physical_device.is_null()),
+            ("the VkDevice", def.device.is_null()),
+        ];
+        for (name, null) in named {
+            if null {
+                return Err(Error::invalid(name, "null", "a valid handle"));
+            }
+        }
+        let get = def.get_instance_proc_addr;
+        // SAFETY: the caller's loader and instance.
+        let instance = unsafe { InstanceFunctions::load(|name| get(def.instance, name.as_ptr()))? };
+        let get = |name: &CStr| {
+            // SAFETY: the caller's device, and its own loader.
+            unsafe { (instance.get_device_proc_addr)(def.device, name.as_ptr()) }
+        };
+        // SAFETY: as the loader says.
+        let functions = unsafe { Functions::load(get)? };
+        let mut properties = vk::PhysicalDeviceProperties::default();
+        let mut memory = vk::PhysicalDeviceMemoryProperties::default();
+        let mut count = 0;
+        // SAFETY: the caller's physical device.
+        unsafe {
+            (instance.properties)(def.physical_device, &mut properties);
+            (instance.memory_properties)(def.physical_device, &mut memory);
+            (instance.queue_families)(def.physical_device, &mut count, std::ptr::null_mut());
+        }
+        let mut families = vec![vk::QueueFamilyProperties::default(); count as usize];
+        // SAFETY: the same; there is room for `count`.
+        unsafe { (instance.queue_families)(def.physical_device, &mut count, families.as_mut_ptr()) };
+        check(def, &properties, &families)?;
+        static NEXT: AtomicU64 = AtomicU64::new(1);
+        let gpu = Gpu { functions, device: def.device, memory, limits: properties.limits, made: AtomicU64::new(0) };
+        let cache = if fits(def.pipeline_cache, &properties) { def.pipeline_cache } else { &[] };
+        Ok(Device {
+            kernels: gpu.kernels(def.workgroup_size, cache)?,
+            gpu,
+            id: NEXT.fetch_add(1, Ordering::Relaxed),
+            workgroup: def.workgroup_size,
+            hosts: Hosts::default(),
+            arena: Arena::default(),
+            slots: Vec::new(),
+            states: Vec::new(),
+            garbage: Vec::new(),
+            recorded: 0,
+            completed: 0,
+            scratch: Scratch::default(),
+        })
+    }
+
+    /// Says that the device is done with `frame` and all before it: everything that was submitted for them has completed.
+    /// What they used is used again or freed, and what belonged to sets that no target shows any more. Cheap; once a frame.
+    pub fn completed(&mut self, frame: u64) {
+        self.completed = self.completed.max(frame);
+        self.drop_states();
+        let (gpu, done) = (&self.gpu, self.completed);
+        self.arena.completed(gpu, done, |chunk| {
+            for slot in &mut self.slots {
+                slot.forget(gpu, chunk);
+            }
+        });
+        self.garbage.retain(|(frame, set)| {
+            if *frame <= done {
+                // SAFETY: the frames that might have used it are done.
+                unsafe { gpu.destroy_set(set) };
+            }
+            *frame > done
+        });
+    }
+
+    /// Says that what was recorded for `frame` will not be submitted: it is as if the frame's recordings had not been, but that
+    /// its targets must be told by [`super::Target::invalidate`].
+    pub fn discard(&mut self, frame: u64) {
+        self.arena.discard(frame);
+    }
+
+    /// The last frame that was recorded; above what [`Device::completed`] was told, frames are in flight.
+    pub fn recorded(&self) -> u64 {
+        self.recorded
+    }
+
+    /// Data for [`DeviceDef::pipeline_cache`] at the next run, on the same driver.
+    ///
+    /// # Errors
+    /// [`Error::Vulkan`].
+    pub fn pipeline_cache_data(&self) -> Result<Vec<u8>, Error> {
+        self.gpu.cache_data(&self.kernels)
+    }
+
+    /// How many buffers, pieces of memory and descriptor pools were made so far: a number that stands still once as many frames
+    /// are in flight as ever, and as much changes a frame as ever.
+    pub fn objects_made(&self) -> u64 {
+        self.gpu.made.load(Ordering::Relaxed)
+    }
+}
+
+impl Drop for Device {
+    fn drop(&mut self) {
+        if self.recorded > self.completed {
+            // A frame in flight may use anything.
+            return;
+        }
+        self.completed(u64::MAX);
+        // SAFETY: all frames are done.
+        unsafe {
+            self.arena.destroy(&self.gpu);
+            self.states.iter().for_each(|s| s.destroy(&self.gpu));
+            self.hosts.sets().for_each(|s| self.gpu.destroy_set(s));
+            for slot in &self.slots {
+                slot.destroy(&self.gpu);
+            }
+            self.gpu.destroy_kernels(&self.kernels);
+        }
+    }
+}
+
+fn check(
+    def: &DeviceDef<'_>,
+    properties: &vk::PhysicalDeviceProperties,
+    families: &[vk::QueueFamilyProperties],
+) -> Result<(), Error> {
+    if properties.api_version < vk::API_VERSION_1_1 {
+        let (major, minor) =
+            (vk::api_version_major(properties.api_version), vk::api_version_minor(properties.api_version));
+        return Err(Error::Unsupported { what: format!("a device of Vulkan {major}.{minor}; 1.1 is needed") });
+    }
+    let compute = |f: &vk::QueueFamilyProperties| f.queue_flags.contains(vk::QueueFlags::COMPUTE);
+    if !families.get(def.queue_family as usize).is_some_and(compute) {
+        let good = families.iter().enumerate().filter(|(_, f)| compute(f)).map(|(i, _)| i.to_string());
+        let good: Vec<String> = good.collect();
+        return Err(Error::invalid(
+            "queue_family",
+            def.queue_family,
+            &format!("one that computes: {}", good.join(", ")),
+        ));
+    }
+    let limits = &properties.limits;
+    let most = limits.max_compute_work_group_size[0].min(limits.max_compute_work_group_invocations).min(256);
+    if !def.workgroup_size.is_power_of_two() || !(32..=most).contains(&def.workgroup_size) {
+        return Err(Error::invalid("workgroup_size", def.workgroup_size, &format!("a power of two, 32 to {most}")));
+    }
+    Ok(())
+}
+
+/// Whether the data's header is of this driver: other data must not be handed to it.
+fn fits(data: &[u8], properties: &vk::PhysicalDeviceProperties) -> bool {
+    let word = |i: usize| Some(u32::from_le_bytes(data.get(4 * i..4 * i + 4)?.try_into().ok()?));
+    word(0) == Some(32)
+        && word(1) == Some(vk::PipelineCacheHeaderVersion::ONE.as_raw() as u32)
+        && word(2) == Some(properties.vendor_id)
+        && word(3) == Some(properties.device_id)
+        && data.get(16..32) == Some(&properties.pipeline_cache_uuid)
+}

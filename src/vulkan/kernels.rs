@@ -1,0 +1,200 @@
+//! The kernels as pipelines, and the descriptor sets they are given.
+
+use super::device::Gpu;
+use super::functions::{Functions, checked};
+use crate::Error;
+use ash::vk;
+use std::ptr::{null, null_mut};
+
+/// How much of a vertex a kernel writes; each writes what those before it do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Kernel {
+    Positions,
+    Normals,
+    Tangents,
+}
+
+macro_rules! spirv {
+    ($name:literal) => {
+        include_bytes!(concat!(env!("OUT_DIR"), "/", $name, ".spv"))
+    };
+}
+
+/// Of the default rule, then of the classic ones; each as [`Kernel`] counts.
+const MODULES: [&[u8]; 6] = [
+    spirv!("marks_positions"),
+    spirv!("marks_normals"),
+    spirv!("marks_tangents"),
+    spirv!("classic_positions"),
+    spirv!("classic_normals"),
+    spirv!("classic_tangents"),
+];
+/// What a kernel is told at a dispatch: `Call` in common.wgsl.
+pub(super) type Call = [u32; 6];
+
+/// Layouts and pipelines.
+#[derive(Debug, Default)]
+pub(super) struct Kernels {
+    /// Arena and frame; one buffer: the host's, and a state.
+    set_layouts: [vk::DescriptorSetLayout; 2],
+    pub layout: vk::PipelineLayout,
+    cache: vk::PipelineCache,
+    pipelines: [vk::Pipeline; 6],
+}
+
+impl Kernels {
+    pub(super) fn pipeline(&self, kernel: Kernel, classic: bool) -> vk::Pipeline {
+        self.pipelines[kernel as usize + if classic { 3 } else { 0 }]
+    }
+}
+
+/// A descriptor set in a pool of its own.
+#[derive(Debug)]
+pub(super) struct Set {
+    pool: vk::DescriptorPool,
+    pub handle: vk::DescriptorSet,
+}
+
+impl Gpu {
+    /// Pipelines with `workgroup` invocations a group, from cached data if it fits the driver.
+    pub(super) fn kernels(&self, workgroup: u32, cache: &[u8]) -> Result<Kernels, Error> {
+        let mut kernels = Kernels::default();
+        let made = self.make_kernels(&mut kernels, workgroup, cache);
+        if made.is_err() {
+            // SAFETY: nothing uses them yet.
+            unsafe { self.destroy_kernels(&kernels) };
+        }
+        made.map(|()| kernels)
+    }
+
+    fn make_kernels(&self, k: &mut Kernels, workgroup: u32, cache: &[u8]) -> Result<(), Error> {
+        let (f, device) = (&self.functions, self.device);
+        let binding = |n| {
+            vk::DescriptorSetLayoutBinding::default()
+                .binding(n)
+                .descriptor_type(vk::DescriptorType::STORAGE_BUFFER)
+                .descriptor_count(1)
+                .stage_flags(vk::ShaderStageFlags::COMPUTE)
+        };
+        for (layout, bindings) in k.set_layouts.iter_mut().zip([&[binding(0), binding(1)][..], &[binding(0)]]) {
+            let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(bindings);
+            // SAFETY: a valid device and valid arguments that live through the call, here and below.
+            let result = unsafe { (f.create_set_layout)(device, &info, null(), layout) };
+            checked("vkCreateDescriptorSetLayout", result)?;
+        }
+        let push = [vk::PushConstantRange::default()
+            .stage_flags(vk::ShaderStageFlags::COMPUTE)
+            .size(size_of::<Call>() as u32)];
+        let sets = [k.set_layouts[0], k.set_layouts[1], k.set_layouts[1]];
+        let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets).push_constant_ranges(&push);
+        // SAFETY: as above.
+        let result = unsafe { (f.create_pipeline_layout)(device, &info, null(), &mut k.layout) };
+        checked("vkCreatePipelineLayout", result)?;
+        // Drivers ignore data of other drivers.
+        let info = vk::PipelineCacheCreateInfo::default().initial_data(cache);
+        // SAFETY: as above.
+        checked("vkCreatePipelineCache", unsafe { (f.create_cache)(device, &info, null(), &mut k.cache) })?;
+        for (pipeline, module) in k.pipelines.iter_mut().zip(MODULES) {
+            let words = with_workgroup(module, workgroup);
+            let info = vk::ShaderModuleCreateInfo::default().code(&words);
+            let mut module = vk::ShaderModule::null();
+            // SAFETY: as above; the SPIR-V is valid.
+            checked("vkCreateShaderModule", unsafe { (f.create_shader_module)(device, &info, null(), &mut module) })?;
+            let stage = vk::PipelineShaderStageCreateInfo::default()
+                .stage(vk::ShaderStageFlags::COMPUTE)
+                .module(module)
+                .name(c"main");
+            let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(k.layout);
+            // SAFETY: as above; the module is no longer needed once the pipeline is made.
+            let result = unsafe {
+                let result = (f.create_pipelines)(device, k.cache, 1, &info, null(), pipeline);
+                (f.destroy_shader_module)(device, module, null());
+                result
+            };
+            checked("vkCreateComputePipelines", result)?;
+        }
+        Ok(())
+    }
+
+    /// What the driver would like to have again at the next start.
+    pub(super) fn cache_data(&self, k: &Kernels) -> Result<Vec<u8>, Error> {
+        let get = |size: &mut usize, data: *mut u8| {
+            // SAFETY: the cache is valid, and `size` bytes are there or the pointer is null.
+            let result = unsafe { (self.functions.cache_data)(self.device, k.cache, size, data.cast()) };
+            checked("vkGetPipelineCacheData", result)
+        };
+        let mut size = 0;
+        get(&mut size, null_mut())?;
+        let mut data = vec![0; size];
+        get(&mut size, data.as_mut_ptr())?;
+        data.truncate(size);
+        Ok(data)
+    }
+
+    /// Of arena and frame (two buffers), or of the host's buffer or a state (one): handle, offset and bytes of each.
+    pub(super) fn set(&self, k: &Kernels, buffers: &[(vk::Buffer, u64, u64)]) -> Result<Set, Error> {
+        let (f, device) = (&self.functions, self.device);
+        let sizes = [vk::DescriptorPoolSize::default()
+            .ty(vk::DescriptorType::STORAGE_BUFFER)
+            .descriptor_count(buffers.len() as u32)];
+        let info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
+        let mut set = Set { pool: vk::DescriptorPool::null(), handle: vk::DescriptorSet::null() };
+        self.count();
+        // SAFETY: as above.
+        checked("vkCreateDescriptorPool", unsafe { (f.create_pool)(device, &info, null(), &mut set.pool) })?;
+        let layouts = [k.set_layouts[usize::from(buffers.len() == 1)]];
+        let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(set.pool).set_layouts(&layouts);
+        // SAFETY: as above; the pool has room for just this set.
+        let result = unsafe { (f.allocate_sets)(device, &info, &mut set.handle) };
+        if result != vk::Result::SUCCESS {
+            // SAFETY: nothing uses it.
+            unsafe { self.destroy_set(&set) };
+        }
+        checked("vkAllocateDescriptorSets", result)?;
+        for (binding, (buffer, offset, range)) in (0..).zip(buffers) {
+            let info = [vk::DescriptorBufferInfo::default().buffer(*buffer).offset(*offset).range(*range)];
+            let write = vk::WriteDescriptorSet::default()
+                .dst_set(set.handle)
+                .dst_binding(binding)
+                .descriptor_type(vk::DescriptorType::STORAGE_BUFFER)
+                .buffer_info(&info);
+            // SAFETY: as above; no command buffer uses the set yet.
+            unsafe { (f.update_sets)(device, 1, &write, 0, null()) };
+        }
+        Ok(set)
+    }
+
+    /// # Safety
+    /// Nothing uses the set any more.
+    pub(super) unsafe fn destroy_set(&self, set: &Set) {
+        // SAFETY: passed on.
+        unsafe { (self.functions.destroy_pool)(self.device, set.pool, null()) };
+    }
+
+    /// # Safety
+    /// Nothing uses them any more.
+    pub(super) unsafe fn destroy_kernels(&self, k: &Kernels) {
+        let (f, device): (&Functions, _) = (&self.functions, self.device);
+        // SAFETY: passed on; null handles are ignored.
+        unsafe {
+            k.pipelines.iter().for_each(|p| (f.destroy_pipeline)(device, *p, null()));
+            (f.destroy_cache)(device, k.cache, null());
+            (f.destroy_pipeline_layout)(device, k.layout, null());
+            k.set_layouts.iter().for_each(|l| (f.destroy_set_layout)(device, *l, null()));
+        }
+    }
+}
+
+/// The words of a module, with so many invocations a workgroup: kernels ask for no number of their own.
+fn with_workgroup(module: &[u8], invocations: u32) -> Vec<u32> {
+    const HEADER: usize = 5;
+    const EXECUTION_MODE: u32 = 16;
+    let mut words: Vec<u32> = module.chunks_exact(4).map(|w| u32::from_le_bytes([w[0], w[1], w[2], w[3]])).collect();
+    let mut at = HEADER;
+    while words[at] & 0xFFFF != EXECUTION_MODE {
+        at += (words[at] >> 16) as usize;
+    }
+    // LocalSize: entry point, mode, x, y, z.
+    words[at + 3] = invocations;
+    words
+}

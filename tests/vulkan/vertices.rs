@@ -1,0 +1,226 @@
+//! The same vertices as the CPU's.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use crumple::vulkan::{Attribute, Device, Encoding, RecordJob};
+use crumple::{
+    Combine, ExampleSet, Instance, InstanceOptions, Mark, Mirror, Pair, Placement, Rule, Serial, SetOptions,
+};
+
+use crate::harness::{Engine, POISON, on_each_device};
+use crate::scenes::{self, Dice};
+use crate::{Plan, folded, format, hit, same};
+
+/// Bodies of every kind: exact and baked, in each width, by each way to combine, carried and anchored, with a held rim.
+fn sets() -> Vec<(String, Arc<ExampleSet>)> {
+    let mut all: Vec<(String, Arc<ExampleSet>)> =
+        scenes::small_bodies().into_iter().map(|(n, s)| (n.to_owned(), s)).collect();
+    let sheet = || {
+        let mesh = scenes::sheet(30);
+        let examples = scenes::bowls(&mesh, 5, 0.3, 3);
+        (mesh, examples)
+    };
+    for (tolerance, name) in [(3e-3, "8 bits"), (1e-5, "16 bits"), (1e-7, "floats")] {
+        let (mesh, examples) = sheet();
+        let options = SetOptions { tolerance: Some(tolerance), ..SetOptions::default() };
+        all.push((format!("sheet in {name}"), scenes::build(mesh, examples, options)));
+    }
+    for combine in [Combine::Sum, Combine::Deepest] {
+        let (mesh, examples) = sheet();
+        let options = SetOptions { combine, depth_limit: Some(0.05), ..SetOptions::default() };
+        all.push((format!("{combine:?}"), scenes::build(mesh, examples, options)));
+    }
+    for placement in [Placement::Anchored, Placement::Carried] {
+        let mesh = scenes::cube(12);
+        let mut examples = scenes::bowls(&mesh, 6, 0.4, 5);
+        examples.iter_mut().for_each(|e| e.placement = placement);
+        all.push((format!("{placement:?} cube"), scenes::build(mesh, examples, SetOptions::default())));
+    }
+    all.push(("panel".into(), scenes::solver_set("panel", 6, Placement::Automatic)));
+    all
+}
+
+/// Marks that no selection would make.
+fn any_marks(set: &ExampleSet, count: usize, dice: &mut Dice) -> Vec<Mark> {
+    let one = |dice: &mut Dice| {
+        let share = 200 + dice.index(500) as i16;
+        let example = dice.index(set.examples().len()) as u16;
+        let stamped = set.examples()[usize::from(example)].stamp().is_some();
+        if stamped && dice.index(3) > 0 {
+            Pair::carried(example, share, Mirror::from_bits(dice.index(8) as u8))
+        } else {
+            Pair::anchored(example, share)
+        }
+    };
+    let mut all = Vec::new();
+    for _ in 0..count {
+        let mut pairs = [one(dice), Pair::NONE, Pair::NONE, Pair::NONE];
+        if dice.index(2) == 0 {
+            let example = dice.index(set.examples().len()) as u16;
+            pairs[1] = Pair::anchored(example, -150);
+        }
+        let depth = set.depth_limit() * dice.between(0.01, 2.0);
+        let energy = [1 << 20, Mark::ONE, 5 * Mark::ONE][dice.index(3)];
+        all.push(Mark { contact: dice.index(set.vertex_count()) as u32, depth, energy, pairs });
+    }
+    all
+}
+
+/// The next frame, of whatever device.
+static FRAME: AtomicU64 = AtomicU64::new(1);
+
+/// Records an instance again and again as it changes, and compares the whole buffer each time.
+fn compare(
+    (engine, crumple): (&Engine, &mut Device),
+    name: &str,
+    instance: &mut Instance,
+    plan: &Plan,
+    mut change: impl FnMut(&mut Instance, u64) -> bool,
+) {
+    let (seen, id) = engine.target_buffer(crumple, plan.offset + plan.size + 64);
+    let mut target = crumple.add_target(&instance.example_set().clone(), &plan.def(id)).unwrap();
+    let mut wanted = vec![POISON; seen.words().len()];
+    for frame in 1.. {
+        let job = RecordJob { instance, target: &mut target };
+        let number = FRAME.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: the command buffer is recording.
+        let report = engine.run(|c| unsafe { crumple.record(c, number, &mut [job]) }).unwrap();
+        crumple.completed(number);
+        plan.expect(instance, &mut wanted);
+        same(seen.words(), &wanted, &format!("{name} on {}, frame {frame}, {report:?}", engine.name));
+        let bounds = target.bounds().unwrap();
+        for v in 0..if plan.lod == 0 { instance.example_set().vertex_count() as u32 } else { 0 } {
+            let p = instance.displaced(v).unwrap();
+            assert!(bounds.distance_squared(p) == 0.0, "{name}: vertex {v} at {p} is outside {bounds:?}");
+        }
+        if !change(instance, frame) {
+            break;
+        }
+    }
+}
+
+#[test]
+fn vertices_are_those_of_the_cpu() {
+    let sets = sets();
+    on_each_device(|engine| {
+        let mut crumple = engine.crumple();
+        for (name, set) in &sets {
+            let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+            let plan = Plan::everything(set, 0, 20);
+            compare((engine, &mut crumple), name, &mut instance, &plan, |instance, frame| {
+                match frame {
+                    1 => hit(instance, 1, 7),
+                    2 => hit(instance, 2, 8),
+                    3 => hit(instance, 30, 9),
+                    4 => instance.set_tolerance(set.depth_limit() * 0.1).unwrap(),
+                    5 => instance.set_depth_limit(Some(set.depth_limit() * 0.3)).unwrap(),
+                    6 => {
+                        instance.set_tolerance(0.0).unwrap();
+                        instance.set_marks(&any_marks(set, 12, &mut Dice::new(11))).unwrap();
+                    }
+                    7 => instance.repair(0.5).unwrap(),
+                    _ => instance.reset(),
+                }
+                frame < 9
+            });
+        }
+    });
+}
+
+#[test]
+fn positions_alone_and_normals_alone_are_the_same() {
+    let set = scenes::cube_set();
+    on_each_device(|engine| {
+        let mut crumple = engine.crumple();
+        for normals in [None, Some(Encoding::F32)] {
+            let plan = Plan::interleaved(&set, 0, 8, [Some(Encoding::F32), normals, None]);
+            compare((engine, &mut crumple), "cube", &mut folded(&set, 9, 3), &plan, |_, _| false);
+        }
+        // Tangents without normals.
+        let plan = Plan::interleaved(&set, 0, 0, [Some(Encoding::F32), None, Some(Encoding::F32)]);
+        compare((engine, &mut crumple), "cube", &mut folded(&set, 9, 3), &plan, |_, _| false);
+    });
+}
+
+#[test]
+fn levels_of_detail_show_the_same_damage() {
+    let mesh = scenes::cube(16);
+    let examples = scenes::bowls(&mesh, 6, 0.4, 5);
+    let mut set = crumple::ExampleSet::build(mesh, examples, SetOptions::default(), &Serial).unwrap();
+    set.add_lod(scenes::cube(6), &Serial).unwrap();
+    let set = Arc::new(set);
+    on_each_device(|engine| {
+        let mut crumple = engine.crumple();
+        for lod in 0..2 {
+            let plan = Plan::everything(&set, lod, 4);
+            compare((engine, &mut crumple), "lod", &mut folded(&set, 5, 3), &plan, |i, frame| {
+                hit(i, 3, frame);
+                frame < 3
+            });
+        }
+    });
+}
+
+#[test]
+fn classic_rules_are_those_of_the_cpu() {
+    let baked = |tolerance| {
+        let mesh = scenes::sheet(30);
+        let examples = scenes::bowls(&mesh, 5, 0.3, 3);
+        scenes::build(mesh, examples, SetOptions { tolerance: Some(tolerance), ..SetOptions::default() })
+    };
+    let sets = [scenes::cube_set(), scenes::ball_set(), baked(3e-3), baked(1e-5)];
+    on_each_device(|engine| {
+        let mut crumple = engine.crumple();
+        for (set, rule) in sets.iter().zip([Rule::MostDisplaced, Rule::Blend(0.3), Rule::Blend(0.0), Rule::Blend(1.0)])
+        {
+            let unclamped = crumple::Selection::ClassicUnclamped;
+            let options = InstanceOptions { selection: unclamped, ..InstanceOptions::classic(rule) };
+            for plan in [Plan::everything(set, 0, 8), Plan::interleaved(set, 0, 0, [Some(Encoding::F32), None, None])] {
+                let mut instance = Instance::new(set.clone(), options).unwrap();
+                // Undamaged in the first frame; then more hits than the journal holds, and what no journal tells.
+                compare((engine, &mut crumple), &format!("{rule:?}"), &mut instance, &plan, |i, frame| {
+                    match frame {
+                        4 => hit(i, 300, frame),
+                        6 => i.repair(0.7).unwrap(),
+                        8 => i.reset(),
+                        _ => hit(i, 1 + 7 * (frame as usize % 3), frame),
+                    }
+                    frame < 10
+                });
+                let mut damaged = Instance::new(set.clone(), options).unwrap();
+                hit(&mut damaged, 20, 5);
+                compare((engine, &mut crumple), "damaged before", &mut damaged, &plan, |i, frame| {
+                    hit(i, 1, frame);
+                    frame < 2
+                });
+            }
+        }
+    });
+}
+
+#[test]
+fn formats_are_converted_as_rust_does() {
+    let set = scenes::cube_set();
+    let positions = [Encoding::F32, Encoding::F16x4, Encoding::Snorm16x4];
+    let others = [Encoding::F32, Encoding::Snorm16x4, Encoding::Snorm8x4];
+    on_each_device(|engine| {
+        let mut crumple = engine.crumple();
+        for (p, n) in positions.into_iter().zip(others) {
+            for t in others {
+                let plan = Plan::interleaved(&set, 0, 16, [Some(p), Some(n), Some(t)]);
+                compare(
+                    (engine, &mut crumple),
+                    &format!("{p:?} {n:?} {t:?}"),
+                    &mut folded(&set, 9, 5),
+                    &plan,
+                    |i, frame| {
+                        hit(i, 9, frame);
+                        frame < 2
+                    },
+                );
+            }
+        }
+    });
+    assert_eq!(format(Attribute::Normal, Encoding::F32), crumple::vulkan::vk::Format::R32G32B32_SFLOAT);
+}
