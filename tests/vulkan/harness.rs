@@ -26,7 +26,12 @@ pub fn on_each_device(test: impl Fn(&Engine)) {
         Err(e) if !required => return eprintln!("left out: no Vulkan loader ({e})"),
         Err(e) => panic!("no Vulkan loader: {e}"),
     };
-    let instance = Instance::new(&entry, required);
+    let instance = match Instance::new(&entry, required) {
+        Ok(instance) => instance,
+        // A loader that finds no driver.
+        Err(vk::Result::ERROR_INCOMPATIBLE_DRIVER) if !required => return eprintln!("left out: no Vulkan driver"),
+        Err(e) => panic!("no Vulkan instance: {e}"),
+    };
     // SAFETY: a valid instance.
     let devices = unsafe { instance.instance.enumerate_physical_devices() }.unwrap_or_default();
     let mut seen = Vec::new();
@@ -71,7 +76,7 @@ unsafe extern "system" fn collect(
 }
 
 impl Instance {
-    fn new(entry: &Entry, required: bool) -> Self {
+    fn new(entry: &Entry, required: bool) -> Result<Self, vk::Result> {
         let layer = c"VK_LAYER_KHRONOS_validation";
         // SAFETY: a loaded library.
         let layers = unsafe { entry.enumerate_instance_layer_properties() }.unwrap();
@@ -91,7 +96,7 @@ impl Instance {
             info = info.enabled_layer_names(&names).enabled_extension_names(&extensions).push_next(&mut features);
         }
         // SAFETY: valid arguments.
-        let instance = unsafe { entry.create_instance(&info, None) }.expect("an instance");
+        let instance = unsafe { entry.create_instance(&info, None) }?;
         let messenger = validated.then(|| {
             let utils = ext::debug_utils::Instance::new(entry, &instance);
             use vk::{DebugUtilsMessageSeverityFlagsEXT as S, DebugUtilsMessageTypeFlagsEXT as T};
@@ -106,7 +111,7 @@ impl Instance {
         });
         // What drivers say when they are loaded is not about us.
         messages.lock().unwrap().clear();
-        Instance { instance, messages, messenger }
+        Ok(Instance { instance, messages, messenger })
     }
 }
 
