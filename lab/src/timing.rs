@@ -1,7 +1,5 @@
 //! How long something takes: on the calling thread, warmed, the median of several runs.
 
-use std::fs;
-use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 use crate::metric::median;
@@ -29,15 +27,6 @@ pub fn median_us<S>(
         }
     }
     median(&times)
-}
-
-/// Processor time of this thread so far, ms: what others do on the machine does not count. Where the system does not tell, wall
-/// time since the first call.
-pub fn thread_ms() -> f64 {
-    static FIRST: OnceLock<Instant> = OnceLock::new();
-    let told = fs::read_to_string("/proc/thread-self/schedstat").ok();
-    let told = told.and_then(|t| t.split_whitespace().next()?.parse::<f64>().ok());
-    told.map_or_else(|| FIRST.get_or_init(Instant::now).elapsed().as_secs_f64() * 1e3, |ns| ns / 1e6)
 }
 
 #[cfg(test)]
