@@ -25,7 +25,9 @@
 //   7. Buffers          crumple_register_host_buffer, crumple_set_host_buffer_memory, crumple_invalidate_buffer
 //                       your vertex memory, any strides
 //   8. Deformation      crumple_deform once a frame, crumple_get_buffer_changes for what to upload and the new bounds
-//   9. Attached points  crumple_attach_point, crumple_get_attached_frame
+//   9. On the GPU       instead of 7 and 8: crumple_attach_vulkan, crumple_register_vulkan_buffer, and once a frame
+//                       crumple_record_deform into your own VkCommandBuffer and crumple_complete_frames
+//  10. Attached points  crumple_attach_point, crumple_get_attached_frame
 //                       lamps, decals and collision vertices that follow the dents
 //
 //
@@ -38,8 +40,8 @@
 // ends with its crumple_destroy_ or crumple_unregister_ call and is an error from then on, never a crash. Destroying
 // an instance unregisters its buffers; an example set lives on for the instances that use it; destroying the context
 // destroys everything in it. What you pass in, you own: defs, strings and arrays are read during the call and may be
-// freed after it. Three things must live longer: the memory of registered buffers, what the callbacks of a context need,
-// and bytes that a set was told to keep.
+// freed after it. Four things must live longer: the memory of registered buffers, what the callbacks of a context need,
+// bytes that a set was told to keep, and an attached Vulkan device.
 //
 // Defs. Structs that end in Def come from their crumple_default_ function, which sets struct_size and the defaults;
 // fill in what you need. A struct_size of another version is an error.
@@ -92,6 +94,9 @@
 /// Bit of crumple_features(): crumple_set_allocator() works.
 #define CRUMPLE_FEATURE_HOST_ALLOCATOR 4
 
+/// Bit of crumple_features(): crumple_attach_vulkan() works.
+#define CRUMPLE_FEATURE_VULKAN 8
+
 /// What every fallible call returns. After anything but CRUMPLE_OK no output was written, crumple_last_error() tells
 /// what was wrong and what would be right, and everything stays usable.
 typedef enum {
@@ -140,6 +145,8 @@ typedef enum {
     CRUMPLE_ERROR_CONCURRENT_USE = 67,
     /// A defect of the library; the text is its message. Please report it.
     CRUMPLE_ERROR_INTERNAL = 68,
+    /// Frames were recorded that crumple_complete_frames() was not told of.
+    CRUMPLE_ERROR_FRAMES_IN_FLIGHT = 69,
 } CrumpleResult;
 
 /// How much a log message matters.
@@ -801,6 +808,111 @@ typedef struct {
     uint32_t count;
 } CrumpleRange;
 
+/// Any Vulkan function, as PFN_vkVoidFunction: (CrumpleVulkanFunction)vkGetInstanceProcAddr.
+typedef void (*CrumpleVulkanFunction)(void);
+
+/// Your Vulkan device, of Vulkan 1.1 or later. No extension and no feature needs to be enabled.
+typedef struct {
+    /// Bytes of this struct, from crumple_default_vulkan_def().
+    uint32_t struct_size;
+    /// Family of the queue that command buffers are submitted to; one that can compute. Required. Default UINT32_MAX.
+    uint32_t queue_family;
+    /// vkGetInstanceProcAddr of the loader that the instance was made with. Every function is taken from it; Crumple never
+    /// opens a Vulkan library of its own accord. Required.
+    CrumpleVulkanFunction get_instance_proc_addr;
+    /// The VkInstance. Required.
+    void *instance;
+    /// The VkPhysicalDevice. Required.
+    void *physical_device;
+    /// The VkDevice. Required.
+    void *device;
+    /// What crumple_get_vulkan_pipeline_cache() gave at an earlier run; read during the call. Data of another driver is not
+    /// used. Default null: none.
+    const void *pipeline_cache;
+    /// Bytes at pipeline_cache.
+    size_t pipeline_cache_size;
+    /// Invocations a workgroup: 32, 64, 128 or 256, no more than the device can. Default 128.
+    uint32_t workgroup_size;
+} CrumpleVulkanDef;
+
+/// Where the values of one attribute lie. Zero everywhere: the attribute is absent.
+typedef struct {
+    /// Bytes from the range's begin to the first vertex's value; a multiple of 4.
+    uint64_t offset;
+    /// Bytes from one vertex's value to the next; a multiple of 4, at least those of one value.
+    uint64_t stride;
+    /// A VkFormat. Positions: R32G32B32_SFLOAT, R16G16B16A16_SFLOAT (the fourth is 1), R16G16B16A16_SNORM (see scale).
+    /// Normals: R32G32B32_SFLOAT, R16G16B16A16_SNORM, R8G8B8A8_SNORM (the fourth is 0). Tangents: R32G32B32A32_SFLOAT,
+    /// R16G16B16A16_SNORM, R8G8B8A8_SNORM.
+    uint32_t format;
+    /// Zero.
+    uint32_t reserved;
+} CrumpleVulkanStream;
+
+/// A range of a VkBuffer for the deformed vertices of one instance, in the mesh's order and space.
+typedef struct {
+    /// Bytes of this struct, from crumple_default_vulkan_buffer_def().
+    uint32_t struct_size;
+    /// The mesh whose vertices are written: 0 the base mesh, else a number from crumple_example_set_add_lod(). Default 0.
+    uint32_t lod;
+    /// The VkBuffer, bound to memory: (uint64_t)handle. Required. Any number of ranges may lie in it; this field and the
+    /// seven below it are then the same for each.
+    uint64_t buffer;
+    /// Bytes of the whole VkBuffer. Required.
+    uint64_t buffer_size;
+    /// The VkBufferUsageFlags that it was made with; VK_BUFFER_USAGE_STORAGE_BUFFER_BIT must be among them. Required.
+    uint32_t usage;
+    /// The queue family that owns it before and after what Crumple records; not the device's own: each recording that names
+    /// one of its ranges then begins with an acquire and ends with a release of the whole VkBuffer, even where no vertex
+    /// changed, and the release and acquire of that other queue are yours. Default VK_QUEUE_FAMILY_IGNORED: that of the
+    /// device owns it, or it is shared (VK_SHARING_MODE_CONCURRENT).
+    uint32_t queue_family;
+    /// The VkPipelineStageFlags in which you used the VkBuffer last before a recording; not 0. Default
+    /// VK_PIPELINE_STAGE_VERTEX_INPUT_BIT.
+    uint32_t before_stages;
+    /// The VkAccessFlags of that use. Default VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT.
+    uint32_t before_access;
+    /// The VkPipelineStageFlags in which you use it next; not 0. Default VK_PIPELINE_STAGE_VERTEX_INPUT_BIT.
+    uint32_t after_stages;
+    /// The VkAccessFlags of that use. Default VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT.
+    uint32_t after_access;
+    /// Bytes before the range; a multiple of 4.
+    uint64_t offset;
+    /// Bytes of the range: nothing outside it is written. Ranges may interleave; values must not overlap. Required.
+    uint64_t size;
+    /// Positions, m. Required.
+    CrumpleVulkanStream positions;
+    /// Unit normals. Absent: none are written.
+    CrumpleVulkanStream normals;
+    /// Tangents: xyz of unit length and orthogonal to the normal, w as in the base mesh. Absent: none are written.
+    CrumpleVulkanStream tangents;
+    /// Of positions in R16G16B16A16_SNORM: a stored number s, -1 to 1, stands for s * scale + bias, m. What lies outside is
+    /// held at the border, so take the mesh's bounds grown by the depth limit. Above 0. Default 1, 1, 1.
+    CrumpleVec3 scale;
+    /// See scale, m. Default 0, 0, 0.
+    CrumpleVec3 bias;
+} CrumpleVulkanBufferDef;
+
+/// What was recorded.
+typedef struct {
+    /// Vertices that will be written, over all buffers.
+    uint64_t vertices_written;
+    /// Blocks of consecutive vertices that will be written. 0: nothing was recorded, but what queue families ask for.
+    uint64_t blocks_written;
+    /// Blocks that were up to date already.
+    uint64_t blocks_skipped;
+    /// Examples of marks that tolerances left out, see crumple_instance_set_tolerance().
+    uint64_t parts_skipped;
+    /// Bytes that the commands copy to the device, those of meshes seen for the first time among them.
+    uint64_t bytes_copied;
+    /// Dispatches: one for each VkBuffer, and one for each buffer of an instance with one of the literature's rules.
+    uint32_t dispatches;
+    /// Zero.
+    uint32_t reserved0;
+    /// Zero; room for later.
+    uint64_t reserved[4];
+} CrumpleRecordReport;
+
 /// A point bound to the surface nearest to it. Plain data: keep it, copy it, save it; it fits every instance of its
 /// set.
 typedef struct {
@@ -883,8 +995,9 @@ CrumpleResult crumple_context_create(const CrumpleContextDef *def, CrumpleContex
 /// Destroys a context and everything made in it. Your own memory is never freed, and is not touched afterwards. Every
 /// id of the context, and the context itself, is an error from then on.
 ///
-/// No other call with this context may be running. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID
-/// (destroyed already), CRUMPLE_ERROR_CONCURRENT_USE (nothing was destroyed).
+/// No other call with this context may be running. Where a Vulkan device is attached, it must still be there. Errors:
+/// CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID (destroyed already), CRUMPLE_ERROR_FRAMES_IN_FLIGHT (see
+/// crumple_complete_frames()), CRUMPLE_ERROR_CONCURRENT_USE. Nothing was destroyed then.
 CrumpleResult crumple_context_destroy(CrumpleContext *context);
 
 /// An example without anything: set its positions. Never fails; any thread.
@@ -1247,42 +1360,46 @@ CrumpleResult crumple_register_host_buffer(CrumpleContext *context,
                                            const CrumpleHostBufferDef *def,
                                            CrumpleBuffer *out_buffer);
 
-/// Forgets a buffer. The memory stays as it is, yours alone again.
+/// Forgets a buffer. The memory stays as it is, yours alone again; a VkBuffer once the frames that wrote it are done.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_CONCURRENT_USE.
 CrumpleResult crumple_unregister_buffer(CrumpleContext *context, CrumpleBuffer buffer);
 
-/// Says that somebody else wrote to a buffer's memory, or that its contents were lost: the next deform writes every
-/// vertex.
+/// Says that somebody else wrote to a buffer's memory, or that its contents were lost: the next deform, or recording, writes
+/// every vertex.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_invalidate_buffer(CrumpleContext *context, CrumpleBuffer buffer);
+CrumpleResult crumple_invalidate_buffer(CrumpleContext *context,
+                                        CrumpleBuffer buffer);
 
 /// Gives a buffer other memory, such as a newly mapped one, perhaps for another level of detail, and invalidates it.
 ///
-/// Externally synchronised. Errors: as for crumple_register_host_buffer(); the buffer keeps its memory then.
+/// Externally synchronised. Errors: as for crumple_register_host_buffer(), and CRUMPLE_ERROR_INVALID_ARGUMENT for a Vulkan
+/// buffer; the buffer keeps its memory then.
 CrumpleResult crumple_set_host_buffer_memory(CrumpleContext *context,
                                              CrumpleBuffer buffer,
                                              const CrumpleHostBufferDef *def);
 
-/// Brings buffers up to date: count ids at buffers, each once; with null and 0 all of the context. Writes only where
+/// Brings host buffers up to date: count ids at buffers, each once; with null and 0 all of the context. Writes only where
 /// damage changed since a buffer was last written, in parallel over all of them, and is cheap where nothing did. Do
 /// not read or write the buffers' memory meanwhile. An instance that nobody sees needs no deform: it catches up in
 /// one, however many hits it took. out_report may be null.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (a buffer twice; in debug builds of the library: memory of two buffers overlaps),
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (a buffer twice, or one that crumple_record_deform() writes; in debug builds of the
+/// library: memory of two buffers overlaps),
 /// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE. No vertex is written then.
 CrumpleResult crumple_deform(CrumpleContext *context,
                              const CrumpleBuffer *buffers,
                              uint32_t count,
                              CrumpleDeformReport *out_report);
 
-/// Tells which vertices the last deform that named a buffer wrote (increasing ranges, apart from each other), and the
-/// box, m, around all of its vertices as they are now: what to upload, what to refit, what to cull with. ranges has
-/// room for capacity of them; with null and 0 only their number is told. out_bounds may be null.
+/// Tells which vertices the last deform or recording that named a buffer wrote (increasing ranges, apart from each other),
+/// and a box, m, around all of its vertices as they are now: what to upload, what to refit, what to cull with. The box of a
+/// Vulkan buffer is never too small but may be too large, since the CPU does not see its vertices. ranges has room for
+/// capacity of them; with null and 0 only their number is told. out_bounds may be null.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_BUFFER_TOO_SMALL (capacity is smaller than the number of ranges), CRUMPLE_ERROR_CONCURRENT_USE.
@@ -1292,6 +1409,103 @@ CrumpleResult crumple_get_buffer_changes(CrumpleContext *context,
                                          uint32_t capacity,
                                          uint32_t *out_count,
                                          CrumpleAabb *out_bounds);
+
+/// A device without handles; set them and the queue family. Never fails; any thread.
+CrumpleVulkanDef crumple_default_vulkan_def(void);
+
+/// A range of no buffer, read as vertices before and after; set the buffer, its size and usage, the range and its streams.
+/// Never fails; any thread.
+CrumpleVulkanBufferDef crumple_default_vulkan_buffer_def(void);
+
+/// Takes your Vulkan device: loads functions, some tenths of a millisecond. A context has one at a time. The handles must be
+/// valid, belong together, and stay so until crumple_detach_vulkan() or crumple_context_destroy().
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (one is attached already, a queue family that is not there or cannot compute,
+/// workgroup_size), CRUMPLE_ERROR_UNSUPPORTED (a device below Vulkan 1.1; a loader that lacks a function, which is named; a
+/// build without CRUMPLE_FEATURE_VULKAN), CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST, CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_attach_vulkan(CrumpleContext *context,
+                                    const CrumpleVulkanDef *def);
+
+/// Lets go of the Vulkan device, unregisters all Vulkan buffers, whose ids end, and destroys what Crumple made there. Damage
+/// stays. After a loss of the device (CRUMPLE_ERROR_DEVICE_LOST): crumple_complete_frames() with UINT64_MAX, since a lost
+/// device runs nothing any more, this call, vkDestroyDevice, then attach the new one and register again.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (none
+/// is attached), CRUMPLE_ERROR_FRAMES_IN_FLIGHT, CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
+CrumpleResult crumple_detach_vulkan(CrumpleContext *context);
+
+/// Gives what the driver would like to have again at the next start: hand it to crumple_attach_vulkan(). data has room for
+/// capacity bytes, of any alignment; with null and 0 only their number is told, which may grow until all kinds of buffers were
+/// registered.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED (out_size),
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (no device is attached), CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_VULKAN,
+/// CRUMPLE_ERROR_DEVICE_LOST, CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_get_vulkan_pipeline_cache(CrumpleContext *context,
+                                                void *data,
+                                                size_t capacity,
+                                                size_t *out_size);
+
+/// Registers a range of a VkBuffer of yours that crumple_record_deform() writes an instance's vertices to. An instance may have
+/// several, such as the members of a ring. Nothing is written yet; the first recording writes every vertex. The first range of a
+/// mesh has its vertices and examples copied: into a staging buffer now, from there to the device by the next recording; other
+/// instances and ranges share them. The VkBuffer must live until its last range is unregistered (or its instance, the device or
+/// the context gone) and the frames that wrote it are done.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED (offsets and strides that are not
+/// multiples of 4), CRUMPLE_ERROR_STRUCT_SIZE, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (no device is attached, no
+/// buffer, a usage without STORAGE_BUFFER, stages of 0, a format that is not one of those named, a stride smaller than a value,
+/// attributes that overlap, a scale that is not above 0, another description of a VkBuffer that is registered already),
+/// CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_INDEX_OUT_OF_RANGE (def.lod),
+/// CRUMPLE_ERROR_WRONG_RULE (def.lod above 0 for an instance with one of the literature's rules), CRUMPLE_ERROR_UNSUPPORTED
+/// (normals or tangents of a mesh that has none; more bytes than the device can bind), CRUMPLE_ERROR_OUT_OF_MEMORY,
+/// CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST, CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_register_vulkan_buffer(CrumpleContext *context,
+                                             CrumpleInstance instance,
+                                             const CrumpleVulkanBufferDef *def,
+                                             CrumpleBuffer *out_buffer);
+
+/// Records what brings Vulkan buffers up to date: count ids at buffers, each once; with null and 0 all of the context. Hits
+/// are folded; then, for the blocks that changed since each buffer was last written, there is a copy of a few bytes a block, a
+/// barrier, one dispatch a VkBuffer, a barrier. Nothing is submitted, nothing waited for, and nothing allocated once as much has
+/// changed in a frame, and as many frames were in flight, as ever will. What is read on the CPU is read by this call; damage
+/// may change at once after it.
+///
+/// command_buffer is a VkCommandBuffer, primary or secondary, in the recording state, outside a render pass, of a pool of the
+/// queue family that was attached and that no other thread uses meanwhile. It is submitted once, in the order of recording; not
+/// simultaneously, not again. frame is your number of the frame, from 1 on; it never falls, and several recordings may have the
+/// same one. out_report may be null.
+///
+/// Left changed in the command buffer: the compute pipeline, the compute descriptor sets 0 to 2, and the first 24 bytes of the
+/// push constants of stage compute. Nothing else.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (no device is attached, a buffer twice or a host buffer, a frame that is done or below the
+/// last), CRUMPLE_ERROR_UNSUPPORTED (more work than the device can bind), CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_VULKAN,
+/// CRUMPLE_ERROR_DEVICE_LOST, CRUMPLE_ERROR_CONCURRENT_USE. Nothing was recorded then.
+CrumpleResult crumple_record_deform(CrumpleContext *context,
+                                    void *command_buffer,
+                                    uint64_t frame,
+                                    const CrumpleBuffer *buffers,
+                                    uint32_t count,
+                                    CrumpleRecordReport *out_report);
+
+/// Says that the device is done with frame and all before it: what was submitted for them has completed, as a fence or
+/// timeline semaphore says. What they used is used again, or freed. Cheap; once a frame.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (no
+/// device is attached), CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_complete_frames(CrumpleContext *context,
+                                      uint64_t frame);
+
+/// Says that what was recorded for frame and those after it will not be submitted: the buffers that it wrote are written
+/// whole by their next recording.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (no
+/// device is attached), CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_discard_frames(CrumpleContext *context,
+                                     uint64_t frame);
 
 /// Binds a point, m, in the mesh's space, to the surface nearest to it: it will keep its distance from the surface
 /// and turn with it.

@@ -1,11 +1,13 @@
 //! Buffers: memory of the host that deformed vertices are written to.
 
 use super::check::{Def, Out, def};
-use super::context::{CrumpleContext, exclusive};
+use super::context::{CrumpleContext, State, exclusive};
 use super::memory::{Stream, disjoint};
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleBuffer, CrumpleInstance, CrumpleStream};
-use crate::{Attribute, Instance, RawStream, Rule, Tracker, VertexMemory};
+use super::vulkan::VulkanMemory;
+use crate::{Aabb, Attribute, Instance, RawStream, Rule, Tracker, VertexMemory};
+use std::ops::Range;
 
 /// Memory for the deformed vertices of one instance, in the mesh's order and space.
 #[repr(C)]
@@ -30,12 +32,64 @@ unsafe impl Def for CrumpleHostBufferDef {
     const DEFAULT: &'static str = "crumple_default_host_buffer_def";
 }
 
-/// What a context keeps of a buffer. Buffers of graphics devices will be another kind of memory here.
+/// What a context keeps of a buffer.
 pub(super) struct BufferEntry {
     pub(super) owner: CrumpleInstance,
     pub(super) lod: usize,
-    pub(super) tracker: Tracker,
-    pub(super) memory: HostMemory,
+    pub(super) memory: Memory,
+}
+
+/// Where a buffer's vertices are.
+pub(super) enum Memory {
+    Host(HostMemory, Tracker),
+    Vulkan(VulkanMemory),
+}
+
+impl BufferEntry {
+    fn invalidate(&mut self) {
+        match &mut self.memory {
+            Memory::Host(_, tracker) => tracker.invalidate(),
+            Memory::Vulkan(memory) => memory.invalidate(),
+        }
+    }
+
+    /// What the last deform or recording wrote.
+    pub(super) fn changed(&self) -> &[Range<u32>] {
+        match &self.memory {
+            Memory::Host(_, tracker) => tracker.changed(),
+            Memory::Vulkan(memory) => memory.changed(),
+        }
+    }
+
+    pub(super) fn bounds(&self) -> Option<Aabb> {
+        match &self.memory {
+            Memory::Host(_, tracker) => tracker.bounds(),
+            Memory::Vulkan(memory) => memory.bounds(),
+        }
+    }
+}
+
+impl State {
+    /// Adds a buffer to those of its owner.
+    pub(super) fn add_buffer(&mut self, entry: BufferEntry, out: Out<CrumpleBuffer>) -> Result<(), Failure> {
+        let owner = self.instances.get_mut(entry.owner, "instance")?;
+        self.buffers.reserve::<CrumpleBuffer>()?;
+        let full = |_| Failure::new(CrumpleResult::CrumpleErrorOutOfMemory, "no memory for one more buffer");
+        owner.buffers.try_reserve(1).map_err(full)?;
+        let id = self.buffers.insert(entry);
+        owner.buffers.push(id);
+        out.write(id);
+        Ok(())
+    }
+
+    /// Removes a buffer, but not from those of its owner.
+    pub(super) fn remove_buffer(&mut self, buffer: CrumpleBuffer) -> Result<CrumpleInstance, Failure> {
+        let entry = self.buffers.remove(buffer, "buffer")?;
+        if let (Memory::Vulkan(memory), Some(vulkan)) = (entry.memory, &mut self.vulkan) {
+            vulkan.remove(memory)?;
+        }
+        Ok(entry.owner)
+    }
 }
 
 /// Checked memory of the host.
@@ -125,24 +179,13 @@ pub unsafe extern "C" fn crumple_register_host_buffer(
     exclusive("crumple_register_host_buffer", context, |_, state| {
         // SAFETY: the caller's.
         let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_buffer, "out_buffer")?) };
-        let entry = state.instances.get_mut(instance, "instance")?;
-        let memory = HostMemory::new(&def, &entry.instance)?;
-        state.buffers.reserve::<CrumpleBuffer>()?;
-        let full = |_| Failure::new(CrumpleResult::CrumpleErrorOutOfMemory, "no memory for one more buffer");
-        entry.buffers.try_reserve(1).map_err(full)?;
-        let id = state.buffers.insert(BufferEntry {
-            owner: instance,
-            lod: def.lod as usize,
-            tracker: Tracker::new(),
-            memory,
-        });
-        entry.buffers.push(id);
-        out.write(id);
-        Ok(())
+        let memory = HostMemory::new(&def, &state.instances.get(instance, "instance")?.instance)?;
+        let memory = Memory::Host(memory, Tracker::new());
+        state.add_buffer(BufferEntry { owner: instance, lod: def.lod as usize, memory }, out)
     })
 }
 
-/// Forgets a buffer. The memory stays as it is, yours alone again.
+/// Forgets a buffer. The memory stays as it is, yours alone again; a VkBuffer once the frames that wrote it are done.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_CONCURRENT_USE.
@@ -152,14 +195,14 @@ pub unsafe extern "C" fn crumple_unregister_buffer(
     buffer: CrumpleBuffer,
 ) -> CrumpleResult {
     exclusive("crumple_unregister_buffer", context, |_, state| {
-        let entry = state.buffers.remove(buffer, "buffer")?;
-        state.instances.get_mut(entry.owner, "instance")?.buffers.retain(|b| *b != buffer);
+        let owner = state.remove_buffer(buffer)?;
+        state.instances.get_mut(owner, "instance")?.buffers.retain(|b| *b != buffer);
         Ok(())
     })
 }
 
-/// Says that somebody else wrote to a buffer's memory, or that its contents were lost: the next deform writes every
-/// vertex.
+/// Says that somebody else wrote to a buffer's memory, or that its contents were lost: the next deform, or recording, writes
+/// every vertex.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_CONCURRENT_USE.
@@ -169,14 +212,15 @@ pub unsafe extern "C" fn crumple_invalidate_buffer(
     buffer: CrumpleBuffer,
 ) -> CrumpleResult {
     exclusive("crumple_invalidate_buffer", context, |_, state| {
-        state.buffers.get_mut(buffer, "buffer")?.tracker.invalidate();
+        state.buffers.get_mut(buffer, "buffer")?.invalidate();
         Ok(())
     })
 }
 
 /// Gives a buffer other memory, such as a newly mapped one, perhaps for another level of detail, and invalidates it.
 ///
-/// Externally synchronised. Errors: as for crumple_register_host_buffer(); the buffer keeps its memory then.
+/// Externally synchronised. Errors: as for crumple_register_host_buffer(), and CRUMPLE_ERROR_INVALID_ARGUMENT for a Vulkan
+/// buffer; the buffer keeps its memory then.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_set_host_buffer_memory(
     context: *mut CrumpleContext,
@@ -187,9 +231,12 @@ pub unsafe extern "C" fn crumple_set_host_buffer_memory(
         // SAFETY: the caller's.
         let def = unsafe { self::def(def, "def") }?;
         let entry = state.buffers.get_mut(buffer, "buffer")?;
-        entry.memory = HostMemory::new(&def, &state.instances.get(entry.owner, "instance")?.instance)?;
+        let Memory::Host(memory, tracker) = &mut entry.memory else {
+            return Err(Failure::invalid("buffer is a Vulkan buffer; register another one with the new VkBuffer"));
+        };
+        *memory = HostMemory::new(&def, &state.instances.get(entry.owner, "instance")?.instance)?;
         entry.lod = def.lod as usize;
-        entry.tracker.invalidate();
+        tracker.invalidate();
         Ok(())
     })
 }

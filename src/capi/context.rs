@@ -8,6 +8,7 @@ use super::instance::InstanceEntry;
 use super::result::{CrumpleResult, Failure};
 use super::set::SetEntry;
 use super::tasks::{CrumpleTaskSystem, HostTasks};
+use super::vulkan::Attached;
 use crate::{Inbox, TaskSystem, ThreadPool};
 use std::ffi::{CString, c_char, c_void};
 use std::mem::MaybeUninit;
@@ -77,6 +78,8 @@ pub(super) struct State {
     pub(super) sets: Slots<SetEntry>,
     pub(super) instances: Slots<InstanceEntry>,
     pub(super) buffers: Slots<BufferEntry>,
+    /// The host's Vulkan device.
+    pub(super) vulkan: Option<Attached>,
 }
 
 /// The contexts there are. What C holds is a number that is never used twice, not an address, so that a destroyed
@@ -187,7 +190,8 @@ pub unsafe extern "C" fn crumple_context_create(
             .find(|&number| tag_of(number * STEP) != 0 && !taken(tag_of(number * STEP)))
             .ok_or_else(|| Failure::invalid("65535 contexts are alive; destroy one first"))?;
         let tag = tag_of(number * STEP);
-        let state = State { sets: Slots::new(tag), instances: Slots::new(tag), buffers: Slots::new(tag) };
+        let (sets, instances, buffers) = (Slots::new(tag), Slots::new(tag), Slots::new(tag));
+        let state = State { sets, instances, buffers, vulkan: None };
         let context = Context {
             log: def.log,
             log_user: def.log_user,
@@ -210,13 +214,14 @@ fn tag_of(number: usize) -> u16 {
 /// Destroys a context and everything made in it. Your own memory is never freed, and is not touched afterwards. Every
 /// id of the context, and the context itself, is an error from then on.
 ///
-/// No other call with this context may be running. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID
-/// (destroyed already), CRUMPLE_ERROR_CONCURRENT_USE (nothing was destroyed).
+/// No other call with this context may be running. Where a Vulkan device is attached, it must still be there. Errors:
+/// CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID (destroyed already), CRUMPLE_ERROR_FRAMES_IN_FLIGHT (see
+/// crumple_complete_frames()), CRUMPLE_ERROR_CONCURRENT_USE. Nothing was destroyed then.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_destroy(context: *mut CrumpleContext) -> CrumpleResult {
     boundary("crumple_context_destroy", || {
         let found = find(context)?;
-        drop(found.enter()?);
+        found.enter()?.vulkan.as_ref().map_or(Ok(()), Attached::check_idle)?;
         let mut contexts = CONTEXTS.write().unwrap_or_else(PoisonError::into_inner);
         contexts.live.retain(|(number, _)| *number != context.addr());
         if contexts.live.is_empty() {

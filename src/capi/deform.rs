@@ -1,6 +1,6 @@
 //! Deformation: marks become vertices.
 
-use super::buffer::BufferEntry;
+use super::buffer::{BufferEntry, HostMemory, Memory};
 use super::check::{Out, array, write_array};
 use super::context::{CrumpleContext, State, exclusive};
 use super::result::{CrumpleResult, Failure};
@@ -31,13 +31,14 @@ impl From<Aabb> for CrumpleAabb {
     }
 }
 
-/// Brings buffers up to date: count ids at buffers, each once; with null and 0 all of the context. Writes only where
+/// Brings host buffers up to date: count ids at buffers, each once; with null and 0 all of the context. Writes only where
 /// damage changed since a buffer was last written, in parallel over all of them, and is cheap where nothing did. Do
 /// not read or write the buffers' memory meanwhile. An instance that nobody sees needs no deform: it catches up in
 /// one, however many hits it took. out_report may be null.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (a buffer twice; in debug builds of the library: memory of two buffers overlaps),
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (a buffer twice, or one that crumple_record_deform() writes; in debug builds of the
+/// library: memory of two buffers overlaps),
 /// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE. No vertex is written then.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_deform(
@@ -51,31 +52,30 @@ pub unsafe extern "C" fn crumple_deform(
         let (out, given) =
             unsafe { (Out::optional(out_report, "out_report")?, array(buffers, count as usize, "buffers")?) };
         let State { instances, buffers: entries, .. } = state;
-        let all = buffers.is_null();
-        let mut chosen: Vec<CrumpleBuffer> = reserve(given.len(), "buffers")?;
-        for (i, &id) in given.iter().enumerate() {
-            entries.get(id, &format!("buffers[{i}]"))?;
-            chosen.push(id);
-        }
-        chosen.sort_unstable_by_key(|id| id.index);
-        if let Some([twice, _]) = chosen.array_windows().find(|[a, b]| a == b) {
-            return Err(Failure::invalid(format!("buffers names buffer {} twice; name each once", twice.index)));
-        }
-        let is_chosen = |id: &CrumpleBuffer| all || chosen.binary_search_by_key(&id.index, |c| c.index).is_ok();
-        for (_, entry) in entries.iter::<CrumpleBuffer>().filter(|(id, _)| is_chosen(id)) {
+        let mut sorted = Vec::new();
+        let chosen = Chosen::new(buffers, given, &mut sorted, |id, name| match entries.get(id, name)?.memory {
+            Memory::Host(..) => Ok(()),
+            Memory::Vulkan(_) => {
+                Err(Failure::invalid(format!("{name} is a Vulkan buffer; crumple_record_deform() writes those")))
+            }
+        })?;
+        let of_host =
+            |(id, entry): &(CrumpleBuffer, &BufferEntry)| chosen.names(*id) && matches!(entry.memory, Memory::Host(..));
+        for (_, entry) in entries.iter::<CrumpleBuffer>().filter(of_host) {
             instances.get_mut(entry.owner, "instance")?.instance.fold();
         }
         if cfg!(debug_assertions) {
-            apart(entries.iter::<CrumpleBuffer>().filter(|(id, _)| is_chosen(id)))?;
+            apart(entries.iter::<CrumpleBuffer>().filter(|(id, _)| chosen.names(*id)))?;
         }
-        let mut jobs = reserve(if all { entries.len() } else { chosen.len() }, "deform jobs")?;
-        for (_, entry) in entries.iter_mut::<CrumpleBuffer>().filter(|(id, _)| is_chosen(id)) {
+        let mut jobs = reserve(chosen.most(entries.len()), "deform jobs")?;
+        for (_, entry) in entries.iter_mut::<CrumpleBuffer>().filter(|(id, _)| chosen.names(*id)) {
+            let Memory::Host(memory, tracker) = &mut entry.memory else { continue };
             jobs.push(DeformJob {
                 lod: entry.lod,
                 instance: &instances.get(entry.owner, "instance")?.instance,
-                tracker: &mut entry.tracker,
+                tracker,
                 // SAFETY: the caller keeps registered memory alive, and leaves it alone during this call.
-                memory: unsafe { entry.memory.vertices() }?,
+                memory: unsafe { memory.vertices() }?,
             });
         }
         let report = crate::deform(&mut jobs, &Quiet(context.tasks()))?;
@@ -90,10 +90,54 @@ pub unsafe extern "C" fn crumple_deform(
     })
 }
 
+/// The buffers that a call names: those given, or all.
+pub(super) struct Chosen<'a> {
+    /// By index.
+    sorted: &'a [CrumpleBuffer],
+    all: bool,
+}
+
+impl<'a> Chosen<'a> {
+    /// Of an array that C gave; `room` is filled and kept, `check` sees each id with its name.
+    pub(super) fn new(
+        pointer: *const CrumpleBuffer,
+        given: &[CrumpleBuffer],
+        room: &'a mut Vec<CrumpleBuffer>,
+        check: impl Fn(CrumpleBuffer, &str) -> Result<(), Failure>,
+    ) -> Result<Self, Failure> {
+        room.clear();
+        let full = |_| Failure::new(CrumpleResult::CrumpleErrorOutOfMemory, "no memory for the list of buffers");
+        room.try_reserve(given.len()).map_err(full)?;
+        for (i, &id) in given.iter().enumerate() {
+            check(id, &format!("buffers[{i}]"))?;
+            room.push(id);
+        }
+        room.sort_unstable_by_key(|id| id.index);
+        if let Some([twice, _]) = room.array_windows().find(|[a, b]| a == b) {
+            return Err(Failure::invalid(format!("buffers names buffer {} twice; name each once", twice.index)));
+        }
+        Ok(Chosen { sorted: room, all: pointer.is_null() })
+    }
+
+    /// Of an id that is not stale.
+    pub(super) fn names(&self, id: CrumpleBuffer) -> bool {
+        self.all || self.sorted.binary_search_by_key(&id.index, |c| c.index).is_ok()
+    }
+
+    /// How many at most, where there are so many in all.
+    pub(super) fn most(&self, there_are: usize) -> usize {
+        if self.all { there_are } else { self.sorted.len() }
+    }
+}
+
 /// Refuses buffers that share memory.
 fn apart<'a>(entries: impl Iterator<Item = (CrumpleBuffer, &'a BufferEntry)>) -> Result<(), Failure> {
-    let mut layouts: Vec<_> =
-        entries.flat_map(|(id, entry)| entry.memory.streams().map(move |s| (s.layout, id.index))).collect();
+    let hosts = entries.filter_map(|(id, entry)| match &entry.memory {
+        Memory::Host(memory, _) => Some((id, memory)),
+        Memory::Vulkan(_) => None,
+    });
+    let streams = |(id, memory): (CrumpleBuffer, &'a HostMemory)| memory.streams().map(move |s| (s.layout, id.index));
+    let mut layouts: Vec<_> = hosts.flat_map(streams).collect();
     layouts.sort_unstable_by_key(|(layout, _)| layout.first);
     for (i, (a, x)) in layouts.iter().enumerate() {
         for (b, y) in layouts[i + 1..].iter().take_while(|(b, _)| b.first < a.span().end) {
@@ -107,9 +151,10 @@ fn apart<'a>(entries: impl Iterator<Item = (CrumpleBuffer, &'a BufferEntry)>) ->
     Ok(())
 }
 
-/// Tells which vertices the last deform that named a buffer wrote (increasing ranges, apart from each other), and the
-/// box, m, around all of its vertices as they are now: what to upload, what to refit, what to cull with. ranges has
-/// room for capacity of them; with null and 0 only their number is told. out_bounds may be null.
+/// Tells which vertices the last deform or recording that named a buffer wrote (increasing ranges, apart from each other),
+/// and a box, m, around all of its vertices as they are now: what to upload, what to refit, what to cull with. The box of a
+/// Vulkan buffer is never too small but may be too large, since the CPU does not see its vertices. ranges has room for
+/// capacity of them; with null and 0 only their number is told. out_bounds may be null.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_BUFFER_TOO_SMALL (capacity is smaller than the number of ranges), CRUMPLE_ERROR_CONCURRENT_USE.
@@ -126,7 +171,7 @@ pub unsafe extern "C" fn crumple_get_buffer_changes(
         // SAFETY: the caller's.
         let outs = unsafe { (Out::new(out_count, "out_count")?, Out::optional(out_bounds, "out_bounds")?) };
         let entry = state.buffers.get(buffer, "buffer")?;
-        let changed = entry.tracker.changed();
+        let changed = entry.changed();
         let mut found = reserve(changed.len(), "ranges")?;
         found.extend(changed.iter().map(|r| CrumpleRange { first: r.start, count: r.end - r.start }));
         // SAFETY: the caller's.
@@ -135,7 +180,7 @@ pub unsafe extern "C" fn crumple_get_buffer_changes(
             let set = state.instances.get(entry.owner, "instance")?.instance.example_set();
             Ok(set.lod_mesh(entry.lod)?.bounds())
         };
-        let bounds = entry.tracker.bounds().map_or_else(at_rest, Ok)?;
+        let bounds = entry.bounds().map_or_else(at_rest, Ok)?;
         outs.0.write(found.len() as u32);
         outs.1.write(bounds.into());
         Ok(())

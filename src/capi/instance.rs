@@ -199,7 +199,7 @@ pub unsafe extern "C" fn crumple_destroy_instance(
         let entry = state.instances.remove(instance, "instance")?;
         context.inboxes.write().unwrap_or_else(PoisonError::into_inner).remove(instance, "instance")?;
         for buffer in entry.buffers {
-            state.buffers.remove(buffer, "buffer")?;
+            state.remove_buffer(buffer)?;
         }
         Ok(())
     })

@@ -297,8 +297,8 @@ fn required<'a>(text: Option<&'a str>, name: &str) -> Result<&'a str, Failure> {
     text.ok_or_else(|| Failure::new(CrumpleResult::CrumpleErrorNullPointer, format!("{name} is null")))
 }
 
-#[cfg(not(all(feature = "gltf", feature = "obj")))]
-fn not_built(feature: &str) -> Failure {
+#[cfg(not(all(feature = "gltf", feature = "obj", feature = "vulkan")))]
+pub(super) fn not_built(feature: &str) -> Failure {
     let message = format!("this build cannot: build the library with the feature {feature}");
     Failure::new(CrumpleResult::CrumpleErrorUnsupported, message)
 }

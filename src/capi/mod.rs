@@ -34,6 +34,8 @@ mod buffer;
 
 mod deform;
 
+mod vulkan;
+
 mod attach;
 
 // Nothing below adds to the header.

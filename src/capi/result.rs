@@ -58,6 +58,8 @@ pub enum CrumpleResult {
     CrumpleErrorConcurrentUse = 67,
     /// A defect of the library; the text is its message. Please report it.
     CrumpleErrorInternal = 68,
+    /// Frames were recorded that crumple_complete_frames() was not told of.
+    CrumpleErrorFramesInFlight = 69,
 }
 
 impl CEnum for CrumpleResult {
@@ -86,6 +88,7 @@ impl CEnum for CrumpleResult {
             CrumpleErrorInvalidId,
             CrumpleErrorConcurrentUse,
             CrumpleErrorInternal,
+            CrumpleErrorFramesInFlight,
         ]
     };
 }
@@ -194,6 +197,7 @@ pub extern "C" fn crumple_result_name(result: MaybeUninit<CrumpleResult>) -> *co
         CrumpleErrorInvalidId => c"CRUMPLE_ERROR_INVALID_ID",
         CrumpleErrorConcurrentUse => c"CRUMPLE_ERROR_CONCURRENT_USE",
         CrumpleErrorInternal => c"CRUMPLE_ERROR_INTERNAL",
+        CrumpleErrorFramesInFlight => c"CRUMPLE_ERROR_FRAMES_IN_FLIGHT",
     }
     .as_ptr()
 }

@@ -23,6 +23,9 @@ pub const CRUMPLE_FEATURE_OBJ: u64 = 2;
 /// Bit of crumple_features(): crumple_set_allocator() works.
 pub const CRUMPLE_FEATURE_HOST_ALLOCATOR: u64 = 4;
 
+/// Bit of crumple_features(): crumple_attach_vulkan() works.
+pub const CRUMPLE_FEATURE_VULKAN: u64 = 8;
+
 /// Evaluates to 0..=9 digits as a number; the package's version in a constant.
 const fn number(text: &str) -> u32 {
     let (bytes, mut value, mut i) = (text.as_bytes(), 0, 0);
@@ -61,4 +64,5 @@ pub extern "C" fn crumple_features() -> u64 {
     bit(cfg!(feature = "gltf"), CRUMPLE_FEATURE_GLTF)
         | bit(cfg!(feature = "obj"), CRUMPLE_FEATURE_OBJ)
         | bit(cfg!(feature = "host-allocator"), CRUMPLE_FEATURE_HOST_ALLOCATOR)
+        | bit(cfg!(feature = "vulkan"), CRUMPLE_FEATURE_VULKAN)
 }

@@ -152,7 +152,7 @@ impl Arena {
 
     pub(super) fn discard(&mut self, frame: u64) {
         let uploads = self.residents.iter_mut().filter_map(|r| r.upload.as_mut());
-        uploads.filter(|u| u.recorded == Some(frame)).for_each(|u| u.recorded = None);
+        uploads.filter(|u| u.recorded.is_some_and(|f| f >= frame)).for_each(|u| u.recorded = None);
     }
 
     /// # Safety

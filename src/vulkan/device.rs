@@ -181,8 +181,8 @@ impl Device {
         });
     }
 
-    /// Says that what was recorded for `frame` will not be submitted: it is as if the frame's recordings had not been, but that
-    /// its targets must be told by [`super::Target::invalidate`].
+    /// Says that what was recorded for `frame` and those after it will not be submitted: it is as if these recordings had not
+    /// been, but that their targets ([`super::Target::written_in`]) must be told by [`super::Target::invalidate`].
     pub fn discard(&mut self, frame: u64) {
         self.arena.discard(frame);
     }
@@ -190,6 +190,11 @@ impl Device {
     /// The last frame that was recorded; above what [`Device::completed`] was told, frames are in flight.
     pub fn recorded(&self) -> u64 {
         self.recorded
+    }
+
+    /// The last frame that [`Device::completed`] was told of; 0 for none.
+    pub fn last_completed(&self) -> u64 {
+        self.completed
     }
 
     /// Data for [`DeviceDef::pipeline_cache`] at the next run, on the same driver.

@@ -29,17 +29,34 @@ impl Access {
 /// A VkBuffer of the host that vertices are written to.
 #[derive(Debug, Clone, Copy)]
 pub struct BufferDef {
-    /// The buffer, bound to memory, made with `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`. If its sharing mode is exclusive, the
-    /// queue family of the device owns it whenever recorded work runs.
+    /// The buffer, bound to memory, made with `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`.
     pub buffer: vk::Buffer,
     /// Its size, bytes.
     pub size: u64,
     /// The usage that it was made with.
     pub usage: vk::BufferUsageFlags,
+    /// The family that owns it before and after what is recorded, where that is another than the device's: each recording that
+    /// names one of its targets then begins with an acquire and ends with a release of the whole buffer, even where nothing
+    /// changed; the release and acquire of that other family are the host's. `QUEUE_FAMILY_IGNORED` otherwise.
+    pub queue_family: u32,
     /// What the host does with it before each recording. What it wrote itself is only kept where it says so here.
     pub before: Access,
     /// What the host does with it next.
     pub after: Access,
+}
+
+impl BufferDef {
+    /// Whether another description is of the same buffer.
+    pub(crate) fn same(&self, other: &BufferDef) -> Result<(), Error> {
+        let differs = |name: &str, was: String, is: String| -> Result<(), Error> {
+            if was == is { Ok(()) } else { Err(Error::invalid(name, is, &format!("{was}, as for its other ranges"))) }
+        };
+        differs("the buffer's size", self.size.to_string(), other.size.to_string())?;
+        differs("the buffer's usage", format!("{:?}", self.usage), format!("{:?}", other.usage))?;
+        differs("the buffer's queue family", self.queue_family.to_string(), other.queue_family.to_string())?;
+        differs("before", format!("{:?}", self.before), format!("{:?}", other.before))?;
+        differs("after", format!("{:?}", self.after), format!("{:?}", other.after))
+    }
 }
 
 /// A buffer as the device knows it. Stale ids are refused, never mistaken.
@@ -111,6 +128,8 @@ pub struct Target {
     /// Of an instance with a classic rule.
     pub(super) state: Option<Arc<State>>,
     pub(super) tracker: Tracker,
+    /// The last frame that writes it.
+    pub(super) written_in: u64,
 }
 
 impl Target {
@@ -124,6 +143,11 @@ impl Target {
     /// large: the CPU does not know the vertices, only how far each block of them can have moved.
     pub fn bounds(&self) -> Option<Aabb> {
         self.tracker.bounds()
+    }
+
+    /// The last frame for which anything was recorded that writes it; 0 for none.
+    pub fn written_in(&self) -> u64 {
+        self.written_in
     }
 
     /// Vertices that the last recording wrote: ranges, increasing, apart from each other.
@@ -275,6 +299,7 @@ impl Device {
             home,
             state: None,
             tracker: Tracker::new(),
+            written_in: 0,
         })
     }
 }

@@ -123,7 +123,9 @@ impl Device {
         if recorded.is_ok() {
             written(&scratch, jobs);
             for (_, j) in &scratch.order {
-                jobs[*j as usize].target.home.used.fetch_max(frame, Ordering::Relaxed);
+                let target = &mut jobs[*j as usize].target;
+                target.home.used.fetch_max(frame, Ordering::Relaxed);
+                target.written_in = frame;
             }
         }
         self.scratch = scratch;

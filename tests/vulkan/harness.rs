@@ -167,7 +167,14 @@ impl Seen {
     }
 
     pub fn def(&self) -> BufferDef {
-        BufferDef { buffer: self.handle, size: self.size, usage: Self::USAGE, before: HOST, after: HOST }
+        BufferDef {
+            buffer: self.handle,
+            size: self.size,
+            usage: Self::USAGE,
+            queue_family: vk::QUEUE_FAMILY_IGNORED,
+            before: HOST,
+            after: HOST,
+        }
     }
 }
 
