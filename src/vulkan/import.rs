@@ -4,7 +4,7 @@ use super::functions::checked;
 use super::host::{Access, BufferDef, BufferId};
 use super::own::{Own, OwnDevice};
 use crate::Error;
-use ash::vk::{self, Handle};
+use ash::vk;
 use std::ptr::null;
 
 /// What the host exported.
@@ -39,13 +39,10 @@ pub struct ImportDef {
 
 /// A semaphore as the own device knows it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct SemaphoreId(usize, u64);
-
-pub(super) struct Semaphore {
-    pub handle: vk::Semaphore,
-    /// Tells semaphores of different devices apart.
-    owner: u64,
-}
+pub struct SemaphoreId(
+    /// Place, plus one; above that what tells devices apart.
+    pub(crate) u64,
+);
 
 /// A buffer in imported memory.
 pub(super) struct Imported {
@@ -255,16 +252,16 @@ impl OwnDevice {
         }
         checked("vkImportSemaphore", imported)?;
         handle.forget();
-        let owner = own.device.as_raw();
-        self.semaphores.push(Semaphore { handle: semaphore, owner });
-        Ok(SemaphoreId(self.semaphores.len() - 1, owner))
+        self.semaphores.push(semaphore);
+        Ok(SemaphoreId(self.device().id << 32 | self.semaphores.len() as u64))
     }
 
     /// The handles of semaphores.
     pub(super) fn handles(&self, ids: &[SemaphoreId]) -> Result<Vec<vk::Semaphore>, Error> {
         let one = |id: &SemaphoreId| {
-            let found = self.semaphores.get(id.0).filter(|s| s.owner == id.1);
-            found.map(|s| s.handle).ok_or_else(|| Error::invalid("semaphore", id.0, "one of this device"))
+            let place = (id.0 as u32).wrapping_sub(1) as usize;
+            let found = self.semaphores.get(place).filter(|_| id.0 >> 32 == self.id());
+            found.copied().ok_or_else(|| Error::invalid("semaphore", id.0, "one that this device imported"))
         };
         ids.iter().map(one).collect()
     }

@@ -4,7 +4,7 @@
 use super::device::{Device, DeviceDef};
 use super::functions::{Functions, checked, functions};
 use super::host::BufferId;
-use super::import::{Imported, Semaphore, SemaphoreId};
+use super::import::{Imported, SemaphoreId};
 use super::record::{RecordJob, RecordReport};
 use crate::Error;
 use ash::vk;
@@ -107,7 +107,7 @@ pub struct OwnDevice {
     pub(super) own: Own,
     submissions: Vec<Submission>,
     pub(super) buffers: Vec<(BufferId, Imported)>,
-    pub(super) semaphores: Vec<Semaphore>,
+    pub(super) semaphores: Vec<vk::Semaphore>,
     frame: u64,
 }
 
@@ -188,6 +188,10 @@ impl OwnDevice {
     /// [`OwnDevice::submit`] does.
     pub fn device(&mut self) -> &mut Device {
         &mut self.device
+    }
+
+    pub(super) fn id(&self) -> u64 {
+        self.device.id
     }
 
     /// Brings the targets up to date: records the blocks that changed since each was last written, and submits that. Waits for
@@ -321,7 +325,7 @@ impl Drop for OwnDevice {
                 buffer.destroy(&self.own);
             }
             for s in &self.semaphores {
-                (f.destroy_semaphore)(self.own.device, s.handle, null());
+                (f.destroy_semaphore)(self.own.device, *s, null());
             }
             for s in &self.submissions {
                 (f.destroy_fence)(self.own.device, s.fence, null());
