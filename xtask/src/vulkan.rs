@@ -19,9 +19,8 @@ const PACKAGED: &str = "usr/lib/chromium/libvk_swiftshader.so";
 pub fn run(workspace: &Workspace) -> Result<Outcome> {
     let lavapipe = lavapipe()?;
     let swiftshader = swiftshader(workspace);
-    let tests = ["test", "--package", "crumple", "--all-features", "--test", "vulkan"];
     let tests = |drivers: &[&Path]| -> Result<xshell::Cmd<'_>> {
-        Ok(workspace.cargo(&tests).env("VK_DRIVER_FILES", std::env::join_paths(drivers)?))
+        Ok(workspace.tests(&["--test", "vulkan"]).env("VK_DRIVER_FILES", std::env::join_paths(drivers)?))
     };
     match swiftshader {
         Ok(swiftshader) => {
