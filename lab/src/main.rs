@@ -1,12 +1,14 @@
 //! The lab: measures how near to two independent truths predicted dents come and what they cost, how dents combine, and
 //! where methods fail. `cargo xtask lab` runs all of it and draws the charts; each part writes CSV files.
 
-// What only the engines need.
-#![cfg_attr(not(feature = "engines"), allow(dead_code))]
+// What only the engines and graphics devices need.
+#![cfg_attr(not(all(feature = "engines", feature = "gpu")), allow(dead_code))]
 
 mod accuracy;
 mod bench;
 mod combine;
+#[cfg(feature = "gpu")]
+mod gpu;
 mod machine;
 mod metric;
 #[cfg(feature = "engines")]
@@ -48,6 +50,9 @@ enum Part {
     Speed(Options),
     /// Fixed workloads beside references of the same run
     Bench(bench::Options),
+    /// The same on graphics devices
+    #[cfg(feature = "gpu")]
+    Gpu(gpu::Options),
     /// 200 dented bodies before a camera: levels of detail and run-time tolerances
     Scene(Options),
 }
@@ -73,6 +78,8 @@ fn main() -> Result<()> {
         Part::Pictures(options) => pictures::run(&options),
         Part::Speed(options) => bench::speed(&options),
         Part::Bench(options) => bench::run(&options),
+        #[cfg(feature = "gpu")]
+        Part::Gpu(options) => gpu::run(&options),
         Part::Scene(options) => scene200::run(&options),
     }
 }

@@ -1,4 +1,4 @@
-//! `cargo xtask bench`: builds the lab's benchmark and runs it from the repository's root.
+//! `cargo xtask bench`: builds the lab's benchmark and runs it from the repository's root; with `--gpu` that of graphics devices.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,8 @@ use anyhow::{Context, Result};
 use clap::Args;
 use xshell::cmd;
 
-use crate::workspace::Workspace;
+use crate::lab;
+use crate::workspace::{Workspace, empty_directory};
 
 #[derive(Args)]
 pub struct Options {
@@ -14,14 +15,23 @@ pub struct Options {
     #[arg(long)]
     pub quick: bool,
     /// Writes the results as JSON: an array of name, value, unit, reference (in the unit) and ratio
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "gpu")]
     pub json: Option<PathBuf>,
-    /// Only the results whose names begin like this; may be given several times
+    /// Only the results whose names begin like this, or this workload of graphics devices; may be given several times
     #[arg(long, value_name = "NAME")]
     pub only: Vec<String>,
+    /// On each graphics device that the Vulkan loader finds; VK_DRIVER_FILES chooses its drivers
+    #[arg(long)]
+    pub gpu: bool,
+    /// Only devices whose names begin like this; may be given several times
+    #[arg(long, value_name = "NAME", requires = "gpu")]
+    pub device: Vec<String>,
 }
 
 pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
+    if options.gpu {
+        return devices(workspace, options);
+    }
     // Without the physics engines that `cargo xtask lab` needs: they take longer to build than all the rest.
     workspace.cargo(&["build", "--release", "--package", "crumple-lab"]).run()?;
     let program = workspace.target.join("release/crumple-lab").with_extension(std::env::consts::EXE_EXTENSION);
@@ -34,6 +44,47 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     };
     cmd!(workspace.shell, "{program} bench {quick...} {only...} {json...} --out {out} --lab {lab}").quiet().run()?;
     Ok(())
+}
+
+/// On graphics devices. A full run replaces their tables, and the charts and the page that are made of all of them.
+fn devices(workspace: &Workspace, options: &Options) -> Result<()> {
+    workspace.cargo(&["build", "--release", "--package", "crumple-lab", "--features", "gpu"]).run()?;
+    let program = workspace.target.join("release/crumple-lab").with_extension(std::env::consts::EXE_EXTENSION);
+    let out = workspace.path("docs/bench");
+    let quick = options.quick.then_some("--quick");
+    let only = options.only.iter().flat_map(|name| ["--only", name]);
+    let device = options.device.iter().flat_map(|name| ["--device", name]);
+    let asked = options.only.iter().any(|name| name == "library");
+    let whole = !options.quick && options.only.is_empty();
+    let library = if asked || whole { stripped_library(workspace)? } else { None };
+    let library: Vec<PathBuf> = library.into_iter().flat_map(|file| [PathBuf::from("--library"), file]).collect();
+    let sh = &workspace.shell;
+    cmd!(sh, "{program} gpu {quick...} {only...} {device...} {library...} --out {out}").quiet().run()?;
+    if whole {
+        let python = lab::python(workspace)?;
+        let _no_cache = sh.push_env("PYTHONDONTWRITEBYTECODE", "1");
+        for script in ["draw.py", "gpu_report.py"] {
+            let path = workspace.path("lab/python").join(script);
+            cmd!(sh, "{python} {path} {out}").quiet().run()?;
+        }
+    }
+    Ok(())
+}
+
+/// What an engine links, as small as it gets: the shared library with its default features, stripped. Nothing where there is
+/// no `strip`.
+fn stripped_library(workspace: &Workspace) -> Result<Option<PathBuf>> {
+    use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
+    workspace.cargo(&["build", "--release", "--package", "crumple", "--lib"]).run()?;
+    let name = format!("{DLL_PREFIX}crumple{DLL_SUFFIX}");
+    let (library, stripped) =
+        (workspace.target.join("release").join(&name), workspace.target.join("stripped").join(&name));
+    empty_directory(&workspace.target.join("stripped"))?;
+    if let Err(error) = cmd!(workspace.shell, "strip -o {stripped} {library}").quiet().run() {
+        println!("left out: the library's size, since it cannot be stripped ({error})");
+        return Ok(None);
+    }
+    Ok(Some(stripped))
 }
 
 /// As seen from where the command was typed.

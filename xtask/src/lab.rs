@@ -109,7 +109,7 @@ fn script_path(workspace: &Workspace, script: &str) -> PathBuf {
 }
 
 /// An interpreter with what the scripts need, in the pinned versions, in an environment under the target directory.
-fn python(workspace: &Workspace) -> Result<PathBuf> {
+pub fn python(workspace: &Workspace) -> Result<PathBuf> {
     let sh = &workspace.shell;
     let environment = workspace.target.join("lab-venv");
     let python = if cfg!(windows) { environment.join("Scripts/python.exe") } else { environment.join("bin/python") };

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use anyhow::Result;
-use crumple::{ExampleSet, Hit, InstanceOptions, Mark, Mirror, Pair, Placement};
+use crumple::{ExampleSet, Hit, InstanceOptions, Mark, Mirror, Pair, Placement, TaskSystem};
 
 use super::deformed::Deformed;
 use super::measure::{Contender, Times, interleaved};
@@ -14,14 +14,7 @@ use super::{Bench, Size};
 
 /// Ten impulses that repeat the ten marks of a body, against one of them; and ten on a fresh body, against one.
 pub fn batch(bench: &Bench) -> Result<()> {
-    // All over the same part of the sheet, each with its own contact.
-    let dents: Vec<Dent> = (0..10)
-        .map(|i| {
-            let centre = [0.41 + 0.02 * i as f32, 0.5 + 0.05 * (1.9 * i as f32).sin()];
-            Dent { centre, depth: 0.05 - 0.002 * i as f32, reach: Reach::Disc(0.35) }
-        })
-        .collect();
-    let sets = Sheet::new(Size::K64.vertices()).sets(&dents, bench.tasks(2))?;
+    let sets = Sheet::new(Size::K64.vertices()).sets(&overlapping(), bench.tasks(2))?;
     for (width, set) in sets {
         // As deep as ten dents may add up to: the limit must not be what is measured.
         let options = InstanceOptions { depth_limit: Some(1.0), ..Default::default() };
@@ -45,6 +38,15 @@ pub fn batch(bench: &Bench) -> Result<()> {
     Ok(())
 }
 
+/// Ten dents all over the same part of the sheet, each with its own contact.
+pub fn overlapping() -> Vec<Dent> {
+    let dent = |i: usize| {
+        let centre = [0.41 + 0.02 * i as f32, 0.5 + 0.05 * (1.9 * i as f32).sin()];
+        Dent { centre, depth: 0.05 - 0.002 * i as f32, reach: Reach::Disc(0.35) }
+    };
+    (0..10).map(dent).collect()
+}
+
 /// Carried marks whose stamps cover the sheet.
 pub fn carried(bench: &Bench) -> Result<()> {
     for (size, place) in [(Size::K30, "cache"), (Size::M1, "1m")] {
@@ -52,11 +54,11 @@ pub fn carried(bench: &Bench) -> Result<()> {
         if !names.iter().any(|(.., name)| bench.wanted(name)) {
             continue;
         }
-        let set = carried_set(size, bench)?;
+        let set = carried_set(size.vertices(), bench.tasks(2))?;
         let tasks = bench.tasks(1);
         let mut ours = Vec::new();
         for (marks, k, name) in names {
-            let marks = carried_marks(&set, size, marks, k);
+            let marks = carried_marks(&set, size.vertices(), marks, k);
             ours.push((name, Deformed::new(&set, InstanceOptions::default(), &marks, false, tasks)?));
         }
         // One pass over the vertices that an example of the whole sheet moves, which is all of them.
@@ -96,20 +98,21 @@ fn name(marks: usize, k: usize, place: &str) -> String {
 }
 
 /// Three examples that move the whole sheet and may be carried.
-pub fn carried_set(size: Size, bench: &Bench) -> Result<Arc<ExampleSet>> {
-    let sheet = Sheet::new(size.vertices());
+pub fn carried_set(vertices: usize, tasks: &dyn TaskSystem) -> Result<Arc<ExampleSet>> {
+    let sheet = Sheet::new(vertices);
     let dents = [[0.5, 0.5], [0.45, 0.55], [0.55, 0.5]].map(Dent::whole);
     let examples = dents.iter().map(|d| sheet.example(d, Placement::Carried)).collect();
     let mut options = super::width::baked();
     // Anchored copies of them are not wanted, and a bumpy sheet is no mirror image of itself.
     options.mirror = false;
-    Ok(Arc::new(ExampleSet::build(sheet.surface(), examples, options, bench.tasks(2))?))
+    Ok(Arc::new(ExampleSet::build(sheet.surface(), examples, options, tasks)?))
 }
 
-/// Marks near the middle, each of `k` examples in equal shares.
-pub fn carried_marks(set: &ExampleSet, size: Size, count: usize, k: usize) -> Vec<Mark> {
-    let sheet = Sheet::new(size.vertices());
-    let at = [[0.5, 0.5], [0.52, 0.47], [0.47, 0.53]];
+/// Up to ten marks near the middle, each of `k` examples in equal shares.
+pub fn carried_marks(set: &ExampleSet, vertices: usize, count: usize, k: usize) -> Vec<Mark> {
+    let sheet = Sheet::new(vertices);
+    let near = (3..10).map(|i| [0.5 + 0.05 * (2.4 * i as f32).cos(), 0.5 + 0.05 * (2.4 * i as f32).sin()]);
+    let at: Vec<[f32; 2]> = [[0.5, 0.5], [0.52, 0.47], [0.47, 0.53]].into_iter().chain(near).collect();
     let share = Pair::WHOLE / k as i16;
     let mut pairs = [Pair::NONE; 4];
     for (i, pair) in pairs.iter_mut().enumerate().take(k) {

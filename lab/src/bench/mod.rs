@@ -5,21 +5,21 @@
 
 mod build;
 mod deform;
-mod deformed;
+pub mod deformed;
 mod idle;
 mod impact;
-mod marks;
-mod measure;
+pub mod marks;
+pub mod measure;
 mod memory;
 mod normals;
 mod real;
-mod reference;
-mod report;
+pub mod reference;
+pub mod report;
 mod scaling;
 mod select;
-mod sheet;
+pub mod sheet;
 mod sheets;
-mod width;
+pub mod width;
 
 use std::cell::RefCell;
 use std::path::PathBuf;
@@ -67,7 +67,7 @@ pub struct Bench {
 
 /// About how many vertices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Size {
+pub enum Size {
     K10,
     K30,
     K64,

@@ -27,8 +27,8 @@ pub fn run(bench: &Bench) -> Result<()> {
         }
     }
     if bench.wanted("normals_carried") {
-        let set = carried_set(size, bench)?;
-        let marks = carried_marks(&set, size, 1, 1);
+        let set = carried_set(size.vertices(), bench.tasks(2))?;
+        let marks = carried_marks(&set, size.vertices(), 1, 1);
         cases.push(("normals_carried".to_owned(), set, marks));
     }
     for (name, set, marks) in cases {

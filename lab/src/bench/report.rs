@@ -49,6 +49,8 @@ pub struct Row {
     pub reference: Option<(String, f64)>,
     pub sense: Sense,
     pub aim: Option<Aim>,
+    /// Whether the aim is for what was measured here; otherwise it is shown alone.
+    pub judged: bool,
     /// xxh3 of the bits of what was computed.
     pub hash: Option<u64>,
     /// Least, first and third quartile, in the unit, and how many runs.
@@ -57,7 +59,8 @@ pub struct Row {
 
 impl Row {
     pub fn new(name: impl Into<String>, value: f64, unit: &'static str) -> Self {
-        Row { name: name.into(), value, unit, reference: None, sense: Sense::Cost, aim: None, hash: None, spread: None }
+        let (sense, judged) = (Sense::Cost, true);
+        Row { name: name.into(), value, unit, reference: None, sense, aim: None, judged, hash: None, spread: None }
     }
 
     /// The median of `times`, shown in `unit` (s, ms, µs or ns).
@@ -96,16 +99,25 @@ impl Row {
         })
     }
 
-    /// Whether the aim is met; `None` without one.
+    /// Whether the aim is met; `None` without one, or where it is not judged.
     pub fn met(&self) -> Option<bool> {
-        Some(match self.aim? {
+        Some(match self.aim.filter(|_| self.judged)? {
             Aim::AtLeast(least) => self.ratio()? >= least,
             Aim::AtMost(most) => self.ratio()? <= most,
             Aim::Value(most) => self.value <= most,
         })
     }
 
-    fn aim_text(&self) -> String {
+    /// What the ratio is.
+    pub fn ratio_text(&self) -> &'static str {
+        match (&self.reference, self.sense) {
+            (None, _) => "",
+            (_, Sense::Speed) => "reference / value",
+            (_, Sense::Cost) => "value / reference",
+        }
+    }
+
+    pub fn aim_text(&self) -> String {
         match self.aim {
             None => String::new(),
             Some(Aim::AtLeast(x)) => format!(">= {} x", num(x)),
@@ -114,8 +126,9 @@ impl Row {
         }
     }
 
-    fn met_text(&self) -> &'static str {
+    pub fn met_text(&self) -> &'static str {
         match self.met() {
+            None if self.aim.is_some() => "shown",
             None => "",
             Some(true) => "yes",
             Some(false) => "NO",
@@ -175,8 +188,12 @@ impl Report {
     /// How many aims there are, and which are missed.
     pub fn summary(&self) {
         let missed: Vec<&Row> = self.rows.iter().filter(|r| r.met() == Some(false)).collect();
-        let aims = self.rows.iter().filter(|r| r.aim.is_some()).count();
+        let aims = self.rows.iter().filter(|r| r.met().is_some()).count();
         println!("\n{} of {aims} aims are met; {} rows", aims - missed.len(), self.rows.len());
+        let shown = self.rows.iter().filter(|r| r.aim.is_some() && !r.judged).count();
+        if shown > 0 {
+            println!("  {shown} more are for real graphics cards and are shown alone");
+        }
         for row in missed {
             let ratio = row.ratio().map_or_else(String::new, |r| format!("{r:.2} x {}", row.sense.name()));
             println!(
@@ -242,12 +259,7 @@ impl Report {
                 reference,
                 num(value),
                 num(r.ratio().unwrap_or(f64::NAN)),
-                match (&r.reference, r.sense) {
-                    (None, _) => "",
-                    (_, Sense::Speed) => "reference / value",
-                    (_, Sense::Cost) => "value / reference",
-                }
-                .to_owned(),
+                r.ratio_text().to_owned(),
                 r.aim_text(),
                 r.met_text().to_lowercase(),
                 r.hash.map_or_else(String::new, |h| format!("{h:016x}")),
@@ -266,7 +278,7 @@ fn file_name(machine: &Machine) -> String {
 fn line(cells: &[String; 9]) -> String {
     let [name, value, unit, reference, beside, ratio, aim, met, hash] = cells;
     let text =
-        format!("  {name:36} {value:>10} {unit:10} {reference:>14} {beside:>10} {ratio:>14}  {aim:16} {met:4} {hash}");
+        format!("  {name:36} {value:>10} {unit:10} {reference:>14} {beside:>10} {ratio:>14}  {aim:16} {met:5} {hash}");
     text.trim_end().to_owned()
 }
 
