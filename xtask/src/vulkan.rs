@@ -1,4 +1,4 @@
-//! The Vulkan tests on two software drivers under validation: Mesa's lavapipe, which Debian packages, and SwiftShader, which it
+//! The tests of Vulkan recording and of wgpu on two software drivers under validation: Mesa's lavapipe, which Debian packages, and SwiftShader, which it
 //! packages inside Chromium.
 
 use std::fs;
@@ -19,7 +19,7 @@ const PACKAGED: &str = "usr/lib/chromium/libvk_swiftshader.so";
 pub fn run(workspace: &Workspace) -> Result<Outcome> {
     let lavapipe = lavapipe()?;
     let swiftshader = swiftshader(workspace);
-    let tests = ["test", "--package", "crumple", "--all-features", "--test", "vulkan"];
+    let tests = ["test", "--package", "crumple", "--all-features", "--test", "vulkan", "--test", "wgpu"];
     let tests = |drivers: &[&Path]| -> Result<xshell::Cmd<'_>> {
         Ok(workspace.cargo(&tests).env("VK_DRIVER_FILES", std::env::join_paths(drivers)?))
     };
