@@ -315,6 +315,12 @@ public:
         def.tangents = tangents;
         return register_buffer(def);
     }
+    /// A range of a VkBuffer, which Context::record_deform() writes.
+    Result<Buffer> register_buffer(const CrumpleVulkanBufferDef &def) {
+        CrumpleBuffer buffer{};
+        const CrumpleResult result = crumple_register_vulkan_buffer(context(), id(), &def, &buffer);
+        return result == CRUMPLE_OK ? Result<Buffer>(Buffer(context(), buffer)) : Result<Buffer>::failed(result);
+    }
 };
 
 /// A base mesh and its examples; ends its id by itself, while instances keep what they need. See
@@ -397,7 +403,7 @@ public:
     /// For the C functions.
     CrumpleContext *get() const noexcept { return context_; }
     CrumpleContext *release() noexcept { return std::exchange(context_, nullptr); }
-    /// Destroys it now.
+    /// Destroys it now. With Vulkan frames in flight nothing is destroyed, and what they use is lost: complete_frames() first.
     void reset() noexcept {
         if (context_ != nullptr) crumple_context_destroy(context_);
         context_ = nullptr;
@@ -450,7 +456,7 @@ public:
         return create_instance(def);
     }
 
-    /// All buffers.
+    /// All host buffers.
     Result<CrumpleDeformReport> deform() { return deform(nullptr, 0); }
     /// Some buffers, each once.
     Result<CrumpleDeformReport> deform(const CrumpleBuffer *buffers, std::size_t count) {
@@ -458,6 +464,29 @@ public:
             return crumple_deform(context_, buffers, static_cast<uint32_t>(count), report);
         });
     }
+
+    Result<void> attach_vulkan(const CrumpleVulkanDef &def) {
+        return detail::done(crumple_attach_vulkan(context_, &def));
+    }
+    Result<void> detach_vulkan() { return detail::done(crumple_detach_vulkan(context_)); }
+    Result<std::vector<unsigned char>> vulkan_pipeline_cache() {
+        return detail::fill<unsigned char, std::size_t>([&](unsigned char *data, std::size_t capacity, std::size_t *size) {
+            return crumple_get_vulkan_pipeline_cache(context_, data, capacity, size);
+        });
+    }
+    /// All Vulkan buffers, into a VkCommandBuffer.
+    Result<CrumpleRecordReport> record_deform(void *command_buffer, uint64_t frame) {
+        return record_deform(command_buffer, frame, nullptr, 0);
+    }
+    /// Some buffers, each once.
+    Result<CrumpleRecordReport> record_deform(void *command_buffer, uint64_t frame, const CrumpleBuffer *buffers,
+                                              std::size_t count) {
+        return detail::get<CrumpleRecordReport>([&](CrumpleRecordReport *report) {
+            return crumple_record_deform(context_, command_buffer, frame, buffers, static_cast<uint32_t>(count), report);
+        });
+    }
+    Result<void> complete_frames(uint64_t frame) { return detail::done(crumple_complete_frames(context_, frame)); }
+    Result<void> discard_frames(uint64_t frame) { return detail::done(crumple_discard_frames(context_, frame)); }
 
 private:
     template <class Handle, class Id, class Call>

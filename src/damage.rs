@@ -178,10 +178,16 @@ impl Damage {
         &self.dents
     }
 
+    /// All dents in order, and where each may move anything.
+    #[cfg(feature = "vulkan")]
+    pub(crate) fn reached(&self) -> impl Iterator<Item = (&Dent, &Reach)> {
+        self.dents.iter().zip(&self.reaches)
+    }
+
     /// The dents that may move something in a box, in order.
-    pub(crate) fn near<'a>(&'a self, bounds: &'a Aabb) -> impl Iterator<Item = (usize, &'a Dent)> {
-        let near = self.reaches.iter().enumerate().filter(|(_, r)| bounds.distance_squared(r.contact) <= r.square);
-        near.map(|(i, _)| (i, &self.dents[i]))
+    pub(crate) fn near<'a>(&'a self, bounds: &'a Aabb) -> impl Iterator<Item = &'a Dent> {
+        let near = self.reaches.iter().zip(&self.dents).filter(|(r, _)| bounds.distance_squared(r.contact) <= r.square);
+        near.map(|(_, dent)| dent)
     }
 
     /// Adds new marks in canonical order, whatever order they came in. A mark that is there already gets the energy. Above

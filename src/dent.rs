@@ -93,7 +93,7 @@ impl Dent {
     }
 
     /// Whether part `p` is shown on a skin: not where no displacement of it, as scaled, is longer than `least` (m, above 0).
-    fn counts(&self, set: &ExampleSet, skin: &Skin, p: &Part, least: f32) -> bool {
+    pub(crate) fn counts(&self, set: &ExampleSet, skin: &Skin, p: &Part, least: f32) -> bool {
         let scale = (p.scale * self.strength).abs();
         least == 0.0
             || scale == 0.0
@@ -135,6 +135,15 @@ pub(crate) struct Reach {
     pub contact: Vec3,
     /// Radius squared, m².
     pub square: f32,
+}
+
+#[cfg(feature = "vulkan")]
+impl Reach {
+    /// The part of a box that holds everything within reach.
+    pub(crate) fn bounds(&self, within: &Aabb) -> Aabb {
+        let radius = Vec3::splat(self.square.sqrt() * (1.0 + ROUNDING));
+        Aabb { min: within.min.max(self.contact - radius), max: within.max.min(self.contact + radius) }
+    }
 }
 
 impl Carried {

@@ -66,32 +66,10 @@ impl Room<'_> {
 fn active<'a>(job: Job<'a>, normals: bool, room: &mut Room<'a>) -> Touched {
     let Room { parts, left_out, .. } = room;
     parts.clear();
-    shown(job, normals, left_out, |_, part| parts.push(part))
-}
-
-/// Which part of an instance's damage: its dent and its place in that.
-#[derive(Clone, Copy)]
-#[cfg_attr(not(feature = "vulkan"), expect(dead_code, reason = "who evaluates elsewhere wants to know"))]
-pub(crate) struct Which<'a> {
-    pub dent: usize,
-    pub number: usize,
-    pub part: &'a Part,
-}
-
-/// Calls `f` with each part of the instance's dents that moves vertices of the block, in order; `left_out` counts what the
-/// tolerance leaves out.
-#[inline(always)]
-pub(crate) fn shown<'a>(
-    job: Job<'a>,
-    normals: bool,
-    left_out: &mut u32,
-    mut f: impl FnMut(Which<'a>, Ready<'a>),
-) -> Touched {
     let mut touched = Touched { dents: 0, longest: 0.0, stored: false };
-    for (index, dent) in job.instance.damage().near(&job.skin.block_bounds[job.block]) {
-        // One behind, since the last is marked.
-        let mut waiting: Option<(Which<'a>, Ready<'a>)> = None;
-        for (number, part) in dent.parts.iter().enumerate() {
+    for dent in job.instance.damage().near(&job.skin.block_bounds[job.block]) {
+        let before = parts.len();
+        for part in dent.parts.iter() {
             if let Some((source, longest)) = reached(job, normals, part) {
                 let scale = part.scale * dent.strength;
                 let least = if scale == 0.0 { 0.0 } else { job.instance.least() / scale.abs() };
@@ -100,10 +78,7 @@ pub(crate) fn shown<'a>(
                     || longest > least
                     || (normals && part.carried.is_none() && job.skin.anchored[part.example].exceeds(least));
                 if shown {
-                    let ready = Ready { source, scale, least, last: false };
-                    if let Some((which, ready)) = waiting.replace((Which { dent: index, number, part }, ready)) {
-                        f(which, ready);
-                    }
+                    parts.push(Ready { source, scale, least, last: false });
                     touched.longest += longest * scale.abs();
                     touched.stored |= part.carried.is_none();
                 } else {
@@ -111,8 +86,8 @@ pub(crate) fn shown<'a>(
                 }
             }
         }
-        if let Some((which, ready)) = waiting {
-            f(which, Ready { last: true, ..ready });
+        if let Some(last) = parts[before..].last_mut() {
+            last.last = true;
             touched.dents += 1;
         }
     }
@@ -120,10 +95,10 @@ pub(crate) fn shown<'a>(
 }
 
 /// What moves a block.
-pub(crate) struct Touched {
-    pub dents: usize,
+struct Touched {
+    dents: usize,
     /// No vertex is moved further by all of them together, m.
-    pub longest: f32,
+    longest: f32,
     /// Whether anchored examples are among them.
     stored: bool,
 }
@@ -187,7 +162,7 @@ pub(crate) fn block<'a>(
         window: job.skin.rim.block(job.block),
         several: touched.dents > 1,
         lengths: lengths(job.instance),
-        limit: limit(job.instance, &touched),
+        limit: limit(job.instance, touched.longest),
     };
     // The last block of a mesh may be short.
     let short = range.len() < BLOCK;
@@ -218,7 +193,7 @@ fn lone(
     bounds: &mut Aabb,
 ) -> bool {
     let mut near = job.instance.damage().near(&job.skin.block_bounds[job.block]);
-    let (Some((_, dent)), None) = (near.next(), near.next()) else { return false };
+    let (Some(dent), None) = (near.next(), near.next()) else { return false };
     let [Part { example, scale, carried: None }] = &dent.parts[..] else { return false };
     let anchored = &job.skin.anchored[*example];
     let (Some(head), scale) = (anchored.block(job.block as u32), scale * dent.strength) else { return false };
@@ -243,9 +218,9 @@ pub(crate) fn lengths(instance: &Instance) -> Lengths {
     }
 }
 
-/// The instance's depth limit, m, where what moves a block may reach it.
-pub(crate) fn limit(instance: &Instance, touched: &Touched) -> Option<f32> {
-    Some(instance.depth_limit()).filter(|limit| reaches(touched.longest, *limit))
+/// The instance's depth limit, m, where dents of this summed length may reach it.
+pub(crate) fn limit(instance: &Instance, longest: f32) -> Option<f32> {
+    Some(instance.depth_limit()).filter(|limit| reaches(longest, *limit))
 }
 
 /// Whether dents of this summed length may reach the limit, m: rounding never takes a length over it by more.

@@ -58,24 +58,48 @@ impl Tracker {
         blocks: &[(u32, u32)],
         bounds: &[Aabb],
     ) {
-        let changes = instance.changes();
         self.changed.clear();
         if !blocks.is_empty() {
-            self.block_bounds.resize(changes.blocks[lod].len(), Aabb::EMPTY);
+            self.block_bounds.resize(instance.changes().blocks[lod].len(), Aabb::EMPTY);
             for ((_, b), bound) in blocks.iter().zip(bounds) {
                 self.block_bounds[*b as usize] = *bound;
-                let r = block_range(*b as usize, vertices);
-                match self.changed.last_mut() {
-                    Some(last) if last.end == r.start as u32 => last.end = r.end as u32,
-                    _ => self.changed.push(r.start as u32..r.end as u32),
-                }
+                add(&mut self.changed, block_range(*b as usize, vertices));
             }
             let mut all = Aabb::EMPTY;
             self.block_bounds.iter().for_each(|b| all.union(b));
             self.bounds = Some(all);
         }
+        self.holds(instance.changes(), lod);
+    }
+
+    /// Notes that nothing is written.
+    #[cfg(feature = "vulkan")]
+    pub(crate) fn unchanged(&mut self) {
+        self.changed.clear();
+    }
+
+    /// Notes that all dirty blocks will be written elsewhere than on the CPU, and all vertices then lie in a box.
+    #[cfg(feature = "vulkan")]
+    pub(crate) fn recorded(&mut self, (instance, lod, vertices): (&Instance, usize, usize), bounds: Aabb) {
+        let mut changed = std::mem::take(&mut self.changed);
+        changed.clear();
+        self.dirty(instance.changes(), lod).for_each(|b| add(&mut changed, block_range(b, vertices)));
+        self.changed = changed;
+        self.bounds = Some(bounds);
+        self.holds(instance.changes(), lod);
+    }
+
+    fn holds(&mut self, changes: &Changes, lod: usize) {
         self.instance = changes.instance;
         self.lod = lod;
         self.epoch = changes.epoch;
+    }
+}
+
+/// Adds a range that begins where the last one ends, or later.
+fn add(ranges: &mut Vec<Range<u32>>, r: Range<usize>) {
+    match ranges.last_mut() {
+        Some(last) if last.end == r.start as u32 => last.end = r.end as u32,
+        _ => ranges.push(r.start as u32..r.end as u32),
     }
 }

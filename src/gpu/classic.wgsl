@@ -30,54 +30,51 @@ fn set_state(at: u32, v: vec3<f32>) {
 
 @compute @workgroup_size(128)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    let invocation = id.y * call.row + id.x;
-    if invocation >= call.count {
+    let vertex = vertex_of(id);
+    if !vertex.wanted {
         return;
     }
-    let item = call.items + (invocation / BLOCK) * ITEM;
-    let v = invocation % BLOCK;
-    if v >= frame[item + 2u] {
-        return;
-    }
-    let vertex = frame[item + 1u] + v;
-    let target_ = call.targets + frame[item] * TARGET;
-    let given = frame[item + 6u];
-    let constant = frame_float(item + 7u);
-    let end = frame[item + 4u];
+    let target_ = vertex.target_;
+    let end = frame[target_ + 18u];
+    let constant = frame_float(target_ + 20u);
+    let given = frame[target_ + 23u];
     let words = select(3u, 6u, NORMALS);
 
-    let base = arena_vector(frame[target_] + 3u * vertex);
+    let base = arena_vector(frame[target_] + 3u * vertex.index);
     var position = base;
     var base_normal = vec3(0.0);
     if NORMALS {
-        base_normal = arena_vector(frame[target_ + 1u] + 3u * vertex);
+        base_normal = arena_vector(frame[target_ + 1u] + 3u * vertex.index);
     }
     var normal = base_normal;
-    if (frame[item + 5u] & AT_REST) == 0u {
+    if (frame[target_ + 19u] & AT_REST) == 0u {
         if given != NONE {
-            let at = call.carried + given + words * v;
+            let at = call.carried + given + words * vertex.index;
             position = frame_vector(at);
             if NORMALS {
                 normal = frame_vector(at + 3u);
             }
         } else {
-            position = state_vector(words * vertex);
+            position = state_vector(words * vertex.index);
             if NORMALS {
-                normal = state_vector(words * vertex + 3u);
+                normal = state_vector(words * vertex.index + 3u);
             }
         }
     }
 
-    for (var p = frame[item + 3u]; p < end; p++) {
+    for (var p = frame[target_ + 17u]; p < end; p++) {
         let part = call.parts + p * PART;
-        let kind = frame[part];
-        let groups = frame[part + 1u];
+        let example = frame[part + 1u];
+        let head = head_of(example, vertex.block);
+        if head == NONE {
+            continue;
+        }
         let weight = frame_float(part + 6u);
-        let d = stored(frame[part + 2u], (kind >> 8u) & 0xFFu, groups & 0xFFFFu, v) * frame_float(part + 4u);
+        let d = stored_displacement(example, head, vertex.v) * frame_float(part + 4u);
         let moved = any(d != vec3(0.0));
         var change = vec3(0.0);
         if NORMALS {
-            change = stored(frame[part + 3u], kind >> 16u, groups >> 16u, v) * frame_float(part + 5u);
+            change = stored_normal_change(example, head, vertex.v) * frame_float(part + 5u);
         }
         if !moved && all(change == vec3(0.0)) {
             continue;
@@ -100,19 +97,19 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         }
     }
 
-    set_state(words * vertex, position);
-    write_position(target_, vertex, position);
+    set_state(words * vertex.index, position);
+    write_position(target_, vertex.index, position);
     if NORMALS {
-        set_state(words * vertex + 3u, normal);
+        set_state(words * vertex.index + 3u, normal);
         var shown = normal;
         if any(normal != base_normal) {
             shown = unit(normal, base_normal);
         }
-        write_normal(target_, vertex, shown);
+        write_normal(target_, vertex.index, shown);
         if TANGENTS && frame[target_ + 8u] != 0u {
-            let at = frame[target_ + 2u] + 4u * vertex;
+            let at = frame[target_ + 2u] + 4u * vertex.index;
             let tangent = vec4(arena_vector(at), arena_float(at + 3u));
-            write_tangent(target_, vertex, tangent_of(tangent, base_normal, shown));
+            write_tangent(target_, vertex.index, tangent_of(tangent, base_normal, shown));
         }
     }
 }

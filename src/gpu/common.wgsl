@@ -6,16 +6,17 @@
 // Vertices a block.
 const BLOCK = 128u;
 const NONE = 0xFFFFFFFFu;
-// Words of an item and of a part in `frame`.
-const ITEM = 8u;
+// Words of each kind in `frame`.
+const LISTED = 2u;
+const TARGET = 24u;
 const PART = 8u;
 
 // Word offsets in `frame`.
 struct Call {
-    items: u32,
+    blocks: u32,
+    targets: u32,
     parts: u32,
     carried: u32,
-    targets: u32,
     // Invocations in a row of workgroups, and those that are wanted in all.
     row: u32,
     count: u32,
@@ -24,7 +25,7 @@ var<immediate> call: Call;
 
 // Meshes, examples, stamps: what does not change.
 @group(0) @binding(0) var<storage, read> arena: array<u32>;
-// The frame's items, parts and targets.
+// The frame's blocks, targets, parts and carried parts.
 @group(0) @binding(1) var<storage, read> frame: array<u32>;
 // The host's buffer, or a window of it.
 @group(1) @binding(0) var<storage, read_write> vertices: array<u32>;
@@ -138,14 +139,51 @@ fn stored(at: u32, width: u32, groups: u32, v: u32) -> vec3<f32> {
     return arena_vector(at + n);
 }
 
+// Where the head of a block lies; NONE where the example stores nothing of it.
+fn head_of(example: u32, block: u32) -> u32 {
+    let at = arena[example + block];
+    return select(example + at, NONE, at == NONE);
+}
+
+fn stored_displacement(example: u32, head: u32, v: u32) -> vec3<f32> {
+    return stored(example + arena[head + 2u], arena[head] & 0xFFu, arena[head + 1u] & 0xFFFFu, v);
+}
+
+fn stored_normal_change(example: u32, head: u32, v: u32) -> vec3<f32> {
+    return stored(example + arena[head + 3u], arena[head] >> 8u, arena[head + 1u] >> 16u, v);
+}
+
+// ---------------------------------------------------------------------------------------------------- the invocation's vertex
+
+struct Vertex {
+    wanted: bool,
+    // Its target in `frame`.
+    target_: u32,
+    block: u32,
+    // In the block, and in the mesh.
+    v: u32,
+    index: u32,
+}
+
+fn vertex_of(id: vec3<u32>) -> Vertex {
+    let invocation = id.y * call.row + id.x;
+    if invocation >= call.count {
+        return Vertex(false, 0u, 0u, 0u, 0u);
+    }
+    let listed = call.blocks + invocation / BLOCK * LISTED;
+    let target_ = call.targets + frame[listed] * TARGET;
+    let block = frame[listed + 1u];
+    let v = invocation % BLOCK;
+    let index = block * BLOCK + v;
+    return Vertex(index < frame[target_ + 16u], target_, block, v, index);
+}
+
 // ---------------------------------------------------------------------------------------------------- the host's formats
 // Codes and conversions are those of src/gpu/format.rs.
 
 const F16X4 = 1u;
 const SNORM16X4 = 2u;
 const SNORM8X4 = 3u;
-// Words of a target in `frame`.
-const TARGET = 16u;
 
 fn f16_bits(x: f32) -> u32 {
     let bits = bitcast<u32>(x);

@@ -13,8 +13,7 @@ const SQUARES = 2u;
 const LONGEST = 4u;
 const LIMITED = 8u;
 
-const LAST = 1u;
-const IS_CARRIED = 2u;
+const IS_CARRIED = 1u;
 
 // Sums at a vertex.
 struct Sums {
@@ -116,46 +115,62 @@ fn normal_of(n: vec3<f32>, sum: vec3<f32>, change: vec3<f32>) -> vec3<f32> {
     return v * (1.0 / sqrt(square));
 }
 
+fn add_stored(part: u32, block: u32, v: u32, sums: ptr<function, Sums>) {
+    let example = frame[part + 1u];
+    let head = head_of(example, block);
+    if head == NONE {
+        return;
+    }
+    let u = stored_displacement(example, head, v);
+    (*sums).dent = (*sums).dent + cut(u, frame_float(part + 6u)) * frame_float(part + 4u);
+    if NORMALS {
+        (*sums).change = (*sums).change + stored_normal_change(example, head, v) * frame_float(part + 5u);
+    }
+}
+
 @compute @workgroup_size(128)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    let invocation = id.y * call.row + id.x;
-    if invocation >= call.count {
+    let vertex = vertex_of(id);
+    if !vertex.wanted {
         return;
     }
-    let item = call.items + (invocation / BLOCK) * ITEM;
-    let v = invocation % BLOCK;
-    if v >= frame[item + 2u] {
-        return;
+    let target_ = vertex.target_;
+    let flags = frame[target_ + 19u];
+    let end = call.parts + frame[target_ + 18u] * PART;
+    var window = frame[target_ + 22u];
+    if window != NONE {
+        let at = arena[window + vertex.block];
+        window = select(window + at, NONE, at == NONE);
     }
-    let vertex = frame[item + 1u] + v;
-    let target_ = call.targets + frame[item] * TARGET;
-    let window = frame[item + 6u];
-    let flags = frame[item + 5u];
-    let begin = frame[item + 3u];
-    let end = frame[item + 4u];
+    let bounds = frame[target_ + 21u] + 6u * vertex.block;
+    let low = arena_vector(bounds);
+    let high = arena_vector(bounds + 3u);
 
-    let base = arena_vector(frame[target_] + 3u * vertex);
+    let base = arena_vector(frame[target_] + 3u * vertex.index);
     var base_normal = vec3(0.0);
     if NORMALS {
-        base_normal = arena_vector(frame[target_ + 1u] + 3u * vertex);
+        base_normal = arena_vector(frame[target_ + 1u] + 3u * vertex.index);
     }
 
     var sums = Sums(vec3(0.0), vec3(0.0), 0.0, vec3(0.0));
-    for (var p = begin; p < end; p++) {
-        let part = call.parts + p * PART;
-        let kind = frame[part];
-        if (kind & IS_CARRIED) != 0u {
-            add_carried(part, window, v, base, base_normal, &sums);
-        } else {
-            let groups = frame[part + 1u];
-            let u = stored(frame[part + 2u], (kind >> 8u) & 0xFFu, groups & 0xFFFFu, v);
-            sums.dent = sums.dent + cut(u, frame_float(part + 6u)) * frame_float(part + 4u);
-            if NORMALS {
-                let change = stored(frame[part + 3u], kind >> 16u, groups >> 16u, v);
-                sums.change = sums.change + change * frame_float(part + 5u);
+    // A dent is a head, which tells how far it reaches and how many parts follow.
+    var at = call.parts + frame[target_ + 17u] * PART;
+    while at < end {
+        let after = at + PART + frame[at + 4u] * PART;
+        let contact = frame_vector(at);
+        let off = vec3(
+            most(most(low.x - contact.x, contact.x - high.x), 0.0),
+            most(most(low.y - contact.y, contact.y - high.y), 0.0),
+            most(most(low.z - contact.z, contact.z - high.z), 0.0),
+        );
+        if dot3(off, off) <= frame_float(at + 3u) {
+            for (var part = at + PART; part < after; part += PART) {
+                if (frame[part] & IS_CARRIED) != 0u {
+                    add_carried(part, window, vertex.v, base, base_normal, &sums);
+                } else {
+                    add_stored(part, vertex.block, vertex.v, &sums);
+                }
             }
-        }
-        if (kind & LAST) != 0u {
             sums.all = sums.all + sums.dent;
             if (flags & SEVERAL) != 0u {
                 let square = dot3(sums.dent, sums.dent);
@@ -163,6 +178,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             }
             sums.dent = vec3(0.0);
         }
+        at = after;
     }
 
     var u = sums.all;
@@ -174,7 +190,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             allowed = least(sqrt(sums.squares), allowed);
         }
         if (flags & LIMITED) != 0u {
-            allowed = least(frame_float(item + 7u), allowed);
+            allowed = least(frame_float(target_ + 20u), allowed);
         }
         if length > allowed {
             let factor = allowed / length;
@@ -182,14 +198,14 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             change = change * factor;
         }
     }
-    write_position(target_, vertex, base + u);
+    write_position(target_, vertex.index, base + u);
     if NORMALS {
         let normal = normal_of(base_normal, sums.change, change);
-        write_normal(target_, vertex, normal);
+        write_normal(target_, vertex.index, normal);
         if TANGENTS && frame[target_ + 8u] != 0u {
-            let at = frame[target_ + 2u] + 4u * vertex;
+            let at = frame[target_ + 2u] + 4u * vertex.index;
             let tangent = vec4(arena_vector(at), arena_float(at + 3u));
-            write_tangent(target_, vertex, tangent_of(tangent, base_normal, normal));
+            write_tangent(target_, vertex.index, tangent_of(tangent, base_normal, normal));
         }
     }
 }

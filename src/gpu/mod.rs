@@ -8,7 +8,7 @@ mod skin;
 
 pub use format::{Attribute, Encoding, encode};
 pub(crate) use format::{Layout, Stream};
-pub(crate) use frame::{Frame, ITEM_WORDS};
+pub(crate) use frame::{BLOCK_WORDS, Frame, Offsets, Shown};
 pub(crate) use skin::{Place, SkinWords, StampWords};
 
 /// Of nothing, where a word offset is expected.

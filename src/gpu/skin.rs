@@ -1,12 +1,17 @@
 //! What does not change, in words: a mesh with its examples, and the stamps of its set.
 
+use super::NONE;
+use crate::anchored::Anchored;
 use crate::examples::ExampleSet;
-use crate::rim::Rim;
+use crate::rim::{Rim, WindowBlock};
 use crate::skin::Skin;
 use crate::stamp::Node;
 use bytemuck::{cast_slice, cast_slice_mut};
 
 const NODE_WORDS: usize = size_of::<Node>() / 4;
+const WINDOW_WORDS: usize = size_of::<WindowBlock>() / 4;
+/// Of a block of an example: widths, groups, where displacements and changes of normals lie from the example's first word.
+const HEAD_WORDS: usize = 4;
 
 /// Where the parts of a mesh begin, words from its own first.
 #[derive(Debug)]
@@ -14,9 +19,15 @@ pub(crate) struct SkinWords {
     positions: u32,
     normals: Option<u32>,
     tangents: Option<u32>,
-    /// Of each example's numbers.
+    /// Six words a block: least coordinates, then greatest.
+    bounds: u32,
+    /// Of each example what is stored of which block: a word a block, where its head lies from here, [`NONE`] where nothing is
+    /// stored; then the heads; then the numbers.
     examples: Vec<u32>,
-    windows: u32,
+    /// Longest displacement of each example, m.
+    longest: Vec<f32>,
+    /// Of each block a word, where its window lies from here, or [`NONE`]; then the windows. Nothing where nothing is held.
+    windows: Option<u32>,
     total: u64,
 }
 
@@ -28,8 +39,11 @@ impl SkinWords {
             positions: at.take(3 * n),
             normals: skin.mesh.normals().map(|_| at.take(3 * n)),
             tangents: skin.mesh.tangents().map(|_| at.take(4 * n)),
-            examples: skin.anchored.iter().map(|a| at.take(2 * a.words.len())).collect(),
-            windows: at.take(cast_slice::<_, u32>(&skin.rim.windows).len()),
+            bounds: at.take(6 * skin.blocks()),
+            examples: skin.anchored.iter().map(|a| at.take(numbers_at(skin, a) + 2 * a.words.len())).collect(),
+            longest: skin.anchored.iter().map(|a| a.heads.iter().map(|h| h.longest).fold(0.0, f32::max)).collect(),
+            windows: (!skin.rim.windows.is_empty())
+                .then(|| at.take(skin.blocks() + skin.rim.windows.len() * WINDOW_WORDS)),
             total: at.0,
         }
     }
@@ -48,9 +62,41 @@ impl SkinWords {
         if let (Some(at), Some(tangents)) = (self.tangents, skin.mesh.tangents()) {
             put(at, cast_slice(tangents));
         }
-        self.examples.iter().zip(&skin.anchored).for_each(|(at, a)| put(*at, cast_slice(&a.words)));
-        put(self.windows, cast_slice(&skin.rim.windows));
+        let corners = skin.block_bounds.iter().flat_map(|b| [b.min.to_array(), b.max.to_array()]);
+        let corners: Vec<[f32; 3]> = corners.collect();
+        put(self.bounds, cast_slice(&corners));
+        for (at, a) in self.examples.iter().zip(&skin.anchored) {
+            let (blocks, numbers) = (skin.blocks(), numbers_at(skin, a));
+            let mut table = vec![NONE; blocks];
+            let mut heads = Vec::with_capacity(numbers - blocks);
+            for h in a.heads.iter() {
+                table[h.block as usize] = (blocks + heads.len()) as u32;
+                let displacements = numbers + 2 * h.at as usize;
+                let normals = displacements + 2 * crate::anchored::words(h.groups, h.width);
+                heads.extend([
+                    u32::from(h.width) | u32::from(h.normal_width) << 8,
+                    u32::from(h.groups) | u32::from(h.normal_groups) << 16,
+                    displacements as u32,
+                    normals as u32,
+                ]);
+            }
+            put(*at, &table);
+            put(*at + blocks as u32, &heads);
+            put(*at + numbers as u32, cast_slice(&a.words));
+        }
+        if let Some(at) = self.windows {
+            let blocks = skin.blocks();
+            let place = |w: &u32| if *w == Rim::CLEAR { NONE } else { (blocks + *w as usize * WINDOW_WORDS) as u32 };
+            let table: Vec<u32> = skin.rim.blocks.iter().map(place).collect();
+            put(at, &table);
+            put(at + blocks as u32, cast_slice(&skin.rim.windows));
+        }
     }
+}
+
+/// Words of an example before its numbers.
+fn numbers_at(skin: &Skin, a: &Anchored) -> usize {
+    skin.blocks() + HEAD_WORDS * a.heads.len()
 }
 
 /// Where the nodes of a set's stamps begin, words from the first.
@@ -103,15 +149,23 @@ impl Place {
         self.skin.tangents.map(|at| self.skin_at + at)
     }
 
-    /// An example's numbers, from word `at` (of eight bytes) on.
-    pub(crate) fn numbers(&self, example: usize, at: usize) -> u32 {
-        self.skin_at + self.skin.examples[example] + 2 * at as u32
+    pub(crate) fn bounds(&self) -> u32 {
+        self.skin_at + self.skin.bounds
     }
 
-    /// The windows of a block, if any vertex of it is near a held rim.
-    pub(crate) fn window(&self, rim: &Rim, block: usize) -> Option<u32> {
-        let window = *rim.blocks.get(block).filter(|w| **w != Rim::CLEAR)?;
-        Some(self.skin_at + self.skin.windows + window * (size_of::<crate::rim::WindowBlock>() / 4) as u32)
+    /// What an example stores of the mesh.
+    pub(crate) fn example(&self, example: usize) -> u32 {
+        self.skin_at + self.skin.examples[example]
+    }
+
+    /// Longest displacement of an example on the mesh, m.
+    pub(crate) fn longest(&self, example: usize) -> f32 {
+        self.skin.longest[example]
+    }
+
+    /// The windows, if anything is held.
+    pub(crate) fn windows(&self) -> Option<u32> {
+        self.skin.windows.map(|at| self.skin_at + at)
     }
 
     /// The nodes of an example's stamp.

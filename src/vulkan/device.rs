@@ -3,7 +3,7 @@
 use super::arena::Arena;
 use super::frames::Slot;
 use super::functions::{Functions, InstanceFunctions};
-use super::host::Hosts;
+use super::host::{BufferDef, Hosts};
 use super::kernels::{Kernels, Set};
 use super::record::Scratch;
 use super::state::State;
@@ -61,11 +61,18 @@ pub(super) struct Gpu {
     pub device: vk::Device,
     pub memory: vk::PhysicalDeviceMemoryProperties,
     pub limits: vk::PhysicalDeviceLimits,
+    /// Of the queue that recorded work is submitted to.
+    pub family: u32,
     /// Buffers, pieces of memory and descriptor pools made so far.
     made: AtomicU64,
 }
 
 impl Gpu {
+    /// Whether another queue family owns a buffer.
+    pub(super) fn foreign(&self, def: &BufferDef) -> bool {
+        def.queue_family != vk::QUEUE_FAMILY_IGNORED && def.queue_family != self.family
+    }
+
     pub(super) fn count(&self) {
         self.made.fetch_add(1, Ordering::Relaxed);
     }
@@ -100,7 +107,8 @@ impl fmt::Debug for Device {
 }
 
 impl Device {
-    /// Takes the host's device: loads functions and makes pipelines (some milliseconds, less with cached data).
+    /// Takes the host's device: loads functions and makes layouts. Pipelines are made with the first targets that need them (some
+    /// milliseconds each, less with cached data).
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for a null handle, a queue family that is not there or cannot compute, or a workgroup size
@@ -143,7 +151,8 @@ impl Device {
         unsafe { (instance.queue_families)(def.physical_device, &mut count, families.as_mut_ptr()) };
         check(def, &properties, &families)?;
         static NEXT: AtomicU64 = AtomicU64::new(1);
-        let gpu = Gpu { functions, device: def.device, memory, limits: properties.limits, made: AtomicU64::new(0) };
+        let (device, limits, family) = (def.device, properties.limits, def.queue_family);
+        let gpu = Gpu { functions, device, memory, limits, family, made: AtomicU64::new(0) };
         let cache = if fits(def.pipeline_cache, &properties) { def.pipeline_cache } else { &[] };
         Ok(Device {
             kernels: gpu.kernels(def.workgroup_size, cache)?,

@@ -286,6 +286,7 @@ impl Device {
         let host = self.hosts.get_mut(def.buffer)?;
         let window = host.window(&self.gpu, &self.kernels, &written)?;
         let first = def.offset.wrapping_sub(host.windows[window].range.start);
+        self.gpu.add_pipeline(&mut self.kernels, kernel, false)?;
         let home = self.arena.home(&self.gpu, set, def.lod)?;
         Ok(Target {
             device: self.id,

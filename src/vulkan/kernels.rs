@@ -3,7 +3,7 @@
 use super::device::Gpu;
 use super::functions::{Functions, checked};
 use crate::Error;
-use ash::vk;
+use ash::vk::{self, Handle};
 use std::ptr::{null, null_mut};
 
 /// How much of a vertex a kernel writes; each writes what those before it do.
@@ -39,12 +39,20 @@ pub(super) struct Kernels {
     set_layouts: [vk::DescriptorSetLayout; 2],
     pub layout: vk::PipelineLayout,
     cache: vk::PipelineCache,
+    /// Invocations a group.
+    workgroup: u32,
+    /// As [`MODULES`]; null until they are needed.
     pipelines: [vk::Pipeline; 6],
 }
 
+fn number(kernel: Kernel, classic: bool) -> usize {
+    kernel as usize + if classic { 3 } else { 0 }
+}
+
 impl Kernels {
+    /// A pipeline that was added.
     pub(super) fn pipeline(&self, kernel: Kernel, classic: bool) -> vk::Pipeline {
-        self.pipelines[kernel as usize + if classic { 3 } else { 0 }]
+        self.pipelines[number(kernel, classic)]
     }
 }
 
@@ -56,10 +64,10 @@ pub(super) struct Set {
 }
 
 impl Gpu {
-    /// Pipelines with `workgroup` invocations a group, from cached data if it fits the driver.
+    /// No pipelines yet; they will have `workgroup` invocations a group, and come from cached data if it fits the driver.
     pub(super) fn kernels(&self, workgroup: u32, cache: &[u8]) -> Result<Kernels, Error> {
-        let mut kernels = Kernels::default();
-        let made = self.make_kernels(&mut kernels, workgroup, cache);
+        let mut kernels = Kernels { workgroup, ..Kernels::default() };
+        let made = self.make_layouts(&mut kernels, cache);
         if made.is_err() {
             // SAFETY: nothing uses them yet.
             unsafe { self.destroy_kernels(&kernels) };
@@ -67,7 +75,7 @@ impl Gpu {
         made.map(|()| kernels)
     }
 
-    fn make_kernels(&self, k: &mut Kernels, workgroup: u32, cache: &[u8]) -> Result<(), Error> {
+    fn make_layouts(&self, k: &mut Kernels, cache: &[u8]) -> Result<(), Error> {
         let (f, device) = (&self.functions, self.device);
         let binding = |n| {
             vk::DescriptorSetLayoutBinding::default()
@@ -93,27 +101,32 @@ impl Gpu {
         // Drivers ignore data of other drivers.
         let info = vk::PipelineCacheCreateInfo::default().initial_data(cache);
         // SAFETY: as above.
-        checked("vkCreatePipelineCache", unsafe { (f.create_cache)(device, &info, null(), &mut k.cache) })?;
-        for (pipeline, module) in k.pipelines.iter_mut().zip(MODULES) {
-            let words = with_workgroup(module, workgroup);
-            let info = vk::ShaderModuleCreateInfo::default().code(&words);
-            let mut module = vk::ShaderModule::null();
-            // SAFETY: as above; the SPIR-V is valid.
-            checked("vkCreateShaderModule", unsafe { (f.create_shader_module)(device, &info, null(), &mut module) })?;
-            let stage = vk::PipelineShaderStageCreateInfo::default()
-                .stage(vk::ShaderStageFlags::COMPUTE)
-                .module(module)
-                .name(c"main");
-            let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(k.layout);
-            // SAFETY: as above; the module is no longer needed once the pipeline is made.
-            let result = unsafe {
-                let result = (f.create_pipelines)(device, k.cache, 1, &info, null(), pipeline);
-                (f.destroy_shader_module)(device, module, null());
-                result
-            };
-            checked("vkCreateComputePipelines", result)?;
+        checked("vkCreatePipelineCache", unsafe { (f.create_cache)(device, &info, null(), &mut k.cache) })
+    }
+
+    /// Makes sure that there is a pipeline for a kernel.
+    pub(super) fn add_pipeline(&self, k: &mut Kernels, kernel: Kernel, classic: bool) -> Result<(), Error> {
+        let (f, device, number) = (&self.functions, self.device, number(kernel, classic));
+        if !k.pipelines[number].is_null() {
+            return Ok(());
         }
-        Ok(())
+        let words = with_workgroup(MODULES[number], k.workgroup);
+        let info = vk::ShaderModuleCreateInfo::default().code(&words);
+        let mut module = vk::ShaderModule::null();
+        // SAFETY: as above; the SPIR-V is valid.
+        checked("vkCreateShaderModule", unsafe { (f.create_shader_module)(device, &info, null(), &mut module) })?;
+        let stage = vk::PipelineShaderStageCreateInfo::default()
+            .stage(vk::ShaderStageFlags::COMPUTE)
+            .module(module)
+            .name(c"main");
+        let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(k.layout);
+        // SAFETY: as above; the module is no longer needed once the pipeline is made.
+        let result = unsafe {
+            let result = (f.create_pipelines)(device, k.cache, 1, &info, null(), &mut k.pipelines[number]);
+            (f.destroy_shader_module)(device, module, null());
+            result
+        };
+        checked("vkCreateComputePipelines", result)
     }
 
     /// What the driver would like to have again at the next start.

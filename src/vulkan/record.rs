@@ -1,10 +1,9 @@
 //! A frame: what changed, as commands.
 
 use super::device::{Device, Gpu};
-use super::host::{BufferId, Target};
+use super::host::{BufferId, Hosts, Target};
 use super::kernels::{Call, Kernel};
-use crate::deform::evaluate;
-use crate::gpu::{Frame, ITEM_WORDS};
+use crate::gpu::{BLOCK_WORDS, Frame, Offsets, Shown};
 use crate::{Aabb, Error, Instance};
 use ash::vk::{self, Handle};
 use std::ops::Range;
@@ -12,7 +11,7 @@ use std::ptr::null;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-/// Invocations an item: vertices a block.
+/// Invocations a block: its vertices.
 const BLOCK: u64 = crate::anchored::BLOCK as u64;
 
 /// One target to bring up to date.
@@ -48,12 +47,13 @@ pub(super) struct Scratch {
     frame: Frame,
     /// Jobs with something to write, those of one dispatch side by side.
     order: Vec<(Key, u32)>,
-    /// Job and block, as [`crate::Tracker`] takes them, and a box for each.
-    blocks: Vec<(u32, u32)>,
+    /// Of each of these a box that will hold its vertices.
     bounds: Vec<Aabb>,
     dispatches: Vec<Dispatch>,
     /// Windows that are written.
     writes: Vec<(BufferId, usize)>,
+    /// Buffers that another queue family owns.
+    transfers: Vec<BufferId>,
     before: Vec<vk::BufferMemoryBarrier<'static>>,
     after: Vec<vk::BufferMemoryBarrier<'static>>,
 }
@@ -73,7 +73,7 @@ struct Key {
 struct Dispatch {
     key: Key,
     kernel: Kernel,
-    items: Range<usize>,
+    blocks: Range<usize>,
 }
 
 impl Device {
@@ -115,18 +115,15 @@ impl Device {
         let mut scratch = std::mem::take(&mut self.scratch);
         let recorded = self.prepare(&mut scratch, jobs).and_then(|mut report| {
             if report.blocks_written > 0 {
-                let slot = self.fill(&scratch)?;
-                self.commands(&mut scratch, (commands, frame, slot), jobs, &mut report)?;
+                let (slot, offsets) = self.fill(&scratch)?;
+                self.commands(&mut scratch, (commands, frame), (slot, offsets), jobs, &mut report)?;
+            } else if !scratch.transfers.is_empty() {
+                self.pass(&mut scratch, (commands, frame))?;
             }
             Ok(report)
         });
         if recorded.is_ok() {
-            written(&scratch, jobs);
-            for (_, j) in &scratch.order {
-                let target = &mut jobs[*j as usize].target;
-                target.home.used.fetch_max(frame, Ordering::Relaxed);
-                target.written_in = frame;
-            }
+            written(&scratch, jobs, frame);
         }
         self.scratch = scratch;
         recorded
@@ -137,19 +134,23 @@ impl Device {
         let mut report = RecordReport::default();
         s.frame.clear();
         s.order.clear();
-        s.blocks.clear();
         s.bounds.clear();
         s.dispatches.clear();
         s.writes.clear();
+        s.transfers.clear();
         for (j, job) in jobs.iter().enumerate() {
             self.check(job).map_err(|e| named(e, j))?;
         }
         for (j, job) in jobs.iter_mut().enumerate() {
             self.add_state(job.instance, job.target)?;
             let (target, changes) = (&job.target, job.instance.changes());
+            let (buffer, window) = (target.buffer, target.window);
+            let def = &self.hosts.get(buffer)?.def;
+            if self.gpu.foreign(def) {
+                s.transfers.push(buffer);
+            }
             if target.tracker.dirty(changes, target.lod).next().is_some() {
-                let (buffer, window) = (target.buffer, target.window);
-                let handle = self.hosts.get(buffer)?.def.buffer;
+                let handle = def.buffer;
                 let classic = job.instance.classic_state().map(|_| j as u32);
                 s.order.push((Key { handle, buffer, window, chunk: target.home.chunk, classic }, j as u32));
             } else {
@@ -157,33 +158,32 @@ impl Device {
             }
         }
         s.order.sort_unstable();
+        s.transfers.sort_unstable();
+        s.transfers.dedup();
         for (key, j) in &s.order {
             let RecordJob { instance, target } = &jobs[*j as usize];
             let skin = instance.example_set().lod(target.lod)?;
             let (place, normals) = (&target.home.place, target.kernel > Kernel::Positions);
             if s.dispatches.last().is_none_or(|d| d.key != *key) {
-                let items = s.frame.items()..s.frame.items();
-                s.dispatches.push(Dispatch { key: *key, kernel: Kernel::Positions, items });
+                let blocks = s.frame.blocks()..s.frame.blocks();
+                s.dispatches.push(Dispatch { key: *key, kernel: Kernel::Positions, blocks });
             }
             if s.writes.last() != Some(&(key.buffer, key.window)) {
                 s.writes.push((key.buffer, key.window));
             }
-            s.frame.target(instance, place, &target.layout, target.first);
-            let before = s.blocks.len();
-            let since = target.tracker.since(instance.changes(), target.lod);
-            for block in target.tracker.dirty(instance.changes(), target.lod) {
-                let job = evaluate::Job { instance, skin, block };
-                s.bounds.push(match instance.classic_state() {
-                    Some(state) => s.frame.classic_block((job, state), normals, place, since),
-                    None => s.frame.block(job, normals, place),
-                });
-                s.blocks.push((*j, block as u32));
-            }
-            let count = (s.blocks.len() - before) as u64;
+            let shown = Shown { instance, skin, place, layout: &target.layout, first: target.first };
+            s.bounds.push(match instance.classic_state() {
+                Some(state) => {
+                    let since = target.tracker.since(instance.changes(), target.lod);
+                    s.frame.classic_target(&shown, state, normals, since)
+                }
+                None => s.frame.target(&shown),
+            });
+            let count = s.frame.add_blocks(target.tracker.dirty(instance.changes(), target.lod)) as u64;
             report.blocks_written += count;
             report.blocks_skipped += skin.blocks() as u64 - count;
             if let Some(dispatch) = s.dispatches.last_mut() {
-                dispatch.items.end = s.frame.items();
+                dispatch.blocks.end = s.frame.blocks();
                 dispatch.kernel = dispatch.kernel.max(target.kernel);
             }
         }
@@ -213,25 +213,25 @@ impl Device {
     }
 
     /// Takes a slot, writes the frame's words into it, and makes sure that it has its sets.
-    fn fill(&mut self, s: &Scratch) -> Result<usize, Error> {
-        let (_, words) = s.frame.offsets();
-        let slot = self.slot(4 * words as u64)?;
+    fn fill(&mut self, s: &Scratch) -> Result<(usize, Offsets), Error> {
+        let offsets = s.frame.offsets()?;
+        let slot = self.slot(4 * offsets.total as u64)?;
         for d in &s.dispatches {
             self.add_slot_set(slot, d.key.chunk)?;
         }
-        self.gpu.write(&mut self.slots[slot].staging, words, |to| s.frame.write(to))?;
-        Ok(slot)
+        self.gpu.write(&mut self.slots[slot].staging, offsets.total, |to| s.frame.write(to))?;
+        Ok((slot, offsets))
     }
 
     /// The commands themselves: nothing here fails but for what is checked first.
     fn commands(
         &mut self,
         s: &mut Scratch,
-        (commands, frame, slot): (vk::CommandBuffer, u64, usize),
+        (commands, frame): (vk::CommandBuffer, u64),
+        (slot, offsets): (usize, Offsets),
         jobs: &[RecordJob<'_>],
         report: &mut RecordReport,
     ) -> Result<(), Error> {
-        let ([items, parts, carried, targets], words) = s.frame.offsets();
         let (f, kernels) = (&self.gpu.functions, &self.kernels);
         let slot = &mut self.slots[slot];
         slot.frame = frame;
@@ -251,7 +251,7 @@ impl Device {
                 report.bytes_copied += c.2;
             }
         });
-        let bytes = 4 * words as u64;
+        let bytes = 4 * offsets.total as u64;
         s.before.push(copy(slot.staging.handle, slot.storage.handle, (0, 0, bytes)));
         report.bytes_copied += bytes;
 
@@ -261,6 +261,9 @@ impl Device {
         for (buffer, window) in &s.writes {
             let host = self.hosts.get_mut(*buffer)?;
             host.used = frame;
+            if self.gpu.foreign(&host.def) {
+                continue;
+            }
             // All that is bound, since nobody but us knows what of it is written.
             let (handle, bytes) = (host.def.buffer, &host.windows[*window].range);
             let shader = vk::AccessFlags::SHADER_WRITE;
@@ -269,6 +272,8 @@ impl Device {
             from |= host.def.before.stages;
             to |= host.def.after.stages;
         }
+        let (first, last) = transfers(&mut self.hosts, &self.gpu, s, frame)?;
+        (from, to) = (from | first, to | last);
         let state = |d: &Dispatch| d.key.classic.and_then(|j| jobs[j as usize].target.state.as_ref());
         for state in s.dispatches.iter().filter_map(state) {
             state.use_in(frame);
@@ -291,14 +296,14 @@ impl Device {
                 );
             }
             previous = Some(d.key.handle);
-            let count = (d.items.len() as u64 * BLOCK) as u32;
+            let count = (d.blocks.len() as u64 * BLOCK) as u32;
             let groups = count.div_ceil(self.workgroup);
             let across = groups.min(self.gpu.limits.max_compute_work_group_count[0]);
             let call: Call = [
-                (items + d.items.start * ITEM_WORDS) as u32,
-                parts as u32,
-                carried as u32,
-                targets as u32,
+                (offsets.blocks + d.blocks.start * BLOCK_WORDS) as u32,
+                offsets.targets as u32,
+                offsets.parts as u32,
+                offsets.carried as u32,
                 // One row never reaches it.
                 across.saturating_mul(self.workgroup),
                 count,
@@ -325,19 +330,57 @@ impl Device {
         cmd_barrier(&self.gpu, commands, (own, to), &s.after);
         Ok(())
     }
+
+    /// Where nothing changed: takes buffers that another queue family owns, and gives them back.
+    fn pass(&mut self, s: &mut Scratch, (commands, frame): (vk::CommandBuffer, u64)) -> Result<(), Error> {
+        s.before.clear();
+        s.after.clear();
+        let (from, to) = transfers(&mut self.hosts, &self.gpu, s, frame)?;
+        self.recorded = frame;
+        let own = vk::PipelineStageFlags::COMPUTE_SHADER;
+        cmd_barrier(&self.gpu, commands, (from, own), &s.before);
+        cmd_barrier(&self.gpu, commands, (own, to), &s.after);
+        Ok(())
+    }
+}
+
+/// Adds acquires and releases of buffers that another queue family owns; answers the stages before and after.
+fn transfers(
+    hosts: &mut Hosts,
+    gpu: &Gpu,
+    s: &mut Scratch,
+    frame: u64,
+) -> Result<(vk::PipelineStageFlags, vk::PipelineStageFlags), Error> {
+    let (mut from, mut to) = (vk::PipelineStageFlags::empty(), vk::PipelineStageFlags::empty());
+    for buffer in &s.transfers {
+        let host = hosts.get_mut(*buffer)?;
+        host.used = frame;
+        let (def, ours) = (host.def, gpu.family);
+        let (shader, none) = (vk::AccessFlags::SHADER_WRITE, vk::AccessFlags::empty());
+        let transfer = |(from, from_family), (to, to_family)| {
+            barrier(def.buffer, 0..vk::WHOLE_SIZE, from, to)
+                .src_queue_family_index(from_family)
+                .dst_queue_family_index(to_family)
+        };
+        // What the other family did it made available itself, and what it does it makes visible itself.
+        s.before.push(transfer((none, def.queue_family), (shader, ours)));
+        s.after.push(transfer((shader, ours), (none, def.queue_family)));
+        (from, to) = (from | def.before.stages, to | def.after.stages);
+    }
+    Ok((from, to))
 }
 
 /// Notes what each target will hold.
-fn written(s: &Scratch, jobs: &mut [RecordJob<'_>]) {
-    let mut at = 0;
-    for (_, j) in &s.order {
+fn written(s: &Scratch, jobs: &mut [RecordJob<'_>], frame: u64) {
+    for job in jobs.iter_mut() {
+        job.target.tracker.unchanged();
+    }
+    for ((_, j), bounds) in s.order.iter().zip(&s.bounds) {
         let RecordJob { instance, target } = &mut jobs[*j as usize];
-        let count = s.blocks[at..].iter().take_while(|(job, _)| job == j).count();
-        let blocks = at..at + count;
-        at += count;
         let Ok(skin) = instance.example_set().lod(target.lod) else { continue };
-        let of = (*instance, target.lod, skin.vertex_count());
-        target.tracker.written(of, &s.blocks[blocks.clone()], &s.bounds[blocks]);
+        target.tracker.recorded((instance, target.lod, skin.vertex_count()), *bounds);
+        target.home.used.fetch_max(frame, Ordering::Relaxed);
+        target.written_in = frame;
     }
 }
 

@@ -48,6 +48,7 @@ impl Device {
         if instance.classic_state().is_none() || target.state.is_some() {
             return Ok(());
         }
+        self.gpu.add_pipeline(&mut self.kernels, target.kernel, true)?;
         let vertices = instance.example_set().vertex_count() as u64;
         let bytes = vertices * if target.kernel > super::kernels::Kernel::Positions { 24 } else { 12 };
         let most = u64::from(self.gpu.limits.max_storage_buffer_range);

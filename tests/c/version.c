@@ -10,7 +10,8 @@ int main(void) {
     FACT(CRUMPLE_VERSION == CRUMPLE_VERSION_MAJOR * 1000000 + CRUMPLE_VERSION_MINOR * 1000 + CRUMPLE_VERSION_PATCH);
     snprintf(text, sizeof text, "%d.%d.%d", CRUMPLE_VERSION_MAJOR, CRUMPLE_VERSION_MINOR, CRUMPLE_VERSION_PATCH);
     FACT(strcmp(text, crumple_version_string()) == 0);
-    FACT((crumple_features() & ~(uint64_t)(CRUMPLE_FEATURE_GLTF | CRUMPLE_FEATURE_OBJ | CRUMPLE_FEATURE_HOST_ALLOCATOR)) == 0);
+    FACT((crumple_features() & ~(uint64_t)(CRUMPLE_FEATURE_GLTF | CRUMPLE_FEATURE_OBJ | CRUMPLE_FEATURE_HOST_ALLOCATOR |
+                                                  CRUMPLE_FEATURE_VULKAN)) == 0);
 
     // Sizes that bindings in other languages count on.
     FACT(sizeof(CrumpleResult) == 4 && sizeof(CrumpleExampleSet) == 8 && sizeof(CrumpleInstance) == 8);
