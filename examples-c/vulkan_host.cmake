@@ -23,7 +23,8 @@ function(vulkan_test name)
     get_filename_component(driver "${manifest}" NAME_WE)
     string(REPLACE "{driver}" "${driver}" command "${ARGN}")
     add_test(NAME ${name}_${driver} COMMAND ${command})
-    set_tests_properties(${name}_${driver} PROPERTIES TIMEOUT 600 LABELS vulkan ENVIRONMENT
-                         "VK_DRIVER_FILES=${manifest};CRUMPLE_VALIDATION=${validation};CRUMPLE_REQUIRE_GPU=1")
+    set(environment "VK_DRIVER_FILES=${manifest}" CRUMPLE_REQUIRE_GPU=1 CRUMPLE_VALIDATION=${validation}
+                    VK_LAYER_ENABLES=VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT)
+    set_tests_properties(${name}_${driver} PROPERTIES TIMEOUT 600 LABELS vulkan ENVIRONMENT "${environment}")
   endforeach()
 endfunction()

@@ -4,14 +4,13 @@
 //
 // vulkan_record.c explains the calls; this shows them around a render pass, and a vertex format as renderers like it: the
 // buffer holds the hood and the ground it stands on, positions as floats and normals in 16-bit integers.
+#include "side_by_side.hpp"
 #include "vulkan_host.h"
 
 #include "shaders/hood.frag.h"
 #include "shaders/hood.vert.h"
 
 #include <crumple.hpp>
-
-#include <png.h>
 
 #include <algorithm>
 #include <array>
@@ -36,7 +35,6 @@ using Matrix = std::array<float, 16>; // column-major
 struct Camera {
     Matrix projection, model_view;
 };
-using Picture = std::vector<std::array<uint8_t, 4>>;
 
 void fact(bool holds, const std::string &what) {
     if (holds) return;
@@ -362,25 +360,6 @@ std::vector<bool> touched(const Camera &camera, const Scene &scene, const std::v
     return mask;
 }
 
-void write(const char *path, const Picture &left, const Picture &right) {
-    Picture both;
-    for (uint32_t y = 0; y < HEIGHT; ++y)
-        for (const Picture *half : {&left, &right})
-            both.insert(both.end(), half->begin() + y * WIDTH, half->begin() + (y + 1) * WIDTH);
-    std::vector<uint8_t> rgb;
-    for (const auto &pixel : both) rgb.insert(rgb.end(), {pixel[0], pixel[1], pixel[2]});
-    png_image image{};
-    image.version = PNG_IMAGE_VERSION;
-    image.width = 2 * WIDTH;
-    image.height = HEIGHT;
-    image.format = PNG_FORMAT_RGB;
-    fact(png_image_write_to_file(&image, path, 0, rgb.data(), 0, nullptr) != 0, std::string(path) + " was written");
-}
-
-void check(CrumpleResult result) {
-    if (result != CRUMPLE_OK) throw crumple::Error(result, crumple_last_error());
-}
-
 void run(Host &host, const char *hood, const char *path) {
     crumple::Context context;
     const crumple::ExampleSet set = context.load_gltf(hood).value();
@@ -397,7 +376,7 @@ void run(Host &host, const char *hood, const char *path) {
     vulkan.physical_device = host.physical_device;
     vulkan.device = host.device;
     vulkan.queue_family = host.queue_family;
-    check(crumple_attach_vulkan(context.get(), &vulkan));
+    context.attach_vulkan(vulkan).value();
 
     crumple::Instance body = context.create_instance(set).value();
     CrumpleVulkanBufferDef def = crumple_default_vulkan_buffer_def();
@@ -412,8 +391,7 @@ void run(Host &host, const char *hood, const char *path) {
     def.before_access |= VK_ACCESS_TRANSFER_READ_BIT;
     def.after_stages |= VK_PIPELINE_STAGE_TRANSFER_BIT;
     def.after_access |= VK_ACCESS_TRANSFER_READ_BIT;
-    CrumpleBuffer buffer;
-    check(crumple_register_vulkan_buffer(context.get(), body.id(), &def, &buffer));
+    const crumple::Buffer buffer = body.register_buffer(def).value();
 
     // The same vertices on the CPU, to compare with.
     std::vector<CrumpleVec3> positions(scene.hood_vertices);
@@ -424,13 +402,13 @@ void run(Host &host, const char *hood, const char *path) {
     std::vector<Vertex> now(scene.vertices.size());
     const auto frame = [&](uint64_t number) {
         VkCommandBuffer commands = host_begin(&host);
-        check(crumple_record_deform(context.get(), commands, number, nullptr, 0, nullptr));
+        context.record_deform(commands, number).value();
         renderer.draw(commands, view, vertices.buffer, indices.buffer, uint32_t(scene.indices.size()));
         const VkBufferCopy all{0, 0, vertices.size};
         vkCmdCopyBuffer(commands, vertices.buffer, read_back.buffer, 1, &all);
         host_barrier(commands);
         host_run(&host, commands); // and wait: a program that draws two pictures has no frames in flight
-        check(crumple_complete_frames(context.get(), number));
+        context.complete_frames(number).value();
         std::memcpy(now.data(), read_back.data, vertices.size);
         return renderer.picture();
     };
@@ -439,7 +417,7 @@ void run(Host &host, const char *hood, const char *path) {
     const CrumpleHitResult first = body.submit_displacement({0.24f, -0.10f, 0.09f}, {0, 0, -0.036f}).value();
     const CrumpleHitResult second = body.submit_displacement({-0.26f, 0.16f, 0.09f}, {0, 0, -0.028f}).value();
     const Picture after = frame(2);
-    write(path, before, after);
+    fact(write_side_by_side(path, WIDTH, before, after), std::string(path) + " was written");
 
     // The vertices are the CPU's (bit for bit where the device rounds as IEEE 754 says), and the ground is as it was.
     context.deform().value();

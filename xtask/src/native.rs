@@ -126,8 +126,21 @@ pub fn ctest(workspace: &Workspace) -> Result<Outcome> {
         return Ok(Outcome::Passed);
     }
     let drivers = vulkan::drivers(workspace)?;
-    test_projects(workspace, &Build { drivers: &drivers.manifests, ..build })?;
+    let build = Build { drivers: &drivers.manifests, ..build };
+    engine(workspace, &build)?;
+    test_projects(workspace, &build)?;
     Ok(drivers.passed())
+}
+
+/// The client of an engine that no distribution packages: where CMake finds one, by the environment's `CMAKE_PREFIX_PATH`.
+fn engine(workspace: &Workspace, build: &Build<'_>) -> Result<()> {
+    let directory = workspace.target.join("ctest").join(build.kind).join("vsg");
+    compile(workspace, build, &workspace.path("bindings/vsg"), &directory)?;
+    if directory.join("vsg_hood").exists() {
+        return Ok(cmd!(workspace.shell, "ctest --test-dir {directory} --output-on-failure --no-tests=error").run()?);
+    }
+    println!("bindings/vsg is left out: it needs VulkanSceneGraph in CMAKE_PREFIX_PATH, and libpng");
+    Ok(())
 }
 
 /// Mesa's driver alone, for the slow stages. SwiftShader can be had only as somebody else's build, whose instructions valgrind does not
