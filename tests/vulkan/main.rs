@@ -9,6 +9,7 @@ mod spirv;
 
 mod errors;
 mod frames;
+mod import;
 mod vertices;
 
 use std::sync::Arc;
