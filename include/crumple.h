@@ -26,7 +26,8 @@
 //                       your vertex memory, any strides
 //   8. Deformation      crumple_deform once a frame, crumple_get_buffer_changes for what to upload and the new bounds
 //   9. On the GPU       instead of 7 and 8: crumple_attach_vulkan, crumple_register_vulkan_buffer, and once a frame
-//                       crumple_record_deform into your own VkCommandBuffer and crumple_complete_frames
+//                       crumple_record_deform into your own VkCommandBuffer and crumple_complete_frames; or, with memory
+//                       shared instead of a command buffer: crumple_open_vulkan, ..._import_vulkan_buffer, ..._submit_deform
 //  10. Attached points  crumple_attach_point, crumple_get_attached_frame
 //                       lamps, decals and collision vertices that follow the dents
 //
@@ -41,7 +42,7 @@
 // an instance unregisters its buffers; an example set lives on for the instances that use it; destroying the context
 // destroys everything in it. What you pass in, you own: defs, strings and arrays are read during the call and may be
 // freed after it. Four things must live longer: the memory of registered buffers, what the callbacks of a context need,
-// bytes that a set was told to keep, and an attached Vulkan device.
+// bytes that a set was told to keep, and an attached Vulkan device (or memory that was imported).
 //
 // Defs. Structs that end in Def come from their crumple_default_ function, which sets struct_size and the defaults;
 // fill in what you need. A struct_size of another version is an error.
@@ -254,6 +255,15 @@ typedef enum {
     /// No example moves the contact in the direction asked for.
     CRUMPLE_HIT_STATUS_NOTHING_REACHES = 2,
 } CrumpleHitStatus;
+
+/// How a device hands memory or a semaphore to another one.
+typedef enum {
+    /// A file descriptor, VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT. It is duplicated: yours stays yours, to be closed when
+    /// you like. Linux, Android and their kind.
+    CRUMPLE_HANDLE_TYPE_OPAQUE_FD = 0,
+    /// A HANDLE, VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_WIN32_BIT. Windows. Untested.
+    CRUMPLE_HANDLE_TYPE_OPAQUE_WIN32 = 1,
+} CrumpleHandleType;
 
 /// Everything that Crumple knows. Opaque.
 typedef struct CrumpleContext CrumpleContext;
@@ -913,6 +923,46 @@ typedef struct {
     uint64_t reserved[4];
 } CrumpleRecordReport;
 
+/// A Vulkan device that Crumple makes for itself, beside yours on the same physical device.
+typedef struct {
+    /// Bytes of this struct, from crumple_default_own_vulkan_def().
+    uint32_t struct_size;
+    /// As in CrumpleVulkanDef. Default 128.
+    uint32_t workgroup_size;
+    /// vkGetInstanceProcAddr of a loader. Required; it stays loaded.
+    CrumpleVulkanFunction get_instance_proc_addr;
+    /// deviceUUID of your physical device (VkPhysicalDeviceIDProperties): memory can be shared within it alone. Zero
+    /// everywhere: the first that can compute. Default zero.
+    uint8_t device_uuid[16];
+    /// As in CrumpleVulkanDef. Default null.
+    const void *pipeline_cache;
+    /// Bytes at pipeline_cache.
+    size_t pipeline_cache_size;
+} CrumpleOwnVulkanDef;
+
+/// A VkBuffer of your device, in memory that it exported. You made it with VkExternalMemoryBufferCreateInfo, and its memory with
+/// VkExportMemoryAllocateInfo, both of the same type of handle.
+typedef struct {
+    /// Bytes of this struct, from crumple_default_vulkan_import_def().
+    uint32_t struct_size;
+    /// What handle is. Default CRUMPLE_HANDLE_TYPE_OPAQUE_FD.
+    CrumpleHandleType handle_type;
+    /// The handle of the memory. Required. Default -1.
+    int64_t handle;
+    /// allocationSize of the memory, bytes. Required.
+    uint64_t memory_size;
+    /// memoryTypeIndex of the memory. Required.
+    uint32_t memory_type;
+    /// VkBufferUsageFlags that the buffer was made with; VK_BUFFER_USAGE_STORAGE_BUFFER_BIT must be among them. Required.
+    uint32_t usage;
+    /// Where in the memory the buffer was bound, bytes. Default 0.
+    uint64_t offset;
+    /// The buffer's size, bytes. Required.
+    uint64_t size;
+    /// Whether the memory was allocated for this buffer alone (VkMemoryDedicatedAllocateInfo). Default false.
+    bool dedicated;
+} CrumpleVulkanImportDef;
+
 /// A point bound to the surface nearest to it. Plain data: keep it, copy it, save it; it fits every instance of its
 /// set.
 typedef struct {
@@ -1481,8 +1531,8 @@ CrumpleResult crumple_register_vulkan_buffer(CrumpleContext *context,
 /// push constants of stage compute. Nothing else.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (no device is attached, a buffer twice or a host buffer, a frame that is done or below the
-/// last), CRUMPLE_ERROR_UNSUPPORTED (more work than the device can bind), CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_VULKAN,
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (no device of yours is attached, a buffer twice or a host buffer, a frame that is done or
+/// below the last), CRUMPLE_ERROR_UNSUPPORTED (more work than the device can bind), CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_VULKAN,
 /// CRUMPLE_ERROR_DEVICE_LOST, CRUMPLE_ERROR_CONCURRENT_USE. Nothing was recorded then.
 CrumpleResult crumple_record_deform(CrumpleContext *context,
                                     void *command_buffer,
@@ -1495,7 +1545,7 @@ CrumpleResult crumple_record_deform(CrumpleContext *context,
 /// timeline semaphore says. What they used is used again, or freed. Cheap; once a frame.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (no
-/// device is attached), CRUMPLE_ERROR_CONCURRENT_USE.
+/// device of yours is attached), CRUMPLE_ERROR_CONCURRENT_USE.
 CrumpleResult crumple_complete_frames(CrumpleContext *context,
                                       uint64_t frame);
 
@@ -1503,9 +1553,86 @@ CrumpleResult crumple_complete_frames(CrumpleContext *context,
 /// whole by their next recording.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (no
-/// device is attached), CRUMPLE_ERROR_CONCURRENT_USE.
+/// device of yours is attached), CRUMPLE_ERROR_CONCURRENT_USE.
 CrumpleResult crumple_discard_frames(CrumpleContext *context,
                                      uint64_t frame);
+
+/// Any device, by no loader; set that, and the UUID. Never fails; any thread.
+CrumpleOwnVulkanDef crumple_default_own_vulkan_def(void);
+
+/// No memory; set its handle, sizes, type and usage. Never fails; any thread.
+CrumpleVulkanImportDef crumple_default_vulkan_import_def(void);
+
+/// Makes a Vulkan device of Crumple's own, for engines that cannot hand out a command buffer but can share memory, perhaps with
+/// another process: some milliseconds to tenths of a second. It takes the place of crumple_attach_vulkan(): buffers are
+/// imported by crumple_import_vulkan_buffer(), registered by crumple_register_vulkan_buffer() and written by
+/// crumple_submit_deform(). crumple_detach_vulkan() and crumple_context_destroy() wait for it, and destroy it.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (a device is attached already, workgroup_size), CRUMPLE_ERROR_UNSUPPORTED (no such device, which
+/// names those there are; one that cannot import memory; a build without CRUMPLE_FEATURE_VULKAN), CRUMPLE_ERROR_VULKAN,
+/// CRUMPLE_ERROR_DEVICE_LOST, CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_open_vulkan(CrumpleContext *context,
+                                  const CrumpleOwnVulkanDef *def);
+
+/// Makes a buffer of your device known to Crumple's own, and gives what stands for it as buffer of CrumpleVulkanBufferDef; that
+/// def's buffer_size, usage, queue family, stages and accesses are not looked at then. On your queue, before each submission you
+/// release the VkBuffer to VK_QUEUE_FAMILY_EXTERNAL, and afterwards you acquire it from there. The memory must live until
+/// crumple_release_vulkan_buffer(), crumple_detach_vulkan() or crumple_context_destroy().
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (no device of crumple_open_vulkan(), a handle that is none or not of memory, a memory type that
+/// the buffer cannot lie in, a usage without STORAGE_BUFFER), CRUMPLE_ERROR_BUFFER_TOO_SMALL (the memory),
+/// CRUMPLE_ERROR_UNSUPPORTED (a handle of another system, or a buffer that the device cannot import),
+/// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST, CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_import_vulkan_buffer(CrumpleContext *context,
+                                           const CrumpleVulkanImportDef *def,
+                                           uint64_t *out_buffer);
+
+/// Forgets an imported buffer that no range is registered of, and waits until the device is done with it.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ARGUMENT (no device of
+/// crumple_open_vulkan(), no such buffer, ranges of it are registered), CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST,
+/// CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_release_vulkan_buffer(CrumpleContext *context,
+                                            uint64_t buffer);
+
+/// Makes a binary semaphore of your device, exported with the same type of handle, known to Crumple's own, and gives its number
+/// for crumple_submit_deform(). It lives until crumple_detach_vulkan() or crumple_context_destroy().
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ARGUMENT (no
+/// device of crumple_open_vulkan(), handle_type, a handle that is none or not of a semaphore), CRUMPLE_ERROR_UNSUPPORTED (a driver
+/// without external semaphores: order by fences and crumple_wait_frame() then), CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST,
+/// CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_import_vulkan_semaphore(CrumpleContext *context,
+                                              CrumpleHandleType handle_type,
+                                              int64_t handle,
+                                              uint64_t *out_semaphore);
+
+/// What crumple_record_deform() is for a device of Crumple's own: records what brings Vulkan buffers up to date, and submits
+/// that. count ids at buffers, each once; with null and 0 all of the context. The device waits for wait_count semaphores at
+/// waits before and signals signal_count at signals after, also where nothing changed; nothing is waited for by this call.
+/// out_frame gets the number of the frame, for crumple_wait_frame(). out_frame and out_report may be null.
+///
+/// Externally synchronised. Errors: those of crumple_record_deform(), and CRUMPLE_ERROR_INVALID_ARGUMENT where there is no device
+/// of crumple_open_vulkan(), or no such semaphore. Nothing was submitted then.
+CrumpleResult crumple_submit_deform(CrumpleContext *context,
+                                    const CrumpleBuffer *buffers,
+                                    uint32_t count,
+                                    const uint64_t *waits,
+                                    uint32_t wait_count,
+                                    const uint64_t *signals,
+                                    uint32_t signal_count,
+                                    uint64_t *out_frame,
+                                    CrumpleRecordReport *out_report);
+
+/// Waits until Crumple's own device is done with a frame of crumple_submit_deform() and all before it, or for timeout
+/// nanoseconds (UINT64_MAX: as long as it takes). out_done tells whether it is done. The context is in use meanwhile.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ARGUMENT (no device of
+/// crumple_open_vulkan(), a frame that was not submitted), CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST,
+/// CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_wait_frame(CrumpleContext *context, uint64_t frame, uint64_t timeout, bool *out_done);
 
 /// Binds a point, m, in the mesh's space, to the surface nearest to it: it will keep its distance from the surface
 /// and turn with it.

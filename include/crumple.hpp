@@ -468,6 +468,8 @@ public:
     Result<void> attach_vulkan(const CrumpleVulkanDef &def) {
         return detail::done(crumple_attach_vulkan(context_, &def));
     }
+    /// A device of Crumple's own, which memory is shared with.
+    Result<void> open_vulkan(const CrumpleOwnVulkanDef &def) { return detail::done(crumple_open_vulkan(context_, &def)); }
     Result<void> detach_vulkan() { return detail::done(crumple_detach_vulkan(context_)); }
     Result<std::vector<unsigned char>> vulkan_pipeline_cache() {
         return detail::fill<unsigned char, std::size_t>([&](unsigned char *data, std::size_t capacity, std::size_t *size) {
@@ -487,6 +489,30 @@ public:
     }
     Result<void> complete_frames(uint64_t frame) { return detail::done(crumple_complete_frames(context_, frame)); }
     Result<void> discard_frames(uint64_t frame) { return detail::done(crumple_discard_frames(context_, frame)); }
+
+    Result<uint64_t> import_vulkan_buffer(const CrumpleVulkanImportDef &def) {
+        return detail::get<uint64_t>(
+            [&](uint64_t *buffer) { return crumple_import_vulkan_buffer(context_, &def, buffer); });
+    }
+    Result<void> release_vulkan_buffer(uint64_t buffer) {
+        return detail::done(crumple_release_vulkan_buffer(context_, buffer));
+    }
+    Result<uint64_t> import_vulkan_semaphore(CrumpleHandleType type, int64_t handle) {
+        return detail::get<uint64_t>(
+            [&](uint64_t *semaphore) { return crumple_import_vulkan_semaphore(context_, type, handle, semaphore); });
+    }
+    /// All Vulkan buffers, on Crumple's own device; gives the number of the frame.
+    Result<uint64_t> submit_deform(const std::vector<uint64_t> &waits = {}, const std::vector<uint64_t> &signals = {},
+                                   CrumpleRecordReport *report = nullptr) {
+        return detail::get<uint64_t>([&](uint64_t *frame) {
+            return crumple_submit_deform(context_, nullptr, 0, waits.data(), static_cast<uint32_t>(waits.size()),
+                                         signals.data(), static_cast<uint32_t>(signals.size()), frame, report);
+        });
+    }
+    /// Whether the device was done within so many nanoseconds.
+    Result<bool> wait_frame(uint64_t frame, uint64_t timeout = UINT64_MAX) {
+        return detail::get<bool>([&](bool *done) { return crumple_wait_frame(context_, frame, timeout, done); });
+    }
 
 private:
     template <class Handle, class Id, class Call>

@@ -10,11 +10,12 @@ mod attached;
 pub(super) use attached::{Attached, VulkanMemory};
 
 use super::buffer::{BufferEntry, Memory};
-use super::check::{Def, Out, array, def, finite, write_array};
+use super::check::{CEnum, Def, Out, array, def, enumerator, finite, write_array};
 use super::context::{CrumpleContext, State, exclusive};
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleBuffer, CrumpleInstance, CrumpleVec3};
 use std::ffi::c_void;
+use std::mem::MaybeUninit;
 
 /// Any Vulkan function, as PFN_vkVoidFunction: (CrumpleVulkanFunction)vkGetInstanceProcAddr.
 pub type CrumpleVulkanFunction = Option<unsafe extern "C" fn()>;
@@ -305,8 +306,8 @@ pub unsafe extern "C" fn crumple_register_vulkan_buffer(
 /// push constants of stage compute. Nothing else.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (no device is attached, a buffer twice or a host buffer, a frame that is done or below the
-/// last), CRUMPLE_ERROR_UNSUPPORTED (more work than the device can bind), CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_VULKAN,
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (no device of yours is attached, a buffer twice or a host buffer, a frame that is done or
+/// below the last), CRUMPLE_ERROR_UNSUPPORTED (more work than the device can bind), CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_VULKAN,
 /// CRUMPLE_ERROR_DEVICE_LOST, CRUMPLE_ERROR_CONCURRENT_USE. Nothing was recorded then.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_record_deform(
@@ -336,24 +337,21 @@ pub unsafe extern "C" fn crumple_record_deform(
 /// timeline semaphore says. What they used is used again, or freed. Cheap; once a frame.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (no
-/// device is attached), CRUMPLE_ERROR_CONCURRENT_USE.
+/// device of yours is attached), CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_complete_frames(context: *mut CrumpleContext, frame: u64) -> CrumpleResult {
-    exclusive("crumple_complete_frames", context, |_, state| {
-        attached(state)?.complete(frame);
-        Ok(())
-    })
+    exclusive("crumple_complete_frames", context, |_, state| attached(state)?.complete(frame))
 }
 
 /// Says that what was recorded for frame and those after it will not be submitted: the buffers that it wrote are written
 /// whole by their next recording.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (no
-/// device is attached), CRUMPLE_ERROR_CONCURRENT_USE.
+/// device of yours is attached), CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_discard_frames(context: *mut CrumpleContext, frame: u64) -> CrumpleResult {
     exclusive("crumple_discard_frames", context, |_, state| {
-        attached(state)?.discard(frame);
+        attached(state)?.discard(frame)?;
         for (_, entry) in state.buffers.iter_mut::<CrumpleBuffer>() {
             if let Memory::Vulkan(memory) = &mut entry.memory {
                 memory.discard(frame);
@@ -363,10 +361,256 @@ pub unsafe extern "C" fn crumple_discard_frames(context: *mut CrumpleContext, fr
     })
 }
 
+/// A Vulkan device that Crumple makes for itself, beside yours on the same physical device.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CrumpleOwnVulkanDef {
+    /// Bytes of this struct, from crumple_default_own_vulkan_def().
+    pub struct_size: u32,
+    /// As in CrumpleVulkanDef. Default 128.
+    pub workgroup_size: u32,
+    /// vkGetInstanceProcAddr of a loader. Required; it stays loaded.
+    pub get_instance_proc_addr: CrumpleVulkanFunction,
+    /// deviceUUID of your physical device (VkPhysicalDeviceIDProperties): memory can be shared within it alone. Zero
+    /// everywhere: the first that can compute. Default zero.
+    pub device_uuid: [u8; 16],
+    /// As in CrumpleVulkanDef. Default null.
+    pub pipeline_cache: *const c_void,
+    /// Bytes at pipeline_cache.
+    pub pipeline_cache_size: usize,
+}
+
+// SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
+unsafe impl Def for CrumpleOwnVulkanDef {
+    const DEFAULT: &'static str = "crumple_default_own_vulkan_def";
+}
+
+/// How a device hands memory or a semaphore to another one.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CrumpleHandleType {
+    /// A file descriptor, VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT. It is duplicated: yours stays yours, to be closed when
+    /// you like. Linux, Android and their kind.
+    OpaqueFd = 0,
+    /// A HANDLE, VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_WIN32_BIT. Windows. Untested.
+    OpaqueWin32 = 1,
+}
+
+impl CEnum for CrumpleHandleType {
+    const ALL: &'static [Self] = &[Self::OpaqueFd, Self::OpaqueWin32];
+}
+
+/// A VkBuffer of your device, in memory that it exported. You made it with VkExternalMemoryBufferCreateInfo, and its memory with
+/// VkExportMemoryAllocateInfo, both of the same type of handle.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CrumpleVulkanImportDef {
+    /// Bytes of this struct, from crumple_default_vulkan_import_def().
+    pub struct_size: u32,
+    /// What handle is. Default CRUMPLE_HANDLE_TYPE_OPAQUE_FD.
+    pub handle_type: MaybeUninit<CrumpleHandleType>,
+    /// The handle of the memory. Required. Default -1.
+    pub handle: i64,
+    /// allocationSize of the memory, bytes. Required.
+    pub memory_size: u64,
+    /// memoryTypeIndex of the memory. Required.
+    pub memory_type: u32,
+    /// VkBufferUsageFlags that the buffer was made with; VK_BUFFER_USAGE_STORAGE_BUFFER_BIT must be among them. Required.
+    pub usage: u32,
+    /// Where in the memory the buffer was bound, bytes. Default 0.
+    pub offset: u64,
+    /// The buffer's size, bytes. Required.
+    pub size: u64,
+    /// Whether the memory was allocated for this buffer alone (VkMemoryDedicatedAllocateInfo). Default false.
+    pub dedicated: MaybeUninit<bool>,
+}
+
+// SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
+unsafe impl Def for CrumpleVulkanImportDef {
+    const DEFAULT: &'static str = "crumple_default_vulkan_import_def";
+}
+
+/// Any device, by no loader; set that, and the UUID. Never fails; any thread.
+#[unsafe(no_mangle)]
+pub extern "C" fn crumple_default_own_vulkan_def() -> CrumpleOwnVulkanDef {
+    CrumpleOwnVulkanDef {
+        struct_size: size_of::<CrumpleOwnVulkanDef>() as u32,
+        workgroup_size: 128,
+        get_instance_proc_addr: None,
+        device_uuid: [0; 16],
+        pipeline_cache: std::ptr::null(),
+        pipeline_cache_size: 0,
+    }
+}
+
+/// No memory; set its handle, sizes, type and usage. Never fails; any thread.
+#[unsafe(no_mangle)]
+pub extern "C" fn crumple_default_vulkan_import_def() -> CrumpleVulkanImportDef {
+    CrumpleVulkanImportDef {
+        struct_size: size_of::<CrumpleVulkanImportDef>() as u32,
+        handle_type: MaybeUninit::new(CrumpleHandleType::OpaqueFd),
+        handle: -1,
+        memory_size: 0,
+        memory_type: 0,
+        usage: 0,
+        offset: 0,
+        size: 0,
+        dedicated: MaybeUninit::new(false),
+    }
+}
+
+/// Makes a Vulkan device of Crumple's own, for engines that cannot hand out a command buffer but can share memory, perhaps with
+/// another process: some milliseconds to tenths of a second. It takes the place of crumple_attach_vulkan(): buffers are
+/// imported by crumple_import_vulkan_buffer(), registered by crumple_register_vulkan_buffer() and written by
+/// crumple_submit_deform(). crumple_detach_vulkan() and crumple_context_destroy() wait for it, and destroy it.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (a device is attached already, workgroup_size), CRUMPLE_ERROR_UNSUPPORTED (no such device, which
+/// names those there are; one that cannot import memory; a build without CRUMPLE_FEATURE_VULKAN), CRUMPLE_ERROR_VULKAN,
+/// CRUMPLE_ERROR_DEVICE_LOST, CRUMPLE_ERROR_CONCURRENT_USE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_open_vulkan(
+    context: *mut CrumpleContext,
+    def: *const CrumpleOwnVulkanDef,
+) -> CrumpleResult {
+    exclusive("crumple_open_vulkan", context, |_, state| {
+        // SAFETY: the caller's.
+        let def = unsafe { self::def(def, "def") }?;
+        if state.vulkan.is_some() {
+            return Err(Failure::invalid("a device is attached already; crumple_detach_vulkan() first"));
+        }
+        // SAFETY: the caller's.
+        let cache = unsafe { array(def.pipeline_cache.cast::<u8>(), def.pipeline_cache_size, "def.pipeline_cache") }?;
+        // SAFETY: the caller's.
+        state.vulkan = Some(unsafe { Attached::open(&def, cache) }?);
+        Ok(())
+    })
+}
+
+/// Makes a buffer of your device known to Crumple's own, and gives what stands for it as buffer of CrumpleVulkanBufferDef; that
+/// def's buffer_size, usage, queue family, stages and accesses are not looked at then. On your queue, before each submission you
+/// release the VkBuffer to VK_QUEUE_FAMILY_EXTERNAL, and afterwards you acquire it from there. The memory must live until
+/// crumple_release_vulkan_buffer(), crumple_detach_vulkan() or crumple_context_destroy().
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (no device of crumple_open_vulkan(), a handle that is none or not of memory, a memory type that
+/// the buffer cannot lie in, a usage without STORAGE_BUFFER), CRUMPLE_ERROR_BUFFER_TOO_SMALL (the memory),
+/// CRUMPLE_ERROR_UNSUPPORTED (a handle of another system, or a buffer that the device cannot import),
+/// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST, CRUMPLE_ERROR_CONCURRENT_USE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_import_vulkan_buffer(
+    context: *mut CrumpleContext,
+    def: *const CrumpleVulkanImportDef,
+    out_buffer: *mut u64,
+) -> CrumpleResult {
+    exclusive("crumple_import_vulkan_buffer", context, |_, state| {
+        // SAFETY: the caller's.
+        let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_buffer, "out_buffer")?) };
+        // SAFETY: the caller's.
+        out.write(unsafe { attached(state)?.import_buffer(&def) }?);
+        Ok(())
+    })
+}
+
+/// Forgets an imported buffer that no range is registered of, and waits until the device is done with it.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ARGUMENT (no device of
+/// crumple_open_vulkan(), no such buffer, ranges of it are registered), CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST,
+/// CRUMPLE_ERROR_CONCURRENT_USE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_release_vulkan_buffer(context: *mut CrumpleContext, buffer: u64) -> CrumpleResult {
+    exclusive("crumple_release_vulkan_buffer", context, |_, state| attached(state)?.release_buffer(buffer))
+}
+
+/// Makes a binary semaphore of your device, exported with the same type of handle, known to Crumple's own, and gives its number
+/// for crumple_submit_deform(). It lives until crumple_detach_vulkan() or crumple_context_destroy().
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ARGUMENT (no
+/// device of crumple_open_vulkan(), handle_type, a handle that is none or not of a semaphore), CRUMPLE_ERROR_UNSUPPORTED (a driver
+/// without external semaphores: order by fences and crumple_wait_frame() then), CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST,
+/// CRUMPLE_ERROR_CONCURRENT_USE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_import_vulkan_semaphore(
+    context: *mut CrumpleContext,
+    handle_type: MaybeUninit<CrumpleHandleType>,
+    handle: i64,
+    out_semaphore: *mut u64,
+) -> CrumpleResult {
+    exclusive("crumple_import_vulkan_semaphore", context, |_, state| {
+        // SAFETY: the caller's.
+        let out = unsafe { Out::new(out_semaphore, "out_semaphore") }?;
+        let kind = enumerator(handle_type, "handle_type")?;
+        // SAFETY: the caller's.
+        out.write(unsafe { attached(state)?.import_semaphore(kind, handle) }?);
+        Ok(())
+    })
+}
+
+/// What crumple_record_deform() is for a device of Crumple's own: records what brings Vulkan buffers up to date, and submits
+/// that. count ids at buffers, each once; with null and 0 all of the context. The device waits for wait_count semaphores at
+/// waits before and signals signal_count at signals after, also where nothing changed; nothing is waited for by this call.
+/// out_frame gets the number of the frame, for crumple_wait_frame(). out_frame and out_report may be null.
+///
+/// Externally synchronised. Errors: those of crumple_record_deform(), and CRUMPLE_ERROR_INVALID_ARGUMENT where there is no device
+/// of crumple_open_vulkan(), or no such semaphore. Nothing was submitted then.
+#[unsafe(no_mangle)]
+#[allow(clippy::too_many_arguments)] // three arrays
+pub unsafe extern "C" fn crumple_submit_deform(
+    context: *mut CrumpleContext,
+    buffers: *const CrumpleBuffer,
+    count: u32,
+    waits: *const u64,
+    wait_count: u32,
+    signals: *const u64,
+    signal_count: u32,
+    out_frame: *mut u64,
+    out_report: *mut CrumpleRecordReport,
+) -> CrumpleResult {
+    exclusive("crumple_submit_deform", context, |_, state| {
+        // SAFETY: the caller's.
+        let outs = unsafe { (Out::optional(out_frame, "out_frame")?, Out::optional(out_report, "out_report")?) };
+        // SAFETY: the caller's.
+        let (given, waits, signals) = unsafe {
+            (
+                array(buffers, count as usize, "buffers")?,
+                array(waits, wait_count as usize, "waits")?,
+                array(signals, signal_count as usize, "signals")?,
+            )
+        };
+        let State { instances, buffers: entries, vulkan, .. } = state;
+        let vulkan = vulkan.as_mut().ok_or_else(not_attached)?;
+        let (frame, report) = vulkan.submit((buffers, given), (entries, instances), (waits, signals))?;
+        outs.0.write(frame);
+        outs.1.write(report);
+        Ok(())
+    })
+}
+
+/// Waits until Crumple's own device is done with a frame of crumple_submit_deform() and all before it, or for timeout
+/// nanoseconds (UINT64_MAX: as long as it takes). out_done tells whether it is done. The context is in use meanwhile.
+///
+/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ARGUMENT (no device of
+/// crumple_open_vulkan(), a frame that was not submitted), CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST,
+/// CRUMPLE_ERROR_CONCURRENT_USE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_wait_frame(
+    context: *mut CrumpleContext,
+    frame: u64,
+    timeout: u64,
+    out_done: *mut bool,
+) -> CrumpleResult {
+    exclusive("crumple_wait_frame", context, |_, state| {
+        // SAFETY: the caller's.
+        let out = unsafe { Out::new(out_done, "out_done") }?;
+        out.write(attached(state)?.wait(frame, timeout)?);
+        Ok(())
+    })
+}
+
 fn attached(state: &mut State) -> Result<&mut Attached, Failure> {
     state.vulkan.as_mut().ok_or_else(not_attached)
 }
 
 fn not_attached() -> Failure {
-    Failure::invalid("no Vulkan device is attached; crumple_attach_vulkan() first")
+    Failure::invalid("no Vulkan device is attached; crumple_attach_vulkan() or crumple_open_vulkan() first")
 }

@@ -196,6 +196,11 @@ impl Device {
         self.arena.discard(frame);
     }
 
+    /// The handle of a buffer.
+    pub(crate) fn handle_of(&self, id: super::BufferId) -> Result<u64, Error> {
+        Ok(self.hosts.get(id)?.def.buffer.as_raw())
+    }
+
     /// The last frame that was recorded; above what [`Device::completed`] was told, frames are in flight.
     pub fn recorded(&self) -> u64 {
         self.recorded

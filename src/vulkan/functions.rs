@@ -3,30 +3,33 @@
 use crate::Error;
 use ash::vk;
 use std::ffi::CStr;
-use std::mem::transmute;
 
 macro_rules! functions {
     ($(#[$doc:meta])* $table:ident: $($field:ident = $name:literal as $pfn:ident,)*) => {
         $(#[$doc])*
         pub(super) struct $table {
-            $(pub $field: vk::$pfn,)*
+            $(pub(super) $field: vk::$pfn,)*
         }
 
         impl $table {
             /// # Safety
             /// What `get` answers is the function of that name, or none.
-            pub(super) unsafe fn load(get: impl Fn(&CStr) -> vk::PFN_vkVoidFunction) -> Result<Self, Error> {
+            pub(super) unsafe fn load(
+                get: impl Fn(&std::ffi::CStr) -> vk::PFN_vkVoidFunction,
+            ) -> Result<Self, $crate::Error> {
                 Ok(Self {
                     $($field: {
-                        let function = get($name).ok_or_else(|| missing($name))?;
+                        let function = get($name).ok_or_else(|| $crate::vulkan::functions::missing($name))?;
                         // SAFETY: by its name it is of this type.
-                        unsafe { transmute::<unsafe extern "system" fn(), vk::$pfn>(function) }
+                        unsafe { std::mem::transmute::<unsafe extern "system" fn(), vk::$pfn>(function) }
                     },)*
                 })
             }
         }
     };
 }
+
+pub(super) use functions;
 
 functions! {
     /// Of an instance.
@@ -71,7 +74,7 @@ functions! {
     cmd_dispatch = c"vkCmdDispatch" as PFN_vkCmdDispatch,
 }
 
-fn missing(name: &CStr) -> Error {
+pub(super) fn missing(name: &CStr) -> Error {
     let name = name.to_string_lossy();
     Error::Unsupported {
         what: format!("a Vulkan device without {name}: a device of Vulkan 1.1 has it, asked through its own instance"),

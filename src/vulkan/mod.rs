@@ -14,6 +14,8 @@
 //! Instances with a classic rule have a state of 24 bytes a vertex on the device, for each target that shows one (12 where it
 //! has positions alone), and a dispatch of their own. Hits are applied to it in order, as the CPU applies them to its own.
 //!
+//! A host that cannot hand out command buffers, or not in this process, shares memory instead: see [`OwnDevice`].
+//!
 //! # Frames
 //! The host numbers its frames from 1 on. The command buffers of a frame are submitted once each, in the order of recording,
 //! on one queue of the family that the device was made with (or with semaphores that order them so).
@@ -32,14 +34,18 @@ mod device;
 mod frames;
 mod functions;
 mod host;
+mod import;
 mod kernels;
 mod memory;
+mod own;
 mod record;
 mod state;
 
 pub use ash::vk;
 pub use device::{Device, DeviceDef};
 pub use host::{Access, BufferDef, BufferId, Stream, Target, TargetDef};
+pub use import::{ImportDef, SemaphoreId, Shared};
+pub use own::{OwnDevice, OwnDeviceDef};
 pub use record::{RecordJob, RecordReport};
 
 #[doc(hidden)]

@@ -1,10 +1,10 @@
 //! Frames as engines have them: many instances, several in flight, secondary command buffers.
 
-use crumple::vulkan::{RecordJob, RecordReport, Target, vk};
+use crumple::vulkan::{BufferDef, Device, RecordJob, RecordReport, Target, vk};
 use crumple::{ExampleSet, Instance};
 use std::sync::Arc;
 
-use crate::harness::{Engine, POISON, Tampered, on_each_device, tampered};
+use crate::harness::{Engine, POISON, Tampered, families, on_each_device, tampered};
 use crate::scenes;
 use crate::{Plan, folded, hit, same};
 
@@ -51,6 +51,40 @@ fn many_instances_in_one_buffer_are_one_dispatch() {
         };
         assert_eq!(report, RecordReport::default());
         crumple.completed(10);
+    });
+}
+
+#[test]
+fn buffers_of_other_queue_families_are_taken_and_given_back() {
+    let set = scenes::sheet_set();
+    on_each_device(|engine| {
+        let def = tampered(engine.def(), Tampered { watch: true, ..Tampered::default() });
+        // SAFETY: valid handles.
+        let mut crumple = unsafe { Device::new(&def) }.unwrap();
+        let plan = Plan::everything(&set, 0, 0);
+        let seen = engine.buffer(plan.size);
+        // The one other family that software drivers know.
+        let external = vk::QUEUE_FAMILY_EXTERNAL;
+        // SAFETY: a valid buffer that lives until the engine is dropped.
+        let id = unsafe { crumple.add_buffer(&BufferDef { queue_family: external, ..seen.def() }) }.unwrap();
+        let mut instance = folded(&set, 3, 7);
+        let mut target = crumple.add_target(&set, &plan.def(id)).unwrap();
+        families();
+        for frame in 1..5 {
+            let mut jobs = [RecordJob { instance: &instance, target: &mut target }];
+            // SAFETY: the command buffer is recording.
+            let report = engine.run(|c| unsafe { crumple.record(c, frame, &mut jobs) }).unwrap();
+            crumple.completed(frame);
+            assert_eq!(report.blocks_written > 0, frame % 2 == 1, "frame {frame}");
+            let ours: Vec<_> = families().into_iter().filter(|b| b.0 == seen.handle).map(|b| (b.1, b.2)).collect();
+            assert_eq!(ours, [(external, 0), (0, external)], "frame {frame}");
+            let mut wanted = vec![POISON; seen.words().len()];
+            plan.expect(&instance, &mut wanted);
+            same(seen.words(), &wanted, &format!("frame {frame}"));
+            if frame == 2 {
+                hit(&mut instance, 1, 9);
+            }
+        }
     });
 }
 

@@ -19,6 +19,11 @@ const DRIVERS: [&str; 2] = ["llvmpipe", "SwiftShader"];
 /// Runs a test on each device there is, and fails if validation says anything. Devices that are not there are left out, aloud;
 /// with CRUMPLE_REQUIRE_GPU=1 both software drivers and the validation layer must be there.
 pub fn on_each_device(test: impl Fn(&Engine)) {
+    on_each_device_with(&[], test);
+}
+
+/// The same, with those of these extensions enabled that a device has.
+pub fn on_each_device_with(extensions: &[&CStr], test: impl Fn(&Engine)) {
     let required = std::env::var("CRUMPLE_REQUIRE_GPU").is_ok_and(|v| v == "1");
     // SAFETY: the system's loader.
     let entry = match unsafe { Entry::load() } {
@@ -40,7 +45,8 @@ pub fn on_each_device(test: impl Fn(&Engine)) {
         let properties = unsafe { instance.instance.get_physical_device_properties(physical) };
         let name = properties.device_name_as_c_str().unwrap().to_string_lossy().into_owned();
         seen.push(name.clone());
-        let engine = Engine::new(&entry, &instance, physical, name.clone());
+        let engine = Engine::new(&entry, &instance, physical, name.clone(), extensions);
+        EXACT.set(DRIVERS.iter().any(|driver| name.starts_with(driver)));
         test(&engine);
         drop(engine);
         let messages = std::mem::take(&mut *instance.messages.lock().unwrap());
@@ -52,6 +58,15 @@ pub fn on_each_device(test: impl Fn(&Engine)) {
             eprintln!("left out: there is no {driver}, only {seen:?}");
         }
     }
+}
+
+thread_local! {
+    static EXACT: std::cell::Cell<bool> = const { std::cell::Cell::new(true) };
+}
+
+/// Whether the device under test rounds as IEEE 754 says: the software drivers do.
+pub fn exact() -> bool {
+    EXACT.get()
 }
 
 struct Instance {
@@ -134,7 +149,7 @@ pub struct Engine<'a> {
     get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
     instance: &'a Instance,
     pub physical: vk::PhysicalDevice,
-    queue: vk::Queue,
+    pub queue: vk::Queue,
     pool: vk::CommandPool,
     fence: vk::Fence,
     buffers: RefCell<Vec<(vk::Buffer, vk::DeviceMemory)>>,
@@ -179,9 +194,19 @@ impl Seen {
 }
 
 impl<'a> Engine<'a> {
-    fn new(entry: &Entry, instance: &'a Instance, physical: vk::PhysicalDevice, name: String) -> Self {
+    fn new(
+        entry: &Entry,
+        instance: &'a Instance,
+        physical: vk::PhysicalDevice,
+        name: String,
+        extensions: &[&CStr],
+    ) -> Self {
+        // SAFETY: a valid device.
+        let there = unsafe { instance.instance.enumerate_device_extension_properties(physical) }.unwrap();
+        let has = |name: &&&CStr| there.iter().any(|e| e.extension_name_as_c_str() == Ok(**name));
+        let extensions: Vec<_> = extensions.iter().filter(has).map(|name| name.as_ptr()).collect();
         let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(0).queue_priorities(&[1.0])];
-        let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues);
+        let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues).enabled_extension_names(&extensions);
         // SAFETY: software drivers have one family that does everything; everything is destroyed in `drop`.
         unsafe {
             let device = instance.instance.create_device(physical, &info, None).expect("a device");
@@ -208,6 +233,10 @@ impl<'a> Engine<'a> {
     pub fn crumple(&self) -> Device {
         // SAFETY: valid handles.
         unsafe { Device::new(&self.def()) }.unwrap()
+    }
+
+    pub fn instance(&self) -> &ash::Instance {
+        &self.instance.instance
     }
 
     /// Whether anybody would say what is wrong.
@@ -238,12 +267,21 @@ impl<'a> Engine<'a> {
             let info = vk::MemoryAllocateInfo::default().allocation_size(needs.size).memory_type_index(type_);
             let memory = self.device.allocate_memory(&info, None).unwrap();
             self.device.bind_buffer_memory(handle, memory, 0).unwrap();
-            let data = self.device.map_memory(memory, 0, vk::WHOLE_SIZE, vk::MemoryMapFlags::empty()).unwrap();
-            self.buffers.borrow_mut().push((handle, memory));
-            let seen = Seen { handle, size, data: data.cast() };
-            seen.poison();
-            seen
+            self.seen((handle, memory), (0, size))
         }
+    }
+
+    /// Maps a buffer that lies so far into its memory, fills it with poison, and takes over both.
+    ///
+    /// # Safety
+    /// Both are valid, and the memory is visible to the host.
+    pub unsafe fn seen(&self, both: (vk::Buffer, vk::DeviceMemory), (offset, size): (u64, u64)) -> Seen {
+        // SAFETY: the caller's.
+        let data = unsafe { self.device.map_memory(both.1, offset, size, vk::MemoryMapFlags::empty()) }.unwrap();
+        self.buffers.borrow_mut().push(both);
+        let seen = Seen { handle: both.0, size, data: data.cast() };
+        seen.poison();
+        seen
     }
 
     /// A new buffer, registered.
@@ -322,6 +360,8 @@ pub struct Tampered {
     pub without: Option<&'static CStr>,
     /// Barriers are dropped from this one on, of each device.
     pub barriers: Option<u32>,
+    /// Queue families of buffers' barriers are kept for [`families`].
+    pub watch: bool,
     pub limits: Option<fn(&mut vk::PhysicalDeviceLimits)>,
     pub api_version: Option<u32>,
 }
@@ -329,6 +369,15 @@ pub struct Tampered {
 thread_local! {
     static TAMPERED: RefCell<(Tampered, Option<vk::PFN_vkGetInstanceProcAddr>)> = RefCell::default();
     static REAL: RefCell<Real> = RefCell::default();
+}
+
+thread_local! {
+    static FAMILIES: RefCell<Vec<(vk::Buffer, u32, u32)>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Buffers, source and destination families of this thread's watched barriers since it was last asked.
+pub fn families() -> Vec<(vk::Buffer, u32, u32)> {
+    FAMILIES.take()
 }
 
 #[derive(Clone, Copy, Default)]
@@ -422,6 +471,12 @@ unsafe extern "system" fn barrier(
         }
         None => false,
     });
+    if TAMPERED.with_borrow(|t| t.0.watch) {
+        // SAFETY: the caller's barriers.
+        let all = unsafe { std::slice::from_raw_parts(buffers, buffer_count as usize) };
+        let families = all.iter().map(|b| (b.buffer, b.src_queue_family_index, b.dst_queue_family_index));
+        FAMILIES.with_borrow_mut(|f| f.extend(families));
+    }
     if !dropped {
         let real = REAL.with_borrow(|r| r.barrier).unwrap();
         // SAFETY: passed on.

@@ -43,7 +43,7 @@ const STAGES: &[Stage] = &[
         name: "sanitizers",
         shows: "the C and C++ tests under gcc's address and undefined-behaviour sanitizers",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake],
-        wants: &[Tool::Ode],
+        wants: &[Tool::Ode, Tool::Vulkan, Tool::VulkanHeaders, Tool::Png],
         closing: false,
         run: native::sanitizers,
     },
@@ -51,7 +51,7 @@ const STAGES: &[Stage] = &[
         name: "valgrind-c",
         shows: "the C and C++ tests under valgrind",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::Valgrind],
-        wants: &[Tool::Ode],
+        wants: &[Tool::Ode, Tool::Vulkan, Tool::VulkanHeaders, Tool::Png],
         closing: false,
         run: valgrind::c,
     },
@@ -107,7 +107,7 @@ const STAGES: &[Stage] = &[
         name: "ctest",
         shows: "the C and C++ programs against the installed library",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake],
-        wants: &[Tool::Ode],
+        wants: &[Tool::Ode, Tool::Vulkan, Tool::VulkanHeaders, Tool::Png],
         closing: true,
         run: native::ctest,
     },
@@ -133,9 +133,6 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
 fn rust(workspace: &Workspace) -> Result<Outcome> {
     workspace.cargo(&["test", "--profile", "xtask", "--package", "xtask"]).run()?;
     // Vulkan has a stage of its own, with drivers of its own.
-    let all = workspace.cargo(&["test", "--package", "crumple", "--all-features"]);
-    all.env("VK_DRIVER_FILES", workspace.path("no-driver")).run()?;
-    // Without the engines it compares with: they take longer to build than all the rest.
-    workspace.cargo(&["test", "--package", "crumple-lab"]).run()?;
+    workspace.tests(&[]).env("VK_DRIVER_FILES", workspace.path("no-driver")).run()?;
     Ok(Outcome::Passed)
 }

@@ -17,10 +17,20 @@ const WHOLE: &[&str] =
 const IN_PART: &[&str] =
     &["--test=bad_input", "--test=contacts", "--test=oracle_rules", "--test=paper_equations", "--test=promises"];
 
+/// C programs that do not run under valgrind: a driver takes a minute to compile its kernels there, so that one program, which
+/// makes every call to it, is enough.
+const SLOW_DRIVERS: &str = "^vulkan_(device_lost|record|render)";
+
 pub fn c(workspace: &Workspace) -> Result<Outcome> {
     let run = Run::new(workspace, "c", "definite,possible")?;
     let prefix = native::release_prefix(workspace);
-    let build = Build { kind: "valgrind", prefix: &prefix, options: &[], launcher: &run.command.join(";") };
+    let build = Build {
+        options: &["-DCRUMPLE_VULKAN_VALIDATION=OFF"],
+        launcher: &run.command.join(";"),
+        drivers: &native::one_driver(workspace)?,
+        left_out: SLOW_DRIVERS,
+        ..Build::new("valgrind", &prefix)
+    };
     run.judge(native::test_projects(workspace, &build))
 }
 
@@ -32,11 +42,10 @@ pub fn rust(workspace: &Workspace) -> Result<Outcome> {
     let host = version.lines().find_map(|line| line.strip_prefix("host: ")).context("rustc -vV names its host")?;
     let runner = format!("CARGO_TARGET_{}_RUNNER", host.to_uppercase().replace('-', "_"));
     let tests = |programs: &[&str], names: &[&str]| -> Result<()> {
-        let cargo = workspace.cargo(&["test", "--package", "crumple", "--all-features"]);
         // Valgrind runs out of room on gathers as a test build has them; the C programs run those of a release build.
-        let cargo = cargo.env("CRUMPLE_SIMD", "portable");
+        let cargo = workspace.tests(programs).env("CRUMPLE_SIMD", "portable");
         let cargo = cargo.env(&runner, run.command.join(" ")).env("PROPTEST_CASES", "2");
-        Ok(cargo.args(programs).args(["--"]).args(names).run()?)
+        Ok(cargo.args(["--"]).args(names).run()?)
     };
     let both = tests(WHOLE, &[]).and_then(|()| tests(IN_PART, &["quick_"]));
     run.judge(both)

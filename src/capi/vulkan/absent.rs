@@ -6,7 +6,10 @@ use super::super::instance::InstanceEntry;
 use super::super::load::not_built;
 use super::super::result::Failure;
 use super::super::types::CrumpleBuffer;
-use super::{CrumpleRecordReport, CrumpleVulkanBufferDef, CrumpleVulkanDef};
+use super::{
+    CrumpleHandleType, CrumpleOwnVulkanDef, CrumpleRecordReport, CrumpleVulkanBufferDef, CrumpleVulkanDef,
+    CrumpleVulkanImportDef,
+};
 use crate::{Aabb, Instance};
 use std::ffi::c_void;
 use std::ops::Range;
@@ -27,7 +30,7 @@ impl Attached {
         match *self {}
     }
 
-    pub(super) fn pipeline_cache(&self) -> Result<Vec<u8>, Failure> {
+    pub(super) fn pipeline_cache(&mut self) -> Result<Vec<u8>, Failure> {
         match *self {}
     }
 
@@ -52,11 +55,40 @@ impl Attached {
         match *self {}
     }
 
-    pub(super) fn complete(&mut self, _: u64) {
+    pub(super) fn complete(&mut self, _: u64) -> Result<(), Failure> {
         match *self {}
     }
 
-    pub(super) fn discard(&mut self, _: u64) {
+    pub(super) fn discard(&mut self, _: u64) -> Result<(), Failure> {
+        match *self {}
+    }
+
+    pub(super) unsafe fn open(_: &CrumpleOwnVulkanDef, _: &[u8]) -> Result<Self, Failure> {
+        Err(not_built("vulkan"))
+    }
+
+    pub(super) unsafe fn import_buffer(&mut self, _: &CrumpleVulkanImportDef) -> Result<u64, Failure> {
+        match *self {}
+    }
+
+    pub(super) fn release_buffer(&mut self, _: u64) -> Result<(), Failure> {
+        match *self {}
+    }
+
+    pub(super) unsafe fn import_semaphore(&mut self, _: CrumpleHandleType, _: i64) -> Result<u64, Failure> {
+        match *self {}
+    }
+
+    pub(super) fn submit(
+        &mut self,
+        _: Buffers<'_>,
+        _: Entries<'_>,
+        _: (&[u64], &[u64]),
+    ) -> Result<(u64, CrumpleRecordReport), Failure> {
+        match *self {}
+    }
+
+    pub(super) fn wait(&mut self, _: u64, _: u64) -> Result<bool, Failure> {
         match *self {}
     }
 }

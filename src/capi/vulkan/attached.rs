@@ -1,14 +1,21 @@
 //! What a context keeps of the host's Vulkan device and buffers.
 
 use super::super::buffer::{BufferEntry, Memory};
+use super::super::check::{boolean, enumerator};
 use super::super::deform::Chosen;
 use super::super::ids::Slots;
 use super::super::instance::InstanceEntry;
 use super::super::result::{CrumpleResult, Failure};
 use super::super::types::CrumpleBuffer;
-use super::{CrumpleRecordReport, CrumpleVulkanBufferDef, CrumpleVulkanDef, CrumpleVulkanStream};
+use super::{
+    CrumpleHandleType, CrumpleOwnVulkanDef, CrumpleRecordReport, CrumpleVulkanBufferDef, CrumpleVulkanDef,
+    CrumpleVulkanFunction, CrumpleVulkanImportDef, CrumpleVulkanStream,
+};
 use crate::vulkan::vk::{self, Handle};
-use crate::vulkan::{Access, BufferDef, BufferId, Device, DeviceDef, RecordJob, Stream, Target, TargetDef};
+use crate::vulkan::{
+    Access, BufferDef, BufferId, Device, DeviceDef, ImportDef, OwnDevice, OwnDeviceDef, RecordJob, RecordReport,
+    SemaphoreId, Shared, Stream, Target, TargetDef,
+};
 use crate::{Aabb, Instance, Rule};
 use std::collections::HashMap;
 use std::ffi::c_void;
@@ -16,7 +23,7 @@ use std::ops::Range;
 
 /// The device, and the VkBuffers that ranges lie in.
 pub(in super::super) struct Attached {
-    device: Device,
+    device: Kind,
     /// By handle.
     hosts: HashMap<u64, Host>,
     /// Lists of one recording, used over and over.
@@ -24,8 +31,43 @@ pub(in super::super) struct Attached {
     jobs: Vec<RecordJob<'static>>,
 }
 
+enum Kind {
+    Hosts(Box<Device>),
+    Own(Box<OwnDevice>),
+}
+
+impl Kind {
+    fn device(&mut self) -> &mut Device {
+        match self {
+            Kind::Hosts(device) => device,
+            Kind::Own(own) => own.device(),
+        }
+    }
+
+    /// The host's own, which `call` works with.
+    fn hosts(&mut self, call: &str) -> Result<&mut Device, Failure> {
+        match self {
+            Kind::Hosts(device) => Ok(device),
+            Kind::Own(_) => Err(Failure::invalid(format!(
+                "the device is Crumple's own, from crumple_open_vulkan(); {call} is for one of crumple_attach_vulkan()"
+            ))),
+        }
+    }
+
+    /// Crumple's own, which `call` works with.
+    fn own(&mut self, call: &str) -> Result<&mut OwnDevice, Failure> {
+        match self {
+            Kind::Own(own) => Ok(own),
+            Kind::Hosts(_) => Err(Failure::invalid(format!(
+                "the device is yours, from crumple_attach_vulkan(); {call} is for one of crumple_open_vulkan()"
+            ))),
+        }
+    }
+}
+
 struct Host {
-    def: BufferDef,
+    /// Of the host's own device.
+    def: Option<BufferDef>,
     id: BufferId,
     /// Ranges in it.
     ranges: usize,
@@ -41,9 +83,6 @@ impl Attached {
     /// # Safety
     /// The handles are valid, belong together, and stay valid while this lives.
     pub(super) unsafe fn new(def: &CrumpleVulkanDef, pipeline_cache: &[u8]) -> Result<Self, Failure> {
-        let Some(loader) = def.get_instance_proc_addr else {
-            return Err(Failure::new(CrumpleResult::CrumpleErrorNullPointer, "def.get_instance_proc_addr is null"));
-        };
         let handles =
             [("def.instance", def.instance), ("def.physical_device", def.physical_device), ("def.device", def.device)];
         if let Some((name, _)) = handles.iter().find(|(_, handle)| handle.is_null()) {
@@ -51,10 +90,8 @@ impl Attached {
         }
         let [instance, physical_device, device] = handles.map(|(_, handle)| handle.addr() as u64);
         let def = DeviceDef {
-            // SAFETY: by the caller's word it is this function.
-            get_instance_proc_addr: unsafe {
-                std::mem::transmute::<unsafe extern "C" fn(), vk::PFN_vkGetInstanceProcAddr>(loader)
-            },
+            // SAFETY: the caller's.
+            get_instance_proc_addr: unsafe { loader(def.get_instance_proc_addr) }?,
             instance: vk::Instance::from_raw(instance),
             physical_device: vk::PhysicalDevice::from_raw(physical_device),
             device: vk::Device::from_raw(device),
@@ -63,13 +100,31 @@ impl Attached {
             workgroup_size: def.workgroup_size,
         };
         // SAFETY: the caller's.
-        let device = unsafe { Device::new(&def) }?;
-        Ok(Self { device, hosts: HashMap::new(), chosen: Vec::new(), jobs: Vec::new() })
+        Ok(Self::with(Kind::Hosts(Box::new(unsafe { Device::new(&def) }?))))
     }
 
-    /// Fails while a frame is in flight.
+    /// # Safety
+    /// The loader is one, and stays loaded while this lives.
+    pub(super) unsafe fn open(def: &CrumpleOwnVulkanDef, pipeline_cache: &[u8]) -> Result<Self, Failure> {
+        let def = OwnDeviceDef {
+            // SAFETY: the caller's.
+            get_instance_proc_addr: unsafe { loader(def.get_instance_proc_addr) }?,
+            device_uuid: Some(def.device_uuid).filter(|uuid| *uuid != [0; 16]),
+            pipeline_cache,
+            workgroup_size: def.workgroup_size,
+        };
+        // SAFETY: the caller's.
+        Ok(Self::with(Kind::Own(Box::new(unsafe { OwnDevice::new(&def) }?))))
+    }
+
+    fn with(device: Kind) -> Self {
+        Self { device, hosts: HashMap::new(), chosen: Vec::new(), jobs: Vec::new() }
+    }
+
+    /// Fails while a frame is in flight that will not be waited for.
     pub(in super::super) fn check_idle(&self) -> Result<(), Failure> {
-        let (recorded, completed) = (self.device.recorded(), self.device.last_completed());
+        let Kind::Hosts(device) = &self.device else { return Ok(()) };
+        let (recorded, completed) = (device.recorded(), device.last_completed());
         if recorded > completed {
             let message = format!(
                 "frame {recorded} was recorded, and crumple_complete_frames() was told of {completed} at last: wait for the \
@@ -80,8 +135,8 @@ impl Attached {
         Ok(())
     }
 
-    pub(super) fn pipeline_cache(&self) -> Result<Vec<u8>, Failure> {
-        Ok(self.device.pipeline_cache_data()?)
+    pub(super) fn pipeline_cache(&mut self) -> Result<Vec<u8>, Failure> {
+        Ok(self.device.device().pipeline_cache_data()?)
     }
 
     /// # Safety
@@ -108,12 +163,16 @@ impl Attached {
             before: access(def.before_stages, def.before_access),
             after: access(def.after_stages, def.after_access),
         };
-        let id = match self.hosts.get(&def.buffer) {
-            Some(known) => known.def.same(&buffer).map(|()| known.id)?,
-            None => {
+        let id = match (self.hosts.get(&def.buffer), &mut self.device) {
+            (Some(known), _) => known.def.map_or(Ok(()), |def| def.same(&buffer)).map(|()| known.id)?,
+            (None, Kind::Own(_)) => {
+                let message = "def.buffer is none of crumple_import_vulkan_buffer(); import it first";
+                return Err(Failure::invalid(message));
+            }
+            (None, Kind::Hosts(device)) => {
                 // SAFETY: the caller's.
-                let id = unsafe { self.device.add_buffer(&buffer) }?;
-                self.hosts.insert(def.buffer, Host { def: buffer, id, ranges: 0 });
+                let id = unsafe { device.add_buffer(&buffer) }?;
+                self.hosts.insert(def.buffer, Host { def: Some(buffer), id, ranges: 0 });
                 id
             }
         };
@@ -128,24 +187,88 @@ impl Attached {
             scale: def.scale.array(),
             bias: def.bias.array(),
         };
-        let target = self.device.add_target(instance.example_set(), &target);
+        let target = self.device.device().add_target(instance.example_set(), &target);
         let host = self.hosts.get_mut(&def.buffer).expect("it was found or inserted");
         host.ranges += usize::from(target.is_ok());
-        if host.ranges == 0 {
-            self.forget(def.buffer)?;
-        }
+        self.forget(def.buffer)?;
         Ok(VulkanMemory { target: target?, handle: def.buffer })
     }
 
     pub(in super::super) fn remove(&mut self, memory: VulkanMemory) -> Result<(), Failure> {
         let Some(host) = self.hosts.get_mut(&memory.handle) else { return Ok(()) };
         host.ranges -= 1;
-        if host.ranges == 0 { self.forget(memory.handle) } else { Ok(()) }
+        self.forget(memory.handle)
     }
 
+    /// Forgets a buffer of the host's device that no range lies in.
     fn forget(&mut self, handle: u64) -> Result<(), Failure> {
-        let host = self.hosts.remove(&handle);
-        Ok(host.map_or(Ok(()), |host| self.device.remove_buffer(host.id))?)
+        let unused = |host: &Host| host.ranges == 0 && host.def.is_some();
+        if let Some(host) = self.hosts.get(&handle).filter(|host| unused(host)) {
+            let id = host.id;
+            self.hosts.remove(&handle);
+            self.device.device().remove_buffer(id)?;
+        }
+        Ok(())
+    }
+
+    /// # Safety
+    /// As [`OwnDevice::import_buffer`].
+    pub(super) unsafe fn import_buffer(&mut self, def: &CrumpleVulkanImportDef) -> Result<u64, Failure> {
+        let own = self.device.own("crumple_import_vulkan_buffer()")?;
+        let def = ImportDef {
+            memory: shared(enumerator(def.handle_type, "def.handle_type")?, def.handle),
+            memory_size: def.memory_size,
+            memory_type: def.memory_type,
+            dedicated: boolean(def.dedicated),
+            offset: def.offset,
+            size: def.size,
+            usage: vk::BufferUsageFlags::from_raw(def.usage),
+        };
+        // SAFETY: the caller's.
+        let id = unsafe { own.import_buffer(&def) }?;
+        let handle = own.device().handle_of(id)?;
+        self.hosts.insert(handle, Host { def: None, id, ranges: 0 });
+        Ok(handle)
+    }
+
+    pub(super) fn release_buffer(&mut self, buffer: u64) -> Result<(), Failure> {
+        let own = self.device.own("crumple_release_vulkan_buffer()")?;
+        let host = self.hosts.get(&buffer).ok_or_else(|| {
+            Failure::invalid(format!("buffer is {buffer:#x}; it must be one of crumple_import_vulkan_buffer()"))
+        })?;
+        if host.ranges > 0 {
+            let message = format!("{} ranges of buffer {buffer:#x} are registered; unregister them first", host.ranges);
+            return Err(Failure::invalid(message));
+        }
+        own.remove_buffer(host.id)?;
+        self.hosts.remove(&buffer);
+        Ok(())
+    }
+
+    /// # Safety
+    /// As [`OwnDevice::import_semaphore`].
+    pub(super) unsafe fn import_semaphore(&mut self, kind: CrumpleHandleType, handle: i64) -> Result<u64, Failure> {
+        let own = self.device.own("crumple_import_vulkan_semaphore()")?;
+        // SAFETY: the caller's.
+        Ok(unsafe { own.import_semaphore(shared(kind, handle)) }?.0)
+    }
+
+    pub(super) fn submit(
+        &mut self,
+        (pointer, given): (*const CrumpleBuffer, &[CrumpleBuffer]),
+        (entries, instances): (&mut Slots<BufferEntry>, &mut Slots<InstanceEntry>),
+        (wait, signal): (&[u64], &[u64]),
+    ) -> Result<(u64, CrumpleRecordReport), Failure> {
+        let ids = |all: &[u64]| all.iter().map(|id| SemaphoreId(*id)).collect::<Vec<_>>();
+        let (wait, signal) = (ids(wait), ids(signal));
+        self.with_jobs((pointer, given), (entries, instances), |device, jobs| {
+            let (frame, report) = device.own("crumple_submit_deform()")?.submit(jobs, &wait, &signal)?;
+            Ok((frame, c_report(report)))
+        })
+    }
+
+    pub(super) fn wait(&mut self, frame: u64, nanoseconds: u64) -> Result<bool, Failure> {
+        Ok(self.device.own("crumple_wait_frame()")?.wait(frame, nanoseconds)?)
     }
 
     /// # Safety
@@ -153,9 +276,24 @@ impl Attached {
     pub(super) unsafe fn record(
         &mut self,
         (command_buffer, frame): (*mut c_void, u64),
+        chosen: (*const CrumpleBuffer, &[CrumpleBuffer]),
+        of: (&mut Slots<BufferEntry>, &mut Slots<InstanceEntry>),
+    ) -> Result<CrumpleRecordReport, Failure> {
+        self.with_jobs(chosen, of, |device, jobs| {
+            let commands = vk::CommandBuffer::from_raw(command_buffer.addr() as u64);
+            // SAFETY: the caller's.
+            let report = unsafe { device.hosts("crumple_record_deform()")?.record(commands, frame, jobs) }?;
+            Ok(c_report(report))
+        })
+    }
+
+    /// Folds the hits of the chosen buffers' instances, and calls `f` with a job for each buffer.
+    fn with_jobs<T>(
+        &mut self,
         (pointer, given): (*const CrumpleBuffer, &[CrumpleBuffer]),
         (entries, instances): (&mut Slots<BufferEntry>, &mut Slots<InstanceEntry>),
-    ) -> Result<CrumpleRecordReport, Failure> {
+        f: impl FnOnce(&mut Kind, &mut [RecordJob<'_>]) -> Result<T, Failure>,
+    ) -> Result<T, Failure> {
         let chosen = Chosen::new(pointer, given, &mut self.chosen, |id, name| match entries.get(id, name)?.memory {
             Memory::Vulkan(_) => Ok(()),
             Memory::Host(..) => {
@@ -178,28 +316,49 @@ impl Attached {
                 jobs.push(RecordJob { instance, target: &mut memory.target });
             }
         }
-        let commands = vk::CommandBuffer::from_raw(command_buffer.addr() as u64);
-        // SAFETY: the caller's.
-        let report = unsafe { self.device.record(commands, frame, &mut jobs) };
+        let result = f(&mut self.device, &mut jobs);
         self.jobs = recycled(jobs);
-        let report = report?;
-        Ok(CrumpleRecordReport {
-            vertices_written: report.vertices_written,
-            blocks_written: report.blocks_written,
-            blocks_skipped: report.blocks_skipped,
-            parts_skipped: report.parts_skipped,
-            bytes_copied: report.bytes_copied,
-            dispatches: report.dispatches,
-            ..CrumpleRecordReport::default()
-        })
+        result
     }
 
-    pub(super) fn complete(&mut self, frame: u64) {
-        self.device.completed(frame);
+    pub(super) fn complete(&mut self, frame: u64) -> Result<(), Failure> {
+        self.device.hosts("crumple_complete_frames()")?.completed(frame);
+        Ok(())
     }
 
-    pub(super) fn discard(&mut self, frame: u64) {
-        self.device.discard(frame);
+    pub(super) fn discard(&mut self, frame: u64) -> Result<(), Failure> {
+        self.device.hosts("crumple_discard_frames()")?.discard(frame);
+        Ok(())
+    }
+}
+
+/// # Safety
+/// Where it is not null it is `vkGetInstanceProcAddr`.
+unsafe fn loader(function: CrumpleVulkanFunction) -> Result<vk::PFN_vkGetInstanceProcAddr, Failure> {
+    let Some(function) = function else {
+        return Err(Failure::new(CrumpleResult::CrumpleErrorNullPointer, "def.get_instance_proc_addr is null"));
+    };
+    // SAFETY: the caller's.
+    Ok(unsafe { std::mem::transmute::<unsafe extern "C" fn(), vk::PFN_vkGetInstanceProcAddr>(function) })
+}
+
+fn shared(kind: CrumpleHandleType, handle: i64) -> Shared {
+    match kind {
+        // What is no file descriptor becomes one that is refused.
+        CrumpleHandleType::OpaqueFd => Shared::OpaqueFd(i32::try_from(handle).unwrap_or(-1)),
+        CrumpleHandleType::OpaqueWin32 => Shared::OpaqueWin32(handle as isize),
+    }
+}
+
+fn c_report(report: RecordReport) -> CrumpleRecordReport {
+    CrumpleRecordReport {
+        vertices_written: report.vertices_written,
+        blocks_written: report.blocks_written,
+        blocks_skipped: report.blocks_skipped,
+        parts_skipped: report.parts_skipped,
+        bytes_copied: report.bytes_copied,
+        dispatches: report.dispatches,
+        ..CrumpleRecordReport::default()
     }
 }
 

@@ -1,0 +1,344 @@
+//! Memory and semaphores of the host's device on Crumple's own.
+
+use super::functions::checked;
+use super::host::{Access, BufferDef, BufferId};
+use super::own::{Own, OwnDevice};
+use crate::Error;
+use ash::vk;
+use std::ptr::null;
+
+/// What the host exported.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Shared {
+    /// A file descriptor, `VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT` (or the same of a semaphore). It is duplicated: the
+    /// host's stays its own, to be closed when it likes.
+    OpaqueFd(i32),
+    /// A Windows handle, `…_OPAQUE_WIN32_BIT`. Windows alone; never run by its authors.
+    OpaqueWin32(isize),
+}
+
+/// A buffer of the host's device, in memory that it exported.
+#[derive(Debug, Clone, Copy)]
+pub struct ImportDef {
+    /// The memory.
+    pub memory: Shared,
+    /// `allocationSize` that the host allocated it with, bytes.
+    pub memory_size: u64,
+    /// `memoryTypeIndex` that the host allocated it with.
+    pub memory_type: u32,
+    /// Whether the host allocated it for this buffer alone (`VkMemoryDedicatedAllocateInfo`).
+    pub dedicated: bool,
+    /// Where in the memory the host bound the buffer, bytes.
+    pub offset: u64,
+    /// The buffer's size, bytes.
+    pub size: u64,
+    /// The usage that the host made it with; `STORAGE_BUFFER` must be among its flags.
+    pub usage: vk::BufferUsageFlags,
+}
+
+/// A semaphore as the own device knows it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SemaphoreId(
+    /// Place, plus one; above that what tells devices apart.
+    pub(crate) u64,
+);
+
+/// A buffer in imported memory.
+pub(super) struct Imported {
+    buffer: vk::Buffer,
+    memory: vk::DeviceMemory,
+}
+
+impl Imported {
+    /// # Safety
+    /// Nothing uses it any more.
+    pub(super) unsafe fn destroy(&self, own: &Own) {
+        // SAFETY: passed on; null handles are ignored.
+        unsafe {
+            (own.resources.destroy_buffer)(own.device, self.buffer, null());
+            (own.resources.free_memory)(own.device, self.memory, null());
+        }
+    }
+}
+
+#[cfg(not(windows))]
+const MEMORY: vk::ExternalMemoryHandleTypeFlags = vk::ExternalMemoryHandleTypeFlags::OPAQUE_FD;
+#[cfg(windows)]
+const MEMORY: vk::ExternalMemoryHandleTypeFlags = vk::ExternalMemoryHandleTypeFlags::OPAQUE_WIN32;
+
+impl OwnDevice {
+    /// Makes a buffer in memory that the host's device exported, of the same physical device and driver. The host made its own
+    /// with `VkExternalMemoryBufferCreateInfo` and releases it to `VK_QUEUE_FAMILY_EXTERNAL` before each submission that writes it,
+    /// and acquires it from there afterwards.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for what is no such handle (closed, a pipe, a file that is smaller than the memory), a memory type
+    /// that the device does not have, or a buffer that does not fit into the memory; what [`super::Device::add_buffer`] refuses;
+    /// [`Error::Unsupported`] where the device cannot import such a buffer, or for a handle of another system;
+    /// [`Error::OutOfMemory`], [`Error::Vulkan`], [`Error::DeviceLost`].
+    ///
+    /// # Safety
+    /// The handle is of memory that was allocated as the definition says, and lives as long as the buffer: until it is removed, or
+    /// the device dropped. (What is checked is what can be.)
+    pub unsafe fn import_buffer(&mut self, def: &ImportDef) -> Result<BufferId, Error> {
+        let end = def.offset.saturating_add(def.size);
+        if end > def.memory_size {
+            let name = "the imported memory".to_owned();
+            return Err(Error::BufferTooSmall { name, size: def.memory_size, needed: end });
+        }
+        self.importable(def.usage)?;
+        let mut imported = Imported { buffer: vk::Buffer::null(), memory: vk::DeviceMemory::null() };
+        // SAFETY: the caller's.
+        let made = unsafe { self.import(def, &mut imported) }.and_then(|()| {
+            let anything = Access {
+                stages: vk::PipelineStageFlags::ALL_COMMANDS,
+                access: vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE,
+            };
+            let (size, usage, queue_family) = (def.size, def.usage, vk::QUEUE_FAMILY_EXTERNAL);
+            let buffer =
+                BufferDef { buffer: imported.buffer, size, usage, queue_family, before: anything, after: anything };
+            // SAFETY: a buffer made just now, destroyed after the device or after it was removed.
+            unsafe { self.device().add_buffer(&buffer) }
+        });
+        match made {
+            Ok(id) => {
+                self.buffers.push((id, imported));
+                Ok(id)
+            }
+            Err(error) => {
+                // SAFETY: nothing uses it.
+                unsafe { imported.destroy(&self.own) };
+                Err(error)
+            }
+        }
+    }
+
+    /// Forgets a buffer, and waits until the device is done with it.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a buffer that is not there; [`Error::Vulkan`], [`Error::DeviceLost`].
+    pub fn remove_buffer(&mut self, id: BufferId) -> Result<(), Error> {
+        self.device().remove_buffer(id)?;
+        self.wait(self.last_submitted(), u64::MAX)?;
+        for (_, imported) in self.buffers.extract_if(.., |(i, _)| *i == id) {
+            // SAFETY: all that was submitted is done.
+            unsafe { imported.destroy(&self.own) };
+        }
+        Ok(())
+    }
+
+    fn importable(&self, usage: vk::BufferUsageFlags) -> Result<(), Error> {
+        let info = vk::PhysicalDeviceExternalBufferInfo::default().usage(usage).handle_type(MEMORY);
+        let mut properties = vk::ExternalBufferProperties::default();
+        // SAFETY: a physical device of Vulkan 1.1.
+        unsafe {
+            (self.own.instance_functions.external_buffer)(self.own.physical_device, &info, &mut properties);
+        }
+        let features = properties.external_memory_properties.external_memory_features;
+        if features.contains(vk::ExternalMemoryFeatureFlags::IMPORTABLE) {
+            return Ok(());
+        }
+        Err(Error::Unsupported { what: format!("a Vulkan device that cannot import buffers of usage {usage:?}") })
+    }
+
+    /// # Safety
+    /// As [`OwnDevice::import_buffer`].
+    unsafe fn import(&self, def: &ImportDef, to: &mut Imported) -> Result<(), Error> {
+        let (own, f) = (&self.own, &self.own.resources);
+        let mut external = vk::ExternalMemoryBufferCreateInfo::default().handle_types(MEMORY);
+        let info = vk::BufferCreateInfo::default().size(def.size).usage(def.usage).push_next(&mut external);
+        if def.size == 0 {
+            return Err(Error::invalid("the buffer's size", 0, "at least 4 bytes"));
+        }
+        // SAFETY: valid arguments, here and below.
+        checked("vkCreateBuffer", unsafe { (f.create_buffer)(own.device, &info, null(), &mut to.buffer) })?;
+        let mut needs = vk::MemoryRequirements::default();
+        // SAFETY: the buffer was made just now.
+        unsafe { (f.buffer_requirements)(own.device, to.buffer, &mut needs) };
+        if def.memory_type >= 32 || needs.memory_type_bits >> def.memory_type & 1 == 0 {
+            let good: Vec<String> =
+                (0..32).filter(|t| needs.memory_type_bits >> t & 1 == 1).map(|t| t.to_string()).collect();
+            let expected = format!("one that the buffer can lie in: {}", good.join(", "));
+            return Err(Error::invalid("the memory type", def.memory_type, &expected));
+        }
+        if def.offset.saturating_add(needs.size) > def.memory_size {
+            let (name, needed) = ("the imported memory".to_owned(), def.offset.saturating_add(needs.size));
+            return Err(Error::BufferTooSmall { name, size: def.memory_size, needed });
+        }
+        if !def.offset.is_multiple_of(needs.alignment) {
+            let name = "the buffer's offset in its memory".to_owned();
+            return Err(Error::Misaligned { name, value: def.offset, align: needs.alignment });
+        }
+        let mut dedicated = vk::MemoryDedicatedAllocateInfo::default().buffer(to.buffer);
+        let mut info =
+            vk::MemoryAllocateInfo::default().allocation_size(def.memory_size).memory_type_index(def.memory_type);
+        if def.dedicated {
+            info = info.push_next(&mut dedicated);
+        }
+        let handle = Own::taken(def.memory, Some(def.memory_size))?;
+        #[cfg(not(windows))]
+        let mut import = vk::ImportMemoryFdInfoKHR::default().handle_type(MEMORY).fd(handle.raw());
+        #[cfg(windows)]
+        let mut import = vk::ImportMemoryWin32HandleInfoKHR::default().handle_type(MEMORY).handle(handle.raw());
+        info = info.push_next(&mut import);
+        // SAFETY: the caller's handle.
+        match unsafe { (f.allocate_memory)(own.device, &info, null(), &mut to.memory) } {
+            vk::Result::ERROR_INVALID_EXTERNAL_HANDLE => {
+                let expected = "memory that a device of the same driver exported, as it was allocated";
+                return Err(Error::invalid("the memory's handle", format!("{:?}", def.memory), expected));
+            }
+            vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => {
+                let what = "an imported buffer (vkAllocateMemory)".into();
+                return Err(Error::OutOfMemory { what, bytes: def.memory_size });
+            }
+            other => checked("vkAllocateMemory", other)?,
+        }
+        // Vulkan has it now.
+        handle.forget();
+        // SAFETY: memory of a type that suits the buffer, bound once.
+        let bound = unsafe { (f.bind_buffer_memory)(own.device, to.buffer, to.memory, def.offset) };
+        checked("vkBindBufferMemory", bound)
+    }
+
+    /// Makes a binary semaphore that the host's device exported known here. It lives until the device is dropped.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] where the driver cannot (use [`OwnDevice::wait`] and a fence of the host's instead), or for a handle of
+    /// another system; [`Error::InvalidArgument`] for what is no such handle; [`Error::Vulkan`], [`Error::DeviceLost`].
+    ///
+    /// # Safety
+    /// The handle is of a binary semaphore of the same driver.
+    pub unsafe fn import_semaphore(&mut self, shared: Shared) -> Result<SemaphoreId, Error> {
+        let own = &self.own;
+        let Some(import) = own.import_semaphore else {
+            let what = "a Vulkan device without external semaphores: wait for a fence instead";
+            return Err(Error::Unsupported { what: what.into() });
+        };
+        let handle = Own::taken(shared, None)?;
+        let mut semaphore = vk::Semaphore::null();
+        let info = vk::SemaphoreCreateInfo::default();
+        // SAFETY: valid arguments.
+        let made = unsafe { (own.functions.create_semaphore)(own.device, &info, null(), &mut semaphore) };
+        checked("vkCreateSemaphore", made)?;
+        #[cfg(not(windows))]
+        // SAFETY: by its name the function is of this type, and the handle is the caller's.
+        let imported = unsafe {
+            let info = vk::ImportSemaphoreFdInfoKHR::default()
+                .semaphore(semaphore)
+                .handle_type(vk::ExternalSemaphoreHandleTypeFlags::OPAQUE_FD)
+                .fd(handle.raw());
+            let import = std::mem::transmute::<unsafe extern "system" fn(), vk::PFN_vkImportSemaphoreFdKHR>(import);
+            import(own.device, &info)
+        };
+        #[cfg(windows)]
+        // SAFETY: as above.
+        let imported = unsafe {
+            let info = vk::ImportSemaphoreWin32HandleInfoKHR::default()
+                .semaphore(semaphore)
+                .handle_type(vk::ExternalSemaphoreHandleTypeFlags::OPAQUE_WIN32)
+                .handle(handle.raw());
+            let import =
+                std::mem::transmute::<unsafe extern "system" fn(), vk::PFN_vkImportSemaphoreWin32HandleKHR>(import);
+            import(own.device, &info)
+        };
+        if imported != vk::Result::SUCCESS {
+            // SAFETY: nothing uses it.
+            unsafe { (own.functions.destroy_semaphore)(own.device, semaphore, null()) };
+        }
+        if imported == vk::Result::ERROR_INVALID_EXTERNAL_HANDLE {
+            let expected = "a semaphore that a device of the same driver exported";
+            return Err(Error::invalid("the semaphore's handle", format!("{shared:?}"), expected));
+        }
+        checked("vkImportSemaphore", imported)?;
+        handle.forget();
+        self.semaphores.push(semaphore);
+        Ok(SemaphoreId(self.device().id << 32 | self.semaphores.len() as u64))
+    }
+
+    /// The handles of semaphores.
+    pub(super) fn handles(&self, ids: &[SemaphoreId]) -> Result<Vec<vk::Semaphore>, Error> {
+        let one = |id: &SemaphoreId| {
+            let place = (id.0 as u32).wrapping_sub(1) as usize;
+            let found = self.semaphores.get(place).filter(|_| id.0 >> 32 == self.id());
+            found.copied().ok_or_else(|| Error::invalid("semaphore", id.0, "one that this device imported"))
+        };
+        ids.iter().map(one).collect()
+    }
+}
+
+/// A handle of our own, closed when dropped.
+#[cfg(unix)]
+struct Taken(std::os::fd::OwnedFd);
+
+#[cfg(unix)]
+impl Taken {
+    fn raw(&self) -> i32 {
+        use std::os::fd::AsRawFd;
+        self.0.as_raw_fd()
+    }
+
+    /// Somebody else has it now.
+    fn forget(self) {
+        use std::os::fd::IntoRawFd;
+        let _ = self.0.into_raw_fd();
+    }
+}
+
+#[cfg(unix)]
+impl Own {
+    /// A duplicate of the host's handle, of memory of so many bytes or of something else.
+    fn taken(shared: Shared, memory: Option<u64>) -> Result<Taken, Error> {
+        use std::os::fd::BorrowedFd;
+        use std::os::unix::fs::FileTypeExt;
+        let refused = |expected: &str| Err(Error::invalid("the handle", format!("{shared:?}"), expected));
+        let Shared::OpaqueFd(fd) = shared else {
+            return Err(Error::Unsupported { what: format!("{shared:?}: this system has file descriptors") });
+        };
+        if fd < 0 {
+            return refused("an open file descriptor");
+        }
+        // SAFETY: not -1; where it is not open the system says so.
+        let Ok(own) = unsafe { BorrowedFd::borrow_raw(fd) }.try_clone_to_owned() else {
+            return refused("an open file descriptor");
+        };
+        let file = std::fs::File::from(own);
+        if let Ok(metadata) = file.metadata() {
+            let kind = metadata.file_type();
+            if kind.is_fifo() || kind.is_socket() || kind.is_dir() {
+                return refused(
+                    "one that vkGetMemoryFdKHR or vkGetSemaphoreFdKHR gave; this is a pipe, socket or folder",
+                );
+            }
+            // Software drivers share memory as files.
+            if let Some(size) = memory.filter(|size| kind.is_file() && metadata.len() < *size) {
+                return refused(&format!("memory of {size} bytes; this is a file of {}", metadata.len()));
+            }
+        }
+        Ok(Taken(file.into()))
+    }
+}
+
+/// A handle of the host's, which Vulkan does not take over.
+#[cfg(not(unix))]
+struct Taken(isize);
+
+#[cfg(not(unix))]
+impl Taken {
+    fn raw(&self) -> isize {
+        self.0
+    }
+
+    fn forget(self) {}
+}
+
+#[cfg(not(unix))]
+impl Own {
+    fn taken(shared: Shared, _: Option<u64>) -> Result<Taken, Error> {
+        match shared {
+            Shared::OpaqueWin32(handle) if handle != 0 && handle != -1 => Ok(Taken(handle)),
+            Shared::OpaqueWin32(handle) => Err(Error::invalid("the handle", handle, "a valid handle")),
+            _ => Err(Error::Unsupported { what: format!("{shared:?}: this system has Windows handles") }),
+        }
+    }
+}

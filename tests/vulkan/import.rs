@@ -1,0 +1,330 @@
+//! Memory that an engine's device exported, written by a device of Crumple's own: in the same process, and in another.
+#![cfg(target_os = "linux")]
+
+use std::os::fd::{AsRawFd, FromRawFd, OwnedFd};
+use std::process::{Command, Stdio};
+
+use ash::khr;
+use crumple::vulkan::{BufferId, ImportDef, OwnDevice, OwnDeviceDef, RecordJob, SemaphoreId, Shared, Target, vk};
+use crumple::{Error, ErrorKind, Instance};
+
+use crate::harness::{Engine, POISON, Seen, on_each_device_with};
+use crate::scenes;
+use crate::{Plan, folded, hit, same};
+
+const EXTENSIONS: [&std::ffi::CStr; 2] = [khr::external_memory_fd::NAME, khr::external_semaphore_fd::NAME];
+const TYPE: vk::ExternalMemoryHandleTypeFlags = vk::ExternalMemoryHandleTypeFlags::OPAQUE_FD;
+
+/// A buffer in exported memory.
+struct Exported {
+    seen: Seen,
+    fd: OwnedFd,
+    def: ImportDef,
+}
+
+fn uuid(engine: &Engine) -> [u8; 16] {
+    let mut ids = vk::PhysicalDeviceIDProperties::default();
+    let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut ids);
+    // SAFETY: a valid device.
+    unsafe { engine.instance().get_physical_device_properties2(engine.physical, &mut properties) };
+    ids.device_uuid
+}
+
+/// As an engine does it: `guard` bytes lie before the buffer and after it in the same memory.
+fn export(engine: &Engine, size: u64, dedicated: bool) -> Exported {
+    let mut external = vk::ExternalMemoryBufferCreateInfo::default().handle_types(TYPE);
+    let info = vk::BufferCreateInfo::default().size(size).usage(Seen::USAGE).push_next(&mut external);
+    // SAFETY: valid arguments; the engine destroys both.
+    unsafe {
+        let handle = engine.device.create_buffer(&info, None).unwrap();
+        let needs = engine.device.get_buffer_memory_requirements(handle);
+        let guard = if dedicated { 0 } else { 4096u64.next_multiple_of(needs.alignment) };
+        let types = engine.instance().get_physical_device_memory_properties(engine.physical);
+        let seen_by_cpu = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
+        let fits = |t: &u32| {
+            needs.memory_type_bits >> t & 1 == 1 && types.memory_types[*t as usize].property_flags.contains(seen_by_cpu)
+        };
+        let memory_type = (0..types.memory_type_count).find(fits).unwrap();
+        let mut export = vk::ExportMemoryAllocateInfo::default().handle_types(TYPE);
+        let mut only = vk::MemoryDedicatedAllocateInfo::default().buffer(handle);
+        let memory_size = needs.size + 2 * guard;
+        let mut allocate = vk::MemoryAllocateInfo::default()
+            .allocation_size(memory_size)
+            .memory_type_index(memory_type)
+            .push_next(&mut export);
+        if dedicated {
+            allocate = allocate.push_next(&mut only);
+        }
+        let memory = engine.device.allocate_memory(&allocate, None).unwrap();
+        engine.device.bind_buffer_memory(handle, memory, guard).unwrap();
+        let get = khr::external_memory_fd::Device::new(engine.instance(), &engine.device);
+        let fd = get.get_memory_fd(&vk::MemoryGetFdInfoKHR::default().memory(memory).handle_type(TYPE)).unwrap();
+        let fd = OwnedFd::from_raw_fd(fd);
+        let seen = engine.seen((handle, memory), (guard, size));
+        let def = ImportDef {
+            memory: Shared::OpaqueFd(fd.as_raw_fd()),
+            memory_size,
+            memory_type,
+            dedicated,
+            offset: guard,
+            size,
+            usage: Seen::USAGE,
+        };
+        Exported { seen, fd, def }
+    }
+}
+
+fn own(engine: &Engine) -> OwnDevice {
+    let def =
+        OwnDeviceDef { device_uuid: Some(uuid(engine)), ..OwnDeviceDef::new(engine.def().get_instance_proc_addr) };
+    // SAFETY: the system's loader.
+    unsafe { OwnDevice::new(&def) }.unwrap()
+}
+
+fn import(own: &mut OwnDevice, def: &ImportDef) -> Result<BufferId, Error> {
+    // SAFETY: a handle of the engine's, or one that must be refused.
+    unsafe { own.import_buffer(def) }
+}
+
+/// What the engine does around: gives the buffer away, and takes it back.
+fn hand_over(engine: &Engine, buffer: vk::Buffer, ours: bool) {
+    let (from, to) = if ours { (vk::QUEUE_FAMILY_EXTERNAL, 0) } else { (0, vk::QUEUE_FAMILY_EXTERNAL) };
+    let barrier = vk::BufferMemoryBarrier::default()
+        .src_access_mask(vk::AccessFlags::MEMORY_WRITE)
+        .dst_access_mask(vk::AccessFlags::MEMORY_READ)
+        .src_queue_family_index(from)
+        .dst_queue_family_index(to)
+        .buffer(buffer)
+        .size(vk::WHOLE_SIZE);
+    let all = vk::PipelineStageFlags::ALL_COMMANDS;
+    // SAFETY: valid arguments.
+    engine.run(|c| unsafe {
+        engine.device.cmd_pipeline_barrier(c, all, all, vk::DependencyFlags::empty(), &[], &[barrier], &[]);
+    });
+}
+
+#[test]
+fn exported_memory_is_written_by_a_device_of_its_own() {
+    let set = scenes::sheet_set();
+    on_each_device_with(&EXTENSIONS, |engine| {
+        for dedicated in [false, true] {
+            let plans =
+                [Plan::everything(&set, 0, 16), Plan::everything(&set, 0, 32 + Plan::everything(&set, 0, 0).size)];
+            let exported = export(engine, plans[1].offset + plans[1].size + 64, dedicated);
+            let mut own = own(engine);
+            let id = import(&mut own, &exported.def).unwrap();
+            let mut instances = [folded(&set, 3, 1), folded(&set, 2, 2)];
+            let mut targets: Vec<Target> =
+                plans.iter().map(|p| own.device().add_target(&set, &p.def(id)).unwrap()).collect();
+            let mut wanted = vec![POISON; exported.seen.words().len()];
+            for round in 0..4 {
+                hand_over(engine, exported.seen.handle, false);
+                let jobs = instances.iter().zip(&mut targets);
+                let mut jobs: Vec<RecordJob<'_>> =
+                    jobs.map(|(instance, target)| RecordJob { instance, target }).collect();
+                let (frame, report) = own.submit(&mut jobs, &[], &[]).unwrap();
+                assert_eq!((frame, report.blocks_written > 0), (round + 1, round != 2));
+                assert!(own.wait(frame, u64::MAX).unwrap());
+                hand_over(engine, exported.seen.handle, true);
+                instances.iter().zip(&plans).for_each(|(i, p)| p.expect(i, &mut wanted));
+                same(exported.seen.words(), &wanted, &format!("round {round}, dedicated {dedicated}"));
+                if round != 1 {
+                    hit(&mut instances[round as usize % 2], 1, round + 10);
+                }
+            }
+            own.remove_buffer(id).unwrap();
+            let jobs = &mut [RecordJob { instance: &instances[0], target: &mut targets[0] }];
+            assert_eq!(own.submit(jobs, &[], &[]).unwrap_err().kind(), ErrorKind::InvalidArgument);
+            assert_eq!(own.wait(99, 0).unwrap_err().kind(), ErrorKind::InvalidArgument);
+        }
+    });
+}
+
+#[test]
+fn semaphores_order_the_two_devices_where_the_driver_has_them() {
+    let set = scenes::ball_set();
+    on_each_device_with(&EXTENSIONS, |engine| {
+        let mut own = own(engine);
+        let there = {
+            let info = vk::PhysicalDeviceExternalSemaphoreInfo::default()
+                .handle_type(vk::ExternalSemaphoreHandleTypeFlags::OPAQUE_FD);
+            let mut properties = vk::ExternalSemaphoreProperties::default();
+            // SAFETY: a valid device.
+            unsafe {
+                engine.instance().get_physical_device_external_semaphore_properties(
+                    engine.physical,
+                    &info,
+                    &mut properties,
+                );
+            }
+            properties.external_semaphore_features.contains(vk::ExternalSemaphoreFeatureFlags::EXPORTABLE)
+        };
+        if !there {
+            // SAFETY: refused before the handle is looked at.
+            let refused = unsafe { own.import_semaphore(Shared::OpaqueFd(0)) }.unwrap_err();
+            assert!(refused.kind() == ErrorKind::Unsupported && refused.to_string().contains("fence"), "{refused}");
+            return;
+        }
+        // SAFETY: nothing that Vulkan could take for a semaphore.
+        assert!(unsafe { own.import_semaphore(Shared::OpaqueFd(-1)) }.is_err());
+        let semaphore = || {
+            let kind = vk::ExternalSemaphoreHandleTypeFlags::OPAQUE_FD;
+            let mut export = vk::ExportSemaphoreCreateInfo::default().handle_types(kind);
+            let info = vk::SemaphoreCreateInfo::default().push_next(&mut export);
+            // SAFETY: valid arguments.
+            unsafe {
+                let handle = engine.device.create_semaphore(&info, None).unwrap();
+                let get = khr::external_semaphore_fd::Device::new(engine.instance(), &engine.device);
+                let info = vk::SemaphoreGetFdInfoKHR::default().semaphore(handle).handle_type(kind);
+                (handle, OwnedFd::from_raw_fd(get.get_semaphore_fd(&info).unwrap()))
+            }
+        };
+        let (ready, done) = (semaphore(), semaphore());
+        let mut import_semaphore = |fd: &OwnedFd| -> SemaphoreId {
+            // SAFETY: a semaphore of the same driver.
+            unsafe { own.import_semaphore(Shared::OpaqueFd(fd.as_raw_fd())) }.unwrap()
+        };
+        let (wait, signal) = (import_semaphore(&ready.1), import_semaphore(&done.1));
+        let plan = Plan::everything(&set, 0, 0);
+        let exported = export(engine, plan.size, false);
+        let id = import(&mut own, &exported.def).unwrap();
+        let mut instance = folded(&set, 2, 4);
+        let mut target = own.device().add_target(&set, &plan.def(id)).unwrap();
+        let mut wanted = vec![POISON; exported.seen.words().len()];
+        for round in 0..3 {
+            let (signals, waits) = ([ready.0], [done.0]);
+            let stages = [vk::PipelineStageFlags::ALL_COMMANDS];
+            // SAFETY: valid arguments: the engine signals, Crumple waits and signals, the engine waits.
+            unsafe {
+                let first = vk::SubmitInfo::default().signal_semaphores(&signals);
+                engine.device.queue_submit(engine.queue, &[first], vk::Fence::null()).unwrap();
+                let jobs = &mut [RecordJob { instance: &instance, target: &mut target }];
+                own.submit(jobs, &[wait], &[signal]).unwrap();
+                let last = vk::SubmitInfo::default().wait_semaphores(&waits).wait_dst_stage_mask(&stages);
+                engine.device.queue_submit(engine.queue, &[last], vk::Fence::null()).unwrap();
+            }
+            // The engine's queue alone is waited for.
+            engine.wait();
+            plan.expect(&instance, &mut wanted);
+            same(exported.seen.words(), &wanted, &format!("round {round}"));
+            hit(&mut instance, 1, round);
+        }
+        drop(own);
+        // SAFETY: nothing uses them any more.
+        unsafe { [ready.0, done.0].iter().for_each(|s| engine.device.destroy_semaphore(*s, None)) };
+    });
+}
+
+#[test]
+fn what_is_no_memory_of_the_driver_is_refused() {
+    use ErrorKind::{BufferTooSmall, InvalidArgument, Unsupported};
+    on_each_device_with(&EXTENSIONS, |engine| {
+        let exported = export(engine, 4096, false);
+        let mut own = own(engine);
+        let good = exported.def;
+        let mut refused = |def: ImportDef, kind: ErrorKind, words: &[&str]| {
+            let error = import(&mut own, &def).unwrap_err();
+            let text = error.to_string();
+            assert!(error.kind() == kind && words.iter().all(|w| text.contains(w)), "{words:?}: {error:?} {text}");
+        };
+        let (reader, _writer) = std::io::pipe().unwrap();
+        let folder = std::fs::File::open("/").unwrap();
+        let mut small = tempfile::tempfile().unwrap();
+        std::io::Write::write_all(&mut small, b"not memory").unwrap();
+        let fd = |fd: i32| ImportDef { memory: Shared::OpaqueFd(fd), ..good };
+        refused(fd(-1), InvalidArgument, &["-1", "open file descriptor"]);
+        refused(fd(i32::MAX), InvalidArgument, &["open file descriptor"]);
+        refused(fd(reader.as_raw_fd()), InvalidArgument, &["pipe"]);
+        refused(fd(folder.as_raw_fd()), InvalidArgument, &["folder"]);
+        refused(fd(small.as_raw_fd()), InvalidArgument, &["a file of 10"]);
+        refused(ImportDef { memory: Shared::OpaqueWin32(4), ..good }, Unsupported, &["file descriptors"]);
+        refused(ImportDef { memory_type: 31, ..good }, InvalidArgument, &["memory type", "31"]);
+        refused(ImportDef { size: u64::MAX, ..good }, BufferTooSmall, &["imported memory"]);
+        refused(ImportDef { offset: good.memory_size, ..good }, BufferTooSmall, &["imported memory"]);
+        refused(ImportDef { offset: 1, ..good }, ErrorKind::Misaligned, &["offset"]);
+        refused(ImportDef { size: 0, ..good }, InvalidArgument, &["size"]);
+        let usage = vk::BufferUsageFlags::VERTEX_BUFFER;
+        refused(ImportDef { usage, ..good }, InvalidArgument, &["usage", "STORAGE_BUFFER"]);
+        // After all of that the real one does, and its descriptor is still the engine's.
+        import(&mut own, &good).unwrap();
+        assert!(exported.fd.try_clone().is_ok());
+
+        let get = engine.def().get_instance_proc_addr;
+        let def = OwnDeviceDef { device_uuid: Some([0xEE; 16]), ..OwnDeviceDef::new(get) };
+        // SAFETY: the system's loader.
+        let error = unsafe { OwnDevice::new(&def) }.unwrap_err();
+        let found: String = uuid(engine).iter().map(|b| format!("{b:02x}")).collect();
+        assert!(error.kind() == Unsupported && error.to_string().contains(&found), "{error}");
+        let def = OwnDeviceDef { workgroup_size: 7, ..OwnDeviceDef::new(get) };
+        // SAFETY: the system's loader.
+        assert_eq!(unsafe { OwnDevice::new(&def) }.unwrap_err().kind(), InvalidArgument);
+    });
+}
+
+/// The numbers of an import, from one process to another.
+const ACROSS: &str = "CRUMPLE_TEST_IMPORT";
+
+fn across() -> (Instance, Plan) {
+    let set = scenes::sheet_set();
+    let plan = Plan::everything(&set, 0, 8);
+    (folded(&set, 4, 5), plan)
+}
+
+#[test]
+fn another_process_writes_exported_memory() {
+    on_each_device_with(&EXTENSIONS, |engine| {
+        let (instance, plan) = across();
+        let exported = export(engine, plan.offset + plan.size + 8, false);
+        hand_over(engine, exported.seen.handle, false);
+        let ImportDef { memory_size, memory_type, offset, size, .. } = exported.def;
+        let uuid: String = uuid(engine).iter().map(|b| format!("{b:02x}")).collect();
+        let numbers = format!("{memory_size} {memory_type} {offset} {size} {uuid}");
+        let mut child = Command::new(std::env::current_exe().unwrap());
+        child.args(["--exact", "import::in_another_process", "--ignored", "--nocapture"]).env(ACROSS, numbers);
+        // Its own device is under validation too, which prints what it finds.
+        if engine.validated() {
+            child.env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation");
+            child.env("VK_LAYER_ENABLES", "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT");
+        }
+        let out = child.stdin(Stdio::from(exported.fd)).output().unwrap();
+        let text = String::from_utf8_lossy(&out.stdout) + String::from_utf8_lossy(&out.stderr);
+        assert!(out.status.success() && text.contains("1 passed") && !text.contains("VUID"), "{}: {text}", engine.name);
+        assert!(!text.contains("Validation Error") && !text.contains("SYNC-HAZARD"), "{text}");
+        hand_over(engine, exported.seen.handle, true);
+        let mut wanted = vec![POISON; exported.seen.words().len()];
+        plan.expect(&instance, &mut wanted);
+        same(exported.seen.words(), &wanted, "from another process");
+    });
+}
+
+#[test]
+#[ignore = "the other process of another_process_writes_exported_memory"]
+fn in_another_process() {
+    let Ok(numbers) = std::env::var(ACROSS) else { return };
+    let parts: Vec<&str> = numbers.split(' ').collect();
+    let number = |i: usize| parts[i].parse::<u64>().unwrap();
+    let byte = |i: usize| u8::from_str_radix(&parts[4][2 * i..2 * i + 2], 16).unwrap();
+    // SAFETY: the system's loader.
+    let entry = unsafe { ash::Entry::load() }.unwrap();
+    let def = OwnDeviceDef {
+        device_uuid: Some(std::array::from_fn(byte)),
+        ..OwnDeviceDef::new(entry.static_fn().get_instance_proc_addr)
+    };
+    // SAFETY: the system's loader.
+    let mut own = unsafe { OwnDevice::new(&def) }.unwrap();
+    let import_def = ImportDef {
+        // Standard input is how the descriptor came.
+        memory: Shared::OpaqueFd(0),
+        memory_size: number(0),
+        memory_type: number(1) as u32,
+        dedicated: false,
+        offset: number(2),
+        size: number(3),
+        usage: Seen::USAGE,
+    };
+    let id = import(&mut own, &import_def).unwrap();
+    let (instance, plan) = across();
+    let mut target = own.device().add_target(instance.example_set(), &plan.def(id)).unwrap();
+    let (frame, _) = own.submit(&mut [RecordJob { instance: &instance, target: &mut target }], &[], &[]).unwrap();
+    assert!(own.wait(frame, u64::MAX).unwrap());
+}
