@@ -9,7 +9,7 @@ use crumple::wgpu::wgpu::BufferUsages;
 use crumple::wgpu::{Device, DeviceDef, EncodeJob, VulkanDef};
 
 use crate::errors::refused;
-use crate::harness::{POISON, note_missing, required};
+use crate::harness::{POISON, note_missing, now_on, required};
 use crate::{Plan, folded, hit, same, scenes};
 
 /// An engine as small as can be.
@@ -212,7 +212,9 @@ fn on_each_engine(test: impl Fn(&Engine, &VulkanDef<'_>, &ash::Device)) {
     for physical in devices {
         // SAFETY: a valid device.
         let properties = unsafe { engine.instance.get_physical_device_properties(physical) };
-        seen.push(properties.device_name_as_c_str().unwrap().to_string_lossy().into_owned());
+        let name = properties.device_name_as_c_str().unwrap().to_string_lossy().into_owned();
+        now_on(&name);
+        seen.push(name);
         let def = engine.def(physical);
         // SAFETY: valid handles.
         let wanted = unsafe { def.wanted_extensions() }.unwrap();

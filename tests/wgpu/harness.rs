@@ -28,9 +28,24 @@ pub fn note_missing(seen: &[String]) {
 pub fn on_each_device(test: impl Fn(&Gpu)) {
     let names: Vec<String> = adapters(wgpu::Backends::VULKAN).into_iter().map(|a| a.name).collect();
     for name in &names {
+        now_on(name);
         test(&Gpu { name: name.clone() });
     }
     note_missing(&names);
+}
+
+thread_local! {
+    static EXACT: std::cell::Cell<bool> = const { std::cell::Cell::new(true) };
+}
+
+/// Notes which device this thread tests.
+pub fn now_on(name: &str) {
+    EXACT.set(DRIVERS.iter().any(|driver| name.starts_with(driver)));
+}
+
+/// Whether the device under test rounds as IEEE 754 says: the software drivers do.
+pub fn exact() -> bool {
+    EXACT.get()
 }
 
 /// One device, told by its name.
