@@ -12,7 +12,7 @@ static void unattached(void) {
     CrumpleVulkanBufferDef def = buffer_def(&vertices);
     CrumpleBuffer buffer;
     size_t size;
-    const char *why = "crumple_attach_vulkan() first";
+    const char *why = "no Vulkan device is attached; crumple_attach_vulkan()";
     const CrumpleResult invalid = CRUMPLE_ERROR_INVALID_ARGUMENT;
     FAILS(invalid, why, crumple_register_vulkan_buffer(context, body, &def, &buffer));
     FAILS(invalid, why, crumple_record_deform(context, &host, 1, NULL, 0, NULL));
