@@ -16,7 +16,7 @@ use crate::examples::{Combine, ExampleSet};
 use crate::few::Few;
 use crate::math::{Aabb, rotation_between};
 use crate::skin::Skin;
-use crate::stamp::WEIGHTS;
+use crate::stamp::{WEIGHTS, lift};
 use crate::{Mark, Pair};
 use glam::{Mat3, UVec2, Vec2, Vec3};
 
@@ -204,8 +204,7 @@ impl Carried {
         // Unrolling takes no point of the box further out than the steepest could be.
         let across = low.truncate().max(-high.truncate()).max(Vec2::ZERO).length_squared();
         let up = low.z.abs().max(high.z.abs());
-        let steep = up * up / across;
-        let lift = 1.0 + 0.5 * if steep < 2.0 { steep } else { 2.0 } + ROUNDING;
+        let lift = lift(up, across) + ROUNDING;
         let low = low.truncate().min(low.truncate() * lift) * self.per_cell - self.grid_origin;
         let high = high.truncate().max(high.truncate() * lift) * self.per_cell - self.grid_origin;
         high.cmpge(Vec2::ZERO).all() && low.cmple(self.grid_top).all()

@@ -29,9 +29,6 @@ const EXTENT: f32 = 1e-2;
 const FADE: f32 = 0.2;
 /// Nodes along the longest side of the coarsest grid.
 const COARSEST: u32 = 4;
-/// The greatest of what [`unrolled`] adds to 1, and the tangent (squared) of the steepness where it gets there.
-const LIFT: (f32, f32) = (1.0, 2.0);
-
 /// Displacement x, y, z; height; change of the unit normal x, y, z; z of the base normal.
 pub(crate) type Node = [i16; 8];
 /// What the four weights of a bilinear mean sum to.
@@ -88,13 +85,16 @@ pub(crate) struct Grid {
     pub cell: Vec2,
 }
 
+/// What unrolling multiplies x and y with at height `up` above or below the contact, `across` (squared) beside it.
+pub(crate) fn lift(up: f32, across: f32) -> f32 {
+    // Not a number where both are 0, which is then no less than 2.
+    let steep = up * up / across;
+    1.0 + 0.5 * if steep < 2.0 { steep } else { 2.0 }
+}
+
 /// A point of the contact frame on the plane. A point right above or below the contact is at its place.
 pub(crate) fn unrolled(p: Vec3) -> Vec2 {
-    let across = p.x * p.x + p.y * p.y;
-    // Not a number where both are 0, which is then no less than 2.
-    let steep = p.z * p.z / across;
-    let steep = if steep < LIFT.1 { steep } else { LIFT.1 };
-    let scale = 1.0 + steep * (LIFT.0 / LIFT.1);
+    let scale = lift(p.z, p.x * p.x + p.y * p.y);
     Vec2::new(p.x * scale, p.y * scale)
 }
 
@@ -365,12 +365,12 @@ impl Source<'_> {
         };
         let mut z = guess;
         for _ in 0..3 {
-            let (Some(a), limit) = (surface(z), fade) else { return z };
+            let Some(a) = surface(z) else { return z };
             let Some(b) = surface(a) else { return a };
             // Each step leaves the same share of the error (Aitken's extrapolation).
             let (first, second) = (a - z, b - a);
             let further = second * second / (first - second);
-            z = if further.abs() <= limit && first * second > 0.0 { b + further } else { b };
+            z = if further.abs() <= fade && first * second > 0.0 { b + further } else { b };
         }
         z
     }

@@ -46,6 +46,7 @@ pub fn on_each_device_with(extensions: &[&CStr], test: impl Fn(&Engine)) {
         let name = properties.device_name_as_c_str().unwrap().to_string_lossy().into_owned();
         seen.push(name.clone());
         let engine = Engine::new(&entry, &instance, physical, name.clone(), extensions);
+        EXACT.set(DRIVERS.iter().any(|driver| name.starts_with(driver)));
         test(&engine);
         drop(engine);
         let messages = std::mem::take(&mut *instance.messages.lock().unwrap());
@@ -57,6 +58,15 @@ pub fn on_each_device_with(extensions: &[&CStr], test: impl Fn(&Engine)) {
             eprintln!("left out: there is no {driver}, only {seen:?}");
         }
     }
+}
+
+thread_local! {
+    static EXACT: std::cell::Cell<bool> = const { std::cell::Cell::new(true) };
+}
+
+/// Whether the device under test rounds as IEEE 754 says: the software drivers do.
+pub fn exact() -> bool {
+    EXACT.get()
 }
 
 struct Instance {

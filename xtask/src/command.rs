@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use xshell::cmd;
 
-use crate::workspace::Workspace;
+use crate::install::Profile;
+use crate::workspace::{TESTED, Workspace};
 
 pub struct Command<'a> {
     workspace: &'a Workspace,
@@ -13,11 +14,13 @@ pub struct Command<'a> {
 }
 
 impl<'a> Command<'a> {
-    pub fn build(workspace: &'a Workspace) -> Result<Self> {
-        let what = ["build", "--release", "--package", "crumple", "--bin", "crumple", "--features", "cli"];
-        workspace.cargo(&what).run()?;
-        let program = workspace.target.join("release").join("crumple").with_extension(std::env::consts::EXE_EXTENSION);
-        Ok(Self { workspace, program })
+    /// A debug build is the one that the tests use.
+    pub fn build(workspace: &'a Workspace, profile: Profile) -> Result<Self> {
+        let release = ["--package", "crumple", "--features", "cli"];
+        let what = if profile == Profile::Debug { TESTED } else { &release };
+        workspace.cargo(&["build", "--bin", "crumple"]).args(what).args(profile.flags()).run()?;
+        let program = workspace.target.join(profile.directory()).join("crumple");
+        Ok(Self { workspace, program: program.with_extension(std::env::consts::EXE_EXTENSION) })
     }
 
     pub fn info(&self, file: &Path) -> Result<String> {

@@ -7,6 +7,7 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 
 use crate::command::Command;
+use crate::install::Profile;
 use crate::stage::Outcome;
 use crate::workspace::Workspace;
 
@@ -15,13 +16,16 @@ const BODIES: &[&str] = &["hood", "drum"];
 
 pub fn run(workspace: &Workspace, out: &Path) -> Result<()> {
     println!("Building the `crumple` command; the first time takes a few minutes.");
-    let command = Command::build(workspace)?;
+    show(workspace, &Command::build(workspace, Profile::Release)?, out)
+}
+
+fn show(workspace: &Workspace, command: &Command<'_>, out: &Path) -> Result<()> {
     println!("\nA few hits each on a hood and a drum; their examples are dents that a physics solver computed.");
     for body in BODIES {
         let start = Instant::now();
         let out = workspace.path(out).join(body);
         println!("\n{body}:");
-        dent(workspace, &command, body, &out)?;
+        dent(workspace, command, body, &out)?;
         println!("  {:.1} s with reading, writing and pictures", start.elapsed().as_secs_f64());
         println!("  Look at {} and dented.glb beside it.", out.join("before_after.png").display());
         println!("  The hits are in assets/demo/{body}.json, what each became in report.txt.");
@@ -32,7 +36,7 @@ pub fn run(workspace: &Workspace, out: &Path) -> Result<()> {
 /// The demo as a test: it runs, and leaves what it promises.
 pub fn check(workspace: &Workspace) -> Result<Outcome> {
     let out = workspace.target.join("demo");
-    run(workspace, &out)?;
+    show(workspace, &Command::build(workspace, Profile::Debug)?, &out)?;
     for body in BODIES {
         for file in ["base.png", "after.png", "heat.png", "before_after.png", "dented.glb", "report.txt"] {
             let path = out.join(body).join(file);

@@ -16,7 +16,7 @@ use object::Endianness;
 use object::elf::{DT_SONAME, FileHeader64};
 use object::read::elf::FileHeader;
 
-use crate::workspace::Workspace;
+use crate::workspace::{TESTED, Workspace};
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Profile {
@@ -26,14 +26,14 @@ pub enum Profile {
 
 impl Profile {
     /// Name of Cargo's output directory.
-    fn directory(self) -> &'static str {
+    pub fn directory(self) -> &'static str {
         match self {
             Self::Debug => "debug",
             Self::Release => "release",
         }
     }
 
-    fn flags(self) -> &'static [&'static str] {
+    pub fn flags(self) -> &'static [&'static str] {
         match self {
             Self::Debug => &[],
             Self::Release => &["--release"],
@@ -52,10 +52,12 @@ pub struct Built {
     static_needs: Vec<String>,
 }
 
-/// Builds the library that C programs get: the default features and the host's allocator.
+/// Builds the library that C programs get: the default features and the host's allocator. A debug build is the one that the
+/// tests use, which has all features.
 pub fn build(workspace: &Workspace, profile: Profile) -> Result<Built> {
-    let features = ["--package", "crumple", "--lib", "--features", "host-allocator"];
-    workspace.cargo(&["build"]).args(features).args(profile.flags()).run()?;
+    let release = ["--package", "crumple", "--features", "host-allocator"];
+    let what = if profile == Profile::Debug { TESTED } else { &release };
+    workspace.cargo(&["build", "--lib"]).args(what).args(profile.flags()).run()?;
     let directory = workspace.target.join(profile.directory());
     let (shared, import, static_library) = if cfg!(windows) {
         ("crumple.dll", Some("crumple.dll.lib"), "crumple.lib")

@@ -7,6 +7,7 @@ use anyhow::Result;
 use xshell::cmd;
 
 use crate::command::Command;
+use crate::install::Profile;
 use crate::stage::Outcome;
 use crate::workspace::{Workspace, empty_directory};
 
@@ -58,12 +59,12 @@ pub fn gltf_validator(workspace: &Workspace) -> Result<Outcome> {
 }
 
 fn exporter_tests(workspace: &Workspace) -> Result<()> {
-    Ok(workspace.cargo(&["test", "--package", "crumple", "--all-features", "--test", "export_gltf"]).run()?)
+    Ok(workspace.tests(&["--test", "export_gltf"]).run()?)
 }
 
 /// A body that the command has dented.
 fn dented(workspace: &Workspace) -> Result<PathBuf> {
-    let command = Command::build(workspace)?;
+    let command = Command::build(workspace, Profile::Debug)?;
     let directory = workspace.target.join("dented");
     empty_directory(&directory)?;
     let (body, impacts, dented) =

@@ -42,11 +42,10 @@ pub fn rust(workspace: &Workspace) -> Result<Outcome> {
     let host = version.lines().find_map(|line| line.strip_prefix("host: ")).context("rustc -vV names its host")?;
     let runner = format!("CARGO_TARGET_{}_RUNNER", host.to_uppercase().replace('-', "_"));
     let tests = |programs: &[&str], names: &[&str]| -> Result<()> {
-        let cargo = workspace.cargo(&["test", "--package", "crumple", "--all-features"]);
         // Valgrind runs out of room on gathers as a test build has them; the C programs run those of a release build.
-        let cargo = cargo.env("CRUMPLE_SIMD", "portable");
+        let cargo = workspace.tests(programs).env("CRUMPLE_SIMD", "portable");
         let cargo = cargo.env(&runner, run.command.join(" ")).env("PROPTEST_CASES", "2");
-        Ok(cargo.args(programs).args(["--"]).args(names).run()?)
+        Ok(cargo.args(["--"]).args(names).run()?)
     };
     let both = tests(WHOLE, &[]).and_then(|()| tests(IN_PART, &["quick_"]));
     run.judge(both)

@@ -31,8 +31,8 @@ impl Drivers {
 
 pub fn run(workspace: &Workspace) -> Result<Outcome> {
     let drivers = drivers(workspace)?;
-    let tests = workspace.cargo(&["test", "--package", "crumple", "--all-features", "--test", "vulkan"]);
-    let tests = tests.env("VK_DRIVER_FILES", std::env::join_paths(&drivers.manifests)?);
+    let tests =
+        workspace.tests(&["--test", "vulkan"]).env("VK_DRIVER_FILES", std::env::join_paths(&drivers.manifests)?);
     // With one of them missing the tests would say so and fail.
     let required = if drivers.left_out.is_none() { "1" } else { "0" };
     tests.env("CRUMPLE_REQUIRE_GPU", required).run()?;

@@ -5,6 +5,11 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use xshell::{Shell, cmd};
 
+/// What is built for tests, by every stage alike, so that it is built once: Cargo makes another library for each choice of
+/// packages and features. The lab is without the engines it compares with: they take longer to build than all the rest.
+pub const TESTED: &[&str] =
+    &["--package", "crumple", "--package", "crumple-lab", "--features", "crumple/cli,crumple/host-allocator"];
+
 pub struct Workspace {
     pub root: PathBuf,
     /// Cargo's target directory, which `CARGO_TARGET_DIR` may have moved.
@@ -32,6 +37,11 @@ impl Workspace {
     /// `cargo`, which rustup keeps to the toolchain that runs this program.
     pub fn cargo(&self, arguments: &[&str]) -> xshell::Cmd<'_> {
         cmd!(self.shell, "cargo {arguments...}")
+    }
+
+    /// `cargo test` of the Rust code, or of what `arguments` choose of it.
+    pub fn tests(&self, arguments: &[&str]) -> xshell::Cmd<'_> {
+        self.cargo(&["test"]).args(TESTED).args(arguments)
     }
 
     /// `path` as seen from the repository's root: absolute, or joined to the root.
