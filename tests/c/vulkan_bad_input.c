@@ -40,12 +40,15 @@ static void devices(void) {
     const CrumpleResult null = CRUMPLE_ERROR_NULL_POINTER, invalid = CRUMPLE_ERROR_INVALID_ARGUMENT;
     const CrumpleVulkanDef good = vulkan_def(&host);
     CrumpleVulkanDef def = crumple_default_vulkan_def();
+    FAILS(null, "def.", crumple_attach_vulkan(context, &def));
+    def = good;
 #define REFUSED(result, part)                                                                                          \
     do {                                                                                                               \
         FAILS(result, part, crumple_attach_vulkan(context, &def));                                                     \
         def = good;                                                                                                    \
     } while (0)
-    REFUSED(null, "get_instance_proc_addr");
+    def.get_instance_proc_addr = NULL;
+    REFUSED(null, "def.get_instance_proc_addr");
     FAILS(null, "context", crumple_attach_vulkan(NULL, &good));
     FAILS(null, "def", crumple_attach_vulkan(context, NULL));
     def.instance = NULL;
