@@ -118,9 +118,9 @@ static void buffers(void) {
     def.usage = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
     REFUSED(invalid, "STORAGE_BUFFER");
     def.before_stages = 0;
-    REFUSED(invalid, "before.stages");
+    REFUSED(invalid, "stages before");
     def.after_stages = 0;
-    REFUSED(invalid, "after.stages");
+    REFUSED(invalid, "stages after");
     def.lod = 3;
     REFUSED(CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, "3");
 
