@@ -89,7 +89,7 @@ const STAGES: &[Stage] = &[
     },
     Stage {
         name: "vulkan",
-        shows: "what is recorded into Vulkan command buffers, on lavapipe and SwiftShader, under validation",
+        shows: "what is recorded into Vulkan command buffers, and deformed through wgpu, on lavapipe and SwiftShader, under validation",
         needs: &[Tool::Vulkan],
         wants: &[],
         closing: false,

@@ -1,5 +1,5 @@
-//! The Vulkan tests on two software drivers under validation: Mesa's lavapipe, which Debian packages, and SwiftShader, which it
-//! packages inside Chromium.
+//! The tests of Vulkan and of wgpu on two software drivers under validation: Mesa's lavapipe, which Debian packages, and
+//! SwiftShader, which it packages inside Chromium.
 
 use std::fs;
 use std::path::PathBuf;
@@ -31,8 +31,9 @@ impl Drivers {
 
 pub fn run(workspace: &Workspace) -> Result<Outcome> {
     let drivers = drivers(workspace)?;
-    let tests =
-        workspace.tests(&["--test", "vulkan"]).env("VK_DRIVER_FILES", std::env::join_paths(&drivers.manifests)?);
+    let tests = workspace
+        .tests(&["--test", "vulkan", "--test", "wgpu"])
+        .env("VK_DRIVER_FILES", std::env::join_paths(&drivers.manifests)?);
     // With one of them missing the tests would say so and fail.
     let required = if drivers.left_out.is_none() { "1" } else { "0" };
     tests.env("CRUMPLE_REQUIRE_GPU", required).run()?;

@@ -7,8 +7,14 @@ use xshell::{Shell, cmd};
 
 /// What is built for tests, by every stage alike, so that it is built once: Cargo makes another library for each choice of
 /// packages and features. The lab is without the engines it compares with: they take longer to build than all the rest.
-pub const TESTED: &[&str] =
-    &["--package", "crumple", "--package", "crumple-lab", "--features", "crumple/cli,crumple/host-allocator"];
+pub const TESTED: &[&str] = &[
+    "--package",
+    "crumple",
+    "--package",
+    "crumple-lab",
+    "--features",
+    "crumple/cli,crumple/host-allocator,crumple/wgpu",
+];
 
 pub struct Workspace {
     pub root: PathBuf,
