@@ -12,7 +12,7 @@ static void unattached(void) {
     CrumpleVulkanBufferDef def = buffer_def(&vertices);
     CrumpleBuffer buffer;
     size_t size;
-    const char *why = "crumple_attach_vulkan() first";
+    const char *why = "no Vulkan device is attached; crumple_attach_vulkan()";
     const CrumpleResult invalid = CRUMPLE_ERROR_INVALID_ARGUMENT;
     FAILS(invalid, why, crumple_register_vulkan_buffer(context, body, &def, &buffer));
     FAILS(invalid, why, crumple_record_deform(context, &host, 1, NULL, 0, NULL));
@@ -40,12 +40,15 @@ static void devices(void) {
     const CrumpleResult null = CRUMPLE_ERROR_NULL_POINTER, invalid = CRUMPLE_ERROR_INVALID_ARGUMENT;
     const CrumpleVulkanDef good = vulkan_def(&host);
     CrumpleVulkanDef def = crumple_default_vulkan_def();
+    FAILS(null, "def.", crumple_attach_vulkan(context, &def));
+    def = good;
 #define REFUSED(result, part)                                                                                          \
     do {                                                                                                               \
         FAILS(result, part, crumple_attach_vulkan(context, &def));                                                     \
         def = good;                                                                                                    \
     } while (0)
-    REFUSED(null, "get_instance_proc_addr");
+    def.get_instance_proc_addr = NULL;
+    REFUSED(null, "def.get_instance_proc_addr");
     FAILS(null, "context", crumple_attach_vulkan(NULL, &good));
     FAILS(null, "def", crumple_attach_vulkan(context, NULL));
     def.instance = NULL;
@@ -115,9 +118,9 @@ static void buffers(void) {
     def.usage = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
     REFUSED(invalid, "STORAGE_BUFFER");
     def.before_stages = 0;
-    REFUSED(invalid, "before.stages");
+    REFUSED(invalid, "stages before");
     def.after_stages = 0;
-    REFUSED(invalid, "after.stages");
+    REFUSED(invalid, "stages after");
     def.lod = 3;
     REFUSED(CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, "3");
 

@@ -84,7 +84,7 @@ static CrumpleVulkanDef vulkan_def(const Host *host) {
 
 static Sheet sheet;
 
-static HostBuffer make_vertices(const Host *host) {
+static inline HostBuffer make_vertices(const Host *host) {
     HostBuffer vertices = host_buffer(host, GUARD + RANGE + GUARD, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, true);
     memset(vertices.data, 0xAB, (size_t)vertices.size);
     return vertices;
@@ -138,7 +138,7 @@ static void expect_vertices(const Host *host, const HostBuffer *vertices, Crumpl
 }
 
 // Records one frame, and waits until the device has done it.
-static CrumpleRecordReport run_frame(const Host *host, CrumpleContext *context, uint64_t frame) {
+static inline CrumpleRecordReport run_frame(const Host *host, CrumpleContext *context, uint64_t frame) {
     CrumpleRecordReport report;
     VkCommandBuffer commands = host_begin(host);
     OK(crumple_record_deform(context, commands, frame, NULL, 0, &report));

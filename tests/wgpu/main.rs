@@ -3,6 +3,7 @@
 
 #[cfg(any(windows, target_os = "linux", target_os = "android", target_os = "freebsd"))]
 mod adopted;
+mod command;
 mod errors;
 mod frames;
 mod harness;

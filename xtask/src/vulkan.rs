@@ -2,7 +2,7 @@
 //! SwiftShader, which it packages inside Chromium.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use xshell::cmd;
