@@ -1,10 +1,10 @@
 //! Link arguments of the shared C library: its name for the loader, and that it stays loaded, since its threads may still be
-//! ending when a host unloads it. With the feature `vulkan`, the kernels in `src/gpu` as SPIR-V too.
+//! ending when a host unloads it. With the feature `vulkan` or `wgpu`, the kernels in `src/gpu` as SPIR-V too.
 
-#[cfg(feature = "vulkan")]
+#[cfg(feature = "gpu")]
 #[path = "build/kernels.rs"]
 mod kernels;
-#[cfg(feature = "vulkan")]
+#[cfg(feature = "gpu")]
 #[path = "build/spirv.rs"]
 mod spirv;
 
@@ -18,6 +18,6 @@ fn main() {
         println!("cargo::rustc-cdylib-link-arg=-Wl,-soname,libcrumple.so.{version}");
         println!("cargo::rustc-cdylib-link-arg=-Wl,-z,nodelete");
     }
-    #[cfg(feature = "vulkan")]
+    #[cfg(feature = "gpu")]
     kernels::build();
 }

@@ -1,4 +1,6 @@
-//! The kernels: WGSL in `src/gpu`, SPIR-V for Vulkan 1.1 in `OUT_DIR`.
+//! The kernels: WGSL in `src/gpu`, SPIR-V for Vulkan 1.1 in `OUT_DIR`. What differs from dispatch to dispatch goes by immediates
+//! (push constants) where the host records, and by a uniform buffer through wgpu, which has immediates on some devices only; for
+//! devices of wgpu that take no SPIR-V the sources with that are there too.
 
 use crate::spirv;
 use naga::back::pipeline_constants::process_overrides;
@@ -17,24 +19,36 @@ const KERNELS: &[(&str, &str, &[&str])] = &[
     ("classic_tangents", "classic", &["NORMALS", "TANGENTS"]),
 ];
 
+const IMMEDIATE: &str = "var<immediate> call: Call;";
+const UNIFORM: &str = "@group(0) @binding(2) var<uniform> call: Call;";
+
 pub fn build() {
     println!("cargo::rerun-if-changed=src/gpu");
     let out = env::var_os("OUT_DIR").expect("cargo sets OUT_DIR");
+    let write = |name: String, bytes: &[u8]| {
+        let path = Path::new(&out).join(name);
+        fs::write(&path, bytes).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    };
     let read = |name: &str| {
         let path = format!("src/gpu/{name}.wgsl");
         fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"))
     };
     let common = read("common");
+    assert!(common.contains(IMMEDIATE), "src/gpu/common.wgsl does not declare: {IMMEDIATE}");
     for (name, source, on) in KERNELS {
         let text = common.clone() + &read(source);
-        let words = compile(&text, on);
-        let bytes: Vec<u8> = words.iter().flat_map(|w| w.to_le_bytes()).collect();
-        let path = Path::new(&out).join(format!("{name}.spv"));
-        fs::write(&path, bytes).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        if cfg!(feature = "vulkan") {
+            write(format!("{name}.spv"), &compile(&text, on));
+        }
+        if cfg!(feature = "wgpu") {
+            let text = text.replacen(IMMEDIATE, UNIFORM, 1);
+            write(format!("{name}_uniform.spv"), &compile(&text, on));
+            write(format!("{source}_uniform.wgsl"), text.as_bytes());
+        }
     }
 }
 
-fn compile(text: &str, on: &[&str]) -> Vec<u32> {
+fn compile(text: &str, on: &[&str]) -> Vec<u8> {
     let module = naga::front::wgsl::parse_str(text).unwrap_or_else(|e| panic!("{}", e.emit_to_string(text)));
     let info = Validator::new(ValidationFlags::all(), Capabilities::IMMEDIATES)
         .validate(&module)
@@ -56,5 +70,6 @@ fn compile(text: &str, on: &[&str]) -> Vec<u32> {
     };
     let pipeline = spv::PipelineOptions { shader_stage: entry.0, entry_point: entry.1.into() };
     let words = spv::write_vec(&module, &info, &options, Some(&pipeline)).expect("SPIR-V is written");
-    spirv::without_contraction(&spirv::with_folded_chains(&words))
+    let words = spirv::without_contraction(&spirv::with_folded_chains(&words));
+    words.iter().flat_map(|w| w.to_le_bytes()).collect()
 }

@@ -877,12 +877,12 @@ typedef struct {
     /// changed, and the release and acquire of that other queue are yours. Default VK_QUEUE_FAMILY_IGNORED: that of the
     /// device owns it, or it is shared (VK_SHARING_MODE_CONCURRENT).
     uint32_t queue_family;
-    /// The VkPipelineStageFlags in which you used the VkBuffer last before a recording; not 0. Default
-    /// VK_PIPELINE_STAGE_VERTEX_INPUT_BIT.
+    /// The VkPipelineStageFlags in which you used the VkBuffer last before a recording, anything in it, since barriers are of
+    /// the whole: indices, copies into it, read-backs; not 0. Default VK_PIPELINE_STAGE_VERTEX_INPUT_BIT.
     uint32_t before_stages;
     /// The VkAccessFlags of that use. Default VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT.
     uint32_t before_access;
-    /// The VkPipelineStageFlags in which you use it next; not 0. Default VK_PIPELINE_STAGE_VERTEX_INPUT_BIT.
+    /// The VkPipelineStageFlags in which you use it next, anything in it; not 0. Default VK_PIPELINE_STAGE_VERTEX_INPUT_BIT.
     uint32_t after_stages;
     /// The VkAccessFlags of that use. Default VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT.
     uint32_t after_access;

@@ -58,7 +58,7 @@ pub(crate) struct State {
 
 /// A hit as it was applied.
 #[derive(Debug, Clone, Copy)]
-#[cfg_attr(not(feature = "vulkan"), expect(dead_code, reason = "for who keeps the state elsewhere"))]
+#[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "for who keeps the state elsewhere"))]
 pub(crate) struct Applied {
     epoch: u64,
     pub example: u32,
@@ -88,7 +88,7 @@ impl State {
     }
 
     /// The hits that were applied after an epoch; `None` where that is too long ago, or anything else happened since.
-    #[cfg(feature = "vulkan")]
+    #[cfg(feature = "gpu")]
     pub(crate) fn applied_since(&self, epoch: u64) -> Option<&[Applied]> {
         (epoch >= self.known_since).then(|| &self.journal[self.journal.partition_point(|a| a.epoch <= epoch)..])
     }

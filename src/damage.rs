@@ -179,7 +179,7 @@ impl Damage {
     }
 
     /// All dents in order, and where each may move anything.
-    #[cfg(feature = "vulkan")]
+    #[cfg(feature = "gpu")]
     pub(crate) fn reached(&self) -> impl Iterator<Item = (&Dent, &Reach)> {
         self.dents.iter().zip(&self.reaches)
     }

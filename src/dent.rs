@@ -137,7 +137,7 @@ pub(crate) struct Reach {
     pub square: f32,
 }
 
-#[cfg(feature = "vulkan")]
+#[cfg(feature = "gpu")]
 impl Reach {
     /// The part of a box that holds everything within reach.
     pub(crate) fn bounds(&self, within: &Aabb) -> Aabb {

@@ -185,10 +185,18 @@ pub enum Error {
         /// What it returned.
         result: String,
     },
+    /// A call of wgpu failed.
+    #[error("{call}: wgpu says: {what}")]
+    Wgpu {
+        /// What was called.
+        call: String,
+        /// What it said.
+        what: String,
+    },
     /// The graphics device is lost. Damage is not: register the same instances with a new device.
     #[error("{call} says that the device is lost; damage is not: make another device and register its buffers there")]
     DeviceLost {
-        /// The Vulkan function that said so.
+        /// The function that said so.
         call: String,
     },
 }
@@ -211,7 +219,7 @@ impl Error {
             Error::DamageMismatch { .. } => ErrorKind::DamageMismatch,
             Error::OutOfMemory { .. } => ErrorKind::OutOfMemory,
             Error::WrongRule { .. } => ErrorKind::WrongRule,
-            Error::Vulkan { .. } => ErrorKind::Vulkan,
+            Error::Vulkan { .. } | Error::Wgpu { .. } => ErrorKind::Vulkan,
             Error::DeviceLost { .. } => ErrorKind::DeviceLost,
         }
     }

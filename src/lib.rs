@@ -17,7 +17,7 @@
 //! Damage is the short list of marks: read it, save it, send it, repair it. Vertices are a pure function of it.
 //!
 //! # Features
-//! `gltf` and `obj` (default) read those formats; `vulkan` (default) records deformation into the host's command buffers; `cli` builds the `crumple` command; `host-allocator` lets the C
+//! `gltf` and `obj` (default) read those formats; `vulkan` (default) records deformation into the host's command buffers; `wgpu` deforms on `wgpu` devices; `cli` builds the `crumple` command; `host-allocator` lets the C
 //! interface's host provide memory.
 #![deny(missing_docs)]
 
@@ -37,7 +37,7 @@ mod examples;
 pub mod export;
 mod few;
 mod format;
-#[cfg(feature = "vulkan")]
+#[cfg(feature = "gpu")]
 mod gpu;
 mod images;
 #[cfg(any(feature = "gltf", feature = "obj"))]
@@ -61,6 +61,8 @@ mod tolerance;
 #[cfg(feature = "vulkan")]
 pub mod vulkan;
 mod weights;
+#[cfg(feature = "wgpu")]
+pub mod wgpu;
 
 pub use attach::{Attachment, Frame};
 pub use damage::{Mark, Pair};

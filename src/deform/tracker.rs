@@ -73,13 +73,13 @@ impl Tracker {
     }
 
     /// Notes that nothing is written.
-    #[cfg(feature = "vulkan")]
+    #[cfg(feature = "gpu")]
     pub(crate) fn unchanged(&mut self) {
         self.changed.clear();
     }
 
     /// Notes that all dirty blocks will be written elsewhere than on the CPU, and all vertices then lie in a box.
-    #[cfg(feature = "vulkan")]
+    #[cfg(feature = "gpu")]
     pub(crate) fn recorded(&mut self, (instance, lod, vertices): (&Instance, usize, usize), bounds: Aabb) {
         let mut changed = std::mem::take(&mut self.changed);
         changed.clear();

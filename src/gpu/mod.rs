@@ -5,11 +5,13 @@
 mod format;
 mod frame;
 mod skin;
+mod spirv;
 
 pub use format::{Attribute, Encoding, encode};
 pub(crate) use format::{Layout, Stream};
 pub(crate) use frame::{BLOCK_WORDS, Frame, Offsets, Shown};
 pub(crate) use skin::{Place, SkinWords, StampWords};
+pub(crate) use spirv::with_workgroup;
 
 /// Of nothing, where a word offset is expected.
 const NONE: u32 = u32::MAX;

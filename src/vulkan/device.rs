@@ -173,7 +173,8 @@ impl Device {
     /// Says that the device is done with `frame` and all before it: everything that was submitted for them has completed.
     /// What they used is used again or freed, and what belonged to sets that no target shows any more. Cheap; once a frame.
     pub fn completed(&mut self, frame: u64) {
-        self.completed = self.completed.max(frame);
+        // Frames that nothing was recorded for may be told of as well.
+        self.completed = self.completed.max(frame.min(self.recorded));
         self.drop_states();
         let (gpu, done) = (&self.gpu, self.completed);
         self.arena.completed(gpu, done, |chunk| {

@@ -217,7 +217,7 @@ impl Device {
             let value = format!("{:?}", def.usage);
             return Err(Error::invalid("the buffer's usage", value, "with STORAGE_BUFFER among its flags"));
         }
-        for (name, access) in [("before.stages", def.before), ("after.stages", def.after)] {
+        for (name, access) in [("the stages before", def.before), ("the stages after", def.after)] {
             if access.stages.is_empty() {
                 return Err(Error::invalid(
                     name,

@@ -3,6 +3,7 @@
 use super::device::Gpu;
 use super::functions::{Functions, checked};
 use crate::Error;
+use crate::gpu::with_workgroup;
 use ash::vk::{self, Handle};
 use std::ptr::{null, null_mut};
 
@@ -196,18 +197,4 @@ impl Gpu {
             k.set_layouts.iter().for_each(|l| (f.destroy_set_layout)(device, *l, null()));
         }
     }
-}
-
-/// The words of a module, with so many invocations a workgroup: kernels ask for no number of their own.
-fn with_workgroup(module: &[u8], invocations: u32) -> Vec<u32> {
-    const HEADER: usize = 5;
-    const EXECUTION_MODE: u32 = 16;
-    let mut words: Vec<u32> = module.chunks_exact(4).map(|w| u32::from_le_bytes([w[0], w[1], w[2], w[3]])).collect();
-    let mut at = HEADER;
-    while words[at] & 0xFFFF != EXECUTION_MODE {
-        at += (words[at] >> 16) as usize;
-    }
-    // LocalSize: entry point, mode, x, y, z.
-    words[at + 3] = invocations;
-    words
 }

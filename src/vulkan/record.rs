@@ -113,7 +113,7 @@ impl Device {
             return Err(Error::invalid("frame", frame, &expected));
         }
         let mut scratch = std::mem::take(&mut self.scratch);
-        let recorded = self.prepare(&mut scratch, jobs).and_then(|mut report| {
+        let mut recorded = self.prepare(&mut scratch, jobs).and_then(|mut report| {
             if report.blocks_written > 0 {
                 let (slot, offsets) = self.fill(&scratch)?;
                 self.commands(&mut scratch, (commands, frame), (slot, offsets), jobs, &mut report)?;
@@ -122,8 +122,8 @@ impl Device {
             }
             Ok(report)
         });
-        if recorded.is_ok() {
-            written(&scratch, jobs, frame);
+        if let Ok(report) = &mut recorded {
+            report.vertices_written = written(&scratch, jobs, frame);
         }
         self.scratch = scratch;
         recorded
@@ -370,8 +370,9 @@ fn transfers(
     Ok((from, to))
 }
 
-/// Notes what each target will hold.
-fn written(s: &Scratch, jobs: &mut [RecordJob<'_>], frame: u64) {
+/// Notes what each target will hold; answers how many vertices are written.
+fn written(s: &Scratch, jobs: &mut [RecordJob<'_>], frame: u64) -> u64 {
+    let mut vertices = 0;
     for job in jobs.iter_mut() {
         job.target.tracker.unchanged();
     }
@@ -381,7 +382,9 @@ fn written(s: &Scratch, jobs: &mut [RecordJob<'_>], frame: u64) {
         target.tracker.recorded((instance, target.lod, skin.vertex_count()), *bounds);
         target.home.used.fetch_max(frame, Ordering::Relaxed);
         target.written_in = frame;
+        vertices += target.changed().iter().map(|r| u64::from(r.end - r.start)).sum::<u64>();
     }
+    vertices
 }
 
 fn barrier(

@@ -59,8 +59,8 @@ fn buffers_that_will_not_do_are_refused() {
         refused(add(BufferDef { usage, ..good }), InvalidArgument, &["usage", "VERTEX_BUFFER", "STORAGE_BUFFER"]);
         let mut none = good.before;
         none.stages = vk::PipelineStageFlags::empty();
-        refused(add(BufferDef { before: none, ..good }), InvalidArgument, &["before.stages"]);
-        refused(add(BufferDef { after: none, ..good }), InvalidArgument, &["after.stages"]);
+        refused(add(BufferDef { before: none, ..good }), InvalidArgument, &["the stages before"]);
+        refused(add(BufferDef { after: none, ..good }), InvalidArgument, &["the stages after"]);
         let id = add(good).unwrap();
         crumple.remove_buffer(id).unwrap();
         refused(crumple.remove_buffer(id), InvalidArgument, &["buffer", "generation 1"]);

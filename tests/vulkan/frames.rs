@@ -37,6 +37,13 @@ fn many_instances_in_one_buffer_are_one_dispatch() {
             // SAFETY: the command buffer is recording.
             let report = engine.run(|c| unsafe { crumple.record(c, frame, &mut jobs) }).unwrap();
             assert_eq!(report.dispatches, 1);
+            let changed = targets.iter().flat_map(|t| t.changed()).map(|r| u64::from(r.end - r.start));
+            assert_eq!(report.vertices_written, changed.sum::<u64>());
+            assert!(
+                frame > 1
+                    || report.vertices_written
+                        == instances.iter().map(|i| i.example_set().vertex_count() as u64).sum::<u64>()
+            );
             crumple.completed(frame);
             instances.iter().zip(&plans).for_each(|(i, p)| p.expect(i, &mut wanted));
             same(seen.words(), &wanted, &format!("frame {frame}"));

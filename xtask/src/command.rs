@@ -11,16 +11,19 @@ use crate::workspace::{TESTED, Workspace};
 pub struct Command<'a> {
     workspace: &'a Workspace,
     program: PathBuf,
+    /// Deforms on the GPU, one whose name holds this.
+    gpu: Option<String>,
 }
 
 impl<'a> Command<'a> {
-    /// A debug build is the one that the tests use.
-    pub fn build(workspace: &'a Workspace, profile: Profile) -> Result<Self> {
-        let release = ["--package", "crumple", "--features", "cli"];
+    /// A debug build is the one that the tests use. Other builds are without the GPU unless it is wanted.
+    pub fn build(workspace: &'a Workspace, profile: Profile, gpu: Option<&str>) -> Result<Self> {
+        let release = ["--package", "crumple", "--features", if gpu.is_some() { "cli,wgpu" } else { "cli" }];
         let what = if profile == Profile::Debug { TESTED } else { &release };
         workspace.cargo(&["build", "--bin", "crumple"]).args(what).args(profile.flags()).run()?;
         let program = workspace.target.join(profile.directory()).join("crumple");
-        Ok(Self { workspace, program: program.with_extension(std::env::consts::EXE_EXTENSION) })
+        let program = program.with_extension(std::env::consts::EXE_EXTENSION);
+        Ok(Self { workspace, program, gpu: gpu.map(str::to_owned) })
     }
 
     pub fn info(&self, file: &Path) -> Result<String> {
@@ -37,7 +40,9 @@ impl<'a> Command<'a> {
     pub fn apply(&self, file: &Path, impacts: &Path, dented: &Path, pictures: Option<&Path>) -> Result<String> {
         let program = &self.program;
         let pictures = pictures.map(|directory| ["--png".as_ref(), directory.as_os_str()]).into_iter().flatten();
-        let apply = cmd!(self.workspace.shell, "{program} apply {file} --impacts {impacts} -o {dented} {pictures...}");
+        let gpu = self.gpu.as_ref().map(|name| format!("--gpu={name}"));
+        let apply =
+            cmd!(self.workspace.shell, "{program} apply {file} --impacts {impacts} -o {dented} {pictures...} {gpu...}");
         Ok(apply.quiet().read()?)
     }
 }

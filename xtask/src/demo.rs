@@ -14,9 +14,10 @@ use crate::workspace::Workspace;
 /// A car's hood and a drum, each with dents that an independent elasto-plastic solver computed as its examples.
 const BODIES: &[&str] = &["hood", "drum"];
 
-pub fn run(workspace: &Workspace, out: &Path) -> Result<()> {
+/// `gpu`: deformed on the GPU, one whose name holds this.
+pub fn run(workspace: &Workspace, out: &Path, gpu: Option<&str>) -> Result<()> {
     println!("Building the `crumple` command; the first time takes a few minutes.");
-    show(workspace, &Command::build(workspace, Profile::Release)?, out)
+    show(workspace, &Command::build(workspace, Profile::Release, gpu)?, out)
 }
 
 fn show(workspace: &Workspace, command: &Command<'_>, out: &Path) -> Result<()> {
@@ -36,7 +37,7 @@ fn show(workspace: &Workspace, command: &Command<'_>, out: &Path) -> Result<()> 
 /// The demo as a test: it runs, and leaves what it promises.
 pub fn check(workspace: &Workspace) -> Result<Outcome> {
     let out = workspace.target.join("demo");
-    show(workspace, &Command::build(workspace, Profile::Debug)?, &out)?;
+    show(workspace, &Command::build(workspace, Profile::Debug, None)?, &out)?;
     for body in BODIES {
         for file in ["base.png", "after.png", "heat.png", "before_after.png", "dented.glb", "report.txt"] {
             let path = out.join(body).join(file);

@@ -40,6 +40,9 @@ enum Command {
         /// Where the pictures and the GLB go
         #[arg(long, default_value = "out/demo")]
         out: PathBuf,
+        /// Deform on the GPU: the fastest there is, or the one whose name holds this
+        #[arg(long, value_name = "NAME", num_args = 0..=1, default_missing_value = "")]
+        gpu: Option<String>,
     },
     /// Run every test: Rust, C and C++, under sanitizers and valgrind, and from outside the tree
     Test(test::Options),
@@ -87,7 +90,7 @@ fn main() -> ExitCode {
 fn run(command: Command) -> Result<()> {
     let workspace = workspace::Workspace::open()?;
     match command {
-        Command::Demo { out } => demo::run(&workspace, &out),
+        Command::Demo { out, gpu } => demo::run(&workspace, &out, gpu.as_deref()),
         Command::Test(options) => test::run(&workspace, &options),
         Command::Header { check } => header::run(&workspace, check),
         Command::Install { prefix, debug } => {

@@ -50,7 +50,7 @@ fn names_no_path(package: &Path, installed: &Path) -> Result<()> {
 }
 
 fn by_cmake(workspace: &Workspace, source: &Path, build: &Path, prefix: &Path) -> Result<()> {
-    native::compile(workspace, &Build { kind: "outside", prefix, options: &[], launcher: "" }, source, build)?;
+    native::compile(workspace, &Build::new("outside", prefix), source, build)?;
     for name in ["quickstart-shared", "quickstart-static", "client-shared", "client-static"] {
         let program = build.join(name);
         cmd!(workspace.shell, "{program}").quiet().run().with_context(|| format!("{name}, built by CMake"))?;

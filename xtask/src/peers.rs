@@ -64,7 +64,7 @@ fn exporter_tests(workspace: &Workspace) -> Result<()> {
 
 /// A body that the command has dented.
 fn dented(workspace: &Workspace) -> Result<PathBuf> {
-    let command = Command::build(workspace, Profile::Debug)?;
+    let command = Command::build(workspace, Profile::Debug, None)?;
     let directory = workspace.target.join("dented");
     empty_directory(&directory)?;
     let (body, impacts, dented) =

@@ -27,6 +27,10 @@ pub enum Tool {
     Npm,
     /// Vulkan's loader and validation layers, and Mesa's software driver.
     Vulkan,
+    /// What programs in C need to be built for Vulkan.
+    VulkanHeaders,
+    /// libpng, with which `vulkan_render.cpp` writes its picture.
+    Png,
 }
 
 /// What of Vulkan's files show that it is there.
@@ -53,7 +57,9 @@ impl Tool {
             Self::CCompiler => cmd!(sh, "cc --version").quiet().ignore_stderr().read().is_ok(),
             Self::CppCompiler => cmd!(sh, "c++ --version").quiet().ignore_stderr().read().is_ok(),
             Self::PkgConfig => cmd!(sh, "pkg-config --version").quiet().ignore_stderr().read().is_ok(),
-            Self::Ode => cmd!(sh, "pkg-config --exists ode").quiet().ignore_stderr().run().is_ok(),
+            Self::Ode => package(workspace, "ode"),
+            Self::VulkanHeaders => package(workspace, "vulkan"),
+            Self::Png => package(workspace, "libpng"),
             Self::Valgrind => cmd!(sh, "valgrind --version").quiet().ignore_stderr().read().is_ok(),
             Self::Python311 => {
                 cmd!(sh, "python3.11 -c 'import ensurepip, venv'").quiet().ignore_stderr().read().is_ok()
@@ -85,10 +91,17 @@ impl Tool {
             Self::Python311 => &["python3.11", "python3.11-venv"],
             Self::Python3 => &["python3", "python3-venv"],
             Self::Npm => &["nodejs", "npm"],
+            Self::VulkanHeaders => &["pkg-config", "libvulkan-dev"],
+            Self::Png => &["pkg-config", "libpng-dev"],
             Self::Vulkan => &["libvulkan1", "mesa-vulkan-drivers", "vulkan-validationlayers"],
         };
         packages.to_vec()
     }
+}
+
+/// Whether pkg-config knows a library.
+fn package(workspace: &Workspace, name: &str) -> bool {
+    cmd!(workspace.shell, "pkg-config --exists {name}").quiet().ignore_stderr().run().is_ok()
 }
 
 impl fmt::Display for Tool {
@@ -105,6 +118,8 @@ impl fmt::Display for Tool {
             Self::BlenderLibraries => "X11 and OpenGL libraries for Blender",
             Self::Npm => "npm",
             Self::Vulkan => "Vulkan with Mesa's software driver and the validation layers",
+            Self::VulkanHeaders => "Vulkan's headers",
+            Self::Png => "libpng's headers",
         })
     }
 }

@@ -1,8 +1,8 @@
-//! The Vulkan tests on two software drivers under validation: Mesa's lavapipe, which Debian packages, and SwiftShader, which it
-//! packages inside Chromium.
+//! The tests of Vulkan and of wgpu on two software drivers under validation: Mesa's lavapipe, which Debian packages, and
+//! SwiftShader, which it packages inside Chromium.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use xshell::cmd;
@@ -16,32 +16,42 @@ const MANIFESTS: &str = "/usr/share/vulkan/icd.d";
 const PACKAGE: &str = "chromium-common";
 const PACKAGED: &str = "usr/lib/chromium/libvk_swiftshader.so";
 
-pub fn run(workspace: &Workspace) -> Result<Outcome> {
-    let lavapipe = lavapipe()?;
-    let swiftshader = swiftshader(workspace);
-    let tests = |drivers: &[&Path], required: &str| -> Result<()> {
-        let drivers = std::env::join_paths(drivers)?;
-        // The library's own, and the lab's workloads at their smallest.
-        for of in [&["--test", "vulkan"][..], &["--bin", "crumple-lab", "--", "gpu::"]] {
-            let tests = workspace.tests(of).env("VK_DRIVER_FILES", &drivers);
-            tests.env("CRUMPLE_REQUIRE_GPU", required).run()?;
-        }
-        Ok(())
-    };
-    match swiftshader {
-        Ok(swiftshader) => {
-            tests(&[&lavapipe, &swiftshader], "1")?;
-            Ok(Outcome::Passed)
-        }
-        Err(error) => {
-            tests(&[&lavapipe], "0")?;
-            Ok(Outcome::InPart(format!("SwiftShader: {error:#}")))
-        }
+/// Manifests of the software drivers, and why one of them is not among them.
+pub struct Drivers {
+    pub manifests: Vec<PathBuf>,
+    pub left_out: Option<String>,
+}
+
+impl Drivers {
+    /// How a stage ended that passed on all of them.
+    pub fn passed(self) -> Outcome {
+        self.left_out.map_or(Outcome::Passed, Outcome::InPart)
     }
 }
 
+pub fn run(workspace: &Workspace) -> Result<Outcome> {
+    let drivers = drivers(workspace)?;
+    let manifests = std::env::join_paths(&drivers.manifests)?;
+    // With one of them missing the tests would say so and fail.
+    let required = if drivers.left_out.is_none() { "1" } else { "0" };
+    // The library's own, and the lab's workloads at their smallest.
+    for of in [&["--test", "vulkan", "--test", "wgpu"][..], &["--bin", "crumple-lab", "--", "gpu::"]] {
+        let tests = workspace.tests(of).env("VK_DRIVER_FILES", &manifests);
+        tests.env("CRUMPLE_REQUIRE_GPU", required).run()?;
+    }
+    Ok(drivers.passed())
+}
+
+pub fn drivers(workspace: &Workspace) -> Result<Drivers> {
+    let lavapipe = lavapipe()?;
+    Ok(match swiftshader(workspace) {
+        Ok(swiftshader) => Drivers { manifests: vec![lavapipe, swiftshader], left_out: None },
+        Err(error) => Drivers { manifests: vec![lavapipe], left_out: Some(format!("SwiftShader: {error:#}")) },
+    })
+}
+
 /// The manifest of Mesa's driver; its name tells the processor or not.
-fn lavapipe() -> Result<PathBuf> {
+pub fn lavapipe() -> Result<PathBuf> {
     let entries = fs::read_dir(MANIFESTS).with_context(|| format!("reading {MANIFESTS}"))?;
     let mut found = entries.filter_map(|e| Some(e.ok()?.path()));
     let name = |p: &PathBuf| p.file_name().is_some_and(|n| n.to_string_lossy().starts_with("lvp_icd"));

@@ -13,7 +13,7 @@ pub const TESTED: &[&str] = &[
     "--package",
     "crumple-lab",
     "--features",
-    "crumple/cli,crumple/host-allocator,crumple-lab/gpu",
+    "crumple/cli,crumple/host-allocator,crumple/wgpu,crumple-lab/gpu",
 ];
 
 pub struct Workspace {

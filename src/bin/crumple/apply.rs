@@ -1,6 +1,7 @@
 //! `crumple apply`: impacts in, a dented GLB and its pictures out.
 
 use crate::{
+    gpu,
     impacts::{self, Impact},
     output::{Output, progress},
     picture::{Kind, Subject, millimetres},
@@ -10,7 +11,7 @@ use crate::{
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use crumple::{
-    HitStatus, Instance, InstanceOptions, Outcome, Rule, Selection, Space, ThreadPool, Tracker, VertexMemory,
+    HitStatus, Instance, InstanceOptions, Mesh, Outcome, Rule, Selection, Space, ThreadPool, Tracker, VertexMemory,
     glam::{Vec3, Vec4},
 };
 use std::{
@@ -47,6 +48,9 @@ pub struct Arguments {
     /// Threads; 0 is one for each core
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1024))]
     threads: u32,
+    /// Deform on the GPU: the fastest there is, or the one whose name holds this. The CPU's vertices are compared with it
+    #[arg(long, value_name = "NAME", num_args = 0..=1, default_missing_value = "")]
+    gpu: Option<String>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -69,13 +73,37 @@ fn rule(text: &str) -> Result<Rule, String> {
     }
 }
 
+/// Vertices, attribute by attribute, as many as the mesh has of them.
+#[derive(Clone)]
+pub struct Vertices {
+    pub positions: Vec<[f32; 3]>,
+    pub normals: Option<Vec<[f32; 3]>>,
+    pub tangents: Option<Vec<[f32; 4]>>,
+}
+
+impl Vertices {
+    fn at_rest(mesh: &Mesh) -> Self {
+        Vertices {
+            positions: mesh.positions().iter().map(Vec3::to_array).collect(),
+            normals: mesh.normals().map(|n| n.iter().map(Vec3::to_array).collect()),
+            tangents: mesh.tangents().map(|t| t.iter().map(Vec4::to_array).collect()),
+        }
+    }
+
+    /// As memory to deform into.
+    pub fn memory(&mut self) -> Result<VertexMemory<'_>> {
+        let Vertices { positions, normals, tangents } = self;
+        Ok(VertexMemory::separate(positions, normals.as_deref_mut(), tangents.as_deref_mut())?)
+    }
+}
+
 /// The mesh as deformed.
 struct Deformed {
-    positions: Vec<[f32; 3]>,
-    normals: Option<Vec<[f32; 3]>>,
-    tangents: Option<Vec<[f32; 4]>>,
+    vertices: Vertices,
     /// How long it took to fold the hits and evaluate every vertex.
     time: Duration,
+    /// What did it, and how it compares.
+    by: String,
 }
 
 pub fn run(arguments: &Arguments) -> Result<String> {
@@ -109,10 +137,11 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     }
 
     bar.set_message("deforming");
-    let deformed = deform(&mut instance, &source, &pool)?;
+    let deformed = deform(arguments, &mut instance, &source, &pool)?;
     bar.inc(1);
     bar.set_message("writing");
-    let glb = source.deformed_glb(&deformed.positions, deformed.normals.as_deref(), deformed.tangents.as_deref())?;
+    let Vertices { positions, normals, tangents } = &deformed.vertices;
+    let glb = source.deformed_glb(positions, normals.as_deref(), tangents.as_deref())?;
     file.fill(&glb)?;
     bar.inc(1);
 
@@ -158,23 +187,42 @@ fn same_file(a: &std::path::Path, b: &std::path::Path) -> bool {
     matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
-fn deform(instance: &mut Instance, source: &Source, pool: &ThreadPool) -> Result<Deformed> {
-    let mesh = source.set.mesh();
-    let mut positions: Vec<[f32; 3]> = mesh.positions().iter().map(Vec3::to_array).collect();
-    let mut normals: Option<Vec<[f32; 3]>> = mesh.normals().map(|n| n.iter().map(Vec3::to_array).collect());
-    let mut tangents: Option<Vec<[f32; 4]>> = mesh.tangents().map(|t| t.iter().map(Vec4::to_array).collect());
+fn deform(arguments: &Arguments, instance: &mut Instance, source: &Source, pool: &ThreadPool) -> Result<Deformed> {
+    let mut vertices = Vertices::at_rest(source.set.mesh());
     let mut tracker = Tracker::new();
     let start = Instant::now();
-    let memory = VertexMemory::separate(&mut positions, normals.as_deref_mut(), tangents.as_deref_mut())?;
-    instance.deform(&mut tracker, memory, pool)?;
-    Ok(Deformed { time: start.elapsed(), positions, normals, tangents })
+    instance.deform(&mut tracker, vertices.memory()?, pool)?;
+    let time = start.elapsed();
+    let Some(adapter) = &arguments.gpu else {
+        let by = match arguments.threads {
+            0 => "all cores".to_owned(),
+            n => count(n as usize, "thread", "threads"),
+        };
+        return Ok(Deformed { vertices, time, by });
+    };
+    let mut seen = Vertices::at_rest(source.set.mesh());
+    let done = gpu::deform(instance, &source.set, adapter, &mut seen)?;
+    let compared = compared(&seen, &vertices);
+    let by = format!("{}, the upload of the mesh and its examples among it; {compared}", done.adapter);
+    Ok(Deformed { vertices: seen, time: done.time, by })
+}
+
+/// How the GPU's vertices compare with the CPU's.
+fn compared(gpu: &Vertices, cpu: &Vertices) -> String {
+    let same = gpu.positions == cpu.positions && gpu.normals == cpu.normals && gpu.tangents == cpu.tangents;
+    if same {
+        return "the CPU's are the same".into();
+    }
+    let off = |(a, b): (&[f32; 3], &[f32; 3])| (Vec3::from(*a) - Vec3::from(*b)).length();
+    let most = gpu.positions.iter().zip(&cpu.positions).map(off).fold(0.0, f32::max);
+    format!("the CPU's positions are within {:.1e} mm", most * 1e3)
 }
 
 fn draw(kind: Kind, source: &Source, deformed: &Deformed, outcomes: &[Outcome]) -> Result<Vec<u8>> {
     let mesh = source.set.mesh();
     let vectors = |v: &[[f32; 3]]| v.iter().map(|&p| Vec3::from(p)).collect::<Vec<_>>();
-    let after = vectors(&deformed.positions);
-    let after_normals = deformed.normals.as_deref().map(vectors).unwrap_or_default();
+    let after = vectors(&deformed.vertices.positions);
+    let after_normals = deformed.vertices.normals.as_deref().map(vectors).unwrap_or_default();
     let marked = outcomes.iter().filter(|o| o.status == HitStatus::Marked);
     let subject = Subject {
         triangles: mesh.triangles(),
@@ -229,7 +277,7 @@ fn report(
     table.write(&mut text);
     let set = &source.set;
     let displacements =
-        deformed.positions.iter().zip(set.mesh().positions()).map(|(a, b)| (Vec3::from(*a) - *b).length());
+        deformed.vertices.positions.iter().zip(set.mesh().positions()).map(|(a, b)| (Vec3::from(*a) - *b).length());
     let (mut moved, mut deepest) = (0, (0, 0.0));
     for (v, d) in displacements.enumerate() {
         moved += usize::from(d > VISIBLE);
@@ -268,10 +316,7 @@ fn report(
         "  Deformed {} vertices in {:.2} ms on {}.",
         set.vertex_count(),
         deformed.time.as_secs_f64() * 1e3,
-        match arguments.threads {
-            0 => "all cores".to_owned(),
-            n => count(n as usize, "thread", "threads"),
-        }
+        deformed.by
     )?;
     writeln!(text, "  Wrote {}", arguments.output.display())?;
     if let Some(folder) = &arguments.png {

@@ -2,6 +2,7 @@
 
 mod apply;
 mod bake;
+mod gpu;
 mod impacts;
 mod info;
 mod output;

@@ -149,8 +149,9 @@ impl Attached {
         if def.lod > 0 && instance.options().rule != Rule::Marks {
             return Err(instance.needs_marks("a buffer of another level of detail than 0").into());
         }
-        let positions = stream(&def.positions)
+        let positions = stream(&def.positions, "positions")?
             .ok_or_else(|| Failure::invalid("def.positions is absent (format 0); a buffer needs positions"))?;
+        let (normals, tangents) = (stream(&def.normals, "normals")?, stream(&def.tangents, "tangents")?);
         let access = |stages, access| Access {
             stages: vk::PipelineStageFlags::from_raw(stages),
             access: vk::AccessFlags::from_raw(access),
@@ -182,8 +183,8 @@ impl Attached {
             offset: def.offset,
             size: def.size,
             positions,
-            normals: stream(&def.normals),
-            tangents: stream(&def.tangents),
+            normals,
+            tangents,
             scale: def.scale.array(),
             bias: def.bias.array(),
         };
@@ -369,9 +370,13 @@ fn recycled<'b>(mut jobs: Vec<RecordJob<'_>>) -> Vec<RecordJob<'b>> {
     jobs.into_iter().map(|_| -> RecordJob<'b> { unreachable!("the list is empty") }).collect()
 }
 
-fn stream(s: &CrumpleVulkanStream) -> Option<Stream> {
+fn stream(s: &CrumpleVulkanStream, name: &str) -> Result<Option<Stream>, Failure> {
+    if s.reserved != 0 {
+        return Err(Failure::invalid(format!("def.{name}.reserved is {}; it must be 0", s.reserved)));
+    }
     let format = vk::Format::from_raw(s.format as i32);
-    (*s != CrumpleVulkanStream::default()).then_some(Stream { offset: s.offset, stride: s.stride, format })
+    let stream = Stream { offset: s.offset, stride: s.stride, format };
+    Ok((*s != CrumpleVulkanStream::default()).then_some(stream))
 }
 
 impl VulkanMemory {

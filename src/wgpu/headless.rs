@@ -1,0 +1,114 @@
+//! A device of one's own, on whatever there is.
+
+use super::device::{Device, DeviceDef, Said, now, one_line};
+use crate::Error;
+use std::sync::{Arc, Mutex};
+
+/// Which device, and how it is used.
+#[derive(Debug, Clone, Copy)]
+pub struct HeadlessDef<'a> {
+    /// Part of the adapter's name, whatever its case; nothing for the fastest kind there is (discrete, integrated, virtual,
+    /// software; the first of its kind).
+    pub adapter: Option<&'a str>,
+    /// Which interfaces are asked: Vulkan, Metal and D3D12 where the target has them, and others that the host has wgpu built
+    /// with.
+    pub backends: wgpu::Backends,
+    /// How it is used.
+    pub device: DeviceDef,
+}
+
+impl Default for HeadlessDef<'_> {
+    fn default() -> Self {
+        HeadlessDef { adapter: None, backends: wgpu::Backends::all(), device: DeviceDef::default() }
+    }
+}
+
+/// The adapters there are, as [`Device::headless`] tells them apart. Asks every driver: tens of milliseconds.
+pub fn adapters(backends: wgpu::Backends) -> Vec<wgpu::AdapterInfo> {
+    all(backends).iter().map(wgpu::Adapter::get_info).collect()
+}
+
+fn all(backends: wgpu::Backends) -> Vec<wgpu::Adapter> {
+    if !wgpu::Instance::enabled_backend_features().intersects(backends) {
+        return Vec::new();
+    }
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    descriptor.backends = backends;
+    descriptor.flags = wgpu::InstanceFlags::empty();
+    now(wgpu::Instance::new(descriptor).enumerate_adapters(backends))
+}
+
+impl Device {
+    /// Makes a device with all the limits that its adapter has, for tools without a host that has one. Its buffers are made
+    /// by [`Device::device`].
+    ///
+    /// What the device says by itself (it is lost; an error of calls that the caller made on it) is an error of the next call
+    /// here, and never ends the process.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] where there is no such adapter, naming those that there are, or where it cannot compute;
+    /// [`Error::Wgpu`] where it gives no device; and those of [`Device::new`].
+    pub fn headless(def: &HeadlessDef<'_>) -> Result<Self, Error> {
+        let mut adapters = all(def.backends);
+        adapters.sort_by_key(|a| rank(a.get_info().device_type));
+        let wanted = def.adapter.map(str::to_lowercase);
+        let fits = |a: &&wgpu::Adapter| wanted.as_ref().is_none_or(|w| a.get_info().name.to_lowercase().contains(w));
+        let Some(adapter) = adapters.iter().find(fits) else {
+            let names: Vec<String> = adapters.iter().map(|a| name(&a.get_info())).collect();
+            let there = if names.is_empty() { "none".into() } else { names.join(", ") };
+            let named = def.adapter.map_or_else(String::new, |w| format!(" named {w:?}"));
+            let what = format!("deforming on the GPU: no adapter{named} for {:?}; there are: {there}", def.backends);
+            return Err(Error::Unsupported { what });
+        };
+        let flags = adapter.get_downlevel_capabilities().flags;
+        if !flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS) {
+            let what = format!("deforming on {}: it has no compute shaders", name(&adapter.get_info()));
+            return Err(Error::Unsupported { what });
+        }
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("crumple"),
+            required_features: exact(adapter.features()),
+            required_limits: adapter.limits(),
+            ..Default::default()
+        };
+        let made = now(adapter.request_device(&descriptor));
+        let (device, queue) =
+            made.map_err(|e| Error::Wgpu { call: "requesting a device".into(), what: one_line(&e.to_string()) })?;
+        let said = Arc::new(Mutex::new(Said::default()));
+        listen(&device, &said);
+        Self::with(device, queue, &def.device, Some(said))
+    }
+}
+
+/// Of a device's features those that are of use here: kernels as they were built, and not as wgpu translates them.
+pub(super) fn exact(features: wgpu::Features) -> wgpu::Features {
+    features & wgpu::Features::PASSTHROUGH_SHADERS
+}
+
+/// Notes what the device says by itself.
+pub(super) fn listen(device: &wgpu::Device, said: &Arc<Mutex<Said>>) {
+    let (errors, losses) = (said.clone(), said.clone());
+    device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| {
+        let mut said = errors.lock().unwrap_or_else(|e| e.into_inner());
+        said.error.get_or_insert_with(|| one_line(&e.to_string()));
+    }));
+    device.set_device_lost_callback(move |reason, message| {
+        let mut said = losses.lock().unwrap_or_else(|e| e.into_inner());
+        said.lost.get_or_insert_with(|| one_line(&format!("{reason:?}: {message}")));
+    });
+}
+
+fn name(info: &wgpu::AdapterInfo) -> String {
+    format!("{} ({:?})", info.name, info.backend)
+}
+
+fn rank(kind: wgpu::DeviceType) -> u32 {
+    use wgpu::DeviceType::{Cpu, DiscreteGpu, IntegratedGpu, Other, VirtualGpu};
+    match kind {
+        DiscreteGpu => 0,
+        IntegratedGpu => 1,
+        VirtualGpu => 2,
+        Other => 3,
+        Cpu => 4,
+    }
+}

@@ -1,0 +1,194 @@
+// Memory that an engine's device exported, written by a device of Crumple's own; bad input on the way there.
+#include "vulkan_support.h"
+
+#include <unistd.h>
+
+// The same host with another device, which can export memory.
+static void open_exporting_device(Host *host) {
+    static const char *const extension = VK_KHR_EXTERNAL_MEMORY_FD_EXTENSION_NAME;
+    host_close_device(host);
+    const float priority = 1;
+    const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                           .queueFamilyIndex = host->queue_family,
+                                           .queueCount = 1,
+                                           .pQueuePriorities = &priority};
+    const VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                     .queueCreateInfoCount = 1,
+                                     .pQueueCreateInfos = &queue,
+                                     .enabledExtensionCount = 1,
+                                     .ppEnabledExtensionNames = &extension};
+    VK(vkCreateDevice(host->physical_device, &info, NULL, &host->device));
+    vkGetDeviceQueue(host->device, host->queue_family, 0, &host->queue);
+    const VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+                                          .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
+                                          .queueFamilyIndex = host->queue_family};
+    VK(vkCreateCommandPool(host->device, &pool, NULL, &host->pool));
+}
+
+// A buffer that the CPU sees, in memory of its own that is exported; def is what Crumple must know of it.
+static HostBuffer make_exported(const Host *host, CrumpleVulkanImportDef *def) {
+    HostBuffer made = {.size = GUARD + RANGE + GUARD, .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT};
+    const VkExternalMemoryHandleTypeFlagBits type = VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT;
+    const VkExternalMemoryBufferCreateInfo external = {.sType = VK_STRUCTURE_TYPE_EXTERNAL_MEMORY_BUFFER_CREATE_INFO,
+                                                       .handleTypes = type};
+    const VkBufferCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .pNext = &external, .size = made.size, .usage = made.usage};
+    VK(vkCreateBuffer(host->device, &info, NULL, &made.buffer));
+    VkMemoryRequirements needs;
+    vkGetBufferMemoryRequirements(host->device, made.buffer, &needs);
+    const VkMemoryDedicatedAllocateInfo dedicated = {.sType = VK_STRUCTURE_TYPE_MEMORY_DEDICATED_ALLOCATE_INFO,
+                                                     .buffer = made.buffer};
+    const VkExportMemoryAllocateInfo export = {
+        .sType = VK_STRUCTURE_TYPE_EXPORT_MEMORY_ALLOCATE_INFO, .pNext = &dedicated, .handleTypes = type};
+    const VkMemoryPropertyFlags flags = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+    const VkMemoryAllocateInfo memory = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+                                         .pNext = &export,
+                                         .allocationSize = needs.size,
+                                         .memoryTypeIndex = host_memory_type(host, needs.memoryTypeBits, flags)};
+    VK(vkAllocateMemory(host->device, &memory, NULL, &made.memory));
+    VK(vkBindBufferMemory(host->device, made.buffer, made.memory, 0));
+    VK(vkMapMemory(host->device, made.memory, 0, VK_WHOLE_SIZE, 0, &made.data));
+    memset(made.data, 0xAB, (size_t)made.size);
+    const PFN_vkGetMemoryFdKHR get = (PFN_vkGetMemoryFdKHR)vkGetDeviceProcAddr(host->device, "vkGetMemoryFdKHR");
+    const VkMemoryGetFdInfoKHR which = {
+        .sType = VK_STRUCTURE_TYPE_MEMORY_GET_FD_INFO_KHR, .memory = made.memory, .handleType = type};
+    int fd = -1;
+    VK(get(host->device, &which, &fd));
+    *def = crumple_default_vulkan_import_def();
+    def->handle = fd;
+    def->memory_size = needs.size;
+    def->memory_type = memory.memoryTypeIndex;
+    def->usage = made.usage;
+    def->size = made.size;
+    def->dedicated = true;
+    return made;
+}
+
+// Gives the buffer to the other device, or takes it back.
+static void pass(const Host *host, const HostBuffer *buffer, bool back) {
+    const VkBufferMemoryBarrier barrier = {
+        .sType = VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER,
+        .srcAccessMask = VK_ACCESS_MEMORY_WRITE_BIT,
+        .dstAccessMask = VK_ACCESS_MEMORY_READ_BIT,
+        .srcQueueFamilyIndex = back ? VK_QUEUE_FAMILY_EXTERNAL : host->queue_family,
+        .dstQueueFamilyIndex = back ? host->queue_family : VK_QUEUE_FAMILY_EXTERNAL,
+        .buffer = buffer->buffer,
+        .size = VK_WHOLE_SIZE,
+    };
+    const VkPipelineStageFlags all = VK_PIPELINE_STAGE_ALL_COMMANDS_BIT;
+    VkCommandBuffer commands = host_begin(host);
+    vkCmdPipelineBarrier(commands, all, all, 0, 0, NULL, 1, &barrier, 0, NULL);
+    host_run(host, commands);
+}
+
+int main(void) {
+    CrumpleContext *context = make_context(1);
+    CrumpleExampleSet set;
+    CrumpleBuffer buffer;
+    CrumpleRecordReport report;
+    uint64_t imported = 7, frame = 7, semaphore = 7;
+    bool done = false;
+    Host host;
+    host_open(&host);
+    open_exporting_device(&host);
+    make_sheet(&sheet);
+    OK(crumple_create_example_set(context, &sheet.def, &set));
+    CrumpleInstance body = make_instance(context, set);
+    CrumpleVulkanImportDef import;
+    HostBuffer vertices = make_exported(&host, &import);
+
+    // Nothing of it without a device of Crumple's own.
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "crumple_open_vulkan", imported,
+                  crumple_import_vulkan_buffer(context, &import, &imported));
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "crumple_open_vulkan", frame,
+                  crumple_submit_deform(context, NULL, 0, NULL, 0, NULL, 0, &frame, NULL));
+    CrumpleVulkanDef theirs = vulkan_def(&host);
+    OK(crumple_attach_vulkan(context, &theirs));
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "crumple_open_vulkan", imported,
+                  crumple_import_vulkan_buffer(context, &import, &imported));
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "crumple_open_vulkan", done,
+                  crumple_wait_frame(context, 0, 0, &done));
+
+    // The same physical device, told by its UUID.
+    VkPhysicalDeviceIDProperties ids = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES};
+    VkPhysicalDeviceProperties2 properties = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &ids};
+    vkGetPhysicalDeviceProperties2(host.physical_device, &properties);
+    CrumpleOwnVulkanDef own = crumple_default_own_vulkan_def();
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "attached already", crumple_open_vulkan(context, &own));
+    OK(crumple_detach_vulkan(context));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "get_instance_proc_addr", crumple_open_vulkan(context, &own));
+    own.get_instance_proc_addr = (CrumpleVulkanFunction)vkGetInstanceProcAddr;
+    memset(own.device_uuid, 0xEE, sizeof own.device_uuid);
+    FAILS(CRUMPLE_ERROR_UNSUPPORTED, "eeeeeeee", crumple_open_vulkan(context, &own));
+    memcpy(own.device_uuid, ids.deviceUUID, sizeof own.device_uuid);
+    own.workgroup_size = 7;
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "workgroup_size is 7", crumple_open_vulkan(context, &own));
+    own.workgroup_size = 64;
+    OK(crumple_open_vulkan(context, &own));
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "attached already", crumple_attach_vulkan(context, &theirs));
+
+    CrumpleVulkanImportDef bad = import;
+    bad.handle = -1;
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "open file descriptor", imported,
+                  crumple_import_vulkan_buffer(context, &bad, &imported));
+    bad.handle = 1LL << 40;
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "open file descriptor", imported,
+                  crumple_import_vulkan_buffer(context, &bad, &imported));
+    bad = import;
+    bad.handle_type = CRUMPLE_HANDLE_TYPE_OPAQUE_WIN32;
+    FAILS_KEEPING(CRUMPLE_ERROR_UNSUPPORTED, "file descriptors", imported,
+                  crumple_import_vulkan_buffer(context, &bad, &imported));
+    bad = import;
+    bad.memory_size = 64;
+    FAILS_KEEPING(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "imported memory", imported,
+                  crumple_import_vulkan_buffer(context, &bad, &imported));
+    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "out_semaphore", semaphore,
+                  crumple_import_vulkan_semaphore(context, CRUMPLE_HANDLE_TYPE_OPAQUE_FD, -1, NULL));
+    semaphore = 7; // -1 is none, and some drivers have no external semaphores at all
+    FACT(crumple_import_vulkan_semaphore(context, CRUMPLE_HANDLE_TYPE_OPAQUE_FD, -1, &semaphore) != CRUMPLE_OK);
+    FACT(semaphore == 7);
+
+    CrumpleVulkanBufferDef def = buffer_def(&vertices);
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "crumple_import_vulkan_buffer", buffer,
+                  crumple_register_vulkan_buffer(context, body, &def, &buffer));
+    OK(crumple_import_vulkan_buffer(context, &import, &imported));
+    def.buffer = imported;
+    def.usage = 0; // not looked at
+    OK(crumple_register_vulkan_buffer(context, body, &def, &buffer));
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "1 ranges", crumple_release_vulkan_buffer(context, imported));
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "crumple_attach_vulkan", crumple_complete_frames(context, 1));
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "crumple_attach_vulkan",
+          crumple_record_deform(context, &host, 1, NULL, 0, NULL));
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "semaphore is 99", frame,
+                  crumple_submit_deform(context, NULL, 0, (uint64_t[]){99}, 1, NULL, 0, &frame, NULL));
+
+    for (uint64_t round = 1; round <= 4; ++round) {
+        if (round != 3) {
+            CrumpleDisplacementDef hit = displacement_at(0.1f * (float)round - 0.2f, 0.15f, 0.02f);
+            OK(crumple_submit_displacement(context, body, &hit, NULL));
+        }
+        pass(&host, &vertices, false);
+        OK(crumple_submit_deform(context, NULL, 0, NULL, 0, NULL, 0, &frame, &report));
+        FACT(frame == round && (report.vertices_written > 0) == (round != 3));
+        OK(crumple_wait_frame(context, frame, UINT64_MAX, &done));
+        FACT(done);
+        pass(&host, &vertices, true);
+        expect_vertices(&host, &vertices, context, body);
+    }
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "frame is 9", crumple_wait_frame(context, 9, 0, &done));
+    OK(crumple_unregister_buffer(context, buffer));
+    OK(crumple_release_vulkan_buffer(context, imported));
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "buffer is", crumple_release_vulkan_buffer(context, imported));
+
+    // Imported again, and left to the end of the context.
+    OK(crumple_import_vulkan_buffer(context, &import, &imported));
+    def.buffer = imported;
+    OK(crumple_register_vulkan_buffer(context, body, &def, &buffer));
+    OK(crumple_submit_deform(context, &buffer, 1, NULL, 0, NULL, 0, NULL, NULL));
+    OK(crumple_context_destroy(context));
+    close((int)import.handle);
+    host_destroy_buffer(&host, &vertices);
+    host_close(&host);
+    printf("%u checks\n", checks);
+    return 0;
+}

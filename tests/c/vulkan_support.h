@@ -1,0 +1,149 @@
+// What the Vulkan tests share: a sheet's vertices in a VkBuffer, and a loader that can lack, lose and hold up things.
+#ifndef VULKAN_SUPPORT_H
+#define VULKAN_SUPPORT_H
+
+#include "support.h"
+#include "vulkan_host.h"
+
+// Position, normal, tangent.
+enum { FLOATS = 10, STRIDE = FLOATS * 4, GUARD = 4096, RANGE = VERTICES * STRIDE };
+
+// --- The loader.
+
+static const char *absent;                           // a function that it does not have; null: none
+static const char *lost_in;                          // a function that answers VK_ERROR_DEVICE_LOST; null: none
+static void (*dispatching)(VkCommandBuffer commands); // called at each vkCmdDispatch; null: nothing
+static PFN_vkGetDeviceProcAddr real_get_device;
+static PFN_vkCreateBuffer real_create_buffer;
+static PFN_vkAllocateMemory real_allocate;
+static PFN_vkMapMemory real_map;
+static PFN_vkCmdDispatch real_dispatch;
+
+static int named(const char *which, const char *name) { return which && strcmp(which, name) == 0; }
+
+static VKAPI_ATTR VkResult VKAPI_CALL create_buffer(VkDevice device, const VkBufferCreateInfo *info,
+                                                    const VkAllocationCallbacks *callbacks, VkBuffer *buffer) {
+    return named(lost_in, "vkCreateBuffer") ? VK_ERROR_DEVICE_LOST : real_create_buffer(device, info, callbacks, buffer);
+}
+
+static VKAPI_ATTR VkResult VKAPI_CALL allocate(VkDevice device, const VkMemoryAllocateInfo *info,
+                                               const VkAllocationCallbacks *callbacks, VkDeviceMemory *memory) {
+    return named(lost_in, "vkAllocateMemory") ? VK_ERROR_DEVICE_LOST : real_allocate(device, info, callbacks, memory);
+}
+
+static VKAPI_ATTR VkResult VKAPI_CALL map(VkDevice device, VkDeviceMemory memory, VkDeviceSize offset, VkDeviceSize size,
+                                          VkMemoryMapFlags flags, void **data) {
+    return named(lost_in, "vkMapMemory") ? VK_ERROR_DEVICE_LOST : real_map(device, memory, offset, size, flags, data);
+}
+
+static VKAPI_ATTR void VKAPI_CALL dispatch(VkCommandBuffer commands, uint32_t x, uint32_t y, uint32_t z) {
+    if (dispatching) dispatching(commands);
+    real_dispatch(commands, x, y, z);
+}
+
+static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL get_device(VkDevice device, const char *name) {
+    PFN_vkVoidFunction found = named(absent, name) ? NULL : real_get_device(device, name);
+    if (!found) return NULL;
+    if (named("vkCreateBuffer", name)) {
+        real_create_buffer = (PFN_vkCreateBuffer)found;
+        return (PFN_vkVoidFunction)create_buffer;
+    }
+    if (named("vkAllocateMemory", name)) {
+        real_allocate = (PFN_vkAllocateMemory)found;
+        return (PFN_vkVoidFunction)allocate;
+    }
+    if (named("vkMapMemory", name)) {
+        real_map = (PFN_vkMapMemory)found;
+        return (PFN_vkVoidFunction)map;
+    }
+    if (named("vkCmdDispatch", name)) {
+        real_dispatch = (PFN_vkCmdDispatch)found;
+        return (PFN_vkVoidFunction)dispatch;
+    }
+    return found;
+}
+
+static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL get_instance(VkInstance instance, const char *name) {
+    PFN_vkVoidFunction found = named(absent, name) ? NULL : vkGetInstanceProcAddr(instance, name);
+    if (!found || !named("vkGetDeviceProcAddr", name)) return found;
+    real_get_device = (PFN_vkGetDeviceProcAddr)found;
+    return (PFN_vkVoidFunction)get_device;
+}
+
+static CrumpleVulkanDef vulkan_def(const Host *host) {
+    CrumpleVulkanDef def = crumple_default_vulkan_def();
+    def.get_instance_proc_addr = (CrumpleVulkanFunction)get_instance;
+    def.instance = host->instance;
+    def.physical_device = host->physical_device;
+    def.device = host->device;
+    def.queue_family = host->queue_family;
+    return def;
+}
+
+// --- A sheet in a VkBuffer that the CPU sees, with a guard before it and one behind it.
+
+static Sheet sheet;
+
+static inline HostBuffer make_vertices(const Host *host) {
+    HostBuffer vertices = host_buffer(host, GUARD + RANGE + GUARD, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, true);
+    memset(vertices.data, 0xAB, (size_t)vertices.size);
+    return vertices;
+}
+
+static CrumpleVulkanStream vulkan_stream(uint64_t offset, VkFormat format) {
+    CrumpleVulkanStream stream = {0};
+    stream.offset = offset;
+    stream.stride = STRIDE;
+    stream.format = (uint32_t)format;
+    return stream;
+}
+
+static CrumpleVulkanBufferDef buffer_def(const HostBuffer *vertices) {
+    CrumpleVulkanBufferDef def = crumple_default_vulkan_buffer_def();
+    def.buffer = (uint64_t)vertices->buffer;
+    def.buffer_size = vertices->size;
+    def.usage = vertices->usage;
+    def.before_stages = def.after_stages = VK_PIPELINE_STAGE_HOST_BIT;
+    def.before_access = def.after_access = VK_ACCESS_HOST_READ_BIT;
+    def.offset = GUARD;
+    def.size = RANGE;
+    def.positions = vulkan_stream(0, VK_FORMAT_R32G32B32_SFLOAT);
+    def.normals = vulkan_stream(12, VK_FORMAT_R32G32B32_SFLOAT);
+    def.tangents = vulkan_stream(24, VK_FORMAT_R32G32B32A32_SFLOAT);
+    return def;
+}
+
+// The vertices are those that crumple_deform() gives, bit for bit (on a device that rounds as IEEE 754 says), and nothing
+// beside them was written.
+static void expect_vertices(const Host *host, const HostBuffer *vertices, CrumpleContext *context, CrumpleInstance instance) {
+    static float wanted[VERTICES][FLOATS];
+    const unsigned char *bytes = (const unsigned char *)vertices->data;
+    CrumpleHostBufferDef def = crumple_default_host_buffer_def();
+    CrumpleBuffer buffer;
+    def.positions = stream_of(wanted, sizeof wanted, 0, STRIDE);
+    def.normals = stream_of(wanted, sizeof wanted, 12, STRIDE);
+    def.tangents = stream_of(wanted, sizeof wanted, 24, STRIDE);
+    OK(crumple_register_host_buffer(context, instance, &def, &buffer));
+    OK(crumple_deform(context, &buffer, 1, NULL));
+    OK(crumple_unregister_buffer(context, buffer));
+    FACT(keeps(bytes, GUARD) && keeps(bytes + GUARD + RANGE, GUARD));
+    if (host->software) FACT(memcmp(bytes + GUARD, wanted, sizeof wanted) == 0);
+    bool near = true;
+    for (int i = 0; i < VERTICES * FLOATS; ++i) {
+        float seen;
+        memcpy(&seen, bytes + GUARD + 4 * i, 4);
+        near = near && fabsf(seen - wanted[i / FLOATS][i % FLOATS]) < 1e-5f;
+    }
+    FACT(near);
+}
+
+// Records one frame, and waits until the device has done it.
+static inline CrumpleRecordReport run_frame(const Host *host, CrumpleContext *context, uint64_t frame) {
+    CrumpleRecordReport report;
+    VkCommandBuffer commands = host_begin(host);
+    OK(crumple_record_deform(context, commands, frame, NULL, 0, &report));
+    host_run(host, commands);
+    return report;
+}
+
+#endif
