@@ -5,7 +5,7 @@ from pathlib import Path
 
 from charts.gpu import device, tables
 from charts.speed import short
-from report import milliseconds, number, picture, table
+from report import number, picture, table
 
 # Aims as they are told, those of cards first.
 ORDER = ("share", "bytes", "times", "ten", "100", "recording one", "recording 1000", "")
@@ -13,6 +13,10 @@ ORDER = ("share", "bytes", "times", "ten", "100", "recording one", "recording 10
 
 def cells(found, show):
     return [show(t) for t in found]
+
+
+def milliseconds(ms):
+    return f"{three(ms)} ms" if ms >= 0.9995 else f"{three(1e3 * ms)} µs"
 
 
 def time(row):
@@ -123,8 +127,8 @@ def main():
     if not found:
         print("report: no table of a device is there")
         return
-    devices = table(["device", "driver", "kind", "processor", "clock", "held against the CPU path", "figures"],
-                    [[t.said("device"), t.said("driver"), t.said("kind").split(":")[0], f"{t.said('machine')}, {t.said('cores').split(' (')[0]} cores", t.said("clock"), checks(t), f"[CSV](gpu-{p})"] for t, p in zip(found, names(directory, found))])
+    devices = table(["device", "driver", "kind", "processor", "busy before with", "clock", "held against the CPU path", "figures"],
+                    [[t.said("device"), t.said("driver"), t.said("kind").split(":")[0], f"{t.said('machine')}, {t.said('cores').split(' (')[0]} cores", t.said("load before").split(",")[0] or "–", t.said("clock"), checks(t), f"[CSV](gpu-{p})"] for t, p in zip(found, names(directory, found))])
     left_out = "".join(f"- {device(t)}: {text}\n" for t in found for text in t.comments.get("left out", []))
     text = f"""# Graphics devices
 

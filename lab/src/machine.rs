@@ -22,6 +22,12 @@ impl Machine {
         Self { cpu, cores: std::thread::available_parallelism().map_or(1, usize::from) }
     }
 
+    /// How many tasks were running or waiting over the last minute, on the mean: what the machine is busy with besides. Nothing
+    /// where the system does not tell.
+    pub fn load() -> Option<f64> {
+        fs::read_to_string("/proc/loadavg").ok()?.split_whitespace().next()?.parse().ok()
+    }
+
     /// For the top of a CSV file; `threads` says on how many of them costs are.
     pub fn comments(&self, threads: &str) -> Vec<(&'static str, String)> {
         vec![

@@ -124,6 +124,8 @@ pub struct Findings {
     all: Vec<Finding>,
     /// What could not be measured, and why.
     left_out: Vec<String>,
+    /// What the machine was busy with before: tasks running or waiting.
+    pub load: Option<f64>,
 }
 
 impl Findings {
@@ -197,6 +199,9 @@ impl Findings {
             if gpu.software { "software driver: aims for real cards are shown, not judged" } else { "graphics card" },
         );
         table.comment("clock", gpu.clock());
+        if let Some(load) = self.load {
+            table.comment("load before", format!("{load:.2} tasks running or waiting, the mean of a minute"));
+        }
         table.comment("command", recipe);
         for text in &self.left_out {
             table.comment("left out", text);

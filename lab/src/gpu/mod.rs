@@ -99,26 +99,26 @@ const WORKLOADS: &[Workload] = &[
             &[K, 3 * K, 10 * K, 30 * K, 100 * K, 300 * K, M, 3 * M, 10 * M],
             &[K, 3 * K, 10 * K, 30 * K, 100 * K, 300 * K, M],
             &[10 * K, 100 * K],
-            &[K],
+            &[256],
         ],
         run: vertices::run,
     },
     Workload {
         name: "groups",
         about: "the same in workgroups of 32 to 256",
-        sizes: [&[10 * K, 100 * K, M, 10 * M], &[10 * K, 100 * K], &[10 * K], &[K]],
+        sizes: [&[10 * K, 100 * K, M, 10 * M], &[10 * K, 100 * K], &[10 * K], &[256]],
         run: groups::run,
     },
     Workload {
         name: "impulses",
         about: "one, three and ten anchored impulses that overlap, on a fresh body; and ten that repeat a body's ten marks",
-        sizes: [&[100 * K, 10 * M], &[100 * K], &[10 * K], &[K]],
+        sizes: [&[100 * K, 10 * M], &[100 * K], &[10 * K], &[256]],
         run: impulses::run,
     },
     Workload {
         name: "carried",
         about: "one, three and ten carried marks whose stamps cover the sheet",
-        sizes: [&[100 * K, 10 * M], &[100 * K], &[10 * K], &[K]],
+        sizes: [&[100 * K, 10 * M], &[100 * K], &[10 * K], &[256]],
         run: carried::run,
     },
     Workload {
@@ -130,13 +130,13 @@ const WORKLOADS: &[Workload] = &[
     Workload {
         name: "record",
         about: "the CPU's cost of recording so many instances, each with a mark that changed",
-        sizes: [&[1, 10, 100, 1000], &[1, 10, 100, 1000], &[1, 1000], &[1, 1000]],
+        sizes: [&[1, 10, 100, 1000], &[1, 10, 100, 1000], &[1, 1000], &[1, 10]],
         run: recording::run,
     },
     Workload {
         name: "transfer",
         about: "the upload of a set with its first target, and reading the vertices back",
-        sizes: [&[10 * K, 100 * K, M, 10 * M], &[10 * K, 100 * K, M], &[10 * K], &[K]],
+        sizes: [&[10 * K, 100 * K, M, 10 * M], &[10 * K, 100 * K, M], &[10 * K], &[256]],
         run: transfer::run,
     },
     Workload { name: "library", about: "what an engine links", sizes: [&[]; 4], run: library::run },
@@ -170,6 +170,7 @@ fn on(gpu: &Gpu, options: &Options) -> Result<()> {
         (false, false) => Scale::Card,
     };
     let bench = Bench::new(gpu, scale, options.library.clone())?;
+    bench.findings.borrow_mut().load = Machine::load();
     let recipe = recipe(options);
     println!("\ndevice: {}", gpu.name);
     println!("driver: {}", gpu.driver);

@@ -25,7 +25,7 @@ const VERTICES: usize = 10_000;
 /// A tenth of the body's 79 blocks change.
 const DENT: Dent = Dent { centre: [0.5; 2], depth: 0.02, reach: Reach::Disc(0.05) };
 
-/// `counts` instances.
+/// `counts` instances; the aims are for one, and for the most.
 pub fn run(bench: &Bench<'_>, counts: &[usize]) -> Result<()> {
     let tasks = &bench.tasks;
     let vertices = if bench.scale == Scale::Least { 256 } else { VERTICES };
@@ -41,7 +41,12 @@ pub fn run(bench: &Bench<'_>, counts: &[usize]) -> Result<()> {
     {
         for count in counts {
             let what = format!("recording {count} instances");
-            bench.fits(&what, one(bench, (method, set, &marks), *count, &by_hand))?;
+            let aim = match count {
+                1 => Some("record one"),
+                _ if Some(count) == counts.last() => Some("record many"),
+                _ => None,
+            };
+            bench.fits(&what, one(bench, (method, set, &marks), (*count, aim), &by_hand))?;
         }
     }
     Ok(())
@@ -50,7 +55,7 @@ pub fn run(bench: &Bench<'_>, counts: &[usize]) -> Result<()> {
 fn one(
     bench: &Bench<'_>,
     (method, set, marks): (&str, &Arc<ExampleSet>, &[Mark]),
-    count: usize,
+    (count, aim): (usize, Option<&str>),
     by_hand: &Times,
 ) -> Result<()> {
     let instance = |_| Ok(Instance::new(set.clone(), InstanceOptions::default())?);
@@ -67,10 +72,9 @@ fn one(
     let agreement = Agreement::of(bench.gpu, &format!("{count} instances"), &got, &wanted)?;
     let found = |method: &str, times| Finding::time("record", method, &count.to_string(), 0, times, "µs");
     let finding = found(method, &changed).beside("by hand", by_hand, Sense::Cost).checked(agreement);
-    bench.add(match count {
-        1 => finding.aim("record one"),
-        1000 => finding.aim("record many"),
-        _ => finding,
+    bench.add(match aim {
+        Some(aim) => finding.aim(aim),
+        None => finding,
     });
     bench.add(found(&format!("{method} idle"), &idle).checked(agreement));
     Ok(())

@@ -11,6 +11,8 @@ fn the_tables_hold_together() {
         assert!(w.sizes.iter().all(|s| s.is_sorted() && s.is_empty() == (w.name == "library")), "{}", w.name);
         assert!(w.name.chars().all(|c| c.is_ascii_lowercase()), "{}", w.name);
     }
+    let record = WORKLOADS.iter().find(|w| w.name == "record").unwrap();
+    assert!(record.sizes[..3].iter().all(|s| s.last() == Some(&1000)), "what the aim is for");
     let goals: BTreeSet<&str> = GOALS.iter().map(|g| g.name).collect();
     assert_eq!(goals.len(), GOALS.len(), "names of aims differ");
     assert!(GOALS.iter().all(|g| !g.about.is_empty()));
