@@ -1542,7 +1542,8 @@ CrumpleResult crumple_record_deform(CrumpleContext *context,
                                     CrumpleRecordReport *out_report);
 
 /// Says that the device is done with frame and all before it: what was submitted for them has completed, as a fence or
-/// timeline semaphore says. What they used is used again, or freed. Cheap; once a frame.
+/// timeline semaphore says. What they used is used again, or freed. A number above the last recorded frame's counts as that.
+/// Cheap; once a frame.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (no
 /// device of yours is attached), CRUMPLE_ERROR_CONCURRENT_USE.

@@ -10,6 +10,15 @@ const AT_REST = 1u;
 // Of each vertex its position and, with NORMALS, its normal, not of unit length.
 @group(2) @binding(0) var<storage, read_write> state: array<u32>;
 
+// Any word of the frame.
+fn frame_float(at: u32) -> f32 {
+    return bitcast<f32>(frame[at >> 2u][at & 3u]);
+}
+
+fn frame_vector(at: u32) -> vec3<f32> {
+    return vec3(frame_float(at), frame_float(at + 1u), frame_float(at + 2u));
+}
+
 fn finite(v: vec3<f32>) -> bool {
     return all((bitcast<vec3<u32>>(v) & vec3(0x7F800000u)) != vec3(0x7F800000u));
 }
@@ -35,19 +44,18 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let target_ = vertex.target_;
-    let end = frame[target_ + 18u];
-    let constant = frame_float(target_ + 20u);
-    let given = frame[target_ + 23u];
+    let constant = bitcast<f32>(target_.f.x);
+    let given = target_.f.w;
     let words = select(3u, 6u, NORMALS);
 
-    let base = arena_vector(frame[target_] + 3u * vertex.index);
+    let base = arena_vector(target_.a.x + 3u * vertex.index);
     var position = base;
     var base_normal = vec3(0.0);
     if NORMALS {
-        base_normal = arena_vector(frame[target_ + 1u] + 3u * vertex.index);
+        base_normal = arena_vector(target_.a.y + 3u * vertex.index);
     }
     var normal = base_normal;
-    if (frame[target_ + 19u] & AT_REST) == 0u {
+    if (target_.e.w & AT_REST) == 0u {
         if given != NONE {
             let at = call.carried + given + words * vertex.index;
             position = frame_vector(at);
@@ -62,19 +70,20 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         }
     }
 
-    for (var p = frame[target_ + 17u]; p < end; p++) {
+    for (var p = target_.e.y; p < target_.e.z; p++) {
         let part = call.parts + p * PART;
-        let example = frame[part + 1u];
+        let example = quad(part).y;
+        let factors = float_quad(part + 4u);
         let head = head_of(example, vertex.block);
         if head == NONE {
             continue;
         }
-        let weight = frame_float(part + 6u);
-        let d = stored_displacement(example, head, vertex.v) * frame_float(part + 4u);
+        let weight = factors.z;
+        let d = stored_displacement(example, head, vertex.v) * factors.x;
         let moved = any(d != vec3(0.0));
         var change = vec3(0.0);
         if NORMALS {
-            change = stored_normal_change(example, head, vertex.v) * frame_float(part + 5u);
+            change = stored_normal_change(example, head, vertex.v) * factors.y;
         }
         if !moved && all(change == vec3(0.0)) {
             continue;
@@ -106,8 +115,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             shown = unit(normal, base_normal);
         }
         write_normal(target_, vertex.index, shown);
-        if TANGENTS && frame[target_ + 8u] != 0u {
-            let at = frame[target_ + 2u] + 4u * vertex.index;
+        if TANGENTS && target_.c.x != 0u {
+            let at = target_.a.z + 4u * vertex.index;
             let tangent = vec4(arena_vector(at), arena_float(at + 3u));
             write_tangent(target_, vertex.index, tangent_of(tangent, base_normal, shown));
         }

@@ -11,7 +11,7 @@ const LISTED = 2u;
 const TARGET = 24u;
 const PART = 8u;
 
-// Word offsets in `frame`.
+// Word offsets in `frame`, multiples of 4.
 struct Call {
     blocks: u32,
     targets: u32,
@@ -25,17 +25,19 @@ var<immediate> call: Call;
 
 // Meshes, examples, stamps: what does not change.
 @group(0) @binding(0) var<storage, read> arena: array<u32>;
-// The frame's blocks, targets, parts and carried parts.
-@group(0) @binding(1) var<storage, read> frame: array<u32>;
+// The frame's blocks, targets, parts and carried parts, four words at a time: invocations read them far oftener than they read
+// vertices.
+@group(0) @binding(1) var<storage, read> frame: array<vec4<u32>>;
 // The host's buffer, or a window of it.
 @group(1) @binding(0) var<storage, read_write> vertices: array<u32>;
 
-fn frame_float(at: u32) -> f32 {
-    return bitcast<f32>(frame[at]);
+// Four words of the frame from word `at` on, a multiple of 4.
+fn quad(at: u32) -> vec4<u32> {
+    return frame[at >> 2u];
 }
 
-fn frame_vector(at: u32) -> vec3<f32> {
-    return vec3(frame_float(at), frame_float(at + 1u), frame_float(at + 2u));
+fn float_quad(at: u32) -> vec4<f32> {
+    return bitcast<vec4<f32>>(quad(at));
 }
 
 fn arena_float(at: u32) -> f32 {
@@ -155,27 +157,43 @@ fn stored_normal_change(example: u32, head: u32, v: u32) -> vec3<f32> {
 
 // ---------------------------------------------------------------------------------------------------- the invocation's vertex
 
+// A target's words: src/gpu/frame.rs, `add_target`.
+struct Target {
+    // Base positions, normals, tangents in the arena; positions in the host's buffer.
+    a: vec4<u32>,
+    // Stride of positions; normals, their stride; tangents.
+    b: vec4<u32>,
+    // Stride of tangents; formats; bias x, y.
+    c: vec4<u32>,
+    // Bias z, scale.
+    d: vec4<u32>,
+    // Vertices; parts from, to; flags.
+    e: vec4<u32>,
+    // A number; bounds of blocks, windows of blocks in the arena; the state that is given.
+    f: vec4<u32>,
+}
+
 struct Vertex {
     wanted: bool,
-    // Its target in `frame`.
-    target_: u32,
     block: u32,
     // In the block, and in the mesh.
     v: u32,
     index: u32,
+    target_: Target,
 }
 
 fn vertex_of(id: vec3<u32>) -> Vertex {
     let invocation = id.y * call.row + id.x;
-    if invocation >= call.count {
-        return Vertex(false, 0u, 0u, 0u, 0u);
-    }
-    let listed = call.blocks + invocation / BLOCK * LISTED;
-    let target_ = call.targets + frame[listed] * TARGET;
-    let block = frame[listed + 1u];
+    // What is not wanted reads what the first of the dispatch reads.
+    let slot = select(invocation / BLOCK, 0u, invocation >= call.count);
+    let listed = call.blocks + slot * LISTED;
+    let two = quad(listed);
+    let here = select(two.xy, two.zw, (listed & 2u) != 0u);
+    let t = call.targets + here.x * TARGET;
+    let target_ = Target(quad(t), quad(t + 4u), quad(t + 8u), quad(t + 12u), quad(t + 16u), quad(t + 20u));
     let v = invocation % BLOCK;
-    let index = block * BLOCK + v;
-    return Vertex(index < frame[target_ + 16u], target_, block, v, index);
+    let index = here.y * BLOCK + v;
+    return Vertex(invocation < call.count && index < target_.e.x, here.y, v, index, target_);
 }
 
 // ---------------------------------------------------------------------------------------------------- the host's formats
@@ -222,25 +240,26 @@ fn write3(at: u32, v: vec3<f32>) {
     vertices[at + 2u] = bitcast<u32>(v.z);
 }
 
-fn write_position(t: u32, vertex: u32, p: vec3<f32>) {
-    let at = frame[t + 3u] + vertex * frame[t + 4u];
-    let format = frame[t + 9u] & 0xFFu;
+fn write_position(t: Target, vertex: u32, p: vec3<f32>) {
+    let at = t.a.w + vertex * t.b.x;
+    let format = t.c.y & 0xFFu;
     if format == 0u {
         write3(at, p);
     } else if format == F16X4 {
         write4(at, format, vec4(p, 1.0));
     } else {
-        write4(at, format, vec4((p - frame_vector(t + 10u)) / frame_vector(t + 13u), 1.0));
+        let bias = bitcast<vec3<f32>>(vec3(t.c.zw, t.d.x));
+        write4(at, format, vec4((p - bias) / bitcast<vec3<f32>>(t.d.yzw), 1.0));
     }
 }
 
-fn write_normal(t: u32, vertex: u32, n: vec3<f32>) {
-    let stride = frame[t + 6u];
+fn write_normal(t: Target, vertex: u32, n: vec3<f32>) {
+    let stride = t.b.z;
     if stride == 0u {
         return;
     }
-    let at = frame[t + 5u] + vertex * stride;
-    let format = (frame[t + 9u] >> 8u) & 0xFFu;
+    let at = t.b.y + vertex * stride;
+    let format = (t.c.y >> 8u) & 0xFFu;
     if format == 0u {
         write3(at, n);
     } else {
@@ -248,9 +267,9 @@ fn write_normal(t: u32, vertex: u32, n: vec3<f32>) {
     }
 }
 
-fn write_tangent(t: u32, vertex: u32, v: vec4<f32>) {
-    let at = frame[t + 7u] + vertex * frame[t + 8u];
-    let format = (frame[t + 9u] >> 16u) & 0xFFu;
+fn write_tangent(t: Target, vertex: u32, v: vec4<f32>) {
+    let at = t.b.w + vertex * t.c.x;
+    let format = (t.c.y >> 16u) & 0xFFu;
     if format == 0u {
         write3(at, v.xyz);
         vertices[at + 3u] = bitcast<u32>(v.w);

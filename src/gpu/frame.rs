@@ -51,7 +51,7 @@ pub(crate) struct Frame {
     pub left_out: u32,
 }
 
-/// Where the lists begin, words from the first one's first, and words in all.
+/// Where the lists begin, words from the first one's first, and words in all: multiples of four, as the kernels read them.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Offsets {
     pub blocks: usize,
@@ -87,10 +87,10 @@ impl Frame {
     /// # Errors
     /// [`Error::Unsupported`].
     pub(crate) fn offsets(&self) -> Result<Offsets, Error> {
-        let targets = self.blocks.len();
+        let targets = self.blocks.len().next_multiple_of(4);
         let parts = targets + self.targets.len();
         let carried = parts + self.parts.len();
-        let total = carried + self.carried.len();
+        let total = (carried + self.carried.len()).next_multiple_of(4);
         if total > u32::MAX as usize / 4 {
             let what = format!("{} bytes for the work of a frame; at most 4294967295", 4 * total as u64);
             return Err(Error::Unsupported { what });
@@ -102,8 +102,10 @@ impl Frame {
     pub(crate) fn write(&self, to: &mut [u32]) {
         let mut at = 0;
         for list in [&self.blocks, &self.targets, &self.parts, &self.carried] {
+            let end = (at + list.len()).next_multiple_of(4);
             to[at..at + list.len()].copy_from_slice(list);
-            at += list.len();
+            to[at + list.len()..end].fill(0);
+            at = end;
         }
     }
 

@@ -43,26 +43,40 @@ fn blend(at: u32, row: u32, weights: vec4<i32>) -> vec4<f32> {
     return vec4<f32>(add_half(sum, at + 4u * row + 4u, weights.w));
 }
 
-// The 3×3 matrix at `m` (columns) times `v`.
-fn turned(m: u32, v: vec3<f32>) -> vec3<f32> {
-    return frame_vector(m) * v.x + frame_vector(m + 3u) * v.y + frame_vector(m + 6u) * v.z;
+// The 3×3 matrix with these columns times `v`.
+fn turned(x: vec3<f32>, y: vec3<f32>, z: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
+    return x * v.x + y * v.y + z * v.z;
 }
 
-fn add_carried(part: u32, window: u32, v: u32, position: vec3<f32>, normal: vec3<f32>, sums: ptr<function, Sums>) {
-    let c = call.carried + frame[part + 1u] * CARRIED;
-    let p = turned(c + 3u, position - frame_vector(c));
+// `c` is the carried part's place in `frame`, `factors` are the part's own: src/gpu/frame.rs, `add_carried`.
+fn add_carried(
+    c: u32,
+    factors: vec4<f32>,
+    window: u32,
+    v: u32,
+    position: vec3<f32>,
+    normal: vec3<f32>,
+    sums: ptr<function, Sums>,
+) {
+    let q0 = float_quad(c);
+    let q1 = float_quad(c + 4u);
+    let q2 = float_quad(c + 8u);
+    let p = turned(vec3(q0.w, q1.xy), vec3(q1.zw, q2.x), q2.yzw, position - q0.xyz);
     // stamp.rs, `unrolled`, on into units of nodes.
     let steep = least((p.z * p.z) / (p.x * p.x + p.y * p.y), 2.0);
     let lift = 1.0 + steep * 0.5;
-    let gx = (p.x * lift) * frame_float(c + 12u) - frame_float(c + 14u);
-    let gy = (p.y * lift) * frame_float(c + 13u) - frame_float(c + 15u);
-    let hx = held(gx, 0.0, frame_float(c + 16u));
-    let hy = held(gy, 0.0, frame_float(c + 17u));
+    let cells = float_quad(c + 12u);
+    let q4 = float_quad(c + 16u);
+    let gx = (p.x * lift) * cells.x - cells.z;
+    let gy = (p.y * lift) * cells.y - cells.w;
+    let hx = held(gx, 0.0, q4.x);
+    let hy = held(gy, 0.0, q4.y);
     if !(gx == hx && gy == hy) {
         return;
     }
     // Nodes are at least two a side, and coordinates at least 0.
-    let dims = vec2(frame[c + 42u], frame[c + 43u]);
+    let q10 = quad(c + 40u);
+    let dims = q10.zw;
     let first = min(vec2<u32>(vec2<i32>(vec2(hx, hy))), dims - 2u);
     let x = hx - f32(first.x);
     let y = hy - f32(first.y);
@@ -71,15 +85,18 @@ fn add_carried(part: u32, window: u32, v: u32, position: vec3<f32>, normal: vec3
     let wy = i32(y * WEIGHTS);
     let neither = max(i32(WEIGHTS) - wx - wy + both, 0);
     let weights = vec4(neither, wx - both, wy - both, both);
-    let at = frame[c + 44u] + 4u * (first.x + first.y * dims.x);
+    let at = quad(c + 44u).x + 4u * (first.x + first.y * dims.x);
     let sums4 = blend(at, dims.x, weights);
-    let off = abs(p.z - sums4.w * frame_float(c + 36u));
-    let keep = held(2.0 - off * frame_float(c + 37u), 0.0, 1.0);
+    let q9 = float_quad(c + 36u);
+    let off = abs(p.z - sums4.w * q9.x);
+    let keep = held(2.0 - off * q9.y, 0.0, 1.0);
     if !(keep > 0.0) {
         return;
     }
-    let scale = frame_float(part + 4u);
-    var u = cut(turned(c + 18u, sums4.xyz) * keep, frame_float(part + 6u));
+    let scale = factors.x;
+    let q5 = float_quad(c + 20u);
+    let q6 = float_quad(c + 24u);
+    var u = cut(turned(vec3(q4.zw, q5.x), q5.yzw, q6.xyz, sums4.xyz) * keep, factors.z);
     var factor = 1.0;
     if window != NONE {
         factor = arena_float(window + v);
@@ -87,9 +104,12 @@ fn add_carried(part: u32, window: u32, v: u32, position: vec3<f32>, normal: vec3
     if NORMALS {
         let turn = blend(at + 2u, dims.x, weights);
         // A vertex that faces elsewhere than the surface of the example does not take over how that turned.
-        let apart = abs(dot3(normal, frame_vector(c + 38u)) - turn.w * frame_float(c + 41u));
+        let up = bitcast<vec2<f32>>(q10.xy);
+        let apart = abs(dot3(normal, vec3(q9.zw, up.x)) - turn.w * up.y);
         let alike = held(2.0 - (apart + apart), 0.0, 1.0);
-        var change = turned(c + 27u, turn.xyz) * (keep * alike);
+        let q7 = float_quad(c + 28u);
+        let q8 = float_quad(c + 32u);
+        var change = turned(vec3(q6.w, q7.xy), vec3(q7.zw, q8.x), q8.yzw, turn.xyz) * (keep * alike);
         if window != NONE {
             // The window's own slope tilts the surface too.
             let at = window + BLOCK + v;
@@ -115,16 +135,15 @@ fn normal_of(n: vec3<f32>, sum: vec3<f32>, change: vec3<f32>) -> vec3<f32> {
     return v * (1.0 / sqrt(square));
 }
 
-fn add_stored(part: u32, block: u32, v: u32, sums: ptr<function, Sums>) {
-    let example = frame[part + 1u];
+fn add_stored(example: u32, factors: vec4<f32>, block: u32, v: u32, sums: ptr<function, Sums>) {
     let head = head_of(example, block);
     if head == NONE {
         return;
     }
     let u = stored_displacement(example, head, v);
-    (*sums).dent = (*sums).dent + cut(u, frame_float(part + 6u)) * frame_float(part + 4u);
+    (*sums).dent = (*sums).dent + cut(u, factors.z) * factors.x;
     if NORMALS {
-        (*sums).change = (*sums).change + stored_normal_change(example, head, v) * frame_float(part + 5u);
+        (*sums).change = (*sums).change + stored_normal_change(example, head, v) * factors.y;
     }
 }
 
@@ -135,40 +154,43 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let target_ = vertex.target_;
-    let flags = frame[target_ + 19u];
-    let end = call.parts + frame[target_ + 18u] * PART;
-    var window = frame[target_ + 22u];
+    let flags = target_.e.w;
+    let end = call.parts + target_.e.z * PART;
+    var window = target_.f.z;
     if window != NONE {
         let at = arena[window + vertex.block];
         window = select(window + at, NONE, at == NONE);
     }
-    let bounds = frame[target_ + 21u] + 6u * vertex.block;
+    let bounds = target_.f.y + 6u * vertex.block;
     let low = arena_vector(bounds);
     let high = arena_vector(bounds + 3u);
 
-    let base = arena_vector(frame[target_] + 3u * vertex.index);
+    let base = arena_vector(target_.a.x + 3u * vertex.index);
     var base_normal = vec3(0.0);
     if NORMALS {
-        base_normal = arena_vector(frame[target_ + 1u] + 3u * vertex.index);
+        base_normal = arena_vector(target_.a.y + 3u * vertex.index);
     }
 
     var sums = Sums(vec3(0.0), vec3(0.0), 0.0, vec3(0.0));
     // A dent is a head, which tells how far it reaches and how many parts follow.
-    var at = call.parts + frame[target_ + 17u] * PART;
+    var at = call.parts + target_.e.y * PART;
     while at < end {
-        let after = at + PART + frame[at + 4u] * PART;
-        let contact = frame_vector(at);
+        let after = at + PART + quad(at + 4u).x * PART;
+        let contact = float_quad(at);
         let off = vec3(
             most(most(low.x - contact.x, contact.x - high.x), 0.0),
             most(most(low.y - contact.y, contact.y - high.y), 0.0),
             most(most(low.z - contact.z, contact.z - high.z), 0.0),
         );
-        if dot3(off, off) <= frame_float(at + 3u) {
+        if dot3(off, off) <= contact.w {
             for (var part = at + PART; part < after; part += PART) {
-                if (frame[part] & IS_CARRIED) != 0u {
-                    add_carried(part, window, vertex.v, base, base_normal, &sums);
+                let what = quad(part);
+                let factors = float_quad(part + 4u);
+                if (what.x & IS_CARRIED) != 0u {
+                    let c = call.carried + what.y * CARRIED;
+                    add_carried(c, factors, window, vertex.v, base, base_normal, &sums);
                 } else {
-                    add_stored(part, vertex.block, vertex.v, &sums);
+                    add_stored(what.y, factors, vertex.block, vertex.v, &sums);
                 }
             }
             sums.all = sums.all + sums.dent;
@@ -190,7 +212,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             allowed = least(sqrt(sums.squares), allowed);
         }
         if (flags & LIMITED) != 0u {
-            allowed = least(frame_float(target_ + 20u), allowed);
+            allowed = least(bitcast<f32>(target_.f.x), allowed);
         }
         if length > allowed {
             let factor = allowed / length;
@@ -202,8 +224,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if NORMALS {
         let normal = normal_of(base_normal, sums.change, change);
         write_normal(target_, vertex.index, normal);
-        if TANGENTS && frame[target_ + 8u] != 0u {
-            let at = frame[target_ + 2u] + 4u * vertex.index;
+        if TANGENTS && target_.c.x != 0u {
+            let at = target_.a.z + 4u * vertex.index;
             let tangent = vec4(arena_vector(at), arena_float(at + 3u));
             write_tangent(target_, vertex.index, tangent_of(tangent, base_normal, normal));
         }

@@ -171,7 +171,8 @@ impl Device {
     }
 
     /// Says that the device is done with `frame` and all before it: everything that was submitted for them has completed.
-    /// What they used is used again or freed, and what belonged to sets that no target shows any more. Cheap; once a frame.
+    /// What they used is used again or freed, and what belonged to sets that no target shows any more. Frames above the last
+    /// recorded count as that one. Cheap; once a frame.
     pub fn completed(&mut self, frame: u64) {
         // Frames that nothing was recorded for may be told of as well.
         self.completed = self.completed.max(frame.min(self.recorded));

@@ -73,8 +73,9 @@ impl Kernels {
             device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
         };
         let call = binding(2, wgpu::BufferBindingType::Uniform, true, size_of::<Call>() as u64);
-        let read = |n| binding(n, storage(true), false, 4);
-        let work = layout("crumple: work", &[read(0), read(1), call]);
+        // The frame is read four words at a time.
+        let read = |n, least| binding(n, storage(true), false, least);
+        let work = layout("crumple: work", &[read(0, 4), read(1, 16), call]);
         let one = layout("crumple: buffer", &[binding(0, storage(false), false, 4)]);
         let groups = [Some(&work), Some(&one), Some(&one)];
         let layouts = [2, 3].map(|count| {

@@ -141,7 +141,8 @@ fn recordings_that_will_not_do_are_refused_and_change_nothing() {
         let (seen, id) = engine.target_buffer(&mut crumple, plan.size);
         let mut target = crumple.add_target(&set, &plan.def(id)).unwrap();
         let instance = folded(&set, 5, 1);
-        crumple.completed(3);
+        // Nothing was recorded yet: that is of no frame to come.
+        crumple.completed(u64::MAX);
         let record = |d: &mut Device, c, frame, instance: &Instance, target: &mut Target| {
             // SAFETY: the command buffer is recording, or nothing is recorded.
             unsafe { d.record(c, frame, &mut [RecordJob { instance, target }]) }
@@ -149,7 +150,7 @@ fn recordings_that_will_not_do_are_refused_and_change_nothing() {
         engine.run(|c| {
             let none = vk::CommandBuffer::null();
             refused(record(&mut crumple, none, 4, &instance, &mut target), InvalidArgument, &["VkCommandBuffer"]);
-            refused(record(&mut crumple, c, 3, &instance, &mut target), InvalidArgument, &["frame", "3"]);
+            refused(record(&mut crumple, c, 0, &instance, &mut target), InvalidArgument, &["frame", "0"]);
             refused(record(&mut other, c, 4, &instance, &mut target), InvalidArgument, &["target of job 0"]);
             let stranger = folded(&scenes::ball_set(), 1, 1);
             refused(record(&mut crumple, c, 4, &stranger, &mut target), InvalidArgument, &["example set", "job 0"]);

@@ -1,4 +1,4 @@
-//! `crumple apply --gpu`, where the command is built.
+//! `crumple apply --gpu`.
 
 use std::process::Command;
 
@@ -6,9 +6,7 @@ use crate::harness::on_each_device;
 
 #[test]
 fn the_command_deforms_on_the_gpu() {
-    let Some(program) = option_env!("CARGO_BIN_EXE_crumple") else {
-        return eprintln!("left out: the command is not built");
-    };
+    let program = env!("CARGO_BIN_EXE_crumple");
     let folder = tempfile::tempdir().unwrap();
     let root = env!("CARGO_MANIFEST_DIR");
     let (body, impacts) = (format!("{root}/assets/demo/hood.glb"), format!("{root}/assets/demo/hood.json"));

@@ -3,6 +3,7 @@
 
 #[cfg(any(windows, target_os = "linux", target_os = "android", target_os = "freebsd"))]
 mod adopted;
+#[cfg(feature = "cli")]
 mod command;
 mod errors;
 mod frames;
