@@ -151,11 +151,6 @@ impl Findings {
     }
 
     #[cfg(test)]
-    pub fn all(&self) -> &[Finding] {
-        &self.all
-    }
-
-    #[cfg(test)]
     pub fn rows(&self) -> &[Row] {
         self.report.rows()
     }
