@@ -40,6 +40,7 @@ pub(super) struct BufferEntry {
 }
 
 /// Where a buffer's vertices are.
+#[cfg_attr(not(feature = "vulkan"), expect(clippy::large_enum_variant, reason = "the other one is never made then"))]
 pub(super) enum Memory {
     Host(HostMemory, Tracker),
     Vulkan(VulkanMemory),
