@@ -6,7 +6,7 @@ use anyhow::Result;
 use xshell::cmd;
 
 use crate::install::Profile;
-use crate::workspace::{TESTED, Workspace};
+use crate::workspace::Workspace;
 
 pub struct Command<'a> {
     workspace: &'a Workspace,
@@ -19,8 +19,10 @@ impl<'a> Command<'a> {
     /// A debug build is the one that the tests use. Other builds are without the GPU unless it is wanted.
     pub fn build(workspace: &'a Workspace, profile: Profile, gpu: Option<&str>) -> Result<Self> {
         let release = ["--package", "crumple", "--features", if gpu.is_some() { "cli,wgpu" } else { "cli" }];
-        let what = if profile == Profile::Debug { TESTED } else { &release };
-        workspace.cargo(&["build", "--bin", "crumple"]).args(what).args(profile.flags()).run()?;
+        match profile {
+            Profile::Debug => workspace.build_as_tested(&["--bin", "crumple"]).run()?,
+            Profile::Release => workspace.cargo(&["build", "--release", "--bin", "crumple"]).args(release).run()?,
+        }
         let program = workspace.target.join(profile.directory()).join("crumple");
         let program = program.with_extension(std::env::consts::EXE_EXTENSION);
         Ok(Self { workspace, program, gpu: gpu.map(str::to_owned) })

@@ -16,7 +16,7 @@ use object::Endianness;
 use object::elf::{DT_SONAME, FileHeader64};
 use object::read::elf::FileHeader;
 
-use crate::workspace::{TESTED, Workspace};
+use crate::workspace::Workspace;
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Profile {
@@ -30,13 +30,6 @@ impl Profile {
         match self {
             Self::Debug => "debug",
             Self::Release => "release",
-        }
-    }
-
-    pub fn flags(self) -> &'static [&'static str] {
-        match self {
-            Self::Debug => &[],
-            Self::Release => &["--release"],
         }
     }
 }
@@ -56,8 +49,10 @@ pub struct Built {
 /// tests use, which has all features.
 pub fn build(workspace: &Workspace, profile: Profile) -> Result<Built> {
     let release = ["--package", "crumple", "--features", "host-allocator"];
-    let what = if profile == Profile::Debug { TESTED } else { &release };
-    workspace.cargo(&["build", "--lib"]).args(what).args(profile.flags()).run()?;
+    match profile {
+        Profile::Debug => workspace.build_as_tested(&["--lib"]).run()?,
+        Profile::Release => workspace.cargo(&["build", "--release", "--lib"]).args(release).run()?,
+    }
     let directory = workspace.target.join(profile.directory());
     let (shared, import, static_library) = if cfg!(windows) {
         ("crumple.dll", Some("crumple.dll.lib"), "crumple.lib")

@@ -7,7 +7,7 @@ use xshell::{Shell, cmd};
 
 /// What is built for tests, by every stage alike, so that it is built once: Cargo makes another library for each choice of
 /// packages and features. The lab is without the engines it compares with: they take longer to build than all the rest.
-pub const TESTED: &[&str] = &[
+const TESTED: &[&str] = &[
     "--package",
     "crumple",
     "--package",
@@ -43,6 +43,12 @@ impl Workspace {
     /// `cargo`, which rustup keeps to the toolchain that runs this program.
     pub fn cargo(&self, arguments: &[&str]) -> xshell::Cmd<'_> {
         cmd!(self.shell, "cargo {arguments...}")
+    }
+
+    /// `cargo build` of what `arguments` choose of the Rust code, as the tests have it. A test is built along with it: without one
+    /// Cargo leaves out the features that tests ask of dependencies, and builds everything again for the next test.
+    pub fn build_as_tested(&self, arguments: &[&str]) -> xshell::Cmd<'_> {
+        self.cargo(&["build"]).args(TESTED).args(arguments).args(["--test", "paper_equations"])
     }
 
     /// `cargo test` of the Rust code, or of what `arguments` choose of it.
