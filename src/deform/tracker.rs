@@ -78,15 +78,20 @@ impl Tracker {
         self.changed.clear();
     }
 
-    /// Notes that all dirty blocks will be written elsewhere than on the CPU, and all vertices then lie in a box.
+    /// Notes that these blocks, the dirty ones, will be written elsewhere than on the CPU, and that all vertices then lie in a box.
+    /// Answers how many vertices are written.
     #[cfg(feature = "gpu")]
-    pub(crate) fn recorded(&mut self, (instance, lod, vertices): (&Instance, usize, usize), bounds: Aabb) {
-        let mut changed = std::mem::take(&mut self.changed);
-        changed.clear();
-        self.dirty(instance.changes(), lod).for_each(|b| add(&mut changed, block_range(b, vertices)));
-        self.changed = changed;
+    pub(crate) fn recorded(
+        &mut self,
+        (instance, lod, vertices): (&Instance, usize, usize),
+        blocks: impl Iterator<Item = usize>,
+        bounds: Aabb,
+    ) -> u64 {
+        self.changed.clear();
+        blocks.for_each(|b| add(&mut self.changed, block_range(b, vertices)));
         self.bounds = Some(bounds);
         self.holds(instance.changes(), lod);
+        self.changed.iter().map(|r| u64::from(r.end - r.start)).sum()
     }
 
     fn holds(&mut self, changes: &Changes, lod: usize) {

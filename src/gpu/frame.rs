@@ -16,9 +16,10 @@ use crate::skin::Skin;
 use crate::stamp::{FACING, Stamp};
 use crate::{Error, Instance};
 use glam::{Mat3, Vec3};
+use std::ops::Range;
 
 /// Words of each kind, as in the kernels.
-pub(crate) const BLOCK_WORDS: usize = 2;
+pub(super) const BLOCK_WORDS: usize = 2;
 const PART_WORDS: usize = 8;
 const CARRIED_WORDS: usize = 48;
 const TARGET_WORDS: usize = 24;
@@ -109,14 +110,20 @@ impl Frame {
         }
     }
 
-    /// Adds blocks of the target that was added last, and answers how many.
-    pub(crate) fn add_blocks(&mut self, blocks: impl Iterator<Item = usize>) -> usize {
+    /// Adds blocks of the target that was added last, and answers their places among all.
+    pub(crate) fn add_blocks(&mut self, blocks: impl Iterator<Item = usize>) -> Range<usize> {
         let target = (self.targets.len() / TARGET_WORDS) as u32 - 1;
-        let before = self.blocks.len();
+        let before = self.blocks();
         for block in blocks {
             self.blocks.extend_from_slice(&[target, block as u32]);
         }
-        (self.blocks.len() - before) / BLOCK_WORDS
+        before..self.blocks()
+    }
+
+    /// The blocks at these places, as they were added.
+    pub(crate) fn listed(&self, places: &Range<usize>) -> impl Iterator<Item = usize> {
+        let words = &self.blocks[places.start * BLOCK_WORDS..places.end * BLOCK_WORDS];
+        words.chunks_exact(BLOCK_WORDS).map(|w| w[1] as usize)
     }
 
     /// Adds a target of an instance with marks, and answers a box that holds its vertices.

@@ -6,12 +6,14 @@ mod format;
 mod frame;
 mod skin;
 mod spirv;
+mod target;
 
 pub use format::{Attribute, Encoding, encode};
 pub(crate) use format::{Layout, Stream};
-pub(crate) use frame::{BLOCK_WORDS, Frame, Offsets, Shown};
+pub(crate) use frame::{Frame, Offsets, Shown};
 pub(crate) use skin::{Place, SkinWords, StampWords};
 pub(crate) use spirv::with_workgroup;
+pub(crate) use target::{Call, Kernel, check_scale, stream};
 
 /// Of nothing, where a word offset is expected.
 const NONE: u32 = u32::MAX;

@@ -2,10 +2,10 @@
 
 use super::arena::Home;
 use super::device::{Device, Gpu};
-use super::kernels::{Kernel, Kernels, Set};
+use super::kernels::{Kernels, Set};
 use super::state::State;
 use crate::examples::ExampleSet;
-use crate::gpu::{self, Encoding, Layout};
+use crate::gpu::{self, Encoding, Kernel, Layout};
 use crate::{Aabb, Error, Tracker};
 use ash::vk::{self, Handle};
 use std::ops::Range;
@@ -269,18 +269,7 @@ impl Device {
         if needed > size {
             return Err(Error::BufferTooSmall { name: "the buffer".into(), size, needed });
         }
-        let kernel = match (layout.normals, layout.tangents) {
-            (_, Some(_)) => Kernel::Tangents,
-            (Some(_), None) => Kernel::Normals,
-            (None, None) => Kernel::Positions,
-        };
-        if kernel > Kernel::Positions && skin.mesh.normals().is_none() {
-            let what = "a normal or tangent output: the mesh has neither normals nor triangles to compute them from";
-            return Err(Error::Unsupported { what: what.into() });
-        }
-        if kernel == Kernel::Tangents && skin.mesh.tangents().is_none() {
-            return Err(Error::Unsupported { what: "a tangent output: the mesh has no tangents".into() });
-        }
+        let kernel = Kernel::of(&layout, &skin.mesh)?;
         let (low, high) = layout.check(skin.vertex_count(), def.size)?;
         let written = def.offset + low..def.offset + high;
         let host = self.hosts.get_mut(def.buffer)?;
@@ -335,13 +324,7 @@ impl Host {
 fn layout(def: &TargetDef) -> Result<Layout, Error> {
     use vk::Format;
     let stream = |name: &str, s: &Stream, allowed: &[(Format, Encoding)]| {
-        let found = allowed.iter().find(|(format, _)| *format == s.format);
-        let Some((_, encoding)) = found else {
-            let names: Vec<String> = allowed.iter().map(|(format, _)| format!("{format:?}")).collect();
-            let name = format!("the {name} format");
-            return Err(Error::invalid(&name, format!("{:?}", s.format), &format!("one of {}", names.join(", "))));
-        };
-        Ok(gpu::Stream { offset: s.offset, stride: s.stride, encoding: *encoding })
+        gpu::stream(name, (s.offset, s.stride, s.format), allowed)
     };
     let (half, snorm16) = (Format::R16G16B16A16_SFLOAT, Format::R16G16B16A16_SNORM);
     let packed = [(snorm16, Encoding::Snorm16x4), (Format::R8G8B8A8_SNORM, Encoding::Snorm8x4)];
@@ -350,11 +333,7 @@ fn layout(def: &TargetDef) -> Result<Layout, Error> {
     let of_normals = [floats(Format::R32G32B32_SFLOAT), packed[0], packed[1]];
     let of_tangents = [floats(Format::R32G32B32A32_SFLOAT), packed[0], packed[1]];
     let positions = stream("position", &def.positions, &of_positions)?;
-    let scales = def.scale.iter().all(|s| *s > 0.0 && s.is_finite()) && def.bias.iter().all(|b| b.is_finite());
-    if positions.encoding == Encoding::Snorm16x4 && !scales {
-        let value = format!("{:?}, bias {:?}", def.scale, def.bias);
-        return Err(Error::invalid("the scale", value, "above 0 and finite, the bias finite, m"));
-    }
+    gpu::check_scale(&positions, def.scale, def.bias)?;
     Ok(Layout {
         positions,
         normals: def.normals.as_ref().map(|s| stream("normal", s, &of_normals)).transpose()?,

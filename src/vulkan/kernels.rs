@@ -3,17 +3,9 @@
 use super::device::Gpu;
 use super::functions::{Functions, checked};
 use crate::Error;
-use crate::gpu::with_workgroup;
+use crate::gpu::{Call, Kernel, with_workgroup};
 use ash::vk::{self, Handle};
 use std::ptr::{null, null_mut};
-
-/// How much of a vertex a kernel writes; each writes what those before it do.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Kernel {
-    Positions,
-    Normals,
-    Tangents,
-}
 
 macro_rules! spirv {
     ($name:literal) => {
@@ -30,9 +22,6 @@ const MODULES: [&[u8]; 6] = [
     spirv!("classic_normals"),
     spirv!("classic_tangents"),
 ];
-/// What a kernel is told at a dispatch: `Call` in common.wgsl.
-pub(super) type Call = [u32; 6];
-
 /// Layouts and pipelines.
 #[derive(Debug, Default)]
 pub(super) struct Kernels {
@@ -46,14 +35,10 @@ pub(super) struct Kernels {
     pipelines: [vk::Pipeline; 6],
 }
 
-fn number(kernel: Kernel, classic: bool) -> usize {
-    kernel as usize + if classic { 3 } else { 0 }
-}
-
 impl Kernels {
     /// A pipeline that was added.
     pub(super) fn pipeline(&self, kernel: Kernel, classic: bool) -> vk::Pipeline {
-        self.pipelines[number(kernel, classic)]
+        self.pipelines[kernel.number(classic)]
     }
 }
 
@@ -107,7 +92,7 @@ impl Gpu {
 
     /// Makes sure that there is a pipeline for a kernel.
     pub(super) fn add_pipeline(&self, k: &mut Kernels, kernel: Kernel, classic: bool) -> Result<(), Error> {
-        let (f, device, number) = (&self.functions, self.device, number(kernel, classic));
+        let (f, device, number) = (&self.functions, self.device, kernel.number(classic));
         if !k.pipelines[number].is_null() {
             return Ok(());
         }

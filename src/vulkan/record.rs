@@ -2,8 +2,7 @@
 
 use super::device::{Device, Gpu};
 use super::host::{BufferId, Hosts, Target};
-use super::kernels::{Call, Kernel};
-use crate::gpu::{BLOCK_WORDS, Frame, Offsets, Shown};
+use crate::gpu::{Call, Frame, Kernel, Offsets, Shown};
 use crate::{Aabb, Error, Instance};
 use ash::vk::{self, Handle};
 use std::ops::Range;
@@ -47,8 +46,8 @@ pub(super) struct Scratch {
     frame: Frame,
     /// Jobs with something to write, those of one dispatch side by side.
     order: Vec<(Key, u32)>,
-    /// Of each of these a box that will hold its vertices.
-    bounds: Vec<Aabb>,
+    /// Of each of these a box that will hold its vertices, and the places of its blocks in the frame.
+    shown: Vec<(Aabb, Range<usize>)>,
     dispatches: Vec<Dispatch>,
     /// Windows that are written.
     writes: Vec<(BufferId, usize)>,
@@ -134,7 +133,7 @@ impl Device {
         let mut report = RecordReport::default();
         s.frame.clear();
         s.order.clear();
-        s.bounds.clear();
+        s.shown.clear();
         s.dispatches.clear();
         s.writes.clear();
         s.transfers.clear();
@@ -172,16 +171,17 @@ impl Device {
                 s.writes.push((key.buffer, key.window));
             }
             let shown = Shown { instance, skin, place, layout: &target.layout, first: target.first };
-            s.bounds.push(match instance.classic_state() {
+            let bounds = match instance.classic_state() {
                 Some(state) => {
                     let since = target.tracker.since(instance.changes(), target.lod);
                     s.frame.classic_target(&shown, state, normals, since)
                 }
                 None => s.frame.target(&shown),
-            });
-            let count = s.frame.add_blocks(target.tracker.dirty(instance.changes(), target.lod)) as u64;
-            report.blocks_written += count;
-            report.blocks_skipped += skin.blocks() as u64 - count;
+            };
+            let blocks = s.frame.add_blocks(target.tracker.dirty(instance.changes(), target.lod));
+            report.blocks_written += blocks.len() as u64;
+            report.blocks_skipped += (skin.blocks() - blocks.len()) as u64;
+            s.shown.push((bounds, blocks));
             if let Some(dispatch) = s.dispatches.last_mut() {
                 dispatch.blocks.end = s.frame.blocks();
                 dispatch.kernel = dispatch.kernel.max(target.kernel);
@@ -296,18 +296,8 @@ impl Device {
                 );
             }
             previous = Some(d.key.handle);
-            let count = (d.blocks.len() as u64 * BLOCK) as u32;
-            let groups = count.div_ceil(self.workgroup);
-            let across = groups.min(self.gpu.limits.max_compute_work_group_count[0]);
-            let call: Call = [
-                (offsets.blocks + d.blocks.start * BLOCK_WORDS) as u32,
-                offsets.targets as u32,
-                offsets.parts as u32,
-                offsets.carried as u32,
-                // One row never reaches it.
-                across.saturating_mul(self.workgroup),
-                count,
-            ];
+            let most = self.gpu.limits.max_compute_work_group_count[0];
+            let (call, [across, rows]) = offsets.call(&d.blocks, self.workgroup, most);
             let sets =
                 [slot.set(d.key.chunk).handle, window.set.handle, state(d).map_or(window.set.handle, |s| s.set())];
             let (count_of_sets, pipeline) = match d.key.classic {
@@ -324,7 +314,7 @@ impl Device {
                 (f.cmd_bind_sets)(commands, point, kernels.layout, 0, count_of_sets, sets.as_ptr(), 0, null());
                 let size = size_of::<Call>() as u32;
                 (f.cmd_push_constants)(commands, kernels.layout, compute, 0, size, call.as_ptr().cast());
-                (f.cmd_dispatch)(commands, across, groups.div_ceil(across), 1);
+                (f.cmd_dispatch)(commands, across, rows, 1);
             }
         }
         cmd_barrier(&self.gpu, commands, (own, to), &s.after);
@@ -376,13 +366,13 @@ fn written(s: &Scratch, jobs: &mut [RecordJob<'_>], frame: u64) -> u64 {
     for job in jobs.iter_mut() {
         job.target.tracker.unchanged();
     }
-    for ((_, j), bounds) in s.order.iter().zip(&s.bounds) {
+    for ((_, j), (bounds, blocks)) in s.order.iter().zip(&s.shown) {
         let RecordJob { instance, target } = &mut jobs[*j as usize];
         let Ok(skin) = instance.example_set().lod(target.lod) else { continue };
-        target.tracker.recorded((instance, target.lod, skin.vertex_count()), *bounds);
+        let of = (*instance, target.lod, skin.vertex_count());
+        vertices += target.tracker.recorded(of, s.frame.listed(blocks), *bounds);
         target.home.used.fetch_max(frame, Ordering::Relaxed);
         target.written_in = frame;
-        vertices += target.changed().iter().map(|r| u64::from(r.end - r.start)).sum::<u64>();
     }
     vertices
 }

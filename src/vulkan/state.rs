@@ -50,7 +50,7 @@ impl Device {
         }
         self.gpu.add_pipeline(&mut self.kernels, target.kernel, true)?;
         let vertices = instance.example_set().vertex_count() as u64;
-        let bytes = vertices * if target.kernel > super::kernels::Kernel::Positions { 24 } else { 12 };
+        let bytes = vertices * target.kernel.state_bytes();
         let most = u64::from(self.gpu.limits.max_storage_buffer_range);
         if bytes > most {
             let what =

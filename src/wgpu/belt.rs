@@ -2,8 +2,9 @@
 
 use super::arena::{Arena, Chunk};
 use super::device::Gpu;
-use super::kernels::{Call, Kernels};
+use super::kernels::Kernels;
 use crate::Error;
+use crate::gpu::Call;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
 

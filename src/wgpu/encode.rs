@@ -1,10 +1,9 @@
 //! A frame: what changed, as commands.
 
 use super::device::Device;
-use super::kernels::{Call, Kernel};
 use super::target::Target;
-use crate::anchored::{self, block_range};
-use crate::gpu::{BLOCK_WORDS, Frame, Shown};
+use crate::anchored;
+use crate::gpu::{Frame, Kernel, Shown};
 use crate::{Aabb, Error, Instance};
 use std::ops::Range;
 use std::sync::Arc;
@@ -45,8 +44,8 @@ pub(super) struct Scratch {
     frame: Frame,
     /// Jobs with something to write, those of one dispatch side by side.
     order: Vec<(Key, u32)>,
-    /// Of each of these a box that will hold its vertices.
-    bounds: Vec<Aabb>,
+    /// Of each of these a box that will hold its vertices, and the places of its blocks in the frame.
+    shown: Vec<(Aabb, Range<usize>)>,
     dispatches: Vec<Dispatch>,
     /// The frame, and behind it a call for each dispatch.
     words: Vec<u32>,
@@ -96,7 +95,7 @@ impl Device {
     ) -> Result<EncodeReport, Error> {
         self.heard()?;
         let mut scratch = std::mem::take(&mut self.scratch);
-        let encoded = self.prepare(&mut scratch, jobs).and_then(|mut report| {
+        let mut encoded = self.prepare(&mut scratch, jobs).and_then(|mut report| {
             if report.blocks_written > 0 {
                 self.provide(&scratch, jobs)?;
                 self.belt.copy(&self.gpu, encoder, &scratch.words)?;
@@ -105,8 +104,8 @@ impl Device {
             }
             Ok(report)
         });
-        if encoded.is_ok() {
-            written(&scratch, jobs);
+        if let Ok(report) = &mut encoded {
+            report.vertices_written = written(&scratch, jobs);
         }
         self.scratch = scratch;
         encoded
@@ -138,7 +137,7 @@ impl Device {
         let mut report = EncodeReport::default();
         s.frame.clear();
         s.order.clear();
-        s.bounds.clear();
+        s.shown.clear();
         s.dispatches.clear();
         for (j, job) in jobs.iter().enumerate() {
             self.check(job, j)?;
@@ -165,18 +164,17 @@ impl Device {
                 s.dispatches.push(Dispatch { key: *key, job: *j, kernel, blocks, groups: [0; 2], call: 0 });
             }
             let shown = Shown { instance, skin, place, layout: &target.layout, first: target.first };
-            s.bounds.push(match instance.classic_state() {
+            let bounds = match instance.classic_state() {
                 Some(state) => {
                     let since = target.tracker.since(instance.changes(), target.lod);
                     s.frame.classic_target(&shown, state, normals, since)
                 }
                 None => s.frame.target(&shown),
-            });
-            let dirty = || target.tracker.dirty(instance.changes(), target.lod);
-            let count = s.frame.add_blocks(dirty()) as u64;
-            report.vertices_written += dirty().map(|b| block_range(b, skin.vertex_count()).len() as u64).sum::<u64>();
-            report.blocks_written += count;
-            report.blocks_skipped += skin.blocks() as u64 - count;
+            };
+            let blocks = s.frame.add_blocks(target.tracker.dirty(instance.changes(), target.lod));
+            report.blocks_written += blocks.len() as u64;
+            report.blocks_skipped += (skin.blocks() - blocks.len()) as u64;
+            s.shown.push((bounds, blocks));
             if let Some(dispatch) = s.dispatches.last_mut() {
                 dispatch.blocks.end = s.frame.blocks();
                 dispatch.kernel = dispatch.kernel.max(target.kernel);
@@ -212,7 +210,7 @@ impl Device {
             return Ok(());
         }
         let vertices = instance.example_set().vertex_count() as u64;
-        let bytes = vertices * if target.kernel > Kernel::Positions { 24 } else { 12 };
+        let bytes = vertices * target.kernel.state_bytes();
         let most = self.gpu.most_bound();
         if bytes > most {
             let what = format!(
@@ -241,19 +239,8 @@ impl Device {
         s.words.resize(offsets.total, 0);
         s.frame.write(&mut s.words);
         for d in &mut s.dispatches {
-            let count = (d.blocks.len() as u64 * BLOCK) as u32;
-            let groups = count.div_ceil(self.workgroup);
-            let across = groups.min(most);
-            d.groups = [across, groups.div_ceil(across)];
-            let call: Call = [
-                (offsets.blocks + d.blocks.start * BLOCK_WORDS) as u32,
-                offsets.targets as u32,
-                offsets.parts as u32,
-                offsets.carried as u32,
-                // One row never reaches it.
-                across.saturating_mul(self.workgroup),
-                count,
-            ];
+            let (call, groups) = offsets.call(&d.blocks, self.workgroup, most);
+            d.groups = groups;
             s.words.resize(s.words.len().next_multiple_of(align), 0);
             d.call = (4 * s.words.len()) as u32;
             s.words.extend(call);
@@ -298,14 +285,17 @@ impl Device {
     }
 }
 
-/// Notes what each target will hold.
-fn written(s: &Scratch, jobs: &mut [EncodeJob<'_>]) {
+/// Notes what each target will hold; answers how many vertices are written.
+fn written(s: &Scratch, jobs: &mut [EncodeJob<'_>]) -> u64 {
+    let mut vertices = 0;
     for job in jobs.iter_mut() {
         job.target.tracker.unchanged();
     }
-    for ((_, j), bounds) in s.order.iter().zip(&s.bounds) {
+    for ((_, j), (bounds, blocks)) in s.order.iter().zip(&s.shown) {
         let EncodeJob { instance, target } = &mut jobs[*j as usize];
         let Ok(skin) = instance.example_set().lod(target.lod) else { continue };
-        target.tracker.recorded((instance, target.lod, skin.vertex_count()), *bounds);
+        let of = (*instance, target.lod, skin.vertex_count());
+        vertices += target.tracker.recorded(of, s.frame.listed(blocks), *bounds);
     }
+    vertices
 }

@@ -2,20 +2,9 @@
 
 use super::device::Gpu;
 use crate::Error;
-use crate::gpu::with_workgroup;
+use crate::gpu::{Call, Kernel, with_workgroup};
 use std::num::NonZero;
 use std::sync::atomic::Ordering;
-
-/// How much of a vertex a kernel writes; each writes what those before it do.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Kernel {
-    Positions,
-    Normals,
-    Tangents,
-}
-
-/// What a kernel is told at a dispatch: `Call` in common.wgsl.
-pub(super) type Call = [u32; 6];
 
 macro_rules! built {
     ($include:ident $name:literal) => {
@@ -37,10 +26,6 @@ const SOURCES: [&str; 2] = [built!(include_str "marks_uniform.wgsl"), built!(inc
 const ON: [&[(&str, f64)]; 3] = [&[], &[("NORMALS", 1.0)], &[("NORMALS", 1.0), ("TANGENTS", 1.0)]];
 const NAMES: [&str; 2] = ["crumple: marks", "crumple: classic"];
 const WORKGROUP: &str = "@workgroup_size(128)";
-
-fn number(kernel: Kernel, classic: bool) -> usize {
-    kernel as usize + if classic { 3 } else { 0 }
-}
 
 /// Layouts, and the pipelines that were needed so far.
 pub(super) struct Kernels {
@@ -90,7 +75,7 @@ impl Kernels {
 
     /// Makes sure that there is a pipeline for a kernel.
     pub(super) fn add_pipeline(&mut self, gpu: &Gpu, kernel: Kernel, classic: bool) -> Result<(), Error> {
-        let pipeline = &mut self.pipelines[number(kernel, classic)];
+        let pipeline = &mut self.pipelines[kernel.number(classic)];
         if pipeline.is_some() {
             return Ok(());
         }
@@ -99,7 +84,7 @@ impl Kernels {
         let exact = gpu.takes_spirv();
         let made = gpu.checked("making a compute pipeline", 0, || {
             let module = if exact {
-                let words = with_workgroup(MODULES[number(kernel, classic)], self.workgroup);
+                let words = with_workgroup(MODULES[kernel.number(classic)], self.workgroup);
                 let spirv = Some(words.into());
                 let descriptor = wgpu::ShaderModuleDescriptorPassthrough {
                     label,
@@ -139,7 +124,7 @@ impl Kernels {
 
     /// A pipeline that was added.
     pub(super) fn pipeline(&self, (kernel, classic): (Kernel, bool)) -> Option<&wgpu::ComputePipeline> {
-        self.pipelines[number(kernel, classic)].as_ref()
+        self.pipelines[kernel.number(classic)].as_ref()
     }
 }
 

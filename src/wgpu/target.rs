@@ -2,9 +2,9 @@
 
 use super::arena::Home;
 use super::device::{Device, Gpu};
-use super::kernels::{Kernel, Kernels};
+use super::kernels::Kernels;
 use crate::examples::ExampleSet;
-use crate::gpu::{self, Encoding, Layout};
+use crate::gpu::{self, Encoding, Kernel, Layout};
 use crate::{Aabb, Error, Tracker};
 use std::num::NonZero;
 use std::ops::Range;
@@ -177,18 +177,7 @@ impl Device {
         if needed > size {
             return Err(Error::BufferTooSmall { name: "the buffer".into(), size, needed });
         }
-        let kernel = match (layout.normals, layout.tangents) {
-            (_, Some(_)) => Kernel::Tangents,
-            (Some(_), None) => Kernel::Normals,
-            (None, None) => Kernel::Positions,
-        };
-        if kernel > Kernel::Positions && skin.mesh.normals().is_none() {
-            let what = "a normal or tangent output: the mesh has neither normals nor triangles to compute them from";
-            return Err(Error::Unsupported { what: what.into() });
-        }
-        if kernel == Kernel::Tangents && skin.mesh.tangents().is_none() {
-            return Err(Error::Unsupported { what: "a tangent output: the mesh has no tangents".into() });
-        }
+        let kernel = Kernel::of(&layout, &skin.mesh)?;
         let (low, high) = layout.check(skin.vertex_count(), def.size)?;
         let written = def.offset + low..def.offset + high;
         let window = self.windows.window((&self.gpu, &self.kernels), def.buffer, &written)?;
@@ -214,24 +203,14 @@ impl Device {
 fn layout(def: &TargetDef<'_>) -> Result<Layout, Error> {
     use wgpu::VertexFormat::{Float16x4, Float32x3, Float32x4, Snorm8x4, Snorm16x4};
     let stream = |name: &str, s: &Stream, allowed: &[(wgpu::VertexFormat, Encoding)]| {
-        let found = allowed.iter().find(|(format, _)| *format == s.format);
-        let Some((_, encoding)) = found else {
-            let names: Vec<String> = allowed.iter().map(|(format, _)| format!("{format:?}")).collect();
-            let name = format!("the {name} format");
-            return Err(Error::invalid(&name, format!("{:?}", s.format), &format!("one of {}", names.join(", "))));
-        };
-        Ok(gpu::Stream { offset: s.offset, stride: s.stride, encoding: *encoding })
+        gpu::stream(name, (s.offset, s.stride, s.format), allowed)
     };
     let packed = [(Snorm16x4, Encoding::Snorm16x4), (Snorm8x4, Encoding::Snorm8x4)];
     let of_positions = [(Float32x3, Encoding::F32), (Float16x4, Encoding::F16x4), packed[0]];
     let of_normals = [(Float32x3, Encoding::F32), packed[0], packed[1]];
     let of_tangents = [(Float32x4, Encoding::F32), packed[0], packed[1]];
     let positions = stream("position", &def.positions, &of_positions)?;
-    let scales = def.scale.iter().all(|s| *s > 0.0 && s.is_finite()) && def.bias.iter().all(|b| b.is_finite());
-    if positions.encoding == Encoding::Snorm16x4 && !scales {
-        let value = format!("{:?}, bias {:?}", def.scale, def.bias);
-        return Err(Error::invalid("the scale", value, "above 0 and finite, the bias finite, m"));
-    }
+    gpu::check_scale(&positions, def.scale, def.bias)?;
     Ok(Layout {
         positions,
         normals: def.normals.as_ref().map(|s| stream("normal", s, &of_normals)).transpose()?,
