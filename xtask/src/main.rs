@@ -9,6 +9,7 @@ mod fuzz;
 mod header;
 mod install;
 mod lab;
+mod messages;
 mod native;
 mod outside;
 mod peers;
