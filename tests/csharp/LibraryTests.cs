@@ -21,6 +21,7 @@ static class LibraryTests
             case "architecture": return Check.Run(Architecture);
             case "garbage": return Check.Run(Garbage);
             case "missing": return Check.Run(Missing);
+            case "beside": return Check.Run(Beside);
             default: return 2;
         }
     }
@@ -75,23 +76,31 @@ static class LibraryTests
         Named(Refused(CrumpleLibraryProblem.WrongArchitecture), "no native library");
     }
 
-    /// <summary>And found as soon as it is there.</summary>
     static void Missing()
     {
         CrumpleLibraryException error = Refused(CrumpleLibraryProblem.Missing);
         Check.Same("libcrumple.so", error.FileName, "name");
         Check.That(error.Message.Contains("LD_LIBRARY_PATH"), error.Message);
         Console.WriteLine(error.Message);
+        // Mono remembers what it did not find.
         string beside = Path.Combine(AppDomain.CurrentDomain.BaseDirectory, "libcrumple.so");
         File.Copy(file, beside);
         try
         {
-            using (CrumpleContext context = new CrumpleContext()) context.Deform();
-            Check.Same("0.1.0", CrumpleRuntime.Version, "version");
+            file = beside;
+            Named(Refused(CrumpleLibraryProblem.Missing), "is there", "start the process anew");
         }
         finally
         {
             File.Delete(beside);
         }
+    }
+
+    /// <summary>Beside the program, nobody needs to tell where it is.</summary>
+    static void Beside()
+    {
+        using (CrumpleContext context = new CrumpleContext()) context.Deform();
+        Check.Same("0.1.0", CrumpleRuntime.Version, "version");
+        Check.That((CrumpleRuntime.Features & CrumpleFeatures.Gltf) != 0, "features");
     }
 }

@@ -53,6 +53,9 @@ pub fn run(workspace: &Workspace) -> Result<Outcome> {
         let folder = if case == "missing" { built.join("empty") } else { built.join(case) };
         mono("library.exe", &folder).arg(case).arg(file).run()?;
     }
+    let beside = built.join("libcrumple.so");
+    fs::copy(libraries.join("libcrumple.so"), &beside)?;
+    mono("library.exe", &built.join("empty")).arg("beside").arg(beside).run()?;
     Ok(Outcome::Passed)
 }
 

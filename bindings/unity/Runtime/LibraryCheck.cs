@@ -68,23 +68,29 @@ namespace Crumple
         /// <summary>Loaders say "not found" for files of another processor as well: look whether there is one.</summary>
         private static CrumpleLibraryException NotLoaded(string reason)
         {
+            // Mono has nothing to tell but the name and three unknowns.
+            reason = reason.Contains("<unknown") ? "" : " (" + reason + ")";
             string here = NativeImage.OfThisProcess();
             foreach (string file in Candidates())
             {
                 string image = NativeImage.OfFile(file);
                 if (image == null) continue;
+                if (image == NativeImage.None)
+                    return Problem(CrumpleLibraryProblem.WrongArchitecture, file, null,
+                        file + " is no native library. Put the file of Crumple " + Wanted + " for " + here + " in its place.");
                 if (image != here)
                     return Problem(CrumpleLibraryProblem.WrongArchitecture, file, null,
                         file + " is for " + image + ", but this process is " + here + ". Put the file of Crumple " + Wanted + " for "
                         + here + " in its place.");
                 return Problem(CrumpleLibraryProblem.Missing, file, null,
-                    file + " is there, but the system cannot load it (" + reason
-                    + "): a library that it needs is missing, or the loader does not look in that folder.");
+                    file + " of Crumple " + Wanted + " is there, but was not loaded" + reason + ": a library that it needs is missing, the "
+                    + "loader does not look in that folder (" + SearchVariable + "), or it came there after this process had looked: then "
+                    + "start the process anew.");
             }
             string name = FileNames()[0];
             return Problem(CrumpleLibraryProblem.Missing, name, null,
-                name + " of Crumple " + Wanted + " for " + here + " was not found (" + reason + "). Put it beside the program, or into "
-                + "a folder that the system's loader searches (" + SearchVariable + "); in Unity into Plugins of the package.");
+                name + " of Crumple " + Wanted + " for " + here + " was not found" + reason + ". Put it beside the program, or into a "
+                + "folder that the system's loader searches (" + SearchVariable + "); in Unity into Plugins of the package.");
         }
 
         private static string SearchVariable
