@@ -31,7 +31,7 @@ namespace Crumple
     public delegate void CrumpleTaskHandler(CrumpleTasks tasks);
 
     /// <summary>Tasks to be run; valid until the handler that received them returns.</summary>
-    public struct CrumpleTasks
+    public readonly struct CrumpleTasks
     {
         private readonly CrumpleTask task;
         private readonly IntPtr data;

@@ -169,7 +169,7 @@ namespace Crumple
     }
 
     /// <summary>A call into a context: keeps the context, and the object that the call is about, until it is over.</summary>
-    internal struct Call : IDisposable
+    internal readonly struct Call : IDisposable
     {
         internal readonly IntPtr Context;
         private readonly ContextHandle handle;

@@ -138,6 +138,23 @@ namespace Crumple
             return frame;
         }
 
+        /// <summary>The same for some buffers, at least one, each named once.</summary>
+        public unsafe ulong SubmitDeform(ReadOnlySpan<CrumpleBuffer> buffers, ReadOnlySpan<ulong> waits, ReadOnlySpan<ulong> signals,
+            out CrumpleRecordReport report)
+        {
+            // For C no ids are all buffers.
+            if (buffers.IsEmpty) throw new ArgumentException("name a buffer, or leave the list out to mean all", "buffers");
+            CrumpleRecordReport written;
+            ulong frame;
+            using (Call call = EnterAlone(this))
+            fixed (CrumpleBuffer* ids = &MemoryMarshal.GetReference(buffers))
+            fixed (ulong* first = &MemoryMarshal.GetReference(waits), second = &MemoryMarshal.GetReference(signals))
+                call.Check(NativeMethods.crumple_submit_deform(call.Context, ids, (uint)buffers.Length, first, (uint)waits.Length,
+                    second, (uint)signals.Length, &frame, &written), "crumple_submit_deform");
+            report = written;
+            return frame;
+        }
+
         /// <summary>
         /// Waits until Crumple's own device is done with a frame, for so many nanoseconds (ulong.MaxValue: as long as it takes).
         /// </summary>

@@ -60,7 +60,7 @@ namespace Crumple
         /// Destroys every context that this application domain has made, and unpins their memory; what belongs to them throws
         /// <see cref="ObjectDisposedException"/> from then on, and new contexts may be made. For hosts that unload managed code while
         /// the native library stays, such as Unity's editor before it reloads scripts. Happens by itself when the domain unloads or
-        /// the process exits. No call may be running in any of the contexts. A context with Vulkan frames in flight cannot be
+        /// the process exits. No call may be running in any of the contexts, and attached Vulkan devices must still be there. A context with Vulkan frames in flight cannot be
         /// destroyed: it is left behind, unused, until the process ends.
         /// </summary>
         /// <returns>How many contexts were left behind.</returns>

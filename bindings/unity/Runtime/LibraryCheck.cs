@@ -83,7 +83,7 @@ namespace Crumple
                         file + " is for " + image + ", but this process is " + here + ". Put the file of Crumple " + Wanted + " for "
                         + here + " in its place.");
                 return Problem(CrumpleLibraryProblem.Missing, file, null,
-                    file + " of Crumple " + Wanted + " is there, but was not loaded" + reason + ": a library that it needs is missing, the "
+                    file + " is there, but was not loaded" + reason + ": a library that it needs is missing, the "
                     + "loader does not look in that folder (" + SearchVariable + "), or it came there after this process had looked: then "
                     + "start the process anew.");
             }

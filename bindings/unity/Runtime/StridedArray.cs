@@ -10,7 +10,7 @@ namespace Crumple
     /// offset + i * stride, in bytes; several may share one array, such as interleaved positions and normals. The default
     /// value is an absent array.
     /// </summary>
-    public struct StridedArray
+    public readonly struct StridedArray
     {
         internal readonly Array Array;
         internal readonly IntPtr Address;
