@@ -85,7 +85,7 @@ namespace Crumple
                 return Problem(CrumpleLibraryProblem.Missing, file, null,
                     file + " is there, but was not loaded" + reason + ": a library that it needs is missing, the "
                     + "loader does not look in that folder (" + SearchVariable + "), or it came there after this process had looked: then "
-                    + "start the process anew.");
+                    + "start the process anew. Wanted is Crumple " + Wanted + " for " + here + ".");
             }
             string name = FileNames()[0];
             return Problem(CrumpleLibraryProblem.Missing, name, null,
