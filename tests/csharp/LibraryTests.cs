@@ -58,10 +58,13 @@ static class LibraryTests
         Named(error, found, "same package");
     }
 
-    /// <summary>Another patch of the same minor version fits.</summary>
+    /// <summary>Another patch of the same minor version fits, but for the functions that this one lacks.</summary>
     static void Patch()
     {
-        CrumpleRuntime.EnsureLoaded();
+        CrumpleLibraryException error = Refused(CrumpleLibraryProblem.MissingFunction);
+        string found = NativeMethods.VersionMajor + "." + NativeMethods.VersionMinor + ".99";
+        Check.Same(found, error.FoundVersion, "found");
+        Named(error, found, "crumple_version_string");
         Func<uint, uint, bool> fits = (library, wanted) => (bool)Inside("LibraryCheck", "Fits", library, wanted);
         Check.That(fits(1000, 1000) && fits(1007, 1002) && fits(1000, 1002), "patches of a minor version before 1.0");
         Check.That(!fits(2000, 1000) && !fits(1000, 2000) && !fits(1001000, 1000), "other versions before 1.0");

@@ -1,6 +1,8 @@
 using System;
 using System.Collections.Generic;
 using System.IO;
+using System.Reflection;
+using System.Runtime.InteropServices;
 using Crumple.Native;
 
 namespace Crumple
@@ -37,7 +39,32 @@ namespace Crumple
                     file + " is Crumple " + Text(found) + ", but these C# files are of Crumple " + Wanted
                     + ". Take both from the same package; an editor or game that has loaded the old file must be restarted.");
             }
+#if !ENABLE_IL2CPP
+            LookUpFunctions(Text(found));
+#endif
         }
+
+#if !ENABLE_IL2CPP
+        /// <summary>Looks up every function, so that a library which lacks one is named now and not in the middle of a game.</summary>
+        private static void LookUpFunctions(string found)
+        {
+            foreach (MethodInfo method in typeof(NativeMethods).GetMethods(BindingFlags.Static | BindingFlags.Public))
+            {
+                if ((method.Attributes & MethodAttributes.PinvokeImpl) == 0) continue;
+                try
+                {
+                    Marshal.Prelink(method);
+                }
+                catch (EntryPointNotFoundException)
+                {
+                    string file = LoadedFile() ?? NativeMethods.Library;
+                    throw Problem(CrumpleLibraryProblem.MissingFunction, file, found,
+                        file + " has no function " + method.Name + ", though it says that it is Crumple " + found
+                        + ", and these C# files are of Crumple " + Wanted + ". Take both from the same package.");
+                }
+            }
+        }
+#endif
 
         /// <summary>
         /// Whether C# files of one version can call a library of another. Before 1.0 the minor versions must be the same; from
