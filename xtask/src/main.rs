@@ -4,6 +4,7 @@
 mod bench;
 mod ci;
 mod command;
+mod csharp;
 mod demo;
 mod fuzz;
 mod header;
@@ -72,7 +73,7 @@ enum Command {
     Ci,
     /// Only the checks of `ci` that build nothing: asset size, README snippet, changelog
     Repo {
-        /// Put the present examples-c/quickstart.c into README.md
+        /// Put the present quickstart programs into the pages that show them
         #[arg(long)]
         fix: bool,
     },
