@@ -19,6 +19,7 @@ static class Tests
             LoadingTests.Obj,
             LoadingTests.Baked,
             LoadingTests.Arrays,
+            RecordingTests.BeginAndEnd,
             ErrorTests.OfCalls,
             ErrorTests.OfSets,
             ErrorTests.OfVulkan,

@@ -1,7 +1,6 @@
 //! C#: the declarations that are written from the header, and the tests of what lies over them, under Mono.
 
 mod layout;
-mod parse;
 mod write;
 
 use std::fs;
@@ -10,6 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use xshell::cmd;
 
+use crate::declarations;
 use crate::header::HEADER;
 use crate::native;
 use crate::stage::Outcome;
@@ -29,7 +29,7 @@ const MACHINE: (usize, [u8; 2]) = (18, [183, 0]);
 
 /// The texts of `TYPES` and `FUNCTIONS`.
 pub fn declarations(header: &str) -> Result<(String, String)> {
-    let items = parse::header(header).context("reading include/crumple.h")?;
+    let items = declarations::header(header).context("reading include/crumple.h")?;
     write::files(&items)
 }
 
@@ -105,7 +105,7 @@ fn compile(workspace: &Workspace, built: &Path) -> Result<()> {
 fn layouts(workspace: &Workspace, prefix: &Path, built: &Path, header: &str) -> Result<PathBuf> {
     let sh = &workspace.shell;
     let (source, program, table) = (built.join("layout.c"), built.join("layout"), built.join("layout.txt"));
-    fs::write(&source, layout::program(&parse::header(header)?)?)?;
+    fs::write(&source, layout::program(&declarations::header(header)?)?)?;
     let include = prefix.join("include");
     cmd!(sh, "cc -std=c11 -Wall -Werror -I {include} {source} -o {program}").quiet().run()?;
     fs::write(&table, cmd!(sh, "{program}").quiet().read()?)?;

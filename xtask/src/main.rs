@@ -5,6 +5,7 @@ mod bench;
 mod ci;
 mod command;
 mod csharp;
+mod declarations;
 mod demo;
 mod fuzz;
 mod header;
@@ -14,6 +15,7 @@ mod messages;
 mod native;
 mod outside;
 mod peers;
+mod reference;
 mod repo;
 mod stage;
 mod test;
@@ -48,7 +50,7 @@ enum Command {
     },
     /// Run every test: Rust, C and C++, under sanitizers and valgrind, and from outside the tree
     Test(test::Options),
-    /// Write include/crumple.h from the Rust sources
+    /// Write include/crumple.h from the Rust sources, and what is made of it: the C# declarations, docs/reference.md
     Header {
         /// Write nothing; fail with a diff when the committed header is not what the sources say
         #[arg(long)]
