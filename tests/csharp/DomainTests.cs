@@ -25,7 +25,9 @@ static class DomainTests
         CrumpleVec3[] vertices;
         int messages;
 
-        /// <summary>Makes contexts with callbacks and pinned arrays, disposes of nothing, and tells a context's address.</summary>
+        /// <summary>
+        /// Makes contexts with callbacks and pinned arrays, disposes of nothing, and tells a context's address.
+        /// </summary>
         public long[] Work(bool shutdown, Witness witness)
         {
             ContextOptions options = new ContextOptions

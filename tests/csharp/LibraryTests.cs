@@ -5,8 +5,8 @@ using Crumple;
 using Crumple.Native;
 
 /// <summary>
-/// What is said of a library that cannot be used, before the first call into it. One process a case, since a library is loaded once.
-/// Arguments: the case, and the file that is in the way of the right one; or for "missing" the right one.
+/// What is said of a library that cannot be used, before the first call into it. One process a case, since a library is loaded
+/// once. Arguments: the case, and the file that is in the way of the right one; or for "missing" the right one.
 /// </summary>
 static class LibraryTests
 {

@@ -173,8 +173,8 @@ static unsafe class VulkanTests
     static CrumpleContext held;
 
     /// <summary>
-    /// Contexts whose device goes before them, one forgotten and one held when the process ends: nobody touches the device again, or this
-    /// would crash. Without validation, which has an opinion of such hosts.
+    /// Contexts whose device goes before them, one forgotten and one held when the process ends: nobody touches the device again,
+    /// or this would crash. Without validation, which has an opinion of such hosts.
     /// </summary>
     static void DeviceGoesFirst()
     {

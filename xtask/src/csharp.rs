@@ -96,10 +96,9 @@ fn compile(workspace: &Workspace, built: &Path) -> Result<()> {
         ("library", named(&["LibraryTests.cs", "Check.cs"])),
         ("vulkan", named(&["VulkanTests.cs", "Check.cs", "Sheet.cs"])),
     ] {
-        let (program, references) =
-            (format!("-out:{}", built.join(program).with_extension("exe").display()), ["-r:System.Core.dll"]);
+        let program = format!("-out:{}", built.join(program).with_extension("exe").display());
         let library = format!("-r:{}", built.join("Crumple.dll").display());
-        cmd!(sh, "mcs {STRICT...} {program} {library} {references...} {files...}").quiet().run()?;
+        cmd!(sh, "mcs {STRICT...} -r:System.Core.dll {library} {program} {files...}").quiet().run()?;
     }
     Ok(())
 }

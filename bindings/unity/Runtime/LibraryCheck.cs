@@ -45,7 +45,9 @@ namespace Crumple
         }
 
 #if !ENABLE_IL2CPP
-        /// <summary>Looks up every function, so that a library which lacks one is named now and not in the middle of a game.</summary>
+        /// <summary>
+        /// Looks up every function, so that a library which lacks one is named now and not in the middle of a game.
+        /// </summary>
         private static void LookUpFunctions(string found)
         {
             foreach (MethodInfo method in typeof(NativeMethods).GetMethods(BindingFlags.Static | BindingFlags.Public))
