@@ -10,6 +10,7 @@ mod fuzz;
 mod header;
 mod install;
 mod lab;
+mod messages;
 mod native;
 mod outside;
 mod peers;

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
 
+use crate::messages;
 use crate::workspace::Workspace;
 
 /// Meshes, fixtures and pictures together, in bytes.
@@ -25,7 +26,8 @@ pub fn run(workspace: &Workspace, fix: bool) -> Result<()> {
     for (file, page, language) in SHOWN {
         shown(workspace, fix, file, page, language)?;
     }
-    changelog(workspace)
+    changelog(workspace)?;
+    messages::run(workspace)
 }
 
 fn assets(workspace: &Workspace) -> Result<()> {
