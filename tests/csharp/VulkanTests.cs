@@ -1,6 +1,7 @@
 using System;
 using System.Linq;
 using System.Runtime.InteropServices;
+using System.Threading;
 using Crumple;
 using Crumple.Native;
 
@@ -169,9 +170,32 @@ static unsafe class VulkanTests
         }
     }
 
-    static int Main()
+    static CrumpleContext held;
+
+    /// <summary>
+    /// Contexts whose device goes before them, one forgotten and one held when the process ends: nobody touches the device again,
+    /// or this would crash. Without validation, which has an opinion of such hosts.
+    /// </summary>
+    static void DeviceGoesFirst()
+    {
+        held = Attached();
+        Body(held, out _);
+        Thread thread = new Thread(() => Body(Attached(), out _));
+        thread.Start();
+        thread.Join();
+        shared_close(shared);
+        for (int i = 0; i < 5; i++)
+        {
+            GC.Collect();
+            GC.WaitForPendingFinalizers();
+        }
+        Check.That(!held.IsDisposed, "held");
+    }
+
+    static int Main(string[] arguments)
     {
         shared = shared_open(Size);
+        if (arguments.Length == 1 && arguments[0] == "device-goes-first") return Check.Run(DeviceGoesFirst);
         int status = Check.Run(Frames, InFlight, LeftBehind, OwnDevice);
         if (status == 0) shared_close(shared);
         return status;

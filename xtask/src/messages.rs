@@ -8,7 +8,8 @@ use anyhow::{Context, Result, ensure};
 use crate::workspace::Workspace;
 
 /// A page, and where the messages that it quotes come from.
-const PAGES: &[(&str, &[&str])] = &[("docs/troubleshooting.md", &["src"])];
+const PAGES: &[(&str, &[&str])] =
+    &[("docs/troubleshooting.md", &["src"]), ("bindings/unity/Runtime/README.md", &["bindings/unity/Runtime"])];
 /// Tables with this first head quote ours; what other programs say stands under another.
 const HEAD: &str = "| it says |";
 
@@ -51,9 +52,8 @@ fn gather(path: &Path, all: &mut String) -> Result<()> {
     let known = ["rs", "cs", "cpp", "h", "c"];
     if path.extension().is_some_and(|extension| known.iter().any(|k| *k == extension)) {
         let text = fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
-        let mut lines = text.lines().peekable();
         let mut joined = false;
-        while let Some(line) = lines.next() {
+        for line in text.lines() {
             let line = if joined { line.trim_start() } else { line };
             joined = line.ends_with('\\');
             all.push_str(line.strip_suffix('\\').unwrap_or(line));

@@ -6,14 +6,11 @@ namespace Crumple
     public sealed partial class CrumpleContext
     {
         /// <summary>
-        /// Begins to write what is called to a file, from which "crumple replay FILE" makes the same calls again and compares what
-        /// they give: how a bug becomes a test. The file first gets what there is: sets, instances and their damage, buffers. It is
-        /// written call by call, so that a crash loses nothing. Leave it off in what you ship.
+        /// Begins to write what is called with this context to a new file, so that it can be played again without your engine:
+        /// "crumple replay FILE" makes the same calls and compares. It grows by some hundred bytes a hit and a frame, written at once,
+        /// so that a crash loses nothing. End open contacts before. Hits wait for each other meanwhile: for when a bug is looked for.
         /// </summary>
-        /// <exception cref="CrumpleException">
-        /// The file cannot be written, a recording runs already, or an instance has open contacts. Nothing is recorded then.
-        /// </exception>
-        public unsafe void BeginRecording(string path)
+        public void BeginRecording(string path)
         {
             if (path == null) throw new ArgumentNullException("path");
             using (Pins pins = new Pins())
@@ -21,8 +18,7 @@ namespace Crumple
                 call.Check(NativeMethods.crumple_recording_begin(call.Context, pins.Text(path)), "crumple_recording_begin");
         }
 
-        /// <summary>Ends the recording, as <see cref="Dispose"/> does.</summary>
-        /// <exception cref="CrumpleException">No recording runs, or the file could not be written to its end.</exception>
+        /// <summary>Ends a recording: the file is whole. The end of the context does so too.</summary>
         public void EndRecording()
         {
             using (Call call = EnterAlone(this))

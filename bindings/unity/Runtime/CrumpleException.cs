@@ -52,8 +52,8 @@ namespace Crumple
     }
 
     /// <summary>
-    /// The native library cannot be used. Thrown before the first call into it, and at each further attempt; runtimes remember what they
-    /// did not find, so start the process anew when the right file is there.
+    /// The native library cannot be used. Thrown before the first call into it, and at each further attempt; runtimes remember
+    /// what they did not find, so start the process anew when the right file is there.
     /// </summary>
     public sealed class CrumpleLibraryException : CrumpleException
     {
