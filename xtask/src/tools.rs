@@ -29,6 +29,8 @@ pub enum Tool {
     Vulkan,
     /// What programs in C need to be built for Vulkan.
     VulkanHeaders,
+    /// libabigail's tools, which compare binary interfaces.
+    Abigail,
     /// libpng, with which `vulkan_render.cpp` writes its picture.
     Png,
 }
@@ -60,6 +62,7 @@ impl Tool {
             Self::Ode => package(workspace, "ode"),
             Self::VulkanHeaders => package(workspace, "vulkan"),
             Self::Png => package(workspace, "libpng"),
+            Self::Abigail => cmd!(sh, "abidiff --version").quiet().ignore_stderr().read().is_ok(),
             Self::Valgrind => cmd!(sh, "valgrind --version").quiet().ignore_stderr().read().is_ok(),
             Self::Python311 => {
                 cmd!(sh, "python3.11 -c 'import ensurepip, venv'").quiet().ignore_stderr().read().is_ok()
@@ -93,6 +96,7 @@ impl Tool {
             Self::Npm => &["nodejs", "npm"],
             Self::VulkanHeaders => &["pkg-config", "libvulkan-dev"],
             Self::Png => &["pkg-config", "libpng-dev"],
+            Self::Abigail => &["abigail-tools"],
             Self::Vulkan => &["libvulkan1", "mesa-vulkan-drivers", "vulkan-validationlayers"],
         };
         packages.to_vec()
@@ -120,6 +124,7 @@ impl fmt::Display for Tool {
             Self::Vulkan => "Vulkan with Mesa's software driver and the validation layers",
             Self::VulkanHeaders => "Vulkan's headers",
             Self::Png => "libpng's headers",
+            Self::Abigail => "libabigail's abidiff",
         })
     }
 }
