@@ -47,3 +47,6 @@ mod check;
 mod ids;
 
 mod memory;
+
+#[cfg(test)]
+mod layout;

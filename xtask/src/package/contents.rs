@@ -41,7 +41,7 @@ const ENGINES: &[(&str, &str, &str, &str)] = &[
     ("windows", "bin/crumple.dll", UNITY, "Plugins/x86_64/crumple.dll"),
     ("windows", "bin/crumple.dll", UNREAL, "Source/ThirdParty/CrumpleLibrary/Lib/Win64/crumple.dll"),
     ("windows", "lib/crumple.dll.lib", UNREAL, "Source/ThirdParty/CrumpleLibrary/Lib/Win64/crumple.dll.lib"),
-    ("macos", "lib/libcrumple.dylib", UNITY, "Plugins/macOS/libcrumple.dylib"),
+    ("macos", "lib/libcrumple.dylib", UNITY, "Plugins/x86_64/libcrumple.dylib"),
     ("macos", "lib/libcrumple.a", UNREAL, "Source/ThirdParty/CrumpleLibrary/Lib/Mac/libcrumple.a"),
     ("", "include/crumple.h", UNREAL, "Source/ThirdParty/CrumpleLibrary/Public/crumple.h"),
     ("", "include/crumple.hpp", UNREAL, "Source/ThirdParty/CrumpleLibrary/Public/crumple.hpp"),
@@ -101,7 +101,8 @@ fn readme(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
 /// Compiles Unity's renderer plugin against what is packed.
 fn unity_plugin(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
     let source = folder.join(UNITY_NATIVE);
-    if !source.join("CMakeLists.txt").exists() {
+    // On macOS Unity draws with Metal, and there is no plugin.
+    if !source.join("CMakeLists.txt").exists() || cfg!(target_os = "macos") {
         return Ok(());
     }
     ensure!(
@@ -111,13 +112,8 @@ fn unity_plugin(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<(
     let directory = workspace.target.join("package").join(format!("{}-unity", parts.flavour.name));
     let build = Build { options: &["-DCRUMPLE_TESTS=OFF"], ..Build::new("package", folder) };
     native::compile(workspace, &build, &source, &directory)?;
-    let (name, place) = match std::env::consts::OS {
-        "windows" => ("RelWithDebInfo/crumple_unity.dll", "x86_64"),
-        "macos" => ("libcrumple_unity.dylib", "macOS"),
-        _ => ("libcrumple_unity.so", "x86_64"),
-    };
-    let built = directory.join(name);
-    let to = folder.join(UNITY).join("Plugins").join(place).join(built.file_name().context("plugins have names")?);
+    let built = directory.join(if cfg!(windows) { "RelWithDebInfo/crumple_unity.dll" } else { "libcrumple_unity.so" });
+    let to = folder.join(UNITY).join("Plugins/x86_64").join(built.file_name().context("plugins have names")?);
     put(&built, &to)?;
     if cfg!(target_os = "linux") {
         xshell::cmd!(workspace.shell, "strip --strip-unneeded {to}").quiet().run()?;
