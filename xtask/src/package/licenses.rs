@@ -40,7 +40,7 @@ pub fn linked(workspace: &Workspace, parts: &Parts) -> Result<Vec<Linked>> {
     }
     lines.sort();
     lines.dedup();
-    let metadata = workspace.cargo(&["metadata", "--format-version", "1"]).quiet().read()?;
+    let metadata = workspace.cargo(&["metadata", "--format-version", "1", "--all-features"]).quiet().read()?;
     let metadata: Value = serde_json::from_str(&metadata).context("reading what cargo metadata says")?;
     let packages = metadata["packages"].as_array().context("cargo metadata lists packages")?;
     let mut linked = Vec::new();

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result};
+use memchr::memmem;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
@@ -29,6 +30,7 @@ pub fn write(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> 
         "features": flavour.library,
         "command": flavour.command,
         "soname": if cfg!(target_os = "linux") { Value::from(install::soname(&parts.library.shared)?) } else { Value::Null },
+        "glibc": glibc(folder)?,
         "rustc": workspace.rustc("release")?,
         "commit": git(workspace, &["rev-parse", "HEAD"])?.trim(),
         "files": entries,
@@ -37,12 +39,36 @@ pub fn write(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> 
     fs::write(folder.join(FILE), text).context("writing the manifest")
 }
 
+/// The oldest glibc that the shared library runs with: the newest one of which it names a symbol's version.
+fn glibc(folder: &Path) -> Result<Option<String>> {
+    if !cfg!(target_os = "linux") {
+        return Ok(None);
+    }
+    Ok(newest(&fs::read(folder.join("lib/libcrumple.so"))?).map(|minor| format!("2.{minor}")))
+}
+
+fn newest(library: &[u8]) -> Option<u32> {
+    const PREFIX: &[u8] = b"GLIBC_2.";
+    let minors = memmem::find_iter(library, PREFIX).filter_map(|at| {
+        let digits: Vec<u8> =
+            library[at + PREFIX.len()..].iter().copied().take_while(|byte| byte.is_ascii_digit()).collect();
+        String::from_utf8(digits).ok()?.parse().ok()
+    });
+    minors.max()
+}
+
 pub fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 #[cfg(test)]
 mod tests {
+    #[test]
+    fn the_newest_glibc_counts_by_its_number() {
+        assert_eq!(super::newest(b"\0GLIBC_2.2.5\0GLIBC_2.34\0GLIBC_2.9\0GLIBC_PRIVATE\0"), Some(34));
+        assert_eq!(super::newest(b"none"), None);
+    }
+
     #[test]
     fn digests_are_sha_256() {
         // FIPS 180-4's own example.

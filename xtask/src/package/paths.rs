@@ -31,14 +31,15 @@ pub fn nothing_of_this_machine(workspace: &Workspace, parts: &Parts, folder: &Pa
 pub fn nothing_unlicensed(folder: &Path, linked: &[Linked]) -> Result<()> {
     let known: BTreeSet<String> =
         linked.iter().map(|package| format!("{}-{}", package.name, package.version)).collect();
-    let prefix = format!("{}/", workspace::SOURCES);
+    let separator = |byte: &u8| b"/\\".contains(byte);
     let mut libraries = 0;
     for file in files(&folder.join("lib"))?.into_iter().chain(files(&folder.join("bin")).unwrap_or_default()) {
         let bytes = fs::read(&file).with_context(|| format!("reading {}", file.display()))?;
         let mut named = 0;
-        for at in memmem::find_iter(&bytes, &prefix) {
-            let rest = &bytes[at + prefix.len()..];
-            let Some(end) = rest.iter().take(100).position(|&byte| byte == b'/') else { continue };
+        for at in memmem::find_iter(&bytes, workspace::SOURCES) {
+            let Some((first, rest)) = bytes[at + workspace::SOURCES.len()..].split_first() else { continue };
+            let end = rest.iter().take(100).position(|byte| separator(byte));
+            let Some(end) = end.filter(|_| separator(first)) else { continue };
             let package = String::from_utf8_lossy(&rest[..end]);
             if !known.contains(&*package) {
                 bail!("{} holds code of {package}, which cargo tree does not say it is linked with", file.display());
@@ -47,6 +48,6 @@ pub fn nothing_unlicensed(folder: &Path, linked: &[Linked]) -> Result<()> {
         }
         libraries += usize::from(named > 0);
     }
-    ensure!(libraries > 0, "no library names a source under {prefix}: was it built for this?");
+    ensure!(libraries > 0, "no library names a source in {}: was it built for this?", workspace::SOURCES);
     Ok(())
 }
