@@ -82,6 +82,8 @@ pub fn check(workspace: &Workspace, flavour: &Flavour, packed: &Packed) -> Resul
         install::stays_loaded(&shared)?;
     }
     command(workspace, flavour, &folder)?;
+    println!("by the first page:");
+    first_page(workspace, &folder)?;
     println!("by CMake:");
     by_cmake(workspace, root, &folder)?;
     println!("by pkg-config:");
@@ -136,15 +138,28 @@ fn command(workspace: &Workspace, flavour: &Flavour, folder: &Path) -> Result<()
     Ok(())
 }
 
-/// The archive's examples, shared and static, and somebody else's project.
+/// What the first page says to type, typed: among it the examples, with the shared library.
+fn first_page(workspace: &Workspace, folder: &Path) -> Result<()> {
+    let page = fs::read_to_string(folder.join("README.md"))?;
+    let sh = workspace.shell.clone();
+    sh.change_dir(folder);
+    let blocks: Vec<&str> = page.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+    ensure!(blocks.len() >= 2, "the first page has {} blocks of commands", blocks.len());
+    for block in blocks {
+        println!("{}", block.trim_end());
+        cmd!(sh, "sh -e -c {block}").quiet().ignore_stdout().run().context("typing what README.md says")?;
+    }
+    ensure!(folder.join("build/quickstart").exists(), "the first page builds no quickstart");
+    Ok(())
+}
+
+/// The archive's examples with the static library, none left out, and somebody else's project.
 fn by_cmake(workspace: &Workspace, root: &Path, folder: &Path) -> Result<()> {
     let sh = &workspace.shell;
-    let examples = folder.join("examples-c");
-    for (name, fixed) in [("shared", "-DCRUMPLE_STATIC=OFF"), ("static", "-DCRUMPLE_STATIC=ON")] {
-        let build = root.join(name);
-        native::compile(workspace, &Build { options: &[fixed], ..Build::new(name, folder) }, &examples, &build)?;
-        cmd!(sh, "ctest --test-dir {build} --parallel 2 --output-on-failure --no-tests=error").run()?;
-    }
+    let (examples, build) = (folder.join("examples-c"), root.join("static"));
+    let fixed = Build { options: &["-DCRUMPLE_STATIC=ON"], ..Build::new("static", folder) };
+    native::compile(workspace, &fixed, &examples, &build)?;
+    cmd!(sh, "ctest --test-dir {build} --parallel 2 --output-on-failure --no-tests=error").run()?;
     let (source, build) = (root.join("client"), root.join("client-build"));
     fs::create_dir(&source)?;
     for file in CLIENT {
