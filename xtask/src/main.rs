@@ -1,6 +1,7 @@
 //! `cargo xtask …`: one command for each thing that people and CI do with this repository,
 //! the same on every platform.
 
+mod abi;
 mod bench;
 mod ci;
 mod command;
@@ -13,7 +14,7 @@ mod install;
 mod lab;
 mod messages;
 mod native;
-mod outside;
+mod package;
 mod peers;
 mod reference;
 mod repo;
@@ -56,6 +57,12 @@ enum Command {
         #[arg(long)]
         check: bool,
     },
+    /// Write docs/abi from include/crumple.h: what programs that are built against it rely on
+    Abi {
+        /// Write nothing; fail where the header says something else
+        #[arg(long)]
+        check: bool,
+    },
     /// Build the C library and install it with its headers, CMake package and pkg-config file
     Install {
         /// Directory that gets lib/ and include/
@@ -65,6 +72,8 @@ enum Command {
         #[arg(long)]
         debug: bool,
     },
+    /// Make the archives that people without Rust download
+    Package(package::Options),
     /// Fuzz what reads files from outside, guided by coverage
     Fuzz(fuzz::Options),
     /// Measure accuracy, cost, stability and peers; write docs/lab with its tables, charts and report
@@ -97,10 +106,12 @@ fn run(command: Command) -> Result<()> {
         Command::Demo { out, gpu } => demo::run(&workspace, &out, gpu.as_deref()),
         Command::Test(options) => test::run(&workspace, &options),
         Command::Header { check } => header::run(&workspace, check),
+        Command::Abi { check } => abi::run(&workspace, check),
         Command::Install { prefix, debug } => {
             let profile = if debug { install::Profile::Debug } else { install::Profile::Release };
             install::run(&workspace, &prefix, profile).map(drop)
         }
+        Command::Package(options) => package::run(&workspace, &options),
         Command::Fuzz(options) => fuzz::run(&workspace, &options),
         Command::Lab(options) => lab::run(&workspace, &options),
         Command::Bench(options) => bench::run(&workspace, &options),

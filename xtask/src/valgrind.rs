@@ -4,8 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::{Child, Command, ExitStatus};
 
-use anyhow::{Context, Result, anyhow, bail, ensure};
-use xshell::cmd;
+use anyhow::{Result, anyhow, bail, ensure};
 
 use crate::native::{self, Build};
 use crate::stage::Outcome;
@@ -38,10 +37,7 @@ pub fn c(workspace: &Workspace) -> Result<Outcome> {
 pub fn rust(workspace: &Workspace) -> Result<Outcome> {
     // Rust's own test runner keeps pointers into the middle of blocks, which valgrind calls "possibly lost".
     let run = Run::new(workspace, "rust", "definite")?;
-    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-    let version = cmd!(workspace.shell, "{rustc} -vV").quiet().read()?;
-    let host = version.lines().find_map(|line| line.strip_prefix("host: ")).context("rustc -vV names its host")?;
-    let runner = format!("CARGO_TARGET_{}_RUNNER", host.to_uppercase().replace('-', "_"));
+    let runner = format!("CARGO_TARGET_{}_RUNNER", workspace.rustc("host")?.to_uppercase().replace('-', "_"));
     let tests = |programs: &[&str], names: &[&str]| -> Command {
         // Valgrind runs out of room on gathers as a test build has them; the C programs run those of a release build.
         let cargo = workspace.tests(programs).env("CRUMPLE_SIMD", "portable");
