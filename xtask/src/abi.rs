@@ -82,8 +82,7 @@ pub fn exported(header: &Path, shared: &Path) -> Result<()> {
     let exports = file.exports()?;
     let names: BTreeSet<String> =
         exports.iter().map(|export| String::from_utf8_lossy(&export.name()[bare..]).into_owned()).collect();
-    let declared = declarations::of(header)?;
-    let declared: BTreeSet<String> = declared.into_iter().filter_map(Declaration::into_function).collect();
+    let declared = functions(header)?;
     let foreign: Vec<_> = names.difference(&declared).collect();
     ensure!(
         foreign.is_empty(),
@@ -95,6 +94,11 @@ pub fn exported(header: &Path, shared: &Path) -> Result<()> {
     ensure!(absent.is_empty(), "{} declares {absent:?}, which {} does not export", header.display(), shared.display());
     println!("{} names exported, those that the header declares", names.len());
     Ok(())
+}
+
+/// Names of the functions that a header declares.
+pub fn functions(header: &Path) -> Result<BTreeSet<String>> {
+    Ok(declarations::of(header)?.into_iter().filter_map(Declaration::into_function).collect())
 }
 
 /// libabigail compares the headers by itself, as libraries whose functions do nothing. The library cannot be compared so: its debug
