@@ -97,7 +97,9 @@ inline UStaticMesh* import(const Mesh& mesh) {
     buffers.StaticMeshVertexBuffer.Init(uint32(order.size()), 2);
     for (uint32_t v = 0; v < order.size(); ++v) {
         const FVector3f normal = to_unreal(mesh.normals[order[v]], 1);
-        const FVector3f tangent = FVector3f::CrossProduct(FVector3f(0, 1, 0), normal).GetSafeNormal();
+        // Any that is across the normal.
+        const FVector3f axis = std::fabs(normal.Y) < 0.9f ? FVector3f(0, 1, 0) : FVector3f(1, 0, 0);
+        const FVector3f tangent = FVector3f::CrossProduct(axis, normal).GetSafeNormal();
         const float sign = v % 2 ? 1.0f : -1.0f;
         buffers.PositionVertexBuffer.Standin.Add(to_unreal(mesh.positions[order[v]], 100));
         buffers.StaticMeshVertexBuffer.SetVertexTangents(v, tangent, FVector3f::CrossProduct(normal, tangent) * sign, normal);

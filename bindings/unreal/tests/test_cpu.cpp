@@ -305,6 +305,7 @@ static void a_hood(const char* path) {
     if (!scene.crumple->IsWorking()) std::fprintf(stderr, "%ls\n", *scene.crumple->LastError);
     FACT(scene.crumple->IsWorking());
     Oracle oracle(set->GetBytes(), *mesh);
+    FACT(oracle.shows(StandinWorld::Draw(*scene.crumple).Bytes));
     const CrumpleVec3 p = hood.mesh.positions[hood.mesh.positions.size() / 2];
     const FVector3f at = to_unreal(p, 100);
     FACT(scene.crumple->SubmitImpulse(FVector(at), {0, 0, -100}));

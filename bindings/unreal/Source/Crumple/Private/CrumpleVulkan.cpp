@@ -213,7 +213,7 @@ FCrumpleRangeId FCrumpleVulkan::Register(FCrumpleBody& Body, FRHIBuffer* Buffer,
 		UE_LOG(LogCrumple, Warning, TEXT("Dents of a body are made on the CPU: %s"), *OutWhy);
 		return 0;
 	}
-	Ranges.Add(FRange{++NewestRange, Body.Get(), Made, (uint64)Alias, Buffer});
+	Ranges.Add(FRange{++NewestRange, Body.Get(), Made, (uint64)Alias, Buffer, false});
 	return NewestRange;
 }
 
@@ -226,7 +226,6 @@ void FCrumpleVulkan::Unregister(FCrumpleRangeId Id)
 		{
 			const FRange Range = Ranges[Index];
 			Ranges.RemoveAt(Index);
-			Due.RemoveAll([&](const CrumpleBuffer& Each) { return Each.index == Range.Buffer.index; });
 			if (Range.Buffer.index != 0)
 			{
 				crumple_unregister_buffer(Context.Get(), Range.Buffer);
@@ -243,7 +242,6 @@ void FCrumpleVulkan::Forget(CrumpleInstance Instance)
 	{
 		if (Range.Instance.index == Instance.index && Range.Instance.generation == Instance.generation)
 		{
-			Due.RemoveAll([&](const CrumpleBuffer& Each) { return Each.index == Range.Buffer.index; });
 			Range.Buffer = {};
 		}
 	}
@@ -253,6 +251,7 @@ void FCrumpleVulkan::Update(FRHICommandListImmediate& RHICmdList, FCrumpleRangeI
 {
 	uint64 Frame = 0;
 	FGPUFenceRHIRef Fence;
+	TArray<FCrumpleRangeId> Alone;
 	{
 		FScopeLock Lock(&Context.Mutex);
 		const FRange* Range = Ranges.FindByPredicate([&](const FRange& Each) { return Each.Id == Id; });
@@ -261,29 +260,49 @@ void FCrumpleVulkan::Update(FRHICommandListImmediate& RHICmdList, FCrumpleRangeI
 			return;
 		}
 		Poll();
-		const bool bFirst = Due.Num() == 0;
-		// It may wait already: the RHI thread can be a frame behind.
-		if (!Due.FindByPredicate([&](const CrumpleBuffer& Each) { return Each.index == Range->Buffer.index; }))
+		if (!Range->bRecorded)
 		{
-			Due.Add(Range->Buffer);
+			// What fills the new buffer waits for the RHI thread, perhaps behind a recording that others asked for: not with them.
+			Alone.Add(Id);
 		}
-		if (!bFirst)
+		else
 		{
-			return;  // goes with the others
+			const bool bFirst = Due.Num() == 0;
+			// It may wait already: the RHI thread can be a frame behind.
+			if (!Due.FindByPredicate([&](FCrumpleRangeId Each) { return Each == Id; }))
+			{
+				Due.Add(Id);
+			}
+			if (!bFirst)
+			{
+				return;  // goes with the others
+			}
 		}
 		Frame = ++NewestFrame;
 		Fence = Fences.Num() > 0 ? Fences.Pop() : RHICreateGPUFence(TEXT("Crumple"));
 		InFlight.Add(FInFlight{Frame, Fence});
 	}
-	RHICmdList.EnqueueLambda([this, Keep = Context.AsShared(), Frame](auto&) { Record(Frame); });
+	RHICmdList.EnqueueLambda([this, Keep = Context.AsShared(), Frame, Alone](auto&) { Record(Frame, Alone); });
 	RHICmdList.WriteGPUFence(Fence);
 }
 
-void FCrumpleVulkan::Record(uint64 Frame)
+void FCrumpleVulkan::Record(uint64 Frame, TArray<FCrumpleRangeId> Asked)
 {
 	FScopeLock Lock(&Context.Mutex);
-	const TArray<CrumpleBuffer> Buffers = MoveTemp(Due);
-	Due.Empty();
+	if (Asked.Num() == 0)
+	{
+		Asked = MoveTemp(Due);
+		Due.Empty();
+	}
+	TArray<CrumpleBuffer> Buffers;
+	for (FRange& Range : Ranges)
+	{
+		if (Range.Buffer.index != 0 && Asked.FindByPredicate([&](FCrumpleRangeId Each) { return Each == Range.Id; }))
+		{
+			Range.bRecorded = true;
+			Buffers.Add(Range.Buffer);
+		}
+	}
 	if (!Device || Buffers.Num() == 0)
 	{
 		return;

@@ -35,7 +35,7 @@ public:
 	/** Shows a body in a buffer, which has the body's layout and Spare bytes more. 0, and why, where that cannot be. Render thread. */
 	FCrumpleRangeId Register(FCrumpleBody& Body, FRHIBuffer* Buffer, FString& OutWhy);
 	void Unregister(FCrumpleRangeId Range);
-	/** Brings a range up to date in this frame, with all others that ask for it before it is recorded. Render thread, outside of a
+	/** Brings a range up to date in this frame, with all others that ask before it is recorded. Render thread, outside of a
 	    render pass. */
 	void Update(FRHICommandListImmediate& RHICmdList, FCrumpleRangeId Range);
 
@@ -55,6 +55,7 @@ private:
 		CrumpleBuffer Buffer;
 		uint64 Alias;
 		FBufferRHIRef Memory;
+		bool bRecorded;  // at least once
 	};
 
 	/** What the GPU may still use. */
@@ -72,7 +73,8 @@ private:
 	};
 
 	bool Attach(FString& OutWhy);
-	void Record(uint64 Frame);
+	/** What was asked for, or what is due. RHI thread. */
+	void Record(uint64 Frame, TArray<FCrumpleRangeId> Asked);
 	void Poll();
 	void Complete(uint64 Frame);
 
@@ -81,7 +83,7 @@ private:
 	FString WhyNot;  // once it is known that there will be none
 	bool bTold = false;
 	TArray<FRange> Ranges;
-	TArray<CrumpleBuffer> Due;
+	TArray<FCrumpleRangeId> Due;  // goes with the next recording
 	TArray<FInFlight> InFlight;  // the oldest first
 	TArray<FGPUFenceRHIRef> Fences;
 	TArray<FRetired> Retired;
