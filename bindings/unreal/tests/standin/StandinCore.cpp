@@ -53,7 +53,8 @@ FString FPaths::ProjectContentDir()
 
 void* FPlatformProcess::GetDllHandle(const TCHAR* Filename)
 {
-	return dlopen(StandinNarrow(Filename).c_str(), RTLD_NOW);
+	// The library that the programs are linked with, unless a test sets where to look.
+	return dlopen(std::getenv("STANDIN_CONTENT") ? StandinNarrow(Filename).c_str() : STANDIN_LIBRARY, RTLD_NOW);
 }
 
 IPluginManager& IPluginManager::Get()

@@ -24,7 +24,7 @@ FString CrumpleVersionProblem(uint32 Library)
 		Library / 1000000, Library / 1000 % 1000, Library % 1000, Header / 1000000, Header / 1000 % 1000, Header % 1000);
 }
 
-static void Log(CrumpleLogLevel Level, const char* Message, void*)
+static void LogCrumpleMessage(CrumpleLogLevel Level, const char* Message, void*)
 {
 	if (Level == CRUMPLE_LOG_LEVEL_WARNING)
 	{
@@ -46,7 +46,7 @@ TSharedPtr<FCrumpleContext> FCrumpleContext::Create(FString& OutError)
 		return nullptr;
 	}
 	CrumpleContextDef Def = crumple_default_context_def();
-	Def.log = Log;
+	Def.log = LogCrumpleMessage;
 	CrumpleContext* Made = nullptr;
 	const CrumpleResult Result = crumple_context_create(&Def, &Made);
 	if (Result != CRUMPLE_OK)
