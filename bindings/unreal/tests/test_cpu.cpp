@@ -49,19 +49,21 @@ static void versions() {
     FACT(CrumpleVersionProblem(CRUMPLE_VERSION + 7).IsEmpty()); // patches fit
     const FString other = CrumpleVersionProblem(CRUMPLE_VERSION + 1000);
     char wanted[64];
-    std::snprintf(wanted, sizeof wanted, "is of version %d.%d.%d, and", CRUMPLE_VERSION_MAJOR, CRUMPLE_VERSION_MINOR + 1, CRUMPLE_VERSION_PATCH);
+    std::snprintf(wanted, sizeof wanted, "is of version %d.%d.%d, and", CRUMPLE_VERSION_MAJOR, CRUMPLE_VERSION_MINOR + 1,
+                  CRUMPLE_VERSION_PATCH);
     FACT(other.Contains(StandinWiden(wanted).c_str()));
 }
 
 /// What is drawn is the static mesh, moved as the vertices are.
 static void draws_as(const StandinDrawn& drawn, const Scene& scene) {
     const auto& lod = scene.target->StandinMesh->Standin->LODResources[0];
+    const auto& basis = lod.VertexBuffers.StaticMeshVertexBuffer;
     const FMatrix to_world = scene.target->StandinTransform.ToMatrixWithScale();
     const double hand = to_world.Determinant() < 0 ? -1 : 1;
     const uint32 count = lod.VertexBuffers.PositionVertexBuffer.GetNumVertices();
     FACT(drawn.Vertices.size() == count);
     for (uint32 v = 0; v < count; ++v) {
-        const FVector4f n = lod.VertexBuffers.StaticMeshVertexBuffer.VertexTangentZ(v), t = lod.VertexBuffers.StaticMeshVertexBuffer.VertexTangentX(v);
+        const FVector4f n = basis.VertexTangentZ(v), t = basis.VertexTangentX(v);
         const FVector normal = to_world.TransformVector(FVector(n.X, n.Y, n.Z)).GetSafeNormal();
         const FVector tangent = to_world.TransformVector(FVector(t.X, t.Y, t.Z)).GetSafeNormal();
         const StandinVertex& seen = drawn.Vertices[v];
@@ -75,7 +77,8 @@ static void draws_as(const StandinDrawn& drawn, const Scene& scene) {
     FACT(drawn.Triangles.size() * 3 == size_t(indices.Num()));
     for (size_t t = 0; t < drawn.Triangles.size(); ++t) {
         const uint32* corner = drawn.Triangles[t].Corner;
-        const uint32 wanted[3] = {indices[int32(3 * t)], indices[int32(3 * t + (hand < 0 ? 2 : 1))], indices[int32(3 * t + (hand < 0 ? 1 : 2))]};
+        const int32 first = int32(3 * t), turned = hand < 0 ? 1 : 0;
+        const uint32 wanted[3] = {indices[first], indices[first + 1 + turned], indices[first + 2 - turned]};
         FACT(corner[0] == wanted[0] && corner[1] == wanted[1] && corner[2] == wanted[2]);
         FACT(drawn.Triangles[t].Material == scene.target->GetMaterial(t < drawn.Triangles.size() / 2 ? 0 : 1)->GetRenderProxy());
     }
@@ -211,22 +214,15 @@ static void gone_in_a_callback(UStaticMesh* mesh, UCrumpleSet* set) {
 /// Physics threads hit while the game thread plays frames. The order of hits does not matter, so the damage is known.
 static void hits_from_threads(UStaticMesh* mesh, UCrumpleSet* set) {
     Scene scene(mesh, set);
-    const TSharedPtr<FCrumpleBody> body = scene.crumple->GetBody();
+    const auto submit = scene.crumple->MakeSubmitter();
     constexpr int threads = 4, hits = 12;
     const auto place = [](int t, int h) { return FVector(-40 + 20 * t, -45 + 7 * h, 0.1 * (-40 + 20 * t)); };
     std::atomic<int> done{0};
     std::vector<std::thread> physics;
     for (int t = 0; t < threads; ++t)
         physics.emplace_back([&, t] {
-            for (int h = 0; h < hits; ++h) {
-                FCrumpleHit hit;
-                hit.Point = place(t, h);
-                hit.Impulse = {0, 0, -100};
-                hit.VertexMass = 0.5f;
-                CrumpleHitResult told;
-                FString error;
-                if (body->Submit(hit, told, error)) ++done;
-            }
+            for (int h = 0; h < hits; ++h)
+                if (submit(place(t, h), {0, 0, -100})) ++done;
         });
     for (int frame = 0; frame < 30; ++frame) StandinWorld::Frame();
     for (std::thread& each : physics) each.join();
@@ -241,19 +237,12 @@ static void hits_from_threads(UStaticMesh* mesh, UCrumpleSet* set) {
 
     // The component goes while they hit: they are told so, and nothing is touched.
     physics.clear();
-    std::atomic<bool> refused{false};
     physics.emplace_back([&] {
-        FCrumpleHit hit;
-        hit.Impulse = {0, 0, -10};
-        hit.VertexMass = 0.5f;
-        CrumpleHitResult told;
-        FString error;
-        while (body->Submit(hit, told, error)) std::this_thread::yield();
-        refused = error == FString(TEXT("the body is gone"));
+        while (submit({0, 0, 0}, {0, 0, -10})) std::this_thread::yield();
     });
     scene.actor->Destroy();
     physics[0].join();
-    FACT(refused);
+    FACT(!submit({0, 0, 0}, {0, 0, -10}));
 }
 
 static void what_does_not_fit(UStaticMesh* mesh, UCrumpleSet* set, const Mesh& sheet) {

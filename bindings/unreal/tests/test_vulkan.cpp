@@ -78,24 +78,19 @@ static void dents(UStaticMesh* mesh, UCrumpleSet* set) {
 static void hits_from_threads(UStaticMesh* mesh, UCrumpleSet* set) {
     Scene scene(mesh, set, {}, true);
     Oracle oracle(set->GetBytes(), *mesh);
-    const TSharedPtr<FCrumpleBody> body = scene.crumple->GetBody();
+    const auto submit = scene.crumple->MakeSubmitter();
     std::vector<std::thread> physics;
     for (int t = 0; t < 3; ++t)
         physics.emplace_back([&, t] {
-            for (int h = 0; h < 15; ++h) {
-                FCrumpleHit hit;
-                hit.Point = FVector(-20 + 20 * t, -42 + 6 * h, 0.1 * (-20 + 20 * t));
-                hit.Impulse = {0, 0, -80};
-                hit.VertexMass = 0.5f;
-                CrumpleHitResult told;
-                FString error;
-                FACT(body->Submit(hit, told, error));
-            }
+            for (int h = 0; h < 15; ++h) FACT(submit(FVector(-20 + 20 * t, -42 + 6 * h, 0.1 * (-20 + 20 * t)), {0, 0, -80}));
         });
     for (int frame = 0; frame < 20; ++frame) StandinWorld::Frame();
     for (std::thread& each : physics) each.join();
     for (int t = 0; t < 3; ++t)
-        for (int h = 0; h < 15; ++h) oracle.hit({float((-20 + 20 * t) / 100.0), float(0.1 * (-20 + 20 * t) / 100), float((-42 + 6 * h) / 100.0)}, {0, -0.8f, 0});
+        for (int h = 0; h < 15; ++h) {
+            const double x = -20 + 20 * t, y = -42 + 6 * h;
+            oracle.hit({float(x / 100), float(0.1 * x / 100), float(y / 100)}, {0, -0.8f, 0});
+        }
     FACT(shows(oracle, *scene.crumple));
     scene.actor->Destroy();
 }

@@ -318,7 +318,7 @@ void StandinWorld::Play(AActor& Actor, UActorComponent& Component)
 	Component.BeginPlay();
 }
 
-void StandinWorld::Frame(float Seconds)
+void StandinWorld::Frame(float Seconds, bool bSubmit)
 {
 	for (UActorComponent* Each : std::vector(All))
 	{
@@ -341,7 +341,10 @@ void StandinWorld::Frame(float Seconds)
 			Each->SendRenderDynamicData_Concurrent();
 		}
 	}
-	StandinRenderCommand([](FRHICommandListImmediate& List) { List.Enqueue([] { GDynamicRHI->Submit(); }); });
+	if (bSubmit)
+	{
+		StandinRenderCommand([](FRHICommandListImmediate& List) { List.Enqueue([] { GDynamicRHI->Submit(); }); });
+	}
 }
 
 /** The declared attribute of a vertex, as the input assembler fetches it. */
@@ -374,7 +377,8 @@ static bool Same(const FVector4f& A, const FVector4f& B)
 StandinDrawn StandinWorld::Draw(UPrimitiveComponent& Component)
 {
 	StandinDrawn Drawn;
-	Frame(0);
+	// In one command buffer, so that the validation layer sees what is written and read.
+	Frame(0, false);
 	FPrimitiveSceneProxy* Proxy = Component.SceneProxy;
 	if (!Proxy)
 	{

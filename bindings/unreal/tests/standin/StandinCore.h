@@ -51,6 +51,9 @@ using TCHAR = wchar_t;
 		} \
 	} while (false)
 
+template <typename T>
+using TFunction = std::function<T>;
+
 enum EForceInit
 {
 	ForceInit

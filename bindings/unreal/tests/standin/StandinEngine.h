@@ -308,8 +308,8 @@ struct StandinWorld
 	/** Adds a component to an actor and plays it. */
 	static void Play(AActor& Actor, UActorComponent& Component);
 	/** Ticks, sends what is dirty to the render thread, submits. */
-	static void Frame(float Seconds = 1.0f / 60);
-	/** Draws a component in a frame of its own. */
+	static void Frame(float Seconds = 1.0f / 60, bool bSubmit = true);
+	/** Plays a frame, and draws a component in it. */
 	static StandinDrawn Draw(UPrimitiveComponent& Component);
 	static std::vector<UActorComponent*> All;
 };

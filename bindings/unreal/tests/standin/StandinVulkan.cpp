@@ -178,7 +178,8 @@ namespace
 			return false;
 		}
 
-		static void Barrier(VkCommandBuffer Commands, VkPipelineStageFlags Before, VkAccessFlags Made, VkPipelineStageFlags After, VkAccessFlags Seen)
+		static void Barrier(VkCommandBuffer Commands, VkPipelineStageFlags Before, VkAccessFlags Made, VkPipelineStageFlags After,
+			VkAccessFlags Seen)
 		{
 			const VkMemoryBarrier Memory = {VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr, Made, Seen};
 			vkCmdPipelineBarrier(Commands, Before, After, 0, 1, &Memory, 0, nullptr, 0, nullptr);
@@ -189,7 +190,8 @@ namespace
 			HostBuffer Staging = host_buffer(&Device, Bytes.size(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, true);
 			std::memcpy(Staging.data, Bytes.data(), Bytes.size());
 			const VkBufferCopy All = {0, static_cast<FBuffer&>(Buffer).Offset, Bytes.size()};
-			Barrier(Open->Commands, Drawing | VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT);
+			Barrier(Open->Commands, Drawing | VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT,
+				VK_ACCESS_TRANSFER_WRITE_BIT);
 			vkCmdCopyBuffer(Open->Commands, Staging.buffer, Pool.buffer, 1, &All);
 			Barrier(Open->Commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, Drawing,
 				VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_SHADER_READ_BIT);

@@ -104,7 +104,8 @@ void UCrumpleComponent::TickComponent(float DeltaTime, ELevelTick TickType, FAct
 	}
 }
 
-void UCrumpleComponent::OnHit(UPrimitiveComponent*, AActor*, UPrimitiveComponent* OtherComp, FVector NormalImpulse, const FHitResult& HitResult)
+void UCrumpleComponent::OnHit(UPrimitiveComponent*, AActor*, UPrimitiveComponent* OtherComp, FVector NormalImpulse,
+	const FHitResult& HitResult)
 {
 	// Swept movement reports hits without an impulse.
 	if (!Body || NormalImpulse.Size() <= LeastImpulse())
@@ -168,6 +169,22 @@ float UCrumpleComponent::LeastImpulse() const
 bool UCrumpleComponent::SubmitImpulse(FVector Point, FVector Impulse)
 {
 	return Hit(Point, Impulse, 0, false);
+}
+
+TFunction<bool(const FVector& Point, const FVector& Impulse)> UCrumpleComponent::MakeSubmitter() const
+{
+	FCrumpleHit Hit;
+	Hit.Duration = Duration;
+	Hit.VertexMass = VertexMass;
+	return [Of = Body, Hit](const FVector& Point, const FVector& Impulse)
+	{
+		FCrumpleHit Made = Hit;
+		Made.Point = Point;
+		Made.Impulse = Impulse;
+		CrumpleHitResult Told{};
+		FString Error;
+		return Of && Of->Submit(Made, Told, Error);
+	};
 }
 
 bool UCrumpleComponent::Repair(float Keep)

@@ -20,7 +20,8 @@ FString CrumpleVersionProblem(uint32 Library)
 	{
 		return FString();
 	}
-	return FString::Printf(TEXT("the Crumple library is of version %u.%u.%u, and the plugin was compiled for %u.%u.%u; take both from one archive"),
+	return FString::Printf(
+		TEXT("the Crumple library is of version %u.%u.%u, and the plugin was compiled for %u.%u.%u; take both from one archive"),
 		Library / 1000000, Library / 1000 % 1000, Library % 1000, Header / 1000000, Header / 1000 % 1000, Header % 1000);
 }
 

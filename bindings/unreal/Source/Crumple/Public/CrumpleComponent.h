@@ -10,6 +10,7 @@ class FCrumpleBody;
 class FCrumpleContacts;
 class UCrumpleComponent;
 class UCrumpleSet;
+class UStaticMesh;
 class UStaticMeshComponent;
 
 /** A dent was made: where, in world space, and how deep, cm. The component may be destroyed in here. */
@@ -82,7 +83,11 @@ public:
 	UFUNCTION(BlueprintCallable, Category = "Crumple")
 	bool LoadDamage(const TArray<uint8>& Damage);
 
-	/** For hits from other threads, see FCrumpleBody. Null where the component does not work. Game thread. */
+	/** A function that hits the body from any thread, also after the component is gone (false then): a point, cm, and an impulse,
+	    kg cm/s, both in the component's space. OnDented is not told. Game thread. */
+	TFunction<bool(const FVector& Point, const FVector& Impulse)> MakeSubmitter() const;
+
+	/** The plugin's own. */
 	TSharedPtr<FCrumpleBody> GetBody() const { return Body; }
 
 	virtual void BeginPlay() override;
@@ -99,7 +104,8 @@ protected:
 
 private:
 	UFUNCTION()
-	void OnHit(UPrimitiveComponent* HitComponent, AActor* OtherActor, UPrimitiveComponent* OtherComp, FVector NormalImpulse, const FHitResult& Hit);
+	void OnHit(UPrimitiveComponent* HitComponent, AActor* OtherActor, UPrimitiveComponent* OtherComp, FVector NormalImpulse,
+		const FHitResult& Hit);
 
 	bool Begin();
 	bool Hit(const FVector& Point, const FVector& Impulse, uint64 Contact, bool bInwards);
