@@ -13,11 +13,8 @@ use crate::vulkan;
 use crate::workspace::{Workspace, empty_directory};
 
 /// CMake projects whose programs are tests, each with the name of its build directory.
-const PROJECTS: &[(&str, &str)] = &[
-    ("examples-c", "examples-c"),
-    ("tests/c", "tests-c"),
-    ("bindings/unreal/tests", "unreal"),
-];
+const PROJECTS: &[(&str, &str)] =
+    &[("examples-c", "examples-c"), ("tests/c", "tests-c"), ("bindings/unreal/tests", "unreal")];
 
 pub fn install_release(workspace: &Workspace) -> Result<Outcome> {
     let prefix = release_prefix(workspace);

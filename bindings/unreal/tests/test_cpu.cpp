@@ -282,6 +282,18 @@ static void what_does_not_fit(UStaticMesh* mesh, UCrumpleSet* set, const Mesh& s
     StandinWorld::Play(*actor, *alone);
     FACT(alone->LastError == FString(TEXT("the actor has no static mesh component to dent")));
     actor->Destroy();
+
+    actor = NewObject<AActor>();
+    UStaticMeshComponent* below = NewObject<UStaticMeshComponent>();
+    UCrumpleComponent* root = NewObject<UCrumpleComponent>();
+    below->StandinMesh = mesh;
+    below->StandinParent = root;
+    root->Set = set;
+    StandinWorld::Play(*actor, *below);
+    StandinWorld::Play(*actor, *root);
+    FACT(!root->IsWorking() && below->bStandinVisible);
+    FACT(root->LastError == FString(TEXT("the component must not be above the static mesh component; put it below")));
+    actor->Destroy();
     FACT(!UCrumpleSet::LoadCrumpleSet(TEXT("/nonexistent.glb")) && said(StandinTakeLog(), TEXT("/nonexistent.glb cannot be read")));
 }
 

@@ -201,6 +201,13 @@ public:
 	USceneComponent* GetAttachParent() const { return StandinParent; }
 	bool AttachToComponent(USceneComponent* Parent, const FAttachmentTransformRules&)
 	{
+		for (const USceneComponent* Each = Parent; Each; Each = Each->StandinParent)
+		{
+			if (Each == this)
+			{
+				return false;
+			}
+		}
 		StandinParent = Parent;
 		return true;
 	}

@@ -53,7 +53,12 @@ bool UCrumpleComponent::Begin()
 	{
 		return false;
 	}
-	AttachToComponent(Target, FAttachmentTransformRules::SnapToTargetIncludingScale);
+	if (!AttachToComponent(Target, FAttachmentTransformRules::SnapToTargetIncludingScale))
+	{
+		LastError = TEXT("the component must not be above the static mesh component; put it below");
+		Body.Reset();
+		return false;
+	}
 	for (int32 Material = 0; Material < Target->GetNumMaterials(); ++Material)
 	{
 		SetMaterial(Material, Target->GetMaterial(Material));
@@ -173,12 +178,12 @@ bool UCrumpleComponent::SubmitImpulse(FVector Point, FVector Impulse)
 
 TFunction<bool(const FVector& Point, const FVector& Impulse)> UCrumpleComponent::MakeSubmitter() const
 {
-	FCrumpleHit Hit;
-	Hit.Duration = Duration;
-	Hit.VertexMass = VertexMass;
-	return [Of = Body, Hit](const FVector& Point, const FVector& Impulse)
+	FCrumpleHit Form;
+	Form.Duration = Duration;
+	Form.VertexMass = VertexMass;
+	return [Of = Body, Form](const FVector& Point, const FVector& Impulse)
 	{
-		FCrumpleHit Made = Hit;
+		FCrumpleHit Made = Form;
 		Made.Point = Point;
 		Made.Impulse = Impulse;
 		CrumpleHitResult Told{};
@@ -245,8 +250,8 @@ FBoxSphereBounds UCrumpleComponent::CalcLocalBounds() const
 		return Super::CalcLocalBounds();
 	}
 	// Of what the render matrix is applied to: m, in the set's space.
-	const CrumpleAabb& Bounds = Body->Shape->Bounds;
-	return FBoxSphereBounds(FBox(FVector(Bounds.min.x, Bounds.min.y, Bounds.min.z), FVector(Bounds.max.x, Bounds.max.y, Bounds.max.z)));
+	const CrumpleAabb& Around = Body->Shape->Bounds;
+	return FBoxSphereBounds(FBox(FVector(Around.min.x, Around.min.y, Around.min.z), FVector(Around.max.x, Around.max.y, Around.max.z)));
 }
 
 FBoxSphereBounds UCrumpleComponent::CalcBounds(const FTransform& LocalToWorld) const

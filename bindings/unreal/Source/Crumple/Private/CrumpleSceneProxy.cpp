@@ -44,7 +44,7 @@ void FCrumpleVertexBuffer::ReleaseRHI()
 void FCrumpleIndexBuffer::InitRHI(FRHICommandListBase& RHICmdList)
 {
 	FRHIResourceCreateInfo Info(TEXT("Crumple indices"));
-	const uint32 Size = Indices.Num() * sizeof(uint32);
+	const uint32 Size = static_cast<uint32>(Indices.Num() * sizeof(uint32));
 	IndexBufferRHI = RHICmdList.CreateIndexBuffer(sizeof(uint32), Size, BUF_Static, Info);
 	Fill(RHICmdList, IndexBufferRHI, Indices.GetData(), Size);
 }

@@ -21,10 +21,10 @@ public class CrumpleLibrary : ModuleRules
 		}
 		else if (Target.Platform == UnrealTargetPlatform.Linux)
 		{
-			// Its SONAME is what the loader looks for beside the binary.
+			// Linked by one name, and looked for beside the binary by its SONAME: the same file twice.
 			const string Name = "libcrumple.so.0.1";
-			PublicAdditionalLibraries.Add(Present(Path.Combine(Libraries, Name)));
-			RuntimeDependencies.Add("$(BinaryOutputDir)/" + Name, Path.Combine(Libraries, Name));
+			PublicAdditionalLibraries.Add(Present(Path.Combine(Libraries, "libcrumple.so")));
+			RuntimeDependencies.Add("$(BinaryOutputDir)/" + Name, Present(Path.Combine(Libraries, Name)));
 			PublicDefinitions.Add("CRUMPLE_DELAY_LOADED=0");
 		}
 		else if (Target.Platform == UnrealTargetPlatform.Mac)
