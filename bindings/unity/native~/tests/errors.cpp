@@ -1,0 +1,307 @@
+// What can be wrong, and what the plugin says of it: other renderers, a missing or foreign library, layouts, buffers, ids.
+//
+//     unity_errors libcrumple_unity.so NONE/libcrumple_unity.so OLD/libcrumple_unity.so PART/libcrumple_unity.so
+//
+// In the folder NONE there is no library crumple, in OLD one of another version, in PART one that lacks a function.
+#include "scene.hpp"
+
+#include <thread>
+
+static UnityHost unity_host;
+static Plugin plugin;
+static CrumpleUnityEvent event;
+static int event_id;
+
+// The call fails with this result, and this is in its text.
+static void refused(CrumpleResult expected, const char *part, CrumpleResult result) {
+    if (result != expected || !strstr(plugin.last_error(), part))
+        fprintf(stderr, "%s: %s, expected %s\n", crumple_result_name(result), plugin.last_error(), part);
+    FACT(result == expected && strstr(plugin.last_error(), part));
+}
+
+static void frame() {
+    unity_host.begin_frame();
+    unity_host.event(event, event_id);
+    unity_host.end_frame();
+}
+
+// A library that does not fit is named before anything is called.
+static void libraries(char **paths) {
+    const char *const said[] = {"libcrumple.so cannot be loaded", "is version 9.8.7, but crumple_unity was made for 0.1.0",
+                                "has no crumple_features"};
+    for (int i = 0; i < 3; ++i) {
+        plugin.open(paths[i]);
+        plugin.load(unity_host.interfaces());
+        FACT(plugin.state_is(said[i]) == CRUMPLE_UNITY_NO_LIBRARY);
+        CrumpleContext *context = make_context(1);
+        refused(CRUMPLE_ERROR_UNSUPPORTED, said[i], plugin.add_context(context));
+        OK(crumple_context_destroy(context));
+        FACT(plugin.event(&event_id) && plugin.device() == 0);
+        plugin.event(nullptr)(event_id);
+        plugin.unload();
+        plugin.close();
+    }
+}
+
+static void renderers() {
+    const struct {
+        unity::Renderer renderer;
+        const char *said;
+    } others[] = {{unity::Renderer::D3D11, "Direct3D 11"},  {unity::Renderer::D3D12, "Direct3D 12"},
+                  {unity::Renderer::Metal, "Metal"},        {unity::Renderer::OpenGlCore, "OpenGL:"},
+                  {unity::Renderer::OpenGlEs3, "OpenGL ES"}, {static_cast<unity::Renderer>(26), "number 26"}};
+    for (const auto &other : others) {
+        unity_host.renderer = other.renderer;
+        plugin.load(unity_host.interfaces());
+        FACT(plugin.state_is(other.said) == CRUMPLE_UNITY_OTHER_RENDERER && plugin.device() == 0);
+        plugin.unload();
+    }
+    unity_host.renderer = unity::Renderer::Vulkan;
+    unity_host.gives_vulkan = false;
+    plugin.load(unity_host.interfaces());
+    FACT(plugin.state_is("no Vulkan device") == CRUMPLE_UNITY_NO_DEVICE);
+    FACT(plugin.message().find("gives no Vulkan device") != std::string::npos);
+    plugin.unload();
+    unity_host.gives_vulkan = true;
+    plugin.load(unity_host.interfaces()); // before host_open_device(): a table, but no device
+    FACT(plugin.state_is("no Vulkan device") == CRUMPLE_UNITY_NO_DEVICE && plugin.device() == 0);
+    plugin.unload();
+    plugin.message();
+    unity_host.gives_graphics = false;
+    plugin.load(unity_host.interfaces());
+    FACT(plugin.state_is("the renderer is none") == CRUMPLE_UNITY_OTHER_RENDERER && !plugin.event(&event_id));
+    plugin.unload();
+    unity_host.gives_graphics = true;
+    plugin.load(nullptr);
+    FACT(plugin.message().find("without interfaces") != std::string::npos && plugin.state_is("startup") == CRUMPLE_UNITY_NOT_LOADED);
+}
+
+// Layouts that Crumple does not write are named, with those that it does.
+static void layouts(const Scene &scene, NativeBuffer *native) {
+    uint64_t buffer = 77;
+    const auto trial = [&](CrumpleResult expected, const char *part, void (*spoil)(CrumpleUnityBufferDef &)) {
+        CrumpleUnityBufferDef def = scene.buffer_def(native);
+        spoil(def);
+        refused(expected, part, plugin.register_buffer(scene.context, &def, &buffer));
+        FACT(buffer == 77);
+    };
+    using Def = CrumpleUnityBufferDef;
+    const CrumpleResult unsupported = CRUMPLE_ERROR_UNSUPPORTED, invalid = CRUMPLE_ERROR_INVALID_ARGUMENT;
+    trial(unsupported, "positions are SNorm16 x 4; Crumple writes Float32 x 3, Float16 x 4", [](Def &d) { d.position.format = SNORM16, d.position.dimension = 4; });
+    trial(unsupported, "normals are UNorm8 x 4; Crumple writes Float32 x 3, SNorm16 x 4, SNorm8 x 4", [](Def &d) { d.normal.format = UNORM8, d.normal.dimension = 4; });
+    trial(unsupported, "tangents are Float32 x 3; Crumple writes Float32 x 4", [](Def &d) { d.tangent.dimension = 3; });
+    trial(unsupported, "VertexAttributeFormat 12 x 3", [](Def &d) { d.position.format = 12; });
+    trial(unsupported, "VertexAttributeFormat -1 x 3", [](Def &d) { d.position.format = -1; });
+    trial(unsupported, "normals begin at byte 14", [](Def &d) { d.normal.offset = 14; });
+    trial(unsupported, "have 50 bytes, not a multiple of 4", [](Def &d) { d.stride = 50; });
+    trial(invalid, "tangents at byte 36 of a vertex do not fit its 48", [](Def &d) { d.tangent.offset = 36; });
+    trial(invalid, "normals at byte -4", [](Def &d) { d.normal.offset = -4; });
+    trial(invalid, "no positions in this vertex stream", [](Def &d) { d.position.dimension = 0; });
+    trial(invalid, "vertex_count is 0", [](Def &d) { d.vertex_count = 0; });
+    trial(CRUMPLE_ERROR_NULL_POINTER, "native_buffer is null", [](Def &d) { d.native_buffer = nullptr; });
+    trial(CRUMPLE_ERROR_STRUCT_SIZE, "struct_size is 5, here it is 72", [](Def &d) { d.struct_size = 5; });
+}
+
+// Registers, runs an event, and answers what it said of the buffer.
+static std::string failure(const Scene &scene, const CrumpleUnityBufferDef &def, CrumpleResult expected) {
+    uint64_t buffer;
+    OK(plugin.register_buffer(scene.context, &def, &buffer));
+    frame();
+    const CrumpleUnityBufferInfo info = plugin.info(buffer);
+    const std::string why = plugin.error(buffer);
+    if (info.result != expected) fprintf(stderr, "%s: %s\n", crumple_result_name((CrumpleResult)info.result), why.c_str());
+    FACT(info.state == CRUMPLE_UNITY_BUFFER_FAILED && info.result == expected && !info.wanted);
+    refused(expected, why.c_str(), plugin.want(buffer));
+    OK(plugin.unregister_buffer(buffer));
+    return why;
+}
+
+static bool has(const std::string &text, const char *part) { return text.find(part) != std::string::npos; }
+
+// What only the device can tell.
+static void buffers(const Scene &scene, NativeBuffer *native) {
+    const size_t bytes = rest().size() * sizeof(Vertex);
+    NativeBuffer *plain = unity_host.make_buffer(rest().data(), bytes, 0);
+    NativeBuffer *small = unity_host.make_buffer(rest().data(), bytes - 4, RAW);
+    int not_a_buffer = 0;
+    FACT(has(failure(scene, scene.buffer_def(plain), CRUMPLE_ERROR_UNSUPPORTED), "vertexBufferTarget |= GraphicsBuffer.Target.Raw"));
+    FACT(has(failure(scene, scene.buffer_def(small), CRUMPLE_ERROR_BUFFER_TOO_SMALL), "has 29996 bytes, but 625 vertices of 48 bytes need 30000"));
+    CrumpleUnityBufferDef def = scene.buffer_def(native);
+    def.native_buffer = &not_a_buffer;
+    FACT(has(failure(scene, def, CRUMPLE_ERROR_INVALID_ID), "knows no Vulkan buffer"));
+    def = scene.buffer_def(native);
+    def.instance = CrumpleInstance{};
+    FACT(has(failure(scene, def, CRUMPLE_ERROR_INVALID_ID), "crumple_register_vulkan_buffer: "));
+    def = scene.buffer_def(native);
+    def.vertex_count = 600; // Mesh.vertexCount of another mesh
+    FACT(has(failure(scene, def, CRUMPLE_ERROR_BUFFER_TOO_SMALL), "crumple_register_vulkan_buffer: "));
+    def = scene.buffer_def(native);
+    def.lod = 3;
+    FACT(has(failure(scene, def, CRUMPLE_ERROR_INDEX_OUT_OF_RANGE), "level of detail is 3"));
+
+    // The component's body was destroyed, but nobody told the plugin: an error, and others go on.
+    uint64_t orphan, healthy;
+    CrumpleInstance passing = make_instance(scene.context, scene.set);
+    NativeBuffer *another = unity_host.make_buffer(rest().data(), bytes, RAW);
+    def = scene.buffer_def(another);
+    def.instance = passing;
+    const CrumpleUnityBufferDef good = scene.buffer_def(native);
+    OK(plugin.register_buffer(scene.context, &def, &orphan));
+    frame();
+    FACT(plugin.info(orphan).state == CRUMPLE_UNITY_BUFFER_RECORDED);
+    OK(plugin.lock(scene.context));
+    OK(crumple_destroy_instance(scene.context, passing));
+    OK(plugin.unlock(scene.context));
+    OK(plugin.want(orphan));
+    frame();
+    FACT(plugin.info(orphan).state == CRUMPLE_UNITY_BUFFER_FAILED && plugin.info(orphan).result == CRUMPLE_ERROR_INVALID_ID);
+    OK(plugin.register_buffer(scene.context, &good, &healthy));
+    frame();
+    FACT(plugin.info(healthy).state == CRUMPLE_UNITY_BUFFER_RECORDED);
+    OK(plugin.unregister_buffer(orphan)); // its registration ended with the instance
+
+    // The other formats that are written.
+    CrumpleUnityBufferDef packed = scene.buffer_def(another);
+    packed.stride = 16;
+    packed.position = {FLOAT16, 4, 0};
+    packed.normal = {SNORM8, 4, 8};
+    packed.tangent = {SNORM8, 4, 12};
+    uint64_t small_one;
+    OK(plugin.register_buffer(scene.context, &packed, &small_one));
+    frame();
+    FACT(plugin.info(small_one).state == CRUMPLE_UNITY_BUFFER_RECORDED);
+
+    OK(plugin.unregister_buffer(healthy));
+    OK(plugin.unregister_buffer(small_one));
+    unity_host.wait_idle();
+    unity_host.destroy_buffer(plain);
+    unity_host.destroy_buffer(small);
+    unity_host.destroy_buffer(another);
+}
+
+// A context that Crumple itself refuses to attach: somebody else attached it.
+static void attached_by_another() {
+    Scene scene;
+    scene.open();
+    CrumpleVulkanDef vulkan = crumple_default_vulkan_def();
+    vulkan.get_instance_proc_addr = (CrumpleVulkanFunction)vkGetInstanceProcAddr;
+    vulkan.instance = unity_host.host.instance;
+    vulkan.physical_device = unity_host.host.physical_device;
+    vulkan.device = unity_host.host.device;
+    vulkan.queue_family = unity_host.host.queue_family;
+    OK(crumple_attach_vulkan(scene.context, &vulkan));
+    OK(plugin.add_context(scene.context));
+    NativeBuffer *native = unity_host.make_buffer(rest().data(), rest().size() * sizeof(Vertex), RAW);
+    FACT(has(failure(scene, scene.buffer_def(native), CRUMPLE_ERROR_INVALID_ARGUMENT), "crumple_attach_vulkan: "));
+    OK(plugin.destroy_context(scene.context));
+    unity_host.wait_idle();
+    unity_host.destroy_buffer(native);
+}
+
+static void ids(const Scene &scene, NativeBuffer *native) {
+    CrumpleContext *stranger = make_context(1);
+    const CrumpleUnityBufferDef def = scene.buffer_def(native);
+    CrumpleUnityBufferInfo info{};
+    uint64_t buffer;
+    char text[8];
+    const CrumpleResult unknown = CRUMPLE_ERROR_INVALID_ID, null = CRUMPLE_ERROR_NULL_POINTER;
+    refused(null, "context is null", plugin.add_context(nullptr));
+    refused(CRUMPLE_ERROR_INVALID_ARGUMENT, "known already", plugin.add_context(scene.context));
+    refused(unknown, "not known", plugin.lock(stranger));
+    refused(unknown, "not known", plugin.unlock(stranger));
+    refused(unknown, "not known", plugin.destroy_context(stranger));
+    refused(unknown, "not known", plugin.register_buffer(stranger, &def, &buffer));
+    refused(null, "def is null", plugin.register_buffer(scene.context, nullptr, &buffer));
+    refused(null, "out_buffer is null", plugin.register_buffer(scene.context, &def, nullptr));
+    OK(crumple_context_destroy(stranger));
+    OK(plugin.lock(scene.context));
+    refused(CRUMPLE_ERROR_CONCURRENT_USE, "holds the lock already", plugin.lock(scene.context));
+    std::thread([&] { refused(CRUMPLE_ERROR_CONCURRENT_USE, "does not hold", plugin.unlock(scene.context)); }).join();
+    OK(plugin.unlock(scene.context));
+    refused(CRUMPLE_ERROR_CONCURRENT_USE, "does not hold", plugin.unlock(scene.context));
+    refused(unknown, "no buffer 4000", plugin.want(4000));
+    refused(unknown, "no buffer 4000", plugin.unregister_buffer(4000));
+    info.struct_size = sizeof info;
+    refused(unknown, "no buffer 4000", plugin.buffer_info(4000, &info));
+    refused(unknown, "no buffer 4000", plugin.buffer_error(4000, text, sizeof text));
+    refused(null, "text is null", plugin.buffer_error(1, nullptr, 8));
+    refused(null, "out_info is null", plugin.buffer_info(1, nullptr));
+    info.struct_size = 3;
+    refused(CRUMPLE_ERROR_STRUCT_SIZE, "struct_size is 3, here it is 48", plugin.buffer_info(1, &info));
+
+    // Texts are cut, never more.
+    memset(text, 'x', sizeof text);
+    unity_host.tell(unity::DeviceEvent::Shutdown);
+    FACT(plugin.state(text, 4) == CRUMPLE_UNITY_NO_DEVICE && strcmp(text, "the") == 0 && text[4] == 'x');
+    FACT(plugin.state(nullptr, 0) == CRUMPLE_UNITY_NO_DEVICE && plugin.take_message(nullptr, 0) == 0);
+    refused(CRUMPLE_ERROR_UNSUPPORTED, "no Vulkan device", plugin.register_buffer(scene.context, &def, &buffer));
+    unity_host.tell(unity::DeviceEvent::Initialize);
+}
+
+// A context that is destroyed while others wait for it, a device that ends while the main thread is inside, and one that is another
+// without a word of the first one's end.
+static void meetings(Scene &scene, NativeBuffer *native) {
+    Scene passing;
+    passing.open();
+    OK(plugin.add_context(passing.context));
+    OK(plugin.lock(passing.context));
+    std::thread waits([&] { refused(CRUMPLE_ERROR_INVALID_ID, "not known", plugin.lock(passing.context)); });
+    OK(plugin.destroy_context(passing.context)); // by the thread that is inside
+    waits.join();
+
+    const CrumpleUnityBufferDef def = scene.buffer_def(native);
+    uint64_t buffer;
+    OK(plugin.register_buffer(scene.context, &def, &buffer));
+    frame();
+    OK(plugin.lock(scene.context));
+    std::thread device([] { unity_host.tell(unity::DeviceEvent::Shutdown); });
+    while (plugin.state(nullptr, 0) == CRUMPLE_UNITY_READY) std::this_thread::yield();
+    event(event_id); // the device is ending: nothing, and nobody waits
+    OK(crumple_deform(scene.context, &scene.twin_buffer, 1, NULL));
+    OK(plugin.unlock(scene.context));
+    device.join();
+    OK(plugin.unregister_buffer(buffer));
+
+    unity_host.wait_idle();
+    unity_host.tell(unity::DeviceEvent::Initialize);
+    const uint32_t number = plugin.device();
+    OK(plugin.register_buffer(scene.context, &def, &buffer));
+    const VkDevice real = unity_host.host.device;
+    unity_host.host.device = nullptr;
+    unity_host.tell(unity::DeviceEvent::Initialize); // another device: none
+    FACT(plugin.state_is("no Vulkan device") == CRUMPLE_UNITY_NO_DEVICE && plugin.info(buffer).state == CRUMPLE_UNITY_BUFFER_LOST);
+    unity_host.host.device = real;
+    unity_host.tell(unity::DeviceEvent::Initialize);
+    FACT(plugin.device() == number + 1);
+    unity_host.tell(static_cast<unity::DeviceEvent>(9)); // one that we do not know
+}
+
+int main(int count, char **arguments) {
+    FACT(count == 5);
+    libraries(arguments + 2);
+    plugin.open(arguments[1]);
+    renderers();
+    host_open(&unity_host.host);
+    plugin.load(unity_host.interfaces()); // the device was there first: no event tells of it
+    FACT(plugin.state_is("") == CRUMPLE_UNITY_READY);
+    event = plugin.event(&event_id);
+    Scene scene;
+    scene.open();
+    OK(plugin.add_context(scene.context));
+    NativeBuffer *native = unity_host.make_buffer(rest().data(), rest().size() * sizeof(Vertex), RAW);
+    layouts(scene, native);
+    buffers(scene, native);
+    attached_by_another();
+    ids(scene, native);
+    meetings(scene, native);
+    for (std::string message; !(message = plugin.message()).empty();) FACT(message.size() > 10);
+    OK(plugin.destroy_context(scene.context));
+    unity_host.tell(unity::DeviceEvent::Shutdown);
+    plugin.unload();
+    plugin.close();
+    unity_host.drop_frames();
+    unity_host.destroy_buffer(native);
+    printf("%s: %u checks\n", unity_host.host.name, checks);
+    host_close(&unity_host.host);
+    return 0;
+}
