@@ -35,7 +35,7 @@ struct Event {
 
 void fail(World &w, Buffer &buffer, CrumpleResult result, std::string why) {
     const std::lock_guard<std::mutex> lock(w.mutex);
-    buffer.info.state = CRUMPLE_UNITY_BUFFER_FAILED;
+    buffer.info.state = result == CRUMPLE_ERROR_DEVICE_LOST ? CRUMPLE_UNITY_BUFFER_LOST : CRUMPLE_UNITY_BUFFER_FAILED;
     buffer.info.result = result;
     buffer.info.wanted = 0;
     buffer.error = std::move(why);
@@ -194,7 +194,7 @@ void Event::run(World &w, Context &context) {
 void Event::want_again(World &w) {
     const std::lock_guard<std::mutex> lock(w.mutex);
     for (const auto &buffer : wanted)
-        if (buffer->info.state != CRUMPLE_UNITY_BUFFER_FAILED) buffer->info.wanted = 1;
+        if (buffer->info.state == CRUMPLE_UNITY_BUFFER_NEW || buffer->info.state == CRUMPLE_UNITY_BUFFER_RECORDED) buffer->info.wanted = 1;
 }
 
 void Event::clear() {
