@@ -1,30 +1,42 @@
-//! `include/crumple.h`: written by cbindgen from the sources of `src/capi`, committed, and compared in CI.
+//! `include/crumple.h`, written by cbindgen from the sources of `src/capi`, and the C# declarations written from it: committed, and
+//! compared in CI.
 
 use std::fs;
 
 use anyhow::{Context, Result, anyhow, bail};
 use similar::TextDiff;
 
+use crate::csharp;
 use crate::workspace::Workspace;
 
-const HEADER: &str = "include/crumple.h";
+pub const HEADER: &str = "include/crumple.h";
 
 pub fn run(workspace: &Workspace, check: bool) -> Result<()> {
-    let fresh = generate(workspace)?;
-    let path = workspace.path(HEADER);
-    if !check {
-        fs::write(&path, fresh).with_context(|| format!("writing {HEADER}"))?;
-        println!("wrote {HEADER}");
-        return Ok(());
+    let header = generate(workspace)?;
+    let (types, functions) = csharp::declarations(&header)?;
+    let files = [(HEADER, header), (csharp::TYPES, types), (csharp::FUNCTIONS, functions)];
+    for (name, fresh) in &files {
+        if check { compare(workspace, name, fresh)? } else { write(workspace, name, fresh)? }
     }
-    let committed = fs::read_to_string(&path).with_context(|| format!("reading {HEADER}"))?.replace("\r\n", "\n");
+    Ok(())
+}
+
+fn write(workspace: &Workspace, name: &str, fresh: &str) -> Result<()> {
+    fs::write(workspace.path(name), fresh).with_context(|| format!("writing {name}"))?;
+    println!("wrote {name}");
+    Ok(())
+}
+
+fn compare(workspace: &Workspace, name: &str, fresh: &str) -> Result<()> {
+    let committed = fs::read_to_string(workspace.path(name)).with_context(|| format!("reading {name}"))?;
+    let committed = committed.replace("\r\n", "\n");
     if committed != fresh {
-        let committed_name = format!("{HEADER} (committed)");
-        let diff = TextDiff::from_lines(&committed, &fresh);
+        let committed_name = format!("{name} (committed)");
+        let diff = TextDiff::from_lines(&committed, fresh);
         print!("{}", diff.unified_diff().header(&committed_name, "what the sources say"));
-        bail!("{HEADER} is not what the sources say; type: cargo xtask header");
+        bail!("{name} is not what the sources say; type: cargo xtask header");
     }
-    println!("{HEADER} is what the sources say");
+    println!("{name} is what the sources say");
     Ok(())
 }
 

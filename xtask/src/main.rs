@@ -4,6 +4,7 @@
 mod bench;
 mod ci;
 mod command;
+mod csharp;
 mod demo;
 mod fuzz;
 mod header;

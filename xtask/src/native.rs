@@ -46,7 +46,7 @@ fn symbols(workspace: &Workspace, shared: &Path) -> Result<()> {
 }
 
 /// Names of the functions that a header declares: `crumple_` words right before a parenthesis, outside comments.
-fn declared(header: &str) -> Vec<&str> {
+pub fn declared(header: &str) -> Vec<&str> {
     let code = header.lines().filter(|line| !line.trim_start().starts_with(['*', '/']));
     let words = code.filter_map(|line| line.split_once('(').map(|(before, _)| before));
     words.filter_map(|before| before.rsplit([' ', '*']).next()).filter(|name| name.starts_with("crumple_")).collect()

@@ -6,7 +6,7 @@ use clap::Args;
 use crate::stage::{self, Outcome, Stage};
 use crate::tools::Tool;
 use crate::workspace::Workspace;
-use crate::{demo, native, outside, peers, valgrind, vulkan};
+use crate::{csharp, demo, native, outside, peers, valgrind, vulkan};
 
 #[derive(Args, Default)]
 pub struct Options {
@@ -38,6 +38,14 @@ const STAGES: &[Stage] = &[
         wants: &[],
         closing: false,
         run: outside::run,
+    },
+    Stage {
+        name: "csharp",
+        shows: "the C# layer under Mono: dents, errors, threads, callbacks, ten thousand frames, libraries that do not fit",
+        needs: &[Tool::CCompiler, Tool::Mono],
+        wants: &[],
+        closing: false,
+        run: csharp::run,
     },
     Stage {
         name: "sanitizers",

@@ -31,6 +31,8 @@ pub enum Tool {
     VulkanHeaders,
     /// libpng, with which `vulkan_render.cpp` writes its picture.
     Png,
+    /// A compiler and a runtime for C#, of the kind that Unity has.
+    Mono,
 }
 
 /// What of Vulkan's files show that it is there.
@@ -60,6 +62,10 @@ impl Tool {
             Self::Ode => package(workspace, "ode"),
             Self::VulkanHeaders => package(workspace, "vulkan"),
             Self::Png => package(workspace, "libpng"),
+            Self::Mono => {
+                cmd!(sh, "mcs --version").quiet().ignore_stderr().read().is_ok()
+                    && cmd!(sh, "mono --version").quiet().ignore_stderr().read().is_ok()
+            }
             Self::Valgrind => cmd!(sh, "valgrind --version").quiet().ignore_stderr().read().is_ok(),
             Self::Python311 => {
                 cmd!(sh, "python3.11 -c 'import ensurepip, venv'").quiet().ignore_stderr().read().is_ok()
@@ -93,6 +99,7 @@ impl Tool {
             Self::Npm => &["nodejs", "npm"],
             Self::VulkanHeaders => &["pkg-config", "libvulkan-dev"],
             Self::Png => &["pkg-config", "libpng-dev"],
+            Self::Mono => &["mono-mcs", "mono-runtime"],
             Self::Vulkan => &["libvulkan1", "mesa-vulkan-drivers", "vulkan-validationlayers"],
         };
         packages.to_vec()
@@ -120,6 +127,7 @@ impl fmt::Display for Tool {
             Self::Vulkan => "Vulkan with Mesa's software driver and the validation layers",
             Self::VulkanHeaders => "Vulkan's headers",
             Self::Png => "libpng's headers",
+            Self::Mono => "Mono with its C# compiler",
         })
     }
 }

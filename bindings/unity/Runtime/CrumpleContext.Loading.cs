@@ -1,0 +1,154 @@
+using System;
+using System.Collections.Generic;
+using System.Runtime.InteropServices;
+using Crumple.Native;
+
+namespace Crumple
+{
+    public sealed partial class CrumpleContext
+    {
+        /// <summary>
+        /// Makes an example set from arrays, which are copied. Takes a moment: load before the scene starts, on a context of its own
+        /// thread if need be.
+        /// </summary>
+        public unsafe ExampleSet CreateExampleSet(ExampleSetDef def)
+        {
+            if (def == null) throw new ArgumentNullException("def");
+            using (Pins pins = new Pins())
+            {
+                CrumpleExampleSetDef native = CrumpleExampleSetDef.Default;
+                native.VertexCount = MeshDef.Count(def.VertexCount, "VertexCount");
+                native.Positions = pins.Input(def.Positions);
+                native.Normals = pins.Input(def.Normals);
+                native.Tangents = pins.Input(def.Tangents);
+                native.Indices = pins.Input(def.Indices);
+                native.IndexCount = MeshDef.Count(def.IndexCount, "IndexCount");
+                native.IndexType = def.IndexType;
+                native.Options = def.Options;
+                if (def.VertexMasses != null) native.Options.VertexMasses = pins.Input(StridedArray.Of(def.VertexMasses));
+                CrumpleExampleDef[] examples = new CrumpleExampleDef[def.Examples.Count];
+                for (int i = 0; i < examples.Length; i++) examples[i] = def.Examples[i].ToNative(pins);
+                native.Examples = pins.Pin(examples);
+                native.ExampleCount = (uint)examples.Length;
+                CrumpleExampleSet id;
+                using (Call call = EnterAlone(this))
+                    call.Check(NativeMethods.crumple_create_example_set(call.Context, &native, &id), "crumple_create_example_set");
+                return new ExampleSet(this, id);
+            }
+        }
+
+        /// <summary>
+        /// Makes an example set from a mesh of a glTF 2.0 or GLB file and its morph targets.
+        /// </summary>
+        /// <param name="path">The file.</param>
+        /// <param name="meshName">Name of the mesh; null: <paramref name="meshIndex"/> decides.</param>
+        /// <param name="meshIndex">Index of the mesh; -1: the first that has morph targets.</param>
+        /// <param name="options">How the set is made ready; null: the defaults.</param>
+        public unsafe ExampleSet LoadGltf(string path, string meshName = null, int meshIndex = -1,
+            CrumpleExampleSetOptions? options = null)
+        {
+            if (path == null) throw new ArgumentNullException("path");
+            using (Pins pins = new Pins())
+            {
+                CrumpleGltfDef def = Gltf(pins, path, meshName, meshIndex, options);
+                CrumpleExampleSet id;
+                using (Call call = EnterAlone(this))
+                    call.Check(NativeMethods.crumple_load_example_set_gltf(call.Context, &def, &id), "crumple_load_example_set_gltf");
+                return new ExampleSet(this, id);
+            }
+        }
+
+        /// <summary>
+        /// The same from the bytes of a file, read during the call only.
+        /// </summary>
+        /// <param name="bytes">The file's bytes.</param>
+        /// <param name="folder">The folder that files named in it are relative to; null: such files are an error.</param>
+        /// <param name="meshName">Name of the mesh; null: <paramref name="meshIndex"/> decides.</param>
+        /// <param name="meshIndex">Index of the mesh; -1: the first that has morph targets.</param>
+        /// <param name="options">How the set is made ready; null: the defaults.</param>
+        public unsafe ExampleSet LoadGltf(ReadOnlySpan<byte> bytes, string folder = null, string meshName = null, int meshIndex = -1,
+            CrumpleExampleSetOptions? options = null)
+        {
+            using (Pins pins = new Pins())
+            {
+                CrumpleGltfDef def = Gltf(pins, folder, meshName, meshIndex, options);
+                CrumpleExampleSet id;
+                using (Call call = EnterAlone(this))
+                fixed (byte* data = &MemoryMarshal.GetReference(bytes))
+                    call.Check(NativeMethods.crumple_load_example_set_gltf_memory(call.Context, (IntPtr)data,
+                        (UIntPtr)(uint)bytes.Length, &def, &id), "crumple_load_example_set_gltf_memory");
+                return new ExampleSet(this, id);
+            }
+        }
+
+        private static CrumpleGltfDef Gltf(Pins pins, string path, string meshName, int meshIndex, CrumpleExampleSetOptions? options)
+        {
+            CrumpleGltfDef def = CrumpleGltfDef.Default;
+            def.Path = pins.Text(path);
+            def.MeshName = pins.Text(meshName);
+            if (meshIndex != -1) def.MeshIndex = MeshDef.Count(meshIndex, "meshIndex");
+            if (options.HasValue) def.Options = options.Value;
+            return def;
+        }
+
+        /// <summary>
+        /// Makes an example set from a base OBJ file and one OBJ file an example, which has the base's vertices in the base's order.
+        /// </summary>
+        public unsafe ExampleSet LoadObj(string basePath, IReadOnlyList<string> examplePaths, CrumpleExampleSetOptions? options = null)
+        {
+            if (basePath == null) throw new ArgumentNullException("basePath");
+            if (examplePaths == null) throw new ArgumentNullException("examplePaths");
+            using (Pins pins = new Pins())
+            {
+                IntPtr[] paths = new IntPtr[examplePaths.Count];
+                for (int i = 0; i < paths.Length; i++) paths[i] = pins.Text(examplePaths[i]);
+                CrumpleObjDef def = CrumpleObjDef.Default;
+                def.BasePath = pins.Text(basePath);
+                def.ExamplePaths = pins.Pin(paths);
+                def.ExampleCount = (uint)paths.Length;
+                if (options.HasValue) def.Options = options.Value;
+                CrumpleExampleSet id;
+                using (Call call = EnterAlone(this))
+                    call.Check(NativeMethods.crumple_load_example_set_obj(call.Context, &def, &id), "crumple_load_example_set_obj");
+                return new ExampleSet(this, id);
+            }
+        }
+
+        /// <summary>
+        /// Makes an example set from the bytes of a .crumple file, which are copied: at once, since nothing is built or unpacked.
+        /// </summary>
+        public unsafe ExampleSet LoadBaked(ReadOnlySpan<byte> bytes)
+        {
+            fixed (byte* data = &MemoryMarshal.GetReference(bytes))
+                return LoadBaked((IntPtr)data, bytes.Length, CrumpleBytes.Copy);
+        }
+
+        /// <summary>
+        /// The same from memory of your own, such as a memory map. With <see cref="CrumpleBytes.Keep"/> it is used where it lies, and
+        /// must stay there, unchanged, until the set and all its instances are disposed of, or the context.
+        /// </summary>
+        public unsafe ExampleSet LoadBaked(IntPtr data, long size, CrumpleBytes bytes)
+        {
+            if (size < 0) throw new ArgumentOutOfRangeException("size", size, "a size is not negative");
+            CrumpleExampleSet id;
+            using (Call call = EnterAlone(this))
+                call.Check(NativeMethods.crumple_load_example_set_memory(call.Context, data, (UIntPtr)(ulong)size, bytes, &id),
+                    "crumple_load_example_set_memory");
+            return new ExampleSet(this, id);
+        }
+
+        /// <summary>The same from a file, which is read into memory.</summary>
+        public unsafe ExampleSet LoadBakedFile(string path)
+        {
+            if (path == null) throw new ArgumentNullException("path");
+            using (Pins pins = new Pins())
+            {
+                CrumpleExampleSet id;
+                using (Call call = EnterAlone(this))
+                    call.Check(NativeMethods.crumple_load_example_set_file(call.Context, pins.Text(path), &id),
+                        "crumple_load_example_set_file");
+                return new ExampleSet(this, id);
+            }
+        }
+    }
+}

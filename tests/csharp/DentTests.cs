@@ -1,0 +1,161 @@
+using System;
+using System.Linq;
+using Crumple;
+
+/// <summary>What is dented, and by how much.</summary>
+static class DentTests
+{
+    /// <summary>Marks, bytes and arrays go there and back; the dent is as deep as was asked for.</summary>
+    public static void DamageRoundTrips()
+    {
+        using (CrumpleContext context = Sheet.Context())
+        {
+            ExampleSet set = context.CreateExampleSet(Sheet.Def());
+            Instance body = context.CreateInstance(set), other = context.CreateInstance(set);
+            CrumpleVec3[] vertices = new CrumpleVec3[Sheet.Vertices], seen = new CrumpleVec3[Sheet.Vertices];
+            HostBuffer buffer = body.RegisterHostBuffer(StridedArray.Of(vertices));
+            other.RegisterHostBuffer(StridedArray.Of(seen));
+            CrumpleHitResult told = body.SubmitDisplacement(Sheet.Hit(0, 0, 0.04f));
+            Check.Same(CrumpleHitStatus.Marked, told.Status, "status");
+            Check.Near(-0.04f, told.Met.Z, 1e-5f, "met");
+            Check.Same(told.GetChosen(0).Anchored ? 1 : 0, told.Mark.GetPair(0).Share >> 15, "anchored, in both");
+            Check.Throws<ArgumentOutOfRangeException>(() => told.GetChosen((int)told.ChosenCount));
+            Check.Throws<ArgumentOutOfRangeException>(() => told.Mark.GetPair(4));
+            CrumpleDeformReport report = context.Deform(new[] { buffer.Id });
+            Check.Same((ulong)Sheet.Vertices, report.VerticesWritten, "the first deform writes all");
+            Check.Near(0.04f, Sheet.Deepest(vertices), 5e-4f, "depth");
+            Check.Near(vertices[told.ContactVertex].Z, Sheet.Point((int)told.ContactVertex, -1).Z - 0.04f, 1e-4f, "contact");
+            Check.Same(0f, seen[5].X, "the other is not written yet");
+            Check.Same(0UL, context.Deform(new CrumpleBuffer[0]).VerticesWritten, "no buffers are none, not all");
+            Check.Same(0f, seen[5].X, "none");
+
+            other.SetMarks(body.GetMarks());
+            Check.Same(1, other.MarkCount, "marks");
+            context.Deform();
+            Check.That(vertices.SequenceEqual(seen), "the same marks give the same vertices");
+            byte[] saved = body.SaveDamage();
+            Check.Same(saved.Length, body.SavedSize, "saved size");
+            other.ResetDamage();
+            Check.Same(0, other.MarkCount, "reset");
+            other.LoadDamage(saved);
+            Check.That(other.SaveDamage().SequenceEqual(saved), "bytes come back");
+            body.SubmitDisplacement(Sheet.Hit(0.25f, 0.2f, 0.02f));
+            other.CopyDamageFrom(body);
+            Check.That(other.SaveDamage().SequenceEqual(body.SaveDamage()), "copied");
+            body.RepairDamage(0.5f);
+            context.Deform();
+            Check.That(Sheet.Deepest(vertices) < 0.75f * Sheet.Deepest(seen), "half repaired");
+            body.RepairDamage(0);
+            context.Deform();
+            Check.That(Sheet.Points().SequenceEqual(vertices), "as new");
+            body.SetMarks(default(ReadOnlySpan<CrumpleMark>));
+        }
+    }
+
+    /// <summary>What changed, in ranges that cover what differs, and a box around everything.</summary>
+    public static void ChangesAndBounds()
+    {
+        using (CrumpleContext context = Sheet.Context())
+        {
+            ExampleSet set = context.CreateExampleSet(Sheet.Def());
+            Instance body = context.CreateInstance(set);
+            CrumpleVec3[] vertices = new CrumpleVec3[Sheet.Vertices];
+            HostBuffer buffer = body.RegisterHostBuffer(StridedArray.Of(vertices));
+            context.Deform();
+            CrumpleVec3[] before = (CrumpleVec3[])vertices.Clone();
+            body.SubmitDisplacement(Sheet.Hit(0.25f, 0.2f, 0.03f));
+            context.Deform();
+            CrumpleRange[] ranges = new CrumpleRange[16];
+            int count = buffer.GetChanges(ranges, out CrumpleAabb bounds);
+            Check.Same(count, buffer.CountChanges(out CrumpleAabb again), "number of changes");
+            Check.Same(bounds, again, "bounds");
+            for (int v = 0; v < Sheet.Vertices; v++)
+            {
+                bool told = ranges.Take(count).Any(range => v >= range.First && v < range.First + range.Count);
+                Check.That(told || vertices[v].Equals(before[v]), "what changed is told");
+            }
+            Check.Same(vertices.Min(v => v.Z), bounds.Min.Z, "lowest");
+            Check.Same(vertices.Max(v => v.Z), bounds.Max.Z, "highest");
+            Check.Fails(CrumpleResult.ErrorBufferTooSmall, "room for 0", () => buffer.GetChanges(default(Span<CrumpleRange>), out bounds));
+            context.Deform();
+            Check.Same(0, buffer.GetChanges(default(Span<CrumpleRange>), out bounds), "nothing changed");
+            buffer.Invalidate();
+            Array.Clear(vertices, 0, vertices.Length);
+            Check.Same((ulong)Sheet.Vertices, context.Deform().VerticesWritten, "all again");
+            Check.That(Sheet.Deepest(vertices) > 0.02f, "written");
+        }
+    }
+
+    /// <summary>Impulses in parts make one dent; hits in world space go through the transform.</summary>
+    public static void ContactsAndSpaces()
+    {
+        using (CrumpleContext context = Sheet.Context())
+        {
+            ExampleSet set = context.CreateExampleSet(Sheet.Def());
+            CrumpleInstanceDef def = CrumpleInstanceDef.Default;
+            float[] turned = { 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1 }; // a quarter turn about z, and away
+            def.SetLocalToWorld(turned);
+            Instance body = context.CreateInstance(set, in def), whole = context.CreateInstance(set);
+            CrumpleDisplacementDef hit = Sheet.Hit(5 - 0.1f, 6 + 0.2f, 0.03f);
+            hit.Point.Z += 7;
+            hit.Space = CrumpleSpace.World;
+            CrumpleHitResult told = body.SubmitDisplacement(in hit);
+            Check.Same(set.NearestVertex(new CrumpleVec3(0.2f, 0.1f, 0.07f), out float distance), (int)told.ContactVertex, "turned back");
+            Check.Near(distance, told.ContactDistance, 1e-5f, "distance");
+            body.SetTransform(new float[] { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 });
+            Check.Fails(CrumpleResult.ErrorContactTooFar, "m", () => body.SubmitDisplacement(in hit));
+            Check.Throws<ArgumentException>(() => body.SetTransform(new float[12]), "16");
+            Check.Fails(CrumpleResult.ErrorInvalidArgument, "", () => body.SetTransform(new float[16]));
+
+            body.ResetDamage();
+            for (int i = 0; i < 8; i++)
+                body.SubmitImpulse(new CrumpleVec3(0.1f, 0.1f, 0.07f), new CrumpleVec3(0, 0, -0.5f), 0.01f, 1, 77);
+            Check.Same(1u, body.GetInfo().ContactCount, "one contact");
+            body.EndContact(77);
+            whole.SubmitImpulse(new CrumpleVec3(0.1f, 0.1f, 0.07f), new CrumpleVec3(0, 0, -4), 0.01f, 1);
+            CrumpleMark one = body.GetMarks().Single(), other = whole.GetMarks().Single();
+            Check.Same(other.Contact, one.Contact, "contact");
+            Check.Near(other.Depth, one.Depth, 1e-6f, "depth");
+            Check.Same(0u, body.GetInfo().ContactCount, "ended");
+        }
+    }
+
+    /// <summary>Limits and tolerances, attached points, other memory, a second level of detail.</summary>
+    public static void TheRest()
+    {
+        using (CrumpleContext context = Sheet.Context())
+        {
+            ExampleSet set = context.CreateExampleSet(Sheet.Def());
+            LodDef lod = new LodDef();
+            lod.SetPositions(new[] { Sheet.Point(312, -1), new CrumpleVec3(-0.5f, -0.5f, 0) });
+            Check.Same(1, set.AddLod(lod), "the first level");
+            Instance body = context.CreateInstance(set);
+            CrumpleAttachment lamp = set.AttachPoint(new CrumpleVec3(0.05f, 0.02f, 0.2f));
+            CrumpleFrame rest = body.GetAttachedFrame(in lamp);
+            Check.Near(0.2f, rest.Position.Z, 1e-6f, "at rest");
+            CrumpleVec3[] vertices = new CrumpleVec3[Sheet.Vertices], proxy = new CrumpleVec3[2];
+            HostBuffer buffer = body.RegisterHostBuffer(StridedArray.Of(vertices));
+            HostBuffer collider = body.RegisterHostBuffer(StridedArray.Of(proxy), lod: 1);
+            body.SubmitDisplacement(Sheet.Hit(0, 0, 0.05f));
+            Check.That(body.GetAttachedFrame(in lamp).Position.Z < rest.Position.Z - 0.03f, "the lamp follows");
+            context.Deform();
+            Check.Same(vertices[312], proxy[0], "a level's vertex on a base vertex");
+            body.SetDepthLimit(0.01f);
+            context.Deform();
+            Check.Near(0.01f, Sheet.Deepest(vertices), 1e-5f, "limited");
+            body.SetDepthLimit(0);
+            body.SetTolerance(0.001f);
+            CrumpleVec3[] fresh = new CrumpleVec3[Sheet.Vertices];
+            buffer.SetMemory(StridedArray.Of(fresh));
+            Check.Fails(CrumpleResult.ErrorBufferTooSmall, "positions", () => buffer.SetMemory(StridedArray.Of(new float[3], 0, 12)));
+            Array.Clear(vertices, 0, vertices.Length);
+            context.Deform();
+            Check.That(Sheet.Deepest(fresh) > 0.045f, "other memory is written");
+            Check.That(vertices.All(v => v.Equals(default(CrumpleVec3))), "what it had is not");
+            Check.Near(0.001f * 2 * (float)Math.Tan(0.5), CrumpleRuntime.PixelTolerance(1, 1, 1, 1000), 1e-6f, "a pixel");
+            collider.Dispose();
+            Check.Same(1u, body.GetInfo().BufferCount, "buffers");
+        }
+    }
+
+}

@@ -1,0 +1,74 @@
+using System;
+using System.Runtime.InteropServices;
+using Crumple;
+using Crumple.Native;
+
+/// <summary>Application domains that come and go over one native library, as at every script reload of Unity's editor.</summary>
+static class DomainTests
+{
+    /// <summary>Lives in the other domain.</summary>
+    public sealed class Guest : MarshalByRefObject
+    {
+        CrumpleContext context;
+        Instance body;
+        CrumpleVec3[] vertices;
+        int messages;
+
+        /// <summary>Makes contexts with callbacks and pinned arrays, disposes of nothing, and tells a context's address.</summary>
+        public long[] Work(bool shutdown)
+        {
+            ContextOptions options = new ContextOptions
+            {
+                Log = (level, message) => messages++,
+                Tasks = tasks => { for (int i = 0; i < tasks.Count; i++) tasks.Run(i); },
+            };
+            // One that is reachable and one that only its finalizer knows of.
+            CrumpleContext forgotten = new CrumpleContext(options);
+            context = new CrumpleContext(options);
+            body = context.CreateInstance(context.CreateExampleSet(Sheet.Def()));
+            vertices = new CrumpleVec3[Sheet.Vertices];
+            body.RegisterHostBuffer(StridedArray.Of(vertices));
+            body.SubmitDisplacement(Sheet.Hit(0, 0, 0.03f));
+            context.Deform();
+            Check.Near(0.03f, Sheet.Deepest(vertices), 5e-4f, "in the other domain");
+            Check.That(messages > 0, "messages in the other domain");
+            long[] addresses = { forgotten.Pointer.ToInt64(), context.Pointer.ToInt64() };
+            if (shutdown) Check.Same(0, CrumpleRuntime.Shutdown(), "left behind in the other domain");
+            return addresses;
+        }
+
+        public override object InitializeLifetimeService()
+        {
+            return null;
+        }
+    }
+
+    public static void UnloadedWithoutDisposing()
+    {
+        using (CrumpleContext context = Sheet.Context())
+        {
+            ExampleSet set = context.CreateExampleSet(Sheet.Def());
+            CrumpleVec3[] vertices = new CrumpleVec3[Sheet.Vertices];
+            Instance body = context.CreateInstance(set);
+            body.RegisterHostBuffer(StridedArray.Of(vertices));
+            for (int round = 0; round < 4; round++)
+            {
+                AppDomain domain = AppDomain.CreateDomain("scripts " + round);
+                Guest guest = (Guest)domain.CreateInstanceAndUnwrap(typeof(Guest).Assembly.FullName, typeof(Guest).FullName);
+                long[] addresses = guest.Work(round % 2 == 1);
+                AppDomain.Unload(domain);
+                foreach (long address in addresses)
+                {
+                    // The library knows: the context is no more.
+                    Check.Same(CrumpleResult.ErrorInvalidId, NativeMethods.crumple_context_destroy(new IntPtr(address)), "a context of the unloaded domain");
+                }
+                GC.Collect();
+                // Nothing of this domain was touched.
+                body.SubmitDisplacement(Sheet.Hit(0.1f * round - 0.2f, 0, 0.03f));
+                context.Deform();
+                Check.Same(round + 1, body.MarkCount, "marks");
+                Check.That(Sheet.Deepest(vertices) > 0.028f, "dented");
+            }
+        }
+    }
+}

@@ -1,0 +1,200 @@
+using System;
+using System.Runtime.CompilerServices;
+using Crumple;
+
+/// <summary>What is disposed of, in which order, and what becomes of what is forgotten.</summary>
+static class LifetimeTests
+{
+    sealed class Scene
+    {
+        public CrumpleContext Context = Sheet.Context(1);
+        public ExampleSet Set;
+        public Instance Body;
+        public HostBuffer Buffer;
+        public WeakReference Memory;
+
+        public Scene()
+        {
+            Set = Context.CreateExampleSet(Sheet.Def());
+            Body = Context.CreateInstance(Set);
+            Register();
+        }
+
+        [MethodImpl(MethodImplOptions.NoInlining)]
+        void Register()
+        {
+            CrumpleVec3[] vertices = new CrumpleVec3[Sheet.Vertices];
+            Memory = new WeakReference(vertices);
+            Buffer = Body.RegisterHostBuffer(StridedArray.Of(vertices));
+        }
+    }
+
+    /// <summary>All 24 orders, each twice; afterwards everything says what it is.</summary>
+    public static void AnyOrder()
+    {
+        for (int order = 0; order < 24; order++)
+        {
+            Scene scene = new Scene();
+            IDisposable[] all = { scene.Context, scene.Set, scene.Body, scene.Buffer };
+            for (int left = 4, code = order; left > 0; code /= left, left--)
+            {
+                int which = code % left;
+                all[which].Dispose();
+                all[which].Dispose();
+                all[which] = all[left - 1];
+            }
+            Check.Throws<ObjectDisposedException>(() => scene.Context.Deform(), "CrumpleContext");
+            Check.Throws<ObjectDisposedException>(() => scene.Context.CreateInstance(scene.Set));
+            Check.Throws<ObjectDisposedException>(() => scene.Set.GetInfo());
+            Check.Throws<ObjectDisposedException>(() => scene.Body.SubmitDisplacement(Sheet.Hit(0, 0, 0.1f)));
+            Check.Throws<ObjectDisposedException>(() => scene.Buffer.Invalidate());
+            Check.Throws<ObjectDisposedException>(() => scene.Context.Pointer.ToString());
+            Check.That(scene.Context.IsDisposed && scene.Buffer.IsDisposed, "disposed");
+        }
+    }
+
+    public static void OneByOne()
+    {
+        Scene scene = new Scene();
+        scene.Set.Dispose();
+        Check.Throws<ObjectDisposedException>(() => scene.Set.GetInfo(), "ExampleSet");
+        Check.Throws<ObjectDisposedException>(() => scene.Context.CreateInstance(scene.Set), "ExampleSet");
+        scene.Body.SubmitDisplacement(Sheet.Hit(0, 0, 0.03f)); // which keeps what it needs of its set
+        scene.Context.Deform();
+        scene.Buffer.Dispose();
+        Check.Throws<ObjectDisposedException>(() => scene.Buffer.Invalidate(), "HostBuffer");
+        Check.Same(0u, scene.Body.GetInfo().BufferCount, "buffers");
+        HostBuffer second = scene.Body.RegisterHostBuffer(StridedArray.Of(new CrumpleVec3[Sheet.Vertices]));
+        scene.Body.Dispose();
+        Check.Throws<ObjectDisposedException>(() => second.Invalidate(), "HostBuffer");
+        Check.Throws<ObjectDisposedException>(() => scene.Body.GetInfo(), "Instance");
+        Check.That(!scene.Context.IsDisposed, "the context goes on");
+        scene.Context.Deform();
+        scene.Context.Dispose();
+    }
+
+    /// <summary>Whether an array can be collected, once it is nobody's.</summary>
+    static bool Collected(WeakReference memory)
+    {
+        // The stack is scanned conservatively: what lies there may be held by chance for a while.
+        for (int i = 0; i < 50 && memory.IsAlive; i++)
+        {
+            Scrub(40);
+            GC.Collect();
+            GC.WaitForPendingFinalizers();
+        }
+        return !memory.IsAlive;
+    }
+
+    [MethodImpl(MethodImplOptions.NoInlining)]
+    static unsafe int Scrub(int depth)
+    {
+        byte* zeros = stackalloc byte[512];
+        for (int i = 0; i < 512; i++) zeros[i] = 0;
+        return depth == 0 ? zeros[5] : Scrub(depth - 1) + zeros[7];
+    }
+
+    /// <summary>Registered arrays stay where they are as long as they are written, and are let go after that.</summary>
+    public static void ArraysAreLetGo()
+    {
+        WeakReference[] ends = { Held(0), Held(1), Held(2), Held(3) };
+        foreach (WeakReference memory in ends) Check.That(Collected(memory), "let go");
+        Scene scene = new Scene();
+        GC.Collect();
+        Check.That(scene.Memory.IsAlive, "held while it is registered");
+        scene.Context.Deform();
+        Check.Near(0, Sheet.Deepest((CrumpleVec3[])scene.Memory.Target), 1e-6f, "written");
+        scene.Context.Dispose();
+    }
+
+    [MethodImpl(MethodImplOptions.NoInlining)]
+    static WeakReference Held(int end)
+    {
+        Scene scene = new Scene();
+        WeakReference memory = scene.Memory;
+        switch (end)
+        {
+            case 0:
+                scene.Buffer.Dispose();
+                break;
+            case 1:
+                scene.Body.Dispose();
+                break;
+            case 2:
+                scene.Context.Dispose();
+                return memory;
+            default:
+                scene.Buffer.SetMemory(StridedArray.Of(new CrumpleVec3[Sheet.Vertices]));
+                break;
+        }
+        // The rest of the scene stays: what was ended must have been enough.
+        Kept.Add(scene.Context);
+        return memory;
+    }
+
+    static readonly System.Collections.Generic.List<CrumpleContext> Kept = new System.Collections.Generic.List<CrumpleContext>();
+
+    /// <summary>A context that nobody disposes of is destroyed by the collector, and so is an instance inside one that goes on.</summary>
+    public static void ForgottenThingsGo()
+    {
+        // On a stack of its own, which the collector has no reason to scan afterwards.
+        WeakReference context = null;
+        RunAway(() => context = Forget());
+        Check.That(Collected(context), "the arrays of a forgotten context");
+
+        CrumpleContext lasting = Sheet.Context(1);
+        ExampleSet set = lasting.CreateExampleSet(Sheet.Def());
+        WeakReference array = null;
+        RunAway(() => array = ForgetInstance(lasting, set));
+        // Its finalizer only leaves it behind; a call of ours destroys it.
+        bool gone = false;
+        for (int i = 0; i < 50 && !gone; i++)
+        {
+            Scrub(40);
+            GC.Collect();
+            GC.WaitForPendingFinalizers();
+            lasting.Deform();
+            gone = !array.IsAlive;
+        }
+        Check.That(gone, "the arrays of a forgotten instance");
+        lasting.Dispose();
+    }
+
+    static void RunAway(System.Threading.ThreadStart action)
+    {
+        System.Threading.Thread thread = new System.Threading.Thread(action);
+        thread.Start();
+        thread.Join();
+    }
+
+    [MethodImpl(MethodImplOptions.NoInlining)]
+    static WeakReference Forget()
+    {
+        return new Scene().Memory;
+    }
+
+    [MethodImpl(MethodImplOptions.NoInlining)]
+    static WeakReference ForgetInstance(CrumpleContext context, ExampleSet set)
+    {
+        CrumpleVec3[] vertices = new CrumpleVec3[Sheet.Vertices];
+        context.CreateInstance(set).RegisterHostBuffer(StridedArray.Of(vertices));
+        return new WeakReference(vertices);
+    }
+
+    /// <summary>Shutdown ends all contexts, and new ones work.</summary>
+    public static void Shutdown()
+    {
+        Scene one = new Scene(), two = new Scene();
+        two.Context.Dispose();
+        Check.Same(0, CrumpleRuntime.Shutdown(), "left behind");
+        Check.Throws<ObjectDisposedException>(() => one.Context.Deform(), "CrumpleContext");
+        Check.Throws<ObjectDisposedException>(() => one.Body.SubmitDisplacement(Sheet.Hit(0, 0, 0.1f)));
+        one.Buffer.Dispose();
+        one.Body.Dispose();
+        one.Context.Dispose();
+        Check.Same(0, CrumpleRuntime.Shutdown(), "again");
+        Scene three = new Scene();
+        three.Context.Deform();
+        three.Context.Dispose();
+    }
+}

@@ -1,0 +1,163 @@
+//! C#: the declarations that are written from the header, and the tests of what lies over them, under Mono.
+
+mod layout;
+mod parse;
+mod write;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use xshell::cmd;
+
+use crate::header::HEADER;
+use crate::native;
+use crate::stage::Outcome;
+use crate::workspace::{Workspace, empty_directory};
+
+pub const TYPES: &str = "bindings/unity/Runtime/Native/NativeTypes.g.cs";
+pub const FUNCTIONS: &str = "bindings/unity/Runtime/Native/NativeMethods.g.cs";
+
+const RUNTIME: &str = "bindings/unity/Runtime";
+const TESTS: &str = "tests/csharp";
+/// What Mono's compiler needs to be told to take C# 7.2, as Unity's takes it, and to be strict.
+const STRICT: &[&str] = &["-langversion:latest", "-unsafe", "-warnaserror", "-debug-"];
+/// `e_machine` of ELF, and its number for ARM64.
+const MACHINE: (usize, [u8; 2]) = (18, [183, 0]);
+
+/// The texts of `TYPES` and `FUNCTIONS`.
+pub fn declarations(header: &str) -> Result<(String, String)> {
+    let items = parse::header(header).context("reading include/crumple.h")?;
+    write::files(&items)
+}
+
+pub fn run(workspace: &Workspace) -> Result<Outcome> {
+    if cfg!(not(target_os = "linux")) {
+        return Ok(Outcome::Skipped("done with Debian's Mono on Linux only".into()));
+    }
+    let prefix = native::release_prefix(workspace);
+    let built = workspace.target.join("csharp");
+    empty_directory(&built)?;
+    compile(workspace, &built)?;
+    let header = fs::read_to_string(workspace.path(HEADER))?;
+    let table = layouts(workspace, &prefix, &built, &header)?;
+    let (sh, libraries) = (&workspace.shell, prefix.join("lib"));
+    let mono = |program: &str, folder: &Path| {
+        let program = built.join(program);
+        // Names of fixtures and files are UTF-8 wherever this runs.
+        cmd!(sh, "mono {program}").env("LD_LIBRARY_PATH", folder).env("LC_ALL", "C.UTF-8").quiet()
+    };
+    mono("quickstart.exe", &libraries).run()?;
+    mono("tests.exe", &libraries).arg(workspace.path("tests/fixtures")).arg(table).run()?;
+    for (case, file) in misfits(workspace, &prefix, &built)? {
+        let folder = if case == "missing" { built.join("empty") } else { built.join(case) };
+        mono("library.exe", &folder).arg(case).arg(file).run()?;
+    }
+    Ok(Outcome::Passed)
+}
+
+/// The library with its documentation, and the programs that use it.
+fn compile(workspace: &Workspace, built: &Path) -> Result<()> {
+    let sh = &workspace.shell;
+    let sources = |folder: &str| -> Result<Vec<PathBuf>> {
+        let mut files: Vec<PathBuf> =
+            fs::read_dir(workspace.path(folder))?.map(|entry| Ok(entry?.path())).collect::<Result<Vec<_>>>()?;
+        files.retain(|file| file.extension().is_some_and(|extension| extension == "cs"));
+        files.sort();
+        ensure!(!files.is_empty(), "{folder} holds no C#");
+        Ok(files)
+    };
+    let library = format!("-out:{}", built.join("Crumple.dll").display());
+    let documentation = format!("-doc:{}", built.join("Crumple.xml").display());
+    let (own, native) = (sources(RUNTIME)?, sources(&format!("{RUNTIME}/Native"))?);
+    cmd!(sh, "mcs {STRICT...} -target:library {library} {documentation} {own...} {native...}").quiet().run()?;
+    let tests = sources(TESTS)?;
+    let named =
+        |names: &[&str]| -> Vec<PathBuf> { names.iter().map(|name| workspace.path(TESTS).join(name)).collect() };
+    let alone = named(&["Quickstart.cs", "LibraryTests.cs", "VulkanTests.cs"]);
+    let together = tests.iter().filter(|file| !alone.contains(file)).cloned().collect();
+    for (program, files) in [
+        ("quickstart", named(&["Quickstart.cs"])),
+        ("tests", together),
+        ("library", named(&["LibraryTests.cs", "Check.cs"])),
+    ] {
+        let (program, references) =
+            (format!("-out:{}", built.join(program).with_extension("exe").display()), ["-r:System.Core.dll"]);
+        let library = format!("-r:{}", built.join("Crumple.dll").display());
+        cmd!(sh, "mcs {STRICT...} {program} {library} {references...} {files...}").quiet().run()?;
+    }
+    Ok(())
+}
+
+/// The file that tells the tests sizes and offsets as C has them.
+fn layouts(workspace: &Workspace, prefix: &Path, built: &Path, header: &str) -> Result<PathBuf> {
+    let sh = &workspace.shell;
+    let (source, program, table) = (built.join("layout.c"), built.join("layout"), built.join("layout.txt"));
+    fs::write(&source, layout::program(&parse::header(header)?)?)?;
+    let include = prefix.join("include");
+    cmd!(sh, "cc -std=c11 -Wall -Werror -I {include} {source} -o {program}").quiet().run()?;
+    fs::write(&table, cmd!(sh, "{program}").quiet().read()?)?;
+    Ok(table)
+}
+
+/// Libraries that cannot be used, by the name of the test's case and of the folder that they are in.
+fn misfits(workspace: &Workspace, prefix: &Path, built: &Path) -> Result<Vec<(&'static str, PathBuf)>> {
+    let sh = &workspace.shell;
+    let right = prefix.join("lib/libcrumple.so");
+    let source = workspace.path(TESTS).join("fake.c");
+    let mut files = Vec::new();
+    for (case, version) in [("version", Some("2003")), ("patch", Some("1099")), ("foreign", None)] {
+        let file = place(built, case)?;
+        let version = version.map(|number| format!("-DVERSION={number}"));
+        cmd!(sh, "cc -shared -fPIC {version...} {source} -o {file}").quiet().run()?;
+        files.push((case, file));
+    }
+    let file = place(built, "architecture")?;
+    let mut bytes = fs::read(&right)?;
+    bytes[MACHINE.0..][..2].copy_from_slice(&MACHINE.1);
+    fs::write(&file, bytes)?;
+    files.push(("architecture", file));
+    let file = place(built, "garbage")?;
+    fs::write(&file, "no library\n")?;
+    files.push(("garbage", file));
+    fs::create_dir(built.join("empty"))?;
+    files.push(("missing", right));
+    Ok(files)
+}
+
+fn place(built: &Path, case: &str) -> Result<PathBuf> {
+    let folder = built.join(case);
+    fs::create_dir(&folder)?;
+    Ok(folder.join("libcrumple.so"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each function and struct of the header, found by other means than the parser's, is in what is written.
+    #[test]
+    fn nothing_of_the_header_is_missing() -> Result<()> {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let header = fs::read_to_string(root.join(HEADER))?;
+        let (types, functions) = declarations(&header)?;
+        let declared = native::declared(&header);
+        assert!(declared.len() > 70, "{declared:?}");
+        for name in &declared {
+            assert!(functions.contains(&format!(" {name}(")), "{name}");
+        }
+        assert_eq!(functions.matches("[DllImport(").count(), declared.len());
+        let closed: Vec<&str> = header.lines().filter_map(|line| line.strip_prefix("} Crumple")).collect();
+        for name in &closed {
+            let name = name.trim_end_matches(';');
+            assert!(types.contains(&format!("Crumple{name}\n")), "Crumple{name}");
+        }
+        let structs = types.matches("partial struct ").count();
+        // One enum more: the features, which C has as numbers.
+        assert_eq!(structs + types.matches("public enum ").count(), closed.len() + 1);
+        let fields =
+            header.lines().filter(|line| line.starts_with("    ") && line.ends_with(';') && !line.contains('('));
+        assert!(types.matches(";\n").count() > fields.count());
+        Ok(())
+    }
+}

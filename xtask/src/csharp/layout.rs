@@ -1,0 +1,35 @@
+//! A C program that prints the size of every struct of the header, and offset and size of every field, as a C compiler has them.
+//! Names are those of C#, so that its tests can compare.
+
+use std::fmt::Write;
+
+use anyhow::Result;
+
+use super::parse::{Form, Item};
+use super::write::pascal;
+
+/// Its lines: `CrumpleMark 32`, `CrumpleMark.Depth 4 4`, `CrumpleMark.Pairs1 20 4`.
+pub fn program(items: &[Item]) -> Result<String> {
+    let structs = |name: &str| items.iter().any(|item| item.name == name && matches!(item.form, Form::Struct { .. }));
+    let mut text = String::from("#include <crumple.h>\n#include <stdio.h>\n\nint main(void) {\n");
+    for Item { name, form, .. } in items {
+        let Form::Struct { fields } = form else { continue };
+        writeln!(text, "    printf(\"{name} %zu\\n\", sizeof({name}));")?;
+        for field in fields {
+            let (own, there) = (&field.name, pascal(&field.name));
+            let size = format!("sizeof((({name} *)0)->{own}");
+            match field.kind.array {
+                // C# has no arrays of structs in structs: a field each.
+                Some(length) if structs(&field.kind.base) => {
+                    for index in 0..length {
+                        let offset = format!("offsetof({name}, {own}) + {index} * {size}[0])");
+                        writeln!(text, "    printf(\"{name}.{there}{index} %zu %zu\\n\", {offset}, {size}[0]));")?;
+                    }
+                }
+                _ => writeln!(text, "    printf(\"{name}.{there} %zu %zu\\n\", offsetof({name}, {own}), {size}));")?,
+            }
+        }
+    }
+    text.push_str("    return 0;\n}\n");
+    Ok(text)
+}

@@ -1,0 +1,229 @@
+//! Reads `include/crumple.h`: the few forms of C that cbindgen writes there, with their comments. Whatever else a line holds is
+//! an error, so that nothing of the header can be missing from what is made of it.
+
+use anyhow::{Context, Result, bail};
+
+/// A type as C spells it: its name, how many stars follow, and how many elements of it there are.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Type {
+    pub base: String,
+    pub pointers: usize,
+    /// Length of an array; only fields have one.
+    pub array: Option<usize>,
+}
+
+/// A field or a parameter.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Variable {
+    pub docs: Vec<String>,
+    pub name: String,
+    pub kind: Type,
+}
+
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Variant {
+    pub docs: Vec<String>,
+    pub name: String,
+    pub value: String,
+}
+
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum Form {
+    Define {
+        value: String,
+    },
+    Enum {
+        variants: Vec<Variant>,
+    },
+    /// A struct that is only ever pointed to.
+    Opaque,
+    Struct {
+        fields: Vec<Variable>,
+    },
+    /// A pointer to a function of the host's.
+    Callback {
+        result: Type,
+        parameters: Vec<Variable>,
+    },
+    Function {
+        result: Type,
+        parameters: Vec<Variable>,
+    },
+}
+
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Item {
+    pub docs: Vec<String>,
+    pub name: String,
+    pub form: Form,
+}
+
+/// Everything that the header declares, in its order.
+pub fn header(text: &str) -> Result<Vec<Item>> {
+    let mut lines = text.lines().enumerate();
+    let mut items = Vec::new();
+    let mut docs = Vec::new();
+    while let Some((number, line)) = lines.next() {
+        let trimmed = line.trim();
+        if let Some(text) = trimmed.strip_prefix("///") {
+            docs.push(text.trim().to_owned());
+            continue;
+        }
+        if ignored(trimmed) {
+            continue;
+        }
+        // A declaration goes on to its semicolon, or to the brace that closes it and the semicolon after that.
+        let mut declaration = vec![line];
+        if !trimmed.starts_with("#define") {
+            let braced = trimmed.ends_with('{');
+            while !declaration.last().is_some_and(|last| {
+                let last = last.trim();
+                last.ends_with(';') && (!braced || last.starts_with('}'))
+            }) {
+                let (_, next) = lines.next().with_context(|| format!("line {}: {trimmed} has no end", number + 1))?;
+                declaration.push(next);
+            }
+        }
+        let (name, form) = item(&declaration).with_context(|| format!("line {}: {trimmed}", number + 1))?;
+        items.push(Item { docs: std::mem::take(&mut docs), name, form });
+    }
+    Ok(items)
+}
+
+fn ignored(line: &str) -> bool {
+    const LINES: &[&str] = &["", "#ifndef CRUMPLE_H", "#define CRUMPLE_H", "#ifdef __cplusplus", "extern \"C\" {"];
+    LINES.contains(&line)
+        || line.starts_with("//")
+        || line.starts_with("#include <std")
+        || line.starts_with("#endif")
+        || line.starts_with("}  // extern")
+}
+
+fn item(lines: &[&str]) -> Result<(String, Form)> {
+    let first = lines[0].trim();
+    if let Some(define) = first.strip_prefix("#define ") {
+        let (name, value) = define.split_once(' ').context("a #define without a value")?;
+        return Ok((name.to_owned(), Form::Define { value: value.trim().to_owned() }));
+    }
+    if first == "typedef enum {" || first == "typedef struct {" {
+        let (last, body) = lines[1..].split_last().context("it has no body")?;
+        let name = last.trim().trim_start_matches('}').trim_end_matches(';').trim().to_owned();
+        let form = if first.contains("enum") {
+            Form::Enum { variants: variants(body)? }
+        } else {
+            Form::Struct { fields: fields(body)? }
+        };
+        return Ok((name, form));
+    }
+    let whole = lines.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" ");
+    let whole = whole.trim_end_matches(';');
+    if let Some(rest) = whole.strip_prefix("typedef struct ") {
+        let (name, again) = rest.split_once(' ').context("a struct without a name")?;
+        if name != again {
+            bail!("{name} and {again} should be one name");
+        }
+        return Ok((name.to_owned(), Form::Opaque));
+    }
+    let parameters = |list: &str| -> Result<Vec<Variable>> {
+        if list == "void" { Ok(Vec::new()) } else { list.split(',').map(variable).collect() }
+    };
+    if let Some(rest) = whole.strip_prefix("typedef ") {
+        let (before, rest) = rest.split_once("(*").context("neither enum, struct nor callback")?;
+        let (name, list) = rest.split_once(")(").context("a callback without parameters")?;
+        let result = variable(&format!("{before} result"))?.kind;
+        let list = list.strip_suffix(')').context("a callback without an end")?;
+        return Ok((name.to_owned(), Form::Callback { result, parameters: parameters(list)? }));
+    }
+    let (before, list) = whole.split_once('(').context("not a declaration that this reads")?;
+    let Variable { name, kind: result, .. } = variable(before)?;
+    let list = list.strip_suffix(')').context("a function without an end")?;
+    Ok((name, Form::Function { result, parameters: parameters(list)? }))
+}
+
+/// The lines of a body, each with the comments above it.
+fn documented<'a>(lines: &[&'a str]) -> Vec<(Vec<String>, &'a str)> {
+    let mut docs = Vec::new();
+    let mut found = Vec::new();
+    for line in lines.iter().map(|line| line.trim()) {
+        match line.strip_prefix("///") {
+            Some(text) => docs.push(text.trim().to_owned()),
+            None => found.push((std::mem::take(&mut docs), line)),
+        }
+    }
+    found
+}
+
+fn variants(lines: &[&str]) -> Result<Vec<Variant>> {
+    let variant = |(docs, line): (Vec<String>, &str)| {
+        let (name, value) =
+            line.trim_end_matches(',').split_once(" = ").with_context(|| format!("{line:?} has no value"))?;
+        Ok(Variant { docs, name: name.to_owned(), value: value.to_owned() })
+    };
+    documented(lines).into_iter().map(variant).collect()
+}
+
+fn fields(lines: &[&str]) -> Result<Vec<Variable>> {
+    let field = |(docs, line): (Vec<String>, &str)| {
+        let line = line.strip_suffix(';').with_context(|| format!("{line:?} has no semicolon"))?;
+        Ok(Variable { docs, ..variable(line)? })
+    };
+    documented(lines).into_iter().map(field).collect()
+}
+
+/// `const T *name[4]`, without comments.
+fn variable(text: &str) -> Result<Variable> {
+    let (text, array) = match text.trim().strip_suffix(']').and_then(|text| text.split_once('[')) {
+        Some((text, length)) => (text, Some(length.parse().with_context(|| format!("{text}[{length}]"))?)),
+        None => (text.trim(), None),
+    };
+    let spaced = text.replace('*', " * ");
+    let words: Vec<&str> = spaced.split_whitespace().filter(|word| *word != "const").collect();
+    let plain = |word: &str| word.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_');
+    match words.as_slice() {
+        [base, stars @ .., name] if stars.iter().all(|word| *word == "*") && plain(base) && plain(name) => {
+            Ok(Variable {
+                docs: Vec::new(),
+                name: (*name).to_owned(),
+                kind: Type { base: (*base).to_owned(), pointers: stars.len(), array },
+            })
+        }
+        _ => bail!("{text:?} is no type and name that this reads"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn forms_of_c() -> Result<()> {
+        let items = header(concat!(
+            "// Words.\n#define CRUMPLE_H\n/// One.\n///\n/// Two.\n#define CRUMPLE_A 3\n\ntypedef enum {\n    /// No.\n    CRUMPLE_E_NO = 0,\n",
+            "} CrumpleE;\ntypedef struct CrumpleO CrumpleO;\ntypedef void (*CrumpleV)(void);\ntypedef void *(*CrumpleC)(size_t a,\n",
+            "    const char *const *b);\ntypedef struct {\n    /// In m.\n    float m[16];\n    const void *data;\n} CrumpleS;\n",
+            "/// Does.\nuint32_t crumple_f(CrumpleO *o,\n    CrumpleO **out);\nconst char *crumple_g(void);\n"
+        ))?;
+        let names: Vec<&str> = items.iter().map(|item| item.name.as_str()).collect();
+        assert_eq!(
+            names,
+            ["CRUMPLE_A", "CrumpleE", "CrumpleO", "CrumpleV", "CrumpleC", "CrumpleS", "crumple_f", "crumple_g"]
+        );
+        assert_eq!(items[0].docs, ["One.", "", "Two."]);
+        let Form::Callback { result, parameters } = &items[4].form else { bail!("{:?}", items[4]) };
+        assert_eq!((result.pointers, parameters[1].kind.pointers, parameters[1].name.as_str()), (1, 2, "b"));
+        let Form::Struct { fields } = &items[5].form else { bail!("{:?}", items[5]) };
+        assert_eq!((fields[0].kind.array, fields[0].docs[0].as_str(), fields[1].kind.pointers), (Some(16), "In m.", 1));
+        let Form::Function { parameters, .. } = &items[6].form else { bail!("{:?}", items[6]) };
+        assert_eq!(parameters[1].kind, Type { base: "CrumpleO".into(), pointers: 2, array: None });
+        Ok(())
+    }
+
+    #[test]
+    fn what_is_not_understood_is_an_error() {
+        for text in
+            ["int x = 3;\n", "typedef union {\n    int a;\n} U;\n", "void crumple_f(int (*g)(void));\n", "void f(int\n"]
+        {
+            assert!(header(text).is_err(), "{text}");
+        }
+    }
+}
