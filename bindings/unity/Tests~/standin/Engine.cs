@@ -93,6 +93,13 @@ namespace UnityEngine
             }
         }
 
+        public static GameObject CreatePrimitive(PrimitiveType type)
+        {
+            GameObject made = new GameObject(type.ToString());
+            made.AddComponent<SphereCollider>();
+            return made;
+        }
+
         public T AddComponent<T>() where T : Component, new()
         {
             T made = new T { gameObject = this };
@@ -147,7 +154,7 @@ namespace UnityEngine
 
     public class MonoBehaviour : Behaviour
     {
-        internal bool Running;
+        internal bool Running, Started;
     }
 
     /// <summary>Position and scale; no rotation, no parents.</summary>
@@ -209,6 +216,11 @@ namespace UnityEngine
         public Vector3 impulse { get; internal set; }
         public int contactCount { get { return Points.Length; } }
         public ContactPoint GetContact(int index) { return Points[index]; }
+    }
+
+    public static class Physics
+    {
+        public static Vector3 gravity { get; set; }
     }
 
     public static class Time
@@ -318,9 +330,20 @@ namespace StandIn
             for (int i = 0; i < Behaviours.Count; i++)
             {
                 Action late;
+                if (Behaviours[i].Running && !Behaviours[i].Started)
+                {
+                    Behaviours[i].Started = true;
+                    Call(Behaviours[i], "Start");
+                }
                 if (Behaviours[i].Running && LateUpdates.TryGetValue(Behaviours[i], out late)) late();
             }
             Application.BeforeRender();
+            Sweep();
+        }
+
+        /// <summary>What Object.Destroy() was called for goes.</summary>
+        internal static void Sweep()
+        {
             while (Doomed.Count > 0)
             {
                 UnityEngine.Object doomed = Doomed[Doomed.Count - 1];

@@ -143,6 +143,9 @@ namespace UnityEngine
 
         /// <summary>What the GPU side gives for a vertex stream; null: no native buffer.</summary>
         internal static Func<Mesh, int, IntPtr> NativeBuffers;
+        internal static Action<Mesh> Gone;
+
+        internal override void Released() { if (Gone != null) Gone(this); }
 
         public Mesh() { name = ""; }
 

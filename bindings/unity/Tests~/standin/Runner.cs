@@ -73,10 +73,10 @@ namespace StandIn
 
     public static class Runner
     {
-        public static int Run(Assembly tests)
+        public static int Run(Assembly tests, Predicate<Type> which)
         {
             int count = 0, failures = 0;
-            foreach (Type type in tests.GetTypes())
+            foreach (Type type in Array.FindAll(tests.GetTypes(), which))
             {
                 foreach (MethodInfo method in type.GetMethods())
                 {
@@ -118,6 +118,9 @@ namespace StandIn
                 TargetInvocationException wrapped = error as TargetInvocationException;
                 return (wrapped == null ? error : wrapped.InnerException).ToString();
             }
+            Engine.Sweep();
+            if (Unity.Collections.NativeArray<byte>.Living != 0) return Unity.Collections.NativeArray<byte>.Living + " native arrays are left";
+            if (Gpu.Living != 0) return Gpu.Living + " vertex buffers are left on the device";
             return Lines();
         }
 

@@ -86,13 +86,37 @@ static void UNITY_CALL configure(int event_id, const unity::EventConfig *config)
     playing->configured.insert(event_id);
 }
 
+// A loader whose device can be lost.
+static PFN_vkGetDeviceProcAddr real_get_device;
+static PFN_vkAllocateMemory real_allocate;
+
+static VKAPI_ATTR VkResult VKAPI_CALL allocate(VkDevice device, const VkMemoryAllocateInfo *info,
+                                               const VkAllocationCallbacks *callbacks, VkDeviceMemory *memory) {
+    const bool lost = playing->lost_in && strcmp(playing->lost_in, "vkAllocateMemory") == 0;
+    return lost ? VK_ERROR_DEVICE_LOST : real_allocate(device, info, callbacks, memory);
+}
+
+static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL get_device(VkDevice device, const char *name) {
+    const PFN_vkVoidFunction found = real_get_device(device, name);
+    if (strcmp(name, "vkAllocateMemory") != 0) return found;
+    real_allocate = (PFN_vkAllocateMemory)found;
+    return (PFN_vkVoidFunction)allocate;
+}
+
+static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL get_instance(VkInstance instance, const char *name) {
+    const PFN_vkVoidFunction found = vkGetInstanceProcAddr(instance, name);
+    if (strcmp(name, "vkGetDeviceProcAddr") != 0) return found;
+    real_get_device = (PFN_vkGetDeviceProcAddr)found;
+    return (PFN_vkVoidFunction)get_device;
+}
+
 static unity::VulkanInstance UNITY_CALL instance() {
     unity::VulkanInstance told{};
     told.instance = playing->host.instance;
     told.physical_device = playing->host.physical_device;
     told.device = playing->host.device;
     told.graphics_queue = playing->host.queue;
-    told.get_instance_proc_addr = vkGetInstanceProcAddr;
+    told.get_instance_proc_addr = get_instance;
     told.queue_family = playing->host.queue_family;
     return told;
 }
@@ -156,6 +180,10 @@ void UnityHost::destroy_buffer(NativeBuffer *native) {
     FACT(buffers_.erase(native) == 1);
     host_destroy_buffer(&host, &native->vk);
     delete native;
+}
+
+void UnityHost::destroy_all_buffers() {
+    while (!buffers_.empty()) destroy_buffer(*buffers_.begin());
 }
 
 bool UnityHost::knows(const void *native) const {

@@ -52,6 +52,7 @@ class UnityHost {
     unity::Renderer renderer = unity::Renderer::Vulkan;
     bool gives_graphics = true, gives_vulkan = true;
     bool gives_commands = true, inside_render_pass = false; // of an event
+    const char *lost_in = nullptr; // a function of the device that answers VK_ERROR_DEVICE_LOST
     int callbacks = 0;
     unsigned long long frame = 0, safe = 0;
 
@@ -63,6 +64,7 @@ class UnityHost {
     // The same native buffer gets another VkBuffer, as when a mesh is uploaded anew.
     void renew(NativeBuffer *native, const void *bytes, size_t size, VkBufferUsageFlags usage);
     void destroy_buffer(NativeBuffer *native);
+    void destroy_all_buffers(); // with their device
     bool knows(const void *native) const;
 
     void begin_frame();
