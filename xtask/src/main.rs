@@ -17,6 +17,7 @@ mod repo;
 mod stage;
 mod test;
 mod tools;
+mod unity;
 mod valgrind;
 mod vulkan;
 mod workspace;
@@ -70,9 +71,9 @@ enum Command {
     Bench(bench::Options),
     /// Formatting, lints, docs, header and repository checks, then every test with nothing skipped
     Ci,
-    /// Only the checks of `ci` that build nothing: asset size, README snippet, changelog
+    /// Only the checks of `ci` that build nothing: asset size, README snippet, changelog, .meta files of the Unity package
     Repo {
-        /// Put the present examples-c/quickstart.c into README.md
+        /// Put the present examples-c/quickstart.c into README.md, and write missing .meta files
         #[arg(long)]
         fix: bool,
     },

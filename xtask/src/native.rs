@@ -14,7 +14,8 @@ use crate::vulkan;
 use crate::workspace::{Workspace, empty_directory};
 
 /// CMake projects whose programs are tests, each with the name of its build directory.
-const PROJECTS: &[(&str, &str)] = &[("examples-c", "examples-c"), ("tests/c", "tests-c")];
+const PROJECTS: &[(&str, &str)] =
+    &[("examples-c", "examples-c"), ("tests/c", "tests-c"), ("bindings/unity/native~", "unity")];
 
 pub fn install_release(workspace: &Workspace) -> Result<Outcome> {
     let prefix = release_prefix(workspace);
@@ -103,12 +104,13 @@ pub fn compile(workspace: &Workspace, build: &Build<'_>, source: &Path, director
     let ode = Tool::Ode.here(workspace).then_some("-DCRUMPLE_REQUIRE_ODE=ON");
     let vulkan = Tool::VulkanHeaders.here(workspace) && Tool::Png.here(workspace);
     let vulkan = vulkan.then_some("-DCRUMPLE_REQUIRE_VULKAN=ON");
+    let mono = Tool::Mono.here(workspace).then_some("-DCRUMPLE_REQUIRE_MONO=ON");
     let drivers: Vec<String> = build.drivers.iter().map(|manifest| manifest.display().to_string()).collect();
     let drivers = format!("-DCRUMPLE_VULKAN_DRIVERS={}", drivers.join(";"));
     cmd!(
         sh,
         "cmake -S {source} -B {directory} -DCMAKE_PREFIX_PATH={prefix} -DCMAKE_BUILD_TYPE=RelWithDebInfo
-         {options...} {ode...} {vulkan...} {drivers}
+         {options...} {ode...} {vulkan...} {mono...} {drivers}
          -DCMAKE_CROSSCOMPILING_EMULATOR={launcher} -DCMAKE_POLICY_DEFAULT_CMP0158=OLD --no-warn-unused-cli"
     )
     .quiet()

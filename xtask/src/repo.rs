@@ -5,6 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
 
+use crate::unity;
 use crate::workspace::Workspace;
 
 /// Meshes, fixtures and pictures together, in bytes.
@@ -22,6 +23,7 @@ const SNIPPET_END: &str = "```\n<!-- end of examples-c/quickstart.c -->";
 pub fn run(workspace: &Workspace, fix: bool) -> Result<()> {
     assets(workspace)?;
     quickstart(workspace, fix)?;
+    unity::metas(workspace, fix)?;
     changelog(workspace)
 }
 
