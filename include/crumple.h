@@ -30,6 +30,8 @@
 //                       shared instead of a command buffer: crumple_open_vulkan, ..._import_vulkan_buffer, ..._submit_deform
 //  10. Attached points  crumple_attach_point, crumple_get_attached_frame
 //                       lamps, decals and collision vertices that follow the dents
+//  11. Recordings       crumple_recording_begin, crumple_recording_end
+//                       the calls of a context in a file, which "crumple replay" makes again: how a bug becomes a test
 //
 //
 // Results. Every call that can fail returns a CrumpleResult and writes its outputs only when that is CRUMPLE_OK. The
@@ -1655,6 +1657,29 @@ CrumpleResult crumple_get_attached_frame(CrumpleContext *context,
                                          CrumpleInstance instance,
                                          const CrumpleAttachment *attachment,
                                          CrumpleFrame *out_frame);
+
+/// Begins to write what is called with this context to a file, so that it can be played again: "crumple replay FILE" makes the
+/// same calls in the same order without your engine, tells whether every result and every vertex is the same, and is how a bug
+/// that you see becomes a test that we can run. The file, path (UTF-8), is made new; it first gets what there is: the example
+/// sets, whole, the instances with their damage, the buffers. It grows by some hundred bytes a hit and a frame, written at once,
+/// so that a crash loses nothing. Every buffer is written whole by the next deform, as after crumple_invalidate_buffer().
+///
+/// What Vulkan calls write is not compared, but made on the CPU; calls that are refused are noted with their message. Hits wait for
+/// each other and for calls that take them meanwhile, so leave it off in what you ship, or keep it for when a player asks.
+///
+/// Externally synchronised; hits may arrive meanwhile. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (path is not UTF-8; a recording runs already; an instance has open contacts: end them first),
+/// CRUMPLE_ERROR_IO, CRUMPLE_ERROR_UNSUPPORTED (a big-endian processor), CRUMPLE_ERROR_OUT_OF_MEMORY,
+/// CRUMPLE_ERROR_CONCURRENT_USE. Nothing is recorded then.
+CrumpleResult crumple_recording_begin(CrumpleContext *context,
+                                      const char *path);
+
+/// Ends a recording: the file is whole. crumple_context_destroy() does so too.
+///
+/// Externally synchronised; hits may arrive meanwhile. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (no recording runs), CRUMPLE_ERROR_IO (the file could not be written to its end: what is there
+/// can be replayed; the recording has ended), CRUMPLE_ERROR_CONCURRENT_USE.
+CrumpleResult crumple_recording_end(CrumpleContext *context);
 
 #ifdef __cplusplus
 }  // extern "C"

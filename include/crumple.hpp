@@ -490,6 +490,10 @@ public:
     Result<void> complete_frames(uint64_t frame) { return detail::done(crumple_complete_frames(context_, frame)); }
     Result<void> discard_frames(uint64_t frame) { return detail::done(crumple_discard_frames(context_, frame)); }
 
+    /// What is called goes into a file, for "crumple replay".
+    Result<void> recording_begin(const char *path) { return detail::done(crumple_recording_begin(context_, path)); }
+    Result<void> recording_end() { return detail::done(crumple_recording_end(context_)); }
+
     Result<uint64_t> import_vulkan_buffer(const CrumpleVulkanImportDef &def) {
         return detail::get<uint64_t>(
             [&](uint64_t *buffer) { return crumple_import_vulkan_buffer(context_, &def, buffer); });

@@ -65,6 +65,7 @@ mod weights;
 pub mod wgpu;
 
 pub use attach::{Attachment, Frame};
+pub use capi::recording::{Difference, Replay, replay};
 pub use damage::{Mark, Pair};
 pub use data::{Contact, Deltas, ExampleData, MeshData, Placement};
 pub use deform::{Attribute, DeformJob, DeformReport, RawStream, Tracker, VertexMemory, deform};

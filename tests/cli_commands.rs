@@ -291,3 +291,32 @@ fn bake_writes_a_set_that_the_other_commands_take() {
     crumple(&["apply", &baked, "--impacts", &impacts, "-o", &dented_file]).report();
     assert_eq!(dented(Path::new(&dented_file)).len(), 2173);
 }
+
+#[test]
+fn replay_makes_the_calls_of_a_recording_again() {
+    let report = crumple(&["replay", "tests/fixtures/sheet.crumplerec"]).report();
+    assert!(report.contains("recorded by 0.1.0"), "{report}");
+    assert!(
+        report.contains("53 calls, 21 hits among them, give what was recorded; 20 deforms wrote 6973 vertices"),
+        "{report}"
+    );
+    assert!(report.contains("refused then: crumple_repair_damage: CRUMPLE_ERROR_NOT_FINITE: keep is NaN"), "{report}");
+    assert!(!report.contains("no end"), "{report}");
+
+    let listed = crumple(&["replay", "--list", "--threads", "1", "tests/fixtures/sheet.crumplerec"]).report();
+    assert!(listed.contains("    14  crumple_deform: Deform { buffers: [1, 2] }\n"), "{listed}");
+    assert_eq!(listed.lines().count(), 53 + report.lines().count());
+}
+
+#[test]
+fn replay_of_what_a_crash_left_goes_as_far_as_it_does() {
+    let folder = tempfile::tempdir().expect("a directory");
+    let path = folder.path().join("cut.crumplerec");
+    let bytes = std::fs::read("tests/fixtures/sheet.crumplerec").expect("readable");
+    std::fs::write(&path, &bytes[..bytes.len() - 700]).expect("writable");
+    let report = crumple(&["replay", path.to_str().expect("UTF-8")]).report();
+    assert!(
+        report.contains("the recording has no end: the program ended, perhaps in the last of these calls"),
+        "{report}"
+    );
+}

@@ -225,3 +225,15 @@ fn bake_says_what_is_wrong() {
     let damaged = crumple(&["info", &out]).complaint();
     assert!(damaged.contains("checksum") && damaged.contains("out.crumple"), "{damaged}");
 }
+
+#[test]
+fn replay_says_what_is_no_recording_and_where_one_is_damaged() {
+    let folder = folder();
+    has(&crumple(&["replay", "no/such/file"]).complaint(), &["no/such/file", "No such file"]);
+    has(&crumple(&["replay", PANEL]).complaint(), &["panel.glb", "this is no recording"]);
+    let mut bytes = std::fs::read("tests/fixtures/sheet.crumplerec").expect("readable");
+    let last = bytes.len() - 1000;
+    bytes[last] ^= 1;
+    let damaged = write(&folder, "damaged.crumplerec", bytes);
+    has(&crumple(&["replay", &damaged]).complaint(), &["damaged.crumplerec", "event ", " at byte ", "checksum"]);
+}

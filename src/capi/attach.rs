@@ -1,7 +1,8 @@
 //! Attached points: lamps, decals, collision vertices that follow the dents.
 
 use super::check::{Out, finite, read};
-use super::context::{CrumpleContext, exclusive};
+use super::context::{CrumpleContext, exclusive, recorded};
+use super::recording::{Call, Number, digest};
 use super::result::CrumpleResult;
 use super::types::{CrumpleExampleSet, CrumpleInstance, CrumpleQuat, CrumpleVec3};
 use crate::Attachment;
@@ -64,13 +65,16 @@ pub unsafe extern "C" fn crumple_get_attached_frame(
     attachment: *const CrumpleAttachment,
     out_frame: *mut CrumpleFrame,
 ) -> CrumpleResult {
-    exclusive("crumple_get_attached_frame", context, |_, state| {
+    recorded("crumple_get_attached_frame", context, |_, state, log| {
         // SAFETY: the caller's.
         let (attachment, out) = unsafe { (read(attachment, "attachment")?, Out::new(out_frame, "out_frame")?) };
+        log.call(|| Call::AttachedFrame { instance: Number::of(instance), attachment: bytemuck::cast(attachment) });
         let attachment: Attachment = bytemuck::cast(attachment);
         let instance = &mut state.instances.get_mut(instance, "instance")?.instance;
         instance.fold();
-        out.write(bytemuck::cast(instance.attached_frame(&attachment)?));
+        let frame: CrumpleFrame = bytemuck::cast(instance.attached_frame(&attachment)?);
+        log.gave(|| digest(bytemuck::bytes_of(&frame)));
+        out.write(frame);
         Ok(())
     })
 }

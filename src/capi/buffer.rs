@@ -1,8 +1,9 @@
 //! Buffers: memory of the host that deformed vertices are written to.
 
 use super::check::{Def, Out, def};
-use super::context::{CrumpleContext, State, exclusive};
+use super::context::{CrumpleContext, State, recorded};
 use super::memory::{Stream, disjoint};
+use super::recording::{Call, Log, Number};
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleBuffer, CrumpleInstance, CrumpleStream};
 use super::vulkan::VulkanMemory;
@@ -47,7 +48,7 @@ pub(super) enum Memory {
 }
 
 impl BufferEntry {
-    fn invalidate(&mut self) {
+    pub(super) fn invalidate(&mut self) {
         match &mut self.memory {
             Memory::Host(_, tracker) => tracker.invalidate(),
             Memory::Vulkan(memory) => memory.invalidate(),
@@ -72,12 +73,19 @@ impl BufferEntry {
 
 impl State {
     /// Adds a buffer to those of its owner.
-    pub(super) fn add_buffer(&mut self, entry: BufferEntry, out: Out<CrumpleBuffer>) -> Result<(), Failure> {
+    pub(super) fn add_buffer(
+        &mut self,
+        log: &mut Log<'_>,
+        entry: BufferEntry,
+        out: Out<CrumpleBuffer>,
+    ) -> Result<(), Failure> {
         let owner = self.instances.get_mut(entry.owner, "instance")?;
         self.buffers.reserve::<CrumpleBuffer>()?;
         let full = |_| Failure::new(CrumpleResult::CrumpleErrorOutOfMemory, "no memory for one more buffer");
         owner.buffers.try_reserve(1).map_err(full)?;
+        log.buffer(&entry, owner.instance.example_set());
         let id = self.buffers.insert(entry);
+        log.gave_id(id);
         owner.buffers.push(id);
         out.write(id);
         Ok(())
@@ -142,6 +150,29 @@ impl HostMemory {
         Ok(unsafe { VertexMemory::from_raw(raw(&self.positions), normals, tangents) }?)
     }
 
+    /// Whether normals and tangents are written.
+    pub(super) fn written(&self) -> (bool, bool) {
+        (self.normals.is_some(), self.tangents.is_some())
+    }
+
+    /// Hands over what vertices were given.
+    ///
+    /// # Safety
+    /// As for `vertices`.
+    pub(super) unsafe fn read(&self, vertices: &Range<u32>, mut to: impl FnMut(&[u8])) {
+        for stream in self.streams() {
+            for v in vertices.clone() {
+                // SAFETY: inside the memory, as `new` checked; the caller vouches for the rest.
+                to(unsafe {
+                    std::slice::from_raw_parts(
+                        stream.data.add(v as usize * stream.layout.stride),
+                        stream.layout.element,
+                    )
+                });
+            }
+        }
+    }
+
     pub(super) fn streams(&self) -> impl Iterator<Item = Stream> {
         [Some(self.positions), self.normals, self.tangents].into_iter().flatten()
     }
@@ -177,12 +208,12 @@ pub unsafe extern "C" fn crumple_register_host_buffer(
     def: *const CrumpleHostBufferDef,
     out_buffer: *mut CrumpleBuffer,
 ) -> CrumpleResult {
-    exclusive("crumple_register_host_buffer", context, |_, state| {
+    recorded("crumple_register_host_buffer", context, |_, state, log| {
         // SAFETY: the caller's.
         let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_buffer, "out_buffer")?) };
         let memory = HostMemory::new(&def, &state.instances.get(instance, "instance")?.instance)?;
         let memory = Memory::Host(memory, Tracker::new());
-        state.add_buffer(BufferEntry { owner: instance, lod: def.lod as usize, memory }, out)
+        state.add_buffer(log, BufferEntry { owner: instance, lod: def.lod as usize, memory }, out)
     })
 }
 
@@ -195,7 +226,8 @@ pub unsafe extern "C" fn crumple_unregister_buffer(
     context: *mut CrumpleContext,
     buffer: CrumpleBuffer,
 ) -> CrumpleResult {
-    exclusive("crumple_unregister_buffer", context, |_, state| {
+    recorded("crumple_unregister_buffer", context, |_, state, log| {
+        log.call(|| Call::UnregisterBuffer { buffer: Number::of(buffer) });
         let owner = state.remove_buffer(buffer)?;
         state.instances.get_mut(owner, "instance")?.buffers.retain(|b| *b != buffer);
         Ok(())
@@ -212,7 +244,8 @@ pub unsafe extern "C" fn crumple_invalidate_buffer(
     context: *mut CrumpleContext,
     buffer: CrumpleBuffer,
 ) -> CrumpleResult {
-    exclusive("crumple_invalidate_buffer", context, |_, state| {
+    recorded("crumple_invalidate_buffer", context, |_, state, log| {
+        log.call(|| Call::InvalidateBuffer { buffer: Number::of(buffer) });
         state.buffers.get_mut(buffer, "buffer")?.invalidate();
         Ok(())
     })
@@ -228,7 +261,7 @@ pub unsafe extern "C" fn crumple_set_host_buffer_memory(
     buffer: CrumpleBuffer,
     def: *const CrumpleHostBufferDef,
 ) -> CrumpleResult {
-    exclusive("crumple_set_host_buffer_memory", context, |_, state| {
+    recorded("crumple_set_host_buffer_memory", context, |_, state, log| {
         // SAFETY: the caller's.
         let def = unsafe { self::def(def, "def") }?;
         let entry = state.buffers.get_mut(buffer, "buffer")?;
@@ -236,6 +269,9 @@ pub unsafe extern "C" fn crumple_set_host_buffer_memory(
             return Err(Failure::invalid("buffer is a Vulkan buffer; register another one with the new VkBuffer"));
         };
         *memory = HostMemory::new(&def, &state.instances.get(entry.owner, "instance")?.instance)?;
+        let (normals, tangents) = memory.written();
+        let vertices = memory.positions.layout.count as u32;
+        log.call(|| Call::SetBufferMemory { buffer: Number::of(buffer), lod: def.lod, vertices, normals, tangents });
         entry.lod = def.lod as usize;
         tracker.invalidate();
         Ok(())

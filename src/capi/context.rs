@@ -5,6 +5,7 @@ use super::buffer::BufferEntry;
 use super::check::{CEnum, Def, Out, def};
 use super::ids::Slots;
 use super::instance::InstanceEntry;
+use super::recording::{Log, Recorder};
 use super::result::{CrumpleResult, Failure};
 use super::set::SetEntry;
 use super::tasks::{CrumpleTaskSystem, HostTasks};
@@ -66,6 +67,7 @@ pub(super) struct Context {
     /// The same ids as `State::instances`, for the calls that may come from any thread. Changed only while `state` is
     /// held.
     pub(super) inboxes: RwLock<Slots<Arc<Inbox>>>,
+    pub(super) recorder: Recorder,
 }
 
 // SAFETY: `log_user` is only handed back to the host, on the thread that called.
@@ -145,6 +147,22 @@ pub(super) fn exclusive(
     })
 }
 
+/// The same for one that a recording holds: which says so once its arguments are read, and what it gave.
+pub(super) fn recorded(
+    call: &'static str,
+    context: *const CrumpleContext,
+    body: impl FnOnce(&Context, &mut State, &mut Log<'_>) -> Result<(), Failure>,
+) -> CrumpleResult {
+    exclusive(call, context, |context, state| {
+        let mut log = context.recorder.log();
+        let result = body(context, state, &mut log);
+        if let Some(trouble) = log.ended(call, &result) {
+            context.log(CrumpleLogLevel::Warning, &trouble);
+        }
+        result
+    })
+}
+
 /// Runs an entry point that any number of threads may be inside at once.
 pub(super) fn concurrent(
     call: &'static str,
@@ -198,6 +216,7 @@ pub unsafe extern "C" fn crumple_context_create(
             tasks,
             state: Mutex::new(state),
             inboxes: RwLock::new(Slots::new(tag)),
+            recorder: Recorder::default(),
         };
         contexts.last = number;
         contexts.live.push((number * STEP, Arc::new(context)));

@@ -1,7 +1,8 @@
 //! Damage: read, replaced, saved, repaired, copied.
 
 use super::check::{Out, array, finite, write_array};
-use super::context::{CrumpleContext, exclusive};
+use super::context::{CrumpleContext, recorded};
+use super::recording::{Bytes, Call, Number, digest};
 use super::result::{CrumpleResult, Failure};
 use super::types::CrumpleInstance;
 use crate::{Mark, Pair};
@@ -55,12 +56,14 @@ pub unsafe extern "C" fn crumple_get_marks(
     capacity: u32,
     out_count: *mut u32,
 ) -> CrumpleResult {
-    exclusive("crumple_get_marks", context, |_, state| {
+    recorded("crumple_get_marks", context, |_, state, log| {
         // SAFETY: the caller's.
         let out = unsafe { Out::new(out_count, "out_count") }?;
+        log.call(|| Call::GetMarks { instance: Number::of(instance) });
         let found = state.instances.get_mut(instance, "instance")?.instance.marks()?;
         // SAFETY: the caller's.
         unsafe { write_array(found, marks.cast::<Mark>(), capacity as usize, "marks") }?;
+        log.gave(|| digest(bytemuck::cast_slice(found)));
         out.write(found.len() as u32);
         Ok(())
     })
@@ -79,9 +82,11 @@ pub unsafe extern "C" fn crumple_set_marks(
     marks: *const CrumpleMark,
     count: u32,
 ) -> CrumpleResult {
-    exclusive("crumple_set_marks", context, |_, state| {
+    recorded("crumple_set_marks", context, |_, state, log| {
         // SAFETY: the caller's; any bytes are a mark.
         let marks = unsafe { array(marks.cast::<Mark>(), count as usize, "marks") }?;
+        let bytes = || Bytes(bytemuck::cast_slice(marks).to_vec());
+        log.call(|| Call::SetMarks { instance: Number::of(instance), marks: bytes() });
         Ok(state.instances.get_mut(instance, "instance")?.instance.set_marks(marks)?)
     })
 }
@@ -99,12 +104,14 @@ pub unsafe extern "C" fn crumple_save_damage(
     capacity: usize,
     out_size: *mut usize,
 ) -> CrumpleResult {
-    exclusive("crumple_save_damage", context, |_, state| {
+    recorded("crumple_save_damage", context, |_, state, log| {
         // SAFETY: the caller's.
         let out = unsafe { Out::new(out_size, "out_size") }?;
+        log.call(|| Call::SaveDamage { instance: Number::of(instance) });
         let bytes = state.instances.get_mut(instance, "instance")?.instance.save();
         // SAFETY: the caller's.
         unsafe { write_array(&bytes, data.cast::<u8>(), capacity, "data") }?;
+        log.gave(|| digest(&bytes));
         out.write(bytes.len());
         Ok(())
     })
@@ -122,9 +129,10 @@ pub unsafe extern "C" fn crumple_load_damage(
     data: *const c_void,
     size: usize,
 ) -> CrumpleResult {
-    exclusive("crumple_load_damage", context, |_, state| {
+    recorded("crumple_load_damage", context, |_, state, log| {
         // SAFETY: the caller's.
         let bytes = unsafe { array(data.cast::<u8>(), size, "data") }?;
+        log.call(|| Call::LoadDamage { instance: Number::of(instance), bytes: Bytes(bytes.to_vec()) });
         Ok(state.instances.get_mut(instance, "instance")?.instance.load(bytes)?)
     })
 }
@@ -139,8 +147,9 @@ pub unsafe extern "C" fn crumple_repair_damage(
     instance: CrumpleInstance,
     keep: f32,
 ) -> CrumpleResult {
-    exclusive("crumple_repair_damage", context, |_, state| {
+    recorded("crumple_repair_damage", context, |_, state, log| {
         let [keep] = finite([keep], "keep")?;
+        log.call(|| Call::RepairDamage { instance: Number::of(instance), keep });
         Ok(state.instances.get_mut(instance, "instance")?.instance.repair(keep)?)
     })
 }
@@ -154,7 +163,8 @@ pub unsafe extern "C" fn crumple_reset_damage(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
 ) -> CrumpleResult {
-    exclusive("crumple_reset_damage", context, |_, state| {
+    recorded("crumple_reset_damage", context, |_, state, log| {
+        log.call(|| Call::ResetDamage { instance: Number::of(instance) });
         state.instances.get_mut(instance, "instance")?.instance.reset();
         Ok(())
     })
@@ -171,7 +181,8 @@ pub unsafe extern "C" fn crumple_copy_damage(
     instance: CrumpleInstance,
     source: CrumpleInstance,
 ) -> CrumpleResult {
-    exclusive("crumple_copy_damage", context, |_, state| -> Result<(), Failure> {
+    recorded("crumple_copy_damage", context, |_, state, log| -> Result<(), Failure> {
+        log.call(|| Call::CopyDamage { instance: Number::of(instance), source: Number::of(source) });
         state.instances.get(instance, "instance")?;
         let bytes = state.instances.get_mut(source, "source")?.instance.save();
         if instance == source {

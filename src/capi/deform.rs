@@ -2,12 +2,14 @@
 
 use super::buffer::{BufferEntry, HostMemory, Memory};
 use super::check::{Out, array, write_array};
-use super::context::{CrumpleContext, State, exclusive};
+use super::context::{CrumpleContext, State, exclusive, recorded};
+use super::recording::{Call, Number};
 use super::result::{CrumpleResult, Failure};
 use super::tasks::Quiet;
 use super::types::{CrumpleAabb, CrumpleBuffer, CrumpleRange};
 use crate::error::reserve;
 use crate::{Aabb, DeformJob};
+use xxhash_rust::xxh3::Xxh3;
 
 /// What a deform did.
 #[repr(C)]
@@ -47,7 +49,7 @@ pub unsafe extern "C" fn crumple_deform(
     count: u32,
     out_report: *mut CrumpleDeformReport,
 ) -> CrumpleResult {
-    exclusive("crumple_deform", context, |context, state| {
+    recorded("crumple_deform", context, |context, state, log| {
         // SAFETY: the caller's.
         let (out, given) =
             unsafe { (Out::optional(out_report, "out_report")?, array(buffers, count as usize, "buffers")?) };
@@ -61,9 +63,11 @@ pub unsafe extern "C" fn crumple_deform(
         })?;
         let of_host =
             |(id, entry): &(CrumpleBuffer, &BufferEntry)| chosen.names(*id) && matches!(entry.memory, Memory::Host(..));
+        log.call(|| Call::Deform { buffers: entries.iter().filter(of_host).map(|(id, _)| Number::of(id)).collect() });
         for (_, entry) in entries.iter::<CrumpleBuffer>().filter(of_host) {
             instances.get_mut(entry.owner, "instance")?.instance.fold();
         }
+        log.open();
         if cfg!(debug_assertions) {
             apart(entries.iter::<CrumpleBuffer>().filter(|(id, _)| chosen.names(*id)))?;
         }
@@ -79,6 +83,11 @@ pub unsafe extern "C" fn crumple_deform(
             });
         }
         let report = crate::deform(&mut jobs, &Quiet(context.tasks()))?;
+        log.gave(|| {
+            let written = entries.iter().filter(of_host);
+            // SAFETY: the caller keeps registered memory alive, and leaves it alone during this call.
+            unsafe { vertices_digest(written.map(|(_, entry)| entry)) }
+        });
         out.write(CrumpleDeformReport {
             vertices_written: report.vertices_written,
             blocks_written: report.blocks_written,
@@ -88,6 +97,23 @@ pub unsafe extern "C" fn crumple_deform(
         });
         Ok(())
     })
+}
+
+/// A number that stands for what a deform wrote.
+///
+/// # Safety
+/// The host's memory is still there, and nobody else touches it.
+unsafe fn vertices_digest<'a>(entries: impl Iterator<Item = &'a BufferEntry>) -> u64 {
+    let mut all = Xxh3::new();
+    for entry in entries {
+        let Memory::Host(memory, tracker) = &entry.memory else { continue };
+        for range in tracker.changed() {
+            all.update(bytemuck::bytes_of(&[range.start, range.end]));
+            // SAFETY: the caller's.
+            unsafe { memory.read(range, |element| all.update(element)) };
+        }
+    }
+    all.digest()
 }
 
 /// The buffers that a call names: those given, or all.

@@ -1,11 +1,12 @@
 //! Hits: what the physics engine reports.
 
 use super::check::{CEnum, Def, Out, boolean, def, enumerator, finite};
-use super::context::{CrumpleContext, concurrent};
+use super::context::{Context, CrumpleContext, CrumpleLogLevel, concurrent};
 use super::damage::CrumpleMark;
+use super::recording::{Call, Number, hit_digest};
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleInstance, CrumpleVec3};
-use crate::{Cause, Hit, HitStatus, Outcome, Space};
+use crate::{Cause, Error, Hit, HitStatus, Inbox, Outcome, Space};
 use std::mem::MaybeUninit;
 use std::num::NonZeroU64;
 use std::sync::PoisonError;
@@ -87,6 +88,10 @@ pub enum CrumpleHitStatus {
     BelowYield = 1,
     /// No example moves the contact in the direction asked for.
     NothingReaches = 2,
+}
+
+impl CEnum for CrumpleHitStatus {
+    const ALL: &'static [Self] = &[Self::Marked, Self::BelowYield, Self::NothingReaches];
 }
 
 /// An example that a hit is made of.
@@ -275,8 +280,8 @@ pub unsafe extern "C" fn crumple_end_contact(
     concurrent("crumple_end_contact", context, |context| {
         let id = NonZeroU64::new(contact_id)
             .ok_or_else(|| Failure::invalid("contact_id is 0; it must be the id that hits were given, not 0"))?;
-        let inbox = context.inboxes.read().unwrap_or_else(PoisonError::into_inner).get(instance, "instance")?.clone();
-        Ok(inbox.end_contact(id)?)
+        let call = || Call::EndContact { instance: Number::of(instance), contact_id };
+        deliver(context, instance, call, |inbox| inbox.end_contact(id), |()| 0)
     })
 }
 
@@ -301,9 +306,58 @@ unsafe fn submit(
         // SAFETY: the caller's.
         let out = unsafe { Out::optional(out, "out_result") }?;
         let (hit, preview) = read()?;
-        let inbox = context.inboxes.read().unwrap_or_else(PoisonError::into_inner).get(instance, "instance")?.clone();
-        let outcome = if preview { inbox.preview(&hit)? } else { inbox.submit(&hit)? };
+        let call = || recorded_hit(instance, &hit, preview);
+        let bring = |inbox: &Inbox| if preview { inbox.preview(&hit) } else { inbox.submit(&hit) };
+        let outcome = deliver(context, instance, call, bring, |o| hit_digest(&o.into()))?;
         out.write((&outcome).into());
         Ok(())
     })
+}
+
+/// Brings something to an instance's inbox; what `call` makes of it, and the number that stands for what it gave, go into a
+/// recording.
+fn deliver<T>(
+    context: &Context,
+    instance: CrumpleInstance,
+    call: impl FnOnce() -> Call,
+    bring: impl FnOnce(&Inbox) -> Result<T, Error>,
+    number: impl FnOnce(&T) -> u64,
+) -> Result<T, Failure> {
+    loop {
+        let log = context.recorder.hit();
+        let inboxes = context.inboxes.read().unwrap_or_else(PoisonError::into_inner);
+        if log.is_none() && context.recorder.is_on() {
+            continue; // it began just now
+        }
+        let inbox = inboxes.get(instance, "instance")?;
+        let Some(mut log) = log else { return Ok(bring(inbox)?) };
+        log.call(call());
+        let given = bring(inbox).map_err(Failure::from);
+        let trouble = match &given {
+            Ok(given) => log.ended(CrumpleResult::CrumpleOk, number(given)),
+            Err(failure) => log.ended(failure.result, 0),
+        };
+        drop(inboxes);
+        if let Some(trouble) = trouble {
+            context.log(CrumpleLogLevel::Warning, &trouble);
+        }
+        return given;
+    }
+}
+
+fn recorded_hit(instance: CrumpleInstance, hit: &Hit, preview: bool) -> Call {
+    let space = match hit.space {
+        Space::Local => CrumpleSpace::Local,
+        Space::World => CrumpleSpace::World,
+    } as u32;
+    let (instance, point, contact_id) = (Number::of(instance), hit.point, hit.contact.map_or(0, NonZeroU64::get));
+    match hit.cause {
+        Cause::Impulse { impulse, duration, mass } => {
+            let mass = mass.unwrap_or(0.0);
+            Call::Impulse { instance, space, point, impulse, duration, mass, contact_id, preview }
+        }
+        Cause::Displacement(displacement) => {
+            Call::Displacement { instance, space, point, displacement, contact_id, preview }
+        }
+    }
 }

@@ -1,7 +1,8 @@
 //! Instances: bodies in the scene.
 
 use super::check::{CEnum, Def, Out, def, enumerator, finite, positive_or_none};
-use super::context::{CrumpleContext, exclusive};
+use super::context::{CrumpleContext, recorded};
+use super::recording::{Call, Number};
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance};
 use crate::glam::Mat4;
@@ -107,7 +108,9 @@ pub struct CrumpleInstanceInfo {
 /// What a context keeps of an instance.
 pub(super) struct InstanceEntry {
     pub(super) instance: Instance,
-    set: CrumpleExampleSet,
+    pub(super) set: CrumpleExampleSet,
+    /// As it was given.
+    pub(super) local_to_world: [f32; 16],
     pub(super) buffers: Vec<CrumpleBuffer>,
 }
 
@@ -143,7 +146,7 @@ pub unsafe extern "C" fn crumple_create_instance(
     def: *const CrumpleInstanceDef,
     out_instance: *mut CrumpleInstance,
 ) -> CrumpleResult {
-    exclusive("crumple_create_instance", context, |context, state| {
+    recorded("crumple_create_instance", context, |context, state, log| {
         // SAFETY: the caller's.
         let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_instance, "out_instance")?) };
         let set = state.sets.get(def.set, "def.set")?.set.clone();
@@ -153,8 +156,11 @@ pub unsafe extern "C" fn crumple_create_instance(
         state.instances.reserve::<CrumpleInstance>()?;
         inboxes.reserve::<CrumpleInstance>()?;
         let inbox: CrumpleInstance = inboxes.insert(instance.inbox().clone());
-        let id = state.instances.insert(InstanceEntry { instance, set: def.set, buffers: Vec::new() });
+        let entry = InstanceEntry { instance, set: def.set, local_to_world: def.local_to_world, buffers: Vec::new() };
+        log.instance(&entry);
+        let id = state.instances.insert(entry);
         assert_eq!(inbox, id, "the two lists of instances went apart");
+        log.gave_id(id);
         out.write(id);
         Ok(())
     })
@@ -195,7 +201,8 @@ pub unsafe extern "C" fn crumple_destroy_instance(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
 ) -> CrumpleResult {
-    exclusive("crumple_destroy_instance", context, |context, state| {
+    recorded("crumple_destroy_instance", context, |context, state, log| {
+        log.call(|| Call::DestroyInstance { instance: Number::of(instance) });
         let entry = state.instances.remove(instance, "instance")?;
         context.inboxes.write().unwrap_or_else(PoisonError::into_inner).remove(instance, "instance")?;
         for buffer in entry.buffers {
@@ -215,14 +222,16 @@ pub unsafe extern "C" fn crumple_get_instance_info(
     instance: CrumpleInstance,
     out_info: *mut CrumpleInstanceInfo,
 ) -> CrumpleResult {
-    exclusive("crumple_get_instance_info", context, |_, state| {
+    recorded("crumple_get_instance_info", context, |_, state, log| {
         // SAFETY: the caller's.
         let out = unsafe { Out::new(out_info, "out_info") }?;
+        log.call(|| Call::InstanceInfo { instance: Number::of(instance) });
         let entry = state.instances.get_mut(instance, "instance")?;
         let (mark_count, contact_count) = match entry.instance.options().rule {
             Rule::Marks => (entry.instance.marks()?.len() as u32, entry.instance.contact_count() as u32),
             _ => (0, 0),
         };
+        log.gave(|| u64::from(mark_count) | u64::from(contact_count) << 32);
         out.write(CrumpleInstanceInfo {
             set: entry.set,
             memory_bytes: entry.instance.memory_bytes() as u64,
@@ -250,11 +259,15 @@ pub unsafe extern "C" fn crumple_set_instance_transform(
     instance: CrumpleInstance,
     local_to_world: *const f32,
 ) -> CrumpleResult {
-    exclusive("crumple_set_instance_transform", context, |_, state| {
+    recorded("crumple_set_instance_transform", context, |_, state, log| {
         // SAFETY: the caller's.
-        let matrix = unsafe { super::check::read(local_to_world.cast::<[f32; 16]>(), "local_to_world") }?;
-        let matrix = Mat4::from_cols_array(&finite(matrix, "local_to_world")?);
-        Ok(state.instances.get_mut(instance, "instance")?.instance.set_transform(matrix)?)
+        let columns = unsafe { super::check::read(local_to_world.cast::<[f32; 16]>(), "local_to_world") }?;
+        let matrix = Mat4::from_cols_array(&finite(columns, "local_to_world")?);
+        log.call(|| Call::SetTransform { instance: Number::of(instance), local_to_world: columns });
+        let entry = state.instances.get_mut(instance, "instance")?;
+        entry.instance.set_transform(matrix)?;
+        entry.local_to_world = columns;
+        Ok(())
     })
 }
 
@@ -269,7 +282,8 @@ pub unsafe extern "C" fn crumple_set_instance_depth_limit(
     instance: CrumpleInstance,
     depth_limit: f32,
 ) -> CrumpleResult {
-    exclusive("crumple_set_instance_depth_limit", context, |_, state| {
+    recorded("crumple_set_instance_depth_limit", context, |_, state, log| {
+        log.call(|| Call::SetDepthLimit { instance: Number::of(instance), depth_limit });
         let limit = positive_or_none(depth_limit, "depth_limit", "m")?;
         Ok(state.instances.get_mut(instance, "instance")?.instance.set_depth_limit(limit)?)
     })
@@ -288,7 +302,8 @@ pub unsafe extern "C" fn crumple_instance_set_tolerance(
     instance: CrumpleInstance,
     tolerance: f32,
 ) -> CrumpleResult {
-    exclusive("crumple_instance_set_tolerance", context, |_, state| {
+    recorded("crumple_instance_set_tolerance", context, |_, state, log| {
+        log.call(|| Call::SetTolerance { instance: Number::of(instance), tolerance });
         let tolerance = finite([tolerance], "tolerance")?[0];
         Ok(state.instances.get_mut(instance, "instance")?.instance.set_tolerance(tolerance)?)
     })

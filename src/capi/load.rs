@@ -1,7 +1,8 @@
 //! Example sets from files.
 
 use super::check::{CEnum, Def, Out, array, def, enumerator, string, write_array};
-use super::context::{Context, CrumpleContext, State, exclusive};
+use super::context::{Context, CrumpleContext, State, exclusive, recorded};
+use super::recording::Log;
 use super::result::{CrumpleResult, Failure};
 use super::set::{CrumpleExampleSetOptions, default_options, insert_set};
 #[cfg(any(feature = "gltf", feature = "obj"))]
@@ -97,7 +98,7 @@ pub unsafe extern "C" fn crumple_load_example_set_gltf(
     def: *const CrumpleGltfDef,
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
-    exclusive("crumple_load_example_set_gltf", context, |context, state| {
+    recorded("crumple_load_example_set_gltf", context, |context, state, log| {
         // SAFETY: the caller's.
         let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_set, "out_set")?) };
         // SAFETY: the caller's.
@@ -108,11 +109,11 @@ pub unsafe extern "C" fn crumple_load_example_set_gltf(
             let choice = unsafe { mesh_choice(&def) }?;
             let imported = crate::import::gltf_file(path.as_ref(), choice)?;
             // SAFETY: the caller's.
-            unsafe { add_imported(context, state, imported, &def.options, out) }
+            unsafe { add_imported((context, state, log), imported, &def.options, out) }
         }
         #[cfg(not(feature = "gltf"))]
         {
-            let _ = (context, state, path, out);
+            let _ = (context, state, log, path, out);
             Err(not_built("gltf"))
         }
     })
@@ -129,7 +130,7 @@ pub unsafe extern "C" fn crumple_load_example_set_gltf_memory(
     def: *const CrumpleGltfDef,
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
-    exclusive("crumple_load_example_set_gltf_memory", context, |context, state| {
+    recorded("crumple_load_example_set_gltf_memory", context, |context, state, log| {
         // SAFETY: the caller's.
         let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_set, "out_set")?) };
         // SAFETY: the caller's.
@@ -140,11 +141,11 @@ pub unsafe extern "C" fn crumple_load_example_set_gltf_memory(
             let (choice, folder) = unsafe { (mesh_choice(&def)?, string(def.path, "def.path")?) };
             let imported = crate::import::gltf_slice(bytes, folder.map(std::path::Path::new), choice)?;
             // SAFETY: the caller's.
-            unsafe { add_imported(context, state, imported, &def.options, out) }
+            unsafe { add_imported((context, state, log), imported, &def.options, out) }
         }
         #[cfg(not(feature = "gltf"))]
         {
-            let _ = (context, state, def, bytes, out);
+            let _ = (context, state, log, def, bytes, out);
             Err(not_built("gltf"))
         }
     })
@@ -161,7 +162,7 @@ pub unsafe extern "C" fn crumple_load_example_set_obj(
     def: *const CrumpleObjDef,
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
-    exclusive("crumple_load_example_set_obj", context, |context, state| {
+    recorded("crumple_load_example_set_obj", context, |context, state, log| {
         // SAFETY: the caller's.
         let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_set, "out_set")?) };
         // SAFETY: the caller's.
@@ -178,11 +179,11 @@ pub unsafe extern "C" fn crumple_load_example_set_obj(
         {
             let imported = crate::import::obj_files(base.as_ref(), &examples)?;
             // SAFETY: the caller's.
-            unsafe { add_imported(context, state, imported, &def.options, out) }
+            unsafe { add_imported((context, state, log), imported, &def.options, out) }
         }
         #[cfg(not(feature = "obj"))]
         {
-            let _ = (context, state, base, examples, out);
+            let _ = (context, state, log, base, examples, out);
             Err(not_built("obj"))
         }
     })
@@ -221,7 +222,7 @@ pub unsafe extern "C" fn crumple_load_example_set_memory(
     bytes: MaybeUninit<CrumpleBytes>,
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
-    exclusive("crumple_load_example_set_memory", context, |context, state| {
+    recorded("crumple_load_example_set_memory", context, |context, state, log| {
         // SAFETY: the caller's.
         let out = unsafe { Out::new(out_set, "out_set") }?;
         let keep = enumerator(bytes, "bytes")? == CrumpleBytes::Keep;
@@ -230,7 +231,7 @@ pub unsafe extern "C" fn crumple_load_example_set_memory(
         state.sets.reserve::<CrumpleExampleSet>()?;
         let tasks = Quiet(context.tasks());
         let set = if keep { ExampleSet::load(bytes, &tasks) } else { ExampleSet::load_copy(bytes, &tasks) }?;
-        add_baked(context, state, set, out);
+        add_baked((context, state, log), set, out);
         Ok(())
     })
 }
@@ -245,14 +246,14 @@ pub unsafe extern "C" fn crumple_load_example_set_file(
     path: *const c_char,
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
-    exclusive("crumple_load_example_set_file", context, |context, state| {
+    recorded("crumple_load_example_set_file", context, |context, state, log| {
         // SAFETY: the caller's.
         let out = unsafe { Out::new(out_set, "out_set") }?;
         // SAFETY: the caller's.
         let path = required(unsafe { string(path, "path") }?, "path")?;
         state.sets.reserve::<CrumpleExampleSet>()?;
         let set = ExampleSet::load_file(path, &Quiet(context.tasks()))?;
-        add_baked(context, state, set, out);
+        add_baked((context, state, log), set, out);
         Ok(())
     })
 }
@@ -288,9 +289,9 @@ pub unsafe extern "C" fn crumple_save_example_set(
     })
 }
 
-fn add_baked(context: &Context, state: &mut State, set: ExampleSet, out: Out<CrumpleExampleSet>) {
+fn add_baked(of: (&Context, &mut State, &mut Log<'_>), set: ExampleSet, out: Out<CrumpleExampleSet>) {
     let whole = CrumplePrimitive::new(0..set.vertex_count() as u32, 0..set.mesh().triangles().len() as u32);
-    insert_set(context, state, set, (c"".into(), vec![whole], Vec::new(), None), out);
+    insert_set(of, set, (c"".into(), vec![whole], Vec::new(), None), out);
 }
 
 fn required<'a>(text: Option<&'a str>, name: &str) -> Result<&'a str, Failure> {
@@ -316,8 +317,7 @@ unsafe fn mesh_choice(def: &CrumpleGltfDef) -> Result<crate::import::MeshChoice<
 
 #[cfg(any(feature = "gltf", feature = "obj"))]
 unsafe fn add_imported(
-    context: &Context,
-    state: &mut State,
+    of: (&Context, &mut State, &mut Log<'_>),
     imported: crate::import::Imported,
     options: &CrumpleExampleSetOptions,
     out: Out<CrumpleExampleSet>,
@@ -337,5 +337,5 @@ unsafe fn add_imported(
     let materials = materials.into_iter().flatten().collect();
     let transform = imported.node_transform.map(|m| *bytemuck::cast_ref(&m));
     let file = (c_string(&imported.name), primitives, materials, transform);
-    add_set(context, state, (imported.mesh, imported.examples, options), file, out)
+    add_set(of, (imported.mesh, imported.examples, options), file, out)
 }

@@ -38,6 +38,8 @@ mod vulkan;
 
 mod attach;
 
+pub(crate) mod recording;
+
 // Nothing below adds to the header.
 
 mod boundary;

@@ -1,8 +1,9 @@
 //! Example sets from the caller's arrays.
 
 use super::check::{CEnum, Def, Out, array, boolean, def, enumerator, finite, positive_or_none, string};
-use super::context::{Context, CrumpleContext, CrumpleLogLevel, State, exclusive};
+use super::context::{Context, CrumpleContext, CrumpleLogLevel, State, recorded};
 use super::memory::{read, read_required};
+use super::recording::{Call, Log, Number};
 use super::result::{CrumpleResult, Failure};
 use super::set_info::CrumplePrimitive;
 use super::tasks::Quiet;
@@ -285,7 +286,7 @@ pub unsafe extern "C" fn crumple_create_example_set(
     def: *const CrumpleExampleSetDef,
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
-    exclusive("crumple_create_example_set", context, |context, state| {
+    recorded("crumple_create_example_set", context, |context, state, log| {
         // SAFETY: the caller's.
         let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_set, "out_set")?) };
         // SAFETY: the caller's.
@@ -299,7 +300,7 @@ pub unsafe extern "C" fn crumple_create_example_set(
         // SAFETY: the caller's.
         let options = unsafe { read_options(&def.options, mesh.positions.len()) }?;
         let name = CString::default();
-        add_set(context, state, (mesh, examples, options), (name, vec![whole], Vec::new(), None), out)
+        add_set((context, state, log), (mesh, examples, options), (name, vec![whole], Vec::new(), None), out)
     })
 }
 
@@ -363,16 +364,18 @@ pub unsafe extern "C" fn crumple_example_set_add_lod(
     def: *const CrumpleLodDef,
     out_lod: *mut u32,
 ) -> CrumpleResult {
-    exclusive("crumple_example_set_add_lod", context, |context, state| {
+    recorded("crumple_example_set_add_lod", context, |context, state, log| {
         // SAFETY: the caller's.
         let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_lod, "out_lod")?) };
-        let entry = state.sets.get_mut(set, "set")?;
+        let id = set;
+        let entry = state.sets.get_mut(id, "set")?;
         let set = Arc::get_mut(&mut entry.set).ok_or_else(|| {
             Failure::invalid("set has instances; add its levels of detail before the first instance is made")
         })?;
         // SAFETY: the caller's.
         let mesh = unsafe { read_mesh(&def) }?;
         let lod = set.add_lod(mesh, &Quiet(context.tasks()))?;
+        log.set(id, set);
         let report = set.report().lods[lod - 1];
         context.log(
             CrumpleLogLevel::Info,
@@ -388,22 +391,20 @@ pub unsafe extern "C" fn crumple_example_set_add_lod(
 
 /// Builds the set and gives it an id.
 pub(super) fn add_set(
-    context: &Context,
-    state: &mut State,
+    (context, state, log): (&Context, &mut State, &mut Log<'_>),
     (mesh, examples, options): (MeshData, Vec<ExampleData>, SetOptions),
     (name, primitives, materials, node_transform): (CString, Vec<CrumplePrimitive>, Vec<CString>, Option<[f32; 16]>),
     out: Out<CrumpleExampleSet>,
 ) -> Result<(), Failure> {
     state.sets.reserve::<CrumpleExampleSet>()?;
     let set = ExampleSet::build(mesh, examples, options, &Quiet(context.tasks()))?;
-    insert_set(context, state, set, (name, primitives, materials, node_transform), out);
+    insert_set((context, state, log), set, (name, primitives, materials, node_transform), out);
     Ok(())
 }
 
 /// Gives a set an id, for which there is room.
 pub(super) fn insert_set(
-    context: &Context,
-    state: &mut State,
+    (context, state, log): (&Context, &mut State, &mut Log<'_>),
     set: ExampleSet,
     (name, primitives, materials, node_transform): (CString, Vec<CrumplePrimitive>, Vec<CString>, Option<[f32; 16]>),
     out: Out<CrumpleExampleSet>,
@@ -422,7 +423,10 @@ pub(super) fn insert_set(
         ),
     );
     let entry = SetEntry { set: Arc::new(set), name, names, primitives, _materials: materials, node_transform };
-    out.write(state.sets.insert(entry));
+    let set = entry.set.clone();
+    let id = state.sets.insert(entry);
+    log.set(id, &set);
+    out.write(id);
 }
 
 /// The base mesh alone.
@@ -643,7 +647,8 @@ pub unsafe extern "C" fn crumple_destroy_example_set(
     context: *mut CrumpleContext,
     set: CrumpleExampleSet,
 ) -> CrumpleResult {
-    exclusive("crumple_destroy_example_set", context, |_, state| {
+    recorded("crumple_destroy_example_set", context, |_, state, log| {
+        log.call(|| Call::DestroySet { set: Number::of(set) });
         state.sets.remove(set, "set")?;
         Ok(())
     })

@@ -11,7 +11,7 @@ pub(super) use attached::{Attached, VulkanMemory};
 
 use super::buffer::{BufferEntry, Memory};
 use super::check::{CEnum, Def, Out, array, def, enumerator, finite, write_array};
-use super::context::{CrumpleContext, State, exclusive};
+use super::context::{CrumpleContext, State, exclusive, recorded};
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleBuffer, CrumpleInstance, CrumpleVec3};
 use std::ffi::c_void;
@@ -278,7 +278,7 @@ pub unsafe extern "C" fn crumple_register_vulkan_buffer(
     def: *const CrumpleVulkanBufferDef,
     out_buffer: *mut CrumpleBuffer,
 ) -> CrumpleResult {
-    exclusive("crumple_register_vulkan_buffer", context, |_, state| {
+    recorded("crumple_register_vulkan_buffer", context, |_, state, log| {
         // SAFETY: the caller's.
         let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_buffer, "out_buffer")?) };
         finite(def.scale.array(), "def.scale")?;
@@ -287,7 +287,7 @@ pub unsafe extern "C" fn crumple_register_vulkan_buffer(
         let vulkan = state.vulkan.as_mut().ok_or_else(not_attached)?;
         // SAFETY: the caller's.
         let memory = Memory::Vulkan(unsafe { vulkan.register(owner, &def) }?);
-        state.add_buffer(BufferEntry { owner: instance, lod: def.lod as usize, memory }, out)
+        state.add_buffer(log, BufferEntry { owner: instance, lod: def.lod as usize, memory }, out)
     })
 }
 
@@ -318,7 +318,7 @@ pub unsafe extern "C" fn crumple_record_deform(
     count: u32,
     out_report: *mut CrumpleRecordReport,
 ) -> CrumpleResult {
-    exclusive("crumple_record_deform", context, |_, state| {
+    recorded("crumple_record_deform", context, |_, state, log| {
         // SAFETY: the caller's.
         let (out, given) =
             unsafe { (Out::optional(out_report, "out_report")?, array(buffers, count as usize, "buffers")?) };
@@ -328,7 +328,7 @@ pub unsafe extern "C" fn crumple_record_deform(
         let State { instances, buffers: entries, vulkan, .. } = state;
         let vulkan = vulkan.as_mut().ok_or_else(not_attached)?;
         // SAFETY: the caller's.
-        out.write(unsafe { vulkan.record((command_buffer, frame), (buffers, given), (entries, instances)) }?);
+        out.write(unsafe { vulkan.record((command_buffer, frame), (buffers, given), (entries, instances), log) }?);
         Ok(())
     })
 }
@@ -567,7 +567,7 @@ pub unsafe extern "C" fn crumple_submit_deform(
     out_frame: *mut u64,
     out_report: *mut CrumpleRecordReport,
 ) -> CrumpleResult {
-    exclusive("crumple_submit_deform", context, |_, state| {
+    recorded("crumple_submit_deform", context, |_, state, log| {
         // SAFETY: the caller's.
         let outs = unsafe { (Out::optional(out_frame, "out_frame")?, Out::optional(out_report, "out_report")?) };
         // SAFETY: the caller's.
@@ -580,7 +580,7 @@ pub unsafe extern "C" fn crumple_submit_deform(
         };
         let State { instances, buffers: entries, vulkan, .. } = state;
         let vulkan = vulkan.as_mut().ok_or_else(not_attached)?;
-        let (frame, report) = vulkan.submit((buffers, given), (entries, instances), (waits, signals))?;
+        let (frame, report) = vulkan.submit((buffers, given), (entries, instances), (waits, signals), log)?;
         outs.0.write(frame);
         outs.1.write(report);
         Ok(())

@@ -139,6 +139,11 @@ impl Target {
         self.tracker.invalidate();
     }
 
+    /// Whether normals and tangents are written.
+    pub(crate) fn written(&self) -> (bool, bool) {
+        (self.layout.normals.is_some(), self.layout.tangents.is_some())
+    }
+
     /// A box around all vertices as of the last recording, m; `None` before the first. It is never too small but may be too
     /// large: the CPU does not know the vertices, only how far each block of them can have moved.
     pub fn bounds(&self) -> Option<Aabb> {

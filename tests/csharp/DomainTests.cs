@@ -6,6 +6,17 @@ using Crumple.Native;
 /// <summary>Application domains that come and go over one native library, as at every script reload of Unity's editor.</summary>
 static class DomainTests
 {
+    /// <summary>Lives in this domain, and is told by the other what it saw last.</summary>
+    public sealed class Witness : MarshalByRefObject
+    {
+        public string Saw = "nothing";
+
+        public override object InitializeLifetimeService()
+        {
+            return null;
+        }
+    }
+
     /// <summary>Lives in the other domain.</summary>
     public sealed class Guest : MarshalByRefObject
     {
@@ -14,8 +25,10 @@ static class DomainTests
         CrumpleVec3[] vertices;
         int messages;
 
-        /// <summary>Makes contexts with callbacks and pinned arrays, disposes of nothing, and tells a context's address.</summary>
-        public long[] Work(bool shutdown)
+        /// <summary>
+        /// Makes contexts with callbacks and pinned arrays, disposes of nothing, and tells a context's address.
+        /// </summary>
+        public long[] Work(bool shutdown, Witness witness)
         {
             ContextOptions options = new ContextOptions
             {
@@ -33,6 +46,8 @@ static class DomainTests
             Check.Near(0.03f, Sheet.Deepest(vertices), 5e-4f, "in the other domain");
             Check.That(messages > 0, "messages in the other domain");
             long[] addresses = { forgotten.Pointer.ToInt64(), context.Pointer.ToInt64() };
+            // Handlers run in their order: Crumple's has run when this one does, before any finalizer.
+            AppDomain.CurrentDomain.DomainUnload += (sender, arguments) => witness.Saw = context.IsDisposed ? "an ended context" : "a live context";
             if (shutdown) Check.Same(0, CrumpleRuntime.Shutdown(), "left behind in the other domain");
             return addresses;
         }
@@ -51,12 +66,14 @@ static class DomainTests
             CrumpleVec3[] vertices = new CrumpleVec3[Sheet.Vertices];
             Instance body = context.CreateInstance(set);
             body.RegisterHostBuffer(StridedArray.Of(vertices));
-            for (int round = 0; round < 4; round++)
+            for (int round = 0; round < 2; round++)
             {
                 AppDomain domain = AppDomain.CreateDomain("scripts " + round);
                 Guest guest = (Guest)domain.CreateInstanceAndUnwrap(typeof(Guest).Assembly.FullName, typeof(Guest).FullName);
-                long[] addresses = guest.Work(round % 2 == 1);
+                Witness witness = new Witness();
+                long[] addresses = guest.Work(round % 2 == 1, witness);
                 AppDomain.Unload(domain);
+                Check.Same("an ended context", witness.Saw, "at the end of the domain");
                 foreach (long address in addresses)
                 {
                     // The library knows: the context is no more.

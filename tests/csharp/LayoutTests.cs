@@ -10,7 +10,9 @@ using Crumple.Native;
 /// <summary>Sizes and offsets, as a C compiler sees the header, against those of the C# structs; and the defaults.</summary>
 static class LayoutTests
 {
-    /// <summary>Lines "struct size alignment" and "struct.field offset size", which a program generated from the header prints.</summary>
+    /// <summary>
+    /// Lines "struct size alignment" and "struct.field offset size", which a program generated from the header prints.
+    /// </summary>
     public static string Table;
 
     public static void SizesAndOffsets()

@@ -134,7 +134,9 @@ static class LifetimeTests
 
     static readonly System.Collections.Generic.List<CrumpleContext> Kept = new System.Collections.Generic.List<CrumpleContext>();
 
-    /// <summary>A context that nobody disposes of is destroyed by the collector, and so is an instance inside one that goes on.</summary>
+    /// <summary>
+    /// A context that nobody disposes of is destroyed by the collector, and so is an instance inside one that goes on.
+    /// </summary>
     public static void ForgottenThingsGo()
     {
         // On a stack of its own, which the collector has no reason to scan afterwards.

@@ -15,6 +15,7 @@ static class Tests
             DentTests.ChangesAndBounds,
             DentTests.ContactsAndSpaces,
             DentTests.TheRest,
+            DentTests.Recordings,
             LoadingTests.Gltf,
             LoadingTests.Obj,
             LoadingTests.Baked,

@@ -13,6 +13,8 @@ use xshell::cmd;
 use crate::header::HEADER;
 use crate::native;
 use crate::stage::Outcome;
+use crate::tools::Tool;
+use crate::vulkan;
 use crate::workspace::{Workspace, empty_directory};
 
 pub const TYPES: &str = "bindings/unity/Runtime/Native/NativeTypes.g.cs";
@@ -53,6 +55,18 @@ pub fn run(workspace: &Workspace) -> Result<Outcome> {
         let folder = if case == "missing" { built.join("empty") } else { built.join(case) };
         mono("library.exe", &folder).arg(case).arg(file).run()?;
     }
+    let beside = built.join("libcrumple.so");
+    fs::copy(libraries.join("libcrumple.so"), &beside)?;
+    mono("library.exe", &built.join("empty")).arg("beside").arg(beside).run()?;
+    if Tool::Vulkan.here(workspace) && Tool::VulkanHeaders.here(workspace) {
+        vulkan_host(workspace, &built)?;
+        // One driver: what differs between them is below C#.
+        let driver = vulkan::lavapipe()?;
+        let frames = || mono("vulkan.exe", &libraries).env("VK_DRIVER_FILES", &driver).env("CRUMPLE_REQUIRE_GPU", "1");
+        // Mesa's layer that chooses devices would complain about a session without a display.
+        frames().env("NODEVICE_SELECT", "1").env("CRUMPLE_VALIDATION", "1").run()?;
+        frames().env("NODEVICE_SELECT", "1").arg("device-goes-first").run()?;
+    }
     Ok(Outcome::Passed)
 }
 
@@ -80,11 +94,11 @@ fn compile(workspace: &Workspace, built: &Path) -> Result<()> {
         ("quickstart", named(&["Quickstart.cs"])),
         ("tests", together),
         ("library", named(&["LibraryTests.cs", "Check.cs"])),
+        ("vulkan", named(&["VulkanTests.cs", "Check.cs", "Sheet.cs"])),
     ] {
-        let (program, references) =
-            (format!("-out:{}", built.join(program).with_extension("exe").display()), ["-r:System.Core.dll"]);
+        let program = format!("-out:{}", built.join(program).with_extension("exe").display());
         let library = format!("-r:{}", built.join("Crumple.dll").display());
-        cmd!(sh, "mcs {STRICT...} {program} {library} {references...} {files...}").quiet().run()?;
+        cmd!(sh, "mcs {STRICT...} -r:System.Core.dll {library} {program} {files...}").quiet().run()?;
     }
     Ok(())
 }
@@ -100,13 +114,26 @@ fn layouts(workspace: &Workspace, prefix: &Path, built: &Path, header: &str) -> 
     Ok(table)
 }
 
+/// The C host of the Vulkan examples as a library, which Mono finds beside the program.
+fn vulkan_host(workspace: &Workspace, built: &Path) -> Result<()> {
+    let sh = &workspace.shell;
+    let (file, examples) = (built.join("libcrumplehost.so"), workspace.path("examples-c"));
+    let (host, shared) = (examples.join("vulkan_host.c"), workspace.path(TESTS).join("vulkan_shared.c"));
+    let strict = ["-std=c11", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC"];
+    Ok(cmd!(sh, "cc {strict...} -I {examples} {shared} {host} -o {file} -lvulkan").quiet().run()?)
+}
+
 /// Libraries that cannot be used, by the name of the test's case and of the folder that they are in.
 fn misfits(workspace: &Workspace, prefix: &Path, built: &Path) -> Result<Vec<(&'static str, PathBuf)>> {
     let sh = &workspace.shell;
     let right = prefix.join("lib/libcrumple.so");
     let source = workspace.path(TESTS).join("fake.c");
     let mut files = Vec::new();
-    for (case, version) in [("version", Some("2003")), ("patch", Some("1099")), ("foreign", None)] {
+    let (major, minor) = two(&workspace.version)?;
+    let minor_and_patch = |minor: u32, patch: u32| Some((major * 1_000_000 + minor * 1000 + patch).to_string());
+    let versions =
+        [("version", minor_and_patch(minor + 1, 3)), ("patch", minor_and_patch(minor, 99)), ("foreign", None)];
+    for (case, version) in versions {
         let file = place(built, case)?;
         let version = version.map(|number| format!("-DVERSION={number}"));
         cmd!(sh, "cc -shared -fPIC {version...} {source} -o {file}").quiet().run()?;
@@ -123,6 +150,13 @@ fn misfits(workspace: &Workspace, prefix: &Path, built: &Path) -> Result<Vec<(&'
     fs::create_dir(built.join("empty"))?;
     files.push(("missing", right));
     Ok(files)
+}
+
+/// Major and minor version.
+fn two(version: &str) -> Result<(u32, u32)> {
+    let mut parts = version.split('.').map(str::parse);
+    let mut next = || Ok::<u32, anyhow::Error>(parts.next().context("a version has three parts")??);
+    Ok((next()?, next()?))
 }
 
 fn place(built: &Path, case: &str) -> Result<PathBuf> {

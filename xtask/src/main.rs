@@ -10,6 +10,7 @@ mod fuzz;
 mod header;
 mod install;
 mod lab;
+mod messages;
 mod native;
 mod outside;
 mod peers;
@@ -73,7 +74,7 @@ enum Command {
     Ci,
     /// Only the checks of `ci` that build nothing: asset size, README snippet, changelog, .meta files of the Unity package
     Repo {
-        /// Put the present examples-c/quickstart.c into README.md, and write missing .meta files
+        /// Put the present quickstart programs into the pages that show them, and write missing .meta files
         #[arg(long)]
         fix: bool,
     },

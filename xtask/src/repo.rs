@@ -5,8 +5,8 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
 
-use crate::unity;
 use crate::workspace::Workspace;
+use crate::{messages, unity};
 
 /// Meshes, fixtures and pictures together, in bytes.
 const ASSETS_LIMIT: u64 = 15_000_000;
@@ -16,15 +16,19 @@ const FIGURES_LIMIT: u64 = 15_000_000;
 const TRUTHS_LIMIT: u64 = 14_000_000;
 const QUICKSTART: &str = "examples-c/quickstart.c";
 const QUICKSTART_LINES: usize = 80;
-const README: &str = "README.md";
-const SNIPPET_BEGIN: &str = "<!-- examples-c/quickstart.c -->\n```c\n";
-const SNIPPET_END: &str = "```\n<!-- end of examples-c/quickstart.c -->";
+/// Programs that are shown whole, where, and in which language.
+const SHOWN: &[(&str, &str, &str)] =
+    &[(QUICKSTART, "README.md", "c"), ("tests/csharp/Quickstart.cs", "bindings/unity/Runtime/README.md", "csharp")];
 
 pub fn run(workspace: &Workspace, fix: bool) -> Result<()> {
     assets(workspace)?;
-    quickstart(workspace, fix)?;
+    quickstart(workspace)?;
+    for (file, page, language) in SHOWN {
+        shown(workspace, fix, file, page, language)?;
+    }
     unity::metas(workspace, fix)?;
-    changelog(workspace)
+    changelog(workspace)?;
+    messages::run(workspace)
 }
 
 fn assets(workspace: &Workspace) -> Result<()> {
@@ -52,25 +56,27 @@ fn size_of(path: &Path) -> Result<u64> {
     fs::read_dir(path)?.try_fold(0, |total, entry| Ok(total + size_of(&entry?.path())?))
 }
 
-fn quickstart(workspace: &Workspace, fix: bool) -> Result<()> {
-    let program = read(workspace, QUICKSTART)?;
-    let lines = program.lines().count();
+fn quickstart(workspace: &Workspace) -> Result<()> {
+    let lines = read(workspace, QUICKSTART)?.lines().count();
     ensure!(
         lines < QUICKSTART_LINES,
         "{QUICKSTART} has {lines} lines; a first program should have under {QUICKSTART_LINES}"
     );
-    let readme = read(workspace, README)?;
-    let (before, rest) =
-        readme.split_once(SNIPPET_BEGIN).with_context(|| format!("{README} lacks the lines {SNIPPET_BEGIN:?}"))?;
-    let (snippet, after) =
-        rest.split_once(SNIPPET_END).with_context(|| format!("{README} lacks the lines {SNIPPET_END:?}"))?;
+    Ok(())
+}
+
+fn shown(workspace: &Workspace, fix: bool, file: &str, page: &str, language: &str) -> Result<()> {
+    let (begin, end) = (format!("<!-- {file} -->\n```{language}\n"), format!("```\n<!-- end of {file} -->"));
+    let (program, text) = (read(workspace, file)?, read(workspace, page)?);
+    let (before, rest) = text.split_once(&begin).with_context(|| format!("{page} lacks the lines {begin:?}"))?;
+    let (snippet, after) = rest.split_once(&end).with_context(|| format!("{page} lacks the lines {end:?}"))?;
     if snippet == program {
-        println!("{README} shows {QUICKSTART} as it is");
+        println!("{page} shows {file} as it is");
     } else if fix {
-        fs::write(workspace.path(README), [before, SNIPPET_BEGIN, &program, SNIPPET_END, after].concat())?;
-        println!("{README} shows the present {QUICKSTART}");
+        fs::write(workspace.path(page), [before, &begin, &program, &end, after].concat())?;
+        println!("{page} shows the present {file}");
     } else {
-        bail!("{README} shows another program than {QUICKSTART}; type: cargo xtask repo --fix");
+        bail!("{page} shows another program than {file}; type: cargo xtask repo --fix");
     }
     Ok(())
 }

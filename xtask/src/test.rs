@@ -43,7 +43,7 @@ const STAGES: &[Stage] = &[
         name: "csharp",
         shows: "the C# layer under Mono: dents, errors, threads, callbacks, ten thousand frames, libraries that do not fit",
         needs: &[Tool::CCompiler, Tool::Mono],
-        wants: &[],
+        wants: &[Tool::Vulkan, Tool::VulkanHeaders],
         closing: false,
         run: csharp::run,
     },

@@ -31,7 +31,7 @@ namespace Crumple
     public delegate void CrumpleTaskHandler(CrumpleTasks tasks);
 
     /// <summary>Tasks to be run; valid until the handler that received them returns.</summary>
-    public struct CrumpleTasks
+    public readonly struct CrumpleTasks
     {
         private readonly CrumpleTask task;
         private readonly IntPtr data;
@@ -46,7 +46,9 @@ namespace Crumple
         /// <summary>Number of tasks.</summary>
         public int Count { get; }
 
-        /// <summary>Runs a task; index is 0 to Count - 1. Any thread, several at once. Never throws for an index in range.</summary>
+        /// <summary>
+        /// Runs a task; index is 0 to Count - 1. Any thread, several at once. Never throws for an index in range.
+        /// </summary>
         public void Run(int index)
         {
             if (index < 0 || index >= Count)
@@ -56,8 +58,8 @@ namespace Crumple
     }
 
     /// <summary>
-    /// What native code finds by a context's user pointer. It knows nothing of the context, so that forgetting a context is enough to
-    /// end it. No exception leaves it: native frames lie below.
+    /// What native code finds by a context's user pointer. It knows nothing of the context, so that forgetting a context is
+    /// enough to end it. No exception leaves it: native frames lie below.
     /// </summary>
     internal sealed class CallbackSink
     {

@@ -20,7 +20,9 @@ namespace Crumple
         private volatile bool left;
         private bool destroyed;
 
-        /// <summary>A Vulkan device of the host's is attached. It may be gone when nobody asks for the end of the context.</summary>
+        /// <summary>
+        /// A Vulkan device of the host's is attached. It may be gone when nobody asks for the end of the context.
+        /// </summary>
         internal volatile bool HasHostDevice;
 
         internal unsafe ContextHandle(ref CrumpleContextDef def, CallbackSink sink)
@@ -84,7 +86,9 @@ namespace Crumple
             }
         }
 
-        /// <summary>Runs when no call is inside any more; on the finalizer's thread where nobody disposed of the context.</summary>
+        /// <summary>
+        /// Runs when no call is inside any more; on the finalizer's thread where nobody disposed of the context.
+        /// </summary>
         protected override bool ReleaseHandle()
         {
             if (!destroyed && !HasHostDevice) Destroy();
@@ -114,8 +118,8 @@ namespace Crumple
         }
 
         /// <summary>
-        /// An instance that nobody holds any more. Finalizers run at any time, when the context may be in use, so what they leave is
-        /// destroyed by a later call.
+        /// An instance that nobody holds any more. Finalizers run at any time, when the context may be in use, so what they leave
+        /// is destroyed by a later call.
         /// </summary>
         internal void Leave(CrumpleInstance instance, List<Pins> memory)
         {
@@ -169,7 +173,7 @@ namespace Crumple
     }
 
     /// <summary>A call into a context: keeps the context, and the object that the call is about, until it is over.</summary>
-    internal struct Call : IDisposable
+    internal readonly struct Call : IDisposable
     {
         internal readonly IntPtr Context;
         private readonly ContextHandle handle;

@@ -15,7 +15,9 @@ namespace Crumple
         /// <summary>Your job system, instead of threads of Crumple's own. Default null: none.</summary>
         public CrumpleTaskHandler Tasks { get; set; }
 
-        /// <summary>How many of its threads may work at once. Only decides how finely work is cut: never the result. Default 1.</summary>
+        /// <summary>
+        /// How many of its threads may work at once. Only decides how finely work is cut: never the result. Default 1.
+        /// </summary>
         public int TaskWorkers { get; set; } = 1;
     }
 }

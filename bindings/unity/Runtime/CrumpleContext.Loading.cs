@@ -8,8 +8,8 @@ namespace Crumple
     public sealed partial class CrumpleContext
     {
         /// <summary>
-        /// Makes an example set from arrays, which are copied. Takes a moment: load before the scene starts, on a context of its own
-        /// thread if need be.
+        /// Makes an example set from arrays, which are copied. Takes a moment: load before the scene starts, on a context of its
+        /// own thread if need be.
         /// </summary>
         public unsafe ExampleSet CreateExampleSet(ExampleSetDef def)
         {
@@ -32,7 +32,8 @@ namespace Crumple
                 native.ExampleCount = (uint)examples.Length;
                 CrumpleExampleSet id;
                 using (Call call = EnterAlone(this))
-                    call.Check(NativeMethods.crumple_create_example_set(call.Context, &native, &id), "crumple_create_example_set");
+                    call.Check(NativeMethods.crumple_create_example_set(call.Context, &native, &id),
+                        "crumple_create_example_set");
                 return new ExampleSet(this, id);
             }
         }
@@ -53,7 +54,8 @@ namespace Crumple
                 CrumpleGltfDef def = Gltf(pins, path, meshName, meshIndex, options);
                 CrumpleExampleSet id;
                 using (Call call = EnterAlone(this))
-                    call.Check(NativeMethods.crumple_load_example_set_gltf(call.Context, &def, &id), "crumple_load_example_set_gltf");
+                    call.Check(NativeMethods.crumple_load_example_set_gltf(call.Context, &def, &id),
+                        "crumple_load_example_set_gltf");
                 return new ExampleSet(this, id);
             }
         }
@@ -92,7 +94,8 @@ namespace Crumple
         }
 
         /// <summary>
-        /// Makes an example set from a base OBJ file and one OBJ file an example, which has the base's vertices in the base's order.
+        /// Makes an example set from a base OBJ file and one OBJ file an example, which has the base's vertices in the base's
+        /// order.
         /// </summary>
         public unsafe ExampleSet LoadObj(string basePath, IReadOnlyList<string> examplePaths, CrumpleExampleSetOptions? options = null)
         {
@@ -109,7 +112,8 @@ namespace Crumple
                 if (options.HasValue) def.Options = options.Value;
                 CrumpleExampleSet id;
                 using (Call call = EnterAlone(this))
-                    call.Check(NativeMethods.crumple_load_example_set_obj(call.Context, &def, &id), "crumple_load_example_set_obj");
+                    call.Check(NativeMethods.crumple_load_example_set_obj(call.Context, &def, &id),
+                        "crumple_load_example_set_obj");
                 return new ExampleSet(this, id);
             }
         }
@@ -124,8 +128,8 @@ namespace Crumple
         }
 
         /// <summary>
-        /// The same from memory of your own, such as a memory map. With <see cref="CrumpleBytes.Keep"/> it is used where it lies, and
-        /// must stay there, unchanged, until the set and all its instances are disposed of, or the context.
+        /// The same from memory of your own, such as a memory map. With <see cref="CrumpleBytes.Keep"/> it is used where it lies,
+        /// and must stay there, unchanged, until the set and all its instances are disposed of, or the context.
         /// </summary>
         public unsafe ExampleSet LoadBaked(IntPtr data, long size, CrumpleBytes bytes)
         {

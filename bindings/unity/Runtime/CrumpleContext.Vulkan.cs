@@ -10,8 +10,8 @@ namespace Crumple
         internal int DeviceNumber { get; private set; }
 
         /// <summary>
-        /// Takes your Vulkan device. Its handles must stay valid until <see cref="DetachVulkan"/> or <see cref="Dispose"/>: a context
-        /// that is forgotten with a device attached is left alone, since nobody knows whether the device is still there.
+        /// Takes your Vulkan device. Its handles must stay valid until <see cref="DetachVulkan"/> or <see cref="Dispose"/>: a
+        /// context that is forgotten with a device attached is left alone, since nobody knows whether the device is still there.
         /// </summary>
         public unsafe void AttachVulkan(in CrumpleVulkanDef def)
         {
@@ -63,7 +63,8 @@ namespace Crumple
         {
             CrumpleRecordReport report;
             using (Call call = EnterAlone(this))
-                call.Check(NativeMethods.crumple_record_deform(call.Context, commandBuffer, frame, null, 0, &report), "crumple_record_deform");
+                call.Check(NativeMethods.crumple_record_deform(call.Context, commandBuffer, frame, null, 0, &report),
+                    "crumple_record_deform");
             return report;
         }
 
@@ -94,13 +95,16 @@ namespace Crumple
                 call.Check(NativeMethods.crumple_discard_frames(call.Context, frame), "crumple_discard_frames");
         }
 
-        /// <summary>Makes a VkBuffer of your device known to Crumple's own; what stands for it in CrumpleVulkanBufferDef.Buffer.</summary>
+        /// <summary>
+        /// Makes a VkBuffer of your device known to Crumple's own; what stands for it in CrumpleVulkanBufferDef.Buffer.
+        /// </summary>
         public unsafe ulong ImportVulkanBuffer(in CrumpleVulkanImportDef def)
         {
             CrumpleVulkanImportDef copy = def;
             ulong buffer;
             using (Call call = EnterAlone(this))
-                call.Check(NativeMethods.crumple_import_vulkan_buffer(call.Context, &copy, &buffer), "crumple_import_vulkan_buffer");
+                call.Check(NativeMethods.crumple_import_vulkan_buffer(call.Context, &copy, &buffer),
+                    "crumple_import_vulkan_buffer");
             return buffer;
         }
 
@@ -122,8 +126,8 @@ namespace Crumple
         }
 
         /// <summary>
-        /// Brings all Vulkan buffers up to date on Crumple's own device, which waits for some semaphores before and signals others after.
-        /// Allocates nothing.
+        /// Brings all Vulkan buffers up to date on Crumple's own device, which waits for some semaphores before and signals
+        /// others after. Allocates nothing.
         /// </summary>
         /// <returns>The frame's number, for <see cref="WaitFrame"/>.</returns>
         public unsafe ulong SubmitDeform(ReadOnlySpan<ulong> waits, ReadOnlySpan<ulong> signals, out CrumpleRecordReport report)
@@ -134,6 +138,23 @@ namespace Crumple
             fixed (ulong* first = &MemoryMarshal.GetReference(waits), second = &MemoryMarshal.GetReference(signals))
                 call.Check(NativeMethods.crumple_submit_deform(call.Context, null, 0, first, (uint)waits.Length, second,
                     (uint)signals.Length, &frame, &written), "crumple_submit_deform");
+            report = written;
+            return frame;
+        }
+
+        /// <summary>The same for some buffers, at least one, each named once.</summary>
+        public unsafe ulong SubmitDeform(ReadOnlySpan<CrumpleBuffer> buffers, ReadOnlySpan<ulong> waits, ReadOnlySpan<ulong> signals,
+            out CrumpleRecordReport report)
+        {
+            // For C no ids are all buffers.
+            if (buffers.IsEmpty) throw new ArgumentException("name a buffer, or leave the list out to mean all", "buffers");
+            CrumpleRecordReport written;
+            ulong frame;
+            using (Call call = EnterAlone(this))
+            fixed (CrumpleBuffer* ids = &MemoryMarshal.GetReference(buffers))
+            fixed (ulong* first = &MemoryMarshal.GetReference(waits), second = &MemoryMarshal.GetReference(signals))
+                call.Check(NativeMethods.crumple_submit_deform(call.Context, ids, (uint)buffers.Length, first, (uint)waits.Length,
+                    second, (uint)signals.Length, &frame, &written), "crumple_submit_deform");
             report = written;
             return frame;
         }

@@ -8,8 +8,9 @@ namespace Crumple
     /// <para>
     /// Threads: only one thread may be inside a context at once, whichever object of it is called; a second one gets a
     /// <see cref="CrumpleException"/> with <see cref="CrumpleResult.ErrorConcurrentUse"/>. Excepted are
-    /// <see cref="Instance.SubmitImpulse(in CrumpleImpulseDef)"/>, <see cref="Instance.SubmitDisplacement(in CrumpleDisplacementDef)"/> and
-    /// <see cref="Instance.EndContact"/>: any thread, at any time.
+    /// <see cref="Instance.SubmitImpulse(in CrumpleImpulseDef)"/>,
+    /// <see cref="Instance.SubmitDisplacement(in CrumpleDisplacementDef)"/> and <see cref="Instance.EndContact"/>: any thread, at
+    /// any time.
     /// </para>
     /// <para>
     /// Every method throws <see cref="CrumpleException"/> where the C function does not return CRUMPLE_OK, and
@@ -53,7 +54,8 @@ namespace Crumple
         }
 
         /// <summary>
-        /// The CrumpleContext*, for <see cref="NativeMethods"/> and for plugins of your own. It stays valid until this is disposed of.
+        /// The CrumpleContext*, for <see cref="NativeMethods"/> and for plugins of your own. It stays valid until this is
+        /// disposed of.
         /// </summary>
         public IntPtr Pointer
         {
@@ -65,8 +67,8 @@ namespace Crumple
         }
 
         /// <summary>
-        /// Destroys the context and everything made in it, in whatever order the others are disposed of, and unpins arrays. A second
-        /// time nothing happens.
+        /// Destroys the context and everything made in it, in whatever order the others are disposed of, and unpins arrays. A
+        /// second time nothing happens.
         /// </summary>
         /// <exception cref="CrumpleException">
         /// Vulkan frames are in flight (<see cref="CompleteFrames"/>), or another thread is inside. Nothing was destroyed then.

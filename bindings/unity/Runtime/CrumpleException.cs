@@ -19,7 +19,12 @@ namespace Crumple
 
         /// <summary>A failure of <paramref name="call"/>.</summary>
         public CrumpleException(CrumpleResult result, string call, string nativeMessage)
-            : base(nativeMessage + " (" + result + ")")
+            : this(result, call, nativeMessage, nativeMessage + " (" + result + ")")
+        {
+        }
+
+        internal CrumpleException(CrumpleResult result, string call, string nativeMessage, string message)
+            : base(message)
         {
             Result = result;
             Call = call;
@@ -47,7 +52,8 @@ namespace Crumple
     }
 
     /// <summary>
-    /// The native library cannot be used. Thrown before the first call into it; the next attempt looks for it again.
+    /// The native library cannot be used. Thrown before the first call into it, and at each further attempt; runtimes remember
+    /// what they did not find, so start the process anew when the right file is there.
     /// </summary>
     public sealed class CrumpleLibraryException : CrumpleException
     {
@@ -65,7 +71,7 @@ namespace Crumple
 
         internal CrumpleLibraryException(CrumpleLibraryProblem problem, string fileName, string foundVersion, string wantedVersion,
             string message)
-            : base(CrumpleResult.ErrorUnsupported, "crumple_version", message)
+            : base(CrumpleResult.ErrorUnsupported, "crumple_version", message, message)
         {
             Problem = problem;
             FileName = fileName;

@@ -47,8 +47,8 @@ namespace Crumple
         }
 
         /// <summary>
-        /// The length, m, that covers so many pixels at a distance, m, before a camera with this vertical field of view, radians, and
-        /// viewport height, pixels: for <see cref="Instance.SetTolerance"/>. 0 for values that make no sense. Any thread.
+        /// The length, m, that covers so many pixels at a distance, m, before a camera with this vertical field of view, radians,
+        /// and viewport height, pixels: for <see cref="Instance.SetTolerance"/>. 0 for values that make no sense. Any thread.
         /// </summary>
         public static float PixelTolerance(float pixels, float distance, float fovY, float viewportHeight)
         {
@@ -58,10 +58,10 @@ namespace Crumple
 
         /// <summary>
         /// Destroys every context that this application domain has made, and unpins their memory; what belongs to them throws
-        /// <see cref="ObjectDisposedException"/> from then on, and new contexts may be made. For hosts that unload managed code while
-        /// the native library stays, such as Unity's editor before it reloads scripts. Happens by itself when the domain unloads or
-        /// the process exits. No call may be running in any of the contexts. A context with Vulkan frames in flight cannot be
-        /// destroyed: it is left behind, unused, until the process ends.
+        /// <see cref="ObjectDisposedException"/> from then on, and new contexts may be made. For hosts that unload managed code
+        /// while the native library stays, such as Unity's editor before it reloads scripts. Happens by itself when the domain
+        /// unloads or the process exits. No call may be running in any of the contexts, and attached Vulkan devices must still be
+        /// there. A context with Vulkan frames in flight cannot be destroyed: it is left behind, unused, until the process ends.
         /// </summary>
         /// <returns>How many contexts were left behind.</returns>
         public static int Shutdown()

@@ -4,7 +4,9 @@ using Crumple.Native;
 
 namespace Crumple
 {
-    /// <summary>Memory that an instance's deformed vertices are written to. The instance holds it, so it may be forgotten.</summary>
+    /// <summary>
+    /// Memory that an instance's deformed vertices are written to. The instance holds it, so it may be forgotten.
+    /// </summary>
     public abstract class DeformBuffer : IDisposable
     {
         private readonly CrumpleBuffer id;
@@ -36,8 +38,8 @@ namespace Crumple
         }
 
         /// <summary>
-        /// Forgets the buffer; managed arrays are unpinned. The memory stays as it is, yours alone again; a VkBuffer once the frames that
-        /// wrote it are done. A second time, or after its instance or context, nothing happens.
+        /// Forgets the buffer; managed arrays are unpinned. The memory stays as it is, yours alone again; a VkBuffer once the
+        /// frames that wrote it are done. A second time, or after its instance or context, nothing happens.
         /// </summary>
         public void Dispose()
         {
@@ -61,27 +63,32 @@ namespace Crumple
             disposed = true;
         }
 
-        /// <summary>Somebody else wrote to its memory, or its contents were lost: the next deform or recording writes every vertex.</summary>
+        /// <summary>
+        /// Somebody else wrote to its memory, or its contents were lost: the next deform or recording writes every vertex.
+        /// </summary>
         public void Invalidate()
         {
             using (Call call = Instance.Context.EnterAlone(this))
                 call.Check(NativeMethods.crumple_invalidate_buffer(call.Context, Id), "crumple_invalidate_buffer");
         }
 
-        /// <summary>Number of ranges that <see cref="GetChanges"/> writes, and the box, m, around all vertices as they are now.</summary>
+        /// <summary>
+        /// Number of ranges that <see cref="GetChanges"/> writes, and the box, m, around all vertices as they are now.
+        /// </summary>
         public unsafe int CountChanges(out CrumpleAabb bounds)
         {
             uint count;
             CrumpleAabb box;
             using (Call call = Instance.Context.EnterAlone(this))
-                call.Check(NativeMethods.crumple_get_buffer_changes(call.Context, Id, null, 0, &count, &box), "crumple_get_buffer_changes");
+                call.Check(NativeMethods.crumple_get_buffer_changes(call.Context, Id, null, 0, &count, &box),
+                    "crumple_get_buffer_changes");
             bounds = box;
             return (int)count;
         }
 
         /// <summary>
-        /// Which vertices the last deform or recording wrote, as increasing ranges, and the box, m, around all vertices as they are now:
-        /// what to upload, and what to cull with. Allocates nothing.
+        /// Which vertices the last deform or recording wrote, as increasing ranges, and the box, m, around all vertices as they
+        /// are now: what to upload, and what to cull with. Allocates nothing.
         /// </summary>
         /// <returns>Number of ranges.</returns>
         /// <exception cref="CrumpleException">Among others: there are more than the destination has room for.</exception>
@@ -120,8 +127,8 @@ namespace Crumple
         }
 
         /// <summary>
-        /// Gives it other memory, perhaps for another level of detail; arrays that it had are unpinned. Every vertex is written by the
-        /// next deform. After an exception it has what it had.
+        /// Gives it other memory, perhaps for another level of detail; arrays that it had are unpinned. Every vertex is written
+        /// by the next deform. After an exception it has what it had.
         /// </summary>
         public unsafe void SetMemory(StridedArray positions, StridedArray normals = default(StridedArray),
             StridedArray tangents = default(StridedArray), int lod = 0)
@@ -132,7 +139,8 @@ namespace Crumple
             {
                 CrumpleHostBufferDef def = Def(fresh, positions, normals, tangents, lod);
                 using (Call call = Instance.Context.EnterAlone(this))
-                    call.Check(NativeMethods.crumple_set_host_buffer_memory(call.Context, Id, &def), "crumple_set_host_buffer_memory");
+                    call.Check(NativeMethods.crumple_set_host_buffer_memory(call.Context, Id, &def),
+                        "crumple_set_host_buffer_memory");
                 kept = true;
                 Instance.Exchange(memory, fresh);
                 memory = fresh;

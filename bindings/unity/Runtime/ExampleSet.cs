@@ -186,7 +186,8 @@ namespace Crumple
         }
 
         /// <summary>
-        /// Adds another mesh of the same body that shows the same damage, before the first instance is made. The arrays are copied.
+        /// Adds another mesh of the same body that shows the same damage, before the first instance is made. The arrays are
+        /// copied.
         /// </summary>
         /// <returns>Its number, 1 for the first, for <see cref="Instance.RegisterHostBuffer"/>.</returns>
         public unsafe int AddLod(LodDef def)
@@ -204,14 +205,15 @@ namespace Crumple
                 native.IndexType = def.IndexType;
                 uint lod;
                 using (Call call = Context.EnterAlone(this))
-                    call.Check(NativeMethods.crumple_example_set_add_lod(call.Context, Id, &native, &lod), "crumple_example_set_add_lod");
+                    call.Check(NativeMethods.crumple_example_set_add_lod(call.Context, Id, &native, &lod),
+                        "crumple_example_set_add_lod");
                 return (int)lod;
             }
         }
 
         /// <summary>
-        /// Copies the base mesh, or a level of detail: the vertex and index buffers to draw with, before the first dent. Positions
-        /// and normals are 3 floats a vertex, tangents 4, indices 32 bits each; absent ones are left out.
+        /// Copies the base mesh, or a level of detail: the vertex and index buffers to draw with, before the first dent.
+        /// Positions and normals are 3 floats a vertex, tangents 4, indices 32 bits each; absent ones are left out.
         /// </summary>
         public unsafe void CopyMesh(StridedArray positions, StridedArray normals = default(StridedArray),
             StridedArray tangents = default(StridedArray), StridedArray indices = default(StridedArray), int lod = 0)
@@ -235,7 +237,8 @@ namespace Crumple
             uint vertex;
             float found;
             using (Call call = Context.EnterAlone(this))
-                call.Check(NativeMethods.crumple_nearest_vertex(call.Context, Id, point, &vertex, &found), "crumple_nearest_vertex");
+                call.Check(NativeMethods.crumple_nearest_vertex(call.Context, Id, point, &vertex, &found),
+                    "crumple_nearest_vertex");
             distance = found;
             return (int)vertex;
         }

@@ -32,7 +32,8 @@ namespace Crumple
             {
                 // No room is not the same as asking for the number.
                 CrumpleMark* room = marks == null ? &none : marks;
-                call.Check(NativeMethods.crumple_get_marks(call.Context, Id, room, (uint)destination.Length, &count), "crumple_get_marks");
+                call.Check(NativeMethods.crumple_get_marks(call.Context, Id, room, (uint)destination.Length, &count),
+                    "crumple_get_marks");
             }
             return (int)count;
         }
@@ -60,14 +61,15 @@ namespace Crumple
             {
                 UIntPtr size;
                 using (Call call = Context.EnterAlone(this))
-                    call.Check(NativeMethods.crumple_save_damage(call.Context, Id, IntPtr.Zero, UIntPtr.Zero, &size), "crumple_save_damage");
+                    call.Check(NativeMethods.crumple_save_damage(call.Context, Id, IntPtr.Zero, UIntPtr.Zero, &size),
+                        "crumple_save_damage");
                 return (int)size;
             }
         }
 
         /// <summary>
-        /// Saves the damage as bytes, with a version and the set's fingerprint; the same bytes for the same damage on every machine.
-        /// Allocates nothing.
+        /// Saves the damage as bytes, with a version and the set's fingerprint; the same bytes for the same damage on every
+        /// machine. Allocates nothing.
         /// </summary>
         /// <returns>How many bytes were written.</returns>
         public unsafe int SaveDamage(Span<byte> destination)
@@ -119,7 +121,9 @@ namespace Crumple
                 call.Check(NativeMethods.crumple_reset_damage(call.Context, Id), "crumple_reset_damage");
         }
 
-        /// <summary>Replaces the damage by that of another instance of the same context with an equal set and the same kind of rule.</summary>
+        /// <summary>
+        /// Replaces the damage by that of another instance of the same context with an equal set and the same kind of rule.
+        /// </summary>
         public void CopyDamageFrom(Instance source)
         {
             if (source == null) throw new ArgumentNullException("source");

@@ -6,8 +6,8 @@ using Crumple.Native;
 namespace Crumple
 {
     /// <summary>
-    /// A body in the scene: an example set, a transform, and the damage so far. It holds its buffers; one that is forgotten together
-    /// with them is destroyed by a later call into its context.
+    /// A body in the scene: an example set, a transform, and the damage so far. It holds its buffers; one that is forgotten
+    /// together with them is destroyed by a later call into its context.
     /// </summary>
     public sealed partial class Instance : IDisposable
     {
@@ -47,8 +47,8 @@ namespace Crumple
         }
 
         /// <summary>
-        /// Ends it and its buffers, and unpins their arrays. A second time, or after its context, nothing happens. No thread may be
-        /// submitting hits to it.
+        /// Ends it and its buffers, and unpins their arrays. A second time, or after its context, nothing happens. No thread may
+        /// be submitting hits to it.
         /// </summary>
         public void Dispose()
         {
@@ -84,26 +84,31 @@ namespace Crumple
                 throw new ArgumentException("a matrix has 16 elements, this one " + localToWorld.Length, "localToWorld");
             using (Call call = Context.EnterAlone(this))
             fixed (float* matrix = &MemoryMarshal.GetReference(localToWorld))
-                call.Check(NativeMethods.crumple_set_instance_transform(call.Context, Id, matrix), "crumple_set_instance_transform");
+                call.Check(NativeMethods.crumple_set_instance_transform(call.Context, Id, matrix),
+                    "crumple_set_instance_transform");
         }
 
         /// <summary>No vertex moves further than this, m; 0: the set's limit.</summary>
         public void SetDepthLimit(float depthLimit)
         {
             using (Call call = Context.EnterAlone(this))
-                call.Check(NativeMethods.crumple_set_instance_depth_limit(call.Context, Id, depthLimit), "crumple_set_instance_depth_limit");
-        }
-
-        /// <summary>Vertices may be wrong by up to this, m, so that they cost less; see <see cref="CrumpleRuntime.PixelTolerance"/>.</summary>
-        public void SetTolerance(float tolerance)
-        {
-            using (Call call = Context.EnterAlone(this))
-                call.Check(NativeMethods.crumple_instance_set_tolerance(call.Context, Id, tolerance), "crumple_instance_set_tolerance");
+                call.Check(NativeMethods.crumple_set_instance_depth_limit(call.Context, Id, depthLimit),
+                    "crumple_set_instance_depth_limit");
         }
 
         /// <summary>
-        /// Reports an impulse. A hit that is too weak, or that no example answers, is no error: see Status of the result. Any thread, at
-        /// any time. Allocates nothing.
+        /// Vertices may be wrong by up to this, m, so that they cost less; see <see cref="CrumpleRuntime.PixelTolerance"/>.
+        /// </summary>
+        public void SetTolerance(float tolerance)
+        {
+            using (Call call = Context.EnterAlone(this))
+                call.Check(NativeMethods.crumple_instance_set_tolerance(call.Context, Id, tolerance),
+                    "crumple_instance_set_tolerance");
+        }
+
+        /// <summary>
+        /// Reports an impulse. A hit that is too weak, or that no example answers, is no error: see Status of the result. Any
+        /// thread, at any time. Allocates nothing.
         /// </summary>
         public unsafe CrumpleHitResult SubmitImpulse(in CrumpleImpulseDef def)
         {
@@ -141,12 +146,14 @@ namespace Crumple
             CrumpleDisplacementDef copy = def;
             CrumpleHitResult result;
             using (Call call = Context.Enter(this))
-                call.Check(NativeMethods.crumple_submit_displacement(call.Context, Id, &copy, &result), "crumple_submit_displacement");
+                call.Check(NativeMethods.crumple_submit_displacement(call.Context, Id, &copy, &result),
+                    "crumple_submit_displacement");
             return result;
         }
 
         /// <summary>
-        /// Reports a hit at a point, m, that should displace its contact so far, m, both in the mesh's space. Any thread, at any time.
+        /// Reports a hit at a point, m, that should displace its contact so far, m, both in the mesh's space. Any thread, at any
+        /// time.
         /// </summary>
         public CrumpleHitResult SubmitDisplacement(CrumpleVec3 point, CrumpleVec3 displacement)
         {
@@ -171,13 +178,15 @@ namespace Crumple
             CrumpleAttachment copy = attachment;
             CrumpleFrame frame;
             using (Call call = Context.EnterAlone(this))
-                call.Check(NativeMethods.crumple_get_attached_frame(call.Context, Id, &copy, &frame), "crumple_get_attached_frame");
+                call.Check(NativeMethods.crumple_get_attached_frame(call.Context, Id, &copy, &frame),
+                    "crumple_get_attached_frame");
             return frame;
         }
 
         /// <summary>
-        /// Registers arrays, which stay pinned until the buffer's end, or memory of yours, that <see cref="CrumpleContext.Deform()"/>
-        /// writes the vertices to. Positions and normals are 3 floats a vertex, tangents 4; absent ones are not written.
+        /// Registers arrays, which stay pinned until the buffer's end, or memory of yours, that
+        /// <see cref="CrumpleContext.Deform()"/> writes the vertices to. Positions and normals are 3 floats a vertex, tangents 4;
+        /// absent ones are not written.
         /// </summary>
         /// <param name="positions">Required.</param>
         /// <param name="normals">Unit normals.</param>
@@ -193,7 +202,8 @@ namespace Crumple
                 CrumpleHostBufferDef def = HostBuffer.Def(pins, positions, normals, tangents, lod);
                 CrumpleBuffer buffer;
                 using (Call call = Context.EnterAlone(this))
-                    call.Check(NativeMethods.crumple_register_host_buffer(call.Context, Id, &def, &buffer), "crumple_register_host_buffer");
+                    call.Check(NativeMethods.crumple_register_host_buffer(call.Context, Id, &def, &buffer),
+                        "crumple_register_host_buffer");
                 Context.Handle.Keep(pins);
                 kept = true;
                 HostBuffer made = new HostBuffer(this, buffer, pins);
@@ -209,15 +219,16 @@ namespace Crumple
 
         /// <summary>
         /// Registers a range of a VkBuffer that <see cref="CrumpleContext.RecordDeform(IntPtr, ulong)"/> or
-        /// <see cref="CrumpleContext.SubmitDeform(ReadOnlySpan{ulong}, ReadOnlySpan{ulong}, out CrumpleRecordReport)"/> writes the
-        /// vertices to.
+        /// <see cref="CrumpleContext.SubmitDeform(ReadOnlySpan{ulong}, ReadOnlySpan{ulong}, out CrumpleRecordReport)"/> writes
+        /// the vertices to.
         /// </summary>
         public unsafe VulkanBuffer RegisterVulkanBuffer(in CrumpleVulkanBufferDef def)
         {
             CrumpleVulkanBufferDef copy = def;
             CrumpleBuffer buffer;
             using (Call call = Context.EnterAlone(this))
-                call.Check(NativeMethods.crumple_register_vulkan_buffer(call.Context, Id, &copy, &buffer), "crumple_register_vulkan_buffer");
+                call.Check(NativeMethods.crumple_register_vulkan_buffer(call.Context, Id, &copy, &buffer),
+                    "crumple_register_vulkan_buffer");
             VulkanBuffer made = new VulkanBuffer(this, buffer);
             buffers.Add(made);
             return made;

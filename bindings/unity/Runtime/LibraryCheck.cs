@@ -1,6 +1,8 @@
 using System;
 using System.Collections.Generic;
 using System.IO;
+using System.Reflection;
+using System.Runtime.InteropServices;
 using Crumple.Native;
 
 namespace Crumple
@@ -37,7 +39,34 @@ namespace Crumple
                     file + " is Crumple " + Text(found) + ", but these C# files are of Crumple " + Wanted
                     + ". Take both from the same package; an editor or game that has loaded the old file must be restarted.");
             }
+#if !ENABLE_IL2CPP
+            LookUpFunctions(Text(found));
+#endif
         }
+
+#if !ENABLE_IL2CPP
+        /// <summary>
+        /// Looks up every function, so that a library which lacks one is named now and not in the middle of a game.
+        /// </summary>
+        private static void LookUpFunctions(string found)
+        {
+            foreach (MethodInfo method in typeof(NativeMethods).GetMethods(BindingFlags.Static | BindingFlags.Public))
+            {
+                if ((method.Attributes & MethodAttributes.PinvokeImpl) == 0) continue;
+                try
+                {
+                    Marshal.Prelink(method);
+                }
+                catch (EntryPointNotFoundException)
+                {
+                    string file = LoadedFile() ?? NativeMethods.Library;
+                    throw Problem(CrumpleLibraryProblem.MissingFunction, file, found,
+                        file + " has no function " + method.Name + ", though it says that it is Crumple " + found
+                        + ", and these C# files are of Crumple " + Wanted + ". Take both from the same package.");
+                }
+            }
+        }
+#endif
 
         /// <summary>
         /// Whether C# files of one version can call a library of another. Before 1.0 the minor versions must be the same; from
@@ -68,23 +97,29 @@ namespace Crumple
         /// <summary>Loaders say "not found" for files of another processor as well: look whether there is one.</summary>
         private static CrumpleLibraryException NotLoaded(string reason)
         {
+            // Mono has nothing to tell but the name and three unknowns.
+            reason = reason.Contains("<unknown") ? "" : " (" + reason + ")";
             string here = NativeImage.OfThisProcess();
             foreach (string file in Candidates())
             {
                 string image = NativeImage.OfFile(file);
                 if (image == null) continue;
+                if (image == NativeImage.None)
+                    return Problem(CrumpleLibraryProblem.WrongArchitecture, file, null,
+                        file + " is no native library. Put the file of Crumple " + Wanted + " for " + here + " in its place.");
                 if (image != here)
                     return Problem(CrumpleLibraryProblem.WrongArchitecture, file, null,
                         file + " is for " + image + ", but this process is " + here + ". Put the file of Crumple " + Wanted + " for "
                         + here + " in its place.");
                 return Problem(CrumpleLibraryProblem.Missing, file, null,
-                    file + " is there, but the system cannot load it (" + reason
-                    + "): a library that it needs is missing, or the loader does not look in that folder.");
+                    file + " is there, but was not loaded" + reason + ": a library that it needs is missing, the "
+                    + "loader does not look in that folder (" + SearchVariable + "), or it came there after this process had looked: then "
+                    + "start the process anew. Wanted is Crumple " + Wanted + " for " + here + ".");
             }
             string name = FileNames()[0];
             return Problem(CrumpleLibraryProblem.Missing, name, null,
-                name + " of Crumple " + Wanted + " for " + here + " was not found (" + reason + "). Put it beside the program, or into "
-                + "a folder that the system's loader searches (" + SearchVariable + "); in Unity into Plugins of the package.");
+                name + " of Crumple " + Wanted + " for " + here + " was not found" + reason + ". Put it beside the program, or into a "
+                + "folder that the system's loader searches (" + SearchVariable + "); in Unity into Plugins of the package.");
         }
 
         private static string SearchVariable

@@ -13,6 +13,9 @@ namespace Crumple
     /// <summary>Which system and processor a library is for, such as "x86-64 ELF", from the first bytes of its file.</summary>
     internal static class NativeImage
     {
+        /// <summary>What files are that are no libraries.</summary>
+        internal const string None = "no native library";
+
         /// <summary>Null where the file cannot be read.</summary>
         internal static string OfFile(string file)
         {
@@ -46,7 +49,7 @@ namespace Crumple
                 if (header + 6 <= bytes.Length && bytes[header] == 'P' && bytes[header + 1] == 'E')
                     return Pe(Number(bytes, (int)header + 4, 2, false)) + " PE";
             }
-            return "no system at all (it is no native library)";
+            return None;
         }
 
         /// <summary>What a library for this process would be.</summary>

@@ -10,7 +10,7 @@ namespace Crumple
     /// offset + i * stride, in bytes; several may share one array, such as interleaved positions and normals. The default
     /// value is an absent array.
     /// </summary>
-    public struct StridedArray
+    public readonly struct StridedArray
     {
         internal readonly Array Array;
         internal readonly IntPtr Address;
@@ -52,8 +52,8 @@ namespace Crumple
         }
 
         /// <summary>
-        /// Memory of your own with so many bytes, such as a NativeArray's or a mapped buffer's, which must stay where it is as long as
-        /// it is used: during a call that reads it, or until the buffer made of it is disposed.
+        /// Memory of your own with so many bytes, such as a NativeArray's or a mapped buffer's, which must stay where it is as
+        /// long as it is used: during a call that reads it, or until the buffer made of it is disposed.
         /// </summary>
         public static StridedArray At(IntPtr address, long size, long offset, long stride)
         {

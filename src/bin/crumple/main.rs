@@ -7,6 +7,7 @@ mod impacts;
 mod info;
 mod output;
 mod picture;
+mod replay;
 mod sample;
 mod source;
 mod table;
@@ -33,6 +34,8 @@ enum Command {
     Apply(apply::Arguments),
     /// Write a list of impacts to start from
     Sample(sample::Arguments),
+    /// Make the calls of a recording again and compare what they give
+    Replay(replay::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -41,6 +44,7 @@ fn main() -> ExitCode {
         Command::Bake(a) => bake::run(&a),
         Command::Apply(a) => apply::run(&a),
         Command::Sample(a) => sample::run(&a),
+        Command::Replay(a) => replay::run(&a),
     };
     match result.and_then(|text| print(&text)) {
         Ok(()) => ExitCode::SUCCESS,

@@ -4,6 +4,7 @@ use super::super::buffer::BufferEntry;
 use super::super::ids::Slots;
 use super::super::instance::InstanceEntry;
 use super::super::load::not_built;
+use super::super::recording::Log;
 use super::super::result::Failure;
 use super::super::types::CrumpleBuffer;
 use super::{
@@ -51,6 +52,7 @@ impl Attached {
         _: (*mut c_void, u64),
         _: Buffers<'_>,
         _: Entries<'_>,
+        _: &mut Log<'_>,
     ) -> Result<CrumpleRecordReport, Failure> {
         match *self {}
     }
@@ -84,6 +86,7 @@ impl Attached {
         _: Buffers<'_>,
         _: Entries<'_>,
         _: (&[u64], &[u64]),
+        _: &mut Log<'_>,
     ) -> Result<(u64, CrumpleRecordReport), Failure> {
         match *self {}
     }
@@ -94,6 +97,10 @@ impl Attached {
 }
 
 impl VulkanMemory {
+    pub(in super::super) fn written(&self) -> (bool, bool) {
+        match *self {}
+    }
+
     pub(in super::super) fn invalidate(&mut self) {
         match *self {}
     }

@@ -5,6 +5,7 @@ use super::super::check::{boolean, enumerator};
 use super::super::deform::Chosen;
 use super::super::ids::Slots;
 use super::super::instance::InstanceEntry;
+use super::super::recording::{Call, Log, Number};
 use super::super::result::{CrumpleResult, Failure};
 use super::super::types::CrumpleBuffer;
 use super::{
@@ -259,10 +260,11 @@ impl Attached {
         (pointer, given): (*const CrumpleBuffer, &[CrumpleBuffer]),
         (entries, instances): (&mut Slots<BufferEntry>, &mut Slots<InstanceEntry>),
         (wait, signal): (&[u64], &[u64]),
+        log: &mut Log<'_>,
     ) -> Result<(u64, CrumpleRecordReport), Failure> {
         let ids = |all: &[u64]| all.iter().map(|id| SemaphoreId(*id)).collect::<Vec<_>>();
         let (wait, signal) = (ids(wait), ids(signal));
-        self.with_jobs((pointer, given), (entries, instances), |device, jobs| {
+        self.with_jobs((pointer, given), (entries, instances), log, |device, jobs| {
             let (frame, report) = device.own("crumple_submit_deform()")?.submit(jobs, &wait, &signal)?;
             Ok((frame, c_report(report)))
         })
@@ -279,8 +281,9 @@ impl Attached {
         (command_buffer, frame): (*mut c_void, u64),
         chosen: (*const CrumpleBuffer, &[CrumpleBuffer]),
         of: (&mut Slots<BufferEntry>, &mut Slots<InstanceEntry>),
+        log: &mut Log<'_>,
     ) -> Result<CrumpleRecordReport, Failure> {
-        self.with_jobs(chosen, of, |device, jobs| {
+        self.with_jobs(chosen, of, log, |device, jobs| {
             let commands = vk::CommandBuffer::from_raw(command_buffer.addr() as u64);
             // SAFETY: the caller's.
             let report = unsafe { device.hosts("crumple_record_deform()")?.record(commands, frame, jobs) }?;
@@ -293,6 +296,7 @@ impl Attached {
         &mut self,
         (pointer, given): (*const CrumpleBuffer, &[CrumpleBuffer]),
         (entries, instances): (&mut Slots<BufferEntry>, &mut Slots<InstanceEntry>),
+        log: &mut Log<'_>,
         f: impl FnOnce(&mut Kind, &mut [RecordJob<'_>]) -> Result<T, Failure>,
     ) -> Result<T, Failure> {
         let chosen = Chosen::new(pointer, given, &mut self.chosen, |id, name| match entries.get(id, name)?.memory {
@@ -301,12 +305,14 @@ impl Attached {
                 Err(Failure::invalid(format!("{name} is a host buffer; crumple_deform() writes those")))
             }
         })?;
-        let of_vulkan = |entry: &BufferEntry| matches!(entry.memory, Memory::Vulkan(_));
-        for (id, entry) in entries.iter::<CrumpleBuffer>() {
-            if of_vulkan(entry) && chosen.names(id) {
-                instances.get_mut(entry.owner, "instance")?.instance.fold();
-            }
+        let written = |(id, entry): &(CrumpleBuffer, &BufferEntry)| {
+            matches!(entry.memory, Memory::Vulkan(_)) && chosen.names(*id)
+        };
+        log.call(|| Call::Record { buffers: entries.iter().filter(written).map(|(id, _)| Number::of(id)).collect() });
+        for (_, entry) in entries.iter::<CrumpleBuffer>().filter(written) {
+            instances.get_mut(entry.owner, "instance")?.instance.fold();
         }
+        log.open();
         let mut jobs = recycled(std::mem::take(&mut self.jobs));
         let full = |_| Failure::new(CrumpleResult::CrumpleErrorOutOfMemory, "no memory for the list of jobs");
         jobs.try_reserve(chosen.most(entries.len())).map_err(full)?;
@@ -380,6 +386,11 @@ fn stream(s: &CrumpleVulkanStream, name: &str) -> Result<Option<Stream>, Failure
 }
 
 impl VulkanMemory {
+    /// Whether normals and tangents are written.
+    pub(in super::super) fn written(&self) -> (bool, bool) {
+        self.target.written()
+    }
+
     pub(in super::super) fn invalidate(&mut self) {
         self.target.invalidate();
     }

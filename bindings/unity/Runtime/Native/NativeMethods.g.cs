@@ -1102,5 +1102,38 @@ namespace Crumple.Native
             CrumpleInstance instance,
             CrumpleAttachment* attachment,
             CrumpleFrame* outFrame);
+
+        /// <summary>
+        /// Begins to write what is called with this context to a file, so that it can be played again: "crumple replay FILE"
+        /// makes the same calls in the same order without your engine, tells whether every result and every vertex is the same,
+        /// and is how a bug that you see becomes a test that we can run. The file, path (UTF-8), is made new; it first gets what
+        /// there is: the example sets, whole, the instances with their damage, the buffers. It grows by some hundred bytes a hit
+        /// and a frame, written at once, so that a crash loses nothing. Every buffer is written whole by the next deform, as
+        /// after <see cref="Native.NativeMethods.crumple_invalidate_buffer"/>.
+        /// </summary>
+        /// <remarks>
+        /// <para>What Vulkan calls write is not compared, but made on the CPU; calls that are refused are noted with their
+        /// message. Hits wait for each other and for calls that take them meanwhile, so leave it off in what you ship, or keep it
+        /// for when a player asks.</para>
+        /// <para>Externally synchronised; hits may arrive meanwhile. Errors: <see cref="CrumpleResult.ErrorNullPointer"/>,
+        /// <see cref="CrumpleResult.ErrorInvalidId"/>, <see cref="CrumpleResult.ErrorInvalidArgument"/> (path is not UTF-8; a
+        /// recording runs already; an instance has open contacts: end them first), <see cref="CrumpleResult.ErrorIo"/>,
+        /// <see cref="CrumpleResult.ErrorUnsupported"/> (a big-endian processor), <see cref="CrumpleResult.ErrorOutOfMemory"/>,
+        /// <see cref="CrumpleResult.ErrorConcurrentUse"/>. Nothing is recorded then.</para>
+        /// </remarks>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_recording_begin(IntPtr context, IntPtr path);
+
+        /// <summary>
+        /// Ends a recording: the file is whole. <see cref="Native.NativeMethods.crumple_context_destroy"/> does so too.
+        /// </summary>
+        /// <remarks>
+        /// <para>Externally synchronised; hits may arrive meanwhile. Errors: <see cref="CrumpleResult.ErrorNullPointer"/>,
+        /// <see cref="CrumpleResult.ErrorInvalidId"/>, <see cref="CrumpleResult.ErrorInvalidArgument"/> (no recording runs),
+        /// <see cref="CrumpleResult.ErrorIo"/> (the file could not be written to its end: what is there can be replayed; the
+        /// recording has ended), <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
+        /// </remarks>
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_recording_end(IntPtr context);
     }
 }

@@ -1,0 +1,573 @@
+//! Makes the calls of a recording again, through the C interface as the host did, and compares what they give.
+
+use super::super::attach::{CrumpleAttachment, CrumpleFrame, crumple_get_attached_frame};
+use super::super::buffer::{
+    CrumpleHostBufferDef, crumple_default_host_buffer_def, crumple_invalidate_buffer, crumple_register_host_buffer,
+    crumple_set_host_buffer_memory, crumple_unregister_buffer,
+};
+use super::super::context::{
+    CrumpleContext, CrumpleContextDef, crumple_context_create, crumple_context_destroy, crumple_default_context_def,
+};
+use super::super::damage::{
+    CrumpleMark, crumple_copy_damage, crumple_get_marks, crumple_load_damage, crumple_repair_damage,
+    crumple_reset_damage, crumple_save_damage, crumple_set_marks,
+};
+use super::super::deform::{CrumpleDeformReport, crumple_deform, crumple_get_buffer_changes};
+use super::super::hit::{
+    CrumpleDisplacementDef, CrumpleHitResult, CrumpleImpulseDef, CrumpleSpace, crumple_default_displacement_def,
+    crumple_default_impulse_def, crumple_end_contact, crumple_submit_displacement, crumple_submit_impulse,
+};
+use super::super::instance::{
+    CrumpleInstanceDef, CrumpleInstanceInfo, crumple_create_instance, crumple_default_instance_def,
+    crumple_destroy_instance, crumple_get_instance_info, crumple_instance_set_tolerance,
+    crumple_set_instance_depth_limit, crumple_set_instance_transform,
+};
+use super::super::load::{CrumpleBytes, crumple_load_example_set_memory};
+use super::super::result::{CrumpleResult, crumple_last_error, crumple_result_name};
+use super::super::set::crumple_destroy_example_set;
+use super::super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance, CrumpleRange, CrumpleStream};
+use super::calls::{Bytes, Call, Number};
+use super::file::{Ended, Event, Reader};
+use super::{digest, hit_digest};
+use crate::Error;
+use std::collections::HashMap;
+use std::ffi::CStr;
+use std::fmt;
+use std::mem::MaybeUninit;
+use std::ptr::null_mut;
+use xxhash_rust::xxh3::Xxh3;
+
+/// What a replay found.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Replay {
+    /// Version of the library that was recorded, as `crumple_version()` gives it. Another one may well deform otherwise.
+    pub recorded_by: u32,
+    /// Whether the recording has its end. Without it the program ended, perhaps in the recording's last call.
+    pub complete: bool,
+    /// Calls that were made again, hits among them.
+    pub calls: u64,
+    /// Hits among them.
+    pub hits: u64,
+    /// Deforms among them, and vertices that they wrote.
+    pub deforms: u64,
+    /// See `deforms`.
+    pub vertices_written: u64,
+    /// Calls that were refused before they did anything, each with the message that it gave.
+    pub refused: Vec<String>,
+    /// How many calls gave something else than was recorded.
+    pub differences: u64,
+    /// The first of them.
+    pub first: Option<Difference>,
+}
+
+/// A call that gave something else than was recorded.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Difference {
+    /// Which call of the recording, from 1 on.
+    pub call: u64,
+    /// The C function.
+    pub function: String,
+    /// What was recorded, and what it gave now.
+    pub what: String,
+}
+
+/// Makes the calls of a recording of `crumple_recording_begin` again, on so many threads (0: one a core; the results do not
+/// depend on it), and compares what they give with what they gave. `each` hears of every call, before it is made, with its
+/// number and its text.
+///
+/// What was written for a Vulkan device is made on the CPU and not compared, since nobody read it.
+///
+/// # Errors
+/// [`Error::Format`] for bytes that are no recording, or damaged; [`Error::Unsupported`] for a recording of another format;
+/// [`Error::OutOfMemory`] where no context can be made. A file that is cut short is no error: see [`Replay::complete`].
+pub fn replay(bytes: &[u8], threads: u32, each: &mut dyn FnMut(u64, fmt::Arguments<'_>)) -> Result<Replay, Error> {
+    let mut reader = Reader::new(bytes)?;
+    let mut report = Replay {
+        recorded_by: reader.version,
+        complete: false,
+        calls: 0,
+        hits: 0,
+        deforms: 0,
+        vertices_written: 0,
+        refused: Vec::new(),
+        differences: 0,
+        first: None,
+    };
+    let mut player = Player::new(threads)?;
+    let mut open = None;
+    while let Some(event) = reader.next()? {
+        match event {
+            Event::Call(call) => {
+                possible(&call, bytes.len())?;
+                open = Some(player.play(call, &mut report, each));
+            }
+            Event::Ended(then) => match open.take() {
+                Some(now) => player.compare(now, then, &mut report),
+                None => return Err(Error::Format { what: "the recording ends a call that it did not begin".into() }),
+            },
+            Event::Hit(call) => {
+                report.hits += 1;
+                let now = player.play(call, &mut report, each);
+                if let Some(Event::HitEnded(then)) = reader.next()? {
+                    player.compare(now, then, &mut report);
+                }
+            }
+            Event::HitEnded(_) => {
+                return Err(Error::Format { what: "the recording ends a hit that it did not begin".into() });
+            }
+            Event::Refused { function, result, message } => {
+                report.refused.push(format!("{function}: {}: {message}", name_of(result)));
+            }
+            Event::End => {
+                report.complete = true;
+                break;
+            }
+        }
+    }
+    Ok(report)
+}
+
+/// Refuses memory for more vertices than the sets in so many bytes can have.
+fn possible(call: &Call, bytes: usize) -> Result<(), Error> {
+    match call {
+        Call::RegisterBuffer { vertices, .. } | Call::SetBufferMemory { vertices, .. }
+            if *vertices as usize > bytes / size_of::<[f32; 3]>() =>
+        {
+            let what = format!("the recording registers a buffer of {vertices} vertices, more than its sets can have");
+            Err(Error::Format { what })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// What a call gave, and what that is the answer to.
+struct Played {
+    number: u64,
+    function: &'static str,
+    now: Ended,
+    message: String,
+    /// Something that the recording knows by a number of its own.
+    made: Option<Made>,
+    /// Whether the recording knows what it gave.
+    compared: bool,
+}
+
+enum Made {
+    Set(CrumpleExampleSet),
+    Instance(CrumpleInstance),
+    Buffer(CrumpleBuffer, Memory),
+}
+
+/// Memory in the host's place.
+struct Memory {
+    positions: Vec<[f32; 3]>,
+    normals: Vec<[f32; 3]>,
+    tangents: Vec<[f32; 4]>,
+}
+
+impl Memory {
+    fn new(vertices: u32, normals: bool, tangents: bool) -> Self {
+        let n = vertices as usize;
+        Self {
+            positions: vec![[0.0; 3]; n],
+            normals: vec![[0.0; 3]; if normals { n } else { 0 }],
+            tangents: vec![[0.0; 4]; if tangents { n } else { 0 }],
+        }
+    }
+
+    fn def(&mut self, lod: u32) -> CrumpleHostBufferDef {
+        fn stream<T>(values: &mut [T]) -> CrumpleStream {
+            if values.is_empty() {
+                return CrumpleStream::ABSENT;
+            }
+            let data = values.as_mut_ptr().cast();
+            CrumpleStream { data, size: size_of_val(values), offset: 0, stride: size_of::<T>() }
+        }
+        CrumpleHostBufferDef {
+            lod,
+            positions: stream(&mut self.positions),
+            normals: stream(&mut self.normals),
+            tangents: stream(&mut self.tangents),
+            ..crumple_default_host_buffer_def()
+        }
+    }
+
+    fn digest(&self, range: CrumpleRange, all: &mut Xxh3) {
+        let vertices = range.first as usize..(range.first + range.count) as usize;
+        all.update(bytemuck::bytes_of(&[range.first, range.first + range.count]));
+        all.update(bytemuck::cast_slice(&self.positions[vertices.clone()]));
+        if !self.normals.is_empty() {
+            all.update(bytemuck::cast_slice(&self.normals[vertices.clone()]));
+        }
+        if !self.tangents.is_empty() {
+            all.update(bytemuck::cast_slice(&self.tangents[vertices]));
+        }
+    }
+}
+
+/// A context, and what the recording's numbers stand for in it.
+struct Player {
+    context: *mut CrumpleContext,
+    sets: HashMap<Number, CrumpleExampleSet>,
+    instances: HashMap<Number, CrumpleInstance>,
+    /// Memory goes only after the context.
+    buffers: HashMap<Number, (CrumpleBuffer, Memory)>,
+}
+
+impl Drop for Player {
+    fn drop(&mut self) {
+        // SAFETY: nothing else uses it.
+        unsafe { crumple_context_destroy(self.context) };
+    }
+}
+
+impl Player {
+    fn new(threads: u32) -> Result<Self, Error> {
+        let def = CrumpleContextDef { threads, ..crumple_default_context_def() };
+        let mut context = null_mut();
+        // SAFETY: both live across the call.
+        let result = unsafe { crumple_context_create(&def, &mut context) };
+        if result != CrumpleResult::CrumpleOk {
+            return Err(Error::OutOfMemory { what: last_error(), bytes: 0 });
+        }
+        Ok(Self { context, sets: HashMap::new(), instances: HashMap::new(), buffers: HashMap::new() })
+    }
+
+    /// An id that the recording names; one that never was where it does not.
+    fn instance(&self, number: Number) -> CrumpleInstance {
+        self.instances.get(&number).copied().unwrap_or_default()
+    }
+
+    fn buffer(&self, number: Number) -> CrumpleBuffer {
+        self.buffers.get(&number).map_or_else(CrumpleBuffer::default, |(id, _)| *id)
+    }
+
+    fn play(&mut self, call: Call, report: &mut Replay, each: &mut dyn FnMut(u64, fmt::Arguments<'_>)) -> Played {
+        report.calls += 1;
+        let number = report.calls;
+        each(number, format_args!("{}: {call:?}", call.function()));
+        let (function, compared) = (call.function(), !matches!(call, Call::Record { .. }));
+        let mut made = None;
+        let mut value = 0;
+        let result = self.make(call, &mut made, &mut value, report);
+        let message = if result == CrumpleResult::CrumpleOk { String::new() } else { last_error() };
+        Played { number, function, now: Ended { result: result as u32, value }, message, made, compared }
+    }
+
+    fn make(&mut self, call: Call, made: &mut Option<Made>, value: &mut u64, report: &mut Replay) -> CrumpleResult {
+        let context = self.context;
+        // SAFETY, of every call below: the context lives, every pointer is to something that lives across the call or, of a
+        // buffer's memory, until the buffer or the context is gone, and no other thread is here.
+        match call {
+            Call::Set { set, bytes: Bytes(bytes) } => {
+                let mut new = CrumpleExampleSet::default();
+                let copy = MaybeUninit::new(CrumpleBytes::Copy);
+                // SAFETY: see above.
+                let result = unsafe {
+                    crumple_load_example_set_memory(context, bytes.as_ptr().cast(), bytes.len(), copy, &mut new)
+                };
+                if result == CrumpleResult::CrumpleOk {
+                    if let Some(old) = self.sets.remove(&set) {
+                        // SAFETY: see above.
+                        unsafe { crumple_destroy_example_set(context, old) };
+                    }
+                    *made = Some(Made::Set(new));
+                }
+                result
+            }
+            Call::DestroySet { set } => {
+                let id = self.sets.remove(&set).unwrap_or_default();
+                // SAFETY: see above.
+                unsafe { crumple_destroy_example_set(context, id) }
+            }
+            Call::CreateInstance { .. } => self.create(&call, made),
+            Call::DestroyInstance { instance } => {
+                let id = self.instance(instance);
+                // SAFETY: see above.
+                unsafe { crumple_destroy_instance(context, id) }
+            }
+            Call::SetTransform { instance, local_to_world } => {
+                let id = self.instance(instance);
+                // SAFETY: see above.
+                unsafe { crumple_set_instance_transform(context, id, local_to_world.as_ptr()) }
+            }
+            Call::SetDepthLimit { instance, depth_limit } => {
+                let id = self.instance(instance);
+                // SAFETY: see above.
+                unsafe { crumple_set_instance_depth_limit(context, id, depth_limit) }
+            }
+            Call::SetTolerance { instance, tolerance } => {
+                let id = self.instance(instance);
+                // SAFETY: see above.
+                unsafe { crumple_instance_set_tolerance(context, id, tolerance) }
+            }
+            Call::Impulse { instance, space, point, impulse, duration, mass, contact_id, preview } => {
+                let def = CrumpleImpulseDef {
+                    space: self::space(space),
+                    point: point.into(),
+                    impulse: impulse.into(),
+                    duration,
+                    mass,
+                    contact_id,
+                    preview: MaybeUninit::new(preview),
+                    ..crumple_default_impulse_def()
+                };
+                let id = self.instance(instance);
+                // SAFETY: see above.
+                hit(value, |out| unsafe { crumple_submit_impulse(context, id, &def, out) })
+            }
+            Call::Displacement { instance, space, point, displacement, contact_id, preview } => {
+                let def = CrumpleDisplacementDef {
+                    space: self::space(space),
+                    point: point.into(),
+                    displacement: displacement.into(),
+                    contact_id,
+                    preview: MaybeUninit::new(preview),
+                    ..crumple_default_displacement_def()
+                };
+                let id = self.instance(instance);
+                // SAFETY: see above.
+                hit(value, |out| unsafe { crumple_submit_displacement(context, id, &def, out) })
+            }
+            Call::EndContact { instance, contact_id } => {
+                let id = self.instance(instance);
+                // SAFETY: see above.
+                unsafe { crumple_end_contact(context, id, contact_id) }
+            }
+            Call::GetMarks { instance } => {
+                let id = self.instance(instance);
+                let mut marks: Vec<CrumpleMark> = vec![CrumpleMark::default(); 1 << 16];
+                let mut count = 0;
+                // SAFETY: see above.
+                let result = unsafe { crumple_get_marks(context, id, marks.as_mut_ptr(), 1 << 16, &mut count) };
+                if result == CrumpleResult::CrumpleOk {
+                    *value = digest(bytemuck::cast_slice(&marks[..count as usize]));
+                }
+                result
+            }
+            Call::SetMarks { instance, marks: Bytes(bytes) } => {
+                let marks: Vec<CrumpleMark> = bytemuck::pod_collect_to_vec(&bytes);
+                let id = self.instance(instance);
+                // SAFETY: see above.
+                unsafe { crumple_set_marks(context, id, marks.as_ptr(), marks.len() as u32) }
+            }
+            Call::SaveDamage { instance } => self.save(instance, value),
+            Call::LoadDamage { instance, bytes: Bytes(bytes) } => {
+                let id = self.instance(instance);
+                // SAFETY: see above.
+                unsafe { crumple_load_damage(context, id, bytes.as_ptr().cast(), bytes.len()) }
+            }
+            Call::RepairDamage { instance, keep } => {
+                let id = self.instance(instance);
+                // SAFETY: see above.
+                unsafe { crumple_repair_damage(context, id, keep) }
+            }
+            Call::ResetDamage { instance } => {
+                let id = self.instance(instance);
+                // SAFETY: see above.
+                unsafe { crumple_reset_damage(context, id) }
+            }
+            Call::CopyDamage { instance, source } => {
+                let (id, source) = (self.instance(instance), self.instance(source));
+                // SAFETY: see above.
+                unsafe { crumple_copy_damage(context, id, source) }
+            }
+            Call::RegisterBuffer { instance, lod, vertices, normals, tangents } => {
+                let mut memory = Memory::new(vertices, normals, tangents);
+                let (id, def, mut new) = (self.instance(instance), memory.def(lod), CrumpleBuffer::default());
+                // SAFETY: see above; moving a vector moves none of its elements.
+                let result = unsafe { crumple_register_host_buffer(context, id, &def, &mut new) };
+                if result == CrumpleResult::CrumpleOk {
+                    *made = Some(Made::Buffer(new, memory));
+                }
+                result
+            }
+            Call::UnregisterBuffer { buffer } => {
+                let id = self.buffer(buffer);
+                // SAFETY: see above.
+                let result = unsafe { crumple_unregister_buffer(context, id) };
+                self.buffers.remove(&buffer);
+                result
+            }
+            Call::InvalidateBuffer { buffer } => {
+                let id = self.buffer(buffer);
+                // SAFETY: see above.
+                unsafe { crumple_invalidate_buffer(context, id) }
+            }
+            Call::SetBufferMemory { buffer, lod, vertices, normals, tangents } => {
+                let id = self.buffer(buffer);
+                let mut memory = Memory::new(vertices, normals, tangents);
+                // SAFETY: see above.
+                let result = unsafe { crumple_set_host_buffer_memory(context, id, &memory.def(lod)) };
+                if let (CrumpleResult::CrumpleOk, Some(entry)) = (result, self.buffers.get_mut(&buffer)) {
+                    entry.1 = memory;
+                }
+                result
+            }
+            Call::Deform { buffers } | Call::Record { buffers } => self.deform(&buffers, value, report),
+            Call::AttachedFrame { instance, attachment } => {
+                let attachment: CrumpleAttachment = bytemuck::cast(attachment);
+                let (id, mut frame) = (self.instance(instance), CrumpleFrame::default());
+                // SAFETY: see above.
+                let result = unsafe { crumple_get_attached_frame(context, id, &attachment, &mut frame) };
+                if result == CrumpleResult::CrumpleOk {
+                    *value = digest(bytemuck::bytes_of(&frame));
+                }
+                result
+            }
+            Call::InstanceInfo { instance } => {
+                let mut info = MaybeUninit::<CrumpleInstanceInfo>::uninit();
+                let id = self.instance(instance);
+                // SAFETY: see above.
+                let result = unsafe { crumple_get_instance_info(context, id, info.as_mut_ptr()) };
+                if result == CrumpleResult::CrumpleOk {
+                    // SAFETY: written, since the call succeeded.
+                    let info = unsafe { info.assume_init() };
+                    *value = u64::from(info.mark_count) | u64::from(info.contact_count) << 32;
+                }
+                result
+            }
+        }
+    }
+
+    fn create(&self, call: &Call, made: &mut Option<Made>) -> CrumpleResult {
+        let &Call::CreateInstance {
+            set,
+            rule,
+            selection,
+            examples_per_hit,
+            mark_capacity,
+            depth_limit,
+            yield_impulse,
+            yield_displacement,
+            max_contact_distance,
+            blend_constant,
+            tolerance,
+            local_to_world,
+        } = call
+        else {
+            return CrumpleResult::CrumpleErrorInternal;
+        };
+        let def = CrumpleInstanceDef {
+            examples_per_hit,
+            set: self.sets.get(&set).copied().unwrap_or_default(),
+            rule: enumerator(rule),
+            selection: enumerator(selection),
+            mark_capacity,
+            depth_limit,
+            yield_impulse,
+            yield_displacement,
+            max_contact_distance,
+            blend_constant,
+            tolerance,
+            local_to_world,
+            ..crumple_default_instance_def()
+        };
+        let mut new = CrumpleInstance::default();
+        // SAFETY: everything lives across the call.
+        let result = unsafe { crumple_create_instance(self.context, &def, &mut new) };
+        if result == CrumpleResult::CrumpleOk {
+            *made = Some(Made::Instance(new));
+        }
+        result
+    }
+
+    fn save(&self, instance: Number, value: &mut u64) -> CrumpleResult {
+        let (id, mut size) = (self.instance(instance), 0);
+        // SAFETY: everything lives across the call.
+        let mut result = unsafe { crumple_save_damage(self.context, id, null_mut(), 0, &mut size) };
+        if result == CrumpleResult::CrumpleOk {
+            let mut bytes = vec![0u8; size];
+            // SAFETY: as above.
+            result = unsafe { crumple_save_damage(self.context, id, bytes.as_mut_ptr().cast(), size, &mut size) };
+            *value = digest(&bytes);
+        }
+        result
+    }
+
+    fn deform(&mut self, buffers: &[Number], value: &mut u64, report: &mut Replay) -> CrumpleResult {
+        // None is not the same as all.
+        let ids: Vec<CrumpleBuffer> = buffers.iter().map(|&number| self.buffer(number)).collect();
+        let mut told = CrumpleDeformReport::default();
+        // SAFETY: see `make`; an empty vector's pointer is not null.
+        let result = unsafe { crumple_deform(self.context, ids.as_ptr(), ids.len() as u32, &mut told) };
+        if result != CrumpleResult::CrumpleOk {
+            return result;
+        }
+        report.deforms += 1;
+        report.vertices_written += told.vertices_written;
+        let mut all = Xxh3::new();
+        let mut ranges = Vec::new();
+        for (id, memory) in buffers.iter().filter_map(|number| self.buffers.get(number)) {
+            let mut count = 0;
+            // SAFETY: see `make`.
+            unsafe { crumple_get_buffer_changes(self.context, *id, null_mut(), 0, &mut count, null_mut()) };
+            ranges.resize(count as usize, CrumpleRange::default());
+            // SAFETY: see `make`.
+            unsafe {
+                crumple_get_buffer_changes(self.context, *id, ranges.as_mut_ptr(), count, &mut count, null_mut())
+            };
+            ranges.iter().for_each(|range| memory.digest(*range, &mut all));
+        }
+        *value = all.digest();
+        result
+    }
+
+    /// Notes what the recording calls what was made, and whether the call gave the same.
+    fn compare(&mut self, played: Played, then: Ended, report: &mut Replay) {
+        let known = played.made.is_some();
+        match played.made {
+            Some(Made::Set(id)) => drop(self.sets.insert(Number(then.value), id)),
+            Some(Made::Instance(id)) => drop(self.instances.insert(Number(then.value), id)),
+            Some(Made::Buffer(id, memory)) => drop(self.buffers.insert(Number(then.value), (id, memory))),
+            None => {}
+        }
+        let Ended { result, value } = played.now;
+        let what = if result != then.result && played.compared {
+            let message = if played.message.is_empty() { String::new() } else { format!(" ({})", played.message) };
+            format!("recorded {}, now {}{message}", name_of(then.result), name_of(result))
+        } else if value != then.value && !known && played.compared && result == 0 {
+            format!("recorded {:016x}, now {value:016x}", then.value)
+        } else {
+            return;
+        };
+        report.differences += 1;
+        let function = played.function.to_owned();
+        report.first.get_or_insert(Difference { call: played.number, function, what });
+    }
+}
+
+fn hit(value: &mut u64, call: impl FnOnce(*mut CrumpleHitResult) -> CrumpleResult) -> CrumpleResult {
+    let mut out = MaybeUninit::<CrumpleHitResult>::uninit();
+    let result = call(out.as_mut_ptr());
+    if result == CrumpleResult::CrumpleOk {
+        // SAFETY: written, since the call succeeded.
+        *value = hit_digest(unsafe { out.assume_init_ref() });
+    }
+    result
+}
+
+/// An enum of the header of this number, whatever it is: the call checks it.
+fn enumerator<E>(number: u32) -> MaybeUninit<E> {
+    const { assert!(size_of::<E>() == 4) };
+    let mut value = MaybeUninit::<E>::uninit();
+    // SAFETY: four bytes, as asserted, of memory that is ours.
+    unsafe { value.as_mut_ptr().cast::<u32>().write(number) };
+    value
+}
+
+fn space(number: u32) -> MaybeUninit<CrumpleSpace> {
+    enumerator(number)
+}
+
+fn name_of(result: u32) -> String {
+    // SAFETY: never null, ends with a zero, lives for ever.
+    unsafe { CStr::from_ptr(crumple_result_name(enumerator(result))) }.to_string_lossy().into_owned()
+}
+
+fn last_error() -> String {
+    // SAFETY: never null, ends with a zero, and no other call of this thread changes it meanwhile.
+    unsafe { CStr::from_ptr(crumple_last_error()) }.to_string_lossy().into_owned()
+}

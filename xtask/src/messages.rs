@@ -1,0 +1,79 @@
+//! Pages that explain messages quote messages that there are.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result, ensure};
+
+use crate::workspace::Workspace;
+
+/// A page, and where the messages that it quotes come from.
+const PAGES: &[(&str, &[&str])] =
+    &[("docs/troubleshooting.md", &["src"]), ("bindings/unity/Runtime/README.md", &["bindings/unity/Runtime"])];
+/// Tables with this first head quote ours; what other programs say stands under another.
+const HEAD: &str = "| it says |";
+
+pub fn run(workspace: &Workspace) -> Result<()> {
+    for (page, sources) in PAGES {
+        let text = fs::read_to_string(workspace.path(page)).with_context(|| format!("reading {page}"))?;
+        let mut source = String::new();
+        for directory in *sources {
+            gather(&workspace.path(directory), &mut source)?;
+        }
+        let quoted = quoted(&text);
+        let unknown: Vec<&&str> = quoted.iter().filter(|quote| !source.contains(**quote)).collect();
+        ensure!(unknown.is_empty(), "{page} quotes {unknown:?}, which nothing in {sources:?} says");
+        println!("{page} quotes {} pieces of messages, all as they are", quoted.len());
+    }
+    Ok(())
+}
+
+/// What stands in backticks in the first column of tables of messages.
+fn quoted(page: &str) -> Vec<&str> {
+    let mut within = false;
+    let mut found = Vec::new();
+    for line in page.lines() {
+        within = if line.starts_with(HEAD) { true } else { within && line.starts_with('|') };
+        if within && !line.starts_with(HEAD) {
+            let cell = line.split('|').nth(1).unwrap_or_default();
+            found.extend(cell.split('`').skip(1).step_by(2));
+        }
+    }
+    found
+}
+
+/// The text of all source files, with the lines of a string that goes on joined as the compiler joins them.
+fn gather(path: &Path, all: &mut String) -> Result<()> {
+    if path.is_dir() {
+        let mut entries = fs::read_dir(path)?.collect::<Result<Vec<_>, _>>()?;
+        entries.sort_by_key(fs::DirEntry::path);
+        return entries.iter().try_for_each(|entry| gather(&entry.path(), all));
+    }
+    let known = ["rs", "cs", "cpp", "h", "c"];
+    if path.extension().is_some_and(|extension| known.iter().any(|k| *k == extension)) {
+        let text = fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
+        let mut lines = text.lines().peekable();
+        let mut joined = false;
+        while let Some(line) = lines.next() {
+            let line = if joined { line.trim_start() } else { line };
+            joined = line.ends_with('\\');
+            all.push_str(line.strip_suffix('\\').unwrap_or(line));
+            if !joined {
+                all.push('\n');
+            }
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::quoted;
+
+    #[test]
+    fn only_the_first_column_of_tables_of_messages_counts() {
+        let page =
+            "`a`\n| it says | why |\n|---|---|\n| `b` … `c` | `d` |\n\n| you see | why |\n|---|---|\n| `e` | |\n";
+        assert_eq!(quoted(page), ["b", "c"]);
+    }
+}
