@@ -79,7 +79,7 @@ void end_device() {
     wait_idle(w.instance);
     for (const auto &shared : contexts) {
         Context &context = *shared;
-        const bool entered = context.gate.enter(); // or this thread holds it, and waits for nobody
+        const Inside inside{context.gate, context.gate.enter()}; // or this thread holds it, and waits for nobody
         if (context.device != 0 && !context.gone) {
             w.library.crumple_complete_frames(context.handle, UINT64_MAX);
             w.library.crumple_detach_vulkan(context.handle);
@@ -88,7 +88,6 @@ void end_device() {
         context.in_flight = false;
         for (const auto &buffer : buffers)
             if (buffer->context == shared) buffer->registered = false;
-        if (entered) context.gate.leave();
     }
     // Last, since a context may have come to these while the loop waited for it.
     {
@@ -110,7 +109,7 @@ void UNITY_CALL on_device_event(unity::DeviceEvent event) {
         case unity::DeviceEvent::BeforeReset: return end_device();
         }
     } catch (const std::exception &) {
-        // Memory ran out. Where a device ended, its buffers say so at their next use.
+        // Memory ran out before anything had changed.
     }
 }
 

@@ -47,6 +47,7 @@ bool Event::gather(World &w, int event_id) {
     if (!w.loaded || !w.device_here || event_id != w.event_id) return false;
     vulkan = w.vulkan;
     device = w.device_number;
+    wanted.reserve(w.buffers.size()); // what can fail comes first
     for (const auto &entry : w.buffers) {
         Buffer &buffer = *entry.second;
         if (!buffer.info.wanted || buffer.device != device) continue;
@@ -208,8 +209,8 @@ void run_event(World &w, Event &event) {
     if (!event.access(w)) return event.want_again(w);
     for (const auto &context : event.contexts) {
         if (context->gate.try_enter()) {
+            const Inside inside{context->gate};
             event.run(w, *context);
-            context->gate.leave();
             continue;
         }
         // The main thread is inside, and may be for long: the render thread goes on.
@@ -219,10 +220,9 @@ void run_event(World &w, Event &event) {
     }
     for (const auto &context : event.dying) {
         if (!context->gate.try_enter()) continue;
+        const Inside inside{context->gate};
         event.run(w, *context);
-        const bool gone = w.library.crumple_context_destroy(context->handle) != CRUMPLE_ERROR_FRAMES_IN_FLIGHT;
-        context->gate.leave();
-        if (!gone) continue;
+        if (w.library.crumple_context_destroy(context->handle) == CRUMPLE_ERROR_FRAMES_IN_FLIGHT) continue;
         const std::lock_guard<std::mutex> lock(w.mutex);
         w.dying.erase(std::remove(w.dying.begin(), w.dying.end(), context), w.dying.end());
     }
@@ -238,7 +238,7 @@ void UNITY_CALL on_render_event(int event_id) {
     try {
         if (event.gather(w, event_id)) run_event(w, event);
     } catch (const std::exception &) {
-        // Memory ran out: what was wanted is lost until it is wanted again.
+        event.want_again(w); // memory ran out; the next event may have some
     }
     event.clear();
 }

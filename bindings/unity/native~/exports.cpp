@@ -138,7 +138,6 @@ CrumpleResult crumple_unity_destroy_context(CrumpleContext *handle) {
             const std::lock_guard<std::mutex> lock(w.mutex);
             const auto found = w.contexts.find(handle);
             if (found == w.contexts.end()) return unknown_context("destroy_context");
-            w.dying.reserve(w.dying.size() + 1); // what can fail comes first
             context = found->second;
             w.contexts.erase(found);
             for (auto buffer = w.buffers.begin(); buffer != w.buffers.end();) {
@@ -147,12 +146,12 @@ CrumpleResult crumple_unity_destroy_context(CrumpleContext *handle) {
             }
         }
         context->gate.enter();
+        const Inside inside{context->gate}; // also where this thread held it: nobody can give it back any more
         context->gone = true;
         if (w.library.crumple_context_destroy(handle) == CRUMPLE_ERROR_FRAMES_IN_FLIGHT) {
             const std::lock_guard<std::mutex> lock(w.mutex);
             w.dying.push_back(context);
         }
-        context->gate.leave();
         return CRUMPLE_OK;
     });
 }
@@ -218,11 +217,10 @@ CrumpleResult crumple_unity_unregister_buffer(uint64_t number) {
             w.buffers.erase(found);
         }
         Context &context = *buffer->context;
-        const bool entered = context.gate.enter();
+        const Inside inside{context.gate, context.gate.enter()};
         // Where the instance went first, its buffers went with it; that is no error.
         if (buffer->registered && !context.gone) w.library.crumple_unregister_buffer(context.handle, buffer->id);
         buffer->registered = false;
-        if (entered) context.gate.leave();
         return CRUMPLE_OK;
     });
 }

@@ -35,6 +35,15 @@ class Gate {
     std::thread::id inside_{};
 };
 
+// Leaves a gate whatever happens.
+struct Inside {
+    Gate &gate;
+    bool entered = true; // false: this thread was inside before
+    ~Inside() {
+        if (entered) gate.leave();
+    }
+};
+
 struct Context {
     CrumpleContext *handle = nullptr;
     Gate gate;

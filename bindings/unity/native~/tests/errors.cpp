@@ -3,7 +3,24 @@
 //     unity_errors libcrumple_unity.so
 #include "scene.hpp"
 
+#include <atomic>
+#include <cstdlib>
+#include <new>
+#include <string>
 #include <thread>
+
+#include <unistd.h>
+
+// The plugin's memory comes from here: the so manieth request of a thread fails. Below 0: none.
+static thread_local int requests_left = -1;
+
+void *operator new(size_t size) {
+    void *memory = requests_left >= 0 && requests_left-- == 0 ? nullptr : malloc(size ? size : 1);
+    if (!memory) throw std::bad_alloc();
+    return memory;
+}
+void operator delete(void *memory) noexcept { free(memory); }
+void operator delete(void *memory, size_t) noexcept { free(memory); }
 
 static UnityHost unity_host;
 static Plugin plugin;
@@ -174,6 +191,60 @@ static void ids(const Scene &scene, NativeBuffer *native) {
     unity_host.tell(unity::DeviceEvent::Initialize);
 }
 
+// Whether a thread of ours waits for something.
+static bool asleep(pid_t thread) {
+    char text[256] = "";
+    FILE *file = fopen(("/proc/self/task/" + std::to_string(thread) + "/stat").c_str(), "r");
+    if (!file) return false;
+    const size_t length = fread(text, 1, sizeof text - 1, file);
+    fclose(file);
+    const char *name_end = length ? strrchr(text, ')') : nullptr;
+    return name_end && name_end[2] == 'S';
+}
+
+// Each request for memory fails once: the call says so, nothing has changed, and the next one works.
+template <class Call> static void without_memory(const char *name, Call call) {
+    for (int request = 0;; ++request) {
+        requests_left = request;
+        const CrumpleResult result = call();
+        requests_left = -1;
+        if (result == CRUMPLE_OK) {
+            FACT(request > 0);
+            return;
+        }
+        FACT(result == CRUMPLE_ERROR_OUT_OF_MEMORY && strcmp(plugin.last_error(), name) == 0);
+    }
+}
+
+static void memory(const Scene &scene, NativeBuffer *native) {
+    const CrumpleUnityBufferDef def = scene.buffer_def(native);
+    uint64_t buffer = 0;
+    CrumpleContext *context = make_context(1);
+    without_memory("crumple_unity_add_context: memory ran out", [&] { return plugin.add_context(context); });
+    OK(plugin.destroy_context(context));
+    without_memory("crumple_unity_register_buffer: memory ran out", [&] { return plugin.register_buffer(scene.context, &def, &buffer); });
+    unity_host.wait_idle();
+    for (int request = 0; plugin.info(buffer).state != CRUMPLE_UNITY_BUFFER_RECORDED; ++request) {
+        FACT(request < 100 && plugin.info(buffer).wanted);
+        unity_host.begin_frame();
+        if (request % 2 == 0) requests_left = request / 2;
+        unity_host.event(event, event_id);
+        requests_left = -1;
+        unity_host.end_frame();
+    }
+    OK(plugin.unregister_buffer(buffer));
+    requests_left = 0;
+    FACT(plugin.want(99999) == CRUMPLE_ERROR_OUT_OF_MEMORY); // even for words
+    requests_left = 0;
+    plugin.state(nullptr, 0);
+    requests_left = 0;
+    unity_host.tell(unity::DeviceEvent::Shutdown);
+    requests_left = -1;
+    unity_host.tell(unity::DeviceEvent::Shutdown);
+    unity_host.tell(unity::DeviceEvent::Initialize);
+    FACT(plugin.state_is("") == CRUMPLE_UNITY_READY);
+}
+
 // A context that is destroyed while others wait for it, a device that ends while the main thread is inside, and one that is another
 // without a word of the first one's end.
 static void meetings(Scene &scene, NativeBuffer *native) {
@@ -181,7 +252,12 @@ static void meetings(Scene &scene, NativeBuffer *native) {
     passing.open();
     OK(plugin.add_context(passing.context));
     OK(plugin.lock(passing.context));
-    std::thread waits([&] { refused(CRUMPLE_ERROR_INVALID_ID, "not known", plugin.lock(passing.context)); });
+    std::atomic<pid_t> waiter{0};
+    std::thread waits([&] {
+        waiter = gettid();
+        refused(CRUMPLE_ERROR_INVALID_ID, "not known", plugin.lock(passing.context));
+    });
+    while (waiter == 0 || !asleep(waiter)) std::this_thread::yield();
     OK(plugin.destroy_context(passing.context)); // by the thread that is inside
     waits.join();
 
@@ -228,6 +304,7 @@ int main(int count, char **arguments) {
     lost_in_an_event(scene, native);
     ids(scene, native);
     meetings(scene, native);
+    memory(scene, native);
     FACT(plugin.message().empty());
     OK(plugin.destroy_context(scene.context));
     unity_host.tell(unity::DeviceEvent::Shutdown);
