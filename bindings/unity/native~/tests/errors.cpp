@@ -9,13 +9,20 @@
 #include <string>
 #include <thread>
 
+#include <dlfcn.h>
 #include <unistd.h>
 
-// The plugin's memory comes from here: the so manieth request of a thread fails. Below 0: none.
+// The plugin's memory comes from here, as that of everything else in the process: its so manieth request fails. Below 0: none.
 static thread_local int requests_left = -1;
 
+static bool plugin_asks(void *from) {
+    Dl_info info;
+    return dladdr(from, &info) != 0 && info.dli_fname && strstr(info.dli_fname, "libcrumple_unity");
+}
+
 void *operator new(size_t size) {
-    void *memory = requests_left >= 0 && requests_left-- == 0 ? nullptr : malloc(size ? size : 1);
+    const bool counts = requests_left >= 0 && plugin_asks(__builtin_return_address(0));
+    void *memory = counts && requests_left-- == 0 ? nullptr : malloc(size ? size : 1);
     if (!memory) throw std::bad_alloc();
     return memory;
 }
@@ -223,18 +230,20 @@ static void memory(const Scene &scene, NativeBuffer *native) {
     without_memory("crumple_unity_add_context: memory ran out", [&] { return plugin.add_context(context); });
     OK(plugin.destroy_context(context));
     without_memory("crumple_unity_register_buffer: memory ran out", [&] { return plugin.register_buffer(scene.context, &def, &buffer); });
-    unity_host.wait_idle();
-    for (int request = 0; plugin.info(buffer).state != CRUMPLE_UNITY_BUFFER_RECORDED; ++request) {
-        FACT(request < 100 && plugin.info(buffer).wanted);
-        unity_host.begin_frame();
-        if (request % 2 == 0) requests_left = request / 2;
-        unity_host.event(event, event_id);
-        requests_left = -1;
-        unity_host.end_frame();
-    }
     OK(plugin.unregister_buffer(buffer));
+
+    // An event needs memory when there are more buffers than ever before, and then they stay wanted.
+    std::vector<uint64_t> many(64);
+    for (uint64_t &each : many) OK(plugin.register_buffer(scene.context, &def, &each));
+    unity_host.begin_frame();
     requests_left = 0;
-    FACT(plugin.want(99999) == CRUMPLE_ERROR_OUT_OF_MEMORY); // even for words
+    unity_host.event(event, event_id);
+    requests_left = -1;
+    unity_host.end_frame();
+    for (uint64_t each : many) {
+        FACT(plugin.info(each).state == CRUMPLE_UNITY_BUFFER_NEW && plugin.info(each).wanted);
+        OK(plugin.unregister_buffer(each));
+    }
     requests_left = 0;
     plugin.state(nullptr, 0);
     requests_left = 0;
