@@ -66,9 +66,10 @@ static class LibraryTests
         Check.Same(found, error.FoundVersion, "found");
         Named(error, found, "crumple_version_string");
         Func<uint, uint, bool> fits = (library, wanted) => (bool)Inside("LibraryCheck", "Fits", library, wanted);
-        Check.That(fits(1000, 1000) && fits(1007, 1002) && fits(1000, 1002), "patches of a minor version before 1.0");
+        Check.That(fits(1000, 1000) && fits(1007, 1002) && !fits(1000, 1002), "patches of a minor version before 1.0");
         Check.That(!fits(2000, 1000) && !fits(1000, 2000) && !fits(1001000, 1000), "other versions before 1.0");
         Check.That(fits(1002000, 1001000) && !fits(1001000, 1002000) && !fits(2002000, 1001000), "from 1.0 on a newer one does");
+        Check.That(fits(1001001, 1001000) && !fits(1001000, 1001001), "patches from 1.0 on");
     }
 
     /// <summary>Files of other systems, from the fields of their headers that tell the processor.</summary>

@@ -52,9 +52,8 @@ fn gather(path: &Path, all: &mut String) -> Result<()> {
     let known = ["rs", "cs", "cpp", "h", "c"];
     if path.extension().is_some_and(|extension| known.iter().any(|k| *k == extension)) {
         let text = fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
-        let mut lines = text.lines().peekable();
         let mut joined = false;
-        while let Some(line) = lines.next() {
+        for line in text.lines() {
             let line = if joined { line.trim_start() } else { line };
             joined = line.ends_with('\\');
             all.push_str(line.strip_suffix('\\').unwrap_or(line));

@@ -69,14 +69,13 @@ namespace Crumple
 #endif
 
         /// <summary>
-        /// Whether C# files of one version can call a library of another. Before 1.0 the minor versions must be the same; from
-        /// then on the library may be newer.
+        /// Whether C# files of one version can call a library of another: of a later one of the same kind. Before 1.0 the minor
+        /// version counts as the major one does later.
         /// </summary>
         internal static bool Fits(uint library, uint wanted)
         {
-            uint major = library / 1000000, minor = library / 1000 % 1000;
-            uint wantedMajor = wanted / 1000000, wantedMinor = wanted / 1000 % 1000;
-            return major == wantedMajor && (major == 0 ? minor == wantedMinor : minor >= wantedMinor);
+            uint unit = wanted < 1000000 ? 1000u : 1000000u;
+            return library / unit == wanted / unit && library >= wanted;
         }
 
         private static string Wanted

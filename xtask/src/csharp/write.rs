@@ -234,7 +234,8 @@ impl<'a> Writer<'a> {
         ));
         for Item { docs, name, form } in self.items {
             let Form::Define { value } = form else { continue };
-            if name.starts_with("CRUMPLE_FEATURE_") {
+            // Features are an enum; a define in small letters is another name of a function, which C# has as it is.
+            if name.starts_with("CRUMPLE_FEATURE_") || name.starts_with("crumple_") {
                 continue;
             }
             self.docs(&mut text, 2, docs)?;
