@@ -133,7 +133,9 @@ fn text(root: &Path, asset: &str) -> String {
         _ => "DefaultImporter:\n  externalObjects: {}\n".to_owned(),
     };
     let number = number(asset);
-    format!("fileFormatVersion: 2\nguid: {number}\n{importer}  userData: \n  assetBundleName: \n  assetBundleVariant: \n")
+    format!(
+        "fileFormatVersion: 2\nguid: {number}\n{importer}  userData: \n  assetBundleName: \n  assetBundleVariant: \n"
+    )
 }
 
 /// On one system, in its editor and its players.

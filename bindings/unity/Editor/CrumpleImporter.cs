@@ -5,8 +5,8 @@ using UnityEngine;
 namespace Crumple.Editor
 {
     /// <summary>
-    /// Makes a <see cref="CrumpleSet"/> of a .crumple file; and of a .glb file with morph targets, where you choose this importer for
-    /// it in the Inspector. The set's own mesh comes with it.
+    /// Makes a <see cref="CrumpleSet"/> of a .crumple file; and of a .glb file with morph targets, where you choose this importer
+    /// for it in the Inspector. The set's own mesh comes with it.
     /// </summary>
     [ScriptedImporter(1, new[] { "crumple" }, new[] { "glb" })]
     public sealed class CrumpleImporter : ScriptedImporter

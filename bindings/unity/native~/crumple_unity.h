@@ -1,7 +1,7 @@
 // Crumple in Unity's Vulkan renderer: the few calls that the C# component makes beside those of crumple.h.
 //
-// Unity loads this library, crumple_unity, and tells it of its Vulkan device. It finds the library crumple in the same folder, the very
-// file that C# calls too, so that contexts, instances and hits are the same on both sides.
+// Unity loads this library, crumple_unity, and tells it of its Vulkan device. It finds the library crumple in the same folder,
+// the very file that C# calls too, so that contexts, instances and hits are the same on both sides.
 //
 //   crumple_unity_state()            is there a Vulkan device? if not, why not
 //   crumple_unity_add_context()      a context whose instances are to be deformed on the device
@@ -12,15 +12,15 @@
 //
 // Threads. Every function may be called from any thread. Unity's render thread runs the event while the main thread may be inside
 // the same context, and two threads must not be (crumple.h, "Threads"). So the main thread puts its calls between
-// crumple_unity_lock() and crumple_unity_unlock(); crumple_submit_impulse(), crumple_submit_displacement() and crumple_end_contact()
-// need no lock. The main thread waits for at most one recording of its context, without Unity's doing. The render thread never waits
-// for the main thread: where a context is locked its buffers stay wanted, and the next event records them. Only the end of a device
-// (and UnityPluginUnload) waits for the lock, so call nothing of Unity's while you hold it.
+// crumple_unity_lock() and crumple_unity_unlock(); crumple_submit_impulse(), crumple_submit_displacement() and
+// crumple_end_contact() need no lock. The main thread waits for at most one recording of its context, without Unity's doing. The
+// render thread never waits for the main thread: where a context is locked its buffers stay wanted, and the next event records
+// them. Only the end of a device (and UnityPluginUnload) waits for the lock, so call nothing of Unity's while you hold it.
 //
 // Frames. Unity's own counters tell which frames the device is done with; what belongs to earlier ones is kept until then.
 //
-// Results are those of crumple.h. After anything but CRUMPLE_OK nothing has changed, and crumple_unity_last_error() tells what was wrong
-// and what would be right. Nothing here throws, prints or ends the program.
+// Results are those of crumple.h. After anything but CRUMPLE_OK nothing has changed, and crumple_unity_last_error() tells what
+// was wrong and what would be right. Nothing here throws, prints or ends the program.
 #ifndef CRUMPLE_UNITY_H
 #define CRUMPLE_UNITY_H
 
@@ -126,8 +126,8 @@ CRUMPLE_UNITY_API CrumpleUnityState crumple_unity_state(char *text, uint32_t cap
 /// Counts the devices so far; 0: there was none. Another number than last time: register buffers anew.
 CRUMPLE_UNITY_API uint32_t crumple_unity_device(void);
 
-/// What CommandBuffer.IssuePluginEvent() takes; out_id gets the number of the event. It does nothing where there is nothing to do: no
-/// device, no context, a foreign number. Null and no number before UnityPluginLoad().
+/// What CommandBuffer.IssuePluginEvent() takes; out_id gets the number of the event. It does nothing where there is nothing to
+/// do: no device, no context, a foreign number. Null and no number before UnityPluginLoad().
 CRUMPLE_UNITY_API CrumpleUnityEvent crumple_unity_event(int32_t *out_id);
 
 /// How many buffers and contexts wait for an event: to be recorded, or for what earlier frames used. 0: none need be issued.
@@ -136,8 +136,8 @@ CRUMPLE_UNITY_API uint32_t crumple_unity_pending(void);
 /// Takes the oldest message about events that could do nothing, and gives its bytes with the zero; 0: there is none.
 CRUMPLE_UNITY_API uint32_t crumple_unity_take_message(char *text, uint32_t capacity);
 
-/// Makes a context known. From here on it is used under the lock, and destroyed by crumple_unity_destroy_context(); it must not have a
-/// Vulkan device attached. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ARGUMENT (it is known already),
+/// Makes a context known. From here on it is used under the lock, and destroyed by crumple_unity_destroy_context(); it must not
+/// have a Vulkan device attached. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ARGUMENT (it is known already),
 /// CRUMPLE_ERROR_UNSUPPORTED (no library beside this one), CRUMPLE_ERROR_OUT_OF_MEMORY.
 CRUMPLE_UNITY_API CrumpleResult crumple_unity_add_context(CrumpleContext *context);
 
@@ -153,16 +153,16 @@ CRUMPLE_UNITY_API CrumpleResult crumple_unity_lock(CrumpleContext *context);
 /// Gives it back. Errors: CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_CONCURRENT_USE (this thread does not hold it).
 CRUMPLE_UNITY_API CrumpleResult crumple_unity_unlock(CrumpleContext *context);
 
-/// Registers a mesh's vertex buffer; it is wanted from the start, and its first recording writes every vertex. What only the device can
-/// tell (usage, size) is looked at by the first event. out_buffer gets a number that is never used again.
+/// Registers a mesh's vertex buffer; it is wanted from the start, and its first recording writes every vertex. What only the
+/// device can tell (usage, size) is looked at by the first event. out_buffer gets a number that is never used again.
 /// Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_STRUCT_SIZE, CRUMPLE_ERROR_INVALID_ID (a context that is not known),
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (no vertices, a stride that does not hold the attributes), CRUMPLE_ERROR_UNSUPPORTED (a format or
-/// an alignment that Crumple does not write, which is named; no device: why), CRUMPLE_ERROR_OUT_OF_MEMORY.
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (no vertices, a stride that does not hold the attributes), CRUMPLE_ERROR_UNSUPPORTED (a format
+/// or an alignment that Crumple does not write, which is named; no device: why), CRUMPLE_ERROR_OUT_OF_MEMORY.
 CRUMPLE_UNITY_API CrumpleResult crumple_unity_register_buffer(CrumpleContext *context, const CrumpleUnityBufferDef *def,
                                                               uint64_t *out_buffer);
 
-/// Forgets a buffer. Waits for a recording of its context; may be called with or without the lock. Call it before the GraphicsBuffer or
-/// the mesh goes. Errors: CRUMPLE_ERROR_INVALID_ID.
+/// Forgets a buffer. Waits for a recording of its context; may be called with or without the lock. Call it before the
+/// GraphicsBuffer or the mesh goes. Errors: CRUMPLE_ERROR_INVALID_ID.
 CRUMPLE_UNITY_API CrumpleResult crumple_unity_unregister_buffer(uint64_t buffer);
 
 /// The next event brings the buffer up to date. Errors: CRUMPLE_ERROR_INVALID_ID, or the buffer's own where it failed.

@@ -7,8 +7,8 @@
 namespace crumple_unity {
 namespace {
 
-// Unity draws from the buffer and knows that the shim writes it in a compute shader. Naming both uses on both sides asks nothing of what
-// Unity keeps in mind between its own barriers.
+// Unity draws from the buffer and knows that the shim writes it in a compute shader. Naming both uses on both sides asks nothing
+// of what Unity keeps in mind between its own barriers.
 constexpr VkPipelineStageFlags STAGES = VK_PIPELINE_STAGE_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
 constexpr VkAccessFlags ACCESS = VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT;
 
@@ -109,13 +109,15 @@ bool Event::ready(World &w, Buffer &buffer) {
     const uint64_t needed = uint64_t{buffer.def.vertex_count} * buffer.def.stride;
     if (!buffer.found || seen.buffer == VK_NULL_HANDLE) {
         fail(w, buffer, CRUMPLE_ERROR_INVALID_ID,
-             "Unity knows no Vulkan buffer by this pointer: take it from Mesh.GetVertexBuffer() after the mesh was uploaded, and unregister it first when the mesh goes");
+             "Unity knows no Vulkan buffer by this pointer: take it from Mesh.GetVertexBuffer() after the mesh was uploaded, "
+             "and unregister it first when the mesh goes");
         return false;
     }
     if (!(seen.usage & VK_BUFFER_USAGE_STORAGE_BUFFER_BIT)) {
         fail(w, buffer, CRUMPLE_ERROR_UNSUPPORTED,
              "the mesh's vertex buffer was made for usage " + std::to_string(seen.usage) +
-                 ", without VK_BUFFER_USAGE_STORAGE_BUFFER_BIT (32): set Mesh.vertexBufferTarget |= GraphicsBuffer.Target.Raw before Mesh.GetVertexBuffer()");
+                 ", without VK_BUFFER_USAGE_STORAGE_BUFFER_BIT (32): "
+                 "set Mesh.vertexBufferTarget |= GraphicsBuffer.Target.Raw before Mesh.GetVertexBuffer()");
         return false;
     }
     if (seen.size < needed) {
@@ -195,7 +197,7 @@ void Event::run(World &w, Context &context) {
 void Event::want_again(World &w) {
     const std::lock_guard<std::mutex> lock(w.mutex);
     for (const auto &buffer : wanted)
-        if (buffer->info.state == CRUMPLE_UNITY_BUFFER_NEW || buffer->info.state == CRUMPLE_UNITY_BUFFER_RECORDED) buffer->info.wanted = 1;
+        if (buffer->info.state <= CRUMPLE_UNITY_BUFFER_RECORDED) buffer->info.wanted = 1; // neither failed nor lost
 }
 
 void Event::clear() {

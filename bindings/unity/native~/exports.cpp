@@ -56,7 +56,8 @@ CrumpleResult unknown_context(const char *function) {
 }
 
 CrumpleResult unknown_buffer(const char *function, uint64_t buffer) {
-    return refuse(CRUMPLE_ERROR_INVALID_ID, function, "there is no buffer " + std::to_string(buffer) + "; it was unregistered, or its context destroyed");
+    return refuse(CRUMPLE_ERROR_INVALID_ID, function,
+                  "there is no buffer " + std::to_string(buffer) + "; it was unregistered, or its context destroyed");
 }
 
 } // namespace
@@ -183,7 +184,8 @@ CrumpleResult crumple_unity_register_buffer(CrumpleContext *handle, const Crumpl
         if (def->struct_size != sizeof *def)
             return refuse(CRUMPLE_ERROR_STRUCT_SIZE, function,
                           "def.struct_size is " + std::to_string(def->struct_size) + ", here it is " + std::to_string(sizeof *def));
-        if (!def->native_buffer) return refuse(CRUMPLE_ERROR_NULL_POINTER, function, "def.native_buffer is null: the mesh has no vertex buffer on the device");
+        if (!def->native_buffer)
+            return refuse(CRUMPLE_ERROR_NULL_POINTER, function, "def.native_buffer is null: the mesh has no vertex buffer on the device");
         auto buffer = std::make_shared<Buffer>();
         const Refused refused = layout_of(*def, buffer->layout);
         if (refused.result != CRUMPLE_OK) return refuse(refused.result, function, refused.why);

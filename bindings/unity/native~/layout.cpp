@@ -43,12 +43,14 @@ Refused stream_of(const char *what, const CrumpleUnityAttribute &attribute, uint
         all += (all.empty() ? "" : ", ") + name(kind.format, kind.dimension);
     }
     const std::string subject = "the mesh's " + std::string(what);
-    if (!found) return {CRUMPLE_ERROR_UNSUPPORTED, subject + " are " + name(attribute.format, attribute.dimension) + "; Crumple writes " + all};
+    if (!found)
+        return {CRUMPLE_ERROR_UNSUPPORTED, subject + " are " + name(attribute.format, attribute.dimension) + "; Crumple writes " + all};
     if (attribute.offset < 0 || static_cast<uint64_t>(attribute.offset) + static_cast<uint64_t>(found->bytes) > stride)
         return {CRUMPLE_ERROR_INVALID_ARGUMENT, subject + " at byte " + std::to_string(attribute.offset) + " of a vertex do not fit its " +
                                                     std::to_string(stride) + " bytes"};
     if (attribute.offset % 4 != 0)
-        return {CRUMPLE_ERROR_UNSUPPORTED, subject + " begin at byte " + std::to_string(attribute.offset) + " of a vertex, not a multiple of 4"};
+        return {CRUMPLE_ERROR_UNSUPPORTED,
+                subject + " begin at byte " + std::to_string(attribute.offset) + " of a vertex, not a multiple of 4"};
     out.offset = static_cast<uint64_t>(attribute.offset);
     out.stride = stride;
     out.format = found->vulkan;

@@ -63,13 +63,15 @@ std::string Library::open() {
     std::string why;
     const std::string beside = folder() + FILE_NAME;
     void *library = load(beside, why);
-    if (!library) return beside + " cannot be loaded (" + why + "): put the library of this package's version and of this machine's kind there";
+    if (!library)
+        return beside + " cannot be loaded (" + why + "): put the library of this package's version and of this machine's kind there";
 
     // The version first: a library of another version may lack the others.
     crumple_version = reinterpret_cast<decltype(crumple_version)>(find(library, "crumple_version"));
     if (!crumple_version) return beside + " is not the library crumple: it has no crumple_version";
     const uint32_t theirs = crumple_version(), ours = CRUMPLE_VERSION;
-    const bool fits = CRUMPLE_VERSION_MAJOR == 0 ? theirs / 1000 == ours / 1000 : theirs / 1000000 == ours / 1000000 && theirs >= ours;
+    const uint32_t kind = CRUMPLE_VERSION_MAJOR == 0 ? 1000 : 1000000; // versions that fit are equal above this
+    const bool fits = theirs / kind == ours / kind && theirs >= ours;
     if (!fits) {
         const auto text = [](uint32_t v) {
             return std::to_string(v / 1000000) + "." + std::to_string(v / 1000 % 1000) + "." + std::to_string(v % 1000);

@@ -1,7 +1,8 @@
 // The library crumple, found in the folder of this one and opened at run time.
 //
-// It is not linked: in Unity's folder of plugins the file has no version in its name, a missing or wrong one should be told in words
-// rather than by a plugin that does not load, and it must be the file that C# opens, since two copies would not know each other's ids.
+// It is not linked: in Unity's folder of plugins the file has no version in its name, a missing or wrong one should be told in
+// words rather than by a plugin that does not load, and it must be the file that C# opens, since two copies would not know each
+// other's ids.
 #ifndef CRUMPLE_UNITY_LIBRARY_HPP
 #define CRUMPLE_UNITY_LIBRARY_HPP
 

@@ -1,9 +1,10 @@
 // What of Unity's plugin interface the shim calls, as far as a program in C++ must know it: an independent declaration.
 //
-// Unity's own headers (IUnityInterface.h, IUnityGraphics.h, IUnityGraphicsVulkan.h) carry Unity's licence and are not here. This file
-// was written from public facts about their binary interface: which functions stand at which place of a table, what they take,
-// which members structs have and in which order, the numbers of enumerators and interfaces. Names are ours. Members that the shim
-// does not use are `Unused`. The asserts hold the sizes and places down on 64-bit machines, the only ones that the package is for.
+// Unity's own headers (IUnityInterface.h, IUnityGraphics.h, IUnityGraphicsVulkan.h) carry Unity's licence and are not here. This
+// file was written from public facts about their binary interface: which functions stand at which place of a table, what they
+// take, which members structs have and in which order, the numbers of enumerators and interfaces. Names are ours. Members that
+// the shim does not use are `Unused`. The asserts hold the sizes and places down on 64-bit machines, the only ones that the
+// package is for.
 #ifndef CRUMPLE_UNITY_ABI_H
 #define CRUMPLE_UNITY_ABI_H
 

@@ -1,8 +1,8 @@
 // What the shim knows: the device, contexts, buffers, and who may touch which of them.
 //
-// Two kinds of locks. World::mutex guards the tables and is held for a few instructions, never across a call of Unity's or Crumple's.
-// A context's gate is held by whoever is inside that context: the main thread between crumple_unity_lock() and unlock, or
-// the render thread while it records. Who wants both takes the gate first. The render event only tries a gate.
+// Two kinds of locks. World::mutex guards the tables and is held for a few instructions, never across a call of Unity's or
+// Crumple's. A context's gate is held by whoever is inside that context: the main thread between crumple_unity_lock() and unlock,
+// or the render thread while it records. Who wants both takes the gate first. The render event only tries a gate.
 #ifndef CRUMPLE_UNITY_WORLD_HPP
 #define CRUMPLE_UNITY_WORLD_HPP
 

@@ -19,8 +19,8 @@ namespace Crumple
         private ulong lastContact;
 
         /// <summary>
-        /// A hit at a point in world space by an impulse, N s, that this body receives. Null where it could not be taken; the console
-        /// says why, once.
+        /// A hit at a point in world space by an impulse, N s, that this body receives. Null where it could not be taken; the
+        /// console says why, once.
         /// </summary>
         public CrumpleHitResult? Hit(Vector3 worldPoint, Vector3 worldImpulse)
         {
@@ -110,8 +110,8 @@ namespace Crumple
             touchCount = 0;
         }
 
-        // One collision is one contact of Crumple's, whatever number of points it has in a step: their mean is where it hit, and its impulses
-        // of all steps add up to one dent, at any fixed time step.
+        // One collision is one contact of Crumple's, whatever number of points it has in a step: their mean is where it hit, and
+        // its impulses of all steps add up to one dent, at any fixed time step.
         private void Contact(Collision collision, int touch)
         {
             int count = collision.contactCount;
@@ -125,8 +125,8 @@ namespace Crumple
             }
             Vector3 impulse = collision.impulse;
             if (impulse == Vector3.zero) return;
-            // Unity does not say of which of the two bodies the impulse is told. Its normal points from the other one to this, and so does what
-            // this one receives.
+            // Unity does not say of which of the two bodies the impulse is told. Its normal points from the other one to this,
+            // and so does what this one receives.
             if (Vector3.Dot(impulse, normal) < 0) impulse = -impulse;
             Submit(point / count, impulse, touches[touch].Contact);
         }

@@ -22,7 +22,7 @@ namespace Crumple
     [AddComponentMenu("Physics/Crumple Mesh")]
     public sealed partial class CrumpleMesh : MonoBehaviour
     {
-        [Tooltip("The mesh's examples: an imported .crumple file, or a .glb file with the importer CrumpleSet.")]
+        [Tooltip("The mesh's examples: an imported .crumple file, or a .glb file with the importer CrumpleImporter.")]
         [SerializeField] private CrumpleSet set;
         [Tooltip("Shows the dents. Empty: the one of this object. Without a mesh it gets the set's own.")]
         [SerializeField] private MeshFilter target;
@@ -30,7 +30,7 @@ namespace Crumple
         [SerializeField] private CrumpleWriter writer = CrumpleWriter.Automatic;
 
         [Header("Material")]
-        [Tooltip("How long an impulse acts, s. A contact is displaced by impulse * duration / mass. A constant of the material, not the time step.")]
+        [Tooltip("How long an impulse acts, s: a contact is displaced by impulse * duration / mass. Of the material, not the time step.")]
         [Min(1e-6f)]
         [SerializeField] private float duration = 0.01f;
         [Tooltip("Mass of a vertex, kg. 0: that of the set.")]
@@ -123,7 +123,9 @@ namespace Crumple
             Problem = null;
             try
             {
-                if (set == null) throw new CrumpleSetupException("there is no example set: import a .crumple file, or a .glb file with the importer CrumpleSet, and set it");
+                if (set == null)
+                    throw new CrumpleSetupException("there is no example set: import a .crumple file, or a .glb file with CrumpleImporter, " +
+                        "and set it");
                 filter = target != null ? target : GetComponent<MeshFilter>();
                 if (filter == null) throw new CrumpleSetupException("there is no MeshFilter to show the dents");
                 original = CrumpleWorld.OriginalOf(filter.sharedMesh);
@@ -179,7 +181,8 @@ namespace Crumple
             cpu = new CpuTarget(mesh, instance, loaded.Lod);
         }
 
-        /// <summary>What <paramref name="shown"/> was made of, where it is this component's own mesh: a copy of a dented object begins there.</summary>
+        /// <summary>What <paramref name="shown"/> was made of, where it is this component's own mesh: a copy of a dented object
+        /// begins there.</summary>
         internal bool Owns(Mesh shown, out Mesh madeOf)
         {
             madeOf = original;

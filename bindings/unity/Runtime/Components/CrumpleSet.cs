@@ -4,8 +4,8 @@ using UnityEngine;
 namespace Crumple
 {
     /// <summary>
-    /// An example set as an asset: made by the importer of .crumple files, or of .glb files with morph targets. It holds the bytes of a
-    /// .crumple file and what they say.
+    /// An example set as an asset: made by the importer of .crumple files, or of .glb files with morph targets. It holds the
+    /// bytes of a .crumple file and what they say.
     /// </summary>
     public sealed class CrumpleSet : ScriptableObject
     {

@@ -9,9 +9,9 @@ namespace Crumple
     /// The one context that all <see cref="CrumpleMesh"/> of a project share, the example sets in it, and the event that has them
     /// deformed on the GPU. Main thread only.
     /// <para>
-    /// Where the native plugin knows the context, Unity's render thread records into it. Then every call into the context but those that
-    /// submit hits stands between <see cref="Enter"/> and its end: the main thread waits for at most one recording, and calls nothing
-    /// of Unity's meanwhile.
+    /// Where the native plugin knows the context, Unity's render thread records into it. Then every call into the context but
+    /// those that submit hits stands between <see cref="Enter"/> and its end: the main thread waits for at most one recording,
+    /// and calls nothing of Unity's meanwhile.
     /// </para>
     /// </summary>
     public static class CrumpleWorld
@@ -67,7 +67,8 @@ namespace Crumple
         private static CommandBuffer commands;
         private static bool hooked;
 
-        /// <summary>The context, made at its first use. Between frames it may be used as any other; see the type's remarks.</summary>
+        /// <summary>The context, made at its first use. Between frames it may be used as any other; see the type's
+        /// remarks.</summary>
         public static CrumpleContext Context
         {
             get
@@ -112,7 +113,8 @@ namespace Crumple
             return UnityPlugin.crumple_unity_device();
         }
 
-        /// <summary>The set of an asset as <paramref name="shown"/> shows it; null: as its own mesh. Loaded once for all that share both.</summary>
+        /// <summary>The set of an asset as <paramref name="shown"/> shows it; null: as its own mesh. Loaded once for all that
+        /// share both.</summary>
         internal static Loaded Load(CrumpleSet asset, Mesh shown)
         {
             Key key = new Key { Asset = asset, Shown = shown };
@@ -167,8 +169,8 @@ namespace Crumple
         }
 
         /// <summary>
-        /// Ends everything native: before the editor reloads scripts, when play mode begins anew, and when the application quits. Meshes keep
-        /// their damage and open again when they are enabled. May be called at any time between frames, and twice.
+        /// Ends everything native: before the editor reloads scripts, when play mode begins anew, and when the application quits.
+        /// Meshes keep their damage and open again when they are enabled. May be called at any time between frames, and twice.
         /// </summary>
         public static void Shutdown()
         {
@@ -208,8 +210,8 @@ namespace Crumple
             Shutdown();
         }
 
-        // After every LateUpdate, before the first camera. Where no buffer is wanted and no frame to be heard of, nothing is issued: the event
-        // interrupts the render pass that runs.
+        // After every LateUpdate, before the first camera. Where no buffer is wanted and no frame to be heard of, nothing is
+        // issued: the event interrupts the render pass that runs.
         private static void BeforeRender()
         {
             if (shared == IntPtr.Zero || UnityPlugin.crumple_unity_pending() == 0) return;

@@ -100,7 +100,8 @@ namespace Crumple
         }
     }
 
-    /// <summary>Which mesh of an example set a Mesh is: the base mesh itself, or another one of the same body, which is bound to it.</summary>
+    /// <summary>Which mesh of an example set a Mesh is: the base mesh itself, or another one of the same body, which is bound to
+    /// it.</summary>
     internal sealed class MeshMatch
     {
         private readonly string name;
@@ -146,7 +147,8 @@ namespace Crumple
             return true;
         }
 
-        // A mesh in another place, scale or handedness would be bound too, to the wrong vertices. Some hundred of its vertices tell.
+        // A mesh in another place, scale or handedness would be bound too, to the wrong vertices. Some hundred of its vertices
+        // tell.
         private void CheckPlace(ExampleSet set, float tolerance, string setName)
         {
             int step = Math.Max(1, positions.Length / 256);
@@ -157,7 +159,8 @@ namespace Crumple
                 // Between vertices of a coarse base mesh the surface may be near and every vertex far.
                 if (distance <= tolerance || distance <= Spacing(set)) continue;
                 throw new CrumpleSetupException("mesh '" + name + "' does not lie where example set '" + setName + "' does: its vertex " + i +
-                    " at " + positions[i] + " is " + distance + " m off. Both must be in one space, in metres; most glTF importers of Unity mirror x, the set does not. Leave the mesh filter empty to show the set's own mesh");
+                    " at " + positions[i] + " is " + distance + " m off. Both must be in one space, " +
+                    "in metres; most glTF importers of Unity mirror x, the set does not. Leave the mesh filter empty to show the set's own mesh");
             }
         }
 

@@ -4,7 +4,8 @@ using System.Text;
 
 namespace Crumple
 {
-    /// <summary>The C interface of the native plugin, as native~/crumple_unity.h describes it. Only there under Vulkan matters it.</summary>
+    /// <summary>The C interface of the native plugin, as native~/crumple_unity.h describes it. Only there under Vulkan matters
+    /// it.</summary>
     internal static unsafe class UnityPlugin
     {
         private const string Library = "crumple_unity";
@@ -76,7 +77,8 @@ namespace Crumple
 
         private const int TextSize = 1024;
 
-        /// <summary>Whether buffers can be written on the device; why not otherwise. A missing plugin is an answer, no exception.</summary>
+        /// <summary>Whether buffers can be written on the device; why not otherwise. A missing plugin is an answer, no
+        /// exception.</summary>
         internal static bool IsReady(out string why)
         {
             try

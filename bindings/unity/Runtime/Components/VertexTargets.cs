@@ -6,7 +6,8 @@ using UnityEngine.Rendering;
 
 namespace Crumple
 {
-    /// <summary>Writes an instance's vertices into its Mesh by the CPU: only what changed is uploaded. Frames allocate nothing.</summary>
+    /// <summary>Writes an instance's vertices into its Mesh by the CPU: only what changed is uploaded. Frames allocate
+    /// nothing.</summary>
     internal sealed class CpuTarget : IDisposable
     {
         private const MeshUpdateFlags Quiet =

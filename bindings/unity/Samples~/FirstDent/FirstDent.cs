@@ -1,10 +1,9 @@
-using System;
 using Crumple;
 using UnityEngine;
 
 /// <summary>
-/// A sheet of metal, and a ball that falls on it. Put this on an empty object in an empty scene with a camera in front, and press Play. With
-/// an imported set in the Inspector that is dented instead.
+/// A sheet of metal, and a ball that falls on it. Put this on an empty object in an empty scene with a camera in front, and press
+/// Play. With an imported set in the Inspector that is dented instead.
 /// </summary>
 public sealed class FirstDent : MonoBehaviour
 {
@@ -22,7 +21,8 @@ public sealed class FirstDent : MonoBehaviour
         GameObject body = new GameObject("Sheet");
         body.SetActive(false);
         body.AddComponent<MeshFilter>(); // without a mesh: the component gives it the set's own
-        body.AddComponent<MeshRenderer>().sharedMaterial = new Material(Shader.Find("Standard"));
+        GameObject ball = GameObject.CreatePrimitive(PrimitiveType.Sphere);
+        body.AddComponent<MeshRenderer>().sharedMaterial = ball.GetComponent<MeshRenderer>().sharedMaterial; // of any pipeline
         BoxCollider box = body.AddComponent<BoxCollider>();
         box.size = new Vector3(1, 1, 0.02f);
         box.center = new Vector3(0, 0, -0.01f);
@@ -32,7 +32,6 @@ public sealed class FirstDent : MonoBehaviour
 
         // Gravity points down, the sheet's front along z: turn gravity rather than the sheet.
         Physics.gravity = new Vector3(0, 0, -9.81f);
-        GameObject ball = GameObject.CreatePrimitive(PrimitiveType.Sphere);
         ball.transform.localScale = new Vector3(0.2f, 0.2f, 0.2f);
         ball.transform.position = new Vector3(0.2f, 0.1f, 1);
         ball.AddComponent<Rigidbody>().mass = 0.4f; // 1.8 N s after a fall of 1 m: a dent of 4 cm
@@ -51,10 +50,7 @@ public sealed class FirstDent : MonoBehaviour
             normals[v] = new CrumpleVec3(0, 0, 1);
             dented[v] = new CrumpleVec3(x, y, -depth);
             if (v % Side == Side - 1 || v / Side == Side - 1) continue;
-            // Clockwise seen from the front, as Unity draws.
-            int[] quad = { v, v + Side, v + 1, v + Side, v + Side + 1, v + 1 };
-            Array.Copy(quad, 0, triangles, i, 6);
-            i += 6;
+            foreach (int corner in new[] { v, v + 1, v + Side, v + Side, v + 1, v + Side + 1 }) triangles[i++] = corner;
         }
         ExampleSetDef def = new ExampleSetDef();
         def.SetPositions(rest);

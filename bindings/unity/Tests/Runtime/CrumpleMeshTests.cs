@@ -7,7 +7,8 @@ using UnityEngine.TestTools;
 
 namespace Crumple.Tests
 {
-    /// <summary>What a component does from hit to vertex, on the CPU. For Unity's test runner; outside Unity stand-ins play its part.</summary>
+    /// <summary>What a component does from hit to vertex, on the CPU. For Unity's test runner; outside Unity stand-ins play its
+    /// part.</summary>
     public sealed class CrumpleMeshTests
     {
         private CrumpleSet set;

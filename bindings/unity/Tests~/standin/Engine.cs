@@ -1,6 +1,6 @@
-// Stand-ins for the part of Unity's API that the package uses, written from its public scripting reference: enough to compile the package
-// and to drive it under Mono. They are not Unity. Where a stand-in behaves, it behaves as the reference says; what it does not say is
-// not played.
+// Stand-ins for the part of Unity's API that the package uses, written from its public scripting reference: enough to compile the
+// package and to drive it under Mono. They are not Unity. Where a stand-in behaves, it behaves as the reference says; what it
+// does not say is not played.
 using System;
 using System.Collections;
 using System.Collections.Generic;
@@ -97,6 +97,7 @@ namespace UnityEngine
         {
             GameObject made = new GameObject(type.ToString());
             made.AddComponent<SphereCollider>();
+            made.AddComponent<MeshRenderer>().sharedMaterial = new Material();
             return made;
         }
 
@@ -183,12 +184,7 @@ namespace UnityEngine
 
     public sealed class Material : Object
     {
-        public Material(Shader shader) { }
-    }
-
-    public sealed class Shader : Object
-    {
-        public static Shader Find(string name) { return new Shader(); }
+        internal Material() { }
     }
 
     public class Collider : Component { }
@@ -352,7 +348,8 @@ namespace StandIn
             }
         }
 
-        /// <summary>One step of physics in which an object touches another: what is OnCollisionEnter, OnCollisionStay or OnCollisionExit.</summary>
+        /// <summary>One step of physics in which an object touches another: what is OnCollisionEnter, OnCollisionStay or
+        /// OnCollisionExit.</summary>
         public static void Collide(GameObject struck, string what, Collider by, Vector3 impulse, Vector3 normal, params Vector3[] points)
         {
             Collision collision = new Collision { collider = by, impulse = impulse, Points = new ContactPoint[points.Length] };
@@ -366,8 +363,8 @@ namespace StandIn
         }
 
         /// <summary>
-        /// Scripts are reloaded, as far as it can be played without a new application domain: components are disabled, listeners told, components
-        /// enabled. Statics stay, as they do not in the editor.
+        /// Scripts are reloaded, as far as it can be played without a new application domain: components are disabled, listeners
+        /// told, components enabled. Statics stay, as they do not in the editor.
         /// </summary>
         public static void ReloadScripts()
         {

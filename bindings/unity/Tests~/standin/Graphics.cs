@@ -286,7 +286,9 @@ namespace UnityEngine
 
         internal Mesh Copy()
         {
-            Mesh copy = new Mesh { name = name + "(Clone)", vertexCount = vertexCount, layout = layout, bounds = bounds, subMeshCount = subMeshCount, Readable = Readable };
+            Mesh copy = new Mesh { name = name + "(Clone)", vertexCount = vertexCount, layout = layout, bounds = bounds };
+            copy.subMeshCount = subMeshCount;
+            copy.Readable = Readable;
             copy.streams = Array.ConvertAll(streams, stream => (byte[])stream.Clone());
             copy.indices = (uint[])indices.Clone();
             return copy;

@@ -1,4 +1,5 @@
-// What cannot be driven from inside Unity's own test runner: collisions, reloads, imports, and what a frame uploads and allocates.
+// What cannot be driven from inside Unity's own test runner: collisions, reloads, imports, and what a frame uploads and
+// allocates.
 using System;
 using System.Collections.Generic;
 using System.IO;
@@ -135,7 +136,8 @@ namespace Crumple.Tests
         [Test]
         public void ScriptsAreReloadedAndDamageStays()
         {
-            System.Runtime.CompilerServices.RuntimeHelpers.RunClassConstructor(typeof(CrumpleImporter).Assembly.GetType("Crumple.Editor.CrumpleReload").TypeHandle);
+            Type hook = typeof(CrumpleImporter).Assembly.GetType("Crumple.Editor.CrumpleReload");
+            System.Runtime.CompilerServices.RuntimeHelpers.RunClassConstructor(hook.TypeHandle);
             CrumpleMesh mesh = Sheet.Create(set);
             CrumpleContext own = new CrumpleContext();
             mesh.Hit(Vector3.zero, new Vector3(0, 0, -2));
@@ -275,7 +277,8 @@ namespace Crumple.Tests
             Engine.Frame();
             float speed = (float)Math.Sqrt(2 * 9.81);
             Collider ball = new GameObject("Ball").AddComponent<SphereCollider>();
-            Engine.Collide(sample.Dented.gameObject, "OnCollisionEnter", ball, new Vector3(0, 0, -0.4f * speed), new Vector3(0, 0, -1), new Vector3(0.2f, 0.1f, 0));
+            Engine.Collide(sample.Dented.gameObject, "OnCollisionEnter", ball, new Vector3(0, 0, -0.4f * speed), new Vector3(0, 0, -1),
+                new Vector3(0.2f, 0.1f, 0));
             Engine.Frame();
             Assert.AreEqual(0.01 / 0.5 * 0.4 * speed, Sheet.Depth(sample.Dented), 1e-3);
         }

@@ -21,14 +21,14 @@ static bool plugin_asks(void *from) {
     return dladdr(from, &info) != 0 && info.dli_fname && strstr(info.dli_fname, "libcrumple_unity");
 }
 
-void *operator new(size_t size) {
+__attribute__((noinline)) void *operator new(size_t size) {
     const bool counts = requests_left >= 0 && plugin_asks(__builtin_return_address(0));
     void *memory = counts && requests_left-- == 0 ? nullptr : malloc(size ? size : 1);
     if (!memory) throw std::bad_alloc();
     return memory;
 }
-void operator delete(void *memory) noexcept { free(memory); }
-void operator delete(void *memory, size_t) noexcept { free(memory); }
+__attribute__((noinline)) void operator delete(void *memory) noexcept { free(memory); }
+__attribute__((noinline)) void operator delete(void *memory, size_t) noexcept { free(memory); }
 #endif
 
 static UnityHost unity_host;
@@ -72,7 +72,8 @@ static void buffers(const Scene &scene, NativeBuffer *native) {
     NativeBuffer *small = unity_host.make_buffer(rest().data(), bytes - 4, RAW);
     int not_a_buffer = 0;
     FACT(has(failure(scene, scene.buffer_def(plain), CRUMPLE_ERROR_UNSUPPORTED), "vertexBufferTarget |= GraphicsBuffer.Target.Raw"));
-    FACT(has(failure(scene, scene.buffer_def(small), CRUMPLE_ERROR_BUFFER_TOO_SMALL), "has 29996 bytes, but 625 vertices of 48 bytes need 30000"));
+    FACT(has(failure(scene, scene.buffer_def(small), CRUMPLE_ERROR_BUFFER_TOO_SMALL),
+             "has 29996 bytes, but 625 vertices of 48 bytes need 30000"));
     CrumpleUnityBufferDef def = scene.buffer_def(native);
     def.native_buffer = &not_a_buffer;
     FACT(has(failure(scene, def, CRUMPLE_ERROR_INVALID_ID), "knows no Vulkan buffer"));
@@ -258,8 +259,8 @@ static void memory(const Scene &scene, NativeBuffer *native) {
 }
 #endif
 
-// A context that is destroyed while others wait for it, a device that ends while the main thread is inside, and one that is another
-// without a word of the first one's end.
+// A context that is destroyed while others wait for it, a device that ends while the main thread is inside, and one that is
+// another without a word of the first one's end.
 static void meetings(Scene &scene, NativeBuffer *native) {
     Scene passing;
     passing.open();

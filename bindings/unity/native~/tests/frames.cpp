@@ -1,5 +1,6 @@
-// The plugin's life as Unity gives it: loaded before the device, frames in flight, a context in use by the main thread, a mesh that is
-// uploaded anew, a lost device and the next one, the main thread and the render thread at once, unloading with frames on the device.
+// The plugin's life as Unity gives it: loaded before the device, frames in flight, a context in use by the main thread, a mesh
+// that is uploaded anew, a lost device and the next one, the main thread and the render thread at once, unloading with frames on
+// the device.
 //
 //     unity_frames libcrumple_unity.so
 #include "scene.hpp"

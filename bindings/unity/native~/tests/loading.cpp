@@ -1,4 +1,5 @@
-// What is wrong before there is a Vulkan device, and what the plugin says of it: a library that does not fit, other renderers, layouts.
+// What is wrong before there is a Vulkan device, and what the plugin says of it: a library that does not fit, other renderers,
+// layouts.
 //
 //     unity_loading libcrumple_unity.so NONE/libcrumple_unity.so OLD/libcrumple_unity.so PART/libcrumple_unity.so
 //
@@ -81,8 +82,10 @@ static void layouts() {
     };
     using Def = CrumpleUnityBufferDef;
     const CrumpleResult unsupported = CRUMPLE_ERROR_UNSUPPORTED, invalid = CRUMPLE_ERROR_INVALID_ARGUMENT;
-    trial(unsupported, "positions are SNorm16 x 4; Crumple writes Float32 x 3, Float16 x 4", [](Def &d) { d.position.format = SNORM16, d.position.dimension = 4; });
-    trial(unsupported, "normals are UNorm8 x 4; Crumple writes Float32 x 3, SNorm16 x 4, SNorm8 x 4", [](Def &d) { d.normal.format = UNORM8, d.normal.dimension = 4; });
+    trial(unsupported, "positions are SNorm16 x 4; Crumple writes Float32 x 3, Float16 x 4",
+          [](Def &d) { d.position.format = SNORM16, d.position.dimension = 4; });
+    trial(unsupported, "normals are UNorm8 x 4; Crumple writes Float32 x 3, SNorm16 x 4, SNorm8 x 4",
+          [](Def &d) { d.normal.format = UNORM8, d.normal.dimension = 4; });
     trial(unsupported, "tangents are Float32 x 3; Crumple writes Float32 x 4", [](Def &d) { d.tangent.dimension = 3; });
     trial(unsupported, "VertexAttributeFormat 12 x 3", [](Def &d) { d.position.format = 12; });
     trial(unsupported, "VertexAttributeFormat -1 x 3", [](Def &d) { d.position.format = -1; });

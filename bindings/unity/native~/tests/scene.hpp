@@ -1,4 +1,5 @@
-// What both tests use: a body in a vertex buffer laid out as Unity's meshes are, and its twin on the CPU that takes the same hits.
+// What both tests use: a body in a vertex buffer laid out as Unity's meshes are, and its twin on the CPU that takes the same
+// hits.
 #ifndef CRUMPLE_UNITY_SCENE_HPP
 #define CRUMPLE_UNITY_SCENE_HPP
 

@@ -1,5 +1,5 @@
-// Plays Unity's side of its plugin interface over a real Vulkan device: loads the plugin from its file, hands out the tables, tells of
-// devices, keeps several frames in flight, and checks that the plugin keeps to what Unity's documentation asks of it.
+// Plays Unity's side of its plugin interface over a real Vulkan device: loads the plugin from its file, hands out the tables,
+// tells of devices, keeps several frames in flight, and checks that the plugin keeps to what Unity's documentation asks of it.
 #ifndef CRUMPLE_UNITY_HOST_HPP
 #define CRUMPLE_UNITY_HOST_HPP
 
