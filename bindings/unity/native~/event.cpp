@@ -35,6 +35,10 @@ struct Event {
 
 void fail(World &w, Buffer &buffer, CrumpleResult result, std::string why) {
     const std::lock_guard<std::mutex> lock(w.mutex);
+    if (result == CRUMPLE_ERROR_CONCURRENT_USE) { // somebody is inside who took no lock: as if he had
+        buffer.info.wanted = 1;
+        return;
+    }
     buffer.info.state = result == CRUMPLE_ERROR_DEVICE_LOST ? CRUMPLE_UNITY_BUFFER_LOST : CRUMPLE_UNITY_BUFFER_FAILED;
     buffer.info.result = result;
     buffer.info.wanted = 0;

@@ -29,13 +29,13 @@ namespace Crumple
 
         private void OnCollisionEnter(Collision collision)
         {
-            if (!fromCollisions || instance == null) return;
+            if (!fromCollisions || instance == null || !isActiveAndEnabled) return; // Unity tells disabled ones too
             Contact(collision, Begin(Id(collision)));
         }
 
         private void OnCollisionStay(Collision collision)
         {
-            if (!fromCollisions || instance == null) return;
+            if (!fromCollisions || instance == null || !isActiveAndEnabled) return;
             int other = Id(collision), i = Find(other);
             if (i < 0) i = Begin(other); // enabled while they touched already
             touches[i].Last = Time.fixedTime;

@@ -80,7 +80,9 @@ namespace Crumple
         /// <summary>Why the CPU writes, where the GPU was wanted; null otherwise.</summary>
         public string GpuProblem { get; private set; }
 
-        /// <summary>The body; null while there is a problem, or nothing is enabled.</summary>
+        /// <summary>
+        /// The body, to be used inside <see cref="CrumpleWorld.Enter"/>; null while there is a problem, or before the first enable.
+        /// </summary>
         public Instance Instance
         {
             get { return instance; }

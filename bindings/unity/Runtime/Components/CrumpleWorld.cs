@@ -9,9 +9,9 @@ namespace Crumple
     /// The one context that all <see cref="CrumpleMesh"/> of a project share, the example sets in it, and the event that has them
     /// deformed on the GPU. Main thread only.
     /// <para>
-    /// Where the native plugin knows the context, Unity's render thread records into it. Then every call into the context but
-    /// those that submit hits stands between <see cref="Enter"/> and its end: the main thread waits for at most one recording,
-    /// and calls nothing of Unity's meanwhile.
+    /// Where the GPU deforms, Unity's render thread records from the context. So every call of yours into it, or into what was made
+    /// in it, but those that submit hits or end contacts, stands between <see cref="Enter"/> and the end of that stay: the main
+    /// thread waits for at most one recording, and the render thread never. Call nothing of Unity's meanwhile.
     /// </para>
     /// </summary>
     public static class CrumpleWorld
@@ -41,7 +41,7 @@ namespace Crumple
         }
 
         /// <summary>A stay inside the context.</summary>
-        internal struct Stay : IDisposable
+        public struct Stay : IDisposable
         {
             private readonly IntPtr held;
 
@@ -53,6 +53,7 @@ namespace Crumple
                 if (result != CrumpleResult.Ok) throw new CrumpleException(result, "crumple_unity_lock", UnityPlugin.LastError());
             }
 
+            /// <summary>Leaves.</summary>
             public void Dispose()
             {
                 if (held != IntPtr.Zero) UnityPlugin.crumple_unity_unlock(held);
@@ -89,8 +90,9 @@ namespace Crumple
             get { return Meshes.Count; }
         }
 
-        /// <summary>Enters the context; dispose of what it gives.</summary>
-        internal static Stay Enter()
+        /// <summary>Enters the context: <c>using (CrumpleWorld.Enter()) …</c> Stays do not nest.</summary>
+        /// <exception cref="CrumpleException">This thread is inside already.</exception>
+        public static Stay Enter()
         {
             return new Stay(shared);
         }

@@ -79,6 +79,10 @@ namespace Crumple.Tests
             Step("OnCollisionEnter", -2, new Vector3(10.4f, 0, 0));
             Engine.Frame();
             Assert.AreEqual(0.02, Sheet.Depth(mesh), 1e-4); // 40 mm in the world
+            mesh.enabled = false;
+            Step("OnCollisionEnter", -2, new Vector3(9, 0, 0)); // is told, and not taken
+            mesh.enabled = true;
+            using (CrumpleWorld.Enter()) Assert.AreEqual(1u, mesh.Instance.GetInfo().MarkCount);
         }
 
         [Test]

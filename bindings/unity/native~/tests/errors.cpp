@@ -275,8 +275,24 @@ static void meetings(Scene &scene, NativeBuffer *native) {
     OK(plugin.destroy_context(passing.context)); // by the thread that is inside
     waits.join();
 
-    const CrumpleUnityBufferDef def = scene.buffer_def(native);
+    // Inside without the lock: Crumple notices, and the event leaves the buffer for the next one.
+    CrumpleContextDef talkative = crumple_default_context_def();
+    talkative.log = [](CrumpleLogLevel, const char *, void *) { frame(); };
+    OK(crumple_context_create(&talkative, &passing.context));
+    OK(plugin.add_context(passing.context));
+    OK(crumple_create_example_set(passing.context, &sheet().def, &passing.set));
+    passing.body = make_instance(passing.context, passing.set);
+    const CrumpleUnityBufferDef passing_def = passing.buffer_def(native);
     uint64_t buffer;
+    OK(plugin.register_buffer(passing.context, &passing_def, &buffer));
+    CrumpleExampleSet another;
+    OK(crumple_create_example_set(passing.context, &sheet().def, &another));
+    FACT(plugin.info(buffer).state == CRUMPLE_UNITY_BUFFER_NEW && plugin.info(buffer).wanted);
+    frame();
+    FACT(plugin.info(buffer).state == CRUMPLE_UNITY_BUFFER_RECORDED);
+    OK(plugin.destroy_context(passing.context));
+
+    const CrumpleUnityBufferDef def = scene.buffer_def(native);
     OK(plugin.register_buffer(scene.context, &def, &buffer));
     frame();
     OK(plugin.lock(scene.context));
