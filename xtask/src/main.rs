@@ -21,6 +21,7 @@ mod repo;
 mod stage;
 mod test;
 mod tools;
+mod unity;
 mod valgrind;
 mod vulkan;
 mod workspace;
@@ -82,9 +83,9 @@ enum Command {
     Bench(bench::Options),
     /// Formatting, lints, docs, header and repository checks, then every test with nothing skipped
     Ci,
-    /// Only the checks of `ci` that build nothing: asset size, README snippet, changelog
+    /// Only the checks of `ci` that build nothing: asset size, README snippet, changelog, .meta files of the Unity package
     Repo {
-        /// Put the present quickstart programs into the pages that show them
+        /// Put the present quickstart programs into the pages that show them, and write missing .meta files
         #[arg(long)]
         fix: bool,
     },

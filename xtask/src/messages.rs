@@ -8,8 +8,11 @@ use anyhow::{Context, Result, ensure};
 use crate::workspace::Workspace;
 
 /// A page, and where the messages that it quotes come from.
-const PAGES: &[(&str, &[&str])] =
-    &[("docs/troubleshooting.md", &["src"]), ("bindings/unity/Runtime/README.md", &["bindings/unity/Runtime"])];
+const PAGES: &[(&str, &[&str])] = &[
+    ("docs/troubleshooting.md", &["src"]),
+    ("bindings/unity/Runtime/README.md", &["bindings/unity/Runtime"]),
+    ("bindings/unity/Documentation~/index.md", &["bindings/unity"]),
+];
 /// Tables with this first head quote ours; what other programs say stands under another.
 const HEAD: &str = "| it says |";
 

@@ -13,8 +13,10 @@ use crate::vulkan;
 use crate::workspace::{Workspace, empty_directory};
 
 /// CMake projects whose programs are tests, each with the name of its build directory.
-const PROJECTS: &[(&str, &str)] =
-    &[("examples-c", "examples-c"), ("tests/c", "tests-c"), ("bindings/unreal/tests", "unreal")];
+pub const OURS: &[(&str, &str)] = &[("examples-c", "examples-c"), ("tests/c", "tests-c")];
+/// Those and the engines' plugins.
+const ALL: &[(&str, &str)] =
+    &[OURS[0], OURS[1], ("bindings/unity/native~", "unity"), ("bindings/unreal/tests", "unreal")];
 
 pub fn install_release(workspace: &Workspace) -> Result<Outcome> {
     let prefix = release_prefix(workspace);
@@ -30,6 +32,8 @@ pub fn release_prefix(workspace: &Workspace) -> PathBuf {
 
 /// How a set of projects is built and run.
 pub struct Build<'a> {
+    /// What is built.
+    pub projects: &'a [(&'a str, &'a str)],
     /// Name of the directory that holds this kind's builds.
     pub kind: &'a str,
     pub prefix: &'a Path,
@@ -46,14 +50,14 @@ pub struct Build<'a> {
 impl<'a> Build<'a> {
     /// Everything, as it is, without Vulkan.
     pub fn new(kind: &'a str, prefix: &'a Path) -> Self {
-        Self { kind, prefix, options: &[], launcher: "", drivers: &[], left_out: "" }
+        Self { projects: ALL, kind, prefix, options: &[], launcher: "", drivers: &[], left_out: "" }
     }
 }
 
 /// Builds every project against an installed library and runs its tests.
 pub fn test_projects(workspace: &Workspace, build: &Build<'_>) -> Result<()> {
     let jobs = jobs();
-    for (project, name) in PROJECTS {
+    for (project, name) in build.projects {
         let directory = workspace.target.join("ctest").join(build.kind).join(name);
         compile(workspace, build, &workspace.path(project), &directory)?;
         let tests = cmd!(
@@ -79,12 +83,13 @@ pub fn compile(workspace: &Workspace, build: &Build<'_>, source: &Path, director
     let ode = Tool::Ode.here(workspace).then_some("-DCRUMPLE_REQUIRE_ODE=ON");
     let vulkan = Tool::VulkanHeaders.here(workspace) && Tool::Png.here(workspace);
     let vulkan = vulkan.then_some("-DCRUMPLE_REQUIRE_VULKAN=ON");
+    let mono = Tool::Mono.here(workspace).then_some("-DCRUMPLE_REQUIRE_MONO=ON");
     let drivers: Vec<String> = build.drivers.iter().map(|manifest| manifest.display().to_string()).collect();
     let drivers = format!("-DCRUMPLE_VULKAN_DRIVERS={}", drivers.join(";"));
     cmd!(
         sh,
         "cmake -S {source} -B {directory} -DCMAKE_PREFIX_PATH={prefix} -DCMAKE_BUILD_TYPE=RelWithDebInfo
-         {options...} {ode...} {vulkan...} {drivers}
+         {options...} {ode...} {vulkan...} {mono...} {drivers}
          -DCMAKE_CROSSCOMPILING_EMULATOR={launcher} -DCMAKE_POLICY_DEFAULT_CMP0158=OLD --no-warn-unused-cli"
     )
     .quiet()

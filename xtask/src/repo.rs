@@ -5,8 +5,8 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
 
-use crate::messages;
 use crate::workspace::Workspace;
+use crate::{messages, unity};
 
 /// Meshes, fixtures and pictures together, in bytes.
 const ASSETS_LIMIT: u64 = 15_000_000;
@@ -26,6 +26,7 @@ pub fn run(workspace: &Workspace, fix: bool) -> Result<()> {
     for (file, page, language) in SHOWN {
         shown(workspace, fix, file, page, language)?;
     }
+    unity::metas(workspace, fix)?;
     changelog(workspace)?;
     messages::run(workspace)
 }

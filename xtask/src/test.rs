@@ -121,9 +121,9 @@ const STAGES: &[Stage] = &[
     },
     Stage {
         name: "ctest",
-        shows: "the C and C++ programs against the installed library",
+        shows: "the C and C++ programs, and Unity's plugin and component, against the installed library",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake],
-        wants: &[Tool::Ode, Tool::Vulkan, Tool::VulkanHeaders, Tool::Png],
+        wants: &[Tool::Ode, Tool::Vulkan, Tool::VulkanHeaders, Tool::Png, Tool::Mono],
         closing: true,
         run: native::ctest,
     },

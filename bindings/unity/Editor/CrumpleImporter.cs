@@ -1,0 +1,57 @@
+using System.IO;
+using UnityEditor.AssetImporters;
+using UnityEngine;
+
+namespace Crumple.Editor
+{
+    /// <summary>
+    /// Makes a <see cref="CrumpleSet"/> of a .crumple file; and of a .glb file with morph targets, where you choose this importer
+    /// for it in the Inspector. The set's own mesh comes with it.
+    /// </summary>
+    [ScriptedImporter(1, new[] { "crumple" }, new[] { "glb" })]
+    public sealed class CrumpleImporter : ScriptedImporter
+    {
+        [Tooltip(".glb: name of the mesh. Empty: the first with morph targets.")]
+        [SerializeField] private string meshName = "";
+        [Tooltip(".glb: mass of every vertex, kg. 0: components say it.")]
+        [Min(0)]
+        [SerializeField] private float vertexMass = 0.5f;
+        [Tooltip(".glb: how far an example may put a vertex off, m, so that the set is smaller. 0: exact.")]
+        [Min(0)]
+        [SerializeField] private float tolerance = 0.0001f;
+
+        /// <inheritdoc/>
+        public override void OnImportAsset(AssetImportContext import)
+        {
+            try
+            {
+                byte[] bytes = File.ReadAllBytes(import.assetPath);
+                CrumpleSet set = ScriptableObject.CreateInstance<CrumpleSet>();
+                set.name = Path.GetFileNameWithoutExtension(import.assetPath);
+                set.SetBytes(import.assetPath.EndsWith(".glb", System.StringComparison.OrdinalIgnoreCase) ? Bake(bytes, import.assetPath) : bytes);
+                Mesh mesh = set.CreateMesh();
+                import.AddObjectToAsset("set", set);
+                import.AddObjectToAsset("mesh", mesh);
+                import.SetMainObject(set);
+            }
+            catch (CrumpleException error)
+            {
+                import.LogImportError("Crumple cannot import " + import.assetPath + ": " + error.Message);
+            }
+            catch (IOException error)
+            {
+                import.LogImportError("Crumple cannot read " + import.assetPath + ": " + error.Message);
+            }
+        }
+
+        private byte[] Bake(byte[] bytes, string path)
+        {
+            CrumpleExampleSetOptions options = CrumpleExampleSetOptions.Default;
+            options.VertexMass = vertexMass;
+            options.Tolerance = tolerance;
+            using (CrumpleContext context = new CrumpleContext())
+            using (ExampleSet set = context.LoadGltf(bytes, Path.GetDirectoryName(path), meshName.Length == 0 ? null : meshName, -1, options))
+                return set.Save();
+        }
+    }
+}
