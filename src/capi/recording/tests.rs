@@ -533,3 +533,16 @@ fn a_file_that_takes_no_more_ends_the_recording_and_nothing_else() {
     ok(host.begin());
     same(&host.end());
 }
+
+/// A bug that somebody recorded becomes a test by being put there.
+#[test]
+fn recordings_that_were_kept_give_what_they_gave() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");
+    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let kept: Vec<PathBuf> = files.filter(|path| path.extension().is_some_and(|e| e == "crumplerec")).collect();
+    assert!(!kept.is_empty());
+    for path in kept {
+        let report = replay(&std::fs::read(&path).unwrap(), 0, &mut |_, _| {}).unwrap();
+        assert_eq!(report.first, None, "{}", path.display());
+    }
+}
