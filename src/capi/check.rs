@@ -59,8 +59,8 @@ pub(super) fn misaligned(name: &str, value: u64, align: u64) -> Failure {
 pub(super) unsafe trait Def: Copy {
     /// The function that makes one.
     const DEFAULT: MadeBy<Self>;
-    /// The sizes that it had before it grew, in versions with the same SONAME. No field of today begins before the last of them that is
-    /// not in that version too, not even where it was padded.
+    /// The sizes that it had before it grew, in versions with the same SONAME. What is newer than one of them begins behind it, never in
+    /// what was padding.
     const EARLIER: &'static [u32] = &[];
 }
 
