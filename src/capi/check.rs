@@ -59,8 +59,8 @@ pub(super) fn misaligned(name: &str, value: u64, align: u64) -> Failure {
 pub(super) unsafe trait Def: Copy {
     /// The function that makes one.
     const DEFAULT: MadeBy<Self>;
-    /// The sizes that it had before it grew, in versions with the same SONAME. No field of today begins before the last of them that is
-    /// not in that version too, not even where it was padded.
+    /// The sizes that it had before it grew, in versions with the same SONAME. What is newer than one of them begins behind it, never in
+    /// what was padding.
     const EARLIER: &'static [u32] = &[];
 }
 
@@ -283,7 +283,7 @@ mod tests {
         for size in [0, 4, 9, 16, 19, 21, 24, u32::MAX] {
             let wrong = Today { struct_size: size, ..default_today() };
             // SAFETY: no more than the size is read of a def whose size is refused.
-            let failure = unsafe { def(&raw const wrong, "def") }.err().expect("refused");
+            let failure = unsafe { def(&raw const wrong, "def") }.expect_err("a size that never was");
             assert_eq!(failure.result, CrumpleResult::CrumpleErrorStructSize);
             let says = format!("def.struct_size is {size}; it must be 20: start from crumple_default_today_def()");
             assert_eq!(failure.message, says);

@@ -64,15 +64,16 @@ struct Parts {
     target: String,
     library: Built,
     command: Option<PathBuf>,
-    /// Whether the command is what people get. Elsewise it is a stand-in that the tests built, which may say where.
+    /// Whether the command is what people get. Elsewise it is a stand-in that the tests built: slow, and it may say where it was built.
     handed_out: bool,
 }
 
-/// An archive, and that of its debug symbols.
 struct Packed {
     /// The name of the archive, without what says its format, and of the one folder in it.
     name: String,
     archive: PathBuf,
+    /// As in `Parts`.
+    handed_out: bool,
 }
 
 pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
@@ -130,7 +131,7 @@ fn pack(workspace: &Workspace, parts: &Parts, out: &Path) -> Result<Packed> {
     for file in [&archive, &debug] {
         println!("{} ({:.1} MB)", file.display(), fs::metadata(file)?.len() as f64 / 1e6);
     }
-    Ok(Packed { name, archive })
+    Ok(Packed { name, archive, handed_out: parts.handed_out })
 }
 
 /// When everything in an archive was changed last, as far as it says: `SOURCE_DATE_EPOCH`, or when the commit was made.

@@ -46,11 +46,11 @@ fn program_text(header: &Path, declared: &[Declaration]) -> String {
     };
     for declaration in declared {
         match declaration {
-            Declaration::Constant { name } => print(format!("constant {name} = %ld"), &[name.clone()]),
+            Declaration::Constant { name } => print(format!("constant {name} = %ld"), std::slice::from_ref(name)),
             Declaration::Enum { name, enumerators } => {
                 print(format!("enum {name} size %ld"), &[format!("sizeof({name})")]);
                 for enumerator in enumerators {
-                    print(format!("enum {name} value {enumerator} = %ld"), &[enumerator.clone()]);
+                    print(format!("enum {name} value {enumerator} = %ld"), std::slice::from_ref(enumerator));
                 }
             }
             Declaration::Struct { name, fields } => {

@@ -14,11 +14,10 @@ use super::within;
 /// Packs `folder` under its own name into `out/NAME.tar.gz`, or `.zip` on Windows.
 pub fn pack(folder: &Path, out: &Path, time: u64) -> Result<PathBuf> {
     let name = folder.file_name().context("folders have names")?.to_string_lossy();
-    let (extension, write): (_, fn(&Path, File, u64) -> Result<()>) =
-        if cfg!(windows) { ("zip", zip) } else { ("tar.gz", tar_gz) };
-    let path = out.join(format!("{name}.{extension}"));
+    let path = out.join(format!("{name}.{}", if cfg!(windows) { "zip" } else { "tar.gz" }));
     let file = File::create(&path).with_context(|| format!("creating {}", path.display()))?;
-    write(folder, file, time).with_context(|| format!("packing {}", path.display()))?;
+    let written = if cfg!(windows) { zip(folder, file) } else { tar_gz(folder, file, time) };
+    written.with_context(|| format!("packing {}", path.display()))?;
     Ok(path)
 }
 
@@ -95,7 +94,7 @@ fn tar_gz(folder: &Path, file: File, time: u64) -> Result<()> {
 }
 
 /// The time of every entry is the first that the format knows, 1980: it knows no time zones either.
-fn zip(folder: &Path, file: File, _time: u64) -> Result<()> {
+fn zip(folder: &Path, file: File) -> Result<()> {
     let above = folder.parent().context("the folder lies somewhere")?;
     let mut archive = zip::ZipWriter::new(BufWriter::new(file));
     for (path, kind) in entries(folder)? {
@@ -132,24 +131,28 @@ mod tests {
         folder
     }
 
-    fn packed(write: fn(&Path, File, u64) -> Result<()>, names: &[&str]) -> Vec<u8> {
+    fn packed(write: impl Fn(&Path, File) -> Result<()>, names: &[&str]) -> Vec<u8> {
         let scratch = tempfile::tempdir().unwrap();
         let path = scratch.path().join("archive");
-        write(&folder(scratch.path(), names), File::create(&path).unwrap(), 1_000_000_000).unwrap();
+        write(&folder(scratch.path(), names), File::create(&path).unwrap()).unwrap();
         fs::read(path).unwrap()
+    }
+
+    fn tar(folder: &Path, file: File) -> Result<()> {
+        tar_gz(folder, file, 1_000_000_000)
     }
 
     #[test]
     fn the_order_of_files_on_disk_is_not_seen() {
         let (one, other) = (["b", "a/c", "a/b", "a-b"], ["a-b", "a/b", "b", "a/c"]);
-        assert_eq!(packed(tar_gz, &one), packed(tar_gz, &other));
+        assert_eq!(packed(tar, &one), packed(tar, &other));
         assert_eq!(packed(zip, &one), packed(zip, &other));
     }
 
     #[test]
     fn entries_come_in_order_and_are_nobodys() {
-        let bytes = packed(tar_gz, &["b", "a/b", "a-b", &("long/".repeat(40) + "file")]);
-        let mut archive = tar::Archive::new(flate2::read::GzDecoder::new(&*bytes));
+        let bytes = packed(tar, &["b", "a/b", "a-b", &("long/".repeat(40) + "file")]);
+        let mut archive = ::tar::Archive::new(flate2::read::GzDecoder::new(&*bytes));
         let mut names = Vec::new();
         for entry in archive.entries().unwrap() {
             let mut entry = entry.unwrap();

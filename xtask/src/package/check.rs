@@ -9,7 +9,7 @@ use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 use xshell::cmd;
 
-use super::{FULL, Flavour, Packed, Parts, files, manifest, markdown, pack, within};
+use super::{FULL, Flavour, Packed, Parts, archive, files, manifest, markdown, pack, time, within};
 use crate::abi;
 use crate::command::Command;
 use crate::install::{self, Profile};
@@ -50,10 +50,7 @@ pub fn stage(workspace: &Workspace) -> Result<Outcome> {
         handed_out: false,
     };
     let out = tempfile::tempdir()?;
-    let packed = pack(workspace, &parts, &out.path().join("once"))?;
-    let again = pack(workspace, &parts, &out.path().join("again"))?;
-    let same = fs::read(&packed.archive)? == fs::read(&again.archive)?;
-    ensure!(same, "the same libraries, packed twice, make two different archives");
+    let packed = pack(workspace, &parts, out.path())?;
     check(workspace, &FULL, &packed)?;
     Ok(Outcome::Passed)
 }
@@ -64,15 +61,21 @@ pub fn check(workspace: &Workspace, flavour: &Flavour, packed: &Packed) -> Resul
         return Ok(());
     }
     let scratch = tempfile::tempdir()?;
-    let (root, archive) = (scratch.path(), &packed.archive);
-    cmd!(workspace.shell, "tar -xzf {archive} -C {root}").quiet().run()?;
+    let (root, packed_file) = (scratch.path(), &packed.archive);
+    cmd!(workspace.shell, "tar -xzf {packed_file} -C {root} --no-same-owner -m").quiet().run()?;
     let inside: Vec<_> = fs::read_dir(root)?.collect::<Result<_, _>>()?;
     ensure!(
         inside.len() == 1 && inside[0].file_name() == *packed.name,
         "{} holds more than one folder",
-        archive.display()
+        packed_file.display()
     );
     let folder = root.join(&packed.name);
+
+    // Elsewhere, with files of another age: the same bytes.
+    let again = root.join("again");
+    fs::create_dir(&again)?;
+    let same = fs::read(archive::pack(&folder, &again, time(workspace)?)?)? == fs::read(packed_file)?;
+    ensure!(same, "what {} holds, packed again, makes another archive", packed_file.display());
 
     said(workspace, flavour, packed, &folder)?;
     pages(&folder)?;
@@ -83,7 +86,7 @@ pub fn check(workspace: &Workspace, flavour: &Flavour, packed: &Packed) -> Resul
     }
     command(workspace, flavour, &folder)?;
     println!("by the first page:");
-    first_page(workspace, &folder)?;
+    first_page(workspace, packed, &folder)?;
     println!("by CMake:");
     by_cmake(workspace, root, &folder)?;
     println!("by pkg-config:");
@@ -139,13 +142,14 @@ fn command(workspace: &Workspace, flavour: &Flavour, folder: &Path) -> Result<()
 }
 
 /// What the first page says to type, typed: among it the examples, with the shared library.
-fn first_page(workspace: &Workspace, folder: &Path) -> Result<()> {
+fn first_page(workspace: &Workspace, packed: &Packed, folder: &Path) -> Result<()> {
     let page = fs::read_to_string(folder.join("README.md"))?;
     let sh = workspace.shell.clone();
     sh.change_dir(folder);
     let blocks: Vec<&str> = page.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
     ensure!(blocks.len() >= 2, "the first page has {} blocks of commands", blocks.len());
-    for block in blocks {
+    let slow = |block: &&str| !packed.handed_out && block.starts_with("bin/crumple");
+    for block in blocks.into_iter().filter(|block| !slow(block)) {
         println!("{}", block.trim_end());
         cmd!(sh, "sh -e -c {block}").quiet().ignore_stdout().run().context("typing what README.md says")?;
     }
@@ -153,12 +157,16 @@ fn first_page(workspace: &Workspace, folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// The archive's examples with the static library, none left out, and somebody else's project.
+/// The archive's examples with the static library, but for those that need more than a compiler, and somebody else's project.
 fn by_cmake(workspace: &Workspace, root: &Path, folder: &Path) -> Result<()> {
     let sh = &workspace.shell;
     let (examples, build) = (folder.join("examples-c"), root.join("static"));
-    let fixed = Build { options: &["-DCRUMPLE_STATIC=ON"], ..Build::new("static", folder) };
-    native::compile(workspace, &fixed, &examples, &build)?;
+    let plain = ["-DCMAKE_DISABLE_FIND_PACKAGE_Vulkan=ON", "-DCMAKE_DISABLE_FIND_PACKAGE_PkgConfig=ON"];
+    cmd!(sh, "cmake -S {examples} -B {build} -DCMAKE_PREFIX_PATH={folder} -DCRUMPLE_STATIC=ON {plain...}")
+        .quiet()
+        .ignore_stdout()
+        .run()?;
+    cmd!(sh, "cmake --build {build} --parallel 2").ignore_stdout().run()?;
     cmd!(sh, "ctest --test-dir {build} --parallel 2 --output-on-failure --no-tests=error").run()?;
     let (source, build) = (root.join("client"), root.join("client-build"));
     fs::create_dir(&source)?;

@@ -45,9 +45,9 @@ const ENGINES: &[(&str, &str, &str, &str)] = &[
     ("macos", "lib/libcrumple.a", UNREAL, "Source/ThirdParty/CrumpleLibrary/Lib/Mac/libcrumple.a"),
     ("", "include/crumple.h", UNREAL, "Source/ThirdParty/CrumpleLibrary/Public/crumple.h"),
     ("", "include/crumple.hpp", UNREAL, "Source/ThirdParty/CrumpleLibrary/Public/crumple.hpp"),
-    ("", LICENSES, UNITY, LICENSES),
+    ("", LICENSES, UNITY, "Documentation~/THIRD-PARTY-LICENSES.txt"),
     ("", LICENSES, UNREAL, LICENSES),
-    ("", STANDARD_LIBRARY, UNITY, STANDARD_LIBRARY),
+    ("", STANDARD_LIBRARY, UNITY, "Documentation~/RUST-STANDARD-LIBRARY-LICENSES.html"),
     ("", STANDARD_LIBRARY, UNREAL, STANDARD_LIBRARY),
 ];
 
@@ -129,6 +129,13 @@ fn engines(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
         let engine = folder.join(engine);
         if engine.exists() && ["", std::env::consts::OS].contains(&system) {
             put(&folder.join(fill(from)), &engine.join(fill(to)))?;
+        }
+    }
+    // Unity complains of settings of files that are not there: those of other systems' libraries.
+    let plugins = folder.join(UNITY).join("Plugins");
+    for settings in if plugins.exists() { files(&plugins)? } else { Vec::new() } {
+        if settings.extension().is_some_and(|extension| extension == "meta") && !settings.with_extension("").exists() {
+            fs::remove_file(&settings).with_context(|| format!("removing {}", settings.display()))?;
         }
     }
     Ok(())

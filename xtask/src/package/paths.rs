@@ -27,18 +27,21 @@ pub fn nothing_of_this_machine(workspace: &Workspace, parts: &Parts, folder: &Pa
     Ok(())
 }
 
+fn separator(byte: &u8) -> bool {
+    b"/\\".contains(byte)
+}
+
 /// Whatever of a package is in a library gives its name away: panics say their file.
 pub fn nothing_unlicensed(folder: &Path, linked: &[Linked]) -> Result<()> {
     let known: BTreeSet<String> =
         linked.iter().map(|package| format!("{}-{}", package.name, package.version)).collect();
-    let separator = |byte: &u8| b"/\\".contains(byte);
     let mut libraries = 0;
     for file in files(&folder.join("lib"))?.into_iter().chain(files(&folder.join("bin")).unwrap_or_default()) {
         let bytes = fs::read(&file).with_context(|| format!("reading {}", file.display()))?;
         let mut named = 0;
         for at in memmem::find_iter(&bytes, workspace::SOURCES) {
             let Some((first, rest)) = bytes[at + workspace::SOURCES.len()..].split_first() else { continue };
-            let end = rest.iter().take(100).position(|byte| separator(byte));
+            let end = rest.iter().take(100).position(separator);
             let Some(end) = end.filter(|_| separator(first)) else { continue };
             let package = String::from_utf8_lossy(&rest[..end]);
             if !known.contains(&*package) {
