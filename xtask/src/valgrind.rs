@@ -20,7 +20,7 @@ const IN_PART: &[&str] =
 
 /// C programs that do not run under valgrind: a driver takes a minute to compile its kernels there, so that one program, which
 /// makes every call to it, is enough.
-const SLOW_DRIVERS: &str = "^(vulkan_(device_lost|record|render)|unity_(frames|errors))";
+const SLOW_DRIVERS: &str = "^vulkan_(device_lost|record|render)";
 
 pub fn c(workspace: &Workspace) -> Result<Outcome> {
     let run = Run::new(workspace, "c", "definite,possible")?;
