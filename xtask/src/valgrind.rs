@@ -4,8 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::{Child, Command, ExitStatus};
 
-use anyhow::{Context, Result, anyhow, bail, ensure};
-use xshell::cmd;
+use anyhow::{Result, anyhow, bail, ensure};
 
 use crate::native::{self, Build};
 use crate::stage::Outcome;
@@ -26,6 +25,8 @@ pub fn c(workspace: &Workspace) -> Result<Outcome> {
     let run = Run::new(workspace, "c", "definite,possible")?;
     let prefix = native::release_prefix(workspace);
     let build = Build {
+        // The plugins use the library as these do, and have the sanitizers.
+        projects: native::OURS,
         options: &["-DCRUMPLE_VULKAN_VALIDATION=OFF"],
         launcher: &run.command.join(";"),
         drivers: &native::one_driver(workspace)?,
@@ -38,10 +39,7 @@ pub fn c(workspace: &Workspace) -> Result<Outcome> {
 pub fn rust(workspace: &Workspace) -> Result<Outcome> {
     // Rust's own test runner keeps pointers into the middle of blocks, which valgrind calls "possibly lost".
     let run = Run::new(workspace, "rust", "definite")?;
-    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-    let version = cmd!(workspace.shell, "{rustc} -vV").quiet().read()?;
-    let host = version.lines().find_map(|line| line.strip_prefix("host: ")).context("rustc -vV names its host")?;
-    let runner = format!("CARGO_TARGET_{}_RUNNER", host.to_uppercase().replace('-', "_"));
+    let runner = format!("CARGO_TARGET_{}_RUNNER", workspace.rustc("host")?.to_uppercase().replace('-', "_"));
     let tests = |programs: &[&str], names: &[&str]| -> Command {
         // Valgrind runs out of room on gathers as a test build has them; the C programs run those of a release build.
         let cargo = workspace.tests(programs).env("CRUMPLE_SIMD", "portable");
