@@ -18,6 +18,10 @@ fn main() {
         println!("cargo::rustc-cdylib-link-arg=-Wl,-soname,libcrumple.so.{version}");
         println!("cargo::rustc-cdylib-link-arg=-Wl,-z,nodelete");
     }
+    if std::env::var("CARGO_CFG_TARGET_OS").as_deref() == Ok("macos") {
+        // The compiler's name is a path of the machine that built it; this one is looked for where the program says.
+        println!("cargo::rustc-cdylib-link-arg=-Wl,-install_name,@rpath/libcrumple.dylib");
+    }
     #[cfg(feature = "gpu")]
     kernels::build();
 }

@@ -47,7 +47,8 @@
 // bytes that a set was told to keep, and an attached Vulkan device (or memory that was imported).
 //
 // Defs. Structs that end in Def come from their crumple_default_ function, which sets struct_size and the defaults;
-// fill in what you need. A struct_size of another version is an error.
+// fill in what you need. By struct_size the library knows the version that you compiled against: of an earlier one with
+// the same SONAME, what your def lacks is as the default. A size that no version had is an error.
 //
 // Threads. Calls are externally synchronised per context: two threads must not be inside the same context at once,
 // and callbacks must not call back into it. One that does gets CRUMPLE_ERROR_CONCURRENT_USE, in every build. Excepted
@@ -140,7 +141,7 @@ typedef enum {
     CRUMPLE_ERROR_DEVICE_LOST = 16,
     /// A pointer is null that must not be.
     CRUMPLE_ERROR_NULL_POINTER = 64,
-    /// The struct_size of a def is not that of this version: take defs from their crumple_default_ function.
+    /// The struct_size of a def is that of no version: take defs from their crumple_default_ function.
     CRUMPLE_ERROR_STRUCT_SIZE = 65,
     /// An id or a context is null, was destroyed, or belongs to another context; the text says which.
     CRUMPLE_ERROR_INVALID_ID = 66,

@@ -1,7 +1,7 @@
 //! The library's memory from the host's allocator (feature `host-allocator`).
 
 use super::boundary::boundary;
-use super::check::{Def, def};
+use super::check::{Def, MadeBy, def};
 use super::result::CrumpleResult;
 #[cfg(not(feature = "host-allocator"))]
 use super::result::Failure;
@@ -31,7 +31,7 @@ pub struct CrumpleAllocatorDef {
 
 // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
 unsafe impl Def for CrumpleAllocatorDef {
-    const DEFAULT: &'static str = "crumple_default_allocator_def";
+    const DEFAULT: MadeBy<Self> = ("crumple_default_allocator_def", crumple_default_allocator_def);
 }
 
 /// An allocator def without functions: set both. Never fails; any thread.

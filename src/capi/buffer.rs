@@ -1,6 +1,6 @@
 //! Buffers: memory of the host that deformed vertices are written to.
 
-use super::check::{Def, Out, def};
+use super::check::{Def, MadeBy, Out, def};
 use super::context::{CrumpleContext, State, recorded};
 use super::memory::{Stream, disjoint};
 use super::recording::{Call, Log, Number};
@@ -30,7 +30,7 @@ pub struct CrumpleHostBufferDef {
 
 // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
 unsafe impl Def for CrumpleHostBufferDef {
-    const DEFAULT: &'static str = "crumple_default_host_buffer_def";
+    const DEFAULT: MadeBy<Self> = ("crumple_default_host_buffer_def", crumple_default_host_buffer_def);
 }
 
 /// What a context keeps of a buffer.

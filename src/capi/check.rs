@@ -58,10 +58,16 @@ pub(super) fn misaligned(name: &str, value: u64, align: u64) -> Failure {
 /// The type is `repr(C)`, starts with a `u32` that is its size, and every pattern of bytes is a value of it.
 pub(super) unsafe trait Def: Copy {
     /// The function that makes one.
-    const DEFAULT: &'static str;
+    const DEFAULT: MadeBy<Self>;
+    /// The sizes that it had before it grew, in versions with the same SONAME. No field of today begins before the last of them that is
+    /// not in that version too, not even where it was padded.
+    const EARLIER: &'static [u32] = &[];
 }
 
-/// Copies a def after checking its size.
+/// The name of a def's `crumple_default_` function, and the function.
+pub(super) type MadeBy<T> = (&'static str, extern "C" fn() -> T);
+
+/// Copies a def after checking its size. What one of an earlier version lacks is as the default.
 ///
 /// # Safety
 /// `pointer` is null or points to as many readable bytes as its first four say.
@@ -69,14 +75,33 @@ pub(super) unsafe fn def<T: Def>(pointer: *const T, name: &str) -> Result<T, Fai
     usable(pointer, name)?;
     // SAFETY: not null, aligned, and a `Def` starts with its size.
     let size = unsafe { pointer.cast::<u32>().read() };
+    let (made_by, default) = T::DEFAULT;
+    if T::EARLIER.contains(&size) && (size as usize) < size_of::<T>() {
+        let mut whole = default();
+        // SAFETY: the caller vouches for the bytes, there are fewer than `whole` has, and every pattern of bytes is a value.
+        unsafe { std::ptr::copy_nonoverlapping(pointer.cast::<u8>(), (&raw mut whole).cast::<u8>(), size as usize) };
+        return Ok(whole);
+    }
     if size as usize != size_of::<T>() {
         return Err(Failure::new(
             CrumpleResult::CrumpleErrorStructSize,
-            format!("{name}.struct_size is {size}; it must be {}: start from {}()", size_of::<T>(), T::DEFAULT),
+            format!("{name}.struct_size is {size}; it must be {}: start from {made_by}()", size_of::<T>()),
         ));
     }
     // SAFETY: the caller vouches for the bytes; every pattern of bytes is a value.
     Ok(unsafe { pointer.read() })
+}
+
+/// Where the def at `index` of an array begins. They lie as far apart as the first says that it is large.
+///
+/// # Safety
+/// `first` is null or points to more than `index` defs; with `index` above 0, `def` took the first.
+pub(super) unsafe fn nth_def<T: Def>(first: *const T, index: usize, name: &str) -> Result<*const T, Failure> {
+    usable(first, name)?;
+    // SAFETY: not null, aligned, and a `Def` starts with its size.
+    let size = unsafe { first.cast::<u32>().read() } as usize;
+    // SAFETY: the caller vouches for as many defs, of the size that was taken with the first.
+    Ok(unsafe { first.byte_add(index * size) })
 }
 
 /// Reads a plain value.
@@ -194,5 +219,74 @@ pub(super) fn positive_or_none(value: f32, name: &str, unit: &str) -> Result<Opt
         0.0 => Ok(None),
         v if v > 0.0 => Ok(Some(v)),
         v => Err(Failure::invalid(format!("{name} is {v} {unit}; it must be positive, or 0 for none"))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a program was built against once.
+    #[repr(C)]
+    #[derive(Clone, Copy)]
+    struct First {
+        struct_size: u32,
+        depth: f32,
+    }
+
+    /// The same def, grown twice since.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    struct Today {
+        struct_size: u32,
+        depth: f32,
+        lean: f32,
+        width: f32,
+        height: f32,
+    }
+
+    extern "C" fn default_today() -> Today {
+        Today { struct_size: size_of::<Today>() as u32, depth: 1.0, lean: 2.0, width: 3.0, height: 4.0 }
+    }
+
+    // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
+    unsafe impl Def for Today {
+        const DEFAULT: MadeBy<Self> = ("crumple_default_today_def", default_today);
+        const EARLIER: &'static [u32] = &[8, 12];
+    }
+
+    #[test]
+    fn a_def_of_an_earlier_version_gets_the_defaults_of_what_it_lacks() {
+        let old = [First { struct_size: 8, depth: 9.0 }, First { struct_size: 8, depth: 7.0 }];
+        let first = old.as_ptr().cast::<Today>();
+        let expected = |depth| Today { struct_size: 8, depth, ..default_today() };
+        // SAFETY: two defs, each of the eight bytes that it says.
+        unsafe {
+            assert_eq!(def(first, "def").ok(), Some(expected(9.0)));
+            let second = nth_def(first, 1, "defs").ok().unwrap();
+            assert_eq!(def(second, "def").ok(), Some(expected(7.0)));
+        }
+    }
+
+    #[test]
+    fn a_def_of_this_version_is_taken_as_it_is() {
+        let new = [Today { depth: 5.0, ..default_today() }, Today { height: 6.0, ..default_today() }];
+        // SAFETY: two defs of today.
+        unsafe {
+            assert_eq!(def(&raw const new[0], "def").ok(), Some(new[0]));
+            assert_eq!(def(nth_def(new.as_ptr(), 1, "defs").ok().unwrap(), "def").ok(), Some(new[1]));
+        }
+    }
+
+    #[test]
+    fn a_size_that_never_was_is_refused_by_name() {
+        for size in [0, 4, 9, 16, 19, 21, 24, u32::MAX] {
+            let wrong = Today { struct_size: size, ..default_today() };
+            // SAFETY: no more than the size is read of a def whose size is refused.
+            let failure = unsafe { def(&raw const wrong, "def") }.err().expect("refused");
+            assert_eq!(failure.result, CrumpleResult::CrumpleErrorStructSize);
+            let says = format!("def.struct_size is {size}; it must be 20: start from crumple_default_today_def()");
+            assert_eq!(failure.message, says);
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::boundary::boundary;
 use super::buffer::BufferEntry;
-use super::check::{CEnum, Def, Out, def};
+use super::check::{CEnum, Def, MadeBy, Out, def};
 use super::ids::Slots;
 use super::instance::InstanceEntry;
 use super::recording::{Log, Recorder};
@@ -56,7 +56,7 @@ pub struct CrumpleContextDef {
 
 // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
 unsafe impl Def for CrumpleContextDef {
-    const DEFAULT: &'static str = "crumple_default_context_def";
+    const DEFAULT: MadeBy<Self> = ("crumple_default_context_def", crumple_default_context_def);
 }
 
 pub(super) struct Context {

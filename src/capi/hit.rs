@@ -1,6 +1,6 @@
 //! Hits: what the physics engine reports.
 
-use super::check::{CEnum, Def, Out, boolean, def, enumerator, finite};
+use super::check::{CEnum, Def, MadeBy, Out, boolean, def, enumerator, finite};
 use super::context::{Context, CrumpleContext, CrumpleLogLevel, concurrent};
 use super::damage::CrumpleMark;
 use super::recording::{Call, Number, hit_digest};
@@ -70,12 +70,12 @@ pub struct CrumpleDisplacementDef {
 
 // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
 unsafe impl Def for CrumpleImpulseDef {
-    const DEFAULT: &'static str = "crumple_default_impulse_def";
+    const DEFAULT: MadeBy<Self> = ("crumple_default_impulse_def", crumple_default_impulse_def);
 }
 
 // SAFETY: as above.
 unsafe impl Def for CrumpleDisplacementDef {
-    const DEFAULT: &'static str = "crumple_default_displacement_def";
+    const DEFAULT: MadeBy<Self> = ("crumple_default_displacement_def", crumple_default_displacement_def);
 }
 
 /// What became of a hit.

@@ -1,6 +1,6 @@
 //! Instances: bodies in the scene.
 
-use super::check::{CEnum, Def, Out, def, enumerator, finite, positive_or_none};
+use super::check::{CEnum, Def, MadeBy, Out, def, enumerator, finite, positive_or_none};
 use super::context::{CrumpleContext, recorded};
 use super::recording::{Call, Number};
 use super::result::{CrumpleResult, Failure};
@@ -82,7 +82,7 @@ pub struct CrumpleInstanceDef {
 
 // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
 unsafe impl Def for CrumpleInstanceDef {
-    const DEFAULT: &'static str = "crumple_default_instance_def";
+    const DEFAULT: MadeBy<Self> = ("crumple_default_instance_def", crumple_default_instance_def);
 }
 
 /// What an instance is at the moment.

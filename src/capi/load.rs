@@ -1,6 +1,6 @@
 //! Example sets from files.
 
-use super::check::{CEnum, Def, Out, array, def, enumerator, string, write_array};
+use super::check::{CEnum, Def, MadeBy, Out, array, def, enumerator, string, write_array};
 use super::context::{Context, CrumpleContext, State, exclusive, recorded};
 use super::recording::Log;
 use super::result::{CrumpleResult, Failure};
@@ -51,12 +51,12 @@ pub struct CrumpleObjDef {
 
 // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
 unsafe impl Def for CrumpleGltfDef {
-    const DEFAULT: &'static str = "crumple_default_gltf_def";
+    const DEFAULT: MadeBy<Self> = ("crumple_default_gltf_def", crumple_default_gltf_def);
 }
 
 // SAFETY: as above.
 unsafe impl Def for CrumpleObjDef {
-    const DEFAULT: &'static str = "crumple_default_obj_def";
+    const DEFAULT: MadeBy<Self> = ("crumple_default_obj_def", crumple_default_obj_def);
 }
 
 /// The first mesh with morph targets, with default options; set the path. Never fails; any thread.

@@ -49,3 +49,6 @@ mod check;
 mod ids;
 
 mod memory;
+
+#[cfg(test)]
+mod layout;

@@ -50,7 +50,7 @@ pub enum CrumpleResult {
     CrumpleErrorDeviceLost = 16,
     /// A pointer is null that must not be.
     CrumpleErrorNullPointer = 64,
-    /// The struct_size of a def is not that of this version: take defs from their crumple_default_ function.
+    /// The struct_size of a def is that of no version: take defs from their crumple_default_ function.
     CrumpleErrorStructSize = 65,
     /// An id or a context is null, was destroyed, or belongs to another context; the text says which.
     CrumpleErrorInvalidId = 66,

@@ -1,6 +1,6 @@
 //! Example sets from the caller's arrays.
 
-use super::check::{CEnum, Def, Out, array, boolean, def, enumerator, finite, positive_or_none, string};
+use super::check::{CEnum, Def, MadeBy, Out, boolean, def, enumerator, finite, nth_def, positive_or_none, string};
 use super::context::{Context, CrumpleContext, CrumpleLogLevel, State, recorded};
 use super::memory::{read, read_required};
 use super::recording::{Call, Log, Number};
@@ -189,12 +189,12 @@ pub struct CrumpleExampleSetDef {
 
 // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
 unsafe impl Def for CrumpleExampleDef {
-    const DEFAULT: &'static str = "crumple_default_example_def";
+    const DEFAULT: MadeBy<Self> = ("crumple_default_example_def", crumple_default_example_def);
 }
 
 // SAFETY: as above.
 unsafe impl Def for CrumpleExampleSetDef {
-    const DEFAULT: &'static str = "crumple_default_example_set_def";
+    const DEFAULT: MadeBy<Self> = ("crumple_default_example_set_def", crumple_default_example_set_def);
 }
 
 /// What a context keeps of a set.
@@ -328,7 +328,7 @@ pub struct CrumpleLodDef {
 
 // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
 unsafe impl Def for CrumpleLodDef {
-    const DEFAULT: &'static str = "crumple_default_lod_def";
+    const DEFAULT: MadeBy<Self> = ("crumple_default_lod_def", crumple_default_lod_def);
 }
 
 /// A level of detail without anything: set its mesh. Never fails; any thread.
@@ -496,13 +496,16 @@ unsafe fn read_triangles(def: &CrumpleLodDef) -> Result<Vec<[u32; 3]>, Failure> 
 }
 
 unsafe fn read_examples(def: &CrumpleExampleSetDef, mesh: &MeshData) -> Result<Vec<ExampleData>, Failure> {
-    // SAFETY: the caller's.
-    let examples = unsafe { array(def.examples, def.example_count as usize, "def.examples") }?;
-    let mut read = reserve(examples.len(), "def.examples")?;
-    for (i, example) in examples.iter().enumerate() {
+    let mut read = Vec::new();
+    for i in 0..def.example_count as usize {
         let name = format!("def.examples[{i}]");
+        // SAFETY: the caller's, and the first is read first.
+        let example = unsafe { self::def(nth_def(def.examples, i, "def.examples")?, &name)? };
+        if i == 0 {
+            read = reserve(def.example_count as usize, "def.examples")?;
+        }
         // SAFETY: the caller's.
-        read.push(unsafe { read_example(self::def(example, &name)?, mesh, &name) }?);
+        read.push(unsafe { read_example(example, mesh, &name) }?);
     }
     Ok(read)
 }

@@ -1,6 +1,6 @@
 //! What an example set holds.
 
-use super::check::{Def, Out, def, finite};
+use super::check::{Def, MadeBy, Out, def, finite};
 use super::context::{CrumpleContext, exclusive};
 use super::memory::{Stream, disjoint};
 use super::result::{CrumpleResult, Failure};
@@ -122,7 +122,7 @@ pub struct CrumpleMeshCopyDef {
 
 // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
 unsafe impl Def for CrumpleMeshCopyDef {
-    const DEFAULT: &'static str = "crumple_default_mesh_copy_def";
+    const DEFAULT: MadeBy<Self> = ("crumple_default_mesh_copy_def", crumple_default_mesh_copy_def);
 }
 
 /// Copies nothing; set the streams that you want. Never fails; any thread.

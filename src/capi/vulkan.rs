@@ -10,7 +10,7 @@ mod attached;
 pub(super) use attached::{Attached, VulkanMemory};
 
 use super::buffer::{BufferEntry, Memory};
-use super::check::{CEnum, Def, Out, array, def, enumerator, finite, write_array};
+use super::check::{CEnum, Def, MadeBy, Out, array, def, enumerator, finite, write_array};
 use super::context::{CrumpleContext, State, exclusive, recorded};
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleBuffer, CrumpleInstance, CrumpleVec3};
@@ -48,7 +48,7 @@ pub struct CrumpleVulkanDef {
 
 // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
 unsafe impl Def for CrumpleVulkanDef {
-    const DEFAULT: &'static str = "crumple_default_vulkan_def";
+    const DEFAULT: MadeBy<Self> = ("crumple_default_vulkan_def", crumple_default_vulkan_def);
 }
 
 /// Where the values of one attribute lie. Zero everywhere: the attribute is absent.
@@ -115,7 +115,7 @@ pub struct CrumpleVulkanBufferDef {
 
 // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
 unsafe impl Def for CrumpleVulkanBufferDef {
-    const DEFAULT: &'static str = "crumple_default_vulkan_buffer_def";
+    const DEFAULT: MadeBy<Self> = ("crumple_default_vulkan_buffer_def", crumple_default_vulkan_buffer_def);
 }
 
 /// What was recorded.
@@ -383,7 +383,7 @@ pub struct CrumpleOwnVulkanDef {
 
 // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
 unsafe impl Def for CrumpleOwnVulkanDef {
-    const DEFAULT: &'static str = "crumple_default_own_vulkan_def";
+    const DEFAULT: MadeBy<Self> = ("crumple_default_own_vulkan_def", crumple_default_own_vulkan_def);
 }
 
 /// How a device hands memory or a semaphore to another one.
@@ -428,7 +428,7 @@ pub struct CrumpleVulkanImportDef {
 
 // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
 unsafe impl Def for CrumpleVulkanImportDef {
-    const DEFAULT: &'static str = "crumple_default_vulkan_import_def";
+    const DEFAULT: MadeBy<Self> = ("crumple_default_vulkan_import_def", crumple_default_vulkan_import_def);
 }
 
 /// Any device, by no loader; set that, and the UUID. Never fails; any thread.

@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 
 use crate::workspace::Workspace;
-use crate::{header, repo, test};
+use crate::{abi, header, repo, test};
 
 pub fn run(workspace: &Workspace) -> Result<()> {
     let start = Instant::now();
@@ -17,6 +17,7 @@ pub fn run(workspace: &Workspace) -> Result<()> {
     };
     check("repository", repo::run(workspace, false))?;
     check("header", header::run(workspace, true))?;
+    check("binary interface", abi::run(workspace, true))?;
     check("format", cargo(workspace, &["fmt", "--all", "--check"]))?;
     check("lints", clippy(workspace, &["--workspace", "--all-targets", "--all-features"]))?;
     check("lints without features", clippy(workspace, &["--package", "crumple", "--lib", "--no-default-features"]))?;

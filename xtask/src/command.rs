@@ -8,6 +8,9 @@ use xshell::cmd;
 use crate::install::Profile;
 use crate::workspace::Workspace;
 
+/// Of the command that is handed out, beside the default ones.
+pub const FEATURES: &str = "cli,wgpu";
+
 pub struct Command<'a> {
     workspace: &'a Workspace,
     program: PathBuf,
@@ -16,16 +19,24 @@ pub struct Command<'a> {
 }
 
 impl<'a> Command<'a> {
-    /// A debug build is the one that the tests use. Other builds are without the GPU unless it is wanted.
+    /// A debug build is the one that the tests use. A release build is without the GPU unless it is wanted.
     pub fn build(workspace: &'a Workspace, profile: Profile, gpu: Option<&str>) -> Result<Self> {
-        let release = ["--package", "crumple", "--features", if gpu.is_some() { "cli,wgpu" } else { "cli" }];
+        let release = ["--package", "crumple", "--features", if gpu.is_some() { FEATURES } else { "cli" }];
         match profile {
             Profile::Debug => workspace.build_as_tested(&["--bin", "crumple"]).run()?,
+            Profile::Dist => {
+                let dist = ["build", "--profile", "dist", "--bin", "crumple", "--package", "crumple"];
+                workspace.cargo_anywhere(&dist)?.args(["--features", FEATURES]).run()?;
+            }
             Profile::Release => workspace.cargo(&["build", "--release", "--bin", "crumple"]).args(release).run()?,
         }
         let program = workspace.target.join(profile.directory()).join("crumple");
         let program = program.with_extension(std::env::consts::EXE_EXTENSION);
         Ok(Self { workspace, program, gpu: gpu.map(str::to_owned) })
+    }
+
+    pub fn program(&self) -> &Path {
+        &self.program
     }
 
     pub fn info(&self, file: &Path) -> Result<String> {

@@ -1,7 +1,6 @@
 //! C#: the declarations that are written from the header, and the tests of what lies over them, under Mono.
 
 mod layout;
-mod parse;
 mod write;
 
 use std::fs;
@@ -10,6 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use xshell::cmd;
 
+use crate::declarations;
 use crate::header::HEADER;
 use crate::native;
 use crate::stage::Outcome;
@@ -29,7 +29,7 @@ const MACHINE: (usize, [u8; 2]) = (18, [183, 0]);
 
 /// The texts of `TYPES` and `FUNCTIONS`.
 pub fn declarations(header: &str) -> Result<(String, String)> {
-    let items = parse::header(header).context("reading include/crumple.h")?;
+    let items = declarations::header(header).context("reading include/crumple.h")?;
     write::files(&items)
 }
 
@@ -107,7 +107,7 @@ fn compile(workspace: &Workspace, built: &Path) -> Result<()> {
 fn layouts(workspace: &Workspace, prefix: &Path, built: &Path, header: &str) -> Result<PathBuf> {
     let sh = &workspace.shell;
     let (source, program, table) = (built.join("layout.c"), built.join("layout"), built.join("layout.txt"));
-    fs::write(&source, layout::program(&parse::header(header)?)?)?;
+    fs::write(&source, layout::program(&declarations::header(header)?)?)?;
     let include = prefix.join("include");
     cmd!(sh, "cc -std=c11 -Wall -Werror -I {include} {source} -o {program}").quiet().run()?;
     fs::write(&table, cmd!(sh, "{program}").quiet().read()?)?;
@@ -169,13 +169,13 @@ fn place(built: &Path, case: &str) -> Result<PathBuf> {
 mod tests {
     use super::*;
 
-    /// Each function and struct of the header, found by other means than the parser's, is in what is written.
+    /// Each function and struct of the header, found by other means than those that write, is in what is written.
     #[test]
     fn nothing_of_the_header_is_missing() -> Result<()> {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
         let header = fs::read_to_string(root.join(HEADER))?;
         let (types, functions) = declarations(&header)?;
-        let declared = native::declared(&header);
+        let declared = crate::abi::functions(&root.join(HEADER))?;
         assert!(declared.len() > 70, "{declared:?}");
         for name in &declared {
             assert!(functions.contains(&format!(" {name}(")), "{name}");

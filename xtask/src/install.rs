@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! PREFIX/include/crumple.h, crumple.hpp
-//! PREFIX/lib/libcrumple.so.0.1.0, libcrumple.so.0.1, libcrumple.so, libcrumple.a
+//! PREFIX/lib/libcrumple.so.0.1.0, libcrumple.so.0.1, libcrumple.so, libcrumple.a, static-libraries.txt
 //! PREFIX/lib/cmake/Crumple/*.cmake
 //! PREFIX/lib/pkgconfig/crumple.pc
 //! PREFIX/share/licenses/crumple/
@@ -11,10 +11,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use object::Endianness;
-use object::elf::{DT_SONAME, FileHeader64};
-use object::read::elf::FileHeader;
+use object::elf::{DF_1_NODELETE, DT_FLAGS_1, DT_SONAME, FileHeader64};
+use object::read::elf::{Dynamic, FileHeader};
 
 use crate::workspace::Workspace;
 
@@ -22,6 +22,8 @@ use crate::workspace::Workspace;
 pub enum Profile {
     Debug,
     Release,
+    /// What archives hold.
+    Dist,
 }
 
 impl Profile {
@@ -30,9 +32,13 @@ impl Profile {
         match self {
             Self::Debug => "debug",
             Self::Release => "release",
+            Self::Dist => "dist",
         }
     }
 }
+
+/// Features of the library that C programs get: the default ones and the host's allocator.
+pub const FEATURES: &[&str] = &["gltf", "obj", "vulkan", "host-allocator"];
 
 /// The library as Cargo left it.
 pub struct Built {
@@ -43,15 +49,26 @@ pub struct Built {
     static_library: PathBuf,
     /// Linker arguments that a program needs beside `static_library`, such as `-lpthread`.
     static_needs: Vec<String>,
+    /// What of `FEATURES` it has.
+    features: &'static [&'static str],
 }
 
-/// Builds the library that C programs get: the default features and the host's allocator. A debug build is the one that the
-/// tests use, which has all features.
-pub fn build(workspace: &Workspace, profile: Profile) -> Result<Built> {
-    let release = ["--package", "crumple", "--features", "host-allocator"];
+/// Builds the library that C programs get. A debug build is the one that the tests use, which has all features. `features`: what a
+/// package has; the others have `FEATURES`.
+pub fn build(workspace: &Workspace, profile: Profile, features: &'static [&'static str]) -> Result<Built> {
     match profile {
         Profile::Debug => workspace.build_as_tested(&["--lib"]).run()?,
-        Profile::Release => workspace.cargo(&["build", "--release", "--lib"]).args(release).run()?,
+        Profile::Release => {
+            let release = ["build", "--release", "--lib", "--package", "crumple", "--features", "host-allocator"];
+            workspace.cargo_anywhere(&release)?.run()?;
+        }
+        Profile::Dist => {
+            let features = features.join(",");
+            // Only a library for other languages alone is optimized at link time.
+            let dist =
+                ["rustc", "--profile", "dist", "--lib", "--crate-type", "cdylib,staticlib", "--package", "crumple"];
+            workspace.cargo_anywhere(&dist)?.args(["--no-default-features", "--features", &features]).run()?;
+        }
     }
     let directory = workspace.target.join(profile.directory());
     let (shared, import, static_library) = if cfg!(windows) {
@@ -66,6 +83,7 @@ pub fn build(workspace: &Workspace, profile: Profile) -> Result<Built> {
         import: import.map(|name| directory.join(name)),
         static_library: directory.join(static_library),
         static_needs: static_needs(workspace)?,
+        features,
     })
 }
 
@@ -87,10 +105,17 @@ fn static_needs(workspace: &Workspace) -> Result<Vec<String>> {
 
 /// Builds and installs. Answers what was built.
 pub fn run(workspace: &Workspace, prefix: &Path, profile: Profile) -> Result<Built> {
-    let built = build(workspace, profile)?;
+    let built = build(workspace, profile, FEATURES)?;
     let prefix = workspace.path(prefix);
+    lay_out(workspace, &built, &prefix)?;
+    println!("installed Crumple {} ({}) in {}", workspace.version, profile.directory(), prefix.display());
+    Ok(built)
+}
+
+/// Copies what was built, and what goes with it, to where others look for it.
+pub fn lay_out(workspace: &Workspace, built: &Built, prefix: &Path) -> Result<()> {
     let lib = prefix.join("lib");
-    copy_shared(workspace, &built, &prefix)?;
+    copy_shared(workspace, built, prefix)?;
     copy(&built.static_library, &lib)?;
     for header in ["include/crumple.h", "include/crumple.hpp"] {
         copy(&workspace.path(header), &prefix.join("include"))?;
@@ -102,11 +127,11 @@ pub fn run(workspace: &Workspace, prefix: &Path, profile: Profile) -> Result<Bui
         ("cmake/CrumpleConfig.cmake.in", "lib/cmake/Crumple"),
         ("cmake/CrumpleConfigVersion.cmake.in", "lib/cmake/Crumple"),
         ("cmake/crumple.pc.in", "lib/pkgconfig"),
+        ("cmake/static-libraries.txt.in", "lib"),
     ] {
-        fill(workspace, &built, template, &prefix.join(directory))?;
+        fill(workspace, built, template, &prefix.join(directory))?;
     }
-    println!("installed Crumple {} ({}) in {}", workspace.version, profile.directory(), prefix.display());
-    Ok(built)
+    Ok(())
 }
 
 #[cfg(unix)]
@@ -135,14 +160,27 @@ fn copy_shared(_: &Workspace, built: &Built, prefix: &Path) -> Result<()> {
 }
 
 /// The name that programs built with `library` ask the loader for; `build.rs` gave it that.
-fn soname(library: &Path) -> Result<String> {
+pub fn soname(library: &Path) -> Result<String> {
+    let name = dynamic(library)?.into_iter().find(|(entry, _)| entry.tag == DT_SONAME).map(|(_, text)| text);
+    name.with_context(|| format!("{} has no SONAME; build.rs gives it one", library.display()))
+}
+
+/// A library whose threads may still be ending is not to be taken out of memory; `build.rs` sees to it.
+pub fn stays_loaded(library: &Path) -> Result<()> {
+    let flags = dynamic(library)?.into_iter().find(|(entry, _)| entry.tag == DT_FLAGS_1);
+    let flags = flags.map_or(0, |(entry, _)| entry.val);
+    ensure!(flags & u64::from(DF_1_NODELETE) != 0, "{} is not NODELETE; build.rs makes it so", library.display());
+    Ok(())
+}
+
+/// What a library tells the loader, each entry with its text where it is one.
+fn dynamic(library: &Path) -> Result<Vec<(Dynamic, String)>> {
     let bytes = fs::read(library).with_context(|| format!("reading {}", library.display()))?;
     let header = FileHeader64::<Endianness>::parse(&*bytes)?;
     let endian = header.endian()?;
     let table = header.sections(endian, &*bytes)?.dynamic_table(endian, &*bytes)?;
-    let entry = table.into_iter().find(|entry| entry.tag == DT_SONAME);
-    let entry = entry.with_context(|| format!("{} has no SONAME; build.rs gives it one", library.display()))?;
-    Ok(String::from_utf8(table.string(entry)?.to_vec())?)
+    let text = |entry: Dynamic| if entry.is_string() { table.string(entry).unwrap_or_default() } else { &[] };
+    Ok(table.iter().map(|entry| (entry, String::from_utf8_lossy(text(entry)).into_owned())).collect())
 }
 
 /// Copies `cmake/NAME.in` to `directory/NAME` with every `@KEY@` replaced.
@@ -154,6 +192,8 @@ fn fill(workspace: &Workspace, built: &Built, template: &str, directory: &Path) 
         ("@CRUMPLE_SONAME@", if cfg!(target_os = "linux") { soname(&built.shared)? } else { String::new() }),
         ("@CRUMPLE_STATIC_LIBS@", built.static_needs.join(" ")),
         ("@CRUMPLE_STATIC_LIBS_CMAKE@", libraries.join(";")),
+        ("@CRUMPLE_FEATURES@", built.features.join(" ")),
+        ("@CRUMPLE_FEATURES_CMAKE@", built.features.join(";")),
     ];
     let text = values.iter().fold(text, |text, (key, value)| text.replace(key, value));
     if let Some(key) = text.split("@CRUMPLE_").nth(1) {
@@ -171,7 +211,7 @@ fn copy(file: &Path, directory: &Path) -> Result<PathBuf> {
     copy_as(file, directory, &name.to_string_lossy())
 }
 
-fn copy_as(file: &Path, directory: &Path, name: &str) -> Result<PathBuf> {
+pub fn copy_as(file: &Path, directory: &Path, name: &str) -> Result<PathBuf> {
     fs::create_dir_all(directory).with_context(|| format!("creating {}", directory.display()))?;
     let to = directory.join(name);
     // A program that runs from the old file keeps it: the new one must be a new file, not the same one overwritten.

@@ -1,10 +1,12 @@
 //! `cargo xtask …`: one command for each thing that people and CI do with this repository,
 //! the same on every platform.
 
+mod abi;
 mod bench;
 mod ci;
 mod command;
 mod csharp;
+mod declarations;
 mod demo;
 mod fuzz;
 mod header;
@@ -12,8 +14,9 @@ mod install;
 mod lab;
 mod messages;
 mod native;
-mod outside;
+mod package;
 mod peers;
+mod reference;
 mod repo;
 mod stage;
 mod test;
@@ -49,9 +52,15 @@ enum Command {
     },
     /// Run every test: Rust, C and C++, under sanitizers and valgrind, and from outside the tree
     Test(test::Options),
-    /// Write include/crumple.h from the Rust sources
+    /// Write include/crumple.h from the Rust sources, and what is made of it: the C# declarations, docs/reference.md
     Header {
         /// Write nothing; fail with a diff when the committed header is not what the sources say
+        #[arg(long)]
+        check: bool,
+    },
+    /// Write docs/abi from include/crumple.h: what programs that are built against it rely on
+    Abi {
+        /// Write nothing; fail where the header says something else
         #[arg(long)]
         check: bool,
     },
@@ -64,6 +73,8 @@ enum Command {
         #[arg(long)]
         debug: bool,
     },
+    /// Make the archives that people without Rust download
+    Package(package::Options),
     /// Fuzz what reads files from outside, guided by coverage
     Fuzz(fuzz::Options),
     /// Measure accuracy, cost, stability and peers; write docs/lab with its tables, charts and report
@@ -96,10 +107,12 @@ fn run(command: Command) -> Result<()> {
         Command::Demo { out, gpu } => demo::run(&workspace, &out, gpu.as_deref()),
         Command::Test(options) => test::run(&workspace, &options),
         Command::Header { check } => header::run(&workspace, check),
+        Command::Abi { check } => abi::run(&workspace, check),
         Command::Install { prefix, debug } => {
             let profile = if debug { install::Profile::Debug } else { install::Profile::Release };
             install::run(&workspace, &prefix, profile).map(drop)
         }
+        Command::Package(options) => package::run(&workspace, &options),
         Command::Fuzz(options) => fuzz::run(&workspace, &options),
         Command::Lab(options) => lab::run(&workspace, &options),
         Command::Bench(options) => bench::run(&workspace, &options),

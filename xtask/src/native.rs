@@ -1,12 +1,11 @@
 //! The C library as C and C++ programs meet it: installed, under CTest, and under gcc's sanitizers.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, ensure};
-use object::Object;
+use anyhow::Result;
 use xshell::cmd;
 
+use crate::abi;
 use crate::install::{self, Profile};
 use crate::stage::Outcome;
 use crate::tools::Tool;
@@ -14,14 +13,16 @@ use crate::vulkan;
 use crate::workspace::{Workspace, empty_directory};
 
 /// CMake projects whose programs are tests, each with the name of its build directory.
-const PROJECTS: &[(&str, &str)] =
-    &[("examples-c", "examples-c"), ("tests/c", "tests-c"), ("bindings/unity/native~", "unity")];
+pub const OURS: &[(&str, &str)] = &[("examples-c", "examples-c"), ("tests/c", "tests-c")];
+/// Those and the engines' plugins.
+const ALL: &[(&str, &str)] =
+    &[OURS[0], OURS[1], ("bindings/unity/native~", "unity"), ("bindings/unreal/tests", "unreal")];
 
 pub fn install_release(workspace: &Workspace) -> Result<Outcome> {
     let prefix = release_prefix(workspace);
     empty_directory(&prefix)?;
     let built = install::run(workspace, &prefix, Profile::Release)?;
-    symbols(workspace, &built.shared)?;
+    abi::exported(&workspace.path("include/crumple.h"), &built.shared)?;
     Ok(Outcome::Passed)
 }
 
@@ -29,32 +30,10 @@ pub fn release_prefix(workspace: &Workspace) -> PathBuf {
     workspace.target.join("prefix")
 }
 
-/// The shared library gives away `crumple_…` and nothing else, and everything that the header declares.
-fn symbols(workspace: &Workspace, shared: &Path) -> Result<()> {
-    let bytes = fs::read(shared).with_context(|| format!("reading {}", shared.display()))?;
-    let file = object::File::parse(&*bytes)?;
-    let names: Vec<String> =
-        file.exports()?.iter().map(|export| String::from_utf8_lossy(export.name()).into_owned()).collect();
-    // Apple's format puts an underscore before every C name.
-    let names: Vec<&str> = names.iter().map(|name| if cfg!(target_os = "macos") { &name[1..] } else { name }).collect();
-    let foreign: Vec<&&str> = names.iter().filter(|name| !name.starts_with("crumple_")).collect();
-    ensure!(foreign.is_empty(), "{} exports {foreign:?}; every exported name begins with crumple_", shared.display());
-    let header = fs::read_to_string(workspace.path("include/crumple.h"))?;
-    let absent: Vec<&str> = declared(&header).into_iter().filter(|name| !names.contains(name)).collect();
-    ensure!(absent.is_empty(), "include/crumple.h declares {absent:?}, which {} does not export", shared.display());
-    println!("{} names exported, all crumple_…", names.len());
-    Ok(())
-}
-
-/// Names of the functions that a header declares: `crumple_` words right before a parenthesis, outside comments.
-pub fn declared(header: &str) -> Vec<&str> {
-    let code = header.lines().filter(|line| !line.trim_start().starts_with(['*', '/']));
-    let words = code.filter_map(|line| line.split_once('(').map(|(before, _)| before));
-    words.filter_map(|before| before.rsplit([' ', '*']).next()).filter(|name| name.starts_with("crumple_")).collect()
-}
-
 /// How a set of projects is built and run.
 pub struct Build<'a> {
+    /// What is built.
+    pub projects: &'a [(&'a str, &'a str)],
     /// Name of the directory that holds this kind's builds.
     pub kind: &'a str,
     pub prefix: &'a Path,
@@ -71,14 +50,14 @@ pub struct Build<'a> {
 impl<'a> Build<'a> {
     /// Everything, as it is, without Vulkan.
     pub fn new(kind: &'a str, prefix: &'a Path) -> Self {
-        Self { kind, prefix, options: &[], launcher: "", drivers: &[], left_out: "" }
+        Self { projects: ALL, kind, prefix, options: &[], launcher: "", drivers: &[], left_out: "" }
     }
 }
 
 /// Builds every project against an installed library and runs its tests.
 pub fn test_projects(workspace: &Workspace, build: &Build<'_>) -> Result<()> {
     let jobs = jobs();
-    for (project, name) in PROJECTS {
+    for (project, name) in build.projects {
         let directory = workspace.target.join("ctest").join(build.kind).join(name);
         compile(workspace, build, &workspace.path(project), &directory)?;
         let tests = cmd!(
@@ -174,17 +153,4 @@ fn debug_prefix(workspace: &Workspace) -> Result<PathBuf> {
     empty_directory(&prefix)?;
     install::run(workspace, &prefix, Profile::Debug)?;
     Ok(prefix)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::declared;
-
-    #[test]
-    fn declared_functions_are_found_and_comments_are_not() {
-        let header = "/// See crumple_other(): it differs.\n\
-                      CrumpleResult crumple_deform(CrumpleContext *context,\n    int count);\n\
-                      const char *crumple_last_error(void);\n#define CRUMPLE_X sizeof(int)\n";
-        assert_eq!(declared(header), ["crumple_deform", "crumple_last_error"]);
-    }
 }

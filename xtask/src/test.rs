@@ -6,7 +6,7 @@ use clap::Args;
 use crate::stage::{self, Outcome, Stage};
 use crate::tools::Tool;
 use crate::workspace::Workspace;
-use crate::{csharp, demo, native, outside, peers, valgrind, vulkan};
+use crate::{abi, csharp, demo, native, package, peers, valgrind, vulkan};
 
 #[derive(Args, Default)]
 pub struct Options {
@@ -32,12 +32,20 @@ const STAGES: &[Stage] = &[
         run: native::install_release,
     },
     Stage {
-        name: "outside",
-        shows: "programs outside the tree find the moved package by CMake and by pkg-config, shared and static",
+        name: "package",
+        shows: "the archive, unpacked elsewhere, is what it says; its examples run by CMake and by pkg-config, shared and static",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::PkgConfig],
+        wants: &[Tool::Ode, Tool::VulkanHeaders, Tool::Png],
+        closing: false,
+        run: package::stage,
+    },
+    Stage {
+        name: "abi",
+        shows: "the binary interface is the committed one, and programs of the first header run with the library of today",
+        needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::Abigail],
         wants: &[],
         closing: false,
-        run: outside::run,
+        run: abi::stage,
     },
     Stage {
         name: "csharp",

@@ -29,6 +29,8 @@ pub enum Tool {
     Vulkan,
     /// What programs in C need to be built for Vulkan.
     VulkanHeaders,
+    /// libabigail's tools, which compare binary interfaces.
+    Abigail,
     /// libpng, with which `vulkan_render.cpp` writes its picture.
     Png,
     /// A compiler and a runtime for C#, of the kind that Unity has.
@@ -66,6 +68,7 @@ impl Tool {
                 cmd!(sh, "mcs --version").quiet().ignore_stderr().read().is_ok()
                     && cmd!(sh, "mono --version").quiet().ignore_stderr().read().is_ok()
             }
+            Self::Abigail => cmd!(sh, "abidiff --version").quiet().ignore_stderr().read().is_ok(),
             Self::Valgrind => cmd!(sh, "valgrind --version").quiet().ignore_stderr().read().is_ok(),
             Self::Python311 => {
                 cmd!(sh, "python3.11 -c 'import ensurepip, venv'").quiet().ignore_stderr().read().is_ok()
@@ -100,6 +103,7 @@ impl Tool {
             Self::VulkanHeaders => &["pkg-config", "libvulkan-dev"],
             Self::Png => &["pkg-config", "libpng-dev"],
             Self::Mono => &["mono-mcs", "mono-runtime"],
+            Self::Abigail => &["abigail-tools"],
             Self::Vulkan => &["libvulkan1", "mesa-vulkan-drivers", "vulkan-validationlayers"],
         };
         packages.to_vec()
@@ -128,6 +132,7 @@ impl fmt::Display for Tool {
             Self::VulkanHeaders => "Vulkan's headers",
             Self::Png => "libpng's headers",
             Self::Mono => "Mono with its C# compiler",
+            Self::Abigail => "libabigail's abidiff",
         })
     }
 }

@@ -45,6 +45,38 @@ impl Workspace {
         cmd!(self.shell, "cargo {arguments...}")
     }
 
+    /// `cargo` for what leaves this machine: nothing that is built says where it was.
+    pub fn cargo_anywhere(&self, arguments: &[&str]) -> Result<xshell::Cmd<'_>> {
+        // Each registry has a folder of its own, which is there once something came from it.
+        self.cargo(&["fetch", "--quiet"]).quiet().run()?;
+        let from = |path: PathBuf, to: &str| format!("--remap-path-prefix={}={to}", path.display());
+        let mut flags = vec![
+            from(self.root.clone(), "/crumple"),
+            from(self.sysroot()?.join("lib/rustlib/src/rust"), "/rustc"),
+            from(cargo_home()?, "/cargo"),
+        ];
+        // Of several that fit, the last counts.
+        for registry in std::fs::read_dir(cargo_home()?.join("registry/src"))? {
+            flags.push(from(registry?.path(), SOURCES));
+        }
+        flags.splice(0..0, std::env::var("RUSTFLAGS").iter().flat_map(|f| f.split_whitespace().map(str::to_owned)));
+        Ok(self.cargo(arguments).env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}")))
+    }
+
+    /// The toolchain's directory.
+    pub fn sysroot(&self) -> Result<PathBuf> {
+        let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+        Ok(cmd!(self.shell, "{rustc} --print sysroot").quiet().read()?.into())
+    }
+
+    /// What `rustc -vV` says after `key: `.
+    pub fn rustc(&self, key: &str) -> Result<String> {
+        let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+        let version = cmd!(self.shell, "{rustc} -vV").quiet().read()?;
+        let line = version.lines().find_map(|line| line.strip_prefix(key)?.strip_prefix(": "));
+        line.map(str::to_owned).with_context(|| format!("rustc -vV says no {key}"))
+    }
+
     /// `cargo build` of what `arguments` choose of the Rust code, as the tests have it. A test is built along with it: without one
     /// Cargo leaves out the features that tests ask of dependencies, and builds everything again for the next test.
     pub fn build_as_tested(&self, arguments: &[&str]) -> xshell::Cmd<'_> {
@@ -60,6 +92,17 @@ impl Workspace {
     pub fn path(&self, path: impl AsRef<Path>) -> PathBuf {
         self.root.join(path)
     }
+}
+
+/// What `cargo_anywhere` calls the folder that holds the sources of all dependencies.
+pub const SOURCES: &str = "/cargo/registry";
+
+pub fn cargo_home() -> Result<PathBuf> {
+    if let Some(home) = std::env::var_os("CARGO_HOME") {
+        return Ok(home.into());
+    }
+    let home = std::env::home_dir().context("there is neither CARGO_HOME nor a home directory")?;
+    Ok(home.join(".cargo"))
 }
 
 /// Removes `directory` if it is there and makes it anew, empty.

@@ -349,7 +349,6 @@ impl Host {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 40, ..ProptestConfig::default() })]
     #[test]
     fn whatever_was_called_gives_the_same_again_from_any_moment_on(
         before in prop::collection::vec(step(), 0..25), after in prop::collection::vec(step(), 1..40), stale: bool

@@ -5,8 +5,8 @@ use std::fmt::Write;
 
 use anyhow::Result;
 
-use super::parse::{Form, Item};
 use super::write::pascal;
+use crate::declarations::{Form, Item};
 
 /// Its lines: `CrumpleMark 32`, `CrumpleMark.Depth 4 4`, `CrumpleMark.Pairs1 20 4`.
 pub fn program(items: &[Item]) -> Result<String> {

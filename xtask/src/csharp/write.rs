@@ -6,7 +6,7 @@ use std::fmt::Write;
 
 use anyhow::{Context, Result, bail};
 
-use super::parse::{Form, Item, Type, Variable};
+use crate::declarations::{Form, Item, Type, Variable, Variant};
 
 const HEAD: &str = "// Generated from include/crumple.h by `cargo xtask header`; do not edit it.\n\n";
 const KEYWORDS: &[&str] = &["base", "event", "fixed", "in", "lock", "object", "out", "params", "ref", "string"];
@@ -38,7 +38,7 @@ fn camel(name: &str) -> String {
 }
 
 /// What all enumerators of a type begin with: its own name where they do, as those of results do not.
-fn prefix(name: &str, variants: &[super::parse::Variant]) -> String {
+fn prefix(name: &str, variants: &[Variant]) -> String {
     let mut own = String::new();
     for letter in name.chars() {
         if letter.is_ascii_uppercase() && !own.is_empty() {
@@ -154,7 +154,7 @@ impl<'a> Writer<'a> {
     fn features(&self, text: &mut String) -> Result<()> {
         text.push_str("    /// <summary>\n    /// What this build of the library can do. Bits unknown to you may be set.\n    /// </summary>\n");
         text.push_str("    [Flags]\n    public enum CrumpleFeatures : ulong\n    {\n");
-        for Item { docs, name, form } in self.items {
+        for Item { docs, name, form, .. } in self.items {
             if let (Form::Define { value }, Some(feature)) = (form, name.strip_prefix("CRUMPLE_FEATURE_")) {
                 self.docs(text, 2, docs)?;
                 writeln!(text, "        {} = {value},", pascal(feature))?;
@@ -232,7 +232,7 @@ impl<'a> Writer<'a> {
             "#if (UNITY_IOS || UNITY_TVOS || UNITY_VISIONOS) && !UNITY_EDITOR\n        public const string Library = \"__Internal\";\n",
             "#else\n        public const string Library = \"crumple\";\n#endif\n\n"
         ));
-        for Item { docs, name, form } in self.items {
+        for Item { docs, name, form, .. } in self.items {
             let Form::Define { value } = form else { continue };
             // Features are an enum; a define in small letters is another name of a function, which C# has as it is.
             if name.starts_with("CRUMPLE_FEATURE_") || name.starts_with("crumple_") {
@@ -242,7 +242,7 @@ impl<'a> Writer<'a> {
             let value = replace_words(value, |word| word.starts_with("CRUMPLE_").then(|| define(word)));
             writeln!(text, "        public const uint {} = {value};\n", define(name))?;
         }
-        for Item { docs, name, form } in self.items {
+        for Item { docs, name, form, .. } in self.items {
             let Form::Function { result, parameters } = form else { continue };
             self.docs(&mut text, 2, docs)?;
             text.push_str(

@@ -111,7 +111,7 @@ namespace Crumple
         /// </summary>
         ErrorNullPointer = 64,
         /// <summary>
-        /// The struct_size of a def is not that of this version: take defs from their crumple_default_ function.
+        /// The struct_size of a def is that of no version: take defs from their crumple_default_ function.
         /// </summary>
         ErrorStructSize = 65,
         /// <summary>

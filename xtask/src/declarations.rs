@@ -56,6 +56,8 @@ pub struct Item {
     pub docs: Vec<String>,
     pub name: String,
     pub form: Form,
+    /// As it stands in the header, with the comments inside it.
+    pub text: String,
 }
 
 /// Everything that the header declares, in its order.
@@ -85,7 +87,7 @@ pub fn header(text: &str) -> Result<Vec<Item>> {
             }
         }
         let (name, form) = item(&declaration).with_context(|| format!("line {}: {trimmed}", number + 1))?;
-        items.push(Item { docs: std::mem::take(&mut docs), name, form });
+        items.push(Item { docs: std::mem::take(&mut docs), name, form, text: declaration.join("\n") });
     }
     Ok(items)
 }

@@ -1,0 +1,530 @@
+// Crumple for C++17: the C interface of crumple.h with owners that clean up, and errors as exceptions.
+//
+//     crumple::Context context;
+//     auto set = context.load_gltf("car.glb").value();
+//     auto body = context.create_instance(set).value();
+//     auto buffer = body.register_buffer(crumple::stream(positions), crumple::stream(normals)).value();
+//     body.submit_displacement(point, displacement).value();
+//     context.deform().value();
+//
+// Owners (Context, ExampleSet, Instance, Buffer) can be moved, not copied, and destroy what they own; release() hands
+// the id over instead. Destroying a Context destroys what was made in it; an owner that outlives its context does nothing.
+// Every owner gives its id with id(), and the C functions work on it as well: this file adds nothing to them.
+//
+// Every call that can fail gives a Result: value() is what it made, or throws Error; with CRUMPLE_NO_EXCEPTIONS defined,
+// value() ends the program instead, and you ask ok(), result() and message() first. A Result that nobody looks at is a
+// compiler warning. Threads are those of the C interface.
+#ifndef CRUMPLE_HPP
+#define CRUMPLE_HPP
+
+#include "crumple.h"
+
+#include <cstdlib>
+#include <new>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+#ifndef CRUMPLE_NO_EXCEPTIONS
+#include <stdexcept>
+#endif
+
+namespace crumple {
+
+static_assert(sizeof(CrumpleResult) == 4, "enums must be 32 bits wide: compile without -fshort-enums");
+
+#ifndef CRUMPLE_NO_EXCEPTIONS
+/// What Result::value() throws: what() is crumple_last_error()'s text.
+class Error : public std::runtime_error {
+public:
+    Error(CrumpleResult result, const std::string &message) : std::runtime_error(message), result_(result) {}
+    CrumpleResult result() const noexcept { return result_; }
+
+private:
+    CrumpleResult result_;
+};
+#endif
+
+/// What a call made, or why it failed. T may be void.
+template <class T>
+class [[nodiscard]] Result {
+    struct Nothing {};
+    using Stored = std::conditional_t<std::is_void_v<T>, Nothing, T>;
+
+public:
+    /// Success.
+    Result(Stored value = {}) : value_(std::move(value)) {}
+
+    /// A failure, with the calling thread's last error.
+    static Result failed(CrumpleResult result) { return Result(result, crumple_last_error()); }
+
+    /// Whether the call succeeded.
+    bool ok() const noexcept { return result_ == CRUMPLE_OK; }
+    explicit operator bool() const noexcept { return ok(); }
+    CrumpleResult result() const noexcept { return result_; }
+
+    /// What was wrong and what would be right; empty after success.
+    const std::string &message() const noexcept { return message_; }
+
+    /// What the call made. Throws Error, or ends the program, where it failed.
+    Stored value() && {
+        require();
+        return std::move(*value_);
+    }
+    const Stored &value() const & {
+        require();
+        return *value_;
+    }
+
+private:
+    Result(CrumpleResult result, const char *message) : result_(result), message_(message) {}
+
+    void require() const {
+        if (ok()) return;
+#ifdef CRUMPLE_NO_EXCEPTIONS
+        std::abort();
+#else
+        throw Error(result_, message_);
+#endif
+    }
+
+    CrumpleResult result_ = CRUMPLE_OK;
+    std::string message_;
+    std::optional<Stored> value_;
+};
+
+namespace detail {
+
+inline Result<void> done(CrumpleResult result) {
+    return result == CRUMPLE_OK ? Result<void>() : Result<void>::failed(result);
+}
+
+/// Calls call(out) and gives what it wrote.
+template <class T, class Call>
+Result<T> get(Call &&call) {
+    T out{};
+    const CrumpleResult result = call(&out);
+    return result == CRUMPLE_OK ? Result<T>(std::move(out)) : Result<T>::failed(result);
+}
+
+/// Asks for a number, then fills a vector of that many.
+template <class T, class Count, class Call>
+Result<std::vector<T>> fill(Call &&call) {
+    Count count = 0;
+    CrumpleResult result = call(nullptr, 0, &count);
+    std::vector<T> values(result == CRUMPLE_OK ? count : 0);
+    if (result == CRUMPLE_OK && count != 0) result = call(values.data(), count, &count);
+    return result == CRUMPLE_OK ? Result<std::vector<T>>(std::move(values)) : Result<std::vector<T>>::failed(result);
+}
+
+/// An id and the context it lives in; destroyed with Destroy.
+template <class Id, CrumpleResult (*Destroy)(CrumpleContext *, Id)>
+class Owner {
+public:
+    Owner() = default;
+    Owner(CrumpleContext *context, Id id) noexcept : context_(context), id_(id) {}
+    Owner(Owner &&other) noexcept : context_(std::exchange(other.context_, nullptr)), id_(std::exchange(other.id_, Id{})) {}
+    Owner &operator=(Owner &&other) noexcept {
+        if (this != &other) {
+            reset();
+            context_ = std::exchange(other.context_, nullptr);
+            id_ = std::exchange(other.id_, Id{});
+        }
+        return *this;
+    }
+    Owner(const Owner &) = delete;
+    Owner &operator=(const Owner &) = delete;
+    ~Owner() { reset(); }
+
+    /// The id, for the C functions; null where this owns nothing.
+    Id id() const noexcept { return id_; }
+    CrumpleContext *context() const noexcept { return context_; }
+    explicit operator bool() const noexcept { return id_.index != 0; }
+
+    /// Hands the id over: it is the caller's to destroy.
+    Id release() noexcept {
+        context_ = nullptr;
+        return std::exchange(id_, Id{});
+    }
+
+    /// Destroys it now.
+    void reset() noexcept {
+        if (id_.index != 0) Destroy(context_, id_);
+        context_ = nullptr;
+        id_ = Id{};
+    }
+
+private:
+    CrumpleContext *context_ = nullptr;
+    Id id_{};
+};
+
+} // namespace detail
+
+/// count elements of type T, stride bytes apart: any of your vertex structs, read from one member on.
+template <class T>
+CrumpleInput input(const T *first, std::size_t count, std::size_t stride = sizeof(T)) {
+    CrumpleInput in{};
+    in.data = first;
+    in.size = count == 0 ? 0 : (count - 1) * stride + sizeof(T);
+    in.stride = stride;
+    return in;
+}
+
+/// All elements of a std::vector, std::array, std::span or the like.
+template <class Container, class = decltype(std::declval<const Container &>().data())>
+CrumpleInput input(const Container &values) {
+    return input(values.data(), values.size());
+}
+
+/// count elements of type T, stride bytes apart, to be written.
+template <class T>
+CrumpleStream stream(T *first, std::size_t count, std::size_t stride = sizeof(T)) {
+    CrumpleStream out{};
+    out.data = first;
+    out.size = count == 0 ? 0 : (count - 1) * stride + sizeof(T);
+    out.stride = stride;
+    return out;
+}
+
+/// All elements of a std::vector, std::array, std::span or the like, to be written.
+template <class Container, class = decltype(std::declval<Container &>().data())>
+CrumpleStream stream(Container &values) {
+    return stream(values.data(), values.size());
+}
+
+/// Memory that an instance's vertices are written to; unregisters itself. See crumple_register_host_buffer().
+class Buffer : public detail::Owner<CrumpleBuffer, crumple_unregister_buffer> {
+public:
+    using Owner::Owner;
+
+    Result<void> invalidate() { return detail::done(crumple_invalidate_buffer(context(), id())); }
+    Result<void> set_memory(const CrumpleHostBufferDef &def) {
+        return detail::done(crumple_set_host_buffer_memory(context(), id(), &def));
+    }
+    /// The vertices that the last deform of it wrote.
+    Result<std::vector<CrumpleRange>> changes() const {
+        return detail::fill<CrumpleRange, uint32_t>([&](CrumpleRange *ranges, uint32_t capacity, uint32_t *count) {
+            return crumple_get_buffer_changes(context(), id(), ranges, capacity, count, nullptr);
+        });
+    }
+    /// The box around all of its vertices, m.
+    Result<CrumpleAabb> bounds() const {
+        uint32_t count = 0;
+        return detail::get<CrumpleAabb>(
+            [&](CrumpleAabb *bounds) { return crumple_get_buffer_changes(context(), id(), nullptr, 0, &count, bounds); });
+    }
+};
+
+/// A body in the scene; destroys itself. See crumple_create_instance().
+class Instance : public detail::Owner<CrumpleInstance, crumple_destroy_instance> {
+public:
+    using Owner::Owner;
+
+    Result<CrumpleInstanceInfo> info() const {
+        return detail::get<CrumpleInstanceInfo>(
+            [&](CrumpleInstanceInfo *info) { return crumple_get_instance_info(context(), id(), info); });
+    }
+    /// 16 floats, column-major.
+    Result<void> set_transform(const float *local_to_world) {
+        return detail::done(crumple_set_instance_transform(context(), id(), local_to_world));
+    }
+    /// m; 0: the set's limit.
+    Result<void> set_depth_limit(float limit) {
+        return detail::done(crumple_set_instance_depth_limit(context(), id(), limit));
+    }
+    /// m; 0: nothing is left out. See crumple_pixel_tolerance().
+    Result<void> set_tolerance(float tolerance) {
+        return detail::done(crumple_instance_set_tolerance(context(), id(), tolerance));
+    }
+
+    /// Any thread, at any time.
+    Result<CrumpleHitResult> submit(const CrumpleImpulseDef &def) {
+        return detail::get<CrumpleHitResult>(
+            [&](CrumpleHitResult *out) { return crumple_submit_impulse(context(), id(), &def, out); });
+    }
+    /// Any thread, at any time.
+    Result<CrumpleHitResult> submit(const CrumpleDisplacementDef &def) {
+        return detail::get<CrumpleHitResult>(
+            [&](CrumpleHitResult *out) { return crumple_submit_displacement(context(), id(), &def, out); });
+    }
+    /// N s, s, kg (0: the set's mass). Any thread, at any time.
+    Result<CrumpleHitResult> submit_impulse(CrumpleVec3 point, CrumpleVec3 impulse, float duration, float mass = 0,
+                                            CrumpleSpace space = CRUMPLE_SPACE_LOCAL) {
+        CrumpleImpulseDef def = crumple_default_impulse_def();
+        def.space = space;
+        def.point = point;
+        def.impulse = impulse;
+        def.duration = duration;
+        def.mass = mass;
+        return submit(def);
+    }
+    /// m. Any thread, at any time.
+    Result<CrumpleHitResult> submit_displacement(CrumpleVec3 point, CrumpleVec3 displacement,
+                                                 CrumpleSpace space = CRUMPLE_SPACE_LOCAL) {
+        CrumpleDisplacementDef def = crumple_default_displacement_def();
+        def.space = space;
+        def.point = point;
+        def.displacement = displacement;
+        return submit(def);
+    }
+
+    /// Ends a contact: hits with its contact_id make one dent until then. Any thread, at any time.
+    Result<void> end_contact(uint64_t contact_id) {
+        return detail::done(crumple_end_contact(context(), id(), contact_id));
+    }
+
+    Result<std::vector<CrumpleMark>> marks() const {
+        return detail::fill<CrumpleMark, uint32_t>([&](CrumpleMark *marks, uint32_t capacity, uint32_t *count) {
+            return crumple_get_marks(context(), id(), marks, capacity, count);
+        });
+    }
+    Result<void> set_marks(const CrumpleMark *marks, std::size_t count) {
+        return detail::done(crumple_set_marks(context(), id(), marks, static_cast<uint32_t>(count)));
+    }
+    Result<void> set_marks(const std::vector<CrumpleMark> &marks) { return set_marks(marks.data(), marks.size()); }
+    Result<std::vector<unsigned char>> save() const {
+        return detail::fill<unsigned char, std::size_t>([&](unsigned char *data, std::size_t capacity, std::size_t *size) {
+            return crumple_save_damage(context(), id(), data, capacity, size);
+        });
+    }
+    Result<void> load(const void *data, std::size_t size) {
+        return detail::done(crumple_load_damage(context(), id(), data, size));
+    }
+    /// The share of its depth that every dent keeps, 0 to 1.
+    Result<void> repair(float keep) { return detail::done(crumple_repair_damage(context(), id(), keep)); }
+    Result<void> reset_damage() { return detail::done(crumple_reset_damage(context(), id())); }
+    Result<void> copy_damage(CrumpleInstance source) { return detail::done(crumple_copy_damage(context(), id(), source)); }
+
+    Result<CrumpleFrame> attached_frame(const CrumpleAttachment &attachment) const {
+        return detail::get<CrumpleFrame>(
+            [&](CrumpleFrame *frame) { return crumple_get_attached_frame(context(), id(), &attachment, frame); });
+    }
+
+    Result<Buffer> register_buffer(const CrumpleHostBufferDef &def) {
+        CrumpleBuffer buffer{};
+        const CrumpleResult result = crumple_register_host_buffer(context(), id(), &def, &buffer);
+        return result == CRUMPLE_OK ? Result<Buffer>(Buffer(context(), buffer)) : Result<Buffer>::failed(result);
+    }
+    /// Absent normals and tangents are not written.
+    Result<Buffer> register_buffer(CrumpleStream positions, CrumpleStream normals = {}, CrumpleStream tangents = {}) {
+        CrumpleHostBufferDef def = crumple_default_host_buffer_def();
+        def.positions = positions;
+        def.normals = normals;
+        def.tangents = tangents;
+        return register_buffer(def);
+    }
+    /// A range of a VkBuffer, which Context::record_deform() writes.
+    Result<Buffer> register_buffer(const CrumpleVulkanBufferDef &def) {
+        CrumpleBuffer buffer{};
+        const CrumpleResult result = crumple_register_vulkan_buffer(context(), id(), &def, &buffer);
+        return result == CRUMPLE_OK ? Result<Buffer>(Buffer(context(), buffer)) : Result<Buffer>::failed(result);
+    }
+};
+
+/// A base mesh and its examples; ends its id by itself, while instances keep what they need. See
+/// crumple_create_example_set().
+class ExampleSet : public detail::Owner<CrumpleExampleSet, crumple_destroy_example_set> {
+public:
+    using Owner::Owner;
+
+    /// Its strings live as long as this.
+    Result<CrumpleExampleSetInfo> info() const {
+        return detail::get<CrumpleExampleSetInfo>(
+            [&](CrumpleExampleSetInfo *info) { return crumple_get_example_set_info(context(), id(), info); });
+    }
+    /// Before the first instance is made: another mesh that shows the same damage; its number.
+    Result<uint32_t> add_lod(const CrumpleLodDef &def) {
+        return detail::get<uint32_t>(
+            [&](uint32_t *lod) { return crumple_example_set_add_lod(context(), id(), &def, lod); });
+    }
+    /// Its strings live as long as this.
+    Result<CrumpleExampleInfo> example(uint32_t index) const {
+        return detail::get<CrumpleExampleInfo>(
+            [&](CrumpleExampleInfo *info) { return crumple_get_example_info(context(), id(), index, info); });
+    }
+    /// Its strings live as long as this.
+    Result<CrumplePrimitive> primitive(uint32_t index) const {
+        return detail::get<CrumplePrimitive>(
+            [&](CrumplePrimitive *primitive) { return crumple_get_primitive(context(), id(), index, primitive); });
+    }
+    /// The bytes of a .crumple file.
+    Result<std::vector<unsigned char>> save() const {
+        return detail::fill<unsigned char, std::size_t>([&](unsigned char *data, std::size_t capacity, std::size_t *size) {
+            return crumple_save_example_set(context(), id(), data, capacity, size);
+        });
+    }
+    Result<void> copy_base_mesh(const CrumpleMeshCopyDef &def) const {
+        return detail::done(crumple_copy_base_mesh(context(), id(), &def));
+    }
+    struct Nearest {
+        uint32_t vertex;
+        float distance; ///< m
+    };
+    Result<Nearest> nearest_vertex(CrumpleVec3 point) const {
+        return detail::get<Nearest>([&](Nearest *nearest) {
+            return crumple_nearest_vertex(context(), id(), point, &nearest->vertex, &nearest->distance);
+        });
+    }
+    Result<CrumpleAttachment> attach(CrumpleVec3 point) const {
+        return detail::get<CrumpleAttachment>(
+            [&](CrumpleAttachment *attachment) { return crumple_attach_point(context(), id(), point, attachment); });
+    }
+};
+
+/// Everything; destroys itself and all that was made in it. See crumple_context_create().
+class Context {
+public:
+    static Result<Context> create(const CrumpleContextDef &def = crumple_default_context_def()) {
+        CrumpleContext *context = nullptr;
+        const CrumpleResult result = crumple_context_create(&def, &context);
+        return result == CRUMPLE_OK ? Result<Context>(Context(context)) : Result<Context>::failed(result);
+    }
+
+#ifndef CRUMPLE_NO_EXCEPTIONS
+    /// Throws Error.
+    explicit Context(const CrumpleContextDef &def = crumple_default_context_def()) : Context(create(def).value()) {}
+#endif
+    /// Takes over a context of the C interface; null owns nothing.
+    explicit Context(CrumpleContext *context) noexcept : context_(context) {}
+    Context(Context &&other) noexcept : context_(std::exchange(other.context_, nullptr)) {}
+    Context &operator=(Context &&other) noexcept {
+        if (this != &other) {
+            reset();
+            context_ = std::exchange(other.context_, nullptr);
+        }
+        return *this;
+    }
+    Context(const Context &) = delete;
+    Context &operator=(const Context &) = delete;
+    ~Context() { reset(); }
+
+    /// For the C functions.
+    CrumpleContext *get() const noexcept { return context_; }
+    CrumpleContext *release() noexcept { return std::exchange(context_, nullptr); }
+    /// Destroys it now. With Vulkan frames in flight nothing is destroyed, and what they use is lost: complete_frames() first.
+    void reset() noexcept {
+        if (context_ != nullptr) crumple_context_destroy(context_);
+        context_ = nullptr;
+    }
+
+    Result<ExampleSet> create_example_set(const CrumpleExampleSetDef &def) {
+        return own<ExampleSet, CrumpleExampleSet>(
+            [&](CrumpleExampleSet *out) { return crumple_create_example_set(context_, &def, out); });
+    }
+    Result<ExampleSet> load_gltf(const CrumpleGltfDef &def) {
+        return own<ExampleSet, CrumpleExampleSet>(
+            [&](CrumpleExampleSet *out) { return crumple_load_example_set_gltf(context_, &def, out); });
+    }
+    /// The first mesh that has morph targets, with default options.
+    Result<ExampleSet> load_gltf(const char *path) {
+        CrumpleGltfDef def = crumple_default_gltf_def();
+        def.path = path;
+        return load_gltf(def);
+    }
+    Result<ExampleSet> load_gltf(const void *data, std::size_t size,
+                                 const CrumpleGltfDef &def = crumple_default_gltf_def()) {
+        return own<ExampleSet, CrumpleExampleSet>([&](CrumpleExampleSet *out) {
+            return crumple_load_example_set_gltf_memory(context_, data, size, &def, out);
+        });
+    }
+    Result<ExampleSet> load_obj(const CrumpleObjDef &def) {
+        return own<ExampleSet, CrumpleExampleSet>(
+            [&](CrumpleExampleSet *out) { return crumple_load_example_set_obj(context_, &def, out); });
+    }
+
+    /// From the bytes of a .crumple file; with CRUMPLE_BYTES_KEEP they must outlive the set and its instances.
+    Result<ExampleSet> load_baked(const void *data, std::size_t size, CrumpleBytes bytes = CRUMPLE_BYTES_COPY) {
+        return own<ExampleSet, CrumpleExampleSet>([&](CrumpleExampleSet *out) {
+            return crumple_load_example_set_memory(context_, data, size, bytes, out);
+        });
+    }
+    Result<ExampleSet> load_baked(const char *path) {
+        return own<ExampleSet, CrumpleExampleSet>(
+            [&](CrumpleExampleSet *out) { return crumple_load_example_set_file(context_, path, out); });
+    }
+
+    Result<Instance> create_instance(const CrumpleInstanceDef &def) {
+        return own<Instance, CrumpleInstance>(
+            [&](CrumpleInstance *out) { return crumple_create_instance(context_, &def, out); });
+    }
+    /// With default rules.
+    Result<Instance> create_instance(const ExampleSet &set) {
+        CrumpleInstanceDef def = crumple_default_instance_def();
+        def.set = set.id();
+        return create_instance(def);
+    }
+
+    /// All host buffers.
+    Result<CrumpleDeformReport> deform() { return deform(nullptr, 0); }
+    /// Some buffers, each once.
+    Result<CrumpleDeformReport> deform(const CrumpleBuffer *buffers, std::size_t count) {
+        return detail::get<CrumpleDeformReport>([&](CrumpleDeformReport *report) {
+            return crumple_deform(context_, buffers, static_cast<uint32_t>(count), report);
+        });
+    }
+
+    Result<void> attach_vulkan(const CrumpleVulkanDef &def) {
+        return detail::done(crumple_attach_vulkan(context_, &def));
+    }
+    /// A device of Crumple's own, which memory is shared with.
+    Result<void> open_vulkan(const CrumpleOwnVulkanDef &def) { return detail::done(crumple_open_vulkan(context_, &def)); }
+    Result<void> detach_vulkan() { return detail::done(crumple_detach_vulkan(context_)); }
+    Result<std::vector<unsigned char>> vulkan_pipeline_cache() {
+        return detail::fill<unsigned char, std::size_t>([&](unsigned char *data, std::size_t capacity, std::size_t *size) {
+            return crumple_get_vulkan_pipeline_cache(context_, data, capacity, size);
+        });
+    }
+    /// All Vulkan buffers, into a VkCommandBuffer.
+    Result<CrumpleRecordReport> record_deform(void *command_buffer, uint64_t frame) {
+        return record_deform(command_buffer, frame, nullptr, 0);
+    }
+    /// Some buffers, each once.
+    Result<CrumpleRecordReport> record_deform(void *command_buffer, uint64_t frame, const CrumpleBuffer *buffers,
+                                              std::size_t count) {
+        return detail::get<CrumpleRecordReport>([&](CrumpleRecordReport *report) {
+            return crumple_record_deform(context_, command_buffer, frame, buffers, static_cast<uint32_t>(count), report);
+        });
+    }
+    Result<void> complete_frames(uint64_t frame) { return detail::done(crumple_complete_frames(context_, frame)); }
+    Result<void> discard_frames(uint64_t frame) { return detail::done(crumple_discard_frames(context_, frame)); }
+
+    Result<uint64_t> import_vulkan_buffer(const CrumpleVulkanImportDef &def) {
+        return detail::get<uint64_t>(
+            [&](uint64_t *buffer) { return crumple_import_vulkan_buffer(context_, &def, buffer); });
+    }
+    Result<void> release_vulkan_buffer(uint64_t buffer) {
+        return detail::done(crumple_release_vulkan_buffer(context_, buffer));
+    }
+    Result<uint64_t> import_vulkan_semaphore(CrumpleHandleType type, int64_t handle) {
+        return detail::get<uint64_t>(
+            [&](uint64_t *semaphore) { return crumple_import_vulkan_semaphore(context_, type, handle, semaphore); });
+    }
+    /// All Vulkan buffers, on Crumple's own device; gives the number of the frame.
+    Result<uint64_t> submit_deform(const std::vector<uint64_t> &waits = {}, const std::vector<uint64_t> &signals = {},
+                                   CrumpleRecordReport *report = nullptr) {
+        return detail::get<uint64_t>([&](uint64_t *frame) {
+            return crumple_submit_deform(context_, nullptr, 0, waits.data(), static_cast<uint32_t>(waits.size()),
+                                         signals.data(), static_cast<uint32_t>(signals.size()), frame, report);
+        });
+    }
+    /// Whether the device was done within so many nanoseconds.
+    Result<bool> wait_frame(uint64_t frame, uint64_t timeout = UINT64_MAX) {
+        return detail::get<bool>([&](bool *done) { return crumple_wait_frame(context_, frame, timeout, done); });
+    }
+
+private:
+    template <class Handle, class Id, class Call>
+    Result<Handle> own(Call &&call) {
+        Id id{};
+        const CrumpleResult result = call(&id);
+        return result == CRUMPLE_OK ? Result<Handle>(Handle(context_, id)) : Result<Handle>::failed(result);
+    }
+
+    CrumpleContext *context_ = nullptr;
+};
+
+} // namespace crumple
+
+#endif // CRUMPLE_HPP

@@ -1,0 +1,176 @@
+//! `cargo xtask package`: archives for people who build no Rust, `crumple-VERSION-TARGET[-slim].tar.gz` (`.zip` on Windows), each with
+//! its debug symbols in an archive beside it. The same libraries give the same bytes.
+
+mod archive;
+mod check;
+mod contents;
+mod licenses;
+mod manifest;
+mod markdown;
+mod paths;
+mod symbols;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use clap::{Args, ValueEnum};
+use xshell::cmd;
+
+use crate::command::Command;
+use crate::install::{self, Built, Profile};
+use crate::workspace::{Workspace, empty_directory};
+
+pub use check::stage;
+
+#[derive(Args)]
+pub struct Options {
+    /// Which archives
+    #[arg(long, value_enum, default_value = "all")]
+    flavour: Choice,
+    /// Where they go
+    #[arg(long, value_name = "DIR", default_value = "out/package")]
+    out: PathBuf,
+    /// Unpack each elsewhere, and build and run its examples
+    #[arg(long)]
+    check: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Choice {
+    /// What a game ships: no importers of files (sets come baked), no command
+    Slim,
+    /// Importers of glTF and OBJ, and the `crumple` command
+    Full,
+    All,
+}
+
+pub struct Flavour {
+    name: &'static str,
+    /// How the archive's name ends.
+    suffix: &'static str,
+    /// The library's features. wgpu is none of them: nothing that C can call leads to it.
+    library: &'static [&'static str],
+    /// Whether the command is with it.
+    command: bool,
+}
+
+const SLIM: Flavour = Flavour { name: "slim", suffix: "-slim", library: &["vulkan", "host-allocator"], command: false };
+const FULL: Flavour = Flavour { name: "full", suffix: "", library: install::FEATURES, command: true };
+
+/// What was built for an archive.
+struct Parts {
+    flavour: &'static Flavour,
+    target: String,
+    library: Built,
+    command: Option<PathBuf>,
+    /// Whether the command is what people get. Elsewise it is a stand-in that the tests built, which may say where.
+    handed_out: bool,
+}
+
+/// An archive, and that of its debug symbols.
+struct Packed {
+    /// The name of the archive, without what says its format, and of the one folder in it.
+    name: String,
+    archive: PathBuf,
+}
+
+pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
+    let out = workspace.path(&options.out);
+    for flavour in [&SLIM, &FULL] {
+        if ![Choice::All, if flavour.suffix.is_empty() { Choice::Full } else { Choice::Slim }]
+            .contains(&options.flavour)
+        {
+            continue;
+        }
+        let packed = pack(workspace, &build(workspace, flavour)?, &out)?;
+        if options.check {
+            check::check(workspace, flavour, &packed)?;
+        }
+    }
+    Ok(())
+}
+
+fn build(workspace: &Workspace, flavour: &'static Flavour) -> Result<Parts> {
+    println!("Building the {} flavour; it is optimized as a whole, which takes minutes.", flavour.name);
+    let mut command = None;
+    if flavour.command {
+        command = Some(Command::build(workspace, Profile::Dist, None)?.program().to_owned());
+    }
+    // After the command, which leaves a library of its own in the same place.
+    let library = install::build(workspace, Profile::Dist, flavour.library)?;
+    Ok(Parts { flavour, target: workspace.rustc("host")?, library, command, handed_out: true })
+}
+
+/// Lays out and packs what was built. Leaves the archives in `out`.
+fn pack(workspace: &Workspace, parts: &Parts, out: &Path) -> Result<Packed> {
+    let Parts { flavour, target, .. } = parts;
+    let name = format!("crumple-{}-{target}{}", workspace.version, flavour.suffix);
+    let stage = workspace.target.join("package").join(flavour.name);
+    empty_directory(&stage)?;
+    let (folder, debug) = (stage.join(&name), stage.join(format!("{name}-symbols")));
+
+    install::lay_out(workspace, &parts.library, &folder)?;
+    if let Some(command) = &parts.command {
+        let name = command.file_name().context("programs have names")?;
+        install::copy_as(command, &folder.join("bin"), &name.to_string_lossy())?;
+    }
+    symbols::separate(workspace, parts, &folder, &debug)?;
+    let linked = licenses::linked(workspace, parts)?;
+    paths::nothing_unlicensed(&folder, &linked)?;
+    licenses::write(workspace, &linked, &folder.join(licenses::FILE))?;
+    contents::copy(workspace, parts, &folder)?;
+    paths::nothing_of_this_machine(workspace, parts, &folder)?;
+    manifest::write(workspace, parts, &folder)?;
+
+    fs::create_dir_all(out).with_context(|| format!("creating {}", out.display()))?;
+    let time = time(workspace)?;
+    let archive = archive::pack(&folder, out, time)?;
+    let debug = archive::pack(&debug, out, time)?;
+    for file in [&archive, &debug] {
+        println!("{} ({:.1} MB)", file.display(), fs::metadata(file)?.len() as f64 / 1e6);
+    }
+    Ok(Packed { name, archive })
+}
+
+/// When everything in an archive was changed last, as far as it says: `SOURCE_DATE_EPOCH`, or when the commit was made.
+fn time(workspace: &Workspace) -> Result<u64> {
+    if let Ok(seconds) = std::env::var("SOURCE_DATE_EPOCH") {
+        return seconds
+            .parse()
+            .with_context(|| format!("SOURCE_DATE_EPOCH is {seconds:?}; it must be seconds since 1970"));
+    }
+    let seconds = git(workspace, &["log", "-1", "--format=%ct"])?;
+    Ok(seconds.trim().parse()?)
+}
+
+/// What git prints. Only what git knows is packed, so that what lies about here is not.
+fn git(workspace: &Workspace, arguments: &[&str]) -> Result<String> {
+    let printed = cmd!(workspace.shell, "git {arguments...}").quiet().read();
+    printed.context("archives are made from a git checkout, of the files that git knows")
+}
+
+/// Files below a folder, without symbolic links, in order.
+fn files(folder: &Path) -> Result<Vec<PathBuf>> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).with_context(|| format!("reading {}", folder.display()))? {
+        let entry = entry?;
+        let kind = entry.file_type()?;
+        if kind.is_dir() {
+            found.extend(files(&entry.path())?);
+        } else if kind.is_file() {
+            found.push(entry.path());
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// A path within a folder as archives write it, on Windows too.
+fn within(folder: &Path, path: &Path) -> Result<String> {
+    let inner =
+        path.strip_prefix(folder).with_context(|| format!("{} is not in {}", path.display(), folder.display()))?;
+    let parts: Vec<_> = inner.iter().map(|part| part.to_string_lossy()).collect();
+    ensure!(!parts.is_empty(), "{} is the folder itself", path.display());
+    Ok(parts.join("/"))
+}

@@ -1,0 +1,217 @@
+//! An archive as the person has it who downloaded it: unpacked in an empty folder, its files are what its manifest says, and
+//! its examples build and run, shared and static, by CMake and by pkg-config alone.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result, ensure};
+use serde_json::Value;
+use xshell::cmd;
+
+use super::{FULL, Flavour, Packed, Parts, files, manifest, markdown, pack, within};
+use crate::abi;
+use crate::command::Command;
+use crate::install::{self, Profile};
+use crate::native::{self, Build};
+use crate::stage::Outcome;
+use crate::workspace::Workspace;
+
+/// Somebody else's project, beside the archive's own examples.
+const CLIENT: &[&str] = &["xtask/package/client/CMakeLists.txt", "xtask/package/client/client.cpp"];
+/// What has to be there, whatever else is.
+const PRESENT: &[&str] = &[
+    "README.md",
+    "OVERVIEW.md",
+    "CHANGELOG.md",
+    "LICENSE-MIT",
+    "LICENSE-APACHE",
+    "THIRD-PARTY-LICENSES.txt",
+    "RUST-STANDARD-LIBRARY-LICENSES.html",
+    "include/crumple.h",
+    "include/crumple.hpp",
+    "lib/static-libraries.txt",
+    "lib/cmake/Crumple/CrumpleConfig.cmake",
+    "docs/integration.md",
+    "examples-c/quickstart.c",
+    "assets/demo/hood.glb",
+];
+
+/// The full flavour, made of what other stages built: the release library and the tests' command.
+pub fn stage(workspace: &Workspace) -> Result<Outcome> {
+    if cfg!(windows) {
+        return Ok(Outcome::Skipped("not done on Windows, where pkg-config is rare".into()));
+    }
+    let parts = Parts {
+        flavour: &FULL,
+        target: workspace.rustc("host")?,
+        library: install::build(workspace, Profile::Release, install::FEATURES)?,
+        command: Some(Command::build(workspace, Profile::Debug, None)?.program().to_owned()),
+        handed_out: false,
+    };
+    let out = tempfile::tempdir()?;
+    let packed = pack(workspace, &parts, &out.path().join("once"))?;
+    let again = pack(workspace, &parts, &out.path().join("again"))?;
+    let same = fs::read(&packed.archive)? == fs::read(&again.archive)?;
+    ensure!(same, "the same libraries, packed twice, make two different archives");
+    check(workspace, &FULL, &packed)?;
+    Ok(Outcome::Passed)
+}
+
+pub fn check(workspace: &Workspace, flavour: &Flavour, packed: &Packed) -> Result<()> {
+    if cfg!(windows) {
+        println!("an archive for Windows is not unpacked and tried here");
+        return Ok(());
+    }
+    let scratch = tempfile::tempdir()?;
+    let (root, archive) = (scratch.path(), &packed.archive);
+    cmd!(workspace.shell, "tar -xzf {archive} -C {root}").quiet().run()?;
+    let inside: Vec<_> = fs::read_dir(root)?.collect::<Result<_, _>>()?;
+    ensure!(
+        inside.len() == 1 && inside[0].file_name() == *packed.name,
+        "{} holds more than one folder",
+        archive.display()
+    );
+    let folder = root.join(&packed.name);
+
+    said(workspace, flavour, packed, &folder)?;
+    pages(&folder)?;
+    let shared = folder.join("lib").join(if cfg!(target_os = "macos") { "libcrumple.dylib" } else { "libcrumple.so" });
+    abi::exported(&folder.join("include/crumple.h"), &shared)?;
+    if cfg!(target_os = "linux") {
+        install::stays_loaded(&shared)?;
+    }
+    command(workspace, flavour, &folder)?;
+    println!("by the first page:");
+    first_page(workspace, &folder)?;
+    println!("by CMake:");
+    by_cmake(workspace, root, &folder)?;
+    println!("by pkg-config:");
+    by_pkg_config(workspace, flavour, root, &folder)?;
+    println!("{} is what it says, and its examples run", packed.name);
+    Ok(())
+}
+
+/// The manifest names each file, its size and its digest, and no other.
+fn said(workspace: &Workspace, flavour: &Flavour, packed: &Packed, folder: &Path) -> Result<()> {
+    let text = fs::read_to_string(folder.join(manifest::FILE)).context("reading the manifest")?;
+    let manifest: Value = serde_json::from_str(&text).context("reading the manifest")?;
+    let said = |key: &str| manifest[key].as_str().unwrap_or_default().to_owned();
+    let named = format!("{}-{}-{}{}", said("name"), said("version"), said("target"), flavour.suffix);
+    ensure!(named == packed.name && said("flavour") == flavour.name, "the manifest of {} is of {named}", packed.name);
+    ensure!(said("version") == workspace.version, "the manifest is of version {}", said("version"));
+    let mut listed = BTreeSet::new();
+    for entry in manifest["files"].as_array().context("the manifest lists files")? {
+        let path = entry["path"].as_str().context("files have paths")?;
+        let bytes = fs::read(folder.join(path)).with_context(|| format!("the manifest names {path}"))?;
+        let same = entry["size"] == bytes.len() && entry["sha256"] == *manifest::sha256(&bytes);
+        ensure!(same, "{path} is not what the manifest says");
+        listed.insert(path.to_owned());
+    }
+    let mut there: BTreeSet<String> = files(folder)?.iter().map(|file| within(folder, file)).collect::<Result<_>>()?;
+    there.remove(manifest::FILE);
+    ensure!(there == listed, "the manifest does not name {:?}", there.difference(&listed).collect::<Vec<_>>());
+    let absent: Vec<_> = PRESENT.iter().filter(|path| !there.contains(**path)).collect();
+    ensure!(absent.is_empty(), "{} lacks {absent:?}", packed.name);
+    Ok(())
+}
+
+/// Every link of every page leads somewhere.
+fn pages(folder: &Path) -> Result<()> {
+    for page in files(folder)?.iter().filter(|path| path.extension().is_some_and(|extension| extension == "md")) {
+        for target in markdown::targets(&fs::read_to_string(page)?) {
+            let there = page.parent().context("pages lie somewhere")?.join(&target).exists();
+            ensure!(there, "{} leads to {target}, which is not there", within(folder, page)?);
+        }
+    }
+    Ok(())
+}
+
+fn command(workspace: &Workspace, flavour: &Flavour, folder: &Path) -> Result<()> {
+    let program = folder.join("bin/crumple");
+    ensure!(program.exists() == flavour.command, "the {} flavour and its command do not fit", flavour.name);
+    if program.exists() {
+        let hood = folder.join("assets/demo/hood.glb");
+        let said = cmd!(workspace.shell, "{program} info {hood}").quiet().read()?;
+        ensure!(said.contains("18997 vertices"), "crumple info says: {said}");
+    }
+    Ok(())
+}
+
+/// What the first page says to type, typed: among it the examples, with the shared library.
+fn first_page(workspace: &Workspace, folder: &Path) -> Result<()> {
+    let page = fs::read_to_string(folder.join("README.md"))?;
+    let sh = workspace.shell.clone();
+    sh.change_dir(folder);
+    let blocks: Vec<&str> = page.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+    ensure!(blocks.len() >= 2, "the first page has {} blocks of commands", blocks.len());
+    for block in blocks {
+        println!("{}", block.trim_end());
+        cmd!(sh, "sh -e -c {block}").quiet().ignore_stdout().run().context("typing what README.md says")?;
+    }
+    ensure!(folder.join("build/quickstart").exists(), "the first page builds no quickstart");
+    Ok(())
+}
+
+/// The archive's examples with the static library, none left out, and somebody else's project.
+fn by_cmake(workspace: &Workspace, root: &Path, folder: &Path) -> Result<()> {
+    let sh = &workspace.shell;
+    let (examples, build) = (folder.join("examples-c"), root.join("static"));
+    let fixed = Build { options: &["-DCRUMPLE_STATIC=ON"], ..Build::new("static", folder) };
+    native::compile(workspace, &fixed, &examples, &build)?;
+    cmd!(sh, "ctest --test-dir {build} --parallel 2 --output-on-failure --no-tests=error").run()?;
+    let (source, build) = (root.join("client"), root.join("client-build"));
+    fs::create_dir(&source)?;
+    for file in CLIENT {
+        let name = Path::new(file).file_name().context("files have names")?;
+        fs::copy(workspace.path(file), source.join(name)).with_context(|| format!("copying {file}"))?;
+    }
+    native::compile(workspace, &Build::new("client", folder), &source, &build)?;
+    for name in ["client-shared", "client-static"] {
+        let program = build.join(name);
+        cmd!(sh, "{program}").quiet().run().with_context(|| format!("{name}, built by CMake"))?;
+    }
+    Ok(())
+}
+
+fn by_pkg_config(workspace: &Workspace, flavour: &Flavour, root: &Path, folder: &Path) -> Result<()> {
+    let sh = &workspace.shell;
+    // Nothing but the archive is found.
+    let _found = sh.push_env("PKG_CONFIG_LIBDIR", folder.join("lib/pkgconfig"));
+    let _nothing_else = sh.push_env("PKG_CONFIG_PATH", "");
+    let ask = |arguments: &[&str]| -> Result<Vec<String>> {
+        let said = cmd!(sh, "pkg-config {arguments...} crumple").quiet().read()?;
+        Ok(said.split_whitespace().map(str::to_owned).collect())
+    };
+    let version = ask(&["--modversion"])?.concat();
+    ensure!(version == workspace.version, "pkg-config says version {version}");
+    let features = ask(&["--variable=features"])?;
+    ensure!(features == flavour.library, "pkg-config says the library was built with {features:?}");
+
+    let (examples, hood, dented) =
+        (folder.join("examples-c"), folder.join("assets/demo/hood.glb"), root.join("hood.obj"));
+    let files = [hood.into_os_string(), dented.into_os_string()];
+    let client = root.join("client/client.cpp");
+    let mut programs = vec![("cc", examples.join("quickstart.c"), &files[..0]), ("c++", client, &files[..0])];
+    if flavour.library.contains(&"gltf") {
+        programs.push(("cc", examples.join("dent_gltf.c"), &files));
+    }
+    for (compiler, file, arguments) in programs {
+        let name = file.file_stem().context("programs have names")?.to_string_lossy();
+        let shared = root.join(format!("{name}-shared"));
+        let flags = ask(&["--cflags", "--libs"])?;
+        cmd!(sh, "{compiler} {file} -o {shared} {flags...} -lm").quiet().run()?;
+        let loader = if cfg!(target_os = "macos") { "DYLD_LIBRARY_PATH" } else { "LD_LIBRARY_PATH" };
+        cmd!(sh, "{shared} {arguments...}").env(loader, folder.join("lib")).quiet().run()?;
+
+        // `--static` adds what the library itself needs; naming the file is how one picks it where the shared one lies beside it.
+        let fixed = root.join(format!("{name}-static"));
+        let compile = ask(&["--cflags"])?;
+        let archive = ask(&["--variable=staticlibrary"])?;
+        let libraries: Vec<String> =
+            ask(&["--libs", "--static"])?.into_iter().filter(|flag| flag != "-lcrumple").collect();
+        cmd!(sh, "{compiler} {file} -o {fixed} {compile...} {archive...} {libraries...} -lm").quiet().run()?;
+        cmd!(sh, "{fixed} {arguments...}").quiet().run()?;
+    }
+    Ok(())
+}

@@ -1,0 +1,185 @@
+//! `THIRD-PARTY-LICENSES.txt`: every package that is linked, and the full text of its license, each text once.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail, ensure};
+use serde_json::Value;
+
+use super::Parts;
+use crate::command;
+use crate::workspace::Workspace;
+
+pub const FILE: &str = "THIRD-PARTY-LICENSES.txt";
+/// What Rust's own distribution says of its standard library, which is linked too.
+pub const STANDARD_LIBRARY: &str = "RUST-STANDARD-LIBRARY-LICENSES.html";
+/// Texts of packages that were published without one, as their authors' repositories have them: `NAME.txt`.
+const SUPPLIED: &str = "xtask/package/licenses";
+/// How names of files begin that hold license texts.
+const BEGINNINGS: &[&str] = &["license", "licence", "copying", "unlicense", "notice", "copyright"];
+const RULE: &str = "================================================================================";
+
+/// A package whose code is in what is handed out.
+pub struct Linked {
+    pub name: String,
+    pub version: String,
+    /// The SPDX expression.
+    license: String,
+    /// Where its sources lie.
+    directory: PathBuf,
+}
+
+/// What the flavour's library and command are linked with. Procedural macros and what build scripts use are not.
+pub fn linked(workspace: &Workspace, parts: &Parts) -> Result<Vec<Linked>> {
+    let flavour = parts.flavour;
+    let library = flavour.library.join(",");
+    let mut lines = tree(workspace, &parts.target, &["--no-default-features", "--features", &library])?;
+    if flavour.command {
+        lines.extend(tree(workspace, &parts.target, &["--features", command::FEATURES])?);
+    }
+    lines.sort();
+    lines.dedup();
+    let metadata = workspace.cargo(&["metadata", "--format-version", "1", "--all-features"]).quiet().read()?;
+    let metadata: Value = serde_json::from_str(&metadata).context("reading what cargo metadata says")?;
+    let packages = metadata["packages"].as_array().context("cargo metadata lists packages")?;
+    let mut linked = Vec::new();
+    for line in &lines {
+        let mut words = line.split_whitespace();
+        let (name, version) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
+        let version = version.strip_prefix('v').with_context(|| format!("cargo tree says {line:?}"))?;
+        if name == "crumple" {
+            continue;
+        }
+        let package = packages.iter().find(|package| package["name"] == name && package["version"] == version);
+        let package = package.with_context(|| format!("cargo metadata does not know {name} {version}"))?;
+        let manifest = Path::new(package["manifest_path"].as_str().context("packages have manifests")?);
+        linked.push(Linked {
+            name: name.to_owned(),
+            version: version.to_owned(),
+            license: package["license"].as_str().unwrap_or("see its text").to_owned(),
+            directory: manifest.parent().context("manifests lie somewhere")?.to_path_buf(),
+        });
+    }
+    ensure!(linked.len() > 10, "cargo tree names {} packages that are linked; that cannot be all", linked.len());
+    Ok(linked)
+}
+
+fn tree(workspace: &Workspace, target: &str, features: &[&str]) -> Result<Vec<String>> {
+    let what =
+        ["tree", "--package", "crumple", "--edges", "normal,no-proc-macro", "--prefix", "none", "--format", "{p}"];
+    let printed = workspace.cargo(&what).args(["--target", target]).args(features).quiet().read()?;
+    // What was said before is marked.
+    Ok(printed.lines().map(|line| line.trim_end_matches(" (*)").to_owned()).collect())
+}
+
+/// Writes the file, and Rust's own beside it.
+pub fn write(workspace: &Workspace, linked: &[Linked], to: &Path) -> Result<()> {
+    let apache = read(&workspace.path("LICENSE-APACHE"))?;
+    let mut texts: Vec<(String, Vec<String>)> = Vec::new();
+    let mut by_words: BTreeMap<Vec<String>, usize> = BTreeMap::new();
+    let mut list = String::new();
+    for package in linked {
+        let title = format!("{} {}", package.name, package.version);
+        let mut numbers = Vec::new();
+        for text in texts_of(package, &workspace.path(SUPPLIED), &apache)? {
+            // Broken into other lines it is the same text.
+            let words: Vec<String> = text.split_whitespace().map(str::to_owned).collect();
+            let number = *by_words.entry(words).or_insert_with(|| {
+                texts.push((text, Vec::new()));
+                texts.len()
+            });
+            texts[number - 1].1.push(title.clone());
+            numbers.push(number.to_string());
+        }
+        list += &format!("  {title:44} {:40} {}\n", package.license, numbers.join(", "));
+    }
+    let mut whole = format!(
+        "What Crumple {} is linked with beside Rust's standard library ({STANDARD_LIBRARY}):\n\
+         package, its license, and the numbers of the texts below.\n\n{list}",
+        workspace.version
+    );
+    for (number, (text, of)) in texts.iter().enumerate() {
+        whole += &format!("\n{RULE}\n{}: {}\n{RULE}\n\n{}\n", number + 1, of.join(", "), text.trim_end());
+    }
+    fs::write(to, whole).with_context(|| format!("writing {}", to.display()))?;
+
+    let said = workspace.sysroot()?.join("share/doc/rust/COPYRIGHT-library.html");
+    let standard = to.with_file_name(STANDARD_LIBRARY);
+    fs::copy(&said, standard).with_context(|| {
+        format!(
+            "{}, the licenses of Rust's standard library, is missing: a toolchain of rustup's has it",
+            said.display()
+        )
+    })?;
+    Ok(())
+}
+
+/// The texts of a package: its own, or one that was supplied, or Apache's where its authors offer that, since it is the same for all.
+fn texts_of(package: &Linked, supplied: &Path, apache: &str) -> Result<Vec<String>> {
+    let Linked { name, version, license, directory } = package;
+    let mut found = Vec::new();
+    for entry in fs::read_dir(directory).with_context(|| format!("reading {}", directory.display()))? {
+        let entry = entry?;
+        let file = entry.file_name().to_string_lossy().to_lowercase();
+        if entry.path().is_file() && BEGINNINGS.iter().any(|beginning| file.starts_with(beginning)) {
+            found.push(entry.path());
+        }
+    }
+    found.sort();
+    let mut texts = found.iter().map(|path| read(path)).collect::<Result<Vec<_>>>()?;
+    texts.retain(|text| !text.trim().is_empty());
+    if !texts.is_empty() {
+        return Ok(texts);
+    }
+    let text = supplied.join(format!("{name}.txt"));
+    if text.exists() {
+        return Ok(vec![read(&text)?]);
+    }
+    let offered: Vec<&str> = license.split(" OR ").flat_map(|part| part.split('/')).map(str::trim).collect();
+    if offered.contains(&"Apache-2.0") {
+        return Ok(vec![apache.to_owned()]);
+    }
+    bail!(
+        "{name} {version} ({license}) is linked and was published without the text of its license; \
+         put what its authors' repository has into {SUPPLIED}/{name}.txt"
+    )
+}
+
+fn read(path: &Path) -> Result<String> {
+    let bytes = fs::read(path).with_context(|| format!("reading {}", path.display()))?;
+    Ok(String::from_utf8_lossy(&bytes).replace("\r\n", "\n"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn texts(license: &str, files: &[(&str, &str)]) -> Result<Vec<String>> {
+        let scratch = tempfile::tempdir().unwrap();
+        let directory = scratch.path().join("denty-1.2.0");
+        fs::create_dir(&directory).unwrap();
+        for (name, text) in files {
+            fs::write(directory.join(name), text).unwrap();
+        }
+        let package = Linked { name: "denty".into(), version: "1.2.0".into(), license: license.into(), directory };
+        texts_of(&package, scratch.path(), "the Apache text")
+    }
+
+    #[test]
+    fn a_packages_own_texts_come_first() {
+        let files = [("LICENSE-MIT", "mit"), ("COPYING", "copy"), ("lib.rs", "no"), ("NOTICE", " ")];
+        assert_eq!(texts("MIT OR Apache-2.0", &files).unwrap(), ["copy", "mit"]);
+    }
+
+    #[test]
+    fn a_package_without_a_text_is_used_under_apache_where_it_may_be() {
+        for license in ["MIT OR Apache-2.0", "Zlib OR Apache-2.0 OR MIT", "Apache-2.0", "MIT/Apache-2.0"] {
+            assert_eq!(texts(license, &[]).unwrap(), ["the Apache text"]);
+        }
+        for license in ["MIT", "Apache-2.0 AND MIT", "Apache-2.0 WITH LLVM-exception"] {
+            let error = texts(license, &[]).unwrap_err().to_string();
+            assert!(error.contains("denty 1.2.0") && error.contains("denty.txt"), "{error}");
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! `manifest.json`: what an archive is and what is in it, for programs.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use memchr::memmem;
+use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
+
+use super::{Parts, files, git, within};
+use crate::install;
+use crate::workspace::Workspace;
+
+pub const FILE: &str = "manifest.json";
+
+/// Written last: it names every file but itself. Symbolic links are not files.
+pub fn write(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
+    let flavour = parts.flavour;
+    let mut entries = Vec::new();
+    for path in files(folder)? {
+        let bytes = fs::read(&path).with_context(|| format!("reading {}", path.display()))?;
+        entries.push(json!({"path": within(folder, &path)?, "size": bytes.len(), "sha256": sha256(&bytes)}));
+    }
+    let manifest = json!({
+        "name": "crumple",
+        "version": workspace.version,
+        "target": parts.target,
+        "flavour": flavour.name,
+        "features": flavour.library,
+        "command": flavour.command,
+        "soname": if cfg!(target_os = "linux") { Value::from(install::soname(&parts.library.shared)?) } else { Value::Null },
+        "glibc": glibc(folder)?,
+        "rustc": workspace.rustc("release")?,
+        "commit": git(workspace, &["rev-parse", "HEAD"])?.trim(),
+        "files": entries,
+    });
+    let text = serde_json::to_string_pretty(&manifest)? + "\n";
+    fs::write(folder.join(FILE), text).context("writing the manifest")
+}
+
+/// The oldest glibc that the shared library runs with: the newest one of which it names a symbol's version.
+fn glibc(folder: &Path) -> Result<Option<String>> {
+    if !cfg!(target_os = "linux") {
+        return Ok(None);
+    }
+    Ok(newest(&fs::read(folder.join("lib/libcrumple.so"))?).map(|minor| format!("2.{minor}")))
+}
+
+fn newest(library: &[u8]) -> Option<u32> {
+    const PREFIX: &[u8] = b"GLIBC_2.";
+    let minors = memmem::find_iter(library, PREFIX).filter_map(|at| {
+        let digits: Vec<u8> =
+            library[at + PREFIX.len()..].iter().copied().take_while(|byte| byte.is_ascii_digit()).collect();
+        String::from_utf8(digits).ok()?.parse().ok()
+    });
+    minors.max()
+}
+
+pub fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_newest_glibc_counts_by_its_number() {
+        assert_eq!(super::newest(b"\0GLIBC_2.2.5\0GLIBC_2.34\0GLIBC_2.9\0GLIBC_PRIVATE\0"), Some(34));
+        assert_eq!(super::newest(b"none"), None);
+    }
+
+    #[test]
+    fn digests_are_sha_256() {
+        // FIPS 180-4's own example.
+        let digest = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+        assert_eq!(super::sha256(b"abc"), digest);
+    }
+}

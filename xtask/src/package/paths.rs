@@ -1,0 +1,53 @@
+//! What must not be in an archive: where it was built, and code whose license is not.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail, ensure};
+use memchr::memmem;
+
+use super::licenses::Linked;
+use super::{Parts, files, within};
+use crate::workspace::{self, Workspace};
+
+/// No file names a folder of this machine.
+pub fn nothing_of_this_machine(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
+    let mut known: Vec<PathBuf> = vec![workspace.root.clone(), workspace.target.clone(), workspace::cargo_home()?];
+    known.push(workspace.sysroot()?);
+    for file in files(folder)? {
+        let bytes = fs::read(&file).with_context(|| format!("reading {}", file.display()))?;
+        let stand_in = !parts.handed_out && file.parent() == Some(&*folder.join("bin"));
+        for path in known.iter().filter(|_| !stand_in) {
+            let path = path.to_string_lossy();
+            let found = memmem::find(&bytes, path.as_bytes());
+            ensure!(found.is_none(), "{} names {path}, a folder of this machine", within(folder, &file)?);
+        }
+    }
+    Ok(())
+}
+
+/// Whatever of a package is in a library gives its name away: panics say their file.
+pub fn nothing_unlicensed(folder: &Path, linked: &[Linked]) -> Result<()> {
+    let known: BTreeSet<String> =
+        linked.iter().map(|package| format!("{}-{}", package.name, package.version)).collect();
+    let separator = |byte: &u8| b"/\\".contains(byte);
+    let mut libraries = 0;
+    for file in files(&folder.join("lib"))?.into_iter().chain(files(&folder.join("bin")).unwrap_or_default()) {
+        let bytes = fs::read(&file).with_context(|| format!("reading {}", file.display()))?;
+        let mut named = 0;
+        for at in memmem::find_iter(&bytes, workspace::SOURCES) {
+            let Some((first, rest)) = bytes[at + workspace::SOURCES.len()..].split_first() else { continue };
+            let end = rest.iter().take(100).position(|byte| separator(byte));
+            let Some(end) = end.filter(|_| separator(first)) else { continue };
+            let package = String::from_utf8_lossy(&rest[..end]);
+            if !known.contains(&*package) {
+                bail!("{} holds code of {package}, which cargo tree does not say it is linked with", file.display());
+            }
+            named += 1;
+        }
+        libraries += usize::from(named > 0);
+    }
+    ensure!(libraries > 0, "no library names a source in {}: was it built for this?", workspace::SOURCES);
+    Ok(())
+}

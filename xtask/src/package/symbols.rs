@@ -1,0 +1,47 @@
+//! Debug symbols, taken out of what people get and kept beside it.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use xshell::cmd;
+
+use super::{Parts, files};
+use crate::workspace::Workspace;
+
+const README: &str = "\
+Debug symbols of the archive of the same name. gdb and lldb find `NAME.debug` beside the library NAME, or in a
+folder `.debug` there. On macOS put `NAME.dSYM` beside it, on Windows `NAME.pdb`.
+";
+
+/// Strips the libraries and programs in `folder`, and leaves their symbols in `debug`.
+pub fn separate(workspace: &Workspace, parts: &Parts, folder: &Path, debug: &Path) -> Result<()> {
+    let sh = &workspace.shell;
+    fs::create_dir_all(debug).with_context(|| format!("creating {}", debug.display()))?;
+    fs::write(debug.join("README.txt"), README)?;
+    for file in files(folder)? {
+        let name = file.file_name().context("files have names")?.to_string_lossy().into_owned();
+        let program = file.parent().is_some_and(|parent| parent.ends_with("bin"));
+        if cfg!(windows) {
+            // Stripped as the compiler left it; the symbols are in a file beside what was built.
+            let built = parts.library.shared.with_file_name(&name).with_extension("pdb");
+            if program && built.exists() {
+                fs::copy(&built, debug.join(built.file_name().context("files have names")?))?;
+            }
+        } else if name.ends_with(".a") {
+            // Its symbols are a program's that links it; here lines are all there is, and ten times the rest.
+            let flag = if cfg!(target_os = "macos") { "-S" } else { "--strip-debug" };
+            cmd!(sh, "strip {flag} {file}").quiet().run()?;
+        } else if cfg!(target_os = "macos") && (program || name.ends_with(".dylib")) {
+            let symbols = debug.join(format!("{name}.dSYM"));
+            cmd!(sh, "dsymutil {file} -o {symbols}").quiet().run()?;
+            cmd!(sh, "strip -x {file}").quiet().run()?;
+        } else if program || name.contains(".so") {
+            let symbols = debug.join(format!("{name}.debug"));
+            cmd!(sh, "objcopy --only-keep-debug {file} {symbols}").quiet().run()?;
+            cmd!(sh, "strip --strip-unneeded {file}").quiet().run()?;
+            cmd!(sh, "objcopy --add-gnu-debuglink={symbols} {file}").quiet().run()?;
+        }
+    }
+    Ok(())
+}
