@@ -16,8 +16,7 @@ const PLUGINS: &[(&str, bool)] = &[
     ("libcrumple_unity.so", true),
     ("crumple.dll", false),
     ("crumple_unity.dll", true),
-    ("libcrumple.dylib", false),
-    ("libcrumple_unity.dylib", true),
+    ("libcrumple.dylib", false), // without a plugin: Unity draws with Metal there
 ];
 const PLUGIN_FOLDER: &str = "Plugins/x86_64";
 

@@ -13,7 +13,7 @@ namespace Crumple.Editor
     {
         [Tooltip(".glb: name of the mesh. Empty: the first with morph targets.")]
         [SerializeField] private string meshName = "";
-        [Tooltip(".glb: mass of every vertex, kg. 0: components say it.")]
+        [Tooltip(".glb: mass of every vertex, kg. Components that say 0 take it.")]
         [Min(0)]
         [SerializeField] private float vertexMass = 0.5f;
         [Tooltip(".glb: how far an example may put a vertex off, m, so that the set is smaller. 0: exact.")]

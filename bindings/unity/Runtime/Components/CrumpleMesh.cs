@@ -33,9 +33,9 @@ namespace Crumple
         [Tooltip("How long an impulse acts, s: a contact is displaced by impulse * duration / mass. Of the material, not the time step.")]
         [Min(1e-6f)]
         [SerializeField] private float duration = 0.01f;
-        [Tooltip("Mass of a vertex, kg. 0: that of the set.")]
+        [Tooltip("Mass of a vertex, kg. 0: that of the set, where it has one.")]
         [Min(0)]
-        [SerializeField] private float vertexMass;
+        [SerializeField] private float vertexMass = 0.5f;
         [Tooltip("Contacts with less impulse than this leave no dent, N s.")]
         [Min(0)]
         [SerializeField] private float yieldImpulse;
