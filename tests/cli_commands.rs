@@ -257,6 +257,8 @@ fn bake_writes_a_set_that_the_other_commands_take() {
         "2deg",
         "--stamp-resolution",
         "8",
+        "--vertex-mass",
+        "500g",
         "--reorder",
         "--permutation",
         &order,
@@ -277,6 +279,11 @@ fn bake_writes_a_set_that_the_other_commands_take() {
         .collect();
     let set = crumple::ExampleSet::load_file(&baked, &crumple::Serial).expect("a set");
     assert_eq!(set.source_order(), Some(&vertices[..]));
+    let set = std::sync::Arc::new(set);
+    let body = crumple::Instance::new(set.clone(), crumple::InstanceOptions::default()).expect("a body");
+    let contact = set.mesh().positions()[0].to_array();
+    let told = body.preview(&crumple::Hit::impulse(contact, [0.0, 0.0, -0.1], 0.01, None)).expect("a mass");
+    assert_eq!(told.target, [0.0, 0.0, -0.002]); // 0.1 N s * 0.01 s / 0.5 kg
     let source = import(&asset(PANEL));
     for (v, old) in vertices.iter().enumerate() {
         assert_eq!(set.mesh().positions()[v].to_array(), source.mesh.positions[*old as usize]);

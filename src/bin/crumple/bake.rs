@@ -8,7 +8,7 @@ use crate::{
 };
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
-use crumple::{ExampleSet, SetOptions, Stamp, ThreadPool, glam::Vec3};
+use crumple::{ExampleSet, SetOptions, Stamp, ThreadPool, VertexMass, glam::Vec3};
 use std::{fmt::Write, path::PathBuf, time::Instant};
 
 /// Bytes that the plain sparse form takes a moved vertex: an index and three floats.
@@ -34,6 +34,9 @@ pub struct Arguments {
     /// No vertex ever moves further than this; the deepest example where left out
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     depth_limit: Option<f32>,
+    /// Mass of a vertex, such as 0.5kg (g, kg, lb; a bare number is kilograms), for impulses that bring none of their own
+    #[arg(long, value_name = "MASS", value_parser = mass)]
+    vertex_mass: Option<f32>,
     /// Put the vertices into an order in which neighbours in space are neighbours in memory: smaller and faster, but your
     /// vertex buffers must follow it (see --permutation)
     #[arg(long)]
@@ -68,6 +71,18 @@ fn length(text: &str) -> Result<f32, String> {
     };
     let length = (number * metres) as f32;
     if length > 0.0 && length.is_finite() { Ok(length) } else { Err("it must be above 0 and finite".into()) }
+}
+
+fn mass(text: &str) -> Result<f32, String> {
+    const UNITS: [(&str, f64); 4] = [("g", 1e-3), ("kg", 1.0), ("lb", 0.453_592_37), ("", 1.0)];
+    let (Some(number), unit) = split(text) else {
+        return Err("it must be a mass, such as 0.5kg".into());
+    };
+    let Some((_, kilograms)) = UNITS.iter().find(|u| u.0 == unit) else {
+        return Err(format!("'{unit}' is no unit of mass here; give g, kg or lb, or none for kilograms"));
+    };
+    let mass = (number * kilograms) as f32;
+    if mass > 0.0 && mass.is_finite() { Ok(mass) } else { Err("it must be above 0 and finite".into()) }
 }
 
 fn angle(text: &str) -> Result<f32, String> {
@@ -105,6 +120,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     let defaults = SetOptions::default();
     let options = SetOptions {
         depth_limit: arguments.depth_limit,
+        mass: arguments.vertex_mass.map_or(VertexMass::None, VertexMass::Uniform),
         stamp_resolution: arguments.stamp_resolution.unwrap_or(defaults.stamp_resolution),
         tolerance: arguments.tolerance,
         normal_tolerance: arguments.normal_tolerance.unwrap_or(defaults.normal_tolerance),
@@ -295,6 +311,16 @@ mod tests {
             assert!(length(text).is_err(), "{text}");
         }
         assert!(length("3ft").unwrap_err().contains("'ft'"));
+    }
+
+    #[test]
+    fn masses_have_units() {
+        for (text, kilograms) in [("0.5", 0.5), ("500g", 0.5), ("0.5 kg", 0.5), ("2lb", 0.907_184_74)] {
+            assert_eq!(mass(text), Ok(kilograms), "{text}");
+        }
+        for text in ["", "kg", "0", "-1kg", "nan", "inf", "1mm", "1e99kg"] {
+            assert!(mass(text).is_err(), "{text}");
+        }
     }
 
     #[test]
