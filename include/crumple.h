@@ -1665,8 +1665,9 @@ CrumpleResult crumple_get_attached_frame(CrumpleContext *context,
 /// sets, whole, the instances with their damage, the buffers. It grows by some hundred bytes a hit and a frame, written at once,
 /// so that a crash loses nothing. Every buffer is written whole by the next deform, as after crumple_invalidate_buffer().
 ///
-/// What Vulkan calls write is not compared, but made on the CPU; calls that are refused are noted with their message. Hits wait for
-/// each other and for calls that take them meanwhile, so leave it off in what you ship, or keep it for when a player asks.
+/// What Vulkan calls write is not compared, but made on the CPU; calls that are refused, other than hits, are noted with their
+/// message. Hits wait for each other and for calls that take them meanwhile, so leave it off in what you ship, or keep it for when a
+/// player asks.
 ///
 /// Externally synchronised; hits may arrive meanwhile. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (path is not UTF-8; a recording runs already; an instance has open contacts: end them first),

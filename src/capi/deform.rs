@@ -63,14 +63,14 @@ pub unsafe extern "C" fn crumple_deform(
         })?;
         let of_host =
             |(id, entry): &(CrumpleBuffer, &BufferEntry)| chosen.names(*id) && matches!(entry.memory, Memory::Host(..));
+        if cfg!(debug_assertions) {
+            apart(entries.iter::<CrumpleBuffer>().filter(of_host))?;
+        }
         log.call(|| Call::Deform { buffers: entries.iter().filter(of_host).map(|(id, _)| Number::of(id)).collect() });
         for (_, entry) in entries.iter::<CrumpleBuffer>().filter(of_host) {
             instances.get_mut(entry.owner, "instance")?.instance.fold();
         }
         log.open();
-        if cfg!(debug_assertions) {
-            apart(entries.iter::<CrumpleBuffer>().filter(|(id, _)| chosen.names(*id)))?;
-        }
         let mut jobs = reserve(chosen.most(entries.len()), "deform jobs")?;
         for (_, entry) in entries.iter_mut::<CrumpleBuffer>().filter(|(id, _)| chosen.names(*id)) {
             let Memory::Host(memory, tracker) = &mut entry.memory else { continue };

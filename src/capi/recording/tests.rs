@@ -211,7 +211,7 @@ enum Step {
     Hit(usize, (f32, f32), f32, u64),
     EndContact(usize, u64),
     Deform,
-    Marks(usize),
+    Marks(usize, u32),
     CopyMarks(usize, usize),
     Save(usize, usize),
     Repair(usize, f32),
@@ -237,7 +237,7 @@ fn step() -> impl Strategy<Value = Step> {
         8 => (at.clone(), spot, 0.0f32..6.0, 0u64..3).prop_map(|(a, p, s, id)| Step::Hit(a, p, s, id)),
         1 => (at.clone(), 1u64..3).prop_map(|(a, id)| Step::EndContact(a, id)),
         4 => Just(Step::Deform),
-        1 => at.clone().prop_map(Step::Marks),
+        1 => (at.clone(), 0u32..9).prop_map(|(a, room)| Step::Marks(a, room)),
         1 => (at.clone(), at.clone()).prop_map(|(a, b)| Step::CopyMarks(a, b)),
         1 => (at.clone(), at.clone()).prop_map(|(a, b)| Step::Save(a, b)),
         1 => (at.clone(), 0.0f32..1.5).prop_map(|(a, k)| Step::Repair(a, k)),
@@ -272,9 +272,9 @@ impl Host {
                 }
                 Step::EndContact(at, id) => drop(crumple_end_contact(c, some(at), *id)),
                 Step::Deform => self.deform(),
-                Step::Marks(at) => {
+                Step::Marks(at, room) => {
                     let (mut marks, mut count) = ([CrumpleMark::default(); 8], 0);
-                    crumple_get_marks(c, some(at), marks.as_mut_ptr(), 8, &mut count);
+                    crumple_get_marks(c, some(at), marks.as_mut_ptr(), (*room).min(8), &mut count);
                 }
                 Step::CopyMarks(from, to) => {
                     let (mut marks, mut count) = ([CrumpleMark::default(); 8], 0);

@@ -1112,9 +1112,9 @@ namespace Crumple.Native
         /// after <see cref="Native.NativeMethods.crumple_invalidate_buffer"/>.
         /// </summary>
         /// <remarks>
-        /// <para>What Vulkan calls write is not compared, but made on the CPU; calls that are refused are noted with their
-        /// message. Hits wait for each other and for calls that take them meanwhile, so leave it off in what you ship, or keep it
-        /// for when a player asks.</para>
+        /// <para>What Vulkan calls write is not compared, but made on the CPU; calls that are refused, other than hits, are noted
+        /// with their message. Hits wait for each other and for calls that take them meanwhile, so leave it off in what you ship,
+        /// or keep it for when a player asks.</para>
         /// <para>Externally synchronised; hits may arrive meanwhile. Errors: <see cref="CrumpleResult.ErrorNullPointer"/>,
         /// <see cref="CrumpleResult.ErrorInvalidId"/>, <see cref="CrumpleResult.ErrorInvalidArgument"/> (path is not UTF-8; a
         /// recording runs already; an instance has open contacts: end them first), <see cref="CrumpleResult.ErrorIo"/>,
