@@ -1136,7 +1136,7 @@ fn normals_without_given_ones_are_those_of_the_dented_surface() {
 // --------------------------------------------------------------------------------------------------------- attached points
 
 #[test]
-fn quick_points_attached_at_vertices_go_where_the_vertices_go() {
+fn points_attached_at_vertices_go_where_the_vertices_go() {
     for (name, set) in scenes::small_bodies() {
         let mut instance = new(&set);
         let attachments: Vec<_> = (0..set.vertex_count()).map(|v| set.attach(base(&set, v)).unwrap()).collect();
