@@ -38,6 +38,7 @@ const UNITY_NATIVE: &str = "bindings/unity/native~";
 const ENGINES: &[(&str, &str, &str, &str)] = &[
     ("linux", "lib/libcrumple.so.@VERSION@", UNITY, "Plugins/x86_64/libcrumple.so"),
     ("linux", "lib/@SONAME@", UNREAL, "Source/ThirdParty/CrumpleLibrary/Lib/Linux/@SONAME@"),
+    ("linux", "lib/@SONAME@", UNREAL, "Source/ThirdParty/CrumpleLibrary/Lib/Linux/libcrumple.so"),
     ("windows", "bin/crumple.dll", UNITY, "Plugins/x86_64/crumple.dll"),
     ("windows", "bin/crumple.dll", UNREAL, "Source/ThirdParty/CrumpleLibrary/Lib/Win64/crumple.dll"),
     ("windows", "lib/crumple.dll.lib", UNREAL, "Source/ThirdParty/CrumpleLibrary/Lib/Win64/crumple.dll.lib"),
@@ -122,6 +123,19 @@ fn unity_plugin(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<(
     Ok(())
 }
 
+/// Unreal's build rules name files of the library, which its build then needs.
+fn unreal_has_what_it_links(plugin: &Path) -> Result<()> {
+    let library = plugin.join("Source/ThirdParty/CrumpleLibrary");
+    let rules = library.join("CrumpleLibrary.Build.cs");
+    let rules = fs::read_to_string(&rules).with_context(|| format!("reading {}", rules.display()))?;
+    let named = rules.split('"').skip(1).step_by(2).filter(|name| name.starts_with("libcrumple.so"));
+    for name in named {
+        let file = library.join("Lib/Linux").join(name);
+        ensure!(file.is_file(), "the rules of Unreal's build name {name}, and the archive has no {}", file.display());
+    }
+    Ok(())
+}
+
 fn engines(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
     let soname = if cfg!(target_os = "linux") { install::soname(&parts.library.shared)? } else { String::new() };
     let fill = |path: &str| path.replace("@VERSION@", &workspace.version).replace("@SONAME@", &soname);
@@ -130,6 +144,9 @@ fn engines(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
         if engine.exists() && ["", std::env::consts::OS].contains(&system) {
             put(&folder.join(fill(from)), &engine.join(fill(to)))?;
         }
+    }
+    if cfg!(target_os = "linux") {
+        unreal_has_what_it_links(&folder.join(UNREAL))?;
     }
     // Unity complains of settings of files that are not there: those of other systems' libraries.
     let plugins = folder.join(UNITY).join("Plugins");
