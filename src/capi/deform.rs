@@ -103,7 +103,7 @@ pub unsafe extern "C" fn crumple_deform(
 ///
 /// # Safety
 /// The host's memory is still there, and nobody else touches it.
-unsafe fn vertices_digest<'a>(entries: impl Iterator<Item = &'a BufferEntry>) -> u64 {
+pub(super) unsafe fn vertices_digest<'a>(entries: impl Iterator<Item = &'a BufferEntry>) -> u64 {
     let mut all = Xxh3::new();
     for entry in entries {
         let Memory::Host(memory, tracker) = &entry.memory else { continue };

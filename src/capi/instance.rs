@@ -2,7 +2,7 @@
 
 use super::check::{CEnum, Def, MadeBy, Out, def, enumerator, finite, positive_or_none};
 use super::context::{CrumpleContext, recorded};
-use super::recording::{Call, Number};
+use super::recording::{Call, Number, info_number};
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance};
 use crate::glam::Mat4;
@@ -231,8 +231,7 @@ pub unsafe extern "C" fn crumple_get_instance_info(
             Rule::Marks => (entry.instance.marks()?.len() as u32, entry.instance.contact_count() as u32),
             _ => (0, 0),
         };
-        log.gave(|| u64::from(mark_count) | u64::from(contact_count) << 32);
-        out.write(CrumpleInstanceInfo {
+        let info = CrumpleInstanceInfo {
             set: entry.set,
             memory_bytes: entry.instance.memory_bytes() as u64,
             mark_count,
@@ -240,7 +239,9 @@ pub unsafe extern "C" fn crumple_get_instance_info(
             depth_limit: entry.instance.depth_limit(),
             contact_count,
             reserved: [0; 4],
-        });
+        };
+        log.gave(|| info_number(&info));
+        out.write(info);
         Ok(())
     })
 }

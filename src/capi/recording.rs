@@ -12,7 +12,7 @@ use super::check::{CEnum, string};
 use super::context::{CrumpleContext, exclusive};
 use super::hit::{CrumpleHitResult, CrumpleHitStatus};
 use super::ids::Id;
-use super::instance::InstanceEntry;
+use super::instance::{CrumpleInstanceInfo, InstanceEntry};
 use super::result::{CrumpleResult, Failure};
 use super::types::CrumpleExampleSet;
 use super::version::CRUMPLE_VERSION;
@@ -173,6 +173,11 @@ fn write_last(mut guard: MutexGuard<'_, Option<Writer>>, event: &Event) -> Optio
 /// A number that stands for an array.
 pub(super) fn digest(bytes: &[u8]) -> u64 {
     xxh3_64(bytes)
+}
+
+/// A number that stands for what of an instance's state hits decide.
+pub(super) fn info_number(info: &CrumpleInstanceInfo) -> u64 {
+    u64::from(info.mark_count) | u64::from(info.contact_count) << 32
 }
 
 /// A number that stands for what a hit was answered.

@@ -63,26 +63,24 @@ fn split(text: &str) -> (Option<f64>, &str) {
 fn length(text: &str) -> Result<f32, String> {
     const UNITS: [(&str, f64); 7] =
         [("um", 1e-6), ("µm", 1e-6), ("mm", 1e-3), ("cm", 1e-2), ("m", 1.0), ("in", 0.0254), ("", 1.0)];
-    let (Some(number), unit) = split(text) else {
-        return Err("it must be a length, such as 0.1mm".into());
-    };
-    let Some((_, metres)) = UNITS.iter().find(|u| u.0 == unit) else {
-        return Err(format!("'{unit}' is no unit of length here; give um, mm, cm, m or in, or none for metres"));
-    };
-    let length = (number * metres) as f32;
-    if length > 0.0 && length.is_finite() { Ok(length) } else { Err("it must be above 0 and finite".into()) }
+    quantity(text, &UNITS, ("length", "0.1mm"), "um, mm, cm, m or in, or none for metres")
 }
 
 fn mass(text: &str) -> Result<f32, String> {
     const UNITS: [(&str, f64); 4] = [("g", 1e-3), ("kg", 1.0), ("lb", 0.453_592_37), ("", 1.0)];
+    quantity(text, &UNITS, ("mass", "0.5kg"), "g, kg or lb, or none for kilograms")
+}
+
+/// Something above 0 in one of these units.
+fn quantity(text: &str, units: &[(&str, f64)], (noun, example): (&str, &str), names: &str) -> Result<f32, String> {
     let (Some(number), unit) = split(text) else {
-        return Err("it must be a mass, such as 0.5kg".into());
+        return Err(format!("it must be a {noun}, such as {example}"));
     };
-    let Some((_, kilograms)) = UNITS.iter().find(|u| u.0 == unit) else {
-        return Err(format!("'{unit}' is no unit of mass here; give g, kg or lb, or none for kilograms"));
+    let Some((_, factor)) = units.iter().find(|u| u.0 == unit) else {
+        return Err(format!("'{unit}' is no unit of {noun} here; give {names}"));
     };
-    let mass = (number * kilograms) as f32;
-    if mass > 0.0 && mass.is_finite() { Ok(mass) } else { Err("it must be above 0 and finite".into()) }
+    let value = (number * factor) as f32;
+    if value > 0.0 && value.is_finite() { Ok(value) } else { Err("it must be above 0 and finite".into()) }
 }
 
 fn angle(text: &str) -> Result<f32, String> {

@@ -7,12 +7,13 @@ use super::super::buffer::{
 };
 use super::super::context::{
     CrumpleContext, CrumpleContextDef, crumple_context_create, crumple_context_destroy, crumple_default_context_def,
+    exclusive,
 };
 use super::super::damage::{
     CrumpleMark, crumple_copy_damage, crumple_get_marks, crumple_load_damage, crumple_repair_damage,
     crumple_reset_damage, crumple_save_damage, crumple_set_marks,
 };
-use super::super::deform::{CrumpleDeformReport, crumple_deform, crumple_get_buffer_changes};
+use super::super::deform::{CrumpleDeformReport, crumple_deform, vertices_digest};
 use super::super::hit::{
     CrumpleDisplacementDef, CrumpleHitResult, CrumpleImpulseDef, CrumpleSpace, crumple_default_displacement_def,
     crumple_default_impulse_def, crumple_end_contact, crumple_submit_displacement, crumple_submit_impulse,
@@ -25,17 +26,16 @@ use super::super::instance::{
 use super::super::load::{CrumpleBytes, crumple_load_example_set_memory};
 use super::super::result::{CrumpleResult, crumple_last_error, crumple_result_name};
 use super::super::set::crumple_destroy_example_set;
-use super::super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance, CrumpleRange, CrumpleStream};
+use super::super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance, CrumpleStream};
 use super::calls::{Bytes, Call, Number};
 use super::file::{Ended, Event, Reader};
-use super::{digest, hit_digest};
+use super::{digest, hit_digest, info_number};
 use crate::Error;
 use std::collections::HashMap;
 use std::ffi::CStr;
 use std::fmt;
 use std::mem::MaybeUninit;
 use std::ptr::null_mut;
-use xxhash_rust::xxh3::Xxh3;
 
 /// What a replay found.
 #[derive(Debug, Clone, PartialEq)]
@@ -198,18 +198,6 @@ impl Memory {
             normals: stream(&mut self.normals),
             tangents: stream(&mut self.tangents),
             ..crumple_default_host_buffer_def()
-        }
-    }
-
-    fn digest(&self, range: CrumpleRange, all: &mut Xxh3) {
-        let vertices = range.first as usize..(range.first + range.count) as usize;
-        all.update(bytemuck::bytes_of(&[range.first, range.first + range.count]));
-        all.update(bytemuck::cast_slice(&self.positions[vertices.clone()]));
-        if !self.normals.is_empty() {
-            all.update(bytemuck::cast_slice(&self.normals[vertices.clone()]));
-        }
-        if !self.tangents.is_empty() {
-            all.update(bytemuck::cast_slice(&self.tangents[vertices]));
         }
     }
 }
@@ -438,7 +426,7 @@ impl Player {
                 if result == CrumpleResult::CrumpleOk {
                     // SAFETY: written, since the call succeeded.
                     let info = unsafe { info.assume_init() };
-                    *value = u64::from(info.mark_count) | u64::from(info.contact_count) << 32;
+                    *value = info_number(&info);
                 }
                 result
             }
@@ -511,21 +499,12 @@ impl Player {
         }
         report.deforms += 1;
         report.vertices_written += told.vertices_written;
-        let mut all = Xxh3::new();
-        let mut ranges = Vec::new();
-        for (id, memory) in buffers.iter().filter_map(|number| self.buffers.get(number)) {
-            let mut count = 0;
-            // SAFETY: see `make`.
-            unsafe { crumple_get_buffer_changes(self.context, *id, null_mut(), 0, &mut count, null_mut()) };
-            ranges.resize(count as usize, CrumpleRange::default());
-            // SAFETY: see `make`.
-            unsafe {
-                crumple_get_buffer_changes(self.context, *id, ranges.as_mut_ptr(), count, &mut count, null_mut())
-            };
-            ranges.iter().for_each(|range| memory.digest(*range, &mut all));
-        }
-        *value = all.digest();
-        result
+        exclusive("crumple_deform", self.context, |_, state| {
+            let entries = ids.iter().map(|&id| state.buffers.get(id, "buffer")).collect::<Result<Vec<_>, _>>()?;
+            // SAFETY: the memory is this player's, and nobody else is here.
+            *value = unsafe { vertices_digest(entries.into_iter()) };
+            Ok(())
+        })
     }
 
     /// Notes what the recording calls what was made, and whether the call gave the same.
