@@ -1,11 +1,11 @@
 //! Pages that explain messages quote messages that there are.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 
-use crate::workspace::Workspace;
+use crate::workspace::{Workspace, files};
 
 /// A page, and where the messages that it quotes come from.
 const PAGES: &[(&str, &[&str])] = &[
@@ -46,14 +46,10 @@ fn quoted(page: &str) -> Vec<&str> {
 }
 
 /// The text of all source files, with the lines of a string that goes on joined as the compiler joins them.
-fn gather(path: &Path, all: &mut String) -> Result<()> {
-    if path.is_dir() {
-        let mut entries = fs::read_dir(path)?.collect::<Result<Vec<_>, _>>()?;
-        entries.sort_by_key(fs::DirEntry::path);
-        return entries.iter().try_for_each(|entry| gather(&entry.path(), all));
-    }
+fn gather(folder: &Path, all: &mut String) -> Result<()> {
     let known = ["rs", "cs", "cpp", "h", "c"];
-    if path.extension().is_some_and(|extension| known.iter().any(|k| *k == extension)) {
+    let is_source = |path: &PathBuf| path.extension().is_some_and(|extension| known.iter().any(|k| *k == extension));
+    for path in files(folder)?.iter().filter(|path| is_source(path)) {
         let text = fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
         let mut joined = false;
         for line in text.lines() {

@@ -19,7 +19,7 @@ use xshell::cmd;
 
 use crate::command::Command;
 use crate::install::{self, Built, Profile};
-use crate::workspace::{Workspace, empty_directory};
+use crate::workspace::{Workspace, empty_directory, files};
 
 pub use check::stage;
 
@@ -151,22 +151,6 @@ fn git(workspace: &Workspace, arguments: &[&str]) -> Result<String> {
     let trusted = "safe.directory=*";
     let printed = cmd!(workspace.shell, "git -c {trusted} {arguments...}").quiet().read();
     printed.context("archives are made from a git checkout, of the files that git knows")
-}
-
-/// Files below a folder, without symbolic links, in order.
-fn files(folder: &Path) -> Result<Vec<PathBuf>> {
-    let mut found = Vec::new();
-    for entry in fs::read_dir(folder).with_context(|| format!("reading {}", folder.display()))? {
-        let entry = entry?;
-        let kind = entry.file_type()?;
-        if kind.is_dir() {
-            found.extend(files(&entry.path())?);
-        } else if kind.is_file() {
-            found.push(entry.path());
-        }
-    }
-    found.sort();
-    Ok(found)
 }
 
 /// A path within a folder as archives write it, on Windows too.

@@ -112,3 +112,19 @@ pub fn empty_directory(directory: &Path) -> Result<()> {
     }
     std::fs::create_dir_all(directory).with_context(|| format!("creating {}", directory.display()))
 }
+
+/// Files below a folder, without symbolic links, in order.
+pub fn files(folder: &Path) -> Result<Vec<PathBuf>> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).with_context(|| format!("reading {}", folder.display()))? {
+        let entry = entry?;
+        let kind = entry.file_type()?;
+        if kind.is_dir() {
+            found.extend(files(&entry.path())?);
+        } else if kind.is_file() {
+            found.push(entry.path());
+        }
+    }
+    found.sort();
+    Ok(found)
+}
