@@ -45,14 +45,14 @@ struct Model {
     std::vector<uint32_t> indices;
 
     Model(crumple::Context &context, const char *path) {
-        CrumpleGltfDef def = crumple_default_gltf_def();
+        CrumpleGltfDef def = crumple_gltf_def_default();
         def.path = path;
         def.options.vertex_mass = 30; // kg: with 10 ms, 100 N s are 33 mm
         set = context.load_gltf(def).value();
         info = set.info().value();
         base.resize(info.vertex_count);
         indices.resize(size_t(info.triangle_count) * 3);
-        CrumpleMeshCopyDef copy = crumple_default_mesh_copy_def();
+        CrumpleMeshCopyDef copy = crumple_mesh_copy_def_default();
         copy.positions = crumple::stream(base);
         copy.indices = crumple::stream(indices);
         set.copy_base_mesh(copy).value();
@@ -84,7 +84,7 @@ struct Body {
         dMatrix3 rotation;
         dRFromAxisAndAngle(rotation, axis[0], axis[1], axis[2], angle);
         dBodySetRotation(body, rotation);
-        CrumpleInstanceDef def = crumple_default_instance_def();
+        CrumpleInstanceDef def = crumple_instance_def_default();
         def.set = model.set.id();
         def.yield_impulse = 12; // N s: what rests does not dent
         instance = context.create_instance(def).value();

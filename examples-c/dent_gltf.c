@@ -56,29 +56,29 @@ int main(int argc, char **argv) {
         fprintf(stderr, "usage: dent_gltf IN.glb OUT.obj\n");
         return 2;
     }
-    CrumpleContextDef context_def = crumple_default_context_def();
+    CrumpleContextDef context_def = crumple_context_def_default();
     context_def.log = print_log;
     CrumpleContext *context;
     check(crumple_context_create(&context_def, &context));
 
     // The first mesh of the file that has morph targets; each target is an example.
-    CrumpleGltfDef file = crumple_default_gltf_def();
+    CrumpleGltfDef file = crumple_gltf_def_default();
     file.path = argv[1];
     CrumpleExampleSet set;
-    check(crumple_load_example_set_gltf(context, &file, &set));
+    check(crumple_example_set_load_gltf(context, &file, &set));
 
     CrumpleExampleSetInfo info;
-    check(crumple_get_example_set_info(context, set, &info));
+    check(crumple_example_set_get_info(context, set, &info));
     printf("mesh '%s': %u vertices, %u triangles, %.1f MB, nothing moves further than %.1f mm\n", info.name,
            info.vertex_count, info.triangle_count, (double)info.memory_bytes / 1e6, 1000 * info.depth_limit);
     for (uint32_t i = 0; i < info.primitive_count; ++i) {
         CrumplePrimitive part;
-        check(crumple_get_primitive(context, set, i, &part));
+        check(crumple_example_set_get_primitive(context, set, i, &part));
         printf("  material '%s': %u vertices\n", part.material ? part.material : "", part.vertex_count);
     }
     for (uint32_t i = 0; i < info.example_count; ++i) {
         CrumpleExampleInfo example;
-        check(crumple_get_example_info(context, set, i, &example));
+        check(crumple_example_set_get_example(context, set, i, &example));
         printf("  example '%s': %.1f mm deep at vertex %u, %u vertices move\n", example.name, 1000 * example.depth,
                example.contact_vertex, example.moved_vertices);
     }
@@ -87,40 +87,40 @@ int main(int argc, char **argv) {
     Vertex *base = calloc(info.vertex_count, sizeof *base), *vertices = calloc(info.vertex_count, sizeof *vertices);
     uint32_t *indices = calloc(info.triangle_count, 3 * sizeof *indices);
     size_t bytes = info.vertex_count * sizeof *vertices;
-    CrumpleMeshCopyDef copy = crumple_default_mesh_copy_def();
+    CrumpleMeshCopyDef copy = crumple_mesh_copy_def_default();
     copy.positions = (CrumpleStream){base, bytes, offsetof(Vertex, position), sizeof(Vertex)};
     copy.normals = (CrumpleStream){base, bytes, offsetof(Vertex, normal), sizeof(Vertex)};
     copy.indices = (CrumpleStream){indices, info.triangle_count * 3 * sizeof *indices, 0, sizeof *indices};
-    check(crumple_copy_base_mesh(context, set, &copy));
+    check(crumple_example_set_copy_mesh(context, set, &copy));
 
-    CrumpleInstanceDef instance_def = crumple_default_instance_def();
+    CrumpleInstanceDef instance_def = crumple_instance_def_default();
     instance_def.set = set;
     CrumpleInstance instance;
-    check(crumple_create_instance(context, &instance_def, &instance));
-    CrumpleHostBufferDef buffer_def = crumple_default_host_buffer_def();
+    check(crumple_instance_create(context, &instance_def, &instance));
+    CrumpleHostBufferDef buffer_def = crumple_host_buffer_def_default();
     buffer_def.positions = (CrumpleStream){vertices, bytes, offsetof(Vertex, position), sizeof(Vertex)};
     buffer_def.normals = (CrumpleStream){vertices, bytes, offsetof(Vertex, normal), sizeof(Vertex)};
     CrumpleBuffer buffer;
-    check(crumple_register_host_buffer(context, instance, &buffer_def, &buffer));
+    check(crumple_buffer_register_host(context, instance, &buffer_def, &buffer));
 
     // Two hits, each 3 cm inwards: at a quarter and at two thirds of the vertices.
     uint32_t hit_vertices[2] = {info.vertex_count / 4, info.vertex_count / 3 * 2};
     for (int i = 0; i < 2; ++i) {
         const Vertex *at = &base[hit_vertices[i]];
-        CrumpleDisplacementDef hit = crumple_default_displacement_def();
+        CrumpleDisplacementDef hit = crumple_displacement_def_default();
         hit.point = (CrumpleVec3){at->position[0], at->position[1], at->position[2]};
         hit.displacement = (CrumpleVec3){-0.03f * at->normal[0], -0.03f * at->normal[1], -0.03f * at->normal[2]};
         CrumpleHitResult told;
-        check(crumple_submit_displacement(context, instance, &hit, &told));
+        check(crumple_instance_submit_displacement(context, instance, &hit, &told));
         printf("hit at (%.2f, %.2f, %.2f): %u examples, the first is %u (%s)\n", hit.point.x, hit.point.y, hit.point.z,
                told.chosen_count, told.chosen[0].example, told.chosen[0].anchored ? "anchored" : "carried");
         fact(told.status == CRUMPLE_HIT_STATUS_MARKED, "the hit left a mark");
     }
 
     CrumpleDeformReport report;
-    check(crumple_deform(context, NULL, 0, &report));
+    check(crumple_context_deform(context, NULL, 0, &report));
     fact(report.vertices_written == info.vertex_count, "the first deform writes every vertex");
-    check(crumple_deform(context, NULL, 0, &report));
+    check(crumple_context_deform(context, NULL, 0, &report));
     fact(report.vertices_written == 0, "the second has nothing to do");
 
     float deepest = 0;

@@ -118,17 +118,17 @@ static void make_mesh(void) {
 }
 
 static void scene(CrumpleTaskSystem tasks, uint32_t threads, float (*vertices)[6]) {
-    CrumpleContextDef context_def = crumple_default_context_def();
+    CrumpleContextDef context_def = crumple_context_def_default();
     context_def.threads = threads;
     context_def.tasks = tasks;
     CrumpleContext *context;
     check(crumple_context_create(&context_def, &context));
     CrumpleExampleDef examples[EXAMPLES];
     for (int e = 0; e < EXAMPLES; ++e) {
-        examples[e] = crumple_default_example_def();
+        examples[e] = crumple_example_def_default();
         examples[e].target_positions = (CrumpleInput){targets[e], sizeof targets[e], sizeof targets[e][0]};
     }
-    CrumpleExampleSetDef set_def = crumple_default_example_set_def();
+    CrumpleExampleSetDef set_def = crumple_example_set_def_default();
     set_def.vertex_count = VERTICES;
     set_def.positions = (CrumpleInput){base, sizeof base, sizeof base[0]};
     set_def.index_count = INDICES;
@@ -136,23 +136,23 @@ static void scene(CrumpleTaskSystem tasks, uint32_t threads, float (*vertices)[6
     set_def.examples = examples;
     set_def.example_count = EXAMPLES;
     CrumpleExampleSet set;
-    check(crumple_create_example_set(context, &set_def, &set));
-    CrumpleInstanceDef instance_def = crumple_default_instance_def();
+    check(crumple_example_set_create(context, &set_def, &set));
+    CrumpleInstanceDef instance_def = crumple_instance_def_default();
     instance_def.set = set;
     CrumpleInstance instance;
-    check(crumple_create_instance(context, &instance_def, &instance));
-    CrumpleHostBufferDef buffer_def = crumple_default_host_buffer_def();
+    check(crumple_instance_create(context, &instance_def, &instance));
+    CrumpleHostBufferDef buffer_def = crumple_host_buffer_def_default();
     size_t bytes = sizeof(float[VERTICES][6]);
     buffer_def.positions = (CrumpleStream){vertices, bytes, 0, 24};
     buffer_def.normals = (CrumpleStream){vertices, bytes, 12, 24};
     CrumpleBuffer buffer;
-    check(crumple_register_host_buffer(context, instance, &buffer_def, &buffer));
+    check(crumple_buffer_register_host(context, instance, &buffer_def, &buffer));
     for (int i = 0; i < HITS; ++i) {
-        CrumpleDisplacementDef hit = crumple_default_displacement_def();
+        CrumpleDisplacementDef hit = crumple_displacement_def_default();
         hit.point = (CrumpleVec3){(float)(i * 37 % 100) / 100 - 0.5f, (float)(i * 61 % 100) / 100 - 0.5f, 0.07f};
         hit.displacement = (CrumpleVec3){0, 0, -0.001f * (float)(5 + i)};
-        check(crumple_submit_displacement(context, instance, &hit, NULL));
-        if (i % 10 == 9) check(crumple_deform(context, NULL, 0, NULL));
+        check(crumple_instance_submit_displacement(context, instance, &hit, NULL));
+        if (i % 10 == 9) check(crumple_context_deform(context, NULL, 0, NULL));
     }
     check(crumple_context_destroy(context));
 }

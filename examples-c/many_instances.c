@@ -50,12 +50,12 @@ int main(void) {
             for (int k = 0; k < 6; ++k) indices[i++] = quad[k];
         }
     }
-    CrumpleContextDef context_def = crumple_default_context_def();
+    CrumpleContextDef context_def = crumple_context_def_default();
     CrumpleContext *context;
     check(crumple_context_create(&context_def, &context));
-    CrumpleExampleDef example = crumple_default_example_def();
+    CrumpleExampleDef example = crumple_example_def_default();
     example.target_positions = (CrumpleInput){dented, sizeof dented, sizeof dented[0]};
-    CrumpleExampleSetDef set_def = crumple_default_example_set_def();
+    CrumpleExampleSetDef set_def = crumple_example_set_def_default();
     set_def.vertex_count = VERTICES;
     set_def.positions = (CrumpleInput){base, sizeof base, sizeof base[0]};
     set_def.index_count = INDICES;
@@ -63,49 +63,49 @@ int main(void) {
     set_def.examples = &example;
     set_def.example_count = 1;
     CrumpleExampleSet set;
-    check(crumple_create_example_set(context, &set_def, &set));
+    check(crumple_example_set_create(context, &set_def, &set));
     CrumpleExampleSetInfo set_info;
-    check(crumple_get_example_set_info(context, set, &set_info));
+    check(crumple_example_set_get_info(context, set, &set_info));
 
     clock_t start = clock();
-    CrumpleInstanceDef instance_def = crumple_default_instance_def();
+    CrumpleInstanceDef instance_def = crumple_instance_def_default();
     instance_def.set = set;
-    for (int i = 0; i < INSTANCES; ++i) check(crumple_create_instance(context, &instance_def, &instances[i]));
+    for (int i = 0; i < INSTANCES; ++i) check(crumple_instance_create(context, &instance_def, &instances[i]));
     printf("%d instances created in %.1f ms\n", INSTANCES, milliseconds(start));
-    check(crumple_destroy_example_set(context, set)); // the instances keep what they need
+    check(crumple_example_set_destroy(context, set)); // the instances keep what they need
 
     // Only a few are seen: only those have buffers.
     for (int i = 0; i < SEEN; ++i) {
-        CrumpleHostBufferDef def = crumple_default_host_buffer_def();
+        CrumpleHostBufferDef def = crumple_host_buffer_def_default();
         def.positions = (CrumpleStream){vertices[i], sizeof vertices[i], 0, sizeof vertices[i][0]};
-        check(crumple_register_host_buffer(context, instances[i], &def, &buffers[i]));
+        check(crumple_buffer_register_host(context, instances[i], &def, &buffers[i]));
     }
 
     start = clock();
     for (int i = 0; i < HITS; ++i) {
-        CrumpleDisplacementDef hit = crumple_default_displacement_def();
+        CrumpleDisplacementDef hit = crumple_displacement_def_default();
         hit.point = (CrumpleVec3){unit_random() - 0.5f, unit_random() - 0.5f, 0};
         hit.displacement = (CrumpleVec3){0, 0, -0.01f - 0.03f * unit_random()};
-        check(crumple_submit_displacement(context, instances[i % INSTANCES], &hit, NULL));
+        check(crumple_instance_submit_displacement(context, instances[i % INSTANCES], &hit, NULL));
     }
     double time = milliseconds(start);
     printf("%d hits submitted in %.1f ms: %.2f us each\n", HITS, time, 1e3 * time / HITS);
 
     start = clock();
     CrumpleDeformReport report;
-    check(crumple_deform(context, buffers, SEEN, &report));
+    check(crumple_context_deform(context, buffers, SEEN, &report));
     time = milliseconds(start);
     printf("%d instances seen, %llu vertices written in %.1f ms (of all cores)\n", SEEN,
            (unsigned long long)report.vertices_written, time);
     fact(report.vertices_written == (uint64_t)SEEN * VERTICES, "the first deform writes every vertex of what is seen");
 
     // One more hit: only what it touched is written.
-    CrumpleDisplacementDef hit = crumple_default_displacement_def();
+    CrumpleDisplacementDef hit = crumple_displacement_def_default();
     hit.point = (CrumpleVec3){0.3f, 0.3f, 0};
     hit.displacement = (CrumpleVec3){0, 0, -0.02f};
-    check(crumple_submit_displacement(context, instances[7], &hit, NULL));
+    check(crumple_instance_submit_displacement(context, instances[7], &hit, NULL));
     start = clock();
-    check(crumple_deform(context, buffers, SEEN, &report));
+    check(crumple_context_deform(context, buffers, SEEN, &report));
     printf("one more hit: %llu vertices written in %.2f ms\n", (unsigned long long)report.vertices_written,
            milliseconds(start));
     fact(report.vertices_written > 0 && report.vertices_written < VERTICES, "one hit writes a part of one instance");
@@ -113,7 +113,7 @@ int main(void) {
     uint64_t memory = 0, marks = 0;
     for (int i = 0; i < INSTANCES; ++i) {
         CrumpleInstanceInfo info;
-        check(crumple_get_instance_info(context, instances[i], &info));
+        check(crumple_instance_get_info(context, instances[i], &info));
         memory += info.memory_bytes;
         marks += info.mark_count;
     }

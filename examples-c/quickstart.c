@@ -30,13 +30,13 @@ int main(void) {
     }
 
     // 2. A context, an example set, and a body in the scene.
-    CrumpleContextDef context_def = crumple_default_context_def();
+    CrumpleContextDef context_def = crumple_context_def_default();
     CrumpleContext *context;
     if (!check(crumple_context_create(&context_def, &context))) return 1;
 
-    CrumpleExampleDef example = crumple_default_example_def();
+    CrumpleExampleDef example = crumple_example_def_default();
     example.target_positions = (CrumpleInput){dented, sizeof dented, sizeof dented[0]};
-    CrumpleExampleSetDef set_def = crumple_default_example_set_def();
+    CrumpleExampleSetDef set_def = crumple_example_set_def_default();
     set_def.vertex_count = VERTICES;
     set_def.positions = (CrumpleInput){base, sizeof base, sizeof base[0]};
     set_def.index_count = INDICES;
@@ -45,30 +45,30 @@ int main(void) {
     set_def.example_count = 1;
     set_def.options.vertex_mass = 0.5f; // kg
     CrumpleExampleSet set;
-    if (!check(crumple_create_example_set(context, &set_def, &set))) return 1;
+    if (!check(crumple_example_set_create(context, &set_def, &set))) return 1;
 
-    CrumpleInstanceDef instance_def = crumple_default_instance_def();
+    CrumpleInstanceDef instance_def = crumple_instance_def_default();
     instance_def.set = set;
     CrumpleInstance instance;
-    if (!check(crumple_create_instance(context, &instance_def, &instance))) return 1;
+    if (!check(crumple_instance_create(context, &instance_def, &instance))) return 1;
 
     // 3. Your vertex buffer: position and normal interleaved, 24 bytes a vertex.
-    CrumpleHostBufferDef buffer_def = crumple_default_host_buffer_def();
+    CrumpleHostBufferDef buffer_def = crumple_host_buffer_def_default();
     buffer_def.positions = (CrumpleStream){vertices, sizeof vertices, 0, sizeof vertices[0]};
     buffer_def.normals = (CrumpleStream){vertices, sizeof vertices, 12, sizeof vertices[0]};
     CrumpleBuffer buffer;
-    if (!check(crumple_register_host_buffer(context, instance, &buffer_def, &buffer))) return 1;
+    if (!check(crumple_buffer_register_host(context, instance, &buffer_def, &buffer))) return 1;
 
     // 4. A contact from your physics engine: 2 N s downwards in 10 ms, 25 cm from the middle.
-    CrumpleImpulseDef hit = crumple_default_impulse_def();
+    CrumpleImpulseDef hit = crumple_impulse_def_default();
     hit.point = (CrumpleVec3){0.25f, 0, 0};
     hit.impulse = (CrumpleVec3){0, 0, -2};
     hit.duration = 0.01f;
     CrumpleHitResult told;
-    if (!check(crumple_submit_impulse(context, instance, &hit, &told))) return 1;
+    if (!check(crumple_instance_submit_impulse(context, instance, &hit, &told))) return 1;
 
     // 5. Once a frame.
-    if (!check(crumple_deform(context, NULL, 0, NULL))) return 1;
+    if (!check(crumple_context_deform(context, NULL, 0, NULL))) return 1;
     const float *contact = vertices[told.contact_vertex];
     printf("vertex %u at (%.2f, %.2f) is dented by %.1f mm\n", told.contact_vertex, contact[0], contact[1], -1000 * contact[2]);
     crumple_context_destroy(context);

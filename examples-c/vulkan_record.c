@@ -48,7 +48,7 @@ static Frame frames[FRAMES_IN_FLIGHT];
 static void check(CrumpleResult result, const char *call) {
     if (result == CRUMPLE_OK) return;
     // CRUMPLE_ERROR_DEVICE_LOST is the one to expect here: damage lives on the CPU and survives it. Call
-    // crumple_complete_frames(context, UINT64_MAX) and crumple_detach_vulkan(), make a new VkDevice, attach, register.
+    // crumple_vulkan_complete_frames(context, UINT64_MAX) and crumple_vulkan_detach(), make a new VkDevice, attach, register.
     fprintf(stderr, "%s: %s: %s\n", call, crumple_result_name(result), crumple_last_error());
     exit(1);
 }
@@ -78,9 +78,9 @@ static void make_mesh(void) {
 
 static CrumpleExampleSet make_set(CrumpleContext *context) {
     const Vertex *mesh = uploaded + NEIGHBOURS;
-    CrumpleExampleDef example = crumple_default_example_def();
+    CrumpleExampleDef example = crumple_example_def_default();
     example.target_positions = (CrumpleInput){dented, sizeof dented, sizeof dented[0]};
-    CrumpleExampleSetDef def = crumple_default_example_set_def();
+    CrumpleExampleSetDef def = crumple_example_set_def_default();
     def.vertex_count = VERTICES;
     def.positions = (CrumpleInput){mesh->position, (VERTICES - 1) * sizeof(Vertex) + 12, sizeof(Vertex)};
     def.normals = (CrumpleInput){mesh->normal, (VERTICES - 1) * sizeof(Vertex) + 12, sizeof(Vertex)};
@@ -90,7 +90,7 @@ static CrumpleExampleSet make_set(CrumpleContext *context) {
     def.example_count = 1;
     def.options.vertex_mass = 0.5f; // kg
     CrumpleExampleSet set;
-    CHECK(crumple_create_example_set(context, &def, &set));
+    CHECK(crumple_example_set_create(context, &def, &set));
     return set;
 }
 
@@ -139,29 +139,29 @@ int main(void) {
     HostBuffer vertices = make_vertex_buffer(&host);
 
     // 1. Load as you would without a GPU: a context, an example set, a body in the scene.
-    CrumpleContextDef context_def = crumple_default_context_def();
+    CrumpleContextDef context_def = crumple_context_def_default();
     CrumpleContext *context;
     CHECK(crumple_context_create(&context_def, &context));
     const CrumpleExampleSet set = make_set(context);
-    CrumpleInstanceDef instance_def = crumple_default_instance_def();
+    CrumpleInstanceDef instance_def = crumple_instance_def_default();
     instance_def.set = set;
     CrumpleInstance body, twin; // the twin takes the same hits and is deformed on the CPU, for comparison
-    CHECK(crumple_create_instance(context, &instance_def, &body));
-    CHECK(crumple_create_instance(context, &instance_def, &twin));
+    CHECK(crumple_instance_create(context, &instance_def, &body));
+    CHECK(crumple_instance_create(context, &instance_def, &twin));
 
     // 2. Attach your device: Vulkan 1.1, no extension, no feature. Registering buffers makes a few pipelines, which takes less
-    // time with the bytes that crumple_get_vulkan_pipeline_cache() gave at an earlier run in def.pipeline_cache.
-    CrumpleVulkanDef vulkan = crumple_default_vulkan_def();
+    // time with the bytes that crumple_vulkan_get_pipeline_cache() gave at an earlier run in def.pipeline_cache.
+    CrumpleVulkanAttachDef vulkan = crumple_vulkan_attach_def_default();
     vulkan.get_instance_proc_addr = (CrumpleVulkanFunction)vkGetInstanceProcAddr; // or volk's, or SDL's
     vulkan.instance = host.instance;
     vulkan.physical_device = host.physical_device;
     vulkan.device = host.device;
     vulkan.queue_family = host.queue_family; // of the queue that your command buffers go to
-    CHECK(crumple_attach_vulkan(context, &vulkan));
+    CHECK(crumple_vulkan_attach(context, &vulkan));
 
     // 3. Register where the body's vertices lie. One call for each body, also where many share one VkBuffer: a frame's
     // changes of all of them are one dispatch. The VkBuffer stays yours; destroy it after the frames that used it.
-    CrumpleVulkanBufferDef def = crumple_default_vulkan_buffer_def();
+    CrumpleVulkanBufferDef def = crumple_vulkan_buffer_def_default();
     def.buffer = (uint64_t)vertices.buffer;
     def.buffer_size = vertices.size;
     def.usage = vertices.usage;
@@ -176,14 +176,14 @@ int main(void) {
     def.after_stages |= VK_PIPELINE_STAGE_TRANSFER_BIT;
     def.after_access |= VK_ACCESS_TRANSFER_READ_BIT;
     CrumpleBuffer buffer;
-    CHECK(crumple_register_vulkan_buffer(context, body, &def, &buffer));
+    CHECK(crumple_buffer_register_vulkan(context, body, &def, &buffer));
 
     static float on_cpu[VERTICES][6];
-    CrumpleHostBufferDef host_def = crumple_default_host_buffer_def();
+    CrumpleHostBufferDef host_def = crumple_host_buffer_def_default();
     host_def.positions = (CrumpleStream){on_cpu, sizeof on_cpu, 0, sizeof on_cpu[0]};
     host_def.normals = (CrumpleStream){on_cpu, sizeof on_cpu, 12, sizeof on_cpu[0]};
     CrumpleBuffer on_cpu_buffer;
-    CHECK(crumple_register_host_buffer(context, twin, &host_def, &on_cpu_buffer));
+    CHECK(crumple_buffer_register_host(context, twin, &host_def, &on_cpu_buffer));
 
     for (Frame *frame = frames; frame < frames + FRAMES_IN_FLIGHT; ++frame) {
         const VkFenceCreateInfo fence = {VK_STRUCTURE_TYPE_FENCE_CREATE_INFO, NULL, 0};
@@ -203,7 +203,7 @@ int main(void) {
         if (frame->number != 0) {
             VK(vkWaitForFences(host.device, 1, &frame->done, VK_TRUE, UINT64_MAX));
             VK(vkResetFences(host.device, 1, &frame->done));
-            CHECK(crumple_complete_frames(context, frame->number));
+            CHECK(crumple_vulkan_complete_frames(context, frame->number));
             look(&host, frame);
         }
         frame->number = number;
@@ -211,12 +211,12 @@ int main(void) {
         // Contacts come from your physics engine, at any time and from any thread. Here 1.5 N s downwards in frames 3 and 6.
         const bool hit_now = number == 3 || number == 6;
         if (hit_now) {
-            CrumpleImpulseDef hit = crumple_default_impulse_def();
+            CrumpleImpulseDef hit = crumple_impulse_def_default();
             hit.point = (CrumpleVec3){number == 3 ? 0.2f : -0.15f, 0.1f, 0};
             hit.impulse = (CrumpleVec3){0, 0, -1.5f};
             hit.duration = 0.01f;
-            CHECK(crumple_submit_impulse(context, body, &hit, NULL));
-            CHECK(crumple_submit_impulse(context, twin, &hit, NULL));
+            CHECK(crumple_instance_submit_impulse(context, body, &hit, NULL));
+            CHECK(crumple_instance_submit_impulse(context, twin, &hit, NULL));
         }
 
         const VkCommandBufferBeginInfo begin = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, NULL,
@@ -226,7 +226,7 @@ int main(void) {
         // Null and 0: all registered Vulkan buffers. A secondary command buffer is as good, and so is an empty frame: where
         // nothing was hit nothing is recorded. Afterwards bind your own pipeline: compute state has changed.
         CrumpleRecordReport report;
-        CHECK(crumple_record_deform(context, frame->commands, number, NULL, 0, &report));
+        CHECK(crumple_vulkan_record(context, frame->commands, number, NULL, 0, &report));
         FACT(report.dispatches == (number == 1 || hit_now ? 1 : 0));
         FACT(number != 1 || (report.vertices_written == VERTICES && report.blocks_skipped == 0));
         FACT(!hit_now || (report.blocks_written > 0 && report.blocks_skipped > 0));
@@ -242,21 +242,21 @@ int main(void) {
         const VkSubmitInfo submit = {VK_STRUCTURE_TYPE_SUBMIT_INFO, NULL, 0, NULL, NULL, 1, &frame->commands, 0, NULL};
         VK(vkQueueSubmit(host.queue, 1, &submit, frame->done));
 
-        // The same on the CPU. Vulkan's buffers are none of crumple_deform()'s business, nor host memory of
-        // crumple_record_deform()'s.
-        CHECK(crumple_deform(context, NULL, 0, NULL));
+        // The same on the CPU. Vulkan's buffers are none of crumple_context_deform()'s business, nor host memory of
+        // crumple_vulkan_record()'s.
+        CHECK(crumple_context_deform(context, NULL, 0, NULL));
         memcpy(frame->expected, on_cpu, sizeof on_cpu);
     }
 
     // 5. The end, in this order: the device is done, Crumple knows, the context goes, then the buffers and the device.
     VK(vkDeviceWaitIdle(host.device));
-    CHECK(crumple_complete_frames(context, FRAMES));
+    CHECK(crumple_vulkan_complete_frames(context, FRAMES));
     for (Frame *frame = frames; frame < frames + FRAMES_IN_FLIGHT; ++frame) look(&host, frame);
     float deepest = 0;
     for (int v = 0; v < VERTICES; ++v) deepest = fminf(deepest, on_cpu[v][2]);
     FACT(deepest < -0.025f && deepest > -0.035f); // 1.5 N s * 10 ms / 0.5 kg = 30 mm
     size_t cache_size;
-    CHECK(crumple_get_vulkan_pipeline_cache(context, NULL, 0, &cache_size));
+    CHECK(crumple_vulkan_get_pipeline_cache(context, NULL, 0, &cache_size));
     printf("%s: %d frames, deepest %.1f mm, %d vertices as on the CPU; %zu bytes of pipeline cache\n", host.name, FRAMES,
            -1000 * deepest, VERTICES, cache_size);
     CHECK(crumple_context_destroy(context));

@@ -309,7 +309,7 @@ Scene load(const crumple::ExampleSet &set) {
     const CrumpleExampleSetInfo about = set.info().value();
     std::vector<CrumpleVec3> positions(about.vertex_count), normals(about.vertex_count);
     Scene scene{{}, std::vector<uint32_t>(size_t(about.triangle_count) * 3), about.vertex_count};
-    CrumpleMeshCopyDef copy = crumple_default_mesh_copy_def();
+    CrumpleMeshCopyDef copy = crumple_mesh_copy_def_default();
     copy.positions = crumple::stream(positions);
     copy.normals = crumple::stream(normals);
     copy.indices = crumple::stream(scene.indices);
@@ -370,7 +370,7 @@ void run(Host &host, const char *hood, const char *path) {
     HostBuffer indices = upload(host, scene.indices, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
     HostBuffer read_back = host_buffer(&host, vertices.size, VK_BUFFER_USAGE_TRANSFER_DST_BIT, true);
 
-    CrumpleVulkanDef vulkan = crumple_default_vulkan_def();
+    CrumpleVulkanAttachDef vulkan = crumple_vulkan_attach_def_default();
     vulkan.get_instance_proc_addr = reinterpret_cast<CrumpleVulkanFunction>(vkGetInstanceProcAddr);
     vulkan.instance = host.instance;
     vulkan.physical_device = host.physical_device;
@@ -379,7 +379,7 @@ void run(Host &host, const char *hood, const char *path) {
     context.attach_vulkan(vulkan).value();
 
     crumple::Instance body = context.create_instance(set).value();
-    CrumpleVulkanBufferDef def = crumple_default_vulkan_buffer_def();
+    CrumpleVulkanBufferDef def = crumple_vulkan_buffer_def_default();
     def.buffer = (uint64_t)vertices.buffer; // a pointer or an integer, as VK_NON_DISPATCHABLE_HANDLE has it
     def.buffer_size = vertices.size;
     def.usage = vertices.usage;

@@ -7,28 +7,28 @@
 //
 // The way through, in the order in which you meet it
 //
-//   1. Context          crumple_default_context_def, crumple_context_create
-//                       threads, log, your own job system; crumple_set_allocator before that, if at all
-//   2. Example sets     crumple_create_example_set (arrays), crumple_load_example_set_gltf, ..._gltf_memory, ..._obj
+//   1. Context          crumple_context_def_default, crumple_context_create
+//                       threads, log, your own job system; crumple_allocator_set before that, if at all
+//   2. Example sets     crumple_example_set_create (arrays), crumple_example_set_load_gltf, ..._load_gltf_memory, ..._load_obj
 //                       while loading; one a mesh, shared by all its instances; made ready once, it is saved with
-//                       crumple_save_example_set (or "crumple bake") and loads at once from then on:
-//                       crumple_load_example_set_memory, crumple_load_example_set_file
-//   3. Looking inside   crumple_get_example_set_info, crumple_get_example_info, crumple_get_primitive,
-//                       crumple_copy_base_mesh, crumple_nearest_vertex
-//   4. Instances        crumple_create_instance, crumple_set_instance_transform, ..._depth_limit
+//                       crumple_example_set_save_baked (or "crumple bake") and loads at once from then on:
+//                       crumple_example_set_load_baked_memory, crumple_example_set_load_baked
+//   3. Looking inside   crumple_example_set_get_info, crumple_example_set_get_example, crumple_example_set_get_primitive,
+//                       crumple_example_set_copy_mesh, crumple_example_set_find_nearest_vertex
+//   4. Instances        crumple_instance_create, crumple_instance_set_transform, ..._depth_limit
 //                       one a body in the scene; a few hundred bytes each
-//   5. Hits             crumple_submit_impulse, crumple_submit_displacement, crumple_end_contact
+//   5. Hits             crumple_instance_submit_impulse, crumple_instance_submit_displacement, crumple_instance_end_contact
 //                       from any thread, whenever the physics engine reports a contact
-//   6. Damage           crumple_get_marks, crumple_set_marks, crumple_save_damage, crumple_load_damage,
-//                       crumple_repair_damage, crumple_reset_damage, crumple_copy_damage
+//   6. Damage           crumple_instance_get_marks, crumple_instance_set_marks, crumple_instance_save_damage, crumple_instance_load_damage,
+//                       crumple_instance_repair_damage, crumple_instance_reset_damage, crumple_instance_copy_damage
 //                       a short list of marks of 32 bytes: save it, send it over the network
-//   7. Buffers          crumple_register_host_buffer, crumple_set_host_buffer_memory, crumple_invalidate_buffer
+//   7. Buffers          crumple_buffer_register_host, crumple_buffer_set_memory, crumple_buffer_invalidate
 //                       your vertex memory, any strides
-//   8. Deformation      crumple_deform once a frame, crumple_get_buffer_changes for what to upload and the new bounds
-//   9. On the GPU       instead of 7 and 8: crumple_attach_vulkan, crumple_register_vulkan_buffer, and once a frame
-//                       crumple_record_deform into your own VkCommandBuffer and crumple_complete_frames; or, with memory
-//                       shared instead of a command buffer: crumple_open_vulkan, ..._import_vulkan_buffer, ..._submit_deform
-//  10. Attached points  crumple_attach_point, crumple_get_attached_frame
+//   8. Deformation      crumple_context_deform once a frame, crumple_buffer_get_changes for what to upload and the new bounds
+//   9. On the GPU       instead of 7 and 8: crumple_vulkan_attach, crumple_buffer_register_vulkan, and once a frame
+//                       crumple_vulkan_record into your own VkCommandBuffer and crumple_vulkan_complete_frames; or, with memory
+//                       shared instead of a command buffer: crumple_vulkan_open, ..._import_buffer, ..._submit
+//  10. Attached points  crumple_example_set_attach_point, crumple_instance_get_attached_frame
 //                       lamps, decals and collision vertices that follow the dents
 //  11. Recordings       crumple_recording_begin, crumple_recording_end
 //                       the calls of a context in a file, which "crumple replay" makes again: how a bug becomes a test
@@ -40,19 +40,19 @@
 // Every call may return CRUMPLE_ERROR_INTERNAL, a defect of the library.
 //
 // Ownership. What Crumple creates, it owns, and you hold an id of it: a small struct by value, zero is null. An id
-// ends with its crumple_destroy_ or crumple_unregister_ call and is an error from then on, never a crash. Destroying
+// ends with its destroy or unregister call and is an error from then on, never a crash. Destroying
 // an instance unregisters its buffers; an example set lives on for the instances that use it; destroying the context
 // destroys everything in it. What you pass in, you own: defs, strings and arrays are read during the call and may be
 // freed after it. Four things must live longer: the memory of registered buffers, what the callbacks of a context need,
 // bytes that a set was told to keep, and an attached Vulkan device (or memory that was imported).
 //
-// Defs. Structs that end in Def come from their crumple_default_ function, which sets struct_size and the defaults;
+// Defs. Structs that end in Def come from their crumple_..._def_default function, which sets struct_size and the defaults;
 // fill in what you need. By struct_size the library knows the version that you compiled against: of an earlier one with
 // the same SONAME, what your def lacks is as the default. A size that no version had is an error.
 //
 // Threads. Calls are externally synchronised per context: two threads must not be inside the same context at once,
 // and callbacks must not call back into it. One that does gets CRUMPLE_ERROR_CONCURRENT_USE, in every build. Excepted
-// are crumple_submit_impulse(), crumple_submit_displacement() and crumple_end_contact(), which any number of threads
+// are crumple_instance_submit_impulse(), crumple_instance_submit_displacement() and crumple_instance_end_contact(), which any number of threads
 // may call at any time, also while another thread deforms, and the functions that take no context. Different contexts
 // know nothing of each other. The result never depends on the number of threads, nor on the order of the hits between
 // two reads of the damage (with CRUMPLE_RULE_MARKS it does not depend on those reads either, until marks merge because
@@ -95,10 +95,10 @@
 /// Bit of crumple_features(): OBJ files can be loaded.
 #define CRUMPLE_FEATURE_OBJ 2
 
-/// Bit of crumple_features(): crumple_set_allocator() works.
+/// Bit of crumple_features(): crumple_allocator_set() works.
 #define CRUMPLE_FEATURE_HOST_ALLOCATOR 4
 
-/// Bit of crumple_features(): crumple_attach_vulkan() works.
+/// Bit of crumple_features(): crumple_vulkan_attach() works.
 #define CRUMPLE_FEATURE_VULKAN 8
 
 /// What every fallible call returns. After anything but CRUMPLE_OK no output was written, crumple_last_error() tells
@@ -141,7 +141,7 @@ typedef enum {
     CRUMPLE_ERROR_DEVICE_LOST = 16,
     /// A pointer is null that must not be.
     CRUMPLE_ERROR_NULL_POINTER = 64,
-    /// The struct_size of a def is that of no version: take defs from their crumple_default_ function.
+    /// The struct_size of a def is that of no version: take defs from their crumple_..._def_default function.
     CRUMPLE_ERROR_STRUCT_SIZE = 65,
     /// An id or a context is null, was destroyed, or belongs to another context; the text says which.
     CRUMPLE_ERROR_INVALID_ID = 66,
@@ -149,7 +149,7 @@ typedef enum {
     CRUMPLE_ERROR_CONCURRENT_USE = 67,
     /// A defect of the library; the text is its message. Please report it.
     CRUMPLE_ERROR_INTERNAL = 68,
-    /// Frames were recorded that crumple_complete_frames() was not told of.
+    /// Frames were recorded that crumple_vulkan_complete_frames() was not told of.
     CRUMPLE_ERROR_FRAMES_IN_FLIGHT = 69,
 } CrumpleResult;
 
@@ -281,7 +281,7 @@ typedef void (*CrumpleFree)(void *pointer, size_t size, size_t align, void *user
 
 /// The host's allocator.
 typedef struct {
-    /// Bytes of this struct, from crumple_default_allocator_def().
+    /// Bytes of this struct, from crumple_allocator_def_default().
     uint32_t struct_size;
     /// Gives memory. Required.
     CrumpleAlloc alloc;
@@ -301,8 +301,8 @@ typedef void (*CrumpleTask)(uint32_t index, void *task_data);
 /// Your parallel-for: call task(index, task_data) once for every index below count, on any threads and in any order,
 /// and return when all have returned. Tasks never block, never throw, and may run at once. What you forget is run
 /// after you return, and an index that you run twice does nothing the second time. Called from the thread that called
-/// Crumple. Must not throw or jump out. It may call crumple_submit_impulse(), crumple_submit_displacement() and
-/// crumple_end_contact(), nothing else of the same context.
+/// Crumple. Must not throw or jump out. It may call crumple_instance_submit_impulse(), crumple_instance_submit_displacement() and
+/// crumple_instance_end_contact(), nothing else of the same context.
 typedef void (*CrumpleParallelFor)(uint32_t count, CrumpleTask task, void *task_data, void *user);
 
 /// The host's job system. Zero everywhere: there is none, Crumple uses threads of its own.
@@ -317,7 +317,7 @@ typedef struct {
 
 /// How a context works.
 typedef struct {
-    /// Bytes of this struct, from crumple_default_context_def().
+    /// Bytes of this struct, from crumple_context_def_default().
     uint32_t struct_size;
     /// Threads that deform: 0 one for each core, 1 only the calling thread, up to 1024. Without meaning where tasks
     /// is set. Default 0.
@@ -354,7 +354,7 @@ typedef struct {
 
 /// One example: the base mesh after a collision. Give target_positions, or delta_indices with position_deltas.
 typedef struct {
-    /// Bytes of this struct, from crumple_default_example_def().
+    /// Bytes of this struct, from crumple_example_def_default().
     uint32_t struct_size;
     /// Number of moved vertices in delta_indices, position_deltas and normal_deltas. Without meaning for
     /// target_positions.
@@ -418,7 +418,7 @@ typedef struct {
 
 /// A base mesh and its examples, as arrays.
 typedef struct {
-    /// Bytes of this struct, from crumple_default_example_set_def().
+    /// Bytes of this struct, from crumple_example_set_def_default().
     uint32_t struct_size;
     /// Vertices of the base mesh, at least 1. Their order is yours and is kept.
     uint32_t vertex_count;
@@ -435,7 +435,7 @@ typedef struct {
     uint32_t index_count;
     /// Type of indices. Default CRUMPLE_INDEX_TYPE_U32.
     CrumpleIndexType index_type;
-    /// The examples: example_count of them, each from crumple_default_example_def().
+    /// The examples: example_count of them, each from crumple_example_def_default().
     const CrumpleExampleDef *examples;
     /// Number of examples, at least 1.
     uint32_t example_count;
@@ -456,7 +456,7 @@ typedef struct {
 
 /// Another mesh of a set's body, as arrays.
 typedef struct {
-    /// Bytes of this struct, from crumple_default_lod_def().
+    /// Bytes of this struct, from crumple_lod_def_default().
     uint32_t struct_size;
     /// Its vertices, at least 1. Their order is yours and is kept.
     uint32_t vertex_count;
@@ -476,15 +476,15 @@ typedef struct {
 
 /// Which mesh of a glTF file, and how it is made ready.
 typedef struct {
-    /// Bytes of this struct, from crumple_default_gltf_def().
+    /// Bytes of this struct, from crumple_gltf_def_default().
     uint32_t struct_size;
     /// Index of the mesh in the file, where mesh_name is null; UINT32_MAX: the first mesh that has morph targets.
     /// Default UINT32_MAX.
     uint32_t mesh_index;
     /// Name of the mesh, UTF-8. Null: mesh_index decides. Default null.
     const char *mesh_name;
-    /// Path of the .glb or .gltf file, UTF-8, for crumple_load_example_set_gltf(). For
-    /// crumple_load_example_set_gltf_memory() the folder that files named in it are relative to; null: such files are
+    /// Path of the .glb or .gltf file, UTF-8, for crumple_example_set_load_gltf(). For
+    /// crumple_example_set_load_gltf_memory() the folder that files named in it are relative to; null: such files are
     /// an error.
     const char *path;
     /// How the set is made ready. vertex_masses must be absent, or hold as many as the mesh has vertices.
@@ -493,7 +493,7 @@ typedef struct {
 
 /// A base OBJ and its examples, and how they are made ready.
 typedef struct {
-    /// Bytes of this struct, from crumple_default_obj_def().
+    /// Bytes of this struct, from crumple_obj_def_default().
     uint32_t struct_size;
     /// Number of example_paths, at least 1.
     uint32_t example_count;
@@ -522,7 +522,7 @@ typedef struct {
 
 /// Where a set's mesh is copied to. Absent streams are left out.
 typedef struct {
-    /// Bytes of this struct, from crumple_default_mesh_copy_def().
+    /// Bytes of this struct, from crumple_mesh_copy_def_default().
     uint32_t struct_size;
     /// Which mesh: 0 the base mesh, else a number from crumple_example_set_add_lod(). Default 0.
     uint32_t lod;
@@ -616,7 +616,7 @@ typedef struct {
 
 /// A body in the scene.
 typedef struct {
-    /// Bytes of this struct, from crumple_default_instance_def().
+    /// Bytes of this struct, from crumple_instance_def_default().
     uint32_t struct_size;
     /// How many examples one hit may mix: 1 to 4. Default 3.
     uint32_t examples_per_hit;
@@ -641,7 +641,7 @@ typedef struct {
     float blend_constant;
     /// No vertex is wrong by more than this, m; see crumple_instance_set_tolerance(). Default 0: nothing is left out.
     float tolerance;
-    /// From mesh to world space, column-major (element 4 * column + row); see crumple_set_instance_transform().
+    /// From mesh to world space, column-major (element 4 * column + row); see crumple_instance_set_transform().
     /// Default the identity.
     float local_to_world[16];
 } CrumpleInstanceDef;
@@ -668,7 +668,7 @@ typedef struct {
     uint32_t buffer_count;
     /// No vertex moves further than this, m.
     float depth_limit;
-    /// Open contacts, see crumple_end_contact().
+    /// Open contacts, see crumple_instance_end_contact().
     uint32_t contact_count;
     /// Zero; room for later.
     uint32_t reserved[4];
@@ -678,7 +678,7 @@ typedef struct {
 /// material, never the time step, and report a contact once, with its whole impulse, or in parts with a contact_id:
 /// then dents do not depend on the frame rate.
 typedef struct {
-    /// Bytes of this struct, from crumple_default_impulse_def().
+    /// Bytes of this struct, from crumple_impulse_def_default().
     uint32_t struct_size;
     /// The space of point and impulse. Default CRUMPLE_SPACE_LOCAL.
     CrumpleSpace space;
@@ -691,7 +691,7 @@ typedef struct {
     /// Mass of the contact vertex, kg. 0: that of the set. Default 0.
     float mass;
     /// Which contact it is part of, any number of your own; hits of one contact make one dent, see
-    /// crumple_end_contact(). 0: none, a hit of its own. Default 0.
+    /// crumple_instance_end_contact(). 0: none, a hit of its own. Default 0.
     uint64_t contact_id;
     /// Only tell what the hit would do, and leave nothing. Default false.
     bool preview;
@@ -699,7 +699,7 @@ typedef struct {
 
 /// A hit that should displace its contact so far: for engines with a mapping of their own. Free of the frame rate.
 typedef struct {
-    /// Bytes of this struct, from crumple_default_displacement_def().
+    /// Bytes of this struct, from crumple_displacement_def_default().
     uint32_t struct_size;
     /// The space of point and displacement. Default CRUMPLE_SPACE_LOCAL.
     CrumpleSpace space;
@@ -775,7 +775,7 @@ typedef struct {
 
 /// Memory for the deformed vertices of one instance, in the mesh's order and space.
 typedef struct {
-    /// Bytes of this struct, from crumple_default_host_buffer_def().
+    /// Bytes of this struct, from crumple_host_buffer_def_default().
     uint32_t struct_size;
     /// The mesh whose vertices are written: 0 the base mesh, else a number from crumple_example_set_add_lod(). Counts of
     /// vertices are that mesh's. Default 0.
@@ -826,7 +826,7 @@ typedef void (*CrumpleVulkanFunction)(void);
 
 /// Your Vulkan device, of Vulkan 1.1 or later. No extension and no feature needs to be enabled.
 typedef struct {
-    /// Bytes of this struct, from crumple_default_vulkan_def().
+    /// Bytes of this struct, from crumple_vulkan_attach_def_default().
     uint32_t struct_size;
     /// Family of the queue that command buffers are submitted to; one that can compute. Required. Default UINT32_MAX.
     uint32_t queue_family;
@@ -839,14 +839,14 @@ typedef struct {
     void *physical_device;
     /// The VkDevice. Required.
     void *device;
-    /// What crumple_get_vulkan_pipeline_cache() gave at an earlier run; read during the call. Data of another driver is not
+    /// What crumple_vulkan_get_pipeline_cache() gave at an earlier run; read during the call. Data of another driver is not
     /// used. Default null: none.
     const void *pipeline_cache;
     /// Bytes at pipeline_cache.
     size_t pipeline_cache_size;
     /// Invocations a workgroup: 32, 64, 128 or 256, no more than the device can. Default 128.
     uint32_t workgroup_size;
-} CrumpleVulkanDef;
+} CrumpleVulkanAttachDef;
 
 /// Where the values of one attribute lie. Zero everywhere: the attribute is absent.
 typedef struct {
@@ -864,7 +864,7 @@ typedef struct {
 
 /// A range of a VkBuffer for the deformed vertices of one instance, in the mesh's order and space.
 typedef struct {
-    /// Bytes of this struct, from crumple_default_vulkan_buffer_def().
+    /// Bytes of this struct, from crumple_vulkan_buffer_def_default().
     uint32_t struct_size;
     /// The mesh whose vertices are written: 0 the base mesh, else a number from crumple_example_set_add_lod(). Default 0.
     uint32_t lod;
@@ -928,25 +928,25 @@ typedef struct {
 
 /// A Vulkan device that Crumple makes for itself, beside yours on the same physical device.
 typedef struct {
-    /// Bytes of this struct, from crumple_default_own_vulkan_def().
+    /// Bytes of this struct, from crumple_vulkan_open_def_default().
     uint32_t struct_size;
-    /// As in CrumpleVulkanDef. Default 128.
+    /// As in CrumpleVulkanAttachDef. Default 128.
     uint32_t workgroup_size;
     /// vkGetInstanceProcAddr of a loader. Required; it stays loaded.
     CrumpleVulkanFunction get_instance_proc_addr;
     /// deviceUUID of your physical device (VkPhysicalDeviceIDProperties): memory can be shared within it alone. Zero
     /// everywhere: the first that can compute. Default zero.
     uint8_t device_uuid[16];
-    /// As in CrumpleVulkanDef. Default null.
+    /// As in CrumpleVulkanAttachDef. Default null.
     const void *pipeline_cache;
     /// Bytes at pipeline_cache.
     size_t pipeline_cache_size;
-} CrumpleOwnVulkanDef;
+} CrumpleVulkanOpenDef;
 
 /// A VkBuffer of your device, in memory that it exported. You made it with VkExternalMemoryBufferCreateInfo, and its memory with
 /// VkExportMemoryAllocateInfo, both of the same type of handle.
 typedef struct {
-    /// Bytes of this struct, from crumple_default_vulkan_import_def().
+    /// Bytes of this struct, from crumple_vulkan_import_def_default().
     uint32_t struct_size;
     /// What handle is. Default CRUMPLE_HANDLE_TYPE_OPAQUE_FD.
     CrumpleHandleType handle_type;
@@ -1013,7 +1013,7 @@ const char *crumple_version_string(void);
 uint64_t crumple_features(void);
 
 /// What was wrong in the calling thread's last failed call, and what would be right, as UTF-8:
-/// "crumple_create_instance: ...". Empty before the first failure; a call that succeeds leaves it. Valid until the
+/// "crumple_instance_create: ...". Empty before the first failure; a call that succeeds leaves it. Valid until the
 /// thread's next failed call. At most 1023 bytes. Never null, never fails; any thread, each has its own text.
 const char *crumple_last_error(void);
 
@@ -1022,7 +1022,7 @@ const char *crumple_last_error(void);
 const char *crumple_result_name(CrumpleResult result);
 
 /// An allocator def without functions: set both. Never fails; any thread.
-CrumpleAllocatorDef crumple_default_allocator_def(void);
+CrumpleAllocatorDef crumple_allocator_def_default(void);
 
 /// Makes the library take all further memory from the host's functions, for the whole process; null goes back to the
 /// system's. May be called at any time: each piece of memory returns to the functions it came from, so those must
@@ -1033,10 +1033,10 @@ CrumpleAllocatorDef crumple_default_allocator_def(void);
 /// Any thread. Errors: CRUMPLE_ERROR_UNSUPPORTED (a build without CRUMPLE_FEATURE_HOST_ALLOCATOR; see
 /// crumple_features()), CRUMPLE_ERROR_STRUCT_SIZE, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_NULL_POINTER (a function
 /// is missing), CRUMPLE_ERROR_INVALID_ARGUMENT (a sixteenth allocator).
-CrumpleResult crumple_set_allocator(const CrumpleAllocatorDef *allocator);
+CrumpleResult crumple_allocator_set(const CrumpleAllocatorDef *allocator);
 
 /// The defaults: threads of Crumple's own, one for each core; no log. Never fails; any thread.
-CrumpleContextDef crumple_default_context_def(void);
+CrumpleContextDef crumple_context_def_default(void);
 
 /// Creates a context. def is copied; what its callbacks need must live until the context is destroyed.
 ///
@@ -1050,14 +1050,14 @@ CrumpleResult crumple_context_create(const CrumpleContextDef *def, CrumpleContex
 ///
 /// No other call with this context may be running. Where a Vulkan device is attached, it must still be there. Errors:
 /// CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID (destroyed already), CRUMPLE_ERROR_FRAMES_IN_FLIGHT (see
-/// crumple_complete_frames()), CRUMPLE_ERROR_CONCURRENT_USE. Nothing was destroyed then.
+/// crumple_vulkan_complete_frames()), CRUMPLE_ERROR_CONCURRENT_USE. Nothing was destroyed then.
 CrumpleResult crumple_context_destroy(CrumpleContext *context);
 
 /// An example without anything: set its positions. Never fails; any thread.
-CrumpleExampleDef crumple_default_example_def(void);
+CrumpleExampleDef crumple_example_def_default(void);
 
 /// A set without anything: set its mesh and its examples. Never fails; any thread.
-CrumpleExampleSetDef crumple_default_example_set_def(void);
+CrumpleExampleSetDef crumple_example_set_def_default(void);
 
 /// Makes an example set from arrays, which are copied: free them afterwards. Takes a moment (it indexes the mesh and
 /// samples every example), so load before the scene starts, on a context of its own thread if need be.
@@ -1068,12 +1068,12 @@ CrumpleExampleSetDef crumple_default_example_set_def(void);
 /// than its count needs), CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, CRUMPLE_ERROR_MESH (no
 /// vertices), CRUMPLE_ERROR_EXAMPLE_MISMATCH (no example, or one that does not fit the mesh),
 /// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_create_example_set(CrumpleContext *context,
+CrumpleResult crumple_example_set_create(CrumpleContext *context,
                                          const CrumpleExampleSetDef *def,
                                          CrumpleExampleSet *out_set);
 
 /// A level of detail without anything: set its mesh. Never fails; any thread.
-CrumpleLodDef crumple_default_lod_def(void);
+CrumpleLodDef crumple_lod_def_default(void);
 
 /// Adds another mesh of the same body that shows the same damage, such as a level of detail or a collision proxy. The arrays
 /// are copied. Its number, 1 for the first, is what CrumpleHostBufferDef.lod takes. Each of its vertices is bound to the nearest
@@ -1096,31 +1096,31 @@ CrumpleResult crumple_example_set_add_lod(CrumpleContext *context,
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_destroy_example_set(CrumpleContext *context, CrumpleExampleSet set);
+CrumpleResult crumple_example_set_destroy(CrumpleContext *context, CrumpleExampleSet set);
 
 /// The first mesh with morph targets, with default options; set the path. Never fails; any thread.
-CrumpleGltfDef crumple_default_gltf_def(void);
+CrumpleGltfDef crumple_gltf_def_default(void);
 
 /// Default options; set the paths. Never fails; any thread.
-CrumpleObjDef crumple_default_obj_def(void);
+CrumpleObjDef crumple_obj_def_default(void);
 
 /// Makes an example set from a glTF 2.0 or GLB file: a mesh with its morph targets, dense or sparse, all primitives
-/// joined (see crumple_get_primitive()). Where the file has them, names come from mesh.extras.targetNames, contacts from
+/// joined (see crumple_example_set_get_primitive()). Where the file has them, names come from mesh.extras.targetNames, contacts from
 /// mesh.extras.impacts and placements from mesh.extras.placements. Numbers are those of the mesh's own space: scales and
 /// rotations of nodes are not applied.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT (malformed, or no such mesh: the text
 /// lists those there are), CRUMPLE_ERROR_UNSUPPORTED (compressed with Draco or meshopt, or a build without
 /// CRUMPLE_FEATURE_GLTF), CRUMPLE_ERROR_EXAMPLE_MISMATCH (no morph targets), and those of
-/// crumple_create_example_set().
-CrumpleResult crumple_load_example_set_gltf(CrumpleContext *context,
+/// crumple_example_set_create().
+CrumpleResult crumple_example_set_load_gltf(CrumpleContext *context,
                                             const CrumpleGltfDef *def,
                                             CrumpleExampleSet *out_set);
 
 /// The same from the bytes of a file: size bytes at data, read during the call only, of any alignment.
 ///
-/// Externally synchronised. Errors: as for crumple_load_example_set_gltf().
-CrumpleResult crumple_load_example_set_gltf_memory(CrumpleContext *context,
+/// Externally synchronised. Errors: as for crumple_example_set_load_gltf().
+CrumpleResult crumple_example_set_load_gltf_memory(CrumpleContext *context,
                                                    const void *data,
                                                    size_t size,
                                                    const CrumpleGltfDef *def,
@@ -1130,12 +1130,12 @@ CrumpleResult crumple_load_example_set_gltf_memory(CrumpleContext *context,
 /// order and is named after its file. Polygons are cut into triangles.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT, CRUMPLE_ERROR_UNSUPPORTED (a build
-/// without CRUMPLE_FEATURE_OBJ), and those of crumple_create_example_set().
-CrumpleResult crumple_load_example_set_obj(CrumpleContext *context,
+/// without CRUMPLE_FEATURE_OBJ), and those of crumple_example_set_create().
+CrumpleResult crumple_example_set_load_obj(CrumpleContext *context,
                                            const CrumpleObjDef *def,
                                            CrumpleExampleSet *out_set);
 
-/// Makes an example set from the size bytes of a .crumple file at data, which "crumple bake" or crumple_save_example_set()
+/// Makes an example set from the size bytes of a .crumple file at data, which "crumple bake" or crumple_example_set_save_baked()
 /// wrote: at once, since nothing is built or unpacked. bytes tells whether they are copied or kept, see CrumpleBytes.
 /// Everything in them is checked: no file can make Crumple read or write what it should not. The set has one primitive, no
 /// name and no node transform.
@@ -1144,19 +1144,19 @@ CrumpleResult crumple_load_example_set_obj(CrumpleContext *context,
 /// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (bytes is no enumerator), CRUMPLE_ERROR_FORMAT (damaged, cut
 /// short, or no baked set), CRUMPLE_ERROR_UNSUPPORTED (of another version of the format, or a big-endian processor),
 /// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE. Nothing is kept then.
-CrumpleResult crumple_load_example_set_memory(CrumpleContext *context,
-                                              const void *data,
-                                              size_t size,
-                                              CrumpleBytes bytes,
-                                              CrumpleExampleSet *out_set);
+CrumpleResult crumple_example_set_load_baked_memory(CrumpleContext *context,
+                                                    const void *data,
+                                                    size_t size,
+                                                    CrumpleBytes bytes,
+                                                    CrumpleExampleSet *out_set);
 
 /// The same from a file, which is read into memory: path is UTF-8.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ARGUMENT (path is
-/// not UTF-8), and those of crumple_load_example_set_memory().
-CrumpleResult crumple_load_example_set_file(CrumpleContext *context,
-                                            const char *path,
-                                            CrumpleExampleSet *out_set);
+/// not UTF-8), and those of crumple_example_set_load_baked_memory().
+CrumpleResult crumple_example_set_load_baked(CrumpleContext *context,
+                                             const char *path,
+                                             CrumpleExampleSet *out_set);
 
 /// Saves an example set as the bytes of a .crumple file; the same bytes for the same set on every machine. data has room
 /// for capacity bytes, of any alignment; with null and 0 only their number is told.
@@ -1164,20 +1164,20 @@ CrumpleResult crumple_load_example_set_file(CrumpleContext *context,
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED (out_size),
 /// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_UNSUPPORTED (a big-endian processor),
 /// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_save_example_set(CrumpleContext *context,
-                                       CrumpleExampleSet set,
-                                       void *data,
-                                       size_t capacity,
-                                       size_t *out_size);
+CrumpleResult crumple_example_set_save_baked(CrumpleContext *context,
+                                             CrumpleExampleSet set,
+                                             void *data,
+                                             size_t capacity,
+                                             size_t *out_size);
 
 /// Copies nothing; set the streams that you want. Never fails; any thread.
-CrumpleMeshCopyDef crumple_default_mesh_copy_def(void);
+CrumpleMeshCopyDef crumple_mesh_copy_def_default(void);
 
 /// Tells what a set holds.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_get_example_set_info(CrumpleContext *context,
+CrumpleResult crumple_example_set_get_info(CrumpleContext *context,
                                            CrumpleExampleSet set,
                                            CrumpleExampleSetInfo *out_info);
 
@@ -1185,19 +1185,19 @@ CrumpleResult crumple_get_example_set_info(CrumpleContext *context,
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_get_example_info(CrumpleContext *context,
-                                       CrumpleExampleSet set,
-                                       uint32_t example,
-                                       CrumpleExampleInfo *out_info);
+CrumpleResult crumple_example_set_get_example(CrumpleContext *context,
+                                              CrumpleExampleSet set,
+                                              uint32_t example,
+                                              CrumpleExampleInfo *out_info);
 
 /// Tells which vertices and triangles a part of the mesh has; primitive is below primitive_count.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_get_primitive(CrumpleContext *context,
-                                    CrumpleExampleSet set,
-                                    uint32_t primitive,
-                                    CrumplePrimitive *out_primitive);
+CrumpleResult crumple_example_set_get_primitive(CrumpleContext *context,
+                                                CrumpleExampleSet set,
+                                                uint32_t primitive,
+                                                CrumplePrimitive *out_primitive);
 
 /// Copies the base mesh, or a level of detail, into your memory: the vertex and index buffers to draw with, before the first dent. Normals
 /// are computed ones where the set was made without.
@@ -1206,30 +1206,30 @@ CrumpleResult crumple_get_primitive(CrumpleContext *context,
 /// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (a stride smaller than an element, streams that overlap),
 /// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE (def.lod), CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_MESH (normals or tangents of a
 /// mesh that has none), CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_copy_base_mesh(CrumpleContext *context,
-                                     CrumpleExampleSet set,
-                                     const CrumpleMeshCopyDef *def);
+CrumpleResult crumple_example_set_copy_mesh(CrumpleContext *context,
+                                            CrumpleExampleSet set,
+                                            const CrumpleMeshCopyDef *def);
 
 /// Tells the vertex of the base mesh nearest to a point, m, in the mesh's space; of equally near ones the lowest.
 /// Either output may be null; the distance is in m.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_nearest_vertex(CrumpleContext *context,
-                                     CrumpleExampleSet set,
-                                     CrumpleVec3 point,
-                                     uint32_t *out_vertex,
-                                     float *out_distance);
+CrumpleResult crumple_example_set_find_nearest_vertex(CrumpleContext *context,
+                                                      CrumpleExampleSet set,
+                                                      CrumpleVec3 point,
+                                                      uint32_t *out_vertex,
+                                                      float *out_distance);
 
 /// An instance with default rules; set its set. Never fails; any thread.
-CrumpleInstanceDef crumple_default_instance_def(void);
+CrumpleInstanceDef crumple_instance_def_default(void);
 
 /// Creates an undamaged instance: a few hundred bytes, and 8 for each 128 vertices.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
 /// CRUMPLE_ERROR_INVALID_ID (def.set), CRUMPLE_ERROR_INVALID_ARGUMENT, CRUMPLE_ERROR_NOT_FINITE,
 /// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_create_instance(CrumpleContext *context,
+CrumpleResult crumple_instance_create(CrumpleContext *context,
                                       const CrumpleInstanceDef *def,
                                       CrumpleInstance *out_instance);
 
@@ -1237,13 +1237,13 @@ CrumpleResult crumple_create_instance(CrumpleContext *context,
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_destroy_instance(CrumpleContext *context, CrumpleInstance instance);
+CrumpleResult crumple_instance_destroy(CrumpleContext *context, CrumpleInstance instance);
 
 /// Tells what an instance is at the moment.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_get_instance_info(CrumpleContext *context,
+CrumpleResult crumple_instance_get_info(CrumpleContext *context,
                                         CrumpleInstance instance,
                                         CrumpleInstanceInfo *out_info);
 
@@ -1255,20 +1255,20 @@ CrumpleResult crumple_get_instance_info(CrumpleContext *context,
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INVALID_ARGUMENT (it flattens, or the last row is another),
 /// CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_set_instance_transform(CrumpleContext *context,
+CrumpleResult crumple_instance_set_transform(CrumpleContext *context,
                                              CrumpleInstance instance,
                                              const float *local_to_world);
 
-/// No vertex of the instance moves further than depth_limit, m, from the next crumple_deform() on; 0: the set's
+/// No vertex of the instance moves further than depth_limit, m, from the next crumple_context_deform() on; 0: the set's
 /// limit. Damage that is there stays, and shows again when the limit is raised.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_NOT_FINITE,
 /// CRUMPLE_ERROR_INVALID_ARGUMENT, CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_set_instance_depth_limit(CrumpleContext *context, CrumpleInstance instance, float depth_limit);
+CrumpleResult crumple_instance_set_depth_limit(CrumpleContext *context, CrumpleInstance instance, float depth_limit);
 
 /// Lets vertices of the instance be wrong by up to tolerance, m, in the mesh's space, so that deforming it costs less:
 /// displacements too short to matter are left out. 0: nothing is left out. Seams stay closed. It is rounded down to a power of
-/// two times 1 m, so it may be set in each frame from crumple_pixel_tolerance(); where that changes, the next crumple_deform()
+/// two times 1 m, so it may be set in each frame from crumple_pixel_tolerance(); where that changes, the next crumple_context_deform()
 /// writes everything that is dented anew. Instances with one of the literature's rules ignore it.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_NOT_FINITE,
@@ -1287,15 +1287,15 @@ float crumple_pixel_tolerance(float pixels,
                               float viewport_height);
 
 /// An impulse of nothing, in the mesh's space; set its point, impulse and duration. Never fails; any thread.
-CrumpleImpulseDef crumple_default_impulse_def(void);
+CrumpleImpulseDef crumple_impulse_def_default(void);
 
 /// A displacement of nothing, in the mesh's space; set its point and displacement. Never fails; any thread.
-CrumpleDisplacementDef crumple_default_displacement_def(void);
+CrumpleDisplacementDef crumple_displacement_def_default(void);
 
 /// Reports an impulse. Its examples are chosen at once; the mark it makes counts from the next call that reads damage
-/// (crumple_deform(), crumple_get_marks() and so on), whatever the order and the threads hits came from. A hit that
+/// (crumple_context_deform(), crumple_instance_get_marks() and so on), whatever the order and the threads hits came from. A hit that
 /// is too weak, or that no example answers, is no error: see status. out_result may be null. With a contact_id it
-/// tells what the hit would do alone; see crumple_end_contact() for what it does with the contact's other hits.
+/// tells what the hit would do alone; see crumple_instance_end_contact() for what it does with the contact's other hits.
 ///
 /// May be called from any thread at any time, also while other threads submit or deform; not while the instance or
 /// the context is being destroyed. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED,
@@ -1303,17 +1303,17 @@ CrumpleDisplacementDef crumple_default_displacement_def(void);
 /// duration not above 0, a negative mass, or none known), CRUMPLE_ERROR_CONTACT_TOO_FAR (the point is further from
 /// the body than the instance accepts), CRUMPLE_ERROR_WRONG_RULE (a contact_id with one of the literature's rules,
 /// which cannot replace what they have deformed), CRUMPLE_ERROR_OUT_OF_MEMORY. Nothing is left behind then.
-CrumpleResult crumple_submit_impulse(CrumpleContext *context,
-                                     CrumpleInstance instance,
-                                     const CrumpleImpulseDef *def,
-                                     CrumpleHitResult *out_result);
+CrumpleResult crumple_instance_submit_impulse(CrumpleContext *context,
+                                              CrumpleInstance instance,
+                                              const CrumpleImpulseDef *def,
+                                              CrumpleHitResult *out_result);
 
-/// Reports a hit that should displace its contact so far. As crumple_submit_impulse() in every other respect, its
+/// Reports a hit that should displace its contact so far. As crumple_instance_submit_impulse() in every other respect, its
 /// threads and errors too.
-CrumpleResult crumple_submit_displacement(CrumpleContext *context,
-                                          CrumpleInstance instance,
-                                          const CrumpleDisplacementDef *def,
-                                          CrumpleHitResult *out_result);
+CrumpleResult crumple_instance_submit_displacement(CrumpleContext *context,
+                                                   CrumpleInstance instance,
+                                                   const CrumpleDisplacementDef *def,
+                                                   CrumpleHitResult *out_result);
 
 /// Ends a contact of an instance: its dent stays as it is, and later hits with the same id begin another one.
 ///
@@ -1329,10 +1329,10 @@ CrumpleResult crumple_submit_displacement(CrumpleContext *context,
 /// into, repaired or reset, and when more than 256 are open: the one hit longest ago ends then (of equals the lowest
 /// id).
 ///
-/// May be called from any thread at any time, as crumple_submit_impulse(). Errors: CRUMPLE_ERROR_NULL_POINTER,
+/// May be called from any thread at any time, as crumple_instance_submit_impulse(). Errors: CRUMPLE_ERROR_NULL_POINTER,
 /// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (contact_id is 0), CRUMPLE_ERROR_WRONG_RULE (one of the
 /// literature's rules), CRUMPLE_ERROR_OUT_OF_MEMORY.
-CrumpleResult crumple_end_contact(CrumpleContext *context, CrumpleInstance instance, uint64_t contact_id);
+CrumpleResult crumple_instance_end_contact(CrumpleContext *context, CrumpleInstance instance, uint64_t contact_id);
 
 /// Copies an instance's marks, sorted: the same hits give the same marks whatever their order. marks has room for
 /// capacity of them; with null and 0 only their number is told.
@@ -1340,11 +1340,11 @@ CrumpleResult crumple_end_contact(CrumpleContext *context, CrumpleInstance insta
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_BUFFER_TOO_SMALL (capacity is smaller than the number of marks), CRUMPLE_ERROR_WRONG_RULE (the
 /// literature's rules have no marks), CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_get_marks(CrumpleContext *context,
-                                CrumpleInstance instance,
-                                CrumpleMark *marks,
-                                uint32_t capacity,
-                                uint32_t *out_count);
+CrumpleResult crumple_instance_get_marks(CrumpleContext *context,
+                                         CrumpleInstance instance,
+                                         CrumpleMark *marks,
+                                         uint32_t capacity,
+                                         uint32_t *out_count);
 
 /// Replaces an instance's marks by count others, of the same set, forgets hits that wait and ends contacts. Null and
 /// 0: none.
@@ -1352,54 +1352,57 @@ CrumpleResult crumple_get_marks(CrumpleContext *context,
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that the set cannot have), CRUMPLE_ERROR_WRONG_RULE,
 /// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
-CrumpleResult crumple_set_marks(CrumpleContext *context,
-                                CrumpleInstance instance,
-                                const CrumpleMark *marks,
-                                uint32_t count);
+CrumpleResult crumple_instance_set_marks(CrumpleContext *context,
+                                         CrumpleInstance instance,
+                                         const CrumpleMark *marks,
+                                         uint32_t count);
 
 /// Saves an instance's damage as bytes, with a version and the set's fingerprint; the same bytes for the same damage
 /// on every machine. data has room for capacity bytes, of any alignment; with null and 0 only their number is told.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_save_damage(CrumpleContext *context,
-                                  CrumpleInstance instance,
-                                  void *data,
-                                  size_t capacity,
-                                  size_t *out_size);
+CrumpleResult crumple_instance_save_damage(CrumpleContext *context,
+                                           CrumpleInstance instance,
+                                           void *data,
+                                           size_t capacity,
+                                           size_t *out_size);
 
 /// Replaces an instance's damage by size saved bytes, of any alignment, forgets hits that wait and ends contacts.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_DAMAGE_MISMATCH (of another set, version or rule, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT (a
 /// mark that the set cannot have), CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
-CrumpleResult crumple_load_damage(CrumpleContext *context, CrumpleInstance instance, const void *data, size_t size);
+CrumpleResult crumple_instance_load_damage(CrumpleContext *context,
+                                           CrumpleInstance instance,
+                                           const void *data,
+                                           size_t size);
 
 /// Repairs an instance: every dent keeps this share of its depth, 0 (as new) to 1 (nothing repaired). Ends contacts.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_NOT_FINITE,
 /// CRUMPLE_ERROR_INVALID_ARGUMENT, CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_repair_damage(CrumpleContext *context, CrumpleInstance instance, float keep);
+CrumpleResult crumple_instance_repair_damage(CrumpleContext *context, CrumpleInstance instance, float keep);
 
 /// Makes an instance as new, forgets hits that wait and ends contacts.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_reset_damage(CrumpleContext *context, CrumpleInstance instance);
+CrumpleResult crumple_instance_reset_damage(CrumpleContext *context, CrumpleInstance instance);
 
 /// Replaces the damage of instance by that of source, another instance with an equal set and the same kind of rule,
 /// forgets hits that wait for instance and ends its contacts. From itself: nothing happens.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_DAMAGE_MISMATCH, CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
-CrumpleResult crumple_copy_damage(CrumpleContext *context, CrumpleInstance instance, CrumpleInstance source);
+CrumpleResult crumple_instance_copy_damage(CrumpleContext *context, CrumpleInstance instance, CrumpleInstance source);
 
 /// A buffer without memory; set its streams. Never fails; any thread.
-CrumpleHostBufferDef crumple_default_host_buffer_def(void);
+CrumpleHostBufferDef crumple_host_buffer_def_default(void);
 
-/// Registers memory of yours that crumple_deform() writes an instance's vertices to. An instance may have several,
+/// Registers memory of yours that crumple_context_deform() writes an instance's vertices to. An instance may have several,
 /// such as the members of a ring, each of which gets what it lacks. Nothing is written yet; the first deform writes
-/// every vertex. The memory is touched by crumple_deform() only, and must stay until the buffer is unregistered,
+/// every vertex. The memory is touched by crumple_context_deform() only, and must stay until the buffer is unregistered,
 /// given other memory, or its instance or context is destroyed. Memory of different buffers must not overlap (debug
 /// builds of the library check it).
 ///
@@ -1408,7 +1411,7 @@ CrumpleHostBufferDef crumple_default_host_buffer_def(void);
 /// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE (def.lod), CRUMPLE_ERROR_WRONG_RULE (def.lod above 0 for an instance with one of the
 /// literature's rules), CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_MESH (normals or tangents of a mesh that has none),
 /// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_register_host_buffer(CrumpleContext *context,
+CrumpleResult crumple_buffer_register_host(CrumpleContext *context,
                                            CrumpleInstance instance,
                                            const CrumpleHostBufferDef *def,
                                            CrumpleBuffer *out_buffer);
@@ -1417,23 +1420,23 @@ CrumpleResult crumple_register_host_buffer(CrumpleContext *context,
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_unregister_buffer(CrumpleContext *context, CrumpleBuffer buffer);
+CrumpleResult crumple_buffer_unregister(CrumpleContext *context, CrumpleBuffer buffer);
 
 /// Says that somebody else wrote to a buffer's memory, or that its contents were lost: the next deform, or recording, writes
 /// every vertex.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_invalidate_buffer(CrumpleContext *context,
+CrumpleResult crumple_buffer_invalidate(CrumpleContext *context,
                                         CrumpleBuffer buffer);
 
 /// Gives a buffer other memory, such as a newly mapped one, perhaps for another level of detail, and invalidates it.
 ///
-/// Externally synchronised. Errors: as for crumple_register_host_buffer(), and CRUMPLE_ERROR_INVALID_ARGUMENT for a Vulkan
+/// Externally synchronised. Errors: as for crumple_buffer_register_host(), and CRUMPLE_ERROR_INVALID_ARGUMENT for a Vulkan
 /// buffer; the buffer keeps its memory then.
-CrumpleResult crumple_set_host_buffer_memory(CrumpleContext *context,
-                                             CrumpleBuffer buffer,
-                                             const CrumpleHostBufferDef *def);
+CrumpleResult crumple_buffer_set_memory(CrumpleContext *context,
+                                        CrumpleBuffer buffer,
+                                        const CrumpleHostBufferDef *def);
 
 /// Brings host buffers up to date: count ids at buffers, each once; with null and 0 all of the context. Writes only where
 /// damage changed since a buffer was last written, in parallel over all of them, and is cheap where nothing did. Do
@@ -1441,13 +1444,13 @@ CrumpleResult crumple_set_host_buffer_memory(CrumpleContext *context,
 /// one, however many hits it took. out_report may be null.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (a buffer twice, or one that crumple_record_deform() writes; in debug builds of the
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (a buffer twice, or one that crumple_vulkan_record() writes; in debug builds of the
 /// library: memory of two buffers overlaps),
 /// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE. No vertex is written then.
-CrumpleResult crumple_deform(CrumpleContext *context,
-                             const CrumpleBuffer *buffers,
-                             uint32_t count,
-                             CrumpleDeformReport *out_report);
+CrumpleResult crumple_context_deform(CrumpleContext *context,
+                                     const CrumpleBuffer *buffers,
+                                     uint32_t count,
+                                     CrumpleDeformReport *out_report);
 
 /// Tells which vertices the last deform or recording that named a buffer wrote (increasing ranges, apart from each other),
 /// and a box, m, around all of its vertices as they are now: what to upload, what to refit, what to cull with. The box of a
@@ -1456,7 +1459,7 @@ CrumpleResult crumple_deform(CrumpleContext *context,
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_BUFFER_TOO_SMALL (capacity is smaller than the number of ranges), CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_get_buffer_changes(CrumpleContext *context,
+CrumpleResult crumple_buffer_get_changes(CrumpleContext *context,
                                          CrumpleBuffer buffer,
                                          CrumpleRange *ranges,
                                          uint32_t capacity,
@@ -1464,43 +1467,43 @@ CrumpleResult crumple_get_buffer_changes(CrumpleContext *context,
                                          CrumpleAabb *out_bounds);
 
 /// A device without handles; set them and the queue family. Never fails; any thread.
-CrumpleVulkanDef crumple_default_vulkan_def(void);
+CrumpleVulkanAttachDef crumple_vulkan_attach_def_default(void);
 
 /// A range of no buffer, read as vertices before and after; set the buffer, its size and usage, the range and its streams.
 /// Never fails; any thread.
-CrumpleVulkanBufferDef crumple_default_vulkan_buffer_def(void);
+CrumpleVulkanBufferDef crumple_vulkan_buffer_def_default(void);
 
 /// Takes your Vulkan device: loads functions, some tenths of a millisecond. A context has one at a time. The handles must be
-/// valid, belong together, and stay so until crumple_detach_vulkan() or crumple_context_destroy().
+/// valid, belong together, and stay so until crumple_vulkan_detach() or crumple_context_destroy().
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (one is attached already, a queue family that is not there or cannot compute,
 /// workgroup_size), CRUMPLE_ERROR_UNSUPPORTED (a device below Vulkan 1.1; a loader that lacks a function, which is named; a
 /// build without CRUMPLE_FEATURE_VULKAN), CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST, CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_attach_vulkan(CrumpleContext *context,
-                                    const CrumpleVulkanDef *def);
+CrumpleResult crumple_vulkan_attach(CrumpleContext *context,
+                                    const CrumpleVulkanAttachDef *def);
 
 /// Lets go of the Vulkan device, unregisters all Vulkan buffers, whose ids end, and destroys what Crumple made there. Damage
-/// stays. After a loss of the device (CRUMPLE_ERROR_DEVICE_LOST): crumple_complete_frames() with UINT64_MAX, since a lost
+/// stays. After a loss of the device (CRUMPLE_ERROR_DEVICE_LOST): crumple_vulkan_complete_frames() with UINT64_MAX, since a lost
 /// device runs nothing any more, this call, vkDestroyDevice, then attach the new one and register again.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (none
 /// is attached), CRUMPLE_ERROR_FRAMES_IN_FLIGHT, CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
-CrumpleResult crumple_detach_vulkan(CrumpleContext *context);
+CrumpleResult crumple_vulkan_detach(CrumpleContext *context);
 
-/// Gives what the driver would like to have again at the next start: hand it to crumple_attach_vulkan(). data has room for
+/// Gives what the driver would like to have again at the next start: hand it to crumple_vulkan_attach(). data has room for
 /// capacity bytes, of any alignment; with null and 0 only their number is told, which may grow until all kinds of buffers were
 /// registered.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED (out_size),
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (no device is attached), CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_VULKAN,
 /// CRUMPLE_ERROR_DEVICE_LOST, CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_get_vulkan_pipeline_cache(CrumpleContext *context,
+CrumpleResult crumple_vulkan_get_pipeline_cache(CrumpleContext *context,
                                                 void *data,
                                                 size_t capacity,
                                                 size_t *out_size);
 
-/// Registers a range of a VkBuffer of yours that crumple_record_deform() writes an instance's vertices to. An instance may have
+/// Registers a range of a VkBuffer of yours that crumple_vulkan_record() writes an instance's vertices to. An instance may have
 /// several, such as the members of a ring. Nothing is written yet; the first recording writes every vertex. The first range of a
 /// mesh has its vertices and examples copied: into a staging buffer now, from there to the device by the next recording; other
 /// instances and ranges share them. The VkBuffer must live until its last range is unregistered (or its instance, the device or
@@ -1514,7 +1517,7 @@ CrumpleResult crumple_get_vulkan_pipeline_cache(CrumpleContext *context,
 /// CRUMPLE_ERROR_WRONG_RULE (def.lod above 0 for an instance with one of the literature's rules), CRUMPLE_ERROR_UNSUPPORTED
 /// (normals or tangents of a mesh that has none; more bytes than the device can bind), CRUMPLE_ERROR_OUT_OF_MEMORY,
 /// CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST, CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_register_vulkan_buffer(CrumpleContext *context,
+CrumpleResult crumple_buffer_register_vulkan(CrumpleContext *context,
                                              CrumpleInstance instance,
                                              const CrumpleVulkanBufferDef *def,
                                              CrumpleBuffer *out_buffer);
@@ -1537,7 +1540,7 @@ CrumpleResult crumple_register_vulkan_buffer(CrumpleContext *context,
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (no device of yours is attached, a buffer twice or a host buffer, a frame that is done or
 /// below the last), CRUMPLE_ERROR_UNSUPPORTED (more work than the device can bind), CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_VULKAN,
 /// CRUMPLE_ERROR_DEVICE_LOST, CRUMPLE_ERROR_CONCURRENT_USE. Nothing was recorded then.
-CrumpleResult crumple_record_deform(CrumpleContext *context,
+CrumpleResult crumple_vulkan_record(CrumpleContext *context,
                                     void *command_buffer,
                                     uint64_t frame,
                                     const CrumpleBuffer *buffers,
@@ -1550,77 +1553,77 @@ CrumpleResult crumple_record_deform(CrumpleContext *context,
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (no
 /// device of yours is attached), CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_complete_frames(CrumpleContext *context,
-                                      uint64_t frame);
+CrumpleResult crumple_vulkan_complete_frames(CrumpleContext *context,
+                                             uint64_t frame);
 
 /// Says that what was recorded for frame and those after it will not be submitted: the buffers that it wrote are written
 /// whole by their next recording.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (no
 /// device of yours is attached), CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_discard_frames(CrumpleContext *context,
-                                     uint64_t frame);
+CrumpleResult crumple_vulkan_discard_frames(CrumpleContext *context,
+                                            uint64_t frame);
 
 /// Any device, by no loader; set that, and the UUID. Never fails; any thread.
-CrumpleOwnVulkanDef crumple_default_own_vulkan_def(void);
+CrumpleVulkanOpenDef crumple_vulkan_open_def_default(void);
 
 /// No memory; set its handle, sizes, type and usage. Never fails; any thread.
-CrumpleVulkanImportDef crumple_default_vulkan_import_def(void);
+CrumpleVulkanImportDef crumple_vulkan_import_def_default(void);
 
 /// Makes a Vulkan device of Crumple's own, for engines that cannot hand out a command buffer but can share memory, perhaps with
-/// another process: some milliseconds to tenths of a second. It takes the place of crumple_attach_vulkan(): buffers are
-/// imported by crumple_import_vulkan_buffer(), registered by crumple_register_vulkan_buffer() and written by
-/// crumple_submit_deform(). crumple_detach_vulkan() and crumple_context_destroy() wait for it, and destroy it.
+/// another process: some milliseconds to tenths of a second. It takes the place of crumple_vulkan_attach(): buffers are
+/// imported by crumple_vulkan_import_buffer(), registered by crumple_buffer_register_vulkan() and written by
+/// crumple_vulkan_submit(). crumple_vulkan_detach() and crumple_context_destroy() wait for it, and destroy it.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (a device is attached already, workgroup_size), CRUMPLE_ERROR_UNSUPPORTED (no such device, which
 /// names those there are; one that cannot import memory; a build without CRUMPLE_FEATURE_VULKAN), CRUMPLE_ERROR_VULKAN,
 /// CRUMPLE_ERROR_DEVICE_LOST, CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_open_vulkan(CrumpleContext *context,
-                                  const CrumpleOwnVulkanDef *def);
+CrumpleResult crumple_vulkan_open(CrumpleContext *context,
+                                  const CrumpleVulkanOpenDef *def);
 
 /// Makes a buffer of your device known to Crumple's own, and gives what stands for it as buffer of CrumpleVulkanBufferDef; that
 /// def's buffer_size, usage, queue family, stages and accesses are not looked at then. On your queue, before each submission you
 /// release the VkBuffer to VK_QUEUE_FAMILY_EXTERNAL, and afterwards you acquire it from there. The memory must live until
-/// crumple_release_vulkan_buffer(), crumple_detach_vulkan() or crumple_context_destroy().
+/// crumple_vulkan_unimport_buffer(), crumple_vulkan_detach() or crumple_context_destroy().
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (no device of crumple_open_vulkan(), a handle that is none or not of memory, a memory type that
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (no device of crumple_vulkan_open(), a handle that is none or not of memory, a memory type that
 /// the buffer cannot lie in, a usage without STORAGE_BUFFER), CRUMPLE_ERROR_BUFFER_TOO_SMALL (the memory),
 /// CRUMPLE_ERROR_UNSUPPORTED (a handle of another system, or a buffer that the device cannot import),
 /// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST, CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_import_vulkan_buffer(CrumpleContext *context,
+CrumpleResult crumple_vulkan_import_buffer(CrumpleContext *context,
                                            const CrumpleVulkanImportDef *def,
                                            uint64_t *out_buffer);
 
 /// Forgets an imported buffer that no range is registered of, and waits until the device is done with it.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ARGUMENT (no device of
-/// crumple_open_vulkan(), no such buffer, ranges of it are registered), CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST,
+/// crumple_vulkan_open(), no such buffer, ranges of it are registered), CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST,
 /// CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_release_vulkan_buffer(CrumpleContext *context,
-                                            uint64_t buffer);
+CrumpleResult crumple_vulkan_unimport_buffer(CrumpleContext *context,
+                                             uint64_t buffer);
 
 /// Makes a binary semaphore of your device, exported with the same type of handle, known to Crumple's own, and gives its number
-/// for crumple_submit_deform(). It lives until crumple_detach_vulkan() or crumple_context_destroy().
+/// for crumple_vulkan_submit(). It lives until crumple_vulkan_detach() or crumple_context_destroy().
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ARGUMENT (no
-/// device of crumple_open_vulkan(), handle_type, a handle that is none or not of a semaphore), CRUMPLE_ERROR_UNSUPPORTED (a driver
-/// without external semaphores: order by fences and crumple_wait_frame() then), CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST,
+/// device of crumple_vulkan_open(), handle_type, a handle that is none or not of a semaphore), CRUMPLE_ERROR_UNSUPPORTED (a driver
+/// without external semaphores: order by fences and crumple_vulkan_wait_frame() then), CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST,
 /// CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_import_vulkan_semaphore(CrumpleContext *context,
+CrumpleResult crumple_vulkan_import_semaphore(CrumpleContext *context,
                                               CrumpleHandleType handle_type,
                                               int64_t handle,
                                               uint64_t *out_semaphore);
 
-/// What crumple_record_deform() is for a device of Crumple's own: records what brings Vulkan buffers up to date, and submits
+/// What crumple_vulkan_record() is for a device of Crumple's own: records what brings Vulkan buffers up to date, and submits
 /// that. count ids at buffers, each once; with null and 0 all of the context. The device waits for wait_count semaphores at
 /// waits before and signals signal_count at signals after, also where nothing changed; nothing is waited for by this call.
-/// out_frame gets the number of the frame, for crumple_wait_frame(). out_frame and out_report may be null.
+/// out_frame gets the number of the frame, for crumple_vulkan_wait_frame(). out_frame and out_report may be null.
 ///
-/// Externally synchronised. Errors: those of crumple_record_deform(), and CRUMPLE_ERROR_INVALID_ARGUMENT where there is no device
-/// of crumple_open_vulkan(), or no such semaphore. Nothing was submitted then.
-CrumpleResult crumple_submit_deform(CrumpleContext *context,
+/// Externally synchronised. Errors: those of crumple_vulkan_record(), and CRUMPLE_ERROR_INVALID_ARGUMENT where there is no device
+/// of crumple_vulkan_open(), or no such semaphore. Nothing was submitted then.
+CrumpleResult crumple_vulkan_submit(CrumpleContext *context,
                                     const CrumpleBuffer *buffers,
                                     uint32_t count,
                                     const uint64_t *waits,
@@ -1630,23 +1633,23 @@ CrumpleResult crumple_submit_deform(CrumpleContext *context,
                                     uint64_t *out_frame,
                                     CrumpleRecordReport *out_report);
 
-/// Waits until Crumple's own device is done with a frame of crumple_submit_deform() and all before it, or for timeout
+/// Waits until Crumple's own device is done with a frame of crumple_vulkan_submit() and all before it, or for timeout
 /// nanoseconds (UINT64_MAX: as long as it takes). out_done tells whether it is done. The context is in use meanwhile.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ARGUMENT (no device of
-/// crumple_open_vulkan(), a frame that was not submitted), CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST,
+/// crumple_vulkan_open(), a frame that was not submitted), CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST,
 /// CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_wait_frame(CrumpleContext *context, uint64_t frame, uint64_t timeout, bool *out_done);
+CrumpleResult crumple_vulkan_wait_frame(CrumpleContext *context, uint64_t frame, uint64_t timeout, bool *out_done);
 
 /// Binds a point, m, in the mesh's space, to the surface nearest to it: it will keep its distance from the surface
 /// and turn with it.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INVALID_ARGUMENT (further off than 1e9 m), CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_attach_point(CrumpleContext *context,
-                                   CrumpleExampleSet set,
-                                   CrumpleVec3 point,
-                                   CrumpleAttachment *out_attachment);
+CrumpleResult crumple_example_set_attach_point(CrumpleContext *context,
+                                               CrumpleExampleSet set,
+                                               CrumpleVec3 point,
+                                               CrumpleAttachment *out_attachment);
 
 /// Tells where an attached point is on a dented instance, hits that wait among them. Touches no buffer and reads
 /// none.
@@ -1654,16 +1657,16 @@ CrumpleResult crumple_attach_point(CrumpleContext *context,
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE and CRUMPLE_ERROR_NOT_FINITE (an attachment of another set, or none),
 /// CRUMPLE_ERROR_CONCURRENT_USE.
-CrumpleResult crumple_get_attached_frame(CrumpleContext *context,
-                                         CrumpleInstance instance,
-                                         const CrumpleAttachment *attachment,
-                                         CrumpleFrame *out_frame);
+CrumpleResult crumple_instance_get_attached_frame(CrumpleContext *context,
+                                                  CrumpleInstance instance,
+                                                  const CrumpleAttachment *attachment,
+                                                  CrumpleFrame *out_frame);
 
 /// Begins to write what is called with this context to a file, so that it can be played again: "crumple replay FILE" makes the
 /// same calls in the same order without your engine, tells whether every result and every vertex is the same, and is how a bug
 /// that you see becomes a test that we can run. The file, path (UTF-8), is made new; it first gets what there is: the example
 /// sets, whole, the instances with their damage, the buffers. It grows by some hundred bytes a hit and a frame, written at once,
-/// so that a crash loses nothing. Every buffer is written whole by the next deform, as after crumple_invalidate_buffer().
+/// so that a crash loses nothing. Every buffer is written whole by the next deform, as after crumple_buffer_invalidate().
 ///
 /// What Vulkan calls write is not compared, but made on the CPU; calls that are refused, other than hits, are noted with their
 /// message. Hits wait for each other and for calls that take them meanwhile, so leave it off in what you ship, or keep it for when a

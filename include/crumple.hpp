@@ -194,45 +194,45 @@ CrumpleStream stream(Container &values) {
     return stream(values.data(), values.size());
 }
 
-/// Memory that an instance's vertices are written to; unregisters itself. See crumple_register_host_buffer().
-class Buffer : public detail::Owner<CrumpleBuffer, crumple_unregister_buffer> {
+/// Memory that an instance's vertices are written to; unregisters itself. See crumple_buffer_register_host().
+class Buffer : public detail::Owner<CrumpleBuffer, crumple_buffer_unregister> {
 public:
     using Owner::Owner;
 
-    Result<void> invalidate() { return detail::done(crumple_invalidate_buffer(context(), id())); }
+    Result<void> invalidate() { return detail::done(crumple_buffer_invalidate(context(), id())); }
     Result<void> set_memory(const CrumpleHostBufferDef &def) {
-        return detail::done(crumple_set_host_buffer_memory(context(), id(), &def));
+        return detail::done(crumple_buffer_set_memory(context(), id(), &def));
     }
     /// The vertices that the last deform of it wrote.
     Result<std::vector<CrumpleRange>> changes() const {
         return detail::fill<CrumpleRange, uint32_t>([&](CrumpleRange *ranges, uint32_t capacity, uint32_t *count) {
-            return crumple_get_buffer_changes(context(), id(), ranges, capacity, count, nullptr);
+            return crumple_buffer_get_changes(context(), id(), ranges, capacity, count, nullptr);
         });
     }
     /// The box around all of its vertices, m.
     Result<CrumpleAabb> bounds() const {
         uint32_t count = 0;
         return detail::get<CrumpleAabb>(
-            [&](CrumpleAabb *bounds) { return crumple_get_buffer_changes(context(), id(), nullptr, 0, &count, bounds); });
+            [&](CrumpleAabb *bounds) { return crumple_buffer_get_changes(context(), id(), nullptr, 0, &count, bounds); });
     }
 };
 
-/// A body in the scene; destroys itself. See crumple_create_instance().
-class Instance : public detail::Owner<CrumpleInstance, crumple_destroy_instance> {
+/// A body in the scene; destroys itself. See crumple_instance_create().
+class Instance : public detail::Owner<CrumpleInstance, crumple_instance_destroy> {
 public:
     using Owner::Owner;
 
     Result<CrumpleInstanceInfo> info() const {
         return detail::get<CrumpleInstanceInfo>(
-            [&](CrumpleInstanceInfo *info) { return crumple_get_instance_info(context(), id(), info); });
+            [&](CrumpleInstanceInfo *info) { return crumple_instance_get_info(context(), id(), info); });
     }
     /// 16 floats, column-major.
     Result<void> set_transform(const float *local_to_world) {
-        return detail::done(crumple_set_instance_transform(context(), id(), local_to_world));
+        return detail::done(crumple_instance_set_transform(context(), id(), local_to_world));
     }
     /// m; 0: the set's limit.
     Result<void> set_depth_limit(float limit) {
-        return detail::done(crumple_set_instance_depth_limit(context(), id(), limit));
+        return detail::done(crumple_instance_set_depth_limit(context(), id(), limit));
     }
     /// m; 0: nothing is left out. See crumple_pixel_tolerance().
     Result<void> set_tolerance(float tolerance) {
@@ -242,17 +242,17 @@ public:
     /// Any thread, at any time.
     Result<CrumpleHitResult> submit(const CrumpleImpulseDef &def) {
         return detail::get<CrumpleHitResult>(
-            [&](CrumpleHitResult *out) { return crumple_submit_impulse(context(), id(), &def, out); });
+            [&](CrumpleHitResult *out) { return crumple_instance_submit_impulse(context(), id(), &def, out); });
     }
     /// Any thread, at any time.
     Result<CrumpleHitResult> submit(const CrumpleDisplacementDef &def) {
         return detail::get<CrumpleHitResult>(
-            [&](CrumpleHitResult *out) { return crumple_submit_displacement(context(), id(), &def, out); });
+            [&](CrumpleHitResult *out) { return crumple_instance_submit_displacement(context(), id(), &def, out); });
     }
     /// N s, s, kg (0: the set's mass). Any thread, at any time.
     Result<CrumpleHitResult> submit_impulse(CrumpleVec3 point, CrumpleVec3 impulse, float duration, float mass = 0,
                                             CrumpleSpace space = CRUMPLE_SPACE_LOCAL) {
-        CrumpleImpulseDef def = crumple_default_impulse_def();
+        CrumpleImpulseDef def = crumple_impulse_def_default();
         def.space = space;
         def.point = point;
         def.impulse = impulse;
@@ -263,7 +263,7 @@ public:
     /// m. Any thread, at any time.
     Result<CrumpleHitResult> submit_displacement(CrumpleVec3 point, CrumpleVec3 displacement,
                                                  CrumpleSpace space = CRUMPLE_SPACE_LOCAL) {
-        CrumpleDisplacementDef def = crumple_default_displacement_def();
+        CrumpleDisplacementDef def = crumple_displacement_def_default();
         def.space = space;
         def.point = point;
         def.displacement = displacement;
@@ -272,44 +272,44 @@ public:
 
     /// Ends a contact: hits with its contact_id make one dent until then. Any thread, at any time.
     Result<void> end_contact(uint64_t contact_id) {
-        return detail::done(crumple_end_contact(context(), id(), contact_id));
+        return detail::done(crumple_instance_end_contact(context(), id(), contact_id));
     }
 
     Result<std::vector<CrumpleMark>> marks() const {
         return detail::fill<CrumpleMark, uint32_t>([&](CrumpleMark *marks, uint32_t capacity, uint32_t *count) {
-            return crumple_get_marks(context(), id(), marks, capacity, count);
+            return crumple_instance_get_marks(context(), id(), marks, capacity, count);
         });
     }
     Result<void> set_marks(const CrumpleMark *marks, std::size_t count) {
-        return detail::done(crumple_set_marks(context(), id(), marks, static_cast<uint32_t>(count)));
+        return detail::done(crumple_instance_set_marks(context(), id(), marks, static_cast<uint32_t>(count)));
     }
     Result<void> set_marks(const std::vector<CrumpleMark> &marks) { return set_marks(marks.data(), marks.size()); }
     Result<std::vector<unsigned char>> save() const {
         return detail::fill<unsigned char, std::size_t>([&](unsigned char *data, std::size_t capacity, std::size_t *size) {
-            return crumple_save_damage(context(), id(), data, capacity, size);
+            return crumple_instance_save_damage(context(), id(), data, capacity, size);
         });
     }
     Result<void> load(const void *data, std::size_t size) {
-        return detail::done(crumple_load_damage(context(), id(), data, size));
+        return detail::done(crumple_instance_load_damage(context(), id(), data, size));
     }
     /// The share of its depth that every dent keeps, 0 to 1.
-    Result<void> repair(float keep) { return detail::done(crumple_repair_damage(context(), id(), keep)); }
-    Result<void> reset_damage() { return detail::done(crumple_reset_damage(context(), id())); }
-    Result<void> copy_damage(CrumpleInstance source) { return detail::done(crumple_copy_damage(context(), id(), source)); }
+    Result<void> repair(float keep) { return detail::done(crumple_instance_repair_damage(context(), id(), keep)); }
+    Result<void> reset_damage() { return detail::done(crumple_instance_reset_damage(context(), id())); }
+    Result<void> copy_damage(CrumpleInstance source) { return detail::done(crumple_instance_copy_damage(context(), id(), source)); }
 
     Result<CrumpleFrame> attached_frame(const CrumpleAttachment &attachment) const {
         return detail::get<CrumpleFrame>(
-            [&](CrumpleFrame *frame) { return crumple_get_attached_frame(context(), id(), &attachment, frame); });
+            [&](CrumpleFrame *frame) { return crumple_instance_get_attached_frame(context(), id(), &attachment, frame); });
     }
 
     Result<Buffer> register_buffer(const CrumpleHostBufferDef &def) {
         CrumpleBuffer buffer{};
-        const CrumpleResult result = crumple_register_host_buffer(context(), id(), &def, &buffer);
+        const CrumpleResult result = crumple_buffer_register_host(context(), id(), &def, &buffer);
         return result == CRUMPLE_OK ? Result<Buffer>(Buffer(context(), buffer)) : Result<Buffer>::failed(result);
     }
     /// Absent normals and tangents are not written.
     Result<Buffer> register_buffer(CrumpleStream positions, CrumpleStream normals = {}, CrumpleStream tangents = {}) {
-        CrumpleHostBufferDef def = crumple_default_host_buffer_def();
+        CrumpleHostBufferDef def = crumple_host_buffer_def_default();
         def.positions = positions;
         def.normals = normals;
         def.tangents = tangents;
@@ -318,21 +318,21 @@ public:
     /// A range of a VkBuffer, which Context::record_deform() writes.
     Result<Buffer> register_buffer(const CrumpleVulkanBufferDef &def) {
         CrumpleBuffer buffer{};
-        const CrumpleResult result = crumple_register_vulkan_buffer(context(), id(), &def, &buffer);
+        const CrumpleResult result = crumple_buffer_register_vulkan(context(), id(), &def, &buffer);
         return result == CRUMPLE_OK ? Result<Buffer>(Buffer(context(), buffer)) : Result<Buffer>::failed(result);
     }
 };
 
 /// A base mesh and its examples; ends its id by itself, while instances keep what they need. See
-/// crumple_create_example_set().
-class ExampleSet : public detail::Owner<CrumpleExampleSet, crumple_destroy_example_set> {
+/// crumple_example_set_create().
+class ExampleSet : public detail::Owner<CrumpleExampleSet, crumple_example_set_destroy> {
 public:
     using Owner::Owner;
 
     /// Its strings live as long as this.
     Result<CrumpleExampleSetInfo> info() const {
         return detail::get<CrumpleExampleSetInfo>(
-            [&](CrumpleExampleSetInfo *info) { return crumple_get_example_set_info(context(), id(), info); });
+            [&](CrumpleExampleSetInfo *info) { return crumple_example_set_get_info(context(), id(), info); });
     }
     /// Before the first instance is made: another mesh that shows the same damage; its number.
     Result<uint32_t> add_lod(const CrumpleLodDef &def) {
@@ -342,21 +342,21 @@ public:
     /// Its strings live as long as this.
     Result<CrumpleExampleInfo> example(uint32_t index) const {
         return detail::get<CrumpleExampleInfo>(
-            [&](CrumpleExampleInfo *info) { return crumple_get_example_info(context(), id(), index, info); });
+            [&](CrumpleExampleInfo *info) { return crumple_example_set_get_example(context(), id(), index, info); });
     }
     /// Its strings live as long as this.
     Result<CrumplePrimitive> primitive(uint32_t index) const {
         return detail::get<CrumplePrimitive>(
-            [&](CrumplePrimitive *primitive) { return crumple_get_primitive(context(), id(), index, primitive); });
+            [&](CrumplePrimitive *primitive) { return crumple_example_set_get_primitive(context(), id(), index, primitive); });
     }
     /// The bytes of a .crumple file.
     Result<std::vector<unsigned char>> save() const {
         return detail::fill<unsigned char, std::size_t>([&](unsigned char *data, std::size_t capacity, std::size_t *size) {
-            return crumple_save_example_set(context(), id(), data, capacity, size);
+            return crumple_example_set_save_baked(context(), id(), data, capacity, size);
         });
     }
     Result<void> copy_base_mesh(const CrumpleMeshCopyDef &def) const {
-        return detail::done(crumple_copy_base_mesh(context(), id(), &def));
+        return detail::done(crumple_example_set_copy_mesh(context(), id(), &def));
     }
     struct Nearest {
         uint32_t vertex;
@@ -364,19 +364,19 @@ public:
     };
     Result<Nearest> nearest_vertex(CrumpleVec3 point) const {
         return detail::get<Nearest>([&](Nearest *nearest) {
-            return crumple_nearest_vertex(context(), id(), point, &nearest->vertex, &nearest->distance);
+            return crumple_example_set_find_nearest_vertex(context(), id(), point, &nearest->vertex, &nearest->distance);
         });
     }
     Result<CrumpleAttachment> attach(CrumpleVec3 point) const {
         return detail::get<CrumpleAttachment>(
-            [&](CrumpleAttachment *attachment) { return crumple_attach_point(context(), id(), point, attachment); });
+            [&](CrumpleAttachment *attachment) { return crumple_example_set_attach_point(context(), id(), point, attachment); });
     }
 };
 
 /// Everything; destroys itself and all that was made in it. See crumple_context_create().
 class Context {
 public:
-    static Result<Context> create(const CrumpleContextDef &def = crumple_default_context_def()) {
+    static Result<Context> create(const CrumpleContextDef &def = crumple_context_def_default()) {
         CrumpleContext *context = nullptr;
         const CrumpleResult result = crumple_context_create(&def, &context);
         return result == CRUMPLE_OK ? Result<Context>(Context(context)) : Result<Context>::failed(result);
@@ -384,7 +384,7 @@ public:
 
 #ifndef CRUMPLE_NO_EXCEPTIONS
     /// Throws Error.
-    explicit Context(const CrumpleContextDef &def = crumple_default_context_def()) : Context(create(def).value()) {}
+    explicit Context(const CrumpleContextDef &def = crumple_context_def_default()) : Context(create(def).value()) {}
 #endif
     /// Takes over a context of the C interface; null owns nothing.
     explicit Context(CrumpleContext *context) noexcept : context_(context) {}
@@ -411,47 +411,47 @@ public:
 
     Result<ExampleSet> create_example_set(const CrumpleExampleSetDef &def) {
         return own<ExampleSet, CrumpleExampleSet>(
-            [&](CrumpleExampleSet *out) { return crumple_create_example_set(context_, &def, out); });
+            [&](CrumpleExampleSet *out) { return crumple_example_set_create(context_, &def, out); });
     }
     Result<ExampleSet> load_gltf(const CrumpleGltfDef &def) {
         return own<ExampleSet, CrumpleExampleSet>(
-            [&](CrumpleExampleSet *out) { return crumple_load_example_set_gltf(context_, &def, out); });
+            [&](CrumpleExampleSet *out) { return crumple_example_set_load_gltf(context_, &def, out); });
     }
     /// The first mesh that has morph targets, with default options.
     Result<ExampleSet> load_gltf(const char *path) {
-        CrumpleGltfDef def = crumple_default_gltf_def();
+        CrumpleGltfDef def = crumple_gltf_def_default();
         def.path = path;
         return load_gltf(def);
     }
     Result<ExampleSet> load_gltf(const void *data, std::size_t size,
-                                 const CrumpleGltfDef &def = crumple_default_gltf_def()) {
+                                 const CrumpleGltfDef &def = crumple_gltf_def_default()) {
         return own<ExampleSet, CrumpleExampleSet>([&](CrumpleExampleSet *out) {
-            return crumple_load_example_set_gltf_memory(context_, data, size, &def, out);
+            return crumple_example_set_load_gltf_memory(context_, data, size, &def, out);
         });
     }
     Result<ExampleSet> load_obj(const CrumpleObjDef &def) {
         return own<ExampleSet, CrumpleExampleSet>(
-            [&](CrumpleExampleSet *out) { return crumple_load_example_set_obj(context_, &def, out); });
+            [&](CrumpleExampleSet *out) { return crumple_example_set_load_obj(context_, &def, out); });
     }
 
     /// From the bytes of a .crumple file; with CRUMPLE_BYTES_KEEP they must outlive the set and its instances.
     Result<ExampleSet> load_baked(const void *data, std::size_t size, CrumpleBytes bytes = CRUMPLE_BYTES_COPY) {
         return own<ExampleSet, CrumpleExampleSet>([&](CrumpleExampleSet *out) {
-            return crumple_load_example_set_memory(context_, data, size, bytes, out);
+            return crumple_example_set_load_baked_memory(context_, data, size, bytes, out);
         });
     }
     Result<ExampleSet> load_baked(const char *path) {
         return own<ExampleSet, CrumpleExampleSet>(
-            [&](CrumpleExampleSet *out) { return crumple_load_example_set_file(context_, path, out); });
+            [&](CrumpleExampleSet *out) { return crumple_example_set_load_baked(context_, path, out); });
     }
 
     Result<Instance> create_instance(const CrumpleInstanceDef &def) {
         return own<Instance, CrumpleInstance>(
-            [&](CrumpleInstance *out) { return crumple_create_instance(context_, &def, out); });
+            [&](CrumpleInstance *out) { return crumple_instance_create(context_, &def, out); });
     }
     /// With default rules.
     Result<Instance> create_instance(const ExampleSet &set) {
-        CrumpleInstanceDef def = crumple_default_instance_def();
+        CrumpleInstanceDef def = crumple_instance_def_default();
         def.set = set.id();
         return create_instance(def);
     }
@@ -461,19 +461,19 @@ public:
     /// Some buffers, each once.
     Result<CrumpleDeformReport> deform(const CrumpleBuffer *buffers, std::size_t count) {
         return detail::get<CrumpleDeformReport>([&](CrumpleDeformReport *report) {
-            return crumple_deform(context_, buffers, static_cast<uint32_t>(count), report);
+            return crumple_context_deform(context_, buffers, static_cast<uint32_t>(count), report);
         });
     }
 
-    Result<void> attach_vulkan(const CrumpleVulkanDef &def) {
-        return detail::done(crumple_attach_vulkan(context_, &def));
+    Result<void> attach_vulkan(const CrumpleVulkanAttachDef &def) {
+        return detail::done(crumple_vulkan_attach(context_, &def));
     }
     /// A device of Crumple's own, which memory is shared with.
-    Result<void> open_vulkan(const CrumpleOwnVulkanDef &def) { return detail::done(crumple_open_vulkan(context_, &def)); }
-    Result<void> detach_vulkan() { return detail::done(crumple_detach_vulkan(context_)); }
+    Result<void> open_vulkan(const CrumpleVulkanOpenDef &def) { return detail::done(crumple_vulkan_open(context_, &def)); }
+    Result<void> detach_vulkan() { return detail::done(crumple_vulkan_detach(context_)); }
     Result<std::vector<unsigned char>> vulkan_pipeline_cache() {
         return detail::fill<unsigned char, std::size_t>([&](unsigned char *data, std::size_t capacity, std::size_t *size) {
-            return crumple_get_vulkan_pipeline_cache(context_, data, capacity, size);
+            return crumple_vulkan_get_pipeline_cache(context_, data, capacity, size);
         });
     }
     /// All Vulkan buffers, into a VkCommandBuffer.
@@ -484,11 +484,11 @@ public:
     Result<CrumpleRecordReport> record_deform(void *command_buffer, uint64_t frame, const CrumpleBuffer *buffers,
                                               std::size_t count) {
         return detail::get<CrumpleRecordReport>([&](CrumpleRecordReport *report) {
-            return crumple_record_deform(context_, command_buffer, frame, buffers, static_cast<uint32_t>(count), report);
+            return crumple_vulkan_record(context_, command_buffer, frame, buffers, static_cast<uint32_t>(count), report);
         });
     }
-    Result<void> complete_frames(uint64_t frame) { return detail::done(crumple_complete_frames(context_, frame)); }
-    Result<void> discard_frames(uint64_t frame) { return detail::done(crumple_discard_frames(context_, frame)); }
+    Result<void> complete_frames(uint64_t frame) { return detail::done(crumple_vulkan_complete_frames(context_, frame)); }
+    Result<void> discard_frames(uint64_t frame) { return detail::done(crumple_vulkan_discard_frames(context_, frame)); }
 
     /// What is called goes into a file, for "crumple replay".
     Result<void> recording_begin(const char *path) { return detail::done(crumple_recording_begin(context_, path)); }
@@ -496,26 +496,26 @@ public:
 
     Result<uint64_t> import_vulkan_buffer(const CrumpleVulkanImportDef &def) {
         return detail::get<uint64_t>(
-            [&](uint64_t *buffer) { return crumple_import_vulkan_buffer(context_, &def, buffer); });
+            [&](uint64_t *buffer) { return crumple_vulkan_import_buffer(context_, &def, buffer); });
     }
     Result<void> release_vulkan_buffer(uint64_t buffer) {
-        return detail::done(crumple_release_vulkan_buffer(context_, buffer));
+        return detail::done(crumple_vulkan_unimport_buffer(context_, buffer));
     }
     Result<uint64_t> import_vulkan_semaphore(CrumpleHandleType type, int64_t handle) {
         return detail::get<uint64_t>(
-            [&](uint64_t *semaphore) { return crumple_import_vulkan_semaphore(context_, type, handle, semaphore); });
+            [&](uint64_t *semaphore) { return crumple_vulkan_import_semaphore(context_, type, handle, semaphore); });
     }
     /// All Vulkan buffers, on Crumple's own device; gives the number of the frame.
     Result<uint64_t> submit_deform(const std::vector<uint64_t> &waits = {}, const std::vector<uint64_t> &signals = {},
                                    CrumpleRecordReport *report = nullptr) {
         return detail::get<uint64_t>([&](uint64_t *frame) {
-            return crumple_submit_deform(context_, nullptr, 0, waits.data(), static_cast<uint32_t>(waits.size()),
+            return crumple_vulkan_submit(context_, nullptr, 0, waits.data(), static_cast<uint32_t>(waits.size()),
                                          signals.data(), static_cast<uint32_t>(signals.size()), frame, report);
         });
     }
     /// Whether the device was done within so many nanoseconds.
     Result<bool> wait_frame(uint64_t frame, uint64_t timeout = UINT64_MAX) {
-        return detail::get<bool>([&](bool *done) { return crumple_wait_frame(context_, frame, timeout, done); });
+        return detail::get<bool>([&](bool *done) { return crumple_vulkan_wait_frame(context_, frame, timeout, done); });
     }
 
 private:

@@ -307,11 +307,14 @@ fn replay_makes_the_calls_of_a_recording_again() {
         report.contains("53 calls, 21 hits among them, give what was recorded; 20 deforms wrote 6973 vertices"),
         "{report}"
     );
-    assert!(report.contains("refused then: crumple_repair_damage: CRUMPLE_ERROR_NOT_FINITE: keep is NaN"), "{report}");
+    assert!(
+        report.contains("refused then: crumple_instance_repair_damage: CRUMPLE_ERROR_NOT_FINITE: keep is NaN"),
+        "{report}"
+    );
     assert!(!report.contains("no end"), "{report}");
 
     let listed = crumple(&["replay", "--list", "--threads", "1", "tests/fixtures/sheet.crumplerec"]).report();
-    assert!(listed.contains("    14  crumple_deform: Deform { buffers: [1, 2] }\n"), "{listed}");
+    assert!(listed.contains("    14  crumple_context_deform: Deform { buffers: [1, 2] }\n"), "{listed}");
     assert_eq!(listed.lines().count(), 53 + report.lines().count());
 }
 

@@ -57,7 +57,7 @@ public:
     /// Attaches VSG's device to the context.
     Deform(crumple::Context &context_, vsg::ref_ptr<vsg::Device> device_, int queue_family, vsg::ref_ptr<vsg::Viewer> viewer_)
         : context(context_), device(device_), viewer(viewer_) {
-        CrumpleVulkanDef def = crumple_default_vulkan_def();
+        CrumpleVulkanAttachDef def = crumple_vulkan_attach_def_default();
         // VSG links the Vulkan loader, so this is the one that its instance came from.
         def.get_instance_proc_addr = reinterpret_cast<CrumpleVulkanFunction>(vkGetInstanceProcAddr);
         def.instance = device->getInstance()->vk();
@@ -72,7 +72,7 @@ public:
     crumple::Buffer add(crumple::Instance &body, const vsg::VertexIndexDraw &draw, int positions = 0, int normals = 1,
                         int tangents = -1) {
         const auto &buffer = draw.indices->buffer;
-        CrumpleVulkanBufferDef def = crumple_default_vulkan_buffer_def();
+        CrumpleVulkanBufferDef def = crumple_vulkan_buffer_def_default();
         def.buffer = (uint64_t)buffer->vk(device->deviceID); // a pointer or an integer, as VK_NON_DISPATCHABLE_HANDLE has it
         def.buffer_size = def.size = buffer->size;
         def.usage = buffer->usage;
@@ -114,8 +114,8 @@ protected:
     /// Waits for the device, and detaches it.
     ~Deform() override {
         vkDeviceWaitIdle(device->vk());
-        crumple_complete_frames(context.get(), last);
-        crumple_detach_vulkan(context.get());
+        crumple_vulkan_complete_frames(context.get(), last);
+        crumple_vulkan_detach(context.get());
     }
 
 private:

@@ -229,7 +229,7 @@ void run(vsg::ref_ptr<vsg::Instance> instance, const char *hood, const char *pat
     const CrumpleExampleSetInfo about = examples.info().value();
     std::vector<CrumpleVec3> positions(about.vertex_count), normals(about.vertex_count);
     std::vector<uint32_t> indices(size_t(about.triangle_count) * 3);
-    CrumpleMeshCopyDef copy = crumple_default_mesh_copy_def();
+    CrumpleMeshCopyDef copy = crumple_mesh_copy_def_default();
     copy.positions = crumple::stream(positions);
     copy.normals = crumple::stream(normals);
     copy.indices = crumple::stream(indices);

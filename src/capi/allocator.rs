@@ -19,7 +19,7 @@ pub type CrumpleFree = Option<unsafe extern "C" fn(pointer: *mut c_void, size: u
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleAllocatorDef {
-    /// Bytes of this struct, from crumple_default_allocator_def().
+    /// Bytes of this struct, from crumple_allocator_def_default().
     pub struct_size: u32,
     /// Gives memory. Required.
     pub alloc: CrumpleAlloc,
@@ -31,12 +31,12 @@ pub struct CrumpleAllocatorDef {
 
 // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
 unsafe impl Def for CrumpleAllocatorDef {
-    const DEFAULT: MadeBy<Self> = ("crumple_default_allocator_def", crumple_default_allocator_def);
+    const DEFAULT: MadeBy<Self> = ("crumple_allocator_def_default", crumple_allocator_def_default);
 }
 
 /// An allocator def without functions: set both. Never fails; any thread.
 #[unsafe(no_mangle)]
-pub extern "C" fn crumple_default_allocator_def() -> CrumpleAllocatorDef {
+pub extern "C" fn crumple_allocator_def_default() -> CrumpleAllocatorDef {
     CrumpleAllocatorDef {
         struct_size: size_of::<CrumpleAllocatorDef>() as u32,
         alloc: None,
@@ -55,8 +55,8 @@ pub extern "C" fn crumple_default_allocator_def() -> CrumpleAllocatorDef {
 /// crumple_features()), CRUMPLE_ERROR_STRUCT_SIZE, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_NULL_POINTER (a function
 /// is missing), CRUMPLE_ERROR_INVALID_ARGUMENT (a sixteenth allocator).
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_set_allocator(allocator: *const CrumpleAllocatorDef) -> CrumpleResult {
-    boundary("crumple_set_allocator", || {
+pub unsafe extern "C" fn crumple_allocator_set(allocator: *const CrumpleAllocatorDef) -> CrumpleResult {
+    boundary("crumple_allocator_set", || {
         // SAFETY: null is taken out first; for the rest the caller vouches.
         let allocator = if allocator.is_null() { None } else { Some(unsafe { def(allocator, "allocator") }?) };
         #[cfg(feature = "host-allocator")]

@@ -37,13 +37,13 @@ pub struct CrumpleFrame {
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INVALID_ARGUMENT (further off than 1e9 m), CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_attach_point(
+pub unsafe extern "C" fn crumple_example_set_attach_point(
     context: *mut CrumpleContext,
     set: CrumpleExampleSet,
     point: CrumpleVec3,
     out_attachment: *mut CrumpleAttachment,
 ) -> CrumpleResult {
-    exclusive("crumple_attach_point", context, |_, state| {
+    exclusive("crumple_example_set_attach_point", context, |_, state| {
         // SAFETY: the caller's.
         let out = unsafe { Out::new(out_attachment, "out_attachment") }?;
         let point = finite(point.array(), "point")?;
@@ -59,13 +59,13 @@ pub unsafe extern "C" fn crumple_attach_point(
 /// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE and CRUMPLE_ERROR_NOT_FINITE (an attachment of another set, or none),
 /// CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_get_attached_frame(
+pub unsafe extern "C" fn crumple_instance_get_attached_frame(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
     attachment: *const CrumpleAttachment,
     out_frame: *mut CrumpleFrame,
 ) -> CrumpleResult {
-    recorded("crumple_get_attached_frame", context, |_, state, log| {
+    recorded("crumple_instance_get_attached_frame", context, |_, state, log| {
         // SAFETY: the caller's.
         let (attachment, out) = unsafe { (read(attachment, "attachment")?, Out::new(out_frame, "out_frame")?) };
         log.call(|| Call::AttachedFrame { instance: Number::of(instance), attachment: bytemuck::cast(attachment) });

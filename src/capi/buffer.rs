@@ -14,7 +14,7 @@ use std::ops::Range;
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleHostBufferDef {
-    /// Bytes of this struct, from crumple_default_host_buffer_def().
+    /// Bytes of this struct, from crumple_host_buffer_def_default().
     pub struct_size: u32,
     /// The mesh whose vertices are written: 0 the base mesh, else a number from crumple_example_set_add_lod(). Counts of
     /// vertices are that mesh's. Default 0.
@@ -30,7 +30,7 @@ pub struct CrumpleHostBufferDef {
 
 // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
 unsafe impl Def for CrumpleHostBufferDef {
-    const DEFAULT: MadeBy<Self> = ("crumple_default_host_buffer_def", crumple_default_host_buffer_def);
+    const DEFAULT: MadeBy<Self> = ("crumple_host_buffer_def_default", crumple_host_buffer_def_default);
 }
 
 /// What a context keeps of a buffer.
@@ -180,7 +180,7 @@ impl HostMemory {
 
 /// A buffer without memory; set its streams. Never fails; any thread.
 #[unsafe(no_mangle)]
-pub extern "C" fn crumple_default_host_buffer_def() -> CrumpleHostBufferDef {
+pub extern "C" fn crumple_host_buffer_def_default() -> CrumpleHostBufferDef {
     CrumpleHostBufferDef {
         struct_size: size_of::<CrumpleHostBufferDef>() as u32,
         lod: 0,
@@ -190,9 +190,9 @@ pub extern "C" fn crumple_default_host_buffer_def() -> CrumpleHostBufferDef {
     }
 }
 
-/// Registers memory of yours that crumple_deform() writes an instance's vertices to. An instance may have several,
+/// Registers memory of yours that crumple_context_deform() writes an instance's vertices to. An instance may have several,
 /// such as the members of a ring, each of which gets what it lacks. Nothing is written yet; the first deform writes
-/// every vertex. The memory is touched by crumple_deform() only, and must stay until the buffer is unregistered,
+/// every vertex. The memory is touched by crumple_context_deform() only, and must stay until the buffer is unregistered,
 /// given other memory, or its instance or context is destroyed. Memory of different buffers must not overlap (debug
 /// builds of the library check it).
 ///
@@ -202,13 +202,13 @@ pub extern "C" fn crumple_default_host_buffer_def() -> CrumpleHostBufferDef {
 /// literature's rules), CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_MESH (normals or tangents of a mesh that has none),
 /// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_register_host_buffer(
+pub unsafe extern "C" fn crumple_buffer_register_host(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
     def: *const CrumpleHostBufferDef,
     out_buffer: *mut CrumpleBuffer,
 ) -> CrumpleResult {
-    recorded("crumple_register_host_buffer", context, |_, state, log| {
+    recorded("crumple_buffer_register_host", context, |_, state, log| {
         // SAFETY: the caller's.
         let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_buffer, "out_buffer")?) };
         let memory = HostMemory::new(&def, &state.instances.get(instance, "instance")?.instance)?;
@@ -222,11 +222,11 @@ pub unsafe extern "C" fn crumple_register_host_buffer(
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_unregister_buffer(
+pub unsafe extern "C" fn crumple_buffer_unregister(
     context: *mut CrumpleContext,
     buffer: CrumpleBuffer,
 ) -> CrumpleResult {
-    recorded("crumple_unregister_buffer", context, |_, state, log| {
+    recorded("crumple_buffer_unregister", context, |_, state, log| {
         log.call(|| Call::UnregisterBuffer { buffer: Number::of(buffer) });
         let owner = state.remove_buffer(buffer)?;
         state.instances.get_mut(owner, "instance")?.buffers.retain(|b| *b != buffer);
@@ -240,11 +240,11 @@ pub unsafe extern "C" fn crumple_unregister_buffer(
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_invalidate_buffer(
+pub unsafe extern "C" fn crumple_buffer_invalidate(
     context: *mut CrumpleContext,
     buffer: CrumpleBuffer,
 ) -> CrumpleResult {
-    recorded("crumple_invalidate_buffer", context, |_, state, log| {
+    recorded("crumple_buffer_invalidate", context, |_, state, log| {
         log.call(|| Call::InvalidateBuffer { buffer: Number::of(buffer) });
         state.buffers.get_mut(buffer, "buffer")?.invalidate();
         Ok(())
@@ -253,15 +253,15 @@ pub unsafe extern "C" fn crumple_invalidate_buffer(
 
 /// Gives a buffer other memory, such as a newly mapped one, perhaps for another level of detail, and invalidates it.
 ///
-/// Externally synchronised. Errors: as for crumple_register_host_buffer(), and CRUMPLE_ERROR_INVALID_ARGUMENT for a Vulkan
+/// Externally synchronised. Errors: as for crumple_buffer_register_host(), and CRUMPLE_ERROR_INVALID_ARGUMENT for a Vulkan
 /// buffer; the buffer keeps its memory then.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_set_host_buffer_memory(
+pub unsafe extern "C" fn crumple_buffer_set_memory(
     context: *mut CrumpleContext,
     buffer: CrumpleBuffer,
     def: *const CrumpleHostBufferDef,
 ) -> CrumpleResult {
-    recorded("crumple_set_host_buffer_memory", context, |_, state, log| {
+    recorded("crumple_buffer_set_memory", context, |_, state, log| {
         // SAFETY: the caller's.
         let def = unsafe { self::def(def, "def") }?;
         let entry = state.buffers.get_mut(buffer, "buffer")?;

@@ -64,7 +64,7 @@ pub(super) unsafe trait Def: Copy {
     const EARLIER: &'static [u32] = &[];
 }
 
-/// The name of a def's `crumple_default_` function, and the function.
+/// The name of a def's `crumple_..._def_default` function, and the function.
 pub(super) type MadeBy<T> = (&'static str, extern "C" fn() -> T);
 
 /// Copies a def after checking its size. What one of an earlier version lacks is as the default.
@@ -251,7 +251,7 @@ mod tests {
 
     // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
     unsafe impl Def for Today {
-        const DEFAULT: MadeBy<Self> = ("crumple_default_today_def", default_today);
+        const DEFAULT: MadeBy<Self> = ("crumple_today_def_default", default_today);
         const EARLIER: &'static [u32] = &[8, 12];
     }
 
@@ -285,7 +285,7 @@ mod tests {
             // SAFETY: no more than the size is read of a def whose size is refused.
             let failure = unsafe { def(&raw const wrong, "def") }.expect_err("a size that never was");
             assert_eq!(failure.result, CrumpleResult::CrumpleErrorStructSize);
-            let says = format!("def.struct_size is {size}; it must be 20: start from crumple_default_today_def()");
+            let says = format!("def.struct_size is {size}; it must be 20: start from crumple_today_def_default()");
             assert_eq!(failure.message, says);
         }
     }

@@ -41,7 +41,7 @@ pub struct CrumpleContext;
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleContextDef {
-    /// Bytes of this struct, from crumple_default_context_def().
+    /// Bytes of this struct, from crumple_context_def_default().
     pub struct_size: u32,
     /// Threads that deform: 0 one for each core, 1 only the calling thread, up to 1024. Without meaning where tasks
     /// is set. Default 0.
@@ -56,7 +56,7 @@ pub struct CrumpleContextDef {
 
 // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
 unsafe impl Def for CrumpleContextDef {
-    const DEFAULT: MadeBy<Self> = ("crumple_default_context_def", crumple_default_context_def);
+    const DEFAULT: MadeBy<Self> = ("crumple_context_def_default", crumple_context_def_default);
 }
 
 pub(super) struct Context {
@@ -117,7 +117,7 @@ impl Context {
             Err(TryLockError::WouldBlock) => Err(Failure::new(
                 CrumpleResult::CrumpleErrorConcurrentUse,
                 "another thread is inside this context, or a callback calls back into it; take turns (only crumple_submit_ \
-                 functions and crumple_end_contact may be called at any time)",
+                 functions and crumple_instance_end_contact may be called at any time)",
             )),
         }
     }
@@ -174,7 +174,7 @@ pub(super) fn concurrent(
 
 /// The defaults: threads of Crumple's own, one for each core; no log. Never fails; any thread.
 #[unsafe(no_mangle)]
-pub extern "C" fn crumple_default_context_def() -> CrumpleContextDef {
+pub extern "C" fn crumple_context_def_default() -> CrumpleContextDef {
     CrumpleContextDef {
         struct_size: size_of::<CrumpleContextDef>() as u32,
         threads: 0,
@@ -235,7 +235,7 @@ fn tag_of(number: usize) -> u16 {
 ///
 /// No other call with this context may be running. Where a Vulkan device is attached, it must still be there. Errors:
 /// CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID (destroyed already), CRUMPLE_ERROR_FRAMES_IN_FLIGHT (see
-/// crumple_complete_frames()), CRUMPLE_ERROR_CONCURRENT_USE. Nothing was destroyed then.
+/// crumple_vulkan_complete_frames()), CRUMPLE_ERROR_CONCURRENT_USE. Nothing was destroyed then.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_destroy(context: *mut CrumpleContext) -> CrumpleResult {
     boundary("crumple_context_destroy", || {

@@ -49,14 +49,14 @@ const _: () = {
 /// CRUMPLE_ERROR_BUFFER_TOO_SMALL (capacity is smaller than the number of marks), CRUMPLE_ERROR_WRONG_RULE (the
 /// literature's rules have no marks), CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_get_marks(
+pub unsafe extern "C" fn crumple_instance_get_marks(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
     marks: *mut CrumpleMark,
     capacity: u32,
     out_count: *mut u32,
 ) -> CrumpleResult {
-    recorded("crumple_get_marks", context, |_, state, log| {
+    recorded("crumple_instance_get_marks", context, |_, state, log| {
         // SAFETY: the caller's.
         let out = unsafe { Out::new(out_count, "out_count") }?;
         log.call(|| Call::GetMarks { instance: Number::of(instance) });
@@ -76,13 +76,13 @@ pub unsafe extern "C" fn crumple_get_marks(
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that the set cannot have), CRUMPLE_ERROR_WRONG_RULE,
 /// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_set_marks(
+pub unsafe extern "C" fn crumple_instance_set_marks(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
     marks: *const CrumpleMark,
     count: u32,
 ) -> CrumpleResult {
-    recorded("crumple_set_marks", context, |_, state, log| {
+    recorded("crumple_instance_set_marks", context, |_, state, log| {
         // SAFETY: the caller's; any bytes are a mark.
         let marks = unsafe { array(marks.cast::<Mark>(), count as usize, "marks") }?;
         let bytes = || Bytes(bytemuck::cast_slice(marks).to_vec());
@@ -97,14 +97,14 @@ pub unsafe extern "C" fn crumple_set_marks(
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_save_damage(
+pub unsafe extern "C" fn crumple_instance_save_damage(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
     data: *mut c_void,
     capacity: usize,
     out_size: *mut usize,
 ) -> CrumpleResult {
-    recorded("crumple_save_damage", context, |_, state, log| {
+    recorded("crumple_instance_save_damage", context, |_, state, log| {
         // SAFETY: the caller's.
         let out = unsafe { Out::new(out_size, "out_size") }?;
         log.call(|| Call::SaveDamage { instance: Number::of(instance) });
@@ -123,13 +123,13 @@ pub unsafe extern "C" fn crumple_save_damage(
 /// CRUMPLE_ERROR_DAMAGE_MISMATCH (of another set, version or rule, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT (a
 /// mark that the set cannot have), CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_load_damage(
+pub unsafe extern "C" fn crumple_instance_load_damage(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
     data: *const c_void,
     size: usize,
 ) -> CrumpleResult {
-    recorded("crumple_load_damage", context, |_, state, log| {
+    recorded("crumple_instance_load_damage", context, |_, state, log| {
         // SAFETY: the caller's.
         let bytes = unsafe { array(data.cast::<u8>(), size, "data") }?;
         log.call(|| Call::LoadDamage { instance: Number::of(instance), bytes: Bytes(bytes.to_vec()) });
@@ -142,12 +142,12 @@ pub unsafe extern "C" fn crumple_load_damage(
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_NOT_FINITE,
 /// CRUMPLE_ERROR_INVALID_ARGUMENT, CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_repair_damage(
+pub unsafe extern "C" fn crumple_instance_repair_damage(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
     keep: f32,
 ) -> CrumpleResult {
-    recorded("crumple_repair_damage", context, |_, state, log| {
+    recorded("crumple_instance_repair_damage", context, |_, state, log| {
         let [keep] = finite([keep], "keep")?;
         log.call(|| Call::RepairDamage { instance: Number::of(instance), keep });
         Ok(state.instances.get_mut(instance, "instance")?.instance.repair(keep)?)
@@ -159,11 +159,11 @@ pub unsafe extern "C" fn crumple_repair_damage(
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_reset_damage(
+pub unsafe extern "C" fn crumple_instance_reset_damage(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
 ) -> CrumpleResult {
-    recorded("crumple_reset_damage", context, |_, state, log| {
+    recorded("crumple_instance_reset_damage", context, |_, state, log| {
         log.call(|| Call::ResetDamage { instance: Number::of(instance) });
         state.instances.get_mut(instance, "instance")?.instance.reset();
         Ok(())
@@ -176,12 +176,12 @@ pub unsafe extern "C" fn crumple_reset_damage(
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_DAMAGE_MISMATCH, CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_copy_damage(
+pub unsafe extern "C" fn crumple_instance_copy_damage(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
     source: CrumpleInstance,
 ) -> CrumpleResult {
-    recorded("crumple_copy_damage", context, |_, state, log| -> Result<(), Failure> {
+    recorded("crumple_instance_copy_damage", context, |_, state, log| -> Result<(), Failure> {
         log.call(|| Call::CopyDamage { instance: Number::of(instance), source: Number::of(source) });
         state.instances.get(instance, "instance")?;
         let bytes = state.instances.get_mut(source, "source")?.instance.save();

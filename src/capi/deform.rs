@@ -39,17 +39,17 @@ impl From<Aabb> for CrumpleAabb {
 /// one, however many hits it took. out_report may be null.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (a buffer twice, or one that crumple_record_deform() writes; in debug builds of the
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (a buffer twice, or one that crumple_vulkan_record() writes; in debug builds of the
 /// library: memory of two buffers overlaps),
 /// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE. No vertex is written then.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_deform(
+pub unsafe extern "C" fn crumple_context_deform(
     context: *mut CrumpleContext,
     buffers: *const CrumpleBuffer,
     count: u32,
     out_report: *mut CrumpleDeformReport,
 ) -> CrumpleResult {
-    recorded("crumple_deform", context, |context, state, log| {
+    recorded("crumple_context_deform", context, |context, state, log| {
         // SAFETY: the caller's.
         let (out, given) =
             unsafe { (Out::optional(out_report, "out_report")?, array(buffers, count as usize, "buffers")?) };
@@ -58,7 +58,7 @@ pub unsafe extern "C" fn crumple_deform(
         let chosen = Chosen::new(buffers, given, &mut sorted, |id, name| match entries.get(id, name)?.memory {
             Memory::Host(..) => Ok(()),
             Memory::Vulkan(_) => {
-                Err(Failure::invalid(format!("{name} is a Vulkan buffer; crumple_record_deform() writes those")))
+                Err(Failure::invalid(format!("{name} is a Vulkan buffer; crumple_vulkan_record() writes those")))
             }
         })?;
         let of_host =
@@ -185,7 +185,7 @@ fn apart<'a>(entries: impl Iterator<Item = (CrumpleBuffer, &'a BufferEntry)>) ->
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_BUFFER_TOO_SMALL (capacity is smaller than the number of ranges), CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_get_buffer_changes(
+pub unsafe extern "C" fn crumple_buffer_get_changes(
     context: *mut CrumpleContext,
     buffer: CrumpleBuffer,
     ranges: *mut CrumpleRange,
@@ -193,7 +193,7 @@ pub unsafe extern "C" fn crumple_get_buffer_changes(
     out_count: *mut u32,
     out_bounds: *mut CrumpleAabb,
 ) -> CrumpleResult {
-    exclusive("crumple_get_buffer_changes", context, |_, state| {
+    exclusive("crumple_buffer_get_changes", context, |_, state| {
         // SAFETY: the caller's.
         let outs = unsafe { (Out::new(out_count, "out_count")?, Out::optional(out_bounds, "out_bounds")?) };
         let entry = state.buffers.get(buffer, "buffer")?;
@@ -232,44 +232,44 @@ mod tests {
         let base = [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
         let target = [0.0f32, 0.0, -0.1, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
         let input = |a: &[f32]| CrumpleInput { data: a.as_ptr().cast(), size: size_of_val(a), stride: 12 };
-        let example = CrumpleExampleDef { target_positions: input(&target), ..crumple_default_example_def() };
+        let example = CrumpleExampleDef { target_positions: input(&target), ..crumple_example_def_default() };
         let def = CrumpleExampleSetDef {
             vertex_count: 3,
             positions: input(&base),
             examples: &example,
             example_count: 1,
-            ..crumple_default_example_set_def()
+            ..crumple_example_set_def_default()
         };
         let mut context = std::ptr::null_mut();
         let (mut set, mut instance) = (CrumpleExampleSet::default(), CrumpleInstance::default());
         let mut memory = [0.0f32; 24];
         // SAFETY: every pointer is to something that lives until the context is destroyed.
         unsafe {
-            let single = CrumpleContextDef { threads: 1, ..crumple_default_context_def() };
+            let single = CrumpleContextDef { threads: 1, ..crumple_context_def_default() };
             ok(crumple_context_create(&single, &mut context));
-            ok(crumple_create_example_set(context, &def, &mut set));
-            ok(crumple_create_instance(
+            ok(crumple_example_set_create(context, &def, &mut set));
+            ok(crumple_instance_create(
                 context,
-                &CrumpleInstanceDef { set, ..crumple_default_instance_def() },
+                &CrumpleInstanceDef { set, ..crumple_instance_def_default() },
                 &mut instance,
             ));
             let mut register = |first: usize| {
                 let positions = stream(&mut memory, first);
-                let def = CrumpleHostBufferDef { positions, ..crumple_default_host_buffer_def() };
+                let def = CrumpleHostBufferDef { positions, ..crumple_host_buffer_def_default() };
                 let mut buffer = CrumpleBuffer::default();
-                ok(crumple_register_host_buffer(context, instance, &def, &mut buffer));
+                ok(crumple_buffer_register_host(context, instance, &def, &mut buffer));
                 buffer
             };
             let (first, beside, across) = (register(0), register(9), register(6));
-            ok(crumple_deform(context, [first, beside].as_ptr(), 2, std::ptr::null_mut()));
+            ok(crumple_context_deform(context, [first, beside].as_ptr(), 2, std::ptr::null_mut()));
             let expected = if cfg!(debug_assertions) {
                 CrumpleResult::CrumpleErrorInvalidArgument
             } else {
                 CrumpleResult::CrumpleOk
             };
-            assert_eq!(crumple_deform(context, std::ptr::null(), 0, std::ptr::null_mut()), expected);
-            ok(crumple_unregister_buffer(context, across));
-            ok(crumple_deform(context, std::ptr::null(), 0, std::ptr::null_mut()));
+            assert_eq!(crumple_context_deform(context, std::ptr::null(), 0, std::ptr::null_mut()), expected);
+            ok(crumple_buffer_unregister(context, across));
+            ok(crumple_context_deform(context, std::ptr::null(), 0, std::ptr::null_mut()));
             ok(crumple_context_destroy(context));
         }
         // Where overlap is not looked for, the last buffer wrote over the first.

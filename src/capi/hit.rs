@@ -31,7 +31,7 @@ impl CEnum for CrumpleSpace {
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleImpulseDef {
-    /// Bytes of this struct, from crumple_default_impulse_def().
+    /// Bytes of this struct, from crumple_impulse_def_default().
     pub struct_size: u32,
     /// The space of point and impulse. Default CRUMPLE_SPACE_LOCAL.
     pub space: MaybeUninit<CrumpleSpace>,
@@ -44,7 +44,7 @@ pub struct CrumpleImpulseDef {
     /// Mass of the contact vertex, kg. 0: that of the set. Default 0.
     pub mass: f32,
     /// Which contact it is part of, any number of your own; hits of one contact make one dent, see
-    /// crumple_end_contact(). 0: none, a hit of its own. Default 0.
+    /// crumple_instance_end_contact(). 0: none, a hit of its own. Default 0.
     pub contact_id: u64,
     /// Only tell what the hit would do, and leave nothing. Default false.
     pub preview: MaybeUninit<bool>,
@@ -54,7 +54,7 @@ pub struct CrumpleImpulseDef {
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleDisplacementDef {
-    /// Bytes of this struct, from crumple_default_displacement_def().
+    /// Bytes of this struct, from crumple_displacement_def_default().
     pub struct_size: u32,
     /// The space of point and displacement. Default CRUMPLE_SPACE_LOCAL.
     pub space: MaybeUninit<CrumpleSpace>,
@@ -70,12 +70,12 @@ pub struct CrumpleDisplacementDef {
 
 // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
 unsafe impl Def for CrumpleImpulseDef {
-    const DEFAULT: MadeBy<Self> = ("crumple_default_impulse_def", crumple_default_impulse_def);
+    const DEFAULT: MadeBy<Self> = ("crumple_impulse_def_default", crumple_impulse_def_default);
 }
 
 // SAFETY: as above.
 unsafe impl Def for CrumpleDisplacementDef {
-    const DEFAULT: MadeBy<Self> = ("crumple_default_displacement_def", crumple_default_displacement_def);
+    const DEFAULT: MadeBy<Self> = ("crumple_displacement_def_default", crumple_displacement_def_default);
 }
 
 /// What became of a hit.
@@ -171,7 +171,7 @@ impl From<&Outcome> for CrumpleHitResult {
 
 /// An impulse of nothing, in the mesh's space; set its point, impulse and duration. Never fails; any thread.
 #[unsafe(no_mangle)]
-pub extern "C" fn crumple_default_impulse_def() -> CrumpleImpulseDef {
+pub extern "C" fn crumple_impulse_def_default() -> CrumpleImpulseDef {
     CrumpleImpulseDef {
         struct_size: size_of::<CrumpleImpulseDef>() as u32,
         space: MaybeUninit::new(CrumpleSpace::Local),
@@ -186,7 +186,7 @@ pub extern "C" fn crumple_default_impulse_def() -> CrumpleImpulseDef {
 
 /// A displacement of nothing, in the mesh's space; set its point and displacement. Never fails; any thread.
 #[unsafe(no_mangle)]
-pub extern "C" fn crumple_default_displacement_def() -> CrumpleDisplacementDef {
+pub extern "C" fn crumple_displacement_def_default() -> CrumpleDisplacementDef {
     CrumpleDisplacementDef {
         struct_size: size_of::<CrumpleDisplacementDef>() as u32,
         space: MaybeUninit::new(CrumpleSpace::Local),
@@ -198,9 +198,9 @@ pub extern "C" fn crumple_default_displacement_def() -> CrumpleDisplacementDef {
 }
 
 /// Reports an impulse. Its examples are chosen at once; the mark it makes counts from the next call that reads damage
-/// (crumple_deform(), crumple_get_marks() and so on), whatever the order and the threads hits came from. A hit that
+/// (crumple_context_deform(), crumple_instance_get_marks() and so on), whatever the order and the threads hits came from. A hit that
 /// is too weak, or that no example answers, is no error: see status. out_result may be null. With a contact_id it
-/// tells what the hit would do alone; see crumple_end_contact() for what it does with the contact's other hits.
+/// tells what the hit would do alone; see crumple_instance_end_contact() for what it does with the contact's other hits.
 ///
 /// May be called from any thread at any time, also while other threads submit or deform; not while the instance or
 /// the context is being destroyed. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED,
@@ -209,7 +209,7 @@ pub extern "C" fn crumple_default_displacement_def() -> CrumpleDisplacementDef {
 /// the body than the instance accepts), CRUMPLE_ERROR_WRONG_RULE (a contact_id with one of the literature's rules,
 /// which cannot replace what they have deformed), CRUMPLE_ERROR_OUT_OF_MEMORY. Nothing is left behind then.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_submit_impulse(
+pub unsafe extern "C" fn crumple_instance_submit_impulse(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
     def: *const CrumpleImpulseDef,
@@ -232,13 +232,13 @@ pub unsafe extern "C" fn crumple_submit_impulse(
         Ok((hit(def.point, def.space, def.contact_id, cause)?, boolean(def.preview)))
     };
     // SAFETY: the caller's.
-    unsafe { submit("crumple_submit_impulse", context, instance, read, out_result) }
+    unsafe { submit("crumple_instance_submit_impulse", context, instance, read, out_result) }
 }
 
-/// Reports a hit that should displace its contact so far. As crumple_submit_impulse() in every other respect, its
+/// Reports a hit that should displace its contact so far. As crumple_instance_submit_impulse() in every other respect, its
 /// threads and errors too.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_submit_displacement(
+pub unsafe extern "C" fn crumple_instance_submit_displacement(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
     def: *const CrumpleDisplacementDef,
@@ -251,7 +251,7 @@ pub unsafe extern "C" fn crumple_submit_displacement(
         Ok((hit(def.point, def.space, def.contact_id, cause)?, boolean(def.preview)))
     };
     // SAFETY: the caller's.
-    unsafe { submit("crumple_submit_displacement", context, instance, read, out_result) }
+    unsafe { submit("crumple_instance_submit_displacement", context, instance, read, out_result) }
 }
 
 /// Ends a contact of an instance: its dent stays as it is, and later hits with the same id begin another one.
@@ -268,16 +268,16 @@ pub unsafe extern "C" fn crumple_submit_displacement(
 /// into, repaired or reset, and when more than 256 are open: the one hit longest ago ends then (of equals the lowest
 /// id).
 ///
-/// May be called from any thread at any time, as crumple_submit_impulse(). Errors: CRUMPLE_ERROR_NULL_POINTER,
+/// May be called from any thread at any time, as crumple_instance_submit_impulse(). Errors: CRUMPLE_ERROR_NULL_POINTER,
 /// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (contact_id is 0), CRUMPLE_ERROR_WRONG_RULE (one of the
 /// literature's rules), CRUMPLE_ERROR_OUT_OF_MEMORY.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_end_contact(
+pub unsafe extern "C" fn crumple_instance_end_contact(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
     contact_id: u64,
 ) -> CrumpleResult {
-    concurrent("crumple_end_contact", context, |context| {
+    concurrent("crumple_instance_end_contact", context, |context| {
         let id = NonZeroU64::new(contact_id)
             .ok_or_else(|| Failure::invalid("contact_id is 0; it must be the id that hits were given, not 0"))?;
         let call = || Call::EndContact { instance: Number::of(instance), contact_id };

@@ -50,7 +50,7 @@ impl CEnum for CrumpleSelection {
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleInstanceDef {
-    /// Bytes of this struct, from crumple_default_instance_def().
+    /// Bytes of this struct, from crumple_instance_def_default().
     pub struct_size: u32,
     /// How many examples one hit may mix: 1 to 4. Default 3.
     pub examples_per_hit: u32,
@@ -75,14 +75,14 @@ pub struct CrumpleInstanceDef {
     pub blend_constant: f32,
     /// No vertex is wrong by more than this, m; see crumple_instance_set_tolerance(). Default 0: nothing is left out.
     pub tolerance: f32,
-    /// From mesh to world space, column-major (element 4 * column + row); see crumple_set_instance_transform().
+    /// From mesh to world space, column-major (element 4 * column + row); see crumple_instance_set_transform().
     /// Default the identity.
     pub local_to_world: [f32; 16],
 }
 
 // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
 unsafe impl Def for CrumpleInstanceDef {
-    const DEFAULT: MadeBy<Self> = ("crumple_default_instance_def", crumple_default_instance_def);
+    const DEFAULT: MadeBy<Self> = ("crumple_instance_def_default", crumple_instance_def_default);
 }
 
 /// What an instance is at the moment.
@@ -99,7 +99,7 @@ pub struct CrumpleInstanceInfo {
     pub buffer_count: u32,
     /// No vertex moves further than this, m.
     pub depth_limit: f32,
-    /// Open contacts, see crumple_end_contact().
+    /// Open contacts, see crumple_instance_end_contact().
     pub contact_count: u32,
     /// Zero; room for later.
     pub reserved: [u32; 4],
@@ -116,7 +116,7 @@ pub(super) struct InstanceEntry {
 
 /// An instance with default rules; set its set. Never fails; any thread.
 #[unsafe(no_mangle)]
-pub extern "C" fn crumple_default_instance_def() -> CrumpleInstanceDef {
+pub extern "C" fn crumple_instance_def_default() -> CrumpleInstanceDef {
     let options = InstanceOptions::default();
     CrumpleInstanceDef {
         struct_size: size_of::<CrumpleInstanceDef>() as u32,
@@ -141,12 +141,12 @@ pub extern "C" fn crumple_default_instance_def() -> CrumpleInstanceDef {
 /// CRUMPLE_ERROR_INVALID_ID (def.set), CRUMPLE_ERROR_INVALID_ARGUMENT, CRUMPLE_ERROR_NOT_FINITE,
 /// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_create_instance(
+pub unsafe extern "C" fn crumple_instance_create(
     context: *mut CrumpleContext,
     def: *const CrumpleInstanceDef,
     out_instance: *mut CrumpleInstance,
 ) -> CrumpleResult {
-    recorded("crumple_create_instance", context, |context, state, log| {
+    recorded("crumple_instance_create", context, |context, state, log| {
         // SAFETY: the caller's.
         let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_instance, "out_instance")?) };
         let set = state.sets.get(def.set, "def.set")?.set.clone();
@@ -197,11 +197,11 @@ fn options(def: &CrumpleInstanceDef) -> Result<InstanceOptions, Failure> {
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_destroy_instance(
+pub unsafe extern "C" fn crumple_instance_destroy(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
 ) -> CrumpleResult {
-    recorded("crumple_destroy_instance", context, |context, state, log| {
+    recorded("crumple_instance_destroy", context, |context, state, log| {
         log.call(|| Call::DestroyInstance { instance: Number::of(instance) });
         let entry = state.instances.remove(instance, "instance")?;
         context.inboxes.write().unwrap_or_else(PoisonError::into_inner).remove(instance, "instance")?;
@@ -217,12 +217,12 @@ pub unsafe extern "C" fn crumple_destroy_instance(
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_get_instance_info(
+pub unsafe extern "C" fn crumple_instance_get_info(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
     out_info: *mut CrumpleInstanceInfo,
 ) -> CrumpleResult {
-    recorded("crumple_get_instance_info", context, |_, state, log| {
+    recorded("crumple_instance_get_info", context, |_, state, log| {
         // SAFETY: the caller's.
         let out = unsafe { Out::new(out_info, "out_info") }?;
         log.call(|| Call::InstanceInfo { instance: Number::of(instance) });
@@ -255,12 +255,12 @@ pub unsafe extern "C" fn crumple_get_instance_info(
 /// CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INVALID_ARGUMENT (it flattens, or the last row is another),
 /// CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_set_instance_transform(
+pub unsafe extern "C" fn crumple_instance_set_transform(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
     local_to_world: *const f32,
 ) -> CrumpleResult {
-    recorded("crumple_set_instance_transform", context, |_, state, log| {
+    recorded("crumple_instance_set_transform", context, |_, state, log| {
         // SAFETY: the caller's.
         let columns = unsafe { super::check::read(local_to_world.cast::<[f32; 16]>(), "local_to_world") }?;
         let matrix = Mat4::from_cols_array(&finite(columns, "local_to_world")?);
@@ -272,18 +272,18 @@ pub unsafe extern "C" fn crumple_set_instance_transform(
     })
 }
 
-/// No vertex of the instance moves further than depth_limit, m, from the next crumple_deform() on; 0: the set's
+/// No vertex of the instance moves further than depth_limit, m, from the next crumple_context_deform() on; 0: the set's
 /// limit. Damage that is there stays, and shows again when the limit is raised.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_NOT_FINITE,
 /// CRUMPLE_ERROR_INVALID_ARGUMENT, CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_set_instance_depth_limit(
+pub unsafe extern "C" fn crumple_instance_set_depth_limit(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
     depth_limit: f32,
 ) -> CrumpleResult {
-    recorded("crumple_set_instance_depth_limit", context, |_, state, log| {
+    recorded("crumple_instance_set_depth_limit", context, |_, state, log| {
         log.call(|| Call::SetDepthLimit { instance: Number::of(instance), depth_limit });
         let limit = positive_or_none(depth_limit, "depth_limit", "m")?;
         Ok(state.instances.get_mut(instance, "instance")?.instance.set_depth_limit(limit)?)
@@ -292,7 +292,7 @@ pub unsafe extern "C" fn crumple_set_instance_depth_limit(
 
 /// Lets vertices of the instance be wrong by up to tolerance, m, in the mesh's space, so that deforming it costs less:
 /// displacements too short to matter are left out. 0: nothing is left out. Seams stay closed. It is rounded down to a power of
-/// two times 1 m, so it may be set in each frame from crumple_pixel_tolerance(); where that changes, the next crumple_deform()
+/// two times 1 m, so it may be set in each frame from crumple_pixel_tolerance(); where that changes, the next crumple_context_deform()
 /// writes everything that is dented anew. Instances with one of the literature's rules ignore it.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_NOT_FINITE,

@@ -17,7 +17,7 @@ use super::types::{
     CrumpleStream, CrumpleVec3,
 };
 use super::vulkan::{
-    CrumpleOwnVulkanDef, CrumpleRecordReport, CrumpleVulkanBufferDef, CrumpleVulkanDef, CrumpleVulkanImportDef,
+    CrumpleRecordReport, CrumpleVulkanAttachDef, CrumpleVulkanBufferDef, CrumpleVulkanImportDef, CrumpleVulkanOpenDef,
     CrumpleVulkanStream,
 };
 use std::collections::BTreeMap;
@@ -74,11 +74,11 @@ fn here() -> BTreeMap<String, String> {
         CrumpleBuffer { index, generation, context }
         CrumpleDeformReport { vertices_written, blocks_written, blocks_skipped, parts_skipped, reserved }
         CrumpleRange { first, count }
-        CrumpleVulkanDef { struct_size, queue_family, get_instance_proc_addr, instance, physical_device, device, pipeline_cache, pipeline_cache_size, workgroup_size }
+        CrumpleVulkanAttachDef { struct_size, queue_family, get_instance_proc_addr, instance, physical_device, device, pipeline_cache, pipeline_cache_size, workgroup_size }
         CrumpleVulkanStream { offset, stride, format, reserved }
         CrumpleVulkanBufferDef { struct_size, lod, buffer, buffer_size, usage, queue_family, before_stages, before_access, after_stages, after_access, offset, size, positions, normals, tangents, scale, bias }
         CrumpleRecordReport { vertices_written, blocks_written, blocks_skipped, parts_skipped, bytes_copied, dispatches, reserved0, reserved }
-        CrumpleOwnVulkanDef { struct_size, workgroup_size, get_instance_proc_addr, device_uuid, pipeline_cache, pipeline_cache_size }
+        CrumpleVulkanOpenDef { struct_size, workgroup_size, get_instance_proc_addr, device_uuid, pipeline_cache, pipeline_cache_size }
         CrumpleVulkanImportDef { struct_size, handle_type, handle, memory_size, memory_type, usage, offset, size, dedicated }
         CrumpleAttachment { vertices, weights, point }
         CrumpleQuat { x, y, z, w }

@@ -18,15 +18,15 @@ use std::mem::MaybeUninit;
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleGltfDef {
-    /// Bytes of this struct, from crumple_default_gltf_def().
+    /// Bytes of this struct, from crumple_gltf_def_default().
     pub struct_size: u32,
     /// Index of the mesh in the file, where mesh_name is null; UINT32_MAX: the first mesh that has morph targets.
     /// Default UINT32_MAX.
     pub mesh_index: u32,
     /// Name of the mesh, UTF-8. Null: mesh_index decides. Default null.
     pub mesh_name: *const c_char,
-    /// Path of the .glb or .gltf file, UTF-8, for crumple_load_example_set_gltf(). For
-    /// crumple_load_example_set_gltf_memory() the folder that files named in it are relative to; null: such files are
+    /// Path of the .glb or .gltf file, UTF-8, for crumple_example_set_load_gltf(). For
+    /// crumple_example_set_load_gltf_memory() the folder that files named in it are relative to; null: such files are
     /// an error.
     pub path: *const c_char,
     /// How the set is made ready. vertex_masses must be absent, or hold as many as the mesh has vertices.
@@ -37,7 +37,7 @@ pub struct CrumpleGltfDef {
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleObjDef {
-    /// Bytes of this struct, from crumple_default_obj_def().
+    /// Bytes of this struct, from crumple_obj_def_default().
     pub struct_size: u32,
     /// Number of example_paths, at least 1.
     pub example_count: u32,
@@ -51,17 +51,17 @@ pub struct CrumpleObjDef {
 
 // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
 unsafe impl Def for CrumpleGltfDef {
-    const DEFAULT: MadeBy<Self> = ("crumple_default_gltf_def", crumple_default_gltf_def);
+    const DEFAULT: MadeBy<Self> = ("crumple_gltf_def_default", crumple_gltf_def_default);
 }
 
 // SAFETY: as above.
 unsafe impl Def for CrumpleObjDef {
-    const DEFAULT: MadeBy<Self> = ("crumple_default_obj_def", crumple_default_obj_def);
+    const DEFAULT: MadeBy<Self> = ("crumple_obj_def_default", crumple_obj_def_default);
 }
 
 /// The first mesh with morph targets, with default options; set the path. Never fails; any thread.
 #[unsafe(no_mangle)]
-pub extern "C" fn crumple_default_gltf_def() -> CrumpleGltfDef {
+pub extern "C" fn crumple_gltf_def_default() -> CrumpleGltfDef {
     CrumpleGltfDef {
         struct_size: size_of::<CrumpleGltfDef>() as u32,
         mesh_index: u32::MAX,
@@ -73,7 +73,7 @@ pub extern "C" fn crumple_default_gltf_def() -> CrumpleGltfDef {
 
 /// Default options; set the paths. Never fails; any thread.
 #[unsafe(no_mangle)]
-pub extern "C" fn crumple_default_obj_def() -> CrumpleObjDef {
+pub extern "C" fn crumple_obj_def_default() -> CrumpleObjDef {
     CrumpleObjDef {
         struct_size: size_of::<CrumpleObjDef>() as u32,
         example_count: 0,
@@ -84,21 +84,21 @@ pub extern "C" fn crumple_default_obj_def() -> CrumpleObjDef {
 }
 
 /// Makes an example set from a glTF 2.0 or GLB file: a mesh with its morph targets, dense or sparse, all primitives
-/// joined (see crumple_get_primitive()). Where the file has them, names come from mesh.extras.targetNames, contacts from
+/// joined (see crumple_example_set_get_primitive()). Where the file has them, names come from mesh.extras.targetNames, contacts from
 /// mesh.extras.impacts and placements from mesh.extras.placements. Numbers are those of the mesh's own space: scales and
 /// rotations of nodes are not applied.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT (malformed, or no such mesh: the text
 /// lists those there are), CRUMPLE_ERROR_UNSUPPORTED (compressed with Draco or meshopt, or a build without
 /// CRUMPLE_FEATURE_GLTF), CRUMPLE_ERROR_EXAMPLE_MISMATCH (no morph targets), and those of
-/// crumple_create_example_set().
+/// crumple_example_set_create().
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_load_example_set_gltf(
+pub unsafe extern "C" fn crumple_example_set_load_gltf(
     context: *mut CrumpleContext,
     def: *const CrumpleGltfDef,
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
-    recorded("crumple_load_example_set_gltf", context, |context, state, log| {
+    recorded("crumple_example_set_load_gltf", context, |context, state, log| {
         // SAFETY: the caller's.
         let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_set, "out_set")?) };
         // SAFETY: the caller's.
@@ -121,16 +121,16 @@ pub unsafe extern "C" fn crumple_load_example_set_gltf(
 
 /// The same from the bytes of a file: size bytes at data, read during the call only, of any alignment.
 ///
-/// Externally synchronised. Errors: as for crumple_load_example_set_gltf().
+/// Externally synchronised. Errors: as for crumple_example_set_load_gltf().
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_load_example_set_gltf_memory(
+pub unsafe extern "C" fn crumple_example_set_load_gltf_memory(
     context: *mut CrumpleContext,
     data: *const c_void,
     size: usize,
     def: *const CrumpleGltfDef,
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
-    recorded("crumple_load_example_set_gltf_memory", context, |context, state, log| {
+    recorded("crumple_example_set_load_gltf_memory", context, |context, state, log| {
         // SAFETY: the caller's.
         let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_set, "out_set")?) };
         // SAFETY: the caller's.
@@ -155,14 +155,14 @@ pub unsafe extern "C" fn crumple_load_example_set_gltf_memory(
 /// order and is named after its file. Polygons are cut into triangles.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT, CRUMPLE_ERROR_UNSUPPORTED (a build
-/// without CRUMPLE_FEATURE_OBJ), and those of crumple_create_example_set().
+/// without CRUMPLE_FEATURE_OBJ), and those of crumple_example_set_create().
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_load_example_set_obj(
+pub unsafe extern "C" fn crumple_example_set_load_obj(
     context: *mut CrumpleContext,
     def: *const CrumpleObjDef,
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
-    recorded("crumple_load_example_set_obj", context, |context, state, log| {
+    recorded("crumple_example_set_load_obj", context, |context, state, log| {
         // SAFETY: the caller's.
         let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_set, "out_set")?) };
         // SAFETY: the caller's.
@@ -205,7 +205,7 @@ impl CEnum for CrumpleBytes {
     const ALL: &'static [Self] = &[Self::Copy, Self::Keep];
 }
 
-/// Makes an example set from the size bytes of a .crumple file at data, which "crumple bake" or crumple_save_example_set()
+/// Makes an example set from the size bytes of a .crumple file at data, which "crumple bake" or crumple_example_set_save_baked()
 /// wrote: at once, since nothing is built or unpacked. bytes tells whether they are copied or kept, see CrumpleBytes.
 /// Everything in them is checked: no file can make Crumple read or write what it should not. The set has one primitive, no
 /// name and no node transform.
@@ -215,14 +215,14 @@ impl CEnum for CrumpleBytes {
 /// short, or no baked set), CRUMPLE_ERROR_UNSUPPORTED (of another version of the format, or a big-endian processor),
 /// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE. Nothing is kept then.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_load_example_set_memory(
+pub unsafe extern "C" fn crumple_example_set_load_baked_memory(
     context: *mut CrumpleContext,
     data: *const c_void,
     size: usize,
     bytes: MaybeUninit<CrumpleBytes>,
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
-    recorded("crumple_load_example_set_memory", context, |context, state, log| {
+    recorded("crumple_example_set_load_baked_memory", context, |context, state, log| {
         // SAFETY: the caller's.
         let out = unsafe { Out::new(out_set, "out_set") }?;
         let keep = enumerator(bytes, "bytes")? == CrumpleBytes::Keep;
@@ -239,14 +239,14 @@ pub unsafe extern "C" fn crumple_load_example_set_memory(
 /// The same from a file, which is read into memory: path is UTF-8.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ARGUMENT (path is
-/// not UTF-8), and those of crumple_load_example_set_memory().
+/// not UTF-8), and those of crumple_example_set_load_baked_memory().
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_load_example_set_file(
+pub unsafe extern "C" fn crumple_example_set_load_baked(
     context: *mut CrumpleContext,
     path: *const c_char,
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
-    recorded("crumple_load_example_set_file", context, |context, state, log| {
+    recorded("crumple_example_set_load_baked", context, |context, state, log| {
         // SAFETY: the caller's.
         let out = unsafe { Out::new(out_set, "out_set") }?;
         // SAFETY: the caller's.
@@ -265,14 +265,14 @@ pub unsafe extern "C" fn crumple_load_example_set_file(
 /// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_UNSUPPORTED (a big-endian processor),
 /// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_save_example_set(
+pub unsafe extern "C" fn crumple_example_set_save_baked(
     context: *mut CrumpleContext,
     set: CrumpleExampleSet,
     data: *mut c_void,
     capacity: usize,
     out_size: *mut usize,
 ) -> CrumpleResult {
-    exclusive("crumple_save_example_set", context, |_, state| {
+    exclusive("crumple_example_set_save_baked", context, |_, state| {
         // SAFETY: the caller's.
         let out = unsafe { Out::new(out_size, "out_size") }?;
         let set = &state.sets.get(set, "set")?.set;

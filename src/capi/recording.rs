@@ -200,7 +200,7 @@ pub(super) fn hit_digest(hit: &CrumpleHitResult) -> u64 {
 /// same calls in the same order without your engine, tells whether every result and every vertex is the same, and is how a bug
 /// that you see becomes a test that we can run. The file, path (UTF-8), is made new; it first gets what there is: the example
 /// sets, whole, the instances with their damage, the buffers. It grows by some hundred bytes a hit and a frame, written at once,
-/// so that a crash loses nothing. Every buffer is written whole by the next deform, as after crumple_invalidate_buffer().
+/// so that a crash loses nothing. Every buffer is written whole by the next deform, as after crumple_buffer_invalidate().
 ///
 /// What Vulkan calls write is not compared, but made on the CPU; calls that are refused, other than hits, are noted with their
 /// message. Hits wait for each other and for calls that take them meanwhile, so leave it off in what you ship, or keep it for when a

@@ -50,7 +50,7 @@ pub enum CrumpleResult {
     CrumpleErrorDeviceLost = 16,
     /// A pointer is null that must not be.
     CrumpleErrorNullPointer = 64,
-    /// The struct_size of a def is that of no version: take defs from their crumple_default_ function.
+    /// The struct_size of a def is that of no version: take defs from their crumple_..._def_default function.
     CrumpleErrorStructSize = 65,
     /// An id or a context is null, was destroyed, or belongs to another context; the text says which.
     CrumpleErrorInvalidId = 66,
@@ -58,7 +58,7 @@ pub enum CrumpleResult {
     CrumpleErrorConcurrentUse = 67,
     /// A defect of the library; the text is its message. Please report it.
     CrumpleErrorInternal = 68,
-    /// Frames were recorded that crumple_complete_frames() was not told of.
+    /// Frames were recorded that crumple_vulkan_complete_frames() was not told of.
     CrumpleErrorFramesInFlight = 69,
 }
 
@@ -160,7 +160,7 @@ pub(super) fn remember(call: &str, message: &str) {
 }
 
 /// What was wrong in the calling thread's last failed call, and what would be right, as UTF-8:
-/// "crumple_create_instance: ...". Empty before the first failure; a call that succeeds leaves it. Valid until the
+/// "crumple_instance_create: ...". Empty before the first failure; a call that succeeds leaves it. Valid until the
 /// thread's next failed call. At most 1023 bytes. Never null, never fails; any thread, each has its own text.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_last_error() -> *const c_char {

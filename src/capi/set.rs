@@ -127,7 +127,7 @@ pub struct CrumpleExampleSetOptions {
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleExampleDef {
-    /// Bytes of this struct, from crumple_default_example_def().
+    /// Bytes of this struct, from crumple_example_def_default().
     pub struct_size: u32,
     /// Number of moved vertices in delta_indices, position_deltas and normal_deltas. Without meaning for
     /// target_positions.
@@ -162,7 +162,7 @@ pub struct CrumpleExampleDef {
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleExampleSetDef {
-    /// Bytes of this struct, from crumple_default_example_set_def().
+    /// Bytes of this struct, from crumple_example_set_def_default().
     pub struct_size: u32,
     /// Vertices of the base mesh, at least 1. Their order is yours and is kept.
     pub vertex_count: u32,
@@ -179,7 +179,7 @@ pub struct CrumpleExampleSetDef {
     pub index_count: u32,
     /// Type of indices. Default CRUMPLE_INDEX_TYPE_U32.
     pub index_type: MaybeUninit<CrumpleIndexType>,
-    /// The examples: example_count of them, each from crumple_default_example_def().
+    /// The examples: example_count of them, each from crumple_example_def_default().
     pub examples: *const CrumpleExampleDef,
     /// Number of examples, at least 1.
     pub example_count: u32,
@@ -189,12 +189,12 @@ pub struct CrumpleExampleSetDef {
 
 // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
 unsafe impl Def for CrumpleExampleDef {
-    const DEFAULT: MadeBy<Self> = ("crumple_default_example_def", crumple_default_example_def);
+    const DEFAULT: MadeBy<Self> = ("crumple_example_def_default", crumple_example_def_default);
 }
 
 // SAFETY: as above.
 unsafe impl Def for CrumpleExampleSetDef {
-    const DEFAULT: MadeBy<Self> = ("crumple_default_example_set_def", crumple_default_example_set_def);
+    const DEFAULT: MadeBy<Self> = ("crumple_example_set_def_default", crumple_example_set_def_default);
 }
 
 /// What a context keeps of a set.
@@ -234,7 +234,7 @@ pub(super) fn c_string(text: &str) -> CString {
 
 /// An example without anything: set its positions. Never fails; any thread.
 #[unsafe(no_mangle)]
-pub extern "C" fn crumple_default_example_def() -> CrumpleExampleDef {
+pub extern "C" fn crumple_example_def_default() -> CrumpleExampleDef {
     CrumpleExampleDef {
         struct_size: size_of::<CrumpleExampleDef>() as u32,
         delta_count: 0,
@@ -255,7 +255,7 @@ pub extern "C" fn crumple_default_example_def() -> CrumpleExampleDef {
 
 /// A set without anything: set its mesh and its examples. Never fails; any thread.
 #[unsafe(no_mangle)]
-pub extern "C" fn crumple_default_example_set_def() -> CrumpleExampleSetDef {
+pub extern "C" fn crumple_example_set_def_default() -> CrumpleExampleSetDef {
     CrumpleExampleSetDef {
         struct_size: size_of::<CrumpleExampleSetDef>() as u32,
         vertex_count: 0,
@@ -281,12 +281,12 @@ pub extern "C" fn crumple_default_example_set_def() -> CrumpleExampleSetDef {
 /// vertices), CRUMPLE_ERROR_EXAMPLE_MISMATCH (no example, or one that does not fit the mesh),
 /// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_create_example_set(
+pub unsafe extern "C" fn crumple_example_set_create(
     context: *mut CrumpleContext,
     def: *const CrumpleExampleSetDef,
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
-    recorded("crumple_create_example_set", context, |context, state, log| {
+    recorded("crumple_example_set_create", context, |context, state, log| {
         // SAFETY: the caller's.
         let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_set, "out_set")?) };
         // SAFETY: the caller's.
@@ -308,7 +308,7 @@ pub unsafe extern "C" fn crumple_create_example_set(
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleLodDef {
-    /// Bytes of this struct, from crumple_default_lod_def().
+    /// Bytes of this struct, from crumple_lod_def_default().
     pub struct_size: u32,
     /// Its vertices, at least 1. Their order is yours and is kept.
     pub vertex_count: u32,
@@ -328,12 +328,12 @@ pub struct CrumpleLodDef {
 
 // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
 unsafe impl Def for CrumpleLodDef {
-    const DEFAULT: MadeBy<Self> = ("crumple_default_lod_def", crumple_default_lod_def);
+    const DEFAULT: MadeBy<Self> = ("crumple_lod_def_default", crumple_lod_def_default);
 }
 
 /// A level of detail without anything: set its mesh. Never fails; any thread.
 #[unsafe(no_mangle)]
-pub extern "C" fn crumple_default_lod_def() -> CrumpleLodDef {
+pub extern "C" fn crumple_lod_def_default() -> CrumpleLodDef {
     CrumpleLodDef {
         struct_size: size_of::<CrumpleLodDef>() as u32,
         vertex_count: 0,
@@ -439,7 +439,7 @@ fn base_of(def: &CrumpleExampleSetDef) -> CrumpleLodDef {
         indices: def.indices,
         index_count: def.index_count,
         index_type: def.index_type,
-        ..crumple_default_lod_def()
+        ..crumple_lod_def_default()
     }
 }
 
@@ -646,11 +646,11 @@ pub(super) unsafe fn read_options(options: &CrumpleExampleSetOptions, vertices: 
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_destroy_example_set(
+pub unsafe extern "C" fn crumple_example_set_destroy(
     context: *mut CrumpleContext,
     set: CrumpleExampleSet,
 ) -> CrumpleResult {
-    recorded("crumple_destroy_example_set", context, |_, state, log| {
+    recorded("crumple_example_set_destroy", context, |_, state, log| {
         log.call(|| Call::DestroySet { set: Number::of(set) });
         state.sets.remove(set, "set")?;
         Ok(())

@@ -106,7 +106,7 @@ impl CrumplePrimitive {
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleMeshCopyDef {
-    /// Bytes of this struct, from crumple_default_mesh_copy_def().
+    /// Bytes of this struct, from crumple_mesh_copy_def_default().
     pub struct_size: u32,
     /// Which mesh: 0 the base mesh, else a number from crumple_example_set_add_lod(). Default 0.
     pub lod: u32,
@@ -122,12 +122,12 @@ pub struct CrumpleMeshCopyDef {
 
 // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
 unsafe impl Def for CrumpleMeshCopyDef {
-    const DEFAULT: MadeBy<Self> = ("crumple_default_mesh_copy_def", crumple_default_mesh_copy_def);
+    const DEFAULT: MadeBy<Self> = ("crumple_mesh_copy_def_default", crumple_mesh_copy_def_default);
 }
 
 /// Copies nothing; set the streams that you want. Never fails; any thread.
 #[unsafe(no_mangle)]
-pub extern "C" fn crumple_default_mesh_copy_def() -> CrumpleMeshCopyDef {
+pub extern "C" fn crumple_mesh_copy_def_default() -> CrumpleMeshCopyDef {
     CrumpleMeshCopyDef {
         struct_size: size_of::<CrumpleMeshCopyDef>() as u32,
         lod: 0,
@@ -145,12 +145,12 @@ const IDENTITY: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_get_example_set_info(
+pub unsafe extern "C" fn crumple_example_set_get_info(
     context: *mut CrumpleContext,
     set: CrumpleExampleSet,
     out_info: *mut CrumpleExampleSetInfo,
 ) -> CrumpleResult {
-    exclusive("crumple_get_example_set_info", context, |_, state| {
+    exclusive("crumple_example_set_get_info", context, |_, state| {
         // SAFETY: the caller's.
         let out = unsafe { Out::new(out_info, "out_info") }?;
         let entry = state.sets.get(set, "set")?;
@@ -180,13 +180,13 @@ pub unsafe extern "C" fn crumple_get_example_set_info(
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_get_example_info(
+pub unsafe extern "C" fn crumple_example_set_get_example(
     context: *mut CrumpleContext,
     set: CrumpleExampleSet,
     example: u32,
     out_info: *mut CrumpleExampleInfo,
 ) -> CrumpleResult {
-    exclusive("crumple_get_example_info", context, |_, state| {
+    exclusive("crumple_example_set_get_example", context, |_, state| {
         // SAFETY: the caller's.
         let out = unsafe { Out::new(out_info, "out_info") }?;
         let entry = state.sets.get(set, "set")?;
@@ -217,13 +217,13 @@ pub unsafe extern "C" fn crumple_get_example_info(
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_get_primitive(
+pub unsafe extern "C" fn crumple_example_set_get_primitive(
     context: *mut CrumpleContext,
     set: CrumpleExampleSet,
     primitive: u32,
     out_primitive: *mut CrumplePrimitive,
 ) -> CrumpleResult {
-    exclusive("crumple_get_primitive", context, |_, state| {
+    exclusive("crumple_example_set_get_primitive", context, |_, state| {
         // SAFETY: the caller's.
         let out = unsafe { Out::new(out_primitive, "out_primitive") }?;
         out.write(*item(&state.sets.get(set, "set")?.primitives, primitive, "primitive")?);
@@ -244,12 +244,12 @@ fn item<'a, T>(items: &'a [T], index: u32, name: &str) -> Result<&'a T, Failure>
 /// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE (def.lod), CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_MESH (normals or tangents of a
 /// mesh that has none), CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_copy_base_mesh(
+pub unsafe extern "C" fn crumple_example_set_copy_mesh(
     context: *mut CrumpleContext,
     set: CrumpleExampleSet,
     def: *const CrumpleMeshCopyDef,
 ) -> CrumpleResult {
-    exclusive("crumple_copy_base_mesh", context, |_, state| {
+    exclusive("crumple_example_set_copy_mesh", context, |_, state| {
         // SAFETY: the caller's.
         let def = unsafe { self::def(def, "def") }?;
         let set = &state.sets.get(set, "set")?.set;
@@ -292,14 +292,14 @@ pub unsafe extern "C" fn crumple_copy_base_mesh(
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
 /// CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_nearest_vertex(
+pub unsafe extern "C" fn crumple_example_set_find_nearest_vertex(
     context: *mut CrumpleContext,
     set: CrumpleExampleSet,
     point: CrumpleVec3,
     out_vertex: *mut u32,
     out_distance: *mut f32,
 ) -> CrumpleResult {
-    exclusive("crumple_nearest_vertex", context, |_, state| {
+    exclusive("crumple_example_set_find_nearest_vertex", context, |_, state| {
         // SAFETY: the caller's.
         let outs = unsafe { (Out::optional(out_vertex, "out_vertex")?, Out::optional(out_distance, "out_distance")?) };
         let point = finite(point.array(), "point")?;

@@ -14,8 +14,8 @@ pub type CrumpleTask = Option<unsafe extern "C" fn(index: u32, task_data: *mut c
 /// Your parallel-for: call task(index, task_data) once for every index below count, on any threads and in any order,
 /// and return when all have returned. Tasks never block, never throw, and may run at once. What you forget is run
 /// after you return, and an index that you run twice does nothing the second time. Called from the thread that called
-/// Crumple. Must not throw or jump out. It may call crumple_submit_impulse(), crumple_submit_displacement() and
-/// crumple_end_contact(), nothing else of the same context.
+/// Crumple. Must not throw or jump out. It may call crumple_instance_submit_impulse(), crumple_instance_submit_displacement() and
+/// crumple_instance_end_contact(), nothing else of the same context.
 pub type CrumpleParallelFor =
     Option<unsafe extern "C" fn(count: u32, task: CrumpleTask, task_data: *mut c_void, user: *mut c_void)>;
 

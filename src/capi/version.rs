@@ -20,10 +20,10 @@ pub const CRUMPLE_FEATURE_GLTF: u64 = 1;
 /// Bit of crumple_features(): OBJ files can be loaded.
 pub const CRUMPLE_FEATURE_OBJ: u64 = 2;
 
-/// Bit of crumple_features(): crumple_set_allocator() works.
+/// Bit of crumple_features(): crumple_allocator_set() works.
 pub const CRUMPLE_FEATURE_HOST_ALLOCATOR: u64 = 4;
 
-/// Bit of crumple_features(): crumple_attach_vulkan() works.
+/// Bit of crumple_features(): crumple_vulkan_attach() works.
 pub const CRUMPLE_FEATURE_VULKAN: u64 = 8;
 
 /// Evaluates to 0..=9 digits as a number; the package's version in a constant.

@@ -23,8 +23,8 @@ pub type CrumpleVulkanFunction = Option<unsafe extern "C" fn()>;
 /// Your Vulkan device, of Vulkan 1.1 or later. No extension and no feature needs to be enabled.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
-pub struct CrumpleVulkanDef {
-    /// Bytes of this struct, from crumple_default_vulkan_def().
+pub struct CrumpleVulkanAttachDef {
+    /// Bytes of this struct, from crumple_vulkan_attach_def_default().
     pub struct_size: u32,
     /// Family of the queue that command buffers are submitted to; one that can compute. Required. Default UINT32_MAX.
     pub queue_family: u32,
@@ -37,7 +37,7 @@ pub struct CrumpleVulkanDef {
     pub physical_device: *mut c_void,
     /// The VkDevice. Required.
     pub device: *mut c_void,
-    /// What crumple_get_vulkan_pipeline_cache() gave at an earlier run; read during the call. Data of another driver is not
+    /// What crumple_vulkan_get_pipeline_cache() gave at an earlier run; read during the call. Data of another driver is not
     /// used. Default null: none.
     pub pipeline_cache: *const c_void,
     /// Bytes at pipeline_cache.
@@ -47,8 +47,8 @@ pub struct CrumpleVulkanDef {
 }
 
 // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
-unsafe impl Def for CrumpleVulkanDef {
-    const DEFAULT: MadeBy<Self> = ("crumple_default_vulkan_def", crumple_default_vulkan_def);
+unsafe impl Def for CrumpleVulkanAttachDef {
+    const DEFAULT: MadeBy<Self> = ("crumple_vulkan_attach_def_default", crumple_vulkan_attach_def_default);
 }
 
 /// Where the values of one attribute lie. Zero everywhere: the attribute is absent.
@@ -71,7 +71,7 @@ pub struct CrumpleVulkanStream {
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleVulkanBufferDef {
-    /// Bytes of this struct, from crumple_default_vulkan_buffer_def().
+    /// Bytes of this struct, from crumple_vulkan_buffer_def_default().
     pub struct_size: u32,
     /// The mesh whose vertices are written: 0 the base mesh, else a number from crumple_example_set_add_lod(). Default 0.
     pub lod: u32,
@@ -115,7 +115,7 @@ pub struct CrumpleVulkanBufferDef {
 
 // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
 unsafe impl Def for CrumpleVulkanBufferDef {
-    const DEFAULT: MadeBy<Self> = ("crumple_default_vulkan_buffer_def", crumple_default_vulkan_buffer_def);
+    const DEFAULT: MadeBy<Self> = ("crumple_vulkan_buffer_def_default", crumple_vulkan_buffer_def_default);
 }
 
 /// What was recorded.
@@ -142,9 +142,9 @@ pub struct CrumpleRecordReport {
 
 /// A device without handles; set them and the queue family. Never fails; any thread.
 #[unsafe(no_mangle)]
-pub extern "C" fn crumple_default_vulkan_def() -> CrumpleVulkanDef {
-    CrumpleVulkanDef {
-        struct_size: size_of::<CrumpleVulkanDef>() as u32,
+pub extern "C" fn crumple_vulkan_attach_def_default() -> CrumpleVulkanAttachDef {
+    CrumpleVulkanAttachDef {
+        struct_size: size_of::<CrumpleVulkanAttachDef>() as u32,
         queue_family: u32::MAX,
         get_instance_proc_addr: None,
         instance: std::ptr::null_mut(),
@@ -159,7 +159,7 @@ pub extern "C" fn crumple_default_vulkan_def() -> CrumpleVulkanDef {
 /// A range of no buffer, read as vertices before and after; set the buffer, its size and usage, the range and its streams.
 /// Never fails; any thread.
 #[unsafe(no_mangle)]
-pub extern "C" fn crumple_default_vulkan_buffer_def() -> CrumpleVulkanBufferDef {
+pub extern "C" fn crumple_vulkan_buffer_def_default() -> CrumpleVulkanBufferDef {
     // VK_PIPELINE_STAGE_VERTEX_INPUT_BIT, VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT.
     let (stages, access) = (0x4, 0x4);
     CrumpleVulkanBufferDef {
@@ -184,22 +184,22 @@ pub extern "C" fn crumple_default_vulkan_buffer_def() -> CrumpleVulkanBufferDef 
 }
 
 /// Takes your Vulkan device: loads functions, some tenths of a millisecond. A context has one at a time. The handles must be
-/// valid, belong together, and stay so until crumple_detach_vulkan() or crumple_context_destroy().
+/// valid, belong together, and stay so until crumple_vulkan_detach() or crumple_context_destroy().
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (one is attached already, a queue family that is not there or cannot compute,
 /// workgroup_size), CRUMPLE_ERROR_UNSUPPORTED (a device below Vulkan 1.1; a loader that lacks a function, which is named; a
 /// build without CRUMPLE_FEATURE_VULKAN), CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST, CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_attach_vulkan(
+pub unsafe extern "C" fn crumple_vulkan_attach(
     context: *mut CrumpleContext,
-    def: *const CrumpleVulkanDef,
+    def: *const CrumpleVulkanAttachDef,
 ) -> CrumpleResult {
-    exclusive("crumple_attach_vulkan", context, |_, state| {
+    exclusive("crumple_vulkan_attach", context, |_, state| {
         // SAFETY: the caller's.
         let def = unsafe { self::def(def, "def") }?;
         if state.vulkan.is_some() {
-            return Err(Failure::invalid("a device is attached already; crumple_detach_vulkan() first"));
+            return Err(Failure::invalid("a device is attached already; crumple_vulkan_detach() first"));
         }
         // SAFETY: the caller's.
         let cache = unsafe { array(def.pipeline_cache.cast::<u8>(), def.pipeline_cache_size, "def.pipeline_cache") }?;
@@ -210,14 +210,14 @@ pub unsafe extern "C" fn crumple_attach_vulkan(
 }
 
 /// Lets go of the Vulkan device, unregisters all Vulkan buffers, whose ids end, and destroys what Crumple made there. Damage
-/// stays. After a loss of the device (CRUMPLE_ERROR_DEVICE_LOST): crumple_complete_frames() with UINT64_MAX, since a lost
+/// stays. After a loss of the device (CRUMPLE_ERROR_DEVICE_LOST): crumple_vulkan_complete_frames() with UINT64_MAX, since a lost
 /// device runs nothing any more, this call, vkDestroyDevice, then attach the new one and register again.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (none
 /// is attached), CRUMPLE_ERROR_FRAMES_IN_FLIGHT, CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_detach_vulkan(context: *mut CrumpleContext) -> CrumpleResult {
-    exclusive("crumple_detach_vulkan", context, |_, state| {
+pub unsafe extern "C" fn crumple_vulkan_detach(context: *mut CrumpleContext) -> CrumpleResult {
+    exclusive("crumple_vulkan_detach", context, |_, state| {
         attached(state)?.check_idle()?;
         let of_vulkan = |(id, entry): (CrumpleBuffer, &BufferEntry)| {
             matches!(entry.memory, Memory::Vulkan(_)).then_some((id, entry.owner))
@@ -232,7 +232,7 @@ pub unsafe extern "C" fn crumple_detach_vulkan(context: *mut CrumpleContext) -> 
     })
 }
 
-/// Gives what the driver would like to have again at the next start: hand it to crumple_attach_vulkan(). data has room for
+/// Gives what the driver would like to have again at the next start: hand it to crumple_vulkan_attach(). data has room for
 /// capacity bytes, of any alignment; with null and 0 only their number is told, which may grow until all kinds of buffers were
 /// registered.
 ///
@@ -240,13 +240,13 @@ pub unsafe extern "C" fn crumple_detach_vulkan(context: *mut CrumpleContext) -> 
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (no device is attached), CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_VULKAN,
 /// CRUMPLE_ERROR_DEVICE_LOST, CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_get_vulkan_pipeline_cache(
+pub unsafe extern "C" fn crumple_vulkan_get_pipeline_cache(
     context: *mut CrumpleContext,
     data: *mut c_void,
     capacity: usize,
     out_size: *mut usize,
 ) -> CrumpleResult {
-    exclusive("crumple_get_vulkan_pipeline_cache", context, |_, state| {
+    exclusive("crumple_vulkan_get_pipeline_cache", context, |_, state| {
         // SAFETY: the caller's.
         let out = unsafe { Out::new(out_size, "out_size") }?;
         let bytes = attached(state)?.pipeline_cache()?;
@@ -257,7 +257,7 @@ pub unsafe extern "C" fn crumple_get_vulkan_pipeline_cache(
     })
 }
 
-/// Registers a range of a VkBuffer of yours that crumple_record_deform() writes an instance's vertices to. An instance may have
+/// Registers a range of a VkBuffer of yours that crumple_vulkan_record() writes an instance's vertices to. An instance may have
 /// several, such as the members of a ring. Nothing is written yet; the first recording writes every vertex. The first range of a
 /// mesh has its vertices and examples copied: into a staging buffer now, from there to the device by the next recording; other
 /// instances and ranges share them. The VkBuffer must live until its last range is unregistered (or its instance, the device or
@@ -272,13 +272,13 @@ pub unsafe extern "C" fn crumple_get_vulkan_pipeline_cache(
 /// (normals or tangents of a mesh that has none; more bytes than the device can bind), CRUMPLE_ERROR_OUT_OF_MEMORY,
 /// CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST, CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_register_vulkan_buffer(
+pub unsafe extern "C" fn crumple_buffer_register_vulkan(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
     def: *const CrumpleVulkanBufferDef,
     out_buffer: *mut CrumpleBuffer,
 ) -> CrumpleResult {
-    recorded("crumple_register_vulkan_buffer", context, |_, state, log| {
+    recorded("crumple_buffer_register_vulkan", context, |_, state, log| {
         // SAFETY: the caller's.
         let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_buffer, "out_buffer")?) };
         finite(def.scale.array(), "def.scale")?;
@@ -310,7 +310,7 @@ pub unsafe extern "C" fn crumple_register_vulkan_buffer(
 /// below the last), CRUMPLE_ERROR_UNSUPPORTED (more work than the device can bind), CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_VULKAN,
 /// CRUMPLE_ERROR_DEVICE_LOST, CRUMPLE_ERROR_CONCURRENT_USE. Nothing was recorded then.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_record_deform(
+pub unsafe extern "C" fn crumple_vulkan_record(
     context: *mut CrumpleContext,
     command_buffer: *mut c_void,
     frame: u64,
@@ -318,7 +318,7 @@ pub unsafe extern "C" fn crumple_record_deform(
     count: u32,
     out_report: *mut CrumpleRecordReport,
 ) -> CrumpleResult {
-    recorded("crumple_record_deform", context, |_, state, log| {
+    recorded("crumple_vulkan_record", context, |_, state, log| {
         // SAFETY: the caller's.
         let (out, given) =
             unsafe { (Out::optional(out_report, "out_report")?, array(buffers, count as usize, "buffers")?) };
@@ -340,8 +340,8 @@ pub unsafe extern "C" fn crumple_record_deform(
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (no
 /// device of yours is attached), CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_complete_frames(context: *mut CrumpleContext, frame: u64) -> CrumpleResult {
-    exclusive("crumple_complete_frames", context, |_, state| attached(state)?.complete(frame))
+pub unsafe extern "C" fn crumple_vulkan_complete_frames(context: *mut CrumpleContext, frame: u64) -> CrumpleResult {
+    exclusive("crumple_vulkan_complete_frames", context, |_, state| attached(state)?.complete(frame))
 }
 
 /// Says that what was recorded for frame and those after it will not be submitted: the buffers that it wrote are written
@@ -350,8 +350,8 @@ pub unsafe extern "C" fn crumple_complete_frames(context: *mut CrumpleContext, f
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (no
 /// device of yours is attached), CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_discard_frames(context: *mut CrumpleContext, frame: u64) -> CrumpleResult {
-    exclusive("crumple_discard_frames", context, |_, state| {
+pub unsafe extern "C" fn crumple_vulkan_discard_frames(context: *mut CrumpleContext, frame: u64) -> CrumpleResult {
+    exclusive("crumple_vulkan_discard_frames", context, |_, state| {
         attached(state)?.discard(frame)?;
         for (_, entry) in state.buffers.iter_mut::<CrumpleBuffer>() {
             if let Memory::Vulkan(memory) = &mut entry.memory {
@@ -365,25 +365,25 @@ pub unsafe extern "C" fn crumple_discard_frames(context: *mut CrumpleContext, fr
 /// A Vulkan device that Crumple makes for itself, beside yours on the same physical device.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
-pub struct CrumpleOwnVulkanDef {
-    /// Bytes of this struct, from crumple_default_own_vulkan_def().
+pub struct CrumpleVulkanOpenDef {
+    /// Bytes of this struct, from crumple_vulkan_open_def_default().
     pub struct_size: u32,
-    /// As in CrumpleVulkanDef. Default 128.
+    /// As in CrumpleVulkanAttachDef. Default 128.
     pub workgroup_size: u32,
     /// vkGetInstanceProcAddr of a loader. Required; it stays loaded.
     pub get_instance_proc_addr: CrumpleVulkanFunction,
     /// deviceUUID of your physical device (VkPhysicalDeviceIDProperties): memory can be shared within it alone. Zero
     /// everywhere: the first that can compute. Default zero.
     pub device_uuid: [u8; 16],
-    /// As in CrumpleVulkanDef. Default null.
+    /// As in CrumpleVulkanAttachDef. Default null.
     pub pipeline_cache: *const c_void,
     /// Bytes at pipeline_cache.
     pub pipeline_cache_size: usize,
 }
 
 // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
-unsafe impl Def for CrumpleOwnVulkanDef {
-    const DEFAULT: MadeBy<Self> = ("crumple_default_own_vulkan_def", crumple_default_own_vulkan_def);
+unsafe impl Def for CrumpleVulkanOpenDef {
+    const DEFAULT: MadeBy<Self> = ("crumple_vulkan_open_def_default", crumple_vulkan_open_def_default);
 }
 
 /// How a device hands memory or a semaphore to another one.
@@ -406,7 +406,7 @@ impl CEnum for CrumpleHandleType {
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleVulkanImportDef {
-    /// Bytes of this struct, from crumple_default_vulkan_import_def().
+    /// Bytes of this struct, from crumple_vulkan_import_def_default().
     pub struct_size: u32,
     /// What handle is. Default CRUMPLE_HANDLE_TYPE_OPAQUE_FD.
     pub handle_type: MaybeUninit<CrumpleHandleType>,
@@ -428,14 +428,14 @@ pub struct CrumpleVulkanImportDef {
 
 // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
 unsafe impl Def for CrumpleVulkanImportDef {
-    const DEFAULT: MadeBy<Self> = ("crumple_default_vulkan_import_def", crumple_default_vulkan_import_def);
+    const DEFAULT: MadeBy<Self> = ("crumple_vulkan_import_def_default", crumple_vulkan_import_def_default);
 }
 
 /// Any device, by no loader; set that, and the UUID. Never fails; any thread.
 #[unsafe(no_mangle)]
-pub extern "C" fn crumple_default_own_vulkan_def() -> CrumpleOwnVulkanDef {
-    CrumpleOwnVulkanDef {
-        struct_size: size_of::<CrumpleOwnVulkanDef>() as u32,
+pub extern "C" fn crumple_vulkan_open_def_default() -> CrumpleVulkanOpenDef {
+    CrumpleVulkanOpenDef {
+        struct_size: size_of::<CrumpleVulkanOpenDef>() as u32,
         workgroup_size: 128,
         get_instance_proc_addr: None,
         device_uuid: [0; 16],
@@ -446,7 +446,7 @@ pub extern "C" fn crumple_default_own_vulkan_def() -> CrumpleOwnVulkanDef {
 
 /// No memory; set its handle, sizes, type and usage. Never fails; any thread.
 #[unsafe(no_mangle)]
-pub extern "C" fn crumple_default_vulkan_import_def() -> CrumpleVulkanImportDef {
+pub extern "C" fn crumple_vulkan_import_def_default() -> CrumpleVulkanImportDef {
     CrumpleVulkanImportDef {
         struct_size: size_of::<CrumpleVulkanImportDef>() as u32,
         handle_type: MaybeUninit::new(CrumpleHandleType::OpaqueFd),
@@ -461,24 +461,24 @@ pub extern "C" fn crumple_default_vulkan_import_def() -> CrumpleVulkanImportDef 
 }
 
 /// Makes a Vulkan device of Crumple's own, for engines that cannot hand out a command buffer but can share memory, perhaps with
-/// another process: some milliseconds to tenths of a second. It takes the place of crumple_attach_vulkan(): buffers are
-/// imported by crumple_import_vulkan_buffer(), registered by crumple_register_vulkan_buffer() and written by
-/// crumple_submit_deform(). crumple_detach_vulkan() and crumple_context_destroy() wait for it, and destroy it.
+/// another process: some milliseconds to tenths of a second. It takes the place of crumple_vulkan_attach(): buffers are
+/// imported by crumple_vulkan_import_buffer(), registered by crumple_buffer_register_vulkan() and written by
+/// crumple_vulkan_submit(). crumple_vulkan_detach() and crumple_context_destroy() wait for it, and destroy it.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (a device is attached already, workgroup_size), CRUMPLE_ERROR_UNSUPPORTED (no such device, which
 /// names those there are; one that cannot import memory; a build without CRUMPLE_FEATURE_VULKAN), CRUMPLE_ERROR_VULKAN,
 /// CRUMPLE_ERROR_DEVICE_LOST, CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_open_vulkan(
+pub unsafe extern "C" fn crumple_vulkan_open(
     context: *mut CrumpleContext,
-    def: *const CrumpleOwnVulkanDef,
+    def: *const CrumpleVulkanOpenDef,
 ) -> CrumpleResult {
-    exclusive("crumple_open_vulkan", context, |_, state| {
+    exclusive("crumple_vulkan_open", context, |_, state| {
         // SAFETY: the caller's.
         let def = unsafe { self::def(def, "def") }?;
         if state.vulkan.is_some() {
-            return Err(Failure::invalid("a device is attached already; crumple_detach_vulkan() first"));
+            return Err(Failure::invalid("a device is attached already; crumple_vulkan_detach() first"));
         }
         // SAFETY: the caller's.
         let cache = unsafe { array(def.pipeline_cache.cast::<u8>(), def.pipeline_cache_size, "def.pipeline_cache") }?;
@@ -491,20 +491,20 @@ pub unsafe extern "C" fn crumple_open_vulkan(
 /// Makes a buffer of your device known to Crumple's own, and gives what stands for it as buffer of CrumpleVulkanBufferDef; that
 /// def's buffer_size, usage, queue family, stages and accesses are not looked at then. On your queue, before each submission you
 /// release the VkBuffer to VK_QUEUE_FAMILY_EXTERNAL, and afterwards you acquire it from there. The memory must live until
-/// crumple_release_vulkan_buffer(), crumple_detach_vulkan() or crumple_context_destroy().
+/// crumple_vulkan_unimport_buffer(), crumple_vulkan_detach() or crumple_context_destroy().
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (no device of crumple_open_vulkan(), a handle that is none or not of memory, a memory type that
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (no device of crumple_vulkan_open(), a handle that is none or not of memory, a memory type that
 /// the buffer cannot lie in, a usage without STORAGE_BUFFER), CRUMPLE_ERROR_BUFFER_TOO_SMALL (the memory),
 /// CRUMPLE_ERROR_UNSUPPORTED (a handle of another system, or a buffer that the device cannot import),
 /// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST, CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_import_vulkan_buffer(
+pub unsafe extern "C" fn crumple_vulkan_import_buffer(
     context: *mut CrumpleContext,
     def: *const CrumpleVulkanImportDef,
     out_buffer: *mut u64,
 ) -> CrumpleResult {
-    exclusive("crumple_import_vulkan_buffer", context, |_, state| {
+    exclusive("crumple_vulkan_import_buffer", context, |_, state| {
         // SAFETY: the caller's.
         let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_buffer, "out_buffer")?) };
         // SAFETY: the caller's.
@@ -516,28 +516,28 @@ pub unsafe extern "C" fn crumple_import_vulkan_buffer(
 /// Forgets an imported buffer that no range is registered of, and waits until the device is done with it.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ARGUMENT (no device of
-/// crumple_open_vulkan(), no such buffer, ranges of it are registered), CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST,
+/// crumple_vulkan_open(), no such buffer, ranges of it are registered), CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST,
 /// CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_release_vulkan_buffer(context: *mut CrumpleContext, buffer: u64) -> CrumpleResult {
-    exclusive("crumple_release_vulkan_buffer", context, |_, state| attached(state)?.release_buffer(buffer))
+pub unsafe extern "C" fn crumple_vulkan_unimport_buffer(context: *mut CrumpleContext, buffer: u64) -> CrumpleResult {
+    exclusive("crumple_vulkan_unimport_buffer", context, |_, state| attached(state)?.release_buffer(buffer))
 }
 
 /// Makes a binary semaphore of your device, exported with the same type of handle, known to Crumple's own, and gives its number
-/// for crumple_submit_deform(). It lives until crumple_detach_vulkan() or crumple_context_destroy().
+/// for crumple_vulkan_submit(). It lives until crumple_vulkan_detach() or crumple_context_destroy().
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ARGUMENT (no
-/// device of crumple_open_vulkan(), handle_type, a handle that is none or not of a semaphore), CRUMPLE_ERROR_UNSUPPORTED (a driver
-/// without external semaphores: order by fences and crumple_wait_frame() then), CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST,
+/// device of crumple_vulkan_open(), handle_type, a handle that is none or not of a semaphore), CRUMPLE_ERROR_UNSUPPORTED (a driver
+/// without external semaphores: order by fences and crumple_vulkan_wait_frame() then), CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST,
 /// CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_import_vulkan_semaphore(
+pub unsafe extern "C" fn crumple_vulkan_import_semaphore(
     context: *mut CrumpleContext,
     handle_type: MaybeUninit<CrumpleHandleType>,
     handle: i64,
     out_semaphore: *mut u64,
 ) -> CrumpleResult {
-    exclusive("crumple_import_vulkan_semaphore", context, |_, state| {
+    exclusive("crumple_vulkan_import_semaphore", context, |_, state| {
         // SAFETY: the caller's.
         let out = unsafe { Out::new(out_semaphore, "out_semaphore") }?;
         let kind = enumerator(handle_type, "handle_type")?;
@@ -547,16 +547,16 @@ pub unsafe extern "C" fn crumple_import_vulkan_semaphore(
     })
 }
 
-/// What crumple_record_deform() is for a device of Crumple's own: records what brings Vulkan buffers up to date, and submits
+/// What crumple_vulkan_record() is for a device of Crumple's own: records what brings Vulkan buffers up to date, and submits
 /// that. count ids at buffers, each once; with null and 0 all of the context. The device waits for wait_count semaphores at
 /// waits before and signals signal_count at signals after, also where nothing changed; nothing is waited for by this call.
-/// out_frame gets the number of the frame, for crumple_wait_frame(). out_frame and out_report may be null.
+/// out_frame gets the number of the frame, for crumple_vulkan_wait_frame(). out_frame and out_report may be null.
 ///
-/// Externally synchronised. Errors: those of crumple_record_deform(), and CRUMPLE_ERROR_INVALID_ARGUMENT where there is no device
-/// of crumple_open_vulkan(), or no such semaphore. Nothing was submitted then.
+/// Externally synchronised. Errors: those of crumple_vulkan_record(), and CRUMPLE_ERROR_INVALID_ARGUMENT where there is no device
+/// of crumple_vulkan_open(), or no such semaphore. Nothing was submitted then.
 #[unsafe(no_mangle)]
 #[allow(clippy::too_many_arguments)] // three arrays
-pub unsafe extern "C" fn crumple_submit_deform(
+pub unsafe extern "C" fn crumple_vulkan_submit(
     context: *mut CrumpleContext,
     buffers: *const CrumpleBuffer,
     count: u32,
@@ -567,7 +567,7 @@ pub unsafe extern "C" fn crumple_submit_deform(
     out_frame: *mut u64,
     out_report: *mut CrumpleRecordReport,
 ) -> CrumpleResult {
-    recorded("crumple_submit_deform", context, |_, state, log| {
+    recorded("crumple_vulkan_submit", context, |_, state, log| {
         // SAFETY: the caller's.
         let outs = unsafe { (Out::optional(out_frame, "out_frame")?, Out::optional(out_report, "out_report")?) };
         // SAFETY: the caller's.
@@ -587,20 +587,20 @@ pub unsafe extern "C" fn crumple_submit_deform(
     })
 }
 
-/// Waits until Crumple's own device is done with a frame of crumple_submit_deform() and all before it, or for timeout
+/// Waits until Crumple's own device is done with a frame of crumple_vulkan_submit() and all before it, or for timeout
 /// nanoseconds (UINT64_MAX: as long as it takes). out_done tells whether it is done. The context is in use meanwhile.
 ///
 /// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ARGUMENT (no device of
-/// crumple_open_vulkan(), a frame that was not submitted), CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST,
+/// crumple_vulkan_open(), a frame that was not submitted), CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST,
 /// CRUMPLE_ERROR_CONCURRENT_USE.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_wait_frame(
+pub unsafe extern "C" fn crumple_vulkan_wait_frame(
     context: *mut CrumpleContext,
     frame: u64,
     timeout: u64,
     out_done: *mut bool,
 ) -> CrumpleResult {
-    exclusive("crumple_wait_frame", context, |_, state| {
+    exclusive("crumple_vulkan_wait_frame", context, |_, state| {
         // SAFETY: the caller's.
         let out = unsafe { Out::new(out_done, "out_done") }?;
         out.write(attached(state)?.wait(frame, timeout)?);
@@ -613,5 +613,5 @@ fn attached(state: &mut State) -> Result<&mut Attached, Failure> {
 }
 
 fn not_attached() -> Failure {
-    Failure::invalid("no Vulkan device is attached; crumple_attach_vulkan() or crumple_open_vulkan() first")
+    Failure::invalid("no Vulkan device is attached; crumple_vulkan_attach() or crumple_vulkan_open() first")
 }

@@ -59,7 +59,7 @@ static void host_free(void *pointer, size_t size, size_t align, void *user) {
 }
 
 static CrumpleAllocatorDef allocator_of(Heap *heap) {
-    CrumpleAllocatorDef def = crumple_default_allocator_def();
+    CrumpleAllocatorDef def = crumple_allocator_def_default();
     heap->magic = MAGIC;
     def.alloc = host_alloc;
     def.free = host_free;
@@ -75,28 +75,28 @@ static CrumpleContext *use_all(void) {
     CrumpleContext *context = make_context(1);
     CrumpleExampleSet set, second;
     CrumpleBuffer buffer;
-    CrumpleHostBufferDef buffer_def = crumple_default_host_buffer_def();
+    CrumpleHostBufferDef buffer_def = crumple_host_buffer_def_default();
     CrumpleAttachment lamp;
     CrumpleFrame frame;
     unsigned char bytes[4096];
     size_t size;
-    OK(crumple_create_example_set(context, &sheet.def, &set));
-    OK(crumple_create_example_set(context, &sheet.def, &second));
-    OK(crumple_destroy_example_set(context, second));
+    OK(crumple_example_set_create(context, &sheet.def, &set));
+    OK(crumple_example_set_create(context, &sheet.def, &second));
+    OK(crumple_example_set_destroy(context, second));
     CrumpleInstance body = make_instance(context, set), other = make_instance(context, set);
     buffer_def.positions = stream_of(vertices, sizeof vertices, 0, 12);
-    OK(crumple_register_host_buffer(context, body, &buffer_def, &buffer));
+    OK(crumple_buffer_register_host(context, body, &buffer_def, &buffer));
     for (int i = 0; i < 100; ++i) {
         CrumpleDisplacementDef hit = displacement_at(0.009f * (float)i - 0.45f, 0.3f - 0.006f * (float)i, 0.03f);
-        OK(crumple_submit_displacement(context, body, &hit, NULL));
+        OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
     }
-    OK(crumple_deform(context, NULL, 0, NULL));
-    OK(crumple_save_damage(context, body, bytes, sizeof bytes, &size));
-    OK(crumple_load_damage(context, other, bytes, size));
-    OK(crumple_attach_point(context, set, vec3(0, 0, 1), &lamp));
-    OK(crumple_get_attached_frame(context, other, &lamp, &frame));
-    OK(crumple_destroy_instance(context, other));
-    FAILS(CRUMPLE_ERROR_INVALID_ID, "stale", crumple_reset_damage(context, other));
+    OK(crumple_context_deform(context, NULL, 0, NULL));
+    OK(crumple_instance_save_damage(context, body, bytes, sizeof bytes, &size));
+    OK(crumple_instance_load_damage(context, other, bytes, size));
+    OK(crumple_example_set_attach_point(context, set, vec3(0, 0, 1), &lamp));
+    OK(crumple_instance_get_attached_frame(context, other, &lamp, &frame));
+    OK(crumple_instance_destroy(context, other));
+    FAILS(CRUMPLE_ERROR_INVALID_ID, "stale", crumple_instance_reset_damage(context, other));
     return context;
 }
 
@@ -105,37 +105,37 @@ int main(void) {
     CrumpleAllocatorDef def = allocator_of(&first), other = allocator_of(&second), threaded = allocator_of(&third);
     make_sheet(&sheet);
     if (!(crumple_features() & CRUMPLE_FEATURE_HOST_ALLOCATOR)) {
-        FAILS(CRUMPLE_ERROR_UNSUPPORTED, "host-allocator", crumple_set_allocator(&def));
+        FAILS(CRUMPLE_ERROR_UNSUPPORTED, "host-allocator", crumple_allocator_set(&def));
         printf("this build has no host allocator\n");
         return 0;
     }
     // Bad defs change nothing.
     def.alloc = NULL;
-    FAILS(CRUMPLE_ERROR_NULL_POINTER, "alloc", crumple_set_allocator(&def));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "alloc", crumple_allocator_set(&def));
     def = allocator_of(&first);
     def.free = NULL;
-    FAILS(CRUMPLE_ERROR_NULL_POINTER, "free", crumple_set_allocator(&def));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "free", crumple_allocator_set(&def));
     def = allocator_of(&first);
     def.struct_size -= 1;
-    FAILS(CRUMPLE_ERROR_STRUCT_SIZE, "allocator.struct_size", crumple_set_allocator(&def));
+    FAILS(CRUMPLE_ERROR_STRUCT_SIZE, "allocator.struct_size", crumple_allocator_set(&def));
     def = allocator_of(&first);
 
     // Memory of the system's allocator is alive while hooks come and go.
     CrumpleContext *before = use_all();
-    OK(crumple_set_allocator(&def));
+    OK(crumple_allocator_set(&def));
     CrumpleContext *during = use_all();
     FACT(first.blocks > 0 && first.calls > 100);
     OK(crumple_context_destroy(before));
-    OK(crumple_set_allocator(&other));
+    OK(crumple_allocator_set(&other));
     CrumpleContext *after = use_all();
     OK(crumple_context_destroy(during));
     FACT(first.blocks == 0 && first.bytes == 0 && second.blocks > 0);
-    OK(crumple_set_allocator(NULL));
+    OK(crumple_allocator_set(NULL));
     OK(crumple_context_destroy(after));
     FACT(second.blocks == 0 && second.bytes == 0);
 
     // Nothing is left behind, however often.
-    OK(crumple_set_allocator(&def));
+    OK(crumple_allocator_set(&def));
     for (int i = 0; i < 20; ++i) {
         OK(crumple_context_destroy(use_all()));
         FACT(first.blocks == 0 && first.bytes == 0);
@@ -145,16 +145,16 @@ int main(void) {
     // Threads of the library's own leave a little to the next ones, which does not grow.
     size_t most = 0;
     CrumpleExampleSet set;
-    OK(crumple_set_allocator(&threaded));
+    OK(crumple_allocator_set(&threaded));
     for (int i = 0; i < 60; ++i) {
         CrumpleContext *context = make_context(3);
-        OK(crumple_create_example_set(context, &sheet.def, &set));
+        OK(crumple_example_set_create(context, &sheet.def, &set));
         OK(crumple_context_destroy(context));
         if (i < 20) most = third.bytes > most ? third.bytes : most;
         FACT(i < 20 || third.bytes <= most + 16384);
     }
     printf("after contexts with threads %zu bytes are left, at most %zu\n", third.bytes, most);
-    OK(crumple_set_allocator(&def));
+    OK(crumple_allocator_set(&def));
 
     // No memory for what the caller's counts ask for: an error, and the context goes on.
     CrumpleContext *context = make_context(1);
@@ -168,10 +168,10 @@ int main(void) {
     large.indices = input_of(NULL, 0, 0);
     large.index_count = 0;
     second.limit = 64 * 1024;
-    OK(crumple_set_allocator(&other));
-    FAILS_KEEPING(CRUMPLE_ERROR_OUT_OF_MEMORY, "1200000 bytes", set, crumple_create_example_set(context, &large, &set));
-    OK(crumple_set_allocator(&def));
-    OK(crumple_create_example_set(context, &sheet.def, &set));
+    OK(crumple_allocator_set(&other));
+    FAILS_KEEPING(CRUMPLE_ERROR_OUT_OF_MEMORY, "1200000 bytes", set, crumple_example_set_create(context, &large, &set));
+    OK(crumple_allocator_set(&def));
+    OK(crumple_example_set_create(context, &sheet.def, &set));
     OK(crumple_context_destroy(context));
     FACT(second.blocks == 0);
     free(cloud);
@@ -180,12 +180,12 @@ int main(void) {
     static Heap heaps[16];
     for (int i = 0; i < 12; ++i) {
         CrumpleAllocatorDef one = allocator_of(&heaps[i]);
-        OK(crumple_set_allocator(&one));
+        OK(crumple_allocator_set(&one));
     }
     CrumpleAllocatorDef last = allocator_of(&heaps[15]);
-    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "15 different allocators", crumple_set_allocator(&last));
-    OK(crumple_set_allocator(&def));
-    OK(crumple_set_allocator(NULL));
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "15 different allocators", crumple_allocator_set(&last));
+    OK(crumple_allocator_set(&def));
+    OK(crumple_allocator_set(NULL));
     printf("%u checks\n", checks);
     return 0;
 }

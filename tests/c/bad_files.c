@@ -21,15 +21,15 @@ static unsigned char *slurp(const char *path, size_t *size) {
 
 // From memory of exactly this size, so that a read past its end is seen by valgrind and the sanitizers.
 static CrumpleResult load(const unsigned char *bytes, size_t size) {
-    CrumpleGltfDef def = crumple_default_gltf_def();
+    CrumpleGltfDef def = crumple_gltf_def_default();
     def.options.stamp_resolution = 4;
     unsigned char *copy = malloc(size ? size : 1);
     memcpy(copy, bytes, size);
     memset(&set, 0xAB, sizeof set);
-    CrumpleResult result = crumple_load_example_set_gltf_memory(context, copy, size, &def, &set);
+    CrumpleResult result = crumple_example_set_load_gltf_memory(context, copy, size, &def, &set);
     free(copy);
     if (result == CRUMPLE_OK)
-        OK(crumple_destroy_example_set(context, set));
+        OK(crumple_example_set_destroy(context, set));
     else {
         FACT(keeps(&set, sizeof set));
         FACT(result != CRUMPLE_ERROR_INTERNAL && strlen(crumple_last_error()) > 40);
@@ -38,38 +38,38 @@ static CrumpleResult load(const unsigned char *bytes, size_t size) {
 }
 
 static void gltf(const char *path, const char *folder) {
-    CrumpleGltfDef def = crumple_default_gltf_def();
+    CrumpleGltfDef def = crumple_gltf_def_default();
     CrumpleExampleSetInfo info;
     size_t size;
     unsigned char *bytes = slurp(path, &size);
     unsigned refused = 0;
 
-    OK(crumple_load_example_set_gltf_memory(context, bytes, size, &def, &set));
-    OK(crumple_get_example_set_info(context, set, &info));
+    OK(crumple_example_set_load_gltf_memory(context, bytes, size, &def, &set));
+    OK(crumple_example_set_get_info(context, set, &info));
     FACT(info.vertex_count > 0 && info.example_count > 0 && info.primitive_count > 0 && info.name != NULL);
-    OK(crumple_destroy_example_set(context, set));
+    OK(crumple_example_set_destroy(context, set));
     def.path = path;
-    OK(crumple_load_example_set_gltf(context, &def, &set));
-    OK(crumple_destroy_example_set(context, set));
+    OK(crumple_example_set_load_gltf(context, &def, &set));
+    OK(crumple_example_set_destroy(context, set));
 
     // Choosing a mesh.
     def.mesh_name = "no such mesh";
-    FAILS_KEEPING(CRUMPLE_ERROR_FORMAT, "no such mesh", set, crumple_load_example_set_gltf(context, &def, &set));
+    FAILS_KEEPING(CRUMPLE_ERROR_FORMAT, "no such mesh", set, crumple_example_set_load_gltf(context, &def, &set));
     def.mesh_name = "\xff\xfe";
-    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "UTF-8", set, crumple_load_example_set_gltf(context, &def, &set));
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "UTF-8", set, crumple_example_set_load_gltf(context, &def, &set));
     def.mesh_name = NULL;
     def.mesh_index = 1000;
-    FAILS_KEEPING(CRUMPLE_ERROR_FORMAT, "1000", set, crumple_load_example_set_gltf(context, &def, &set));
+    FAILS_KEEPING(CRUMPLE_ERROR_FORMAT, "1000", set, crumple_example_set_load_gltf(context, &def, &set));
 
     // Paths.
-    def = crumple_default_gltf_def();
-    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "def.path", set, crumple_load_example_set_gltf(context, &def, &set));
+    def = crumple_gltf_def_default();
+    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "def.path", set, crumple_example_set_load_gltf(context, &def, &set));
     def.path = "no/such/file.glb";
-    FAILS_KEEPING(CRUMPLE_ERROR_IO, "no/such/file.glb", set, crumple_load_example_set_gltf(context, &def, &set));
+    FAILS_KEEPING(CRUMPLE_ERROR_IO, "no/such/file.glb", set, crumple_example_set_load_gltf(context, &def, &set));
     def.path = folder;
-    FAILS_KEEPING(CRUMPLE_ERROR_IO, folder, set, crumple_load_example_set_gltf(context, &def, &set));
+    FAILS_KEEPING(CRUMPLE_ERROR_IO, folder, set, crumple_example_set_load_gltf(context, &def, &set));
     def.path = "";
-    FAILS_KEEPING(CRUMPLE_ERROR_IO, "crumple_load_example_set_gltf", set, crumple_load_example_set_gltf(context, &def, &set));
+    FAILS_KEEPING(CRUMPLE_ERROR_IO, "crumple_example_set_load_gltf", set, crumple_example_set_load_gltf(context, &def, &set));
 
     // Bytes: none, too few, others.
     FACT(load(bytes, 0) == CRUMPLE_ERROR_FORMAT);
@@ -79,7 +79,7 @@ static void gltf(const char *path, const char *folder) {
     for (size_t i = 0; i < sizeof others / sizeof others[0]; ++i)
         FACT(load((const unsigned char *)others[i], strlen(others[i])) != CRUMPLE_OK);
     FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "data", set,
-                  crumple_load_example_set_gltf_memory(context, NULL, 10, &def, &set));
+                  crumple_example_set_load_gltf_memory(context, NULL, 10, &def, &set));
 
     // Every byte of the header and of the JSON's beginning, and some beyond, changed.
     for (size_t i = 0; i < size; i += i < 200 ? 1 : 1 + size / 199) {
@@ -93,7 +93,7 @@ static void gltf(const char *path, const char *folder) {
 }
 
 static void obj(const char *glb, const char *folder) {
-    CrumpleObjDef def = crumple_default_obj_def();
+    CrumpleObjDef def = crumple_obj_def_default();
     char base[1024], dent[1024], other[1024];
     const char *paths[2] = {dent, NULL};
     FILE *file;
@@ -115,48 +115,48 @@ static void obj(const char *glb, const char *folder) {
     def.base_path = base;
     def.example_paths = paths;
     def.example_count = 1;
-    OK(crumple_load_example_set_obj(context, &def, &set));
-    OK(crumple_get_example_set_info(context, set, &info));
-    OK(crumple_get_example_info(context, set, 0, &example));
+    OK(crumple_example_set_load_obj(context, &def, &set));
+    OK(crumple_example_set_get_info(context, set, &info));
+    OK(crumple_example_set_get_example(context, set, 0, &example));
     FACT(info.vertex_count == 4 && info.triangle_count == 2 && strcmp(example.name, "dent") == 0);
-    OK(crumple_destroy_example_set(context, set));
+    OK(crumple_example_set_destroy(context, set));
 
     def.example_count = 2;
-    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "def.example_paths[1]", set, crumple_load_example_set_obj(context, &def, &set));
+    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "def.example_paths[1]", set, crumple_example_set_load_obj(context, &def, &set));
     paths[1] = other;
-    FAILS_KEEPING(CRUMPLE_ERROR_EXAMPLE_MISMATCH, "other", set, crumple_load_example_set_obj(context, &def, &set));
+    FAILS_KEEPING(CRUMPLE_ERROR_EXAMPLE_MISMATCH, "other", set, crumple_example_set_load_obj(context, &def, &set));
     paths[1] = "no/such.obj";
-    FAILS_KEEPING(CRUMPLE_ERROR_IO, "no/such.obj", set, crumple_load_example_set_obj(context, &def, &set));
+    FAILS_KEEPING(CRUMPLE_ERROR_IO, "no/such.obj", set, crumple_example_set_load_obj(context, &def, &set));
     paths[1] = glb;
     memset(&set, 0xAB, sizeof set);
-    FACT(crumple_load_example_set_obj(context, &def, &set) != CRUMPLE_OK && keeps(&set, sizeof set));
+    FACT(crumple_example_set_load_obj(context, &def, &set) != CRUMPLE_OK && keeps(&set, sizeof set));
     def.example_paths = NULL;
-    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "def.example_paths", set, crumple_load_example_set_obj(context, &def, &set));
+    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "def.example_paths", set, crumple_example_set_load_obj(context, &def, &set));
     def.base_path = NULL;
-    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "def.base_path", set, crumple_load_example_set_obj(context, &def, &set));
-    def = crumple_default_obj_def();
+    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "def.base_path", set, crumple_example_set_load_obj(context, &def, &set));
+    def = crumple_obj_def_default();
     def.base_path = base;
-    FAILS_KEEPING(CRUMPLE_ERROR_EXAMPLE_MISMATCH, "example", set, crumple_load_example_set_obj(context, &def, &set));
+    FAILS_KEEPING(CRUMPLE_ERROR_EXAMPLE_MISMATCH, "example", set, crumple_example_set_load_obj(context, &def, &set));
     def.struct_size = 1;
-    FAILS_KEEPING(CRUMPLE_ERROR_STRUCT_SIZE, "crumple_default_obj_def", set, crumple_load_example_set_obj(context, &def, &set));
+    FAILS_KEEPING(CRUMPLE_ERROR_STRUCT_SIZE, "crumple_obj_def_default", set, crumple_example_set_load_obj(context, &def, &set));
 }
 
 int main(int argc, char **argv) {
-    CrumpleGltfDef gltf_def = crumple_default_gltf_def();
-    CrumpleObjDef obj_def = crumple_default_obj_def();
+    CrumpleGltfDef gltf_def = crumple_gltf_def_default();
+    CrumpleObjDef obj_def = crumple_obj_def_default();
     if (argc != 3) return 2;
     context = make_context(1);
     if (crumple_features() & CRUMPLE_FEATURE_GLTF)
         gltf(argv[1], argv[2]);
     else {
         gltf_def.path = argv[1];
-        FAILS(CRUMPLE_ERROR_UNSUPPORTED, "gltf", crumple_load_example_set_gltf(context, &gltf_def, &set));
+        FAILS(CRUMPLE_ERROR_UNSUPPORTED, "gltf", crumple_example_set_load_gltf(context, &gltf_def, &set));
     }
     if (crumple_features() & CRUMPLE_FEATURE_OBJ)
         obj(argv[1], argv[2]);
     else {
         obj_def.base_path = argv[1];
-        FAILS(CRUMPLE_ERROR_UNSUPPORTED, "obj", crumple_load_example_set_obj(context, &obj_def, &set));
+        FAILS(CRUMPLE_ERROR_UNSUPPORTED, "obj", crumple_example_set_load_obj(context, &obj_def, &set));
     }
     OK(crumple_context_destroy(context));
     printf("%u checks\n", checks);

@@ -17,12 +17,12 @@ static void usable(void) {
     CrumpleDisplacementDef hit = displacement_at(0.1f, 0.1f, 0.03f);
     CrumpleHitResult told;
     CrumpleDeformReport report;
-    OK(crumple_submit_displacement(context, body, &hit, &told));
+    OK(crumple_instance_submit_displacement(context, body, &hit, &told));
     FACT(told.status == CRUMPLE_HIT_STATUS_MARKED);
-    OK(crumple_deform(context, &buffer, 1, &report));
+    OK(crumple_context_deform(context, &buffer, 1, &report));
     FACT(report.vertices_written > 0 && isfinite(vertices[told.contact_vertex][2]));
-    OK(crumple_reset_damage(context, body));
-    OK(crumple_deform(context, NULL, 0, NULL));
+    OK(crumple_instance_reset_damage(context, body));
+    OK(crumple_context_deform(context, NULL, 0, NULL));
     FACT(last == 0 || last == vertices[told.contact_vertex][2]);
     last = vertices[told.contact_vertex][2];
 }
@@ -52,30 +52,30 @@ static void *crooked(void *pointer) {
 #define SET_BOOL(field, number) memset(&(field), (number), 1)
 
 static void contexts(void) {
-    CrumpleContextDef def = crumple_default_context_def();
+    CrumpleContextDef def = crumple_context_def_default();
     CrumpleContext *out;
     BAD_KEEPING(NULL_POINTER, "def is null", out, crumple_context_create(NULL, &out));
     BAD(NULL_POINTER, "out_context is null", crumple_context_create(&def, NULL));
     BAD_KEEPING(MISALIGNED, "def", out, crumple_context_create(crooked(&def), &out));
     def.struct_size = 0;
-    BAD_KEEPING(STRUCT_SIZE, "crumple_default_context_def", out, crumple_context_create(&def, &out));
+    BAD_KEEPING(STRUCT_SIZE, "crumple_context_def_default", out, crumple_context_create(&def, &out));
     def.struct_size = sizeof def + 8;
     BAD_KEEPING(STRUCT_SIZE, "def.struct_size", out, crumple_context_create(&def, &out));
-    def = crumple_default_context_def();
+    def = crumple_context_def_default();
     def.threads = 1025;
     BAD_KEEPING(INVALID_ARGUMENT, "1025", out, crumple_context_create(&def, &out));
     BAD(NULL_POINTER, "context is null", crumple_context_destroy(NULL));
     CrumpleContext *gone = make_context(1);
     OK(crumple_context_destroy(gone));
     BAD(INVALID_ID, "destroyed", crumple_context_destroy(gone));
-    BAD(INVALID_ID, "destroyed", crumple_deform(gone, NULL, 0, NULL));
-    BAD(INVALID_ID, "never created", crumple_deform((CrumpleContext *)(void *)&def, NULL, 0, NULL));
+    BAD(INVALID_ID, "destroyed", crumple_context_deform(gone, NULL, 0, NULL));
+    BAD(INVALID_ID, "never created", crumple_context_deform((CrumpleContext *)(void *)&def, NULL, 0, NULL));
 }
 
 static CrumpleExampleSet out_set;
 
 static void bad_set(CrumpleResult expected, const char *part, const CrumpleExampleSetDef *def) {
-    FAILS_KEEPING(expected, part, out_set, crumple_create_example_set(context, def, &out_set));
+    FAILS_KEEPING(expected, part, out_set, crumple_example_set_create(context, def, &out_set));
     usable();
 }
 
@@ -91,9 +91,9 @@ static void bad_set(CrumpleResult expected, const char *part, const CrumpleExamp
 
 static void meshes(void) {
     BAD_SET(STRUCT_SIZE, "def.struct_size is 12", def.struct_size = 12);
-    BAD_KEEPING(NULL_POINTER, "def is null", out_set, crumple_create_example_set(context, NULL, &out_set));
-    BAD(NULL_POINTER, "out_set is null", crumple_create_example_set(context, &sheet.def, NULL));
-    BAD_KEEPING(NULL_POINTER, "context is null", out_set, crumple_create_example_set(NULL, &sheet.def, &out_set));
+    BAD_KEEPING(NULL_POINTER, "def is null", out_set, crumple_example_set_create(context, NULL, &out_set));
+    BAD(NULL_POINTER, "out_set is null", crumple_example_set_create(context, &sheet.def, NULL));
+    BAD_KEEPING(NULL_POINTER, "context is null", out_set, crumple_example_set_create(NULL, &sheet.def, &out_set));
     BAD_SET(MESH, "vertex_count is 0", def.vertex_count = 0);
     BAD_SET(NULL_POINTER, "def.positions", def.positions = input_of(NULL, 0, 0));
     BAD_SET(NULL_POINTER, "def.normals.data is null", def.normals.data = NULL);
@@ -166,7 +166,7 @@ static void meshes(void) {
     memset(&out_set, 0xAB, sizeof out_set);
     CrumpleExampleSetDef weighed = sheet.def;
     weighed.options.vertex_masses = input_of(masses, sizeof masses, 4);
-    FACT(crumple_create_example_set(context, &weighed, &out_set) != CRUMPLE_OK && keeps(&out_set, sizeof out_set));
+    FACT(crumple_example_set_create(context, &weighed, &out_set) != CRUMPLE_OK && keeps(&out_set, sizeof out_set));
     usable();
 
     // Any byte but 0 is true; each of the two is another set.
@@ -177,10 +177,10 @@ static void meshes(void) {
         CrumpleExampleSet made;
         SET_BOOL(odd.options.mirror, i == 1 ? 0 : i == 3 ? 0xAB : 1);
         SET_BOOL(odd.options.held_rims, i == 2 ? 0 : i == 3 ? 0x02 : 1);
-        OK(crumple_create_example_set(context, &odd, &made));
-        OK(crumple_get_example_set_info(context, made, &info));
+        OK(crumple_example_set_create(context, &odd, &made));
+        OK(crumple_example_set_get_info(context, made, &info));
         prints[i] = info.fingerprint;
-        OK(crumple_destroy_example_set(context, made));
+        OK(crumple_example_set_destroy(context, made));
     }
     FACT(prints[0] == prints[3] && prints[0] != prints[1] && prints[0] != prints[2] && prints[1] != prints[2]);
 }
@@ -222,7 +222,7 @@ static void examples(void) {
     SPARSE(0);
     def.examples = &example;
     def.example_count = 1;
-    FACT(crumple_create_example_set(context, &def, &out_set) != CRUMPLE_OK && strstr(crumple_last_error(), "625"));
+    FACT(crumple_example_set_create(context, &def, &out_set) != CRUMPLE_OK && strstr(crumple_last_error(), "625"));
     FACT(keeps(&out_set, sizeof out_set));
     indices[3] = 500;
     deltas[1][2] = NAN;
@@ -237,7 +237,7 @@ static void odd_but_right(void) {
     CrumpleInstance one;
     CrumpleDisplacementDef hit = displacement_at(0, 0, 0.04f);
     CrumpleHitResult told;
-    CrumpleHostBufferDef buffer_def = crumple_default_host_buffer_def();
+    CrumpleHostBufferDef buffer_def = crumple_host_buffer_def_default();
     CrumpleBuffer odd_buffer;
     static float out[VERTICES][6];
     make_sheet(&odd);
@@ -251,33 +251,33 @@ static void odd_but_right(void) {
     odd.examples[0].placement = CRUMPLE_PLACEMENT_CARRIED;
     odd.examples[1].target_positions = odd.def.positions;          // moves nothing
     odd.examples[2].name = NULL;
-    OK(crumple_create_example_set(context, &odd.def, &out_set));
+    OK(crumple_example_set_create(context, &odd.def, &out_set));
     one = make_instance(context, out_set);
     buffer_def.positions = stream_of(out, sizeof out, 0, 24);
     buffer_def.normals = stream_of(out, sizeof out, 12, 24);
-    OK(crumple_register_host_buffer(context, one, &buffer_def, &odd_buffer));
+    OK(crumple_buffer_register_host(context, one, &buffer_def, &odd_buffer));
     for (int i = 0; i < 40; ++i) {
         hit.point = vec3(0.02f * (float)i - 0.4f, 0.3f - 0.01f * (float)i, 0);
-        OK(crumple_submit_displacement(context, one, &hit, &told));
+        OK(crumple_instance_submit_displacement(context, one, &hit, &told));
     }
-    OK(crumple_deform(context, &odd_buffer, 1, NULL));
+    OK(crumple_context_deform(context, &odd_buffer, 1, NULL));
     for (int v = 0; v < VERTICES; ++v)
         for (int k = 0; k < 6; ++k) FACT(isfinite(out[v][k]));
     // The set may go while its instance is in use.
-    OK(crumple_destroy_example_set(context, out_set));
+    OK(crumple_example_set_destroy(context, out_set));
     hit.point = vec3(0, 0.2f, 0);
-    OK(crumple_submit_displacement(context, one, &hit, &told));
-    OK(crumple_deform(context, &odd_buffer, 1, NULL));
+    OK(crumple_instance_submit_displacement(context, one, &hit, &told));
+    OK(crumple_context_deform(context, &odd_buffer, 1, NULL));
     CrumpleAttachment lamp;
-    CrumpleInstanceDef again = crumple_default_instance_def();
+    CrumpleInstanceDef again = crumple_instance_def_default();
     again.set = out_set;
-    BAD(INVALID_ID, "def.set is stale", crumple_create_instance(context, &again, &one));
-    BAD_KEEPING(INVALID_ID, "set is stale", lamp, crumple_attach_point(context, out_set, vec3(0, 0, 0), &lamp));
-    OK(crumple_unregister_buffer(context, odd_buffer));
+    BAD(INVALID_ID, "def.set is stale", crumple_instance_create(context, &again, &one));
+    BAD_KEEPING(INVALID_ID, "set is stale", lamp, crumple_example_set_attach_point(context, out_set, vec3(0, 0, 0), &lamp));
+    OK(crumple_buffer_unregister(context, odd_buffer));
 
     // One vertex, no triangles.
-    CrumpleExampleSetDef point = crumple_default_example_set_def();
-    CrumpleExampleDef moved = crumple_default_example_def();
+    CrumpleExampleSetDef point = crumple_example_set_def_default();
+    CrumpleExampleDef moved = crumple_example_def_default();
     float at[3] = {0, 0, 0}, up[3] = {0, 0, 1}, to[3] = {0, 0, -1};
     point.vertex_count = 1;
     point.positions = input_of(at, 12, 12);
@@ -285,12 +285,12 @@ static void odd_but_right(void) {
     point.examples = &moved;
     point.example_count = 1;
     moved.target_positions = input_of(to, 12, 12);
-    OK(crumple_create_example_set(context, &point, &out_set));
+    OK(crumple_example_set_create(context, &point, &out_set));
     one = make_instance(context, out_set);
     hit.point = vec3(0, 0, 0);
-    OK(crumple_submit_displacement(context, one, &hit, &told));
-    OK(crumple_destroy_instance(context, one));
-    OK(crumple_destroy_example_set(context, out_set));
+    OK(crumple_instance_submit_displacement(context, one, &hit, &told));
+    OK(crumple_instance_destroy(context, one));
+    OK(crumple_example_set_destroy(context, out_set));
     usable();
 }
 
@@ -298,42 +298,42 @@ static void infos(void) {
     CrumpleExampleSetInfo info;
     CrumpleExampleInfo example;
     CrumplePrimitive primitive;
-    CrumpleMeshCopyDef copy = crumple_default_mesh_copy_def();
+    CrumpleMeshCopyDef copy = crumple_mesh_copy_def_default();
     CrumpleAttachment lamp;
     CrumpleFrame frame;
     uint32_t vertex;
     float distance;
     static float out[VERTICES][4];
     static uint32_t triangles[INDICES];
-    BAD(NULL_POINTER, "out_info", crumple_get_example_set_info(context, set, NULL));
-    BAD_KEEPING(MISALIGNED, "out_info", info, crumple_get_example_set_info(context, set, crooked(&info)));
-    BAD_KEEPING(INDEX_OUT_OF_RANGE, "example is 3; it must be below 3", example, crumple_get_example_info(context, set, 3, &example));
-    BAD_KEEPING(INDEX_OUT_OF_RANGE, "primitive is 1", primitive, crumple_get_primitive(context, set, 1, &primitive));
-    OK(crumple_nearest_vertex(context, set, vec3(0, 0, 0), NULL, NULL));
+    BAD(NULL_POINTER, "out_info", crumple_example_set_get_info(context, set, NULL));
+    BAD_KEEPING(MISALIGNED, "out_info", info, crumple_example_set_get_info(context, set, crooked(&info)));
+    BAD_KEEPING(INDEX_OUT_OF_RANGE, "example is 3; it must be below 3", example, crumple_example_set_get_example(context, set, 3, &example));
+    BAD_KEEPING(INDEX_OUT_OF_RANGE, "primitive is 1", primitive, crumple_example_set_get_primitive(context, set, 1, &primitive));
+    OK(crumple_example_set_find_nearest_vertex(context, set, vec3(0, 0, 0), NULL, NULL));
     memset(&distance, 0xAB, 4);
-    BAD_KEEPING(NOT_FINITE, "point", vertex, crumple_nearest_vertex(context, set, vec3(0, NAN, 0), &vertex, &distance));
+    BAD_KEEPING(NOT_FINITE, "point", vertex, crumple_example_set_find_nearest_vertex(context, set, vec3(0, NAN, 0), &vertex, &distance));
     FACT(keeps(&distance, 4));
-    BAD_KEEPING(NOT_FINITE, "point", lamp, crumple_attach_point(context, set, vec3(0, 0, -INFINITY), &lamp));
-    OK(crumple_attach_point(context, set, vec3(0, 0, 0), &lamp));
-    BAD_KEEPING(NULL_POINTER, "attachment is null", frame, crumple_get_attached_frame(context, body, NULL, &frame));
+    BAD_KEEPING(NOT_FINITE, "point", lamp, crumple_example_set_attach_point(context, set, vec3(0, 0, -INFINITY), &lamp));
+    OK(crumple_example_set_attach_point(context, set, vec3(0, 0, 0), &lamp));
+    BAD_KEEPING(NULL_POINTER, "attachment is null", frame, crumple_instance_get_attached_frame(context, body, NULL, &frame));
     lamp.vertices[1] = VERTICES;
-    BAD_KEEPING(INDEX_OUT_OF_RANGE, "attachment", frame, crumple_get_attached_frame(context, body, &lamp, &frame));
+    BAD_KEEPING(INDEX_OUT_OF_RANGE, "attachment", frame, crumple_instance_get_attached_frame(context, body, &lamp, &frame));
     lamp.vertices[1] = 0;
     lamp.weights[2] = NAN;
-    BAD_KEEPING(NOT_FINITE, "attachment", frame, crumple_get_attached_frame(context, body, &lamp, &frame));
+    BAD_KEEPING(NOT_FINITE, "attachment", frame, crumple_instance_get_attached_frame(context, body, &lamp, &frame));
 
     memset(out, 0xAB, sizeof out);
     memset(triangles, 0xAB, sizeof triangles);
     copy.struct_size = 0;
-    BAD(STRUCT_SIZE, "crumple_default_mesh_copy_def", crumple_copy_base_mesh(context, set, &copy));
-    copy = crumple_default_mesh_copy_def();
-    OK(crumple_copy_base_mesh(context, set, &copy));
+    BAD(STRUCT_SIZE, "crumple_mesh_copy_def_default", crumple_example_set_copy_mesh(context, set, &copy));
+    copy = crumple_mesh_copy_def_default();
+    OK(crumple_example_set_copy_mesh(context, set, &copy));
     copy.positions = stream_of(out, sizeof out, 0, 16);
     copy.indices = stream_of(triangles, sizeof triangles - 4, 0, 4);
-    BAD(BUFFER_TOO_SMALL, "def.indices", crumple_copy_base_mesh(context, set, &copy));
+    BAD(BUFFER_TOO_SMALL, "def.indices", crumple_example_set_copy_mesh(context, set, &copy));
     copy.indices = stream_of(triangles, sizeof triangles, 0, 4);
     copy.positions = stream_of(triangles, sizeof triangles, 0, 12);
-    BAD(INVALID_ARGUMENT, "overlap", crumple_copy_base_mesh(context, set, &copy));
+    BAD(INVALID_ARGUMENT, "overlap", crumple_example_set_copy_mesh(context, set, &copy));
     FACT(keeps(out, sizeof out) && keeps(triangles, sizeof triangles));
 }
 
@@ -341,51 +341,51 @@ static void ids(void) {
     CrumpleInstance null = {0, 0, 0}, invented = {77, 1, body.context}, gone = make_instance(context, set), foreign, wrong;
     CrumpleExampleSet foreign_set, null_set = {0, 0, 0};
     CrumpleBuffer null_buffer = {0, 0, 0};
-    CrumpleInstanceDef def = crumple_default_instance_def();
+    CrumpleInstanceDef def = crumple_instance_def_default();
     CrumpleInstanceInfo info;
-    OK(crumple_destroy_instance(context, gone));
-    OK(crumple_create_example_set(second, &sheet.def, &foreign_set));
+    OK(crumple_instance_destroy(context, gone));
+    OK(crumple_example_set_create(second, &sheet.def, &foreign_set));
     foreign = make_instance(second, foreign_set);
     wrong = body;
     wrong.generation += 1;
-    BAD(INVALID_ID, "null instance", crumple_reset_damage(context, null));
-    BAD(INVALID_ID, "never was", crumple_reset_damage(context, invented));
-    BAD(INVALID_ID, "never was", crumple_reset_damage(context, wrong));
-    BAD(INVALID_ID, "stale", crumple_reset_damage(context, gone));
-    BAD(INVALID_ID, "another context", crumple_reset_damage(context, foreign));
-    BAD_KEEPING(INVALID_ID, "another context", info, crumple_get_instance_info(context, foreign, &info));
-    BAD(INVALID_ID, "stale", crumple_destroy_instance(context, gone));
-    BAD(INVALID_ID, "stale", crumple_copy_damage(context, body, gone));
-    BAD(INVALID_ID, "stale", crumple_copy_damage(context, gone, body));
-    BAD(INVALID_ID, "another context", crumple_copy_damage(context, body, foreign));
-    BAD(INVALID_ID, "null example set", crumple_destroy_example_set(context, null_set));
-    BAD(INVALID_ID, "another context", crumple_destroy_example_set(context, foreign_set));
-    BAD(INVALID_ID, "null buffer", crumple_unregister_buffer(context, null_buffer));
-    BAD(INVALID_ID, "null buffer", crumple_invalidate_buffer(context, null_buffer));
-    BAD(INVALID_ID, "buffers[0]", crumple_deform(context, &null_buffer, 1, NULL));
-    BAD_KEEPING(INVALID_ID, "def.set is the null example set", wrong, crumple_create_instance(context, &def, &wrong));
+    BAD(INVALID_ID, "null instance", crumple_instance_reset_damage(context, null));
+    BAD(INVALID_ID, "never was", crumple_instance_reset_damage(context, invented));
+    BAD(INVALID_ID, "never was", crumple_instance_reset_damage(context, wrong));
+    BAD(INVALID_ID, "stale", crumple_instance_reset_damage(context, gone));
+    BAD(INVALID_ID, "another context", crumple_instance_reset_damage(context, foreign));
+    BAD_KEEPING(INVALID_ID, "another context", info, crumple_instance_get_info(context, foreign, &info));
+    BAD(INVALID_ID, "stale", crumple_instance_destroy(context, gone));
+    BAD(INVALID_ID, "stale", crumple_instance_copy_damage(context, body, gone));
+    BAD(INVALID_ID, "stale", crumple_instance_copy_damage(context, gone, body));
+    BAD(INVALID_ID, "another context", crumple_instance_copy_damage(context, body, foreign));
+    BAD(INVALID_ID, "null example set", crumple_example_set_destroy(context, null_set));
+    BAD(INVALID_ID, "another context", crumple_example_set_destroy(context, foreign_set));
+    BAD(INVALID_ID, "null buffer", crumple_buffer_unregister(context, null_buffer));
+    BAD(INVALID_ID, "null buffer", crumple_buffer_invalidate(context, null_buffer));
+    BAD(INVALID_ID, "buffers[0]", crumple_context_deform(context, &null_buffer, 1, NULL));
+    BAD_KEEPING(INVALID_ID, "def.set is the null example set", wrong, crumple_instance_create(context, &def, &wrong));
     def.set = foreign_set;
-    BAD_KEEPING(INVALID_ID, "def.set is an id of another context", wrong, crumple_create_instance(context, &def, &wrong));
+    BAD_KEEPING(INVALID_ID, "def.set is an id of another context", wrong, crumple_instance_create(context, &def, &wrong));
     // A place that was used again keeps its former ids apart.
     CrumpleInstance next = make_instance(context, set);
     FACT(next.index == gone.index && next.generation == gone.generation + 1);
-    BAD(INVALID_ID, "stale", crumple_reset_damage(context, gone));
-    OK(crumple_destroy_instance(context, next));
-    OK(crumple_destroy_instance(second, foreign));
-    OK(crumple_destroy_example_set(second, foreign_set));
+    BAD(INVALID_ID, "stale", crumple_instance_reset_damage(context, gone));
+    OK(crumple_instance_destroy(context, next));
+    OK(crumple_instance_destroy(second, foreign));
+    OK(crumple_example_set_destroy(second, foreign_set));
 }
 
 #define BAD_INSTANCE(expected, part, change)                                                                           \
     do {                                                                                                               \
-        CrumpleInstanceDef def = crumple_default_instance_def();                                                       \
+        CrumpleInstanceDef def = crumple_instance_def_default();                                                       \
         CrumpleInstance out;                                                                                           \
         def.set = set;                                                                                                 \
         change;                                                                                                        \
-        BAD_KEEPING(expected, part, out, crumple_create_instance(context, &def, &out));                                \
+        BAD_KEEPING(expected, part, out, crumple_instance_create(context, &def, &out));                                \
     } while (0)
 
 static void instances(void) {
-    BAD_INSTANCE(STRUCT_SIZE, "crumple_default_instance_def", def.struct_size = 4);
+    BAD_INSTANCE(STRUCT_SIZE, "crumple_instance_def_default", def.struct_size = 4);
     BAD_INSTANCE(INVALID_ARGUMENT, "def.rule is 3", SET_ENUM(def.rule, 3));
     BAD_INSTANCE(INVALID_ARGUMENT, "def.selection is 4", SET_ENUM(def.selection, 4));
     BAD_INSTANCE(INVALID_ARGUMENT, "examples_per_hit", def.examples_per_hit = 0);
@@ -408,39 +408,39 @@ static void instances(void) {
         BAD_INSTANCE(NOT_FINITE, "def.max_contact_distance", def.max_contact_distance = bad_floats[i]);
         BAD_INSTANCE(NOT_FINITE, "def.blend_constant", def.blend_constant = bad_floats[i]);
         BAD_INSTANCE(NOT_FINITE, "def.local_to_world", def.local_to_world[13] = bad_floats[i]);
-        BAD(NOT_FINITE, "depth_limit", crumple_set_instance_depth_limit(context, body, bad_floats[i]));
-        BAD(NOT_FINITE, "keep", crumple_repair_damage(context, body, bad_floats[i]));
+        BAD(NOT_FINITE, "depth_limit", crumple_instance_set_depth_limit(context, body, bad_floats[i]));
+        BAD(NOT_FINITE, "keep", crumple_instance_repair_damage(context, body, bad_floats[i]));
     }
-    BAD(INVALID_ARGUMENT, "depth_limit is -1", crumple_set_instance_depth_limit(context, body, -1));
-    BAD(INVALID_ARGUMENT, "keep", crumple_repair_damage(context, body, -0.1f));
-    BAD(INVALID_ARGUMENT, "keep", crumple_repair_damage(context, body, 1.1f));
+    BAD(INVALID_ARGUMENT, "depth_limit is -1", crumple_instance_set_depth_limit(context, body, -1));
+    BAD(INVALID_ARGUMENT, "keep", crumple_instance_repair_damage(context, body, -0.1f));
+    BAD(INVALID_ARGUMENT, "keep", crumple_instance_repair_damage(context, body, 1.1f));
     float matrix[17] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
-    BAD(NULL_POINTER, "local_to_world", crumple_set_instance_transform(context, body, NULL));
-    BAD(MISALIGNED, "local_to_world", crumple_set_instance_transform(context, body, crooked(matrix)));
+    BAD(NULL_POINTER, "local_to_world", crumple_instance_set_transform(context, body, NULL));
+    BAD(MISALIGNED, "local_to_world", crumple_instance_set_transform(context, body, crooked(matrix)));
     matrix[10] = 0;
-    BAD(INVALID_ARGUMENT, "invertible", crumple_set_instance_transform(context, body, matrix));
+    BAD(INVALID_ARGUMENT, "invertible", crumple_instance_set_transform(context, body, matrix));
     matrix[10] = NAN;
-    BAD(NOT_FINITE, "local_to_world", crumple_set_instance_transform(context, body, matrix));
+    BAD(NOT_FINITE, "local_to_world", crumple_instance_set_transform(context, body, matrix));
 }
 
 #define BAD_IMPULSE(expected, part, change)                                                                            \
     do {                                                                                                               \
-        CrumpleImpulseDef def = crumple_default_impulse_def();                                                         \
+        CrumpleImpulseDef def = crumple_impulse_def_default();                                                         \
         def.impulse = vec3(0, 0, -1);                                                                                  \
         def.duration = 0.01f;                                                                                          \
         def.mass = 1;                                                                                                  \
         change;                                                                                                        \
-        BAD_KEEPING(expected, part, told, crumple_submit_impulse(context, body, &def, &told));                         \
+        BAD_KEEPING(expected, part, told, crumple_instance_submit_impulse(context, body, &def, &told));                         \
     } while (0)
 
 static void hits(void) {
     CrumpleHitResult told;
     CrumpleDisplacementDef push = displacement_at(0, 0, 0.01f);
     uint32_t count;
-    BAD_KEEPING(NULL_POINTER, "def is null", told, crumple_submit_impulse(context, body, NULL, &told));
-    BAD_KEEPING(NULL_POINTER, "def is null", told, crumple_submit_displacement(context, body, NULL, &told));
-    BAD(MISALIGNED, "out_result", crumple_submit_displacement(context, body, &push, crooked(&told)));
-    BAD_IMPULSE(STRUCT_SIZE, "crumple_default_impulse_def", def.struct_size += 4);
+    BAD_KEEPING(NULL_POINTER, "def is null", told, crumple_instance_submit_impulse(context, body, NULL, &told));
+    BAD_KEEPING(NULL_POINTER, "def is null", told, crumple_instance_submit_displacement(context, body, NULL, &told));
+    BAD(MISALIGNED, "out_result", crumple_instance_submit_displacement(context, body, &push, crooked(&told)));
+    BAD_IMPULSE(STRUCT_SIZE, "crumple_impulse_def_default", def.struct_size += 4);
     BAD_IMPULSE(INVALID_ARGUMENT, "def.space is 2", SET_ENUM(def.space, 2));
     BAD_IMPULSE(INVALID_ARGUMENT, "duration", def.duration = 0);
     BAD_IMPULSE(INVALID_ARGUMENT, "duration", def.duration = -0.1f);
@@ -454,42 +454,42 @@ static void hits(void) {
         BAD_IMPULSE(NOT_FINITE, "def.duration", def.duration = bad_floats[i]);
         BAD_IMPULSE(NOT_FINITE, "def.mass", def.mass = bad_floats[i]);
         push.displacement.z = bad_floats[i];
-        BAD_KEEPING(NOT_FINITE, "def.displacement", told, crumple_submit_displacement(context, body, &push, &told));
+        BAD_KEEPING(NOT_FINITE, "def.displacement", told, crumple_instance_submit_displacement(context, body, &push, &told));
         push = displacement_at(0, 0, 0.01f);
     }
     push.struct_size = 0;
-    BAD_KEEPING(STRUCT_SIZE, "crumple_default_displacement_def", told, crumple_submit_displacement(context, body, &push, &told));
-    BAD_KEEPING(NULL_POINTER, "context is null", told, crumple_submit_displacement(NULL, body, &push, &told));
+    BAD_KEEPING(STRUCT_SIZE, "crumple_displacement_def_default", told, crumple_instance_submit_displacement(context, body, &push, &told));
+    BAD_KEEPING(NULL_POINTER, "context is null", told, crumple_instance_submit_displacement(NULL, body, &push, &told));
 
-    BAD(INVALID_ARGUMENT, "contact_id is 0", crumple_end_contact(context, body, 0));
-    BAD(NULL_POINTER, "context is null", crumple_end_contact(NULL, body, 1));
+    BAD(INVALID_ARGUMENT, "contact_id is 0", crumple_instance_end_contact(context, body, 0));
+    BAD(NULL_POINTER, "context is null", crumple_instance_end_contact(NULL, body, 1));
     BAD_IMPULSE(NOT_FINITE, "def.point", (def.contact_id = 1, def.point.x = NAN));
 
     // Nothing, next to nothing, and far too much are no errors.
     const float sizes[] = {0, 1e-45f, 1e-30f, 1e30f, FLT_MAX};
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; ++i) {
-        CrumpleImpulseDef def = crumple_default_impulse_def();
+        CrumpleImpulseDef def = crumple_impulse_def_default();
         CrumpleHitStatus expected = sizes[i] < 1 ? CRUMPLE_HIT_STATUS_BELOW_YIELD : CRUMPLE_HIT_STATUS_MARKED;
         def.impulse = vec3(0, 0, -sizes[i]);
         def.duration = 0.01f;
         def.mass = 1;
-        OK(crumple_submit_impulse(context, body, &def, &told));
+        OK(crumple_instance_submit_impulse(context, body, &def, &told));
         FACT(told.status == expected && told.clamped == (sizes[i] > 1));
         FACT(isfinite(told.met.z) && fabsf(told.met.z) <= 0.0801f);
         def.duration = FLT_MAX;
         def.mass = 1e-30f;
-        OK(crumple_submit_impulse(context, body, &def, NULL));
+        OK(crumple_instance_submit_impulse(context, body, &def, NULL));
     }
-    OK(crumple_deform(context, NULL, 0, NULL));
+    OK(crumple_context_deform(context, NULL, 0, NULL));
     for (int v = 0; v < VERTICES; ++v) {
         float moved = 0;
         for (int k = 0; k < 3; ++k) moved += (vertices[v][k] - sheet.positions[v][k]) * (vertices[v][k] - sheet.positions[v][k]);
         FACT(sqrtf(moved) <= 0.080001f);
     }
-    OK(crumple_get_marks(context, body, NULL, 0, &count));
+    OK(crumple_instance_get_marks(context, body, NULL, 0, &count));
     FACT(count >= 1);
-    OK(crumple_reset_damage(context, body));
-    OK(crumple_deform(context, NULL, 0, NULL));
+    OK(crumple_instance_reset_damage(context, body));
+    OK(crumple_context_deform(context, NULL, 0, NULL));
     usable();
 }
 
@@ -502,20 +502,20 @@ static void damage(void) {
     uint32_t count;
     size_t size;
     float moved;
-    OK(crumple_submit_displacement(context, body, &hit, NULL));
-    OK(crumple_submit_displacement(context, body, &other_hit, NULL));
+    OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
+    OK(crumple_instance_submit_displacement(context, body, &other_hit, NULL));
     memset(marks, 0xAB, sizeof marks);
-    FAILS_KEEPING(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "marks has room for 1; 2 are needed", count, crumple_get_marks(context, body, marks, 1, &count));
-    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "marks is null", count, crumple_get_marks(context, body, NULL, 2, &count));
-    FAILS_KEEPING(CRUMPLE_ERROR_MISALIGNED, "marks", count, crumple_get_marks(context, body, crooked(marks), 3, &count));
-    FAILS(CRUMPLE_ERROR_NULL_POINTER, "out_count", crumple_get_marks(context, body, marks, 4, NULL));
+    FAILS_KEEPING(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "marks has room for 1; 2 are needed", count, crumple_instance_get_marks(context, body, marks, 1, &count));
+    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "marks is null", count, crumple_instance_get_marks(context, body, NULL, 2, &count));
+    FAILS_KEEPING(CRUMPLE_ERROR_MISALIGNED, "marks", count, crumple_instance_get_marks(context, body, crooked(marks), 3, &count));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "out_count", crumple_instance_get_marks(context, body, marks, 4, NULL));
     FACT(keeps(marks, sizeof marks));
     memset(bytes, 0xAB, sizeof bytes);
-    FAILS_KEEPING(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "88 are needed", size, crumple_save_damage(context, body, bytes, 87, &size));
-    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "data is null", size, crumple_save_damage(context, body, NULL, 88, &size));
+    FAILS_KEEPING(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "88 are needed", size, crumple_instance_save_damage(context, body, bytes, 87, &size));
+    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "data is null", size, crumple_instance_save_damage(context, body, NULL, 88, &size));
     FACT(keeps(bytes, sizeof bytes));
-    OK(crumple_get_marks(context, body, marks, 4, &count));
-    OK(crumple_save_damage(context, body, bytes, sizeof bytes, &size));
+    OK(crumple_instance_get_marks(context, body, marks, 4, &count));
+    OK(crumple_instance_save_damage(context, body, bytes, sizeof bytes, &size));
     FACT(count == 2 && size == 88);
 
     // Marks that the set cannot have change nothing.
@@ -523,7 +523,7 @@ static void damage(void) {
     do {                                                                                                               \
         bad = marks[0];                                                                                                \
         change;                                                                                                        \
-        FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, part, crumple_set_marks(context, body, &bad, 1));                        \
+        FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, part, crumple_instance_set_marks(context, body, &bad, 1));                        \
     } while (0)
     BAD_MARK("contact", bad.contact = VERTICES);
     BAD_MARK("depth", bad.depth = 0);
@@ -537,56 +537,56 @@ static void damage(void) {
     BAD_MARK("shares", bad.pairs[0].share = 0xC00);                                   // negative
     BAD_MARK("mirrored", bad.pairs[0].share = 0x8000 | 0x1000 | 0x400);               // anchored too
     BAD_MARK("mirrored", bad.pairs[0].share = 0x8000 | 0x7000 | 0x400);
-    FAILS(CRUMPLE_ERROR_NULL_POINTER, "marks", crumple_set_marks(context, body, NULL, 1));
-    FAILS(CRUMPLE_ERROR_MISALIGNED, "marks", crumple_set_marks(context, body, crooked(marks), 1));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "marks", crumple_instance_set_marks(context, body, NULL, 1));
+    FAILS(CRUMPLE_ERROR_MISALIGNED, "marks", crumple_instance_set_marks(context, body, crooked(marks), 1));
 
     // Saved bytes: cut at every length, changed at every byte, from another set.
-    FAILS(CRUMPLE_ERROR_NULL_POINTER, "data is null", crumple_load_damage(context, body, NULL, 88));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "data is null", crumple_instance_load_damage(context, body, NULL, 88));
     for (size_t cut = 0; cut < size; ++cut) {
         unsigned char *copy = malloc(cut ? cut : 1);
         memcpy(copy, bytes, cut);
-        FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "saved damage", crumple_load_damage(context, body, copy, cut));
+        FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "saved damage", crumple_instance_load_damage(context, body, copy, cut));
         free(copy);
     }
-    FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "saved damage", crumple_load_damage(context, body, bytes, size + 1));
-    OK(crumple_save_damage(context, body, changed, sizeof changed, &size));
+    FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "saved damage", crumple_instance_load_damage(context, body, bytes, size + 1));
+    OK(crumple_instance_save_damage(context, body, changed, sizeof changed, &size));
     FACT(size == 88 && memcmp(bytes, changed, size) == 0); // nothing has changed so far
     for (size_t i = 0; i < size; ++i)
         for (int bit = 0; bit < 8; bit += 3) {
             memcpy(changed, bytes, size);
             changed[i] ^= (unsigned char)(1 << bit);
-            CrumpleResult result = crumple_load_damage(context, body, changed, size);
+            CrumpleResult result = crumple_instance_load_damage(context, body, changed, size);
             FACT(result == CRUMPLE_OK || result == CRUMPLE_ERROR_DAMAGE_MISMATCH || result == CRUMPLE_ERROR_INVALID_ARGUMENT);
             FACT(i >= 24 || result == CRUMPLE_ERROR_DAMAGE_MISMATCH); // the header is checked whole
-            OK(crumple_deform(context, NULL, 0, NULL));
+            OK(crumple_context_deform(context, NULL, 0, NULL));
             for (int v = 0; v < VERTICES; ++v) {
                 moved = fabsf(vertices[v][2] - sheet.positions[v][2]);
                 FACT(moved <= 0.080001f);
             }
         }
-    OK(crumple_reset_damage(context, body));
+    OK(crumple_instance_reset_damage(context, body));
     CrumpleExampleSetDef def = sheet.def;
     def.example_count = 2;
-    OK(crumple_create_example_set(context, &def, &other_set));
+    OK(crumple_example_set_create(context, &def, &other_set));
     other = make_instance(context, other_set);
-    FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "example set", crumple_load_damage(context, other, bytes, size));
-    FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "example set", crumple_copy_damage(context, other, body));
-    OK(crumple_destroy_instance(context, other));
-    OK(crumple_destroy_example_set(context, other_set));
-    OK(crumple_deform(context, NULL, 0, NULL));
+    FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "example set", crumple_instance_load_damage(context, other, bytes, size));
+    FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "example set", crumple_instance_copy_damage(context, other, body));
+    OK(crumple_instance_destroy(context, other));
+    OK(crumple_example_set_destroy(context, other_set));
+    OK(crumple_context_deform(context, NULL, 0, NULL));
     usable();
 }
 
 #define BAD_BUFFER(expected, part, change)                                                                             \
     do {                                                                                                               \
-        CrumpleHostBufferDef def = crumple_default_host_buffer_def();                                                  \
+        CrumpleHostBufferDef def = crumple_host_buffer_def_default();                                                  \
         CrumpleBuffer out;                                                                                             \
         def.positions = stream_of(memory, sizeof memory, 0, 40);                                                       \
         def.normals = stream_of(memory, sizeof memory, 12, 40);                                                        \
         def.tangents = stream_of(memory, sizeof memory, 24, 40);                                                       \
         change;                                                                                                        \
-        BAD_KEEPING(expected, part, out, crumple_register_host_buffer(context, body, &def, &out));                     \
-        BAD(expected, part, crumple_set_host_buffer_memory(context, buffer, &def));                                    \
+        BAD_KEEPING(expected, part, out, crumple_buffer_register_host(context, body, &def, &out));                     \
+        BAD(expected, part, crumple_buffer_set_memory(context, buffer, &def));                                    \
     } while (0)
 
 static void buffers(void) {
@@ -597,7 +597,7 @@ static void buffers(void) {
     CrumpleRange ranges[1];
     uint32_t count;
     memset(memory, 0xAB, sizeof memory);
-    BAD_BUFFER(STRUCT_SIZE, "crumple_default_host_buffer_def", def.struct_size = 0);
+    BAD_BUFFER(STRUCT_SIZE, "crumple_host_buffer_def_default", def.struct_size = 0);
     BAD_BUFFER(NULL_POINTER, "def.positions", def.positions = stream_of(NULL, 0, 0, 0));
     BAD_BUFFER(NULL_POINTER, "def.normals.data is null", def.normals.data = NULL);
     BAD_BUFFER(MISALIGNED, "def.positions.data", def.positions.data = crooked(memory));
@@ -611,35 +611,35 @@ static void buffers(void) {
     BAD_BUFFER(BUFFER_TOO_SMALL, "def.positions", def.positions.stride = SIZE_MAX & ~(size_t)3);
     BAD_BUFFER(INVALID_ARGUMENT, "def.normals and def.positions overlap", def.normals.offset = 8);
     BAD_BUFFER(INVALID_ARGUMENT, "def.tangents and def.positions overlap", def.tangents.offset = 4);
-    BAD_KEEPING(NULL_POINTER, "def is null", same, crumple_register_host_buffer(context, body, NULL, &same));
+    BAD_KEEPING(NULL_POINTER, "def is null", same, crumple_buffer_register_host(context, body, NULL, &same));
     FACT(keeps(memory, sizeof memory));
 
     // Of a mesh without tangents, and without anything.
     CrumpleExampleSetDef def = sheet.def;
-    CrumpleHostBufferDef buffer_def = crumple_default_host_buffer_def();
+    CrumpleHostBufferDef buffer_def = crumple_host_buffer_def_default();
     def.tangents = def.normals = def.indices = input_of(NULL, 0, 0);
     def.index_count = 0;
-    OK(crumple_create_example_set(context, &def, &out_set));
+    OK(crumple_example_set_create(context, &def, &out_set));
     CrumpleInstance bare = make_instance(context, out_set);
     buffer_def.positions = stream_of(memory, sizeof memory, 0, 40);
     buffer_def.tangents = stream_of(memory, sizeof memory, 24, 40);
-    BAD_KEEPING(MESH, "tangents", same, crumple_register_host_buffer(context, bare, &buffer_def, &same));
+    BAD_KEEPING(MESH, "tangents", same, crumple_buffer_register_host(context, bare, &buffer_def, &same));
     buffer_def.tangents = stream_of(NULL, 0, 0, 0);
     buffer_def.normals = stream_of(memory, sizeof memory, 12, 40);
-    BAD_KEEPING(MESH, "normals", same, crumple_register_host_buffer(context, bare, &buffer_def, &same));
-    OK(crumple_destroy_instance(context, bare));
-    OK(crumple_destroy_example_set(context, out_set));
+    BAD_KEEPING(MESH, "normals", same, crumple_buffer_register_host(context, bare, &buffer_def, &same));
+    OK(crumple_instance_destroy(context, bare));
+    OK(crumple_example_set_destroy(context, out_set));
 
     // Deforming.
-    BAD_KEEPING(INVALID_ARGUMENT, "twice", report, crumple_deform(context, twice, 3, &report));
-    BAD_KEEPING(NULL_POINTER, "buffers is null", report, crumple_deform(context, NULL, 1, &report));
-    BAD_KEEPING(MISALIGNED, "buffers", report, crumple_deform(context, crooked(twice), 1, &report));
-    BAD(MISALIGNED, "out_report", crumple_deform(context, &buffer, 1, crooked(&report)));
-    OK(crumple_deform(context, twice, 0, &report)); // none
+    BAD_KEEPING(INVALID_ARGUMENT, "twice", report, crumple_context_deform(context, twice, 3, &report));
+    BAD_KEEPING(NULL_POINTER, "buffers is null", report, crumple_context_deform(context, NULL, 1, &report));
+    BAD_KEEPING(MISALIGNED, "buffers", report, crumple_context_deform(context, crooked(twice), 1, &report));
+    BAD(MISALIGNED, "out_report", crumple_context_deform(context, &buffer, 1, crooked(&report)));
+    OK(crumple_context_deform(context, twice, 0, &report)); // none
     FACT(report.vertices_written == 0 && report.blocks_skipped == 0);
     memset(&bounds, 0xAB, sizeof bounds);
-    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "ranges is null", count, crumple_get_buffer_changes(context, buffer, NULL, 1, &count, &bounds));
-    FAILS(CRUMPLE_ERROR_NULL_POINTER, "out_count is null", crumple_get_buffer_changes(context, buffer, ranges, 1, NULL, &bounds));
+    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "ranges is null", count, crumple_buffer_get_changes(context, buffer, NULL, 1, &count, &bounds));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "out_count is null", crumple_buffer_get_changes(context, buffer, ranges, 1, NULL, &bounds));
     FACT(keeps(&bounds, sizeof bounds));
     usable();
 }
@@ -648,12 +648,12 @@ int main(void) {
     make_sheet(&sheet);
     context = make_context(2);
     second = make_context(1);
-    OK(crumple_create_example_set(context, &sheet.def, &set));
+    OK(crumple_example_set_create(context, &sheet.def, &set));
     body = make_instance(context, set);
-    CrumpleHostBufferDef def = crumple_default_host_buffer_def();
+    CrumpleHostBufferDef def = crumple_host_buffer_def_default();
     def.positions = stream_of(vertices, sizeof vertices, 0, 12);
-    OK(crumple_register_host_buffer(context, body, &def, &buffer));
-    OK(crumple_deform(context, NULL, 0, NULL));
+    OK(crumple_buffer_register_host(context, body, &def, &buffer));
+    OK(crumple_context_deform(context, NULL, 0, NULL));
     usable();
     contexts();
     meshes();

@@ -9,22 +9,22 @@ static CrumpleExampleSet make(void) {
     make_sheet(&sheet);
     sheet.def.options.stamp_resolution = 8;
     sheet.def.options.tolerance = 1e-4f;
-    OK(crumple_create_example_set(context, &sheet.def, &set));
+    OK(crumple_example_set_create(context, &sheet.def, &set));
     return set;
 }
 
 static unsigned char *save(CrumpleExampleSet set, size_t *size) {
     unsigned char *bytes;
     size_t again;
-    OK(crumple_save_example_set(context, set, NULL, 0, size));
+    OK(crumple_example_set_save_baked(context, set, NULL, 0, size));
     // Of exactly this size and at a multiple of 16.
     bytes = malloc(*size);
     FACT(bytes != NULL);
     FAILS_KEEPING(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "data", again,
-                  crumple_save_example_set(context, set, bytes, *size - 1, &again));
-    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "data", again, crumple_save_example_set(context, set, NULL, *size, &again));
-    FAILS(CRUMPLE_ERROR_NULL_POINTER, "out_size", crumple_save_example_set(context, set, bytes, *size, NULL));
-    OK(crumple_save_example_set(context, set, bytes, *size, &again));
+                  crumple_example_set_save_baked(context, set, bytes, *size - 1, &again));
+    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "data", again, crumple_example_set_save_baked(context, set, NULL, *size, &again));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "out_size", crumple_example_set_save_baked(context, set, bytes, *size, NULL));
+    OK(crumple_example_set_save_baked(context, set, bytes, *size, &again));
     FACT(again == *size);
     return bytes;
 }
@@ -32,26 +32,26 @@ static unsigned char *save(CrumpleExampleSet set, size_t *size) {
 // Positions of the sheet after one hit.
 static void dent(CrumpleExampleSet set, float (*positions)[3]) {
     CrumpleInstance instance = make_instance(context, set);
-    CrumpleHostBufferDef memory = crumple_default_host_buffer_def();
+    CrumpleHostBufferDef memory = crumple_host_buffer_def_default();
     CrumpleDisplacementDef hit = displacement_at(0.1f, 0.05f, 0.04f);
     CrumpleBuffer buffer;
-    OK(crumple_submit_displacement(context, instance, &hit, NULL));
+    OK(crumple_instance_submit_displacement(context, instance, &hit, NULL));
     memory.positions = stream_of(positions, sizeof(float) * 3 * VERTICES, 0, sizeof(float) * 3);
-    OK(crumple_register_host_buffer(context, instance, &memory, &buffer));
-    OK(crumple_deform(context, NULL, 0, NULL));
-    OK(crumple_destroy_instance(context, instance));
+    OK(crumple_buffer_register_host(context, instance, &memory, &buffer));
+    OK(crumple_context_deform(context, NULL, 0, NULL));
+    OK(crumple_instance_destroy(context, instance));
 }
 
 static void same(CrumpleExampleSet a, CrumpleExampleSet b) {
     static float p[VERTICES][3], q[VERTICES][3];
     CrumpleExampleSetInfo info, other;
     CrumpleExampleInfo example, other_example;
-    OK(crumple_get_example_set_info(context, a, &info));
-    OK(crumple_get_example_set_info(context, b, &other));
+    OK(crumple_example_set_get_info(context, a, &info));
+    OK(crumple_example_set_get_info(context, b, &other));
     FACT(info.vertex_count == other.vertex_count && info.example_count == other.example_count);
     FACT(info.fingerprint == other.fingerprint && info.depth_limit == other.depth_limit);
-    OK(crumple_get_example_info(context, a, 1, &example));
-    OK(crumple_get_example_info(context, b, 1, &other_example));
+    OK(crumple_example_set_get_example(context, a, 1, &example));
+    OK(crumple_example_set_get_example(context, b, 1, &other_example));
     FACT(strcmp(example.name, other_example.name) == 0);
     dent(a, p);
     dent(b, q);
@@ -65,26 +65,26 @@ static void loading(const char *folder) {
     char path[4096];
     FILE *file;
 
-    OK(crumple_load_example_set_memory(context, bytes, size, CRUMPLE_BYTES_KEEP, &loaded));
+    OK(crumple_example_set_load_baked_memory(context, bytes, size, CRUMPLE_BYTES_KEEP, &loaded));
     same(set, loaded);
-    OK(crumple_destroy_example_set(context, loaded));
+    OK(crumple_example_set_destroy(context, loaded));
 
     memcpy(shifted + 1, bytes, size);
-    OK(crumple_load_example_set_memory(context, shifted + 1, size, CRUMPLE_BYTES_COPY, &loaded));
+    OK(crumple_example_set_load_baked_memory(context, shifted + 1, size, CRUMPLE_BYTES_COPY, &loaded));
     free(shifted);
     same(set, loaded);
-    OK(crumple_destroy_example_set(context, loaded));
+    OK(crumple_example_set_destroy(context, loaded));
 
     snprintf(path, sizeof path, "%s/sheet.crumple", folder);
     file = fopen(path, "wb");
     FACT(file != NULL && fwrite(bytes, 1, size, file) == size && fclose(file) == 0);
-    OK(crumple_load_example_set_file(context, path, &loaded));
+    OK(crumple_example_set_load_baked(context, path, &loaded));
     same(set, loaded);
-    OK(crumple_destroy_example_set(context, loaded));
+    OK(crumple_example_set_destroy(context, loaded));
     remove(path);
-    FAILS_KEEPING(CRUMPLE_ERROR_IO, "sheet.crumple", loaded, crumple_load_example_set_file(context, path, &loaded));
-    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "path", loaded, crumple_load_example_set_file(context, NULL, &loaded));
-    OK(crumple_destroy_example_set(context, set));
+    FAILS_KEEPING(CRUMPLE_ERROR_IO, "sheet.crumple", loaded, crumple_example_set_load_baked(context, path, &loaded));
+    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "path", loaded, crumple_example_set_load_baked(context, NULL, &loaded));
+    OK(crumple_example_set_destroy(context, set));
     free(bytes);
 }
 
@@ -94,12 +94,12 @@ static void lifetimes(void) {
     CrumpleInstance instance;
     size_t size;
     unsigned char *bytes = save(set, &size);
-    OK(crumple_destroy_example_set(context, set));
-    OK(crumple_load_example_set_memory(context, bytes, size, CRUMPLE_BYTES_KEEP, &loaded));
+    OK(crumple_example_set_destroy(context, set));
+    OK(crumple_example_set_load_baked_memory(context, bytes, size, CRUMPLE_BYTES_KEEP, &loaded));
     instance = make_instance(context, loaded);
-    OK(crumple_destroy_example_set(context, loaded));
-    OK(crumple_reset_damage(context, instance));
-    OK(crumple_destroy_instance(context, instance));
+    OK(crumple_example_set_destroy(context, loaded));
+    OK(crumple_instance_reset_damage(context, instance));
+    OK(crumple_instance_destroy(context, instance));
     // Nothing looks at them any more, which valgrind and the sanitizers would tell.
     memset(bytes, 0xCD, size);
     free(bytes);
@@ -109,28 +109,28 @@ static void bad_bytes(void) {
     CrumpleExampleSet set = make(), loaded;
     size_t size, i;
     unsigned char *bytes = save(set, &size), *copy;
-    OK(crumple_destroy_example_set(context, set));
+    OK(crumple_example_set_destroy(context, set));
     FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "data", loaded,
-                  crumple_load_example_set_memory(context, NULL, size, CRUMPLE_BYTES_COPY, &loaded));
+                  crumple_example_set_load_baked_memory(context, NULL, size, CRUMPLE_BYTES_COPY, &loaded));
     FAILS(CRUMPLE_ERROR_NULL_POINTER, "out_set",
-          crumple_load_example_set_memory(context, bytes, size, CRUMPLE_BYTES_COPY, NULL));
+          crumple_example_set_load_baked_memory(context, bytes, size, CRUMPLE_BYTES_COPY, NULL));
     FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "bytes", loaded,
-                  crumple_load_example_set_memory(context, bytes, size, (CrumpleBytes)7, &loaded));
+                  crumple_example_set_load_baked_memory(context, bytes, size, (CrumpleBytes)7, &loaded));
     FAILS_KEEPING(CRUMPLE_ERROR_FORMAT, "0 bytes", loaded,
-                  crumple_load_example_set_memory(context, NULL, 0, CRUMPLE_BYTES_KEEP, &loaded));
+                  crumple_example_set_load_baked_memory(context, NULL, 0, CRUMPLE_BYTES_KEEP, &loaded));
     for (i = 0; i < 64; ++i) {
         const size_t cut = size * i / 64;
         // Exactly as long as it says, so that a read past the end is seen.
         copy = malloc(cut ? cut : 1);
         memcpy(copy, bytes, cut);
-        FAILS_KEEPING(CRUMPLE_ERROR_FORMAT, "crumple_load_example_set_memory", loaded,
-                      crumple_load_example_set_memory(context, copy, cut, CRUMPLE_BYTES_KEEP, &loaded));
+        FAILS_KEEPING(CRUMPLE_ERROR_FORMAT, "crumple_example_set_load_baked_memory", loaded,
+                      crumple_example_set_load_baked_memory(context, copy, cut, CRUMPLE_BYTES_KEEP, &loaded));
         free(copy);
         bytes[cut] ^= 0x40;
-        FACT(crumple_load_example_set_memory(context, bytes, size, CRUMPLE_BYTES_COPY, &loaded) != CRUMPLE_OK);
+        FACT(crumple_example_set_load_baked_memory(context, bytes, size, CRUMPLE_BYTES_COPY, &loaded) != CRUMPLE_OK);
         bytes[cut] ^= 0x40;
     }
-    OK(crumple_load_example_set_memory(context, bytes, size, CRUMPLE_BYTES_COPY, &loaded));
+    OK(crumple_example_set_load_baked_memory(context, bytes, size, CRUMPLE_BYTES_COPY, &loaded));
     free(bytes);
 }
 

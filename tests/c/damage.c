@@ -17,13 +17,13 @@ static float deepest(const Vertex *vertices) {
 }
 
 static CrumpleBuffer register_all(CrumpleInstance body, Vertex *vertices) {
-    CrumpleHostBufferDef def = crumple_default_host_buffer_def();
+    CrumpleHostBufferDef def = crumple_host_buffer_def_default();
     CrumpleBuffer buffer;
     size_t bytes = VERTICES * sizeof(Vertex);
     def.positions = stream_of(vertices, bytes, offsetof(Vertex, position), sizeof(Vertex));
     def.normals = stream_of(vertices, bytes, offsetof(Vertex, normal), sizeof(Vertex));
     def.tangents = stream_of(vertices, bytes, offsetof(Vertex, tangent), sizeof(Vertex));
-    OK(crumple_register_host_buffer(context, body, &def, &buffer));
+    OK(crumple_buffer_register_host(context, body, &def, &buffer));
     return buffer;
 }
 
@@ -38,11 +38,11 @@ static void interleaved(void) {
     uint32_t count = 0, written = 0;
     memset(vertices, 0xAB, sizeof vertices);
     buffer = register_all(body, vertices);
-    OK(crumple_get_buffer_changes(context, buffer, NULL, 0, &count, &bounds));
+    OK(crumple_buffer_get_changes(context, buffer, NULL, 0, &count, &bounds));
     FACT(count == 0 && bounds.min.x == -0.5f && bounds.max.x == 0.5f);
     CrumpleDisplacementDef hit = displacement_at(-0.3f, -0.3f, 0.04f);
-    OK(crumple_submit_displacement(context, body, &hit, NULL));
-    OK(crumple_deform(context, &buffer, 1, &report));
+    OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
+    OK(crumple_context_deform(context, &buffer, 1, &report));
     FACT(report.vertices_written == VERTICES && report.reserved[0] == 0);
     for (int v = 0; v < VERTICES; ++v) {
         const Vertex *at = &vertices[v];
@@ -56,13 +56,13 @@ static void interleaved(void) {
 
     // Another hit writes what it touched, and says so.
     hit = displacement_at(0.4f, -0.4f, 0.01f);
-    OK(crumple_submit_displacement(context, body, &hit, NULL));
-    OK(crumple_deform(context, NULL, 0, &report));
+    OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
+    OK(crumple_context_deform(context, NULL, 0, &report));
     FACT(report.vertices_written > 0 && report.vertices_written < VERTICES && report.blocks_skipped > 0);
-    OK(crumple_get_buffer_changes(context, buffer, NULL, 0, &count, NULL));
+    OK(crumple_buffer_get_changes(context, buffer, NULL, 0, &count, NULL));
     FACT(count > 0 && count <= 8);
-    if (count > 1) FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "ranges", crumple_get_buffer_changes(context, buffer, ranges, 1, &count, NULL));
-    OK(crumple_get_buffer_changes(context, buffer, ranges, 8, &count, &bounds));
+    if (count > 1) FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "ranges", crumple_buffer_get_changes(context, buffer, ranges, 1, &count, NULL));
+    OK(crumple_buffer_get_changes(context, buffer, ranges, 8, &count, &bounds));
     for (uint32_t i = 0; i < count; ++i) written += ranges[i].count;
     FACT(written == report.vertices_written);
     for (int v = 0; v < VERTICES; ++v) FACT(vertices[v].position[2] >= bounds.min.z && vertices[v].position[2] <= bounds.max.z);
@@ -70,24 +70,24 @@ static void interleaved(void) {
     // A second buffer of the same instance gets everything; the first is up to date.
     static Vertex second[VERTICES];
     CrumpleBuffer other = register_all(body, second);
-    OK(crumple_deform(context, NULL, 0, &report));
+    OK(crumple_context_deform(context, NULL, 0, &report));
     FACT(report.vertices_written == VERTICES);
     for (int v = 0; v < VERTICES; ++v) FACT(memcmp(vertices[v].position, second[v].position, 12) == 0);
     memset(second, 0, sizeof second);
-    OK(crumple_invalidate_buffer(context, other));
-    OK(crumple_deform(context, NULL, 0, &report));
+    OK(crumple_buffer_invalidate(context, other));
+    OK(crumple_context_deform(context, NULL, 0, &report));
     FACT(report.vertices_written == VERTICES && memcmp(vertices[5].position, second[5].position, 12) == 0);
 
     // Other memory.
     static Vertex third[VERTICES];
-    CrumpleHostBufferDef def = crumple_default_host_buffer_def();
+    CrumpleHostBufferDef def = crumple_host_buffer_def_default();
     def.positions = stream_of(third, sizeof third, 0, sizeof third[0]);
-    OK(crumple_set_host_buffer_memory(context, other, &def));
-    OK(crumple_deform(context, NULL, 0, &report));
+    OK(crumple_buffer_set_memory(context, other, &def));
+    OK(crumple_context_deform(context, NULL, 0, &report));
     FACT(report.vertices_written == VERTICES && memcmp(vertices[5].position, third[5].position, 12) == 0);
-    OK(crumple_unregister_buffer(context, other));
-    OK(crumple_destroy_instance(context, body));
-    FAILS(CRUMPLE_ERROR_INVALID_ID, "stale", crumple_deform(context, &buffer, 1, NULL));
+    OK(crumple_buffer_unregister(context, other));
+    OK(crumple_instance_destroy(context, body));
+    FAILS(CRUMPLE_ERROR_INVALID_ID, "stale", crumple_context_deform(context, &buffer, 1, NULL));
 }
 
 static void marks_and_bytes(void) {
@@ -104,56 +104,56 @@ static void marks_and_bytes(void) {
     for (int i = 0; i < 5; ++i) {
         CrumpleDisplacementDef hit = displacement_at(0.15f * (float)i - 0.3f, 0.1f, 0.02f + 0.005f * (float)i);
         hit.preview = true;
-        OK(crumple_submit_displacement(context, body, &hit, &preview));
+        OK(crumple_instance_submit_displacement(context, body, &hit, &preview));
         hit.preview = false;
-        OK(crumple_submit_displacement(context, body, &hit, &told));
+        OK(crumple_instance_submit_displacement(context, body, &hit, &told));
         FACT(memcmp(&told.mark, &preview.mark, sizeof told.mark) == 0);
         FACT(told.status == CRUMPLE_HIT_STATUS_MARKED && told.chosen_count >= 1 && told.chosen_count <= 3);
         FACT(told.target.z == hit.displacement.z && !told.clamped);
     }
-    OK(crumple_get_marks(context, body, NULL, 0, &count));
+    OK(crumple_instance_get_marks(context, body, NULL, 0, &count));
     FACT(count == 5);
-    OK(crumple_get_marks(context, body, marks, 16, &count));
+    OK(crumple_instance_get_marks(context, body, marks, 16, &count));
     FACT(count == 5);
 
     // Marks over the wire.
-    OK(crumple_set_marks(context, copy, marks, count));
-    OK(crumple_get_marks(context, copy, again, 16, &count));
+    OK(crumple_instance_set_marks(context, copy, marks, count));
+    OK(crumple_instance_get_marks(context, copy, again, 16, &count));
     FACT(count == 5 && memcmp(marks, again, 5 * sizeof marks[0]) == 0);
-    OK(crumple_deform(context, NULL, 0, NULL));
+    OK(crumple_context_deform(context, NULL, 0, NULL));
     FACT(memcmp(vertices, copies, sizeof vertices) == 0);
 
     // Saved bytes, also to an odd address.
-    OK(crumple_save_damage(context, body, NULL, 0, &size));
+    OK(crumple_instance_save_damage(context, body, NULL, 0, &size));
     FACT(size == 24 + 5 * 32);
-    OK(crumple_save_damage(context, body, bytes + 1, sizeof bytes - 1, &size));
-    OK(crumple_reset_damage(context, copy));
-    OK(crumple_deform(context, NULL, 0, NULL));
+    OK(crumple_instance_save_damage(context, body, bytes + 1, sizeof bytes - 1, &size));
+    OK(crumple_instance_reset_damage(context, copy));
+    OK(crumple_context_deform(context, NULL, 0, NULL));
     FACT(memcmp(copies[300].position, sheet.positions[300], 12) == 0);
-    OK(crumple_load_damage(context, copy, bytes + 1, size));
-    OK(crumple_save_damage(context, copy, repeated, sizeof repeated, &repeated_size));
+    OK(crumple_instance_load_damage(context, copy, bytes + 1, size));
+    OK(crumple_instance_save_damage(context, copy, repeated, sizeof repeated, &repeated_size));
     FACT(repeated_size == size && memcmp(bytes + 1, repeated, size) == 0);
 
     // Repair, copy, limits.
-    OK(crumple_repair_damage(context, copy, 0.5f));
-    OK(crumple_deform(context, NULL, 0, NULL));
+    OK(crumple_instance_repair_damage(context, copy, 0.5f));
+    OK(crumple_context_deform(context, NULL, 0, NULL));
     FACT(deepest(copies) < 0.6f * deepest(vertices) && deepest(copies) > 0.4f * deepest(vertices));
-    OK(crumple_copy_damage(context, copy, body));
-    OK(crumple_copy_damage(context, copy, copy));
-    OK(crumple_deform(context, NULL, 0, NULL));
+    OK(crumple_instance_copy_damage(context, copy, body));
+    OK(crumple_instance_copy_damage(context, copy, copy));
+    OK(crumple_context_deform(context, NULL, 0, NULL));
     FACT(memcmp(vertices, copies, sizeof vertices) == 0);
-    OK(crumple_set_instance_depth_limit(context, copy, 0.01f));
-    OK(crumple_deform(context, NULL, 0, NULL));
+    OK(crumple_instance_set_depth_limit(context, copy, 0.01f));
+    OK(crumple_context_deform(context, NULL, 0, NULL));
     FACT(deepest(copies) <= 0.0100001f && deepest(vertices) > 0.02f);
-    OK(crumple_set_instance_depth_limit(context, copy, 0));
-    OK(crumple_deform(context, NULL, 0, NULL));
+    OK(crumple_instance_set_depth_limit(context, copy, 0));
+    OK(crumple_context_deform(context, NULL, 0, NULL));
     FACT(memcmp(vertices, copies, sizeof vertices) == 0);
-    OK(crumple_set_marks(context, copy, NULL, 0));
-    OK(crumple_get_instance_info(context, copy, &info));
+    OK(crumple_instance_set_marks(context, copy, NULL, 0));
+    OK(crumple_instance_get_info(context, copy, &info));
     FACT(info.mark_count == 0 && info.buffer_count == 1 && info.memory_bytes > 0);
-    OK(crumple_repair_damage(context, body, 0));
-    OK(crumple_destroy_instance(context, body));
-    OK(crumple_destroy_instance(context, copy));
+    OK(crumple_instance_repair_damage(context, body, 0));
+    OK(crumple_instance_destroy(context, body));
+    OK(crumple_instance_destroy(context, copy));
 }
 
 // A hit in the world's space is the hit in the mesh's that the transform makes of it.
@@ -161,9 +161,9 @@ static void spaces(void) {
     CrumpleInstance local = make_instance(context, set), world = make_instance(context, set);
     // A quarter turn about z, twice as large, moved by (10, 20, 30).
     const float matrix[16] = {0, 2, 0, 0, -2, 0, 0, 0, 0, 0, 2, 0, 10, 20, 30, 1};
-    CrumpleImpulseDef hit = crumple_default_impulse_def(), there;
+    CrumpleImpulseDef hit = crumple_impulse_def_default(), there;
     CrumpleHitResult told, told_there;
-    OK(crumple_set_instance_transform(context, world, matrix));
+    OK(crumple_instance_set_transform(context, world, matrix));
     hit.point = vec3(0.25f, 0.125f, 0);
     hit.impulse = vec3(0.5f, 0, -2);
     hit.duration = 0.01f;
@@ -172,42 +172,42 @@ static void spaces(void) {
     there.space = CRUMPLE_SPACE_WORLD;
     there.point = vec3(10 - 2 * 0.125f, 20 + 2 * 0.25f, 30);
     there.impulse = vec3(0, 1, -4);
-    OK(crumple_submit_impulse(context, local, &hit, &told));
-    OK(crumple_submit_impulse(context, world, &there, &told_there));
+    OK(crumple_instance_submit_impulse(context, local, &hit, &told));
+    OK(crumple_instance_submit_impulse(context, world, &there, &told_there));
     FACT(told.contact_vertex == told_there.contact_vertex);
     FACT(fabsf(told.target.z - told_there.target.z) < 1e-7f && fabsf(told.target.x - 0.01f) < 1e-7f);
     FACT(memcmp(&told.mark, &told_there.mark, sizeof told.mark) == 0);
-    OK(crumple_destroy_instance(context, local));
-    OK(crumple_destroy_instance(context, world));
+    OK(crumple_instance_destroy(context, local));
+    OK(crumple_instance_destroy(context, world));
 }
 
 static void yield_and_mass(void) {
     CrumpleExampleSetDef def = sheet.def;
     CrumpleExampleSet heavy;
-    CrumpleInstanceDef instance_def = crumple_default_instance_def();
+    CrumpleInstanceDef instance_def = crumple_instance_def_default();
     CrumpleInstance body;
-    CrumpleImpulseDef hit = crumple_default_impulse_def();
+    CrumpleImpulseDef hit = crumple_impulse_def_default();
     CrumpleHitResult told;
     static float masses[VERTICES];
     for (int v = 0; v < VERTICES; ++v) masses[v] = v == VERTICES / 2 ? 4.0f : 1.0f;
     def.options.vertex_masses = input_of(masses, sizeof masses, 4);
-    OK(crumple_create_example_set(context, &def, &heavy));
+    OK(crumple_example_set_create(context, &def, &heavy));
     instance_def.set = heavy;
     instance_def.yield_impulse = 1;
     instance_def.yield_displacement = 0.001f;
-    OK(crumple_create_instance(context, &instance_def, &body));
+    OK(crumple_instance_create(context, &instance_def, &body));
     hit.impulse = vec3(0, 0, -8);
     hit.duration = 0.01f;
-    OK(crumple_submit_impulse(context, body, &hit, &told)); // the middle: 4 kg
+    OK(crumple_instance_submit_impulse(context, body, &hit, &told)); // the middle: 4 kg
     FACT(told.contact_vertex == VERTICES / 2 && fabsf(told.target.z + 0.02f) < 1e-6f);
     hit.mass = 2;
-    OK(crumple_submit_impulse(context, body, &hit, &told));
+    OK(crumple_instance_submit_impulse(context, body, &hit, &told));
     FACT(fabsf(told.target.z + 0.04f) < 1e-6f);
     hit.impulse.z = -0.99f;
-    OK(crumple_submit_impulse(context, body, &hit, &told));
+    OK(crumple_instance_submit_impulse(context, body, &hit, &told));
     FACT(told.status == CRUMPLE_HIT_STATUS_BELOW_YIELD && told.mark.energy == 0);
-    OK(crumple_destroy_instance(context, body));
-    OK(crumple_destroy_example_set(context, heavy));
+    OK(crumple_instance_destroy(context, body));
+    OK(crumple_example_set_destroy(context, heavy));
 }
 
 // One contact in one report, in eight at 240 Hz, and in two at 30 Hz: the same dent.
@@ -218,7 +218,7 @@ static void contacts(void) {
     for (int way = 0; way < 3; ++way) {
         CrumpleInstance body = make_instance(context, set);
         CrumpleBuffer buffer = register_all(body, vertices[way]);
-        CrumpleImpulseDef hit = crumple_default_impulse_def();
+        CrumpleImpulseDef hit = crumple_impulse_def_default();
         CrumpleInstanceInfo info;
         CrumpleHitResult told;
         FACT(hit.contact_id == 0);
@@ -228,28 +228,28 @@ static void contacts(void) {
         hit.mass = 1;
         hit.contact_id = UINT64_MAX;
         for (int i = 0; i < parts[way]; ++i) {
-            OK(crumple_submit_impulse(context, body, &hit, &told));
+            OK(crumple_instance_submit_impulse(context, body, &hit, &told));
             FACT(fabsf(told.target.z + 0.04f / (float)parts[way]) < 1e-6f); // what it would do alone
-            OK(crumple_deform(context, &buffer, 1, NULL));
-            OK(crumple_get_instance_info(context, body, &info));
+            OK(crumple_context_deform(context, &buffer, 1, NULL));
+            OK(crumple_instance_get_info(context, body, &info));
             FACT(info.mark_count == 1 && info.contact_count == 1);
         }
-        OK(crumple_end_contact(context, body, hit.contact_id));
-        OK(crumple_end_contact(context, body, 5)); // not open: nothing happens
-        OK(crumple_deform(context, &buffer, 1, NULL));
-        OK(crumple_get_instance_info(context, body, &info));
+        OK(crumple_instance_end_contact(context, body, hit.contact_id));
+        OK(crumple_instance_end_contact(context, body, 5)); // not open: nothing happens
+        OK(crumple_context_deform(context, &buffer, 1, NULL));
+        OK(crumple_instance_get_info(context, body, &info));
         FACT(info.mark_count == 1 && info.contact_count == 0);
         depths[way] = deepest(vertices[way]);
         // Ended, the same id is another contact; and the two kinds of hit have the same ids.
         CrumpleDisplacementDef push = displacement_at(0.1f, 0.1f, 0.02f);
         push.contact_id = hit.contact_id;
-        OK(crumple_submit_displacement(context, body, &push, NULL));
-        OK(crumple_get_instance_info(context, body, &info));
+        OK(crumple_instance_submit_displacement(context, body, &push, NULL));
+        OK(crumple_instance_get_info(context, body, &info));
         FACT(info.mark_count == 2 && info.contact_count == 1);
-        OK(crumple_reset_damage(context, body));
-        OK(crumple_get_instance_info(context, body, &info));
+        OK(crumple_instance_reset_damage(context, body));
+        OK(crumple_instance_get_info(context, body, &info));
         FACT(info.mark_count == 0 && info.contact_count == 0);
-        OK(crumple_destroy_instance(context, body));
+        OK(crumple_instance_destroy(context, body));
     }
     FACT(depths[0] > 0.03f && fabsf(depths[1] - depths[0]) < 1e-6f && fabsf(depths[2] - depths[0]) < 1e-6f);
 }
@@ -257,7 +257,7 @@ static void contacts(void) {
 static void classic_rules(void) {
     static Vertex vertices[VERTICES];
     for (int rule = CRUMPLE_RULE_MOST_DISPLACED; rule <= CRUMPLE_RULE_BLEND; ++rule) {
-        CrumpleInstanceDef def = crumple_default_instance_def();
+        CrumpleInstanceDef def = crumple_instance_def_default();
         CrumpleInstance body, marked = make_instance(context, set);
         CrumpleDisplacementDef hit = displacement_at(0, 0, 0.03f);
         CrumpleMark mark;
@@ -266,22 +266,22 @@ static void classic_rules(void) {
         def.set = set;
         def.rule = (CrumpleRule)rule;
         def.blend_constant = 0.5f;
-        OK(crumple_create_instance(context, &def, &body));
+        OK(crumple_instance_create(context, &def, &body));
         register_all(body, vertices);
-        OK(crumple_submit_displacement(context, body, &hit, NULL));
-        OK(crumple_deform(context, NULL, 0, NULL));
+        OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
+        OK(crumple_context_deform(context, NULL, 0, NULL));
         FACT(fabsf(deepest(vertices) - 0.03f) < 1e-5f);
-        FAILS(CRUMPLE_ERROR_WRONG_RULE, "Marks", crumple_get_marks(context, body, &mark, 1, &count));
+        FAILS(CRUMPLE_ERROR_WRONG_RULE, "Marks", crumple_instance_get_marks(context, body, &mark, 1, &count));
         FACT(count == 7);
-        FAILS(CRUMPLE_ERROR_WRONG_RULE, "Marks", crumple_set_marks(context, body, NULL, 0));
-        FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "kind", crumple_copy_damage(context, body, marked));
-        OK(crumple_get_instance_info(context, body, &info));
+        FAILS(CRUMPLE_ERROR_WRONG_RULE, "Marks", crumple_instance_set_marks(context, body, NULL, 0));
+        FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "kind", crumple_instance_copy_damage(context, body, marked));
+        OK(crumple_instance_get_info(context, body, &info));
         FACT(info.mark_count == 0 && info.contact_count == 0);
         hit.contact_id = 1;
-        FAILS(CRUMPLE_ERROR_WRONG_RULE, "contact id", crumple_submit_displacement(context, body, &hit, NULL));
-        FAILS(CRUMPLE_ERROR_WRONG_RULE, "Marks", crumple_end_contact(context, body, 1));
-        OK(crumple_destroy_instance(context, body));
-        OK(crumple_destroy_instance(context, marked));
+        FAILS(CRUMPLE_ERROR_WRONG_RULE, "contact id", crumple_instance_submit_displacement(context, body, &hit, NULL));
+        FAILS(CRUMPLE_ERROR_WRONG_RULE, "Marks", crumple_instance_end_contact(context, body, 1));
+        OK(crumple_instance_destroy(context, body));
+        OK(crumple_instance_destroy(context, marked));
     }
 }
 
@@ -295,9 +295,9 @@ static void mirrored(void) {
         CrumpleDisplacementDef hit = displacement_at(-0.25f, -0.2f, 0.03f);
         FACT(def.options.mirror && def.options.held_rims); // the defaults
         def.options.mirror = on;
-        OK(crumple_create_example_set(context, &def, &made));
+        OK(crumple_example_set_create(context, &def, &made));
         CrumpleInstance body = make_instance(context, made);
-        OK(crumple_submit_displacement(context, body, &hit, &told));
+        OK(crumple_instance_submit_displacement(context, body, &hit, &told));
         FACT(told.status == CRUMPLE_HIT_STATUS_MARKED);
         float shares = 0;
         for (uint32_t i = 0; i < told.chosen_count; ++i) {
@@ -310,8 +310,8 @@ static void mirrored(void) {
             FACT(on || chosen->mirror == 0);
         }
         FACT(shares == 1 && found == on);
-        OK(crumple_destroy_instance(context, body));
-        OK(crumple_destroy_example_set(context, made));
+        OK(crumple_instance_destroy(context, body));
+        OK(crumple_example_set_destroy(context, made));
     }
 }
 
@@ -319,20 +319,20 @@ static void attached(void) {
     CrumpleInstance body = make_instance(context, set);
     CrumpleAttachment lamp;
     CrumpleFrame rest, frame;
-    OK(crumple_attach_point(context, set, vec3(0.05f, 0.02f, 0.2f), &lamp));
-    OK(crumple_get_attached_frame(context, body, &lamp, &rest));
+    OK(crumple_example_set_attach_point(context, set, vec3(0.05f, 0.02f, 0.2f), &lamp));
+    OK(crumple_instance_get_attached_frame(context, body, &lamp, &rest));
     FACT(fabsf(rest.position.z - 0.2f) < 1e-6f && fabsf(rest.rotation.w - 1) < 1e-6f);
     CrumpleDisplacementDef hit = displacement_at(0, 0, 0.05f);
-    OK(crumple_submit_displacement(context, body, &hit, NULL));
-    OK(crumple_get_attached_frame(context, body, &lamp, &frame)); // counts at once
+    OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
+    OK(crumple_instance_get_attached_frame(context, body, &lamp, &frame)); // counts at once
     FACT(frame.position.z < rest.position.z - 0.03f && frame.rotation.w < 1);
-    OK(crumple_destroy_instance(context, body));
+    OK(crumple_instance_destroy(context, body));
 }
 
 int main(void) {
     make_sheet(&sheet);
     context = make_context(2);
-    OK(crumple_create_example_set(context, &sheet.def, &set));
+    OK(crumple_example_set_create(context, &sheet.def, &set));
     interleaved();
     marks_and_bytes();
     spaces();

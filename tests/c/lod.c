@@ -9,7 +9,7 @@ static uint16_t coarse_indices[COARSE_INDICES];
 
 // Every second row and column of the sheet.
 static CrumpleLodDef every_second(void) {
-    CrumpleLodDef def = crumple_default_lod_def();
+    CrumpleLodDef def = crumple_lod_def_default();
     int n = 0;
     for (int v = 0; v < COARSE_VERTICES; ++v) {
         int from = v / COARSE * 2 * SIDE + v % COARSE * 2;
@@ -30,12 +30,12 @@ static CrumpleLodDef every_second(void) {
 }
 
 static CrumpleBuffer register_level(CrumpleContext *context, CrumpleInstance body, uint32_t lod, float (*positions)[3], size_t count) {
-    CrumpleHostBufferDef def = crumple_default_host_buffer_def();
+    CrumpleHostBufferDef def = crumple_host_buffer_def_default();
     CrumpleBuffer buffer;
     FACT(def.lod == 0);
     def.lod = lod;
     def.positions = stream_of(positions, count * 12, 0, 12);
-    OK(crumple_register_host_buffer(context, body, &def, &buffer));
+    OK(crumple_buffer_register_host(context, body, &def, &buffer));
     return buffer;
 }
 
@@ -44,8 +44,8 @@ static void levels(CrumpleContext *context) {
     CrumpleExampleSetInfo info;
     CrumpleLodDef def = every_second(), bad;
     uint32_t lod = 0;
-    OK(crumple_create_example_set(context, &sheet.def, &set));
-    OK(crumple_get_example_set_info(context, set, &info));
+    OK(crumple_example_set_create(context, &sheet.def, &set));
+    OK(crumple_example_set_get_info(context, set, &info));
     FACT(info.lod_count == 1);
     uint64_t bytes = info.memory_bytes;
     bad = def;
@@ -53,39 +53,39 @@ static void levels(CrumpleContext *context) {
     FAILS_KEEPING(CRUMPLE_ERROR_MESH, "vertex_count is 0", lod, crumple_example_set_add_lod(context, set, &bad, &lod));
     bad = def;
     bad.struct_size = 3;
-    FAILS(CRUMPLE_ERROR_STRUCT_SIZE, "crumple_default_lod_def", crumple_example_set_add_lod(context, set, &bad, &lod));
+    FAILS(CRUMPLE_ERROR_STRUCT_SIZE, "crumple_lod_def_default", crumple_example_set_add_lod(context, set, &bad, &lod));
     bad = def;
     bad.positions.size = 100;
     FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "def.positions", crumple_example_set_add_lod(context, set, &bad, &lod));
     FAILS(CRUMPLE_ERROR_NULL_POINTER, "out_lod", crumple_example_set_add_lod(context, set, &def, NULL));
     OK(crumple_example_set_add_lod(context, set, &def, &lod));
     FACT(lod == 1);
-    OK(crumple_get_example_set_info(context, set, &info));
+    OK(crumple_example_set_get_info(context, set, &info));
     FACT(info.lod_count == 2 && info.memory_bytes > bytes);
 
     static float copy[COARSE_VERTICES][3];
-    CrumpleMeshCopyDef mesh = crumple_default_mesh_copy_def();
+    CrumpleMeshCopyDef mesh = crumple_mesh_copy_def_default();
     mesh.lod = 1;
     mesh.positions = stream_of(copy, sizeof copy, 0, 12);
-    OK(crumple_copy_base_mesh(context, set, &mesh));
+    OK(crumple_example_set_copy_mesh(context, set, &mesh));
     FACT(memcmp(copy, coarse, sizeof copy) == 0);
     mesh.lod = 2;
-    FAILS(CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, "below 2", crumple_copy_base_mesh(context, set, &mesh));
+    FAILS(CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, "below 2", crumple_example_set_copy_mesh(context, set, &mesh));
 
     CrumpleInstance body = make_instance(context, set);
     FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "before the first instance", crumple_example_set_add_lod(context, set, &def, &lod));
     static float fine[VERTICES][3], few[COARSE_VERTICES][3];
     CrumpleBuffer base = register_level(context, body, 0, fine, VERTICES), level = register_level(context, body, 1, few, COARSE_VERTICES);
-    CrumpleHostBufferDef third = crumple_default_host_buffer_def();
+    CrumpleHostBufferDef third = crumple_host_buffer_def_default();
     third.lod = 2;
     third.positions = stream_of(fine, sizeof fine, 0, 12);
-    FAILS(CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, "below 2", crumple_register_host_buffer(context, body, &third, &base));
+    FAILS(CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, "below 2", crumple_buffer_register_host(context, body, &third, &base));
     CrumpleDisplacementDef hit = displacement_at(0.1f, 0.1f, 0.04f);
-    OK(crumple_submit_displacement(context, body, &hit, NULL));
+    OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
     CrumpleDeformReport report;
-    OK(crumple_deform(context, &level, 1, &report));
+    OK(crumple_context_deform(context, &level, 1, &report));
     FACT(report.vertices_written == COARSE_VERTICES && report.parts_skipped == 0);
-    OK(crumple_deform(context, NULL, 0, &report));
+    OK(crumple_context_deform(context, NULL, 0, &report));
     FACT(report.vertices_written == VERTICES);
     int moved = 0;
     for (int v = 0; v < COARSE_VERTICES; ++v) {
@@ -97,11 +97,11 @@ static void levels(CrumpleContext *context) {
     // Farther than the eye can tell, nothing is dented.
     FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "tolerance", crumple_instance_set_tolerance(context, body, -1));
     OK(crumple_instance_set_tolerance(context, body, crumple_pixel_tolerance(1, 1e4f, 1, 1080)));
-    OK(crumple_deform(context, NULL, 0, &report));
+    OK(crumple_context_deform(context, NULL, 0, &report));
     FACT(report.parts_skipped > 0);
     FACT(memcmp(few, coarse, sizeof few) == 0 && memcmp(fine, sheet.positions, sizeof fine) == 0);
     OK(crumple_instance_set_tolerance(context, body, 0));
-    OK(crumple_deform(context, NULL, 0, NULL));
+    OK(crumple_context_deform(context, NULL, 0, NULL));
     FACT(memcmp(few, coarse, sizeof few) != 0);
     FACT(crumple_pixel_tolerance(-1, 10, 1, 1080) == 0 && crumple_pixel_tolerance(1, 10, 1, 1080) > 0);
 }

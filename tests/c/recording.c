@@ -16,7 +16,7 @@ static long size_of_file(const char *path) {
 }
 
 static CrumpleImpulseDef impulse_at(float x, float y, float strength) {
-    CrumpleImpulseDef def = crumple_default_impulse_def();
+    CrumpleImpulseDef def = crumple_impulse_def_default();
     def.point = vec3(x, y, 0.07f);
     def.impulse = vec3(0, 0, -strength);
     def.duration = 0.01f;
@@ -29,7 +29,7 @@ int main(int argc, char **argv) {
     CrumpleExampleSet set;
     CrumpleInstance body, other;
     CrumpleBuffer buffer, second;
-    CrumpleHostBufferDef def = crumple_default_host_buffer_def();
+    CrumpleHostBufferDef def = crumple_host_buffer_def_default();
     CrumpleMark marks[8];
     uint32_t count;
     long empty, begun, hit_size;
@@ -48,10 +48,10 @@ int main(int argc, char **argv) {
     OK(crumple_recording_begin(context, path));
     empty = size_of_file(path);
     OK(crumple_recording_end(context));
-    OK(crumple_create_example_set(context, &sheet.def, &set));
+    OK(crumple_example_set_create(context, &sheet.def, &set));
     body = make_instance(context, set);
     CrumpleImpulseDef hit = impulse_at(0.1f, 0.1f, 1);
-    OK(crumple_submit_impulse(context, body, &hit, NULL));
+    OK(crumple_instance_submit_impulse(context, body, &hit, NULL));
     OK(crumple_recording_begin(context, path));
     begun = size_of_file(path);
     FACT(empty > 0 && empty < 100 && begun > VERTICES * 12);
@@ -59,38 +59,38 @@ int main(int argc, char **argv) {
 
     // Every call is in the file when it returns.
     hit = impulse_at(-0.3f, -0.2f, 1.5f);
-    OK(crumple_submit_impulse(context, body, &hit, NULL));
+    OK(crumple_instance_submit_impulse(context, body, &hit, NULL));
     hit_size = size_of_file(path) - begun;
     FACT(hit_size > 40 && hit_size < 400);
     def.positions = stream_of(vertices, sizeof vertices, 0, sizeof vertices[0]);
     def.normals = stream_of(vertices, sizeof vertices, 12, sizeof vertices[0]);
-    OK(crumple_register_host_buffer(context, body, &def, &buffer));
-    OK(crumple_deform(context, NULL, 0, NULL));
+    OK(crumple_buffer_register_host(context, body, &def, &buffer));
+    OK(crumple_context_deform(context, NULL, 0, NULL));
 
     other = make_instance(context, set);
-    def = crumple_default_host_buffer_def();
+    def = crumple_host_buffer_def_default();
     def.positions = stream_of(elsewhere, sizeof elsewhere, 0, sizeof elsewhere[0]);
-    OK(crumple_register_host_buffer(context, other, &def, &second));
-    OK(crumple_copy_damage(context, other, body));
+    OK(crumple_buffer_register_host(context, other, &def, &second));
+    OK(crumple_instance_copy_damage(context, other, body));
     for (int frame = 0; frame < 20; ++frame) {
         hit = impulse_at(0.04f * (float)frame - 0.4f, 0.2f, 0.05f + 0.01f * (float)frame);
         hit.contact_id = 1 + (uint64_t)(frame / 10);
-        OK(crumple_submit_impulse(context, body, &hit, NULL));
-        if (frame == 9) OK(crumple_end_contact(context, body, 1));
-        OK(crumple_deform(context, NULL, 0, NULL));
+        OK(crumple_instance_submit_impulse(context, body, &hit, NULL));
+        if (frame == 9) OK(crumple_instance_end_contact(context, body, 1));
+        OK(crumple_context_deform(context, NULL, 0, NULL));
     }
-    OK(crumple_get_marks(context, body, marks, 8, &count));
+    OK(crumple_instance_get_marks(context, body, marks, 8, &count));
     FACT(count == 4);
-    FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "saved damage", crumple_load_damage(context, other, "nonsense", 8));
-    FAILS(CRUMPLE_ERROR_NOT_FINITE, "keep", crumple_repair_damage(context, body, NAN));
-    OK(crumple_repair_damage(context, body, 0.5f));
-    OK(crumple_deform(context, &buffer, 1, NULL));
+    FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "saved damage", crumple_instance_load_damage(context, other, "nonsense", 8));
+    FAILS(CRUMPLE_ERROR_NOT_FINITE, "keep", crumple_instance_repair_damage(context, body, NAN));
+    OK(crumple_instance_repair_damage(context, body, 0.5f));
+    OK(crumple_context_deform(context, &buffer, 1, NULL));
     FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "runs already", crumple_recording_begin(context, path));
     OK(crumple_recording_end(context));
 
     // What comes after is not in it. Destroying a context ends its recording too, and a context cannot stop another's.
     begun = size_of_file(path);
-    OK(crumple_reset_damage(context, body));
+    OK(crumple_instance_reset_damage(context, body));
     FACT(size_of_file(path) == begun);
     CrumpleContext *another = make_context(1);
     OK(crumple_recording_begin(context, path));
@@ -101,15 +101,15 @@ int main(int argc, char **argv) {
     // The whole of it once more, so that the file is that of the fixture.
     OK(crumple_recording_begin(context, path));
     hit = impulse_at(0.1f, 0.1f, 1);
-    OK(crumple_submit_impulse(context, body, &hit, NULL));
+    OK(crumple_instance_submit_impulse(context, body, &hit, NULL));
     for (int frame = 0; frame < 20; ++frame) {
         hit = impulse_at(0.04f * (float)frame - 0.4f, 0.2f, 0.05f + 0.01f * (float)frame);
         hit.contact_id = 1 + (uint64_t)(frame / 10);
-        OK(crumple_submit_impulse(context, body, &hit, NULL));
-        OK(crumple_deform(context, NULL, 0, NULL));
+        OK(crumple_instance_submit_impulse(context, body, &hit, NULL));
+        OK(crumple_context_deform(context, NULL, 0, NULL));
     }
-    FAILS(CRUMPLE_ERROR_NOT_FINITE, "keep", crumple_repair_damage(context, body, NAN));
-    OK(crumple_get_marks(context, body, marks, 8, &count));
+    FAILS(CRUMPLE_ERROR_NOT_FINITE, "keep", crumple_instance_repair_damage(context, body, NAN));
+    OK(crumple_instance_get_marks(context, body, marks, 8, &count));
     OK(crumple_context_destroy(context));
     FACT(size_of_file(path) > begun / 2);
     printf("%u checks, all so\n", checks);

@@ -120,11 +120,11 @@ static inline void make_sheet(Sheet *sheet) {
         }
     }
     for (int e = 0; e < EXAMPLES; ++e) {
-        sheet->examples[e] = crumple_default_example_def();
+        sheet->examples[e] = crumple_example_def_default();
         sheet->examples[e].target_positions = input_of(sheet->targets[e], sizeof sheet->targets[e], 12);
         sheet->examples[e].name = "dent";
     }
-    sheet->def = crumple_default_example_set_def();
+    sheet->def = crumple_example_set_def_default();
     sheet->def.vertex_count = VERTICES;
     sheet->def.positions = input_of(sheet->positions, sizeof sheet->positions, 12);
     sheet->def.normals = input_of(sheet->normals, sizeof sheet->normals, 12);
@@ -137,7 +137,7 @@ static inline void make_sheet(Sheet *sheet) {
 }
 
 static inline CrumpleContext *make_context(uint32_t threads) {
-    CrumpleContextDef def = crumple_default_context_def();
+    CrumpleContextDef def = crumple_context_def_default();
     def.threads = threads;
     CrumpleContext *context = NULL;
     OK(crumple_context_create(&def, &context));
@@ -145,15 +145,15 @@ static inline CrumpleContext *make_context(uint32_t threads) {
 }
 
 static inline CrumpleInstance make_instance(CrumpleContext *context, CrumpleExampleSet set) {
-    CrumpleInstanceDef def = crumple_default_instance_def();
+    CrumpleInstanceDef def = crumple_instance_def_default();
     def.set = set;
     CrumpleInstance instance;
-    OK(crumple_create_instance(context, &def, &instance));
+    OK(crumple_instance_create(context, &def, &instance));
     return instance;
 }
 
 static inline CrumpleDisplacementDef displacement_at(float x, float y, float depth) {
-    CrumpleDisplacementDef def = crumple_default_displacement_def();
+    CrumpleDisplacementDef def = crumple_displacement_def_default();
     def.point = vec3(x, y, 0.07f);
     def.displacement = vec3(0, 0, -depth);
     return def;

@@ -44,7 +44,7 @@ static void careless(uint32_t count, CrumpleTask task, void *task_data, void *us
         }
         break;
     case 3: // calls back
-        FAILS_KEEPING(CRUMPLE_ERROR_CONCURRENT_USE, "callback", info, crumple_get_instance_info(context, body, &info));
+        FAILS_KEEPING(CRUMPLE_ERROR_CONCURRENT_USE, "callback", info, crumple_instance_get_info(context, body, &info));
         for (uint32_t i = count; i-- > 0;) task(i, task_data);
         break;
     }
@@ -56,26 +56,26 @@ static void log_and_call_back(CrumpleLogLevel level, const char *message, void *
     CrumpleExampleSet set = {1, 1, 1};
     FACT(level == CRUMPLE_LOG_LEVEL_INFO || level == CRUMPLE_LOG_LEVEL_WARNING);
     FACT(strlen(message) > 0 && user == &logged);
-    FAILS(CRUMPLE_ERROR_CONCURRENT_USE, "callback", crumple_destroy_example_set(context, set));
+    FAILS(CRUMPLE_ERROR_CONCURRENT_USE, "callback", crumple_example_set_destroy(context, set));
     ++logged;
 }
 
 static void scene(const Sheet *sheet, CrumpleContextDef def, float (*vertices)[6]) {
     CrumpleExampleSet set;
     CrumpleBuffer buffer;
-    CrumpleHostBufferDef buffer_def = crumple_default_host_buffer_def();
+    CrumpleHostBufferDef buffer_def = crumple_host_buffer_def_default();
     size_t bytes = VERTICES * 24;
     memset(vertices, 0, bytes);
     OK(crumple_context_create(&def, &context));
-    OK(crumple_create_example_set(context, &sheet->def, &set));
+    OK(crumple_example_set_create(context, &sheet->def, &set));
     body = make_instance(context, set);
     buffer_def.positions = stream_of(vertices, bytes, 0, 24);
     buffer_def.normals = stream_of(vertices, bytes, 12, 24);
-    OK(crumple_register_host_buffer(context, body, &buffer_def, &buffer));
+    OK(crumple_buffer_register_host(context, body, &buffer_def, &buffer));
     for (int i = 0; i < 12; ++i) {
         CrumpleDisplacementDef hit = displacement_at(0.07f * (float)i - 0.4f, 0.05f * (float)i - 0.3f, 0.01f);
-        OK(crumple_submit_displacement(context, body, &hit, NULL));
-        OK(crumple_deform(context, NULL, 0, NULL));
+        OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
+        OK(crumple_context_deform(context, NULL, 0, NULL));
     }
     // Late callers may come as long as the context lives.
     while (late_count > 0) pthread_join(late_threads[--late_count], NULL);
@@ -85,7 +85,7 @@ static void scene(const Sheet *sheet, CrumpleContextDef def, float (*vertices)[6
 int main(void) {
     static Sheet sheet;
     static float expected[VERTICES][6], vertices[VERTICES][6];
-    CrumpleContextDef def = crumple_default_context_def();
+    CrumpleContextDef def = crumple_context_def_default();
     make_sheet(&sheet);
     def.threads = 1;
     def.log = log_and_call_back;

@@ -21,10 +21,10 @@ static void *submitter(void *user) {
     for (int i = first; i < THREADS * HITS; i += THREADS) {
         CrumpleDisplacementDef def = hit(i);
         CrumpleHitResult told;
-        OK(crumple_submit_displacement(context, bodies[i % BODIES], &def, &told));
+        OK(crumple_instance_submit_displacement(context, bodies[i % BODIES], &def, &told));
         if (i % 50 == 0) { // errors are each thread's own
             def.displacement.x = NAN;
-            FAILS(CRUMPLE_ERROR_NOT_FINITE, "displacement", crumple_submit_displacement(context, bodies[0], &def, &told));
+            FAILS(CRUMPLE_ERROR_NOT_FINITE, "displacement", crumple_instance_submit_displacement(context, bodies[0], &def, &told));
         }
     }
     return NULL;
@@ -34,15 +34,15 @@ static float vertices[BODIES][VERTICES][3];
 
 static void *deformer(void *user) {
     (void)user;
-    while (running) OK(crumple_deform(context, NULL, 0, NULL));
+    while (running) OK(crumple_context_deform(context, NULL, 0, NULL));
     return NULL;
 }
 
 static size_t save(CrumpleInstance instance, unsigned char *bytes, size_t capacity) {
     size_t size = 0;
-    OK(crumple_save_damage(context, instance, NULL, 0, &size));
+    OK(crumple_instance_save_damage(context, instance, NULL, 0, &size));
     FACT(size <= capacity);
-    OK(crumple_save_damage(context, instance, bytes, capacity, &size));
+    OK(crumple_instance_save_damage(context, instance, bytes, capacity, &size));
     return size;
 }
 
@@ -53,16 +53,16 @@ static size_t scene(int threads, int deform, unsigned char (*saved)[65536 * 4]) 
     int firsts[THREADS];
     size_t size = 0;
     context = make_context(2);
-    OK(crumple_create_example_set(context, &sheet.def, &set));
+    OK(crumple_example_set_create(context, &sheet.def, &set));
     for (int b = 0; b < BODIES; ++b) {
-        CrumpleInstanceDef def = crumple_default_instance_def();
-        CrumpleHostBufferDef buffer_def = crumple_default_host_buffer_def();
+        CrumpleInstanceDef def = crumple_instance_def_default();
+        CrumpleHostBufferDef buffer_def = crumple_host_buffer_def_default();
         CrumpleBuffer buffer;
         def.set = set;
         def.mark_capacity = 4096; // never reached: no merging, so neither order nor moment matters
-        OK(crumple_create_instance(context, &def, &bodies[b]));
+        OK(crumple_instance_create(context, &def, &bodies[b]));
         buffer_def.positions = stream_of(vertices[b], sizeof vertices[b], 0, 12);
-        OK(crumple_register_host_buffer(context, bodies[b], &buffer_def, &buffer));
+        OK(crumple_buffer_register_host(context, bodies[b], &buffer_def, &buffer));
     }
     running = 1;
     if (deform) FACT(pthread_create(&deform_id, NULL, deformer, NULL) == 0);
@@ -75,7 +75,7 @@ static size_t scene(int threads, int deform, unsigned char (*saved)[65536 * 4]) 
     }
     running = 0;
     if (deform) pthread_join(deform_id, NULL);
-    OK(crumple_deform(context, NULL, 0, NULL));
+    OK(crumple_context_deform(context, NULL, 0, NULL));
     for (int b = 0; b < BODIES; ++b) size += save(bodies[b], saved[b], sizeof saved[b]);
     OK(crumple_context_destroy(context));
     return size;
@@ -100,15 +100,15 @@ static void waiting_parallel_for(uint32_t count, CrumpleTask task, void *task_da
 
 static void *deform_once(void *user) {
     (void)user;
-    OK(crumple_deform(context, NULL, 0, NULL));
+    OK(crumple_context_deform(context, NULL, 0, NULL));
     return NULL;
 }
 
 static void two_inside(void) {
-    CrumpleContextDef def = crumple_default_context_def();
+    CrumpleContextDef def = crumple_context_def_default();
     CrumpleExampleSet set;
     CrumpleBuffer buffer;
-    CrumpleHostBufferDef buffer_def = crumple_default_host_buffer_def();
+    CrumpleHostBufferDef buffer_def = crumple_host_buffer_def_default();
     CrumpleDisplacementDef one = hit(1);
     CrumpleInstanceInfo info;
     pthread_t id;
@@ -116,26 +116,26 @@ static void two_inside(void) {
     def.tasks.parallel_for = waiting_parallel_for;
     def.tasks.workers = 4;
     OK(crumple_context_create(&def, &context));
-    OK(crumple_create_example_set(context, &sheet.def, &set));
+    OK(crumple_example_set_create(context, &sheet.def, &set));
     bodies[0] = make_instance(context, set);
     buffer_def.positions = stream_of(vertices[0], sizeof vertices[0], 0, 12);
-    OK(crumple_register_host_buffer(context, bodies[0], &buffer_def, &buffer));
+    OK(crumple_buffer_register_host(context, bodies[0], &buffer_def, &buffer));
 
     inside = leave = 0;
     FACT(pthread_create(&id, NULL, deform_once, NULL) == 0);
     pthread_mutex_lock(&lock);
     while (!inside) pthread_cond_wait(&changed, &lock);
     pthread_mutex_unlock(&lock);
-    FAILS_KEEPING(CRUMPLE_ERROR_CONCURRENT_USE, "another thread", info, crumple_get_instance_info(context, bodies[0], &info));
-    FAILS(CRUMPLE_ERROR_CONCURRENT_USE, "another thread", crumple_deform(context, NULL, 0, NULL));
+    FAILS_KEEPING(CRUMPLE_ERROR_CONCURRENT_USE, "another thread", info, crumple_instance_get_info(context, bodies[0], &info));
+    FAILS(CRUMPLE_ERROR_CONCURRENT_USE, "another thread", crumple_context_deform(context, NULL, 0, NULL));
     FAILS(CRUMPLE_ERROR_CONCURRENT_USE, "another thread", crumple_context_destroy(context));
-    OK(crumple_submit_displacement(context, bodies[0], &one, NULL)); // which is allowed
+    OK(crumple_instance_submit_displacement(context, bodies[0], &one, NULL)); // which is allowed
     pthread_mutex_lock(&lock);
     leave = 1;
     pthread_cond_broadcast(&changed);
     pthread_mutex_unlock(&lock);
     pthread_join(id, NULL);
-    OK(crumple_get_instance_info(context, bodies[0], &info));
+    OK(crumple_instance_get_info(context, bodies[0], &info));
     FACT(info.mark_count == 1);
     OK(crumple_context_destroy(context));
 }

@@ -19,17 +19,17 @@ int main(void) {
     FACT(sizeof(CrumpleAttachment) == 36 && sizeof(CrumpleFrame) == 28 && sizeof(bool) == 1);
 
     // Defs carry their own sizes.
-    FACT(crumple_default_context_def().struct_size == sizeof(CrumpleContextDef));
-    FACT(crumple_default_allocator_def().struct_size == sizeof(CrumpleAllocatorDef));
-    FACT(crumple_default_example_def().struct_size == sizeof(CrumpleExampleDef));
-    FACT(crumple_default_example_set_def().struct_size == sizeof(CrumpleExampleSetDef));
-    FACT(crumple_default_gltf_def().struct_size == sizeof(CrumpleGltfDef));
-    FACT(crumple_default_obj_def().struct_size == sizeof(CrumpleObjDef));
-    FACT(crumple_default_mesh_copy_def().struct_size == sizeof(CrumpleMeshCopyDef));
-    FACT(crumple_default_instance_def().struct_size == sizeof(CrumpleInstanceDef));
-    FACT(crumple_default_impulse_def().struct_size == sizeof(CrumpleImpulseDef));
-    FACT(crumple_default_displacement_def().struct_size == sizeof(CrumpleDisplacementDef));
-    FACT(crumple_default_host_buffer_def().struct_size == sizeof(CrumpleHostBufferDef));
+    FACT(crumple_context_def_default().struct_size == sizeof(CrumpleContextDef));
+    FACT(crumple_allocator_def_default().struct_size == sizeof(CrumpleAllocatorDef));
+    FACT(crumple_example_def_default().struct_size == sizeof(CrumpleExampleDef));
+    FACT(crumple_example_set_def_default().struct_size == sizeof(CrumpleExampleSetDef));
+    FACT(crumple_gltf_def_default().struct_size == sizeof(CrumpleGltfDef));
+    FACT(crumple_obj_def_default().struct_size == sizeof(CrumpleObjDef));
+    FACT(crumple_mesh_copy_def_default().struct_size == sizeof(CrumpleMeshCopyDef));
+    FACT(crumple_instance_def_default().struct_size == sizeof(CrumpleInstanceDef));
+    FACT(crumple_impulse_def_default().struct_size == sizeof(CrumpleImpulseDef));
+    FACT(crumple_displacement_def_default().struct_size == sizeof(CrumpleDisplacementDef));
+    FACT(crumple_host_buffer_def_default().struct_size == sizeof(CrumpleHostBufferDef));
 
     // Results have names, and the first text is empty.
     FACT(strcmp(crumple_last_error(), "") == 0);

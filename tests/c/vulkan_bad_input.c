@@ -12,14 +12,14 @@ static void unattached(void) {
     CrumpleVulkanBufferDef def = buffer_def(&vertices);
     CrumpleBuffer buffer;
     size_t size;
-    const char *why = "no Vulkan device is attached; crumple_attach_vulkan()";
+    const char *why = "no Vulkan device is attached; crumple_vulkan_attach()";
     const CrumpleResult invalid = CRUMPLE_ERROR_INVALID_ARGUMENT;
-    FAILS(invalid, why, crumple_register_vulkan_buffer(context, body, &def, &buffer));
-    FAILS(invalid, why, crumple_record_deform(context, &host, 1, NULL, 0, NULL));
-    FAILS(invalid, why, crumple_complete_frames(context, 1));
-    FAILS(invalid, why, crumple_discard_frames(context, 1));
-    FAILS(invalid, why, crumple_get_vulkan_pipeline_cache(context, NULL, 0, &size));
-    FAILS(invalid, why, crumple_detach_vulkan(context));
+    FAILS(invalid, why, crumple_buffer_register_vulkan(context, body, &def, &buffer));
+    FAILS(invalid, why, crumple_vulkan_record(context, &host, 1, NULL, 0, NULL));
+    FAILS(invalid, why, crumple_vulkan_complete_frames(context, 1));
+    FAILS(invalid, why, crumple_vulkan_discard_frames(context, 1));
+    FAILS(invalid, why, crumple_vulkan_get_pipeline_cache(context, NULL, 0, &size));
+    FAILS(invalid, why, crumple_vulkan_detach(context));
 }
 
 // Every function that is taken from the loader.
@@ -38,19 +38,19 @@ static const char *const FUNCTIONS[] = {
 
 static void devices(void) {
     const CrumpleResult null = CRUMPLE_ERROR_NULL_POINTER, invalid = CRUMPLE_ERROR_INVALID_ARGUMENT;
-    const CrumpleVulkanDef good = vulkan_def(&host);
-    CrumpleVulkanDef def = crumple_default_vulkan_def();
-    FAILS(null, "def.", crumple_attach_vulkan(context, &def));
+    const CrumpleVulkanAttachDef good = vulkan_def(&host);
+    CrumpleVulkanAttachDef def = crumple_vulkan_attach_def_default();
+    FAILS(null, "def.", crumple_vulkan_attach(context, &def));
     def = good;
 #define REFUSED(result, part)                                                                                          \
     do {                                                                                                               \
-        FAILS(result, part, crumple_attach_vulkan(context, &def));                                                     \
+        FAILS(result, part, crumple_vulkan_attach(context, &def));                                                     \
         def = good;                                                                                                    \
     } while (0)
     def.get_instance_proc_addr = NULL;
     REFUSED(null, "def.get_instance_proc_addr");
-    FAILS(null, "context", crumple_attach_vulkan(NULL, &good));
-    FAILS(null, "def", crumple_attach_vulkan(context, NULL));
+    FAILS(null, "context", crumple_vulkan_attach(NULL, &good));
+    FAILS(null, "def", crumple_vulkan_attach(context, NULL));
     def.instance = NULL;
     REFUSED(null, "def.instance");
     def.physical_device = NULL;
@@ -60,7 +60,7 @@ static void devices(void) {
     def.pipeline_cache_size = 8;
     REFUSED(null, "def.pipeline_cache");
     def.struct_size -= 4;
-    REFUSED(CRUMPLE_ERROR_STRUCT_SIZE, "crumple_default_vulkan_def");
+    REFUSED(CRUMPLE_ERROR_STRUCT_SIZE, "crumple_vulkan_attach_def_default");
     def.queue_family = UINT32_MAX; // as the default is
     REFUSED(invalid, "4294967295");
     def.workgroup_size = 100;
@@ -68,7 +68,7 @@ static void devices(void) {
 #undef REFUSED
     for (size_t i = 0; i < sizeof FUNCTIONS / sizeof *FUNCTIONS; ++i) {
         absent = FUNCTIONS[i];
-        FAILS(CRUMPLE_ERROR_UNSUPPORTED, absent, crumple_attach_vulkan(context, &good));
+        FAILS(CRUMPLE_ERROR_UNSUPPORTED, absent, crumple_vulkan_attach(context, &good));
     }
     absent = NULL;
 
@@ -76,21 +76,21 @@ static void devices(void) {
     const unsigned char rubbish[40] = {32, 0, 0, 0, 1};
     def.pipeline_cache = rubbish;
     def.pipeline_cache_size = sizeof rubbish;
-    OK(crumple_attach_vulkan(context, &def));
-    FAILS(invalid, "attached already", crumple_attach_vulkan(context, &good));
+    OK(crumple_vulkan_attach(context, &def));
+    FAILS(invalid, "attached already", crumple_vulkan_attach(context, &good));
 
     unsigned char *cache;
     size_t size = 0, again = 0;
-    OK(crumple_get_vulkan_pipeline_cache(context, NULL, 0, &size));
+    OK(crumple_vulkan_get_pipeline_cache(context, NULL, 0, &size));
     FACT(size >= 32 && (cache = (unsigned char *)malloc(size)) != NULL);
-    FAILS(null, "out_size", crumple_get_vulkan_pipeline_cache(context, cache, size, NULL));
-    FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "data", crumple_get_vulkan_pipeline_cache(context, cache, size - 1, &again));
-    OK(crumple_get_vulkan_pipeline_cache(context, cache, size, &again));
+    FAILS(null, "out_size", crumple_vulkan_get_pipeline_cache(context, cache, size, NULL));
+    FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "data", crumple_vulkan_get_pipeline_cache(context, cache, size - 1, &again));
+    OK(crumple_vulkan_get_pipeline_cache(context, cache, size, &again));
     FACT(again == size && cache[0] == 32); // the length of a Vulkan pipeline cache's header
-    OK(crumple_detach_vulkan(context));
+    OK(crumple_vulkan_detach(context));
     def.pipeline_cache = cache;
     def.pipeline_cache_size = size;
-    OK(crumple_attach_vulkan(context, &def));
+    OK(crumple_vulkan_attach(context, &def));
     free(cache);
 }
 
@@ -102,15 +102,15 @@ static void buffers(void) {
     CrumpleBuffer buffer;
 #define REFUSED(result, part)                                                                                          \
     do {                                                                                                               \
-        FAILS_KEEPING(result, part, buffer, crumple_register_vulkan_buffer(context, body, &def, &buffer));             \
+        FAILS_KEEPING(result, part, buffer, crumple_buffer_register_vulkan(context, body, &def, &buffer));             \
         def = good;                                                                                                    \
     } while (0)
     const CrumpleInstance nobody = {0};
-    FAILS(CRUMPLE_ERROR_NULL_POINTER, "def", crumple_register_vulkan_buffer(context, body, NULL, &buffer));
-    FAILS(CRUMPLE_ERROR_NULL_POINTER, "out_buffer", crumple_register_vulkan_buffer(context, body, &good, NULL));
-    FAILS(CRUMPLE_ERROR_INVALID_ID, "instance", crumple_register_vulkan_buffer(context, nobody, &good, &buffer));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "def", crumple_buffer_register_vulkan(context, body, NULL, &buffer));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "out_buffer", crumple_buffer_register_vulkan(context, body, &good, NULL));
+    FAILS(CRUMPLE_ERROR_INVALID_ID, "instance", crumple_buffer_register_vulkan(context, nobody, &good, &buffer));
     def.struct_size = 0;
-    REFUSED(CRUMPLE_ERROR_STRUCT_SIZE, "crumple_default_vulkan_buffer_def");
+    REFUSED(CRUMPLE_ERROR_STRUCT_SIZE, "crumple_vulkan_buffer_def_default");
     def.buffer = 0;
     REFUSED(invalid, "VkBuffer");
     def.buffer_size = 0;
@@ -168,31 +168,31 @@ static void buffers(void) {
     REFUSED(CRUMPLE_ERROR_NOT_FINITE, "bias");
 
     // Another description of the same VkBuffer.
-    OK(crumple_register_vulkan_buffer(context, body, &good, &buffer));
+    OK(crumple_buffer_register_vulkan(context, body, &good, &buffer));
     CrumpleBuffer other;
     def.usage |= VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
-    FAILS(invalid, "INDEX_BUFFER", crumple_register_vulkan_buffer(context, body, &def, &other));
+    FAILS(invalid, "INDEX_BUFFER", crumple_buffer_register_vulkan(context, body, &def, &other));
     def = good;
     def.after_access = VK_ACCESS_INDEX_READ_BIT;
-    FAILS(invalid, "INDEX_READ", crumple_register_vulkan_buffer(context, body, &def, &other));
+    FAILS(invalid, "INDEX_READ", crumple_buffer_register_vulkan(context, body, &def, &other));
 
 #undef REFUSED
 
     // A Vulkan buffer is no host buffer, and the other way round.
-    CrumpleHostBufferDef host_def = crumple_default_host_buffer_def();
+    CrumpleHostBufferDef host_def = crumple_host_buffer_def_default();
     host_def.positions = stream_of(sheet.targets[0], sizeof sheet.targets[0], 0, 12);
-    FAILS(invalid, "Vulkan buffer", crumple_set_host_buffer_memory(context, buffer, &host_def));
-    FAILS(invalid, "buffers[0] is a Vulkan buffer", crumple_deform(context, &buffer, 1, NULL));
-    OK(crumple_register_host_buffer(context, body, &host_def, &other));
-    FAILS(invalid, "buffers[0] is a host buffer", crumple_record_deform(context, &host, 1, &other, 1, NULL));
-    OK(crumple_unregister_buffer(context, other));
-    OK(crumple_unregister_buffer(context, buffer));
-    FAILS(CRUMPLE_ERROR_INVALID_ID, "buffer", crumple_unregister_buffer(context, buffer));
+    FAILS(invalid, "Vulkan buffer", crumple_buffer_set_memory(context, buffer, &host_def));
+    FAILS(invalid, "buffers[0] is a Vulkan buffer", crumple_context_deform(context, &buffer, 1, NULL));
+    OK(crumple_buffer_register_host(context, body, &host_def, &other));
+    FAILS(invalid, "buffers[0] is a host buffer", crumple_vulkan_record(context, &host, 1, &other, 1, NULL));
+    OK(crumple_buffer_unregister(context, other));
+    OK(crumple_buffer_unregister(context, buffer));
+    FAILS(CRUMPLE_ERROR_INVALID_ID, "buffer", crumple_buffer_unregister(context, buffer));
 }
 
 static void hit(float x, float y, float depth) {
     CrumpleDisplacementDef def = displacement_at(x, y, depth);
-    OK(crumple_submit_displacement(context, body, &def, NULL));
+    OK(crumple_instance_submit_displacement(context, body, &def, NULL));
 }
 
 static void recordings(void) {
@@ -200,21 +200,21 @@ static void recordings(void) {
     const CrumpleVulkanBufferDef def = buffer_def(&vertices);
     CrumpleRecordReport report;
     CrumpleBuffer buffer, stale;
-    OK(crumple_register_vulkan_buffer(context, body, &def, &stale));
-    OK(crumple_unregister_buffer(context, stale));
-    OK(crumple_register_vulkan_buffer(context, body, &def, &buffer));
+    OK(crumple_buffer_register_vulkan(context, body, &def, &stale));
+    OK(crumple_buffer_unregister(context, stale));
+    OK(crumple_buffer_register_vulkan(context, body, &def, &buffer));
     const CrumpleBuffer twice[2] = {buffer, buffer}, null = {0, 0, 0};
     hit(0, 0, 0.03f);
 
     VkCommandBuffer commands = host_begin(&host);
     FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "command_buffer", report,
-                  crumple_record_deform(context, NULL, 1, NULL, 0, &report));
-    FAILS_KEEPING(invalid, "frame is 0", report, crumple_record_deform(context, commands, 0, NULL, 0, &report));
+                  crumple_vulkan_record(context, NULL, 1, NULL, 0, &report));
+    FAILS_KEEPING(invalid, "frame is 0", report, crumple_vulkan_record(context, commands, 0, NULL, 0, &report));
     FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ID, "buffers[0]", report,
-                  crumple_record_deform(context, commands, 1, &stale, 1, &report));
-    FAILS(CRUMPLE_ERROR_INVALID_ID, "buffers[0]", crumple_record_deform(context, commands, 1, &null, 1, NULL));
-    FAILS(invalid, "twice", crumple_record_deform(context, commands, 1, twice, 2, NULL));
-    FAILS(CRUMPLE_ERROR_NULL_POINTER, "buffers", crumple_record_deform(context, commands, 1, NULL, 2, NULL));
+                  crumple_vulkan_record(context, commands, 1, &stale, 1, &report));
+    FAILS(CRUMPLE_ERROR_INVALID_ID, "buffers[0]", crumple_vulkan_record(context, commands, 1, &null, 1, NULL));
+    FAILS(invalid, "twice", crumple_vulkan_record(context, commands, 1, twice, 2, NULL));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "buffers", crumple_vulkan_record(context, commands, 1, NULL, 2, NULL));
     host_run(&host, commands);
     FACT(keeps(vertices.data, (size_t)vertices.size)); // nothing was recorded
 
@@ -226,14 +226,14 @@ static void recordings(void) {
     // Numbers of frames never fall; what is done is done.
     hit(0.2f, 0.2f, 0.02f);
     commands = host_begin(&host);
-    FAILS(invalid, "frame is 6", crumple_record_deform(context, commands, 6, NULL, 0, NULL));
-    OK(crumple_complete_frames(context, 7));
-    FAILS(invalid, "frame is 7", crumple_record_deform(context, commands, 7, NULL, 0, NULL));
-    OK(crumple_complete_frames(context, 3)); // known for long
-    OK(crumple_record_deform(context, commands, 8, NULL, 0, &report));
+    FAILS(invalid, "frame is 6", crumple_vulkan_record(context, commands, 6, NULL, 0, NULL));
+    OK(crumple_vulkan_complete_frames(context, 7));
+    FAILS(invalid, "frame is 7", crumple_vulkan_record(context, commands, 7, NULL, 0, NULL));
+    OK(crumple_vulkan_complete_frames(context, 3)); // known for long
+    OK(crumple_vulkan_record(context, commands, 8, NULL, 0, &report));
     FACT(report.dispatches == 1 && report.blocks_skipped > 0);
     // What was not submitted is written again, whole.
-    OK(crumple_discard_frames(context, 8));
+    OK(crumple_vulkan_discard_frames(context, 8));
     VK(vkResetCommandPool(host.device, host.pool, 0));
     report = run_frame(&host, context, 9);
     FACT(report.dispatches == 1 && report.blocks_skipped == 0);
@@ -241,12 +241,12 @@ static void recordings(void) {
 
     // A frame in flight keeps the context and the device.
     FAILS(CRUMPLE_ERROR_FRAMES_IN_FLIGHT, "frame 9", crumple_context_destroy(context));
-    FAILS(CRUMPLE_ERROR_FRAMES_IN_FLIGHT, "frame 9", crumple_detach_vulkan(context));
-    OK(crumple_complete_frames(context, 8));
+    FAILS(CRUMPLE_ERROR_FRAMES_IN_FLIGHT, "frame 9", crumple_vulkan_detach(context));
+    OK(crumple_vulkan_complete_frames(context, 8));
     FAILS(CRUMPLE_ERROR_FRAMES_IN_FLIGHT, "frame 9", crumple_context_destroy(context));
-    OK(crumple_complete_frames(context, 9));
-    OK(crumple_unregister_buffer(context, buffer));
-    OK(crumple_record_deform(context, &host, 10, NULL, 0, &report)); // nothing is registered: nothing is touched
+    OK(crumple_vulkan_complete_frames(context, 9));
+    OK(crumple_buffer_unregister(context, buffer));
+    OK(crumple_vulkan_record(context, &host, 10, NULL, 0, &report)); // nothing is registered: nothing is touched
     FACT(report.blocks_written == 0 && report.dispatches == 0);
 }
 
@@ -256,7 +256,7 @@ static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static pthread_cond_t changed = PTHREAD_COND_INITIALIZER;
 static int inside, leave;
 
-// Holds the recording thread up inside crumple_record_deform().
+// Holds the recording thread up inside crumple_vulkan_record().
 static void hold_up(VkCommandBuffer commands) {
     (void)commands;
     pthread_mutex_lock(&lock);
@@ -267,7 +267,7 @@ static void hold_up(VkCommandBuffer commands) {
 }
 
 static void *record(void *commands) {
-    OK(crumple_record_deform(context, commands, 20, NULL, 0, NULL));
+    OK(crumple_vulkan_record(context, commands, 20, NULL, 0, NULL));
     return NULL;
 }
 
@@ -276,17 +276,17 @@ static void threads(void) {
     const CrumpleVulkanBufferDef def = buffer_def(&vertices);
     CrumpleBuffer buffer;
     pthread_t other;
-    OK(crumple_register_vulkan_buffer(context, body, &def, &buffer));
+    OK(crumple_buffer_register_vulkan(context, body, &def, &buffer));
     VkCommandBuffer commands = host_begin(&host);
     dispatching = hold_up;
     FACT(pthread_create(&other, NULL, record, commands) == 0);
     pthread_mutex_lock(&lock);
     while (!inside) pthread_cond_wait(&changed, &lock);
     pthread_mutex_unlock(&lock);
-    FAILS(concurrent, "crumple_record_deform", crumple_record_deform(context, commands, 21, NULL, 0, NULL));
-    FAILS(concurrent, "crumple_complete_frames", crumple_complete_frames(context, 20));
-    FAILS(concurrent, "crumple_detach_vulkan", crumple_detach_vulkan(context));
-    FAILS(concurrent, "crumple_unregister_buffer", crumple_unregister_buffer(context, buffer));
+    FAILS(concurrent, "crumple_vulkan_record", crumple_vulkan_record(context, commands, 21, NULL, 0, NULL));
+    FAILS(concurrent, "crumple_vulkan_complete_frames", crumple_vulkan_complete_frames(context, 20));
+    FAILS(concurrent, "crumple_vulkan_detach", crumple_vulkan_detach(context));
+    FAILS(concurrent, "crumple_buffer_unregister", crumple_buffer_unregister(context, buffer));
     FAILS(concurrent, "crumple_context_destroy", crumple_context_destroy(context));
     hit(-0.2f, 0.1f, 0.025f); // hits may come at any time
     pthread_mutex_lock(&lock);
@@ -296,10 +296,10 @@ static void threads(void) {
     pthread_join(other, NULL);
     dispatching = NULL;
     host_run(&host, commands);
-    OK(crumple_complete_frames(context, 20));
+    OK(crumple_vulkan_complete_frames(context, 20));
     run_frame(&host, context, 21);
     expect_vertices(&host, &vertices, context, body);
-    OK(crumple_complete_frames(context, 21));
+    OK(crumple_vulkan_complete_frames(context, 21));
 }
 
 int main(void) {
@@ -308,7 +308,7 @@ int main(void) {
     vertices = make_vertices(&host);
     make_sheet(&sheet);
     context = make_context(1);
-    OK(crumple_create_example_set(context, &sheet.def, &set));
+    OK(crumple_example_set_create(context, &sheet.def, &set));
     body = make_instance(context, set);
     unattached();
     devices();
@@ -317,7 +317,7 @@ int main(void) {
     threads();
     CrumpleContext *gone = context;
     OK(crumple_context_destroy(context));
-    FAILS(CRUMPLE_ERROR_INVALID_ID, "context", crumple_record_deform(gone, &host, 30, NULL, 0, NULL));
+    FAILS(CRUMPLE_ERROR_INVALID_ID, "context", crumple_vulkan_record(gone, &host, 30, NULL, 0, NULL));
     host_destroy_buffer(&host, &vertices);
     host_close(&host);
     printf("%u checks\n", checks);

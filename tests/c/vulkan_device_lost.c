@@ -10,7 +10,7 @@ enum { WAYS = sizeof CALLS / sizeof *CALLS };
 static void hit(CrumpleContext *context, CrumpleInstance body, int i) {
     CrumpleDisplacementDef def =
         displacement_at((float)(i * 37 % 101) / 101 - 0.5f, (float)(i * 61 % 103) / 103 - 0.5f, 0.02f);
-    OK(crumple_submit_displacement(context, body, &def, NULL));
+    OK(crumple_instance_submit_displacement(context, body, &def, NULL));
 }
 
 int main(void) {
@@ -23,22 +23,22 @@ int main(void) {
     Host host;
     host_open(&host);
     make_sheet(&sheet);
-    OK(crumple_create_example_set(context, &sheet.def, &set));
+    OK(crumple_example_set_create(context, &sheet.def, &set));
     CrumpleInstance body = make_instance(context, set);
     HostBuffer vertices = make_vertices(&host);
-    CrumpleVulkanDef vulkan = vulkan_def(&host);
+    CrumpleVulkanAttachDef vulkan = vulkan_def(&host);
     CrumpleVulkanBufferDef def = buffer_def(&vertices);
     for (int i = 0; i < HITS / 2; ++i) hit(context, body, i);
-    OK(crumple_attach_vulkan(context, &vulkan));
+    OK(crumple_vulkan_attach(context, &vulkan));
 
     // Lost while registering: nothing was registered.
     for (int way = 0; way < WAYS; ++way) {
         lost_in = CALLS[way];
         FAILS_KEEPING(CRUMPLE_ERROR_DEVICE_LOST, CALLS[way], buffer,
-                      crumple_register_vulkan_buffer(context, body, &def, &buffer));
+                      crumple_buffer_register_vulkan(context, body, &def, &buffer));
     }
     lost_in = NULL;
-    OK(crumple_register_vulkan_buffer(context, body, &def, &buffer));
+    OK(crumple_buffer_register_vulkan(context, body, &def, &buffer));
     run_frame(&host, context, 1);
     expect_vertices(&host, &vertices, context, body);
 
@@ -48,16 +48,16 @@ int main(void) {
     for (int way = 0; way < WAYS; ++way) {
         lost_in = CALLS[way];
         FAILS_KEEPING(CRUMPLE_ERROR_DEVICE_LOST, CALLS[way], report,
-                      crumple_record_deform(context, commands, 2, NULL, 0, &report));
+                      crumple_vulkan_record(context, commands, 2, NULL, 0, &report));
     }
-    OK(crumple_get_marks(context, body, marks, HITS, &count));
+    OK(crumple_instance_get_marks(context, body, marks, HITS, &count));
     FACT(count == HITS);
 
     // What is documented: a lost device runs nothing any more; let go of it, and take another.
-    FAILS(CRUMPLE_ERROR_FRAMES_IN_FLIGHT, "frame 1", crumple_detach_vulkan(context));
-    OK(crumple_complete_frames(context, UINT64_MAX));
-    OK(crumple_detach_vulkan(context));
-    FAILS(CRUMPLE_ERROR_INVALID_ID, "buffer", crumple_unregister_buffer(context, buffer));
+    FAILS(CRUMPLE_ERROR_FRAMES_IN_FLIGHT, "frame 1", crumple_vulkan_detach(context));
+    OK(crumple_vulkan_complete_frames(context, UINT64_MAX));
+    OK(crumple_vulkan_detach(context));
+    FAILS(CRUMPLE_ERROR_INVALID_ID, "buffer", crumple_buffer_unregister(context, buffer));
     stale = buffer;
     host_destroy_buffer(&host, &vertices);
     host_close_device(&host);
@@ -66,24 +66,24 @@ int main(void) {
     vertices = make_vertices(&host);
     vulkan = vulkan_def(&host);
     def = buffer_def(&vertices);
-    OK(crumple_attach_vulkan(context, &vulkan));
-    OK(crumple_register_vulkan_buffer(context, body, &def, &buffer));
+    OK(crumple_vulkan_attach(context, &vulkan));
+    OK(crumple_buffer_register_vulkan(context, body, &def, &buffer));
     FACT(memcmp(&buffer, &stale, sizeof buffer) != 0);
     report = run_frame(&host, context, 1); // a new device counts its frames anew
     FACT(report.dispatches == 1 && report.blocks_skipped == 0);
     expect_vertices(&host, &vertices, context, body);
-    OK(crumple_get_marks(context, body, after, HITS, &count_after));
+    OK(crumple_instance_get_marks(context, body, after, HITS, &count_after));
     FACT(count_after == count && memcmp(marks, after, sizeof marks) == 0);
 
     // A context that never saw a device has the same.
     CrumpleContext *other = make_context(1);
-    OK(crumple_create_example_set(other, &sheet.def, &set));
+    OK(crumple_example_set_create(other, &sheet.def, &set));
     CrumpleInstance twin = make_instance(other, set);
     for (int i = 0; i < HITS; ++i) hit(other, twin, i);
     expect_vertices(&host, &vertices, other, twin);
     OK(crumple_context_destroy(other));
 
-    OK(crumple_complete_frames(context, 1));
+    OK(crumple_vulkan_complete_frames(context, 1));
     OK(crumple_context_destroy(context));
     host_destroy_buffer(&host, &vertices);
     host_close(&host);

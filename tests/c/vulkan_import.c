@@ -54,7 +54,7 @@ static HostBuffer make_exported(const Host *host, CrumpleVulkanImportDef *def) {
         .sType = VK_STRUCTURE_TYPE_MEMORY_GET_FD_INFO_KHR, .memory = made.memory, .handleType = type};
     int fd = -1;
     VK(get(host->device, &which, &fd));
-    *def = crumple_default_vulkan_import_def();
+    *def = crumple_vulkan_import_def_default();
     def->handle = fd;
     def->memory_size = needs.size;
     def->memory_type = memory.memoryTypeIndex;
@@ -92,99 +92,99 @@ int main(void) {
     host_open(&host);
     open_exporting_device(&host);
     make_sheet(&sheet);
-    OK(crumple_create_example_set(context, &sheet.def, &set));
+    OK(crumple_example_set_create(context, &sheet.def, &set));
     CrumpleInstance body = make_instance(context, set);
     CrumpleVulkanImportDef import;
     HostBuffer vertices = make_exported(&host, &import);
 
     // Nothing of it without a device of Crumple's own.
-    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "crumple_open_vulkan", imported,
-                  crumple_import_vulkan_buffer(context, &import, &imported));
-    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "crumple_open_vulkan", frame,
-                  crumple_submit_deform(context, NULL, 0, NULL, 0, NULL, 0, &frame, NULL));
-    CrumpleVulkanDef theirs = vulkan_def(&host);
-    OK(crumple_attach_vulkan(context, &theirs));
-    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "crumple_open_vulkan", imported,
-                  crumple_import_vulkan_buffer(context, &import, &imported));
-    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "crumple_open_vulkan", done,
-                  crumple_wait_frame(context, 0, 0, &done));
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "crumple_vulkan_open", imported,
+                  crumple_vulkan_import_buffer(context, &import, &imported));
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "crumple_vulkan_open", frame,
+                  crumple_vulkan_submit(context, NULL, 0, NULL, 0, NULL, 0, &frame, NULL));
+    CrumpleVulkanAttachDef theirs = vulkan_def(&host);
+    OK(crumple_vulkan_attach(context, &theirs));
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "crumple_vulkan_open", imported,
+                  crumple_vulkan_import_buffer(context, &import, &imported));
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "crumple_vulkan_open", done,
+                  crumple_vulkan_wait_frame(context, 0, 0, &done));
 
     // The same physical device, told by its UUID.
     VkPhysicalDeviceIDProperties ids = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES};
     VkPhysicalDeviceProperties2 properties = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &ids};
     vkGetPhysicalDeviceProperties2(host.physical_device, &properties);
-    CrumpleOwnVulkanDef own = crumple_default_own_vulkan_def();
-    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "attached already", crumple_open_vulkan(context, &own));
-    OK(crumple_detach_vulkan(context));
-    FAILS(CRUMPLE_ERROR_NULL_POINTER, "get_instance_proc_addr", crumple_open_vulkan(context, &own));
+    CrumpleVulkanOpenDef own = crumple_vulkan_open_def_default();
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "attached already", crumple_vulkan_open(context, &own));
+    OK(crumple_vulkan_detach(context));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "get_instance_proc_addr", crumple_vulkan_open(context, &own));
     own.get_instance_proc_addr = (CrumpleVulkanFunction)vkGetInstanceProcAddr;
     memset(own.device_uuid, 0xEE, sizeof own.device_uuid);
-    FAILS(CRUMPLE_ERROR_UNSUPPORTED, "eeeeeeee", crumple_open_vulkan(context, &own));
+    FAILS(CRUMPLE_ERROR_UNSUPPORTED, "eeeeeeee", crumple_vulkan_open(context, &own));
     memcpy(own.device_uuid, ids.deviceUUID, sizeof own.device_uuid);
     own.workgroup_size = 7;
-    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "workgroup_size is 7", crumple_open_vulkan(context, &own));
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "workgroup_size is 7", crumple_vulkan_open(context, &own));
     own.workgroup_size = 64;
-    OK(crumple_open_vulkan(context, &own));
-    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "attached already", crumple_attach_vulkan(context, &theirs));
+    OK(crumple_vulkan_open(context, &own));
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "attached already", crumple_vulkan_attach(context, &theirs));
 
     CrumpleVulkanImportDef bad = import;
     bad.handle = -1;
     FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "open file descriptor", imported,
-                  crumple_import_vulkan_buffer(context, &bad, &imported));
+                  crumple_vulkan_import_buffer(context, &bad, &imported));
     bad.handle = 1LL << 40;
     FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "open file descriptor", imported,
-                  crumple_import_vulkan_buffer(context, &bad, &imported));
+                  crumple_vulkan_import_buffer(context, &bad, &imported));
     bad = import;
     bad.handle_type = CRUMPLE_HANDLE_TYPE_OPAQUE_WIN32;
     FAILS_KEEPING(CRUMPLE_ERROR_UNSUPPORTED, "file descriptors", imported,
-                  crumple_import_vulkan_buffer(context, &bad, &imported));
+                  crumple_vulkan_import_buffer(context, &bad, &imported));
     bad = import;
     bad.memory_size = 64;
     FAILS_KEEPING(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "imported memory", imported,
-                  crumple_import_vulkan_buffer(context, &bad, &imported));
+                  crumple_vulkan_import_buffer(context, &bad, &imported));
     FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "out_semaphore", semaphore,
-                  crumple_import_vulkan_semaphore(context, CRUMPLE_HANDLE_TYPE_OPAQUE_FD, -1, NULL));
+                  crumple_vulkan_import_semaphore(context, CRUMPLE_HANDLE_TYPE_OPAQUE_FD, -1, NULL));
     semaphore = 7; // -1 is none, and some drivers have no external semaphores at all
-    FACT(crumple_import_vulkan_semaphore(context, CRUMPLE_HANDLE_TYPE_OPAQUE_FD, -1, &semaphore) != CRUMPLE_OK);
+    FACT(crumple_vulkan_import_semaphore(context, CRUMPLE_HANDLE_TYPE_OPAQUE_FD, -1, &semaphore) != CRUMPLE_OK);
     FACT(semaphore == 7);
 
     CrumpleVulkanBufferDef def = buffer_def(&vertices);
-    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "crumple_import_vulkan_buffer", buffer,
-                  crumple_register_vulkan_buffer(context, body, &def, &buffer));
-    OK(crumple_import_vulkan_buffer(context, &import, &imported));
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "crumple_vulkan_import_buffer", buffer,
+                  crumple_buffer_register_vulkan(context, body, &def, &buffer));
+    OK(crumple_vulkan_import_buffer(context, &import, &imported));
     def.buffer = imported;
     def.usage = 0; // not looked at
-    OK(crumple_register_vulkan_buffer(context, body, &def, &buffer));
-    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "1 ranges", crumple_release_vulkan_buffer(context, imported));
-    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "crumple_attach_vulkan", crumple_complete_frames(context, 1));
-    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "crumple_attach_vulkan",
-          crumple_record_deform(context, &host, 1, NULL, 0, NULL));
+    OK(crumple_buffer_register_vulkan(context, body, &def, &buffer));
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "1 ranges", crumple_vulkan_unimport_buffer(context, imported));
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "crumple_vulkan_attach", crumple_vulkan_complete_frames(context, 1));
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "crumple_vulkan_attach",
+          crumple_vulkan_record(context, &host, 1, NULL, 0, NULL));
     FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "semaphore is 99", frame,
-                  crumple_submit_deform(context, NULL, 0, (uint64_t[]){99}, 1, NULL, 0, &frame, NULL));
+                  crumple_vulkan_submit(context, NULL, 0, (uint64_t[]){99}, 1, NULL, 0, &frame, NULL));
 
     for (uint64_t round = 1; round <= 4; ++round) {
         if (round != 3) {
             CrumpleDisplacementDef hit = displacement_at(0.1f * (float)round - 0.2f, 0.15f, 0.02f);
-            OK(crumple_submit_displacement(context, body, &hit, NULL));
+            OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
         }
         pass(&host, &vertices, false);
-        OK(crumple_submit_deform(context, NULL, 0, NULL, 0, NULL, 0, &frame, &report));
+        OK(crumple_vulkan_submit(context, NULL, 0, NULL, 0, NULL, 0, &frame, &report));
         FACT(frame == round && (report.vertices_written > 0) == (round != 3));
-        OK(crumple_wait_frame(context, frame, UINT64_MAX, &done));
+        OK(crumple_vulkan_wait_frame(context, frame, UINT64_MAX, &done));
         FACT(done);
         pass(&host, &vertices, true);
         expect_vertices(&host, &vertices, context, body);
     }
-    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "frame is 9", crumple_wait_frame(context, 9, 0, &done));
-    OK(crumple_unregister_buffer(context, buffer));
-    OK(crumple_release_vulkan_buffer(context, imported));
-    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "buffer is", crumple_release_vulkan_buffer(context, imported));
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "frame is 9", crumple_vulkan_wait_frame(context, 9, 0, &done));
+    OK(crumple_buffer_unregister(context, buffer));
+    OK(crumple_vulkan_unimport_buffer(context, imported));
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "buffer is", crumple_vulkan_unimport_buffer(context, imported));
 
     // Imported again, and left to the end of the context.
-    OK(crumple_import_vulkan_buffer(context, &import, &imported));
+    OK(crumple_vulkan_import_buffer(context, &import, &imported));
     def.buffer = imported;
-    OK(crumple_register_vulkan_buffer(context, body, &def, &buffer));
-    OK(crumple_submit_deform(context, &buffer, 1, NULL, 0, NULL, 0, NULL, NULL));
+    OK(crumple_buffer_register_vulkan(context, body, &def, &buffer));
+    OK(crumple_vulkan_submit(context, &buffer, 1, NULL, 0, NULL, 0, NULL, NULL));
     OK(crumple_context_destroy(context));
     close((int)import.handle);
     host_destroy_buffer(&host, &vertices);

@@ -70,8 +70,8 @@ static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL get_instance(VkInstance instance
     return (PFN_vkVoidFunction)get_device;
 }
 
-static CrumpleVulkanDef vulkan_def(const Host *host) {
-    CrumpleVulkanDef def = crumple_default_vulkan_def();
+static CrumpleVulkanAttachDef vulkan_def(const Host *host) {
+    CrumpleVulkanAttachDef def = crumple_vulkan_attach_def_default();
     def.get_instance_proc_addr = (CrumpleVulkanFunction)get_instance;
     def.instance = host->instance;
     def.physical_device = host->physical_device;
@@ -99,7 +99,7 @@ static CrumpleVulkanStream vulkan_stream(uint64_t offset, VkFormat format) {
 }
 
 static CrumpleVulkanBufferDef buffer_def(const HostBuffer *vertices) {
-    CrumpleVulkanBufferDef def = crumple_default_vulkan_buffer_def();
+    CrumpleVulkanBufferDef def = crumple_vulkan_buffer_def_default();
     def.buffer = (uint64_t)vertices->buffer;
     def.buffer_size = vertices->size;
     def.usage = vertices->usage;
@@ -113,19 +113,19 @@ static CrumpleVulkanBufferDef buffer_def(const HostBuffer *vertices) {
     return def;
 }
 
-// The vertices are those that crumple_deform() gives, bit for bit (on a device that rounds as IEEE 754 says), and nothing
+// The vertices are those that crumple_context_deform() gives, bit for bit (on a device that rounds as IEEE 754 says), and nothing
 // beside them was written.
 static void expect_vertices(const Host *host, const HostBuffer *vertices, CrumpleContext *context, CrumpleInstance instance) {
     static float wanted[VERTICES][FLOATS];
     const unsigned char *bytes = (const unsigned char *)vertices->data;
-    CrumpleHostBufferDef def = crumple_default_host_buffer_def();
+    CrumpleHostBufferDef def = crumple_host_buffer_def_default();
     CrumpleBuffer buffer;
     def.positions = stream_of(wanted, sizeof wanted, 0, STRIDE);
     def.normals = stream_of(wanted, sizeof wanted, 12, STRIDE);
     def.tangents = stream_of(wanted, sizeof wanted, 24, STRIDE);
-    OK(crumple_register_host_buffer(context, instance, &def, &buffer));
-    OK(crumple_deform(context, &buffer, 1, NULL));
-    OK(crumple_unregister_buffer(context, buffer));
+    OK(crumple_buffer_register_host(context, instance, &def, &buffer));
+    OK(crumple_context_deform(context, &buffer, 1, NULL));
+    OK(crumple_buffer_unregister(context, buffer));
     FACT(keeps(bytes, GUARD) && keeps(bytes + GUARD + RANGE, GUARD));
     if (host->software) FACT(memcmp(bytes + GUARD, wanted, sizeof wanted) == 0);
     bool near = true;
@@ -141,7 +141,7 @@ static void expect_vertices(const Host *host, const HostBuffer *vertices, Crumpl
 static inline CrumpleRecordReport run_frame(const Host *host, CrumpleContext *context, uint64_t frame) {
     CrumpleRecordReport report;
     VkCommandBuffer commands = host_begin(host);
-    OK(crumple_record_deform(context, commands, frame, NULL, 0, &report));
+    OK(crumple_vulkan_record(context, commands, frame, NULL, 0, &report));
     host_run(host, commands);
     return report;
 }

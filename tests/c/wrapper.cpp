@@ -24,7 +24,7 @@ int main() {
     const auto nearest = set.nearest_vertex(vec3(0, 0, 1)).value();
     FACT(nearest.vertex == VERTICES / 2 && nearest.distance > 0.9f);
     std::vector<CrumpleVec3> base(VERTICES);
-    CrumpleMeshCopyDef copy = crumple_default_mesh_copy_def();
+    CrumpleMeshCopyDef copy = crumple_mesh_copy_def_default();
     copy.positions = crumple::stream(base);
     set.copy_base_mesh(copy).value();
     FACT(std::memcmp(base.data(), sheet->positions, sizeof sheet->positions) == 0);
@@ -72,14 +72,14 @@ int main() {
     FACT(moved && !body && moved.info().ok()); // NOLINT: looks at what was moved from
     const CrumpleInstance id = moved.id();
     moved = std::move(other);
-    FAILS(CRUMPLE_ERROR_INVALID_ID, "stale", crumple_reset_damage(context.get(), id));
-    FAILS(CRUMPLE_ERROR_INVALID_ID, "stale", crumple_invalidate_buffer(context.get(), buffer.id()));
+    FAILS(CRUMPLE_ERROR_INVALID_ID, "stale", crumple_instance_reset_damage(context.get(), id));
+    FAILS(CRUMPLE_ERROR_INVALID_ID, "stale", crumple_buffer_invalidate(context.get(), buffer.id()));
     const CrumpleInstance handed = moved.release();
     FACT(!moved);
-    OK(crumple_destroy_instance(context.get(), handed));
+    OK(crumple_instance_destroy(context.get(), handed));
     const CrumpleExampleSet set_id = set.id();
     set.reset();
-    FAILS(CRUMPLE_ERROR_INVALID_ID, "stale", crumple_destroy_example_set(context.get(), set_id));
+    FAILS(CRUMPLE_ERROR_INVALID_ID, "stale", crumple_example_set_destroy(context.get(), set_id));
 
     // An owner that outlives its context does nothing.
     crumple::ExampleSet late = context.create_example_set(sheet->def).value();

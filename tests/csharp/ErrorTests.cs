@@ -88,9 +88,9 @@ static class ErrorTests
         using (CrumpleContext context = Sheet.Context())
         {
             Instance body = context.CreateInstance(context.CreateExampleSet(Sheet.Def()));
-            CrumpleVulkanDef def = CrumpleVulkanDef.Default;
+            CrumpleVulkanAttachDef def = CrumpleVulkanAttachDef.Default;
             Check.Fails(CrumpleResult.ErrorNullPointer, "def.instance", () => context.AttachVulkan(in def));
-            CrumpleOwnVulkanDef own = CrumpleOwnVulkanDef.Default;
+            CrumpleVulkanOpenDef own = CrumpleVulkanOpenDef.Default;
             Check.Fails(CrumpleResult.ErrorNullPointer, "get_instance_proc_addr", () => context.OpenVulkan(in own));
             CrumpleVulkanBufferDef range = CrumpleVulkanBufferDef.Default;
             Check.Fails(CrumpleResult.ErrorInvalidArgument, "device", () => body.RegisterVulkanBuffer(in range));
@@ -100,13 +100,13 @@ static class ErrorTests
             Check.Fails(CrumpleResult.ErrorInvalidArgument, "device", () => context.DetachVulkan());
             Check.Fails(CrumpleResult.ErrorInvalidArgument, "device", () => context.GetVulkanPipelineCache());
             CrumpleVulkanImportDef import = CrumpleVulkanImportDef.Default;
-            Check.Fails(CrumpleResult.ErrorInvalidArgument, "crumple_open_vulkan", () => context.ImportVulkanBuffer(in import));
-            Check.Fails(CrumpleResult.ErrorInvalidArgument, "crumple_open_vulkan", () => context.ReleaseVulkanBuffer(1));
-            Check.Fails(CrumpleResult.ErrorInvalidArgument, "crumple_open_vulkan",
+            Check.Fails(CrumpleResult.ErrorInvalidArgument, "crumple_vulkan_open", () => context.ImportVulkanBuffer(in import));
+            Check.Fails(CrumpleResult.ErrorInvalidArgument, "crumple_vulkan_open", () => context.ReleaseVulkanBuffer(1));
+            Check.Fails(CrumpleResult.ErrorInvalidArgument, "crumple_vulkan_open",
                 () => context.ImportVulkanSemaphore(CrumpleHandleType.OpaqueFd, 3));
-            Check.Fails(CrumpleResult.ErrorInvalidArgument, "crumple_open_vulkan",
+            Check.Fails(CrumpleResult.ErrorInvalidArgument, "crumple_vulkan_open",
                 () => context.SubmitDeform(default(ReadOnlySpan<ulong>), default(ReadOnlySpan<ulong>), out _));
-            Check.Fails(CrumpleResult.ErrorInvalidArgument, "crumple_open_vulkan", () => context.WaitFrame(1, 0));
+            Check.Fails(CrumpleResult.ErrorInvalidArgument, "crumple_vulkan_open", () => context.WaitFrame(1, 0));
         }
     }
 }

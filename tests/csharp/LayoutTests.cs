@@ -73,7 +73,7 @@ static class LayoutTests
     public static unsafe void Defaults()
     {
         int defs = 0;
-        foreach (MethodInfo method in typeof(NativeMethods).GetMethods().Where(method => method.Name.StartsWith("crumple_default_")))
+        foreach (MethodInfo method in typeof(NativeMethods).GetMethods().Where(method => method.Name.EndsWith("_def_default")))
         {
             object def = method.Invoke(null, null);
             FieldInfo size = def.GetType().GetField("StructSize");
@@ -85,7 +85,7 @@ static class LayoutTests
         Check.Same(3u, instance.ExamplesPerHit, "examples per hit");
         Check.Same(64u, instance.MarkCapacity, "mark capacity");
         for (int i = 0; i < 16; i++) Check.Same(i % 5 == 0 ? 1f : 0f, instance.LocalToWorld[i], "identity");
-        Check.Same(uint.MaxValue, CrumpleVulkanDef.Default.QueueFamily, "queue family");
+        Check.Same(uint.MaxValue, CrumpleVulkanAttachDef.Default.QueueFamily, "queue family");
         CrumpleExampleSetOptions options = CrumpleExampleSetOptions.Default;
         Check.That(options.Mirror && options.HeldRims && !options.Strict, "bools of options");
         Check.Same(-1L, CrumpleVulkanImportDef.Default.Handle, "handle");

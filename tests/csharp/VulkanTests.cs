@@ -13,9 +13,9 @@ static unsafe class VulkanTests
 
     static IntPtr shared;
 
-    static CrumpleVulkanDef Device()
+    static CrumpleVulkanAttachDef Device()
     {
-        CrumpleVulkanDef def = CrumpleVulkanDef.Default;
+        CrumpleVulkanAttachDef def = CrumpleVulkanAttachDef.Default;
         def.GetInstanceProcAddr = shared_loader();
         def.Instance = shared_instance(shared);
         def.PhysicalDevice = shared_physical_device(shared);
@@ -40,7 +40,7 @@ static unsafe class VulkanTests
     static CrumpleContext Attached()
     {
         CrumpleContext context = Sheet.Context(1);
-        CrumpleVulkanDef def = Device();
+        CrumpleVulkanAttachDef def = Device();
         context.AttachVulkan(in def);
         return context;
     }
@@ -112,7 +112,7 @@ static unsafe class VulkanTests
         context.DetachVulkan();
         Check.Throws<ObjectDisposedException>(() => buffer.Invalidate(), "VulkanBuffer");
         buffer.Dispose();
-        CrumpleVulkanDef device = Device();
+        CrumpleVulkanAttachDef device = Device();
         context.AttachVulkan(in device);
         CrumpleVulkanBufferDef def = Range();
         VulkanBuffer second = body.RegisterVulkanBuffer(in def);
@@ -140,7 +140,7 @@ static unsafe class VulkanTests
         shared_run(shared, commands);
         // Only who kept its address can end it now.
         Check.Same(CrumpleResult.ErrorInvalidId, NativeMethods.crumple_context_destroy(other), "idle");
-        Check.Same(CrumpleResult.Ok, NativeMethods.crumple_complete_frames(pointer, 1), "busy");
+        Check.Same(CrumpleResult.Ok, NativeMethods.crumple_vulkan_complete_frames(pointer, 1), "busy");
         Check.Same(CrumpleResult.Ok, NativeMethods.crumple_context_destroy(pointer), "busy");
     }
 
@@ -149,7 +149,7 @@ static unsafe class VulkanTests
     {
         using (CrumpleContext context = Sheet.Context(1))
         {
-            CrumpleOwnVulkanDef own = CrumpleOwnVulkanDef.Default;
+            CrumpleVulkanOpenDef own = CrumpleVulkanOpenDef.Default;
             own.GetInstanceProcAddr = shared_loader();
             try
             {
@@ -166,7 +166,7 @@ static unsafe class VulkanTests
             Check.Throws<ArgumentException>(() => context.SubmitDeform(default(ReadOnlySpan<CrumpleBuffer>), default(ReadOnlySpan<ulong>),
                 default(ReadOnlySpan<ulong>), out report), "buffer");
             CrumpleVulkanImportDef import = CrumpleVulkanImportDef.Default;
-            Check.Throws<CrumpleException>(() => context.ImportVulkanBuffer(in import), "crumple_import_vulkan_buffer");
+            Check.Throws<CrumpleException>(() => context.ImportVulkanBuffer(in import), "crumple_vulkan_import_buffer");
         }
     }
 

@@ -139,10 +139,10 @@ mod tests {
 
     #[test]
     fn names_become_links() {
-        let known = BTreeSet::from(["crumple_deform", "CrumpleMark", "CRUMPLE_OK"]);
+        let known = BTreeSet::from(["crumple_context_deform", "CrumpleMark", "CRUMPLE_OK"]);
         assert_eq!(
-            linked("See crumple_deform(): a CrumpleMark, CRUMPLE_OK or CRUMPLE_ERROR_IO.", &known),
-            "See [`crumple_deform`](#crumple_deform): a [`CrumpleMark`](#crumplemark), [`CRUMPLE_OK`](#crumple_ok) or `CRUMPLE_ERROR_IO`."
+            linked("See crumple_context_deform(): a CrumpleMark, CRUMPLE_OK or CRUMPLE_ERROR_IO.", &known),
+            "See [`crumple_context_deform`](#crumple_context_deform): a [`CrumpleMark`](#crumplemark), [`CRUMPLE_OK`](#crumple_ok) or `CRUMPLE_ERROR_IO`."
         );
         assert_eq!(anchor("Damage: read, replaced, saved"), "damage-read-replaced-saved");
     }
@@ -151,6 +151,6 @@ mod tests {
     fn a_name_that_begins_another_is_not_it() {
         assert!(defines("pub struct CrumpleMark {", "CrumpleMark"));
         assert!(!defines("pub struct CrumpleMarks {", "CrumpleMark"));
-        assert!(defines("pub unsafe extern \"C\" fn crumple_deform(", "crumple_deform"));
+        assert!(defines("pub unsafe extern \"C\" fn crumple_context_deform(", "crumple_context_deform"));
     }
 }

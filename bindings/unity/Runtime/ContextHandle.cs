@@ -165,9 +165,9 @@ namespace Crumple
         {
             // Ids that are gone already are no harm. Where another thread is inside, all is tried again later.
             foreach (CrumpleInstance instance in instances)
-                if (NativeMethods.crumple_destroy_instance(handle, instance) == CrumpleResult.ErrorConcurrentUse) return false;
+                if (NativeMethods.crumple_instance_destroy(handle, instance) == CrumpleResult.ErrorConcurrentUse) return false;
             foreach (CrumpleExampleSet set in sets)
-                if (NativeMethods.crumple_destroy_example_set(handle, set) == CrumpleResult.ErrorConcurrentUse) return false;
+                if (NativeMethods.crumple_example_set_destroy(handle, set) == CrumpleResult.ErrorConcurrentUse) return false;
             return true;
         }
     }

@@ -32,8 +32,8 @@ namespace Crumple
                 native.ExampleCount = (uint)examples.Length;
                 CrumpleExampleSet id;
                 using (Call call = EnterAlone(this))
-                    call.Check(NativeMethods.crumple_create_example_set(call.Context, &native, &id),
-                        "crumple_create_example_set");
+                    call.Check(NativeMethods.crumple_example_set_create(call.Context, &native, &id),
+                        "crumple_example_set_create");
                 return new ExampleSet(this, id);
             }
         }
@@ -54,8 +54,8 @@ namespace Crumple
                 CrumpleGltfDef def = Gltf(pins, path, meshName, meshIndex, options);
                 CrumpleExampleSet id;
                 using (Call call = EnterAlone(this))
-                    call.Check(NativeMethods.crumple_load_example_set_gltf(call.Context, &def, &id),
-                        "crumple_load_example_set_gltf");
+                    call.Check(NativeMethods.crumple_example_set_load_gltf(call.Context, &def, &id),
+                        "crumple_example_set_load_gltf");
                 return new ExampleSet(this, id);
             }
         }
@@ -77,8 +77,8 @@ namespace Crumple
                 CrumpleExampleSet id;
                 using (Call call = EnterAlone(this))
                 fixed (byte* data = &MemoryMarshal.GetReference(bytes))
-                    call.Check(NativeMethods.crumple_load_example_set_gltf_memory(call.Context, (IntPtr)data,
-                        (UIntPtr)(uint)bytes.Length, &def, &id), "crumple_load_example_set_gltf_memory");
+                    call.Check(NativeMethods.crumple_example_set_load_gltf_memory(call.Context, (IntPtr)data,
+                        (UIntPtr)(uint)bytes.Length, &def, &id), "crumple_example_set_load_gltf_memory");
                 return new ExampleSet(this, id);
             }
         }
@@ -112,8 +112,8 @@ namespace Crumple
                 if (options.HasValue) def.Options = options.Value;
                 CrumpleExampleSet id;
                 using (Call call = EnterAlone(this))
-                    call.Check(NativeMethods.crumple_load_example_set_obj(call.Context, &def, &id),
-                        "crumple_load_example_set_obj");
+                    call.Check(NativeMethods.crumple_example_set_load_obj(call.Context, &def, &id),
+                        "crumple_example_set_load_obj");
                 return new ExampleSet(this, id);
             }
         }
@@ -136,8 +136,8 @@ namespace Crumple
             if (size < 0) throw new ArgumentOutOfRangeException("size", size, "a size is not negative");
             CrumpleExampleSet id;
             using (Call call = EnterAlone(this))
-                call.Check(NativeMethods.crumple_load_example_set_memory(call.Context, data, (UIntPtr)(ulong)size, bytes, &id),
-                    "crumple_load_example_set_memory");
+                call.Check(NativeMethods.crumple_example_set_load_baked_memory(call.Context, data, (UIntPtr)(ulong)size, bytes, &id),
+                    "crumple_example_set_load_baked_memory");
             return new ExampleSet(this, id);
         }
 
@@ -149,8 +149,8 @@ namespace Crumple
             {
                 CrumpleExampleSet id;
                 using (Call call = EnterAlone(this))
-                    call.Check(NativeMethods.crumple_load_example_set_file(call.Context, pins.Text(path), &id),
-                        "crumple_load_example_set_file");
+                    call.Check(NativeMethods.crumple_example_set_load_baked(call.Context, pins.Text(path), &id),
+                        "crumple_example_set_load_baked");
                 return new ExampleSet(this, id);
             }
         }

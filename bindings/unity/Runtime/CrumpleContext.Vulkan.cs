@@ -13,43 +13,43 @@ namespace Crumple
         /// Takes your Vulkan device. Its handles must stay valid until <see cref="DetachVulkan"/> or <see cref="Dispose"/>: a
         /// context that is forgotten with a device attached is left alone, since nobody knows whether the device is still there.
         /// </summary>
-        public unsafe void AttachVulkan(in CrumpleVulkanDef def)
+        public unsafe void AttachVulkan(in CrumpleVulkanAttachDef def)
         {
-            CrumpleVulkanDef copy = def;
+            CrumpleVulkanAttachDef copy = def;
             using (Call call = EnterAlone(this))
-                call.Check(NativeMethods.crumple_attach_vulkan(call.Context, &copy), "crumple_attach_vulkan");
+                call.Check(NativeMethods.crumple_vulkan_attach(call.Context, &copy), "crumple_vulkan_attach");
             Handle.HasHostDevice = true;
         }
 
         /// <summary>Makes a Vulkan device of Crumple's own, with which memory is shared.</summary>
-        public unsafe void OpenVulkan(in CrumpleOwnVulkanDef def)
+        public unsafe void OpenVulkan(in CrumpleVulkanOpenDef def)
         {
-            CrumpleOwnVulkanDef copy = def;
+            CrumpleVulkanOpenDef copy = def;
             using (Call call = EnterAlone(this))
-                call.Check(NativeMethods.crumple_open_vulkan(call.Context, &copy), "crumple_open_vulkan");
+                call.Check(NativeMethods.crumple_vulkan_open(call.Context, &copy), "crumple_vulkan_open");
         }
 
         /// <summary>Lets go of the Vulkan device; all Vulkan buffers end. Damage stays.</summary>
         public void DetachVulkan()
         {
             using (Call call = EnterAlone(this))
-                call.Check(NativeMethods.crumple_detach_vulkan(call.Context), "crumple_detach_vulkan");
+                call.Check(NativeMethods.crumple_vulkan_detach(call.Context), "crumple_vulkan_detach");
             Handle.HasHostDevice = false;
             DeviceNumber++;
         }
 
-        /// <summary>What the driver would like to have again at the next start, for CrumpleVulkanDef.PipelineCache.</summary>
+        /// <summary>What the driver would like to have again at the next start, for CrumpleVulkanAttachDef.PipelineCache.</summary>
         public unsafe byte[] GetVulkanPipelineCache()
         {
             UIntPtr size;
             using (Call call = EnterAlone(this))
             {
-                call.Check(NativeMethods.crumple_get_vulkan_pipeline_cache(call.Context, IntPtr.Zero, UIntPtr.Zero, &size),
-                    "crumple_get_vulkan_pipeline_cache");
+                call.Check(NativeMethods.crumple_vulkan_get_pipeline_cache(call.Context, IntPtr.Zero, UIntPtr.Zero, &size),
+                    "crumple_vulkan_get_pipeline_cache");
                 byte[] bytes = new byte[(int)size];
                 fixed (byte* data = bytes)
-                    call.Check(NativeMethods.crumple_get_vulkan_pipeline_cache(call.Context, (IntPtr)data, size, &size),
-                        "crumple_get_vulkan_pipeline_cache");
+                    call.Check(NativeMethods.crumple_vulkan_get_pipeline_cache(call.Context, (IntPtr)data, size, &size),
+                        "crumple_vulkan_get_pipeline_cache");
                 return bytes;
             }
         }
@@ -63,8 +63,8 @@ namespace Crumple
         {
             CrumpleRecordReport report;
             using (Call call = EnterAlone(this))
-                call.Check(NativeMethods.crumple_record_deform(call.Context, commandBuffer, frame, null, 0, &report),
-                    "crumple_record_deform");
+                call.Check(NativeMethods.crumple_vulkan_record(call.Context, commandBuffer, frame, null, 0, &report),
+                    "crumple_vulkan_record");
             return report;
         }
 
@@ -76,8 +76,8 @@ namespace Crumple
             if (buffers.IsEmpty) return report;
             using (Call call = EnterAlone(this))
             fixed (CrumpleBuffer* ids = &MemoryMarshal.GetReference(buffers))
-                call.Check(NativeMethods.crumple_record_deform(call.Context, commandBuffer, frame, ids, (uint)buffers.Length, &report),
-                    "crumple_record_deform");
+                call.Check(NativeMethods.crumple_vulkan_record(call.Context, commandBuffer, frame, ids, (uint)buffers.Length, &report),
+                    "crumple_vulkan_record");
             return report;
         }
 
@@ -85,14 +85,14 @@ namespace Crumple
         public void CompleteFrames(ulong frame)
         {
             using (Call call = EnterAlone(this))
-                call.Check(NativeMethods.crumple_complete_frames(call.Context, frame), "crumple_complete_frames");
+                call.Check(NativeMethods.crumple_vulkan_complete_frames(call.Context, frame), "crumple_vulkan_complete_frames");
         }
 
         /// <summary>Says that what was recorded for a frame and those after it will not be submitted.</summary>
         public void DiscardFrames(ulong frame)
         {
             using (Call call = EnterAlone(this))
-                call.Check(NativeMethods.crumple_discard_frames(call.Context, frame), "crumple_discard_frames");
+                call.Check(NativeMethods.crumple_vulkan_discard_frames(call.Context, frame), "crumple_vulkan_discard_frames");
         }
 
         /// <summary>
@@ -103,8 +103,8 @@ namespace Crumple
             CrumpleVulkanImportDef copy = def;
             ulong buffer;
             using (Call call = EnterAlone(this))
-                call.Check(NativeMethods.crumple_import_vulkan_buffer(call.Context, &copy, &buffer),
-                    "crumple_import_vulkan_buffer");
+                call.Check(NativeMethods.crumple_vulkan_import_buffer(call.Context, &copy, &buffer),
+                    "crumple_vulkan_import_buffer");
             return buffer;
         }
 
@@ -112,7 +112,7 @@ namespace Crumple
         public void ReleaseVulkanBuffer(ulong buffer)
         {
             using (Call call = EnterAlone(this))
-                call.Check(NativeMethods.crumple_release_vulkan_buffer(call.Context, buffer), "crumple_release_vulkan_buffer");
+                call.Check(NativeMethods.crumple_vulkan_unimport_buffer(call.Context, buffer), "crumple_vulkan_unimport_buffer");
         }
 
         /// <summary>Makes a binary semaphore of your device known to Crumple's own; its number for SubmitDeform.</summary>
@@ -120,8 +120,8 @@ namespace Crumple
         {
             ulong semaphore;
             using (Call call = EnterAlone(this))
-                call.Check(NativeMethods.crumple_import_vulkan_semaphore(call.Context, handleType, handle, &semaphore),
-                    "crumple_import_vulkan_semaphore");
+                call.Check(NativeMethods.crumple_vulkan_import_semaphore(call.Context, handleType, handle, &semaphore),
+                    "crumple_vulkan_import_semaphore");
             return semaphore;
         }
 
@@ -136,8 +136,8 @@ namespace Crumple
             ulong frame;
             using (Call call = EnterAlone(this))
             fixed (ulong* first = &MemoryMarshal.GetReference(waits), second = &MemoryMarshal.GetReference(signals))
-                call.Check(NativeMethods.crumple_submit_deform(call.Context, null, 0, first, (uint)waits.Length, second,
-                    (uint)signals.Length, &frame, &written), "crumple_submit_deform");
+                call.Check(NativeMethods.crumple_vulkan_submit(call.Context, null, 0, first, (uint)waits.Length, second,
+                    (uint)signals.Length, &frame, &written), "crumple_vulkan_submit");
             report = written;
             return frame;
         }
@@ -153,8 +153,8 @@ namespace Crumple
             using (Call call = EnterAlone(this))
             fixed (CrumpleBuffer* ids = &MemoryMarshal.GetReference(buffers))
             fixed (ulong* first = &MemoryMarshal.GetReference(waits), second = &MemoryMarshal.GetReference(signals))
-                call.Check(NativeMethods.crumple_submit_deform(call.Context, ids, (uint)buffers.Length, first, (uint)waits.Length,
-                    second, (uint)signals.Length, &frame, &written), "crumple_submit_deform");
+                call.Check(NativeMethods.crumple_vulkan_submit(call.Context, ids, (uint)buffers.Length, first, (uint)waits.Length,
+                    second, (uint)signals.Length, &frame, &written), "crumple_vulkan_submit");
             report = written;
             return frame;
         }
@@ -167,7 +167,7 @@ namespace Crumple
         {
             CrumpleBool done;
             using (Call call = EnterAlone(this))
-                call.Check(NativeMethods.crumple_wait_frame(call.Context, frame, timeout, &done), "crumple_wait_frame");
+                call.Check(NativeMethods.crumple_vulkan_wait_frame(call.Context, frame, timeout, &done), "crumple_vulkan_wait_frame");
             return done;
         }
     }

@@ -88,7 +88,7 @@ namespace Crumple
         {
             CrumpleDeformReport report;
             using (Call call = EnterAlone(this))
-                call.Check(NativeMethods.crumple_deform(call.Context, null, 0, &report), "crumple_deform");
+                call.Check(NativeMethods.crumple_context_deform(call.Context, null, 0, &report), "crumple_context_deform");
             return report;
         }
 
@@ -102,7 +102,7 @@ namespace Crumple
             if (buffers.IsEmpty) return report;
             using (Call call = EnterAlone(this))
             fixed (CrumpleBuffer* ids = &System.Runtime.InteropServices.MemoryMarshal.GetReference(buffers))
-                call.Check(NativeMethods.crumple_deform(call.Context, ids, (uint)buffers.Length, &report), "crumple_deform");
+                call.Check(NativeMethods.crumple_context_deform(call.Context, ids, (uint)buffers.Length, &report), "crumple_context_deform");
             return report;
         }
 
@@ -121,7 +121,7 @@ namespace Crumple
             copy.Set = set.Id;
             CrumpleInstance id;
             using (Call call = EnterAlone(set))
-                call.Check(NativeMethods.crumple_create_instance(call.Context, &copy, &id), "crumple_create_instance");
+                call.Check(NativeMethods.crumple_instance_create(call.Context, &copy, &id), "crumple_instance_create");
             return new Instance(this, set, id);
         }
 

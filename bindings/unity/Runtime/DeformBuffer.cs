@@ -47,7 +47,7 @@ namespace Crumple
             if (!Instance.Context.IsDisposed)
             {
                 using (Call call = Instance.Context.EnterAlone(this))
-                    call.Check(NativeMethods.crumple_unregister_buffer(call.Context, id), "crumple_unregister_buffer");
+                    call.Check(NativeMethods.crumple_buffer_unregister(call.Context, id), "crumple_buffer_unregister");
             }
             Ended();
             Instance.Forget(this, Memory);
@@ -69,7 +69,7 @@ namespace Crumple
         public void Invalidate()
         {
             using (Call call = Instance.Context.EnterAlone(this))
-                call.Check(NativeMethods.crumple_invalidate_buffer(call.Context, Id), "crumple_invalidate_buffer");
+                call.Check(NativeMethods.crumple_buffer_invalidate(call.Context, Id), "crumple_buffer_invalidate");
         }
 
         /// <summary>
@@ -80,8 +80,8 @@ namespace Crumple
             uint count;
             CrumpleAabb box;
             using (Call call = Instance.Context.EnterAlone(this))
-                call.Check(NativeMethods.crumple_get_buffer_changes(call.Context, Id, null, 0, &count, &box),
-                    "crumple_get_buffer_changes");
+                call.Check(NativeMethods.crumple_buffer_get_changes(call.Context, Id, null, 0, &count, &box),
+                    "crumple_buffer_get_changes");
             bounds = box;
             return (int)count;
         }
@@ -102,8 +102,8 @@ namespace Crumple
             {
                 // No room is not the same as asking for the number.
                 CrumpleRange* room = ranges == null ? &none : ranges;
-                call.Check(NativeMethods.crumple_get_buffer_changes(call.Context, Id, room, (uint)destination.Length, &count, &box),
-                    "crumple_get_buffer_changes");
+                call.Check(NativeMethods.crumple_buffer_get_changes(call.Context, Id, room, (uint)destination.Length, &count, &box),
+                    "crumple_buffer_get_changes");
             }
             bounds = box;
             return (int)count;
@@ -139,8 +139,8 @@ namespace Crumple
             {
                 CrumpleHostBufferDef def = Def(fresh, positions, normals, tangents, lod);
                 using (Call call = Instance.Context.EnterAlone(this))
-                    call.Check(NativeMethods.crumple_set_host_buffer_memory(call.Context, Id, &def),
-                        "crumple_set_host_buffer_memory");
+                    call.Check(NativeMethods.crumple_buffer_set_memory(call.Context, Id, &def),
+                        "crumple_buffer_set_memory");
                 kept = true;
                 Instance.Exchange(memory, fresh);
                 memory = fresh;

@@ -144,7 +144,7 @@ namespace Crumple
             if (!Context.IsDisposed)
             {
                 using (Call call = Context.EnterAlone(this))
-                    call.Check(NativeMethods.crumple_destroy_example_set(call.Context, id), "crumple_destroy_example_set");
+                    call.Check(NativeMethods.crumple_example_set_destroy(call.Context, id), "crumple_example_set_destroy");
             }
             disposed = true;
             GC.SuppressFinalize(this);
@@ -156,7 +156,7 @@ namespace Crumple
             CrumpleExampleSetInfo info;
             using (Call call = Context.EnterAlone(this))
             {
-                call.Check(NativeMethods.crumple_get_example_set_info(call.Context, Id, &info), "crumple_get_example_set_info");
+                call.Check(NativeMethods.crumple_example_set_get_info(call.Context, Id, &info), "crumple_example_set_get_info");
                 return new ExampleSetInfo(info);
             }
         }
@@ -167,8 +167,8 @@ namespace Crumple
             CrumpleExampleInfo info;
             using (Call call = Context.EnterAlone(this))
             {
-                call.Check(NativeMethods.crumple_get_example_info(call.Context, Id, MeshDef.Count(example, "example"), &info),
-                    "crumple_get_example_info");
+                call.Check(NativeMethods.crumple_example_set_get_example(call.Context, Id, MeshDef.Count(example, "example"), &info),
+                    "crumple_example_set_get_example");
                 return new ExampleInfo(info);
             }
         }
@@ -179,8 +179,8 @@ namespace Crumple
             CrumplePrimitive info;
             using (Call call = Context.EnterAlone(this))
             {
-                call.Check(NativeMethods.crumple_get_primitive(call.Context, Id, MeshDef.Count(primitive, "primitive"), &info),
-                    "crumple_get_primitive");
+                call.Check(NativeMethods.crumple_example_set_get_primitive(call.Context, Id, MeshDef.Count(primitive, "primitive"), &info),
+                    "crumple_example_set_get_primitive");
                 return new PrimitiveInfo(info);
             }
         }
@@ -227,7 +227,7 @@ namespace Crumple
                 def.Tangents = pins.Stream(tangents);
                 def.Indices = pins.Stream(indices);
                 using (Call call = Context.EnterAlone(this))
-                    call.Check(NativeMethods.crumple_copy_base_mesh(call.Context, Id, &def), "crumple_copy_base_mesh");
+                    call.Check(NativeMethods.crumple_example_set_copy_mesh(call.Context, Id, &def), "crumple_example_set_copy_mesh");
             }
         }
 
@@ -237,8 +237,8 @@ namespace Crumple
             uint vertex;
             float found;
             using (Call call = Context.EnterAlone(this))
-                call.Check(NativeMethods.crumple_nearest_vertex(call.Context, Id, point, &vertex, &found),
-                    "crumple_nearest_vertex");
+                call.Check(NativeMethods.crumple_example_set_find_nearest_vertex(call.Context, Id, point, &vertex, &found),
+                    "crumple_example_set_find_nearest_vertex");
             distance = found;
             return (int)vertex;
         }
@@ -251,7 +251,7 @@ namespace Crumple
         {
             CrumpleAttachment attachment;
             using (Call call = Context.EnterAlone(this))
-                call.Check(NativeMethods.crumple_attach_point(call.Context, Id, point, &attachment), "crumple_attach_point");
+                call.Check(NativeMethods.crumple_example_set_attach_point(call.Context, Id, point, &attachment), "crumple_example_set_attach_point");
             return attachment;
         }
 
@@ -261,12 +261,12 @@ namespace Crumple
             UIntPtr size;
             using (Call call = Context.EnterAlone(this))
             {
-                call.Check(NativeMethods.crumple_save_example_set(call.Context, Id, IntPtr.Zero, UIntPtr.Zero, &size),
-                    "crumple_save_example_set");
+                call.Check(NativeMethods.crumple_example_set_save_baked(call.Context, Id, IntPtr.Zero, UIntPtr.Zero, &size),
+                    "crumple_example_set_save_baked");
                 byte[] bytes = new byte[(int)size];
                 fixed (byte* data = bytes)
-                    call.Check(NativeMethods.crumple_save_example_set(call.Context, Id, (IntPtr)data, size, &size),
-                        "crumple_save_example_set");
+                    call.Check(NativeMethods.crumple_example_set_save_baked(call.Context, Id, (IntPtr)data, size, &size),
+                        "crumple_example_set_save_baked");
                 return bytes;
             }
         }

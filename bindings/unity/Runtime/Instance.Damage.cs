@@ -13,7 +13,7 @@ namespace Crumple
             {
                 uint count;
                 using (Call call = Context.EnterAlone(this))
-                    call.Check(NativeMethods.crumple_get_marks(call.Context, Id, null, 0, &count), "crumple_get_marks");
+                    call.Check(NativeMethods.crumple_instance_get_marks(call.Context, Id, null, 0, &count), "crumple_instance_get_marks");
                 return (int)count;
             }
         }
@@ -32,8 +32,8 @@ namespace Crumple
             {
                 // No room is not the same as asking for the number.
                 CrumpleMark* room = marks == null ? &none : marks;
-                call.Check(NativeMethods.crumple_get_marks(call.Context, Id, room, (uint)destination.Length, &count),
-                    "crumple_get_marks");
+                call.Check(NativeMethods.crumple_instance_get_marks(call.Context, Id, room, (uint)destination.Length, &count),
+                    "crumple_instance_get_marks");
             }
             return (int)count;
         }
@@ -51,7 +51,7 @@ namespace Crumple
         {
             using (Call call = Context.EnterAlone(this))
             fixed (CrumpleMark* first = &MemoryMarshal.GetReference(marks))
-                call.Check(NativeMethods.crumple_set_marks(call.Context, Id, first, (uint)marks.Length), "crumple_set_marks");
+                call.Check(NativeMethods.crumple_instance_set_marks(call.Context, Id, first, (uint)marks.Length), "crumple_instance_set_marks");
         }
 
         /// <summary>Number of bytes that <see cref="SaveDamage(Span{byte})"/> writes.</summary>
@@ -61,8 +61,8 @@ namespace Crumple
             {
                 UIntPtr size;
                 using (Call call = Context.EnterAlone(this))
-                    call.Check(NativeMethods.crumple_save_damage(call.Context, Id, IntPtr.Zero, UIntPtr.Zero, &size),
-                        "crumple_save_damage");
+                    call.Check(NativeMethods.crumple_instance_save_damage(call.Context, Id, IntPtr.Zero, UIntPtr.Zero, &size),
+                        "crumple_instance_save_damage");
                 return (int)size;
             }
         }
@@ -80,8 +80,8 @@ namespace Crumple
             fixed (byte* bytes = &MemoryMarshal.GetReference(destination))
             {
                 byte* room = bytes == null ? &none : bytes;
-                call.Check(NativeMethods.crumple_save_damage(call.Context, Id, (IntPtr)room, (UIntPtr)(uint)destination.Length, &size),
-                    "crumple_save_damage");
+                call.Check(NativeMethods.crumple_instance_save_damage(call.Context, Id, (IntPtr)room, (UIntPtr)(uint)destination.Length, &size),
+                    "crumple_instance_save_damage");
             }
             return (int)size;
         }
@@ -102,8 +102,8 @@ namespace Crumple
             fixed (byte* first = &MemoryMarshal.GetReference(bytes))
             {
                 byte* data = first == null ? &none : first;
-                call.Check(NativeMethods.crumple_load_damage(call.Context, Id, (IntPtr)data, (UIntPtr)(uint)bytes.Length),
-                    "crumple_load_damage");
+                call.Check(NativeMethods.crumple_instance_load_damage(call.Context, Id, (IntPtr)data, (UIntPtr)(uint)bytes.Length),
+                    "crumple_instance_load_damage");
             }
         }
 
@@ -111,14 +111,14 @@ namespace Crumple
         public void RepairDamage(float keep)
         {
             using (Call call = Context.EnterAlone(this))
-                call.Check(NativeMethods.crumple_repair_damage(call.Context, Id, keep), "crumple_repair_damage");
+                call.Check(NativeMethods.crumple_instance_repair_damage(call.Context, Id, keep), "crumple_instance_repair_damage");
         }
 
         /// <summary>Makes it as new, forgets hits that wait and ends contacts.</summary>
         public void ResetDamage()
         {
             using (Call call = Context.EnterAlone(this))
-                call.Check(NativeMethods.crumple_reset_damage(call.Context, Id), "crumple_reset_damage");
+                call.Check(NativeMethods.crumple_instance_reset_damage(call.Context, Id), "crumple_instance_reset_damage");
         }
 
         /// <summary>
@@ -128,7 +128,7 @@ namespace Crumple
         {
             if (source == null) throw new ArgumentNullException("source");
             using (Call call = Context.EnterAlone(this))
-                call.Check(NativeMethods.crumple_copy_damage(call.Context, Id, source.Id), "crumple_copy_damage");
+                call.Check(NativeMethods.crumple_instance_copy_damage(call.Context, Id, source.Id), "crumple_instance_copy_damage");
         }
     }
 }

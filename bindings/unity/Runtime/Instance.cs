@@ -56,7 +56,7 @@ namespace Crumple
             if (!Context.IsDisposed)
             {
                 using (Call call = Context.EnterAlone(this))
-                    call.Check(NativeMethods.crumple_destroy_instance(call.Context, id), "crumple_destroy_instance");
+                    call.Check(NativeMethods.crumple_instance_destroy(call.Context, id), "crumple_instance_destroy");
             }
             disposed = true;
             GC.SuppressFinalize(this);
@@ -71,7 +71,7 @@ namespace Crumple
         {
             CrumpleInstanceInfo info;
             using (Call call = Context.EnterAlone(this))
-                call.Check(NativeMethods.crumple_get_instance_info(call.Context, Id, &info), "crumple_get_instance_info");
+                call.Check(NativeMethods.crumple_instance_get_info(call.Context, Id, &info), "crumple_instance_get_info");
             return info;
         }
 
@@ -84,16 +84,16 @@ namespace Crumple
                 throw new ArgumentException("a matrix has 16 elements, this one " + localToWorld.Length, "localToWorld");
             using (Call call = Context.EnterAlone(this))
             fixed (float* matrix = &MemoryMarshal.GetReference(localToWorld))
-                call.Check(NativeMethods.crumple_set_instance_transform(call.Context, Id, matrix),
-                    "crumple_set_instance_transform");
+                call.Check(NativeMethods.crumple_instance_set_transform(call.Context, Id, matrix),
+                    "crumple_instance_set_transform");
         }
 
         /// <summary>No vertex moves further than this, m; 0: the set's limit.</summary>
         public void SetDepthLimit(float depthLimit)
         {
             using (Call call = Context.EnterAlone(this))
-                call.Check(NativeMethods.crumple_set_instance_depth_limit(call.Context, Id, depthLimit),
-                    "crumple_set_instance_depth_limit");
+                call.Check(NativeMethods.crumple_instance_set_depth_limit(call.Context, Id, depthLimit),
+                    "crumple_instance_set_depth_limit");
         }
 
         /// <summary>
@@ -115,7 +115,7 @@ namespace Crumple
             CrumpleImpulseDef copy = def;
             CrumpleHitResult result;
             using (Call call = Context.Enter(this))
-                call.Check(NativeMethods.crumple_submit_impulse(call.Context, Id, &copy, &result), "crumple_submit_impulse");
+                call.Check(NativeMethods.crumple_instance_submit_impulse(call.Context, Id, &copy, &result), "crumple_instance_submit_impulse");
             return result;
         }
 
@@ -146,8 +146,8 @@ namespace Crumple
             CrumpleDisplacementDef copy = def;
             CrumpleHitResult result;
             using (Call call = Context.Enter(this))
-                call.Check(NativeMethods.crumple_submit_displacement(call.Context, Id, &copy, &result),
-                    "crumple_submit_displacement");
+                call.Check(NativeMethods.crumple_instance_submit_displacement(call.Context, Id, &copy, &result),
+                    "crumple_instance_submit_displacement");
             return result;
         }
 
@@ -169,7 +169,7 @@ namespace Crumple
         public void EndContact(ulong contactId)
         {
             using (Call call = Context.Enter(this))
-                call.Check(NativeMethods.crumple_end_contact(call.Context, Id, contactId), "crumple_end_contact");
+                call.Check(NativeMethods.crumple_instance_end_contact(call.Context, Id, contactId), "crumple_instance_end_contact");
         }
 
         /// <summary>Where an attached point is, hits that wait among them.</summary>
@@ -178,8 +178,8 @@ namespace Crumple
             CrumpleAttachment copy = attachment;
             CrumpleFrame frame;
             using (Call call = Context.EnterAlone(this))
-                call.Check(NativeMethods.crumple_get_attached_frame(call.Context, Id, &copy, &frame),
-                    "crumple_get_attached_frame");
+                call.Check(NativeMethods.crumple_instance_get_attached_frame(call.Context, Id, &copy, &frame),
+                    "crumple_instance_get_attached_frame");
             return frame;
         }
 
@@ -202,8 +202,8 @@ namespace Crumple
                 CrumpleHostBufferDef def = HostBuffer.Def(pins, positions, normals, tangents, lod);
                 CrumpleBuffer buffer;
                 using (Call call = Context.EnterAlone(this))
-                    call.Check(NativeMethods.crumple_register_host_buffer(call.Context, Id, &def, &buffer),
-                        "crumple_register_host_buffer");
+                    call.Check(NativeMethods.crumple_buffer_register_host(call.Context, Id, &def, &buffer),
+                        "crumple_buffer_register_host");
                 Context.Handle.Keep(pins);
                 kept = true;
                 HostBuffer made = new HostBuffer(this, buffer, pins);
@@ -227,8 +227,8 @@ namespace Crumple
             CrumpleVulkanBufferDef copy = def;
             CrumpleBuffer buffer;
             using (Call call = Context.EnterAlone(this))
-                call.Check(NativeMethods.crumple_register_vulkan_buffer(call.Context, Id, &copy, &buffer),
-                    "crumple_register_vulkan_buffer");
+                call.Check(NativeMethods.crumple_buffer_register_vulkan(call.Context, Id, &copy, &buffer),
+                    "crumple_buffer_register_vulkan");
             VulkanBuffer made = new VulkanBuffer(this, buffer);
             buffers.Add(made);
             return made;

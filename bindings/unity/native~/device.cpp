@@ -81,8 +81,8 @@ void end_device() {
         Context &context = *shared;
         const Inside inside{context.gate, context.gate.enter()}; // or this thread holds it, and waits for nobody
         if (context.device != 0 && !context.gone) {
-            w.library.crumple_complete_frames(context.handle, UINT64_MAX);
-            w.library.crumple_detach_vulkan(context.handle);
+            w.library.crumple_vulkan_complete_frames(context.handle, UINT64_MAX);
+            w.library.crumple_vulkan_detach(context.handle);
         }
         context.device = 0;
         context.in_flight = false;
@@ -95,7 +95,7 @@ void end_device() {
         dying.swap(w.dying);
     }
     for (const auto &context : dying) {
-        w.library.crumple_complete_frames(context->handle, UINT64_MAX);
+        w.library.crumple_vulkan_complete_frames(context->handle, UINT64_MAX);
         w.library.crumple_context_destroy(context->handle);
     }
 }

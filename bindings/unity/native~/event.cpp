@@ -92,13 +92,13 @@ bool Event::access(World &w) {
 
 bool Event::attach(World &w, Context &context) {
     if (context.device == device) return true;
-    CrumpleVulkanDef def = w.library.crumple_default_vulkan_def();
+    CrumpleVulkanAttachDef def = w.library.crumple_vulkan_attach_def_default();
     def.get_instance_proc_addr = reinterpret_cast<CrumpleVulkanFunction>(w.instance.get_instance_proc_addr);
     def.instance = w.instance.instance;
     def.physical_device = w.instance.physical_device;
     def.device = w.instance.device;
     def.queue_family = w.instance.queue_family;
-    const CrumpleResult result = w.library.crumple_attach_vulkan(context.handle, &def);
+    const CrumpleResult result = w.library.crumple_vulkan_attach(context.handle, &def);
     if (result == CRUMPLE_OK) {
         context.device = device;
         return true;
@@ -132,9 +132,9 @@ bool Event::ready(World &w, Buffer &buffer) {
     }
     const bool same = buffer.vulkan == seen.buffer && buffer.size == seen.size && buffer.usage == seen.usage;
     if (buffer.registered && same) return true;
-    if (buffer.registered) w.library.crumple_unregister_buffer(buffer.context->handle, buffer.id);
+    if (buffer.registered) w.library.crumple_buffer_unregister(buffer.context->handle, buffer.id);
     buffer.registered = false;
-    CrumpleVulkanBufferDef def = w.library.crumple_default_vulkan_buffer_def();
+    CrumpleVulkanBufferDef def = w.library.crumple_vulkan_buffer_def_default();
     def.lod = buffer.def.lod;
     def.buffer = (uint64_t)seen.buffer;
     def.buffer_size = seen.size;
@@ -146,7 +146,7 @@ bool Event::ready(World &w, Buffer &buffer) {
     def.normals = buffer.layout.normal;
     def.tangents = buffer.layout.tangent;
     const CrumpleResult result =
-        w.library.crumple_register_vulkan_buffer(buffer.context->handle, buffer.def.instance, &def, &buffer.id);
+        w.library.crumple_buffer_register_vulkan(buffer.context->handle, buffer.def.instance, &def, &buffer.id);
     if (result != CRUMPLE_OK) {
         fail(w, buffer, result, w.library.crumple_last_error());
         return false;
@@ -161,7 +161,7 @@ void Event::record(World &w, Context &context) {
     if (mine.empty()) return;
     ids.clear();
     for (Buffer *buffer : mine) ids.push_back(buffer->id);
-    const CrumpleResult result = w.library.crumple_record_deform(context.handle, commands, frame, ids.data(),
+    const CrumpleResult result = w.library.crumple_vulkan_record(context.handle, commands, frame, ids.data(),
                                                                  static_cast<uint32_t>(ids.size()), nullptr);
     if (result != CRUMPLE_OK) {
         const std::string why = w.library.crumple_last_error();
@@ -174,7 +174,7 @@ void Event::record(World &w, Context &context) {
         uint32_t ranges;
         CrumpleAabb bounds;
         const bool known =
-            w.library.crumple_get_buffer_changes(context.handle, buffer->id, nullptr, 0, &ranges, &bounds) == CRUMPLE_OK;
+            w.library.crumple_buffer_get_changes(context.handle, buffer->id, nullptr, 0, &ranges, &bounds) == CRUMPLE_OK;
         const std::lock_guard<std::mutex> lock(w.mutex);
         buffer->info.state = CRUMPLE_UNITY_BUFFER_RECORDED;
         ++buffer->info.recordings;
@@ -191,7 +191,7 @@ void Event::run(World &w, Context &context) {
             if (buffer->context.get() == &context && !buffer->gone) mine.push_back(buffer.get());
     }
     if (context.device == device && context.in_flight) {
-        w.library.crumple_complete_frames(context.handle, done);
+        w.library.crumple_vulkan_complete_frames(context.handle, done);
         if (context.recorded <= done) context.in_flight = false;
     }
     if (!context.gone && !mine.empty() && attach(w, context)) record(w, context);

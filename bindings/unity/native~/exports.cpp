@@ -221,7 +221,7 @@ CrumpleResult crumple_unity_unregister_buffer(uint64_t number) {
         Context &context = *buffer->context;
         const Inside inside{context.gate, context.gate.enter()};
         // Where the instance went first, its buffers went with it; that is no error.
-        if (buffer->registered && !context.gone) w.library.crumple_unregister_buffer(context.handle, buffer->id);
+        if (buffer->registered && !context.gone) w.library.crumple_buffer_unregister(context.handle, buffer->id);
         buffer->registered = false;
         return CRUMPLE_OK;
     });

@@ -18,15 +18,15 @@ namespace crumple_unity {
     F(crumple_features)                                                                                                          \
     F(crumple_last_error)                                                                                                        \
     F(crumple_context_destroy)                                                                                                   \
-    F(crumple_default_vulkan_def)                                                                                                \
-    F(crumple_attach_vulkan)                                                                                                     \
-    F(crumple_detach_vulkan)                                                                                                     \
-    F(crumple_default_vulkan_buffer_def)                                                                                         \
-    F(crumple_register_vulkan_buffer)                                                                                            \
-    F(crumple_unregister_buffer)                                                                                                 \
-    F(crumple_record_deform)                                                                                                     \
-    F(crumple_complete_frames)                                                                                                   \
-    F(crumple_get_buffer_changes)
+    F(crumple_vulkan_attach_def_default)                                                                                                \
+    F(crumple_vulkan_attach)                                                                                                     \
+    F(crumple_vulkan_detach)                                                                                                     \
+    F(crumple_vulkan_buffer_def_default)                                                                                         \
+    F(crumple_buffer_register_vulkan)                                                                                            \
+    F(crumple_buffer_unregister)                                                                                                 \
+    F(crumple_vulkan_record)                                                                                                     \
+    F(crumple_vulkan_complete_frames)                                                                                                   \
+    F(crumple_buffer_get_changes)
 
 struct Library {
 #define CRUMPLE_UNITY_MEMBER(name) decltype(&::name) name = nullptr;

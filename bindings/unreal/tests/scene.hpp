@@ -49,13 +49,13 @@ inline TArray<uint8> make_set(const Mesh& mesh) {
         const float r = (p.x * p.x + p.z * p.z) / 0.04f;
         if (r < 1) p.y -= 0.05f * (1 - r) * (1 - r);
     }
-    const CrumpleContextDef context_def = crumple_default_context_def();
+    const CrumpleContextDef context_def = crumple_context_def_default();
     CrumpleContext* context = nullptr;
     FACT(crumple_context_create(&context_def, &context) == CRUMPLE_OK);
     const auto input = [](const auto& all) { return CrumpleInput{all.data(), all.size() * sizeof all[0], sizeof all[0]}; };
-    CrumpleExampleDef example = crumple_default_example_def();
+    CrumpleExampleDef example = crumple_example_def_default();
     example.target_positions = input(dented);
-    CrumpleExampleSetDef def = crumple_default_example_set_def();
+    CrumpleExampleSetDef def = crumple_example_set_def_default();
     def.vertex_count = uint32_t(mesh.positions.size());
     def.positions = input(mesh.positions);
     def.normals = input(mesh.normals);
@@ -64,12 +64,12 @@ inline TArray<uint8> make_set(const Mesh& mesh) {
     def.examples = &example;
     def.example_count = 1;
     CrumpleExampleSet set;
-    FACT(crumple_create_example_set(context, &def, &set) == CRUMPLE_OK);
+    FACT(crumple_example_set_create(context, &def, &set) == CRUMPLE_OK);
     size_t size = 0;
-    FACT(crumple_save_example_set(context, set, nullptr, 0, &size) == CRUMPLE_OK);
+    FACT(crumple_example_set_save_baked(context, set, nullptr, 0, &size) == CRUMPLE_OK);
     TArray<uint8> bytes;
     bytes.SetNum(int32(size));
-    FACT(crumple_save_example_set(context, set, bytes.GetData(), size, &size) == CRUMPLE_OK);
+    FACT(crumple_example_set_save_baked(context, set, bytes.GetData(), size, &size) == CRUMPLE_OK);
     FACT(crumple_context_destroy(context) == CRUMPLE_OK);
     return bytes;
 }
@@ -118,18 +118,18 @@ inline UStaticMesh* import(const Mesh& mesh) {
     return made;
 }
 
-/// The same damage without the plugin: a context, an instance and crumple_deform() of our own.
+/// The same damage without the plugin: a context, an instance and crumple_context_deform() of our own.
 class Oracle {
 public:
     Oracle(const TArray<uint8>& bytes, const UStaticMesh& static_mesh) {
-        const CrumpleContextDef context_def = crumple_default_context_def();
+        const CrumpleContextDef context_def = crumple_context_def_default();
         FACT(crumple_context_create(&context_def, &context) == CRUMPLE_OK);
         CrumpleExampleSet set;
         if (std::memcmp(bytes.GetData(), "glTF", 4) == 0) {
-            const CrumpleGltfDef def = crumple_default_gltf_def();
-            FACT(crumple_load_example_set_gltf_memory(context, bytes.GetData(), size_t(bytes.Num()), &def, &set) == CRUMPLE_OK);
+            const CrumpleGltfDef def = crumple_gltf_def_default();
+            FACT(crumple_example_set_load_gltf_memory(context, bytes.GetData(), size_t(bytes.Num()), &def, &set) == CRUMPLE_OK);
         } else {
-            FACT(crumple_load_example_set_memory(context, bytes.GetData(), size_t(bytes.Num()), CRUMPLE_BYTES_COPY, &set) == CRUMPLE_OK);
+            FACT(crumple_example_set_load_baked_memory(context, bytes.GetData(), size_t(bytes.Num()), CRUMPLE_BYTES_COPY, &set) == CRUMPLE_OK);
         }
         const auto& buffers = static_mesh.Standin->LODResources[0].VertexBuffers;
         const uint32 count = buffers.PositionVertexBuffer.GetNumVertices();
@@ -143,42 +143,42 @@ public:
             // Mirrored: the sign of the bitangent turns.
             vertices.push_back({positions.back(), {along.X, along.Z, along.Y, -n.W}, normals.back(), -n.W});
         }
-        CrumpleLodDef lod = crumple_default_lod_def();
+        CrumpleLodDef lod = crumple_lod_def_default();
         lod.vertex_count = count;
         lod.positions = {positions.data(), positions.size() * 12, 12};
         lod.normals = {normals.data(), normals.size() * 12, 12};
         lod.tangents = {vertices[0].tangent, (count - 1) * sizeof(Vertex) + 16, sizeof(Vertex)};
         uint32_t level = 0;
         FACT(crumple_example_set_add_lod(context, set, &lod, &level) == CRUMPLE_OK);
-        CrumpleInstanceDef def = crumple_default_instance_def();
+        CrumpleInstanceDef def = crumple_instance_def_default();
         def.set = set;
-        FACT(crumple_create_instance(context, &def, &instance) == CRUMPLE_OK);
-        CrumpleHostBufferDef buffer = crumple_default_host_buffer_def();
+        FACT(crumple_instance_create(context, &def, &instance) == CRUMPLE_OK);
+        CrumpleHostBufferDef buffer = crumple_host_buffer_def_default();
         const size_t size = vertices.size() * sizeof(Vertex);
         buffer.lod = level;
         buffer.positions = {vertices.data(), size, offsetof(Vertex, position), sizeof(Vertex)};
         buffer.tangents = {vertices.data(), size, offsetof(Vertex, tangent), sizeof(Vertex)};
         buffer.normals = {vertices.data(), size, offsetof(Vertex, normal), sizeof(Vertex)};
         CrumpleBuffer id;
-        FACT(crumple_register_host_buffer(context, instance, &buffer, &id) == CRUMPLE_OK);
+        FACT(crumple_buffer_register_host(context, instance, &buffer, &id) == CRUMPLE_OK);
     }
     Oracle(const Oracle&) = delete;
     ~Oracle() { crumple_context_destroy(context); }
 
     /// m and N s, in the set's space.
     void hit(CrumpleVec3 point, CrumpleVec3 impulse, float mass = 0.5f, uint64_t contact = 0) {
-        CrumpleImpulseDef def = crumple_default_impulse_def();
+        CrumpleImpulseDef def = crumple_impulse_def_default();
         def.point = point;
         def.impulse = impulse;
         def.duration = 0.01f;
         def.mass = mass;
         def.contact_id = contact;
-        FACT(crumple_submit_impulse(context, instance, &def, nullptr) == CRUMPLE_OK);
+        FACT(crumple_instance_submit_impulse(context, instance, &def, nullptr) == CRUMPLE_OK);
     }
 
     /// Whether the bytes of a vertex buffer of the plugin's are these vertices'. exact: to the bit.
     bool shows(const std::vector<uint8>& bytes, bool exact = true) {
-        FACT(crumple_deform(context, nullptr, 0, nullptr) == CRUMPLE_OK);
+        FACT(crumple_context_deform(context, nullptr, 0, nullptr) == CRUMPLE_OK);
         const FCrumpleLayout layout{uint32(vertices.size())};
         FACT(bytes.size() >= layout.Size());
         for (uint32 v = 0; v < vertices.size(); ++v) {
@@ -197,7 +197,7 @@ public:
 
     /// How far the deepest vertex has moved, m.
     float deepest(const std::vector<CrumpleVec3>& rest) {
-        FACT(crumple_deform(context, nullptr, 0, nullptr) == CRUMPLE_OK);
+        FACT(crumple_context_deform(context, nullptr, 0, nullptr) == CRUMPLE_OK);
         float most = 0;
         for (size_t v = 0; v < rest.size(); ++v) most = std::max(most, rest[v].y - vertices[v].position.y);
         return most;
@@ -269,22 +269,22 @@ struct Module {
 struct Hood {
     Mesh mesh;
     explicit Hood(const TArray<uint8>& glb) {
-        const CrumpleContextDef context_def = crumple_default_context_def();
+        const CrumpleContextDef context_def = crumple_context_def_default();
         CrumpleContext* context = nullptr;
         FACT(crumple_context_create(&context_def, &context) == CRUMPLE_OK);
-        const CrumpleGltfDef def = crumple_default_gltf_def();
+        const CrumpleGltfDef def = crumple_gltf_def_default();
         CrumpleExampleSet set;
-        FACT(crumple_load_example_set_gltf_memory(context, glb.GetData(), size_t(glb.Num()), &def, &set) == CRUMPLE_OK);
+        FACT(crumple_example_set_load_gltf_memory(context, glb.GetData(), size_t(glb.Num()), &def, &set) == CRUMPLE_OK);
         CrumpleExampleSetInfo info;
-        FACT(crumple_get_example_set_info(context, set, &info) == CRUMPLE_OK);
+        FACT(crumple_example_set_get_info(context, set, &info) == CRUMPLE_OK);
         mesh.positions.resize(info.vertex_count);
         mesh.normals.resize(info.vertex_count);
         mesh.indices.resize(3 * info.triangle_count);
-        CrumpleMeshCopyDef copy = crumple_default_mesh_copy_def();
+        CrumpleMeshCopyDef copy = crumple_mesh_copy_def_default();
         copy.positions = {mesh.positions.data(), mesh.positions.size() * 12, 0, 12};
         copy.normals = {mesh.normals.data(), mesh.normals.size() * 12, 0, 12};
         copy.indices = {mesh.indices.data(), mesh.indices.size() * 4, 0, 4};
-        FACT(crumple_copy_base_mesh(context, set, &copy) == CRUMPLE_OK);
+        FACT(crumple_example_set_copy_mesh(context, set, &copy) == CRUMPLE_OK);
         FACT(crumple_context_destroy(context) == CRUMPLE_OK);
     }
 };

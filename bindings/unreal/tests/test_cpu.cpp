@@ -125,7 +125,7 @@ static void draws_and_dents(UStaticMesh* mesh, UCrumpleSet* set) {
     }
     FACT(oracle.shows(StandinWorld::Draw(*scene.crumple).Bytes));
     for (int step = 0; step < 8; ++step) StandinWorld::Frame();
-    FACT(crumple_end_contact(oracle.context, oracle.instance, 1) == CRUMPLE_OK);
+    FACT(crumple_instance_end_contact(oracle.context, oracle.instance, 1) == CRUMPLE_OK);
     scene.collide(to_world.TransformPosition({20, 10, 2}), {0, 0, -90});
     oracle.hit({0.2f, 0.02f, 0.1f}, {0, -0.9f, 0}, 0.5f, 2);
     FACT(oracle.shows(StandinWorld::Draw(*scene.crumple).Bytes));
@@ -182,7 +182,7 @@ static void damage(UStaticMesh* mesh, UCrumpleSet* set) {
     bytes.SetNum(bytes.Num() - 1);
     FACT(!two.crumple->LoadDamage(bytes) && two.crumple->LastError.Contains(TEXT("CRUMPLE_ERROR_DAMAGE_MISMATCH")));
     FACT(!two.crumple->SubmitImpulse({0, 0, 5000}, {0, 0, -200}) && two.crumple->LastError.Contains(TEXT("CRUMPLE_ERROR_CONTACT_TOO_FAR")));
-    FACT(said(StandinTakeLog(), TEXT("Panel: crumple_submit_impulse")));
+    FACT(said(StandinTakeLog(), TEXT("Panel: crumple_instance_submit_impulse")));
     FACT(StandinWorld::Draw(*two.crumple).Bytes == dented);
     one.actor->Destroy();
     FACT(StandinWorld::Draw(*two.crumple).Bytes == dented);
@@ -258,7 +258,7 @@ static void what_does_not_fit(UStaticMesh* mesh, UCrumpleSet* set, const Mesh& s
     refused(nullptr, set, TEXT("the static mesh component has no static mesh"));
     refused(mesh, nullptr, TEXT("choose a Set"));
     refused(mesh, asset({}), TEXT("SheetSet is empty: choose its File and press Import"));
-    refused(mesh, asset({1, 2, 3, 4, 5}), TEXT("SheetSet: crumple_load_example_set_memory"));
+    refused(mesh, asset({1, 2, 3, 4, 5}), TEXT("SheetSet: crumple_example_set_load_baked_memory"));
     TArray<uint8> cut = set->GetBytes();
     cut.SetNum(cut.Num() / 2);
     refused(mesh, asset(cut), TEXT("CRUMPLE_ERROR_FORMAT"));
@@ -347,6 +347,6 @@ int main(int count, char** arguments) {
         two.actor->Destroy();
         FlushRenderingCommands();
     }
-    std::printf("the plugin's CPU path: as crumple_deform() writes it, to the bit\n");
+    std::printf("the plugin's CPU path: as crumple_context_deform() writes it, to the bit\n");
     return 0;
 }

@@ -56,7 +56,7 @@ static void dents(UStaticMesh* mesh, UCrumpleSet* set) {
     one.crumple->MarkRenderStateDirty();
     FACT(shows(first, *one.crumple) && on_gpu(*one.crumple));
     FACT(one.crumple->ResetDamage());
-    FACT(crumple_reset_damage(first.context, first.instance) == CRUMPLE_OK);
+    FACT(crumple_instance_reset_damage(first.context, first.instance) == CRUMPLE_OK);
     FACT(shows(first, *one.crumple));
 
     // Gone with frames in flight; the other stays as it is.
@@ -166,6 +166,6 @@ int main(int, char** arguments) {
     FlushRenderingCommands();
     FACT(StandinVulkan::SpareIsUntouched());
     for (const StandinMessage& each : StandinTakeLog()) FACT(each.Verbosity >= StandinVerbosity::Log);
-    std::printf("the plugin's Vulkan path: as crumple_deform() writes it\n");
+    std::printf("the plugin's Vulkan path: as crumple_context_deform() writes it\n");
     return 0;
 }

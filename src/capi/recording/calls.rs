@@ -152,41 +152,41 @@ macro_rules! calls {
 }
 
 calls! {
-    /// A set was made, from whatever, or got another level of detail: this is what `crumple_save_example_set` gives of it now.
-    1 "crumple_load_example_set_memory" Set { set: Number, bytes: Bytes },
-    2 "crumple_destroy_example_set" DestroySet { set: Number },
-    3 "crumple_create_instance" CreateInstance {
+    /// A set was made, from whatever, or got another level of detail: this is what `crumple_example_set_save_baked` gives of it now.
+    1 "crumple_example_set_load_baked_memory" Set { set: Number, bytes: Bytes },
+    2 "crumple_example_set_destroy" DestroySet { set: Number },
+    3 "crumple_instance_create" CreateInstance {
         set: Number, rule: u32, selection: u32, examples_per_hit: u32, mark_capacity: u32, depth_limit: f32, yield_impulse: f32,
         yield_displacement: f32, max_contact_distance: f32, blend_constant: f32, tolerance: f32, local_to_world: [f32; 16]
     },
-    4 "crumple_destroy_instance" DestroyInstance { instance: Number },
-    5 "crumple_set_instance_transform" SetTransform { instance: Number, local_to_world: [f32; 16] },
-    6 "crumple_set_instance_depth_limit" SetDepthLimit { instance: Number, depth_limit: f32 },
+    4 "crumple_instance_destroy" DestroyInstance { instance: Number },
+    5 "crumple_instance_set_transform" SetTransform { instance: Number, local_to_world: [f32; 16] },
+    6 "crumple_instance_set_depth_limit" SetDepthLimit { instance: Number, depth_limit: f32 },
     7 "crumple_instance_set_tolerance" SetTolerance { instance: Number, tolerance: f32 },
-    8 "crumple_submit_impulse" Impulse {
+    8 "crumple_instance_submit_impulse" Impulse {
         instance: Number, space: u32, point: [f32; 3], impulse: [f32; 3], duration: f32, mass: f32, contact_id: u64, preview: bool
     },
-    9 "crumple_submit_displacement" Displacement {
+    9 "crumple_instance_submit_displacement" Displacement {
         instance: Number, space: u32, point: [f32; 3], displacement: [f32; 3], contact_id: u64, preview: bool
     },
-    10 "crumple_end_contact" EndContact { instance: Number, contact_id: u64 },
-    11 "crumple_get_marks" GetMarks { instance: Number },
-    12 "crumple_set_marks" SetMarks { instance: Number, marks: Bytes },
-    13 "crumple_save_damage" SaveDamage { instance: Number },
-    14 "crumple_load_damage" LoadDamage { instance: Number, bytes: Bytes },
-    15 "crumple_repair_damage" RepairDamage { instance: Number, keep: f32 },
-    16 "crumple_reset_damage" ResetDamage { instance: Number },
-    17 "crumple_copy_damage" CopyDamage { instance: Number, source: Number },
+    10 "crumple_instance_end_contact" EndContact { instance: Number, contact_id: u64 },
+    11 "crumple_instance_get_marks" GetMarks { instance: Number },
+    12 "crumple_instance_set_marks" SetMarks { instance: Number, marks: Bytes },
+    13 "crumple_instance_save_damage" SaveDamage { instance: Number },
+    14 "crumple_instance_load_damage" LoadDamage { instance: Number, bytes: Bytes },
+    15 "crumple_instance_repair_damage" RepairDamage { instance: Number, keep: f32 },
+    16 "crumple_instance_reset_damage" ResetDamage { instance: Number },
+    17 "crumple_instance_copy_damage" CopyDamage { instance: Number, source: Number },
     /// Host memory, or a Vulkan buffer; a replay has memory of its own for both.
-    18 "crumple_register_host_buffer" RegisterBuffer { instance: Number, lod: u32, vertices: u32, normals: bool, tangents: bool },
-    19 "crumple_unregister_buffer" UnregisterBuffer { buffer: Number },
-    20 "crumple_invalidate_buffer" InvalidateBuffer { buffer: Number },
-    21 "crumple_set_host_buffer_memory" SetBufferMemory { buffer: Number, lod: u32, vertices: u32, normals: bool, tangents: bool },
-    22 "crumple_deform" Deform { buffers: Vec<Number> },
-    /// Or `crumple_submit_deform`. Nobody read what the device wrote.
-    23 "crumple_record_deform" Record { buffers: Vec<Number> },
-    24 "crumple_get_attached_frame" AttachedFrame { instance: Number, attachment: [u32; 9] },
-    25 "crumple_get_instance_info" InstanceInfo { instance: Number },
+    18 "crumple_buffer_register_host" RegisterBuffer { instance: Number, lod: u32, vertices: u32, normals: bool, tangents: bool },
+    19 "crumple_buffer_unregister" UnregisterBuffer { buffer: Number },
+    20 "crumple_buffer_invalidate" InvalidateBuffer { buffer: Number },
+    21 "crumple_buffer_set_memory" SetBufferMemory { buffer: Number, lod: u32, vertices: u32, normals: bool, tangents: bool },
+    22 "crumple_context_deform" Deform { buffers: Vec<Number> },
+    /// Or `crumple_vulkan_submit`. Nobody read what the device wrote.
+    23 "crumple_vulkan_record" Record { buffers: Vec<Number> },
+    24 "crumple_instance_get_attached_frame" AttachedFrame { instance: Number, attachment: [u32; 9] },
+    25 "crumple_instance_get_info" InstanceInfo { instance: Number },
 }
 
 #[cfg(test)]

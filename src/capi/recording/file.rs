@@ -217,7 +217,11 @@ mod tests {
             Event::Hit(Call::EndContact { instance: Number(3), contact_id: 4 }),
             Event::HitEnded(Ended { result: 0, value: 0 }),
             Event::Ended(Ended { result: 0, value: 77 }),
-            Event::Refused { function: "crumple_deform".into(), result: 66, message: "buffers[0] is null".into() },
+            Event::Refused {
+                function: "crumple_context_deform".into(),
+                result: 66,
+                message: "buffers[0] is null".into(),
+            },
         ]
     }
 

@@ -1,31 +1,33 @@
 //! Makes the calls of a recording again, through the C interface as the host did, and compares what they give.
 
-use super::super::attach::{CrumpleAttachment, CrumpleFrame, crumple_get_attached_frame};
+use super::super::attach::{CrumpleAttachment, CrumpleFrame, crumple_instance_get_attached_frame};
 use super::super::buffer::{
-    CrumpleHostBufferDef, crumple_default_host_buffer_def, crumple_invalidate_buffer, crumple_register_host_buffer,
-    crumple_set_host_buffer_memory, crumple_unregister_buffer,
+    CrumpleHostBufferDef, crumple_buffer_invalidate, crumple_buffer_register_host, crumple_buffer_set_memory,
+    crumple_buffer_unregister, crumple_host_buffer_def_default,
 };
 use super::super::context::{
-    CrumpleContext, CrumpleContextDef, crumple_context_create, crumple_context_destroy, crumple_default_context_def,
+    CrumpleContext, CrumpleContextDef, crumple_context_create, crumple_context_def_default, crumple_context_destroy,
     exclusive,
 };
 use super::super::damage::{
-    CrumpleMark, crumple_copy_damage, crumple_get_marks, crumple_load_damage, crumple_repair_damage,
-    crumple_reset_damage, crumple_save_damage, crumple_set_marks,
+    CrumpleMark, crumple_instance_copy_damage, crumple_instance_get_marks, crumple_instance_load_damage,
+    crumple_instance_repair_damage, crumple_instance_reset_damage, crumple_instance_save_damage,
+    crumple_instance_set_marks,
 };
-use super::super::deform::{CrumpleDeformReport, crumple_deform, vertices_digest};
+use super::super::deform::{CrumpleDeformReport, crumple_context_deform, vertices_digest};
 use super::super::hit::{
-    CrumpleDisplacementDef, CrumpleHitResult, CrumpleImpulseDef, CrumpleSpace, crumple_default_displacement_def,
-    crumple_default_impulse_def, crumple_end_contact, crumple_submit_displacement, crumple_submit_impulse,
+    CrumpleDisplacementDef, CrumpleHitResult, CrumpleImpulseDef, CrumpleSpace, crumple_displacement_def_default,
+    crumple_impulse_def_default, crumple_instance_end_contact, crumple_instance_submit_displacement,
+    crumple_instance_submit_impulse,
 };
 use super::super::instance::{
-    CrumpleInstanceDef, CrumpleInstanceInfo, crumple_create_instance, crumple_default_instance_def,
-    crumple_destroy_instance, crumple_get_instance_info, crumple_instance_set_tolerance,
-    crumple_set_instance_depth_limit, crumple_set_instance_transform,
+    CrumpleInstanceDef, CrumpleInstanceInfo, crumple_instance_create, crumple_instance_def_default,
+    crumple_instance_destroy, crumple_instance_get_info, crumple_instance_set_depth_limit,
+    crumple_instance_set_tolerance, crumple_instance_set_transform,
 };
-use super::super::load::{CrumpleBytes, crumple_load_example_set_memory};
+use super::super::load::{CrumpleBytes, crumple_example_set_load_baked_memory};
 use super::super::result::{CrumpleResult, crumple_last_error, crumple_result_name};
-use super::super::set::crumple_destroy_example_set;
+use super::super::set::crumple_example_set_destroy;
 use super::super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance, CrumpleStream};
 use super::calls::{Bytes, Call, Number};
 use super::file::{Ended, Event, Reader};
@@ -197,7 +199,7 @@ impl Memory {
             positions: stream(&mut self.positions),
             normals: stream(&mut self.normals),
             tangents: stream(&mut self.tangents),
-            ..crumple_default_host_buffer_def()
+            ..crumple_host_buffer_def_default()
         }
     }
 }
@@ -220,7 +222,7 @@ impl Drop for Player {
 
 impl Player {
     fn new(threads: u32) -> Result<Self, Error> {
-        let def = CrumpleContextDef { threads, ..crumple_default_context_def() };
+        let def = CrumpleContextDef { threads, ..crumple_context_def_default() };
         let mut context = null_mut();
         // SAFETY: both live across the call.
         let result = unsafe { crumple_context_create(&def, &mut context) };
@@ -267,12 +269,12 @@ impl Player {
                 let copy = MaybeUninit::new(CrumpleBytes::Copy);
                 // SAFETY: see above.
                 let result = unsafe {
-                    crumple_load_example_set_memory(context, bytes.as_ptr().cast(), bytes.len(), copy, &mut new)
+                    crumple_example_set_load_baked_memory(context, bytes.as_ptr().cast(), bytes.len(), copy, &mut new)
                 };
                 if result == CrumpleResult::CrumpleOk {
                     if let Some(old) = self.sets.remove(&set) {
                         // SAFETY: see above.
-                        unsafe { crumple_destroy_example_set(context, old) };
+                        unsafe { crumple_example_set_destroy(context, old) };
                     }
                     *made = Some(Made::Set(new));
                 }
@@ -281,23 +283,23 @@ impl Player {
             Call::DestroySet { set } => {
                 let id = self.sets.remove(&set).unwrap_or_default();
                 // SAFETY: see above.
-                unsafe { crumple_destroy_example_set(context, id) }
+                unsafe { crumple_example_set_destroy(context, id) }
             }
             Call::CreateInstance { .. } => self.create(&call, made),
             Call::DestroyInstance { instance } => {
                 let id = self.instance(instance);
                 // SAFETY: see above.
-                unsafe { crumple_destroy_instance(context, id) }
+                unsafe { crumple_instance_destroy(context, id) }
             }
             Call::SetTransform { instance, local_to_world } => {
                 let id = self.instance(instance);
                 // SAFETY: see above.
-                unsafe { crumple_set_instance_transform(context, id, local_to_world.as_ptr()) }
+                unsafe { crumple_instance_set_transform(context, id, local_to_world.as_ptr()) }
             }
             Call::SetDepthLimit { instance, depth_limit } => {
                 let id = self.instance(instance);
                 // SAFETY: see above.
-                unsafe { crumple_set_instance_depth_limit(context, id, depth_limit) }
+                unsafe { crumple_instance_set_depth_limit(context, id, depth_limit) }
             }
             Call::SetTolerance { instance, tolerance } => {
                 let id = self.instance(instance);
@@ -313,11 +315,11 @@ impl Player {
                     mass,
                     contact_id,
                     preview: MaybeUninit::new(preview),
-                    ..crumple_default_impulse_def()
+                    ..crumple_impulse_def_default()
                 };
                 let id = self.instance(instance);
                 // SAFETY: see above.
-                hit(value, |out| unsafe { crumple_submit_impulse(context, id, &def, out) })
+                hit(value, |out| unsafe { crumple_instance_submit_impulse(context, id, &def, out) })
             }
             Call::Displacement { instance, space, point, displacement, contact_id, preview } => {
                 let def = CrumpleDisplacementDef {
@@ -326,23 +328,24 @@ impl Player {
                     displacement: displacement.into(),
                     contact_id,
                     preview: MaybeUninit::new(preview),
-                    ..crumple_default_displacement_def()
+                    ..crumple_displacement_def_default()
                 };
                 let id = self.instance(instance);
                 // SAFETY: see above.
-                hit(value, |out| unsafe { crumple_submit_displacement(context, id, &def, out) })
+                hit(value, |out| unsafe { crumple_instance_submit_displacement(context, id, &def, out) })
             }
             Call::EndContact { instance, contact_id } => {
                 let id = self.instance(instance);
                 // SAFETY: see above.
-                unsafe { crumple_end_contact(context, id, contact_id) }
+                unsafe { crumple_instance_end_contact(context, id, contact_id) }
             }
             Call::GetMarks { instance } => {
                 let id = self.instance(instance);
                 let mut marks: Vec<CrumpleMark> = vec![CrumpleMark::default(); 1 << 16];
                 let mut count = 0;
                 // SAFETY: see above.
-                let result = unsafe { crumple_get_marks(context, id, marks.as_mut_ptr(), 1 << 16, &mut count) };
+                let result =
+                    unsafe { crumple_instance_get_marks(context, id, marks.as_mut_ptr(), 1 << 16, &mut count) };
                 if result == CrumpleResult::CrumpleOk {
                     *value = digest(bytemuck::cast_slice(&marks[..count as usize]));
                 }
@@ -352,34 +355,34 @@ impl Player {
                 let marks: Vec<CrumpleMark> = bytemuck::pod_collect_to_vec(&bytes);
                 let id = self.instance(instance);
                 // SAFETY: see above.
-                unsafe { crumple_set_marks(context, id, marks.as_ptr(), marks.len() as u32) }
+                unsafe { crumple_instance_set_marks(context, id, marks.as_ptr(), marks.len() as u32) }
             }
             Call::SaveDamage { instance } => self.save(instance, value),
             Call::LoadDamage { instance, bytes: Bytes(bytes) } => {
                 let id = self.instance(instance);
                 // SAFETY: see above.
-                unsafe { crumple_load_damage(context, id, bytes.as_ptr().cast(), bytes.len()) }
+                unsafe { crumple_instance_load_damage(context, id, bytes.as_ptr().cast(), bytes.len()) }
             }
             Call::RepairDamage { instance, keep } => {
                 let id = self.instance(instance);
                 // SAFETY: see above.
-                unsafe { crumple_repair_damage(context, id, keep) }
+                unsafe { crumple_instance_repair_damage(context, id, keep) }
             }
             Call::ResetDamage { instance } => {
                 let id = self.instance(instance);
                 // SAFETY: see above.
-                unsafe { crumple_reset_damage(context, id) }
+                unsafe { crumple_instance_reset_damage(context, id) }
             }
             Call::CopyDamage { instance, source } => {
                 let (id, source) = (self.instance(instance), self.instance(source));
                 // SAFETY: see above.
-                unsafe { crumple_copy_damage(context, id, source) }
+                unsafe { crumple_instance_copy_damage(context, id, source) }
             }
             Call::RegisterBuffer { instance, lod, vertices, normals, tangents } => {
                 let mut memory = Memory::new(vertices, normals, tangents);
                 let (id, def, mut new) = (self.instance(instance), memory.def(lod), CrumpleBuffer::default());
                 // SAFETY: see above; moving a vector moves none of its elements.
-                let result = unsafe { crumple_register_host_buffer(context, id, &def, &mut new) };
+                let result = unsafe { crumple_buffer_register_host(context, id, &def, &mut new) };
                 if result == CrumpleResult::CrumpleOk {
                     *made = Some(Made::Buffer(new, memory));
                 }
@@ -388,20 +391,20 @@ impl Player {
             Call::UnregisterBuffer { buffer } => {
                 let id = self.buffer(buffer);
                 // SAFETY: see above.
-                let result = unsafe { crumple_unregister_buffer(context, id) };
+                let result = unsafe { crumple_buffer_unregister(context, id) };
                 self.buffers.remove(&buffer);
                 result
             }
             Call::InvalidateBuffer { buffer } => {
                 let id = self.buffer(buffer);
                 // SAFETY: see above.
-                unsafe { crumple_invalidate_buffer(context, id) }
+                unsafe { crumple_buffer_invalidate(context, id) }
             }
             Call::SetBufferMemory { buffer, lod, vertices, normals, tangents } => {
                 let id = self.buffer(buffer);
                 let mut memory = Memory::new(vertices, normals, tangents);
                 // SAFETY: see above.
-                let result = unsafe { crumple_set_host_buffer_memory(context, id, &memory.def(lod)) };
+                let result = unsafe { crumple_buffer_set_memory(context, id, &memory.def(lod)) };
                 if let (CrumpleResult::CrumpleOk, Some(entry)) = (result, self.buffers.get_mut(&buffer)) {
                     entry.1 = memory;
                 }
@@ -412,7 +415,7 @@ impl Player {
                 let attachment: CrumpleAttachment = bytemuck::cast(attachment);
                 let (id, mut frame) = (self.instance(instance), CrumpleFrame::default());
                 // SAFETY: see above.
-                let result = unsafe { crumple_get_attached_frame(context, id, &attachment, &mut frame) };
+                let result = unsafe { crumple_instance_get_attached_frame(context, id, &attachment, &mut frame) };
                 if result == CrumpleResult::CrumpleOk {
                     *value = digest(bytemuck::bytes_of(&frame));
                 }
@@ -422,7 +425,7 @@ impl Player {
                 let mut info = MaybeUninit::<CrumpleInstanceInfo>::uninit();
                 let id = self.instance(instance);
                 // SAFETY: see above.
-                let result = unsafe { crumple_get_instance_info(context, id, info.as_mut_ptr()) };
+                let result = unsafe { crumple_instance_get_info(context, id, info.as_mut_ptr()) };
                 if result == CrumpleResult::CrumpleOk {
                     // SAFETY: written, since the call succeeded.
                     let info = unsafe { info.assume_init() };
@@ -464,11 +467,11 @@ impl Player {
             blend_constant,
             tolerance,
             local_to_world,
-            ..crumple_default_instance_def()
+            ..crumple_instance_def_default()
         };
         let mut new = CrumpleInstance::default();
         // SAFETY: everything lives across the call.
-        let result = unsafe { crumple_create_instance(self.context, &def, &mut new) };
+        let result = unsafe { crumple_instance_create(self.context, &def, &mut new) };
         if result == CrumpleResult::CrumpleOk {
             *made = Some(Made::Instance(new));
         }
@@ -478,11 +481,12 @@ impl Player {
     fn save(&self, instance: Number, value: &mut u64) -> CrumpleResult {
         let (id, mut size) = (self.instance(instance), 0);
         // SAFETY: everything lives across the call.
-        let mut result = unsafe { crumple_save_damage(self.context, id, null_mut(), 0, &mut size) };
+        let mut result = unsafe { crumple_instance_save_damage(self.context, id, null_mut(), 0, &mut size) };
         if result == CrumpleResult::CrumpleOk {
             let mut bytes = vec![0u8; size];
             // SAFETY: as above.
-            result = unsafe { crumple_save_damage(self.context, id, bytes.as_mut_ptr().cast(), size, &mut size) };
+            result =
+                unsafe { crumple_instance_save_damage(self.context, id, bytes.as_mut_ptr().cast(), size, &mut size) };
             *value = digest(&bytes);
         }
         result
@@ -493,13 +497,13 @@ impl Player {
         let ids: Vec<CrumpleBuffer> = buffers.iter().map(|&number| self.buffer(number)).collect();
         let mut told = CrumpleDeformReport::default();
         // SAFETY: see `make`; an empty vector's pointer is not null.
-        let result = unsafe { crumple_deform(self.context, ids.as_ptr(), ids.len() as u32, &mut told) };
+        let result = unsafe { crumple_context_deform(self.context, ids.as_ptr(), ids.len() as u32, &mut told) };
         if result != CrumpleResult::CrumpleOk {
             return result;
         }
         report.deforms += 1;
         report.vertices_written += told.vertices_written;
-        exclusive("crumple_deform", self.context, |_, state| {
+        exclusive("crumple_context_deform", self.context, |_, state| {
             let entries = ids.iter().map(|&id| state.buffers.get(id, "buffer")).collect::<Result<Vec<_>, _>>()?;
             // SAFETY: the memory is this player's, and nobody else is here.
             *value = unsafe { vertices_digest(entries.into_iter()) };

@@ -89,7 +89,7 @@ impl Host {
     }
 
     fn with_set() -> Self {
-        let mut host = Self::new(&CrumpleContextDef { threads: 2, ..crumple_default_context_def() });
+        let mut host = Self::new(&CrumpleContextDef { threads: 2, ..crumple_context_def_default() });
         host.make_set();
         host
     }
@@ -97,7 +97,7 @@ impl Host {
     fn make_set(&mut self) {
         let (base, indices) = sheet(SIDE, 0.0);
         let (dented, _) = sheet(SIDE, 0.05);
-        let example = CrumpleExampleDef { target_positions: input(&dented), ..crumple_default_example_def() };
+        let example = CrumpleExampleDef { target_positions: input(&dented), ..crumple_example_def_default() };
         let mut def = CrumpleExampleSetDef {
             vertex_count: N as u32,
             positions: input(&base),
@@ -105,13 +105,13 @@ impl Host {
             index_count: indices.len() as u32,
             examples: &example,
             example_count: 1,
-            ..crumple_default_example_set_def()
+            ..crumple_example_set_def_default()
         };
         def.options.vertex_mass = 0.5;
         def.options.stamp_resolution = 8;
         let mut set = CrumpleExampleSet::default();
         // SAFETY: all arrays live across the call.
-        ok(unsafe { crumple_create_example_set(self.context, &def, &mut set) });
+        ok(unsafe { crumple_example_set_create(self.context, &def, &mut set) });
         self.set = set;
     }
 
@@ -122,7 +122,7 @@ impl Host {
             positions: input(&coarse),
             indices: input(&indices),
             index_count: indices.len() as u32,
-            ..crumple_default_lod_def()
+            ..crumple_lod_def_default()
         };
         let mut number = 0;
         // SAFETY: the arrays live across the call.
@@ -151,10 +151,10 @@ impl Host {
 
     fn instance(&mut self, rule: CrumpleRule) {
         let rule = MaybeUninit::new(rule);
-        let def = CrumpleInstanceDef { set: self.set, rule, mark_capacity: 6, ..crumple_default_instance_def() };
+        let def = CrumpleInstanceDef { set: self.set, rule, mark_capacity: 6, ..crumple_instance_def_default() };
         let mut id = CrumpleInstance::default();
         // SAFETY: the def lives across the call.
-        ok(unsafe { crumple_create_instance(self.context, &def, &mut id) });
+        ok(unsafe { crumple_instance_create(self.context, &def, &mut id) });
         self.instances.push(id);
     }
 
@@ -170,11 +170,11 @@ impl Host {
             lod,
             positions: stream(&mut memory, 0),
             normals: stream(&mut memory, 12),
-            ..crumple_default_host_buffer_def()
+            ..crumple_host_buffer_def_default()
         };
         let mut id = CrumpleBuffer::default();
         // SAFETY: the memory goes with the host, after the context.
-        ok(unsafe { crumple_register_host_buffer(self.context, of, &def, &mut id) });
+        ok(unsafe { crumple_buffer_register_host(self.context, of, &def, &mut id) });
         self.buffers.push((id, memory));
     }
 
@@ -184,15 +184,15 @@ impl Host {
             impulse: CrumpleVec3 { x: 0.0, y: 0.1 * strength, z: -strength },
             duration: 0.01,
             contact_id,
-            ..crumple_default_impulse_def()
+            ..crumple_impulse_def_default()
         };
         // SAFETY: the def lives across the call.
-        unsafe { crumple_submit_impulse(self.context, self.instances[at], &def, null_mut()) }
+        unsafe { crumple_instance_submit_impulse(self.context, self.instances[at], &def, null_mut()) }
     }
 
     fn deform(&self) {
         // SAFETY: registered memory lives, and nobody else touches it.
-        ok(unsafe { crumple_deform(self.context, null(), 0, null_mut()) });
+        ok(unsafe { crumple_context_deform(self.context, null(), 0, null_mut()) });
     }
 }
 
@@ -270,43 +270,45 @@ impl Host {
                         self.hit(at % self.instances.len(), *spot, *strength, *contact);
                     }
                 }
-                Step::EndContact(at, id) => drop(crumple_end_contact(c, some(at), *id)),
+                Step::EndContact(at, id) => drop(crumple_instance_end_contact(c, some(at), *id)),
                 Step::Deform => self.deform(),
                 Step::Marks(at, room) => {
                     let (mut marks, mut count) = ([CrumpleMark::default(); 8], 0);
-                    crumple_get_marks(c, some(at), marks.as_mut_ptr(), (*room).min(8), &mut count);
+                    crumple_instance_get_marks(c, some(at), marks.as_mut_ptr(), (*room).min(8), &mut count);
                 }
                 Step::CopyMarks(from, to) => {
                     let (mut marks, mut count) = ([CrumpleMark::default(); 8], 0);
-                    if crumple_get_marks(c, some(from), marks.as_mut_ptr(), 8, &mut count) == R::CrumpleOk {
-                        crumple_set_marks(c, some(to), marks.as_ptr(), count);
+                    if crumple_instance_get_marks(c, some(from), marks.as_mut_ptr(), 8, &mut count) == R::CrumpleOk {
+                        crumple_instance_set_marks(c, some(to), marks.as_ptr(), count);
                     }
                 }
                 Step::Save(from, to) => {
                     let (mut bytes, mut size) = ([0u8; 4096], 0);
-                    if crumple_save_damage(c, some(from), bytes.as_mut_ptr().cast(), 4096, &mut size) == R::CrumpleOk {
-                        crumple_load_damage(c, some(to), bytes.as_ptr().cast(), size);
+                    if crumple_instance_save_damage(c, some(from), bytes.as_mut_ptr().cast(), 4096, &mut size)
+                        == R::CrumpleOk
+                    {
+                        crumple_instance_load_damage(c, some(to), bytes.as_ptr().cast(), size);
                     }
                 }
-                Step::Repair(at, keep) => drop(crumple_repair_damage(c, some(at), *keep)),
-                Step::Reset(at) => drop(crumple_reset_damage(c, some(at))),
-                Step::CopyDamage(to, from) => drop(crumple_copy_damage(c, some(to), some(from))),
+                Step::Repair(at, keep) => drop(crumple_instance_repair_damage(c, some(at), *keep)),
+                Step::Reset(at) => drop(crumple_instance_reset_damage(c, some(at))),
+                Step::CopyDamage(to, from) => drop(crumple_instance_copy_damage(c, some(to), some(from))),
                 Step::Move(at, x) => {
                     let mut matrix = crate::glam::Mat4::IDENTITY.to_cols_array();
                     matrix[12] = *x;
-                    crumple_set_instance_transform(c, some(at), matrix.as_ptr());
+                    crumple_instance_set_transform(c, some(at), matrix.as_ptr());
                 }
-                Step::Limit(at, limit) => drop(crumple_set_instance_depth_limit(c, some(at), *limit)),
+                Step::Limit(at, limit) => drop(crumple_instance_set_depth_limit(c, some(at), *limit)),
                 Step::Tolerance(at, tolerance) => drop(crumple_instance_set_tolerance(c, some(at), *tolerance)),
                 Step::Info(at) => {
                     let mut info = MaybeUninit::uninit();
-                    crumple_get_instance_info(c, some(at), info.as_mut_ptr());
+                    crumple_instance_get_info(c, some(at), info.as_mut_ptr());
                 }
                 Step::Frame(at) => {
                     let (mut point, mut frame) = (CrumpleAttachment::default(), CrumpleFrame::default());
                     let spot = CrumpleVec3 { x: 0.1, y: 0.1, z: 0.2 };
-                    if crumple_attach_point(c, self.set, spot, &mut point) == R::CrumpleOk {
-                        crumple_get_attached_frame(c, some(at), &point, &mut frame);
+                    if crumple_example_set_attach_point(c, self.set, spot, &mut point) == R::CrumpleOk {
+                        crumple_instance_get_attached_frame(c, some(at), &point, &mut frame);
                     }
                 }
                 Step::Instance(marks) => {
@@ -316,10 +318,10 @@ impl Host {
                 }
                 Step::Buffer(at, lod) => {
                     let (of, mut info) = (some(at), MaybeUninit::uninit());
-                    let there = crumple_get_instance_info(c, of, info.as_mut_ptr()) == R::CrumpleOk;
+                    let there = crumple_instance_get_info(c, of, info.as_mut_ptr()) == R::CrumpleOk;
                     let marks = there && {
                         let (mut marks, mut count) = ([CrumpleMark::default(); 8], 0);
-                        crumple_get_marks(c, of, marks.as_mut_ptr(), 8, &mut count) == R::CrumpleOk
+                        crumple_instance_get_marks(c, of, marks.as_mut_ptr(), 8, &mut count) == R::CrumpleOk
                     };
                     if there {
                         self.buffer(of, if marks { lod / 2 } else { 0 });
@@ -328,21 +330,21 @@ impl Host {
                 Step::Unregister(at) => {
                     if !self.buffers.is_empty() {
                         let (id, _) = self.buffers.remove(at % self.buffers.len());
-                        crumple_unregister_buffer(c, id);
+                        crumple_buffer_unregister(c, id);
                     }
                 }
                 Step::Invalidate(at) => {
                     if let Some((id, _)) = self.buffers.get(*at) {
-                        crumple_invalidate_buffer(c, *id);
+                        crumple_buffer_invalidate(c, *id);
                     }
                 }
                 Step::Destroy(at) => {
                     if self.instances.len() > 1 {
                         let id = self.instances.remove(at % self.instances.len());
-                        crumple_destroy_instance(c, id);
+                        crumple_instance_destroy(c, id);
                     }
                 }
-                Step::Refused => drop(crumple_load_damage(c, some(&0), b"junk".as_ptr().cast(), 4)),
+                Step::Refused => drop(crumple_instance_load_damage(c, some(&0), b"junk".as_ptr().cast(), 4)),
             }
         }
     }
@@ -363,12 +365,12 @@ proptest! {
         for instance in host.instances.clone() {
             for contact in 1..3 {
                 // SAFETY: plain values. With the literature's rules there is none to end.
-                unsafe { crumple_end_contact(host.context, instance, contact) };
+                unsafe { crumple_instance_end_contact(host.context, instance, contact) };
             }
         }
         if stale {
             // SAFETY: plain values.
-            ok(unsafe { crumple_destroy_example_set(host.context, host.set) });
+            ok(unsafe { crumple_example_set_destroy(host.context, host.set) });
         }
         ok(host.begin());
         if stale {
@@ -405,7 +407,7 @@ fn hits_from_other_threads_and_from_tasks_are_played_where_they_counted() {
     let reported: Mutex<Option<&Host>> = Mutex::new(None);
     let user = (&raw const reported).cast_mut().cast();
     let tasks = CrumpleTaskSystem { parallel_for: Some(parallel_for), user, workers: 2 };
-    let mut host = Host::new(&CrumpleContextDef { tasks, ..crumple_default_context_def() });
+    let mut host = Host::new(&CrumpleContextDef { tasks, ..crumple_context_def_default() });
     host.make_set();
     host.instance(CrumpleRule::MostDisplaced); // which tells every order of folds apart
     host.instance(CrumpleRule::Marks);
@@ -466,7 +468,7 @@ fn another_hit_than_the_one_recorded_is_told() {
     // The hit's answer, and the vertices.
     assert_eq!(found.differences, 2);
     let first = found.first.unwrap();
-    assert_eq!(first.function, "crumple_submit_impulse");
+    assert_eq!(first.function, "crumple_instance_submit_impulse");
     assert!(calls.iter().any(|(n, text)| *n == first.call && text.contains("duration: 0.01")), "{calls:?}");
 }
 
@@ -488,13 +490,13 @@ fn a_recording_says_why_it_cannot_begin_or_go_on() {
     assert!(said().contains("instance 1 has 1 open contacts"), "{}", said());
     assert!(!host.path().exists());
     // SAFETY: plain values.
-    ok(unsafe { crumple_end_contact(host.context, host.instances[0], 7) });
+    ok(unsafe { crumple_instance_end_contact(host.context, host.instances[0], 7) });
     ok(host.begin());
     assert_eq!(host.begin(), R::CrumpleErrorInvalidArgument);
     assert!(said().contains("calls.crumplerec runs already"), "{}", said());
     // A call that is refused is noted, with what it said.
     // SAFETY: as above.
-    unsafe { crumple_repair_damage(host.context, host.instances[0], f32::NAN) };
+    unsafe { crumple_instance_repair_damage(host.context, host.instances[0], f32::NAN) };
     let report = same(&host.end());
     assert_eq!(report.refused.len(), 1);
     assert!(report.refused[0].contains("CRUMPLE_ERROR_NOT_FINITE: keep is NaN"), "{:?}", report.refused);
@@ -519,7 +521,7 @@ fn a_file_that_takes_no_more_ends_the_recording_and_nothing_else() {
     use std::os::fd::AsRawFd;
     let warnings = Mutex::new(Vec::<String>::new());
     let log_user = (&raw const warnings).cast_mut().cast();
-    let mut host = Host::new(&CrumpleContextDef { log: Some(note), log_user, ..crumple_default_context_def() });
+    let mut host = Host::new(&CrumpleContextDef { log: Some(note), log_user, ..crumple_context_def_default() });
     let (reader, writer) = std::io::pipe().unwrap();
     ok(host.begin_at(Path::new(&format!("/proc/self/fd/{}", writer.as_raw_fd()))));
     drop(reader);

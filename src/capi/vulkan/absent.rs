@@ -8,8 +8,8 @@ use super::super::recording::Log;
 use super::super::result::Failure;
 use super::super::types::CrumpleBuffer;
 use super::{
-    CrumpleHandleType, CrumpleOwnVulkanDef, CrumpleRecordReport, CrumpleVulkanBufferDef, CrumpleVulkanDef,
-    CrumpleVulkanImportDef,
+    CrumpleHandleType, CrumpleRecordReport, CrumpleVulkanAttachDef, CrumpleVulkanBufferDef, CrumpleVulkanImportDef,
+    CrumpleVulkanOpenDef,
 };
 use crate::{Aabb, Instance};
 use std::ffi::c_void;
@@ -23,7 +23,7 @@ type Buffers<'a> = (*const CrumpleBuffer, &'a [CrumpleBuffer]);
 type Entries<'a> = (&'a mut Slots<BufferEntry>, &'a mut Slots<InstanceEntry>);
 
 impl Attached {
-    pub(super) unsafe fn new(_: &CrumpleVulkanDef, _: &[u8]) -> Result<Self, Failure> {
+    pub(super) unsafe fn new(_: &CrumpleVulkanAttachDef, _: &[u8]) -> Result<Self, Failure> {
         Err(not_built("vulkan"))
     }
 
@@ -65,7 +65,7 @@ impl Attached {
         match *self {}
     }
 
-    pub(super) unsafe fn open(_: &CrumpleOwnVulkanDef, _: &[u8]) -> Result<Self, Failure> {
+    pub(super) unsafe fn open(_: &CrumpleVulkanOpenDef, _: &[u8]) -> Result<Self, Failure> {
         Err(not_built("vulkan"))
     }
 

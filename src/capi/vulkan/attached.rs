@@ -9,8 +9,8 @@ use super::super::recording::{Call, Log, Number};
 use super::super::result::{CrumpleResult, Failure};
 use super::super::types::CrumpleBuffer;
 use super::{
-    CrumpleHandleType, CrumpleOwnVulkanDef, CrumpleRecordReport, CrumpleVulkanBufferDef, CrumpleVulkanDef,
-    CrumpleVulkanFunction, CrumpleVulkanImportDef, CrumpleVulkanStream,
+    CrumpleHandleType, CrumpleRecordReport, CrumpleVulkanAttachDef, CrumpleVulkanBufferDef, CrumpleVulkanFunction,
+    CrumpleVulkanImportDef, CrumpleVulkanOpenDef, CrumpleVulkanStream,
 };
 use crate::vulkan::vk::{self, Handle};
 use crate::vulkan::{
@@ -50,7 +50,7 @@ impl Kind {
         match self {
             Kind::Hosts(device) => Ok(device),
             Kind::Own(_) => Err(Failure::invalid(format!(
-                "the device is Crumple's own, from crumple_open_vulkan(); {call} is for one of crumple_attach_vulkan()"
+                "the device is Crumple's own, from crumple_vulkan_open(); {call} is for one of crumple_vulkan_attach()"
             ))),
         }
     }
@@ -60,7 +60,7 @@ impl Kind {
         match self {
             Kind::Own(own) => Ok(own),
             Kind::Hosts(_) => Err(Failure::invalid(format!(
-                "the device is yours, from crumple_attach_vulkan(); {call} is for one of crumple_open_vulkan()"
+                "the device is yours, from crumple_vulkan_attach(); {call} is for one of crumple_vulkan_open()"
             ))),
         }
     }
@@ -83,7 +83,7 @@ pub(in super::super) struct VulkanMemory {
 impl Attached {
     /// # Safety
     /// The handles are valid, belong together, and stay valid while this lives.
-    pub(super) unsafe fn new(def: &CrumpleVulkanDef, pipeline_cache: &[u8]) -> Result<Self, Failure> {
+    pub(super) unsafe fn new(def: &CrumpleVulkanAttachDef, pipeline_cache: &[u8]) -> Result<Self, Failure> {
         let handles =
             [("def.instance", def.instance), ("def.physical_device", def.physical_device), ("def.device", def.device)];
         if let Some((name, _)) = handles.iter().find(|(_, handle)| handle.is_null()) {
@@ -106,7 +106,7 @@ impl Attached {
 
     /// # Safety
     /// The loader is one, and stays loaded while this lives.
-    pub(super) unsafe fn open(def: &CrumpleOwnVulkanDef, pipeline_cache: &[u8]) -> Result<Self, Failure> {
+    pub(super) unsafe fn open(def: &CrumpleVulkanOpenDef, pipeline_cache: &[u8]) -> Result<Self, Failure> {
         let def = OwnDeviceDef {
             // SAFETY: the caller's.
             get_instance_proc_addr: unsafe { loader(def.get_instance_proc_addr) }?,
@@ -128,7 +128,7 @@ impl Attached {
         let (recorded, completed) = (device.recorded(), device.last_completed());
         if recorded > completed {
             let message = format!(
-                "frame {recorded} was recorded, and crumple_complete_frames() was told of {completed} at last: wait for the \
+                "frame {recorded} was recorded, and crumple_vulkan_complete_frames() was told of {completed} at last: wait for the \
                  device and tell it of frame {recorded}"
             );
             return Err(Failure::new(CrumpleResult::CrumpleErrorFramesInFlight, message));
@@ -168,7 +168,7 @@ impl Attached {
         let id = match (self.hosts.get(&def.buffer), &mut self.device) {
             (Some(known), _) => known.def.map_or(Ok(()), |def| def.same(&buffer)).map(|()| known.id)?,
             (None, Kind::Own(_)) => {
-                let message = "def.buffer is none of crumple_import_vulkan_buffer(); import it first";
+                let message = "def.buffer is none of crumple_vulkan_import_buffer(); import it first";
                 return Err(Failure::invalid(message));
             }
             (None, Kind::Hosts(device)) => {
@@ -216,7 +216,7 @@ impl Attached {
     /// # Safety
     /// As [`OwnDevice::import_buffer`].
     pub(super) unsafe fn import_buffer(&mut self, def: &CrumpleVulkanImportDef) -> Result<u64, Failure> {
-        let own = self.device.own("crumple_import_vulkan_buffer()")?;
+        let own = self.device.own("crumple_vulkan_import_buffer()")?;
         let def = ImportDef {
             memory: shared(enumerator(def.handle_type, "def.handle_type")?, def.handle),
             memory_size: def.memory_size,
@@ -234,9 +234,9 @@ impl Attached {
     }
 
     pub(super) fn release_buffer(&mut self, buffer: u64) -> Result<(), Failure> {
-        let own = self.device.own("crumple_release_vulkan_buffer()")?;
+        let own = self.device.own("crumple_vulkan_unimport_buffer()")?;
         let host = self.hosts.get(&buffer).ok_or_else(|| {
-            Failure::invalid(format!("buffer is {buffer:#x}; it must be one of crumple_import_vulkan_buffer()"))
+            Failure::invalid(format!("buffer is {buffer:#x}; it must be one of crumple_vulkan_import_buffer()"))
         })?;
         if host.ranges > 0 {
             let message = format!("{} ranges of buffer {buffer:#x} are registered; unregister them first", host.ranges);
@@ -250,7 +250,7 @@ impl Attached {
     /// # Safety
     /// As [`OwnDevice::import_semaphore`].
     pub(super) unsafe fn import_semaphore(&mut self, kind: CrumpleHandleType, handle: i64) -> Result<u64, Failure> {
-        let own = self.device.own("crumple_import_vulkan_semaphore()")?;
+        let own = self.device.own("crumple_vulkan_import_semaphore()")?;
         // SAFETY: the caller's.
         Ok(unsafe { own.import_semaphore(shared(kind, handle)) }?.0)
     }
@@ -265,13 +265,13 @@ impl Attached {
         let ids = |all: &[u64]| all.iter().map(|id| SemaphoreId(*id)).collect::<Vec<_>>();
         let (wait, signal) = (ids(wait), ids(signal));
         self.with_jobs((pointer, given), (entries, instances), log, |device, jobs| {
-            let (frame, report) = device.own("crumple_submit_deform()")?.submit(jobs, &wait, &signal)?;
+            let (frame, report) = device.own("crumple_vulkan_submit()")?.submit(jobs, &wait, &signal)?;
             Ok((frame, c_report(report)))
         })
     }
 
     pub(super) fn wait(&mut self, frame: u64, nanoseconds: u64) -> Result<bool, Failure> {
-        Ok(self.device.own("crumple_wait_frame()")?.wait(frame, nanoseconds)?)
+        Ok(self.device.own("crumple_vulkan_wait_frame()")?.wait(frame, nanoseconds)?)
     }
 
     /// # Safety
@@ -286,7 +286,7 @@ impl Attached {
         self.with_jobs(chosen, of, log, |device, jobs| {
             let commands = vk::CommandBuffer::from_raw(command_buffer.addr() as u64);
             // SAFETY: the caller's.
-            let report = unsafe { device.hosts("crumple_record_deform()")?.record(commands, frame, jobs) }?;
+            let report = unsafe { device.hosts("crumple_vulkan_record()")?.record(commands, frame, jobs) }?;
             Ok(c_report(report))
         })
     }
@@ -302,7 +302,7 @@ impl Attached {
         let chosen = Chosen::new(pointer, given, &mut self.chosen, |id, name| match entries.get(id, name)?.memory {
             Memory::Vulkan(_) => Ok(()),
             Memory::Host(..) => {
-                Err(Failure::invalid(format!("{name} is a host buffer; crumple_deform() writes those")))
+                Err(Failure::invalid(format!("{name} is a host buffer; crumple_context_deform() writes those")))
             }
         })?;
         let written = |(id, entry): &(CrumpleBuffer, &BufferEntry)| {
@@ -329,12 +329,12 @@ impl Attached {
     }
 
     pub(super) fn complete(&mut self, frame: u64) -> Result<(), Failure> {
-        self.device.hosts("crumple_complete_frames()")?.completed(frame);
+        self.device.hosts("crumple_vulkan_complete_frames()")?.completed(frame);
         Ok(())
     }
 
     pub(super) fn discard(&mut self, frame: u64) -> Result<(), Failure> {
-        self.device.hosts("crumple_discard_frames()")?.discard(frame);
+        self.device.hosts("crumple_vulkan_discard_frames()")?.discard(frame);
         Ok(())
     }
 }

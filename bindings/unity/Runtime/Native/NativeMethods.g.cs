@@ -62,7 +62,7 @@ namespace Crumple.Native
 
         /// <summary>
         /// What was wrong in the calling thread's last failed call, and what would be right, as UTF-8:
-        /// "<see cref="Native.NativeMethods.crumple_create_instance"/>: ...". Empty before the first failure; a call that
+        /// "<see cref="Native.NativeMethods.crumple_instance_create"/>: ...". Empty before the first failure; a call that
         /// succeeds leaves it. Valid until the thread's next failed call. At most 1023 bytes. Never null, never fails; any
         /// thread, each has its own text.
         /// </summary>
@@ -80,7 +80,7 @@ namespace Crumple.Native
         /// An allocator def without functions: set both. Never fails; any thread.
         /// </summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleAllocatorDef crumple_default_allocator_def();
+        public static extern CrumpleAllocatorDef crumple_allocator_def_default();
 
         /// <summary>
         /// Makes the library take all further memory from the host's functions, for the whole process; null goes back to the
@@ -97,13 +97,13 @@ namespace Crumple.Native
         /// (a sixteenth allocator).</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_set_allocator(CrumpleAllocatorDef* allocator);
+        public static extern CrumpleResult crumple_allocator_set(CrumpleAllocatorDef* allocator);
 
         /// <summary>
         /// The defaults: threads of Crumple's own, one for each core; no log. Never fails; any thread.
         /// </summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleContextDef crumple_default_context_def();
+        public static extern CrumpleContextDef crumple_context_def_default();
 
         /// <summary>
         /// Creates a context. def is copied; what its callbacks need must live until the context is destroyed.
@@ -124,8 +124,9 @@ namespace Crumple.Native
         /// <remarks>
         /// <para>No other call with this context may be running. Where a Vulkan device is attached, it must still be there.
         /// Errors: <see cref="CrumpleResult.ErrorNullPointer"/>, <see cref="CrumpleResult.ErrorInvalidId"/> (destroyed already),
-        /// <see cref="CrumpleResult.ErrorFramesInFlight"/> (see <see cref="Native.NativeMethods.crumple_complete_frames"/>),
-        /// <see cref="CrumpleResult.ErrorConcurrentUse"/>. Nothing was destroyed then.</para>
+        /// <see cref="CrumpleResult.ErrorFramesInFlight"/> (see
+        /// <see cref="Native.NativeMethods.crumple_vulkan_complete_frames"/>), <see cref="CrumpleResult.ErrorConcurrentUse"/>.
+        /// Nothing was destroyed then.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_context_destroy(IntPtr context);
@@ -134,13 +135,13 @@ namespace Crumple.Native
         /// An example without anything: set its positions. Never fails; any thread.
         /// </summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleExampleDef crumple_default_example_def();
+        public static extern CrumpleExampleDef crumple_example_def_default();
 
         /// <summary>
         /// A set without anything: set its mesh and its examples. Never fails; any thread.
         /// </summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleExampleSetDef crumple_default_example_set_def();
+        public static extern CrumpleExampleSetDef crumple_example_set_def_default();
 
         /// <summary>
         /// Makes an example set from arrays, which are copied: free them afterwards. Takes a moment (it indexes the mesh and
@@ -157,7 +158,7 @@ namespace Crumple.Native
         /// <see cref="CrumpleResult.ErrorOutOfMemory"/>, <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_create_example_set(
+        public static extern CrumpleResult crumple_example_set_create(
             IntPtr context,
             CrumpleExampleSetDef* def,
             CrumpleExampleSet* outSet);
@@ -166,7 +167,7 @@ namespace Crumple.Native
         /// A level of detail without anything: set its mesh. Never fails; any thread.
         /// </summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleLodDef crumple_default_lod_def();
+        public static extern CrumpleLodDef crumple_lod_def_default();
 
         /// <summary>
         /// Adds another mesh of the same body that shows the same damage, such as a level of detail or a collision proxy. The
@@ -201,35 +202,35 @@ namespace Crumple.Native
         /// <see cref="CrumpleResult.ErrorInvalidId"/>, <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_destroy_example_set(IntPtr context, CrumpleExampleSet set);
+        public static extern CrumpleResult crumple_example_set_destroy(IntPtr context, CrumpleExampleSet set);
 
         /// <summary>
         /// The first mesh with morph targets, with default options; set the path. Never fails; any thread.
         /// </summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleGltfDef crumple_default_gltf_def();
+        public static extern CrumpleGltfDef crumple_gltf_def_default();
 
         /// <summary>
         /// Default options; set the paths. Never fails; any thread.
         /// </summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleObjDef crumple_default_obj_def();
+        public static extern CrumpleObjDef crumple_obj_def_default();
 
         /// <summary>
         /// Makes an example set from a glTF 2.0 or GLB file: a mesh with its morph targets, dense or sparse, all primitives
-        /// joined (see <see cref="Native.NativeMethods.crumple_get_primitive"/>). Where the file has them, names come from
-        /// mesh.extras.targetNames, contacts from mesh.extras.impacts and placements from mesh.extras.placements. Numbers are
-        /// those of the mesh's own space: scales and rotations of nodes are not applied.
+        /// joined (see <see cref="Native.NativeMethods.crumple_example_set_get_primitive"/>). Where the file has them, names come
+        /// from mesh.extras.targetNames, contacts from mesh.extras.impacts and placements from mesh.extras.placements. Numbers
+        /// are those of the mesh's own space: scales and rotations of nodes are not applied.
         /// </summary>
         /// <remarks>
         /// <para>Externally synchronised. Errors: <see cref="CrumpleResult.ErrorIo"/>, <see cref="CrumpleResult.ErrorFormat"/>
         /// (malformed, or no such mesh: the text lists those there are), <see cref="CrumpleResult.ErrorUnsupported"/> (compressed
         /// with Draco or meshopt, or a build without <see cref="CrumpleFeatures.Gltf"/>),
         /// <see cref="CrumpleResult.ErrorExampleMismatch"/> (no morph targets), and those of
-        /// <see cref="Native.NativeMethods.crumple_create_example_set"/>.</para>
+        /// <see cref="Native.NativeMethods.crumple_example_set_create"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_load_example_set_gltf(
+        public static extern CrumpleResult crumple_example_set_load_gltf(
             IntPtr context,
             CrumpleGltfDef* def,
             CrumpleExampleSet* outSet);
@@ -238,10 +239,10 @@ namespace Crumple.Native
         /// The same from the bytes of a file: size bytes at data, read during the call only, of any alignment.
         /// </summary>
         /// <remarks>
-        /// <para>Externally synchronised. Errors: as for <see cref="Native.NativeMethods.crumple_load_example_set_gltf"/>.</para>
+        /// <para>Externally synchronised. Errors: as for <see cref="Native.NativeMethods.crumple_example_set_load_gltf"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_load_example_set_gltf_memory(
+        public static extern CrumpleResult crumple_example_set_load_gltf_memory(
             IntPtr context,
             IntPtr data,
             UIntPtr size,
@@ -255,19 +256,19 @@ namespace Crumple.Native
         /// <remarks>
         /// <para>Externally synchronised. Errors: <see cref="CrumpleResult.ErrorIo"/>, <see cref="CrumpleResult.ErrorFormat"/>,
         /// <see cref="CrumpleResult.ErrorUnsupported"/> (a build without <see cref="CrumpleFeatures.Obj"/>), and those of
-        /// <see cref="Native.NativeMethods.crumple_create_example_set"/>.</para>
+        /// <see cref="Native.NativeMethods.crumple_example_set_create"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_load_example_set_obj(
+        public static extern CrumpleResult crumple_example_set_load_obj(
             IntPtr context,
             CrumpleObjDef* def,
             CrumpleExampleSet* outSet);
 
         /// <summary>
         /// Makes an example set from the size bytes of a .crumple file at data, which "crumple bake" or
-        /// <see cref="Native.NativeMethods.crumple_save_example_set"/> wrote: at once, since nothing is built or unpacked. bytes
-        /// tells whether they are copied or kept, see <see cref="CrumpleBytes"/>. Everything in them is checked: no file can make
-        /// Crumple read or write what it should not. The set has one primitive, no name and no node transform.
+        /// <see cref="Native.NativeMethods.crumple_example_set_save_baked"/> wrote: at once, since nothing is built or unpacked.
+        /// bytes tells whether they are copied or kept, see <see cref="CrumpleBytes"/>. Everything in them is checked: no file
+        /// can make Crumple read or write what it should not. The set has one primitive, no name and no node transform.
         /// </summary>
         /// <remarks>
         /// <para>Externally synchronised. Errors: <see cref="CrumpleResult.ErrorNullPointer"/>,
@@ -278,7 +279,7 @@ namespace Crumple.Native
         /// <see cref="CrumpleResult.ErrorConcurrentUse"/>. Nothing is kept then.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_load_example_set_memory(
+        public static extern CrumpleResult crumple_example_set_load_baked_memory(
             IntPtr context,
             IntPtr data,
             UIntPtr size,
@@ -291,10 +292,10 @@ namespace Crumple.Native
         /// <remarks>
         /// <para>Externally synchronised. Errors: <see cref="CrumpleResult.ErrorIo"/>,
         /// <see cref="CrumpleResult.ErrorNullPointer"/>, <see cref="CrumpleResult.ErrorInvalidArgument"/> (path is not UTF-8),
-        /// and those of <see cref="Native.NativeMethods.crumple_load_example_set_memory"/>.</para>
+        /// and those of <see cref="Native.NativeMethods.crumple_example_set_load_baked_memory"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_load_example_set_file(
+        public static extern CrumpleResult crumple_example_set_load_baked(
             IntPtr context,
             IntPtr path,
             CrumpleExampleSet* outSet);
@@ -310,7 +311,7 @@ namespace Crumple.Native
         /// processor), <see cref="CrumpleResult.ErrorOutOfMemory"/>, <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_save_example_set(
+        public static extern CrumpleResult crumple_example_set_save_baked(
             IntPtr context,
             CrumpleExampleSet set,
             IntPtr data,
@@ -321,7 +322,7 @@ namespace Crumple.Native
         /// Copies nothing; set the streams that you want. Never fails; any thread.
         /// </summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleMeshCopyDef crumple_default_mesh_copy_def();
+        public static extern CrumpleMeshCopyDef crumple_mesh_copy_def_default();
 
         /// <summary>
         /// Tells what a set holds.
@@ -332,7 +333,7 @@ namespace Crumple.Native
         /// <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_get_example_set_info(
+        public static extern CrumpleResult crumple_example_set_get_info(
             IntPtr context,
             CrumpleExampleSet set,
             CrumpleExampleSetInfo* outInfo);
@@ -346,7 +347,7 @@ namespace Crumple.Native
         /// <see cref="CrumpleResult.ErrorIndexOutOfRange"/>, <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_get_example_info(
+        public static extern CrumpleResult crumple_example_set_get_example(
             IntPtr context,
             CrumpleExampleSet set,
             uint example,
@@ -361,7 +362,7 @@ namespace Crumple.Native
         /// <see cref="CrumpleResult.ErrorIndexOutOfRange"/>, <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_get_primitive(
+        public static extern CrumpleResult crumple_example_set_get_primitive(
             IntPtr context,
             CrumpleExampleSet set,
             uint primitive,
@@ -380,7 +381,7 @@ namespace Crumple.Native
         /// that has none), <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_copy_base_mesh(
+        public static extern CrumpleResult crumple_example_set_copy_mesh(
             IntPtr context,
             CrumpleExampleSet set,
             CrumpleMeshCopyDef* def);
@@ -395,7 +396,7 @@ namespace Crumple.Native
         /// <see cref="CrumpleResult.ErrorNotFinite"/>, <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_nearest_vertex(
+        public static extern CrumpleResult crumple_example_set_find_nearest_vertex(
             IntPtr context,
             CrumpleExampleSet set,
             CrumpleVec3 point,
@@ -406,7 +407,7 @@ namespace Crumple.Native
         /// An instance with default rules; set its set. Never fails; any thread.
         /// </summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleInstanceDef crumple_default_instance_def();
+        public static extern CrumpleInstanceDef crumple_instance_def_default();
 
         /// <summary>
         /// Creates an undamaged instance: a few hundred bytes, and 8 for each 128 vertices.
@@ -419,7 +420,7 @@ namespace Crumple.Native
         /// <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_create_instance(
+        public static extern CrumpleResult crumple_instance_create(
             IntPtr context,
             CrumpleInstanceDef* def,
             CrumpleInstance* outInstance);
@@ -432,7 +433,7 @@ namespace Crumple.Native
         /// <see cref="CrumpleResult.ErrorInvalidId"/>, <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_destroy_instance(IntPtr context, CrumpleInstance instance);
+        public static extern CrumpleResult crumple_instance_destroy(IntPtr context, CrumpleInstance instance);
 
         /// <summary>
         /// Tells what an instance is at the moment.
@@ -443,7 +444,7 @@ namespace Crumple.Native
         /// <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_get_instance_info(
+        public static extern CrumpleResult crumple_instance_get_info(
             IntPtr context,
             CrumpleInstance instance,
             CrumpleInstanceInfo* outInfo);
@@ -461,15 +462,15 @@ namespace Crumple.Native
         /// row is another), <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_set_instance_transform(
+        public static extern CrumpleResult crumple_instance_set_transform(
             IntPtr context,
             CrumpleInstance instance,
             float* localToWorld);
 
         /// <summary>
         /// No vertex of the instance moves further than depth_limit, m, from the next
-        /// <see cref="Native.NativeMethods.crumple_deform"/> on; 0: the set's limit. Damage that is there stays, and shows again
-        /// when the limit is raised.
+        /// <see cref="Native.NativeMethods.crumple_context_deform"/> on; 0: the set's limit. Damage that is there stays, and
+        /// shows again when the limit is raised.
         /// </summary>
         /// <remarks>
         /// <para>Externally synchronised. Errors: <see cref="CrumpleResult.ErrorNullPointer"/>,
@@ -477,7 +478,7 @@ namespace Crumple.Native
         /// <see cref="CrumpleResult.ErrorInvalidArgument"/>, <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_set_instance_depth_limit(
+        public static extern CrumpleResult crumple_instance_set_depth_limit(
             IntPtr context,
             CrumpleInstance instance,
             float depthLimit);
@@ -487,8 +488,8 @@ namespace Crumple.Native
         /// displacements too short to matter are left out. 0: nothing is left out. Seams stay closed. It is rounded down to a
         /// power of two times 1 m, so it may be set in each frame from
         /// <see cref="Native.NativeMethods.crumple_pixel_tolerance"/>; where that changes, the next
-        /// <see cref="Native.NativeMethods.crumple_deform"/> writes everything that is dented anew. Instances with one of the
-        /// literature's rules ignore it.
+        /// <see cref="Native.NativeMethods.crumple_context_deform"/> writes everything that is dented anew. Instances with one of
+        /// the literature's rules ignore it.
         /// </summary>
         /// <remarks>
         /// <para>Externally synchronised. Errors: <see cref="CrumpleResult.ErrorNullPointer"/>,
@@ -514,20 +515,21 @@ namespace Crumple.Native
         /// An impulse of nothing, in the mesh's space; set its point, impulse and duration. Never fails; any thread.
         /// </summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleImpulseDef crumple_default_impulse_def();
+        public static extern CrumpleImpulseDef crumple_impulse_def_default();
 
         /// <summary>
         /// A displacement of nothing, in the mesh's space; set its point and displacement. Never fails; any thread.
         /// </summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleDisplacementDef crumple_default_displacement_def();
+        public static extern CrumpleDisplacementDef crumple_displacement_def_default();
 
         /// <summary>
         /// Reports an impulse. Its examples are chosen at once; the mark it makes counts from the next call that reads damage
-        /// (<see cref="Native.NativeMethods.crumple_deform"/>, <see cref="Native.NativeMethods.crumple_get_marks"/> and so on),
-        /// whatever the order and the threads hits came from. A hit that is too weak, or that no example answers, is no error:
-        /// see status. out_result may be null. With a contact_id it tells what the hit would do alone; see
-        /// <see cref="Native.NativeMethods.crumple_end_contact"/> for what it does with the contact's other hits.
+        /// (<see cref="Native.NativeMethods.crumple_context_deform"/>,
+        /// <see cref="Native.NativeMethods.crumple_instance_get_marks"/> and so on), whatever the order and the threads hits came
+        /// from. A hit that is too weak, or that no example answers, is no error: see status. out_result may be null. With a
+        /// contact_id it tells what the hit would do alone; see <see cref="Native.NativeMethods.crumple_instance_end_contact"/>
+        /// for what it does with the contact's other hits.
         /// </summary>
         /// <remarks>
         /// <para>May be called from any thread at any time, also while other threads submit or deform; not while the instance or
@@ -540,18 +542,18 @@ namespace Crumple.Native
         /// they have deformed), <see cref="CrumpleResult.ErrorOutOfMemory"/>. Nothing is left behind then.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_submit_impulse(
+        public static extern CrumpleResult crumple_instance_submit_impulse(
             IntPtr context,
             CrumpleInstance instance,
             CrumpleImpulseDef* def,
             CrumpleHitResult* outResult);
 
         /// <summary>
-        /// Reports a hit that should displace its contact so far. As <see cref="Native.NativeMethods.crumple_submit_impulse"/> in
-        /// every other respect, its threads and errors too.
+        /// Reports a hit that should displace its contact so far. As
+        /// <see cref="Native.NativeMethods.crumple_instance_submit_impulse"/> in every other respect, its threads and errors too.
         /// </summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_submit_displacement(
+        public static extern CrumpleResult crumple_instance_submit_displacement(
             IntPtr context,
             CrumpleInstance instance,
             CrumpleDisplacementDef* def,
@@ -571,13 +573,17 @@ namespace Crumple.Native
         /// after that. An id that is not open is no error. Contacts also end when the instance's damage is set, loaded, copied
         /// into, repaired or reset, and when more than 256 are open: the one hit longest ago ends then (of equals the lowest
         /// id).</para>
-        /// <para>May be called from any thread at any time, as <see cref="Native.NativeMethods.crumple_submit_impulse"/>. Errors:
+        /// <para>May be called from any thread at any time, as
+        /// <see cref="Native.NativeMethods.crumple_instance_submit_impulse"/>. Errors:
         /// <see cref="CrumpleResult.ErrorNullPointer"/>, <see cref="CrumpleResult.ErrorInvalidId"/>,
         /// <see cref="CrumpleResult.ErrorInvalidArgument"/> (contact_id is 0), <see cref="CrumpleResult.ErrorWrongRule"/> (one of
         /// the literature's rules), <see cref="CrumpleResult.ErrorOutOfMemory"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_end_contact(IntPtr context, CrumpleInstance instance, ulong contactId);
+        public static extern CrumpleResult crumple_instance_end_contact(
+            IntPtr context,
+            CrumpleInstance instance,
+            ulong contactId);
 
         /// <summary>
         /// Copies an instance's marks, sorted: the same hits give the same marks whatever their order. marks has room for
@@ -591,7 +597,7 @@ namespace Crumple.Native
         /// <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_get_marks(
+        public static extern CrumpleResult crumple_instance_get_marks(
             IntPtr context,
             CrumpleInstance instance,
             CrumpleMark* marks,
@@ -610,7 +616,7 @@ namespace Crumple.Native
         /// <see cref="CrumpleResult.ErrorConcurrentUse"/>. Nothing changes then.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_set_marks(
+        public static extern CrumpleResult crumple_instance_set_marks(
             IntPtr context,
             CrumpleInstance instance,
             CrumpleMark* marks,
@@ -626,7 +632,7 @@ namespace Crumple.Native
         /// <see cref="CrumpleResult.ErrorBufferTooSmall"/>, <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_save_damage(
+        public static extern CrumpleResult crumple_instance_save_damage(
             IntPtr context,
             CrumpleInstance instance,
             IntPtr data,
@@ -643,7 +649,7 @@ namespace Crumple.Native
         /// <see cref="CrumpleResult.ErrorConcurrentUse"/>. Nothing changes then.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_load_damage(
+        public static extern CrumpleResult crumple_instance_load_damage(
             IntPtr context,
             CrumpleInstance instance,
             IntPtr data,
@@ -658,7 +664,10 @@ namespace Crumple.Native
         /// <see cref="CrumpleResult.ErrorInvalidArgument"/>, <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_repair_damage(IntPtr context, CrumpleInstance instance, float keep);
+        public static extern CrumpleResult crumple_instance_repair_damage(
+            IntPtr context,
+            CrumpleInstance instance,
+            float keep);
 
         /// <summary>
         /// Makes an instance as new, forgets hits that wait and ends contacts.
@@ -668,7 +677,7 @@ namespace Crumple.Native
         /// <see cref="CrumpleResult.ErrorInvalidId"/>, <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_reset_damage(IntPtr context, CrumpleInstance instance);
+        public static extern CrumpleResult crumple_instance_reset_damage(IntPtr context, CrumpleInstance instance);
 
         /// <summary>
         /// Replaces the damage of instance by that of source, another instance with an equal set and the same kind of rule,
@@ -680,7 +689,7 @@ namespace Crumple.Native
         /// <see cref="CrumpleResult.ErrorConcurrentUse"/>. Nothing changes then.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_copy_damage(
+        public static extern CrumpleResult crumple_instance_copy_damage(
             IntPtr context,
             CrumpleInstance instance,
             CrumpleInstance source);
@@ -689,14 +698,15 @@ namespace Crumple.Native
         /// A buffer without memory; set its streams. Never fails; any thread.
         /// </summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleHostBufferDef crumple_default_host_buffer_def();
+        public static extern CrumpleHostBufferDef crumple_host_buffer_def_default();
 
         /// <summary>
-        /// Registers memory of yours that <see cref="Native.NativeMethods.crumple_deform"/> writes an instance's vertices to. An
-        /// instance may have several, such as the members of a ring, each of which gets what it lacks. Nothing is written yet;
-        /// the first deform writes every vertex. The memory is touched by <see cref="Native.NativeMethods.crumple_deform"/> only,
-        /// and must stay until the buffer is unregistered, given other memory, or its instance or context is destroyed. Memory of
-        /// different buffers must not overlap (debug builds of the library check it).
+        /// Registers memory of yours that <see cref="Native.NativeMethods.crumple_context_deform"/> writes an instance's vertices
+        /// to. An instance may have several, such as the members of a ring, each of which gets what it lacks. Nothing is written
+        /// yet; the first deform writes every vertex. The memory is touched by
+        /// <see cref="Native.NativeMethods.crumple_context_deform"/> only, and must stay until the buffer is unregistered, given
+        /// other memory, or its instance or context is destroyed. Memory of different buffers must not overlap (debug builds of
+        /// the library check it).
         /// </summary>
         /// <remarks>
         /// <para>Externally synchronised. Errors: <see cref="CrumpleResult.ErrorNullPointer"/>,
@@ -708,7 +718,7 @@ namespace Crumple.Native
         /// that has none), <see cref="CrumpleResult.ErrorOutOfMemory"/>, <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_register_host_buffer(
+        public static extern CrumpleResult crumple_buffer_register_host(
             IntPtr context,
             CrumpleInstance instance,
             CrumpleHostBufferDef* def,
@@ -722,7 +732,7 @@ namespace Crumple.Native
         /// <see cref="CrumpleResult.ErrorInvalidId"/>, <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_unregister_buffer(IntPtr context, CrumpleBuffer buffer);
+        public static extern CrumpleResult crumple_buffer_unregister(IntPtr context, CrumpleBuffer buffer);
 
         /// <summary>
         /// Says that somebody else wrote to a buffer's memory, or that its contents were lost: the next deform, or recording,
@@ -733,17 +743,17 @@ namespace Crumple.Native
         /// <see cref="CrumpleResult.ErrorInvalidId"/>, <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_invalidate_buffer(IntPtr context, CrumpleBuffer buffer);
+        public static extern CrumpleResult crumple_buffer_invalidate(IntPtr context, CrumpleBuffer buffer);
 
         /// <summary>
         /// Gives a buffer other memory, such as a newly mapped one, perhaps for another level of detail, and invalidates it.
         /// </summary>
         /// <remarks>
-        /// <para>Externally synchronised. Errors: as for <see cref="Native.NativeMethods.crumple_register_host_buffer"/>, and
+        /// <para>Externally synchronised. Errors: as for <see cref="Native.NativeMethods.crumple_buffer_register_host"/>, and
         /// <see cref="CrumpleResult.ErrorInvalidArgument"/> for a Vulkan buffer; the buffer keeps its memory then.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_set_host_buffer_memory(
+        public static extern CrumpleResult crumple_buffer_set_memory(
             IntPtr context,
             CrumpleBuffer buffer,
             CrumpleHostBufferDef* def);
@@ -758,12 +768,12 @@ namespace Crumple.Native
         /// <para>Externally synchronised. Errors: <see cref="CrumpleResult.ErrorNullPointer"/>,
         /// <see cref="CrumpleResult.ErrorMisaligned"/>, <see cref="CrumpleResult.ErrorInvalidId"/>,
         /// <see cref="CrumpleResult.ErrorInvalidArgument"/> (a buffer twice, or one that
-        /// <see cref="Native.NativeMethods.crumple_record_deform"/> writes; in debug builds of the library: memory of two buffers
+        /// <see cref="Native.NativeMethods.crumple_vulkan_record"/> writes; in debug builds of the library: memory of two buffers
         /// overlaps), <see cref="CrumpleResult.ErrorOutOfMemory"/>, <see cref="CrumpleResult.ErrorConcurrentUse"/>. No vertex is
         /// written then.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_deform(
+        public static extern CrumpleResult crumple_context_deform(
             IntPtr context,
             CrumpleBuffer* buffers,
             uint count,
@@ -782,7 +792,7 @@ namespace Crumple.Native
         /// <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_get_buffer_changes(
+        public static extern CrumpleResult crumple_buffer_get_changes(
             IntPtr context,
             CrumpleBuffer buffer,
             CrumpleRange* ranges,
@@ -794,18 +804,18 @@ namespace Crumple.Native
         /// A device without handles; set them and the queue family. Never fails; any thread.
         /// </summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleVulkanDef crumple_default_vulkan_def();
+        public static extern CrumpleVulkanAttachDef crumple_vulkan_attach_def_default();
 
         /// <summary>
         /// A range of no buffer, read as vertices before and after; set the buffer, its size and usage, the range and its
         /// streams. Never fails; any thread.
         /// </summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleVulkanBufferDef crumple_default_vulkan_buffer_def();
+        public static extern CrumpleVulkanBufferDef crumple_vulkan_buffer_def_default();
 
         /// <summary>
         /// Takes your Vulkan device: loads functions, some tenths of a millisecond. A context has one at a time. The handles must
-        /// be valid, belong together, and stay so until <see cref="Native.NativeMethods.crumple_detach_vulkan"/> or
+        /// be valid, belong together, and stay so until <see cref="Native.NativeMethods.crumple_vulkan_detach"/> or
         /// <see cref="Native.NativeMethods.crumple_context_destroy"/>.
         /// </summary>
         /// <remarks>
@@ -818,13 +828,13 @@ namespace Crumple.Native
         /// <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_attach_vulkan(IntPtr context, CrumpleVulkanDef* def);
+        public static extern CrumpleResult crumple_vulkan_attach(IntPtr context, CrumpleVulkanAttachDef* def);
 
         /// <summary>
         /// Lets go of the Vulkan device, unregisters all Vulkan buffers, whose ids end, and destroys what Crumple made there.
         /// Damage stays. After a loss of the device (<see cref="CrumpleResult.ErrorDeviceLost"/>):
-        /// <see cref="Native.NativeMethods.crumple_complete_frames"/> with UINT64_MAX, since a lost device runs nothing any more,
-        /// this call, vkDestroyDevice, then attach the new one and register again.
+        /// <see cref="Native.NativeMethods.crumple_vulkan_complete_frames"/> with UINT64_MAX, since a lost device runs nothing
+        /// any more, this call, vkDestroyDevice, then attach the new one and register again.
         /// </summary>
         /// <remarks>
         /// <para>Externally synchronised. Errors: <see cref="CrumpleResult.ErrorNullPointer"/>,
@@ -833,11 +843,11 @@ namespace Crumple.Native
         /// then.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_detach_vulkan(IntPtr context);
+        public static extern CrumpleResult crumple_vulkan_detach(IntPtr context);
 
         /// <summary>
         /// Gives what the driver would like to have again at the next start: hand it to
-        /// <see cref="Native.NativeMethods.crumple_attach_vulkan"/>. data has room for capacity bytes, of any alignment; with
+        /// <see cref="Native.NativeMethods.crumple_vulkan_attach"/>. data has room for capacity bytes, of any alignment; with
         /// null and 0 only their number is told, which may grow until all kinds of buffers were registered.
         /// </summary>
         /// <remarks>
@@ -847,14 +857,14 @@ namespace Crumple.Native
         /// <see cref="CrumpleResult.ErrorDeviceLost"/>, <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_get_vulkan_pipeline_cache(
+        public static extern CrumpleResult crumple_vulkan_get_pipeline_cache(
             IntPtr context,
             IntPtr data,
             UIntPtr capacity,
             UIntPtr* outSize);
 
         /// <summary>
-        /// Registers a range of a VkBuffer of yours that <see cref="Native.NativeMethods.crumple_record_deform"/> writes an
+        /// Registers a range of a VkBuffer of yours that <see cref="Native.NativeMethods.crumple_vulkan_record"/> writes an
         /// instance's vertices to. An instance may have several, such as the members of a ring. Nothing is written yet; the first
         /// recording writes every vertex. The first range of a mesh has its vertices and examples copied: into a staging buffer
         /// now, from there to the device by the next recording; other instances and ranges share them. The VkBuffer must live
@@ -876,7 +886,7 @@ namespace Crumple.Native
         /// <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_register_vulkan_buffer(
+        public static extern CrumpleResult crumple_buffer_register_vulkan(
             IntPtr context,
             CrumpleInstance instance,
             CrumpleVulkanBufferDef* def,
@@ -905,7 +915,7 @@ namespace Crumple.Native
         /// then.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_record_deform(
+        public static extern CrumpleResult crumple_vulkan_record(
             IntPtr context,
             IntPtr commandBuffer,
             ulong frame,
@@ -924,7 +934,7 @@ namespace Crumple.Native
         /// attached), <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_complete_frames(IntPtr context, ulong frame);
+        public static extern CrumpleResult crumple_vulkan_complete_frames(IntPtr context, ulong frame);
 
         /// <summary>
         /// Says that what was recorded for frame and those after it will not be submitted: the buffers that it wrote are written
@@ -936,27 +946,27 @@ namespace Crumple.Native
         /// attached), <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_discard_frames(IntPtr context, ulong frame);
+        public static extern CrumpleResult crumple_vulkan_discard_frames(IntPtr context, ulong frame);
 
         /// <summary>
         /// Any device, by no loader; set that, and the UUID. Never fails; any thread.
         /// </summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleOwnVulkanDef crumple_default_own_vulkan_def();
+        public static extern CrumpleVulkanOpenDef crumple_vulkan_open_def_default();
 
         /// <summary>
         /// No memory; set its handle, sizes, type and usage. Never fails; any thread.
         /// </summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleVulkanImportDef crumple_default_vulkan_import_def();
+        public static extern CrumpleVulkanImportDef crumple_vulkan_import_def_default();
 
         /// <summary>
         /// Makes a Vulkan device of Crumple's own, for engines that cannot hand out a command buffer but can share memory,
         /// perhaps with another process: some milliseconds to tenths of a second. It takes the place of
-        /// <see cref="Native.NativeMethods.crumple_attach_vulkan"/>: buffers are imported by
-        /// <see cref="Native.NativeMethods.crumple_import_vulkan_buffer"/>, registered by
-        /// <see cref="Native.NativeMethods.crumple_register_vulkan_buffer"/> and written by
-        /// <see cref="Native.NativeMethods.crumple_submit_deform"/>. <see cref="Native.NativeMethods.crumple_detach_vulkan"/> and
+        /// <see cref="Native.NativeMethods.crumple_vulkan_attach"/>: buffers are imported by
+        /// <see cref="Native.NativeMethods.crumple_vulkan_import_buffer"/>, registered by
+        /// <see cref="Native.NativeMethods.crumple_buffer_register_vulkan"/> and written by
+        /// <see cref="Native.NativeMethods.crumple_vulkan_submit"/>. <see cref="Native.NativeMethods.crumple_vulkan_detach"/> and
         /// <see cref="Native.NativeMethods.crumple_context_destroy"/> wait for it, and destroy it.
         /// </summary>
         /// <remarks>
@@ -968,21 +978,21 @@ namespace Crumple.Native
         /// <see cref="CrumpleResult.ErrorDeviceLost"/>, <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_open_vulkan(IntPtr context, CrumpleOwnVulkanDef* def);
+        public static extern CrumpleResult crumple_vulkan_open(IntPtr context, CrumpleVulkanOpenDef* def);
 
         /// <summary>
         /// Makes a buffer of your device known to Crumple's own, and gives what stands for it as buffer of
         /// <see cref="CrumpleVulkanBufferDef"/>; that def's buffer_size, usage, queue family, stages and accesses are not looked
         /// at then. On your queue, before each submission you release the VkBuffer to VK_QUEUE_FAMILY_EXTERNAL, and afterwards
         /// you acquire it from there. The memory must live until
-        /// <see cref="Native.NativeMethods.crumple_release_vulkan_buffer"/>,
-        /// <see cref="Native.NativeMethods.crumple_detach_vulkan"/> or
+        /// <see cref="Native.NativeMethods.crumple_vulkan_unimport_buffer"/>,
+        /// <see cref="Native.NativeMethods.crumple_vulkan_detach"/> or
         /// <see cref="Native.NativeMethods.crumple_context_destroy"/>.
         /// </summary>
         /// <remarks>
         /// <para>Externally synchronised. Errors: <see cref="CrumpleResult.ErrorNullPointer"/>,
         /// <see cref="CrumpleResult.ErrorMisaligned"/>, <see cref="CrumpleResult.ErrorStructSize"/>,
-        /// <see cref="CrumpleResult.ErrorInvalidArgument"/> (no device of <see cref="Native.NativeMethods.crumple_open_vulkan"/>,
+        /// <see cref="CrumpleResult.ErrorInvalidArgument"/> (no device of <see cref="Native.NativeMethods.crumple_vulkan_open"/>,
         /// a handle that is none or not of memory, a memory type that the buffer cannot lie in, a usage without STORAGE_BUFFER),
         /// <see cref="CrumpleResult.ErrorBufferTooSmall"/> (the memory), <see cref="CrumpleResult.ErrorUnsupported"/> (a handle
         /// of another system, or a buffer that the device cannot import), <see cref="CrumpleResult.ErrorOutOfMemory"/>,
@@ -990,7 +1000,7 @@ namespace Crumple.Native
         /// <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_import_vulkan_buffer(
+        public static extern CrumpleResult crumple_vulkan_import_buffer(
             IntPtr context,
             CrumpleVulkanImportDef* def,
             ulong* outBuffer);
@@ -1000,48 +1010,48 @@ namespace Crumple.Native
         /// </summary>
         /// <remarks>
         /// <para>Externally synchronised. Errors: <see cref="CrumpleResult.ErrorNullPointer"/>,
-        /// <see cref="CrumpleResult.ErrorInvalidArgument"/> (no device of <see cref="Native.NativeMethods.crumple_open_vulkan"/>,
+        /// <see cref="CrumpleResult.ErrorInvalidArgument"/> (no device of <see cref="Native.NativeMethods.crumple_vulkan_open"/>,
         /// no such buffer, ranges of it are registered), <see cref="CrumpleResult.ErrorVulkan"/>,
         /// <see cref="CrumpleResult.ErrorDeviceLost"/>, <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_release_vulkan_buffer(IntPtr context, ulong buffer);
+        public static extern CrumpleResult crumple_vulkan_unimport_buffer(IntPtr context, ulong buffer);
 
         /// <summary>
         /// Makes a binary semaphore of your device, exported with the same type of handle, known to Crumple's own, and gives its
-        /// number for <see cref="Native.NativeMethods.crumple_submit_deform"/>. It lives until
-        /// <see cref="Native.NativeMethods.crumple_detach_vulkan"/> or
+        /// number for <see cref="Native.NativeMethods.crumple_vulkan_submit"/>. It lives until
+        /// <see cref="Native.NativeMethods.crumple_vulkan_detach"/> or
         /// <see cref="Native.NativeMethods.crumple_context_destroy"/>.
         /// </summary>
         /// <remarks>
         /// <para>Externally synchronised. Errors: <see cref="CrumpleResult.ErrorNullPointer"/>,
         /// <see cref="CrumpleResult.ErrorMisaligned"/>, <see cref="CrumpleResult.ErrorInvalidArgument"/> (no device of
-        /// <see cref="Native.NativeMethods.crumple_open_vulkan"/>, handle_type, a handle that is none or not of a semaphore),
+        /// <see cref="Native.NativeMethods.crumple_vulkan_open"/>, handle_type, a handle that is none or not of a semaphore),
         /// <see cref="CrumpleResult.ErrorUnsupported"/> (a driver without external semaphores: order by fences and
-        /// <see cref="Native.NativeMethods.crumple_wait_frame"/> then), <see cref="CrumpleResult.ErrorVulkan"/>,
+        /// <see cref="Native.NativeMethods.crumple_vulkan_wait_frame"/> then), <see cref="CrumpleResult.ErrorVulkan"/>,
         /// <see cref="CrumpleResult.ErrorDeviceLost"/>, <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_import_vulkan_semaphore(
+        public static extern CrumpleResult crumple_vulkan_import_semaphore(
             IntPtr context,
             CrumpleHandleType handleType,
             long handle,
             ulong* outSemaphore);
 
         /// <summary>
-        /// What <see cref="Native.NativeMethods.crumple_record_deform"/> is for a device of Crumple's own: records what brings
+        /// What <see cref="Native.NativeMethods.crumple_vulkan_record"/> is for a device of Crumple's own: records what brings
         /// Vulkan buffers up to date, and submits that. count ids at buffers, each once; with null and 0 all of the context. The
         /// device waits for wait_count semaphores at waits before and signals signal_count at signals after, also where nothing
         /// changed; nothing is waited for by this call. out_frame gets the number of the frame, for
-        /// <see cref="Native.NativeMethods.crumple_wait_frame"/>. out_frame and out_report may be null.
+        /// <see cref="Native.NativeMethods.crumple_vulkan_wait_frame"/>. out_frame and out_report may be null.
         /// </summary>
         /// <remarks>
-        /// <para>Externally synchronised. Errors: those of <see cref="Native.NativeMethods.crumple_record_deform"/>, and
+        /// <para>Externally synchronised. Errors: those of <see cref="Native.NativeMethods.crumple_vulkan_record"/>, and
         /// <see cref="CrumpleResult.ErrorInvalidArgument"/> where there is no device of
-        /// <see cref="Native.NativeMethods.crumple_open_vulkan"/>, or no such semaphore. Nothing was submitted then.</para>
+        /// <see cref="Native.NativeMethods.crumple_vulkan_open"/>, or no such semaphore. Nothing was submitted then.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_submit_deform(
+        public static extern CrumpleResult crumple_vulkan_submit(
             IntPtr context,
             CrumpleBuffer* buffers,
             uint count,
@@ -1053,18 +1063,18 @@ namespace Crumple.Native
             CrumpleRecordReport* outReport);
 
         /// <summary>
-        /// Waits until Crumple's own device is done with a frame of <see cref="Native.NativeMethods.crumple_submit_deform"/> and
+        /// Waits until Crumple's own device is done with a frame of <see cref="Native.NativeMethods.crumple_vulkan_submit"/> and
         /// all before it, or for timeout nanoseconds (UINT64_MAX: as long as it takes). out_done tells whether it is done. The
         /// context is in use meanwhile.
         /// </summary>
         /// <remarks>
         /// <para>Externally synchronised. Errors: <see cref="CrumpleResult.ErrorNullPointer"/>,
-        /// <see cref="CrumpleResult.ErrorInvalidArgument"/> (no device of <see cref="Native.NativeMethods.crumple_open_vulkan"/>,
+        /// <see cref="CrumpleResult.ErrorInvalidArgument"/> (no device of <see cref="Native.NativeMethods.crumple_vulkan_open"/>,
         /// a frame that was not submitted), <see cref="CrumpleResult.ErrorVulkan"/>, <see cref="CrumpleResult.ErrorDeviceLost"/>,
         /// <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_wait_frame(
+        public static extern CrumpleResult crumple_vulkan_wait_frame(
             IntPtr context,
             ulong frame,
             ulong timeout,
@@ -1081,7 +1091,7 @@ namespace Crumple.Native
         /// <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_attach_point(
+        public static extern CrumpleResult crumple_example_set_attach_point(
             IntPtr context,
             CrumpleExampleSet set,
             CrumpleVec3 point,
@@ -1097,7 +1107,7 @@ namespace Crumple.Native
         /// another set, or none), <see cref="CrumpleResult.ErrorConcurrentUse"/>.</para>
         /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_get_attached_frame(
+        public static extern CrumpleResult crumple_instance_get_attached_frame(
             IntPtr context,
             CrumpleInstance instance,
             CrumpleAttachment* attachment,
@@ -1109,7 +1119,7 @@ namespace Crumple.Native
         /// and is how a bug that you see becomes a test that we can run. The file, path (UTF-8), is made new; it first gets what
         /// there is: the example sets, whole, the instances with their damage, the buffers. It grows by some hundred bytes a hit
         /// and a frame, written at once, so that a crash loses nothing. Every buffer is written whole by the next deform, as
-        /// after <see cref="Native.NativeMethods.crumple_invalidate_buffer"/>.
+        /// after <see cref="Native.NativeMethods.crumple_buffer_invalidate"/>.
         /// </summary>
         /// <remarks>
         /// <para>What Vulkan calls write is not compared, but made on the CPU; calls that are refused, other than hits, are noted

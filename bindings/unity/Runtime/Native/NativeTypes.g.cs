@@ -20,12 +20,12 @@ namespace Crumple
         /// </summary>
         Obj = 2,
         /// <summary>
-        /// Bit of <see cref="Native.NativeMethods.crumple_features"/>: <see cref="Native.NativeMethods.crumple_set_allocator"/>
+        /// Bit of <see cref="Native.NativeMethods.crumple_features"/>: <see cref="Native.NativeMethods.crumple_allocator_set"/>
         /// works.
         /// </summary>
         HostAllocator = 4,
         /// <summary>
-        /// Bit of <see cref="Native.NativeMethods.crumple_features"/>: <see cref="Native.NativeMethods.crumple_attach_vulkan"/>
+        /// Bit of <see cref="Native.NativeMethods.crumple_features"/>: <see cref="Native.NativeMethods.crumple_vulkan_attach"/>
         /// works.
         /// </summary>
         Vulkan = 8,
@@ -111,7 +111,7 @@ namespace Crumple
         /// </summary>
         ErrorNullPointer = 64,
         /// <summary>
-        /// The struct_size of a def is that of no version: take defs from their crumple_default_ function.
+        /// The struct_size of a def is that of no version: take defs from their crumple_..._def_default function.
         /// </summary>
         ErrorStructSize = 65,
         /// <summary>
@@ -127,7 +127,7 @@ namespace Crumple
         /// </summary>
         ErrorInternal = 68,
         /// <summary>
-        /// Frames were recorded that <see cref="Native.NativeMethods.crumple_complete_frames"/> was not told of.
+        /// Frames were recorded that <see cref="Native.NativeMethods.crumple_vulkan_complete_frames"/> was not told of.
         /// </summary>
         ErrorFramesInFlight = 69,
     }
@@ -366,7 +366,7 @@ namespace Crumple
     public partial struct CrumpleAllocatorDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_default_allocator_def"/>.
+        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_allocator_def_default"/>.
         /// </summary>
         public uint StructSize;
         /// <summary>
@@ -383,7 +383,7 @@ namespace Crumple
         public IntPtr User;
 
         /// <summary>
-        /// The defaults, from <c>crumple_default_allocator_def()</c>: begin with these.
+        /// The defaults, from <c>crumple_allocator_def_default()</c>: begin with these.
         /// </summary>
         /// <exception cref="CrumpleLibraryException">The native library is missing or does not fit.</exception>
         public static CrumpleAllocatorDef Default
@@ -391,7 +391,7 @@ namespace Crumple
             get
             {
                 CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_default_allocator_def();
+                return Native.NativeMethods.crumple_allocator_def_default();
             }
         }
     }
@@ -413,9 +413,9 @@ namespace Crumple
     /// Your parallel-for: call task(index, task_data) once for every index below count, on any threads and in any order, and
     /// return when all have returned. Tasks never block, never throw, and may run at once. What you forget is run after you
     /// return, and an index that you run twice does nothing the second time. Called from the thread that called Crumple. Must not
-    /// throw or jump out. It may call <see cref="Native.NativeMethods.crumple_submit_impulse"/>,
-    /// <see cref="Native.NativeMethods.crumple_submit_displacement"/> and <see cref="Native.NativeMethods.crumple_end_contact"/>,
-    /// nothing else of the same context.
+    /// throw or jump out. It may call <see cref="Native.NativeMethods.crumple_instance_submit_impulse"/>,
+    /// <see cref="Native.NativeMethods.crumple_instance_submit_displacement"/> and
+    /// <see cref="Native.NativeMethods.crumple_instance_end_contact"/>, nothing else of the same context.
     /// </summary>
     [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
     public delegate void CrumpleParallelFor(uint count, IntPtr task, IntPtr taskData, IntPtr user);
@@ -447,7 +447,7 @@ namespace Crumple
     public partial struct CrumpleContextDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_default_context_def"/>.
+        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_context_def_default"/>.
         /// </summary>
         public uint StructSize;
         /// <summary>
@@ -469,7 +469,7 @@ namespace Crumple
         public CrumpleTaskSystem Tasks;
 
         /// <summary>
-        /// The defaults, from <c>crumple_default_context_def()</c>: begin with these.
+        /// The defaults, from <c>crumple_context_def_default()</c>: begin with these.
         /// </summary>
         /// <exception cref="CrumpleLibraryException">The native library is missing or does not fit.</exception>
         public static CrumpleContextDef Default
@@ -477,7 +477,7 @@ namespace Crumple
             get
             {
                 CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_default_context_def();
+                return Native.NativeMethods.crumple_context_def_default();
             }
         }
     }
@@ -531,7 +531,7 @@ namespace Crumple
     public partial struct CrumpleExampleDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_default_example_def"/>.
+        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_example_def_default"/>.
         /// </summary>
         public uint StructSize;
         /// <summary>
@@ -588,7 +588,7 @@ namespace Crumple
         public CrumplePlacement Placement;
 
         /// <summary>
-        /// The defaults, from <c>crumple_default_example_def()</c>: begin with these.
+        /// The defaults, from <c>crumple_example_def_default()</c>: begin with these.
         /// </summary>
         /// <exception cref="CrumpleLibraryException">The native library is missing or does not fit.</exception>
         public static CrumpleExampleDef Default
@@ -596,7 +596,7 @@ namespace Crumple
             get
             {
                 CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_default_example_def();
+                return Native.NativeMethods.crumple_example_def_default();
             }
         }
     }
@@ -667,7 +667,7 @@ namespace Crumple
     public partial struct CrumpleExampleSetDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_default_example_set_def"/>.
+        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_example_set_def_default"/>.
         /// </summary>
         public uint StructSize;
         /// <summary>
@@ -700,7 +700,7 @@ namespace Crumple
         /// </summary>
         public CrumpleIndexType IndexType;
         /// <summary>
-        /// The examples: example_count of them, each from <see cref="Native.NativeMethods.crumple_default_example_def"/>.
+        /// The examples: example_count of them, each from <see cref="Native.NativeMethods.crumple_example_def_default"/>.
         /// </summary>
         public IntPtr Examples;
         /// <summary>
@@ -713,7 +713,7 @@ namespace Crumple
         public CrumpleExampleSetOptions Options;
 
         /// <summary>
-        /// The defaults, from <c>crumple_default_example_set_def()</c>: begin with these.
+        /// The defaults, from <c>crumple_example_set_def_default()</c>: begin with these.
         /// </summary>
         /// <exception cref="CrumpleLibraryException">The native library is missing or does not fit.</exception>
         public static CrumpleExampleSetDef Default
@@ -721,7 +721,7 @@ namespace Crumple
             get
             {
                 CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_default_example_set_def();
+                return Native.NativeMethods.crumple_example_set_def_default();
             }
         }
     }
@@ -754,7 +754,7 @@ namespace Crumple
     public partial struct CrumpleLodDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_default_lod_def"/>.
+        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_lod_def_default"/>.
         /// </summary>
         public uint StructSize;
         /// <summary>
@@ -787,7 +787,7 @@ namespace Crumple
         public CrumpleIndexType IndexType;
 
         /// <summary>
-        /// The defaults, from <c>crumple_default_lod_def()</c>: begin with these.
+        /// The defaults, from <c>crumple_lod_def_default()</c>: begin with these.
         /// </summary>
         /// <exception cref="CrumpleLibraryException">The native library is missing or does not fit.</exception>
         public static CrumpleLodDef Default
@@ -795,7 +795,7 @@ namespace Crumple
             get
             {
                 CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_default_lod_def();
+                return Native.NativeMethods.crumple_lod_def_default();
             }
         }
     }
@@ -807,7 +807,7 @@ namespace Crumple
     public partial struct CrumpleGltfDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_default_gltf_def"/>.
+        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_gltf_def_default"/>.
         /// </summary>
         public uint StructSize;
         /// <summary>
@@ -820,8 +820,8 @@ namespace Crumple
         /// </summary>
         public IntPtr MeshName;
         /// <summary>
-        /// Path of the .glb or .gltf file, UTF-8, for <see cref="Native.NativeMethods.crumple_load_example_set_gltf"/>. For
-        /// <see cref="Native.NativeMethods.crumple_load_example_set_gltf_memory"/> the folder that files named in it are relative
+        /// Path of the .glb or .gltf file, UTF-8, for <see cref="Native.NativeMethods.crumple_example_set_load_gltf"/>. For
+        /// <see cref="Native.NativeMethods.crumple_example_set_load_gltf_memory"/> the folder that files named in it are relative
         /// to; null: such files are an error.
         /// </summary>
         public IntPtr Path;
@@ -831,7 +831,7 @@ namespace Crumple
         public CrumpleExampleSetOptions Options;
 
         /// <summary>
-        /// The defaults, from <c>crumple_default_gltf_def()</c>: begin with these.
+        /// The defaults, from <c>crumple_gltf_def_default()</c>: begin with these.
         /// </summary>
         /// <exception cref="CrumpleLibraryException">The native library is missing or does not fit.</exception>
         public static CrumpleGltfDef Default
@@ -839,7 +839,7 @@ namespace Crumple
             get
             {
                 CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_default_gltf_def();
+                return Native.NativeMethods.crumple_gltf_def_default();
             }
         }
     }
@@ -851,7 +851,7 @@ namespace Crumple
     public partial struct CrumpleObjDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_default_obj_def"/>.
+        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_obj_def_default"/>.
         /// </summary>
         public uint StructSize;
         /// <summary>
@@ -872,7 +872,7 @@ namespace Crumple
         public CrumpleExampleSetOptions Options;
 
         /// <summary>
-        /// The defaults, from <c>crumple_default_obj_def()</c>: begin with these.
+        /// The defaults, from <c>crumple_obj_def_default()</c>: begin with these.
         /// </summary>
         /// <exception cref="CrumpleLibraryException">The native library is missing or does not fit.</exception>
         public static CrumpleObjDef Default
@@ -880,7 +880,7 @@ namespace Crumple
             get
             {
                 CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_default_obj_def();
+                return Native.NativeMethods.crumple_obj_def_default();
             }
         }
     }
@@ -919,7 +919,7 @@ namespace Crumple
     public partial struct CrumpleMeshCopyDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_default_mesh_copy_def"/>.
+        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_mesh_copy_def_default"/>.
         /// </summary>
         public uint StructSize;
         /// <summary>
@@ -945,7 +945,7 @@ namespace Crumple
         public CrumpleStream Indices;
 
         /// <summary>
-        /// The defaults, from <c>crumple_default_mesh_copy_def()</c>: begin with these.
+        /// The defaults, from <c>crumple_mesh_copy_def_default()</c>: begin with these.
         /// </summary>
         /// <exception cref="CrumpleLibraryException">The native library is missing or does not fit.</exception>
         public static CrumpleMeshCopyDef Default
@@ -953,7 +953,7 @@ namespace Crumple
             get
             {
                 CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_default_mesh_copy_def();
+                return Native.NativeMethods.crumple_mesh_copy_def_default();
             }
         }
     }
@@ -1122,7 +1122,7 @@ namespace Crumple
     public unsafe partial struct CrumpleInstanceDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_default_instance_def"/>.
+        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_instance_def_default"/>.
         /// </summary>
         public uint StructSize;
         /// <summary>
@@ -1173,12 +1173,12 @@ namespace Crumple
         public float Tolerance;
         /// <summary>
         /// From mesh to world space, column-major (element 4 * column + row); see
-        /// <see cref="Native.NativeMethods.crumple_set_instance_transform"/>. Default the identity.
+        /// <see cref="Native.NativeMethods.crumple_instance_set_transform"/>. Default the identity.
         /// </summary>
         public fixed float LocalToWorld[16];
 
         /// <summary>
-        /// The defaults, from <c>crumple_default_instance_def()</c>: begin with these.
+        /// The defaults, from <c>crumple_instance_def_default()</c>: begin with these.
         /// </summary>
         /// <exception cref="CrumpleLibraryException">The native library is missing or does not fit.</exception>
         public static CrumpleInstanceDef Default
@@ -1186,7 +1186,7 @@ namespace Crumple
             get
             {
                 CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_default_instance_def();
+                return Native.NativeMethods.crumple_instance_def_default();
             }
         }
     }
@@ -1238,7 +1238,7 @@ namespace Crumple
         /// </summary>
         public float DepthLimit;
         /// <summary>
-        /// Open contacts, see <see cref="Native.NativeMethods.crumple_end_contact"/>.
+        /// Open contacts, see <see cref="Native.NativeMethods.crumple_instance_end_contact"/>.
         /// </summary>
         public uint ContactCount;
         /// <summary>
@@ -1256,7 +1256,7 @@ namespace Crumple
     public partial struct CrumpleImpulseDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_default_impulse_def"/>.
+        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_impulse_def_default"/>.
         /// </summary>
         public uint StructSize;
         /// <summary>
@@ -1281,7 +1281,7 @@ namespace Crumple
         public float Mass;
         /// <summary>
         /// Which contact it is part of, any number of your own; hits of one contact make one dent, see
-        /// <see cref="Native.NativeMethods.crumple_end_contact"/>. 0: none, a hit of its own. Default 0.
+        /// <see cref="Native.NativeMethods.crumple_instance_end_contact"/>. 0: none, a hit of its own. Default 0.
         /// </summary>
         public ulong ContactId;
         /// <summary>
@@ -1290,7 +1290,7 @@ namespace Crumple
         public CrumpleBool Preview;
 
         /// <summary>
-        /// The defaults, from <c>crumple_default_impulse_def()</c>: begin with these.
+        /// The defaults, from <c>crumple_impulse_def_default()</c>: begin with these.
         /// </summary>
         /// <exception cref="CrumpleLibraryException">The native library is missing or does not fit.</exception>
         public static CrumpleImpulseDef Default
@@ -1298,7 +1298,7 @@ namespace Crumple
             get
             {
                 CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_default_impulse_def();
+                return Native.NativeMethods.crumple_impulse_def_default();
             }
         }
     }
@@ -1310,7 +1310,7 @@ namespace Crumple
     public partial struct CrumpleDisplacementDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_default_displacement_def"/>.
+        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_displacement_def_default"/>.
         /// </summary>
         public uint StructSize;
         /// <summary>
@@ -1335,7 +1335,7 @@ namespace Crumple
         public CrumpleBool Preview;
 
         /// <summary>
-        /// The defaults, from <c>crumple_default_displacement_def()</c>: begin with these.
+        /// The defaults, from <c>crumple_displacement_def_default()</c>: begin with these.
         /// </summary>
         /// <exception cref="CrumpleLibraryException">The native library is missing or does not fit.</exception>
         public static CrumpleDisplacementDef Default
@@ -1343,7 +1343,7 @@ namespace Crumple
             get
             {
                 CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_default_displacement_def();
+                return Native.NativeMethods.crumple_displacement_def_default();
             }
         }
     }
@@ -1497,7 +1497,7 @@ namespace Crumple
     public partial struct CrumpleHostBufferDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_default_host_buffer_def"/>.
+        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_host_buffer_def_default"/>.
         /// </summary>
         public uint StructSize;
         /// <summary>
@@ -1520,7 +1520,7 @@ namespace Crumple
         public CrumpleStream Tangents;
 
         /// <summary>
-        /// The defaults, from <c>crumple_default_host_buffer_def()</c>: begin with these.
+        /// The defaults, from <c>crumple_host_buffer_def_default()</c>: begin with these.
         /// </summary>
         /// <exception cref="CrumpleLibraryException">The native library is missing or does not fit.</exception>
         public static CrumpleHostBufferDef Default
@@ -1528,7 +1528,7 @@ namespace Crumple
             get
             {
                 CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_default_host_buffer_def();
+                return Native.NativeMethods.crumple_host_buffer_def_default();
             }
         }
     }
@@ -1608,10 +1608,10 @@ namespace Crumple
     /// Your Vulkan device, of Vulkan 1.1 or later. No extension and no feature needs to be enabled.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleVulkanDef
+    public partial struct CrumpleVulkanAttachDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_default_vulkan_def"/>.
+        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_vulkan_attach_def_default"/>.
         /// </summary>
         public uint StructSize;
         /// <summary>
@@ -1636,7 +1636,7 @@ namespace Crumple
         /// </summary>
         public IntPtr Device;
         /// <summary>
-        /// What <see cref="Native.NativeMethods.crumple_get_vulkan_pipeline_cache"/> gave at an earlier run; read during the
+        /// What <see cref="Native.NativeMethods.crumple_vulkan_get_pipeline_cache"/> gave at an earlier run; read during the
         /// call. Data of another driver is not used. Default null: none.
         /// </summary>
         public IntPtr PipelineCache;
@@ -1650,15 +1650,15 @@ namespace Crumple
         public uint WorkgroupSize;
 
         /// <summary>
-        /// The defaults, from <c>crumple_default_vulkan_def()</c>: begin with these.
+        /// The defaults, from <c>crumple_vulkan_attach_def_default()</c>: begin with these.
         /// </summary>
         /// <exception cref="CrumpleLibraryException">The native library is missing or does not fit.</exception>
-        public static CrumpleVulkanDef Default
+        public static CrumpleVulkanAttachDef Default
         {
             get
             {
                 CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_default_vulkan_def();
+                return Native.NativeMethods.crumple_vulkan_attach_def_default();
             }
         }
     }
@@ -1696,7 +1696,7 @@ namespace Crumple
     public partial struct CrumpleVulkanBufferDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_default_vulkan_buffer_def"/>.
+        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_vulkan_buffer_def_default"/>.
         /// </summary>
         public uint StructSize;
         /// <summary>
@@ -1772,7 +1772,7 @@ namespace Crumple
         public CrumpleVec3 Bias;
 
         /// <summary>
-        /// The defaults, from <c>crumple_default_vulkan_buffer_def()</c>: begin with these.
+        /// The defaults, from <c>crumple_vulkan_buffer_def_default()</c>: begin with these.
         /// </summary>
         /// <exception cref="CrumpleLibraryException">The native library is missing or does not fit.</exception>
         public static CrumpleVulkanBufferDef Default
@@ -1780,7 +1780,7 @@ namespace Crumple
             get
             {
                 CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_default_vulkan_buffer_def();
+                return Native.NativeMethods.crumple_vulkan_buffer_def_default();
             }
         }
     }
@@ -1829,14 +1829,14 @@ namespace Crumple
     /// A Vulkan device that Crumple makes for itself, beside yours on the same physical device.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
-    public unsafe partial struct CrumpleOwnVulkanDef
+    public unsafe partial struct CrumpleVulkanOpenDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_default_own_vulkan_def"/>.
+        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_vulkan_open_def_default"/>.
         /// </summary>
         public uint StructSize;
         /// <summary>
-        /// As in <see cref="CrumpleVulkanDef"/>. Default 128.
+        /// As in <see cref="CrumpleVulkanAttachDef"/>. Default 128.
         /// </summary>
         public uint WorkgroupSize;
         /// <summary>
@@ -1849,7 +1849,7 @@ namespace Crumple
         /// </summary>
         public fixed byte DeviceUuid[16];
         /// <summary>
-        /// As in <see cref="CrumpleVulkanDef"/>. Default null.
+        /// As in <see cref="CrumpleVulkanAttachDef"/>. Default null.
         /// </summary>
         public IntPtr PipelineCache;
         /// <summary>
@@ -1858,15 +1858,15 @@ namespace Crumple
         public UIntPtr PipelineCacheSize;
 
         /// <summary>
-        /// The defaults, from <c>crumple_default_own_vulkan_def()</c>: begin with these.
+        /// The defaults, from <c>crumple_vulkan_open_def_default()</c>: begin with these.
         /// </summary>
         /// <exception cref="CrumpleLibraryException">The native library is missing or does not fit.</exception>
-        public static CrumpleOwnVulkanDef Default
+        public static CrumpleVulkanOpenDef Default
         {
             get
             {
                 CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_default_own_vulkan_def();
+                return Native.NativeMethods.crumple_vulkan_open_def_default();
             }
         }
     }
@@ -1879,7 +1879,7 @@ namespace Crumple
     public partial struct CrumpleVulkanImportDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_default_vulkan_import_def"/>.
+        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_vulkan_import_def_default"/>.
         /// </summary>
         public uint StructSize;
         /// <summary>
@@ -1916,7 +1916,7 @@ namespace Crumple
         public CrumpleBool Dedicated;
 
         /// <summary>
-        /// The defaults, from <c>crumple_default_vulkan_import_def()</c>: begin with these.
+        /// The defaults, from <c>crumple_vulkan_import_def_default()</c>: begin with these.
         /// </summary>
         /// <exception cref="CrumpleLibraryException">The native library is missing or does not fit.</exception>
         public static CrumpleVulkanImportDef Default
@@ -1924,7 +1924,7 @@ namespace Crumple
             get
             {
                 CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_default_vulkan_import_def();
+                return Native.NativeMethods.crumple_vulkan_import_def_default();
             }
         }
     }

@@ -79,10 +79,10 @@ static void buffers(const Scene &scene, NativeBuffer *native) {
     FACT(has(failure(scene, def, CRUMPLE_ERROR_INVALID_ID), "knows no Vulkan buffer"));
     def = scene.buffer_def(native);
     def.instance = CrumpleInstance{};
-    FACT(has(failure(scene, def, CRUMPLE_ERROR_INVALID_ID), "crumple_register_vulkan_buffer: "));
+    FACT(has(failure(scene, def, CRUMPLE_ERROR_INVALID_ID), "crumple_buffer_register_vulkan: "));
     def = scene.buffer_def(native);
     def.vertex_count = 600; // Mesh.vertexCount of another mesh
-    FACT(has(failure(scene, def, CRUMPLE_ERROR_BUFFER_TOO_SMALL), "crumple_register_vulkan_buffer: "));
+    FACT(has(failure(scene, def, CRUMPLE_ERROR_BUFFER_TOO_SMALL), "crumple_buffer_register_vulkan: "));
     def = scene.buffer_def(native);
     def.lod = 3;
     FACT(has(failure(scene, def, CRUMPLE_ERROR_INDEX_OUT_OF_RANGE), "level of detail is 3"));
@@ -98,7 +98,7 @@ static void buffers(const Scene &scene, NativeBuffer *native) {
     frame();
     FACT(plugin.info(orphan).state == CRUMPLE_UNITY_BUFFER_RECORDED);
     OK(plugin.lock(scene.context));
-    OK(crumple_destroy_instance(scene.context, passing));
+    OK(crumple_instance_destroy(scene.context, passing));
     OK(plugin.unlock(scene.context));
     OK(plugin.want(orphan));
     frame();
@@ -131,16 +131,16 @@ static void buffers(const Scene &scene, NativeBuffer *native) {
 static void attached_by_another() {
     Scene scene;
     scene.open();
-    CrumpleVulkanDef vulkan = crumple_default_vulkan_def();
+    CrumpleVulkanAttachDef vulkan = crumple_vulkan_attach_def_default();
     vulkan.get_instance_proc_addr = (CrumpleVulkanFunction)vkGetInstanceProcAddr;
     vulkan.instance = unity_host.host.instance;
     vulkan.physical_device = unity_host.host.physical_device;
     vulkan.device = unity_host.host.device;
     vulkan.queue_family = unity_host.host.queue_family;
-    OK(crumple_attach_vulkan(scene.context, &vulkan));
+    OK(crumple_vulkan_attach(scene.context, &vulkan));
     OK(plugin.add_context(scene.context));
     NativeBuffer *native = unity_host.make_buffer(rest().data(), rest().size() * sizeof(Vertex), RAW);
-    FACT(has(failure(scene, scene.buffer_def(native), CRUMPLE_ERROR_INVALID_ARGUMENT), "crumple_attach_vulkan: "));
+    FACT(has(failure(scene, scene.buffer_def(native), CRUMPLE_ERROR_INVALID_ARGUMENT), "crumple_vulkan_attach: "));
     OK(plugin.destroy_context(scene.context));
     unity_host.wait_idle();
     unity_host.destroy_buffer(native);
@@ -276,17 +276,17 @@ static void meetings(Scene &scene, NativeBuffer *native) {
     waits.join();
 
     // Inside without the lock: Crumple notices, and the event leaves the buffer for the next one.
-    CrumpleContextDef talkative = crumple_default_context_def();
+    CrumpleContextDef talkative = crumple_context_def_default();
     talkative.log = [](CrumpleLogLevel, const char *, void *) { frame(); };
     OK(crumple_context_create(&talkative, &passing.context));
     OK(plugin.add_context(passing.context));
-    OK(crumple_create_example_set(passing.context, &sheet().def, &passing.set));
+    OK(crumple_example_set_create(passing.context, &sheet().def, &passing.set));
     passing.body = make_instance(passing.context, passing.set);
     const CrumpleUnityBufferDef passing_def = passing.buffer_def(native);
     uint64_t buffer;
     OK(plugin.register_buffer(passing.context, &passing_def, &buffer));
     CrumpleExampleSet another;
-    OK(crumple_create_example_set(passing.context, &sheet().def, &another));
+    OK(crumple_example_set_create(passing.context, &sheet().def, &another));
     FACT(plugin.info(buffer).state == CRUMPLE_UNITY_BUFFER_NEW && plugin.info(buffer).wanted);
     frame();
     FACT(plugin.info(buffer).state == CRUMPLE_UNITY_BUFFER_RECORDED);
@@ -299,7 +299,7 @@ static void meetings(Scene &scene, NativeBuffer *native) {
     std::thread device([] { unity_host.tell(unity::DeviceEvent::Shutdown); });
     while (plugin.state(nullptr, 0) == CRUMPLE_UNITY_READY) std::this_thread::yield();
     event(event_id); // the device is ending: nothing, and nobody waits
-    OK(crumple_deform(scene.context, &scene.twin_buffer, 1, NULL));
+    OK(crumple_context_deform(scene.context, &scene.twin_buffer, 1, NULL));
     OK(plugin.unlock(scene.context));
     device.join();
     OK(plugin.unregister_buffer(buffer));

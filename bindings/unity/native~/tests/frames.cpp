@@ -27,7 +27,7 @@ static HostBuffer seen_buffer() {
 
 static void deform_twin(Scene &scene) {
     OK(plugin.lock(scene.context));
-    OK(crumple_deform(scene.context, &scene.twin_buffer, 1, NULL));
+    OK(crumple_context_deform(scene.context, &scene.twin_buffer, 1, NULL));
     OK(plugin.unlock(scene.context));
 }
 
@@ -145,7 +145,7 @@ static void at_once(Scene &scene, NativeBuffer *native, uint64_t buffer) {
 
 static bool lives(const Scene &scene) {
     CrumpleInstanceInfo info;
-    return crumple_get_instance_info(scene.context, scene.body, &info) == CRUMPLE_OK;
+    return crumple_instance_get_info(scene.context, scene.body, &info) == CRUMPLE_OK;
 }
 
 // A frame that the device is still said to run keeps a destroyed context until it is safe.

@@ -41,23 +41,23 @@ struct Scene {
 
     void open() {
         context = make_context(1);
-        OK(crumple_create_example_set(context, &sheet().def, &set));
+        OK(crumple_example_set_create(context, &sheet().def, &set));
         body = make_instance(context, set);
         twin = make_instance(context, set);
-        CrumpleHostBufferDef def = crumple_default_host_buffer_def();
+        CrumpleHostBufferDef def = crumple_host_buffer_def_default();
         const size_t bytes = expected.size() * sizeof(Vertex);
         def.positions = stream_of(expected.data(), bytes, offsetof(Vertex, position), sizeof(Vertex));
         def.normals = stream_of(expected.data(), bytes, offsetof(Vertex, normal), sizeof(Vertex));
         def.tangents = stream_of(expected.data(), bytes, offsetof(Vertex, tangent), sizeof(Vertex));
-        OK(crumple_register_host_buffer(context, twin, &def, &twin_buffer));
+        OK(crumple_buffer_register_host(context, twin, &def, &twin_buffer));
     }
 
     // No lock is needed for these.
     void hit(int i) const {
         const CrumpleDisplacementDef def =
             displacement_at((float)(i * 37 % 101) / 101 - 0.5f, (float)(i * 61 % 103) / 103 - 0.5f, 0.02f);
-        OK(crumple_submit_displacement(context, body, &def, NULL));
-        OK(crumple_submit_displacement(context, twin, &def, NULL));
+        OK(crumple_instance_submit_displacement(context, body, &def, NULL));
+        OK(crumple_instance_submit_displacement(context, twin, &def, NULL));
     }
 
     CrumpleUnityBufferDef buffer_def(NativeBuffer *native) const {

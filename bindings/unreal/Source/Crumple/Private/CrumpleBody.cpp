@@ -13,10 +13,10 @@ FCrumpleBody::FCrumpleBody(TSharedRef<FCrumpleShape> InShape) : Shape(InShape), 
 TSharedPtr<FCrumpleBody> FCrumpleBody::Create(TSharedRef<FCrumpleShape> Shape, FString& OutError)
 {
 	TSharedPtr<FCrumpleBody> Body = MakeShareable(new FCrumpleBody(Shape));
-	CrumpleInstanceDef Def = crumple_default_instance_def();
+	CrumpleInstanceDef Def = crumple_instance_def_default();
 	Def.set = Shape->Set;
 	FScopeLock Lock(&Shape->Context->Mutex);
-	const CrumpleResult Result = crumple_create_instance(Shape->Context->Get(), &Def, &Body->Instance);
+	const CrumpleResult Result = crumple_instance_create(Shape->Context->Get(), &Def, &Body->Instance);
 	if (Result != CRUMPLE_OK)
 	{
 		OutError = CrumpleWhy(Result);
@@ -40,14 +40,14 @@ void FCrumpleBody::Release()
 	FScopeLock Lock(&Shape->Context->Mutex);
 	// Its buffers end with it, the ranges of proxies too.
 	Shape->Context->GetVulkan().Forget(Instance);
-	crumple_destroy_instance(Shape->Context->Get(), Instance);
+	crumple_instance_destroy(Shape->Context->Get(), Instance);
 	Instance = {};
 	Buffer = {};
 }
 
 bool FCrumpleBody::Submit(const FCrumpleHit& Hit, CrumpleHitResult& OutTold, FString& OutError)
 {
-	CrumpleImpulseDef Def = crumple_default_impulse_def();
+	CrumpleImpulseDef Def = crumple_impulse_def_default();
 	Def.point = Shape->Space.PointToSet(Hit.Point);
 	Def.impulse = Shape->Space.ImpulseToSet(Hit.Impulse);
 	Def.duration = Hit.Duration;
@@ -65,7 +65,7 @@ bool FCrumpleBody::Submit(const FCrumpleHit& Hit, CrumpleHitResult& OutTold, FSt
 	if (Hit.bInwards)
 	{
 		Def.preview = true;
-		Result = crumple_submit_impulse(Context, Instance, &Def, &OutTold);
+		Result = crumple_instance_submit_impulse(Context, Instance, &Def, &OutTold);
 		if (Result == CRUMPLE_OK)
 		{
 			const CrumpleVec3& Out = Shape->Normals[OutTold.contact_vertex];
@@ -78,7 +78,7 @@ bool FCrumpleBody::Submit(const FCrumpleHit& Hit, CrumpleHitResult& OutTold, FSt
 	}
 	if (Result == CRUMPLE_OK)
 	{
-		Result = crumple_submit_impulse(Context, Instance, &Def, &OutTold);
+		Result = crumple_instance_submit_impulse(Context, Instance, &Def, &OutTold);
 	}
 	if (Result != CRUMPLE_OK)
 	{
@@ -92,7 +92,7 @@ bool FCrumpleBody::Submit(const FCrumpleHit& Hit, CrumpleHitResult& OutTold, FSt
 bool FCrumpleBody::EndContact(uint64 Contact)
 {
 	FReadScopeLock Reading(Life);
-	return Instance.index != 0 && crumple_end_contact(Shape->Context->Get(), Instance, Contact) == CRUMPLE_OK;
+	return Instance.index != 0 && crumple_instance_end_contact(Shape->Context->Get(), Instance, Contact) == CRUMPLE_OK;
 }
 
 template <typename CallType>
@@ -116,12 +116,12 @@ bool FCrumpleBody::Locked(CallType&& Call, FString& OutError)
 
 bool FCrumpleBody::Repair(float Keep, FString& OutError)
 {
-	return Change([&](CrumpleContext* Context) { return crumple_repair_damage(Context, Instance, Keep); }, OutError);
+	return Change([&](CrumpleContext* Context) { return crumple_instance_repair_damage(Context, Instance, Keep); }, OutError);
 }
 
 bool FCrumpleBody::Reset(FString& OutError)
 {
-	return Change([&](CrumpleContext* Context) { return crumple_reset_damage(Context, Instance); }, OutError);
+	return Change([&](CrumpleContext* Context) { return crumple_instance_reset_damage(Context, Instance); }, OutError);
 }
 
 bool FCrumpleBody::Save(TArray<uint8>& OutDamage, FString& OutError)
@@ -130,18 +130,18 @@ bool FCrumpleBody::Save(TArray<uint8>& OutDamage, FString& OutError)
 		[&](CrumpleContext* Context)
 		{
 			size_t Size = 0;
-			CrumpleResult Result = crumple_save_damage(Context, Instance, nullptr, 0, &Size);
+			CrumpleResult Result = crumple_instance_save_damage(Context, Instance, nullptr, 0, &Size);
 			// Hits from other threads may come in between: they grow it.
 			for (int32 Attempt = 0; Result == CRUMPLE_OK; ++Attempt)
 			{
 				OutDamage.SetNumUninitialized(static_cast<int32>(Size));
 				const size_t Room = Size;
-				Result = crumple_save_damage(Context, Instance, OutDamage.GetData(), Room, &Size);
+				Result = crumple_instance_save_damage(Context, Instance, OutDamage.GetData(), Room, &Size);
 				if (Result != CRUMPLE_ERROR_BUFFER_TOO_SMALL || Attempt == 8)
 				{
 					break;
 				}
-				Result = crumple_save_damage(Context, Instance, nullptr, 0, &Size);
+				Result = crumple_instance_save_damage(Context, Instance, nullptr, 0, &Size);
 			}
 			if (Result == CRUMPLE_OK)
 			{
@@ -154,7 +154,7 @@ bool FCrumpleBody::Save(TArray<uint8>& OutDamage, FString& OutError)
 
 bool FCrumpleBody::Load(const TArray<uint8>& Damage, FString& OutError)
 {
-	return Change([&](CrumpleContext* Context) { return crumple_load_damage(Context, Instance, Damage.GetData(), Damage.Num()); }, OutError);
+	return Change([&](CrumpleContext* Context) { return crumple_instance_load_damage(Context, Instance, Damage.GetData(), Damage.Num()); }, OutError);
 }
 
 TArray<uint8> FCrumpleBody::MakeBytes() const
@@ -190,16 +190,16 @@ bool FCrumpleBody::Deform(TArray<uint8>& OutBytes, bool bAlways)
 				Bytes = MakeBytes();
 				uint8* Data = Bytes.GetData();
 				const size_t Size = Bytes.Num(), Basis = Layout.BasisBegin();
-				CrumpleHostBufferDef Def = crumple_default_host_buffer_def();
+				CrumpleHostBufferDef Def = crumple_host_buffer_def_default();
 				Def.lod = Shape->Lod;
 				Def.positions = {Data, Size, 0, FCrumpleLayout::PositionStride};
 				Def.tangents = {Data, Size, Basis, FCrumpleLayout::BasisStride};
 				Def.normals = {Data, Size, Basis + FCrumpleLayout::NormalOffset, FCrumpleLayout::BasisStride};
-				Result = crumple_register_host_buffer(Context, Instance, &Def, &Buffer);
+				Result = crumple_buffer_register_host(Context, Instance, &Def, &Buffer);
 			}
 			if (Result == CRUMPLE_OK)
 			{
-				Result = crumple_deform(Context, &Buffer, 1, &Report);
+				Result = crumple_context_deform(Context, &Buffer, 1, &Report);
 			}
 			if (Result == CRUMPLE_OK && (bAlways || Report.blocks_written > 0))
 			{

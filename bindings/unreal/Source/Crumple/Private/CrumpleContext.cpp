@@ -46,7 +46,7 @@ TSharedPtr<FCrumpleContext> FCrumpleContext::Create(FString& OutError)
 	{
 		return nullptr;
 	}
-	CrumpleContextDef Def = crumple_default_context_def();
+	CrumpleContextDef Def = crumple_context_def_default();
 	Def.log = LogCrumpleMessage;
 	CrumpleContext* Made = nullptr;
 	const CrumpleResult Result = crumple_context_create(&Def, &Made);

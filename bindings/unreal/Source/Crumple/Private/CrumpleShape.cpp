@@ -35,7 +35,7 @@ FCrumpleShape::~FCrumpleShape()
 	if (Set.index != 0)
 	{
 		FScopeLock Lock(&Context->Mutex);
-		crumple_destroy_example_set(Context->Get(), Set);
+		crumple_example_set_destroy(Context->Get(), Set);
 	}
 }
 
@@ -49,14 +49,14 @@ bool FCrumpleShape::Load(const UCrumpleSet& Asset, const FString& MeshName, FStr
 		return false;
 	}
 	const bool bGlb = Bytes.Num() >= 4 && FMemory::Memcmp(Bytes.GetData(), "glTF", 4) == 0;
-	CrumpleGltfDef Def = crumple_default_gltf_def();
+	CrumpleGltfDef Def = crumple_gltf_def_default();
 	CrumpleResult Result = bGlb
-		? crumple_load_example_set_gltf_memory(Context->Get(), Bytes.GetData(), Bytes.Num(), &Def, &Set)
-		: crumple_load_example_set_memory(Context->Get(), Bytes.GetData(), Bytes.Num(), CRUMPLE_BYTES_COPY, &Set);
+		? crumple_example_set_load_gltf_memory(Context->Get(), Bytes.GetData(), Bytes.Num(), &Def, &Set)
+		: crumple_example_set_load_baked_memory(Context->Get(), Bytes.GetData(), Bytes.Num(), CRUMPLE_BYTES_COPY, &Set);
 	CrumpleExampleSetInfo Info{};
 	if (Result == CRUMPLE_OK)
 	{
-		Result = crumple_get_example_set_info(Context->Get(), Set, &Info);
+		Result = crumple_example_set_get_info(Context->Get(), Set, &Info);
 	}
 	if (Result != CRUMPLE_OK)
 	{
@@ -74,10 +74,10 @@ bool FCrumpleShape::FindSpace(ECrumpleAxes Axes, const CrumpleExampleSetInfo& In
 	TArray<CrumpleVec3> Base;
 	Base.SetNumUninitialized(Info.vertex_count);
 	Normals.SetNumUninitialized(Info.vertex_count);
-	CrumpleMeshCopyDef Copy = crumple_default_mesh_copy_def();
+	CrumpleMeshCopyDef Copy = crumple_mesh_copy_def_default();
 	Copy.positions = {Base.GetData(), Base.Num() * sizeof(CrumpleVec3), 0, sizeof(CrumpleVec3)};
 	Copy.normals = {Normals.GetData(), Normals.Num() * sizeof(CrumpleVec3), 0, sizeof(CrumpleVec3)};
-	const CrumpleResult Result = crumple_copy_base_mesh(Context->Get(), Set, &Copy);
+	const CrumpleResult Result = crumple_example_set_copy_mesh(Context->Get(), Set, &Copy);
 	if (Result != CRUMPLE_OK)
 	{
 		OutError = CrumpleWhy(Result);
@@ -123,7 +123,7 @@ float FCrumpleShape::FurthestOff(const FCrumpleSpace& In, const TArray<CrumpleVe
 	{
 		const CrumpleVec3 Point = In.PointToSet(FVector(Mesh.Positions[Vertex]));
 		CrumpleAttachment Place;
-		if (crumple_attach_point(Context->Get(), Set, Point, &Place) != CRUMPLE_OK)
+		if (crumple_example_set_attach_point(Context->Get(), Set, Point, &Place) != CRUMPLE_OK)
 		{
 			OutVertex = Vertex;
 			return TNumericLimits<float>::Max();
@@ -158,7 +158,7 @@ bool FCrumpleShape::AddLevel(FString& OutError)
 		LevelNormals.Add(Space.DirectionToSet(FVector(Mesh.Normals[Vertex])));
 		LevelTangents.Add(FVector4f(Turned.x, Turned.y, Turned.z, Tangent.W * Space.Handedness()));
 	}
-	CrumpleLodDef Def = crumple_default_lod_def();
+	CrumpleLodDef Def = crumple_lod_def_default();
 	Def.vertex_count = Mesh.Num();
 	Def.positions = Input(LevelPositions);
 	Def.normals = Input(LevelNormals);

@@ -148,13 +148,13 @@ bool FCrumpleVulkan::Attach(FString& OutWhy)
 	}
 	CRUMPLE_VULKAN_FUNCTIONS(CRUMPLE_LOAD)
 #undef CRUMPLE_LOAD
-	CrumpleVulkanDef Def = crumple_default_vulkan_def();
+	CrumpleVulkanAttachDef Def = crumple_vulkan_attach_def_default();
 	Def.get_instance_proc_addr = reinterpret_cast<CrumpleVulkanFunction>(Made->RHI->RHIGetVkInstanceProcAddr("vkGetInstanceProcAddr"));
 	Def.instance = Made->RHI->RHIGetVkInstance();
 	Def.physical_device = Made->RHI->RHIGetVkPhysicalDevice();
 	Def.device = Made->Handle;
 	Def.queue_family = Made->RHI->RHIGetGraphicsQueueFamilyIndex();
-	const CrumpleResult Result = crumple_attach_vulkan(Context.Get(), &Def);
+	const CrumpleResult Result = crumple_vulkan_attach(Context.Get(), &Def);
 	if (Result != CRUMPLE_OK)
 	{
 		return No(CrumpleWhy(Result));
@@ -189,7 +189,7 @@ FCrumpleRangeId FCrumpleVulkan::Register(FCrumpleBody& Body, FRHIBuffer* Buffer,
 		UE_LOG(LogCrumple, Warning, TEXT("Dents of a body are made on the CPU: %s"), *OutWhy);
 		return 0;
 	}
-	CrumpleVulkanBufferDef Def = crumple_default_vulkan_buffer_def();
+	CrumpleVulkanBufferDef Def = crumple_vulkan_buffer_def_default();
 	Def.lod = Body.Shape->Lod;
 	Def.buffer = (uint64_t)Alias;
 	Def.buffer_size = Begin + Layout.Size();
@@ -205,7 +205,7 @@ FCrumpleRangeId FCrumpleVulkan::Register(FCrumpleBody& Body, FRHIBuffer* Buffer,
 	Def.tangents = {Basis, FCrumpleLayout::BasisStride, VK_FORMAT_R32G32B32A32_SFLOAT, 0};
 	Def.normals = {Basis + FCrumpleLayout::NormalOffset, FCrumpleLayout::BasisStride, VK_FORMAT_R32G32B32_SFLOAT, 0};
 	CrumpleBuffer Made{};
-	const CrumpleResult Result = crumple_register_vulkan_buffer(Context.Get(), Body.Get(), &Def, &Made);
+	const CrumpleResult Result = crumple_buffer_register_vulkan(Context.Get(), Body.Get(), &Def, &Made);
 	if (Result != CRUMPLE_OK)
 	{
 		Device->vkDestroyBuffer(Device->Handle, Alias, nullptr);
@@ -228,7 +228,7 @@ void FCrumpleVulkan::Unregister(FCrumpleRangeId Id)
 			Ranges.RemoveAt(Index);
 			if (Range.Buffer.index != 0)
 			{
-				crumple_unregister_buffer(Context.Get(), Range.Buffer);
+				crumple_buffer_unregister(Context.Get(), Range.Buffer);
 			}
 			Retired.Add(FRetired{NewestFrame, Range.Alias, Range.Memory});
 			return;
@@ -311,7 +311,7 @@ void FCrumpleVulkan::Record(uint64 Frame, TArray<FCrumpleRangeId> Asked)
 	constexpr VkAccessFlags Ours = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT;
 	const VkCommandBuffer Commands = Device->ActiveCommands();
 	Device->Barrier(Commands, Everything, VK_ACCESS_MEMORY_WRITE_BIT, Compute, Ours);
-	const CrumpleResult Result = crumple_record_deform(Context.Get(), Commands, Frame, Buffers.GetData(), Buffers.Num(), nullptr);
+	const CrumpleResult Result = crumple_vulkan_record(Context.Get(), Commands, Frame, Buffers.GetData(), Buffers.Num(), nullptr);
 	if (Result != CRUMPLE_OK)
 	{
 		UE_LOG(LogCrumple, Error, TEXT("%s"), *CrumpleWhy(Result));
@@ -339,7 +339,7 @@ void FCrumpleVulkan::Poll()
 
 void FCrumpleVulkan::Complete(uint64 Frame)
 {
-	crumple_complete_frames(Context.Get(), Frame);
+	crumple_vulkan_complete_frames(Context.Get(), Frame);
 	Retired.RemoveAll(
 		[&](const FRetired& Each)
 		{
@@ -374,7 +374,7 @@ void FCrumpleVulkan::Detach()
 	InFlight.Empty();
 	Fences.Empty();
 	Complete(MAX_uint64);
-	const CrumpleResult Result = crumple_detach_vulkan(Context.Get());
+	const CrumpleResult Result = crumple_vulkan_detach(Context.Get());
 	if (Result != CRUMPLE_OK)
 	{
 		UE_LOG(LogCrumple, Error, TEXT("%s"), *CrumpleWhy(Result));
