@@ -88,10 +88,12 @@ pub enum CrumpleHitStatus {
     BelowYield = 1,
     /// No example moves the contact in the direction asked for.
     NothingReaches = 2,
+    /// Too little alone to leave a mark, but part of a contact, which it adds to.
+    Accumulated = 3,
 }
 
 impl CEnum for CrumpleHitStatus {
-    const ALL: &'static [Self] = &[Self::Marked, Self::BelowYield, Self::NothingReaches];
+    const ALL: &'static [Self] = &[Self::Marked, Self::BelowYield, Self::NothingReaches, Self::Accumulated];
 }
 
 /// An example that a hit is made of.
@@ -123,9 +125,7 @@ pub struct CrumpleHitResult {
     /// Displacement asked for at the contact, m, in the mesh's space.
     pub target: CrumpleVec3,
     /// Displacement that this hit alone brings there, m, in the mesh's space.
-    pub met: CrumpleVec3,
-    /// target - met, m.
-    pub unmet: CrumpleVec3,
+    pub achieved: CrumpleVec3,
     /// Number of chosen examples.
     pub chosen_count: u32,
     /// Whether the target was longer than the depth limit and was cut to it.
@@ -155,12 +155,12 @@ impl From<&Outcome> for CrumpleHitResult {
                 HitStatus::Marked => CrumpleHitStatus::Marked,
                 HitStatus::BelowYield => CrumpleHitStatus::BelowYield,
                 HitStatus::NothingReaches => CrumpleHitStatus::NothingReaches,
+                HitStatus::Accumulated => CrumpleHitStatus::Accumulated,
             }),
             contact_vertex: outcome.contact_vertex,
             contact_distance: outcome.contact_distance,
             target: outcome.target.into(),
-            met: outcome.met.into(),
-            unmet: outcome.unmet.into(),
+            achieved: outcome.achieved.into(),
             chosen_count,
             clamped: outcome.clamped,
             chosen,

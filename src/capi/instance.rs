@@ -150,7 +150,7 @@ pub unsafe extern "C" fn crumple_instance_create(
         // SAFETY: the caller's.
         let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_instance, "out_instance")?) };
         let set = state.sets.get(def.set, "def.set")?.set.clone();
-        let mut instance = Instance::new(set, options(&def)?)?;
+        let instance = Instance::new(set, options(&def)?)?;
         instance.set_transform(Mat4::from_cols_array(&finite(def.local_to_world, "def.local_to_world")?))?;
         let mut inboxes = context.inboxes.write().unwrap_or_else(PoisonError::into_inner);
         state.instances.reserve::<CrumpleInstance>()?;

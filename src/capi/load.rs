@@ -107,7 +107,7 @@ pub unsafe extern "C" fn crumple_example_set_load_gltf(
         {
             // SAFETY: the caller's.
             let choice = unsafe { mesh_choice(&def) }?;
-            let imported = crate::import::gltf_file(path.as_ref(), choice)?;
+            let imported = crate::io::import::gltf_file(path.as_ref(), choice)?;
             // SAFETY: the caller's.
             unsafe { add_imported((context, state, log), imported, &def.options, out) }
         }
@@ -139,7 +139,7 @@ pub unsafe extern "C" fn crumple_example_set_load_gltf_memory(
         {
             // SAFETY: the caller's.
             let (choice, folder) = unsafe { (mesh_choice(&def)?, string(def.path, "def.path")?) };
-            let imported = crate::import::gltf_slice(bytes, folder.map(std::path::Path::new), choice)?;
+            let imported = crate::io::import::gltf_slice(bytes, folder.map(std::path::Path::new), choice)?;
             // SAFETY: the caller's.
             unsafe { add_imported((context, state, log), imported, &def.options, out) }
         }
@@ -169,7 +169,7 @@ pub unsafe extern "C" fn crumple_example_set_load_obj(
         let base = required(unsafe { string(def.base_path, "def.base_path") }?, "def.base_path")?;
         // SAFETY: the caller's.
         let paths = unsafe { array(def.example_paths, def.example_count as usize, "def.example_paths") }?;
-        let mut examples = crate::error::reserve(paths.len(), "def.example_paths")?;
+        let mut examples = crate::base::error::reserve(paths.len(), "def.example_paths")?;
         for (i, &path) in paths.iter().enumerate() {
             let name = format!("def.example_paths[{i}]");
             // SAFETY: the caller's.
@@ -177,7 +177,7 @@ pub unsafe extern "C" fn crumple_example_set_load_obj(
         }
         #[cfg(feature = "obj")]
         {
-            let imported = crate::import::obj_files(base.as_ref(), &examples)?;
+            let imported = crate::io::import::obj_files(base.as_ref(), &examples)?;
             // SAFETY: the caller's.
             unsafe { add_imported((context, state, log), imported, &def.options, out) }
         }
@@ -305,8 +305,8 @@ pub(super) fn not_built(feature: &str) -> Failure {
 }
 
 #[cfg(feature = "gltf")]
-unsafe fn mesh_choice(def: &CrumpleGltfDef) -> Result<crate::import::MeshChoice<'_>, Failure> {
-    use crate::import::MeshChoice;
+unsafe fn mesh_choice(def: &CrumpleGltfDef) -> Result<crate::io::import::MeshChoice<'_>, Failure> {
+    use crate::io::import::MeshChoice;
     // SAFETY: the caller's.
     Ok(match (unsafe { string(def.mesh_name, "def.mesh_name") }?, def.mesh_index) {
         (Some(name), _) => MeshChoice::Name(name),
@@ -318,7 +318,7 @@ unsafe fn mesh_choice(def: &CrumpleGltfDef) -> Result<crate::import::MeshChoice<
 #[cfg(any(feature = "gltf", feature = "obj"))]
 unsafe fn add_imported(
     of: (&Context, &mut State, &mut Log<'_>),
-    imported: crate::import::Imported,
+    imported: crate::io::import::Imported,
     options: &CrumpleExampleSetOptions,
     out: Out<CrumpleExampleSet>,
 ) -> Result<(), Failure> {

@@ -8,7 +8,7 @@ use super::result::{CrumpleResult, Failure};
 use super::set_info::CrumplePrimitive;
 use super::tasks::Quiet;
 use super::types::{CrumpleExampleSet, CrumpleInput, CrumpleVec3};
-use crate::error::reserve;
+use crate::base::error::reserve;
 use crate::{Combine, Contact, Deltas, ExampleData, ExampleSet, MeshData, Placement, Seams, SetOptions, VertexMass};
 use std::ffi::{CString, c_char};
 use std::mem::MaybeUninit;

@@ -9,11 +9,12 @@
 #![expect(clippy::undocumented_unsafe_blocks, reason = "where none is given, it is the one above")]
 #![expect(clippy::needless_range_loop, reason = "x, y and z side by side read better by their number")]
 
-use crate::anchored::{BLOCK, GROUP, GROUPS, Numbers, Stored};
-use crate::dent::Carried;
-use crate::rim::WindowBlock;
-use crate::simd::Simd;
-use crate::stamp::{FACING, Stamp, WEIGHTS};
+use super::simd::Simd;
+use crate::damage::dent::Carried;
+use crate::example::blocks::{GROUP, GROUPS, Numbers, Stored};
+use crate::example::stamp::{FACING, Stamp, WEIGHTS};
+use crate::mesh::rim::WindowBlock;
+use crate::mesh::vertex_blocks::BLOCK;
 use glam::Vec3;
 
 /// One value for each of x, y and z. No closures here, nor anywhere below: they would not be compiled for the level.
@@ -354,7 +355,7 @@ pub(crate) unsafe fn turn_stored<S: Simd>(
 
 /// One part of a dent, made ready for a block.
 #[derive(Clone, Copy)]
-pub(crate) struct Ready<'a> {
+pub(crate) struct ReadyPart<'a> {
     pub source: Source<'a>,
     /// What its displacements are multiplied with.
     pub scale: f32,
@@ -408,7 +409,7 @@ unsafe fn add_stored<S: Simd>(stored: &Stored<'_>, at: usize, scale: f32, least:
 /// Adds what a carried example brings: what [`Stamp::read`] says, in lanes.
 #[inline(always)]
 unsafe fn add_carried<S: Simd, const NORMALS: bool>(
-    part: &Ready<'_>,
+    part: &ReadyPart<'_>,
     (c, stamp): (&Carried, &Stamp),
     window: Option<&WindowBlock>,
     rest: &Rest<S>,
@@ -505,7 +506,7 @@ pub(crate) struct Block<'a> {
     /// So many vertices are there; the rest are zeros.
     pub len: usize,
     /// In the order in which they are added.
-    pub parts: &'a [Ready<'a>],
+    pub parts: &'a [ReadyPart<'a>],
     pub window: Option<&'a WindowBlock>,
     /// Whether there are parts of more than one dent.
     pub several: bool,

@@ -7,14 +7,14 @@
 use super::NONE;
 use super::format::Layout;
 use super::skin::Place;
+use crate::Error;
+use crate::base::math::Aabb;
 use crate::classic::State;
-use crate::deform::evaluate;
+use crate::damage::dent::{Carried, DentPart, Reach};
 use crate::deform::kernel::Lengths;
-use crate::dent::{Carried, Part};
-use crate::math::Aabb;
-use crate::skin::Skin;
-use crate::stamp::{FACING, Stamp};
-use crate::{Error, Instance};
+use crate::deform::view::DamageView;
+use crate::example::mesh_lod::MeshLod;
+use crate::example::stamp::{FACING, Stamp};
 use glam::{Mat3, Vec3};
 use std::ops::Range;
 
@@ -64,8 +64,8 @@ pub(crate) struct Offsets {
 
 /// One target as its instance now is.
 pub(crate) struct Shown<'a> {
-    pub instance: &'a Instance,
-    pub skin: &'a Skin,
+    pub view: DamageView<'a>,
+    pub skin: &'a MeshLod,
     pub place: &'a Place,
     pub layout: &'a Layout,
     /// Bytes before it in the buffer as it is bound, modulo 2^64.
@@ -128,11 +128,12 @@ impl Frame {
 
     /// Adds a target of an instance with marks, and answers a box that holds its vertices.
     pub(crate) fn target(&mut self, shown: &Shown<'_>) -> Aabb {
-        let Shown { instance, skin, place, .. } = *shown;
+        let Shown { view, skin, place, .. } = *shown;
         let begin = self.parts.len() / PART_WORDS;
-        let (least, set) = (instance.least(), instance.example_set());
+        let (least, set) = (view.threshold, view.set);
         let (mut dents, mut longest) = (0, 0.0);
-        for (dent, reach) in instance.damage().reached() {
+        for dent in view.damage.dents() {
+            let reach = dent.reach();
             let head = self.parts.len();
             self.parts.extend_from_slice(&[0; PART_WORDS]);
             for part in dent.parts.iter() {
@@ -166,20 +167,20 @@ impl Frame {
             let square = (reach.square * SLACK).min(f32::MAX).to_bits();
             self.parts[head..][..5].copy_from_slice(&[x, y, z, square, parts as u32]);
         }
-        let combined = match evaluate::lengths(instance) {
+        let combined = match view.lengths() {
             Lengths::Free => 0,
             Lengths::Squares => SQUARES,
             Lengths::Longest => LONGEST,
         };
-        let limit = evaluate::limit(instance, longest);
+        let limit = view.limit(longest);
         let flags = combined | if dents > 1 { SEVERAL } else { 0 } | if limit.is_some() { LIMITED } else { 0 };
         self.add_target(shown, begin, (flags, limit.unwrap_or(0.0), NONE));
         // A little more than exact, for the rounding of f32.
-        let grown = Vec3::splat(longest.min(instance.depth_limit()) * 1.00001);
+        let grown = Vec3::splat(longest.min(view.depth_limit) * 1.00001);
         let mut bounds = skin.mesh.bounds();
         if dents > 0 {
-            for (_, reach) in instance.damage().reached() {
-                let mut near = reach.bounds(&skin.mesh.bounds());
+            for dent in view.damage.dents() {
+                let mut near = bounds_within(&dent.reach(), &skin.mesh.bounds());
                 (near.min, near.max) = (near.min - grown, near.max + grown);
                 bounds.union(&near);
             }
@@ -192,11 +193,11 @@ impl Frame {
     pub(crate) fn classic_target(
         &mut self,
         shown: &Shown<'_>,
-        state: &State,
+        (state, blend_constant): (&State, f32),
         normals: bool,
         since: Option<u64>,
     ) -> Aabb {
-        let Shown { instance, skin, place, .. } = *shown;
+        let Shown { view, skin, place, .. } = *shown;
         let (begin, mut given, mut flags) = (self.parts.len() / PART_WORDS, NONE, 0);
         let all = 0..skin.vertex_count();
         match since.and_then(|epoch| state.applied_since(epoch)) {
@@ -208,21 +209,21 @@ impl Frame {
                     self.parts.extend_from_slice(&[0, example, 0, 0, steps[0], steps[1], steps[2], 0]);
                 }
             }
-            None if instance.changes().blocks[0].iter().all(|changed| *changed == 0) => flags = AT_REST,
+            None if view.changes.blocks[0].iter().all(|changed| *changed == 0) => flags = AT_REST,
             None => {
                 given = self.carried.len() as u32;
                 for v in all.clone() {
-                    self.carried.extend_from_slice(&state.position(v).to_array().map(f32::to_bits));
+                    self.carried.extend_from_slice(&state.vertices().positions[v].to_array().map(f32::to_bits));
                     if normals {
-                        let normal = state.normal(v).unwrap_or(Vec3::ZERO);
+                        let normal = state.vertices().normals.get(v).copied().unwrap_or(Vec3::ZERO);
                         self.carried.extend_from_slice(&normal.to_array().map(f32::to_bits));
                     }
                 }
             }
         }
-        self.add_target(shown, begin, (flags, instance.blend_constant(), given));
+        self.add_target(shown, begin, (flags, blend_constant, given));
         let mut bounds = Aabb::EMPTY;
-        all.for_each(|v| bounds.add(state.position(v)));
+        all.for_each(|v| bounds.add(state.vertices().positions[v]));
         bounds
     }
 
@@ -250,7 +251,7 @@ impl Frame {
         self.targets.extend_from_slice(&words.all);
     }
 
-    fn add_stored(&mut self, skin: &Skin, place: &Place, (part, scale, least): (&Part, f32, f32)) {
+    fn add_stored(&mut self, skin: &MeshLod, place: &Place, (part, scale, least): (&DentPart, f32, f32)) {
         let steps = skin.anchored[part.example].steps;
         let mut words = Words::<PART_WORDS>::new();
         words.put([0, place.example(part.example), 0, 0]);
@@ -278,6 +279,12 @@ impl Frame {
         words.put([nodes, 0, 0, 0]);
         self.carried.extend_from_slice(&words.all);
     }
+}
+
+/// The part of a box that holds everything within reach.
+fn bounds_within(reach: &Reach, all: &Aabb) -> Aabb {
+    let radius = Vec3::splat(reach.square.sqrt() * SLACK);
+    Aabb { min: all.min.max(reach.contact - radius), max: all.max.min(reach.contact + radius) }
 }
 
 /// Displacements no longer than `least` become zero; all stay where it is 0: as a square to compare with.

@@ -1,11 +1,11 @@
 //! What does not change, in words: a mesh with its examples, and the stamps of its set.
 
 use super::NONE;
-use crate::anchored::Anchored;
-use crate::examples::ExampleSet;
-use crate::rim::{Rim, WindowBlock};
-use crate::skin::Skin;
-use crate::stamp::Node;
+use crate::example::blocks::DeltaBlocks;
+use crate::example::mesh_lod::MeshLod;
+use crate::example::set::ExampleSet;
+use crate::example::stamp::Node;
+use crate::mesh::rim::{Rim, WindowBlock};
 use bytemuck::{cast_slice, cast_slice_mut};
 
 const NODE_WORDS: usize = size_of::<Node>() / 4;
@@ -32,7 +32,7 @@ pub(crate) struct SkinWords {
 }
 
 impl SkinWords {
-    pub(crate) fn new(skin: &Skin) -> Self {
+    pub(crate) fn new(skin: &MeshLod) -> Self {
         let mut at = Counter(0);
         let n = skin.vertex_count();
         SkinWords {
@@ -53,7 +53,7 @@ impl SkinWords {
     }
 
     /// Writes all of the skin that this was made from: as many words as it takes.
-    pub(crate) fn write(&self, skin: &Skin, to: &mut [u32]) {
+    pub(crate) fn write(&self, skin: &MeshLod, to: &mut [u32]) {
         let mut put = |at: u32, from: &[u32]| to[at as usize..][..from.len()].copy_from_slice(from);
         put(self.positions, cast_slice(skin.mesh.positions()));
         if let (Some(at), Some(normals)) = (self.normals, skin.mesh.normals()) {
@@ -72,7 +72,7 @@ impl SkinWords {
             for h in a.heads.iter() {
                 table[h.block as usize] = (blocks + heads.len()) as u32;
                 let displacements = numbers + 2 * h.at as usize;
-                let normals = displacements + 2 * crate::anchored::words(h.groups, h.width);
+                let normals = displacements + 2 * crate::example::blocks::words(h.groups, h.width);
                 heads.extend([
                     u32::from(h.width) | u32::from(h.normal_width) << 8,
                     u32::from(h.groups) | u32::from(h.normal_groups) << 16,
@@ -95,7 +95,7 @@ impl SkinWords {
 }
 
 /// Words of an example before its numbers.
-fn numbers_at(skin: &Skin, a: &Anchored) -> usize {
+fn numbers_at(skin: &MeshLod, a: &DeltaBlocks) -> usize {
     skin.blocks() + HEAD_WORDS * a.heads.len()
 }
 

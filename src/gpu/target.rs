@@ -3,8 +3,8 @@
 use super::frame::{BLOCK_WORDS, Offsets};
 use super::{Encoding, Layout, Stream};
 use crate::Error;
-use crate::anchored::BLOCK;
 use crate::mesh::Mesh;
+use crate::mesh::vertex_blocks::BLOCK;
 use std::fmt::Debug;
 use std::ops::Range;
 

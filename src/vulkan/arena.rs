@@ -3,9 +3,9 @@
 use super::device::Gpu;
 use super::memory::{Buffer, Use};
 use crate::Error;
-use crate::examples::ExampleSet;
+use crate::example::mesh_lod::MeshLod;
+use crate::example::set::ExampleSet;
 use crate::gpu::{Place, SkinWords, StampWords};
-use crate::skin::Skin;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Weak};
 
@@ -169,7 +169,7 @@ impl Arena {
 /// Fills a staging buffer with a skin, and with its set's stamps where they are new.
 fn upload(
     gpu: &Gpu,
-    (skin, words, skin_at): (&Skin, &SkinWords, u32),
+    (skin, words, skin_at): (&MeshLod, &SkinWords, u32),
     (set, stamps): (&ExampleSet, Option<(&Arc<StampWords>, u32)>),
 ) -> Result<Upload, Error> {
     let (skin_words, stamp_words) = (words.total(), stamps.map_or(0, |(s, _)| s.total()));

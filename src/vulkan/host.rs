@@ -4,7 +4,7 @@ use super::arena::Home;
 use super::device::{Device, Gpu};
 use super::kernels::{Kernels, Set};
 use super::state::State;
-use crate::examples::ExampleSet;
+use crate::example::set::ExampleSet;
 use crate::gpu::{self, Encoding, Kernel, Layout};
 use crate::{Aabb, Error, Tracker};
 use ash::vk::{self, Handle};

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 /// Invocations a block: its vertices.
-const BLOCK: u64 = crate::anchored::BLOCK as u64;
+const BLOCK: u64 = crate::mesh::vertex_blocks::BLOCK as u64;
 
 /// One target to bring up to date.
 #[derive(Debug)]
@@ -142,7 +142,7 @@ impl Device {
         }
         for (j, job) in jobs.iter_mut().enumerate() {
             self.add_state(job.instance, job.target)?;
-            let (target, changes) = (&job.target, job.instance.changes());
+            let (target, changes) = (&job.target, job.instance.view().changes);
             let (buffer, window) = (target.buffer, target.window);
             let def = &self.hosts.get(buffer)?.def;
             if self.gpu.foreign(def) {
@@ -170,15 +170,15 @@ impl Device {
             if s.writes.last() != Some(&(key.buffer, key.window)) {
                 s.writes.push((key.buffer, key.window));
             }
-            let shown = Shown { instance, skin, place, layout: &target.layout, first: target.first };
+            let shown = Shown { view: instance.view(), skin, place, layout: &target.layout, first: target.first };
             let bounds = match instance.classic_state() {
                 Some(state) => {
-                    let since = target.tracker.since(instance.changes(), target.lod);
-                    s.frame.classic_target(&shown, state, normals, since)
+                    let since = target.tracker.since(instance.view().changes, target.lod);
+                    s.frame.classic_target(&shown, (state, instance.blend_constant()), normals, since)
                 }
                 None => s.frame.target(&shown),
             };
-            let blocks = s.frame.add_blocks(target.tracker.dirty(instance.changes(), target.lod));
+            let blocks = s.frame.add_blocks(target.tracker.dirty(instance.view().changes, target.lod));
             report.blocks_written += blocks.len() as u64;
             report.blocks_skipped += (skin.blocks() - blocks.len()) as u64;
             s.shown.push((bounds, blocks));
@@ -369,7 +369,7 @@ fn written(s: &Scratch, jobs: &mut [RecordJob<'_>], frame: u64) -> u64 {
     for ((_, j), (bounds, blocks)) in s.order.iter().zip(&s.shown) {
         let RecordJob { instance, target } = &mut jobs[*j as usize];
         let Ok(skin) = instance.example_set().lod(target.lod) else { continue };
-        let of = (*instance, target.lod, skin.vertex_count());
+        let of = (instance.view().changes, target.lod, skin.vertex_count());
         vertices += target.tracker.recorded(of, s.frame.listed(blocks), *bounds);
         target.home.used.fetch_max(frame, Ordering::Relaxed);
         target.written_in = frame;

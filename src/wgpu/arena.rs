@@ -2,7 +2,7 @@
 
 use super::device::Gpu;
 use crate::Error;
-use crate::examples::ExampleSet;
+use crate::example::set::ExampleSet;
 use crate::gpu::{Place, SkinWords, StampWords};
 use std::sync::{Arc, Weak};
 
@@ -118,7 +118,7 @@ impl Arena {
 
 /// Has words written into a chunk before the next submission runs.
 fn upload(gpu: &Gpu, chunk: &Chunk, (at, words): (u32, u64), write: impl FnOnce(&mut [u32])) -> Result<(), Error> {
-    let mut all: Vec<u32> = crate::error::reserve(words as usize, "a mesh and its examples")?;
+    let mut all: Vec<u32> = crate::base::error::reserve(words as usize, "a mesh and its examples")?;
     all.resize(words as usize, 0);
     write(&mut all);
     let bytes = bytemuck::cast_slice(&all);

@@ -2,14 +2,14 @@
 
 use super::device::Device;
 use super::target::Target;
-use crate::anchored;
 use crate::gpu::{Frame, Kernel, Shown};
+use crate::mesh::vertex_blocks;
 use crate::{Aabb, Error, Instance};
 use std::ops::Range;
 use std::sync::Arc;
 
 /// Invocations a block: its vertices.
-const BLOCK: u64 = anchored::BLOCK as u64;
+const BLOCK: u64 = vertex_blocks::BLOCK as u64;
 
 /// One target to bring up to date.
 #[derive(Debug)]
@@ -144,7 +144,7 @@ impl Device {
         }
         for (j, job) in jobs.iter_mut().enumerate() {
             self.add_state(job.instance, job.target)?;
-            let (target, changes) = (&job.target, job.instance.changes());
+            let (target, changes) = (&job.target, job.instance.view().changes);
             if target.tracker.dirty(changes, target.lod).next().is_some() {
                 let classic = job.instance.classic_state().map(|_| j as u32);
                 let key = Key { window: target.window.id, chunk: target.home.chunk.id, classic };
@@ -163,15 +163,15 @@ impl Device {
                 let kernel = Kernel::Positions;
                 s.dispatches.push(Dispatch { key: *key, job: *j, kernel, blocks, groups: [0; 2], call: 0 });
             }
-            let shown = Shown { instance, skin, place, layout: &target.layout, first: target.first };
+            let shown = Shown { view: instance.view(), skin, place, layout: &target.layout, first: target.first };
             let bounds = match instance.classic_state() {
                 Some(state) => {
-                    let since = target.tracker.since(instance.changes(), target.lod);
-                    s.frame.classic_target(&shown, state, normals, since)
+                    let since = target.tracker.since(instance.view().changes, target.lod);
+                    s.frame.classic_target(&shown, (state, instance.blend_constant()), normals, since)
                 }
                 None => s.frame.target(&shown),
             };
-            let blocks = s.frame.add_blocks(target.tracker.dirty(instance.changes(), target.lod));
+            let blocks = s.frame.add_blocks(target.tracker.dirty(instance.view().changes, target.lod));
             report.blocks_written += blocks.len() as u64;
             report.blocks_skipped += (skin.blocks() - blocks.len()) as u64;
             s.shown.push((bounds, blocks));
@@ -294,7 +294,7 @@ fn written(s: &Scratch, jobs: &mut [EncodeJob<'_>]) -> u64 {
     for ((_, j), (bounds, blocks)) in s.order.iter().zip(&s.shown) {
         let EncodeJob { instance, target } = &mut jobs[*j as usize];
         let Ok(skin) = instance.example_set().lod(target.lod) else { continue };
-        let of = (*instance, target.lod, skin.vertex_count());
+        let of = (instance.view().changes, target.lod, skin.vertex_count());
         vertices += target.tracker.recorded(of, s.frame.listed(blocks), *bounds);
     }
     vertices

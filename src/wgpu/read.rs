@@ -71,7 +71,7 @@ impl Device {
         let positions = stream("position", Some(target.layout.positions), true)?;
         let normals = stream("normal", target.layout.normals, memory.has_normals())?;
         let tangents = stream("tangent", target.layout.tangents, memory.has_tangents())?;
-        let mut all = crate::error::reserve::<u32>(target.size.div_ceil(4) as usize, "a target's vertices")?;
+        let mut all = crate::base::error::reserve::<u32>(target.size.div_ceil(4) as usize, "a target's vertices")?;
         all.resize((target.size / 4) as usize, 0);
         self.read(target.buffer(), target.offset, bytemuck::cast_slice_mut(&mut all))?;
         let value =

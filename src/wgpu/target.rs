@@ -3,7 +3,7 @@
 use super::arena::Home;
 use super::device::{Device, Gpu};
 use super::kernels::Kernels;
-use crate::examples::ExampleSet;
+use crate::example::set::ExampleSet;
 use crate::gpu::{self, Encoding, Kernel, Layout};
 use crate::{Aabb, Error, Tracker};
 use std::num::NonZero;

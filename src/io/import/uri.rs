@@ -1,0 +1,121 @@
+//! What a glTF's `uri` points to: bytes inside the text, or a file beside the glTF.
+
+use super::{malformed, unsupported};
+use crate::Error;
+use base64::Engine;
+use base64::alphabet::{STANDARD, URL_SAFE};
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// What a URI points to, before any of it is read.
+pub(crate) enum Target {
+    /// The bytes of a `data:` URI.
+    Data(Vec<u8>),
+    /// A relative path, percent-decoded.
+    File(String),
+}
+
+/// `what` names who points there, for the error.
+pub(crate) fn parse(uri: &str, what: &str) -> Result<Target, Error> {
+    let scheme = uri.split_once(':').map(|(scheme, _)| scheme).filter(|s| is_scheme(s));
+    match scheme {
+        Some(s) if s.eq_ignore_ascii_case("data") => data(&uri[5..], what).map(Target::Data),
+        Some(_) => Err(unsupported(format!(
+            "{what} points to '{}'; only relative paths and data: URIs are read",
+            shortened(uri)
+        ))),
+        None if uri.is_empty() => Err(malformed(format!("{what} has an empty uri"))),
+        None => match percent_decoded(uri) {
+            path if path.starts_with(['/', '\\']) => Err(unsupported(format!(
+                "{what} points to the absolute path '{}'; only relative paths are read",
+                shortened(uri)
+            ))),
+            path => Ok(Target::File(path)),
+        },
+    }
+}
+
+/// A file named by a relative URI, of which at most `limit` bytes are read.
+pub(crate) fn read_file(
+    base_dir: Option<&Path>,
+    relative: &str,
+    what: &str,
+    limit: Option<u64>,
+) -> Result<Vec<u8>, Error> {
+    let Some(base_dir) = base_dir else {
+        return Err(Error::Io {
+            path: relative.into(),
+            message: format!("{what} is in this file, and no folder to look in was given (base_dir)"),
+        });
+    };
+    let path = base_dir.join(relative.replace('\\', "/"));
+    read(&path, limit)
+}
+
+/// A regular file's bytes; devices and pipes, which may never end, are refused.
+pub(crate) fn read(path: &Path, limit: Option<u64>) -> Result<Vec<u8>, Error> {
+    let io = |e: std::io::Error| Error::Io { path: path.display().to_string(), message: e.to_string() };
+    let about = std::fs::metadata(path).map_err(io)?;
+    if !about.is_file() {
+        return Err(Error::Io { path: path.display().to_string(), message: "not a regular file".into() });
+    }
+    let length = about.len().min(limit.unwrap_or(u64::MAX));
+    let mut bytes =
+        crate::base::error::reserve(usize::try_from(length).unwrap_or(usize::MAX), &path.display().to_string())?;
+    let file = std::fs::File::open(PathBuf::from(path)).map_err(io)?;
+    file.take(length).read_to_end(&mut bytes).map_err(io)?;
+    Ok(bytes)
+}
+
+fn is_scheme(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_ascii_alphabetic())
+        && text.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '+' | '-' | '.'))
+}
+
+fn data(rest: &str, what: &str) -> Result<Vec<u8>, Error> {
+    let (head, body) =
+        rest.split_once(',').ok_or_else(|| malformed(format!("{what}: the data: URI has no comma before its data")))?;
+    if !head.ends_with(";base64") {
+        return Ok(percent_bytes(body));
+    }
+    let config = GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent);
+    let alphabet = if body.contains(['-', '_']) { &URL_SAFE } else { &STANDARD };
+    let decode = |text: &[u8]| GeneralPurpose::new(alphabet, config).decode(text);
+    let decoded = if body.contains('%') { decode(&percent_bytes(body)) } else { decode(body.as_bytes()) };
+    decoded.map_err(|e| malformed(format!("{what}: the data: URI is not base64: {e}")))
+}
+
+fn percent_decoded(text: &str) -> String {
+    String::from_utf8(percent_bytes(text)).unwrap_or_else(|_| text.to_owned())
+}
+
+/// A `%` that no two hexadecimal digits follow stays as it is: some exporters do not encode at all.
+fn percent_bytes(text: &str) -> Vec<u8> {
+    let digit = |b: Option<&u8>| b.and_then(|b| (*b as char).to_digit(16)).map(|d| d as u8);
+    let bytes = text.as_bytes();
+    let mut out = Vec::with_capacity(bytes.len());
+    let mut i = 0;
+    while i < bytes.len() {
+        match (bytes[i], digit(bytes.get(i + 1)), digit(bytes.get(i + 2))) {
+            (b'%', Some(high), Some(low)) => {
+                out.push(high << 4 | low);
+                i += 3;
+            }
+            (b, ..) => {
+                out.push(b);
+                i += 1;
+            }
+        }
+    }
+    out
+}
+
+/// URIs may be megabytes long; an error shows their start.
+fn shortened(uri: &str) -> String {
+    let mut text: String = uri.chars().take(80).collect();
+    if text.len() < uri.len() {
+        text.push('…');
+    }
+    text
+}
