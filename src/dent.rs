@@ -221,7 +221,7 @@ impl Carried {
 pub(crate) struct Placed {
     pub parts: Few<Part, MAX_PAIRS>,
     /// Displacement that they bring to the contact, m.
-    pub met: Vec3,
+    pub achieved: Vec3,
     /// The same if no rim were held.
     pub open: Vec3,
 }
@@ -278,7 +278,7 @@ pub(crate) fn place(
     let together = if together.is_finite() { together.min(4.0) } else { 1.0 };
     let strict = set.options().strict;
     let held = set.rim().at(contact).factor;
-    let (mut met, mut open) = (Vec3::ZERO, Vec3::ZERO);
+    let (mut achieved, mut open) = (Vec3::ZERO, Vec3::ZERO);
     for (p, u) in parts.iter_mut().zip(at_contact) {
         p.scale *= together;
         if (p.scale - 1.0).abs() < 1e-6 {
@@ -288,9 +288,9 @@ pub(crate) fn place(
             p.scale = p.scale.clamp(-1.0, 1.0);
         }
         open += u * p.scale;
-        met += u * (if p.carried.is_some() { p.scale * held } else { p.scale });
+        achieved += u * (if p.carried.is_some() { p.scale * held } else { p.scale });
     }
-    Placed { parts, met, open }
+    Placed { parts, achieved, open }
 }
 
 /// Strength of a mark: its `energy` is strength, strength squared, or the greatest strength, as the set combines.

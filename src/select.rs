@@ -118,7 +118,7 @@ pub struct Chosen {
     pub mirror: Mirror,
 }
 
-/// What a hit was turned into, and what of it could not be met.
+/// What a hit was turned into.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outcome {
     /// What became of it.
@@ -129,16 +129,21 @@ pub struct Outcome {
     pub contact_distance: f32,
     /// Displacement asked for at the contact, in the mesh's space, m.
     pub target: [f32; 3],
-    /// Displacement that this hit alone brings there, m.
-    pub met: [f32; 3],
-    /// `target - met`, m.
-    pub unmet: [f32; 3],
+    /// Displacement that this hit alone achieves there, m.
+    pub achieved: [f32; 3],
     /// Whether the target was longer than the depth limit and was cut to it.
     pub clamped: bool,
     /// The examples chosen, the weightiest first.
     pub chosen: [Option<Chosen>; 4],
     /// The mark it leaves; none with the classic rules.
     pub mark: Option<Mark>,
+}
+
+impl Outcome {
+    /// The part of the target that was not achieved: `target - achieved`, m.
+    pub fn shortfall(&self) -> [f32; 3] {
+        std::array::from_fn(|i| self.target[i] - self.achieved[i])
+    }
 }
 
 /// What selection needs to know of an instance.
@@ -200,8 +205,7 @@ pub(crate) fn select(set: &ExampleSet, p: &Params, hit: &Hit) -> Result<(Outcome
         contact_vertex: contact.vertex,
         contact_distance: contact.distance,
         target: to_f32(target),
-        met: [0.0; 3],
-        unmet: to_f32(target),
+        achieved: [0.0; 3],
         clamped: false,
         chosen: [None; MAX_PAIRS],
         mark: None,
@@ -220,8 +224,6 @@ pub(crate) fn select(set: &ExampleSet, p: &Params, hit: &Hit) -> Result<(Outcome
             classic(set, p, contact.vertex, direction, size, !unclamped, &mut outcome)
         }
     };
-    let met = Vec3::from_array(outcome.met).as_dvec3();
-    outcome.unmet = to_f32(target - met);
     Ok((outcome, effect))
 }
 
@@ -393,7 +395,7 @@ pub(crate) fn pairs(found: &Candidates, k: usize) -> [Pair; MAX_PAIRS] {
     pairs
 }
 
-fn marked(Placed { parts, met, .. }: &Placed, mark: Mark, out: &mut Outcome) -> Effect {
+fn marked(Placed { parts, achieved, .. }: &Placed, mark: Mark, out: &mut Outcome) -> Effect {
     for (slot, (pair, part)) in out.chosen.iter_mut().zip(mark.pairs.iter().filter(|p| !p.is_none()).zip(parts)) {
         *slot = Some(Chosen {
             example: u32::from(pair.example),
@@ -403,7 +405,7 @@ fn marked(Placed { parts, met, .. }: &Placed, mark: Mark, out: &mut Outcome) -> 
             mirror: pair.mirror(),
         });
     }
-    out.met = met.to_array();
+    out.achieved = achieved.to_array();
     out.status = HitStatus::Marked;
     out.mark = Some(mark);
     Effect::Mark(mark)
@@ -437,7 +439,7 @@ fn classic(
     if p.classic {
         out.chosen[0] =
             Some(Chosen { example: example as u32, share: 1.0, scale: weight, anchored: true, mirror: Mirror::NONE });
-        out.met = (d * weight).to_array();
+        out.achieved = (d * weight).to_array();
         out.status = HitStatus::Marked;
         return Effect::Classic { example: example as u32, weight };
     }

@@ -123,9 +123,7 @@ pub struct CrumpleHitResult {
     /// Displacement asked for at the contact, m, in the mesh's space.
     pub target: CrumpleVec3,
     /// Displacement that this hit alone brings there, m, in the mesh's space.
-    pub met: CrumpleVec3,
-    /// target - met, m.
-    pub unmet: CrumpleVec3,
+    pub achieved: CrumpleVec3,
     /// Number of chosen examples.
     pub chosen_count: u32,
     /// Whether the target was longer than the depth limit and was cut to it.
@@ -159,8 +157,7 @@ impl From<&Outcome> for CrumpleHitResult {
             contact_vertex: outcome.contact_vertex,
             contact_distance: outcome.contact_distance,
             target: outcome.target.into(),
-            met: outcome.met.into(),
-            unmet: outcome.unmet.into(),
+            achieved: outcome.achieved.into(),
             chosen_count,
             clamped: outcome.clamped,
             chosen,

@@ -187,7 +187,7 @@ pub(super) fn hit_digest(hit: &CrumpleHitResult) -> u64 {
     let mut put = |bytes: &[u8]| all.extend_from_slice(bytes);
     put(bytemuck::bytes_of(&[status, hit.contact_vertex, hit.chosen_count, u32::from(hit.clamped)]));
     put(bytemuck::bytes_of(&hit.contact_distance));
-    put(bytemuck::bytes_of(&[hit.target, hit.met, hit.unmet]));
+    put(bytemuck::bytes_of(&[hit.target, hit.achieved]));
     for chosen in &hit.chosen {
         put(bytemuck::bytes_of(&[chosen.example, u32::from(chosen.anchored), u32::from(chosen.mirror)]));
         put(bytemuck::bytes_of(&[chosen.share, chosen.scale]));
