@@ -760,9 +760,7 @@ typedef struct {
     /// Displacement asked for at the contact, m, in the mesh's space.
     CrumpleVec3 target;
     /// Displacement that this hit alone brings there, m, in the mesh's space.
-    CrumpleVec3 met;
-    /// target - met, m.
-    CrumpleVec3 unmet;
+    CrumpleVec3 achieved;
     /// Number of chosen examples.
     uint32_t chosen_count;
     /// Whether the target was longer than the depth limit and was cut to it.

@@ -360,7 +360,7 @@ fn quick_zero_and_tiny_hits_are_too_weak_not_wrong() {
     let mut instance = instance();
     for size in [0.0, -0.0, 1e-30, 1e-38, 1e-44] {
         let outcome = instance.submit(&push([0.0; 3], [0.0, 0.0, -size])).unwrap();
-        assert_eq!((outcome.status, outcome.met, outcome.mark), (HitStatus::BelowYield, [0.0; 3], None));
+        assert_eq!((outcome.status, outcome.achieved, outcome.mark), (HitStatus::BelowYield, [0.0; 3], None));
         let cause = Cause::Impulse { impulse: [0.0, 0.0, -size], duration: 1e-3, mass: Some(1.0) };
         assert_eq!(instance.submit(&Hit { cause, ..good() }).unwrap().status, HitStatus::BelowYield);
     }
@@ -374,8 +374,8 @@ fn quick_enormous_hits_are_cut_to_the_limit() {
         let outcome = instance.submit(&push([0.0; 3], [0.0, 0.0, -size])).unwrap();
         assert!(outcome.clamped);
         assert_eq!(outcome.status, HitStatus::Marked);
-        assert!((outcome.met[2] + 0.2).abs() < 1e-6);
-        assert!(outcome.unmet.iter().all(|x| x.is_finite()));
+        assert!((outcome.achieved[2] + 0.2).abs() < 1e-6);
+        assert!(outcome.shortfall().iter().all(|x| x.is_finite()));
         let cause = Cause::Impulse { impulse: [0.0, 0.0, -size], duration: 1e30, mass: Some(1e-30) };
         let outcome = instance.submit(&Hit { cause, ..good() }).unwrap();
         assert!(outcome.clamped && outcome.target.iter().all(|x| x.is_finite()));
@@ -409,7 +409,7 @@ fn quick_contacts_far_away() {
 fn quick_hits_that_pull_where_examples_push_reach_nothing() {
     let mut instance = instance();
     let outcome = instance.submit(&push([0.0; 3], [0.0, 0.0, 0.1])).unwrap();
-    assert_eq!((outcome.status, outcome.mark, outcome.unmet), (HitStatus::NothingReaches, None, outcome.target));
+    assert_eq!((outcome.status, outcome.mark, outcome.shortfall()), (HitStatus::NothingReaches, None, outcome.target));
     still_usable(&mut instance, &[]);
 }
 

@@ -230,7 +230,7 @@ fn the_rest_of_a_target_beside_a_held_rim_is_unmet() {
     let at = positions(&set)[rim[3]];
     let instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
     let outcome = instance.preview(&push(at.to_array(), [0.0, 0.0, -0.02])).unwrap();
-    assert_eq!((outcome.met, outcome.unmet), ([0.0; 3], outcome.target));
+    assert_eq!((outcome.achieved, outcome.shortfall()), ([0.0; 3], outcome.target));
 }
 
 /// A sheet of 20 by 20 squares with one round dent in the middle that ends at `radius`.

@@ -428,7 +428,7 @@ fn check_selection(set: &Arc<ExampleSet>, dice: &mut Dice, k: u32, hits: usize) 
         let Some(mark) = outcome.mark else {
             prop_assert!(ways.iter().any(Option::is_none), "{outcome:?} instead of {ways:?}");
             prop_assert_eq!(outcome.status, HitStatus::NothingReaches, "{:?}", outcome);
-            prop_assert_eq!(outcome.unmet, outcome.target);
+            prop_assert_eq!(outcome.shortfall(), outcome.target);
             continue;
         };
         prop_assert_eq!(outcome.status, HitStatus::Marked);
@@ -444,10 +444,10 @@ fn check_selection(set: &Arc<ExampleSet>, dice: &mut Dice, k: u32, hits: usize) 
         let near = |a: f64, b: f64| (a - b).abs() <= 3e-3 * length(target).min(limit);
         prop_assert!(near(is.depth, ought.mark.depth), "depth {} instead of {}", is.depth, ought.mark.depth);
         // what it says it met is what its mark brings there, to rounding; and near what the oracle's mark would
-        let met = from_f32(outcome.met);
+        let met = from_f32(outcome.achieved);
         agree(met, marks::met(&model, &is), length(met) + 1e-3 * limit, "met")?;
         prop_assert!(near(length(sub(met, ought.met)), 0.0), "met {met:?} instead of {:?}", ought.met);
-        agree(from_f32(outcome.unmet), sub(target, met), length(target), "unmet")?;
+        agree(from_f32(outcome.shortfall()), sub(target, met), length(target), "unmet")?;
         for (chosen, (part, scale)) in
             outcome.chosen.iter().flatten().zip(is.parts.iter().zip(marks::scales(&model, &is)))
         {

@@ -145,7 +145,7 @@ fn quick_figure_4_2_only_examples_that_affect_the_vertex() {
     // vertex 3 is moved by none
     let outcome = instance.preview(&push([1.0, 1.1, 0.0], [0.0, 0.5, 0.0])).unwrap();
     assert_eq!(outcome.status, HitStatus::NothingReaches);
-    assert_near(outcome.unmet, [0.0, 0.5, 0.0]);
+    assert_near(outcome.shortfall(), [0.0, 0.5, 0.0]);
 }
 
 #[test]

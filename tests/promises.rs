@@ -135,7 +135,8 @@ proptest! {
         for _ in 0..frames {
             for _ in 0..count.div_ceil(frames) {
                 let outcome = instance.submit(&wild_hit(set, &mut dice)).unwrap();
-                let all = outcome.met.iter().chain(&outcome.unmet).chain(&outcome.target);
+                let shortfall = outcome.shortfall();
+                let all = outcome.achieved.iter().chain(&shortfall).chain(&outcome.target);
                 prop_assert!(all.into_iter().all(|x| x.is_finite()), "{outcome:?}");
             }
             check_bounded(&mut instance)?;
@@ -260,7 +261,7 @@ proptest! {
         let deepest = (0..set.vertex_count()).max_by(|a, b| moved(*a).total_cmp(&moved(*b))).unwrap();
         // the contact got what was asked for (on the cube, where edges have normals between faces: what was told), and nothing is deeper
         let at_contact = moved(outcome.contact_vertex as usize);
-        let ought = if which == 2 { f64::from(length3(outcome.met)) } else { f64::from(depth) };
+        let ought = if which == 2 { f64::from(length3(outcome.achieved)) } else { f64::from(depth) };
         prop_assert!((at_contact - ought).abs() <= 0.01 * ought, "{at_contact}, not {ought}");
         prop_assert!(at_contact >= 0.9 * moved(deepest), "contact {at_contact}, deepest {}", moved(deepest));
         // a bowl is round: nothing sizeable moves outside its radius, and every vertex well inside moves
@@ -1051,7 +1052,7 @@ fn quick_n_equal_hits_are_sqrt_n_deep_until_the_limit() {
         let normal = set.mesh().contact_normal(vertex as u32).unwrap();
         let hit = push(base(&set, vertex), (normal * -depth).to_array());
         let mut instance = new(&set);
-        let one = f64::from(length3(instance.preview(&hit).unwrap().met));
+        let one = f64::from(length3(instance.preview(&hit).unwrap().achieved));
         let contact = instance.preview(&hit).unwrap().contact_vertex as usize;
         let limit = f64::from(set.depth_limit());
         for n in 1..=100u32 {
@@ -1083,7 +1084,7 @@ fn check_own_contacts(set: &Arc<ExampleSet>) {
         let chosen = outcome.chosen[0].unwrap();
         assert_eq!((chosen.example as usize, chosen.share, chosen.scale, chosen.anchored), (i, 1.0, 1.0, true));
         assert_eq!(outcome.chosen[1], None);
-        assert_eq!(outcome.unmet, [0.0; 3]);
+        assert_eq!(outcome.shortfall(), [0.0; 3]);
         let out = Output::fresh(&mut instance);
         for v in 0..set.vertex_count() {
             let ought = (set.mesh().positions()[v] + e.delta(v as u32)).to_array();
@@ -1215,7 +1216,7 @@ fn quick_world_space_hits_arrive_in_the_bodys_own_space() {
             let (a, b) = (moved.preview(&local).unwrap(), moved.preview(&world).unwrap());
             assert_eq!(a.contact_vertex, b.contact_vertex);
             assert!(distance(a.target, b.target) < 1e-4, "{:?} {:?}", a.target, b.target);
-            assert!(distance(a.met, b.met) < 1e-3 * f64::from(set.depth_limit()));
+            assert!(distance(a.achieved, b.achieved) < 1e-3 * f64::from(set.depth_limit()));
         }
     }
 }
@@ -1240,7 +1241,7 @@ fn quick_yield_thresholds_leave_no_mark() {
         let outcome = instance.submit(&hit).unwrap();
         assert_eq!(outcome.status, status, "{hit:?}");
         if status == HitStatus::BelowYield {
-            assert_eq!((outcome.met, outcome.unmet, outcome.mark), ([0.0; 3], outcome.target, None));
+            assert_eq!((outcome.achieved, outcome.shortfall(), outcome.mark), ([0.0; 3], outcome.target, None));
         }
     }
     assert_eq!(instance.marks().unwrap().len(), 2);

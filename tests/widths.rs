@@ -131,7 +131,7 @@ fn contacts_are_not_rounded() {
                     (i as u32, 1.0, None),
                     "{body} {tolerance}"
                 );
-                assert!(!outcome.clamped && Vec3::from(outcome.unmet).length() <= 1e-6 * b.depth());
+                assert!(!outcome.clamped && Vec3::from(outcome.shortfall()).length() <= 1e-6 * b.depth());
                 let shown = written(&mut instance, false, &Serial);
                 for (v, p) in set.mesh().positions().iter().enumerate() {
                     let right = (*p + b.delta(v as u32)).to_array().map(f32::to_bits);

@@ -69,7 +69,7 @@ fn here() -> BTreeMap<String, String> {
         CrumpleChosen { example, share, scale, anchored, mirror }
         CrumplePair { example, share }
         CrumpleMark { contact, depth, energy, pairs }
-        CrumpleHitResult { status, contact_vertex, contact_distance, target, met, unmet, chosen_count, clamped, chosen, mark }
+        CrumpleHitResult { status, contact_vertex, contact_distance, target, achieved, chosen_count, clamped, chosen, mark }
         CrumpleHostBufferDef { struct_size, lod, positions, normals, tangents }
         CrumpleBuffer { index, generation, context }
         CrumpleDeformReport { vertices_written, blocks_written, blocks_skipped, parts_skipped, reserved }

@@ -114,7 +114,7 @@ pub struct Outcome {
     pub contact_distance: f32,
     /// Displacement asked for at the contact, in the mesh's space, m.
     pub target: [f32; 3],
-    /// Displacement that this hit alone brings there, m.
+    /// Displacement that this hit alone achieves there, m.
     pub achieved: [f32; 3],
     /// Whether the target was longer than the depth limit and was cut to it.
     pub clamped: bool,
@@ -122,4 +122,11 @@ pub struct Outcome {
     pub chosen: [Option<Chosen>; 4],
     /// The mark it leaves; none with the classic rules.
     pub mark: Option<Mark>,
+}
+
+impl Outcome {
+    /// The part of the target that was not achieved: `target - achieved`, m.
+    pub fn shortfall(&self) -> [f32; 3] {
+        std::array::from_fn(|i| self.target[i] - self.achieved[i])
+    }
 }

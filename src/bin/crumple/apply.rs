@@ -257,8 +257,8 @@ fn report(
         ">vertex",
         ">off mm",
         ">asked mm",
-        ">met mm",
-        ">unmet mm",
+        ">achieved mm",
+        ">short mm",
         "examples (share x scale)",
     ]);
     for (i, (impact, outcome)) in impacts.iter().zip(outcomes).enumerate() {
@@ -269,8 +269,8 @@ fn report(
             outcome.contact_vertex.to_string(),
             millimetres(outcome.contact_distance),
             length(outcome.target),
-            length(outcome.met),
-            length(outcome.unmet),
+            length(outcome.achieved),
+            length(outcome.shortfall()),
             chosen(source, outcome),
         ]);
     }

@@ -1455,11 +1455,7 @@ namespace Crumple
         /// <summary>
         /// Displacement that this hit alone brings there, m, in the mesh's space.
         /// </summary>
-        public CrumpleVec3 Met;
-        /// <summary>
-        /// target - met, m.
-        /// </summary>
-        public CrumpleVec3 Unmet;
+        public CrumpleVec3 Achieved;
         /// <summary>
         /// Number of chosen examples.
         /// </summary>
