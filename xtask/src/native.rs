@@ -133,7 +133,7 @@ pub fn one_driver(workspace: &Workspace) -> Result<Vec<PathBuf>> {
 /// The C and C++ tests under gcc's sanitizers, against a debug build of the library, whose own checks are on.
 pub fn sanitizers(workspace: &Workspace) -> Result<Outcome> {
     if cfg!(not(target_os = "linux")) {
-        return Ok(Outcome::Skipped("done with gcc on Linux only".into()));
+        return Ok(Outcome::NotApplicable("done with gcc on Linux only".into()));
     }
     let prefix = debug_prefix(workspace)?;
     let sh = &workspace.shell;
