@@ -51,7 +51,7 @@ fn soname(version: &str) -> Vec<&str> {
 /// A shared library whose functions do nothing, with debug information about the header's types. abidiff cannot compare the libraries
 /// themselves: their debug information is of lines alone.
 fn stand_in(workspace: &Workspace, header: &str, at: &Path) -> Result<()> {
-    let mut text = header.to_owned();
+    let mut text = format!("{header}\n");
     for item in declarations::header(header)? {
         if matches!(item.form, Form::Function { .. }) {
             text += &format!("{} {{ for (;;) {{}} }}\n", item.text.trim_end_matches(';'));

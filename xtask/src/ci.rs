@@ -4,12 +4,13 @@ use anyhow::Result;
 
 use crate::stage::{Outcome, Stage};
 use crate::workspace::Workspace;
-use crate::{header, repo};
+use crate::{header, repo, rooms};
 
 pub const CHECKS: &[Stage] = &[
     check("repository", "sizes, shown programs, changelog, .meta files and quoted messages are right", |workspace| {
         repo::run(workspace, false).map(passed)
     }),
+    check("rooms", "the imports of src keep the order of its rooms", |workspace| rooms::run(workspace).map(passed)),
     check("header", "the committed header and C# declarations match the sources", |workspace| {
         header::run(workspace, true).map(passed)
     }),

@@ -18,6 +18,7 @@ mod package;
 mod peers;
 mod reference;
 mod repo;
+mod rooms;
 mod stage;
 mod test;
 mod tools;
