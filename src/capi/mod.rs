@@ -49,6 +49,3 @@ mod check;
 mod ids;
 
 mod memory;
-
-#[cfg(test)]
-mod layout;

@@ -60,7 +60,7 @@ int main() {
     try {
         context.load_gltf("no/such/file.glb").value();
     } catch (const crumple::Error &error) {
-        caught = error.result() != CRUMPLE_OK && std::string(error.what()).find("crumple_load") == 0;
+        caught = error.result() != CRUMPLE_OK && std::string(error.what()).find("crumple_example_set_load_gltf") == 0;
     }
     FACT(caught);
 #else
