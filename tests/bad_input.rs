@@ -836,6 +836,8 @@ fn quick_tolerances_that_cannot_be_are_named() {
     refused!(build(1e-12), ExampleMismatch, "0.1", "give a tolerance of at least");
     refused!(build(-1.0), InvalidArgument, "tolerance", "-1");
     refused!(build(f32::NAN), InvalidArgument, "tolerance", "NaN");
+    // a tolerance in millimetres, given as metres, drops everything
+    refused!(build(0.1), InvalidArgument, "tolerance is 0.1 m", "largest displacement", "0.1 mm?");
 }
 
 #[test]

@@ -238,7 +238,7 @@ fn parts_of_one_contact_are_one_dent() {
     let complaint = apply(&format!("[{part}]"), "most-displaced").complaint();
     assert!(complaint.contains("contact id") && complaint.contains("rule Marks"), "{complaint}");
     let complaint = apply(&format!("[{}]", part.replace('7', "0")), "marks").complaint();
-    assert!(complaint.contains("impact 0") && complaint.contains("nonzero"), "{complaint}");
+    assert!(complaint.contains("impact 0: contact is 0; it must be a whole number above 0"), "{complaint}");
 }
 
 #[test]
@@ -304,13 +304,10 @@ fn replay_makes_the_calls_of_a_recording_again() {
     let report = crumple(&["replay", "tests/fixtures/sheet.crumplerec"]).report();
     assert!(report.contains("recorded by 0.1.0"), "{report}");
     assert!(
-        report.contains("53 calls, 21 hits among them, give what was recorded; 20 deforms wrote 6973 vertices"),
+        report.contains("53 calls (21 hits among them) match the recording; 20 deforms wrote 6973 vertices"),
         "{report}"
     );
-    assert!(
-        report.contains("refused then: crumple_instance_repair_damage: CRUMPLE_ERROR_NOT_FINITE: keep is NaN"),
-        "{report}"
-    );
+    assert!(report.contains("repair_damage: CRUMPLE_ERROR_NOT_FINITE: keep is NaN"), "{report}");
     assert!(!report.contains("no end"), "{report}");
 
     let listed = crumple(&["replay", "--list", "--threads", "1", "tests/fixtures/sheet.crumplerec"]).report();
@@ -326,7 +323,7 @@ fn replay_of_what_a_crash_left_goes_as_far_as_it_does() {
     std::fs::write(&path, &bytes[..bytes.len() - 700]).expect("writable");
     let report = crumple(&["replay", path.to_str().expect("UTF-8")]).report();
     assert!(
-        report.contains("the recording has no end: the program ended, perhaps in the last of these calls"),
+        report.contains("the recording has no end: the program ended, perhaps inside the last of these calls"),
         "{report}"
     );
 }

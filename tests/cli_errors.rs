@@ -50,10 +50,11 @@ fn has(line: &str, parts: &[&str]) {
 fn impacts_that_are_not_a_list() {
     has(&impacts(""), &["not JSON"]);
     has(&impacts("[{]"), &["not JSON", "line 1 column 3"]);
-    has(&impacts("{}"), &["not a list of impacts"]);
+    has(&impacts("{}"), &["not a list of impacts, [{…}, …]"]);
     has(&impacts("[]"), &["empty"]);
     has(&impacts(b"[\xff]"), &["not UTF-8 at byte 1"]);
-    has(&impacts("[1]"), &["impact 0", "integer `1`"]);
+    has(&impacts("[1]"), &["impact 0: the impact is 1; it must be an object {…}"]);
+    has(&source(&write(&folder(), "list.json", GOOD), &[]), &["list.json holds no mesh", ".crumple"]);
 }
 
 #[test]
@@ -63,16 +64,22 @@ fn impacts_with_wrong_keys() {
     has(&impacts(r#"[{"displacement": [0,0,-1]}]"#), &["impact 0", "missing field `point`"]);
     has(&impacts(r#"[{"point": [0,0,0]}]"#), &["impact 0", "neither 'displacement' (m) nor 'impulse' (N s)"]);
     has(&impacts(r#"[{"point": [0,0,0], "displacement": [0,0,1], "impulse": [0,0,1]}]"#), &["both"]);
-    has(&impacts(r#"[{"point": [0,0,0], "displacement": [0,0,1], "mass": 1}]"#), &["'mass' goes with 'impulse'"]);
+    has(&impacts(r#"[{"point": [0,0,0], "displacement": [0,0,1], "mass": 1}]"#), &["'mass' needs 'impulse'"]);
     has(&impacts(r#"[{"point": [0,0,0], "impulse": [0,0,1], "mass": 1}]"#), &["'impulse' needs 'duration'"]);
-    has(&impacts(r#"[{"point": [0,0], "displacement": [0,0,1]}]"#), &["impact 0", "invalid length 2"]);
-    has(&impacts(r#"[{"point": [0,0,0], "displacement": [0,0,1], "space": "wrold"}]"#), &["wrold", "world"]);
+    has(&impacts(r#"[{"point": [0,0], "displacement": [0,0,1]}]"#), &["impact 0: point has 2 numbers; it must have 3"]);
+    has(
+        &impacts(r#"[{"point": [0,0,0], "displacement": [0,0,1], "space": "wrold"}]"#),
+        &["unknown variant `wrold`", "`local` or `world`"],
+    );
     has(&impacts(r#"[{"point": [0,0,0], "point": [0,0,0], "displacement": [0,0,1]}]"#), &["duplicate field `point`"]);
 }
 
 #[test]
 fn impacts_with_bad_numbers() {
-    has(&impacts(r#"[{"point": [0,0,1e999], "displacement": [0,0,1]}]"#), &["impact 0", "1e999", "out of range"]);
+    has(
+        &impacts(r#"[{"point": [0,0,1e999], "displacement": [0,0,1]}]"#),
+        &["impact 0: point[2]: 1e999 is out of range"],
+    );
     let second = "[\n{\"point\": [0,0,0], \"displacement\": [0,0,-0.01]},\n{\"point\": [0,0,0],\n\"displacement\": [0,-1e999,0]}]";
     has(&impacts(second), &["impact 1", "-1e999"]);
     has(&impacts(r#"[{"point": [0,4e38,0], "displacement": [0,0,1]}]"#), &["impact 0", "point[1] is 4e38"]);
@@ -86,7 +93,17 @@ fn impacts_with_bad_numbers() {
         &["duration", "above 0"],
     );
     has(&impacts(r#"[{"point": [0,0,NaN], "displacement": [0,0,1]}]"#), &["not JSON"]);
-    has(&impacts(r#"[{"point": [0,0,"1"], "displacement": [0,0,1]}]"#), &["impact 0", "string \"1\""]);
+    has(
+        &impacts(r#"[{"point": [0,0,"1"], "displacement": [0,0,1]}]"#),
+        &["impact 0: point[2] is the text \"1\"; it must be a number"],
+    );
+    for (value, is) in [("{}", "an object {…}"), ("true", "true"), ("null", "null"), ("[0]", "a list")] {
+        let json = format!(r#"[{{"point": [0,{value},0], "displacement": [0,0,1]}}]"#);
+        has(&impacts(json), &[&format!("impact 0: point[1] is {is}; it must be a number")]);
+    }
+    has(&impacts(r#"[{"point": 7, "displacement": [0,0,1]}]"#), &["point is 7; it must be a list of 3 numbers"]);
+    let contact = r#"[{"point": [0,0,0], "displacement": [0,0,1], "contact": 0}]"#;
+    has(&impacts(contact), &["contact is 0; it must be a whole number above 0"]);
     has(
         &impacts(r#"[{"point": [5000,0,0], "displacement": [0,0,-0.01]}]"#),
         &["impact 0", "5000", "from the nearest vertex"],
@@ -100,7 +117,14 @@ fn huge_and_tiny_hits_are_no_errors() {
         r#"[{"point": [0,0,0.09], "displacement": [0,0,-1e30]}, {"point": [0,0,0.09], "displacement": [0,0,-1e-30]}]"#;
     let (list, out) = (write(&folder, "i.json", json), folder.path().join("out.glb"));
     let report = crumple(&["apply", PANEL, "--impacts", &list, "-o", out.text()]).report();
-    has(&report, &["1 of 2 impacts left a dent", "below yield", "depth limit"]);
+    has(&report, &["1 of 2 impacts left a dent", "below yield"]);
+    has(&report, &["Warning: 1 impact asked for more than the depth limit", "impact 0 asked for"]);
+    let far = GOOD.replace("0.09]", "0.39], \"name\": \"miss\"");
+    let far = write(&folder, "far.json", far);
+    let report = crumple(&["apply", PANEL, "--impacts", &far, "-o", out.text()]).report();
+    has(&report, &["Warning: 1 impact lies more than", "impact 0 'miss' is", "mm off"]);
+    let report = crumple(&["apply", PANEL, "--impacts", &write(&folder, "good.json", GOOD), "-o", out.text()]).report();
+    assert!(!report.contains("Warning"), "{report}");
 }
 
 #[test]
@@ -120,7 +144,7 @@ fn missing_files_are_named() {
 #[test]
 fn files_that_are_not_what_they_say() {
     let folder = folder();
-    has(&source(&write(&folder, "a.glb", "\u{89}PNG"), &[]), &["a.glb", "neither a GLB", "nor a glTF"]);
+    has(&source(&write(&folder, "a.glb", "\u{89}PNG"), &[]), &["a.glb", "neither a GLB", "a glTF"]);
     has(&source(&write(&folder, "b.glb", ""), &[]), &["b.glb", "neither a GLB"]);
     has(&source(&write(&folder, "c.gltf", "{]"), &[]), &["c.gltf", "malformed"]);
     has(&source(&write(&folder, "d.glb", "glTF\x02\0\0\0\x0c\0\0\0"), &[]), &["d.glb", "malformed"]);
@@ -139,8 +163,8 @@ fn files_without_examples_or_meshes() {
     has(&source("tests/fixtures/plate.obj", &[]), &["plate.obj", "--example"]);
     has(&source(PANEL, &["--mesh", "bonnet"]), &["bonnet", "panel"]);
     has(&source(PANEL, &["--mesh", "3"]), &["3", "panel"]);
-    has(&source(PANEL, &["--example", "a.obj"]), &["--example goes with an OBJ base"]);
-    has(&source("tests/fixtures/plate.obj", &["--mesh", "a"]), &["--mesh chooses within a glTF file"]);
+    has(&source(PANEL, &["--example", "a.obj"]), &["--example needs an OBJ base"]);
+    has(&source("tests/fixtures/plate.obj", &["--mesh", "a"]), &["--mesh chooses a mesh of a glTF file"]);
 }
 
 #[test]
@@ -154,7 +178,15 @@ fn places_that_cannot_be_written() {
     };
     let inside = |name: &str| folder.path().join(name).text().to_owned();
     has(&apply(&inside("no/out.glb"), &[]), &["cannot write", "out.glb", "there is no directory"]);
-    has(&apply(folder.path().text(), &[]), &["cannot write", "it is a directory"]);
+    let directory = inside("directory.glb");
+    std::fs::create_dir(&directory).expect("made");
+    has(&apply(&directory, &[]), &["cannot write", "it is a directory"]);
+    std::fs::remove_dir(&directory).expect("removed");
+    for name in ["d.obj", "d", "d.gltf"] {
+        has(&apply(&inside(name), &[]), &["cannot write", name, "writes a GLB", ".glb"]);
+    }
+    has(&crumple(&["bake", PANEL, "-o", &inside("set.glb")]).complaint(), &["set.glb", "writes a .crumple file"]);
+    has(&crumple(&["sample", PANEL, "-o", &inside("list.txt")]).complaint(), &["list.txt", "writes JSON", ".json"]);
     has(&apply(&inside("i.json/out.glb"), &[]), &["cannot write", "there is no directory"]);
     has(&apply(&inside("out.glb"), &["--png", &list]), &["i.json", "directory"]);
     let line = crumple(&["sample", PANEL, "-o", &inside("no/i.json")]).complaint();

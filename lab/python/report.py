@@ -111,7 +111,7 @@ the four bodies:
 {picture(directory, "accuracy_stamps", "Error against the size of the stamps")}
 {picture(directory, "accuracy_impacts", "Error of every held-out impact")}
 """
-    return text + peers(directory) + own_text("accuracy") + candidates(directory)
+    return text + peers(directory) + own_text("accuracy")
 
 
 def ratio(t, stamp):
@@ -135,10 +135,6 @@ contact the displacement that Crumple is told.
 
 {table(head, cells)}
 {own_text("peers")}"""
-
-
-def candidates(directory):
-    return own_text("candidates") if (directory / "candidates.csv").exists() else ""
 
 
 def combining(directory):
@@ -243,8 +239,8 @@ def main():
     text = f"""# The lab
 
 Everything here is made by `cargo xtask lab`: tables (CSV), charts (SVG and PNG) and this page. {where}
-Two [truths](../../lab/data/README.md), computed by independent solvers, say what is right; parameters were chosen by cross-validation on training
-impacts, never on the held-out ones measured here. Figures are medians unless said otherwise.
+Two [truths](../../lab/data/README.md), computed by independent solvers, say what is right; parameters were chosen by [cross-validation](../model.md#how-the-rule-was-chosen)
+on training impacts, never on the held-out ones measured here. Figures are medians unless said otherwise.
 
 {accuracy(directory)}
 {combining(directory)}

@@ -53,17 +53,23 @@ impl ExampleSet {
         let builder =
             ExampleBuilder { mesh: &mesh, index: &index, seams: &seams, smooth: &smooth, options: &options, steps };
         let built = map(tasks, examples.iter().enumerate(), |(i, e)| builder.build(i, e));
-        let (mut welded, mut widest_weld) = (0, 0.0f32);
+        let (mut welded, mut widest_weld, mut given) = (0, 0.0f32, 0.0f32);
         let mut ready = reserve(examples.len(), "examples")?;
         let mut moves = reserve(examples.len(), "examples")?;
         for built in built {
             let built = built?;
             welded += built.welded;
             widest_weld = widest_weld.max(built.widest_weld);
+            given = given.max(built.deepest);
             moves.push(built.moves);
             ready.push(built.example);
         }
         if deepest(&ready) == 0.0 {
+            if let (Some(t), true) = (options.tolerance, given > 0.0) {
+                let expected =
+                    format!("below the largest displacement of the examples, {given} m; did you mean {t} mm?");
+                return Err(Error::invalid("tolerance", format!("{t} m"), &expected));
+            }
             return Err(Error::NoExamples {
                 what: format!("none of the {} given moves a vertex by more than {} m", ready.len(), options.drop_below),
             });
@@ -122,6 +128,8 @@ struct Built {
     moves: Vec<bool>,
     welded: usize,
     widest_weld: f32,
+    /// Longest displacement before the tolerance rounds it, m.
+    deepest: f32,
 }
 
 struct ExampleBuilder<'a> {
@@ -220,7 +228,7 @@ impl ExampleBuilder<'_> {
             stamp,
         };
         let moves = if self.options.held_rims { rim::moves(&given) } else { Vec::new() };
-        Ok(Built { example, moves, welded, widest_weld })
+        Ok(Built { example, moves, welded, widest_weld, deepest })
     }
 
     /// Displacements and changes of normals as they will be stored.

@@ -218,7 +218,7 @@ pub(super) fn positive_or_none(value: f32, name: &str, unit: &str) -> Result<Opt
     match value {
         0.0 => Ok(None),
         v if v > 0.0 => Ok(Some(v)),
-        v => Err(Failure::invalid(format!("{name} is {v} {unit}; it must be positive, or 0 for none"))),
+        v => Err(Failure::invalid(format!("{name} is {v} {unit}; it must be above 0, or 0 for the default"))),
     }
 }
 

@@ -5,6 +5,8 @@ use crate::Error;
 use base64::Engine;
 use base64::alphabet::{STANDARD, URL_SAFE};
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use percent_encoding::percent_decode_str;
+use std::borrow::Cow;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -26,12 +28,13 @@ pub(crate) fn parse(uri: &str, what: &str) -> Result<Target, Error> {
             shortened(uri)
         ))),
         None if uri.is_empty() => Err(malformed(format!("{what} has an empty uri"))),
-        None => match percent_decoded(uri) {
+        // Some exporters do not encode at all: what does not decode is the path as it stands.
+        None => match percent_decode_str(uri).decode_utf8().unwrap_or_else(|_| uri.into()) {
             path if path.starts_with(['/', '\\']) => Err(unsupported(format!(
                 "{what} points to the absolute path '{}'; only relative paths are read",
                 shortened(uri)
             ))),
-            path => Ok(Target::File(path)),
+            path => Ok(Target::File(path.into_owned())),
         },
     }
 }
@@ -76,39 +79,15 @@ fn is_scheme(text: &str) -> bool {
 fn data(rest: &str, what: &str) -> Result<Vec<u8>, Error> {
     let (head, body) =
         rest.split_once(',').ok_or_else(|| malformed(format!("{what}: the data: URI has no comma before its data")))?;
+    let body: Cow<'_, [u8]> = percent_decode_str(body).into();
     if !head.ends_with(";base64") {
-        return Ok(percent_bytes(body));
+        return Ok(body.into_owned());
     }
+    // Both alphabets, with padding or without it: data-url reads only the standard one.
     let config = GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent);
-    let alphabet = if body.contains(['-', '_']) { &URL_SAFE } else { &STANDARD };
-    let decode = |text: &[u8]| GeneralPurpose::new(alphabet, config).decode(text);
-    let decoded = if body.contains('%') { decode(&percent_bytes(body)) } else { decode(body.as_bytes()) };
+    let alphabet = if body.iter().any(|b| b"-_".contains(b)) { &URL_SAFE } else { &STANDARD };
+    let decoded = GeneralPurpose::new(alphabet, config).decode(&*body);
     decoded.map_err(|e| malformed(format!("{what}: the data: URI is not base64: {e}")))
-}
-
-fn percent_decoded(text: &str) -> String {
-    String::from_utf8(percent_bytes(text)).unwrap_or_else(|_| text.to_owned())
-}
-
-/// A `%` that no two hexadecimal digits follow stays as it is: some exporters do not encode at all.
-fn percent_bytes(text: &str) -> Vec<u8> {
-    let digit = |b: Option<&u8>| b.and_then(|b| (*b as char).to_digit(16)).map(|d| d as u8);
-    let bytes = text.as_bytes();
-    let mut out = Vec::with_capacity(bytes.len());
-    let mut i = 0;
-    while i < bytes.len() {
-        match (bytes[i], digit(bytes.get(i + 1)), digit(bytes.get(i + 2))) {
-            (b'%', Some(high), Some(low)) => {
-                out.push(high << 4 | low);
-                i += 3;
-            }
-            (b, ..) => {
-                out.push(b);
-                i += 1;
-            }
-        }
-    }
-    out
 }
 
 /// URIs may be megabytes long; an error shows their start.
