@@ -4,4 +4,5 @@ pub(crate) mod array;
 pub(crate) mod array_vec;
 pub(crate) mod error;
 pub(crate) mod math;
+pub(crate) mod strided;
 pub(crate) mod tasks;

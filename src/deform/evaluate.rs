@@ -71,13 +71,13 @@ fn active<'a>(job: BlockJob<'a>, normals: bool, scratch: &mut Scratch<'a>) -> To
         for part in dent.parts.iter() {
             if let Some((source, longest)) = reached(job, normals, part) {
                 let scale = part.scale * dent.strength;
-                let least = if scale == 0.0 { 0.0 } else { job.view.threshold / scale.abs() };
+                let threshold = if scale == 0.0 { 0.0 } else { job.view.threshold / scale.abs() };
                 // Normals of a part are shown in all blocks or in none, so that they agree where blocks meet.
-                let shown = least == 0.0
-                    || longest > least
-                    || (normals && part.carried.is_none() && job.lod.anchored[part.example].exceeds(least));
+                let shown = threshold == 0.0
+                    || longest > threshold
+                    || (normals && part.carried.is_none() && job.lod.anchored[part.example].exceeds(threshold));
                 if shown {
-                    parts.push(ReadyPart { source, scale, least, last: false });
+                    parts.push(ReadyPart { source, scale, threshold, last: false });
                     touched.longest += longest * scale.abs();
                     touched.stored |= part.carried.is_none();
                 } else {

@@ -87,9 +87,9 @@ impl Steps {
         if self.whole { (v / step).to_array().map(f32::round_ties_even).into() } else { v }
     }
 
-    /// What will be read back for a displacement; zero where it is no longer than `least` (m).
-    pub(crate) fn displacement(self, d: Vec3, least: f32) -> Vec3 {
-        if self.whole && d.length() <= least {
+    /// What will be read back for a displacement; zero where it is no longer than `threshold` (m).
+    pub(crate) fn displacement(self, d: Vec3, threshold: f32) -> Vec3 {
+        if self.whole && d.length() <= threshold {
             Vec3::ZERO
         } else {
             self.rounded(d, self.position) * self.position + Vec3::ZERO
@@ -182,9 +182,9 @@ impl DeltaBlocks {
         self.heads.iter().map(|h| h.block)
     }
 
-    /// Whether it moves any vertex by more than `least`, m.
-    pub(crate) fn exceeds(&self, least: f32) -> bool {
-        self.heads.iter().any(|h| h.longest > least)
+    /// Whether it moves any vertex by more than `threshold`, m.
+    pub(crate) fn exceeds(&self, threshold: f32) -> bool {
+        self.heads.iter().any(|h| h.longest > threshold)
     }
 
     /// What is stored of block `b`.
