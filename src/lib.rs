@@ -17,13 +17,14 @@
 //! Damage is the short list of marks: read it, save it, send it, repair it. Vertices are a pure function of it.
 //!
 //! # Features
-//! `gltf` and `obj` (default) read those formats; `vulkan` (default) records deformation into the host's command buffers; `wgpu` deforms on `wgpu` devices; `cli` builds the `crumple` command; `host-allocator` lets the C
-//! interface's host provide memory.
+//! `gltf` and `obj` (default) read those formats; `vulkan` (default) records deformation into the host's command buffers; `wgpu` deforms on `wgpu` devices; `cli` builds the `crumple` command; `capi` exports the C functions; `host-allocator`
+//! lets a C host provide memory.
 #![deny(missing_docs)]
 
 mod anchored;
 mod array;
 mod attach;
+#[cfg(feature = "capi")]
 mod capi;
 mod classic;
 mod contacts;
@@ -65,7 +66,8 @@ mod weights;
 pub mod wgpu;
 
 pub use attach::{Attachment, Frame};
-pub use capi::recording::{Difference, Replay, replay};
+#[cfg(feature = "capi")]
+pub use capi::replay::{Difference, Replay, replay};
 pub use damage::{Mark, Pair};
 pub use data::{Contact, Deltas, ExampleData, MeshData, Placement};
 pub use deform::{Attribute, DeformJob, DeformReport, RawStream, Tracker, VertexMemory, deform};
