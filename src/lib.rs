@@ -17,12 +17,13 @@
 //! Damage is the short list of marks: read it, save it, send it, repair it. Vertices are a pure function of it.
 //!
 //! # Features
-//! `gltf` and `obj` (default) read those formats; `vulkan` (default) records deformation into the host's command buffers; `wgpu` deforms on `wgpu` devices; `cli` builds the `crumple` command; `host-allocator` lets the C
-//! interface's host provide memory.
+//! `gltf` and `obj` (default) read those formats; `vulkan` (default) records deformation into the host's command buffers; `wgpu` deforms on `wgpu` devices; `cli` builds the `crumple` command; `capi` exports the C functions; `host-allocator`
+//! lets a C host provide memory.
 #![deny(missing_docs)]
 
 mod bake;
 mod base;
+#[cfg(feature = "capi")]
 mod capi;
 mod classic;
 mod damage;
@@ -43,7 +44,8 @@ pub use bake::reorder::reorder;
 pub use base::error::{Error, ErrorKind};
 pub use base::math::Aabb;
 pub use base::tasks::{Serial, TaskSystem, ThreadPool};
-pub use capi::recording::{Difference, Replay, replay};
+#[cfg(feature = "capi")]
+pub use capi::replay::{Difference, Replay, replay};
 pub use damage::mark::{Mark, Pair};
 pub use deform::simd::SimdLevel;
 pub use deform::tolerance::pixel_tolerance;

@@ -9,7 +9,7 @@ use crate::example::data::{Contact, Deltas, ExampleData, Placement};
 use crate::example::example::Example;
 use crate::example::learned::Learned;
 use crate::example::mesh_lod::MeshLod;
-use crate::example::options::{Seams, SetOptions, check_options};
+use crate::example::options::{Combine, Seams, SetOptions, check_options};
 use crate::example::set::{ExampleSet, Parts, deepest};
 use crate::example::stamp::{Source, Stamp};
 use crate::mesh::data::MeshData;
@@ -117,7 +117,12 @@ fn fingerprint(mesh: &Mesh, examples: &[Example], options: &SetOptions) -> u64 {
             vec(d);
         });
     }
-    h.update(&[options.combine as u8, u8::from(options.strict), options.stamp_resolution as u8]);
+    let combine = match options.combine {
+        Combine::Sum => 0,
+        Combine::Energies => 1,
+        Combine::Deepest => 2,
+    };
+    h.update(&[combine, u8::from(options.strict), options.stamp_resolution as u8]);
     h.update(&[u8::from(options.mirror), u8::from(options.held_rims)]);
     h.digest()
 }

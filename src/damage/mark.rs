@@ -15,14 +15,20 @@ pub(crate) const MAX_PAIRS: usize = 4;
 pub struct Pair {
     /// Index of the example; 0xFFFF in an unused pair.
     pub example: u16,
-    /// Low 12 bits: share of the dent, two's complement, 1024 being the whole. Bits 12, 13 and 14: the example is mirrored in
-    /// x, y, z. Bit 15: it stays where it was made.
+    /// Low 12 bits: share of the dent, two's complement, 1024 for the whole dent. Bits 12, 13 and 14: the example is mirrored
+    /// in x, y and z. Bit 15: it stays where it was made.
     pub share: u16,
 }
 
 impl Pair {
+    /// <!--
+    /// cbindgen:ignore
+    /// -->
     /// An unused pair.
     pub const NONE: Pair = Pair { example: u16::MAX, share: 0 };
+    /// <!--
+    /// cbindgen:ignore
+    /// -->
     /// The share of an example that makes a dent alone. Shares go from -2 to just under 2 of it.
     pub const WHOLE: i16 = 1024;
 
@@ -63,7 +69,8 @@ impl Pair {
     }
 }
 
-/// One hit's dent: where, how deep, and made of which examples. Plain data of 32 bytes: copy it, send it, save it.
+/// One dent: where, how deep, and made of which examples. Plain data of 32 bytes, equal on all machines: send or save it as
+/// it is (little-endian).
 ///
 /// ```text
 /// u_m(v) = strength * sum over pairs of scale(depth, share) * e_i(v)          strength = sqrt(energy)
@@ -75,14 +82,17 @@ pub struct Mark {
     pub contact: u32,
     /// Depth asked for at the contact, m; above 0.
     pub depth: f32,
-    /// Strength squared, in units of 2^-32: [`Mark::ONE`] for one hit; each hit that repeats the mark adds as much.
-    /// (Sets that combine by sum or by the deepest keep the strength itself here.)
+    /// Strength squared, in units of 2^-32: 4294967296 for one hit; each hit that repeats the mark adds as much. Sets that
+    /// combine by sum or by the deepest store the strength itself.
     pub energy: u64,
     /// Up to four examples, the used ones first.
     pub pairs: [Pair; 4],
 }
 
 impl Mark {
+    /// <!--
+    /// cbindgen:ignore
+    /// -->
     /// Energy of one hit.
     pub const ONE: u64 = 1 << 32;
 

@@ -24,16 +24,17 @@ pub enum Contact {
 }
 
 /// Whether an example may be carried away from where it was made.
+#[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Placement {
-    /// Anchored for a hit within a tenth of its support radius of its own contact that asks for its own depth (or up to a
-    /// tenth less); carried otherwise.
+    /// Anchored for a hit within a tenth of its support radius of its own contact and with 0.9 to 1 times its own depth;
+    /// carried otherwise. The default.
     #[default]
-    Automatic,
-    /// Always as the artist made it, where the artist made it.
-    Anchored,
-    /// Always carried to where the body was hit.
-    Carried,
+    Automatic = 0,
+    /// Always used where the artist made it: creases, frames, bumpers.
+    Anchored = 1,
+    /// Always moved to where the body was hit: sheet metal.
+    Carried = 2,
 }
 
 /// One example: the base mesh after a collision, as differences from the base.

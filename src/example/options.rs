@@ -5,25 +5,27 @@ use crate::base::error::{at_least_zero, positive};
 use crate::mesh::MAX_COORDINATE;
 
 /// How the dents of several marks combine at a vertex. The direction is always that of their sum.
+#[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Combine {
-    /// Lengths add: the plain sum.
-    Sum,
-    /// Energies add: the length is the root of the sum of squares.
+    /// Lengths add, up to the depth limit.
+    Sum = 1,
+    /// Energies add: the length is the root of the sum of squares. The default.
     #[default]
-    Energies,
-    /// The length is that of the deepest dent.
-    Deepest,
+    Energies = 0,
+    /// Only the deepest dent counts.
+    Deepest = 2,
 }
 
-/// What becomes of an example that moves coincident base vertices apart.
+/// How an example is treated that moves vertices with the same base position apart.
+#[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Seams {
-    /// They stay together: all get the mean of their displacements.
+    /// The vertices stay together: each gets the mean of their displacements. The default.
     #[default]
-    Weld,
-    /// They move apart, as the example says: the artist's tear.
-    Keep,
+    Weld = 0,
+    /// The vertices move apart as in the example: a tear that the artist made.
+    Keep = 1,
 }
 
 /// Mass of a vertex, for impulses that do not bring their own.

@@ -3,14 +3,15 @@
 use crate::{Mark, Mirror};
 use std::num::NonZeroU64;
 
-/// The space a hit is given in.
+/// The space that a hit is given in.
+#[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Space {
-    /// The mesh's own.
+    /// The mesh's own space. The default.
     #[default]
-    Local,
-    /// The world's: through the instance's transform.
-    World,
+    Local = 0,
+    /// World space. The instance's transform maps it to the mesh's space.
+    World = 1,
 }
 
 /// What a hit does to the vertex it hits.
@@ -76,16 +77,17 @@ pub enum Selection {
 }
 
 /// What became of a hit.
+#[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum HitStatus {
-    /// It left a mark (or, with the classic rules, a deformation).
-    Marked,
-    /// Too weak: under a yield threshold, or under a millionth of the depth limit.
-    BelowYield,
-    /// No example moves the contact in the direction asked for.
-    NothingReaches,
+    /// It leaves a mark, or with a classic rule a deformation.
+    Marked = 0,
+    /// It is weaker than a yield threshold, or than a millionth of the depth limit.
+    BelowYield = 1,
+    /// No example moves the contact vertex towards the target.
+    NothingReaches = 2,
     /// Too little alone to leave a mark, but part of a contact, which it adds to ([`Hit::contact`]).
-    Accumulated,
+    Accumulated = 3,
 }
 
 /// An example chosen for a hit.

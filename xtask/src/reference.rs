@@ -12,6 +12,8 @@ use crate::workspace::Workspace;
 pub const PAGE: &str = "docs/reference.md";
 
 const SOURCES: &str = "src/capi";
+/// The chapter of types that several calls share.
+const SHARED: &str = "Values that several calls share";
 const OPENING: &str = "# The C interface
 
 Every function and type of [crumple.h](../include/crumple.h), chapter by chapter in the order in which you meet them; made of its
@@ -118,8 +120,9 @@ fn chapters<'a>(workspace: &Workspace, items: &'a [Item]) -> Result<Vec<Chapter<
             chapters.push(Chapter { title, items: here });
         }
     }
-    let names: Vec<&str> = left.iter().map(|item| item.name.as_str()).collect();
-    ensure!(names.is_empty(), "no file of {SOURCES} defines {names:?}, which the header declares");
+    // Types of the library itself, which the header has under C names.
+    let shared = chapters.iter_mut().find(|chapter| chapter.title == SHARED);
+    shared.with_context(|| format!("no file of {SOURCES} begins with \"{SHARED}\""))?.items.extend(left);
     Ok(chapters)
 }
 

@@ -12,11 +12,11 @@ namespace Crumple
     public enum CrumpleFeatures : ulong
     {
         /// <summary>
-        /// Bit of <see cref="Native.NativeMethods.crumple_features"/>: glTF 2.0 and GLB files can be loaded.
+        /// Bit of <see cref="Native.NativeMethods.crumple_features"/>: the library loads glTF 2.0 and GLB files.
         /// </summary>
         Gltf = 1,
         /// <summary>
-        /// Bit of <see cref="Native.NativeMethods.crumple_features"/>: OBJ files can be loaded.
+        /// Bit of <see cref="Native.NativeMethods.crumple_features"/>: the library loads OBJ files.
         /// </summary>
         Obj = 2,
         /// <summary>
@@ -32,18 +32,16 @@ namespace Crumple
     }
 
     /// <summary>
-    /// What every fallible call returns. After anything but <see cref="CrumpleResult.Ok"/> no output was written,
-    /// <see cref="Native.NativeMethods.crumple_last_error"/> tells what was wrong and what would be right, and everything stays
-    /// usable.
+    /// The result of a call. See "Results" at the top.
     /// </summary>
     public enum CrumpleResult
     {
         /// <summary>
-        /// The call did what it says.
+        /// Success.
         /// </summary>
         Ok = 0,
         /// <summary>
-        /// A value lies outside its range.
+        /// A value is outside its range, or the call is not allowed now.
         /// </summary>
         ErrorInvalidArgument = 1,
         /// <summary>
@@ -51,7 +49,7 @@ namespace Crumple
         /// </summary>
         ErrorNotFinite = 2,
         /// <summary>
-        /// An index points past the end of what it indexes.
+        /// An index is not below its count.
         /// </summary>
         ErrorIndexOutOfRange = 3,
         /// <summary>
@@ -63,19 +61,19 @@ namespace Crumple
         /// </summary>
         ErrorExampleMismatch = 5,
         /// <summary>
-        /// Memory is smaller than what must be read from it or written to it.
+        /// An array has fewer bytes or elements than the call needs.
         /// </summary>
         ErrorBufferTooSmall = 6,
         /// <summary>
-        /// A pointer, an offset or a stride is not a multiple of the alignment it needs.
+        /// A pointer, offset or stride is not a multiple of its alignment.
         /// </summary>
         ErrorMisaligned = 7,
         /// <summary>
-        /// A contact lies further from the body than the instance accepts: often a point in the wrong space.
+        /// The point of a hit is further from the body than max_contact_distance. Often the point is in the wrong space.
         /// </summary>
         ErrorContactTooFar = 8,
         /// <summary>
-        /// Valid input that this library, or this build of it, does not read.
+        /// The input is valid, but this library or this build does not support it.
         /// </summary>
         ErrorUnsupported = 9,
         /// <summary>
@@ -87,81 +85,81 @@ namespace Crumple
         /// </summary>
         ErrorIo = 11,
         /// <summary>
-        /// Damage belongs to another example set or to another version.
+        /// Damage belongs to another example set, rule or version.
         /// </summary>
         ErrorDamageMismatch = 12,
         /// <summary>
-        /// Memory ran out. Only memory whose size your counts decide is reported so; see "Memory" at the top of the header.
+        /// Memory ran out. See "Memory" at the top.
         /// </summary>
         ErrorOutOfMemory = 13,
         /// <summary>
-        /// The call does not fit the instance's rule.
+        /// The call does not work with the instance's rule.
         /// </summary>
         ErrorWrongRule = 14,
         /// <summary>
-        /// A call into the graphics driver failed.
+        /// A Vulkan function failed.
         /// </summary>
         ErrorVulkan = 15,
         /// <summary>
-        /// The graphics device is lost. Damage is not.
+        /// The Vulkan device is lost. Damage is not lost.
         /// </summary>
         ErrorDeviceLost = 16,
         /// <summary>
-        /// A pointer is null that must not be.
+        /// A required pointer is null.
         /// </summary>
         ErrorNullPointer = 64,
         /// <summary>
-        /// The struct_size of a def is that of no version: take defs from their crumple_..._def_default function.
+        /// The struct_size of a def is wrong. Start from the def's crumple_..._def_default function.
         /// </summary>
         ErrorStructSize = 65,
         /// <summary>
-        /// An id or a context is null, was destroyed, or belongs to another context; the text says which.
+        /// An id or a context is null, was destroyed, or belongs to another context.
         /// </summary>
         ErrorInvalidId = 66,
         /// <summary>
-        /// Two threads were inside the same context at once, or a callback called back into it.
+        /// Two threads used one context at once, or a callback called back into its context.
         /// </summary>
         ErrorConcurrentUse = 67,
         /// <summary>
-        /// A defect of the library; the text is its message. Please report it.
+        /// A defect of the library. Please report it with the text of <see cref="Native.NativeMethods.crumple_last_error"/>.
         /// </summary>
         ErrorInternal = 68,
         /// <summary>
-        /// Frames were recorded that <see cref="Native.NativeMethods.crumple_vulkan_complete_frames"/> was not told of.
+        /// Recorded frames were not reported to <see cref="Native.NativeMethods.crumple_vulkan_complete_frames"/>.
         /// </summary>
         ErrorFramesInFlight = 69,
     }
 
     /// <summary>
-    /// How much a log message matters.
+    /// The severity of a log message.
     /// </summary>
     public enum CrumpleLogLevel
     {
         /// <summary>
-        /// What was done.
+        /// A report of what was done.
         /// </summary>
         Info = 0,
         /// <summary>
-        /// Something that works but is probably not what was meant.
+        /// Something that works but is probably a mistake.
         /// </summary>
         Warning = 1,
     }
 
     /// <summary>
-    /// How the place where an example was hit is told.
+    /// How the place where an example was hit is given.
     /// </summary>
     public enum CrumpleContactKind
     {
         /// <summary>
-        /// Not told: its deepest vertex. The default.
+        /// Not given: Crumple uses the example's deepest vertex. The default.
         /// </summary>
         None = 0,
         /// <summary>
-        /// A vertex of the base mesh.
+        /// As a vertex of the base mesh.
         /// </summary>
         Vertex = 1,
         /// <summary>
-        /// A point in the mesh's space; its nearest vertex becomes the contact.
+        /// As a point in the mesh's space. Its nearest vertex becomes the contact.
         /// </summary>
         Point = 2,
     }
@@ -172,15 +170,16 @@ namespace Crumple
     public enum CrumplePlacement
     {
         /// <summary>
-        /// Anchored for hits close to its own contact that ask for about its own depth, carried for others. The default.
+        /// Anchored for a hit within a tenth of its support radius of its own contact and with 0.9 to 1 times its own depth;
+        /// carried otherwise. The default.
         /// </summary>
         Automatic = 0,
         /// <summary>
-        /// Always where and as the artist made it: creases, frames, bumpers.
+        /// Always used where the artist made it: creases, frames, bumpers.
         /// </summary>
         Anchored = 1,
         /// <summary>
-        /// Always carried to where the body was hit: sheet metal.
+        /// Always moved to where the body was hit: sheet metal.
         /// </summary>
         Carried = 2,
     }
@@ -191,121 +190,121 @@ namespace Crumple
     public enum CrumpleIndexType
     {
         /// <summary>
-        /// uint32_t, 4 bytes. The default.
+        /// uint32_t. The default.
         /// </summary>
         U32 = 0,
         /// <summary>
-        /// uint16_t, 2 bytes.
+        /// uint16_t.
         /// </summary>
         U16 = 1,
     }
 
     /// <summary>
-    /// How the dents of several hits combine at a vertex. The direction is always that of their sum.
+    /// How the dents of several marks combine at a vertex. The direction is always that of their sum.
     /// </summary>
     public enum CrumpleCombine
     {
-        /// <summary>
-        /// Energies add: depth grows as the root of the number of equal hits, as metal does. The default.
-        /// </summary>
-        Energies = 0,
         /// <summary>
         /// Lengths add, up to the depth limit.
         /// </summary>
         Sum = 1,
         /// <summary>
-        /// The deepest dent decides: stamping to a fixed position.
+        /// Energies add: the length is the root of the sum of squares. The default.
+        /// </summary>
+        Energies = 0,
+        /// <summary>
+        /// Only the deepest dent counts.
         /// </summary>
         Deepest = 2,
     }
 
     /// <summary>
-    /// What becomes of an example that moves apart vertices which share a position in the base mesh.
+    /// How an example is treated that moves vertices with the same base position apart.
     /// </summary>
     public enum CrumpleSeams
     {
         /// <summary>
-        /// They stay together: each gets the mean of their displacements. The default.
+        /// The vertices stay together: each gets the mean of their displacements. The default.
         /// </summary>
         Weld = 0,
         /// <summary>
-        /// They move apart, as the example says: a tear that the artist made.
+        /// The vertices move apart as in the example: a tear that the artist made.
         /// </summary>
         Keep = 1,
     }
 
     /// <summary>
-    /// What becomes of the bytes that a set is loaded from.
+    /// Whether the bytes of a baked set are copied.
     /// </summary>
     public enum CrumpleBytes
     {
         /// <summary>
-        /// They are copied: free them after the call.
+        /// The bytes are copied. Free them after the call.
         /// </summary>
         Copy = 0,
         /// <summary>
-        /// They are kept and used where they lie: a memory map, or an asset that stays loaded. They must stay readable and must
-        /// not change until the set was destroyed and all its instances with it, or the context. Where they do not begin at a
-        /// multiple of 16 bytes they are copied all the same; do not rely on that.
+        /// The bytes are used in place. They must stay readable and unchanged until the set and its instances, or the context,
+        /// are destroyed. Bytes that do not start at a multiple of 16 are copied.
         /// </summary>
         Keep = 1,
     }
 
     /// <summary>
-    /// What hits do to an instance.
+    /// How hits damage an instance.
     /// </summary>
     public enum CrumpleRule
     {
         /// <summary>
-        /// Hits leave marks: bounded, local, the same in any order, without memory per vertex. The default.
+        /// Each hit leaves a mark. Memory is bounded and the order of hits does not matter. The default.
         /// </summary>
         Marks = 0,
         /// <summary>
-        /// The literature's rule "most displaced", for comparison: depends on the order of hits, needs memory per vertex, has no
-        /// marks.
+        /// The classic rule "most displaced" of the literature, for comparison. The order of hits matters. It has no marks and
+        /// needs memory for each vertex.
         /// </summary>
         MostDisplaced = 1,
         /// <summary>
-        /// The literature's rule "blend", with blend_constant.
+        /// The classic rule "blend", with blend_constant. Otherwise as <see cref="CrumpleRule.MostDisplaced"/>.
         /// </summary>
         Blend = 2,
     }
 
     /// <summary>
-    /// How the examples for a hit are chosen.
+    /// How the examples for a hit are selected.
     /// </summary>
     public enum CrumpleSelection
     {
         /// <summary>
-        /// <see cref="CrumpleSelection.Nearest"/> with marks, <see cref="CrumpleSelection.Classic"/> with the literature's rules.
-        /// The default.
+        /// <see cref="CrumpleSelection.Nearest"/> with marks, <see cref="CrumpleSelection.Classic"/> with a classic rule. The
+        /// default.
         /// </summary>
         OfRule = 0,
         /// <summary>
-        /// The examples that say most of a hit's place, depth and lean, carried or anchored as each says. Marks only.
+        /// The examples that are most informative about the hit's place, depth and lean (the angle between the hit and the
+        /// surface normal). Marks only.
         /// </summary>
         Nearest = 1,
         /// <summary>
-        /// The literature's: the one example that moves the contact in the direction most like the target, weight at most 1.
+        /// The one example that moves the contact vertex in the direction most like the target, with a weight of at most 1.
         /// </summary>
         Classic = 2,
         /// <summary>
-        /// The same without a limit of the weight: diverges above 2. The literature's rules only, for comparison.
+        /// As <see cref="CrumpleSelection.Classic"/>, without the limit of the weight: diverges above 2. Classic rules only.
         /// </summary>
         ClassicUnclamped = 3,
     }
 
     /// <summary>
-    /// The space a hit is given in.
+    /// The space that a hit is given in.
     /// </summary>
     public enum CrumpleSpace
     {
         /// <summary>
-        /// The mesh's own. The default.
+        /// The mesh's own space. The default.
         /// </summary>
         Local = 0,
         /// <summary>
-        /// The world's: through the instance's transform.
+        /// World space. The instance's transform maps it to the mesh's space.
         /// </summary>
         World = 1,
     }
@@ -316,27 +315,27 @@ namespace Crumple
     public enum CrumpleHitStatus
     {
         /// <summary>
-        /// It leaves a mark (with the literature's rules: a deformation).
+        /// It leaves a mark, or with a classic rule a deformation.
         /// </summary>
         Marked = 0,
         /// <summary>
-        /// It is weaker than the instance's yield threshold, or next to nothing.
+        /// It is weaker than a yield threshold, or than a millionth of the depth limit.
         /// </summary>
         BelowYield = 1,
         /// <summary>
-        /// No example moves the contact in the direction asked for.
+        /// No example moves the contact vertex towards the target.
         /// </summary>
         NothingReaches = 2,
     }
 
     /// <summary>
-    /// How a device hands memory or a semaphore to another one.
+    /// The type of a handle to shared memory or to a semaphore.
     /// </summary>
     public enum CrumpleHandleType
     {
         /// <summary>
-        /// A file descriptor, VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT. It is duplicated: yours stays yours, to be closed
-        /// when you like. Linux, Android and their kind.
+        /// A file descriptor, VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT. Crumple duplicates it; yours stays yours to close.
+        /// Linux and Android.
         /// </summary>
         OpaqueFd = 0,
         /// <summary>
@@ -346,15 +345,15 @@ namespace Crumple
     }
 
     /// <summary>
-    /// Gives size bytes aligned to align (a power of two, at least 16), or null. Called from any thread, several at once. Must
-    /// not call Crumple, throw, or jump out.
+    /// Returns size bytes aligned to align (a power of two, at least 16), or null. Must be thread-safe. Must not call Crumple,
+    /// throw or jump out.
     /// </summary>
     [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
     public delegate IntPtr CrumpleAlloc(UIntPtr size, UIntPtr align, IntPtr user);
 
     /// <summary>
-    /// Takes back what <see cref="CrumpleAlloc"/> gave, with the same size and align. Called from any thread, several at once.
-    /// Must not call Crumple, throw, or jump out.
+    /// Frees memory of <see cref="CrumpleAlloc"/>; size and align are those of its allocation. Must be thread-safe. Must not call
+    /// Crumple, throw or jump out.
     /// </summary>
     [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
     public delegate void CrumpleFree(IntPtr pointer, UIntPtr size, UIntPtr align, IntPtr user);
@@ -366,19 +365,19 @@ namespace Crumple
     public partial struct CrumpleAllocatorDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_allocator_def_default"/>.
+        /// 
         /// </summary>
         public uint StructSize;
         /// <summary>
-        /// Gives memory. Required.
+        /// Allocates. Required.
         /// </summary>
         public IntPtr Alloc;
         /// <summary>
-        /// Takes memory back. Required.
+        /// Frees. Required.
         /// </summary>
         public IntPtr Free;
         /// <summary>
-        /// Handed to both, untouched. May be null.
+        /// Passed to both. May be null.
         /// </summary>
         public IntPtr User;
 
@@ -397,74 +396,75 @@ namespace Crumple
     }
 
     /// <summary>
-    /// Receives one message, UTF-8, without a line break at its end; the text is gone when the callback returns. Called from the
-    /// thread that called Crumple. Must not call Crumple with the same context, throw, or jump out.
+    /// Receives one message, UTF-8, without a line break at its end. The text is valid during the callback. Runs on the thread
+    /// that called Crumple. Must not call the same context, throw or jump out.
     /// </summary>
     [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
     public delegate void CrumpleLog(CrumpleLogLevel level, IntPtr message, IntPtr user);
 
     /// <summary>
-    /// One task of a parallel-for, given to you to be run: index is 0 to count - 1, task_data what came with it.
+    /// A task of a parallel-for. Call it with an index below count and with the task_data of <see cref="CrumpleParallelFor"/>.
     /// </summary>
     [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
     public delegate void CrumpleTask(uint index, IntPtr taskData);
 
     /// <summary>
-    /// Your parallel-for: call task(index, task_data) once for every index below count, on any threads and in any order, and
-    /// return when all have returned. Tasks never block, never throw, and may run at once. What you forget is run after you
-    /// return, and an index that you run twice does nothing the second time. Called from the thread that called Crumple. Must not
-    /// throw or jump out. It may call <see cref="Native.NativeMethods.crumple_instance_submit_impulse"/>,
-    /// <see cref="Native.NativeMethods.crumple_instance_submit_displacement"/> and
-    /// <see cref="Native.NativeMethods.crumple_instance_end_contact"/>, nothing else of the same context.
+    /// Your parallel-for: calls task(index, task_data) once for each index below count, on any threads and in any order, and
+    /// returns when all calls have returned. Tasks do not block or throw and may run at once. Crumple itself runs an index that
+    /// you leave out, and ignores a second call of an index.
     /// </summary>
+    /// <remarks>
+    /// <para>Crumple calls this function on the thread that called Crumple. It must not throw or jump out. Of the same context it
+    /// may call only the functions that may be called at any time.</para>
+    /// </remarks>
     [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
     public delegate void CrumpleParallelFor(uint count, IntPtr task, IntPtr taskData, IntPtr user);
 
     /// <summary>
-    /// The host's job system. Zero everywhere: there is none, Crumple uses threads of its own.
+    /// The host's job system. Zero everywhere: Crumple uses its own threads.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleTaskSystem
     {
         /// <summary>
-        /// Runs tasks. Null: Crumple uses threads of its own.
+        /// Runs tasks. Null: Crumple uses its own threads.
         /// </summary>
         public IntPtr ParallelFor;
         /// <summary>
-        /// Handed to parallel_for, untouched. May be null.
+        /// Passed to parallel_for. May be null.
         /// </summary>
         public IntPtr User;
         /// <summary>
-        /// How many threads may work at once; 0 counts as 1. Only decides how finely work is cut: never the result.
+        /// Number of threads that can work at once; 0 counts as 1. It affects how work is split, never the result.
         /// </summary>
         public uint Workers;
     }
 
     /// <summary>
-    /// How a context works.
+    /// Options of a context.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleContextDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_context_def_default"/>.
+        /// 
         /// </summary>
         public uint StructSize;
         /// <summary>
-        /// Threads that deform: 0 one for each core, 1 only the calling thread, up to 1024. Without meaning where tasks is set.
+        /// Number of threads that deform, up to 1024. 0: one per core. 1: the calling thread only. Ignored where tasks is set.
         /// Default 0.
         /// </summary>
         public uint Threads;
         /// <summary>
-        /// Receives messages. Null: none. Default null.
+        /// Receives messages. Default null: none.
         /// </summary>
         public IntPtr Log;
         /// <summary>
-        /// Handed to log, untouched.
+        /// Passed to log.
         /// </summary>
         public IntPtr LogUser;
         /// <summary>
-        /// Your job system, instead of threads of Crumple's own. Default zero: none.
+        /// Your job system, instead of Crumple's threads. Default zero: none.
         /// </summary>
         public CrumpleTaskSystem Tasks;
 
@@ -483,87 +483,86 @@ namespace Crumple
     }
 
     /// <summary>
-    /// An array that Crumple reads during the call and never keeps. Element i lies at data + i * stride; how many there are and
-    /// of what type is said where the array is used. Zero everywhere: the array is absent.
+    /// An array that Crumple reads during the call. Element i is at data + i * stride. Count and type are stated where the array
+    /// is used. Zero everywhere: absent.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleInput
     {
         /// <summary>
-        /// First element; aligned to its type (4 bytes, or 2 for 16-bit indices). Null: absent.
+        /// First element, aligned to its type (4 bytes; 2 for 16-bit indices). Null: absent.
         /// </summary>
         public IntPtr Data;
         /// <summary>
-        /// Readable bytes from data on; at least (count - 1) * stride + the bytes of one element.
+        /// Readable bytes at data: at least (count - 1) * stride + the size of one element.
         /// </summary>
         public UIntPtr Size;
         /// <summary>
-        /// Bytes from one element to the next: at least those of one element, a multiple of its alignment. 0 is an error, never
-        /// "tightly packed".
+        /// Bytes from one element to the next: at least the size of one element, a multiple of its alignment. 0 is an error.
         /// </summary>
         public UIntPtr Stride;
     }
 
     /// <summary>
-    /// A point or a vector. Its unit is named where it is used.
+    /// A point or a vector.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleVec3
     {
         /// <summary>
-        /// Along the mesh's (or the world's) first axis.
+        /// 
         /// </summary>
         public float X;
         /// <summary>
-        /// Along the second axis.
+        /// 
         /// </summary>
         public float Y;
         /// <summary>
-        /// Along the third axis.
+        /// 
         /// </summary>
         public float Z;
     }
 
     /// <summary>
-    /// One example: the base mesh after a collision. Give target_positions, or delta_indices with position_deltas.
+    /// An example: the base mesh after a collision. Give target_positions, or delta_indices with position_deltas.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleExampleDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_example_def_default"/>.
+        /// 
         /// </summary>
         public uint StructSize;
         /// <summary>
-        /// Number of moved vertices in delta_indices, position_deltas and normal_deltas. Without meaning for target_positions.
+        /// Number of vertices in delta_indices, position_deltas and normal_deltas.
         /// </summary>
         public uint DeltaCount;
         /// <summary>
-        /// Any UTF-8 text that ends with a zero, copied; need not be unique. Null: empty.
+        /// UTF-8 text, copied. Need not be unique. Null: empty.
         /// </summary>
         public IntPtr Name;
         /// <summary>
-        /// Full form: where every vertex of the base mesh goes: vertex_count times 3 floats, m, in the base's order.
+        /// Full form: the new position of every vertex, vertex_count times 3 floats, m, in the base mesh's order.
         /// </summary>
         public CrumpleInput TargetPositions;
         /// <summary>
-        /// Full form: unit normals there: vertex_count times 3 floats. Absent: computed. Needs the base mesh's normals.
+        /// Full form: the new unit normals, vertex_count times 3 floats. Absent: computed. Needs normals of the base mesh.
         /// </summary>
         public CrumpleInput TargetNormals;
         /// <summary>
-        /// Sparse form: indices of the moved vertices, strictly increasing: delta_count times uint32_t.
+        /// Sparse form: indices of the moved vertices, strictly increasing, delta_count times uint32_t.
         /// </summary>
         public CrumpleInput DeltaIndices;
         /// <summary>
-        /// Sparse form: how far they move: delta_count times 3 floats, m.
+        /// Sparse form: their displacements, delta_count times 3 floats, m.
         /// </summary>
         public CrumpleInput PositionDeltas;
         /// <summary>
-        /// Sparse form: how their unit normals change: delta_count times 3 floats. Absent: computed.
+        /// Sparse form: the changes of their unit normals, delta_count times 3 floats. Absent: computed.
         /// </summary>
         public CrumpleInput NormalDeltas;
         /// <summary>
-        /// How the place where the example was hit is told. Default <see cref="CrumpleContactKind.None"/>.
+        /// How the contact is given. Default <see cref="CrumpleContactKind.None"/>.
         /// </summary>
         public CrumpleContactKind ContactKind;
         /// <summary>
@@ -575,15 +574,15 @@ namespace Crumple
         /// </summary>
         public CrumpleVec3 ContactPoint;
         /// <summary>
-        /// The surface's outward direction there, of any length but 0, where has_contact_normal is true.
+        /// The surface's outward direction at the contact, of any length above 0. Used where has_contact_normal is true.
         /// </summary>
         public CrumpleVec3 ContactNormal;
         /// <summary>
-        /// Whether contact_normal is given; otherwise it is taken from the mesh. Default false.
+        /// Whether contact_normal is given. Default false: the mesh's normal is used.
         /// </summary>
         public CrumpleBool HasContactNormal;
         /// <summary>
-        /// Whether it may be carried. Default <see cref="CrumplePlacement.Automatic"/>.
+        /// Where the example may be used. Default <see cref="CrumplePlacement.Automatic"/>.
         /// </summary>
         public CrumplePlacement Placement;
 
@@ -602,78 +601,19 @@ namespace Crumple
     }
 
     /// <summary>
-    /// How an example set is made ready. Part of the defs that make one, which carry its defaults.
+    /// A mesh as arrays, which are copied. Part of the defs that contain it, which set its defaults.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleExampleSetOptions
+    public partial struct CrumpleMeshDef
     {
         /// <summary>
-        /// No vertex ever moves further than this, m. 0: the deepest displacement of any example. Default 0.
-        /// </summary>
-        public float DepthLimit;
-        /// <summary>
-        /// Displacements of an example up to this length are dropped, m. 0: only exact zeros. Default 0.
-        /// </summary>
-        public float DropBelow;
-        /// <summary>
-        /// Mass of every vertex, kg, for impulses that bring none of their own. 0: not known. Default 0.
-        /// </summary>
-        public float VertexMass;
-        /// <summary>
-        /// Nodes along each side of the grid that a carried example is kept in: 4 to 128. Default 32; sharp creases want more.
-        /// With a tolerance, at most.
-        /// </summary>
-        public uint StampResolution;
-        /// <summary>
-        /// How far an example of weight 1 may put a vertex off, m: displacements are kept as integers of 1 or 2 bytes that hold
-        /// this, and carried examples on the coarsest grid that does. 0, the default: exact floats.
-        /// </summary>
-        public float Tolerance;
-        /// <summary>
-        /// With a tolerance: how far an example of weight 1 may turn a normal off, degrees; above 0 to 45. Default 1.
-        /// </summary>
-        public float NormalTolerance;
-        /// <summary>
-        /// Mass of each vertex, kg: vertex_count floats, instead of vertex_mass. Default absent.
-        /// </summary>
-        public CrumpleInput VertexMasses;
-        /// <summary>
-        /// How the dents of several hits combine. Default <see cref="CrumpleCombine.Energies"/>.
-        /// </summary>
-        public CrumpleCombine Combine;
-        /// <summary>
-        /// What becomes of examples that tear seams. Default <see cref="CrumpleSeams.Weld"/>.
-        /// </summary>
-        public CrumpleSeams Seams;
-        /// <summary>
-        /// Whether carried examples may never be scaled above their own depth, as anchored ones never are. Default false.
-        /// </summary>
-        public CrumpleBool Strict;
-        /// <summary>
-        /// Whether examples also serve mirrored, where the body is the same on both sides of a coordinate plane through the
-        /// centre of its bounds. Default true.
-        /// </summary>
-        public CrumpleBool Mirror;
-        /// <summary>
-        /// Whether carried dents fall to zero towards edges of the sheet that the examples show to be held. Default true.
-        /// </summary>
-        public CrumpleBool HeldRims;
-    }
-
-    /// <summary>
-    /// A base mesh and its examples, as arrays.
-    /// </summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleExampleSetDef
-    {
-        /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_example_set_def_default"/>.
-        /// </summary>
-        public uint StructSize;
-        /// <summary>
-        /// Vertices of the base mesh, at least 1. Their order is yours and is kept.
+        /// Number of vertices, at least 1. Their order is kept.
         /// </summary>
         public uint VertexCount;
+        /// <summary>
+        /// Number of indices, a multiple of 3.
+        /// </summary>
+        public uint IndexCount;
         /// <summary>
         /// Positions: vertex_count times 3 floats, m. Any handedness, any axis up. Required.
         /// </summary>
@@ -687,28 +627,101 @@ namespace Crumple
         /// </summary>
         public CrumpleInput Tangents;
         /// <summary>
-        /// Triangles: index_count indices, three a triangle, counter-clockwise seen from outside. Absent: a cloud of points,
-        /// which then needs normals.
+        /// Triangles: index_count indices, counter-clockwise seen from outside. Absent: a point cloud, whose normals must be
+        /// given.
         /// </summary>
         public CrumpleInput Indices;
-        /// <summary>
-        /// Number of indices, a multiple of 3.
-        /// </summary>
-        public uint IndexCount;
         /// <summary>
         /// Type of indices. Default <see cref="CrumpleIndexType.U32"/>.
         /// </summary>
         public CrumpleIndexType IndexType;
+    }
+
+    /// <summary>
+    /// How an example set is built. Part of the defs that build one, which set its defaults.
+    /// </summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleExampleSetOptions
+    {
         /// <summary>
-        /// The examples: example_count of them, each from <see cref="Native.NativeMethods.crumple_example_def_default"/>.
+        /// No vertex moves further than this, m. Default 0: the depth of the deepest example.
         /// </summary>
-        public IntPtr Examples;
+        public float DepthLimit;
+        /// <summary>
+        /// Displacements of an example up to this length are dropped, m. Default 0: only zeros.
+        /// </summary>
+        public float DropBelow;
+        /// <summary>
+        /// Mass of every vertex, kg, for impulses without a mass: a calibration constant in impulse * duration / mass, not the
+        /// body's mass. Default 0: unknown.
+        /// </summary>
+        public float VertexMass;
+        /// <summary>
+        /// Nodes along each side of the grid that stores a carried example: 4 to 128. Default 32; sharp creases need more. With a
+        /// bake_tolerance, this is the maximum.
+        /// </summary>
+        public uint StampResolution;
+        /// <summary>
+        /// Largest position error from quantisation at weight 1, m. Displacements are then stored as integers of 1 or 2 bytes,
+        /// carried examples on the coarsest grid within the error. Default 0: exact floats. Changes the fingerprint; depth_limit
+        /// and vertex_mass do not.
+        /// </summary>
+        public float BakeTolerance;
+        /// <summary>
+        /// Largest error of a normal at weight 1, degrees, above 0 and up to 45. Used with a bake_tolerance. Default 1.
+        /// </summary>
+        public float BakeNormalTolerance;
+        /// <summary>
+        /// Mass of each vertex, kg: vertex_count floats, instead of vertex_mass. Default absent.
+        /// </summary>
+        public CrumpleInput VertexMasses;
+        /// <summary>
+        /// How the dents of several hits combine. Default <see cref="CrumpleCombine.Energies"/>.
+        /// </summary>
+        public CrumpleCombine Combine;
+        /// <summary>
+        /// How examples that open seams are treated. Default <see cref="CrumpleSeams.Weld"/>.
+        /// </summary>
+        public CrumpleSeams Seams;
+        /// <summary>
+        /// Carried examples are never scaled above their own depth, as anchored ones never are. Default false.
+        /// </summary>
+        public CrumpleBool Strict;
+        /// <summary>
+        /// Also use mirrored copies of the examples where the body is symmetric in a coordinate plane through the centre of its
+        /// bounds. Default true.
+        /// </summary>
+        public CrumpleBool Mirror;
+        /// <summary>
+        /// Fade carried dents to zero at boundary edges that no example moves. Default true.
+        /// </summary>
+        public CrumpleBool HeldRims;
+    }
+
+    /// <summary>
+    /// A base mesh with its examples.
+    /// </summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleExampleSetDef
+    {
+        /// <summary>
+        /// 
+        /// </summary>
+        public uint StructSize;
         /// <summary>
         /// Number of examples, at least 1.
         /// </summary>
         public uint ExampleCount;
         /// <summary>
-        /// How the set is made ready.
+        /// The base mesh.
+        /// </summary>
+        public CrumpleMeshDef Mesh;
+        /// <summary>
+        /// example_count defs, each from <see cref="Native.NativeMethods.crumple_example_def_default"/>.
+        /// </summary>
+        public IntPtr Examples;
+        /// <summary>
+        /// How the set is built.
         /// </summary>
         public CrumpleExampleSetOptions Options;
 
@@ -727,64 +740,39 @@ namespace Crumple
     }
 
     /// <summary>
-    /// A base mesh and its examples: immutable, shared by any number of instances. An id; zero is null. Compare ids field by
-    /// field; copy them freely; a stale or foreign id is an error, never a crash.
+    /// A base mesh with its examples: immutable, shared by any number of instances. An id; zero is null.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleExampleSet
     {
         /// <summary>
-        /// Place in the context, plus one; 0 is null.
+        /// 
         /// </summary>
         public uint Index;
         /// <summary>
-        /// Tells successive users of the place apart.
+        /// 
         /// </summary>
         public ushort Generation;
         /// <summary>
-        /// Tells contexts apart.
+        /// 
         /// </summary>
         public ushort Context;
     }
 
     /// <summary>
-    /// Another mesh of a set's body, as arrays.
+    /// Another mesh of a set's body, such as a level of detail.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleLodDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_lod_def_default"/>.
+        /// 
         /// </summary>
         public uint StructSize;
         /// <summary>
-        /// Its vertices, at least 1. Their order is yours and is kept.
+        /// The mesh, in the base mesh's space.
         /// </summary>
-        public uint VertexCount;
-        /// <summary>
-        /// Positions: vertex_count times 3 floats, m, in the base mesh's space. Required.
-        /// </summary>
-        public CrumpleInput Positions;
-        /// <summary>
-        /// Unit normals: vertex_count times 3 floats. Absent: computed from the triangles, smooth across seams.
-        /// </summary>
-        public CrumpleInput Normals;
-        /// <summary>
-        /// Tangents as in glTF: vertex_count times 4 floats, xyz of unit length, w +1 or -1. Absent: none.
-        /// </summary>
-        public CrumpleInput Tangents;
-        /// <summary>
-        /// Triangles: index_count indices, three a triangle, counter-clockwise seen from outside. Absent: none.
-        /// </summary>
-        public CrumpleInput Indices;
-        /// <summary>
-        /// Number of indices, a multiple of 3.
-        /// </summary>
-        public uint IndexCount;
-        /// <summary>
-        /// Type of indices. Default <see cref="CrumpleIndexType.U32"/>.
-        /// </summary>
-        public CrumpleIndexType IndexType;
+        public CrumpleMeshDef Mesh;
 
         /// <summary>
         /// The defaults, from <c>crumple_lod_def_default()</c>: begin with these.
@@ -801,32 +789,30 @@ namespace Crumple
     }
 
     /// <summary>
-    /// Which mesh of a glTF file, and how it is made ready.
+    /// Which mesh of a glTF file to load, and how.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleGltfDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_gltf_def_default"/>.
+        /// 
         /// </summary>
         public uint StructSize;
         /// <summary>
-        /// Index of the mesh in the file, where mesh_name is null; UINT32_MAX: the first mesh that has morph targets. Default
-        /// UINT32_MAX.
+        /// Index of the mesh in the file, used where mesh_name is null. Default UINT32_MAX: the first mesh with morph targets.
         /// </summary>
         public uint MeshIndex;
         /// <summary>
-        /// Name of the mesh, UTF-8. Null: mesh_index decides. Default null.
+        /// Name of the mesh, UTF-8. Default null: mesh_index decides.
         /// </summary>
         public IntPtr MeshName;
         /// <summary>
-        /// Path of the .glb or .gltf file, UTF-8, for <see cref="Native.NativeMethods.crumple_example_set_load_gltf"/>. For
-        /// <see cref="Native.NativeMethods.crumple_example_set_load_gltf_memory"/> the folder that files named in it are relative
-        /// to; null: such files are an error.
+        /// Path of the .glb or .gltf file, UTF-8. For <see cref="Native.NativeMethods.crumple_example_set_load_gltf_memory"/>:
+        /// the folder of files that the glTF refers to; null makes such files an error.
         /// </summary>
         public IntPtr Path;
         /// <summary>
-        /// How the set is made ready. vertex_masses must be absent, or hold as many as the mesh has vertices.
+        /// How the set is built.
         /// </summary>
         public CrumpleExampleSetOptions Options;
 
@@ -845,13 +831,13 @@ namespace Crumple
     }
 
     /// <summary>
-    /// A base OBJ and its examples, and how they are made ready.
+    /// A base OBJ file with its example files.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleObjDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_obj_def_default"/>.
+        /// 
         /// </summary>
         public uint StructSize;
         /// <summary>
@@ -863,11 +849,11 @@ namespace Crumple
         /// </summary>
         public IntPtr BasePath;
         /// <summary>
-        /// Paths of the examples, UTF-8: the base mesh after a collision, with the same vertices in the same order.
+        /// Paths of the examples, UTF-8. Each has the vertices of the base mesh in the same order.
         /// </summary>
         public IntPtr ExamplePaths;
         /// <summary>
-        /// How the set is made ready.
+        /// How the set is built.
         /// </summary>
         public CrumpleExampleSetOptions Options;
 
@@ -886,19 +872,19 @@ namespace Crumple
     }
 
     /// <summary>
-    /// An array that Crumple writes. Element i lies at data + offset + i * stride. Positions and normals are 3 floats (12 bytes),
-    /// tangents 4 (16 bytes), indices one uint32_t; Crumple touches those bytes and none between them, so that several streams
-    /// may be interleaved in one vertex buffer. Zero everywhere: the array is absent.
+    /// An array that Crumple writes. Element i is at data + offset + i * stride. Positions and normals are 3 floats, tangents 4
+    /// floats, indices one uint32_t. Bytes between elements are not touched, so streams may be interleaved. Zero everywhere:
+    /// absent.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleStream
     {
         /// <summary>
-        /// Begin of the memory, aligned to 4 bytes. Null: absent.
+        /// Start of the memory, aligned to 4 bytes. Null: absent.
         /// </summary>
         public IntPtr Data;
         /// <summary>
-        /// Writable bytes from data on; at least offset + (count - 1) * stride + the bytes of one element.
+        /// Writable bytes at data: at least offset + (count - 1) * stride + the size of one element.
         /// </summary>
         public UIntPtr Size;
         /// <summary>
@@ -906,41 +892,40 @@ namespace Crumple
         /// </summary>
         public UIntPtr Offset;
         /// <summary>
-        /// Bytes from one element to the next: at least those of one element, a multiple of 4. 0 is an error, never "tightly
-        /// packed".
+        /// Bytes from one element to the next: at least the size of one element, a multiple of 4. 0 is an error.
         /// </summary>
         public UIntPtr Stride;
     }
 
     /// <summary>
-    /// Where a set's mesh is copied to. Absent streams are left out.
+    /// Where a set's mesh is copied to. Absent streams are skipped.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleMeshCopyDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_mesh_copy_def_default"/>.
+        /// 
         /// </summary>
         public uint StructSize;
         /// <summary>
-        /// Which mesh: 0 the base mesh, else a number from <see cref="Native.NativeMethods.crumple_example_set_add_lod"/>.
+        /// Which mesh: 0 for the base mesh, or a number of <see cref="Native.NativeMethods.crumple_example_set_add_lod"/>.
         /// Default 0.
         /// </summary>
         public uint Lod;
         /// <summary>
-        /// Positions: 3 floats a vertex, m.
+        /// Positions, m.
         /// </summary>
         public CrumpleStream Positions;
         /// <summary>
-        /// Unit normals: 3 floats a vertex.
+        /// Unit normals.
         /// </summary>
         public CrumpleStream Normals;
         /// <summary>
-        /// Tangents: 4 floats a vertex, xyz of unit length, w +1 or -1.
+        /// Tangents: xyz of unit length, w +1 or -1.
         /// </summary>
         public CrumpleStream Tangents;
         /// <summary>
-        /// Triangles: 3 times triangle_count uint32_t.
+        /// Triangles: 3 * triangle_count indices.
         /// </summary>
         public CrumpleStream Indices;
 
@@ -959,37 +944,37 @@ namespace Crumple
     }
 
     /// <summary>
-    /// A box along the mesh's axes, m.
+    /// An axis-aligned box, m.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleAabb
     {
         /// <summary>
-        /// Least coordinates, m.
+        /// 
         /// </summary>
         public CrumpleVec3 Min;
         /// <summary>
-        /// Greatest coordinates, m.
+        /// 
         /// </summary>
         public CrumpleVec3 Max;
     }
 
     /// <summary>
-    /// What an example set holds. Strings live until the set is destroyed.
+    /// Facts about an example set. Its strings are valid until the set is destroyed.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleExampleSetInfo
     {
         /// <summary>
-        /// Name of the mesh in its file, UTF-8; empty for a set made from arrays. Never null.
+        /// Name of the mesh in its file, UTF-8; empty for a set built from arrays. Never null.
         /// </summary>
         public IntPtr Name;
         /// <summary>
-        /// Tells whether two sets are the same, on any machine; saved damage fits sets of one fingerprint.
+        /// Equal for equal sets, on any machine. Saved damage fits sets of one fingerprint.
         /// </summary>
         public ulong Fingerprint;
         /// <summary>
-        /// Bytes of memory that the set takes.
+        /// Memory of the set, bytes.
         /// </summary>
         public ulong MemoryBytes;
         /// <summary>
@@ -1001,15 +986,15 @@ namespace Crumple
         /// </summary>
         public uint TriangleCount;
         /// <summary>
-        /// Examples.
+        /// Number of examples.
         /// </summary>
         public uint ExampleCount;
         /// <summary>
-        /// Parts of the mesh with a material of their own; at least 1.
+        /// Parts of the mesh with their own material, at least 1.
         /// </summary>
         public uint PrimitiveCount;
         /// <summary>
-        /// Positions that several vertices share.
+        /// Number of positions that several vertices share.
         /// </summary>
         public uint SeamCount;
         /// <summary>
@@ -1017,11 +1002,11 @@ namespace Crumple
         /// </summary>
         public float DepthLimit;
         /// <summary>
-        /// Box around the base mesh, m.
+        /// Bounds of the base mesh.
         /// </summary>
         public CrumpleAabb Bounds;
         /// <summary>
-        /// World matrix of the first node that shows the mesh, column-major; the identity where there is none.
+        /// World matrix of the first node that shows the mesh, column-major; the identity if there is none.
         /// </summary>
         public fixed float NodeTransform[16];
         /// <summary>
@@ -1029,32 +1014,31 @@ namespace Crumple
         /// </summary>
         public CrumpleBool HasTangents;
         /// <summary>
-        /// Meshes that show the damage: 1, the base mesh, and those of
-        /// <see cref="Native.NativeMethods.crumple_example_set_add_lod"/>.
+        /// Number of meshes: 1 + added levels of detail.
         /// </summary>
         public uint LodCount;
         /// <summary>
-        /// Zero; room for later.
+        /// 
         /// </summary>
         public fixed ulong Reserved[4];
     }
 
     /// <summary>
-    /// What an example is. Strings live until the set is destroyed.
+    /// Facts about an example. Its string is valid until the set is destroyed.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleExampleInfo
     {
         /// <summary>
-        /// Its name, UTF-8. Never null.
+        /// Name, UTF-8. Never null.
         /// </summary>
         public IntPtr Name;
         /// <summary>
-        /// The vertex that was hit, or its deepest.
+        /// The vertex that was hit, or the deepest vertex.
         /// </summary>
         public uint ContactVertex;
         /// <summary>
-        /// Vertices that it moves. 0: the example does nothing.
+        /// Number of vertices that it moves. 0: it has no effect.
         /// </summary>
         public uint MovedVertices;
         /// <summary>
@@ -1062,15 +1046,15 @@ namespace Crumple
         /// </summary>
         public CrumpleVec3 ContactPoint;
         /// <summary>
-        /// The surface's outward unit normal there; zero where it is not known.
+        /// Outward unit normal at the contact; zero if unknown.
         /// </summary>
         public CrumpleVec3 ContactNormal;
         /// <summary>
-        /// How far the contact vertex moves, m.
+        /// Displacement of the contact vertex, m.
         /// </summary>
         public float Depth;
         /// <summary>
-        /// How far its deepest vertex moves, m.
+        /// Displacement of the deepest vertex, m.
         /// </summary>
         public float MaxDepth;
         /// <summary>
@@ -1078,88 +1062,91 @@ namespace Crumple
         /// </summary>
         public float SupportRadius;
         /// <summary>
-        /// Whether it may be carried.
+        /// Where it may be used.
         /// </summary>
         public CrumplePlacement Placement;
         /// <summary>
-        /// Zero; room for later.
+        /// 
         /// </summary>
         public fixed ulong Reserved[2];
     }
 
     /// <summary>
-    /// A part of the mesh with a material of its own.
+    /// A part of the mesh with its own material.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumplePrimitive
+    public unsafe partial struct CrumplePrimitive
     {
         /// <summary>
-        /// Name of its material, UTF-8; null where it has none. Lives until the set is destroyed.
+        /// Name of the material, UTF-8; null if it has none. Valid until the set is destroyed.
         /// </summary>
         public IntPtr Material;
         /// <summary>
-        /// First vertex.
+        /// 
         /// </summary>
         public uint FirstVertex;
         /// <summary>
-        /// Number of vertices.
+        /// 
         /// </summary>
         public uint VertexCount;
         /// <summary>
-        /// First triangle; its first index is 3 times that.
+        /// First triangle. Its first index is 3 * first_triangle.
         /// </summary>
         public uint FirstTriangle;
         /// <summary>
-        /// Number of triangles.
+        /// 
         /// </summary>
         public uint TriangleCount;
+        /// <summary>
+        /// 
+        /// </summary>
+        public fixed uint Reserved[2];
     }
 
     /// <summary>
-    /// A body in the scene.
+    /// Options of an instance.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleInstanceDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_instance_def_default"/>.
+        /// 
         /// </summary>
         public uint StructSize;
         /// <summary>
-        /// How many examples one hit may mix: 1 to 4. Default 3.
+        /// Most examples that one hit may mix: 1 to 4. Default 3.
         /// </summary>
         public uint ExamplesPerHit;
         /// <summary>
-        /// The mesh and the examples. Required. The instance keeps what it needs of it alive.
+        /// The example set, which the instance keeps alive. Required.
         /// </summary>
         public CrumpleExampleSet Set;
         /// <summary>
-        /// What hits do. Default <see cref="CrumpleRule.Marks"/>.
+        /// How hits damage the instance. Default <see cref="CrumpleRule.Marks"/>.
         /// </summary>
         public CrumpleRule Rule;
         /// <summary>
-        /// How examples are chosen. Default <see cref="CrumpleSelection.OfRule"/>.
+        /// How examples are selected. Default <see cref="CrumpleSelection.OfRule"/>.
         /// </summary>
         public CrumpleSelection Selection;
         /// <summary>
-        /// Marks kept, 1 to 65535, 32 bytes each. Above it the weakest mark gives its energy to its nearest neighbour. Default
-        /// 64.
+        /// Most marks kept, 1 to 65535, 32 bytes each. Above it, the weakest mark is merged into the nearest mark. Default 64.
         /// </summary>
         public uint MarkCapacity;
         /// <summary>
-        /// No vertex moves further than this, m. 0: the set's limit. Default 0.
+        /// No vertex moves further than this, m. Default 0: the set's limit.
         /// </summary>
         public float DepthLimit;
         /// <summary>
-        /// Impulses shorter than this leave no mark, N s. Default 0.
+        /// Shorter impulses leave no mark, N s, in the hit's space. Default 0.
         /// </summary>
         public float YieldImpulse;
         /// <summary>
-        /// Hits that would displace their contact by less than this leave no mark, m. Default 0.
+        /// Hits with a shorter target leave no mark, m, in the mesh's space. Default 0.
         /// </summary>
         public float YieldDisplacement;
         /// <summary>
-        /// Contacts further than this from the nearest vertex are refused, m. 0: the body's diagonal. Default 0.
+        /// Hits further than this from the nearest vertex are refused, m, in the mesh's space. Default 0: the body's diagonal.
         /// </summary>
         public float MaxContactDistance;
         /// <summary>
@@ -1167,13 +1154,11 @@ namespace Crumple
         /// </summary>
         public float BlendConstant;
         /// <summary>
-        /// No vertex is wrong by more than this, m; see <see cref="Native.NativeMethods.crumple_instance_set_tolerance"/>.
-        /// Default 0: nothing is left out.
+        /// Largest position error, m; see <see cref="Native.NativeMethods.crumple_instance_set_tolerance"/>. Default 0: none.
         /// </summary>
         public float Tolerance;
         /// <summary>
-        /// From mesh to world space, column-major (element 4 * column + row); see
-        /// <see cref="Native.NativeMethods.crumple_instance_set_transform"/>. Default the identity.
+        /// Transform; see <see cref="Native.NativeMethods.crumple_instance_set_transform"/>. Default the identity.
         /// </summary>
         public fixed float LocalToWorld[16];
 
@@ -1192,45 +1177,45 @@ namespace Crumple
     }
 
     /// <summary>
-    /// One body in the scene: an example set, a transform, and the damage so far. An id; zero is null.
+    /// A body in the scene: an example set, a transform and the damage. An id; zero is null.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleInstance
     {
         /// <summary>
-        /// Place in the context, plus one; 0 is null.
+        /// 
         /// </summary>
         public uint Index;
         /// <summary>
-        /// Tells successive users of the place apart.
+        /// 
         /// </summary>
         public ushort Generation;
         /// <summary>
-        /// Tells contexts apart.
+        /// 
         /// </summary>
         public ushort Context;
     }
 
     /// <summary>
-    /// What an instance is at the moment.
+    /// The state of an instance, including pending hits.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleInstanceInfo
     {
         /// <summary>
-        /// The id it was made with, which may be stale by now.
+        /// The id that it was created with, which may be stale.
         /// </summary>
         public CrumpleExampleSet Set;
         /// <summary>
-        /// Bytes of memory it takes, without the set and without your buffers.
+        /// Memory of the instance, bytes, without the set and without your buffers.
         /// </summary>
         public ulong MemoryBytes;
         /// <summary>
-        /// Marks, hits that wait among them. 0 with the literature's rules.
+        /// Number of marks; 0 with a classic rule.
         /// </summary>
         public uint MarkCount;
         /// <summary>
-        /// Registered buffers.
+        /// Number of registered buffers.
         /// </summary>
         public uint BufferCount;
         /// <summary>
@@ -1238,56 +1223,52 @@ namespace Crumple
         /// </summary>
         public float DepthLimit;
         /// <summary>
-        /// Open contacts, see <see cref="Native.NativeMethods.crumple_instance_end_contact"/>.
+        /// Number of open contacts; see <see cref="Native.NativeMethods.crumple_instance_end_contact"/>.
         /// </summary>
         public uint ContactCount;
         /// <summary>
-        /// Zero; room for later.
+        /// 
         /// </summary>
         public fixed uint Reserved[4];
     }
 
     /// <summary>
-    /// A hit by an impulse. The contact is displaced by impulse * duration / mass. Let duration be a constant of the material,
-    /// never the time step, and report a contact once, with its whole impulse, or in parts with a contact_id: then dents do not
-    /// depend on the frame rate.
+    /// A hit given as an impulse. The target displacement of the contact is impulse * duration / mass. For dents that do not
+    /// depend on the frame rate, make duration a constant of the material and report a contact once with its whole impulse, or in
+    /// parts with a contact_id.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleImpulseDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_impulse_def_default"/>.
+        /// 
         /// </summary>
         public uint StructSize;
         /// <summary>
-        /// The space of point and impulse. Default <see cref="CrumpleSpace.Local"/>.
+        /// Space of point and impulse. Default <see cref="CrumpleSpace.Local"/>.
         /// </summary>
         public CrumpleSpace Space;
         /// <summary>
-        /// Where it hit, m; its nearest vertex is the contact.
+        /// Where it hit, m. The nearest vertex becomes the contact.
         /// </summary>
         public CrumpleVec3 Point;
         /// <summary>
-        /// The impulse that the body received, N s.
+        /// The impulse on the body, N s. A zero impulse leaves no mark.
         /// </summary>
         public CrumpleVec3 Impulse;
         /// <summary>
-        /// How long it acted, s; above 0: a constant of the material, say 0.01, not the time step. Default 0: set it.
+        /// How long the impulse acted, s: a constant of the material such as 0.01, not the time step. Required; 0 is rejected.
         /// </summary>
         public float Duration;
         /// <summary>
-        /// Mass of the contact vertex, kg. 0: that of the set. Default 0.
+        /// Mass of the contact vertex, kg. Default 0: the mass that the set has for the vertex.
         /// </summary>
         public float Mass;
         /// <summary>
-        /// Which contact it is part of, any number of your own; hits of one contact make one dent, see
-        /// <see cref="Native.NativeMethods.crumple_instance_end_contact"/>. 0: none, a hit of its own. Default 0.
+        /// The contact that the hit is part of; see <see cref="Native.NativeMethods.crumple_instance_end_contact"/>. Default 0:
+        /// none.
         /// </summary>
         public ulong ContactId;
-        /// <summary>
-        /// Only tell what the hit would do, and leave nothing. Default false.
-        /// </summary>
-        public CrumpleBool Preview;
 
         /// <summary>
         /// The defaults, from <c>crumple_impulse_def_default()</c>: begin with these.
@@ -1304,35 +1285,32 @@ namespace Crumple
     }
 
     /// <summary>
-    /// A hit that should displace its contact so far: for engines with a mapping of their own. Free of the frame rate.
+    /// A hit given as the desired contact displacement, for engines with their own impulse-to-depth mapping. It does not depend
+    /// on the frame rate.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleDisplacementDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_displacement_def_default"/>.
+        /// 
         /// </summary>
         public uint StructSize;
         /// <summary>
-        /// The space of point and displacement. Default <see cref="CrumpleSpace.Local"/>.
+        /// Space of point and displacement. Default <see cref="CrumpleSpace.Local"/>.
         /// </summary>
         public CrumpleSpace Space;
         /// <summary>
-        /// Where it hit, m; its nearest vertex is the contact.
+        /// Where it hit, m. The nearest vertex becomes the contact.
         /// </summary>
         public CrumpleVec3 Point;
         /// <summary>
-        /// How far the contact should move, m.
+        /// Target displacement of the contact, m.
         /// </summary>
         public CrumpleVec3 Displacement;
         /// <summary>
-        /// Which contact it is part of, as in <see cref="CrumpleImpulseDef"/>. Default 0.
+        /// As in <see cref="CrumpleImpulseDef"/>. Default 0.
         /// </summary>
         public ulong ContactId;
-        /// <summary>
-        /// Only tell what the hit would do, and leave nothing. Default false.
-        /// </summary>
-        public CrumpleBool Preview;
 
         /// <summary>
         /// The defaults, from <c>crumple_displacement_def_default()</c>: begin with these.
@@ -1349,31 +1327,35 @@ namespace Crumple
     }
 
     /// <summary>
-    /// An example that a hit is made of.
+    /// An example that a hit uses.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleChosen
     {
         /// <summary>
-        /// Its index in the set.
+        /// Index in the set.
         /// </summary>
         public uint Example;
         /// <summary>
-        /// Its share of the dent; the shares of a hit sum to 1. Negative where it corrects others that overshoot.
+        /// Share of the dent; shares of a hit sum to 1. Negative where it corrects overshoot of the others.
         /// </summary>
         public float Share;
         /// <summary>
-        /// What its displacements are multiplied with.
+        /// Factor of its displacements.
         /// </summary>
         public float Scale;
         /// <summary>
-        /// Whether it stays where it was made; otherwise it is carried to the contact.
+        /// Whether it stays where it was made. Otherwise it is carried (moved) to the contact.
         /// </summary>
         public CrumpleBool Anchored;
         /// <summary>
-        /// The planes that it is mirrored in: 1 for x, 2 for y, 4 for z, added up.
+        /// Planes it is mirrored in: 1 for x, 2 for y, 4 for z, added.
         /// </summary>
         public byte Mirror;
+        /// <summary>
+        /// 
+        /// </summary>
+        public ushort Reserved;
     }
 
     /// <summary>
@@ -1387,16 +1369,20 @@ namespace Crumple
         /// </summary>
         public ushort Example;
         /// <summary>
-        /// Low 12 bits: share of the dent, two's complement, 1024 being the whole. Bits 12, 13 and 14: the example is mirrored in
-        /// x, y, z. Bit 15: it stays where it was made.
+        /// Low 12 bits: share of the dent, two's complement, 1024 for the whole dent. Bits 12, 13 and 14: the example is mirrored
+        /// in x, y and z. Bit 15: it stays where it was made.
         /// </summary>
         public ushort Share;
     }
 
     /// <summary>
-    /// One dent: where, how deep, and made of which examples. Plain data of 32 bytes, the same on every machine: send it over the
-    /// network as it is (little-endian) to show the same dent there.
+    /// One dent: where, how deep, and made of which examples. Plain data of 32 bytes, equal on all machines: send or save it as
+    /// it is (little-endian).
     /// </summary>
+    /// <remarks>
+    /// <para>```text u_m(v) = strength * sum over pairs of scale(depth, share) * e_i(v)          strength = sqrt(energy)
+    /// ```</para>
+    /// </remarks>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleMark
     {
@@ -1409,35 +1395,36 @@ namespace Crumple
         /// </summary>
         public float Depth;
         /// <summary>
-        /// Strength squared, in units of 2^-32: 4294967296 for one hit; each hit that repeats the mark adds as much.
+        /// Strength squared, in units of 2^-32: 4294967296 for one hit; each hit that repeats the mark adds as much. Sets that
+        /// combine by sum or by the deepest store the strength itself.
         /// </summary>
         public ulong Energy;
         /// <summary>
-        /// One to four examples, the used ones first.
+        /// Up to four examples, the used ones first.
         /// </summary>
         public CrumplePair Pairs0;
         /// <summary>
-        /// One to four examples, the used ones first.
+        /// Up to four examples, the used ones first.
         /// </summary>
         public CrumplePair Pairs1;
         /// <summary>
-        /// One to four examples, the used ones first.
+        /// Up to four examples, the used ones first.
         /// </summary>
         public CrumplePair Pairs2;
         /// <summary>
-        /// One to four examples, the used ones first.
+        /// Up to four examples, the used ones first.
         /// </summary>
         public CrumplePair Pairs3;
     }
 
     /// <summary>
-    /// What a hit was turned into, and what of it could not be met.
+    /// The effect of a hit.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleHitResult
+    public unsafe partial struct CrumpleHitResult
     {
         /// <summary>
-        /// What became of it.
+        /// What became of the hit.
         /// </summary>
         public CrumpleHitStatus Status;
         /// <summary>
@@ -1449,11 +1436,11 @@ namespace Crumple
         /// </summary>
         public float ContactDistance;
         /// <summary>
-        /// Displacement asked for at the contact, m, in the mesh's space.
+        /// Target displacement of the contact before clamping, m, in the mesh's space.
         /// </summary>
         public CrumpleVec3 Target;
         /// <summary>
-        /// Displacement that this hit alone brings there, m, in the mesh's space.
+        /// Displacement of the contact by this hit alone, m, in the mesh's space. target - achieved was not achieved.
         /// </summary>
         public CrumpleVec3 Achieved;
         /// <summary>
@@ -1465,25 +1452,29 @@ namespace Crumple
         /// </summary>
         public CrumpleBool Clamped;
         /// <summary>
-        /// The examples, the weightiest first.
+        /// The examples, the largest share first.
         /// </summary>
         public CrumpleChosen Chosen0;
         /// <summary>
-        /// The examples, the weightiest first.
+        /// The examples, the largest share first.
         /// </summary>
         public CrumpleChosen Chosen1;
         /// <summary>
-        /// The examples, the weightiest first.
+        /// The examples, the largest share first.
         /// </summary>
         public CrumpleChosen Chosen2;
         /// <summary>
-        /// The examples, the weightiest first.
+        /// The examples, the largest share first.
         /// </summary>
         public CrumpleChosen Chosen3;
         /// <summary>
-        /// The mark it leaves; zero everywhere where it leaves none.
+        /// The mark; zero everywhere where the hit leaves none.
         /// </summary>
         public CrumpleMark Mark;
+        /// <summary>
+        /// 
+        /// </summary>
+        public fixed ulong Reserved[4];
     }
 
     /// <summary>
@@ -1493,25 +1484,24 @@ namespace Crumple
     public partial struct CrumpleHostBufferDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_host_buffer_def_default"/>.
+        /// 
         /// </summary>
         public uint StructSize;
         /// <summary>
-        /// The mesh whose vertices are written: 0 the base mesh, else a number from
-        /// <see cref="Native.NativeMethods.crumple_example_set_add_lod"/>. Counts of vertices are that mesh's. Default 0.
+        /// Which mesh: 0 for the base mesh, or a number of <see cref="Native.NativeMethods.crumple_example_set_add_lod"/>.
+        /// Default 0.
         /// </summary>
         public uint Lod;
         /// <summary>
-        /// Positions: 3 floats a vertex, m. Required.
+        /// Positions, m. Required.
         /// </summary>
         public CrumpleStream Positions;
         /// <summary>
-        /// Unit normals: 3 floats a vertex. Absent: none are written.
+        /// Unit normals. Absent: not written.
         /// </summary>
         public CrumpleStream Normals;
         /// <summary>
-        /// Tangents: 4 floats a vertex, xyz of unit length and orthogonal to the normal, w as in the base mesh. Absent: none are
-        /// written.
+        /// Tangents: xyz of unit length and orthogonal to the normal, w as in the mesh. Absent: not written.
         /// </summary>
         public CrumpleStream Tangents;
 
@@ -1530,27 +1520,27 @@ namespace Crumple
     }
 
     /// <summary>
-    /// Memory of yours that an instance's deformed vertices are written to. An id; zero is null.
+    /// Your memory that an instance's deformed vertices are written to. An id; zero is null.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleBuffer
     {
         /// <summary>
-        /// Place in the context, plus one; 0 is null.
+        /// 
         /// </summary>
         public uint Index;
         /// <summary>
-        /// Tells successive users of the place apart.
+        /// 
         /// </summary>
         public ushort Generation;
         /// <summary>
-        /// Tells contexts apart.
+        /// 
         /// </summary>
         public ushort Context;
     }
 
     /// <summary>
-    /// What a deform did.
+    /// The work of a deform.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleDeformReport
@@ -1564,32 +1554,31 @@ namespace Crumple
         /// </summary>
         public ulong BlocksWritten;
         /// <summary>
-        /// Blocks that were up to date already.
+        /// Blocks that were up to date.
         /// </summary>
         public ulong BlocksSkipped;
         /// <summary>
-        /// Examples of marks that tolerances left out of blocks written, see
-        /// <see cref="Native.NativeMethods.crumple_instance_set_tolerance"/>.
+        /// Examples of marks that tolerances skipped; see <see cref="Native.NativeMethods.crumple_instance_set_tolerance"/>.
         /// </summary>
         public ulong PartsSkipped;
         /// <summary>
-        /// Zero; room for later.
+        /// 
         /// </summary>
         public fixed ulong Reserved[4];
     }
 
     /// <summary>
-    /// Consecutive vertices.
+    /// A range of vertices.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleRange
     {
         /// <summary>
-        /// First vertex.
+        /// 
         /// </summary>
         public uint First;
         /// <summary>
-        /// Number of vertices.
+        /// 
         /// </summary>
         public uint Count;
     }
@@ -1601,22 +1590,22 @@ namespace Crumple
     public delegate void CrumpleVulkanFunction();
 
     /// <summary>
-    /// Your Vulkan device, of Vulkan 1.1 or later. No extension and no feature needs to be enabled.
+    /// Your Vulkan device, Vulkan 1.1 or later. No extension or feature needs to be enabled.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleVulkanAttachDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_vulkan_attach_def_default"/>.
+        /// 
         /// </summary>
         public uint StructSize;
         /// <summary>
-        /// Family of the queue that command buffers are submitted to; one that can compute. Required. Default UINT32_MAX.
+        /// Family of the queue that executes the command buffers; it must support compute. Required. Default UINT32_MAX.
         /// </summary>
         public uint QueueFamily;
         /// <summary>
-        /// vkGetInstanceProcAddr of the loader that the instance was made with. Every function is taken from it; Crumple never
-        /// opens a Vulkan library of its own accord. Required.
+        /// vkGetInstanceProcAddr of the instance's loader. Crumple gets every function from it and never opens a Vulkan library.
+        /// Required.
         /// </summary>
         public IntPtr GetInstanceProcAddr;
         /// <summary>
@@ -1632,8 +1621,8 @@ namespace Crumple
         /// </summary>
         public IntPtr Device;
         /// <summary>
-        /// What <see cref="Native.NativeMethods.crumple_vulkan_get_pipeline_cache"/> gave at an earlier run; read during the
-        /// call. Data of another driver is not used. Default null: none.
+        /// Data of <see cref="Native.NativeMethods.crumple_vulkan_get_pipeline_cache"/> from an earlier run, read during the
+        /// call. Data of another driver is ignored. Default null.
         /// </summary>
         public IntPtr PipelineCache;
         /// <summary>
@@ -1641,7 +1630,7 @@ namespace Crumple
         /// </summary>
         public UIntPtr PipelineCacheSize;
         /// <summary>
-        /// Invocations a workgroup: 32, 64, 128 or 256, no more than the device can. Default 128.
+        /// Invocations per workgroup: 32, 64, 128 or 256, within the device's limit. Default 128.
         /// </summary>
         public uint WorkgroupSize;
 
@@ -1660,27 +1649,27 @@ namespace Crumple
     }
 
     /// <summary>
-    /// Where the values of one attribute lie. Zero everywhere: the attribute is absent.
+    /// Where the values of one attribute are. Zero everywhere: absent.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleVulkanStream
     {
         /// <summary>
-        /// Bytes from the range's begin to the first vertex's value; a multiple of 4.
+        /// Bytes from the start of the range to the first value, a multiple of 4.
         /// </summary>
         public ulong Offset;
         /// <summary>
-        /// Bytes from one vertex's value to the next; a multiple of 4, at least those of one value.
+        /// Bytes from one value to the next: at least the size of a value, a multiple of 4.
         /// </summary>
         public ulong Stride;
         /// <summary>
-        /// A VkFormat. Positions: R32G32B32_SFLOAT, R16G16B16A16_SFLOAT (the fourth is 1), R16G16B16A16_SNORM (see scale).
-        /// Normals: R32G32B32_SFLOAT, R16G16B16A16_SNORM, R8G8B8A8_SNORM (the fourth is 0). Tangents: R32G32B32A32_SFLOAT,
-        /// R16G16B16A16_SNORM, R8G8B8A8_SNORM.
+        /// A VkFormat. Positions: R32G32B32_SFLOAT, R16G16B16A16_SFLOAT (w is 1), R16G16B16A16_SNORM (see scale). Normals:
+        /// R32G32B32_SFLOAT, R16G16B16A16_SNORM, R8G8B8A8_SNORM (w is 0). Tangents: R32G32B32A32_SFLOAT, R16G16B16A16_SNORM,
+        /// R8G8B8A8_SNORM.
         /// </summary>
         public uint Format;
         /// <summary>
-        /// Zero.
+        /// 
         /// </summary>
         public uint Reserved;
     }
@@ -1692,17 +1681,17 @@ namespace Crumple
     public partial struct CrumpleVulkanBufferDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_vulkan_buffer_def_default"/>.
+        /// 
         /// </summary>
         public uint StructSize;
         /// <summary>
-        /// The mesh whose vertices are written: 0 the base mesh, else a number from
-        /// <see cref="Native.NativeMethods.crumple_example_set_add_lod"/>. Default 0.
+        /// Which mesh: 0 for the base mesh, or a number of <see cref="Native.NativeMethods.crumple_example_set_add_lod"/>.
+        /// Default 0.
         /// </summary>
         public uint Lod;
         /// <summary>
-        /// The VkBuffer, bound to memory: (uint64_t)handle. Required. Any number of ranges may lie in it; this field and the
-        /// seven below it are then the same for each.
+        /// The VkBuffer, bound to memory: (uint64_t)handle. Required. Any number of ranges may lie in one VkBuffer; buffer,
+        /// buffer_size, usage, queue_family and the four stage and access fields must then be equal.
         /// </summary>
         public ulong Buffer;
         /// <summary>
@@ -1710,39 +1699,39 @@ namespace Crumple
         /// </summary>
         public ulong BufferSize;
         /// <summary>
-        /// The VkBufferUsageFlags that it was made with; VK_BUFFER_USAGE_STORAGE_BUFFER_BIT must be among them. Required.
+        /// VkBufferUsageFlags of the VkBuffer, with VK_BUFFER_USAGE_STORAGE_BUFFER_BIT. Required.
         /// </summary>
         public uint Usage;
         /// <summary>
-        /// The queue family that owns it before and after what Crumple records; not the device's own: each recording that names
-        /// one of its ranges then begins with an acquire and ends with a release of the whole VkBuffer, even where no vertex
-        /// changed, and the release and acquire of that other queue are yours. Default VK_QUEUE_FAMILY_IGNORED: that of the
-        /// device owns it, or it is shared (VK_SHARING_MODE_CONCURRENT).
+        /// Default VK_QUEUE_FAMILY_IGNORED: the device's own family owns the VkBuffer, or it is VK_SHARING_MODE_CONCURRENT.
+        /// Otherwise the other family that owns it. Each recording that includes one of its ranges then begins with an acquire
+        /// and ends with a release of the whole VkBuffer, even without changes. You record the matching release and acquire on
+        /// the other queue.
         /// </summary>
         public uint QueueFamily;
         /// <summary>
-        /// The VkPipelineStageFlags in which you used the VkBuffer last before a recording, anything in it, since barriers are of
-        /// the whole: indices, copies into it, read-backs; not 0. Default VK_PIPELINE_STAGE_VERTEX_INPUT_BIT.
+        /// VkPipelineStageFlags of your last use of the VkBuffer before a recording, not 0. Barriers cover the whole VkBuffer, so
+        /// include indices, copies and read-backs in it. Default VK_PIPELINE_STAGE_VERTEX_INPUT_BIT.
         /// </summary>
         public uint BeforeStages;
         /// <summary>
-        /// The VkAccessFlags of that use. Default VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT.
+        /// VkAccessFlags of that use. Default VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT.
         /// </summary>
         public uint BeforeAccess;
         /// <summary>
-        /// The VkPipelineStageFlags in which you use it next, anything in it; not 0. Default VK_PIPELINE_STAGE_VERTEX_INPUT_BIT.
+        /// VkPipelineStageFlags of your next use of anything in the VkBuffer, not 0. Default VK_PIPELINE_STAGE_VERTEX_INPUT_BIT.
         /// </summary>
         public uint AfterStages;
         /// <summary>
-        /// The VkAccessFlags of that use. Default VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT.
+        /// VkAccessFlags of that use. Default VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT.
         /// </summary>
         public uint AfterAccess;
         /// <summary>
-        /// Bytes before the range; a multiple of 4.
+        /// Start of the range, bytes, a multiple of 4.
         /// </summary>
         public ulong Offset;
         /// <summary>
-        /// Bytes of the range: nothing outside it is written. Ranges may interleave; values must not overlap. Required.
+        /// Bytes of the range. Nothing outside is written. Ranges may interleave; values must not overlap. Required.
         /// </summary>
         public ulong Size;
         /// <summary>
@@ -1750,16 +1739,16 @@ namespace Crumple
         /// </summary>
         public CrumpleVulkanStream Positions;
         /// <summary>
-        /// Unit normals. Absent: none are written.
+        /// Unit normals. Absent: not written.
         /// </summary>
         public CrumpleVulkanStream Normals;
         /// <summary>
-        /// Tangents: xyz of unit length and orthogonal to the normal, w as in the base mesh. Absent: none are written.
+        /// Tangents: xyz of unit length and orthogonal to the normal, w as in the mesh. Absent: not written.
         /// </summary>
         public CrumpleVulkanStream Tangents;
         /// <summary>
-        /// Of positions in R16G16B16A16_SNORM: a stored number s, -1 to 1, stands for s * scale + bias, m. What lies outside is
-        /// held at the border, so take the mesh's bounds grown by the depth limit. Above 0. Default 1, 1, 1.
+        /// For positions in R16G16B16A16_SNORM: a stored s in -1 to 1 is s * scale + bias, m. Positions outside are clamped, so
+        /// cover the mesh's bounds grown by the depth limit. Above 0. Default 1, 1, 1.
         /// </summary>
         public CrumpleVec3 Scale;
         /// <summary>
@@ -1782,7 +1771,7 @@ namespace Crumple
     }
 
     /// <summary>
-    /// What was recorded.
+    /// The recorded work.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleRecordReport
@@ -1792,43 +1781,43 @@ namespace Crumple
         /// </summary>
         public ulong VerticesWritten;
         /// <summary>
-        /// Blocks of consecutive vertices that will be written. 0: nothing was recorded, but what queue families ask for.
+        /// Blocks of consecutive vertices that will be written. 0: nothing was recorded, except queue-family transfers.
         /// </summary>
         public ulong BlocksWritten;
         /// <summary>
-        /// Blocks that were up to date already.
+        /// Blocks that were up to date.
         /// </summary>
         public ulong BlocksSkipped;
         /// <summary>
-        /// Examples of marks that tolerances left out, see <see cref="Native.NativeMethods.crumple_instance_set_tolerance"/>.
+        /// Examples of marks that tolerances skipped; see <see cref="Native.NativeMethods.crumple_instance_set_tolerance"/>.
         /// </summary>
         public ulong PartsSkipped;
         /// <summary>
-        /// Bytes that the commands copy to the device, those of meshes seen for the first time among them.
+        /// Bytes that the commands copy to the device, including meshes used for the first time.
         /// </summary>
         public ulong BytesCopied;
         /// <summary>
-        /// Dispatches: one for each VkBuffer, and one for each buffer of an instance with one of the literature's rules.
+        /// Dispatches: one per VkBuffer, and one per buffer of an instance with a classic rule.
         /// </summary>
         public uint Dispatches;
         /// <summary>
-        /// Zero.
+        /// 
         /// </summary>
         public uint Reserved0;
         /// <summary>
-        /// Zero; room for later.
+        /// 
         /// </summary>
         public fixed ulong Reserved[4];
     }
 
     /// <summary>
-    /// A Vulkan device that Crumple makes for itself, beside yours on the same physical device.
+    /// A Vulkan device that Crumple creates, beside yours on the same physical device.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleVulkanOpenDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_vulkan_open_def_default"/>.
+        /// 
         /// </summary>
         public uint StructSize;
         /// <summary>
@@ -1836,12 +1825,12 @@ namespace Crumple
         /// </summary>
         public uint WorkgroupSize;
         /// <summary>
-        /// vkGetInstanceProcAddr of a loader. Required; it stays loaded.
+        /// vkGetInstanceProcAddr of a loader that stays loaded. Required.
         /// </summary>
         public IntPtr GetInstanceProcAddr;
         /// <summary>
-        /// deviceUUID of your physical device (VkPhysicalDeviceIDProperties): memory can be shared within it alone. Zero
-        /// everywhere: the first that can compute. Default zero.
+        /// deviceUUID of your physical device (VkPhysicalDeviceIDProperties); devices of one UUID can share memory. Default zero:
+        /// the first device that supports compute.
         /// </summary>
         public fixed byte DeviceUuid[16];
         /// <summary>
@@ -1868,22 +1857,22 @@ namespace Crumple
     }
 
     /// <summary>
-    /// A VkBuffer of your device, in memory that it exported. You made it with VkExternalMemoryBufferCreateInfo, and its memory
-    /// with VkExportMemoryAllocateInfo, both of the same type of handle.
+    /// A VkBuffer of your device in memory that it exported. Create it with VkExternalMemoryBufferCreateInfo and its memory with
+    /// VkExportMemoryAllocateInfo, of one handle type.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleVulkanImportDef
     {
         /// <summary>
-        /// Bytes of this struct, from <see cref="Native.NativeMethods.crumple_vulkan_import_def_default"/>.
+        /// 
         /// </summary>
         public uint StructSize;
         /// <summary>
-        /// What handle is. Default <see cref="CrumpleHandleType.OpaqueFd"/>.
+        /// Type of handle. Default <see cref="CrumpleHandleType.OpaqueFd"/>.
         /// </summary>
         public CrumpleHandleType HandleType;
         /// <summary>
-        /// The handle of the memory. Required. Default -1.
+        /// Handle of the memory. Required. Default -1.
         /// </summary>
         public long Handle;
         /// <summary>
@@ -1895,19 +1884,19 @@ namespace Crumple
         /// </summary>
         public uint MemoryType;
         /// <summary>
-        /// VkBufferUsageFlags that the buffer was made with; VK_BUFFER_USAGE_STORAGE_BUFFER_BIT must be among them. Required.
+        /// VkBufferUsageFlags of the buffer, with VK_BUFFER_USAGE_STORAGE_BUFFER_BIT. Required.
         /// </summary>
         public uint Usage;
         /// <summary>
-        /// Where in the memory the buffer was bound, bytes. Default 0.
+        /// Where the buffer is bound in the memory, bytes. Default 0.
         /// </summary>
         public ulong Offset;
         /// <summary>
-        /// The buffer's size, bytes. Required.
+        /// Bytes of the buffer. Required.
         /// </summary>
         public ulong Size;
         /// <summary>
-        /// Whether the memory was allocated for this buffer alone (VkMemoryDedicatedAllocateInfo). Default false.
+        /// Whether the memory is dedicated to this buffer (VkMemoryDedicatedAllocateInfo). Default false.
         /// </summary>
         public CrumpleBool Dedicated;
 
@@ -1926,13 +1915,13 @@ namespace Crumple
     }
 
     /// <summary>
-    /// A point bound to the surface nearest to it. Plain data: keep it, copy it, save it; it fits every instance of its set.
+    /// A point bound to the nearest surface. Plain data: copy or save it. It fits every instance of its set.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleAttachment
     {
         /// <summary>
-        /// The triangle's vertices; all the same for a mesh without triangles.
+        /// Vertices of the triangle; all equal for a mesh without triangles.
         /// </summary>
         public fixed uint Vertices[3];
         /// <summary>
@@ -1943,37 +1932,41 @@ namespace Crumple
         /// The attached point at rest, m, in the mesh's space.
         /// </summary>
         public CrumpleVec3 Point;
+        /// <summary>
+        /// 
+        /// </summary>
+        public fixed uint Reserved[3];
     }
 
     /// <summary>
-    /// A rotation: a unit quaternion, x y z w, w the real part.
+    /// A rotation as a unit quaternion.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleQuat
     {
         /// <summary>
-        /// i part.
+        /// 
         /// </summary>
         public float X;
         /// <summary>
-        /// j part.
+        /// 
         /// </summary>
         public float Y;
         /// <summary>
-        /// k part.
+        /// 
         /// </summary>
         public float Z;
         /// <summary>
-        /// Real part.
+        /// 
         /// </summary>
         public float W;
     }
 
     /// <summary>
-    /// Where an attached point is.
+    /// The place of an attached point.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleFrame
+    public unsafe partial struct CrumpleFrame
     {
         /// <summary>
         /// Position, m, in the mesh's space.
@@ -1983,5 +1976,9 @@ namespace Crumple
         /// Rotation since rest.
         /// </summary>
         public CrumpleQuat Rotation;
+        /// <summary>
+        /// 
+        /// </summary>
+        public fixed uint Reserved[5];
     }
 }

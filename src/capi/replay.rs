@@ -1,38 +1,21 @@
 //! Makes the calls of a recording again, through the C interface as the host did, and compares what they give.
 
-use super::super::attach::{CrumpleAttachment, CrumpleFrame, crumple_instance_get_attached_frame};
-use super::super::buffer::{
-    CrumpleHostBufferDef, crumple_buffer_invalidate, crumple_buffer_register_host, crumple_buffer_set_memory,
-    crumple_buffer_unregister, crumple_host_buffer_def_default,
-};
-use super::super::context::{
-    CrumpleContext, CrumpleContextDef, crumple_context_create, crumple_context_def_default, crumple_context_destroy,
-    exclusive,
-};
-use super::super::damage::{
-    CrumpleMark, crumple_instance_copy_damage, crumple_instance_get_marks, crumple_instance_load_damage,
-    crumple_instance_repair_damage, crumple_instance_reset_damage, crumple_instance_save_damage,
-    crumple_instance_set_marks,
-};
-use super::super::deform::{CrumpleDeformReport, crumple_context_deform, vertices_digest};
-use super::super::hit::{
-    CrumpleDisplacementDef, CrumpleHitResult, CrumpleImpulseDef, CrumpleSpace, crumple_displacement_def_default,
-    crumple_impulse_def_default, crumple_instance_end_contact, crumple_instance_submit_displacement,
-    crumple_instance_submit_impulse,
-};
-use super::super::instance::{
-    CrumpleInstanceDef, CrumpleInstanceInfo, crumple_instance_create, crumple_instance_def_default,
-    crumple_instance_destroy, crumple_instance_get_info, crumple_instance_set_depth_limit,
-    crumple_instance_set_tolerance, crumple_instance_set_transform,
-};
-use super::super::load::{CrumpleBytes, crumple_example_set_load_baked_memory};
-use super::super::result::{CrumpleResult, crumple_last_error, crumple_result_name};
-use super::super::set::crumple_example_set_destroy;
-use super::super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance, CrumpleStream};
-use super::calls::{Bytes, Call, Number};
-use super::file::{Ended, Event, Reader};
-use super::{digest, hit_digest, info_number};
-use crate::Error;
+use super::attach::*;
+use super::buffer::*;
+use super::context::*;
+use super::damage::*;
+use super::deform::{CrumpleDeformReport, crumple_context_deform, vertices_digest};
+use super::hit::*;
+use super::host_memory::CrumpleHostBufferDef;
+use super::instance::*;
+use super::load::{CrumpleBytes, crumple_example_set_load_baked_memory};
+use super::record_call::{Bytes, Call, DisplacementHit, ImpulseHit, Number};
+use super::record_file::{Ended, Event, Reader};
+use super::recorder::digest;
+use super::result::{CrumpleResult, crumple_last_error, crumple_result_name};
+use super::set::crumple_example_set_destroy;
+use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance, CrumpleStream};
+use crate::{Error, Mark};
 use std::collections::HashMap;
 use std::ffi::CStr;
 use std::fmt;
@@ -149,7 +132,7 @@ struct Played {
     number: u64,
     function: &'static str,
     now: Ended,
-    message: String,
+    message: Option<String>,
     /// Something that the recording knows by a number of its own.
     made: Option<Made>,
     compared: Compared,
@@ -189,7 +172,7 @@ impl Memory {
     fn def(&mut self, lod: u32) -> CrumpleHostBufferDef {
         fn stream<T>(values: &mut [T]) -> CrumpleStream {
             if values.is_empty() {
-                return CrumpleStream::ABSENT;
+                return CrumpleStream { data: null_mut(), size: 0, offset: 0, stride: 0 };
             }
             let data = values.as_mut_ptr().cast();
             CrumpleStream { data, size: size_of_val(values), offset: 0, stride: size_of::<T>() }
@@ -252,192 +235,150 @@ impl Player {
             Call::GetMarks { .. } | Call::SaveDamage { .. } => Compared::WhereItWasGiven,
             _ => Compared::Yes,
         };
-        let mut made = None;
-        let mut value = 0;
-        let result = self.make(call, &mut made, &mut value, report);
-        let message = if result == CrumpleResult::CrumpleOk { String::new() } else { last_error() };
-        Played { number, function, now: Ended { result: result as u32, value }, message, made, compared }
+        let mut played =
+            Played { number, function, now: Ended { result: 0, value: 0 }, message: None, made: None, compared };
+        // SAFETY: the context lives and no other thread is here. Each pointer is to something that lives across the call;
+        // registered memory lives in `buffers` until the buffer or the context is gone.
+        let result = unsafe { self.make(call, &mut played, report) };
+        played.now.result = result as u32;
+        played.message = (result != CrumpleResult::CrumpleOk).then(last_error);
+        played
     }
 
-    fn make(&mut self, call: Call, made: &mut Option<Made>, value: &mut u64, report: &mut Replay) -> CrumpleResult {
+    /// Makes a call; what it made and what stands for its outputs go into `played`.
+    unsafe fn make(&mut self, call: Call, played: &mut Played, report: &mut Replay) -> CrumpleResult {
         let context = self.context;
-        // SAFETY, of every call below: the context lives, every pointer is to something that lives across the call or, of a
-        // buffer's memory, until the buffer or the context is gone, and no other thread is here.
+        let (made, value) = (&mut played.made, &mut played.now.value);
         match call {
             Call::Set { set, bytes: Bytes(bytes) } => {
-                let mut new = CrumpleExampleSet::default();
-                let copy = MaybeUninit::new(CrumpleBytes::Copy);
-                // SAFETY: see above.
-                let result = unsafe {
-                    crumple_example_set_load_baked_memory(context, bytes.as_ptr().cast(), bytes.len(), copy, &mut new)
-                };
+                let (mut new, copy) = (CrumpleExampleSet::default(), MaybeUninit::new(CrumpleBytes::Copy));
+                let data = bytes.as_ptr().cast();
+                let result = crumple_example_set_load_baked_memory(context, data, bytes.len(), copy, &mut new);
                 if result == CrumpleResult::CrumpleOk {
                     if let Some(old) = self.sets.remove(&set) {
-                        // SAFETY: see above.
-                        unsafe { crumple_example_set_destroy(context, old) };
+                        crumple_example_set_destroy(context, old);
                     }
                     *made = Some(Made::Set(new));
                 }
                 result
             }
             Call::DestroySet { set } => {
-                let id = self.sets.remove(&set).unwrap_or_default();
-                // SAFETY: see above.
-                unsafe { crumple_example_set_destroy(context, id) }
+                crumple_example_set_destroy(context, self.sets.remove(&set).unwrap_or_default())
             }
-            Call::CreateInstance { .. } => self.create(&call, made),
-            Call::DestroyInstance { instance } => {
-                let id = self.instance(instance);
-                // SAFETY: see above.
-                unsafe { crumple_instance_destroy(context, id) }
+            Call::CreateInstance { .. } => {
+                let mut new = CrumpleInstance::default();
+                let result = crumple_instance_create(context, &self.instance_def(&call), &mut new);
+                *made = (result == CrumpleResult::CrumpleOk).then_some(Made::Instance(new));
+                result
             }
+            Call::DestroyInstance { instance } => crumple_instance_destroy(context, self.instance(instance)),
             Call::SetTransform { instance, local_to_world } => {
-                let id = self.instance(instance);
-                // SAFETY: see above.
-                unsafe { crumple_instance_set_transform(context, id, local_to_world.as_ptr()) }
+                crumple_instance_set_transform(context, self.instance(instance), local_to_world.as_ptr())
             }
             Call::SetDepthLimit { instance, depth_limit } => {
-                let id = self.instance(instance);
-                // SAFETY: see above.
-                unsafe { crumple_instance_set_depth_limit(context, id, depth_limit) }
+                crumple_instance_set_depth_limit(context, self.instance(instance), depth_limit)
             }
             Call::SetTolerance { instance, tolerance } => {
-                let id = self.instance(instance);
-                // SAFETY: see above.
-                unsafe { crumple_instance_set_tolerance(context, id, tolerance) }
+                crumple_instance_set_tolerance(context, self.instance(instance), tolerance)
             }
-            Call::Impulse { instance, space, point, impulse, duration, mass, contact_id, preview } => {
-                let def = CrumpleImpulseDef {
-                    space: self::space(space),
-                    point: point.into(),
-                    impulse: impulse.into(),
-                    duration,
-                    mass,
-                    contact_id,
-                    preview: MaybeUninit::new(preview),
-                    ..crumple_impulse_def_default()
-                };
-                let id = self.instance(instance);
-                // SAFETY: see above.
-                hit(value, |out| unsafe { crumple_instance_submit_impulse(context, id, &def, out) })
+            Call::SubmitImpulse { instance, hit } => {
+                let (id, def) = (self.instance(instance), impulse_def(hit));
+                answered(value, |out| crumple_instance_submit_impulse(context, id, &def, out))
             }
-            Call::Displacement { instance, space, point, displacement, contact_id, preview } => {
-                let def = CrumpleDisplacementDef {
-                    space: self::space(space),
-                    point: point.into(),
-                    displacement: displacement.into(),
-                    contact_id,
-                    preview: MaybeUninit::new(preview),
-                    ..crumple_displacement_def_default()
-                };
-                let id = self.instance(instance);
-                // SAFETY: see above.
-                hit(value, |out| unsafe { crumple_instance_submit_displacement(context, id, &def, out) })
+            Call::PreviewImpulse { instance, hit } => {
+                let (id, def) = (self.instance(instance), impulse_def(hit));
+                answered(value, |out| crumple_instance_preview_impulse(context, id, &def, out))
+            }
+            Call::SubmitDisplacement { instance, hit } => {
+                let (id, def) = (self.instance(instance), displacement_def(hit));
+                answered(value, |out| crumple_instance_submit_displacement(context, id, &def, out))
+            }
+            Call::PreviewDisplacement { instance, hit } => {
+                let (id, def) = (self.instance(instance), displacement_def(hit));
+                answered(value, |out| crumple_instance_preview_displacement(context, id, &def, out))
             }
             Call::EndContact { instance, contact_id } => {
-                let id = self.instance(instance);
-                // SAFETY: see above.
-                unsafe { crumple_instance_end_contact(context, id, contact_id) }
+                crumple_instance_end_contact(context, self.instance(instance), contact_id)
             }
             Call::GetMarks { instance } => {
-                let id = self.instance(instance);
-                let mut marks: Vec<CrumpleMark> = vec![CrumpleMark::default(); 1 << 16];
+                let mut marks: Vec<Mark> = vec![bytemuck::Zeroable::zeroed(); 1 << 16];
                 let mut count = 0;
-                // SAFETY: see above.
-                let result =
-                    unsafe { crumple_instance_get_marks(context, id, marks.as_mut_ptr(), 1 << 16, &mut count) };
+                let id = self.instance(instance);
+                let result = crumple_instance_get_marks(context, id, marks.as_mut_ptr(), 1 << 16, &mut count);
                 if result == CrumpleResult::CrumpleOk {
                     *value = digest(bytemuck::cast_slice(&marks[..count as usize]));
                 }
                 result
             }
             Call::SetMarks { instance, marks: Bytes(bytes) } => {
-                let marks: Vec<CrumpleMark> = bytemuck::pod_collect_to_vec(&bytes);
-                let id = self.instance(instance);
-                // SAFETY: see above.
-                unsafe { crumple_instance_set_marks(context, id, marks.as_ptr(), marks.len() as u32) }
+                let marks: Vec<Mark> = bytemuck::pod_collect_to_vec(&bytes);
+                crumple_instance_set_marks(context, self.instance(instance), marks.as_ptr(), marks.len() as u32)
             }
-            Call::SaveDamage { instance } => self.save(instance, value),
-            Call::LoadDamage { instance, bytes: Bytes(bytes) } => {
-                let id = self.instance(instance);
-                // SAFETY: see above.
-                unsafe { crumple_instance_load_damage(context, id, bytes.as_ptr().cast(), bytes.len()) }
-            }
-            Call::RepairDamage { instance, keep } => {
-                let id = self.instance(instance);
-                // SAFETY: see above.
-                unsafe { crumple_instance_repair_damage(context, id, keep) }
-            }
-            Call::ResetDamage { instance } => {
-                let id = self.instance(instance);
-                // SAFETY: see above.
-                unsafe { crumple_instance_reset_damage(context, id) }
-            }
-            Call::CopyDamage { instance, source } => {
-                let (id, source) = (self.instance(instance), self.instance(source));
-                // SAFETY: see above.
-                unsafe { crumple_instance_copy_damage(context, id, source) }
-            }
-            Call::RegisterBuffer { instance, lod, vertices, normals, tangents } => {
-                let mut memory = Memory::new(vertices, normals, tangents);
-                let (id, def, mut new) = (self.instance(instance), memory.def(lod), CrumpleBuffer::default());
-                // SAFETY: see above; moving a vector moves none of its elements.
-                let result = unsafe { crumple_buffer_register_host(context, id, &def, &mut new) };
+            Call::SaveDamage { instance } => {
+                let (id, mut size) = (self.instance(instance), 0);
+                let mut result = crumple_instance_save_damage(context, id, null_mut(), 0, &mut size);
                 if result == CrumpleResult::CrumpleOk {
-                    *made = Some(Made::Buffer(new, memory));
+                    let mut bytes = vec![0u8; size];
+                    result = crumple_instance_save_damage(context, id, bytes.as_mut_ptr().cast(), size, &mut size);
+                    *value = digest(&bytes);
                 }
                 result
             }
+            Call::LoadDamage { instance, bytes: Bytes(bytes) } => {
+                crumple_instance_load_damage(context, self.instance(instance), bytes.as_ptr().cast(), bytes.len())
+            }
+            Call::RepairDamage { instance, keep } => {
+                crumple_instance_repair_damage(context, self.instance(instance), keep)
+            }
+            Call::ResetDamage { instance } => crumple_instance_reset_damage(context, self.instance(instance)),
+            Call::CopyDamage { instance, source } => {
+                crumple_instance_copy_damage(context, self.instance(instance), self.instance(source))
+            }
+            Call::RegisterBuffer { instance, lod, vertices, normals, tangents } => {
+                let mut memory = Memory::new(vertices, normals, tangents);
+                let (id, mut new) = (self.instance(instance), CrumpleBuffer::default());
+                let result = crumple_buffer_register_host(context, id, &memory.def(lod), &mut new);
+                *made = (result == CrumpleResult::CrumpleOk).then_some(Made::Buffer(new, memory));
+                result
+            }
             Call::UnregisterBuffer { buffer } => {
-                let id = self.buffer(buffer);
-                // SAFETY: see above.
-                let result = unsafe { crumple_buffer_unregister(context, id) };
+                let result = crumple_buffer_unregister(context, self.buffer(buffer));
                 self.buffers.remove(&buffer);
                 result
             }
-            Call::InvalidateBuffer { buffer } => {
-                let id = self.buffer(buffer);
-                // SAFETY: see above.
-                unsafe { crumple_buffer_invalidate(context, id) }
-            }
+            Call::InvalidateBuffer { buffer } => crumple_buffer_invalidate(context, self.buffer(buffer)),
             Call::SetBufferMemory { buffer, lod, vertices, normals, tangents } => {
-                let id = self.buffer(buffer);
                 let mut memory = Memory::new(vertices, normals, tangents);
-                // SAFETY: see above.
-                let result = unsafe { crumple_buffer_set_memory(context, id, &memory.def(lod)) };
+                let result = crumple_buffer_set_memory(context, self.buffer(buffer), &memory.def(lod));
                 if let (CrumpleResult::CrumpleOk, Some(entry)) = (result, self.buffers.get_mut(&buffer)) {
                     entry.1 = memory;
                 }
                 result
             }
             Call::Deform { buffers } | Call::Record { buffers } => self.deform(&buffers, value, report),
-            Call::AttachedFrame { instance, attachment } => {
-                let attachment: CrumpleAttachment = bytemuck::cast(attachment);
+            Call::AttachedFrame { instance, vertices, weights, point } => {
+                let attachment = CrumpleAttachment { vertices, weights, point: point.into(), reserved: [0; 3] };
                 let (id, mut frame) = (self.instance(instance), CrumpleFrame::default());
-                // SAFETY: see above.
-                let result = unsafe { crumple_instance_get_attached_frame(context, id, &attachment, &mut frame) };
+                let result = crumple_instance_get_attached_frame(context, id, &attachment, &mut frame);
                 if result == CrumpleResult::CrumpleOk {
-                    *value = digest(bytemuck::bytes_of(&frame));
+                    *value = frame_digest(&frame);
                 }
                 result
             }
             Call::InstanceInfo { instance } => {
                 let mut info = MaybeUninit::<CrumpleInstanceInfo>::uninit();
-                let id = self.instance(instance);
-                // SAFETY: see above.
-                let result = unsafe { crumple_instance_get_info(context, id, info.as_mut_ptr()) };
+                let result = crumple_instance_get_info(context, self.instance(instance), info.as_mut_ptr());
                 if result == CrumpleResult::CrumpleOk {
-                    // SAFETY: written, since the call succeeded.
-                    let info = unsafe { info.assume_init() };
-                    *value = info_number(&info);
+                    *value = info_number(info.assume_init_ref());
                 }
                 result
             }
         }
     }
 
-    fn create(&self, call: &Call, made: &mut Option<Made>) -> CrumpleResult {
-        let &Call::CreateInstance {
+    fn instance_def(&self, call: &Call) -> CrumpleInstanceDef {
+        let mut def = crumple_instance_def_default();
+        if let &Call::CreateInstance {
             set,
             rule,
             selection,
@@ -451,53 +392,31 @@ impl Player {
             tolerance,
             local_to_world,
         } = call
-        else {
-            return CrumpleResult::CrumpleErrorInternal;
-        };
-        let def = CrumpleInstanceDef {
-            examples_per_hit,
-            set: self.sets.get(&set).copied().unwrap_or_default(),
-            rule: enumerator(rule),
-            selection: enumerator(selection),
-            mark_capacity,
-            depth_limit,
-            yield_impulse,
-            yield_displacement,
-            max_contact_distance,
-            blend_constant,
-            tolerance,
-            local_to_world,
-            ..crumple_instance_def_default()
-        };
-        let mut new = CrumpleInstance::default();
-        // SAFETY: everything lives across the call.
-        let result = unsafe { crumple_instance_create(self.context, &def, &mut new) };
-        if result == CrumpleResult::CrumpleOk {
-            *made = Some(Made::Instance(new));
+        {
+            def = CrumpleInstanceDef {
+                examples_per_hit,
+                set: self.sets.get(&set).copied().unwrap_or_default(),
+                rule: enumerator(rule),
+                selection: enumerator(selection),
+                mark_capacity,
+                depth_limit,
+                yield_impulse,
+                yield_displacement,
+                max_contact_distance,
+                blend_constant,
+                tolerance,
+                local_to_world,
+                ..def
+            };
         }
-        result
+        def
     }
 
-    fn save(&self, instance: Number, value: &mut u64) -> CrumpleResult {
-        let (id, mut size) = (self.instance(instance), 0);
-        // SAFETY: everything lives across the call.
-        let mut result = unsafe { crumple_instance_save_damage(self.context, id, null_mut(), 0, &mut size) };
-        if result == CrumpleResult::CrumpleOk {
-            let mut bytes = vec![0u8; size];
-            // SAFETY: as above.
-            result =
-                unsafe { crumple_instance_save_damage(self.context, id, bytes.as_mut_ptr().cast(), size, &mut size) };
-            *value = digest(&bytes);
-        }
-        result
-    }
-
-    fn deform(&mut self, buffers: &[Number], value: &mut u64, report: &mut Replay) -> CrumpleResult {
-        // None is not the same as all.
+    unsafe fn deform(&mut self, buffers: &[Number], value: &mut u64, report: &mut Replay) -> CrumpleResult {
+        // The pointer of an empty vector is not null, so that no buffer does not become all.
         let ids: Vec<CrumpleBuffer> = buffers.iter().map(|&number| self.buffer(number)).collect();
         let mut told = CrumpleDeformReport::default();
-        // SAFETY: see `make`; an empty vector's pointer is not null.
-        let result = unsafe { crumple_context_deform(self.context, ids.as_ptr(), ids.len() as u32, &mut told) };
+        let result = crumple_context_deform(self.context, ids.as_ptr(), ids.len() as u32, &mut told);
         if result != CrumpleResult::CrumpleOk {
             return result;
         }
@@ -505,8 +424,7 @@ impl Player {
         report.vertices_written += told.vertices_written;
         exclusive("crumple_context_deform", self.context, |_, state| {
             let entries = ids.iter().map(|&id| state.buffers.get(id, "buffer")).collect::<Result<Vec<_>, _>>()?;
-            // SAFETY: the memory is this player's, and nobody else is here.
-            *value = unsafe { vertices_digest(entries.into_iter()) };
+            *value = vertices_digest(entries.into_iter());
             Ok(())
         })
     }
@@ -527,7 +445,7 @@ impl Player {
             Compared::No => false,
         };
         let what = if result != then.result && compared {
-            let message = if played.message.is_empty() { String::new() } else { format!(" ({})", played.message) };
+            let message = played.message.map(|message| format!(" ({message})")).unwrap_or_default();
             format!("recorded {}, now {}{message}", name_of(then.result), name_of(result))
         } else if value != then.value && !known && compared && result == 0 {
             format!("recorded {:016x}, now {value:016x}", then.value)
@@ -540,9 +458,32 @@ impl Player {
     }
 }
 
-fn hit(value: &mut u64, call: impl FnOnce(*mut CrumpleHitResult) -> CrumpleResult) -> CrumpleResult {
+fn impulse_def(hit: ImpulseHit) -> CrumpleImpulseDef {
+    CrumpleImpulseDef {
+        space: enumerator(hit.space),
+        point: hit.point.into(),
+        impulse: hit.impulse.into(),
+        duration: hit.duration,
+        mass: hit.mass,
+        contact_id: hit.contact_id,
+        ..crumple_impulse_def_default()
+    }
+}
+
+fn displacement_def(hit: DisplacementHit) -> CrumpleDisplacementDef {
+    CrumpleDisplacementDef {
+        space: enumerator(hit.space),
+        point: hit.point.into(),
+        displacement: hit.displacement.into(),
+        contact_id: hit.contact_id,
+        ..crumple_displacement_def_default()
+    }
+}
+
+/// Reports a hit; a number that stands for its result goes into `value`.
+fn answered(value: &mut u64, report: impl FnOnce(*mut CrumpleHitResult) -> CrumpleResult) -> CrumpleResult {
     let mut out = MaybeUninit::<CrumpleHitResult>::uninit();
-    let result = call(out.as_mut_ptr());
+    let result = report(out.as_mut_ptr());
     if result == CrumpleResult::CrumpleOk {
         // SAFETY: written, since the call succeeded.
         *value = hit_digest(unsafe { out.assume_init_ref() });
@@ -550,17 +491,13 @@ fn hit(value: &mut u64, call: impl FnOnce(*mut CrumpleHitResult) -> CrumpleResul
     result
 }
 
-/// An enum of the header of this number, whatever it is: the call checks it.
+/// An enum with any number, as C can pass it; the call checks it.
 fn enumerator<E>(number: u32) -> MaybeUninit<E> {
     const { assert!(size_of::<E>() == 4) };
     let mut value = MaybeUninit::<E>::uninit();
     // SAFETY: four bytes, as asserted, of memory that is ours.
     unsafe { value.as_mut_ptr().cast::<u32>().write(number) };
     value
-}
-
-fn space(number: u32) -> MaybeUninit<CrumpleSpace> {
-    enumerator(number)
 }
 
 fn name_of(result: u32) -> String {

@@ -1,19 +1,21 @@
 //! Recordings are made by the C functions, played again, and must give the same; and must tell where something differs.
 
-use super::super::attach::*;
-use super::super::buffer::*;
-use super::super::context::*;
-use super::super::damage::*;
-use super::super::deform::*;
-use super::super::hit::*;
-use super::super::instance::*;
-use super::super::result::{CrumpleResult as R, crumple_last_error};
-use super::super::set::*;
-use super::super::tasks::{CrumpleTask, CrumpleTaskSystem};
-use super::super::types::*;
-use super::calls::Call;
-use super::file::{Event, Reader, Writer};
-use super::{Replay, crumple_recording_begin, crumple_recording_end, replay};
+use super::attach::*;
+use super::buffer::*;
+use super::context::*;
+use super::damage::*;
+use super::deform::*;
+use super::hit::*;
+use super::host_memory::*;
+use super::instance::*;
+use super::record_call::Call;
+use super::record_file::{Event, Reader, Writer};
+use super::recording::{crumple_recording_begin, crumple_recording_end};
+use super::replay::{Replay, replay};
+use super::result::{CrumpleResult as R, crumple_last_error};
+use super::set::*;
+use super::tasks::{CrumpleTask, CrumpleTaskSystem};
+use super::types::*;
 use proptest::prelude::*;
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::mem::MaybeUninit;
@@ -58,6 +60,16 @@ fn input<T>(values: &[T]) -> CrumpleInput {
     CrumpleInput { data: values.as_ptr().cast(), size: size_of_val(values), stride: size_of::<T>() }
 }
 
+fn mesh(positions: &[[f32; 3]], indices: &[u32]) -> CrumpleMeshDef {
+    CrumpleMeshDef {
+        vertex_count: positions.len() as u32,
+        positions: input(positions),
+        indices: input(indices),
+        index_count: indices.len() as u32,
+        ..crumple_lod_def_default().mesh
+    }
+}
+
 /// A sheet of 1 m with a dent of `depth` in its middle, or its coarse copy.
 fn sheet(side: usize, depth: f32) -> (Vec<[f32; 3]>, Vec<u32>) {
     let at = |i: usize| i as f32 / (side - 1) as f32 - 0.5;
@@ -99,10 +111,7 @@ impl Host {
         let (dented, _) = sheet(SIDE, 0.05);
         let example = CrumpleExampleDef { target_positions: input(&dented), ..crumple_example_def_default() };
         let mut def = CrumpleExampleSetDef {
-            vertex_count: N as u32,
-            positions: input(&base),
-            indices: input(&indices),
-            index_count: indices.len() as u32,
+            mesh: mesh(&base, &indices),
             examples: &example,
             example_count: 1,
             ..crumple_example_set_def_default()
@@ -117,13 +126,7 @@ impl Host {
 
     fn add_lod(&self) {
         let (coarse, indices) = sheet(5, 0.0);
-        let def = CrumpleLodDef {
-            vertex_count: 25,
-            positions: input(&coarse),
-            indices: input(&indices),
-            index_count: indices.len() as u32,
-            ..crumple_lod_def_default()
-        };
+        let def = CrumpleLodDef { mesh: mesh(&coarse, &indices), ..crumple_lod_def_default() };
         let mut number = 0;
         // SAFETY: the arrays live across the call.
         ok(unsafe { crumple_example_set_add_lod(self.context, self.set, &def, &mut number) });
@@ -273,11 +276,11 @@ impl Host {
                 Step::EndContact(at, id) => drop(crumple_instance_end_contact(c, some(at), *id)),
                 Step::Deform => self.deform(),
                 Step::Marks(at, room) => {
-                    let (mut marks, mut count) = ([CrumpleMark::default(); 8], 0);
+                    let (mut marks, mut count) = ([crate::Mark::new(0, 1.0, [crate::Pair::NONE; 4]); 8], 0);
                     crumple_instance_get_marks(c, some(at), marks.as_mut_ptr(), (*room).min(8), &mut count);
                 }
                 Step::CopyMarks(from, to) => {
-                    let (mut marks, mut count) = ([CrumpleMark::default(); 8], 0);
+                    let (mut marks, mut count) = ([crate::Mark::new(0, 1.0, [crate::Pair::NONE; 4]); 8], 0);
                     if crumple_instance_get_marks(c, some(from), marks.as_mut_ptr(), 8, &mut count) == R::CrumpleOk {
                         crumple_instance_set_marks(c, some(to), marks.as_ptr(), count);
                     }
@@ -320,7 +323,7 @@ impl Host {
                     let (of, mut info) = (some(at), MaybeUninit::uninit());
                     let there = crumple_instance_get_info(c, of, info.as_mut_ptr()) == R::CrumpleOk;
                     let marks = there && {
-                        let (mut marks, mut count) = ([CrumpleMark::default(); 8], 0);
+                        let (mut marks, mut count) = ([crate::Mark::new(0, 1.0, [crate::Pair::NONE; 4]); 8], 0);
                         crumple_instance_get_marks(c, of, marks.as_mut_ptr(), 8, &mut count) == R::CrumpleOk
                     };
                     if there {
@@ -456,8 +459,8 @@ fn another_hit_than_the_one_recorded_is_told() {
     let mut reader = Reader::new(&bytes).unwrap();
     let mut writer = Writer::create(&forged, reader.version).unwrap();
     while let Some(mut event) = reader.next().unwrap() {
-        if let Event::Hit(Call::Impulse { impulse, .. }) = &mut event {
-            impulse[2] *= 1.5;
+        if let Event::Hit(Call::SubmitImpulse { hit, .. }) = &mut event {
+            hit.impulse[2] *= 1.5;
         }
         writer.write(&event);
     }

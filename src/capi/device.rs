@@ -1,38 +1,32 @@
 //! What a context keeps of the host's Vulkan device and buffers.
 
-use super::super::buffer::{BufferEntry, Memory};
-use super::super::check::{boolean, enumerator};
-use super::super::deform::Chosen;
-use super::super::ids::Slots;
-use super::super::instance::InstanceEntry;
-use super::super::recording::{Call, Log, Number};
-use super::super::result::{CrumpleResult, Failure};
-use super::super::types::CrumpleBuffer;
-use super::{
-    CrumpleHandleType, CrumpleRecordReport, CrumpleVulkanAttachDef, CrumpleVulkanBufferDef, CrumpleVulkanFunction,
-    CrumpleVulkanImportDef, CrumpleVulkanOpenDef, CrumpleVulkanStream,
+use super::check::{boolean, enumerator};
+use super::result::{CrumpleResult, Failure};
+use super::types::CrumpleBuffer;
+use super::vulkan_types::{
+    CrumpleHandleType, CrumpleVulkanAttachDef, CrumpleVulkanBufferDef, CrumpleVulkanFunction, CrumpleVulkanImportDef,
+    CrumpleVulkanOpenDef, CrumpleVulkanStream,
 };
 use crate::vulkan::vk::{self, Handle};
 use crate::vulkan::{
-    Access, BufferDef, BufferId, Device, DeviceDef, ImportDef, OwnDevice, OwnDeviceDef, RecordJob, RecordReport,
-    SemaphoreId, Shared, Stream, Target, TargetDef,
+    Access, BufferDef, BufferId, Device, DeviceDef, ImportDef, OwnDevice, OwnDeviceDef, RecordJob, Shared, Stream,
+    Target, TargetDef,
 };
 use crate::{Aabb, Instance, Rule};
 use std::collections::HashMap;
-use std::ffi::c_void;
 use std::ops::Range;
 
 /// The device, and the VkBuffers that ranges lie in.
-pub(in super::super) struct Attached {
-    device: Kind,
+pub(super) struct Attached {
+    pub(super) device: Kind,
     /// By handle.
     hosts: HashMap<u64, Host>,
-    /// Lists of one recording, used over and over.
-    chosen: Vec<CrumpleBuffer>,
-    jobs: Vec<RecordJob<'static>>,
+    /// The lists of a recording, kept between frames.
+    pub(super) chosen: Vec<CrumpleBuffer>,
+    pub(super) jobs: Vec<RecordJob<'static>>,
 }
 
-enum Kind {
+pub(super) enum Kind {
     Hosts(Box<Device>),
     Own(Box<OwnDevice>),
 }
@@ -46,7 +40,7 @@ impl Kind {
     }
 
     /// The host's own, which `call` works with.
-    fn hosts(&mut self, call: &str) -> Result<&mut Device, Failure> {
+    pub(super) fn hosts(&mut self, call: &str) -> Result<&mut Device, Failure> {
         match self {
             Kind::Hosts(device) => Ok(device),
             Kind::Own(_) => Err(Failure::invalid(format!(
@@ -56,7 +50,7 @@ impl Kind {
     }
 
     /// Crumple's own, which `call` works with.
-    fn own(&mut self, call: &str) -> Result<&mut OwnDevice, Failure> {
+    pub(super) fn own(&mut self, call: &str) -> Result<&mut OwnDevice, Failure> {
         match self {
             Kind::Own(own) => Ok(own),
             Kind::Hosts(_) => Err(Failure::invalid(format!(
@@ -75,8 +69,8 @@ struct Host {
 }
 
 /// A range of a VkBuffer.
-pub(in super::super) struct VulkanMemory {
-    target: Target,
+pub(super) struct VulkanMemory {
+    pub(super) target: Target,
     handle: u64,
 }
 
@@ -91,8 +85,7 @@ impl Attached {
         }
         let [instance, physical_device, device] = handles.map(|(_, handle)| handle.addr() as u64);
         let def = DeviceDef {
-            // SAFETY: the caller's.
-            get_instance_proc_addr: unsafe { loader(def.get_instance_proc_addr) }?,
+            get_instance_proc_addr: loader(def.get_instance_proc_addr)?,
             instance: vk::Instance::from_raw(instance),
             physical_device: vk::PhysicalDevice::from_raw(physical_device),
             device: vk::Device::from_raw(device),
@@ -100,22 +93,19 @@ impl Attached {
             pipeline_cache,
             workgroup_size: def.workgroup_size,
         };
-        // SAFETY: the caller's.
-        Ok(Self::with(Kind::Hosts(Box::new(unsafe { Device::new(&def) }?))))
+        Ok(Self::with(Kind::Hosts(Box::new(Device::new(&def)?))))
     }
 
     /// # Safety
     /// The loader is one, and stays loaded while this lives.
     pub(super) unsafe fn open(def: &CrumpleVulkanOpenDef, pipeline_cache: &[u8]) -> Result<Self, Failure> {
         let def = OwnDeviceDef {
-            // SAFETY: the caller's.
-            get_instance_proc_addr: unsafe { loader(def.get_instance_proc_addr) }?,
+            get_instance_proc_addr: loader(def.get_instance_proc_addr)?,
             device_uuid: Some(def.device_uuid).filter(|uuid| *uuid != [0; 16]),
             pipeline_cache,
             workgroup_size: def.workgroup_size,
         };
-        // SAFETY: the caller's.
-        Ok(Self::with(Kind::Own(Box::new(unsafe { OwnDevice::new(&def) }?))))
+        Ok(Self::with(Kind::Own(Box::new(OwnDevice::new(&def)?))))
     }
 
     fn with(device: Kind) -> Self {
@@ -123,7 +113,7 @@ impl Attached {
     }
 
     /// Fails while a frame is in flight that will not be waited for.
-    pub(in super::super) fn check_idle(&self) -> Result<(), Failure> {
+    pub(super) fn check_idle(&self) -> Result<(), Failure> {
         let Kind::Hosts(device) = &self.device else { return Ok(()) };
         let (recorded, completed) = (device.recorded(), device.last_completed());
         if recorded > completed {
@@ -172,8 +162,7 @@ impl Attached {
                 return Err(Failure::invalid(message));
             }
             (None, Kind::Hosts(device)) => {
-                // SAFETY: the caller's.
-                let id = unsafe { device.add_buffer(&buffer) }?;
+                let id = device.add_buffer(&buffer)?;
                 self.hosts.insert(def.buffer, Host { def: Some(buffer), id, ranges: 0 });
                 id
             }
@@ -196,7 +185,7 @@ impl Attached {
         Ok(VulkanMemory { target: target?, handle: def.buffer })
     }
 
-    pub(in super::super) fn remove(&mut self, memory: VulkanMemory) -> Result<(), Failure> {
+    pub(super) fn remove(&mut self, memory: VulkanMemory) -> Result<(), Failure> {
         let Some(host) = self.hosts.get_mut(&memory.handle) else { return Ok(()) };
         host.ranges -= 1;
         self.forget(memory.handle)
@@ -226,8 +215,7 @@ impl Attached {
             size: def.size,
             usage: vk::BufferUsageFlags::from_raw(def.usage),
         };
-        // SAFETY: the caller's.
-        let id = unsafe { own.import_buffer(&def) }?;
+        let id = own.import_buffer(&def)?;
         let handle = own.device().handle_of(id)?;
         self.hosts.insert(handle, Host { def: None, id, ranges: 0 });
         Ok(handle)
@@ -251,81 +239,11 @@ impl Attached {
     /// As [`OwnDevice::import_semaphore`].
     pub(super) unsafe fn import_semaphore(&mut self, kind: CrumpleHandleType, handle: i64) -> Result<u64, Failure> {
         let own = self.device.own("crumple_vulkan_import_semaphore()")?;
-        // SAFETY: the caller's.
-        Ok(unsafe { own.import_semaphore(shared(kind, handle)) }?.0)
-    }
-
-    pub(super) fn submit(
-        &mut self,
-        (pointer, given): (*const CrumpleBuffer, &[CrumpleBuffer]),
-        (entries, instances): (&mut Slots<BufferEntry>, &mut Slots<InstanceEntry>),
-        (wait, signal): (&[u64], &[u64]),
-        log: &mut Log<'_>,
-    ) -> Result<(u64, CrumpleRecordReport), Failure> {
-        let ids = |all: &[u64]| all.iter().map(|id| SemaphoreId(*id)).collect::<Vec<_>>();
-        let (wait, signal) = (ids(wait), ids(signal));
-        self.with_jobs((pointer, given), (entries, instances), log, |device, jobs| {
-            let (frame, report) = device.own("crumple_vulkan_submit()")?.submit(jobs, &wait, &signal)?;
-            Ok((frame, c_report(report)))
-        })
+        Ok(own.import_semaphore(shared(kind, handle))?.0)
     }
 
     pub(super) fn wait(&mut self, frame: u64, nanoseconds: u64) -> Result<bool, Failure> {
         Ok(self.device.own("crumple_vulkan_wait_frame()")?.wait(frame, nanoseconds)?)
-    }
-
-    /// # Safety
-    /// As [`Device::record`].
-    pub(super) unsafe fn record(
-        &mut self,
-        (command_buffer, frame): (*mut c_void, u64),
-        chosen: (*const CrumpleBuffer, &[CrumpleBuffer]),
-        of: (&mut Slots<BufferEntry>, &mut Slots<InstanceEntry>),
-        log: &mut Log<'_>,
-    ) -> Result<CrumpleRecordReport, Failure> {
-        self.with_jobs(chosen, of, log, |device, jobs| {
-            let commands = vk::CommandBuffer::from_raw(command_buffer.addr() as u64);
-            // SAFETY: the caller's.
-            let report = unsafe { device.hosts("crumple_vulkan_record()")?.record(commands, frame, jobs) }?;
-            Ok(c_report(report))
-        })
-    }
-
-    /// Folds the hits of the chosen buffers' instances, and calls `f` with a job for each buffer.
-    fn with_jobs<T>(
-        &mut self,
-        (pointer, given): (*const CrumpleBuffer, &[CrumpleBuffer]),
-        (entries, instances): (&mut Slots<BufferEntry>, &mut Slots<InstanceEntry>),
-        log: &mut Log<'_>,
-        f: impl FnOnce(&mut Kind, &mut [RecordJob<'_>]) -> Result<T, Failure>,
-    ) -> Result<T, Failure> {
-        let chosen = Chosen::new(pointer, given, &mut self.chosen, |id, name| match entries.get(id, name)?.memory {
-            Memory::Vulkan(_) => Ok(()),
-            Memory::Host(..) => {
-                Err(Failure::invalid(format!("{name} is a host buffer; crumple_context_deform() writes those")))
-            }
-        })?;
-        let written = |(id, entry): &(CrumpleBuffer, &BufferEntry)| {
-            matches!(entry.memory, Memory::Vulkan(_)) && chosen.names(*id)
-        };
-        log.call(|| Call::Record { buffers: entries.iter().filter(written).map(|(id, _)| Number::of(id)).collect() });
-        for (_, entry) in entries.iter::<CrumpleBuffer>().filter(written) {
-            instances.get_mut(entry.owner, "instance")?.instance.fold();
-        }
-        log.open();
-        let mut jobs = recycled(std::mem::take(&mut self.jobs));
-        let full = |_| Failure::new(CrumpleResult::CrumpleErrorOutOfMemory, "no memory for the list of jobs");
-        jobs.try_reserve(chosen.most(entries.len())).map_err(full)?;
-        for (id, entry) in entries.iter_mut::<CrumpleBuffer>() {
-            let Memory::Vulkan(memory) = &mut entry.memory else { continue };
-            if chosen.names(id) {
-                let instance = &instances.get(entry.owner, "instance")?.instance;
-                jobs.push(RecordJob { instance, target: &mut memory.target });
-            }
-        }
-        let result = f(&mut self.device, &mut jobs);
-        self.jobs = recycled(jobs);
-        result
     }
 
     pub(super) fn complete(&mut self, frame: u64) -> Result<(), Failure> {
@@ -345,8 +263,7 @@ unsafe fn loader(function: CrumpleVulkanFunction) -> Result<vk::PFN_vkGetInstanc
     let Some(function) = function else {
         return Err(Failure::new(CrumpleResult::CrumpleErrorNullPointer, "def.get_instance_proc_addr is null"));
     };
-    // SAFETY: the caller's.
-    Ok(unsafe { std::mem::transmute::<unsafe extern "C" fn(), vk::PFN_vkGetInstanceProcAddr>(function) })
+    Ok(std::mem::transmute::<unsafe extern "C" fn(), vk::PFN_vkGetInstanceProcAddr>(function))
 }
 
 fn shared(kind: CrumpleHandleType, handle: i64) -> Shared {
@@ -355,25 +272,6 @@ fn shared(kind: CrumpleHandleType, handle: i64) -> Shared {
         CrumpleHandleType::OpaqueFd => Shared::OpaqueFd(i32::try_from(handle).unwrap_or(-1)),
         CrumpleHandleType::OpaqueWin32 => Shared::OpaqueWin32(handle as isize),
     }
-}
-
-fn c_report(report: RecordReport) -> CrumpleRecordReport {
-    CrumpleRecordReport {
-        vertices_written: report.vertices_written,
-        blocks_written: report.blocks_written,
-        blocks_skipped: report.blocks_skipped,
-        parts_skipped: report.parts_skipped,
-        bytes_copied: report.bytes_copied,
-        dispatches: report.dispatches,
-        ..CrumpleRecordReport::default()
-    }
-}
-
-/// The same room, empty, for another lifetime.
-fn recycled<'b>(mut jobs: Vec<RecordJob<'_>>) -> Vec<RecordJob<'b>> {
-    jobs.clear();
-    // Collecting in place keeps the allocation.
-    jobs.into_iter().map(|_| -> RecordJob<'b> { unreachable!("the list is empty") }).collect()
 }
 
 fn stream(s: &CrumpleVulkanStream, name: &str) -> Result<Option<Stream>, Failure> {
@@ -387,19 +285,19 @@ fn stream(s: &CrumpleVulkanStream, name: &str) -> Result<Option<Stream>, Failure
 
 impl VulkanMemory {
     /// Whether normals and tangents are written.
-    pub(in super::super) fn written(&self) -> (bool, bool) {
+    pub(super) fn written(&self) -> (bool, bool) {
         self.target.written()
     }
 
-    pub(in super::super) fn invalidate(&mut self) {
+    pub(super) fn invalidate(&mut self) {
         self.target.invalidate();
     }
 
-    pub(in super::super) fn changed(&self) -> &[Range<u32>] {
+    pub(super) fn changed(&self) -> &[Range<u32>] {
         self.target.changed()
     }
 
-    pub(in super::super) fn bounds(&self) -> Option<Aabb> {
+    pub(super) fn bounds(&self) -> Option<Aabb> {
         self.target.bounds()
     }
 

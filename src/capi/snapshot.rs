@@ -1,13 +1,11 @@
 //! What there is when a recording begins, as the calls that would make it.
 
-use super::super::buffer::{BufferEntry, Memory};
-use super::super::context::State;
-use super::super::instance::{CrumpleRule, CrumpleSelection, InstanceEntry};
-use super::super::result::Failure;
-use super::super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance};
-use super::calls::{Bytes, Call, Number};
-use super::file::{Ended, Event, Writer};
-use crate::{Error, ExampleSet, Rule, Selection};
+use super::record_call::{Bytes, Call, Number};
+use super::record_file::{Ended, Event, Writer};
+use super::result::Failure;
+use super::store::{BufferEntry, InstanceEntry, State};
+use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance, CrumpleRule, CrumpleSelection};
+use crate::{Error, ExampleSet, Rule};
 use std::collections::HashSet;
 
 /// Refuses what no call could make again.
@@ -70,20 +68,11 @@ pub(super) fn set(id: CrumpleExampleSet, set: &ExampleSet) -> Result<Call, Error
 /// An instance as it was made.
 pub(super) fn create(entry: &InstanceEntry) -> Call {
     let o = entry.instance.options();
-    let (rule, blend_constant) = match o.rule {
-        Rule::Marks => (CrumpleRule::Marks, 0.0),
-        Rule::MostDisplaced => (CrumpleRule::MostDisplaced, 0.0),
-        Rule::Blend(constant) => (CrumpleRule::Blend, constant),
-    };
-    let selection = match o.selection {
-        Selection::Nearest => CrumpleSelection::Nearest,
-        Selection::Classic => CrumpleSelection::Classic,
-        Selection::ClassicUnclamped => CrumpleSelection::ClassicUnclamped,
-    };
+    let blend_constant = if let Rule::Blend(constant) = o.rule { constant } else { 0.0 };
     Call::CreateInstance {
         set: Number::of(entry.set),
-        rule: rule as u32,
-        selection: selection as u32,
+        rule: CrumpleRule::from(o.rule) as u32,
+        selection: CrumpleSelection::from(o.selection) as u32,
         examples_per_hit: o.examples_per_hit,
         mark_capacity: o.capacity,
         depth_limit: o.depth_limit.unwrap_or(0.0),
@@ -98,16 +87,8 @@ pub(super) fn create(entry: &InstanceEntry) -> Call {
 
 /// A buffer's registration.
 pub(super) fn register(entry: &BufferEntry, set: &ExampleSet) -> Call {
-    let (normals, tangents) = written(entry);
+    let (normals, tangents) = entry.written();
     // Its level of detail was found when it was registered.
     let vertices = set.lod_mesh(entry.lod).map_or(0, |mesh| mesh.positions().len() as u32);
     Call::RegisterBuffer { instance: Number::of(entry.owner), lod: entry.lod as u32, vertices, normals, tangents }
-}
-
-/// Whether normals and tangents are written.
-fn written(entry: &BufferEntry) -> (bool, bool) {
-    match &entry.memory {
-        Memory::Host(memory, _) => memory.written(),
-        Memory::Vulkan(memory) => memory.written(),
-    }
 }
