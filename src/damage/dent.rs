@@ -28,7 +28,7 @@ const ROUNDING: f32 = 1e-4;
 
 /// One example of a dent, placed and scaled.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct DentPart {
+pub(crate) struct PlacedExample {
     pub example: usize,
     /// What its displacements are multiplied with.
     pub scale: f32,
@@ -70,7 +70,7 @@ pub(crate) struct Dent {
     /// What all its parts are multiplied with: grows with hits that repeat it.
     pub strength: f32,
     pub contact: Vec3,
-    pub parts: ArrayVec<DentPart, MAX_PAIRS>,
+    pub parts: ArrayVec<PlacedExample, MAX_PAIRS>,
 }
 
 impl Dent {
@@ -87,13 +87,13 @@ impl Dent {
 
     /// Where it may move anything.
     pub(crate) fn reach(&self) -> Reach {
-        let radius = |p: &DentPart| p.carried.as_ref().map_or(f32::INFINITY, |c| c.radius);
+        let radius = |p: &PlacedExample| p.carried.as_ref().map_or(f32::INFINITY, |c| c.radius);
         let radius = self.parts.iter().map(radius).fold(0.0, f32::max);
         Reach { contact: self.contact, square: radius * radius }
     }
 
     /// Whether part `p` is shown on a lod: not where no displacement of it, as scaled, is longer than `threshold` (m, above 0).
-    pub(crate) fn counts(&self, set: &ExampleSet, lod: &MeshLod, p: &DentPart, threshold: f32) -> bool {
+    pub(crate) fn counts(&self, set: &ExampleSet, lod: &MeshLod, p: &PlacedExample, threshold: f32) -> bool {
         let scale = (p.scale * self.strength).abs();
         threshold == 0.0
             || scale == 0.0
@@ -114,7 +114,7 @@ impl Dent {
         counts.for_each(|p| self.part_lengths(set, lod, p, &mut |b, _| f(b)));
     }
 
-    fn part_lengths(&self, set: &ExampleSet, lod: &MeshLod, p: &DentPart, f: &mut impl FnMut(usize, f32)) {
+    fn part_lengths(&self, set: &ExampleSet, lod: &MeshLod, p: &PlacedExample, f: &mut impl FnMut(usize, f32)) {
         let scale = (p.scale * self.strength).abs();
         match &p.carried {
             Some(c) => {
@@ -209,8 +209,8 @@ impl Carried {
 }
 
 /// A mark's parts, placed and scaled.
-pub(crate) struct Placed {
-    pub parts: ArrayVec<DentPart, MAX_PAIRS>,
+pub(crate) struct PlacedMark {
+    pub parts: ArrayVec<PlacedExample, MAX_PAIRS>,
     /// Displacement that they bring to the contact, m.
     pub achieved: Vec3,
     /// The same if no rim were held.
@@ -238,9 +238,9 @@ pub(crate) fn place(
     depth: f32,
     pairs: &[Pair; MAX_PAIRS],
     rotations: &[Mat3; MAX_PAIRS],
-) -> Placed {
+) -> PlacedMark {
     let c = set.mesh().positions()[contact as usize];
-    let mut parts: ArrayVec<DentPart, MAX_PAIRS> = ArrayVec::new();
+    let mut parts: ArrayVec<PlacedExample, MAX_PAIRS> = ArrayVec::new();
     let mut at_contact = [Vec3::ZERO; MAX_PAIRS];
     let mut sum = Vec3::ZERO;
     for (pair, rotation) in pairs.iter().zip(rotations).filter(|(p, _)| !p.is_none()) {
@@ -262,7 +262,7 @@ pub(crate) fn place(
         }
         at_contact[parts.len()] = u;
         sum += u * scale;
-        parts.push(DentPart { example, scale, carried });
+        parts.push(PlacedExample { example, scale, carried });
     }
     let together = depth / sum.length();
     // Examples that cancel each other at the contact are not blown up to meet a depth they cannot.
@@ -281,7 +281,7 @@ pub(crate) fn place(
         without_rim += u * p.scale;
         achieved += u * (if p.carried.is_some() { p.scale * held } else { p.scale });
     }
-    Placed { parts, achieved, without_rim }
+    PlacedMark { parts, achieved, without_rim }
 }
 
 /// Strength of a mark: its `energy` is strength, strength squared, or the greatest strength, as the set combines.

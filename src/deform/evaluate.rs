@@ -12,7 +12,7 @@ use super::kernel::{Block, ReadyPart, Source};
 use super::levels;
 use super::view::{DamageView, DisplacedVertices, may_reach};
 use crate::base::math::{Aabb, tangent_basis, turned_as, unit};
-use crate::damage::dent::DentPart;
+use crate::damage::dent::PlacedExample;
 use crate::example::blocks::Stored;
 use crate::example::mesh_lod::MeshLod;
 use crate::mesh::vertex_blocks::{BLOCK, block_range};
@@ -104,7 +104,7 @@ struct Touched {
 
 /// What a part brings to the block, if anything, and the longest of its displacements, m.
 #[inline(always)]
-fn reached<'a>(job: BlockJob<'a>, normals: bool, part: &'a DentPart) -> Option<(Source<'a>, f32)> {
+fn reached<'a>(job: BlockJob<'a>, normals: bool, part: &'a PlacedExample) -> Option<(Source<'a>, f32)> {
     let lod = job.lod;
     match &part.carried {
         Some(c) if c.reaches(&lod.block_bounds[job.block]) => {
@@ -193,7 +193,7 @@ fn lone(
 ) -> bool {
     let mut near = job.view.damage.near(&job.lod.block_bounds[job.block]);
     let (Some(dent), None) = (near.next(), near.next()) else { return false };
-    let [DentPart { example, scale, carried: None }] = &dent.parts[..] else { return false };
+    let [PlacedExample { example, scale, carried: None }] = &dent.parts[..] else { return false };
     let anchored = &job.lod.anchored[*example];
     let (Some(head), scale) = (anchored.block(job.block as u32), scale * dent.strength) else { return false };
     if job.view.threshold > 0.0 || may_reach(head.longest * scale.abs(), job.view.depth_limit) {

@@ -5,7 +5,7 @@ use super::placement::{Choice, placement_for};
 use super::query::HitQuery;
 use super::shortlist::{Scored, Shortlist};
 use super::target::Target;
-use crate::damage::dent::{Placed, frame_rotations, place};
+use crate::damage::dent::{PlacedMark, frame_rotations, place};
 use crate::damage::mark::{MAX_PAIRS, Mark, Pair};
 use crate::example::set::ExampleSet;
 
@@ -65,7 +65,7 @@ fn nearest_pairs(set: &ExampleSet, k: usize, hit: &HitQuery) -> [Pair; MAX_PAIRS
 }
 
 /// Writes to the outcome what a mark does at its contact.
-pub(crate) fn report(placed: &Placed, mark: Mark, out: &mut Outcome) -> Mark {
+pub(crate) fn report(placed: &PlacedMark, mark: Mark, out: &mut Outcome) -> Mark {
     let used = mark.pairs.iter().filter(|p| !p.is_none());
     for (slot, (pair, part)) in out.chosen.iter_mut().zip(used.zip(&placed.parts)) {
         *slot = Some(Chosen {

@@ -1,6 +1,6 @@
 //! What does not change, in words: a mesh with its examples, and the stamps of its set.
 
-use super::NONE;
+use super::layout::NONE;
 use crate::example::blocks::DeltaBlocks;
 use crate::example::mesh_lod::MeshLod;
 use crate::example::set::ExampleSet;
@@ -15,7 +15,7 @@ const HEAD_WORDS: usize = 4;
 
 /// Where the parts of a mesh begin, words from its own first.
 #[derive(Debug)]
-pub(crate) struct SkinWords {
+pub(crate) struct MeshWords {
     positions: u32,
     normals: Option<u32>,
     tangents: Option<u32>,
@@ -31,11 +31,11 @@ pub(crate) struct SkinWords {
     total: u64,
 }
 
-impl SkinWords {
+impl MeshWords {
     pub(crate) fn new(skin: &MeshLod) -> Self {
         let mut at = Counter(0);
         let n = skin.vertex_count();
-        SkinWords {
+        MeshWords {
             positions: at.take(3 * n),
             normals: skin.mesh.normals().map(|_| at.take(3 * n)),
             tangents: skin.mesh.tangents().map(|_| at.take(4 * n)),
@@ -128,44 +128,44 @@ impl StampWords {
 
 /// A mesh and its set's stamps, placed in one arena.
 #[derive(Debug)]
-pub(crate) struct Place {
-    pub skin: SkinWords,
+pub(crate) struct MeshPlacement {
+    pub mesh: MeshWords,
     pub stamps: std::sync::Arc<StampWords>,
     /// Words before the skin, and before the stamps.
-    pub skin_at: u32,
+    pub mesh_at: u32,
     pub stamps_at: u32,
 }
 
-impl Place {
+impl MeshPlacement {
     pub(crate) fn positions(&self) -> u32 {
-        self.skin_at + self.skin.positions
+        self.mesh_at + self.mesh.positions
     }
 
     pub(crate) fn normals(&self) -> Option<u32> {
-        self.skin.normals.map(|at| self.skin_at + at)
+        self.mesh.normals.map(|at| self.mesh_at + at)
     }
 
     pub(crate) fn tangents(&self) -> Option<u32> {
-        self.skin.tangents.map(|at| self.skin_at + at)
+        self.mesh.tangents.map(|at| self.mesh_at + at)
     }
 
     pub(crate) fn bounds(&self) -> u32 {
-        self.skin_at + self.skin.bounds
+        self.mesh_at + self.mesh.bounds
     }
 
     /// What an example stores of the mesh.
     pub(crate) fn example(&self, example: usize) -> u32 {
-        self.skin_at + self.skin.examples[example]
+        self.mesh_at + self.mesh.examples[example]
     }
 
     /// Longest displacement of an example on the mesh, m.
     pub(crate) fn longest(&self, example: usize) -> f32 {
-        self.skin.longest[example]
+        self.mesh.longest[example]
     }
 
     /// The windows, if anything is held.
     pub(crate) fn windows(&self) -> Option<u32> {
-        self.skin.windows.map(|at| self.skin_at + at)
+        self.mesh.windows.map(|at| self.mesh_at + at)
     }
 
     /// The nodes of an example's stamp.

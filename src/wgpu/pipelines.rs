@@ -1,6 +1,6 @@
-//! The kernels as pipelines: SPIR-V as it was built where the device takes it, and else WGSL, which wgpu translates.
+//! The pipelines of the kernels: the SPIR-V of the build if the device takes it, else WGSL, which wgpu translates.
 
-use super::device::Gpu;
+use super::device::WgpuDevice;
 use crate::Error;
 use crate::gpu::{Call, Kernel, with_workgroup};
 use std::num::NonZero;
@@ -12,7 +12,7 @@ macro_rules! built {
     };
 }
 
-/// Of the default rule, then of the classic ones; each as [`Kernel`] counts.
+/// SPIR-V, in the order of [`Kernel::number`].
 const MODULES: [&[u8]; 6] = [
     built!(include_bytes "marks_positions_uniform.spv"),
     built!(include_bytes "marks_normals_uniform.spv"),
@@ -22,27 +22,27 @@ const MODULES: [&[u8]; 6] = [
     built!(include_bytes "classic_tangents_uniform.spv"),
 ];
 const SOURCES: [&str; 2] = [built!(include_str "marks_uniform.wgsl"), built!(include_str "classic_uniform.wgsl")];
-/// Of each [`Kernel`] the overrides that are on in a source.
+/// The overrides that each [`Kernel`] sets in a source.
 const ON: [&[(&str, f64)]; 3] = [&[], &[("NORMALS", 1.0)], &[("NORMALS", 1.0), ("TANGENTS", 1.0)]];
 const NAMES: [&str; 2] = ["crumple: marks", "crumple: classic"];
 const WORKGROUP: &str = "@workgroup_size(128)";
 
 /// Layouts, and the pipelines that were needed so far.
-pub(super) struct Kernels {
-    /// Arena, frame and call.
+pub(super) struct WgpuPipelines {
+    /// Of arena, frame and call.
     pub work: wgpu::BindGroupLayout,
-    /// One buffer: the host's, or a state.
+    /// Of one buffer: the host's or a state.
     pub one: wgpu::BindGroupLayout,
-    /// Of the default rule, and of the classic ones.
+    /// For marks, and for the classic rules.
     layouts: [wgpu::PipelineLayout; 2],
-    /// Invocations a group.
+    /// Invocations a workgroup.
     workgroup: u32,
-    /// As [`MODULES`].
+    /// In the order of [`MODULES`].
     pipelines: [Option<wgpu::ComputePipeline>; 6],
 }
 
-impl Kernels {
-    pub(super) fn new(gpu: &Gpu, workgroup: u32) -> Result<Self, Error> {
+impl WgpuPipelines {
+    pub(super) fn new(gpu: &WgpuDevice, workgroup: u32) -> Result<Self, Error> {
         gpu.checked("making pipeline layouts", 0, || Self::make(&gpu.device, workgroup))
     }
 
@@ -58,7 +58,7 @@ impl Kernels {
             device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
         };
         let call = binding(2, wgpu::BufferBindingType::Uniform, true, size_of::<Call>() as u64);
-        // The frame is read four words at a time.
+        // The frame's data is read four words at a time.
         let read = |n, least| binding(n, storage(true), false, least);
         let work = layout("crumple: work", &[read(0, 4), read(1, 16), call]);
         let one = layout("crumple: buffer", &[binding(0, storage(false), false, 4)]);
@@ -70,11 +70,11 @@ impl Kernels {
                 immediate_size: 0,
             })
         });
-        Kernels { work, one, layouts, workgroup, pipelines: Default::default() }
+        WgpuPipelines { work, one, layouts, workgroup, pipelines: Default::default() }
     }
 
-    /// Makes sure that there is a pipeline for a kernel.
-    pub(super) fn add_pipeline(&mut self, gpu: &Gpu, kernel: Kernel, classic: bool) -> Result<(), Error> {
+    /// Adds the pipeline of a kernel, if it is not there yet.
+    pub(super) fn add(&mut self, gpu: &WgpuDevice, kernel: Kernel, classic: bool) -> Result<(), Error> {
         let pipeline = &mut self.pipelines[kernel.number(classic)];
         if pipeline.is_some() {
             return Ok(());
@@ -97,15 +97,15 @@ impl Kernels {
                     spirv,
                     ..Default::default()
                 };
-                // SAFETY: the SPIR-V is valid; bindings are those of the layout, numbered from 0 on without gaps, as wgpu
-                // numbers them too. Of its loops, divisors and indices what is said below holds.
+                // SAFETY: the SPIR-V is valid. Its bindings are those of the layout, numbered from 0 on without gaps, as wgpu
+                // numbers them too. Its loops, divisors and indices are those of the WGSL below.
                 unsafe { device.create_shader_module_passthrough(descriptor) }
             } else {
                 let workgroup = format!("@workgroup_size({})", self.workgroup);
                 let source = wgpu::ShaderSource::Wgsl(SOURCES[rule].replacen(WORKGROUP, &workgroup, 1).into());
                 let descriptor = wgpu::ShaderModuleDescriptor { label, source };
-                // SAFETY: each loop of a kernel ends, no divisor is 0, and each index lies within what is bound: they are
-                // made by the same code for every device, for layouts that were checked.
+                // SAFETY: every loop of a kernel ends, no divisor is 0, and every index lies within what is bound: the same code
+                // makes them for every device, for layouts that were checked.
                 unsafe { device.create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked()) }
             };
             let constants = if exact { &[][..] } else { ON[kernel as usize] };
@@ -123,13 +123,13 @@ impl Kernels {
     }
 
     /// A pipeline that was added.
-    pub(super) fn pipeline(&self, (kernel, classic): (Kernel, bool)) -> Option<&wgpu::ComputePipeline> {
+    pub(super) fn get(&self, (kernel, classic): (Kernel, bool)) -> Option<&wgpu::ComputePipeline> {
         self.pipelines[kernel.number(classic)].as_ref()
     }
 }
 
-impl Gpu {
-    /// Whether kernels go to the driver as they were built.
+impl WgpuDevice {
+    /// Whether the device takes the SPIR-V of the build.
     pub(super) fn takes_spirv(&self) -> bool {
         self.device.features().contains(wgpu::Features::PASSTHROUGH_SHADERS)
             && self.device.adapter_info().backend == wgpu::Backend::Vulkan
@@ -154,7 +154,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sources_hold_what_is_replaced() {
+    fn sources_have_the_texts_that_are_replaced() {
         assert!(SOURCES.iter().all(|s| s.contains(WORKGROUP) && !s.contains("var<immediate>")));
     }
 }
