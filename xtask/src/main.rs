@@ -108,7 +108,7 @@ fn run(command: Command) -> Result<()> {
         Command::Header { check } => header::run(&workspace, check),
         Command::Install { prefix, debug } => {
             let profile = if debug { install::Profile::Debug } else { install::Profile::Release };
-            install::run(&workspace, &prefix, profile).map(drop)
+            install::run(&workspace, &prefix, profile)
         }
         Command::Package(options) => package::run(&workspace, &options),
         Command::Fuzz(options) => fuzz::run(&workspace, &options),

@@ -1,5 +1,6 @@
 //! The repository as the commands see it: its root, its target directory and a shell that stands in its root.
 
+use std::cell::Cell;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
@@ -23,6 +24,8 @@ pub struct Workspace {
     /// Version of the `crumple` package, the same for every member.
     pub version: String,
     pub shell: Shell,
+    /// Whether this run has installed the release library already.
+    pub installed: Cell<bool>,
 }
 
 impl Workspace {
@@ -37,7 +40,7 @@ impl Workspace {
             Some(dir) => root.join(dir),
             None => root.join("target"),
         };
-        Ok(Self { root, target, version: env!("CARGO_PKG_VERSION").to_owned(), shell })
+        Ok(Self { root, target, version: env!("CARGO_PKG_VERSION").to_owned(), shell, installed: Cell::new(false) })
     }
 
     /// `cargo`, which rustup keeps to the toolchain that runs this program.
