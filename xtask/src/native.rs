@@ -8,7 +8,7 @@ use xshell::cmd;
 use crate::abi;
 use crate::header::HEADER;
 use crate::install::{self, Profile};
-use crate::stage::Outcome;
+use crate::stage::{Outcome, all_passed};
 use crate::tools::Tool;
 use crate::vulkan;
 use crate::workspace::{Workspace, empty_directory};
@@ -67,10 +67,10 @@ impl<'a> Build<'a> {
     }
 }
 
-/// Builds every project against an installed library and runs its tests.
+/// Builds every project against an installed library and runs its tests. A project that fails does not hide the others.
 pub fn test_projects(workspace: &Workspace, build: &Build<'_>) -> Result<()> {
     let jobs = jobs();
-    for (project, name) in build.projects {
+    let test = |project: &str, name: &str| -> Result<()> {
         let directory = workspace.target.join("ctest").join(build.kind).join(name);
         compile(workspace, build, &workspace.path(project), &directory)?;
         let tests = cmd!(
@@ -78,9 +78,10 @@ pub fn test_projects(workspace: &Workspace, build: &Build<'_>) -> Result<()> {
             "ctest --test-dir {directory} --parallel {jobs} --output-on-failure --no-tests=error"
         );
         let left_out = [build.left_out].into_iter().filter(|names| !names.is_empty());
-        tests.args(left_out.flat_map(|names| ["--exclude-regex", names])).run()?;
-    }
-    Ok(())
+        Ok(tests.args(left_out.flat_map(|names| ["--exclude-regex", names])).run()?)
+    };
+    let results = build.projects.iter().map(|(project, name)| (*project, test(project, name)));
+    all_passed(results.collect())
 }
 
 /// One a core.

@@ -86,9 +86,9 @@ impl Workspace {
         self.cargo(&["build"]).args(TESTED).args(arguments).args(["--test", "paper_equations"])
     }
 
-    /// `cargo test` of the Rust code, or of what `arguments` choose of it.
+    /// `cargo test` of the Rust code, or of what `arguments` choose of it. A test program that fails does not hide the others.
     pub fn tests(&self, arguments: &[&str]) -> xshell::Cmd<'_> {
-        self.cargo(&["test"]).args(TESTED).args(arguments)
+        self.cargo(&["test", "--no-fail-fast"]).args(TESTED).args(arguments)
     }
 
     /// `path` as seen from the repository's root: absolute, or joined to the root.
