@@ -37,7 +37,7 @@ pub fn run(workspace: &Workspace) -> Result<Outcome> {
     if cfg!(not(target_os = "linux")) {
         return Ok(Outcome::NotApplicable("done with Debian's Mono on Linux only".into()));
     }
-    let prefix = native::release_prefix(workspace);
+    let prefix = native::release_prefix(workspace)?;
     let built = workspace.target.join("csharp");
     empty_directory(&built)?;
     compile(workspace, &built)?;

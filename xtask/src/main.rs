@@ -53,7 +53,7 @@ enum Command {
     },
     /// Run every test: Rust, C and C++, under sanitizers and valgrind, and from outside the tree
     Test(test::Options),
-    /// Write include/crumple.h from the Rust sources, and what is made of it: the C# declarations, docs/reference.md
+    /// Write include/crumple.h from the Rust sources, and the C# declarations from the header
     Header {
         /// Write nothing; fail with a diff when the committed header is not what the sources say
         #[arg(long)]
@@ -108,7 +108,7 @@ fn run(command: Command) -> Result<()> {
         Command::Header { check } => header::run(&workspace, check),
         Command::Install { prefix, debug } => {
             let profile = if debug { install::Profile::Debug } else { install::Profile::Release };
-            install::run(&workspace, &prefix, profile).map(drop)
+            install::run(&workspace, &prefix, profile)
         }
         Command::Package(options) => package::run(&workspace, &options),
         Command::Fuzz(options) => fuzz::run(&workspace, &options),

@@ -106,6 +106,19 @@ fn run_each(stages: &[&Stage], rules: Rules, mut run: impl FnMut(&Stage) -> Resu
     rows
 }
 
+/// Fails with the names of what failed, after printing why.
+pub fn all_passed(results: Vec<(&str, Result<()>)>) -> Result<()> {
+    let mut failed = Vec::new();
+    for (name, result) in results {
+        if let Err(error) = result {
+            println!("{name}: {error:#}");
+            failed.push(name);
+        }
+    }
+    ensure!(failed.is_empty(), "{} failed", failed.join(", "));
+    Ok(())
+}
+
 /// The closing table and, alone on the last line, the counts that CI reads.
 fn table(rows: &[Row]) -> String {
     let width = rows.iter().map(|row| row.name.len()).max().unwrap_or(0);

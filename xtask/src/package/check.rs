@@ -33,6 +33,7 @@ const PRESENT: &[&str] = &[
     "lib/static-libraries.txt",
     "lib/cmake/Crumple/CrumpleConfig.cmake",
     "docs/integration.md",
+    "docs/reference.md",
     "examples-c/quickstart.c",
     "assets/demo/hood.glb",
 ];
