@@ -28,41 +28,51 @@ macro_rules! refused {
     }};
 }
 
-/// Every change with every value makes an input that is refused: by an error of this kind, whose text has all the words between the dots.
-/// `VALUE` stands for the value.
-#[track_caller]
-fn check_refusals<I, T: Copy + ToString>(
-    (input, make): (fn() -> I, fn(I) -> Result<(), Error>),
-    kind: ErrorKind,
-    values: &[T],
-    cases: &[(fn(&mut I, T), &str)],
-) {
-    for (change, words) in cases {
-        for value in values {
-            let mut changed = input();
-            change(&mut changed, *value);
-            let error = make(changed).expect_err(words);
-            assert_eq!(error.kind(), kind, "{error}");
-            for word in words.split(" … ").map(|word| word.replace("VALUE", &value.to_string())) {
+/// Asserts that every change with every value makes an input that is refused: by an error of this kind, whose text has all the words
+/// between the dots. `VALUE` stands for the value.
+macro_rules! refuses {
+    ($input:ty, $kind:ident, $values:expr; $(|$i:ident, $v:pat_param| $change:expr => $words:literal),+ $(,)?) => {$(
+        for value in $values {
+            let mut input = <$input>::good();
+            let ($i, $v) = (&mut input, value);
+            $change;
+            let error = input.make().expect_err($words);
+            assert_eq!(error.kind(), ErrorKind::$kind, "{error}");
+            for word in $words.split(" … ").map(|word| word.replace("VALUE", &value.to_string())) {
                 assert!(error.to_string().contains(&word), "'{error}' does not say '{word}'");
             }
         }
-    }
+    )+};
 }
 
-macro_rules! refuses {
-    ($input:expr, $kind:ident, $values:expr; $(|$i:ident, $v:pat_param| $change:expr => $words:literal),+ $(,)?) => {
-        check_refusals($input, ErrorKind::$kind, &$values, &[$((|$i, $v| { $change; }, $words)),+])
-    };
+/// Something that can be spoilt before something is made of it.
+trait Made {
+    fn good() -> Self;
+    fn make(self) -> Result<(), Error>;
 }
 
 /// What a set is built from: a mesh, one example, options.
 type Input = (MeshData, Vec<ExampleData>, SetOptions);
 
-const SETS: (fn() -> Input, fn(Input) -> Result<(), Error>) =
-    (|| (triangle(), vec![dent()], SetOptions::default()), |(m, e, o)| build_with(m, e, o).map(drop));
-const INSTANCES: (fn() -> InstanceOptions, fn(InstanceOptions) -> Result<(), Error>) =
-    (InstanceOptions::default, |options| Instance::new(set(), options).map(drop));
+impl Made for Input {
+    fn good() -> Self {
+        (triangle(), vec![dent()], SetOptions::default())
+    }
+
+    fn make(self) -> Result<(), Error> {
+        build_with(self.0, self.1, self.2).map(drop)
+    }
+}
+
+impl Made for InstanceOptions {
+    fn good() -> Self {
+        InstanceOptions::default()
+    }
+
+    fn make(self) -> Result<(), Error> {
+        Instance::new(set(), self).map(drop)
+    }
+}
 
 const NAN: f32 = f32::NAN;
 const INF: f32 = f32::INFINITY;
@@ -116,26 +126,26 @@ fn still_usable(instance: &mut Instance, marks: &[Mark]) {
 
 #[test]
 fn quick_meshes_that_do_not_hold_together() {
-    refuses! { SETS, Mesh, [0.0];
+    refuses! { Input, Mesh, [0.0];
         |i, _| i.0 = MeshData::default() => "0 vertices",
-        |i, _| drop(i.0.normals.as_mut().unwrap().pop()) => "normals … 2 … 3",
+        |i, _| i.0.normals.as_mut().unwrap().truncate(2) => "normals … 2 … 3",
         |i, _| i.0.tangents.as_mut().unwrap().push([1.0, 0.0, 0.0, 1.0]) => "tangents … 4 … 3",
         |i, _| i.2.mass = VertexMass::PerVertex(vec![1.0]) => "1 vertex masses … 3 vertices",
     }
-    refuses! { SETS, IndexOutOfRange, [3, u32::MAX];
+    refuses! { Input, IndexOutOfRange, [3, u32::MAX];
         |i, v| i.0.triangles.push([0, v, 1]) => "triangle 1 … VALUE … below 3",
     }
 }
 
 #[test]
 fn quick_sets_with_numbers_that_are_none() {
-    refuses! { SETS, NotFinite, [NAN, INF, -INF];
+    refuses! { Input, NotFinite, [NAN, INF, -INF];
         |i, v| i.0.positions[1][2] = v => "positions[1] … finite",
         |i, v| i.0.normals.as_mut().unwrap()[2][0] = v => "normals[2]",
         |i, v| i.0.tangents.as_mut().unwrap()[0][3] = v => "tangents[0]",
         |i, v| i.1[0].contact_normal = Some([0.0, v, 0.0]) => "contact normal … a dent",
     }
-    refuses! { SETS, InvalidArgument, [1e30];
+    refuses! { Input, InvalidArgument, [1e30];
         |i, v| i.0.positions[0][0] = v => "positions[0] … 1e9",
     }
 }
@@ -216,7 +226,7 @@ fn quick_examples_of_another_vertex_count_or_order() {
     fn sparse(indices: &[u32], count: usize) -> Deltas {
         Deltas::Sparse { indices: indices.to_vec(), values: vec![[0.1; 3]; count] }
     }
-    refuses! { SETS, ExampleMismatch, [4];
+    refuses! { Input, ExampleMismatch, [4];
         |i, n| i.1.push(ExampleData { positions: Deltas::Full(vec![[0.1; 3]; n]), ..dent() }) => "example 1 'a dent' … VALUE … 3 vertices",
         |i, _| i.1[0].positions = sparse(&[0, 3], 2) => "index 3 … 3 vertices",
         |i, _| i.1[0].positions = sparse(&[0, u32::MAX], 2) => "4294967295",
@@ -232,12 +242,12 @@ fn quick_examples_with_numbers_that_are_none() {
     fn full(v: f32) -> Deltas {
         Deltas::Full(vec![[0.1; 3], [0.1; 3], [0.1, v, 0.1]])
     }
-    refuses! { SETS, ExampleMismatch, [NAN, INF, -INF];
+    refuses! { Input, ExampleMismatch, [NAN, INF, -INF];
         |i, v| i.1[0].positions = full(v) => "vertex 2 … finite",
         |i, v| i.1[0].normals = Some(full(v)) => "normal … vertex 2 … finite",
         |i, v| i.1[0].contact = Some(Contact::Point([0.0, v, 0.0])) => "contact … a dent … finite",
     }
-    refuses! { SETS, ExampleMismatch, [1e30];
+    refuses! { Input, ExampleMismatch, [1e30];
         |i, v| i.1[0].positions = full(v) => "1e30 … 1e9",
     }
 }
@@ -247,7 +257,7 @@ fn quick_contacts_that_cannot_be() {
     let error = build(triangle(), vec![ExampleData { contact: Some(Contact::Vertex(3)), ..dent() }]).unwrap_err();
     assert!(matches!(error.kind(), ErrorKind::IndexOutOfRange | ErrorKind::ExampleMismatch), "{error:?}");
     assert!(error.to_string().contains('3'), "{error}");
-    refuses! { SETS, ExampleMismatch, [0.0];
+    refuses! { Input, ExampleMismatch, [0.0];
         |i, _| i.1[0].contact = Some(Contact::Vertex(2)) => "vertex 2 … does not move",
         |i, _| i.1[0].contact = Some(Contact::Point([0.0, 0.9, 0.0])) => "vertex 2",
         |i, _| i.1[0].contact_normal = Some([0.0; 3]) => "contact normal … length 0",
@@ -258,18 +268,18 @@ fn quick_contacts_that_cannot_be() {
 
 #[test]
 fn quick_options_of_a_set_out_of_range() {
-    refuses! { SETS, InvalidArgument, [0.0, -1.0, NAN, INF];
+    refuses! { Input, InvalidArgument, [0.0, -1.0, NAN, INF];
         |i, v| i.2.depth_limit = Some(v) => "depth_limit",
         |i, v| i.2.mass = VertexMass::Uniform(v) => "mass … kg",
         |i, v| i.2.mass = VertexMass::PerVertex(vec![1.0, v, 1.0]) => "mass of vertex 1",
     }
-    refuses! { SETS, InvalidArgument, [2e9];
+    refuses! { Input, InvalidArgument, [2e9];
         |i, v| i.2.depth_limit = Some(v) => "depth_limit",
     }
-    refuses! { SETS, InvalidArgument, [-1e-9, NAN, INF];
+    refuses! { Input, InvalidArgument, [-1e-9, NAN, INF];
         |i, v| i.2.drop_below = v => "drop_below",
     }
-    refuses! { SETS, InvalidArgument, [0, 3, 129, u32::MAX];
+    refuses! { Input, InvalidArgument, [0, 3, 129, u32::MAX];
         |i, v| i.2.stamp_resolution = v => "stamp_resolution … VALUE … 4 to 128",
     }
 }
@@ -286,24 +296,24 @@ fn quick_any_text_is_a_name() {
 
 #[test]
 fn quick_options_of_an_instance_out_of_range() {
-    refuses! { INSTANCES, InvalidArgument, [0, 5, u32::MAX];
+    refuses! { InstanceOptions, InvalidArgument, [0, 5, u32::MAX];
         |o, v| o.examples_per_hit = v => "examples_per_hit … 1 to 4",
     }
-    refuses! { INSTANCES, InvalidArgument, [0, 65_536, u32::MAX];
+    refuses! { InstanceOptions, InvalidArgument, [0, 65_536, u32::MAX];
         |o, v| o.capacity = v => "capacity … 65535",
     }
-    refuses! { INSTANCES, InvalidArgument, [0.0, -1.0, NAN, INF, 2e9];
+    refuses! { InstanceOptions, InvalidArgument, [0.0, -1.0, NAN, INF, 2e9];
         |o, v| o.depth_limit = Some(v) => "depth_limit … m",
     }
-    refuses! { INSTANCES, InvalidArgument, [-1.0, NAN, INF];
+    refuses! { InstanceOptions, InvalidArgument, [-1.0, NAN, INF];
         |o, v| o.yield_impulse = v => "yield_impulse … N·s",
         |o, v| o.yield_displacement = v => "yield_displacement",
         |o, v| o.max_contact_distance = Some(v) => "max_contact_distance",
     }
-    refuses! { INSTANCES, InvalidArgument, [-0.1, 1.1, NAN, INF];
+    refuses! { InstanceOptions, InvalidArgument, [-0.1, 1.1, NAN, INF];
         |o, v| *o = InstanceOptions::classic(Rule::Blend(v)) => "blend … 0 to 1",
     }
-    refuses! { INSTANCES, InvalidArgument, [0];
+    refuses! { InstanceOptions, InvalidArgument, [0];
         |o, _| o.selection = Selection::ClassicUnclamped => "ClassicUnclamped … Marks",
         |o, _| o.rule = Rule::MostDisplaced => "Nearest … MostDisplaced",
     }

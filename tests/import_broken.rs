@@ -24,25 +24,121 @@ fn expect(bytes: &[u8], kind: ErrorKind, part: &str) {
     assert!(exported.is_err());
 }
 
-/// Reads the square with one value changed. Lines of a table are `pointer | value | kind | part of the message`; a `!` for the
-/// pointer is that of the line before.
-#[track_caller]
-fn lies(table: &str) {
+use ErrorKind::{Format, IndexOutOfRange, NotFinite, Unsupported};
+
+/// Changes of one value of the square: `pointer | value | kind of error | part of its message`. A `!` is the pointer of the line before.
+const LIES: &str = r#"
+versions:
+/asset/version    | "1.0" | Unsupported | glTF version 1.0; version 2.0 is read
+!                 | "3.0" | Unsupported | glTF version 3.0
+!                 | 2.0   | Format      | no asset.version
+/asset/minVersion | "2.1" | Unsupported | glTF version 2.1
+
+buffers:
+/buffers/0/byteLength | 100000 | Format | buffer 0 says it has 100000 bytes; there are
+! | 18446744073709551615 | Format | buffer 0 says it has 18446744073709551615 bytes
+! | -1 | Format | buffers[0] of the glTF: invalid value
+! | 4 | Format | bufferView 0 is 48 bytes from byte 0; buffer 0 has 4
+/buffers | {} | Format | the glTF's buffers is not a list
+! | [] | IndexOutOfRange | buffer is 0; it must be below 0
+/buffers/0 | [1] | Format | buffers[0] of the glTF is not made of objects
+/buffers/0/uri | "data:application/octet-stream;base64,@@" | Format | buffer 0: the data: URI is not base64
+! | "data:application/octet-stream;base64" | Format | no comma
+! | "data:;base64,AAAA" | Format | there are 3
+! | "http://example.com/a.bin" | Unsupported | 'http://example.com/a.bin'; only relative paths
+! | "file:///etc/hostname" | Unsupported | only relative paths
+! | "C:\\a.bin" | Unsupported | only relative paths
+! | "/etc/hostname" | Unsupported | absolute path '/etc/hostname'
+! | "%2Fetc/hostname" | Unsupported | absolute path '%2Fetc/hostname'
+! | "" | Format | buffer 0 has an empty uri
+! | "a.bin" | Io | a.bin
+/bufferViews/0/buffer | 1 | IndexOutOfRange | buffer is 1; it must be below 1
+
+buffer views:
+/bufferViews/0/byteLength | 40 | Format | 4 elements of 12 bytes, 12 apart, from byte 0 do not fit into bufferView 0 of 40 bytes
+! | 18446744073709551615 | Format | bufferView 0 is 18446744073709551615 bytes
+/bufferViews/0/byteOffset | 18446744073709551615 | Format | from byte 18446744073709551615
+/bufferViews/3/byteOffset | 1048576 | Format | bufferView 3 is 48 bytes from byte 1048576
+/bufferViews/0/byteStride | 0 | Format | byteStride of 0; an element has 12 bytes
+! | 8 | Format | byteStride of 8
+! | 16 | Format | 16 apart
+! | 18446744073709551615 | Format | do not fit
+/accessors/0/byteOffset | 4 | Format | from byte 4 do not fit
+! | 18446744073709551615 | Format | from byte 18446744073709551615
+/accessors/0/bufferView | 99 | IndexOutOfRange | bufferView is 99; it must be below 7
+! | -1 | Format | accessors[0] of the glTF
+
+counts and types:
+/accessors/0/count | 0 | Format | mesh 0 'Square', primitive 0 POSITION (accessor 0) has a count of 0
+! | 18446744073709551615 | Format | has a count of 18446744073709551615
+! | 4294967295 | Format | has a count of 4294967295
+! | 4294967294 | Format | do not fit into bufferView 0
+! | 4.5 | Format | accessors[0] of the glTF: invalid type: floating point `4.5`, expected a whole number
+! | {} | Format | accessors[0] of the glTF: invalid type: an object, expected a whole number
+! | 3 | IndexOutOfRange | indices (accessor 2)[4] is 3; it must be below 3
+/accessors/1/count | 3 | Format | NORMAL has 3 elements; POSITION has 4
+/accessors/3/count | 2 | Format | target 0 POSITION has 2 elements; POSITION has 4
+/accessors/0/type | "VEC2" | Format | is of type VEC2; it must be VEC3
+! | "VEC5" | Format | unknown componentType or type
+/accessors/0/componentType | 5130 | Format | unknown componentType
+! | 5122 | Unsupported | quantised components of SHORT (5122) (KHR_mesh_quantization)
+/accessors/3/componentType | 5120 | Unsupported | target 0 POSITION (accessor 3) has quantised components of BYTE
+/accessors/2/componentType | 5126 | Format | indices must be unsigned integers
+! | 5125 | Format | 6 elements of 4 bytes
+/accessors/2/type | "VEC3" | Format | must be SCALAR
+/accessors/2/count | 5 | Format | has 5 triangle corners; a multiple of 3 is right
+/meshes/0/primitives/0/mode | 9 | Format | has an unknown mode
+/meshes/0/primitives/0/attributes/POSITION | 77 | IndexOutOfRange | accessor is 77; it must be below 6
+/meshes/0/primitives/0/attributes | {"NORMAL": 1} | Format | primitive 0 has no POSITION
+! | {"POSITION": 0, "TANGENT": 1} | Format | TANGENT (accessor 1) is of type VEC3
+/meshes/0/primitives/0/indices | 77 | IndexOutOfRange | indices: accessor is 77
+/meshes/0/primitives/0/targets/0/POSITION | 77 | IndexOutOfRange | target 0 POSITION: accessor is 77
+/meshes/0/primitives | [] | ExampleMismatch | no mesh of the file has morph targets (it has mesh 0 'Square')
+/meshes/0 | [null, null, "n", [], []] | Format | meshes[0] of the glTF is not made of objects
+/meshes/0/primitives/0 | [{}] | Format | meshes[0] of the glTF is not made of objects
+/meshes | [] | ExampleMismatch | it has no meshes
+
+sparse accessors:
+/accessors/5/sparse/count | 5 | Format | has a sparse count of 5; it must be at most its count of 4
+! | 18446744073709551615 | Format | sparse count of 18446744073709551615
+! | 3 | Format | 3 elements of 2 bytes
+/accessors/5/sparse/indices/bufferView | 99 | IndexOutOfRange | sparse indices: bufferView is 99
+/accessors/5/sparse/values/bufferView | 99 | IndexOutOfRange | sparse values: bufferView is 99
+/accessors/5/sparse/indices/byteOffset | 2 | Format | from byte 2 do not fit
+/accessors/5/sparse/values/byteOffset | 18446744073709551615 | Format | from byte 18446744073709551615
+/accessors/5/sparse/indices/componentType | 5125 | Format | 2 elements of 4 bytes
+! | 5126 | Format | sparse indices have an unknown componentType
+/accessors/5/sparse/indices | null | Format | accessors[5] of the glTF
+
+morph targets:
+/nodes/0/translation | ["x", 0, 0] | Format | nodes[0] of the glTF: invalid type: string "x", expected a number
+/meshes/0/primitives/0/targets | [] | ExampleMismatch | no mesh of the file has morph targets
+! | [5] | Format | meshes[0] of the glTF
+
+extensions:
+/extensionsRequired | ["KHR_draco_mesh_compression"] | Unsupported | requires the extension KHR_draco_mesh_compression
+! | ["EXT_meshopt_compression"] | Unsupported | requires the extension EXT_meshopt_compression
+! | ["KHR_meshopt_compression"] | Unsupported | requires the extension KHR_meshopt_compression
+! | ["VENDOR_thing"] | Unsupported | requires the extension VENDOR_thing
+
+nodes:
+/nodes/0/children | [0] | Format | node 0 is its own ancestor
+! | [7] | IndexOutOfRange | a child of node 0 is 7; it must be below 1
+/nodes | [{"mesh": 0}, {"children": [0]}, {"children": [0]}] | Format | node 0 is a child of node 1 and of node 2
+! | [{"mesh": 0, "children": [1]}, {"children": [0]}] | Format | node 0 is its own ancestor
+! | [{"mesh": 0, "scale": [1e30, 1, 1]}, {"children": [0], "scale": [1e30, 1, 1]}] | NotFinite | the world matrix of node 0 is inf
+/nodes/0/translation | [1e300, 0, 0] | Format | nodes[0] of the glTF: number out of range
+/nodes/0/matrix | [1, 2, 3] | Format | nodes[0] of the glTF: invalid length 3
+"#;
+
+#[test]
+fn values_that_lie() {
     let mut last = "";
-    for line in table.lines().filter(|line| !line.trim().is_empty()) {
+    for line in LIES.lines().filter(|line| line.contains(" | ")) {
         let [pointer, value, kind, part] = line.split(" | ").map(str::trim).collect::<Vec<_>>()[..] else {
             panic!("{line}")
         };
         last = if pointer == "!" { last } else { pointer };
-        let kind = match kind {
-            "Format" => Format,
-            "Index" => IndexOutOfRange,
-            "Unsupported" => Unsupported,
-            "NotFinite" => NotFinite,
-            "Example" => ErrorKind::ExampleMismatch,
-            "Io" => ErrorKind::Io,
-            other => panic!("{other}"),
-        };
         let mut glb = square();
         let (parent, key) = last.rsplit_once('/').unwrap();
         let parent = glb.json.pointer_mut(parent).unwrap_or_else(|| panic!("{line}"));
@@ -51,11 +147,11 @@ fn lies(table: &str) {
             Ok(i) if parent.is_array() => parent[i] = value,
             _ => parent[key] = value,
         }
+        let kinds = [Format, IndexOutOfRange, NotFinite, Unsupported, ErrorKind::ExampleMismatch, ErrorKind::Io];
+        let kind = kinds.into_iter().find(|k| format!("{k:?}") == kind).unwrap_or_else(|| panic!("{line}"));
         expect(&glb.bytes(), kind, part);
     }
 }
-
-use ErrorKind::{Format, IndexOutOfRange, NotFinite, Unsupported};
 
 #[test]
 fn files_that_are_something_else() {
@@ -82,14 +178,6 @@ fn files_that_are_something_else() {
 
 #[test]
 fn other_versions() {
-    lies(
-        r#"
-        /asset/version    | "1.0" | Unsupported | glTF version 1.0; version 2.0 is read
-        !                 | "3.0" | Unsupported | glTF version 3.0
-        !                 | 2.0   | Format      | no asset.version
-        /asset/minVersion | "2.1" | Unsupported | glTF version 2.1
-        "#,
-    );
     let mut newer = square();
     newer.json["asset"] = json!({ "version": "2.1", "minVersion": "2.0" });
     gltf_slice(&newer.bytes(), None, MeshChoice::First).unwrap();
@@ -157,28 +245,6 @@ fn truncated_at_every_byte() {
 
 #[test]
 fn buffers_that_lie() {
-    lies(
-        r#"
-        /buffers/0/byteLength | 100000 | Format | buffer 0 says it has 100000 bytes; there are
-        ! | 18446744073709551615 | Format | buffer 0 says it has 18446744073709551615 bytes
-        ! | -1 | Format | buffers[0] of the glTF: invalid value
-        ! | 4 | Format | bufferView 0 is 48 bytes from byte 0; buffer 0 has 4
-        /buffers | {} | Format | the glTF's buffers is not a list
-        ! | [] | Index | buffer is 0; it must be below 0
-        /buffers/0 | [1] | Format | buffers[0] of the glTF is not made of objects
-        /buffers/0/uri | "data:application/octet-stream;base64,@@" | Format | buffer 0: the data: URI is not base64
-        ! | "data:application/octet-stream;base64" | Format | no comma
-        ! | "data:;base64,AAAA" | Format | there are 3
-        ! | "http://example.com/a.bin" | Unsupported | 'http://example.com/a.bin'; only relative paths
-        ! | "file:///etc/hostname" | Unsupported | only relative paths
-        ! | "C:\\a.bin" | Unsupported | only relative paths
-        ! | "/etc/hostname" | Unsupported | absolute path '/etc/hostname'
-        ! | "%2Fetc/hostname" | Unsupported | absolute path '%2Fetc/hostname'
-        ! | "" | Format | buffer 0 has an empty uri
-        ! | "a.bin" | Io | a.bin
-        /bufferViews/0/buffer | 1 | Index | buffer is 1; it must be below 1
-        "#,
-    );
     let mut second = square();
     second.push("buffers", json!({ "byteLength": 48 }));
     second.json["bufferViews"][0]["buffer"] = 1.into();
@@ -213,58 +279,7 @@ fn missing_and_odd_external_files() {
 }
 
 #[test]
-fn views_that_lie() {
-    lies(
-        r#"
-        /bufferViews/0/byteLength | 40 | Format | 4 elements of 12 bytes, 12 apart, from byte 0 do not fit into bufferView 0 of 40 bytes
-        ! | 18446744073709551615 | Format | bufferView 0 is 18446744073709551615 bytes
-        /bufferViews/0/byteOffset | 18446744073709551615 | Format | from byte 18446744073709551615
-        /bufferViews/3/byteOffset | 1048576 | Format | bufferView 3 is 48 bytes from byte 1048576
-        /bufferViews/0/byteStride | 0 | Format | byteStride of 0; an element has 12 bytes
-        ! | 8 | Format | byteStride of 8
-        ! | 16 | Format | 16 apart
-        ! | 18446744073709551615 | Format | do not fit
-        /accessors/0/byteOffset | 4 | Format | from byte 4 do not fit
-        ! | 18446744073709551615 | Format | from byte 18446744073709551615
-        /accessors/0/bufferView | 99 | Index | bufferView is 99; it must be below 7
-        ! | -1 | Format | accessors[0] of the glTF
-        "#,
-    );
-}
-
-#[test]
 fn counts_and_types_that_lie() {
-    lies(
-        r#"
-        /accessors/0/count | 0 | Format | mesh 0 'Square', primitive 0 POSITION (accessor 0) has a count of 0
-        ! | 18446744073709551615 | Format | has a count of 18446744073709551615
-        ! | 4294967295 | Format | has a count of 4294967295
-        ! | 4294967294 | Format | do not fit into bufferView 0
-        ! | 4.5 | Format | accessors[0] of the glTF: invalid type: floating point
-        ! | 3 | Index | indices (accessor 2)[4] is 3; it must be below 3
-        /accessors/1/count | 3 | Format | NORMAL has 3 elements; POSITION has 4
-        /accessors/3/count | 2 | Format | target 0 POSITION has 2 elements; POSITION has 4
-        /accessors/0/type | "VEC2" | Format | is of type VEC2; it must be VEC3
-        ! | "VEC5" | Format | unknown componentType or type
-        /accessors/0/componentType | 5130 | Format | unknown componentType
-        ! | 5122 | Unsupported | quantised components of SHORT (5122) (KHR_mesh_quantization)
-        /accessors/3/componentType | 5120 | Unsupported | target 0 POSITION (accessor 3) has quantised components of BYTE
-        /accessors/2/componentType | 5126 | Format | indices must be unsigned integers
-        ! | 5125 | Format | 6 elements of 4 bytes
-        /accessors/2/type | "VEC3" | Format | must be SCALAR
-        /accessors/2/count | 5 | Format | has 5 triangle corners; a multiple of 3 is right
-        /meshes/0/primitives/0/mode | 9 | Format | has an unknown mode
-        /meshes/0/primitives/0/attributes/POSITION | 77 | Index | accessor is 77; it must be below 6
-        /meshes/0/primitives/0/attributes | {"NORMAL": 1} | Format | primitive 0 has no POSITION
-        ! | {"POSITION": 0, "TANGENT": 1} | Format | TANGENT (accessor 1) is of type VEC3
-        /meshes/0/primitives/0/indices | 77 | Index | indices: accessor is 77
-        /meshes/0/primitives/0/targets/0/POSITION | 77 | Index | target 0 POSITION: accessor is 77
-        /meshes/0/primitives | [] | Example | no mesh of the file has morph targets (it has mesh 0 'Square')
-        /meshes/0 | [null, null, "n", [], []] | Format | meshes[0] of the glTF is not made of objects
-        /meshes/0/primitives/0 | [{}] | Format | meshes[0] of the glTF is not made of objects
-        /meshes | [] | Example | it has no meshes
-        "#,
-    );
     let mut strip = square();
     strip.json["meshes"][0]["primitives"][0]["mode"] = 5.into();
     strip.json["accessors"][2]["count"] = 2.into();
@@ -294,20 +309,6 @@ fn a_small_file_may_not_ask_for_much_memory() {
 
 #[test]
 fn sparse_accessors_that_lie() {
-    lies(
-        r#"
-        /accessors/5/sparse/count | 5 | Format | has a sparse count of 5; it must be at most its count of 4
-        ! | 18446744073709551615 | Format | sparse count of 18446744073709551615
-        ! | 3 | Format | 3 elements of 2 bytes
-        /accessors/5/sparse/indices/bufferView | 99 | Index | sparse indices: bufferView is 99
-        /accessors/5/sparse/values/bufferView | 99 | Index | sparse values: bufferView is 99
-        /accessors/5/sparse/indices/byteOffset | 2 | Format | from byte 2 do not fit
-        /accessors/5/sparse/values/byteOffset | 18446744073709551615 | Format | from byte 18446744073709551615
-        /accessors/5/sparse/indices/componentType | 5125 | Format | 2 elements of 4 bytes
-        ! | 5126 | Format | sparse indices have an unknown componentType
-        /accessors/5/sparse/indices | null | Format | accessors[5] of the glTF
-        "#,
-    );
     let indices = |values: &[u32], kind, part: &str| {
         let mut glb = square();
         let target = glb.sparse(4, None, 4, values, &vec![1.0; values.len() * 3]);
@@ -350,24 +351,10 @@ fn targets_that_do_not_fit() {
     second["targets"] = json!([{ "POSITION": 3 }]);
     glb.json["meshes"][0]["primitives"].as_array_mut().unwrap().push(second);
     expect(&glb.bytes(), Format, "primitive 0 has 2 morph targets and primitive 1 has 1; all must have as many");
-    lies(
-        r#"
-        /meshes/0/primitives/0/targets | [] | Example | no mesh of the file has morph targets
-        ! | [5] | Format | meshes[0] of the glTF
-        "#,
-    );
 }
 
 #[test]
 fn compressed_geometry_and_unknown_requirements_are_named() {
-    lies(
-        r#"
-        /extensionsRequired | ["KHR_draco_mesh_compression"] | Unsupported | requires the extension KHR_draco_mesh_compression
-        ! | ["EXT_meshopt_compression"] | Unsupported | requires the extension EXT_meshopt_compression
-        ! | ["KHR_meshopt_compression"] | Unsupported | requires the extension KHR_meshopt_compression
-        ! | ["VENDOR_thing"] | Unsupported | requires the extension VENDOR_thing
-        "#,
-    );
     let mut draco = square();
     draco.json["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
     draco.json["accessors"][0].as_object_mut().unwrap().remove("bufferView");
@@ -383,17 +370,6 @@ fn compressed_geometry_and_unknown_requirements_are_named() {
 
 #[test]
 fn node_trees_that_are_none() {
-    lies(
-        r#"
-        /nodes/0/children | [0] | Format | node 0 is its own ancestor
-        ! | [7] | Index | a child of node 0 is 7; it must be below 1
-        /nodes | [{"mesh": 0}, {"children": [0]}, {"children": [0]}] | Format | node 0 is a child of node 1 and of node 2
-        ! | [{"mesh": 0, "children": [1]}, {"children": [0]}] | Format | node 0 is its own ancestor
-        ! | [{"mesh": 0, "scale": [1e30, 1, 1]}, {"children": [0], "scale": [1e30, 1, 1]}] | NotFinite | the world matrix of node 0 is inf
-        /nodes/0/translation | [1e300, 0, 0] | Format | nodes[0] of the glTF: number out of range
-        /nodes/0/matrix | [1, 2, 3] | Format | nodes[0] of the glTF: invalid length 3
-        "#,
-    );
     let deep: Vec<Value> = (0..20_000).map(|i| json!({ "children": [i + 1] })).chain([json!({ "mesh": 0 })]).collect();
     let mut glb = square();
     glb.json["nodes"] = deep.into();

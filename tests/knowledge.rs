@@ -165,7 +165,7 @@ fn without_mirror_nothing_is_mirrored() {
     assert_ne!(set.fingerprint(), both.fingerprint());
     let mirrored = |set: &Arc<ExampleSet>| {
         let mut dice = Dice::new(3);
-        let instance = new(&set);
+        let instance = new(set);
         let outcomes: Vec<_> = (0..40).map(|_| instance.preview(&random_hit(set, &mut dice)).unwrap()).collect();
         outcomes.iter().flat_map(|o| o.chosen).flatten().filter(|c| c.mirror != Mirror::NONE).count()
     };

@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use crumple::glam::{Mat4, Quat, Vec3};
 use crumple::{
-    Attribute, Cause, Combine, DeformJob, Deltas, Error, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Mark,
-    Mirror, Pair, Placement, Rule, Serial, SetOptions, SimdLevel, Space, TaskSystem, ThreadPool, Tracker, VertexMemory,
+    Attribute, Cause, Combine, DeformJob, Deltas, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Mark, Mirror,
+    Pair, Placement, Rule, Serial, SetOptions, SimdLevel, Space, TaskSystem, ThreadPool, Tracker, VertexMemory,
 };
 use proptest::prelude::*;
 use scenes::{Body, Dice, Output, POISON, fnv, new, push, random_hit, random_hits};

@@ -93,19 +93,19 @@ def accuracy(directory):
 
 {picture(directory, "accuracy_speed", "Relative error against time per impact, for Crumple, the classic rule, a radial profile and physics engines, on two bodies and two truths")}
 The error is the relative L2 of the displacement field over all vertices, against impacts that no example shows ({held}). A
-method is told the contact point and the displacement that stays there, nothing else. Cost is one thread, from the contact to
-the written positions: selection, placing, and every vertex touched. Median / 90th percentile; cost and memory are those of
+method receives the contact point and the displacement that stays there, nothing else. The cost is that of one thread from the contact to
+the written positions: selection, placing, and every vertex touched. Errors are median / 90th percentile. Cost and memory span
 the four bodies:
 
 {table(["method", *heads(), "time an impact", "memory"], rows)}
-- The time is that of positions alone; with normals it is {number(ratio(t, stamp), 1)} times as long.
-- The classic rule is the cheapest that uses examples, and it puts the dent where the example was made, not where the body
-  was hit; without the clamp its weight grows without limit where an example barely moves the contact.
+- The time is for positions only; with normals it is {number(ratio(t, stamp), 1)} times as long.
+- The classic rule is the cheapest that uses examples. It puts the dent where the example was made, not where the body
+  was hit. Without the clamp its weight grows without limit where an example barely moves the contact.
 - The radial profile is cheaper still and needs next to no memory.{loses} It cannot know that a drum dents along its axis.
-- "Told the depth alone": the same hits reported along the normal, without the tangential part of the displacement (an engine's impulse
-  does not know it). It is what a dent's lean is worth, and every other row of ours has it.
-- "Crumple, K = 3" lets dents be as deep as asked; with all defaults the deepest example limits them, which costs where
-  the examples are few and shallow. Presses that leave under 5 mm are left out: there is no dent to predict.
+- "Told the depth alone" has the same hits reported along the normal, without the tangential part of the displacement, which an engine's impulse
+  does not contain. The difference is the value of a dent's lean; every other row of Crumple has it.
+- "Crumple, K = 3" has no depth limit. With all defaults the deepest example limits dents, which costs accuracy where
+  the examples are few and shallow. Presses that leave under 5 mm are left out, because there is no dent to predict.
 
 {picture(directory, "accuracy_examples", "Error against the number of examples")}
 {picture(directory, "accuracy_stamps", "Error against the size of the stamps")}
@@ -130,8 +130,8 @@ def peers(directory):
     head = ["engine", "impacts", "quality", "error", "error when scaled", "time an impact", "memory", "failed"]
     return f"""### Physics engines on the same impacts
 
-They are told more (what strikes, how fast or how far) and simulate the rest. "Error when scaled" is after one factor gave the
-contact the displacement that Crumple is told.
+Engines receive more (what strikes, how fast or how far) and simulate the rest. "Error when scaled" is the error after one factor gave the
+contact the displacement that Crumple receives.
 
 {table(head, cells)}
 {own_text("peers")}"""
@@ -156,10 +156,10 @@ def combining(directory):
     return f"""## 2. Several dents
 
 {picture(directory, "combine_errors", "Error of each rule after the last impact")}
-Sequences of two to four impacts ({n}), and one shot eight times at one place. First each rule is fed with the true dent of each
-impact on the fresh body, so that nothing but the rule is wrong. Error: median / 90th percentile after the last impact.
-"Seam" is the largest edge jump over the truth's, "kept" the displacement kept at earlier contacts over the truth's, "order" the
-largest difference between two orders of the same impacts over the deepest dent, "inverted" triangles beyond the truth's; each
+Sequences of two to four impacts ({n}), and one shot eight times at one place. First each rule receives the true dent of each
+impact on the fresh body, so that only the rule can be wrong. The error is median / 90th percentile after the last impact.
+"Seam" is the largest edge jump over the truth's. "Kept" is the displacement kept at earlier contacts over the truth's. "Order" is the
+largest difference between two orders of the same impacts over the deepest dent. "Inverted" counts turned triangles beyond the truth's. Each is
 the worst over all bodies.
 
 {table(head, rows("true singles"))}
@@ -239,7 +239,7 @@ def main():
     text = f"""# The lab
 
 Everything here is made by `cargo xtask lab`: tables (CSV), charts (SVG and PNG) and this page. {where}
-Two [truths](../../lab/data/README.md), computed by independent solvers, say what is right; parameters were chosen by [cross-validation](../model.md#how-the-rule-was-chosen)
+Two [truths](../../lab/data/README.md), computed by independent solvers, are the reference. Parameters were chosen by [cross-validation](../model.md#how-the-rule-was-chosen)
 on training impacts, never on the held-out ones measured here. Figures are medians unless said otherwise. "Classic" is the rule of the
 paper ([model](../model.md#the-classic-rule)); charts call it "literature".
 

@@ -191,9 +191,28 @@ fn list<T: serde::de::DeserializeOwned>(value: &Value, key: &str) -> Result<Vec<
             return Err(malformed(format!("{key}[{i}] of the glTF is not made of objects")));
         }
         // By way of text, since the raw extras of the typed structures are read from nothing else.
-        serde_json::from_str(&element.to_string()).map_err(|e| malformed(format!("{key}[{i}] of the glTF: {e}")))
+        serde_json::from_str(&element.to_string())
+            .map_err(|e| malformed(format!("{key}[{i}] of the glTF: {}", in_json_terms(&e))))
     };
     elements.iter().enumerate().map(typed).collect()
+}
+
+/// serde's message with JSON's names for types. The line and column are those of a copy of the text, so they are left out.
+fn in_json_terms(error: &serde_json::Error) -> String {
+    const TERMS: [(&str, &str); 9] = [
+        ("expected u64", "expected a whole number"),
+        ("expected u32", "expected a whole number"),
+        ("expected f64", "expected a number"),
+        ("expected f32", "expected a number"),
+        ("expected a sequence", "expected a list"),
+        ("expected a map", "expected an object"),
+        ("expected struct", "expected an object:"),
+        ("type: sequence", "type: a list"),
+        ("type: map", "type: an object"),
+    ];
+    let text = error.to_string();
+    let text = text.split(" at line ").next().unwrap_or_default();
+    TERMS.iter().fold(text.to_owned(), |text, (serde, json)| text.replace(serde, json))
 }
 
 /// The JSON text and the binary chunk, where there is one.
