@@ -12,7 +12,7 @@ use crumple::{
     Tracker, VertexMass, VertexMemory,
 };
 use proptest::prelude::*;
-use scenes::{Dice, Output, push, random_hit};
+use scenes::{Dice, Output, new, push, random_hit};
 
 /// Asserts that a result is the error given, of the kind given, and that its text has all the words given.
 macro_rules! refused {
@@ -103,7 +103,7 @@ fn set() -> Arc<ExampleSet> {
 }
 
 fn instance() -> Instance {
-    Instance::new(set(), InstanceOptions::default()).unwrap()
+    new(&set())
 }
 
 fn good() -> Hit {
@@ -163,7 +163,7 @@ fn quick_zero_length_normals_and_degenerate_triangles_are_repaired_and_reported(
     assert_eq!(set.report().repaired_normals, 1);
     // 0, 1 and 2 lie on one line
     assert_eq!(set.report().degenerate_triangles, 3);
-    let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+    let mut instance = new(&set);
     for v in 0..count {
         instance.submit(&push(set.mesh().positions()[v].to_array(), [-0.01, -0.02, -0.03])).unwrap();
     }
@@ -177,7 +177,7 @@ fn quick_a_mesh_of_nothing_but_degenerate_triangles_works() {
     let mesh = MeshData { positions: vec![[1.0; 3]; 4], triangles: vec![[0, 1, 2], [3, 3, 3]], ..MeshData::default() };
     let set = Arc::new(build(mesh, vec![ExampleData::new("", Deltas::Full(vec![[0.0, 0.0, -0.1]; 4]))]).unwrap());
     assert_eq!((set.report().degenerate_triangles, set.mesh().seam_count()), (2, 3));
-    let mut instance = Instance::new(set, InstanceOptions::default()).unwrap();
+    let mut instance = new(&set);
     assert_eq!(instance.submit(&push([1.0; 3], [0.0, 0.0, -0.1])).unwrap().status, HitStatus::Marked);
     let out = Output::fresh(&mut instance);
     assert!(out.positions.iter().all(|p| *p == [1.0, 1.0, 0.9]), "{:?}", out.positions);
@@ -188,7 +188,7 @@ fn quick_one_vertex_is_a_mesh() {
     let mesh = MeshData { positions: vec![[0.0; 3]], ..MeshData::default() };
     let set = Arc::new(build(mesh, vec![ExampleData::new("", Deltas::Full(vec![[0.0, 0.0, -0.1]]))]).unwrap());
     assert_eq!(set.examples()[0].placement(), Placement::Anchored, "it has no normals to be carried by");
-    let mut instance = Instance::new(set, InstanceOptions::default()).unwrap();
+    let mut instance = new(&set);
     assert_eq!(instance.submit(&push([0.0, 0.0, 0.05], [0.0, 0.0, -0.1])).unwrap().status, HitStatus::Marked);
     assert_eq!(instance.displaced(0).unwrap(), Vec3::ZERO, "not folded yet");
     instance.fold();
@@ -214,7 +214,7 @@ fn quick_an_empty_example_keeps_its_index_and_is_never_chosen() {
     let set = Arc::new(build(triangle(), vec![still, dent()]).unwrap());
     assert_eq!(set.report().empty_examples, [0]);
     assert!(set.examples()[0].is_empty());
-    let mut instance = Instance::new(set, InstanceOptions::default()).unwrap();
+    let mut instance = new(&set);
     assert_eq!(instance.submit(&good()).unwrap().chosen[0].unwrap().example, 1);
     let mut mark = instance.marks().unwrap()[0];
     mark.pairs[0].example = 0;
@@ -433,7 +433,7 @@ fn quick_normals_that_point_at_each_other() {
         let set = Arc::new(build(mesh, vec![example.clone()]).unwrap());
         let mut worst: f32 = 0.0;
         for v in 0..set.vertex_count() {
-            let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+            let mut instance = new(&set);
             let n = set.mesh().contact_normal(v as u32).unwrap();
             let outcome = instance.submit(&push(set.mesh().positions()[v].to_array(), (n * -0.05).to_array())).unwrap();
             assert_eq!(outcome.status, HitStatus::Marked);
@@ -457,7 +457,7 @@ fn quick_a_sheet_folded_flat_on_itself() {
     mesh.triangles.extend(single.triangles.iter().map(|t| [t[0] + count, t[2] + count, t[1] + count]));
     let examples = scenes::bowls(&single, 3, 0.4, 2);
     let set = Arc::new(build(mesh, examples).unwrap());
-    let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+    let mut instance = new(&set);
     for hit in scenes::random_hits(&set, 50, 1) {
         instance.submit(&hit).unwrap();
     }
@@ -579,7 +579,7 @@ fn quick_marks_that_are_none() {
 fn quick_marks_that_carry_what_is_pinned() {
     let pinned = ExampleData { placement: Placement::Anchored, ..dent() };
     let set = Arc::new(build(triangle(), vec![pinned]).unwrap());
-    let mut instance = Instance::new(set, InstanceOptions::default()).unwrap();
+    let mut instance = new(&set);
     let pairs = [Pair::carried(0, Pair::WHOLE, Mirror::NONE), Pair::NONE, Pair::NONE, Pair::NONE];
     refused!(instance.set_marks(&[Mark::new(0, 0.1, pairs)]), InvalidArgument, "mark 0", "carried", "anchored");
     still_usable(&mut instance, &[]);
@@ -591,7 +591,7 @@ fn quick_saved_damage_cut_short_or_too_long() {
     instance.submit(&good()).unwrap();
     let bytes = instance.save();
     let marks = instance.marks().unwrap().to_vec();
-    let mut other = Instance::new(instance.example_set().clone(), InstanceOptions::default()).unwrap();
+    let mut other = new(instance.example_set());
     for len in 0..bytes.len() {
         refused!(other.load(&bytes[..len]), DamageMismatch, "bytes");
     }
@@ -623,7 +623,7 @@ fn quick_saved_damage_of_another_kind_set_or_version() {
     // the same mesh with another example is another set
     let other = ExampleData { positions: Deltas::Full(vec![[0.0, 0.0, -0.1]; 3]), ..dent() };
     let other = Arc::new(build(triangle(), vec![other]).unwrap());
-    let mut other = Instance::new(other, InstanceOptions::default()).unwrap();
+    let mut other = new(&other);
     refused!(other.load(&bytes), DamageMismatch, "example set");
     refused!(other.copy_damage_from(&mut instance), DamageMismatch, "example set");
     assert!(other.marks().unwrap().is_empty());
@@ -702,7 +702,7 @@ fn quick_examples_that_barely_move_their_own_contact_stay_bounded() {
         }
         let set = Arc::new(build(mesh, vec![example]).unwrap());
         let at = set.mesh().positions()[contact as usize].to_array();
-        let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+        let mut instance = new(&set);
         for size in [1e-6, 0.01, 0.1, 1e30] {
             instance.submit(&push(at, [0.0, 0.0, -size])).unwrap();
             instance.submit(&push([0.3, 0.3, 0.0], [0.0, 0.0, -size])).unwrap();
@@ -806,7 +806,7 @@ fn bytemuck_bytes(positions: &mut [[f32; 3]; 3]) -> &mut [u8] {
 fn quick_outputs_that_the_mesh_has_not() {
     let bare = MeshData { positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], ..MeshData::default() };
     let set = Arc::new(build(bare, vec![dent()]).unwrap());
-    let mut instance = Instance::new(set, InstanceOptions::default()).unwrap();
+    let mut instance = new(&set);
     let mut tracker = Tracker::new();
     let (mut positions, mut normals, mut tangents) = ([[0.0; 3]; 3], [[0.0; 3]; 3], [[0.0; 4]; 3]);
     let memory = VertexMemory::separate(&mut positions, Some(&mut normals), None).unwrap();

@@ -86,7 +86,7 @@ counts and types:
 /accessors/2/componentType | 5126 | Format | indices must be unsigned integers
 ! | 5125 | Format | 6 elements of 4 bytes
 /accessors/2/type | "VEC3" | Format | must be SCALAR
-/accessors/2/count | 5 | Format | has 5 triangle corners; a multiple of 3 is right
+/accessors/2/count | 5 | Format | has 5 triangle corners; there must be a multiple of 3
 /meshes/0/primitives/0/mode | 9 | Format | has an unknown mode
 /meshes/0/primitives/0/attributes/POSITION | 77 | IndexOutOfRange | accessor is 77; it must be below 6
 /meshes/0/primitives/0/attributes | {"NORMAL": 1} | Format | primitive 0 has no POSITION
@@ -283,7 +283,7 @@ fn counts_and_types_that_lie() {
     let mut strip = square();
     strip.json["meshes"][0]["primitives"][0]["mode"] = 5.into();
     strip.json["accessors"][2]["count"] = 2.into();
-    expect(&strip.bytes(), Format, "has 2 triangle corners; at least 3 is right");
+    expect(&strip.bytes(), Format, "has 2 triangle corners; there must be at least 3");
 }
 
 #[test]

@@ -432,7 +432,7 @@ const MALFORMED_EXTRAS: &str = r#"
 {"impacts": [{"point": [0, 0, 0], "normal": [0, 0, 0]}]} | Format | normal is [0.0, 0.0, 0.0]
 {"impacts": [{"point": [0, 0, 0]}, {"point": [0, 0, 0]}, {"point": [0, 0, 0]}]} | Format | extras.impacts has 3 entries for 2 targets
 {"targetNames": ["p", "q"], "impacts": [{"name": "x", "point": [0, 0, 0]}]} | Format | impacts[0] is for 'x'; there is no such target (there are 'p', 'q')
-{"placements": "sideways"} | Format | 'sideways'; automatic, anchored or carried
+{"placements": "sideways"} | Format | 'sideways'; it must be automatic, anchored or carried
 {"placements": ["carried"]} | Format | 1 words for 2 targets
 {"placements": ["carried", 1]} | Format | extras.placements[1] is 1
 {"placements": 1} | Format | extras.placements is 1

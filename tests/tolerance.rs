@@ -99,21 +99,6 @@ proptest! {
             }
         }
     }
-
-    #[test]
-    fn the_order_of_hits_does_not_matter(body in 0usize..6, seed: u64, count in 2usize..30) {
-        let set = &bodies()[body].1;
-        let mut hits = random_hits(set, count, seed);
-        let tolerance = set.depth_limit() / 16.0;
-        let deformed = |hits: &[crumple::Hit]| {
-            let mut instance = with(set, tolerance);
-            hits.iter().for_each(|h| assert!(instance.submit(h).is_ok()));
-            positions(&mut instance).0
-        };
-        let first = deformed(&hits);
-        Dice::new(seed).shuffle(&mut hits);
-        prop_assert_eq!(first, deformed(&hits));
-    }
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! A glTF before its meaning: the container taken apart, the JSON parsed, the buffers loaded when asked for.
+//! The container of a glTF: GLB chunks, parsed JSON, and buffers that are loaded on first use.
 
 use super::uri::{self, Target};
 use super::{malformed, unsupported};
@@ -27,7 +27,7 @@ const HARMLESS: &[&str] = &[
     "KHR_mesh_quantization",
 ];
 
-/// Decoded bytes allowed for each byte of the file: shared accessors let a file say more than it holds, and this bounds how much.
+/// Decoded bytes allowed per byte of the file. Shared accessors can make decoded data larger than the file; this bounds the factor.
 const EXPANSION: u64 = 64;
 
 /// A parsed glTF whose buffers are loaded on first use.
@@ -43,7 +43,7 @@ pub(crate) struct Document<'a> {
     pub budget: Budget,
 }
 
-/// How much memory the file may ask for.
+/// Limits the memory that a file may ask for.
 pub(crate) struct Budget {
     loaded: Cell<u64>,
     decoded: Cell<u64>,

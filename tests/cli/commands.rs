@@ -86,7 +86,7 @@ fn info_warns_of_a_level_of_detail_far_off_the_body() {
     let mut shifted = mesh;
     shifted.positions.iter_mut().for_each(|p| p[2] += 22.0);
     set.add_lod(shifted, &crumple::Serial).unwrap();
-    let folder = Folder::new();
+    let folder = Folder::empty();
     let report = crumple(&["info", &folder.write("levels.crumple", set.save().unwrap())]).report();
     has(&report, &["level 1   2173 vertices, at most 0.0 mm off the base surface", "warning   level 2 lies far off"]);
     assert!(!report.contains("level 1 lies"), "{report}");
@@ -94,7 +94,7 @@ fn info_warns_of_a_level_of_detail_far_off_the_body() {
 
 #[test]
 fn apply_dents_the_body_where_it_was_hit() {
-    let folder = Folder::new();
+    let folder = Folder::empty();
     let png = folder.at("a/b");
     let point = Vec3::new(-0.2, 0.1, 0.078);
     let json = r#"[{"name": "here", "point": [-0.2, 0.1, 0.078], "displacement": [0, 0, -0.025]}]"#;
@@ -129,7 +129,7 @@ fn apply_dents_the_body_where_it_was_hit() {
 
 #[test]
 fn apply_takes_impulses_and_world_space() {
-    let folder = Folder::new();
+    let folder = Folder::empty();
     let file = "tests/fixtures/nodes.glb";
     let source = import(file);
     let to_world = Mat4::from_cols_array_2d(&source.node_transform.expect("a node"));
@@ -150,7 +150,7 @@ fn apply_takes_impulses_and_world_space() {
 
 #[test]
 fn apply_reads_obj_and_the_classic_rules() {
-    let folder = Folder::new();
+    let folder = Folder::empty();
     let obj = ["tests/fixtures/plate.obj", "--example", "tests/fixtures/plate_dent.obj"];
     let list = folder.at("sample.json");
     crumple(&[&["sample"], &obj[..], &["-o", &list, "--count", "3"]].concat()).report();
@@ -164,7 +164,7 @@ fn apply_reads_obj_and_the_classic_rules() {
 
 #[test]
 fn sample_is_the_same_for_the_same_seed_and_can_be_applied() {
-    let folder = Folder::new();
+    let folder = Folder::empty();
     let sample = |name: &str, seed: &str| {
         crumple(&["sample", PANEL, "-o", &folder.at(name), "--count", "12", "--seed", seed]).report();
         std::fs::read_to_string(folder.at(name)).expect("readable")
@@ -195,7 +195,7 @@ fn sample_is_the_same_for_the_same_seed_and_can_be_applied() {
 
 #[test]
 fn parts_of_one_contact_are_one_dent() {
-    let folder = Folder::new();
+    let folder = Folder::empty();
     let part = r#"{"point": [-0.2, 0.1, 0.078], "displacement": [0, 0, -0.0125], "contact": 7}"#;
     let report = apply(&folder, &[PANEL], &format!("[{part}, {part}]"), &[]);
     has(&report, &["2 of 2 impacts left a dent; the damage is 1 mark"]);
@@ -206,7 +206,7 @@ fn parts_of_one_contact_are_one_dent() {
 
 #[test]
 fn bake_writes_a_set_that_the_other_commands_take() {
-    let folder = Folder::new();
+    let folder = Folder::empty();
     let (baked, order) = (folder.at("panel.crumple"), folder.at("panel.order"));
     let options = "--tolerance 0.5mm --normal-tolerance 2deg --stamp-resolution 8 --vertex-mass 500g --reorder";
     let options: Vec<&str> = options.split(' ').collect();
@@ -254,7 +254,7 @@ fn replay_repeats_the_calls_of_a_recording() {
 
     // what a crash left is replayed as far as it goes
     let bytes = std::fs::read(asset(RECORDING)).expect("readable");
-    let folder = Folder::new();
+    let folder = Folder::empty();
     let cut = folder.write("cut.crumplerec", &bytes[..bytes.len() - 700]);
     has(&crumple(&["replay", &cut]).report(), &["the recording has no end: the program ended, perhaps inside"]);
 }

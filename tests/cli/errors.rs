@@ -15,7 +15,7 @@ fn refused(folder: &Folder, words: &str, parts: &[&str]) {
 /// The messages themselves are tested beside the parser, in `src/bin/crumple/impacts.rs`.
 #[test]
 fn bad_impacts_are_named_with_their_file() {
-    let folder = Folder::new();
+    let folder = Folder::empty();
     folder.write("i.json", r#"[{"point": [0,0,0], "displacment": [0,0,-1]}]"#);
     refused(&folder, "apply PANEL --impacts INi.json -o INout.glb", &["i.json: impact 0: unknown field `displacment`"]);
     folder.write("i.json", r#"[{"point": [5000,0,0], "displacement": [0,0,-0.01]}]"#);
@@ -30,7 +30,7 @@ fn bad_impacts_are_named_with_their_file() {
 
 #[test]
 fn numbers_in_the_wrong_unit_are_warned_of() {
-    let folder = Folder::new();
+    let folder = Folder::empty();
     let report = |json: &str| {
         let (list, out) = (folder.write("i.json", json), folder.at("out.glb"));
         crumple(&["apply", PANEL, "--impacts", &list, "-o", &out]).report()
@@ -46,7 +46,7 @@ fn numbers_in_the_wrong_unit_are_warned_of() {
 
 #[test]
 fn files_that_are_missing_or_something_else() {
-    let folder = Folder::new();
+    let folder = Folder::empty();
     folder.write("i.json", GOOD);
     let whole = std::fs::read(asset(PANEL)).expect("readable");
     let files: [(&str, &[u8]); 6] = [
@@ -97,7 +97,7 @@ fn files_that_are_missing_or_something_else() {
 
 #[test]
 fn places_that_cannot_be_written() {
-    let folder = Folder::new();
+    let folder = Folder::empty();
     folder.write("i.json", GOOD);
     std::fs::create_dir(folder.at("directory.glb")).expect("made");
     std::fs::copy(asset(PANEL), folder.at("panel.glb")).expect("copied");
@@ -152,7 +152,7 @@ fn wrong_usage_is_exit_code_two() {
 
 #[test]
 fn baked_sets_are_not_sources_and_damage_in_them_is_found() {
-    let folder = Folder::new();
+    let folder = Folder::empty();
     refused(&folder, "bake PANEL -o INout.crumple --tolerance 0.1", &["tolerance is 0.1 m", "did you mean 0.1 mm?"]);
     assert!(folder.names().is_empty());
     let out = folder.at("out.crumple");

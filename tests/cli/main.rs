@@ -52,7 +52,7 @@ impl Run {
 pub struct Folder(TempDir);
 
 impl Folder {
-    pub fn new() -> Folder {
+    pub fn empty() -> Folder {
         Folder(tempfile::tempdir().expect("a directory"))
     }
 
