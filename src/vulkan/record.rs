@@ -10,6 +10,9 @@ use std::ops::Range;
 use std::ptr::null;
 
 /// A target to bring up to date.
+/// <!--
+/// cbindgen:ignore
+/// -->
 pub type RecordJob<'a> = Job<'a, Target>;
 
 /// What was recorded.

@@ -6,6 +6,9 @@ use crate::Error;
 use crate::gpu::{self, FrameReport, Job, Kernel, Plan, PlanTarget, TargetState, missing_state};
 
 /// A target to bring up to date.
+/// <!--
+/// cbindgen:ignore
+/// -->
 pub type EncodeJob<'a> = Job<'a, Target>;
 
 /// What was encoded.

@@ -167,3 +167,55 @@ pub fn format(impacts: &[([f32; 3], [f32; 3])]) -> Result<String> {
     text.push_str("]\n");
     Ok(text)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lists that are refused, and what the message says. `P` stands for a point, `U` for a displacement.
+    const REFUSED: &[(&str, &str)] = &[
+        ("", "not JSON"),
+        ("[{]", "not JSON: key must be a string at line 1 column 3"),
+        ("{}", "the file is not a list of impacts, [{…}, …]"),
+        ("[]", "the list of impacts is empty"),
+        ("[1]", "impact 0: the impact is 1; it must be an object {…}"),
+        (r#"[{P, U}, {P, "displacment": [0,0,-1]}]"#, "impact 1: unknown field `displacment`, expected one of"),
+        (r#"[{P, "displacment": [0,0,-1]}]"#, "`displacement`"),
+        ("[{U}]", "impact 0: missing field `point`"),
+        ("[{P}]", "impact 0: neither 'displacement' (m) nor 'impulse' (N s)"),
+        (r#"[{P, U, "impulse": [0,0,1]}]"#, "both"),
+        (r#"[{P, U, "mass": 1}]"#, "'mass' needs 'impulse'"),
+        (r#"[{P, "impulse": [0,0,1], "mass": 1}]"#, "'impulse' needs 'duration'"),
+        (r#"[{"point": [0,0], U}]"#, "impact 0: point has 2 numbers; it must have 3"),
+        (r#"[{"point": 7, U}]"#, "point is 7; it must be a list of 3 numbers"),
+        (r#"[{P, U, "space": "wrold"}]"#, "unknown variant `wrold`, expected `local` or `world`"),
+        (r#"[{P, U, "contact": 0}]"#, "contact is 0; it must be a whole number above 0"),
+        ("[{P, P, U}]", "duplicate field `point`"),
+        (r#"[{"point": [0,0,1e999], U}]"#, "impact 0: point[2]: 1e999 is out of range"),
+        ("[\n{P, U},\n{P,\n\"displacement\": [0,-1e999,0]}]", "impact 1: displacement[1]: -1e999 is out of range"),
+        (r#"[{"point": [0,4e38,0], U}]"#, "impact 0: point[1] is 4e38"),
+        (r#"[{P, "impulse": [0,0,1], "duration": 0, "mass": 1}]"#, "duration is 0; it must be above 0"),
+        (r#"[{P, "impulse": [0,0,1], "duration": 1, "mass": -2}]"#, "mass is -2; it must be above 0"),
+        // below the smallest f32
+        (r#"[{P, "impulse": [0,0,1], "duration": 1e-60, "mass": 1}]"#, "must be above 0"),
+        (r#"[{"point": [0,0,NaN], U}]"#, "not JSON"),
+        (r#"[{"point": [0,0,"1"], U}]"#, "impact 0: point[2] is the text \"1\"; it must be a number"),
+        (r#"[{"point": [0,{},0], U}]"#, "point[1] is an object {…}; it must be a number"),
+        (r#"[{"point": [0,true,0], U}]"#, "point[1] is true; it must be a number"),
+        (r#"[{"point": [0,null,0], U}]"#, "point[1] is null; it must be a number"),
+        (r#"[{"point": [0,[0],0], U}]"#, "point[1] is a list; it must be a number"),
+    ];
+
+    #[test]
+    fn refusals_name_the_impact_the_key_and_what_would_be_right() {
+        for (json, part) in REFUSED {
+            let json = json.replace('P', r#""point": [0,0,0]"#).replace('U', r#""displacement": [0,0,-1]"#);
+            let error = format!("{:#}", parse(&json).expect_err(&json));
+            assert!(error.contains(part), "'{part}' is not in: {error}");
+        }
+        let file = tempfile::NamedTempFile::new().expect("a file");
+        std::fs::write(file.path(), b"[\xff]").expect("written");
+        let error = read(file.path()).expect_err("not UTF-8").to_string();
+        assert!(error.contains("not UTF-8 at byte 1"), "{error}");
+    }
+}

@@ -1,7 +1,7 @@
-//! Deformed meshes into GLB files.
+//! Writes deformed meshes to GLB files.
 //!
-//! [`deformed_glb`] rewrites a glTF: the chosen mesh gets its deformed vertices, everything else stays, whatever it is.
-//! [`mesh_glb`] writes a new file, for what came from OBJ.
+//! [`deformed_glb`] rewrites a glTF: the chosen mesh gets its deformed vertices and everything else stays.
+//! [`mesh_glb`] writes a new file, for instance for a mesh from an OBJ file.
 //!
 //! ```
 //! use crumple::export::deformed_glb;
@@ -25,7 +25,7 @@ mod fresh;
 mod glb;
 mod rewrite;
 
-/// Deformed vertices, checked: as many as there should be, all finite.
+/// Deformed vertices. Their number is right and all are finite.
 #[derive(Clone, Copy)]
 struct Vertices<'a> {
     positions: &'a [[f32; 3]],

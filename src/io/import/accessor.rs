@@ -1,4 +1,4 @@
-//! Accessors: everything they claim is checked against the bytes there are, then the `gltf` crate's iterators read them.
+//! Accessors: their fields are checked against the buffers, then the `gltf` crate's iterators read them.
 
 use super::document::{Budget, Document, out_of_range, range};
 use super::{finite, malformed, unsupported};
@@ -16,7 +16,7 @@ struct Strided<'d> {
     stride: usize,
 }
 
-/// An accessor whose claims hold. `name` says whose it is, for errors.
+/// A checked accessor. `name` is for errors.
 pub(crate) struct Accessor<'d> {
     budget: &'d Budget,
     name: String,
@@ -181,7 +181,7 @@ fn sparse<'d>(
     }
     let Checked::Valid(IndexComponentType(component)) = json.indices.component_type else {
         return Err(malformed(format!(
-            "{name}: the sparse indices have an unknown componentType; 5121, 5123 or 5125 is right"
+            "{name}: the sparse indices have an unknown componentType; it must be 5121, 5123 or 5125"
         )));
     };
     let indices_name = format!("{name} sparse indices");

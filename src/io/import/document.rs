@@ -1,4 +1,4 @@
-//! A glTF before its meaning: the container taken apart, the JSON parsed, the buffers loaded when asked for.
+//! The container of a glTF: GLB chunks, parsed JSON, and buffers that are loaded on first use.
 
 use super::uri::{self, Target};
 use super::{malformed, unsupported};
@@ -27,7 +27,7 @@ const HARMLESS: &[&str] = &[
     "KHR_mesh_quantization",
 ];
 
-/// Decoded bytes allowed for each byte of the file: shared accessors let a file say more than it holds, and this bounds how much.
+/// Decoded bytes allowed per byte of the file. Shared accessors can make decoded data larger than the file; this bounds the factor.
 const EXPANSION: u64 = 64;
 
 /// A parsed glTF whose buffers are loaded on first use.
@@ -43,7 +43,7 @@ pub(crate) struct Document<'a> {
     pub budget: Budget,
 }
 
-/// How much memory the file may ask for.
+/// Limits the memory that a file may ask for.
 pub(crate) struct Budget {
     loaded: Cell<u64>,
     decoded: Cell<u64>,
@@ -191,9 +191,28 @@ fn list<T: serde::de::DeserializeOwned>(value: &Value, key: &str) -> Result<Vec<
             return Err(malformed(format!("{key}[{i}] of the glTF is not made of objects")));
         }
         // By way of text, since the raw extras of the typed structures are read from nothing else.
-        serde_json::from_str(&element.to_string()).map_err(|e| malformed(format!("{key}[{i}] of the glTF: {e}")))
+        serde_json::from_str(&element.to_string())
+            .map_err(|e| malformed(format!("{key}[{i}] of the glTF: {}", in_json_terms(&e))))
     };
     elements.iter().enumerate().map(typed).collect()
+}
+
+/// serde's message with JSON's names for types. The line and column are those of a copy of the text, so they are left out.
+fn in_json_terms(error: &serde_json::Error) -> String {
+    const TERMS: [(&str, &str); 9] = [
+        ("expected u64", "expected a whole number"),
+        ("expected u32", "expected a whole number"),
+        ("expected f64", "expected a number"),
+        ("expected f32", "expected a number"),
+        ("expected a sequence", "expected a list"),
+        ("expected a map", "expected an object"),
+        ("expected struct", "expected an object:"),
+        ("type: sequence", "type: a list"),
+        ("type: map", "type: an object"),
+    ];
+    let text = error.to_string();
+    let text = text.split(" at line ").next().unwrap_or_default();
+    TERMS.iter().fold(text.to_owned(), |text, (serde, json)| text.replace(serde, json))
 }
 
 /// The JSON text and the binary chunk, where there is one.

@@ -17,12 +17,12 @@ pub(super) fn names(mesh: &Value, targets: usize) -> Result<Vec<String>, Error> 
     let list = match list {
         Value::Null => &[],
         Value::Array(list) => list.as_slice(),
-        other => return Err(malformed(format!("extras.targetNames is {}; a list of texts is right", brief(other)))),
+        other => return Err(malformed(format!("extras.targetNames is {}; it must be a list of texts", brief(other)))),
     };
     let name = |i| match list.get(i) {
         Some(Value::String(name)) => Ok(name.clone()),
         None | Some(Value::Null) => Ok(format!("target {i}")),
-        Some(other) => Err(malformed(format!("extras.targetNames[{i}] is {}; a text is right", brief(other)))),
+        Some(other) => Err(malformed(format!("extras.targetNames[{i}] is {}; it must be a text", brief(other)))),
     };
     (0..targets).map(name).collect()
 }
@@ -33,14 +33,14 @@ pub(super) fn impacts(mesh: &Value, names: &[String], vertices: usize) -> Result
     let list = match parsed(&mesh["extras"]["impacts"], "impacts")?.into_owned() {
         Value::Null => return Ok(out),
         Value::Array(list) => list,
-        other => return Err(malformed(format!("extras.impacts is {}; a list of objects is right", brief(&other)))),
+        other => return Err(malformed(format!("extras.impacts is {}; it must be a list of objects", brief(&other)))),
     };
     let list: Vec<&Map<String, Value>> =
         list.iter().enumerate().map(|(i, v)| object(v, i)).collect::<Result<_, _>>()?;
     let targets = by_name(&list, names)?;
     if targets.is_none() && list.len() > names.len() {
         return Err(malformed(format!(
-            "extras.impacts has {} entries for {} targets; at most one each is right",
+            "extras.impacts has {} entries for {} targets; give at most one each",
             list.len(),
             names.len()
         )));
@@ -89,14 +89,14 @@ fn impact(entry: &Map<String, Value>, i: usize, vertices: usize) -> Result<Impac
 }
 
 fn object(value: &Value, i: usize) -> Result<&Map<String, Value>, Error> {
-    value.as_object().ok_or_else(|| malformed(format!("extras.impacts[{i}] is {}; an object is right", brief(value))))
+    value.as_object().ok_or_else(|| malformed(format!("extras.impacts[{i}] is {}; it must be an object", brief(value))))
 }
 
 fn vector(value: &Value, name: &str) -> Result<[f32; 3], Error> {
     let numbers: Option<Vec<f64>> = value.as_array().and_then(|a| a.iter().map(Value::as_f64).collect());
     match numbers.as_deref() {
         Some([x, y, z]) => finite([*x as f32, *y as f32, *z as f32], || name.to_owned()),
-        _ => Err(malformed(format!("{name} is {}; three numbers are right", brief(value)))),
+        _ => Err(malformed(format!("{name} is {}; it must be three numbers", brief(value)))),
     }
 }
 
@@ -108,7 +108,7 @@ fn vertex(value: &Value, name: &str, vertices: usize) -> Result<u32, Error> {
     match whole {
         Some(v) if v < vertices as u64 => Ok(v as u32),
         Some(v) => Err(out_of_range(name, usize::try_from(v).unwrap_or(usize::MAX), vertices)),
-        None => Err(malformed(format!("{name} is {}; a vertex index is right", brief(value)))),
+        None => Err(malformed(format!("{name} is {}; it must be a vertex index", brief(value)))),
     }
 }
 
@@ -130,21 +130,21 @@ pub(super) fn placements(mesh: &Value, names: &[String]) -> Result<Vec<Placement
         Value::Object(map) => return placements_by_name(map, names),
         other => {
             return Err(malformed(format!(
-                "extras.placements is {}; a word, a list of words or a map is right",
+                "extras.placements is {}; it must be a word, a list of words or a map",
                 brief(other)
             )));
         }
     };
     if words.len() != names.len() {
         return Err(malformed(format!(
-            "extras.placements has {} words for {} targets; one each is right",
+            "extras.placements has {} words for {} targets; give one each",
             words.len(),
             names.len()
         )));
     }
     let word = |(i, word): (usize, &Value)| match word {
         Value::String(text) => placement(text, &format!("[{i}]")),
-        other => Err(malformed(format!("extras.placements[{i}] is {}; a word is right", brief(other)))),
+        other => Err(malformed(format!("extras.placements[{i}] is {}; it must be a word", brief(other)))),
     };
     words.iter().enumerate().map(word).collect()
 }
@@ -156,7 +156,7 @@ fn placements_by_name(map: &Map<String, Value>, names: &[String]) -> Result<Vec<
     for (name, word) in map {
         let text = word
             .as_str()
-            .ok_or_else(|| malformed(format!("extras.placements['{name}'] is {}; a word is right", brief(word))))?;
+            .ok_or_else(|| malformed(format!("extras.placements['{name}'] is {}; it must be a word", brief(word))))?;
         let placed = placement(text, &format!("['{name}']"))?;
         let Some(targets) = index.get(name.as_str()) else {
             return Err(malformed(format!(
@@ -174,7 +174,7 @@ fn placement(text: &str, at: &str) -> Result<Placement, Error> {
         "automatic" => Ok(Placement::Automatic),
         "anchored" => Ok(Placement::Anchored),
         "carried" => Ok(Placement::Carried),
-        _ => Err(malformed(format!("extras.placements{at} is '{text}'; automatic, anchored or carried is right"))),
+        _ => Err(malformed(format!("extras.placements{at} is '{text}'; it must be automatic, anchored or carried"))),
     }
 }
 

@@ -147,7 +147,7 @@ pub(crate) fn parts<'d>(doc: &'d Document<'_>, mesh: usize) -> Result<Vec<Part<'
     for (index, primitive) in doc.root.meshes[mesh].primitives.iter().enumerate() {
         let name = format!("{}, primitive {index}", doc.mesh_label(mesh));
         let Checked::Valid(mode) = primitive.mode else {
-            return Err(malformed(format!("{name} has an unknown mode; 0 to 6 is right")));
+            return Err(malformed(format!("{name} has an unknown mode; it must be 0 to 6")));
         };
         if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
             continue;
@@ -209,7 +209,7 @@ fn triangles(doc: &Document<'_>, part: &Part<'_>, mode: Mode) -> Result<Vec<[u32
     let count = corners.len();
     if count < 3 || (mode == Mode::Triangles && !count.is_multiple_of(3)) {
         let right = if mode == Mode::Triangles { "a multiple of 3" } else { "at least 3" };
-        return Err(malformed(format!("{} has {count} triangle corners; {right} is right", part.name)));
+        return Err(malformed(format!("{} has {count} triangle corners; there must be {right}", part.name)));
     }
     let first = part.first_vertex as u32;
     let joined = |t: [u32; 3]| t.map(|i| i + first);
@@ -334,7 +334,7 @@ fn node_transform(doc: &Document<'_>, mesh: usize) -> Result<Option<[[f32; 4]; 4
                 .ok_or_else(|| out_of_range(&format!("a child of node {i}"), child, nodes.len()))?;
             if let Some(other) = slot.replace(i).filter(|other| *other != i) {
                 return Err(malformed(format!(
-                    "node {child} is a child of node {other} and of node {i}; one parent is right"
+                    "node {child} is a child of node {other} and of node {i}; a node has at most one parent"
                 )));
             }
         }

@@ -1,4 +1,4 @@
-//! Files into plain arrays: glTF morph targets, and a base OBJ with example OBJs.
+//! Reads files into plain arrays: glTF morph targets, or a base OBJ with example OBJs.
 //!
 //! # glTF
 //!
@@ -13,29 +13,29 @@
 //!   tangents follow the normals.
 //! - Names come from `mesh.extras.targetNames` and may be empty or repeat; a target without one is called
 //!   `target N`, counted from 0.
-//! - Only geometry is read: images, materials, skins, cameras and animations may be missing or broken. Files beside
-//!   the glTF may be anywhere that a relative path reaches, `..` included, as glTF allows.
+//! - Only geometry is read: images, materials, skins, cameras and animations may be missing or broken. Other files may
+//!   be anywhere that a relative path reaches, `..` included, as glTF allows.
 //! - Compressed geometry (Draco, meshopt) and quantised positions are named in [`Error::Unsupported`].
 //!
 //! Two custom properties of the *mesh* (Blender: Object Data > Custom Properties, exported with
-//! "Include > Custom Properties"; they arrive in `mesh.extras`) say more about the examples:
+//! "Include > Custom Properties"; they are `mesh.extras` in the file) describe the examples:
 //!
-//! - `impacts`: where each example was hit. A list of
+//! - `impacts`: the contact of each example. It is a list of
 //!   `{"name": …, "point": [x, y, z], "contact_vertex": i, "normal": [x, y, z]}`, or the same list as a JSON
 //!   text. `point` (m) is in the mesh's own space *as exported* (y up; exporters do not turn custom
-//!   properties) and wins over `contact_vertex`, an index into the joined vertices; one of the two must be
-//!   there. `normal` is optional and points out of the body. Impacts are matched to targets by name when all target
-//!   names differ and all impacts are named, else by order. Targets without one are hit at their deepest vertex.
-//! - `placements`: whether an example may be carried away from where it was made: `automatic`, `anchored` or `carried`.
-//!   One word for all (`"anchored"`), words by target order (`"anchored, carried"` or a list), or a map
-//!   `{"target name": "anchored"}`; what a map leaves out is automatic.
+//!   properties) and takes precedence over `contact_vertex`, an index into the joined vertices; one of the two
+//!   is required. `normal` is optional and points out of the body. Impacts are matched to targets by name when all target
+//!   names differ and all impacts are named, otherwise by order. The contact of other targets is their deepest vertex.
+//! - `placements`: whether an example is `anchored` (stays where it was made), `carried` (moves to the hit) or `automatic`. It is
+//!   one word for all (`"anchored"`), words by target order (`"anchored, carried"` or a list), or a map
+//!   `{"target name": "anchored"}`; targets that a map omits are automatic.
 //!
 //! # OBJ
 //!
 //! [`obj_files`] reads a base and one OBJ an example, all with the same `v` lines and faces in the same order, as
 //! solvers and sculpting tools write them.
 //!
-//! Nothing that a file says is trusted: lengths, offsets, counts and indices are checked before they are used, numbers must be finite,
+//! Files are not trusted: lengths, offsets, counts and indices are checked before they are used, numbers must be finite,
 //! and memory stays in proportion to the file.
 
 use crate::{Error, ExampleData, MeshData};
@@ -58,7 +58,7 @@ pub use self::gltf::{gltf_file, gltf_slice};
 #[cfg(feature = "obj")]
 pub use self::obj::{obj_files, obj_slices};
 
-/// What an importer makes: the arrays of an example set, and what they were in the file.
+/// The result of an importer: the arrays of an example set, and where they were in the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Imported {
     /// The mesh's name; may be empty. The file's stem for OBJ.
@@ -78,7 +78,7 @@ pub struct Imported {
     pub node_transform: Option<[[f32; 4]; 4]>,
 }
 
-/// Where one primitive of the file ended up in the joined mesh.
+/// The place of one primitive of the file in the joined mesh.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PrimitiveRange {
     /// Its index among the primitives of the file's mesh.

@@ -90,7 +90,7 @@ impl Builder {
     fn finish(self) -> Result<Imported, Error> {
         if self.imported.examples.is_empty() {
             return Err(Error::NoExamples {
-                what: format!("'{}' came without example files; at least one is right", self.base.name),
+                what: format!("'{}' came without example files; give at least one", self.base.name),
             });
         }
         Ok(self.imported)
@@ -130,7 +130,7 @@ impl Parsed {
         for (f, face) in faces.iter().enumerate() {
             if face.0.len() < 3 {
                 return Err(malformed(format!(
-                    "{name}: face {} has {} corners; at least 3 are right",
+                    "{name}: face {} has {} corners; it must have at least 3",
                     f + 1,
                     face.0.len()
                 )));
@@ -179,7 +179,10 @@ fn describe(name: &str, error: &ObjError) -> Error {
     // The crate counts lines from 0.
     malformed(match error {
         ObjError::MalformedFaceGroup { line_number, group } => {
-            format!("{name}: line {}: '{group}' is no face corner; v, v/vt, v//vn or v/vt/vn is right", line_number + 1)
+            format!(
+                "{name}: line {}: '{group}' is no face corner; it must be v, v/vt, v//vn or v/vt/vn",
+                line_number + 1
+            )
         }
         ObjError::ArgumentListFailure { line_number, list } => {
             format!("{name}: line {}: numbers are missing or unreadable: {list}", line_number + 1)

@@ -1,4 +1,4 @@
-//! What a glTF's `uri` points to: bytes inside the text, or a file beside the glTF.
+//! Resolves a glTF's `uri`: a `data:` URI with the bytes, or the path of another file.
 
 use super::{malformed, unsupported};
 use crate::Error;
@@ -10,7 +10,7 @@ use std::borrow::Cow;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// What a URI points to, before any of it is read.
+/// The target of a URI, not yet read.
 pub(crate) enum Target {
     /// The bytes of a `data:` URI.
     Data(Vec<u8>),
@@ -18,7 +18,7 @@ pub(crate) enum Target {
     File(String),
 }
 
-/// `what` names who points there, for the error.
+/// `what` names the user of the URI in errors.
 pub(crate) fn parse(uri: &str, what: &str) -> Result<Target, Error> {
     let scheme = uri.split_once(':').map(|(scheme, _)| scheme).filter(|s| is_scheme(s));
     match scheme {
@@ -39,7 +39,7 @@ pub(crate) fn parse(uri: &str, what: &str) -> Result<Target, Error> {
     }
 }
 
-/// A file named by a relative URI, of which at most `limit` bytes are read.
+/// Reads at most `limit` bytes of a file named by a relative URI.
 pub(crate) fn read_file(
     base_dir: Option<&Path>,
     relative: &str,
@@ -56,7 +56,7 @@ pub(crate) fn read_file(
     read(&path, limit)
 }
 
-/// A regular file's bytes; devices and pipes, which may never end, are refused.
+/// Reads a regular file. Devices and pipes are refused, because they may never end.
 pub(crate) fn read(path: &Path, limit: Option<u64>) -> Result<Vec<u8>, Error> {
     let io = |e: std::io::Error| Error::Io { path: path.display().to_string(), message: e.to_string() };
     let about = std::fs::metadata(path).map_err(io)?;

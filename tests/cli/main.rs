@@ -1,10 +1,14 @@
-//! Running the `crumple` command.
-#![allow(dead_code)]
+//! The `crumple` command, run as a user runs it: what it reports, and what it says of bad input.
 
-use std::{
-    path::{Path, PathBuf},
-    process::{Command, Output},
-};
+mod commands;
+mod errors;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+pub const PANEL: &str = "assets/solver/panel.glb";
+pub const RECORDING: &str = "tests/fixtures/sheet.crumplerec";
 
 /// What a run of the command left behind.
 pub struct Run {
@@ -44,6 +48,38 @@ impl Run {
     }
 }
 
+/// An empty folder, and the files that a test puts there.
+pub struct Folder(TempDir);
+
+impl Folder {
+    pub fn empty() -> Folder {
+        Folder(tempfile::tempdir().expect("a directory"))
+    }
+
+    /// The path of a file in it.
+    pub fn at(&self, name: &str) -> String {
+        self.0.path().join(name).to_str().expect("UTF-8").to_owned()
+    }
+
+    /// Writes a file; returns its path.
+    pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> String {
+        std::fs::write(self.at(name), bytes).expect("written");
+        self.at(name)
+    }
+
+    pub fn names(&self) -> Vec<String> {
+        names(self.0.path())
+    }
+}
+
+/// Asserts that a text has these parts.
+#[track_caller]
+pub fn has(text: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(text.contains(part), "'{part}' is not in: {text}");
+    }
+}
+
 /// A file of the repository.
 pub fn asset(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
@@ -57,14 +93,4 @@ pub fn names(folder: &Path) -> Vec<String> {
         .collect();
     names.sort();
     names
-}
-
-pub trait Text {
-    fn text(&self) -> &str;
-}
-
-impl Text for Path {
-    fn text(&self) -> &str {
-        self.to_str().expect("UTF-8")
-    }
 }
