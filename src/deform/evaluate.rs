@@ -8,7 +8,7 @@
 //! Marks are summed in their sorted order with plain f32 operations, so that coincident vertices, any cut into blocks,
 //! any thread and any [`crate::SimdLevel`] give the same bits.
 
-use super::kernel::{Block, ReadyPart, Source};
+use super::kernel::{Block, Flat, ReadyPart, Source};
 use super::levels;
 use super::view::{DamageView, DisplacedVertices, may_reach};
 use crate::base::math::{Aabb, tangent_basis, turned_as, unit};
@@ -17,9 +17,6 @@ use crate::example::blocks::Stored;
 use crate::example::mesh_lod::MeshLod;
 use crate::mesh::vertex_blocks::{BLOCK, block_range};
 use glam::{Vec3, Vec4};
-
-/// Vertices x y z x y z … of one block.
-pub(crate) type Flat = [f32; 3 * BLOCK];
 
 /// One block to evaluate.
 #[derive(Clone, Copy)]

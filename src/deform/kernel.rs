@@ -17,6 +17,9 @@ use crate::mesh::rim::WindowBlock;
 use crate::mesh::vertex_blocks::BLOCK;
 use glam::Vec3;
 
+/// Vertices x y z x y z … of one block.
+pub(crate) type Flat = [f32; 3 * BLOCK];
+
 /// One value for each of x, y and z. No closures here, nor anywhere below: they would not be compiled for the level.
 macro_rules! each {
     ($k:ident => $e:expr) => {

@@ -1,7 +1,6 @@
 //! Each kernel compiled for each level, and called for the one in force.
 
-use super::evaluate::Flat;
-use super::kernel::{self, Block};
+use super::kernel::{self, Block, Flat};
 #[cfg(target_arch = "x86_64")]
 use super::simd::{Avx2, Avx512};
 use super::simd::{Portable, SimdLevel};

@@ -117,8 +117,8 @@ pub(crate) fn write_outputs(outputs: &mut [Output<'_, '_>], tasks: &dyn TaskSyst
 /// Memory that a task reuses from block to block.
 struct Scratch<'a> {
     evaluate: evaluate::Scratch<'a>,
-    positions: evaluate::Flat,
-    normals: evaluate::Flat,
+    positions: kernel::Flat,
+    normals: kernel::Flat,
 }
 
 fn write_block<'a>(output: &'a Output<'_, '_>, block: usize, scratch: &mut Scratch<'a>, bounds: &mut Aabb) {

@@ -7,13 +7,12 @@ use crate::{
     picture::{Kind, Subject, millimetres},
     source::{Input, Source},
     table::{Table, count, percent},
+    vertices::Vertices,
 };
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use crumple::{
-    ExampleSet, HitStatus, Instance, InstanceOptions, Mesh, Outcome, Rule, Selection, Space, ThreadPool, Tracker,
-    VertexMemory,
-    glam::{Vec3, Vec4},
+    ExampleSet, HitStatus, Instance, InstanceOptions, Outcome, Rule, Selection, Space, ThreadPool, Tracker, glam::Vec3,
 };
 use std::{
     fmt::Write,
@@ -73,30 +72,6 @@ fn rule(text: &str) -> Result<Rule, String> {
             _ => Err(format!("blend's K is '{k}'; it must be a number from 0 to 1")),
         },
         _ => Err("it must be marks, most-displaced or blend=K".into()),
-    }
-}
-
-/// The attributes of the vertices that the mesh has.
-#[derive(Clone)]
-pub struct Vertices {
-    pub positions: Vec<[f32; 3]>,
-    pub normals: Option<Vec<[f32; 3]>>,
-    pub tangents: Option<Vec<[f32; 4]>>,
-}
-
-impl Vertices {
-    fn at_rest(mesh: &Mesh) -> Self {
-        Vertices {
-            positions: mesh.positions().iter().map(Vec3::to_array).collect(),
-            normals: mesh.normals().map(|n| n.iter().map(Vec3::to_array).collect()),
-            tangents: mesh.tangents().map(|t| t.iter().map(Vec4::to_array).collect()),
-        }
-    }
-
-    /// The memory that a deform writes.
-    pub fn memory(&mut self) -> Result<VertexMemory<'_>> {
-        let Vertices { positions, normals, tangents } = self;
-        Ok(VertexMemory::separate(positions, normals.as_deref_mut(), tangents.as_deref_mut())?)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Deformation on a graphics device, for `crumple apply --gpu`.
 
-use crate::apply::Vertices;
+use crate::vertices::Vertices;
 use anyhow::Result;
 use crumple::{ExampleSet, Instance};
 use std::sync::Arc;

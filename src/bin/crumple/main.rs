@@ -11,8 +11,8 @@ mod replay;
 mod sample;
 mod source;
 mod table;
+mod vertices;
 
-use anyhow::Result;
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -46,7 +46,7 @@ fn main() -> ExitCode {
         Command::Sample(a) => sample::run(&a),
         Command::Replay(a) => replay::run(&a),
     };
-    match result.and_then(|text| print(&text)) {
+    match result.and_then(|text| output::print(&text)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             // One line, even if a file's text has line ends.
@@ -54,14 +54,5 @@ fn main() -> ExitCode {
             output::complain(&format!("error: {line}"));
             ExitCode::FAILURE
         }
-    }
-}
-
-/// Prints a report. It is no error if the reader has closed the pipe (`| head`).
-fn print(text: &str) -> Result<()> {
-    use std::io::Write;
-    match std::io::stdout().lock().write_all(text.as_bytes()) {
-        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(e.into()),
-        _ => Ok(()),
     }
 }

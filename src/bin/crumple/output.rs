@@ -80,3 +80,11 @@ pub fn progress(steps: usize) -> ProgressBar {
 pub fn complain(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
+
+/// Prints a report. It is no error if the reader has closed the pipe (`| head`).
+pub fn print(text: &str) -> Result<()> {
+    match std::io::stdout().lock().write_all(text.as_bytes()) {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(e.into()),
+        _ => Ok(()),
+    }
+}

@@ -24,7 +24,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     let mut each = |number: u64, call: fmt::Arguments<'_>| {
         if arguments.list {
             // A closed pipe is reported when the report is printed.
-            let _ = crate::print(&format!("{number:6}  {call}\n"));
+            let _ = crate::output::print(&format!("{number:6}  {call}\n"));
         }
     };
     let found =

@@ -1,7 +1,6 @@
 //! All buffers into the GLB's one, without what nothing uses any more.
 
-use super::glb::Blob;
-use super::rewrite::list_mut;
+use super::glb::{Blob, list_mut};
 use crate::Error;
 use crate::io::import::document::{Document, out_of_range, range};
 use crate::io::import::malformed;

@@ -1,7 +1,7 @@
 //! A GLB from nothing but an imported mesh.
 
-use super::Vertices;
 use super::glb::{Blob, ELEMENT_ARRAY_BUFFER, container, push, push_attribute, push_view};
+use super::vertices::{Vertices, each};
 use crate::Error;
 use crate::io::import::{Imported, PrimitiveRange};
 use serde_json::{Value, json};
@@ -10,7 +10,7 @@ use std::collections::HashMap;
 pub(super) fn mesh(imported: &Imported, vertices: Vertices<'_>) -> Result<Vec<u8>, Error> {
     imported.primitives.iter().enumerate().try_for_each(|(i, range)| check(imported, i, range))?;
     if let Some(t) = &imported.texcoords {
-        super::each(imported.mesh.positions.len(), t, "texcoords")?;
+        each(imported.mesh.positions.len(), t, "texcoords")?;
     }
     let mut root = json!({
         "asset": { "version": "2.0", "generator": concat!("crumple ", env!("CARGO_PKG_VERSION")) },

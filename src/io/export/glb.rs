@@ -87,3 +87,8 @@ pub(super) fn container(root: &Value, bin: &[u8]) -> Result<Vec<u8>, Error> {
     }
     Ok(out)
 }
+
+/// The elements of a list in an object; none where there is no such list. (`IndexMut` would make one.)
+pub(super) fn list_mut<'v>(object: &'v mut Value, key: &str) -> impl Iterator<Item = &'v mut Value> + use<'v> {
+    object.get_mut(key).and_then(Value::as_array_mut).into_iter().flatten()
+}

@@ -17,46 +17,15 @@
 //! ```
 
 use crate::Error;
-use crate::io::import::{Imported, MeshChoice, finite};
+use crate::io::import::{Imported, MeshChoice};
 use std::path::Path;
+use vertices::Vertices;
 
 mod compact;
 mod fresh;
 mod glb;
 mod rewrite;
-
-/// Deformed vertices. Their number is right and all are finite.
-#[derive(Clone, Copy)]
-struct Vertices<'a> {
-    positions: &'a [[f32; 3]],
-    normals: Option<&'a [[f32; 3]]>,
-    tangents: Option<&'a [[f32; 4]]>,
-}
-
-impl<'a> Vertices<'a> {
-    fn checked(
-        count: usize,
-        positions: &'a [[f32; 3]],
-        normals: Option<&'a [[f32; 3]]>,
-        tangents: Option<&'a [[f32; 4]]>,
-    ) -> Result<Self, Error> {
-        each(count, positions, "positions")?;
-        normals.map_or(Ok(()), |n| each(count, n, "normals"))?;
-        tangents.map_or(Ok(()), |t| each(count, t, "tangents"))?;
-        Ok(Self { positions, normals, tangents })
-    }
-}
-
-fn each<const N: usize>(count: usize, values: &[[f32; N]], name: &str) -> Result<(), Error> {
-    if values.len() != count {
-        return Err(Error::invalid(
-            &format!("{name}.len()"),
-            values.len(),
-            &format!("{count}, as many as the mesh has vertices"),
-        ));
-    }
-    values.iter().enumerate().try_for_each(|(i, v)| finite(*v, || format!("{name}[{i}]")).map(drop))
-}
+mod vertices;
 
 /// Rewrites a glTF (`.glb` or `.gltf`) so that a mesh shows its deformed vertices; returns a GLB that needs no other file.
 ///

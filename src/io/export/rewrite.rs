@@ -1,8 +1,8 @@
 //! A glTF with one mesh's vertices replaced and its morph targets gone, as edits of its JSON.
 
-use super::Vertices;
 use super::compact;
-use super::glb::{Blob, container, push_attribute, push_view};
+use super::glb::{Blob, container, list_mut, push_attribute, push_view};
+use super::vertices::Vertices;
 use crate::Error;
 use crate::io::import::document::Document;
 use crate::io::import::gltf::{Part, choose, parts};
@@ -171,9 +171,4 @@ fn media_type(bytes: &[u8], path: &str) -> Option<&'static str> {
 
 fn shows(node: &Value, mesh: usize) -> bool {
     node["mesh"].as_u64() == Some(mesh as u64)
-}
-
-/// The elements of a list in an object; none where there is no such list. (`IndexMut` would make one.)
-pub(super) fn list_mut<'v>(object: &'v mut Value, key: &str) -> impl Iterator<Item = &'v mut Value> + use<'v> {
-    object.get_mut(key).and_then(Value::as_array_mut).into_iter().flatten()
 }

@@ -1,6 +1,6 @@
 //! What the arrays of a file must be, whoever wrote it. Each check is a scan that compilers make vector operations of.
 
-use super::wrong;
+use super::layout::wrong;
 use crate::Error;
 use crate::deform::longest;
 use crate::example::blocks::{DeltaBlocks, GROUP, Head, Numbers, Stored, Width, words};

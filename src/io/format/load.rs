@@ -1,7 +1,8 @@
 //! A file becomes a set.
 
+use super::check;
+use super::layout::{AnchoredRecord, ExampleRecord, Id, MeshRecord, SetRecord, StampRecord, wrong};
 use super::read::{File, length_of};
-use super::{AnchoredRecord, ExampleRecord, Id, MeshRecord, SetRecord, StampRecord, check, wrong};
 use crate::base::array::{Array, FileBytes};
 use crate::base::tasks::map;
 use crate::example::blocks::{DeltaBlocks, Head, Steps};

@@ -1,274 +1,24 @@
 //! Baked sets: a file that holds an example set made ready, so that loading it rebuilds nothing.
 //!
 //! A header, a table of sections, and the sections: plain little-endian arrays that are used where they lie. docs/format.md
-//! tells every byte. [`read`] finds the sections, [`check`] looks at what is in them, [`load`] makes a set of them, [`write`]
+//! tells every byte. [`layout`] has the records, [`read`] finds the sections, [`check`] looks at what is in them, [`load`] makes a set of them, [`write`]
 //! is the way back. Whatever a file holds, it becomes a set that keeps the library's promises, or an error.
 
 mod check;
+mod layout;
 mod load;
 mod read;
 mod write;
 
+pub use layout::file_checksum;
+
 use crate::base::array::FileBytes;
-use crate::base::tasks::map;
 use crate::{Error, ExampleSet, TaskSystem};
 use bytemuck::{Pod, Zeroable};
+use layout::{ALIGN, IN_PLACE, MAGIC, little_endian};
 use std::io::{Read, Write};
 use std::path::Path;
 use std::sync::Arc;
-use xxhash_rust::xxh3::xxh3_64;
-
-/// The first bytes of every file; the last one tells a file that went through a text conversion.
-const MAGIC: [u8; 8] = *b"crumple\n";
-/// Files of other versions are refused.
-const VERSION: u32 = 2;
-/// Sections begin at multiples of this; the largest alignment that any element needs is 16.
-const ALIGN: usize = 64;
-/// What the memory of a file must be a multiple of to be used in place.
-const IN_PLACE: usize = 16;
-/// Bytes that one hash of the checksum covers.
-const CHUNK: usize = 1 << 20;
-/// The magic and the checksum itself are not part of the checksum.
-const UNHASHED: usize = 16;
-
-/// The first 64 bytes.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-struct Header {
-    magic: [u8; 8],
-    checksum: u64,
-    /// Bytes of the whole file.
-    length: u64,
-    version: u32,
-    sections: u32,
-    zero: [u8; 32],
-}
-
-/// One line of the table of sections, which follows the header.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-struct Entry {
-    id: u32,
-    /// Which mesh it belongs to, for the sections of meshes; else 0.
-    mesh: u32,
-    /// From the beginning of the file, a multiple of 64.
-    offset: u64,
-    /// Bytes.
-    length: u64,
-    /// Bytes of one element.
-    element: u32,
-    flags: u32,
-}
-
-impl Entry {
-    /// A reader that does not know the section may go on without it.
-    const OPTIONAL: u32 = 1;
-}
-
-/// What a section holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-#[repr(u32)]
-enum Id {
-    Set = 1,
-    Examples = 2,
-    Names = 3,
-    Masses = 4,
-    Stamps = 5,
-    Nodes = 6,
-    Mesh = 16,
-    Positions = 17,
-    Normals = 18,
-    Tangents = 19,
-    Triangles = 20,
-    Weld = 21,
-    ContactNormals = 22,
-    RimBlocks = 23,
-    RimWindows = 24,
-    RimHeld = 25,
-    Anchored = 26,
-    Heads = 27,
-    Words = 28,
-    IndexInner = 29,
-    IndexLeaves = 30,
-    SourceOrder = 64,
-}
-
-impl Id {
-    const ALL: [Id; 22] = [
-        Id::Set,
-        Id::Examples,
-        Id::Names,
-        Id::Masses,
-        Id::Stamps,
-        Id::Nodes,
-        Id::Mesh,
-        Id::Positions,
-        Id::Normals,
-        Id::Tangents,
-        Id::Triangles,
-        Id::Weld,
-        Id::ContactNormals,
-        Id::RimBlocks,
-        Id::RimWindows,
-        Id::RimHeld,
-        Id::Anchored,
-        Id::Heads,
-        Id::Words,
-        Id::IndexInner,
-        Id::IndexLeaves,
-        Id::SourceOrder,
-    ];
-
-    /// Whether each mesh has its own.
-    fn of_mesh(self) -> bool {
-        (Id::Mesh..Id::SourceOrder).contains(&self)
-    }
-
-    fn flags(self) -> u32 {
-        if self == Id::SourceOrder { Entry::OPTIONAL } else { 0 }
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            Id::Set => "set",
-            Id::Examples => "examples",
-            Id::Names => "names",
-            Id::Masses => "masses",
-            Id::Stamps => "stamps",
-            Id::Nodes => "nodes",
-            Id::Mesh => "mesh",
-            Id::Positions => "positions",
-            Id::Normals => "normals",
-            Id::Tangents => "tangents",
-            Id::Triangles => "triangles",
-            Id::Weld => "weld",
-            Id::ContactNormals => "contact normals",
-            Id::RimBlocks => "rim blocks",
-            Id::RimWindows => "rim windows",
-            Id::RimHeld => "rim held",
-            Id::Anchored => "anchored",
-            Id::Heads => "heads",
-            Id::Words => "words",
-            Id::IndexInner => "index inner",
-            Id::IndexLeaves => "index leaves",
-            Id::SourceOrder => "source order",
-        }
-    }
-}
-
-/// The one element of section `set`.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-struct SetRecord {
-    fingerprint: u64,
-    /// Coincident vertices that were welded at build.
-    welded: u64,
-    examples: u32,
-    meshes: u32,
-    /// m; 0: the deepest example.
-    depth_limit: f32,
-    /// m.
-    drop_below: f32,
-    /// m; 0: exact floats.
-    tolerance: f32,
-    /// Degrees.
-    normal_tolerance: f32,
-    /// kg, where `mass_kind` is 1.
-    mass: f32,
-    stamp_resolution: u32,
-    /// Learned: share of the bounds' diagonal.
-    place_width: f32,
-    /// m.
-    widest_weld: f32,
-    /// 0 sum, 1 energies, 2 deepest.
-    combine: u8,
-    strict: u8,
-    /// 0 weld, 1 keep.
-    seams: u8,
-    /// 0 none, 1 uniform, 2 one a vertex.
-    mass_kind: u8,
-    mirror: u8,
-    held_rims: u8,
-    /// Mirror planes found: bits 0, 1, 2 for x, y, z.
-    planes: u8,
-    zero: u8,
-}
-
-/// One element of section `examples`.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-struct ExampleRecord {
-    /// Bytes of its name, which follows that of the example before it.
-    name: u32,
-    contact_vertex: u32,
-    /// Vertices it moves.
-    moved: u32,
-    /// m.
-    support_radius: f32,
-    /// Zero where there is none.
-    contact_normal: [f32; 3],
-    /// As given, m.
-    contact_displacement: [f32; 3],
-    /// Learned; not a number where not known.
-    carried_error: f32,
-    /// Learned; not a number where not known.
-    anchored_error: f32,
-    /// 0 automatic, 1 anchored, 2 carried.
-    placement: u8,
-    /// Learned: stays in place.
-    stays: u8,
-    /// Whether it has a stamp: the next one of section `stamps`.
-    stamp: u8,
-    zero: u8,
-}
-
-/// One element of section `stamps`.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-struct StampRecord {
-    /// Nodes along x and y.
-    dims: [u32; 2],
-    /// m.
-    origin: [f32; 2],
-    /// m.
-    cell: [f32; 2],
-    /// What displacements (m), heights (m) and changes of normals are multiples of.
-    displacement: [f32; 3],
-    height: f32,
-    normal: [f32; 3],
-    /// m.
-    fade: f32,
-    /// m.
-    error_max: f32,
-    /// m.
-    error_rms: f32,
-}
-
-/// The one element of section `mesh`.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-struct MeshRecord {
-    vertices: u32,
-    repaired_normals: u32,
-    degenerate_triangles: u32,
-    /// m; 0 of the base mesh.
-    farthest: f32,
-}
-
-/// One element of section `anchored`: how much of `heads` and `words` is one example's.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-struct AnchoredRecord {
-    heads: u32,
-    words: u32,
-}
-
-// docs/format.md tells these.
-const _: () = assert!(size_of::<Header>() == 64 && size_of::<Entry>() == 32);
-const _: () = assert!(size_of::<SetRecord>() == 64 && size_of::<ExampleRecord>() == 52);
-const _: () = assert!(size_of::<StampRecord>() == 64 && size_of::<MeshRecord>() == 16);
-const _: () =
-    assert!(size_of::<crate::example::blocks::Head>() == 20 && size_of::<crate::mesh::rim::WindowBlock>() == 2048);
 
 /// 64 bytes of a file, aligned.
 #[repr(C, align(64))]
@@ -297,31 +47,6 @@ impl AsRef<[u8]> for Aligned {
     fn as_ref(&self) -> &[u8] {
         &bytemuck::cast_slice(&self.lines)[..self.length]
     }
-}
-
-/// The checksum of a file: XXH3 of the XXH3s of its pieces.
-fn checksum(hashes: &[u64]) -> u64 {
-    let bytes: Vec<u8> = hashes.iter().flat_map(|h| h.to_le_bytes()).collect();
-    xxh3_64(&bytes)
-}
-
-/// The checksum that a file should have, whatever its own says; for tests that damage files on purpose.
-#[doc(hidden)]
-pub fn file_checksum(file: &[u8], tasks: &dyn TaskSystem) -> u64 {
-    checksum(&map(tasks, file.get(UNHASHED..).unwrap_or_default().chunks(CHUNK), xxh3_64))
-}
-
-fn little_endian() -> Result<(), Error> {
-    if cfg!(target_endian = "little") {
-        Ok(())
-    } else {
-        Err(Error::Unsupported { what: "baked sets on a big-endian processor: their numbers are little-endian".into() })
-    }
-}
-
-/// "malformed: `name` is `value`; it must be `expected`".
-fn wrong(name: impl std::fmt::Display, value: impl std::fmt::Display, expected: impl std::fmt::Display) -> Error {
-    Error::Format { what: format!("baked set: {name} is {value}; it must be {expected}") }
 }
 
 impl ExampleSet {

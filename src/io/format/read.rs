@@ -1,6 +1,6 @@
 //! A file's header and table, and its sections as arrays.
 
-use super::{ALIGN, Entry, Header, Id, MAGIC, VERSION, file_checksum, wrong};
+use super::layout::{ALIGN, Entry, Header, Id, MAGIC, VERSION, file_checksum, wrong};
 use crate::base::array::{Array, FileBytes};
 use crate::{Error, TaskSystem};
 use bytemuck::Pod;

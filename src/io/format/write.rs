@@ -1,6 +1,6 @@
 //! A set becomes a file.
 
-use super::{
+use super::layout::{
     ALIGN, AnchoredRecord, CHUNK, Entry, ExampleRecord, Header, Id, MAGIC, MeshRecord, SetRecord, StampRecord,
     UNHASHED, VERSION, checksum,
 };

@@ -1,6 +1,6 @@
 //! The colours of the heat map, their legend, captions and markers.
 
-use super::{Image, shade::Light};
+use super::{image::Image, shade::Light};
 use embedded_graphics::{
     Drawable, Pixel,
     draw_target::DrawTarget,

@@ -1,0 +1,287 @@
+//! Where a file keeps what: header, table of sections, records. docs/format.md describes every byte.
+
+use crate::base::tasks::map;
+use crate::{Error, TaskSystem};
+use bytemuck::{Pod, Zeroable};
+use xxhash_rust::xxh3::xxh3_64;
+
+/// The first bytes of every file; the last one tells a file that went through a text conversion.
+pub(super) const MAGIC: [u8; 8] = *b"crumple\n";
+/// Files of other versions are refused.
+pub(super) const VERSION: u32 = 2;
+/// Sections begin at multiples of this; the largest alignment that any element needs is 16.
+pub(super) const ALIGN: usize = 64;
+/// What the memory of a file must be a multiple of to be used in place.
+pub(super) const IN_PLACE: usize = 16;
+/// Bytes that one hash of the checksum covers.
+pub(super) const CHUNK: usize = 1 << 20;
+/// The magic and the checksum itself are not part of the checksum.
+pub(super) const UNHASHED: usize = 16;
+
+/// The first 64 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(super) struct Header {
+    pub(super) magic: [u8; 8],
+    pub(super) checksum: u64,
+    /// Bytes of the whole file.
+    pub(super) length: u64,
+    pub(super) version: u32,
+    pub(super) sections: u32,
+    pub(super) zero: [u8; 32],
+}
+
+/// One line of the table of sections, which follows the header.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(super) struct Entry {
+    pub(super) id: u32,
+    /// Which mesh it belongs to, for the sections of meshes; else 0.
+    pub(super) mesh: u32,
+    /// From the beginning of the file, a multiple of 64.
+    pub(super) offset: u64,
+    /// Bytes.
+    pub(super) length: u64,
+    /// Bytes of one element.
+    pub(super) element: u32,
+    pub(super) flags: u32,
+}
+
+impl Entry {
+    /// A reader that does not know the section may go on without it.
+    pub(super) const OPTIONAL: u32 = 1;
+}
+
+/// What a section holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u32)]
+pub(super) enum Id {
+    Set = 1,
+    Examples = 2,
+    Names = 3,
+    Masses = 4,
+    Stamps = 5,
+    Nodes = 6,
+    Mesh = 16,
+    Positions = 17,
+    Normals = 18,
+    Tangents = 19,
+    Triangles = 20,
+    Weld = 21,
+    ContactNormals = 22,
+    RimBlocks = 23,
+    RimWindows = 24,
+    RimHeld = 25,
+    Anchored = 26,
+    Heads = 27,
+    Words = 28,
+    IndexInner = 29,
+    IndexLeaves = 30,
+    SourceOrder = 64,
+}
+
+impl Id {
+    pub(super) const ALL: [Id; 22] = [
+        Id::Set,
+        Id::Examples,
+        Id::Names,
+        Id::Masses,
+        Id::Stamps,
+        Id::Nodes,
+        Id::Mesh,
+        Id::Positions,
+        Id::Normals,
+        Id::Tangents,
+        Id::Triangles,
+        Id::Weld,
+        Id::ContactNormals,
+        Id::RimBlocks,
+        Id::RimWindows,
+        Id::RimHeld,
+        Id::Anchored,
+        Id::Heads,
+        Id::Words,
+        Id::IndexInner,
+        Id::IndexLeaves,
+        Id::SourceOrder,
+    ];
+
+    /// Whether each mesh has its own.
+    pub(super) fn of_mesh(self) -> bool {
+        (Id::Mesh..Id::SourceOrder).contains(&self)
+    }
+
+    pub(super) fn flags(self) -> u32 {
+        if self == Id::SourceOrder { Entry::OPTIONAL } else { 0 }
+    }
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Id::Set => "set",
+            Id::Examples => "examples",
+            Id::Names => "names",
+            Id::Masses => "masses",
+            Id::Stamps => "stamps",
+            Id::Nodes => "nodes",
+            Id::Mesh => "mesh",
+            Id::Positions => "positions",
+            Id::Normals => "normals",
+            Id::Tangents => "tangents",
+            Id::Triangles => "triangles",
+            Id::Weld => "weld",
+            Id::ContactNormals => "contact normals",
+            Id::RimBlocks => "rim blocks",
+            Id::RimWindows => "rim windows",
+            Id::RimHeld => "rim held",
+            Id::Anchored => "anchored",
+            Id::Heads => "heads",
+            Id::Words => "words",
+            Id::IndexInner => "index inner",
+            Id::IndexLeaves => "index leaves",
+            Id::SourceOrder => "source order",
+        }
+    }
+}
+
+/// The one element of section `set`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(super) struct SetRecord {
+    pub(super) fingerprint: u64,
+    /// Coincident vertices that were welded at build.
+    pub(super) welded: u64,
+    pub(super) examples: u32,
+    pub(super) meshes: u32,
+    /// m; 0: the deepest example.
+    pub(super) depth_limit: f32,
+    /// m.
+    pub(super) drop_below: f32,
+    /// m; 0: exact floats.
+    pub(super) tolerance: f32,
+    /// Degrees.
+    pub(super) normal_tolerance: f32,
+    /// kg, where `mass_kind` is 1.
+    pub(super) mass: f32,
+    pub(super) stamp_resolution: u32,
+    /// Learned: share of the bounds' diagonal.
+    pub(super) place_width: f32,
+    /// m.
+    pub(super) widest_weld: f32,
+    /// 0 sum, 1 energies, 2 deepest.
+    pub(super) combine: u8,
+    pub(super) strict: u8,
+    /// 0 weld, 1 keep.
+    pub(super) seams: u8,
+    /// 0 none, 1 uniform, 2 one a vertex.
+    pub(super) mass_kind: u8,
+    pub(super) mirror: u8,
+    pub(super) held_rims: u8,
+    /// Mirror planes found: bits 0, 1, 2 for x, y, z.
+    pub(super) planes: u8,
+    pub(super) zero: u8,
+}
+
+/// One element of section `examples`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(super) struct ExampleRecord {
+    /// Bytes of its name, which follows that of the example before it.
+    pub(super) name: u32,
+    pub(super) contact_vertex: u32,
+    /// Vertices it moves.
+    pub(super) moved: u32,
+    /// m.
+    pub(super) support_radius: f32,
+    /// Zero where there is none.
+    pub(super) contact_normal: [f32; 3],
+    /// As given, m.
+    pub(super) contact_displacement: [f32; 3],
+    /// Learned; not a number where not known.
+    pub(super) carried_error: f32,
+    /// Learned; not a number where not known.
+    pub(super) anchored_error: f32,
+    /// 0 automatic, 1 anchored, 2 carried.
+    pub(super) placement: u8,
+    /// Learned: stays in place.
+    pub(super) stays: u8,
+    /// Whether it has a stamp: the next one of section `stamps`.
+    pub(super) stamp: u8,
+    pub(super) zero: u8,
+}
+
+/// One element of section `stamps`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(super) struct StampRecord {
+    /// Nodes along x and y.
+    pub(super) dims: [u32; 2],
+    /// m.
+    pub(super) origin: [f32; 2],
+    /// m.
+    pub(super) cell: [f32; 2],
+    /// What displacements (m), heights (m) and changes of normals are multiples of.
+    pub(super) displacement: [f32; 3],
+    pub(super) height: f32,
+    pub(super) normal: [f32; 3],
+    /// m.
+    pub(super) fade: f32,
+    /// m.
+    pub(super) error_max: f32,
+    /// m.
+    pub(super) error_rms: f32,
+}
+
+/// The one element of section `mesh`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(super) struct MeshRecord {
+    pub(super) vertices: u32,
+    pub(super) repaired_normals: u32,
+    pub(super) degenerate_triangles: u32,
+    /// m; 0 of the base mesh.
+    pub(super) farthest: f32,
+}
+
+/// One element of section `anchored`: how much of `heads` and `words` is one example's.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(super) struct AnchoredRecord {
+    pub(super) heads: u32,
+    pub(super) words: u32,
+}
+
+// docs/format.md tells these.
+const _: () = assert!(size_of::<Header>() == 64 && size_of::<Entry>() == 32);
+const _: () = assert!(size_of::<SetRecord>() == 64 && size_of::<ExampleRecord>() == 52);
+const _: () = assert!(size_of::<StampRecord>() == 64 && size_of::<MeshRecord>() == 16);
+const _: () =
+    assert!(size_of::<crate::example::blocks::Head>() == 20 && size_of::<crate::mesh::rim::WindowBlock>() == 2048);
+
+/// The checksum of a file: XXH3 of the XXH3s of its pieces.
+pub(super) fn checksum(hashes: &[u64]) -> u64 {
+    let bytes: Vec<u8> = hashes.iter().flat_map(|h| h.to_le_bytes()).collect();
+    xxh3_64(&bytes)
+}
+
+/// The checksum that a file should have, whatever its own says; for tests that damage files on purpose.
+#[doc(hidden)]
+pub fn file_checksum(file: &[u8], tasks: &dyn TaskSystem) -> u64 {
+    checksum(&map(tasks, file.get(UNHASHED..).unwrap_or_default().chunks(CHUNK), xxh3_64))
+}
+
+pub(super) fn little_endian() -> Result<(), Error> {
+    if cfg!(target_endian = "little") {
+        Ok(())
+    } else {
+        Err(Error::Unsupported { what: "baked sets on a big-endian processor: their numbers are little-endian".into() })
+    }
+}
+
+/// "malformed: `name` is `value`; it must be `expected`".
+pub(super) fn wrong(
+    name: impl std::fmt::Display,
+    value: impl std::fmt::Display,
+    expected: impl std::fmt::Display,
+) -> Error {
+    Error::Format { what: format!("baked set: {name} is {value}; it must be {expected}") }
+}
