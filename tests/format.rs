@@ -1,5 +1,4 @@
-//! Baked sets: what is saved and loaded is the same set, whatever its options; and no file, however damaged, is more than an
-//! error or a set that keeps the promises.
+//! Baked sets: a loaded set equals the saved one, whatever its options. A damaged file is an error, or a set that keeps the promises.
 
 mod scenes;
 
