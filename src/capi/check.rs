@@ -226,6 +226,14 @@ pub(super) fn positive_or_none(value: f32, name: &str, unit: &str) -> Result<Opt
 mod tests {
     use super::*;
 
+    #[test]
+    fn a_refused_length_is_not_said_to_turn_a_default_off() {
+        // 0 is the default, which is not always "none": the depth limit's is the deepest example.
+        assert_eq!(positive_or_none(0.0, "depth_limit", "m").ok(), Some(None));
+        let failure = positive_or_none(-1.0, "depth_limit", "m").expect_err("a negative length");
+        assert_eq!(failure.message, "depth_limit is -1 m; it must be above 0, or 0 for the default");
+    }
+
     /// What a program was built against once.
     #[repr(C)]
     #[derive(Clone, Copy)]

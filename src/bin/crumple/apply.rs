@@ -259,8 +259,8 @@ fn report(
         "impact",
         ">vertex",
         ">off mm",
-        ">asked mm",
-        ">met mm",
+        ">target mm",
+        ">achieved mm",
         ">unmet mm",
         "examples (share x scale)",
     ]);
