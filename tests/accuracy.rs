@@ -1,5 +1,5 @@
-//! How near the predicted dents come to an independent elasto-plastic solver's, on impacts that no example shows: the table of the
-//! design, classic beside carried. `cargo test --test accuracy -- --nocapture` prints it.
+//! Compares predicted dents with those of an independent elasto-plastic solver, on impacts that no example shows. The table has the
+//! classic rule beside carried examples. `cargo test --test accuracy -- --nocapture` prints it.
 //!
 //! Relative L2 of the displacement field over all vertices, median and 90th percentile over 16 held-out impacts a body. The hit is what
 //! an engine would report: the contact point and the displacement wanted there.

@@ -1,5 +1,4 @@
-//! Input that is wrong, and input that only looks wrong. Each refusal is typed, names the value and what would be right, and leaves
-//! everything as it was and usable.
+//! Wrong input, and input that only looks wrong. Each refusal has a type, names the value and what would be right, and changes nothing.
 
 mod scenes;
 

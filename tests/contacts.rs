@@ -1,4 +1,4 @@
-//! Contacts reported in parts: the same dent at any frame rate, whole or split, whatever else hits the body meanwhile.
+//! Contacts reported in parts leave the same dent at any frame rate, whole or split, among other hits.
 
 mod scenes;
 

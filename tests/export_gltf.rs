@@ -1,4 +1,4 @@
-//! Rewritten glTFs: the mesh shows its deformed vertices, everything else is as it was, and other programs agree.
+//! Rewritten glTFs show the deformed vertices and keep everything else. The Khronos validator and Blender read them.
 #![cfg(feature = "gltf")]
 
 mod import_glb;

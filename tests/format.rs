@@ -1,5 +1,4 @@
-//! Baked sets: what is saved and loaded is the same set, whatever its options; and no file, however damaged, is more than an
-//! error or a set that keeps the promises.
+//! Baked sets: a loaded set equals the saved one, whatever its options. A damaged file is an error, or a set that keeps the promises.
 
 mod scenes;
 
@@ -44,42 +43,29 @@ fn small_sets() -> Vec<(&'static str, Arc<ExampleSet>)> {
     let set = Arc::get_mut(&mut levels).unwrap();
     set.add_lod(scenes::cube(6), &Serial).unwrap();
     set.add_lod(scenes::cube(2), &Serial).unwrap();
-    vec![
-        ("levels of detail", levels),
-        (
-            "cube",
-            scenes::build(cube.clone(), bowls.clone(), SetOptions { stamp_resolution: 8, ..SetOptions::default() }),
-        ),
-        ("baked cube", scenes::build(cube.clone(), bowls, SetOptions { stamp_resolution: 8, ..baked(1e-3) })),
-        (
-            "all options",
-            scenes::build(
-                cube,
-                placed,
-                SetOptions {
-                    depth_limit: Some(0.2),
-                    combine: Combine::Sum,
-                    strict: true,
-                    seams: Seams::Keep,
-                    mass: VertexMass::PerVertex(masses),
-                    drop_below: 1e-4,
-                    stamp_resolution: 9,
-                    normal_tolerance: 3.0,
-                    mirror: false,
-                    ..baked(1e-4)
-                },
-            ),
-        ),
-        (
-            "held sheet",
-            scenes::build(
-                sheet.clone(),
-                scenes::bowls(&sheet, 3, 0.3, 7),
-                SetOptions { stamp_resolution: 6, ..baked(1e-5) },
-            ),
-        ),
-        ("points", scenes::build(points, point_dents, SetOptions { mass: VertexMass::Uniform(2.0), ..baked(1e-3) })),
-    ]
+    let mut sets = vec![("levels of detail", levels)];
+    let mut add = |name, mesh: &MeshData, examples: &[ExampleData], options| {
+        sets.push((name, scenes::build(mesh.clone(), examples.to_vec(), options)));
+    };
+    add("cube", &cube, &bowls, SetOptions { stamp_resolution: 8, ..SetOptions::default() });
+    add("baked cube", &cube, &bowls, SetOptions { stamp_resolution: 8, ..baked(1e-3) });
+    let all_options = SetOptions {
+        depth_limit: Some(0.2),
+        combine: Combine::Sum,
+        strict: true,
+        seams: Seams::Keep,
+        mass: VertexMass::PerVertex(masses),
+        drop_below: 1e-4,
+        stamp_resolution: 9,
+        normal_tolerance: 3.0,
+        mirror: false,
+        ..baked(1e-4)
+    };
+    add("all options", &cube, &placed, all_options);
+    let dents = scenes::bowls(&sheet, 3, 0.3, 7);
+    add("held sheet", &sheet, &dents, SetOptions { stamp_resolution: 6, ..baked(1e-5) });
+    add("points", &points, &point_dents, SetOptions { mass: VertexMass::Uniform(2.0), ..baked(1e-3) });
+    sets
 }
 
 /// The small ones and bodies of some size, exact and baked.

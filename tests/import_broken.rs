@@ -1,4 +1,4 @@
-//! Files that lie: each gives a typed error that names the value, and none a panic.
+//! Broken glTF files: each gives a typed error that names the value. None panics.
 #![cfg(feature = "gltf")]
 
 mod import_glb;

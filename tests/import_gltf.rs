@@ -1,4 +1,4 @@
-//! What the importer makes of good files: Blender's, and features that Blender does not write.
+//! Good glTF files: Blender's, and features that Blender does not write.
 #![cfg(feature = "gltf")]
 
 mod import_glb;

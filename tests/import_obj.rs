@@ -1,4 +1,4 @@
-//! A base OBJ and example OBJs: what Blender writes, what others write, and what is broken.
+//! A base OBJ with example OBJs: Blender's files, other programs' files, and broken files.
 #![cfg(feature = "obj")]
 
 use crumple::import::{Imported, obj_files, obj_slices};

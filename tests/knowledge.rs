@@ -1,5 +1,5 @@
-//! What the model takes from a body and its examples by itself: mirror planes, held rims, how far an example's say reaches, and whether
-//! dents stay where they were made.
+//! What a set finds out from its body and its examples: mirror planes, held rims, the width of the place axes, and which examples stay
+//! anchored.
 
 mod scenes;
 

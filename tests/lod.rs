@@ -1,5 +1,5 @@
-//! Levels of detail: several meshes show one damage. Against the base mesh bit for bit where they share vertices, against an
-//! interpolation in f64 where they do not.
+//! Levels of detail: several meshes show the same damage. Vertices shared with the base mesh are compared bit for bit, others with an
+//! interpolation in f64.
 
 mod scenes;
 

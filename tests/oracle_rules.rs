@@ -1,4 +1,4 @@
-//! Every rule of the library agrees with a naive f64 implementation (`oracle`) on random sets and on the solver's bodies.
+//! Compares every rule of the library with a naive f64 implementation (`oracle`), on random sets and on the solver's bodies.
 
 mod oracle;
 mod scenes;

@@ -1,5 +1,5 @@
-//! What the design promises, whatever happens to a body: bounded, local, free of order, deterministic, watertight, nothing written where
-//! nothing changed. Random sequences of up to 10 000 hits on a sheet, a ball, a cube with hard edges and a UV seam, and the solver's panel.
+//! The promises of docs/model.md: bounded, local, free of order, deterministic, watertight, and nothing written where nothing changed. The
+//! tests submit up to 10 000 random hits to a sheet, a ball, a cube with hard edges and a UV seam, and the solver's panel.
 
 mod scenes;
 

@@ -1,5 +1,5 @@
-//! The facts behind the lab's charts of stability: where other methods fail, this one does not. `promises.rs` has hits of any size and in
-//! any order, `contacts.rs` frame rates, `bad_input.rs` broken meshes.
+//! The facts behind the lab's charts of stability, where other methods fail. `promises.rs` tests hits of any size and in any order,
+//! `contacts.rs` frame rates, `bad_input.rs` broken meshes.
 
 mod scenes;
 

@@ -1,5 +1,5 @@
-//! The run-time tolerance: no vertex is wrong by more, seams stay closed bit for bit, outputs that are brought up to date piece by
-//! piece hold what a fresh one does, and something is saved.
+//! The run-time tolerance: no vertex is wrong by more, seams stay closed bit for bit, an output that is updated in steps equals a fresh
+//! one, and work is saved.
 
 mod scenes;
 

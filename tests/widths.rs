@@ -1,5 +1,5 @@
-//! Baked sets: every width of numbers, every kind of stamp, every SIMD level and any number of threads give the same bits, and an
-//! example is never further off than the set's tolerance, whatever its weight. Only sources of this repository, and f64.
+//! Baked sets: every width of numbers, kind of stamp, SIMD level and number of threads gives the same bits. An example is within the
+//! set's tolerance at any weight. The reference is computed in f64 from sources of this repository.
 
 mod scenes;
 

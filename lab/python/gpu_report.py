@@ -127,30 +127,30 @@ def main():
     if not found:
         print("report: no table of a device is there")
         return
-    devices = table(["device", "driver", "kind", "processor", "busy before with", "clock", "held against the CPU path", "figures"],
+    devices = table(["device", "driver", "kind", "processor", "load before", "clock", "compared with the CPU path", "figures"],
                     [[t.said("device"), t.said("driver"), t.said("kind").split(":")[0], f"{t.said('machine')}, {t.said('cores').split(' (')[0]} cores", t.said("load before").split(",")[0] or "–", t.said("clock"), checks(t), f"[CSV](gpu-{p})"] for t, p in zip(found, names(directory, found))])
     left_out = "".join(f"- {device(t)}: {text}\n" for t in found for text in t.comments.get("left out", []))
     text = f"""# Graphics devices
 
 Made by `cargo xtask bench --gpu`, on each device that the Vulkan loader finds; {found[0].said('rustc')}, crumple {found[0].said('crumple')}.
-No extension, no feature, no validation. Times are medians of what timestamps say on the device, around everything that is recorded: the copy
-of the frame's work, barriers, dispatches. Contenders take turns. Every result is held against the CPU path's: by bits on software drivers,
-to 16 units of 2^-23 m elsewhere; a run whose result is further off fails.
+The devices run without extensions, features and validation. Times are medians of timestamps on the device, around everything that is recorded: the copy
+of the frame's work, barriers, dispatches. Contenders take turns. Every result is compared with the CPU path's: bit for bit on software drivers,
+to 16 units of 2^-23 m elsewhere. A run whose result is further off fails.
 
 {devices}
 ## Aims
 
 {aims(found)}
-"Shown": the aim is for real graphics cards; a software driver computes on the cores that it is compared with, and its "memory bandwidth" is
-that of its copying loop. What holds everywhere is judged everywhere.
+"Shown" marks aims for real graphics cards. They are not judged here, because a software driver computes on the cores that it is compared with, and its "memory
+bandwidth" is that of its copying loop. The other aims are judged on every device.
 
 ## Time against moved vertices
 
 {picture(directory, "gpu_vertices", "Time and share of a copy's bandwidth against moved vertices")}
-One anchored example in 16 bits moves every vertex of a sheet. "GB/s" counts what must move: base position and result, 12 bytes each, 6 of the
-example, and a little a block; 52 bytes for the classic kernel (an entry of 16, base 12, state 12 read and 12 written). The copy
-beside each reads and writes as many bytes together. The classic kernel begins with the body at rest, so that it writes every vertex; the
-library's classic rule keeps a state of its own beside the engine's buffer.
+One anchored example in 16 bits moves every vertex of a sheet. "GB/s" counts the bytes that must move: base position and result, 12 bytes each, 6 of the
+example, and a few per block. For the classic kernel these are 52 bytes (an entry of 16, base 12, state 12 read and 12 written). Each copy
+reads and writes the same number of bytes. The classic kernel starts from the body at rest, so that it writes every vertex. The
+library's classic rule keeps its own state beside the engine's buffer.
 
 {each(found, vertices)}
 ## Workgroup sizes
@@ -167,7 +167,8 @@ library's classic rule keeps a state of its own beside the engine's buffer.
 ## What recording costs the CPU
 
 {picture(directory, "gpu_record", "CPU time of a recording against the number of instances")}
-Median / 90th percentile, µs. Bodies of 10 000 vertices in one buffer; the mark of each has changed, in a tenth of its blocks.
+The table has median / 90th percentile in µs. The bodies have 10 000 vertices each and share one buffer. The mark of each body has changed, in a
+tenth of its blocks.
 
 {each(found, recording)}
 ## Upload and reading back

@@ -218,6 +218,13 @@ pub(super) fn positive_or(value: f32, name: &str, unit: &str, zero: &str) -> Res
 mod tests {
     use super::*;
 
+    #[test]
+    fn a_refused_length_names_what_0_stands_for() {
+        assert_eq!(positive_or(0.0, "depth_limit", "m", "the deepest example").ok(), Some(None));
+        let failure = positive_or(-1.0, "depth_limit", "m", "the deepest example").expect_err("a negative length");
+        assert_eq!(failure.message, "depth_limit is -1 m; it must be positive, or 0 for the deepest example");
+    }
+
     #[repr(C)]
     #[derive(Clone, Copy, Debug, PartialEq)]
     struct CrumpleTodayDef {

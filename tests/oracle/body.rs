@@ -1,4 +1,4 @@
-//! What the model needs to know of the body itself: its mirror planes and its held rims. Brute force.
+//! The mirror planes and the held rims of the body, by brute force.
 
 use std::collections::{BTreeMap, BTreeSet};
 

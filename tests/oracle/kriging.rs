@@ -1,4 +1,4 @@
-//! Ordinary kriging as textbooks have it: one linear system, solved by elimination.
+//! Ordinary kriging: one linear system, solved by elimination.
 
 /// Seven numbers: place, logarithm of depth, lean, each over its width.
 pub type Axes = [f64; 7];

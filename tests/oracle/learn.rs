@@ -1,4 +1,4 @@
-//! What a set learns from itself: each example is left out and predicted from the others. Naive: every width, every vertex sum anew.
+//! What a set learns: each example is left out and predicted from the others. Naive: every width and every sum is computed anew.
 
 use crumple::Placement;
 

@@ -1,5 +1,5 @@
-//! Every rule of the library again: naive, in f64, one vertex at a time, written from the paper and the design rather than from the code.
-//! What it takes from the library is data only: the examples' displacements as stored, the stamps' grid values, and documented constants.
+//! A second implementation of every rule of the library: naive, in f64, one vertex at a time, written from the paper and the design and not
+//! from the code. It takes only data from the library: stored displacements, grid values of stamps, and documented constants.
 #![allow(dead_code)]
 
 pub mod body;

@@ -17,11 +17,11 @@ use crumple::{
 
 pub use solver::solver;
 
-/// How many random cases a property gets: a few in a test run, `CRUMPLE_SOAK` times as many in a soak. Failures are told by their seed, which
-/// is all that a case consists of; no files of regressions are written.
+/// Number of random cases of a property: `count` in a test run, `CRUMPLE_SOAK` times as many in a soak. A failure prints its seed, which
+/// repeats the case; no files of regressions are written.
 pub fn cases(count: u32) -> ProptestConfig {
     let soak = std::env::var("CRUMPLE_SOAK").ok().and_then(|s| s.parse().ok()).unwrap_or(1);
-    // The same cases at every run, so that a change that fails is the change that broke; new ones when soaking.
+    // Every test run has the same cases, so that a failure points at the last change. A soak has new ones.
     let rng_seed = if soak == 1 { RngSeed::Fixed(0x00C0_FFEE) } else { RngSeed::Random };
     let quiet = ProptestConfig { max_shrink_iters: 24, failure_persistence: None, ..ProptestConfig::default() };
     ProptestConfig { cases: count * soak, rng_seed, ..quiet }
@@ -312,12 +312,12 @@ pub fn cube_set() -> Arc<ExampleSet> {
     made_up(2)
 }
 
-/// The made-up bodies: a flat sheet, a closed sphere, a cube with hard edges and a UV seam. Built once.
+/// The synthetic bodies: a flat sheet, a closed sphere, a cube with hard edges and a UV seam. Built once.
 pub fn small_bodies() -> Vec<Body> {
     vec![("sheet", sheet_set()), ("ball", ball_set()), ("cube", cube_set())]
 }
 
-/// The made-up bodies and the solver's panel.
+/// The synthetic bodies and the solver's panel.
 pub fn bodies() -> Vec<Body> {
     let mut all = small_bodies();
     all.push(("panel", solver_set("panel", 8, Placement::Automatic)));
@@ -351,14 +351,14 @@ pub fn hit_at(set: &ExampleSet, vertex: usize, dice: &mut Dice) -> Hit {
     push([0, 1, 2].map(|k| at[k] + jitter[k]), [0, 1, 2].map(|k| size * (sideways[k] - normal[k])))
 }
 
-/// `count` hits: most at random places, some that repeat a few places with the same displacement, as a physics engine reports them.
+/// `count` hits. Most are at random places; some repeat one of four hits, as a physics engine does.
 pub fn random_hits(set: &ExampleSet, count: usize, seed: u64) -> Vec<Hit> {
     let mut dice = Dice::new(seed);
     let few: Vec<Hit> = (0..4).map(|_| random_hit(set, &mut dice)).collect();
     (0..count).map(|_| if dice.index(4) == 0 { few[dice.index(4)] } else { random_hit(set, &mut dice) }).collect()
 }
 
-/// One output with everything a mesh may have, and its tracker.
+/// An output with all attributes of the mesh, and its tracker.
 #[derive(Debug, Clone)]
 pub struct Output {
     pub positions: Vec<[f32; 3]>,
@@ -369,7 +369,7 @@ pub struct Output {
     has_tangents: bool,
 }
 
-/// A value no deform ever writes.
+/// A value that no deform writes.
 pub const POISON: f32 = -1.234e33;
 
 impl Output {

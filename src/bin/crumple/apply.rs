@@ -234,9 +234,9 @@ fn report(
         "impact",
         ">vertex",
         ">off mm",
-        ">asked mm",
+        ">target mm",
         ">achieved mm",
-        ">short mm",
+        ">unmet mm",
         "examples (share x scale)",
     ]);
     for (i, (impact, outcome)) in impacts.iter().zip(outcomes).enumerate() {
@@ -247,8 +247,8 @@ fn report(
             outcome.contact_vertex.to_string(),
             millimetres(outcome.contact_distance),
             length(outcome.target),
-            length(outcome.achieved),
-            length(outcome.shortfall()),
+            length(outcome.met),
+            length(outcome.unmet),
             chosen(source, outcome),
         ]);
     }
