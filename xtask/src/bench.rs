@@ -33,8 +33,7 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
         return devices(workspace, options);
     }
     // The physics engines that `cargo xtask lab` needs are left out: they take longer to build than all the rest.
-    workspace.cargo(&["build", "--release", "--package", "crumple-lab"]).run()?;
-    let program = workspace.target.join("release/crumple-lab").with_extension(std::env::consts::EXE_EXTENSION);
+    let program = lab::program(workspace, &[])?;
     let (out, lab) = (workspace.path("docs/bench"), workspace.path("docs/lab"));
     let quick = options.quick.then_some("--quick");
     let only = options.only.iter().flat_map(|name| ["--only", name]);
@@ -48,8 +47,7 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
 
 /// Measures graphics devices. A full run replaces their tables, and the charts and the page made from all tables.
 fn devices(workspace: &Workspace, options: &Options) -> Result<()> {
-    workspace.cargo(&["build", "--release", "--package", "crumple-lab", "--features", "gpu"]).run()?;
-    let program = workspace.target.join("release/crumple-lab").with_extension(std::env::consts::EXE_EXTENSION);
+    let program = lab::program(workspace, &["--features", "gpu"])?;
     let out = workspace.path("docs/bench");
     let quick = options.quick.then_some("--quick");
     let only = options.only.iter().flat_map(|name| ["--only", name]);

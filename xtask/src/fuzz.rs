@@ -35,16 +35,13 @@ pub struct Options {
 
 pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     let shell = &workspace.shell;
-    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-    let version = cmd!(shell, "{rustc} -vV").quiet().read()?;
-    let host = version.lines().find_map(|line| line.strip_prefix("host: ")).context("rustc -vV names its host")?;
+    let host = workspace.rustc("host")?;
     let home = workspace.target.join("fuzz");
     let corpus = options.corpus.clone().unwrap_or_else(|| home.join("corpus"));
     fs::create_dir_all(&corpus).with_context(|| format!("making {}", corpus.display()))?;
     let manifest = workspace.path("fuzz/Cargo.toml");
     // --target keeps build scripts and macros free of instrumentation.
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    cmd!(shell, "{cargo} build --release --manifest-path {manifest} --target {host} --target-dir {home}")
+    cmd!(shell, "cargo build --release --manifest-path {manifest} --target {host} --target-dir {home}")
         .env("RUSTFLAGS", COVERAGE.join(" "))
         .run()?;
     let load = home.join(host).join("release").join("load");

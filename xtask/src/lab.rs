@@ -64,10 +64,7 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     }
 
     let start = Instant::now();
-    let program = timed("build", || {
-        workspace.cargo(&["build", "--release", "--package", "crumple-lab", "--all-features"]).run()?;
-        Ok(workspace.target.join("release/crumple-lab").with_extension(std::env::consts::EXE_EXTENSION))
-    })?;
+    let program = timed("build", || program(workspace, &["--all-features"]))?;
     let python = timed("python", || python(workspace))?;
     let sh = &workspace.shell;
     let _no_cache = sh.push_env("PYTHONDONTWRITEBYTECODE", "1");
@@ -95,6 +92,12 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     }
     println!("== lab: {} after {:.0} s", out.display(), start.elapsed().as_secs_f64());
     Ok(())
+}
+
+/// Builds the lab with these features and returns its program.
+pub fn program(workspace: &Workspace, features: &[&str]) -> Result<PathBuf> {
+    workspace.cargo(&["build", "--release", "--package", "crumple-lab"]).args(features).run()?;
+    Ok(workspace.target.join("release/crumple-lab").with_extension(std::env::consts::EXE_EXTENSION))
 }
 
 fn timed<T>(name: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
