@@ -1,64 +1,51 @@
 //! The library's memory from the host's allocator (feature `host-allocator`).
 
 use super::boundary::boundary;
-use super::check::{Def, MadeBy, def};
+use super::check::{def, defs, zeroed};
 use super::result::CrumpleResult;
 #[cfg(not(feature = "host-allocator"))]
 use super::result::Failure;
 use std::ffi::c_void;
 
-/// Gives size bytes aligned to align (a power of two, at least 16), or null. Called from any thread, several at once.
-/// Must not call Crumple, throw, or jump out.
+/// Returns size bytes aligned to align (a power of two, at least 16), or null. Must be thread-safe. Must not call
+/// Crumple, throw or jump out.
 pub type CrumpleAlloc = Option<unsafe extern "C" fn(size: usize, align: usize, user: *mut c_void) -> *mut c_void>;
 
-/// Takes back what CrumpleAlloc gave, with the same size and align. Called from any thread, several at once. Must not
-/// call Crumple, throw, or jump out.
+/// Frees memory of CrumpleAlloc; size and align are those of its allocation. Must be thread-safe. Must not call
+/// Crumple, throw or jump out.
 pub type CrumpleFree = Option<unsafe extern "C" fn(pointer: *mut c_void, size: usize, align: usize, user: *mut c_void)>;
 
 /// The host's allocator.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleAllocatorDef {
-    /// Bytes of this struct, from crumple_allocator_def_default().
     pub struct_size: u32,
-    /// Gives memory. Required.
+    /// Allocates. Required.
     pub alloc: CrumpleAlloc,
-    /// Takes memory back. Required.
+    /// Frees. Required.
     pub free: CrumpleFree,
-    /// Handed to both, untouched. May be null.
+    /// Passed to both. May be null.
     pub user: *mut c_void,
 }
 
-// SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
-unsafe impl Def for CrumpleAllocatorDef {
-    const DEFAULT: MadeBy<Self> = ("crumple_allocator_def_default", crumple_allocator_def_default);
-}
+defs!(CrumpleAllocatorDef);
 
-/// An allocator def without functions: set both. Never fails; any thread.
+/// An allocator def without functions. Set both.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_allocator_def_default() -> CrumpleAllocatorDef {
-    CrumpleAllocatorDef {
-        struct_size: size_of::<CrumpleAllocatorDef>() as u32,
-        alloc: None,
-        free: None,
-        user: std::ptr::null_mut(),
-    }
+    zeroed()
 }
 
-/// Makes the library take all further memory from the host's functions, for the whole process; null goes back to the
-/// system's. May be called at any time: each piece of memory returns to the functions it came from, so those must
-/// stay callable until the last piece is back. Destroying all contexts returns all, except for a few kB a thread that
-/// contexts with threads of Crumple's own leave to the next ones for the life of the process. At most 15 different
-/// allocators in the life of a process.
+/// Makes the library allocate from the host's functions, for the whole process. Null restores the system's allocator.
 ///
-/// Any thread. Errors: CRUMPLE_ERROR_UNSUPPORTED (a build without CRUMPLE_FEATURE_HOST_ALLOCATOR; see
-/// crumple_features()), CRUMPLE_ERROR_STRUCT_SIZE, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_NULL_POINTER (a function
-/// is missing), CRUMPLE_ERROR_INVALID_ARGUMENT (a sixteenth allocator).
+/// You may call this at any time. Each block is freed by the functions that allocated it, so they must stay callable.
+/// Destroying all contexts frees all blocks, except for a few kB per thread that contexts with their own threads keep
+/// until process exit. A process can use at most 15 different allocators. Builds without
+/// CRUMPLE_FEATURE_HOST_ALLOCATOR return CRUMPLE_ERROR_UNSUPPORTED.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_allocator_set(allocator: *const CrumpleAllocatorDef) -> CrumpleResult {
     boundary("crumple_allocator_set", || {
-        // SAFETY: null is taken out first; for the rest the caller vouches.
-        let allocator = if allocator.is_null() { None } else { Some(unsafe { def(allocator, "allocator") }?) };
+        let allocator = if allocator.is_null() { None } else { Some(def(allocator, "allocator")?) };
         #[cfg(feature = "host-allocator")]
         return global::set(allocator);
         #[cfg(not(feature = "host-allocator"))]
@@ -176,8 +163,7 @@ mod global {
             let memory = match (number, zeroed) {
                 // SAFETY: the size is not 0, a number is in it.
                 (0, false) => unsafe { System.alloc(whole) },
-                // SAFETY: as above.
-                (0, true) => unsafe { System.alloc_zeroed(whole) },
+                (0, true) => System.alloc_zeroed(whole),
                 _ => {
                     let (alloc, free, user) = functions(number);
                     // SAFETY: the host promised that its functions may be called so.
@@ -206,13 +192,11 @@ mod global {
     // number, and goes back where it came from with the layout it was taken with.
     unsafe impl GlobalAlloc for HostAllocator {
         unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-            // SAFETY: the caller's.
-            unsafe { Self::take(layout, false) }
+            Self::take(layout, false)
         }
 
         unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-            // SAFETY: the caller's.
-            unsafe { Self::take(layout, true) }
+            Self::take(layout, true)
         }
 
         unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {

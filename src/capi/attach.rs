@@ -1,27 +1,28 @@
-//! Attached points: lamps, decals, collision vertices that follow the dents.
+//! Points that follow the surface: lamps, decals, collision vertices.
 
 use super::check::{Out, finite, read};
 use super::context::{CrumpleContext, exclusive, recorded};
-use super::recording::{Call, Number, digest};
-use super::result::CrumpleResult;
+use super::record_call::{Call, Number};
+use super::recorder::digest;
+use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleExampleSet, CrumpleInstance, CrumpleQuat, CrumpleVec3};
 use crate::Attachment;
 use bytemuck::{Pod, Zeroable};
 
-/// A point bound to the surface nearest to it. Plain data: keep it, copy it, save it; it fits every instance of its
-/// set.
+/// A point bound to the nearest surface. Plain data: copy or save it. It fits every instance of its set.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 pub struct CrumpleAttachment {
-    /// The triangle's vertices; all the same for a mesh without triangles.
+    /// Vertices of the triangle; all equal for a mesh without triangles.
     pub vertices: [u32; 3],
     /// Barycentric weights of the surface point; they sum to 1.
     pub weights: [f32; 3],
     /// The attached point at rest, m, in the mesh's space.
     pub point: CrumpleVec3,
+    pub reserved: [u32; 3],
 }
 
-/// Where an attached point is.
+/// The place of an attached point.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 pub struct CrumpleFrame {
@@ -29,13 +30,11 @@ pub struct CrumpleFrame {
     pub position: CrumpleVec3,
     /// Rotation since rest.
     pub rotation: CrumpleQuat,
+    pub reserved: [u32; 5],
 }
 
-/// Binds a point, m, in the mesh's space, to the surface nearest to it: it will keep its distance from the surface
-/// and turn with it.
-///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
-/// CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INVALID_ARGUMENT (further off than 1e9 m), CRUMPLE_ERROR_CONCURRENT_USE.
+/// Binds a point in the mesh's space, m, to the nearest surface. The point keeps its distance from the surface and
+/// turns with it. CRUMPLE_ERROR_INVALID_ARGUMENT: the point is further away than 1e9 m.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_attach_point(
     context: *mut CrumpleContext,
@@ -44,20 +43,17 @@ pub unsafe extern "C" fn crumple_example_set_attach_point(
     out_attachment: *mut CrumpleAttachment,
 ) -> CrumpleResult {
     exclusive("crumple_example_set_attach_point", context, |_, state| {
-        // SAFETY: the caller's.
-        let out = unsafe { Out::new(out_attachment, "out_attachment") }?;
+        let out = Out::new(out_attachment, "out_attachment")?;
         let point = finite(point.array(), "point")?;
-        out.write(bytemuck::cast(state.sets.get(set, "set")?.set.attach(point)?));
+        let Attachment { vertices, weights, point } = state.sets.get(set, "set")?.set.attach(point)?;
+        out.write(CrumpleAttachment { vertices, weights, point: point.into(), reserved: [0; 3] });
         Ok(())
     })
 }
 
-/// Tells where an attached point is on a dented instance, hits that wait among them. Touches no buffer and reads
-/// none.
-///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
-/// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE and CRUMPLE_ERROR_NOT_FINITE (an attachment of another set, or none),
-/// CRUMPLE_ERROR_CONCURRENT_USE.
+/// Returns the place of an attached point on the dented instance, including pending hits. Uses no buffer. Errors:
+/// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE or CRUMPLE_ERROR_INVALID_ARGUMENT (an attachment of another set, or one that is
+/// not of crumple_example_set_attach_point()).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_get_attached_frame(
     context: *mut CrumpleContext,
@@ -66,15 +62,28 @@ pub unsafe extern "C" fn crumple_instance_get_attached_frame(
     out_frame: *mut CrumpleFrame,
 ) -> CrumpleResult {
     recorded("crumple_instance_get_attached_frame", context, |_, state, log| {
-        // SAFETY: the caller's.
-        let (attachment, out) = unsafe { (read(attachment, "attachment")?, Out::new(out_frame, "out_frame")?) };
-        log.call(|| Call::AttachedFrame { instance: Number::of(instance), attachment: bytemuck::cast(attachment) });
-        let attachment: Attachment = bytemuck::cast(attachment);
+        let (attachment, out) = (read(attachment, "attachment")?, Out::new(out_frame, "out_frame")?);
+        let CrumpleAttachment { vertices, weights, point, .. } = attachment;
+        let point = point.array();
+        log.call(|| Call::AttachedFrame { instance: Number::of(instance), vertices, weights, point });
         let instance = &mut state.instances.get_mut(instance, "instance")?.instance;
+        let sum: f32 = finite(weights, "attachment.weights")?.iter().sum();
+        if (sum - 1.0).abs() > 1e-3 {
+            let made_by = "take attachments from crumple_example_set_attach_point()";
+            return Err(Failure::invalid(format!("attachment.weights sum to {sum}; they must sum to 1: {made_by}")));
+        }
         instance.fold();
-        let frame: CrumpleFrame = bytemuck::cast(instance.attached_frame(&attachment)?);
-        log.gave(|| digest(bytemuck::bytes_of(&frame)));
+        let frame = instance.attached_frame(&Attachment { vertices, weights, point })?;
+        let [x, y, z, w] = frame.rotation;
+        let rotation = CrumpleQuat { x, y, z, w };
+        let frame = CrumpleFrame { position: frame.position.into(), rotation, reserved: [0; 5] };
+        log.gave(|| frame_digest(&frame));
         out.write(frame);
         Ok(())
     })
+}
+
+/// A number that stands for a frame.
+pub(super) fn frame_digest(frame: &CrumpleFrame) -> u64 {
+    digest(bytemuck::bytes_of(frame))
 }

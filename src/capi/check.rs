@@ -1,34 +1,17 @@
-//! The checks that every entry point makes of what C hands over: pointers, defs, enumerators, strings, scalars.
+//! The checks of what C hands over: pointers, defs, enumerators, strings, scalars.
 
+use super::c_enum::{CEnum, number};
 use super::result::{CrumpleResult, Failure};
 use std::ffi::{CStr, c_char};
 use std::mem::MaybeUninit;
 
-/// An enum of the header, which C may fill with any number.
-pub(super) trait CEnum: Copy + 'static {
-    /// All its enumerators.
-    const ALL: &'static [Self];
-
-    /// The enumerator, or nothing for a number that is none.
-    fn read(value: MaybeUninit<Self>) -> Option<Self> {
-        let number = number(value);
-        Self::ALL.iter().copied().find(|&e| self::number(MaybeUninit::new(e)) == number)
-    }
-}
-
-/// The number that C stored in an enum.
-fn number<E: CEnum>(value: MaybeUninit<E>) -> u32 {
-    const { assert!(size_of::<E>() == 4 && align_of::<E>() == 4) };
-    // SAFETY: four bytes (asserted above), which C initialised when it passed the value.
-    unsafe { (&raw const value).cast::<u32>().read() }
-}
-
 /// Reads an enumerator.
 pub(super) fn enumerator<E: CEnum>(value: MaybeUninit<E>, name: &str) -> Result<E, Failure> {
-    E::read(value).ok_or_else(|| {
-        let numbers: Vec<_> = E::ALL.iter().map(|&e| number(MaybeUninit::new(e)).to_string()).collect();
-        Failure::invalid(format!("{name} is {}; it must be one of {}", number(value), numbers.join(", ")))
-    })
+    match number(value) {
+        // SAFETY: an enumerator, as the trait promises.
+        n if n <= E::LAST => Ok(unsafe { value.assume_init() }),
+        n => Err(Failure::invalid(format!("{name} is {n}; it must be an enumerator, 0 to {}", E::LAST))),
+    }
 }
 
 /// Reads a C `bool`: anything but zero is true.
@@ -37,10 +20,10 @@ pub(super) fn boolean(value: MaybeUninit<bool>) -> bool {
     unsafe { (&raw const value).cast::<u8>().read() != 0 }
 }
 
-/// A pointer that may be read or written as a `T`.
+/// Checks that a pointer may be read or written as a `T`.
 fn usable<T>(pointer: *const T, name: &str) -> Result<(), Failure> {
     if pointer.is_null() {
-        return Err(Failure::new(CrumpleResult::CrumpleErrorNullPointer, format!("{name} is null")));
+        return Err(Failure::null(name));
     }
     if !pointer.is_aligned() {
         return Err(misaligned(name, pointer.addr() as u64, align_of::<T>() as u64));
@@ -55,70 +38,68 @@ pub(super) fn misaligned(name: &str, value: u64, align: u64) -> Failure {
 /// A struct that starts with its size.
 ///
 /// # Safety
-/// The type is `repr(C)`, starts with a `u32` that is its size, and every pattern of bytes is a value of it.
-pub(super) unsafe trait Def: Copy {
-    /// The function that makes one.
-    const DEFAULT: MadeBy<Self>;
-    /// The sizes that it had before it grew, in versions with the same SONAME. What is newer than one of them begins behind it, never in
-    /// what was padding.
-    const EARLIER: &'static [u32] = &[];
+/// The type is `repr(C)`, starts with a `u32` that is its size, and every pattern of bytes, zeros too, is a value of it.
+pub(super) unsafe trait Def: Copy {}
+
+/// Declares defs.
+macro_rules! defs {
+    ($($name:ident),* $(,)?) => {$(
+        // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
+        unsafe impl $crate::capi::check::Def for $name {}
+    )*};
+}
+pub(super) use defs;
+
+/// A def with its size and zero everywhere else: absent arrays, null pointers, first enumerators.
+pub(super) fn zeroed<T: Def>() -> T {
+    let mut def = MaybeUninit::<T>::zeroed();
+    // SAFETY: a `Def` starts with its size, and any bytes are a value of it.
+    unsafe {
+        def.as_mut_ptr().cast::<u32>().write(size_of::<T>() as u32);
+        def.assume_init()
+    }
 }
 
-/// The name of a def's `crumple_..._def_default` function, and the function.
-pub(super) type MadeBy<T> = (&'static str, extern "C" fn() -> T);
-
-/// Copies a def after checking its size. What one of an earlier version lacks is as the default.
+/// Copies a def after checking its size.
 ///
 /// # Safety
 /// `pointer` is null or points to as many readable bytes as its first four say.
 pub(super) unsafe fn def<T: Def>(pointer: *const T, name: &str) -> Result<T, Failure> {
     usable(pointer, name)?;
-    // SAFETY: not null, aligned, and a `Def` starts with its size.
-    let size = unsafe { pointer.cast::<u32>().read() };
-    let (made_by, default) = T::DEFAULT;
-    if T::EARLIER.contains(&size) && (size as usize) < size_of::<T>() {
-        let mut whole = default();
-        // SAFETY: the caller vouches for the bytes, there are fewer than `whole` has, and every pattern of bytes is a value.
-        unsafe { std::ptr::copy_nonoverlapping(pointer.cast::<u8>(), (&raw mut whole).cast::<u8>(), size as usize) };
-        return Ok(whole);
+    let size = pointer.cast::<u32>().read();
+    if size as usize == size_of::<T>() {
+        return Ok(pointer.read());
     }
-    if size as usize != size_of::<T>() {
-        return Err(Failure::new(
-            CrumpleResult::CrumpleErrorStructSize,
-            format!("{name}.struct_size is {size}; it must be {}: start from {made_by}()", size_of::<T>()),
-        ));
-    }
-    // SAFETY: the caller vouches for the bytes; every pattern of bytes is a value.
-    Ok(unsafe { pointer.read() })
+    let (must, made_by) = (size_of::<T>(), default_function::<T>());
+    let message = format!("{name}.struct_size is {size}; it must be {must}: start from {made_by}()");
+    Err(Failure::new(CrumpleResult::CrumpleErrorStructSize, message))
 }
 
-/// Where the def at `index` of an array begins. They lie as far apart as the first says that it is large.
-///
-/// # Safety
-/// `first` is null or points to more than `index` defs; with `index` above 0, `def` took the first.
-pub(super) unsafe fn nth_def<T: Def>(first: *const T, index: usize, name: &str) -> Result<*const T, Failure> {
-    usable(first, name)?;
-    // SAFETY: not null, aligned, and a `Def` starts with its size.
-    let size = unsafe { first.cast::<u32>().read() } as usize;
-    // SAFETY: the caller vouches for as many defs, of the size that was taken with the first.
-    Ok(unsafe { first.byte_add(index * size) })
+/// The C function that makes a def: `crumple_lod_def_default` for `CrumpleLodDef`.
+fn default_function<T>() -> String {
+    let mut name = String::new();
+    for character in std::any::type_name::<T>().rsplit("::").next().unwrap_or_default().chars() {
+        if character.is_uppercase() && !name.is_empty() {
+            name.push('_');
+        }
+        name.extend(character.to_lowercase());
+    }
+    name + "_default"
 }
 
 /// Reads a plain value.
 ///
 /// # Safety
-/// `pointer` is null or points to a readable `T`, of which every pattern of bytes is a value.
+/// `pointer` is null or points to a readable `T`.
 pub(super) unsafe fn read<T: bytemuck::AnyBitPattern>(pointer: *const T, name: &str) -> Result<T, Failure> {
     usable(pointer, name)?;
-    // SAFETY: not null, aligned, and the caller vouches for the rest.
-    Ok(unsafe { pointer.read() })
+    Ok(pointer.read())
 }
 
 /// Reads an array of plain values. Null is an empty array where `count` is 0.
 ///
 /// # Safety
-/// `pointer` is null or points to `count` readable `T`, of which every pattern of bytes is a value,
-/// unchanged for `'a`.
+/// `pointer` is null or points to `count` readable `T`, of which every pattern of bytes is a value, unchanged for `'a`.
 pub(super) unsafe fn array<'a, T>(pointer: *const T, count: usize, name: &str) -> Result<&'a [T], Failure> {
     if count == 0 {
         return Ok(&[]);
@@ -127,8 +108,7 @@ pub(super) unsafe fn array<'a, T>(pointer: *const T, count: usize, name: &str) -
     if count > isize::MAX as usize / size_of::<T>().max(1) {
         return Err(Failure::invalid(format!("{name} has {count} elements, more than memory can hold")));
     }
-    // SAFETY: not null, aligned, of a possible size, and the caller vouches for the rest.
-    Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
+    Ok(std::slice::from_raw_parts(pointer, count))
 }
 
 /// Reads a string; null is none.
@@ -139,9 +119,16 @@ pub(super) unsafe fn string<'a>(pointer: *const c_char, name: &str) -> Result<Op
     if pointer.is_null() {
         return Ok(None);
     }
-    // SAFETY: not null, and the caller vouches for the rest.
-    let text = unsafe { CStr::from_ptr(pointer) };
-    text.to_str().map(Some).map_err(|e| Failure::invalid(format!("{name} is not UTF-8 ({e})")))
+    let text = CStr::from_ptr(pointer).to_str();
+    text.map(Some).map_err(|e| Failure::invalid(format!("{name} is not UTF-8 ({e})")))
+}
+
+/// Reads a string that must be there.
+///
+/// # Safety
+/// As for `string`.
+pub(super) unsafe fn required_string<'a>(pointer: *const c_char, name: &str) -> Result<&'a str, Failure> {
+    string(pointer, name)?.ok_or_else(|| Failure::null(name))
 }
 
 /// Where an output goes; written once everything else succeeded.
@@ -177,29 +164,34 @@ impl<T> Out<T> {
     }
 }
 
-/// An array that the caller sized: nothing is written where it is null and its capacity 0 (the caller asks for the
-/// count), and a capacity below the count is an error.
+/// Writes an array into memory that the caller sized, and its count, the latter also where the memory is too small. Null with
+/// capacity 0 asks for the count alone.
 ///
 /// # Safety
 /// `pointer` is null or points to `capacity` writable `T`.
-pub(super) unsafe fn write_array<T: Copy>(
+pub(super) unsafe fn write_array<T: Copy, N: TryFrom<usize>>(
     values: &[T],
     pointer: *mut T,
     capacity: usize,
     name: &str,
+    count: Out<N>,
 ) -> Result<(), Failure> {
-    if pointer.is_null() && capacity == 0 || values.is_empty() {
+    let needed = values.len();
+    let asks = pointer.is_null() && capacity == 0;
+    if !asks && needed > 0 {
+        usable(pointer, name)?;
+    }
+    if let Ok(needed) = N::try_from(needed) {
+        count.write(needed);
+    }
+    if asks || needed == 0 {
         return Ok(());
     }
-    usable(pointer, name)?;
-    if capacity < values.len() {
-        return Err(Failure::new(
-            CrumpleResult::CrumpleErrorBufferTooSmall,
-            format!("{name} has room for {capacity}; {} are needed (pass null and 0 to ask how many)", values.len()),
-        ));
+    if capacity < needed {
+        let message = format!("{name} has room for {capacity}; {needed} are needed (pass null and 0 to ask how many)");
+        return Err(Failure::new(CrumpleResult::CrumpleErrorBufferTooSmall, message));
     }
-    // SAFETY: not null, aligned, room for all of them, and `values` is this library's own memory.
-    unsafe { std::ptr::copy_nonoverlapping(values.as_ptr(), pointer, values.len()) }
+    std::ptr::copy_nonoverlapping(values.as_ptr(), pointer, needed);
     Ok(())
 }
 
@@ -212,13 +204,13 @@ pub(super) fn finite<const N: usize>(value: [f32; N], name: &str) -> Result<[f32
     Err(crate::Error::NotFinite { name: name.into(), value }.into())
 }
 
-/// A length, mass or threshold where 0 means "not given".
-pub(super) fn positive_or_none(value: f32, name: &str, unit: &str) -> Result<Option<f32>, Failure> {
+/// A length or mass in `unit`; 0 stands for `zero`.
+pub(super) fn positive_or(value: f32, name: &str, unit: &str, zero: &str) -> Result<Option<f32>, Failure> {
     finite([value], name)?;
     match value {
         0.0 => Ok(None),
         v if v > 0.0 => Ok(Some(v)),
-        v => Err(Failure::invalid(format!("{name} is {v} {unit}; it must be positive, or 0 for none"))),
+        v => Err(Failure::invalid(format!("{name} is {v} {unit}; it must be positive, or 0 for {zero}"))),
     }
 }
 
@@ -226,67 +218,35 @@ pub(super) fn positive_or_none(value: f32, name: &str, unit: &str) -> Result<Opt
 mod tests {
     use super::*;
 
-    /// What a program was built against once.
-    #[repr(C)]
-    #[derive(Clone, Copy)]
-    struct First {
-        struct_size: u32,
-        depth: f32,
-    }
-
-    /// The same def, grown twice since.
     #[repr(C)]
     #[derive(Clone, Copy, Debug, PartialEq)]
-    struct Today {
+    struct CrumpleTodayDef {
         struct_size: u32,
         depth: f32,
-        lean: f32,
-        width: f32,
-        height: f32,
     }
 
-    extern "C" fn default_today() -> Today {
-        Today { struct_size: size_of::<Today>() as u32, depth: 1.0, lean: 2.0, width: 3.0, height: 4.0 }
-    }
-
-    // SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
-    unsafe impl Def for Today {
-        const DEFAULT: MadeBy<Self> = ("crumple_today_def_default", default_today);
-        const EARLIER: &'static [u32] = &[8, 12];
-    }
+    defs!(CrumpleTodayDef);
 
     #[test]
-    fn a_def_of_an_earlier_version_gets_the_defaults_of_what_it_lacks() {
-        let old = [First { struct_size: 8, depth: 9.0 }, First { struct_size: 8, depth: 7.0 }];
-        let first = old.as_ptr().cast::<Today>();
-        let expected = |depth| Today { struct_size: 8, depth, ..default_today() };
-        // SAFETY: two defs, each of the eight bytes that it says.
-        unsafe {
-            assert_eq!(def(first, "def").ok(), Some(expected(9.0)));
-            let second = nth_def(first, 1, "defs").ok().unwrap();
-            assert_eq!(def(second, "def").ok(), Some(expected(7.0)));
-        }
-    }
-
-    #[test]
-    fn a_def_of_this_version_is_taken_as_it_is() {
-        let new = [Today { depth: 5.0, ..default_today() }, Today { height: 6.0, ..default_today() }];
-        // SAFETY: two defs of today.
-        unsafe {
-            assert_eq!(def(&raw const new[0], "def").ok(), Some(new[0]));
-            assert_eq!(def(nth_def(new.as_ptr(), 1, "defs").ok().unwrap(), "def").ok(), Some(new[1]));
-        }
-    }
-
-    #[test]
-    fn a_size_that_never_was_is_refused_by_name() {
-        for size in [0, 4, 9, 16, 19, 21, 24, u32::MAX] {
-            let wrong = Today { struct_size: size, ..default_today() };
-            // SAFETY: no more than the size is read of a def whose size is refused.
-            let failure = unsafe { def(&raw const wrong, "def") }.expect_err("a size that never was");
+    fn only_the_size_of_this_version_is_accepted() {
+        let today = CrumpleTodayDef { depth: 5.0, ..zeroed() };
+        // SAFETY: a def, of which no more than the size is read where that is another.
+        let read = |def: &CrumpleTodayDef| unsafe { super::def(def, "def") };
+        assert_eq!(read(&today).ok(), Some(today));
+        for size in [0, 4, 7, 9, 16, u32::MAX] {
+            let failure = read(&CrumpleTodayDef { struct_size: size, ..today }).expect_err("another size");
             assert_eq!(failure.result, CrumpleResult::CrumpleErrorStructSize);
-            let says = format!("def.struct_size is {size}; it must be 20: start from crumple_today_def_default()");
+            let says = format!("def.struct_size is {size}; it must be 8: start from crumple_today_def_default()");
             assert_eq!(failure.message, says);
         }
+    }
+
+    #[test]
+    fn the_needed_count_is_written_where_memory_is_too_small() {
+        let (mut count, mut memory) = (0u32, [7u8; 2]);
+        // SAFETY: both live across the call.
+        let result = unsafe { write_array(&[1u8, 2, 3], memory.as_mut_ptr(), 2, "marks", Out(&mut count)) };
+        assert_eq!(result.expect_err("two are too few").result, CrumpleResult::CrumpleErrorBufferTooSmall);
+        assert_eq!((count, memory), (3, [7; 2]));
     }
 }

@@ -1,63 +1,52 @@
 //! The context: everything an engine makes, its threads, and who may be inside when.
 
 use super::boundary::boundary;
-use super::buffer::BufferEntry;
-use super::check::{CEnum, Def, MadeBy, Out, def};
+use super::check::{Out, def, defs, zeroed};
 use super::ids::Slots;
-use super::instance::InstanceEntry;
-use super::recording::{Log, Recorder};
+use super::recorder::{Log, Recorder};
 use super::result::{CrumpleResult, Failure};
-use super::set::SetEntry;
+use super::store::State;
 use super::tasks::{CrumpleTaskSystem, HostTasks};
-use super::vulkan::Attached;
 use crate::{Inbox, TaskSystem, ThreadPool};
 use std::ffi::{CString, c_char, c_void};
 use std::mem::MaybeUninit;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock, TryLockError};
 
-/// How much a log message matters.
+/// The severity of a log message.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CrumpleLogLevel {
-    /// What was done.
+    /// A report of what was done.
     Info = 0,
-    /// Something that works but is probably not what was meant.
+    /// Something that works but is probably a mistake.
     Warning = 1,
 }
 
-impl CEnum for CrumpleLogLevel {
-    const ALL: &'static [Self] = &[Self::Info, Self::Warning];
-}
-
-/// Receives one message, UTF-8, without a line break at its end; the text is gone when the callback returns. Called
-/// from the thread that called Crumple. Must not call Crumple with the same context, throw, or jump out.
+/// Receives one message, UTF-8, without a line break at its end. The text is valid during the callback. Runs on the
+/// thread that called Crumple. Must not call the same context, throw or jump out.
 pub type CrumpleLog =
     Option<unsafe extern "C" fn(level: MaybeUninit<CrumpleLogLevel>, message: *const c_char, user: *mut c_void)>;
 
-/// Everything that Crumple knows. Opaque.
+/// A context holds example sets, instances and buffers. Opaque.
 pub struct CrumpleContext;
 
-/// How a context works.
+/// Options of a context.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleContextDef {
-    /// Bytes of this struct, from crumple_context_def_default().
     pub struct_size: u32,
-    /// Threads that deform: 0 one for each core, 1 only the calling thread, up to 1024. Without meaning where tasks
-    /// is set. Default 0.
+    /// Number of threads that deform, up to 1024. 0: one per core. 1: the calling thread only. Ignored where tasks is
+    /// set. Default 0.
     pub threads: u32,
-    /// Receives messages. Null: none. Default null.
+    /// Receives messages. Default null: none.
     pub log: CrumpleLog,
-    /// Handed to log, untouched.
+    /// Passed to log.
     pub log_user: *mut c_void,
-    /// Your job system, instead of threads of Crumple's own. Default zero: none.
+    /// Your job system, instead of Crumple's threads. Default zero: none.
     pub tasks: CrumpleTaskSystem,
 }
 
-// SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
-unsafe impl Def for CrumpleContextDef {
-    const DEFAULT: MadeBy<Self> = ("crumple_context_def_default", crumple_context_def_default);
-}
+defs!(CrumpleContextDef);
 
 pub(super) struct Context {
     log: CrumpleLog,
@@ -74,15 +63,6 @@ pub(super) struct Context {
 unsafe impl Send for Context {}
 // SAFETY: as above.
 unsafe impl Sync for Context {}
-
-/// What only one thread may touch at a time.
-pub(super) struct State {
-    pub(super) sets: Slots<SetEntry>,
-    pub(super) instances: Slots<InstanceEntry>,
-    pub(super) buffers: Slots<BufferEntry>,
-    /// The host's Vulkan device.
-    pub(super) vulkan: Option<Attached>,
-}
 
 /// The contexts there are. What C holds is a number that is never used twice, not an address, so that a destroyed
 /// context is an error as well.
@@ -116,8 +96,8 @@ impl Context {
             Err(TryLockError::Poisoned(state)) => Ok(state.into_inner()),
             Err(TryLockError::WouldBlock) => Err(Failure::new(
                 CrumpleResult::CrumpleErrorConcurrentUse,
-                "another thread is inside this context, or a callback calls back into it; take turns (only crumple_submit_ \
-                 functions and crumple_instance_end_contact may be called at any time)",
+                "another thread is inside this context, or a callback calls back into it; take turns (only hits may be reported at any \
+                 time: crumple_instance_submit_..., _preview_... and _end_contact)",
             )),
         }
     }
@@ -172,22 +152,14 @@ pub(super) fn concurrent(
     boundary(call, || body(&*find(context)?))
 }
 
-/// The defaults: threads of Crumple's own, one for each core; no log. Never fails; any thread.
+/// The default options: one thread per core, no log.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_context_def_default() -> CrumpleContextDef {
-    CrumpleContextDef {
-        struct_size: size_of::<CrumpleContextDef>() as u32,
-        threads: 0,
-        log: None,
-        log_user: std::ptr::null_mut(),
-        tasks: CrumpleTaskSystem { parallel_for: None, user: std::ptr::null_mut(), workers: 0 },
-    }
+    zeroed()
 }
 
-/// Creates a context. def is copied; what its callbacks need must live until the context is destroyed.
-///
-/// Any thread; contexts know nothing of each other. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED,
-/// CRUMPLE_ERROR_STRUCT_SIZE, CRUMPLE_ERROR_INVALID_ARGUMENT (more than 1024 threads; 65535 contexts are alive),
+/// Creates a context. What its callbacks use must live until the context is destroyed. Any thread may call this.
+/// Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (more than 1024 threads, or 65535 contexts alive),
 /// CRUMPLE_ERROR_OUT_OF_MEMORY (the system starts no more threads).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_create(
@@ -195,8 +167,7 @@ pub unsafe extern "C" fn crumple_context_create(
     out_context: *mut *mut CrumpleContext,
 ) -> CrumpleResult {
     boundary("crumple_context_create", || {
-        // SAFETY: the caller's.
-        let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_context, "out_context")?) };
+        let (def, out) = (self::def(def, "def")?, Out::new(out_context, "out_context")?);
         let tasks: Box<dyn TaskSystem + Send + Sync> = match def.tasks.parallel_for {
             Some(call) => Box::new(HostTasks::new(call, def.tasks.user, def.tasks.workers)),
             None => Box::new(ThreadPool::new(def.threads as usize)?),
@@ -208,13 +179,11 @@ pub unsafe extern "C" fn crumple_context_create(
             .find(|&number| tag_of(number * STEP) != 0 && !taken(tag_of(number * STEP)))
             .ok_or_else(|| Failure::invalid("65535 contexts are alive; destroy one first"))?;
         let tag = tag_of(number * STEP);
-        let (sets, instances, buffers) = (Slots::new(tag), Slots::new(tag), Slots::new(tag));
-        let state = State { sets, instances, buffers, vulkan: None };
         let context = Context {
             log: def.log,
             log_user: def.log_user,
             tasks,
-            state: Mutex::new(state),
+            state: Mutex::new(State::new(tag)),
             inboxes: RwLock::new(Slots::new(tag)),
             recorder: Recorder::default(),
         };
@@ -230,17 +199,19 @@ fn tag_of(number: usize) -> u16 {
     (number / STEP) as u16
 }
 
-/// Destroys a context and everything made in it. Your own memory is never freed, and is not touched afterwards. Every
-/// id of the context, and the context itself, is an error from then on.
+/// Destroys a context and everything in it. Your own memory is neither freed nor touched. The context and its ids
+/// become invalid.
 ///
-/// No other call with this context may be running. Where a Vulkan device is attached, it must still be there. Errors:
-/// CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID (destroyed already), CRUMPLE_ERROR_FRAMES_IN_FLIGHT (see
-/// crumple_vulkan_complete_frames()), CRUMPLE_ERROR_CONCURRENT_USE. Nothing was destroyed then.
+/// No other call may be running with this context. An attached Vulkan device must still exist.
+/// CRUMPLE_ERROR_FRAMES_IN_FLIGHT: see crumple_vulkan_complete_frames(); nothing was destroyed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_destroy(context: *mut CrumpleContext) -> CrumpleResult {
     boundary("crumple_context_destroy", || {
         let found = find(context)?;
-        found.enter()?.vulkan.as_ref().map_or(Ok(()), Attached::check_idle)?;
+        let state = found.enter()?;
+        #[cfg(feature = "vulkan")]
+        state.vulkan.as_ref().map_or(Ok(()), super::device::Attached::check_idle)?;
+        drop(state);
         let mut contexts = CONTEXTS.write().unwrap_or_else(PoisonError::into_inner);
         contexts.live.retain(|(number, _)| *number != context.addr());
         if contexts.live.is_empty() {

@@ -2,100 +2,52 @@
 
 use super::check::{Out, array, finite, write_array};
 use super::context::{CrumpleContext, recorded};
-use super::recording::{Bytes, Call, Number, digest};
+use super::record_call::{Bytes, Call, Number};
+use super::recorder::digest;
 use super::result::{CrumpleResult, Failure};
 use super::types::CrumpleInstance;
-use crate::{Mark, Pair};
-use bytemuck::{Pod, Zeroable};
+use crate::Mark;
 use std::ffi::c_void;
 
-/// An example, how it is placed, and its share of a dent.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
-pub struct CrumplePair {
-    /// Index of the example; 0xFFFF in an unused pair.
-    pub example: u16,
-    /// Low 12 bits: share of the dent, two's complement, 1024 being the whole. Bits 12, 13 and 14: the example is mirrored in
-    /// x, y, z. Bit 15: it stays where it was made.
-    pub share: u16,
-}
-
-/// One dent: where, how deep, and made of which examples. Plain data of 32 bytes, the same on every machine: send it
-/// over the network as it is (little-endian) to show the same dent there.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
-pub struct CrumpleMark {
-    /// The vertex that was hit.
-    pub contact: u32,
-    /// Depth asked for at the contact, m; above 0.
-    pub depth: f32,
-    /// Strength squared, in units of 2^-32: 4294967296 for one hit; each hit that repeats the mark adds as much.
-    pub energy: u64,
-    /// One to four examples, the used ones first.
-    pub pairs: [CrumplePair; 4],
-}
-
-const _: () = {
-    assert!(size_of::<CrumpleMark>() == size_of::<Mark>() && size_of::<CrumplePair>() == size_of::<Pair>());
-    assert!(std::mem::offset_of!(CrumpleMark, energy) == std::mem::offset_of!(Mark, energy));
-    assert!(std::mem::offset_of!(CrumpleMark, depth) == std::mem::offset_of!(Mark, depth));
-    assert!(std::mem::offset_of!(CrumpleMark, pairs) == std::mem::offset_of!(Mark, pairs));
-};
-
-/// Copies an instance's marks, sorted: the same hits give the same marks whatever their order. marks has room for
-/// capacity of them; with null and 0 only their number is told.
-///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
-/// CRUMPLE_ERROR_BUFFER_TOO_SMALL (capacity is smaller than the number of marks), CRUMPLE_ERROR_WRONG_RULE (the
-/// literature's rules have no marks), CRUMPLE_ERROR_CONCURRENT_USE.
+/// Copies an instance's marks, sorted, so that the same hits give the same marks in any order. marks has room for
+/// capacity marks; see "Arrays" at the top. CRUMPLE_ERROR_WRONG_RULE: classic rules have no marks.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_get_marks(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
-    marks: *mut CrumpleMark,
+    marks: *mut Mark,
     capacity: u32,
     out_count: *mut u32,
 ) -> CrumpleResult {
     recorded("crumple_instance_get_marks", context, |_, state, log| {
-        // SAFETY: the caller's.
-        let out = unsafe { Out::new(out_count, "out_count") }?;
+        let out = Out::new(out_count, "out_count")?;
         log.call(|| Call::GetMarks { instance: Number::of(instance) });
         let found = state.instances.get_mut(instance, "instance")?.instance.marks()?;
-        // SAFETY: the caller's.
-        unsafe { write_array(found, marks.cast::<Mark>(), capacity as usize, "marks") }?;
+        write_array(found, marks, capacity as usize, "marks", out)?;
         log.gave(|| digest(bytemuck::cast_slice(found)));
-        out.write(found.len() as u32);
         Ok(())
     })
 }
 
-/// Replaces an instance's marks by count others, of the same set, forgets hits that wait and ends contacts. Null and
-/// 0: none.
-///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that the set cannot have), CRUMPLE_ERROR_WRONG_RULE,
-/// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
+/// Replaces an instance's marks by count marks of the same set. Discards pending hits and ends contacts. Errors:
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that the set cannot have), CRUMPLE_ERROR_WRONG_RULE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_set_marks(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
-    marks: *const CrumpleMark,
+    marks: *const Mark,
     count: u32,
 ) -> CrumpleResult {
     recorded("crumple_instance_set_marks", context, |_, state, log| {
-        // SAFETY: the caller's; any bytes are a mark.
-        let marks = unsafe { array(marks.cast::<Mark>(), count as usize, "marks") }?;
+        let marks = array(marks, count as usize, "marks")?;
         let bytes = || Bytes(bytemuck::cast_slice(marks).to_vec());
         log.call(|| Call::SetMarks { instance: Number::of(instance), marks: bytes() });
         Ok(state.instances.get_mut(instance, "instance")?.instance.set_marks(marks)?)
     })
 }
 
-/// Saves an instance's damage as bytes, with a version and the set's fingerprint; the same bytes for the same damage
-/// on every machine. data has room for capacity bytes, of any alignment; with null and 0 only their number is told.
-///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
-/// CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_CONCURRENT_USE.
+/// Saves an instance's damage as bytes that are equal on all machines. They hold a version and the set's fingerprint.
+/// data has capacity bytes of any alignment; see "Arrays" at the top.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_save_damage(
     context: *mut CrumpleContext,
@@ -105,23 +57,18 @@ pub unsafe extern "C" fn crumple_instance_save_damage(
     out_size: *mut usize,
 ) -> CrumpleResult {
     recorded("crumple_instance_save_damage", context, |_, state, log| {
-        // SAFETY: the caller's.
-        let out = unsafe { Out::new(out_size, "out_size") }?;
+        let out = Out::new(out_size, "out_size")?;
         log.call(|| Call::SaveDamage { instance: Number::of(instance) });
         let bytes = state.instances.get_mut(instance, "instance")?.instance.save();
-        // SAFETY: the caller's.
-        unsafe { write_array(&bytes, data.cast::<u8>(), capacity, "data") }?;
+        write_array(&bytes, data.cast::<u8>(), capacity, "data", out)?;
         log.gave(|| digest(&bytes));
-        out.write(bytes.len());
         Ok(())
     })
 }
 
-/// Replaces an instance's damage by size saved bytes, of any alignment, forgets hits that wait and ends contacts.
-///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
-/// CRUMPLE_ERROR_DAMAGE_MISMATCH (of another set, version or rule, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT (a
-/// mark that the set cannot have), CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
+/// Replaces an instance's damage by size saved bytes of any alignment. Discards pending hits and ends contacts.
+/// Errors: CRUMPLE_ERROR_DAMAGE_MISMATCH (another set, version or rule, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT
+/// (a mark that the set cannot have).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_load_damage(
     context: *mut CrumpleContext,
@@ -130,17 +77,13 @@ pub unsafe extern "C" fn crumple_instance_load_damage(
     size: usize,
 ) -> CrumpleResult {
     recorded("crumple_instance_load_damage", context, |_, state, log| {
-        // SAFETY: the caller's.
-        let bytes = unsafe { array(data.cast::<u8>(), size, "data") }?;
+        let bytes = array(data.cast::<u8>(), size, "data")?;
         log.call(|| Call::LoadDamage { instance: Number::of(instance), bytes: Bytes(bytes.to_vec()) });
         Ok(state.instances.get_mut(instance, "instance")?.instance.load(bytes)?)
     })
 }
 
-/// Repairs an instance: every dent keeps this share of its depth, 0 (as new) to 1 (nothing repaired). Ends contacts.
-///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_NOT_FINITE,
-/// CRUMPLE_ERROR_INVALID_ARGUMENT, CRUMPLE_ERROR_CONCURRENT_USE.
+/// Repairs an instance: every dent keeps this share of its depth, 0 (as new) to 1 (unchanged). Ends contacts.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_repair_damage(
     context: *mut CrumpleContext,
@@ -154,10 +97,7 @@ pub unsafe extern "C" fn crumple_instance_repair_damage(
     })
 }
 
-/// Makes an instance as new, forgets hits that wait and ends contacts.
-///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
-/// CRUMPLE_ERROR_CONCURRENT_USE.
+/// Makes an instance as new. Discards pending hits and ends contacts.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_reset_damage(
     context: *mut CrumpleContext,
@@ -170,11 +110,9 @@ pub unsafe extern "C" fn crumple_instance_reset_damage(
     })
 }
 
-/// Replaces the damage of instance by that of source, another instance with an equal set and the same kind of rule,
-/// forgets hits that wait for instance and ends its contacts. From itself: nothing happens.
-///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
-/// CRUMPLE_ERROR_DAMAGE_MISMATCH, CRUMPLE_ERROR_CONCURRENT_USE. Nothing changes then.
+/// Replaces an instance's damage by that of source, an instance with an equal set and the same kind of rule. Discards
+/// the instance's pending hits and ends its contacts. Copying from itself does nothing.
+/// CRUMPLE_ERROR_DAMAGE_MISMATCH: another set or rule.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_copy_damage(
     context: *mut CrumpleContext,

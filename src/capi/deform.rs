@@ -1,17 +1,18 @@
 //! Deformation: marks become vertices.
 
-use super::buffer::{BufferEntry, HostMemory, Memory};
 use super::check::{Out, array, write_array};
-use super::context::{CrumpleContext, State, exclusive, recorded};
-use super::recording::{Call, Number};
+use super::context::{CrumpleContext, exclusive, recorded};
+use super::host_memory::HostMemory;
+use super::record_call::{Call, Number};
 use super::result::{CrumpleResult, Failure};
+use super::store::{BufferEntry, Memory, State};
 use super::tasks::Quiet;
 use super::types::{CrumpleAabb, CrumpleBuffer, CrumpleRange};
-use crate::error::reserve;
+use crate::base::error::reserve;
 use crate::{Aabb, DeformJob};
 use xxhash_rust::xxh3::Xxh3;
 
-/// What a deform did.
+/// The work of a deform.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CrumpleDeformReport {
@@ -19,29 +20,20 @@ pub struct CrumpleDeformReport {
     pub vertices_written: u64,
     /// Blocks of consecutive vertices written.
     pub blocks_written: u64,
-    /// Blocks that were up to date already.
+    /// Blocks that were up to date.
     pub blocks_skipped: u64,
-    /// Examples of marks that tolerances left out of blocks written, see crumple_instance_set_tolerance().
+    /// Examples of marks that tolerances skipped; see crumple_instance_set_tolerance().
     pub parts_skipped: u64,
-    /// Zero; room for later.
     pub reserved: [u64; 4],
 }
 
-impl From<Aabb> for CrumpleAabb {
-    fn from(bounds: Aabb) -> Self {
-        Self { min: bounds.min.into(), max: bounds.max.into() }
-    }
-}
-
-/// Brings host buffers up to date: count ids at buffers, each once; with null and 0 all of the context. Writes only where
-/// damage changed since a buffer was last written, in parallel over all of them, and is cheap where nothing did. Do
-/// not read or write the buffers' memory meanwhile. An instance that nobody sees needs no deform: it catches up in
-/// one, however many hits it took. out_report may be null.
+/// Brings host buffers up to date: count ids at buffers, each once, or all host buffers of the context with null and
+/// 0. Writes only what changed since the last write of each buffer, in parallel over all of them. Without changes it
+/// is cheap. An unseen instance needs no deform: its next deform includes all its hits, at 8 to 20 microseconds each.
 ///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (a buffer twice, or one that crumple_vulkan_record() writes; in debug builds of the
-/// library: memory of two buffers overlaps),
-/// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE. No vertex is written then.
+/// The buffers' memory must not be read or written during the call. out_report may be null.
+/// CRUMPLE_ERROR_INVALID_ARGUMENT: a buffer twice, a Vulkan buffer, or overlapping memory in debug builds. No vertex
+/// is written then.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_deform(
     context: *mut CrumpleContext,
@@ -50,13 +42,12 @@ pub unsafe extern "C" fn crumple_context_deform(
     out_report: *mut CrumpleDeformReport,
 ) -> CrumpleResult {
     recorded("crumple_context_deform", context, |context, state, log| {
-        // SAFETY: the caller's.
-        let (out, given) =
-            unsafe { (Out::optional(out_report, "out_report")?, array(buffers, count as usize, "buffers")?) };
+        let (out, given) = (Out::optional(out_report, "out_report")?, array(buffers, count as usize, "buffers")?);
         let State { instances, buffers: entries, .. } = state;
         let mut sorted = Vec::new();
         let chosen = Chosen::new(buffers, given, &mut sorted, |id, name| match entries.get(id, name)?.memory {
             Memory::Host(..) => Ok(()),
+            #[cfg(feature = "vulkan")]
             Memory::Vulkan(_) => {
                 Err(Failure::invalid(format!("{name} is a Vulkan buffer; crumple_vulkan_record() writes those")))
             }
@@ -78,15 +69,13 @@ pub unsafe extern "C" fn crumple_context_deform(
                 lod: entry.lod,
                 instance: &instances.get(entry.owner, "instance")?.instance,
                 tracker,
-                // SAFETY: the caller keeps registered memory alive, and leaves it alone during this call.
-                memory: unsafe { memory.vertices() }?,
+                memory: memory.vertices()?,
             });
         }
         let report = crate::deform(&mut jobs, &Quiet(context.tasks()))?;
         log.gave(|| {
             let written = entries.iter().filter(of_host);
-            // SAFETY: the caller keeps registered memory alive, and leaves it alone during this call.
-            unsafe { vertices_digest(written.map(|(_, entry)| entry)) }
+            vertices_digest(written.map(|(_, entry)| entry))
         });
         out.write(CrumpleDeformReport {
             vertices_written: report.vertices_written,
@@ -109,8 +98,7 @@ pub(super) unsafe fn vertices_digest<'a>(entries: impl Iterator<Item = &'a Buffe
         let Memory::Host(memory, tracker) = &entry.memory else { continue };
         for range in tracker.changed() {
             all.update(bytemuck::bytes_of(&[range.start, range.end]));
-            // SAFETY: the caller's.
-            unsafe { memory.read(range, |element| all.update(element)) };
+            memory.read(range, |element| all.update(element));
         }
     }
     all.digest()
@@ -132,8 +120,7 @@ impl<'a> Chosen<'a> {
         check: impl Fn(CrumpleBuffer, &str) -> Result<(), Failure>,
     ) -> Result<Self, Failure> {
         room.clear();
-        let full = |_| Failure::new(CrumpleResult::CrumpleErrorOutOfMemory, "no memory for the list of buffers");
-        room.try_reserve(given.len()).map_err(full)?;
+        room.try_reserve(given.len()).map_err(|_| Failure::out_of_memory("the list of buffers"))?;
         for (i, &id) in given.iter().enumerate() {
             check(id, &format!("buffers[{i}]"))?;
             room.push(id);
@@ -160,6 +147,7 @@ impl<'a> Chosen<'a> {
 fn apart<'a>(entries: impl Iterator<Item = (CrumpleBuffer, &'a BufferEntry)>) -> Result<(), Failure> {
     let hosts = entries.filter_map(|(id, entry)| match &entry.memory {
         Memory::Host(memory, _) => Some((id, memory)),
+        #[cfg(feature = "vulkan")]
         Memory::Vulkan(_) => None,
     });
     let streams = |(id, memory): (CrumpleBuffer, &'a HostMemory)| memory.streams().map(move |s| (s.layout, id.index));
@@ -177,13 +165,10 @@ fn apart<'a>(entries: impl Iterator<Item = (CrumpleBuffer, &'a BufferEntry)>) ->
     Ok(())
 }
 
-/// Tells which vertices the last deform or recording that named a buffer wrote (increasing ranges, apart from each other),
-/// and a box, m, around all of its vertices as they are now: what to upload, what to refit, what to cull with. The box of a
-/// Vulkan buffer is never too small but may be too large, since the CPU does not see its vertices. ranges has room for
-/// capacity of them; with null and 0 only their number is told. out_bounds may be null.
-///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
-/// CRUMPLE_ERROR_BUFFER_TOO_SMALL (capacity is smaller than the number of ranges), CRUMPLE_ERROR_CONCURRENT_USE.
+/// Returns the vertices that the last deform or recording that included the buffer wrote (null as buffers includes
+/// all), as increasing, separate ranges, and the bounds of all its vertices, m. Use them for uploads, refits and
+/// culling. Bounds of a Vulkan buffer may be too large. ranges has room for capacity ranges; see "Arrays" at the top.
+/// out_bounds may be null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_buffer_get_changes(
     context: *mut CrumpleContext,
@@ -194,20 +179,17 @@ pub unsafe extern "C" fn crumple_buffer_get_changes(
     out_bounds: *mut CrumpleAabb,
 ) -> CrumpleResult {
     exclusive("crumple_buffer_get_changes", context, |_, state| {
-        // SAFETY: the caller's.
-        let outs = unsafe { (Out::new(out_count, "out_count")?, Out::optional(out_bounds, "out_bounds")?) };
+        let outs = (Out::new(out_count, "out_count")?, Out::optional(out_bounds, "out_bounds")?);
         let entry = state.buffers.get(buffer, "buffer")?;
         let changed = entry.changed();
         let mut found = reserve(changed.len(), "ranges")?;
         found.extend(changed.iter().map(|r| CrumpleRange { first: r.start, count: r.end - r.start }));
-        // SAFETY: the caller's.
-        unsafe { write_array(&found, ranges, capacity as usize, "ranges") }?;
         let at_rest = || -> Result<Aabb, Failure> {
             let set = state.instances.get(entry.owner, "instance")?.instance.example_set();
             Ok(set.lod_mesh(entry.lod)?.bounds())
         };
         let bounds = entry.bounds().map_or_else(at_rest, Ok)?;
-        outs.0.write(found.len() as u32);
+        write_array(&found, ranges, capacity as usize, "ranges", outs.0)?;
         outs.1.write(bounds.into());
         Ok(())
     })
@@ -215,8 +197,7 @@ pub unsafe extern "C" fn crumple_buffer_get_changes(
 
 #[cfg(test)]
 mod tests {
-    use super::super::types::CrumpleStream;
-    use super::super::{buffer::*, context::*, instance::*, set::*, types::*};
+    use super::super::{buffer::*, context::*, host_memory::*, instance::*, set::*, types::*};
     use super::*;
 
     fn stream(memory: &mut [f32], first: usize) -> CrumpleStream {
@@ -234,8 +215,7 @@ mod tests {
         let input = |a: &[f32]| CrumpleInput { data: a.as_ptr().cast(), size: size_of_val(a), stride: 12 };
         let example = CrumpleExampleDef { target_positions: input(&target), ..crumple_example_def_default() };
         let def = CrumpleExampleSetDef {
-            vertex_count: 3,
-            positions: input(&base),
+            mesh: CrumpleMeshDef { vertex_count: 3, positions: input(&base), ..crumple_lod_def_default().mesh },
             examples: &example,
             example_count: 1,
             ..crumple_example_set_def_default()

@@ -1,145 +1,86 @@
 //! Instances: bodies in the scene.
 
-use super::check::{CEnum, Def, MadeBy, Out, def, enumerator, finite, positive_or_none};
+use super::check::{Out, def, defs, enumerator, finite, positive_or, read, zeroed};
 use super::context::{CrumpleContext, recorded};
-use super::recording::{Call, Number, info_number};
+use super::record_call::{Call, Number};
 use super::result::{CrumpleResult, Failure};
-use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance};
+use super::store::InstanceEntry;
+use super::types::{CrumpleExampleSet, CrumpleInstance, CrumpleRule, CrumpleSelection};
 use crate::glam::Mat4;
 use crate::{Instance, InstanceOptions, Rule, Selection};
 use std::mem::MaybeUninit;
 use std::sync::PoisonError;
 
-/// What hits do to an instance.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CrumpleRule {
-    /// Hits leave marks: bounded, local, the same in any order, without memory per vertex. The default.
-    Marks = 0,
-    /// The literature's rule "most displaced", for comparison: depends on the order of hits, needs memory per vertex,
-    /// has no marks.
-    MostDisplaced = 1,
-    /// The literature's rule "blend", with blend_constant.
-    Blend = 2,
-}
-
-impl CEnum for CrumpleRule {
-    const ALL: &'static [Self] = &[Self::Marks, Self::MostDisplaced, Self::Blend];
-}
-
-/// How the examples for a hit are chosen.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CrumpleSelection {
-    /// CRUMPLE_SELECTION_NEAREST with marks, CRUMPLE_SELECTION_CLASSIC with the literature's rules. The default.
-    OfRule = 0,
-    /// The examples that say most of a hit's place, depth and lean, carried or anchored as each says. Marks only.
-    Nearest = 1,
-    /// The literature's: the one example that moves the contact in the direction most like the target, weight at most
-    /// 1.
-    Classic = 2,
-    /// The same without a limit of the weight: diverges above 2. The literature's rules only, for comparison.
-    ClassicUnclamped = 3,
-}
-
-impl CEnum for CrumpleSelection {
-    const ALL: &'static [Self] = &[Self::OfRule, Self::Nearest, Self::Classic, Self::ClassicUnclamped];
-}
-
-/// A body in the scene.
+/// Options of an instance.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleInstanceDef {
-    /// Bytes of this struct, from crumple_instance_def_default().
     pub struct_size: u32,
-    /// How many examples one hit may mix: 1 to 4. Default 3.
+    /// Most examples that one hit may mix: 1 to 4. Default 3.
     pub examples_per_hit: u32,
-    /// The mesh and the examples. Required. The instance keeps what it needs of it alive.
+    /// The example set, which the instance keeps alive. Required.
     pub set: CrumpleExampleSet,
-    /// What hits do. Default CRUMPLE_RULE_MARKS.
+    /// How hits damage the instance. Default CRUMPLE_RULE_MARKS.
     pub rule: MaybeUninit<CrumpleRule>,
-    /// How examples are chosen. Default CRUMPLE_SELECTION_OF_RULE.
+    /// How examples are selected. Default CRUMPLE_SELECTION_OF_RULE.
     pub selection: MaybeUninit<CrumpleSelection>,
-    /// Marks kept, 1 to 65535, 32 bytes each. Above it the weakest mark gives its energy to its nearest neighbour.
+    /// Most marks kept, 1 to 65535, 32 bytes each. Above it, the weakest mark is merged into the nearest mark.
     /// Default 64.
     pub mark_capacity: u32,
-    /// No vertex moves further than this, m. 0: the set's limit. Default 0.
+    /// No vertex moves further than this, m. Default 0: the set's limit.
     pub depth_limit: f32,
-    /// Impulses shorter than this leave no mark, N s. Default 0.
+    /// Shorter impulses leave no mark, N s, in the hit's space. Default 0.
     pub yield_impulse: f32,
-    /// Hits that would displace their contact by less than this leave no mark, m. Default 0.
+    /// Hits with a shorter target leave no mark, m, in the mesh's space. Default 0.
     pub yield_displacement: f32,
-    /// Contacts further than this from the nearest vertex are refused, m. 0: the body's diagonal. Default 0.
+    /// Hits further than this from the nearest vertex are refused, m, in the mesh's space. Default 0: the body's
+    /// diagonal.
     pub max_contact_distance: f32,
     /// Constant of CRUMPLE_RULE_BLEND, 0 to 1. Default 0.
     pub blend_constant: f32,
-    /// No vertex is wrong by more than this, m; see crumple_instance_set_tolerance(). Default 0: nothing is left out.
+    /// Largest position error, m; see crumple_instance_set_tolerance(). Default 0: none.
     pub tolerance: f32,
-    /// From mesh to world space, column-major (element 4 * column + row); see crumple_instance_set_transform().
-    /// Default the identity.
+    /// Transform; see crumple_instance_set_transform(). Default the identity.
     pub local_to_world: [f32; 16],
 }
 
-// SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
-unsafe impl Def for CrumpleInstanceDef {
-    const DEFAULT: MadeBy<Self> = ("crumple_instance_def_default", crumple_instance_def_default);
-}
+defs!(CrumpleInstanceDef);
 
-/// What an instance is at the moment.
+/// The state of an instance, including pending hits.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleInstanceInfo {
-    /// The id it was made with, which may be stale by now.
+    /// The id that it was created with, which may be stale.
     pub set: CrumpleExampleSet,
-    /// Bytes of memory it takes, without the set and without your buffers.
+    /// Memory of the instance, bytes, without the set and without your buffers.
     pub memory_bytes: u64,
-    /// Marks, hits that wait among them. 0 with the literature's rules.
+    /// Number of marks; 0 with a classic rule.
     pub mark_count: u32,
-    /// Registered buffers.
+    /// Number of registered buffers.
     pub buffer_count: u32,
     /// No vertex moves further than this, m.
     pub depth_limit: f32,
-    /// Open contacts, see crumple_instance_end_contact().
+    /// Number of open contacts; see crumple_instance_end_contact().
     pub contact_count: u32,
-    /// Zero; room for later.
     pub reserved: [u32; 4],
 }
 
-/// What a context keeps of an instance.
-pub(super) struct InstanceEntry {
-    pub(super) instance: Instance,
-    pub(super) set: CrumpleExampleSet,
-    /// As it was given.
-    pub(super) local_to_world: [f32; 16],
-    pub(super) buffers: Vec<CrumpleBuffer>,
-}
-
-/// An instance with default rules; set its set. Never fails; any thread.
+/// An instance with default options. Set its set.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_instance_def_default() -> CrumpleInstanceDef {
     let options = InstanceOptions::default();
     CrumpleInstanceDef {
-        struct_size: size_of::<CrumpleInstanceDef>() as u32,
         examples_per_hit: options.examples_per_hit,
-        set: CrumpleExampleSet::default(),
-        rule: MaybeUninit::new(CrumpleRule::Marks),
-        selection: MaybeUninit::new(CrumpleSelection::OfRule),
         mark_capacity: options.capacity,
-        depth_limit: 0.0,
         yield_impulse: options.yield_impulse,
         yield_displacement: options.yield_displacement,
-        max_contact_distance: 0.0,
-        blend_constant: 0.0,
         tolerance: options.tolerance,
         local_to_world: Mat4::IDENTITY.to_cols_array(),
+        ..zeroed()
     }
 }
 
-/// Creates an undamaged instance: a few hundred bytes, and 8 for each 128 vertices.
-///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
-/// CRUMPLE_ERROR_INVALID_ID (def.set), CRUMPLE_ERROR_INVALID_ARGUMENT, CRUMPLE_ERROR_NOT_FINITE,
-/// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE.
+/// Creates an undamaged instance: a few hundred bytes, plus 8 bytes per 128 vertices.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_create(
     context: *mut CrumpleContext,
@@ -147,11 +88,10 @@ pub unsafe extern "C" fn crumple_instance_create(
     out_instance: *mut CrumpleInstance,
 ) -> CrumpleResult {
     recorded("crumple_instance_create", context, |context, state, log| {
-        // SAFETY: the caller's.
-        let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_instance, "out_instance")?) };
+        let (def, out) = (self::def(def, "def")?, Out::new(out_instance, "out_instance")?);
         let set = state.sets.get(def.set, "def.set")?.set.clone();
-        let mut instance = Instance::new(set, options(&def)?)?;
-        instance.set_transform(Mat4::from_cols_array(&finite(def.local_to_world, "def.local_to_world")?))?;
+        let instance = Instance::new(set, options(&def)?)?;
+        instance.set_transform(matrix(def.local_to_world, "def.local_to_world")?)?;
         let mut inboxes = context.inboxes.write().unwrap_or_else(PoisonError::into_inner);
         state.instances.reserve::<CrumpleInstance>()?;
         inboxes.reserve::<CrumpleInstance>()?;
@@ -165,6 +105,9 @@ pub unsafe extern "C" fn crumple_instance_create(
         Ok(())
     })
 }
+
+/// What a depth limit of 0 is.
+const SET_LIMIT: &str = "that of the example set";
 
 fn options(def: &CrumpleInstanceDef) -> Result<InstanceOptions, Failure> {
     let rule = enumerator(def.rule, "def.rule")?;
@@ -183,19 +126,21 @@ fn options(def: &CrumpleInstanceDef) -> Result<InstanceOptions, Failure> {
             (CrumpleSelection::ClassicUnclamped, _) => Selection::ClassicUnclamped,
         },
         examples_per_hit: def.examples_per_hit,
-        depth_limit: positive_or_none(def.depth_limit, "def.depth_limit", "m")?,
+        depth_limit: positive_or(def.depth_limit, "def.depth_limit", "m", SET_LIMIT)?,
         capacity: def.mark_capacity,
         yield_impulse,
         yield_displacement,
-        max_contact_distance: positive_or_none(def.max_contact_distance, "def.max_contact_distance", "m")?,
+        max_contact_distance: positive_or(
+            def.max_contact_distance,
+            "def.max_contact_distance",
+            "m",
+            "the body's diagonal",
+        )?,
         tolerance: finite([def.tolerance], "def.tolerance")?[0],
     })
 }
 
-/// Ends an instance and unregisters its buffers, whose ids end too. Your memory stays as it is.
-///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
-/// CRUMPLE_ERROR_CONCURRENT_USE.
+/// Destroys an instance and ends the ids of its buffers. Your memory keeps its contents.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_destroy(
     context: *mut CrumpleContext,
@@ -212,10 +157,7 @@ pub unsafe extern "C" fn crumple_instance_destroy(
     })
 }
 
-/// Tells what an instance is at the moment.
-///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
-/// CRUMPLE_ERROR_CONCURRENT_USE.
+/// Returns the state of an instance.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_get_info(
     context: *mut CrumpleContext,
@@ -223,8 +165,7 @@ pub unsafe extern "C" fn crumple_instance_get_info(
     out_info: *mut CrumpleInstanceInfo,
 ) -> CrumpleResult {
     recorded("crumple_instance_get_info", context, |_, state, log| {
-        // SAFETY: the caller's.
-        let out = unsafe { Out::new(out_info, "out_info") }?;
+        let out = Out::new(out_info, "out_info")?;
         log.call(|| Call::InstanceInfo { instance: Number::of(instance) });
         let entry = state.instances.get_mut(instance, "instance")?;
         let (mark_count, contact_count) = match entry.instance.options().rule {
@@ -246,14 +187,17 @@ pub unsafe extern "C" fn crumple_instance_get_info(
     })
 }
 
-/// Tells where an instance is: local_to_world points to 16 floats, column-major (element 4 * column + row, as in
-/// glTF, OpenGL and Vulkan), translation in elements 12 to 14, m, last row 0 0 0 1. May scale and shear, but not
-/// flatten. Only hits in CRUMPLE_SPACE_WORLD go through it, those submitted from then on; deformed vertices are
-/// always in the mesh's own space.
+/// A number that stands for what of an instance's state hits decide.
+pub(super) fn info_number(info: &CrumpleInstanceInfo) -> u64 {
+    u64::from(info.mark_count) | u64::from(info.contact_count) << 32
+}
+
+/// Sets the transform of an instance: local_to_world points to 16 floats, column-major (element 4 * column + row, as
+/// in glTF and Vulkan), translation in elements 12 to 14, m, last row 0 0 0 1. It may scale and shear but not
+/// flatten.
 ///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_INVALID_ID,
-/// CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INVALID_ARGUMENT (it flattens, or the last row is another),
-/// CRUMPLE_ERROR_CONCURRENT_USE.
+/// Hits in CRUMPLE_SPACE_WORLD that are submitted afterwards use it: points as points, impulses and displacements as
+/// vectors, by its inverse. Deformed vertices are always in the mesh's space.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_set_transform(
     context: *mut CrumpleContext,
@@ -261,9 +205,8 @@ pub unsafe extern "C" fn crumple_instance_set_transform(
     local_to_world: *const f32,
 ) -> CrumpleResult {
     recorded("crumple_instance_set_transform", context, |_, state, log| {
-        // SAFETY: the caller's.
-        let columns = unsafe { super::check::read(local_to_world.cast::<[f32; 16]>(), "local_to_world") }?;
-        let matrix = Mat4::from_cols_array(&finite(columns, "local_to_world")?);
+        let columns = read(local_to_world.cast::<[f32; 16]>(), "local_to_world")?;
+        let matrix = matrix(columns, "local_to_world")?;
         log.call(|| Call::SetTransform { instance: Number::of(instance), local_to_world: columns });
         let entry = state.instances.get_mut(instance, "instance")?;
         entry.instance.set_transform(matrix)?;
@@ -272,11 +215,21 @@ pub unsafe extern "C" fn crumple_instance_set_transform(
     })
 }
 
-/// No vertex of the instance moves further than depth_limit, m, from the next crumple_context_deform() on; 0: the set's
-/// limit. Damage that is there stays, and shows again when the limit is raised.
-///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_NOT_FINITE,
-/// CRUMPLE_ERROR_INVALID_ARGUMENT, CRUMPLE_ERROR_CONCURRENT_USE.
+/// A transform of 16 columns; refuses one that was given by rows.
+fn matrix(columns: [f32; 16], name: &str) -> Result<Mat4, Failure> {
+    let [.., x, y, z, _] = finite(columns, name)?;
+    let row = [columns[3], columns[7], columns[11]];
+    if row != [0.0; 3] && [x, y, z] == [0.0; 3] {
+        return Err(Failure::invalid(format!(
+            "{name} looks transposed: elements 3, 7 and 11 are {row:?} and must be 0; it must be column-major, with the \
+             translation in elements 12 to 14"
+        )));
+    }
+    Ok(Mat4::from_cols_array(&columns))
+}
+
+/// Limits how far a vertex moves, m, from the next crumple_context_deform() on. 0: the set's limit. Marks are kept,
+/// and show again when the limit is raised.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_set_depth_limit(
     context: *mut CrumpleContext,
@@ -285,18 +238,17 @@ pub unsafe extern "C" fn crumple_instance_set_depth_limit(
 ) -> CrumpleResult {
     recorded("crumple_instance_set_depth_limit", context, |_, state, log| {
         log.call(|| Call::SetDepthLimit { instance: Number::of(instance), depth_limit });
-        let limit = positive_or_none(depth_limit, "depth_limit", "m")?;
+        let limit = positive_or(depth_limit, "depth_limit", "m", SET_LIMIT)?;
         Ok(state.instances.get_mut(instance, "instance")?.instance.set_depth_limit(limit)?)
     })
 }
 
-/// Lets vertices of the instance be wrong by up to tolerance, m, in the mesh's space, so that deforming it costs less:
-/// displacements too short to matter are left out. 0: nothing is left out. Seams stay closed. It is rounded down to a power of
-/// two times 1 m, so it may be set in each frame from crumple_pixel_tolerance(); where that changes, the next crumple_context_deform()
-/// writes everything that is dented anew. Instances with one of the literature's rules ignore it.
+/// Allows vertices a position error of up to tolerance, m, in the mesh's space, which makes deforming cheaper:
+/// smaller displacements are skipped. 0: none are skipped. Seams stay closed.
 ///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_NOT_FINITE,
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (below 0), CRUMPLE_ERROR_CONCURRENT_USE.
+/// The value is rounded down to a power of two in metres, so it may be set every frame from
+/// crumple_pixel_tolerance(). When the rounded value changes, the next deform writes every dented block. Classic
+/// rules ignore it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_set_tolerance(
     context: *mut CrumpleContext,
@@ -310,10 +262,9 @@ pub unsafe extern "C" fn crumple_instance_set_tolerance(
     })
 }
 
-/// The length, m, that covers so many pixels at a distance, m, before a camera with this vertical field of view, radians, and
-/// viewport height, pixels: the tolerance for an instance whose nearest vertex is that far off. 0, which leaves out nothing, for
-/// values that make no sense: negative, not a number, a field of view of half a turn or more, a height of 0. Never fails; any
-/// thread.
+/// Returns the length, m, that covers a number of pixels at a distance, m, for a camera with this vertical field of
+/// view, radians, and viewport height, pixels. Use it as the tolerance of an instance whose nearest vertex is at that
+/// distance. Returns 0 for meaningless arguments: negative or NaN, a field of view of pi or more, a height of 0.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_pixel_tolerance(pixels: f32, distance: f32, fov_y: f32, viewport_height: f32) -> f32 {
     crate::pixel_tolerance(pixels, distance, fov_y, viewport_height)

@@ -1,96 +1,73 @@
 //! Example sets from files.
 
-use super::check::{CEnum, Def, MadeBy, Out, array, def, enumerator, string, write_array};
-use super::context::{Context, CrumpleContext, State, exclusive, recorded};
-use super::recording::Log;
+use super::c_enum::c_enums;
+#[cfg(feature = "gltf")]
+use super::check::string;
+use super::check::{Out, array, def, defs, enumerator, required_string, write_array, zeroed};
+use super::context::{Context, CrumpleContext, exclusive, recorded};
+use super::recorder::Log;
 use super::result::{CrumpleResult, Failure};
 use super::set::{CrumpleExampleSetOptions, default_options, insert_set};
 #[cfg(any(feature = "gltf", feature = "obj"))]
 use super::set::{add_set, c_string, read_options};
-use super::set_info::CrumplePrimitive;
+use super::store::State;
 use super::tasks::Quiet;
-use super::types::CrumpleExampleSet;
+use super::types::{CrumpleExampleSet, CrumplePrimitive};
 use crate::ExampleSet;
 use std::ffi::{c_char, c_void};
 use std::mem::MaybeUninit;
 
-/// Which mesh of a glTF file, and how it is made ready.
+/// Which mesh of a glTF file to load, and how.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleGltfDef {
-    /// Bytes of this struct, from crumple_gltf_def_default().
     pub struct_size: u32,
-    /// Index of the mesh in the file, where mesh_name is null; UINT32_MAX: the first mesh that has morph targets.
-    /// Default UINT32_MAX.
+    /// Index of the mesh in the file, used where mesh_name is null. Default UINT32_MAX: the first mesh with morph
+    /// targets.
     pub mesh_index: u32,
-    /// Name of the mesh, UTF-8. Null: mesh_index decides. Default null.
+    /// Name of the mesh, UTF-8. Default null: mesh_index decides.
     pub mesh_name: *const c_char,
-    /// Path of the .glb or .gltf file, UTF-8, for crumple_example_set_load_gltf(). For
-    /// crumple_example_set_load_gltf_memory() the folder that files named in it are relative to; null: such files are
-    /// an error.
+    /// Path of the .glb or .gltf file, UTF-8. For crumple_example_set_load_gltf_memory(): the folder of files that
+    /// the glTF refers to; null makes such files an error.
     pub path: *const c_char,
-    /// How the set is made ready. vertex_masses must be absent, or hold as many as the mesh has vertices.
+    /// How the set is built.
     pub options: CrumpleExampleSetOptions,
 }
 
-/// A base OBJ and its examples, and how they are made ready.
+/// A base OBJ file with its example files.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleObjDef {
-    /// Bytes of this struct, from crumple_obj_def_default().
     pub struct_size: u32,
     /// Number of example_paths, at least 1.
     pub example_count: u32,
     /// Path of the base mesh, UTF-8. Required.
     pub base_path: *const c_char,
-    /// Paths of the examples, UTF-8: the base mesh after a collision, with the same vertices in the same order.
+    /// Paths of the examples, UTF-8. Each has the vertices of the base mesh in the same order.
     pub example_paths: *const *const c_char,
-    /// How the set is made ready.
+    /// How the set is built.
     pub options: CrumpleExampleSetOptions,
 }
 
-// SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
-unsafe impl Def for CrumpleGltfDef {
-    const DEFAULT: MadeBy<Self> = ("crumple_gltf_def_default", crumple_gltf_def_default);
-}
+defs!(CrumpleGltfDef, CrumpleObjDef);
 
-// SAFETY: as above.
-unsafe impl Def for CrumpleObjDef {
-    const DEFAULT: MadeBy<Self> = ("crumple_obj_def_default", crumple_obj_def_default);
-}
-
-/// The first mesh with morph targets, with default options; set the path. Never fails; any thread.
+/// The first mesh with morph targets, with default options. Set the path.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_gltf_def_default() -> CrumpleGltfDef {
-    CrumpleGltfDef {
-        struct_size: size_of::<CrumpleGltfDef>() as u32,
-        mesh_index: u32::MAX,
-        mesh_name: std::ptr::null(),
-        path: std::ptr::null(),
-        options: default_options(),
-    }
+    CrumpleGltfDef { mesh_index: u32::MAX, options: default_options(), ..zeroed() }
 }
 
-/// Default options; set the paths. Never fails; any thread.
+/// Default options. Set the paths.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_obj_def_default() -> CrumpleObjDef {
-    CrumpleObjDef {
-        struct_size: size_of::<CrumpleObjDef>() as u32,
-        example_count: 0,
-        base_path: std::ptr::null(),
-        example_paths: std::ptr::null(),
-        options: default_options(),
-    }
+    CrumpleObjDef { options: default_options(), ..zeroed() }
 }
 
-/// Makes an example set from a glTF 2.0 or GLB file: a mesh with its morph targets, dense or sparse, all primitives
-/// joined (see crumple_example_set_get_primitive()). Where the file has them, names come from mesh.extras.targetNames, contacts from
-/// mesh.extras.impacts and placements from mesh.extras.placements. Numbers are those of the mesh's own space: scales and
-/// rotations of nodes are not applied.
-///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT (malformed, or no such mesh: the text
-/// lists those there are), CRUMPLE_ERROR_UNSUPPORTED (compressed with Draco or meshopt, or a build without
-/// CRUMPLE_FEATURE_GLTF), CRUMPLE_ERROR_EXAMPLE_MISMATCH (no morph targets), and those of
+/// Builds an example set from a glTF 2.0 or GLB file: a mesh with its morph targets. Primitives are joined in their
+/// order; see crumple_example_set_get_primitive(). mesh.extras gives names (targetNames), contacts (impacts) and
+/// placements. Coordinates stay in the mesh's own space: node transforms are not applied. Errors: CRUMPLE_ERROR_IO,
+/// CRUMPLE_ERROR_FORMAT (malformed, or no such mesh), CRUMPLE_ERROR_UNSUPPORTED (Draco or meshopt compression, or a
+/// build without CRUMPLE_FEATURE_GLTF), CRUMPLE_ERROR_EXAMPLE_MISMATCH (no morph targets), and those of
 /// crumple_example_set_create().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_load_gltf(
@@ -99,29 +76,24 @@ pub unsafe extern "C" fn crumple_example_set_load_gltf(
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
     recorded("crumple_example_set_load_gltf", context, |context, state, log| {
-        // SAFETY: the caller's.
-        let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_set, "out_set")?) };
-        // SAFETY: the caller's.
-        let path = required(unsafe { string(def.path, "def.path") }?, "def.path")?;
+        let (def, out) = (self::def(def, "def")?, Out::new(out_set, "out_set")?);
+        let path = required_string(def.path, "def.path")?;
         #[cfg(feature = "gltf")]
         {
-            // SAFETY: the caller's.
-            let choice = unsafe { mesh_choice(&def) }?;
-            let imported = crate::import::gltf_file(path.as_ref(), choice)?;
-            // SAFETY: the caller's.
-            unsafe { add_imported((context, state, log), imported, &def.options, out) }
+            let choice = mesh_choice(&def)?;
+            let imported = crate::io::import::gltf_file(path.as_ref(), choice)?;
+            add_imported((context, state, log), imported, &def.options, out)
         }
         #[cfg(not(feature = "gltf"))]
         {
             let _ = (context, state, log, path, out);
-            Err(not_built("gltf"))
+            Err(Failure::not_built("gltf"))
         }
     })
 }
 
-/// The same from the bytes of a file: size bytes at data, read during the call only, of any alignment.
-///
-/// Externally synchronised. Errors: as for crumple_example_set_load_gltf().
+/// As crumple_example_set_load_gltf(), from the size bytes of a file at data, which are read during the call. Any
+/// alignment.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_load_gltf_memory(
     context: *mut CrumpleContext,
@@ -131,31 +103,25 @@ pub unsafe extern "C" fn crumple_example_set_load_gltf_memory(
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
     recorded("crumple_example_set_load_gltf_memory", context, |context, state, log| {
-        // SAFETY: the caller's.
-        let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_set, "out_set")?) };
-        // SAFETY: the caller's.
-        let bytes = unsafe { array(data.cast::<u8>(), size, "data") }?;
+        let (def, out) = (self::def(def, "def")?, Out::new(out_set, "out_set")?);
+        let bytes = array(data.cast::<u8>(), size, "data")?;
         #[cfg(feature = "gltf")]
         {
-            // SAFETY: the caller's.
-            let (choice, folder) = unsafe { (mesh_choice(&def)?, string(def.path, "def.path")?) };
-            let imported = crate::import::gltf_slice(bytes, folder.map(std::path::Path::new), choice)?;
-            // SAFETY: the caller's.
-            unsafe { add_imported((context, state, log), imported, &def.options, out) }
+            let (choice, folder) = (mesh_choice(&def)?, string(def.path, "def.path")?);
+            let imported = crate::io::import::gltf_slice(bytes, folder.map(std::path::Path::new), choice)?;
+            add_imported((context, state, log), imported, &def.options, out)
         }
         #[cfg(not(feature = "gltf"))]
         {
             let _ = (context, state, log, def, bytes, out);
-            Err(not_built("gltf"))
+            Err(Failure::not_built("gltf"))
         }
     })
 }
 
-/// Makes an example set from a base OBJ file and one OBJ file an example, which has the base's vertices in the base's
-/// order and is named after its file. Polygons are cut into triangles.
-///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT, CRUMPLE_ERROR_UNSUPPORTED (a build
-/// without CRUMPLE_FEATURE_OBJ), and those of crumple_example_set_create().
+/// Builds an example set from a base OBJ file and one OBJ file per example, named after its file. Vertices are the
+/// file's v lines in their order. Polygons are triangulated. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT,
+/// CRUMPLE_ERROR_UNSUPPORTED (a build without CRUMPLE_FEATURE_OBJ), and those of crumple_example_set_create().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_load_obj(
     context: *mut CrumpleContext,
@@ -163,57 +129,44 @@ pub unsafe extern "C" fn crumple_example_set_load_obj(
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
     recorded("crumple_example_set_load_obj", context, |context, state, log| {
-        // SAFETY: the caller's.
-        let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_set, "out_set")?) };
-        // SAFETY: the caller's.
-        let base = required(unsafe { string(def.base_path, "def.base_path") }?, "def.base_path")?;
-        // SAFETY: the caller's.
-        let paths = unsafe { array(def.example_paths, def.example_count as usize, "def.example_paths") }?;
-        let mut examples = crate::error::reserve(paths.len(), "def.example_paths")?;
+        let (def, out) = (self::def(def, "def")?, Out::new(out_set, "out_set")?);
+        let base = required_string(def.base_path, "def.base_path")?;
+        let paths = array(def.example_paths, def.example_count as usize, "def.example_paths")?;
+        let mut examples = crate::base::error::reserve(paths.len(), "def.example_paths")?;
         for (i, &path) in paths.iter().enumerate() {
             let name = format!("def.example_paths[{i}]");
-            // SAFETY: the caller's.
-            examples.push(std::path::PathBuf::from(required(unsafe { string(path, &name) }?, &name)?));
+            examples.push(std::path::PathBuf::from(required_string(path, &name)?));
         }
         #[cfg(feature = "obj")]
         {
-            let imported = crate::import::obj_files(base.as_ref(), &examples)?;
-            // SAFETY: the caller's.
-            unsafe { add_imported((context, state, log), imported, &def.options, out) }
+            let imported = crate::io::import::obj_files(base.as_ref(), &examples)?;
+            add_imported((context, state, log), imported, &def.options, out)
         }
         #[cfg(not(feature = "obj"))]
         {
             let _ = (context, state, log, base, examples, out);
-            Err(not_built("obj"))
+            Err(Failure::not_built("obj"))
         }
     })
 }
 
-/// What becomes of the bytes that a set is loaded from.
+/// Whether the bytes of a baked set are copied.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CrumpleBytes {
-    /// They are copied: free them after the call.
+    /// The bytes are copied. Free them after the call.
     Copy = 0,
-    /// They are kept and used where they lie: a memory map, or an asset that stays loaded. They must stay readable and must
-    /// not change until the set was destroyed and all its instances with it, or the context. Where they do not begin at a
-    /// multiple of 16 bytes they are copied all the same; do not rely on that.
+    /// The bytes are used in place. They must stay readable and unchanged until the set and its instances, or the
+    /// context, are destroyed. Bytes that do not start at a multiple of 16 are copied.
     Keep = 1,
 }
 
-impl CEnum for CrumpleBytes {
-    const ALL: &'static [Self] = &[Self::Copy, Self::Keep];
-}
+c_enums!(CrumpleBytes::Keep);
 
-/// Makes an example set from the size bytes of a .crumple file at data, which "crumple bake" or crumple_example_set_save_baked()
-/// wrote: at once, since nothing is built or unpacked. bytes tells whether they are copied or kept, see CrumpleBytes.
-/// Everything in them is checked: no file can make Crumple read or write what it should not. The set has one primitive, no
-/// name and no node transform.
-///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED (out_set),
-/// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (bytes is no enumerator), CRUMPLE_ERROR_FORMAT (damaged, cut
-/// short, or no baked set), CRUMPLE_ERROR_UNSUPPORTED (of another version of the format, or a big-endian processor),
-/// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE. Nothing is kept then.
+/// Loads an example set from the size bytes of a .crumple file at data, written by "crumple bake" or
+/// crumple_example_set_save_baked(). Loading builds nothing and is fast. All bytes are validated. The set has one
+/// primitive, no name and no node transform. Errors: CRUMPLE_ERROR_FORMAT (damaged, cut short, or no baked set),
+/// CRUMPLE_ERROR_UNSUPPORTED (another format version, or a big-endian processor).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_load_baked_memory(
     context: *mut CrumpleContext,
@@ -223,11 +176,9 @@ pub unsafe extern "C" fn crumple_example_set_load_baked_memory(
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
     recorded("crumple_example_set_load_baked_memory", context, |context, state, log| {
-        // SAFETY: the caller's.
-        let out = unsafe { Out::new(out_set, "out_set") }?;
+        let out = Out::new(out_set, "out_set")?;
         let keep = enumerator(bytes, "bytes")? == CrumpleBytes::Keep;
-        // SAFETY: the caller's; kept bytes stay as they are for as long as the set lives.
-        let bytes: &'static [u8] = unsafe { array(data.cast::<u8>(), size, "data") }?;
+        let bytes: &'static [u8] = array(data.cast::<u8>(), size, "data")?;
         state.sets.reserve::<CrumpleExampleSet>()?;
         let tasks = Quiet(context.tasks());
         let set = if keep { ExampleSet::load(bytes, &tasks) } else { ExampleSet::load_copy(bytes, &tasks) }?;
@@ -236,10 +187,8 @@ pub unsafe extern "C" fn crumple_example_set_load_baked_memory(
     })
 }
 
-/// The same from a file, which is read into memory: path is UTF-8.
-///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ARGUMENT (path is
-/// not UTF-8), and those of crumple_example_set_load_baked_memory().
+/// As crumple_example_set_load_baked_memory(), from a file that is read into memory. path is UTF-8. Also returns
+/// CRUMPLE_ERROR_IO.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_load_baked(
     context: *mut CrumpleContext,
@@ -247,10 +196,8 @@ pub unsafe extern "C" fn crumple_example_set_load_baked(
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
     recorded("crumple_example_set_load_baked", context, |context, state, log| {
-        // SAFETY: the caller's.
-        let out = unsafe { Out::new(out_set, "out_set") }?;
-        // SAFETY: the caller's.
-        let path = required(unsafe { string(path, "path") }?, "path")?;
+        let out = Out::new(out_set, "out_set")?;
+        let path = required_string(path, "path")?;
         state.sets.reserve::<CrumpleExampleSet>()?;
         let set = ExampleSet::load_file(path, &Quiet(context.tasks()))?;
         add_baked((context, state, log), set, out);
@@ -258,12 +205,8 @@ pub unsafe extern "C" fn crumple_example_set_load_baked(
     })
 }
 
-/// Saves an example set as the bytes of a .crumple file; the same bytes for the same set on every machine. data has room
-/// for capacity bytes, of any alignment; with null and 0 only their number is told.
-///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED (out_size),
-/// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_BUFFER_TOO_SMALL, CRUMPLE_ERROR_UNSUPPORTED (a big-endian processor),
-/// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE.
+/// Writes an example set as the bytes of a .crumple file, equal on all machines. data has capacity bytes of any
+/// alignment; see "Arrays" at the top. CRUMPLE_ERROR_UNSUPPORTED: a big-endian processor.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_save_baked(
     context: *mut CrumpleContext,
@@ -273,19 +216,13 @@ pub unsafe extern "C" fn crumple_example_set_save_baked(
     out_size: *mut usize,
 ) -> CrumpleResult {
     exclusive("crumple_example_set_save_baked", context, |_, state| {
-        // SAFETY: the caller's.
-        let out = unsafe { Out::new(out_size, "out_size") }?;
+        let out = Out::new(out_size, "out_size")?;
         let set = &state.sets.get(set, "set")?.set;
-        let size = if data.is_null() && capacity == 0 {
-            set.saved_bytes()
-        } else {
-            let bytes = set.save()?;
-            // SAFETY: the caller's.
-            unsafe { write_array(&bytes, data.cast::<u8>(), capacity, "data") }?;
-            bytes.len()
-        };
-        out.write(size);
-        Ok(())
+        if data.is_null() && capacity == 0 {
+            out.write(set.saved_bytes());
+            return Ok(());
+        }
+        write_array(&set.save()?, data.cast::<u8>(), capacity, "data", out)
     })
 }
 
@@ -294,21 +231,10 @@ fn add_baked(of: (&Context, &mut State, &mut Log<'_>), set: ExampleSet, out: Out
     insert_set(of, set, (c"".into(), vec![whole], Vec::new(), None), out);
 }
 
-fn required<'a>(text: Option<&'a str>, name: &str) -> Result<&'a str, Failure> {
-    text.ok_or_else(|| Failure::new(CrumpleResult::CrumpleErrorNullPointer, format!("{name} is null")))
-}
-
-#[cfg(not(all(feature = "gltf", feature = "obj", feature = "vulkan")))]
-pub(super) fn not_built(feature: &str) -> Failure {
-    let message = format!("this build cannot: build the library with the feature {feature}");
-    Failure::new(CrumpleResult::CrumpleErrorUnsupported, message)
-}
-
 #[cfg(feature = "gltf")]
-unsafe fn mesh_choice(def: &CrumpleGltfDef) -> Result<crate::import::MeshChoice<'_>, Failure> {
-    use crate::import::MeshChoice;
-    // SAFETY: the caller's.
-    Ok(match (unsafe { string(def.mesh_name, "def.mesh_name") }?, def.mesh_index) {
+unsafe fn mesh_choice(def: &CrumpleGltfDef) -> Result<crate::io::import::MeshChoice<'_>, Failure> {
+    use crate::io::import::MeshChoice;
+    Ok(match (string(def.mesh_name, "def.mesh_name")?, def.mesh_index) {
         (Some(name), _) => MeshChoice::Name(name),
         (None, u32::MAX) => MeshChoice::First,
         (None, index) => MeshChoice::Index(index as usize),
@@ -318,12 +244,11 @@ unsafe fn mesh_choice(def: &CrumpleGltfDef) -> Result<crate::import::MeshChoice<
 #[cfg(any(feature = "gltf", feature = "obj"))]
 unsafe fn add_imported(
     of: (&Context, &mut State, &mut Log<'_>),
-    imported: crate::import::Imported,
+    imported: crate::io::import::Imported,
     options: &CrumpleExampleSetOptions,
     out: Out<CrumpleExampleSet>,
 ) -> Result<(), Failure> {
-    // SAFETY: the caller's.
-    let options = unsafe { read_options(options, imported.mesh.positions.len()) }?;
+    let options = read_options(options, imported.mesh.positions.len())?;
     let text = |name: &Option<String>| name.as_deref().map(c_string);
     let materials: Vec<_> = imported.primitives.iter().map(|p| text(&p.material)).collect();
     let primitives = imported.primitives.iter().zip(&materials).map(|(p, material)| CrumplePrimitive {

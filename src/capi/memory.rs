@@ -3,7 +3,7 @@
 use super::check::misaligned;
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleInput, CrumpleStream};
-use crate::error::reserve;
+use crate::base::error::reserve;
 
 /// Where the elements of an array lie.
 #[derive(Debug, Clone, Copy)]
@@ -123,8 +123,7 @@ pub(super) unsafe fn read_required<T: Element>(
     count: usize,
     name: &str,
 ) -> Result<Vec<T>, Failure> {
-    // SAFETY: the caller's.
-    unsafe { read(input, count, name) }?
+    read(input, count, name)?
         .ok_or_else(|| Failure::new(CrumpleResult::CrumpleErrorNullPointer, format!("{name}.data is null")))
 }
 

@@ -1,11 +1,26 @@
-//! The C interface, and the only place that knows C. `include/crumple.h` is generated from these files in the order
-//! of the modules below, which is the order in which a user meets them.
+//! The C interface, and the only place that knows C. `cargo xtask header` generates `include/crumple.h` from these files.
 //!
-//! Every entry point runs inside [`boundary`]: pointers are checked, outputs are written only on success, errors and
-//! panics become a [`result::CrumpleResult`] and a text. The types of the header hold no Rust enum or `bool` that C
-//! could fill with a wrong number: such fields are `MaybeUninit`, which cbindgen writes as the type itself, and are
-//! checked when read.
+//! Every entry point runs inside [`boundary`]: pointers are checked, outputs are written on success, errors and panics become a
+//! [`result::CrumpleResult`] and a text. C can store any number in an enum or a `bool`: such fields are `MaybeUninit`, which
+//! cbindgen writes as the type itself, and are checked when read.
+//!
+//! Layers, each of which uses only those before it:
+//! 1. `result`, `c_enum`, `boundary`, `check`, `types`, `memory`, `ids`, `tasks`: what every call needs;
+//! 2. `host_memory`, `vulkan_types`, `device`, `store`: what a context holds;
+//! 3. `record_call`, `record_file`, `snapshot`, `recorder`: what a recording writes;
+//! 4. `context`: who may be inside when;
+//! 5. the entry points: `set`, `load`, `instance`, `hit` and so on;
+//! 6. `replay`: a host in Rust that calls the entry points.
+//!
+//! # Safety
+//! One contract holds for every `unsafe fn` below that states none of its own. Each pointer that a C caller passes, as an argument
+//! or in a def, is null or points to memory as the header describes it: as many readable or writable bytes as the count or size
+//! beside it says, strings that end with a zero, Vulkan handles that are valid, callbacks that keep their rules. Registered
+//! memory stays there as long as the header asks. The bodies of these functions rely on nothing else.
+#![allow(unsafe_op_in_unsafe_fn)]
+#![cfg_attr(not(feature = "vulkan"), allow(irrefutable_let_patterns))]
 
+// These add to the header, in the order in which a user meets them.
 mod version;
 
 mod result;
@@ -30,22 +45,34 @@ mod hit;
 
 mod damage;
 
+mod host_memory;
+
 mod buffer;
 
 mod deform;
+
+mod vulkan_types;
 
 mod vulkan;
 
 mod attach;
 
-pub(crate) mod recording;
+mod recording;
 
-// Nothing below adds to the header.
-
+// These do not.
 mod boundary;
-
+mod c_enum;
 mod check;
-
+#[cfg(feature = "vulkan")]
+mod device;
 mod ids;
-
 mod memory;
+mod record_call;
+mod record_file;
+mod recorder;
+pub(crate) mod replay;
+mod snapshot;
+mod store;
+
+#[cfg(test)]
+mod recording_tests;

@@ -1,97 +1,94 @@
 //! What a call answers: a result, and a text that names what was wrong.
 
-use super::check::CEnum;
+use super::c_enum::number;
 use crate::ErrorKind;
 use std::cell::RefCell;
-use std::ffi::c_char;
+use std::ffi::{CStr, c_char};
 use std::mem::MaybeUninit;
 
 /// cbindgen:rename-all=ScreamingSnakeCase
-/// What every fallible call returns. After anything but CRUMPLE_OK no output was written, crumple_last_error() tells
-/// what was wrong and what would be right, and everything stays usable.
+/// The result of a call. See "Results" at the top.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(clippy::enum_variant_names)] // the C names
 pub enum CrumpleResult {
-    /// The call did what it says.
+    /// Success.
     CrumpleOk = 0,
-    /// A value lies outside its range.
+    /// A value is outside its range, or the call is not allowed now.
     CrumpleErrorInvalidArgument = 1,
     /// A number is NaN or infinite.
     CrumpleErrorNotFinite = 2,
-    /// An index points past the end of what it indexes.
+    /// An index is not below its count.
     CrumpleErrorIndexOutOfRange = 3,
     /// The base mesh cannot be used.
     CrumpleErrorMesh = 4,
     /// An example does not fit the base mesh, or there is no example.
     CrumpleErrorExampleMismatch = 5,
-    /// Memory is smaller than what must be read from it or written to it.
+    /// An array has fewer bytes or elements than the call needs.
     CrumpleErrorBufferTooSmall = 6,
-    /// A pointer, an offset or a stride is not a multiple of the alignment it needs.
+    /// A pointer, offset or stride is not a multiple of its alignment.
     CrumpleErrorMisaligned = 7,
-    /// A contact lies further from the body than the instance accepts: often a point in the wrong space.
+    /// The point of a hit is further from the body than max_contact_distance. Often the point is in the wrong space.
     CrumpleErrorContactTooFar = 8,
-    /// Valid input that this library, or this build of it, does not read.
+    /// The input is valid, but this library or this build does not support it.
     CrumpleErrorUnsupported = 9,
     /// A file or saved bytes are malformed.
     CrumpleErrorFormat = 10,
     /// The operating system refused to read or write a file.
     CrumpleErrorIo = 11,
-    /// Damage belongs to another example set or to another version.
+    /// Damage belongs to another example set, rule or version.
     CrumpleErrorDamageMismatch = 12,
-    /// Memory ran out. Only memory whose size your counts decide is reported so; see "Memory" at the top of the
-    /// header.
+    /// Memory ran out. See "Memory" at the top.
     CrumpleErrorOutOfMemory = 13,
-    /// The call does not fit the instance's rule.
+    /// The call does not work with the instance's rule.
     CrumpleErrorWrongRule = 14,
-    /// A call into the graphics driver failed.
+    /// A Vulkan function failed.
     CrumpleErrorVulkan = 15,
-    /// The graphics device is lost. Damage is not.
+    /// The Vulkan device is lost. Damage is not lost.
     CrumpleErrorDeviceLost = 16,
-    /// A pointer is null that must not be.
+    /// A required pointer is null.
     CrumpleErrorNullPointer = 64,
-    /// The struct_size of a def is that of no version: take defs from their crumple_..._def_default function.
+    /// The struct_size of a def is wrong. Start from the def's crumple_..._def_default function.
     CrumpleErrorStructSize = 65,
-    /// An id or a context is null, was destroyed, or belongs to another context; the text says which.
+    /// An id or a context is null, was destroyed, or belongs to another context.
     CrumpleErrorInvalidId = 66,
-    /// Two threads were inside the same context at once, or a callback called back into it.
+    /// Two threads used one context at once, or a callback called back into its context.
     CrumpleErrorConcurrentUse = 67,
-    /// A defect of the library; the text is its message. Please report it.
+    /// A defect of the library. Please report it with the text of crumple_last_error().
     CrumpleErrorInternal = 68,
-    /// Frames were recorded that crumple_vulkan_complete_frames() was not told of.
+    /// Recorded frames were not reported to crumple_vulkan_complete_frames().
     CrumpleErrorFramesInFlight = 69,
 }
 
-impl CEnum for CrumpleResult {
-    const ALL: &'static [Self] = {
-        use CrumpleResult::*;
-        &[
-            CrumpleOk,
-            CrumpleErrorInvalidArgument,
-            CrumpleErrorNotFinite,
-            CrumpleErrorIndexOutOfRange,
-            CrumpleErrorMesh,
-            CrumpleErrorExampleMismatch,
-            CrumpleErrorBufferTooSmall,
-            CrumpleErrorMisaligned,
-            CrumpleErrorContactTooFar,
-            CrumpleErrorUnsupported,
-            CrumpleErrorFormat,
-            CrumpleErrorIo,
-            CrumpleErrorDamageMismatch,
-            CrumpleErrorOutOfMemory,
-            CrumpleErrorWrongRule,
-            CrumpleErrorVulkan,
-            CrumpleErrorDeviceLost,
-            CrumpleErrorNullPointer,
-            CrumpleErrorStructSize,
-            CrumpleErrorInvalidId,
-            CrumpleErrorConcurrentUse,
-            CrumpleErrorInternal,
-            CrumpleErrorFramesInFlight,
-        ]
-    };
-}
+/// All results with their names.
+const NAMES: [(CrumpleResult, &CStr); 23] = {
+    use CrumpleResult::*;
+    [
+        (CrumpleOk, c"CRUMPLE_OK"),
+        (CrumpleErrorInvalidArgument, c"CRUMPLE_ERROR_INVALID_ARGUMENT"),
+        (CrumpleErrorNotFinite, c"CRUMPLE_ERROR_NOT_FINITE"),
+        (CrumpleErrorIndexOutOfRange, c"CRUMPLE_ERROR_INDEX_OUT_OF_RANGE"),
+        (CrumpleErrorMesh, c"CRUMPLE_ERROR_MESH"),
+        (CrumpleErrorExampleMismatch, c"CRUMPLE_ERROR_EXAMPLE_MISMATCH"),
+        (CrumpleErrorBufferTooSmall, c"CRUMPLE_ERROR_BUFFER_TOO_SMALL"),
+        (CrumpleErrorMisaligned, c"CRUMPLE_ERROR_MISALIGNED"),
+        (CrumpleErrorContactTooFar, c"CRUMPLE_ERROR_CONTACT_TOO_FAR"),
+        (CrumpleErrorUnsupported, c"CRUMPLE_ERROR_UNSUPPORTED"),
+        (CrumpleErrorFormat, c"CRUMPLE_ERROR_FORMAT"),
+        (CrumpleErrorIo, c"CRUMPLE_ERROR_IO"),
+        (CrumpleErrorDamageMismatch, c"CRUMPLE_ERROR_DAMAGE_MISMATCH"),
+        (CrumpleErrorOutOfMemory, c"CRUMPLE_ERROR_OUT_OF_MEMORY"),
+        (CrumpleErrorWrongRule, c"CRUMPLE_ERROR_WRONG_RULE"),
+        (CrumpleErrorVulkan, c"CRUMPLE_ERROR_VULKAN"),
+        (CrumpleErrorDeviceLost, c"CRUMPLE_ERROR_DEVICE_LOST"),
+        (CrumpleErrorNullPointer, c"CRUMPLE_ERROR_NULL_POINTER"),
+        (CrumpleErrorStructSize, c"CRUMPLE_ERROR_STRUCT_SIZE"),
+        (CrumpleErrorInvalidId, c"CRUMPLE_ERROR_INVALID_ID"),
+        (CrumpleErrorConcurrentUse, c"CRUMPLE_ERROR_CONCURRENT_USE"),
+        (CrumpleErrorInternal, c"CRUMPLE_ERROR_INTERNAL"),
+        (CrumpleErrorFramesInFlight, c"CRUMPLE_ERROR_FRAMES_IN_FLIGHT"),
+    ]
+};
 
 /// Why a call failed.
 #[derive(Debug)]
@@ -103,6 +100,20 @@ pub(super) struct Failure {
 impl Failure {
     pub(super) fn new(result: CrumpleResult, message: impl Into<String>) -> Self {
         Self { result, message: message.into() }
+    }
+
+    pub(super) fn null(name: &str) -> Self {
+        Self::new(CrumpleResult::CrumpleErrorNullPointer, format!("{name} is null"))
+    }
+
+    #[cfg(not(all(feature = "gltf", feature = "obj", feature = "vulkan")))]
+    pub(super) fn not_built(feature: &str) -> Self {
+        let message = format!("this build cannot: build the library with the feature {feature}");
+        Self::new(CrumpleResult::CrumpleErrorUnsupported, message)
+    }
+
+    pub(super) fn out_of_memory(what: &str) -> Self {
+        Self::new(CrumpleResult::CrumpleErrorOutOfMemory, format!("no memory for {what}"))
     }
 
     pub(super) fn invalid(message: impl Into<String>) -> Self {
@@ -159,45 +170,19 @@ pub(super) fn remember(call: &str, message: &str) {
     });
 }
 
-/// What was wrong in the calling thread's last failed call, and what would be right, as UTF-8:
-/// "crumple_instance_create: ...". Empty before the first failure; a call that succeeds leaves it. Valid until the
-/// thread's next failed call. At most 1023 bytes. Never null, never fails; any thread, each has its own text.
+/// Returns the message of the calling thread's last failed call, as UTF-8: "crumple_instance_create: ...". It names
+/// the wrong value and the right one. It is empty before the first failure; calls that succeed leave it unchanged. It
+/// stays valid until the thread's next failed call. At most 1023 bytes, never null.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_last_error() -> *const c_char {
     // A thread that is ending has lost its text already.
     LAST_ERROR.try_with(|text| text.as_ptr().cast::<c_char>().cast_const()).unwrap_or(c"".as_ptr())
 }
 
-/// The name of a result, such as "CRUMPLE_ERROR_FORMAT"; "unknown result" for a number that is none. Lives for ever.
-/// Never fails; any thread.
+/// Returns the name of a result, such as "CRUMPLE_ERROR_FORMAT", or "unknown result". The text stays valid for ever.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_result_name(result: MaybeUninit<CrumpleResult>) -> *const c_char {
-    use CrumpleResult::*;
-    let Some(result) = CrumpleResult::read(result) else { return c"unknown result".as_ptr() };
-    match result {
-        CrumpleOk => c"CRUMPLE_OK",
-        CrumpleErrorInvalidArgument => c"CRUMPLE_ERROR_INVALID_ARGUMENT",
-        CrumpleErrorNotFinite => c"CRUMPLE_ERROR_NOT_FINITE",
-        CrumpleErrorIndexOutOfRange => c"CRUMPLE_ERROR_INDEX_OUT_OF_RANGE",
-        CrumpleErrorMesh => c"CRUMPLE_ERROR_MESH",
-        CrumpleErrorExampleMismatch => c"CRUMPLE_ERROR_EXAMPLE_MISMATCH",
-        CrumpleErrorBufferTooSmall => c"CRUMPLE_ERROR_BUFFER_TOO_SMALL",
-        CrumpleErrorMisaligned => c"CRUMPLE_ERROR_MISALIGNED",
-        CrumpleErrorContactTooFar => c"CRUMPLE_ERROR_CONTACT_TOO_FAR",
-        CrumpleErrorUnsupported => c"CRUMPLE_ERROR_UNSUPPORTED",
-        CrumpleErrorFormat => c"CRUMPLE_ERROR_FORMAT",
-        CrumpleErrorIo => c"CRUMPLE_ERROR_IO",
-        CrumpleErrorDamageMismatch => c"CRUMPLE_ERROR_DAMAGE_MISMATCH",
-        CrumpleErrorOutOfMemory => c"CRUMPLE_ERROR_OUT_OF_MEMORY",
-        CrumpleErrorWrongRule => c"CRUMPLE_ERROR_WRONG_RULE",
-        CrumpleErrorVulkan => c"CRUMPLE_ERROR_VULKAN",
-        CrumpleErrorDeviceLost => c"CRUMPLE_ERROR_DEVICE_LOST",
-        CrumpleErrorNullPointer => c"CRUMPLE_ERROR_NULL_POINTER",
-        CrumpleErrorStructSize => c"CRUMPLE_ERROR_STRUCT_SIZE",
-        CrumpleErrorInvalidId => c"CRUMPLE_ERROR_INVALID_ID",
-        CrumpleErrorConcurrentUse => c"CRUMPLE_ERROR_CONCURRENT_USE",
-        CrumpleErrorInternal => c"CRUMPLE_ERROR_INTERNAL",
-        CrumpleErrorFramesInFlight => c"CRUMPLE_ERROR_FRAMES_IN_FLIGHT",
-    }
-    .as_ptr()
+    let number = number(result);
+    let found = NAMES.iter().find(|(known, _)| *known as u32 == number);
+    found.map_or(c"unknown result", |(_, name)| name).as_ptr()
 }

@@ -1,229 +1,169 @@
 //! Example sets from the caller's arrays.
 
-use super::check::{CEnum, Def, MadeBy, Out, boolean, def, enumerator, finite, nth_def, positive_or_none, string};
-use super::context::{Context, CrumpleContext, CrumpleLogLevel, State, recorded};
+use super::c_enum::c_enums;
+use super::check::{Out, boolean, def, defs, enumerator, finite, positive_or, string, zeroed};
+use super::context::{Context, CrumpleContext, CrumpleLogLevel, recorded};
 use super::memory::{read, read_required};
-use super::recording::{Call, Log, Number};
+use super::record_call::{Call, Number};
+use super::recorder::Log;
 use super::result::{CrumpleResult, Failure};
-use super::set_info::CrumplePrimitive;
+use super::store::{SetEntry, State};
 use super::tasks::Quiet;
-use super::types::{CrumpleExampleSet, CrumpleInput, CrumpleVec3};
-use crate::error::reserve;
+use super::types::{CrumpleExampleSet, CrumpleInput, CrumplePrimitive, CrumpleVec3};
+use crate::base::error::reserve;
 use crate::{Combine, Contact, Deltas, ExampleData, ExampleSet, MeshData, Placement, Seams, SetOptions, VertexMass};
 use std::ffi::{CString, c_char};
 use std::mem::MaybeUninit;
 use std::sync::Arc;
 
-/// How the dents of several hits combine at a vertex. The direction is always that of their sum.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CrumpleCombine {
-    /// Energies add: depth grows as the root of the number of equal hits, as metal does. The default.
-    Energies = 0,
-    /// Lengths add, up to the depth limit.
-    Sum = 1,
-    /// The deepest dent decides: stamping to a fixed position.
-    Deepest = 2,
-}
-
-impl CEnum for CrumpleCombine {
-    const ALL: &'static [Self] = &[Self::Energies, Self::Sum, Self::Deepest];
-}
-
-/// What becomes of an example that moves apart vertices which share a position in the base mesh.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CrumpleSeams {
-    /// They stay together: each gets the mean of their displacements. The default.
-    Weld = 0,
-    /// They move apart, as the example says: a tear that the artist made.
-    Keep = 1,
-}
-
-impl CEnum for CrumpleSeams {
-    const ALL: &'static [Self] = &[Self::Weld, Self::Keep];
-}
-
-/// Whether an example may be carried away from where it was made.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CrumplePlacement {
-    /// Anchored for hits close to its own contact that ask for about its own depth, carried for others. The default.
-    Automatic = 0,
-    /// Always where and as the artist made it: creases, frames, bumpers.
-    Anchored = 1,
-    /// Always carried to where the body was hit: sheet metal.
-    Carried = 2,
-}
-
-impl CEnum for CrumplePlacement {
-    const ALL: &'static [Self] = &[Self::Automatic, Self::Anchored, Self::Carried];
-}
-
 /// The type of triangle indices.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(dead_code)] // made by C
 pub enum CrumpleIndexType {
-    /// uint32_t, 4 bytes. The default.
+    /// uint32_t. The default.
     U32 = 0,
-    /// uint16_t, 2 bytes.
+    /// uint16_t.
     U16 = 1,
 }
 
-impl CEnum for CrumpleIndexType {
-    const ALL: &'static [Self] = &[Self::U32, Self::U16];
-}
-
-/// How the place where an example was hit is told.
+/// How the place where an example was hit is given.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(dead_code)] // made by C
 pub enum CrumpleContactKind {
-    /// Not told: its deepest vertex. The default.
+    /// Not given: Crumple uses the example's deepest vertex. The default.
     None = 0,
-    /// A vertex of the base mesh.
+    /// As a vertex of the base mesh.
     Vertex = 1,
-    /// A point in the mesh's space; its nearest vertex becomes the contact.
+    /// As a point in the mesh's space. Its nearest vertex becomes the contact.
     Point = 2,
 }
 
-impl CEnum for CrumpleContactKind {
-    const ALL: &'static [Self] = &[Self::None, Self::Vertex, Self::Point];
-}
-
-/// How an example set is made ready. Part of the defs that make one, which carry its defaults.
+/// How an example set is built. Part of the defs that build one, which set its defaults.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleExampleSetOptions {
-    /// No vertex ever moves further than this, m. 0: the deepest displacement of any example. Default 0.
+    /// No vertex moves further than this, m. Default 0: the depth of the deepest example.
     pub depth_limit: f32,
-    /// Displacements of an example up to this length are dropped, m. 0: only exact zeros. Default 0.
+    /// Displacements of an example up to this length are dropped, m. Default 0: only zeros.
     pub drop_below: f32,
-    /// Mass of every vertex, kg, for impulses that bring none of their own. 0: not known. Default 0.
+    /// Mass of every vertex, kg, for impulses without a mass: a calibration constant in impulse * duration / mass,
+    /// not the body's mass. Default 0: unknown.
     pub vertex_mass: f32,
-    /// Nodes along each side of the grid that a carried example is kept in: 4 to 128. Default 32; sharp creases want
-    /// more. With a tolerance, at most.
+    /// Nodes along each side of the grid that stores a carried example: 4 to 128. Default 32; sharp creases need
+    /// more. With a bake_tolerance, this is the maximum.
     pub stamp_resolution: u32,
-    /// How far an example of weight 1 may put a vertex off, m: displacements are kept as integers of 1 or 2 bytes that hold
-    /// this, and carried examples on the coarsest grid that does. 0, the default: exact floats.
-    pub tolerance: f32,
-    /// With a tolerance: how far an example of weight 1 may turn a normal off, degrees; above 0 to 45. Default 1.
-    pub normal_tolerance: f32,
+    /// Largest position error from quantisation at weight 1, m. Displacements are then stored as integers of 1 or 2
+    /// bytes, carried examples on the coarsest grid within the error. Default 0: exact floats. Changes the
+    /// fingerprint; depth_limit and vertex_mass do not.
+    pub bake_tolerance: f32,
+    /// Largest error of a normal at weight 1, degrees, above 0 and up to 45. Used with a bake_tolerance. Default 1.
+    pub bake_normal_tolerance: f32,
     /// Mass of each vertex, kg: vertex_count floats, instead of vertex_mass. Default absent.
     pub vertex_masses: CrumpleInput,
     /// How the dents of several hits combine. Default CRUMPLE_COMBINE_ENERGIES.
-    pub combine: MaybeUninit<CrumpleCombine>,
-    /// What becomes of examples that tear seams. Default CRUMPLE_SEAMS_WELD.
-    pub seams: MaybeUninit<CrumpleSeams>,
-    /// Whether carried examples may never be scaled above their own depth, as anchored ones never are. Default false.
+    pub combine: MaybeUninit<Combine>,
+    /// How examples that open seams are treated. Default CRUMPLE_SEAMS_WELD.
+    pub seams: MaybeUninit<Seams>,
+    /// Carried examples are never scaled above their own depth, as anchored ones never are. Default false.
     pub strict: MaybeUninit<bool>,
-    /// Whether examples also serve mirrored, where the body is the same on both sides of a coordinate plane through the
-    /// centre of its bounds. Default true.
+    /// Also use mirrored copies of the examples where the body is symmetric in a coordinate plane through the centre
+    /// of its bounds. Default true.
     pub mirror: MaybeUninit<bool>,
-    /// Whether carried dents fall to zero towards edges of the sheet that the examples show to be held. Default true.
+    /// Fade carried dents to zero at boundary edges that no example moves. Default true.
     pub held_rims: MaybeUninit<bool>,
 }
 
-/// One example: the base mesh after a collision. Give target_positions, or delta_indices with position_deltas.
+/// An example: the base mesh after a collision. Give target_positions, or delta_indices with position_deltas.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleExampleDef {
-    /// Bytes of this struct, from crumple_example_def_default().
     pub struct_size: u32,
-    /// Number of moved vertices in delta_indices, position_deltas and normal_deltas. Without meaning for
-    /// target_positions.
+    /// Number of vertices in delta_indices, position_deltas and normal_deltas.
     pub delta_count: u32,
-    /// Any UTF-8 text that ends with a zero, copied; need not be unique. Null: empty.
+    /// UTF-8 text, copied. Need not be unique. Null: empty.
     pub name: *const c_char,
-    /// Full form: where every vertex of the base mesh goes: vertex_count times 3 floats, m, in the base's order.
+    /// Full form: the new position of every vertex, vertex_count times 3 floats, m, in the base mesh's order.
     pub target_positions: CrumpleInput,
-    /// Full form: unit normals there: vertex_count times 3 floats. Absent: computed. Needs the base mesh's normals.
+    /// Full form: the new unit normals, vertex_count times 3 floats. Absent: computed. Needs normals of the base
+    /// mesh.
     pub target_normals: CrumpleInput,
-    /// Sparse form: indices of the moved vertices, strictly increasing: delta_count times uint32_t.
+    /// Sparse form: indices of the moved vertices, strictly increasing, delta_count times uint32_t.
     pub delta_indices: CrumpleInput,
-    /// Sparse form: how far they move: delta_count times 3 floats, m.
+    /// Sparse form: their displacements, delta_count times 3 floats, m.
     pub position_deltas: CrumpleInput,
-    /// Sparse form: how their unit normals change: delta_count times 3 floats. Absent: computed.
+    /// Sparse form: the changes of their unit normals, delta_count times 3 floats. Absent: computed.
     pub normal_deltas: CrumpleInput,
-    /// How the place where the example was hit is told. Default CRUMPLE_CONTACT_KIND_NONE.
+    /// How the contact is given. Default CRUMPLE_CONTACT_KIND_NONE.
     pub contact_kind: MaybeUninit<CrumpleContactKind>,
     /// The vertex that was hit, for CRUMPLE_CONTACT_KIND_VERTEX.
     pub contact_vertex: u32,
     /// The point that was hit, m, in the mesh's space, for CRUMPLE_CONTACT_KIND_POINT.
     pub contact_point: CrumpleVec3,
-    /// The surface's outward direction there, of any length but 0, where has_contact_normal is true.
+    /// The surface's outward direction at the contact, of any length above 0. Used where has_contact_normal is true.
     pub contact_normal: CrumpleVec3,
-    /// Whether contact_normal is given; otherwise it is taken from the mesh. Default false.
+    /// Whether contact_normal is given. Default false: the mesh's normal is used.
     pub has_contact_normal: MaybeUninit<bool>,
-    /// Whether it may be carried. Default CRUMPLE_PLACEMENT_AUTOMATIC.
-    pub placement: MaybeUninit<CrumplePlacement>,
+    /// Where the example may be used. Default CRUMPLE_PLACEMENT_AUTOMATIC.
+    pub placement: MaybeUninit<Placement>,
 }
 
-/// A base mesh and its examples, as arrays.
+/// A mesh as arrays, which are copied. Part of the defs that contain it, which set its defaults.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
-pub struct CrumpleExampleSetDef {
-    /// Bytes of this struct, from crumple_example_set_def_default().
-    pub struct_size: u32,
-    /// Vertices of the base mesh, at least 1. Their order is yours and is kept.
+pub struct CrumpleMeshDef {
+    /// Number of vertices, at least 1. Their order is kept.
     pub vertex_count: u32,
+    /// Number of indices, a multiple of 3.
+    pub index_count: u32,
     /// Positions: vertex_count times 3 floats, m. Any handedness, any axis up. Required.
     pub positions: CrumpleInput,
     /// Unit normals: vertex_count times 3 floats. Absent: computed from the triangles, smooth across seams.
     pub normals: CrumpleInput,
     /// Tangents as in glTF: vertex_count times 4 floats, xyz of unit length, w +1 or -1. Absent: none.
     pub tangents: CrumpleInput,
-    /// Triangles: index_count indices, three a triangle, counter-clockwise seen from outside. Absent: a cloud of
-    /// points, which then needs normals.
+    /// Triangles: index_count indices, counter-clockwise seen from outside. Absent: a point cloud, whose normals must
+    /// be given.
     pub indices: CrumpleInput,
-    /// Number of indices, a multiple of 3.
-    pub index_count: u32,
     /// Type of indices. Default CRUMPLE_INDEX_TYPE_U32.
     pub index_type: MaybeUninit<CrumpleIndexType>,
-    /// The examples: example_count of them, each from crumple_example_def_default().
-    pub examples: *const CrumpleExampleDef,
+}
+
+/// A base mesh with its examples.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CrumpleExampleSetDef {
+    pub struct_size: u32,
     /// Number of examples, at least 1.
     pub example_count: u32,
-    /// How the set is made ready.
+    /// The base mesh.
+    pub mesh: CrumpleMeshDef,
+    /// example_count defs, each from crumple_example_def_default().
+    pub examples: *const CrumpleExampleDef,
+    /// How the set is built.
     pub options: CrumpleExampleSetOptions,
 }
 
-// SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
-unsafe impl Def for CrumpleExampleDef {
-    const DEFAULT: MadeBy<Self> = ("crumple_example_def_default", crumple_example_def_default);
+/// Another mesh of a set's body, such as a level of detail.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CrumpleLodDef {
+    pub struct_size: u32,
+    /// The mesh, in the base mesh's space.
+    pub mesh: CrumpleMeshDef,
 }
 
-// SAFETY: as above.
-unsafe impl Def for CrumpleExampleSetDef {
-    const DEFAULT: MadeBy<Self> = ("crumple_example_set_def_default", crumple_example_set_def_default);
-}
-
-/// What a context keeps of a set.
-pub(super) struct SetEntry {
-    pub(super) set: Arc<ExampleSet>,
-    /// The mesh's name in the file it came from.
-    pub(super) name: CString,
-    /// The examples' names.
-    pub(super) names: Vec<CString>,
-    pub(super) primitives: Vec<CrumplePrimitive>,
-    /// What `primitives` points to.
-    pub(super) _materials: Vec<CString>,
-    pub(super) node_transform: Option<[f32; 16]>,
-}
+c_enums!(CrumpleContactKind::Point, CrumpleIndexType::U16);
+defs!(CrumpleExampleDef, CrumpleExampleSetDef, CrumpleLodDef);
 
 pub(super) fn default_options() -> CrumpleExampleSetOptions {
     CrumpleExampleSetOptions {
-        depth_limit: 0.0,
-        drop_below: 0.0,
-        vertex_mass: 0.0,
         stamp_resolution: SetOptions::default().stamp_resolution,
-        tolerance: 0.0,
-        normal_tolerance: SetOptions::default().normal_tolerance,
-        vertex_masses: CrumpleInput::ABSENT,
-        combine: MaybeUninit::new(CrumpleCombine::Energies),
-        seams: MaybeUninit::new(CrumpleSeams::Weld),
-        strict: MaybeUninit::new(false),
+        bake_normal_tolerance: SetOptions::default().normal_tolerance,
         mirror: MaybeUninit::new(true),
         held_rims: MaybeUninit::new(true),
+        ..zeroed::<CrumpleExampleSetDef>().options
     }
 }
 
@@ -232,54 +172,21 @@ pub(super) fn c_string(text: &str) -> CString {
     CString::new(text.replace('\0', "\u{fffd}")).unwrap_or_default()
 }
 
-/// An example without anything: set its positions. Never fails; any thread.
+/// An example without positions. Set them.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_example_def_default() -> CrumpleExampleDef {
-    CrumpleExampleDef {
-        struct_size: size_of::<CrumpleExampleDef>() as u32,
-        delta_count: 0,
-        name: std::ptr::null(),
-        target_positions: CrumpleInput::ABSENT,
-        target_normals: CrumpleInput::ABSENT,
-        delta_indices: CrumpleInput::ABSENT,
-        position_deltas: CrumpleInput::ABSENT,
-        normal_deltas: CrumpleInput::ABSENT,
-        contact_kind: MaybeUninit::new(CrumpleContactKind::None),
-        contact_vertex: 0,
-        contact_point: CrumpleVec3::default(),
-        contact_normal: CrumpleVec3::default(),
-        has_contact_normal: MaybeUninit::new(false),
-        placement: MaybeUninit::new(CrumplePlacement::Automatic),
-    }
+    zeroed()
 }
 
-/// A set without anything: set its mesh and its examples. Never fails; any thread.
+/// A set without mesh and examples. Set them.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_example_set_def_default() -> CrumpleExampleSetDef {
-    CrumpleExampleSetDef {
-        struct_size: size_of::<CrumpleExampleSetDef>() as u32,
-        vertex_count: 0,
-        positions: CrumpleInput::ABSENT,
-        normals: CrumpleInput::ABSENT,
-        tangents: CrumpleInput::ABSENT,
-        indices: CrumpleInput::ABSENT,
-        index_count: 0,
-        index_type: MaybeUninit::new(CrumpleIndexType::U32),
-        examples: std::ptr::null(),
-        example_count: 0,
-        options: default_options(),
-    }
+    CrumpleExampleSetDef { options: default_options(), ..zeroed() }
 }
 
-/// Makes an example set from arrays, which are copied: free them afterwards. Takes a moment (it indexes the mesh and
-/// samples every example), so load before the scene starts, on a context of its own thread if need be.
-///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE
-/// (of def or of an example), CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (an enumerator or a count, a
-/// stride smaller than an element, an option out of range), CRUMPLE_ERROR_BUFFER_TOO_SMALL (an array has fewer bytes
-/// than its count needs), CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, CRUMPLE_ERROR_MESH (no
-/// vertices), CRUMPLE_ERROR_EXAMPLE_MISMATCH (no example, or one that does not fit the mesh),
-/// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE.
+/// Builds an example set from arrays. The call indexes the mesh and samples every example, which takes time: build
+/// sets while loading, or load baked ones. Errors: CRUMPLE_ERROR_MESH (no vertices), CRUMPLE_ERROR_EXAMPLE_MISMATCH
+/// (no examples, or one that does not fit the mesh).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_create(
     context: *mut CrumpleContext,
@@ -287,76 +194,32 @@ pub unsafe extern "C" fn crumple_example_set_create(
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
     recorded("crumple_example_set_create", context, |context, state, log| {
-        // SAFETY: the caller's.
-        let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_set, "out_set")?) };
-        // SAFETY: the caller's.
-        let (mesh, examples) = unsafe {
-            let mesh = read_mesh(&base_of(&def))?;
+        let (def, out) = (self::def(def, "def")?, Out::new(out_set, "out_set")?);
+        let (mesh, examples) = {
+            let mesh = read_mesh(&def.mesh)?;
             let examples = read_examples(&def, &mesh)?;
             (mesh, examples)
         };
         let triangles = mesh.triangles.len() as u32;
-        let whole = CrumplePrimitive::new(0..def.vertex_count, 0..triangles);
-        // SAFETY: the caller's.
-        let options = unsafe { read_options(&def.options, mesh.positions.len()) }?;
+        let whole = CrumplePrimitive::new(0..def.mesh.vertex_count, 0..triangles);
+        let options = read_options(&def.options, mesh.positions.len())?;
         let name = CString::default();
         add_set((context, state, log), (mesh, examples, options), (name, vec![whole], Vec::new(), None), out)
     })
 }
 
-/// Another mesh of a set's body, as arrays.
-#[repr(C)]
-#[derive(Debug, Clone, Copy)]
-pub struct CrumpleLodDef {
-    /// Bytes of this struct, from crumple_lod_def_default().
-    pub struct_size: u32,
-    /// Its vertices, at least 1. Their order is yours and is kept.
-    pub vertex_count: u32,
-    /// Positions: vertex_count times 3 floats, m, in the base mesh's space. Required.
-    pub positions: CrumpleInput,
-    /// Unit normals: vertex_count times 3 floats. Absent: computed from the triangles, smooth across seams.
-    pub normals: CrumpleInput,
-    /// Tangents as in glTF: vertex_count times 4 floats, xyz of unit length, w +1 or -1. Absent: none.
-    pub tangents: CrumpleInput,
-    /// Triangles: index_count indices, three a triangle, counter-clockwise seen from outside. Absent: none.
-    pub indices: CrumpleInput,
-    /// Number of indices, a multiple of 3.
-    pub index_count: u32,
-    /// Type of indices. Default CRUMPLE_INDEX_TYPE_U32.
-    pub index_type: MaybeUninit<CrumpleIndexType>,
-}
-
-// SAFETY: `repr(C)`, starts with its size, and any bytes are a value of it.
-unsafe impl Def for CrumpleLodDef {
-    const DEFAULT: MadeBy<Self> = ("crumple_lod_def_default", crumple_lod_def_default);
-}
-
-/// A level of detail without anything: set its mesh. Never fails; any thread.
+/// A level of detail without mesh. Set it.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_lod_def_default() -> CrumpleLodDef {
-    CrumpleLodDef {
-        struct_size: size_of::<CrumpleLodDef>() as u32,
-        vertex_count: 0,
-        positions: CrumpleInput::ABSENT,
-        normals: CrumpleInput::ABSENT,
-        tangents: CrumpleInput::ABSENT,
-        indices: CrumpleInput::ABSENT,
-        index_count: 0,
-        index_type: MaybeUninit::new(CrumpleIndexType::U32),
-    }
+    zeroed()
 }
 
-/// Adds another mesh of the same body that shows the same damage, such as a level of detail or a collision proxy. The arrays
-/// are copied. Its number, 1 for the first, is what CrumpleHostBufferDef.lod takes. Each of its vertices is bound to the nearest
-/// point of the base surface and moves as that does; one that stands on a base vertex moves exactly as that one. Contacts, marks,
-/// saved damage and the set's fingerprint stay those of the base mesh. All instances of the set know all of its levels, so
-/// add them before the first instance is made.
+/// Adds a mesh that shows the same damage, such as a level of detail or a collision proxy. Call this before the set's
+/// first instance is created. out_lod is its number, 1 for the first, for the lod fields of buffer defs.
 ///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED, CRUMPLE_ERROR_STRUCT_SIZE,
-/// CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_INVALID_ARGUMENT (the set has instances; an enumerator, a count, or a stride smaller
-/// than an element), CRUMPLE_ERROR_BUFFER_TOO_SMALL (an array has fewer bytes than its count needs),
-/// CRUMPLE_ERROR_NOT_FINITE, CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, CRUMPLE_ERROR_MESH (no vertices),
-/// CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE. The set is as it was then.
+/// Each vertex is bound to the nearest point of the base surface and moves with it. A vertex on a base vertex moves
+/// exactly as that vertex. Contacts, marks, saved damage and the fingerprint are still those of the base mesh.
+/// Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (the set has instances), CRUMPLE_ERROR_MESH.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_add_lod(
     context: *mut CrumpleContext,
@@ -365,15 +228,13 @@ pub unsafe extern "C" fn crumple_example_set_add_lod(
     out_lod: *mut u32,
 ) -> CrumpleResult {
     recorded("crumple_example_set_add_lod", context, |context, state, log| {
-        // SAFETY: the caller's.
-        let (def, out) = unsafe { (self::def(def, "def")?, Out::new(out_lod, "out_lod")?) };
+        let (def, out) = (self::def(def, "def")?, Out::new(out_lod, "out_lod")?);
         let id = set;
         let entry = state.sets.get_mut(id, "set")?;
         let set = Arc::get_mut(&mut entry.set).ok_or_else(|| {
             Failure::invalid("set has instances; add its levels of detail before the first instance is made")
         })?;
-        // SAFETY: the caller's.
-        let mesh = unsafe { read_mesh(&def) }?;
+        let mesh = read_mesh(&def.mesh)?;
         let lod = set.add_lod(mesh, &Quiet(context.tasks()))?;
         log.set(id, set);
         let report = set.report().lods[lod - 1];
@@ -429,52 +290,32 @@ pub(super) fn insert_set(
     out.write(id);
 }
 
-/// The base mesh alone.
-fn base_of(def: &CrumpleExampleSetDef) -> CrumpleLodDef {
-    CrumpleLodDef {
-        vertex_count: def.vertex_count,
-        positions: def.positions,
-        normals: def.normals,
-        tangents: def.tangents,
-        indices: def.indices,
-        index_count: def.index_count,
-        index_type: def.index_type,
-        ..crumple_lod_def_default()
-    }
-}
-
-unsafe fn read_mesh(def: &CrumpleLodDef) -> Result<MeshData, Failure> {
+unsafe fn read_mesh(def: &CrumpleMeshDef) -> Result<MeshData, Failure> {
     let vertices = def.vertex_count as usize;
     if vertices == 0 {
         return Err(
-            crate::Error::Mesh { what: "def.vertex_count is 0; a mesh needs at least one vertex".into() }.into()
+            crate::Error::Mesh { what: "def.mesh.vertex_count is 0; a mesh needs at least one vertex".into() }.into()
         );
     }
-    // SAFETY: the caller's, here and below.
-    let positions = unsafe { read_required(def.positions, vertices, "def.positions") }?;
-    // SAFETY: see above.
-    let normals = unsafe { read(def.normals, vertices, "def.normals") }?;
-    // SAFETY: see above.
-    let tangents = unsafe { read(def.tangents, vertices, "def.tangents") }?;
-    // SAFETY: see above.
-    let triangles = unsafe { read_triangles(def) }?;
+    let positions = read_required(def.positions, vertices, "def.mesh.positions")?;
+    let normals = read(def.normals, vertices, "def.mesh.normals")?;
+    let tangents = read(def.tangents, vertices, "def.mesh.tangents")?;
+    let triangles = read_triangles(def)?;
     Ok(MeshData { positions, normals, tangents, triangles })
 }
 
-unsafe fn read_triangles(def: &CrumpleLodDef) -> Result<Vec<[u32; 3]>, Failure> {
+unsafe fn read_triangles(def: &CrumpleMeshDef) -> Result<Vec<[u32; 3]>, Failure> {
     let count = def.index_count as usize;
     if !count.is_multiple_of(3) {
-        return Err(Failure::invalid(format!("def.index_count is {count}; it must be a multiple of 3")));
+        return Err(Failure::invalid(format!("def.mesh.index_count is {count}; it must be a multiple of 3")));
     }
-    let wide: Option<Vec<u32>> = match enumerator(def.index_type, "def.index_type")? {
-        // SAFETY: the caller's.
-        CrumpleIndexType::U32 => unsafe { read(def.indices, count, "def.indices") }?,
+    let wide: Option<Vec<u32>> = match enumerator(def.index_type, "def.mesh.index_type")? {
+        CrumpleIndexType::U32 => read(def.indices, count, "def.mesh.indices")?,
         CrumpleIndexType::U16 => {
-            // SAFETY: the caller's.
-            let narrow: Option<Vec<u16>> = unsafe { read(def.indices, count, "def.indices") }?;
+            let narrow: Option<Vec<u16>> = read(def.indices, count, "def.mesh.indices")?;
             match narrow {
                 Some(narrow) => {
-                    let mut wide = reserve(count, "def.indices")?;
+                    let mut wide = reserve(count, "def.mesh.indices")?;
                     wide.extend(narrow.into_iter().map(u32::from));
                     Some(wide)
                 }
@@ -486,47 +327,41 @@ unsafe fn read_triangles(def: &CrumpleLodDef) -> Result<Vec<[u32; 3]>, Failure> 
         return if count == 0 {
             Ok(Vec::new())
         } else {
-            let message = format!("def.indices.data is null but def.index_count is {count}");
+            let message = format!("def.mesh.indices.data is null but def.mesh.index_count is {count}");
             Err(Failure::new(CrumpleResult::CrumpleErrorNullPointer, message))
         };
     };
-    let mut triangles = reserve(count / 3, "def.indices")?;
+    let mut triangles = reserve(count / 3, "def.mesh.indices")?;
     triangles.extend(wide.as_chunks::<3>().0);
     Ok(triangles)
 }
 
 unsafe fn read_examples(def: &CrumpleExampleSetDef, mesh: &MeshData) -> Result<Vec<ExampleData>, Failure> {
-    let mut read = Vec::new();
+    let mut examples = Vec::new();
     for i in 0..def.example_count as usize {
         let name = format!("def.examples[{i}]");
-        // SAFETY: the caller's, and the first is read first.
-        let example = unsafe { self::def(nth_def(def.examples, i, "def.examples")?, &name)? };
+        // The first is read before memory is reserved for all: a wrong count is found by it.
+        let example =
+            self::def(def.examples.wrapping_add(i), if def.examples.is_null() { "def.examples" } else { &name })?;
         if i == 0 {
-            read = reserve(def.example_count as usize, "def.examples")?;
+            examples = reserve(def.example_count as usize, "def.examples")?;
         }
-        // SAFETY: the caller's.
-        read.push(unsafe { read_example(example, mesh, &name) }?);
+        examples.push(read_example(example, mesh, &name)?);
     }
-    Ok(read)
+    Ok(examples)
 }
 
 unsafe fn read_example(example: CrumpleExampleDef, mesh: &MeshData, name: &str) -> Result<ExampleData, Failure> {
     let field = |field: &str| format!("{name}.{field}");
     let invalid = |what: &str| Err(Failure::invalid(format!("{name}{what}")));
     let vertices = mesh.positions.len();
-    // SAFETY: the caller's, here and below.
-    let title = unsafe { string(example.name, &field("name")) }?.unwrap_or_default();
-    // SAFETY: see above.
-    let targets = unsafe { read::<[f32; 3]>(example.target_positions, vertices, &field("target_positions")) }?;
-    // SAFETY: see above.
-    let target_normals = unsafe { read::<[f32; 3]>(example.target_normals, vertices, &field("target_normals")) }?;
+    let title = string(example.name, &field("name"))?.unwrap_or_default();
+    let targets = read::<[f32; 3]>(example.target_positions, vertices, &field("target_positions"))?;
+    let target_normals = read::<[f32; 3]>(example.target_normals, vertices, &field("target_normals"))?;
     let count = example.delta_count as usize;
-    // SAFETY: see above.
-    let indices = unsafe { read::<u32>(example.delta_indices, count, &field("delta_indices")) }?;
-    // SAFETY: see above.
-    let deltas = unsafe { read::<[f32; 3]>(example.position_deltas, count, &field("position_deltas")) }?;
-    // SAFETY: see above.
-    let normal_deltas = unsafe { read::<[f32; 3]>(example.normal_deltas, count, &field("normal_deltas")) }?;
+    let indices = read::<u32>(example.delta_indices, count, &field("delta_indices"))?;
+    let deltas = read::<[f32; 3]>(example.position_deltas, count, &field("position_deltas"))?;
+    let normal_deltas = read::<[f32; 3]>(example.normal_deltas, count, &field("normal_deltas"))?;
 
     let (positions, normals) = match (targets, indices, deltas) {
         (Some(targets), None, None) => {
@@ -535,7 +370,7 @@ unsafe fn read_example(example: CrumpleExampleDef, mesh: &MeshData, name: &str) 
             }
             let normals = match (target_normals, &mesh.normals) {
                 (Some(targets), Some(base)) => Some(differences(targets, base, &field("target_normals"))?),
-                (Some(_), None) => return invalid(".target_normals needs the base mesh's normals (def.normals)"),
+                (Some(_), None) => return invalid(".target_normals needs the base mesh's normals (def.mesh.normals)"),
                 (None, _) => None,
             };
             (differences(targets, &mesh.positions, &field("target_positions"))?, normals)
@@ -577,11 +412,7 @@ unsafe fn read_example(example: CrumpleExampleDef, mesh: &MeshData, name: &str) 
         true => Some(finite(example.contact_normal.array(), &field("contact_normal"))?),
         false => None,
     };
-    let placement = match enumerator(example.placement, &field("placement"))? {
-        CrumplePlacement::Automatic => Placement::Automatic,
-        CrumplePlacement::Anchored => Placement::Anchored,
-        CrumplePlacement::Carried => Placement::Carried,
-    };
+    let placement = enumerator(example.placement, &field("placement"))?;
     Ok(ExampleData { normals, contact, contact_normal, placement, ..ExampleData::new(title, positions) })
 }
 
@@ -605,9 +436,8 @@ fn all_finite(values: &[[f32; 3]], name: &str) -> Result<(), Failure> {
 /// # Safety
 /// The caller's array, if there is one, can be read.
 pub(super) unsafe fn read_options(options: &CrumpleExampleSetOptions, vertices: usize) -> Result<SetOptions, Failure> {
-    let uniform = positive_or_none(options.vertex_mass, "def.options.vertex_mass", "kg")?;
-    // SAFETY: the caller's.
-    let each = unsafe { read::<f32>(options.vertex_masses, vertices, "def.options.vertex_masses") }?;
+    let uniform = positive_or(options.vertex_mass, "def.options.vertex_mass", "kg", "unknown masses")?;
+    let each = read::<f32>(options.vertex_masses, vertices, "def.options.vertex_masses")?;
     let mass = match (uniform, each) {
         (None, None) => VertexMass::None,
         (Some(mass), None) => VertexMass::Uniform(mass),
@@ -619,32 +449,21 @@ pub(super) unsafe fn read_options(options: &CrumpleExampleSetOptions, vertices: 
         }
     };
     Ok(SetOptions {
-        depth_limit: positive_or_none(options.depth_limit, "def.options.depth_limit", "m")?,
-        combine: match enumerator(options.combine, "def.options.combine")? {
-            CrumpleCombine::Energies => Combine::Energies,
-            CrumpleCombine::Sum => Combine::Sum,
-            CrumpleCombine::Deepest => Combine::Deepest,
-        },
+        depth_limit: positive_or(options.depth_limit, "def.options.depth_limit", "m", "that of the deepest example")?,
+        combine: enumerator(options.combine, "def.options.combine")?,
         strict: boolean(options.strict),
         mirror: boolean(options.mirror),
         held_rims: boolean(options.held_rims),
-        seams: match enumerator(options.seams, "def.options.seams")? {
-            CrumpleSeams::Weld => Seams::Weld,
-            CrumpleSeams::Keep => Seams::Keep,
-        },
+        seams: enumerator(options.seams, "def.options.seams")?,
         mass,
         drop_below: options.drop_below,
         stamp_resolution: options.stamp_resolution,
-        tolerance: positive_or_none(options.tolerance, "def.options.tolerance", "m")?,
-        normal_tolerance: options.normal_tolerance,
+        tolerance: positive_or(options.bake_tolerance, "def.options.bake_tolerance", "m", "exact floats")?,
+        normal_tolerance: options.bake_normal_tolerance,
     })
 }
 
-/// Ends a set's id. Its memory lives on as long as instances use it, and they keep working. Strings that the set's
-/// infos pointed to are gone.
-///
-/// Externally synchronised. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID,
-/// CRUMPLE_ERROR_CONCURRENT_USE.
+/// Ends a set's id and the strings of its infos. Instances keep the set's memory alive and continue to work.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_destroy(
     context: *mut CrumpleContext,

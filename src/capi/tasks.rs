@@ -1,33 +1,34 @@
 //! The host's job system as this library's parallel-for.
 
 use super::boundary::quietly;
-use crate::error::reserve;
+use crate::base::error::reserve;
 use crate::{Serial, TaskSystem};
 use std::cell::Cell;
 use std::ffi::c_void;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError, RwLock};
 
-/// One task of a parallel-for, given to you to be run: index is 0 to count - 1, task_data what came with it.
+/// A task of a parallel-for. Call it with an index below count and with the task_data of CrumpleParallelFor.
 pub type CrumpleTask = Option<unsafe extern "C" fn(index: u32, task_data: *mut c_void)>;
 
-/// Your parallel-for: call task(index, task_data) once for every index below count, on any threads and in any order,
-/// and return when all have returned. Tasks never block, never throw, and may run at once. What you forget is run
-/// after you return, and an index that you run twice does nothing the second time. Called from the thread that called
-/// Crumple. Must not throw or jump out. It may call crumple_instance_submit_impulse(), crumple_instance_submit_displacement() and
-/// crumple_instance_end_contact(), nothing else of the same context.
+/// Your parallel-for: calls task(index, task_data) once for each index below count, on any threads and in any order,
+/// and returns when all calls have returned. Tasks do not block or throw and may run at once. Crumple itself runs an
+/// index that you leave out, and ignores a second call of an index.
+///
+/// Crumple calls this function on the thread that called Crumple. It must not throw or jump out. Of the same context
+/// it may call only the functions that may be called at any time.
 pub type CrumpleParallelFor =
     Option<unsafe extern "C" fn(count: u32, task: CrumpleTask, task_data: *mut c_void, user: *mut c_void)>;
 
-/// The host's job system. Zero everywhere: there is none, Crumple uses threads of its own.
+/// The host's job system. Zero everywhere: Crumple uses its own threads.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleTaskSystem {
-    /// Runs tasks. Null: Crumple uses threads of its own.
+    /// Runs tasks. Null: Crumple uses its own threads.
     pub parallel_for: CrumpleParallelFor,
-    /// Handed to parallel_for, untouched. May be null.
+    /// Passed to parallel_for. May be null.
     pub user: *mut c_void,
-    /// How many threads may work at once; 0 counts as 1. Only decides how finely work is cut: never the result.
+    /// Number of threads that can work at once; 0 counts as 1. It affects how work is split, never the result.
     pub workers: u32,
 }
 

@@ -1,17 +1,27 @@
 //! Values that several calls share.
 
+use super::c_enum::c_enums;
+use crate::{Aabb, Combine, HitStatus, Placement, Rule, Seams, Selection, Space};
 use bytemuck::{Pod, Zeroable};
-use std::ffi::c_void;
+use std::ffi::{c_char, c_void};
+use std::ops::Range;
 
-/// A point or a vector. Its unit is named where it is used.
+c_enums!(
+    Combine::Deepest,
+    CrumpleRule::Blend,
+    CrumpleSelection::ClassicUnclamped,
+    HitStatus::Accumulated,
+    Placement::Carried,
+    Seams::Keep,
+    Space::World,
+);
+
+/// A point or a vector.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 pub struct CrumpleVec3 {
-    /// Along the mesh's (or the world's) first axis.
     pub x: f32,
-    /// Along the second axis.
     pub y: f32,
-    /// Along the third axis.
     pub z: f32,
 }
 
@@ -33,112 +43,171 @@ impl From<glam::Vec3> for CrumpleVec3 {
     }
 }
 
-/// A rotation: a unit quaternion, x y z w, w the real part.
+/// A rotation as a unit quaternion.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 pub struct CrumpleQuat {
-    /// i part.
     pub x: f32,
-    /// j part.
     pub y: f32,
-    /// k part.
     pub z: f32,
-    /// Real part.
     pub w: f32,
 }
 
-/// A box along the mesh's axes, m.
+/// An axis-aligned box, m.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 pub struct CrumpleAabb {
-    /// Least coordinates, m.
     pub min: CrumpleVec3,
-    /// Greatest coordinates, m.
     pub max: CrumpleVec3,
 }
 
-/// Consecutive vertices.
+impl From<Aabb> for CrumpleAabb {
+    fn from(bounds: Aabb) -> Self {
+        Self { min: bounds.min.into(), max: bounds.max.into() }
+    }
+}
+
+/// A range of vertices.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
 pub struct CrumpleRange {
-    /// First vertex.
     pub first: u32,
-    /// Number of vertices.
     pub count: u32,
 }
 
-/// An array that Crumple reads during the call and never keeps. Element i lies at data + i * stride; how many there
-/// are and of what type is said where the array is used. Zero everywhere: the array is absent.
+/// An array that Crumple reads during the call. Element i is at data + i * stride. Count and type are stated where
+/// the array is used. Zero everywhere: absent.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleInput {
-    /// First element; aligned to its type (4 bytes, or 2 for 16-bit indices). Null: absent.
+    /// First element, aligned to its type (4 bytes; 2 for 16-bit indices). Null: absent.
     pub data: *const c_void,
-    /// Readable bytes from data on; at least (count - 1) * stride + the bytes of one element.
+    /// Readable bytes at data: at least (count - 1) * stride + the size of one element.
     pub size: usize,
-    /// Bytes from one element to the next: at least those of one element, a multiple of its alignment. 0 is an error,
-    /// never "tightly packed".
+    /// Bytes from one element to the next: at least the size of one element, a multiple of its alignment. 0 is an
+    /// error.
     pub stride: usize,
 }
 
-/// An array that Crumple writes. Element i lies at data + offset + i * stride. Positions and normals are 3 floats (12
-/// bytes), tangents 4 (16 bytes), indices one uint32_t; Crumple touches those bytes and none between them, so that
-/// several streams may be interleaved in one vertex buffer. Zero everywhere: the array is absent.
+/// An array that Crumple writes. Element i is at data + offset + i * stride. Positions and normals are 3 floats,
+/// tangents 4 floats, indices one uint32_t. Bytes between elements are not touched, so streams may be interleaved.
+/// Zero everywhere: absent.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleStream {
-    /// Begin of the memory, aligned to 4 bytes. Null: absent.
+    /// Start of the memory, aligned to 4 bytes. Null: absent.
     pub data: *mut c_void,
-    /// Writable bytes from data on; at least offset + (count - 1) * stride + the bytes of one element.
+    /// Writable bytes at data: at least offset + (count - 1) * stride + the size of one element.
     pub size: usize,
     /// Bytes from data to the first element, a multiple of 4.
     pub offset: usize,
-    /// Bytes from one element to the next: at least those of one element, a multiple of 4. 0 is an error, never
-    /// "tightly packed".
+    /// Bytes from one element to the next: at least the size of one element, a multiple of 4. 0 is an error.
     pub stride: usize,
 }
 
-impl CrumpleInput {
-    pub(super) const ABSENT: Self = Self { data: std::ptr::null(), size: 0, stride: 0 };
-}
-
-impl CrumpleStream {
-    pub(super) const ABSENT: Self = Self { data: std::ptr::null_mut(), size: 0, offset: 0, stride: 0 };
-}
-
-/// A base mesh and its examples: immutable, shared by any number of instances. An id; zero is null. Compare ids field
-/// by field; copy them freely; a stale or foreign id is an error, never a crash.
+/// A base mesh with its examples: immutable, shared by any number of instances. An id; zero is null.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
 pub struct CrumpleExampleSet {
-    /// Place in the context, plus one; 0 is null.
     pub index: u32,
-    /// Tells successive users of the place apart.
     pub generation: u16,
-    /// Tells contexts apart.
     pub context: u16,
 }
 
-/// One body in the scene: an example set, a transform, and the damage so far. An id; zero is null.
+/// A body in the scene: an example set, a transform and the damage. An id; zero is null.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
 pub struct CrumpleInstance {
-    /// Place in the context, plus one; 0 is null.
     pub index: u32,
-    /// Tells successive users of the place apart.
     pub generation: u16,
-    /// Tells contexts apart.
     pub context: u16,
 }
 
-/// Memory of yours that an instance's deformed vertices are written to. An id; zero is null.
+/// Your memory that an instance's deformed vertices are written to. An id; zero is null.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
 pub struct CrumpleBuffer {
-    /// Place in the context, plus one; 0 is null.
     pub index: u32,
-    /// Tells successive users of the place apart.
     pub generation: u16,
-    /// Tells contexts apart.
     pub context: u16,
+}
+
+/// A part of the mesh with its own material.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CrumplePrimitive {
+    /// Name of the material, UTF-8; null if it has none. Valid until the set is destroyed.
+    pub material: *const c_char,
+    pub first_vertex: u32,
+    pub vertex_count: u32,
+    /// First triangle. Its first index is 3 * first_triangle.
+    pub first_triangle: u32,
+    pub triangle_count: u32,
+    pub reserved: [u32; 2],
+}
+
+// SAFETY: the pointer is to a string that lives beside it.
+unsafe impl Send for CrumplePrimitive {}
+
+impl CrumplePrimitive {
+    pub(super) fn new(vertices: Range<u32>, triangles: Range<u32>) -> Self {
+        Self {
+            material: std::ptr::null(),
+            first_vertex: vertices.start,
+            vertex_count: vertices.len() as u32,
+            first_triangle: triangles.start,
+            triangle_count: triangles.len() as u32,
+            reserved: [0; 2],
+        }
+    }
+}
+
+/// How hits damage an instance.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CrumpleRule {
+    /// Each hit leaves a mark. Memory is bounded and the order of hits does not matter. The default.
+    Marks = 0,
+    /// The classic rule "most displaced" of the literature, for comparison. The order of hits matters. It has no
+    /// marks and needs memory for each vertex.
+    MostDisplaced = 1,
+    /// The classic rule "blend", with blend_constant. Otherwise as CRUMPLE_RULE_MOST_DISPLACED.
+    Blend = 2,
+}
+
+/// How the examples for a hit are selected.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(dead_code)] // made by C
+pub enum CrumpleSelection {
+    /// CRUMPLE_SELECTION_NEAREST with marks, CRUMPLE_SELECTION_CLASSIC with a classic rule. The default.
+    OfRule = 0,
+    /// The examples that are most informative about the hit's place, depth and lean (the angle between the hit and
+    /// the surface normal). Marks only.
+    Nearest = 1,
+    /// The one example that moves the contact vertex in the direction most like the target, with a weight of at most
+    /// 1.
+    Classic = 2,
+    /// As CRUMPLE_SELECTION_CLASSIC, without the limit of the weight: diverges above 2. Classic rules only.
+    ClassicUnclamped = 3,
+}
+
+impl From<Rule> for CrumpleRule {
+    fn from(rule: Rule) -> Self {
+        match rule {
+            Rule::Marks => Self::Marks,
+            Rule::MostDisplaced => Self::MostDisplaced,
+            Rule::Blend(_) => Self::Blend,
+        }
+    }
+}
+
+impl From<Selection> for CrumpleSelection {
+    fn from(selection: Selection) -> Self {
+        match selection {
+            Selection::Nearest => Self::Nearest,
+            Selection::Classic => Self::Classic,
+            Selection::ClassicUnclamped => Self::ClassicUnclamped,
+        }
+    }
 }

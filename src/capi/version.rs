@@ -2,22 +2,22 @@
 
 use std::ffi::c_char;
 
-/// Major version of this header. Programs built against another major version do not fit.
+/// Major version of this header. Libraries of another major version are incompatible.
 pub const CRUMPLE_VERSION_MAJOR: u32 = 0;
 
-/// Minor version of this header. Before 1.0, programs built against another minor version do not fit.
+/// Minor version of this header. Before 1.0, libraries of another minor version are incompatible.
 pub const CRUMPLE_VERSION_MINOR: u32 = 1;
 
 /// Patch version of this header.
 pub const CRUMPLE_VERSION_PATCH: u32 = 0;
 
-/// The three as one number, as crumple_version() gives it.
+/// The version of this header as one number, in the format of crumple_version().
 pub const CRUMPLE_VERSION: u32 = CRUMPLE_VERSION_MAJOR * 1000000 + CRUMPLE_VERSION_MINOR * 1000 + CRUMPLE_VERSION_PATCH;
 
-/// Bit of crumple_features(): glTF 2.0 and GLB files can be loaded.
+/// Bit of crumple_features(): the library loads glTF 2.0 and GLB files.
 pub const CRUMPLE_FEATURE_GLTF: u64 = 1;
 
-/// Bit of crumple_features(): OBJ files can be loaded.
+/// Bit of crumple_features(): the library loads OBJ files.
 pub const CRUMPLE_FEATURE_OBJ: u64 = 2;
 
 /// Bit of crumple_features(): crumple_allocator_set() works.
@@ -43,21 +43,20 @@ const _: () = assert!(
     "src/capi/version.rs and Cargo.toml disagree about the version"
 );
 
-/// The version of the library that runs: major * 1000000 + minor * 1000 + patch. Compare it with CRUMPLE_VERSION,
-/// that of the header you compiled against. Never fails; any thread.
+/// Returns the version of the running library: major * 1000000 + minor * 1000 + patch. Compare it with
+/// CRUMPLE_VERSION.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_version() -> u32 {
     CRUMPLE_VERSION
 }
 
-/// The version of the library that runs as text, such as "0.1.0". Lives for ever. Never fails; any thread.
+/// Returns the version of the running library as text, such as "0.1.0". The text stays valid for ever.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_version_string() -> *const c_char {
     concat!(env!("CARGO_PKG_VERSION"), "\0").as_ptr().cast()
 }
 
-/// What this build of the library can do: the CRUMPLE_FEATURE_ bits, or-ed. Bits unknown to you may be set. Never
-/// fails; any thread.
+/// Returns the CRUMPLE_FEATURE_ bits of this build, combined with or. Ignore bits that you do not know.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_features() -> u64 {
     let bit = |on: bool, bit: u64| if on { bit } else { 0 };

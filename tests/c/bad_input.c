@@ -475,7 +475,7 @@ static void hits(void) {
         def.mass = 1;
         OK(crumple_instance_submit_impulse(context, body, &def, &told));
         FACT(told.status == expected && told.clamped == (sizes[i] > 1));
-        FACT(isfinite(told.met.z) && fabsf(told.met.z) <= 0.0801f);
+        FACT(isfinite(told.achieved.z) && fabsf(told.achieved.z) <= 0.0801f);
         def.duration = FLT_MAX;
         def.mass = 1e-30f;
         OK(crumple_instance_submit_impulse(context, body, &def, NULL));

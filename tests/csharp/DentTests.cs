@@ -18,7 +18,7 @@ static class DentTests
             other.RegisterHostBuffer(StridedArray.Of(seen));
             CrumpleHitResult told = body.SubmitDisplacement(Sheet.Hit(0, 0, 0.04f));
             Check.Same(CrumpleHitStatus.Marked, told.Status, "status");
-            Check.Near(-0.04f, told.Met.Z, 1e-5f, "met");
+            Check.Near(-0.04f, told.Achieved.Z, 1e-5f, "achieved");
             Check.Same(told.GetChosen(0).Anchored ? 1 : 0, told.Mark.GetPair(0).Share >> 15, "anchored, in both");
             Check.Throws<ArgumentOutOfRangeException>(() => told.GetChosen((int)told.ChosenCount));
             Check.Throws<ArgumentOutOfRangeException>(() => told.Mark.GetPair(4));

@@ -9,6 +9,8 @@ use similar::TextDiff;
 use crate::csharp;
 use crate::workspace::Workspace;
 
+/// Characters in a line of the header.
+const WIDTH: usize = 120;
 pub const HEADER: &str = "include/crumple.h";
 
 pub fn run(workspace: &Workspace, check: bool) -> Result<()> {
@@ -52,7 +54,17 @@ fn generate(workspace: &Workspace) -> Result<String> {
     bindings.write(&mut text);
     let text = String::from_utf8(text)?.replace("\r\n", "\n");
     // Items that cbindgen leaves out leave their blank lines behind.
-    let mut lines: Vec<&str> = text.lines().collect();
-    lines.dedup_by(|line, above| line.is_empty() && above.is_empty());
+    let mut lines: Vec<String> = Vec::new();
+    for line in text.lines() {
+        match lines.last_mut() {
+            Some(above) if line.is_empty() && above.is_empty() => {}
+            // Arguments go beside each other, as far as there is room.
+            Some(above) if line.starts_with("      ") && above.len() + 1 + line.trim_start().len() <= WIDTH => {
+                above.push(' ');
+                above.push_str(line.trim_start());
+            }
+            _ => lines.push(line.to_owned()),
+        }
+    }
     Ok(lines.join("\n") + "\n")
 }

@@ -223,6 +223,20 @@ namespace Crumple.Native
             CrumpleHitResult* outResult);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_instance_preview_impulse(
+            IntPtr context,
+            CrumpleInstance instance,
+            CrumpleImpulseDef* def,
+            CrumpleHitResult* outResult);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_instance_preview_displacement(
+            IntPtr context,
+            CrumpleInstance instance,
+            CrumpleDisplacementDef* def,
+            CrumpleHitResult* outResult);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_instance_end_contact(
             IntPtr context,
             CrumpleInstance instance,

@@ -70,8 +70,8 @@ namespace Crumple
 
     public enum CrumpleCombine
     {
-        Energies = 0,
         Sum = 1,
+        Energies = 0,
         Deepest = 2,
     }
 
@@ -113,6 +113,7 @@ namespace Crumple
         Marked = 0,
         BelowYield = 1,
         NothingReaches = 2,
+        Accumulated = 3,
     }
 
     public enum CrumpleHandleType
@@ -233,14 +234,27 @@ namespace Crumple
 
     /// <summary>The struct of crumple.h.</summary>
     [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleMeshDef
+    {
+        public uint VertexCount;
+        public uint IndexCount;
+        public CrumpleInput Positions;
+        public CrumpleInput Normals;
+        public CrumpleInput Tangents;
+        public CrumpleInput Indices;
+        public CrumpleIndexType IndexType;
+    }
+
+    /// <summary>The struct of crumple.h.</summary>
+    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleExampleSetOptions
     {
         public float DepthLimit;
         public float DropBelow;
         public float VertexMass;
         public uint StampResolution;
-        public float Tolerance;
-        public float NormalTolerance;
+        public float BakeTolerance;
+        public float BakeNormalTolerance;
         public CrumpleInput VertexMasses;
         public CrumpleCombine Combine;
         public CrumpleSeams Seams;
@@ -254,15 +268,9 @@ namespace Crumple
     public partial struct CrumpleExampleSetDef
     {
         public uint StructSize;
-        public uint VertexCount;
-        public CrumpleInput Positions;
-        public CrumpleInput Normals;
-        public CrumpleInput Tangents;
-        public CrumpleInput Indices;
-        public uint IndexCount;
-        public CrumpleIndexType IndexType;
-        public IntPtr Examples;
         public uint ExampleCount;
+        public CrumpleMeshDef Mesh;
+        public IntPtr Examples;
         public CrumpleExampleSetOptions Options;
 
         public static CrumpleExampleSetDef Default
@@ -289,13 +297,7 @@ namespace Crumple
     public partial struct CrumpleLodDef
     {
         public uint StructSize;
-        public uint VertexCount;
-        public CrumpleInput Positions;
-        public CrumpleInput Normals;
-        public CrumpleInput Tangents;
-        public CrumpleInput Indices;
-        public uint IndexCount;
-        public CrumpleIndexType IndexType;
+        public CrumpleMeshDef Mesh;
 
         public static CrumpleLodDef Default
         {
@@ -424,13 +426,14 @@ namespace Crumple
 
     /// <summary>The struct of crumple.h.</summary>
     [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumplePrimitive
+    public unsafe partial struct CrumplePrimitive
     {
         public IntPtr Material;
         public uint FirstVertex;
         public uint VertexCount;
         public uint FirstTriangle;
         public uint TriangleCount;
+        public fixed uint Reserved[2];
     }
 
     /// <summary>The struct of crumple.h.</summary>
@@ -494,7 +497,6 @@ namespace Crumple
         public float Duration;
         public float Mass;
         public ulong ContactId;
-        public CrumpleBool Preview;
 
         public static CrumpleImpulseDef Default
         {
@@ -515,7 +517,6 @@ namespace Crumple
         public CrumpleVec3 Point;
         public CrumpleVec3 Displacement;
         public ulong ContactId;
-        public CrumpleBool Preview;
 
         public static CrumpleDisplacementDef Default
         {
@@ -536,6 +537,7 @@ namespace Crumple
         public float Scale;
         public CrumpleBool Anchored;
         public byte Mirror;
+        public ushort Reserved;
     }
 
     /// <summary>The struct of crumple.h.</summary>
@@ -561,14 +563,13 @@ namespace Crumple
 
     /// <summary>The struct of crumple.h.</summary>
     [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleHitResult
+    public unsafe partial struct CrumpleHitResult
     {
         public CrumpleHitStatus Status;
         public uint ContactVertex;
         public float ContactDistance;
         public CrumpleVec3 Target;
-        public CrumpleVec3 Met;
-        public CrumpleVec3 Unmet;
+        public CrumpleVec3 Achieved;
         public uint ChosenCount;
         public CrumpleBool Clamped;
         public CrumpleChosen Chosen0;
@@ -576,6 +577,7 @@ namespace Crumple
         public CrumpleChosen Chosen2;
         public CrumpleChosen Chosen3;
         public CrumpleMark Mark;
+        public fixed ulong Reserved[4];
     }
 
     /// <summary>The struct of crumple.h.</summary>
@@ -761,6 +763,7 @@ namespace Crumple
         public fixed uint Vertices[3];
         public fixed float Weights[3];
         public CrumpleVec3 Point;
+        public fixed uint Reserved[3];
     }
 
     /// <summary>The struct of crumple.h.</summary>
@@ -775,9 +778,10 @@ namespace Crumple
 
     /// <summary>The struct of crumple.h.</summary>
     [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleFrame
+    public unsafe partial struct CrumpleFrame
     {
         public CrumpleVec3 Position;
         public CrumpleQuat Rotation;
+        public fixed uint Reserved[5];
     }
 }

@@ -139,7 +139,7 @@ bool UCrumpleComponent::Hit(const FVector& Point, const FVector& Impulse, uint64
 	}
 	if (Told.status == CRUMPLE_HIT_STATUS_MARKED)
 	{
-		const double Depth = FMath::Sqrt(FMath::Square(Told.met.x) + FMath::Square(Told.met.y) + FMath::Square(Told.met.z));
+		const double Depth = FMath::Sqrt(FMath::Square(Told.achieved.x) + FMath::Square(Told.achieved.y) + FMath::Square(Told.achieved.z));
 		// The last thing done: the component may be gone afterwards.
 		OnDented.Broadcast(this, Point, static_cast<float>(Depth * FCrumpleSpace::CmPerMetre));
 	}

@@ -1,0 +1,310 @@
+//! What a context keeps of the host's Vulkan device and buffers.
+
+use super::check::{boolean, enumerator};
+use super::result::{CrumpleResult, Failure};
+use super::types::CrumpleBuffer;
+use super::vulkan_types::{
+    CrumpleHandleType, CrumpleVulkanAttachDef, CrumpleVulkanBufferDef, CrumpleVulkanFunction, CrumpleVulkanImportDef,
+    CrumpleVulkanOpenDef, CrumpleVulkanStream,
+};
+use crate::vulkan::vk::{self, Handle};
+use crate::vulkan::{
+    Access, BufferDef, BufferId, Device, DeviceDef, ImportDef, OwnDevice, OwnDeviceDef, RecordJob, Shared, Stream,
+    Target, TargetDef,
+};
+use crate::{Aabb, Instance, Rule};
+use std::collections::HashMap;
+use std::ops::Range;
+
+/// The device, and the VkBuffers that ranges lie in.
+pub(super) struct Attached {
+    pub(super) device: Kind,
+    /// By handle.
+    hosts: HashMap<u64, Host>,
+    /// The lists of a recording, kept between frames.
+    pub(super) chosen: Vec<CrumpleBuffer>,
+    pub(super) jobs: Vec<RecordJob<'static>>,
+}
+
+pub(super) enum Kind {
+    Hosts(Box<Device>),
+    Own(Box<OwnDevice>),
+}
+
+impl Kind {
+    fn device(&mut self) -> &mut Device {
+        match self {
+            Kind::Hosts(device) => device,
+            Kind::Own(own) => own.device(),
+        }
+    }
+
+    /// The host's own, which `call` works with.
+    pub(super) fn hosts(&mut self, call: &str) -> Result<&mut Device, Failure> {
+        match self {
+            Kind::Hosts(device) => Ok(device),
+            Kind::Own(_) => Err(Failure::invalid(format!(
+                "the device is Crumple's own, from crumple_vulkan_open(); {call} is for one of crumple_vulkan_attach()"
+            ))),
+        }
+    }
+
+    /// Crumple's own, which `call` works with.
+    pub(super) fn own(&mut self, call: &str) -> Result<&mut OwnDevice, Failure> {
+        match self {
+            Kind::Own(own) => Ok(own),
+            Kind::Hosts(_) => Err(Failure::invalid(format!(
+                "the device is yours, from crumple_vulkan_attach(); {call} is for one of crumple_vulkan_open()"
+            ))),
+        }
+    }
+}
+
+struct Host {
+    /// Of the host's own device.
+    def: Option<BufferDef>,
+    id: BufferId,
+    /// Ranges in it.
+    ranges: usize,
+}
+
+/// A range of a VkBuffer.
+pub(super) struct VulkanMemory {
+    pub(super) target: Target,
+    handle: u64,
+}
+
+impl Attached {
+    /// # Safety
+    /// The handles are valid, belong together, and stay valid while this lives.
+    pub(super) unsafe fn new(def: &CrumpleVulkanAttachDef, pipeline_cache: &[u8]) -> Result<Self, Failure> {
+        let handles =
+            [("def.instance", def.instance), ("def.physical_device", def.physical_device), ("def.device", def.device)];
+        if let Some((name, _)) = handles.iter().find(|(_, handle)| handle.is_null()) {
+            return Err(Failure::new(CrumpleResult::CrumpleErrorNullPointer, format!("{name} is null")));
+        }
+        let [instance, physical_device, device] = handles.map(|(_, handle)| handle.addr() as u64);
+        let def = DeviceDef {
+            get_instance_proc_addr: loader(def.get_instance_proc_addr)?,
+            instance: vk::Instance::from_raw(instance),
+            physical_device: vk::PhysicalDevice::from_raw(physical_device),
+            device: vk::Device::from_raw(device),
+            queue_family: def.queue_family,
+            pipeline_cache,
+            workgroup_size: def.workgroup_size,
+        };
+        Ok(Self::with(Kind::Hosts(Box::new(Device::new(&def)?))))
+    }
+
+    /// # Safety
+    /// The loader is one, and stays loaded while this lives.
+    pub(super) unsafe fn open(def: &CrumpleVulkanOpenDef, pipeline_cache: &[u8]) -> Result<Self, Failure> {
+        let def = OwnDeviceDef {
+            get_instance_proc_addr: loader(def.get_instance_proc_addr)?,
+            device_uuid: Some(def.device_uuid).filter(|uuid| *uuid != [0; 16]),
+            pipeline_cache,
+            workgroup_size: def.workgroup_size,
+        };
+        Ok(Self::with(Kind::Own(Box::new(OwnDevice::new(&def)?))))
+    }
+
+    fn with(device: Kind) -> Self {
+        Self { device, hosts: HashMap::new(), chosen: Vec::new(), jobs: Vec::new() }
+    }
+
+    /// Fails while a frame is in flight that will not be waited for.
+    pub(super) fn check_idle(&self) -> Result<(), Failure> {
+        let Kind::Hosts(device) = &self.device else { return Ok(()) };
+        let (recorded, completed) = (device.recorded(), device.last_completed());
+        if recorded > completed {
+            let message = format!(
+                "frame {recorded} was recorded, and crumple_vulkan_complete_frames() was told of {completed} at last: wait for the \
+                 device and tell it of frame {recorded}"
+            );
+            return Err(Failure::new(CrumpleResult::CrumpleErrorFramesInFlight, message));
+        }
+        Ok(())
+    }
+
+    pub(super) fn pipeline_cache(&mut self) -> Result<Vec<u8>, Failure> {
+        Ok(self.device.device().pipeline_cache_data()?)
+    }
+
+    /// # Safety
+    /// The VkBuffer is as the def says, and lives until it is removed and the frames that wrote it are done.
+    pub(super) unsafe fn register(
+        &mut self,
+        instance: &Instance,
+        def: &CrumpleVulkanBufferDef,
+    ) -> Result<VulkanMemory, Failure> {
+        if def.lod > 0 && instance.options().rule != Rule::Marks {
+            return Err(instance.needs_marks("a buffer of another level of detail than 0").into());
+        }
+        let positions = stream(&def.positions, "positions")?
+            .ok_or_else(|| Failure::invalid("def.positions is absent (format 0); a buffer needs positions"))?;
+        let (normals, tangents) = (stream(&def.normals, "normals")?, stream(&def.tangents, "tangents")?);
+        let access = |stages, access| Access {
+            stages: vk::PipelineStageFlags::from_raw(stages),
+            access: vk::AccessFlags::from_raw(access),
+        };
+        let buffer = BufferDef {
+            buffer: vk::Buffer::from_raw(def.buffer),
+            size: def.buffer_size,
+            usage: vk::BufferUsageFlags::from_raw(def.usage),
+            queue_family: def.queue_family,
+            before: access(def.before_stages, def.before_access),
+            after: access(def.after_stages, def.after_access),
+        };
+        let id = match (self.hosts.get(&def.buffer), &mut self.device) {
+            (Some(known), _) => known.def.map_or(Ok(()), |def| def.same(&buffer)).map(|()| known.id)?,
+            (None, Kind::Own(_)) => {
+                let message = "def.buffer is none of crumple_vulkan_import_buffer(); import it first";
+                return Err(Failure::invalid(message));
+            }
+            (None, Kind::Hosts(device)) => {
+                let id = device.add_buffer(&buffer)?;
+                self.hosts.insert(def.buffer, Host { def: Some(buffer), id, ranges: 0 });
+                id
+            }
+        };
+        let target = TargetDef {
+            lod: def.lod as usize,
+            buffer: id,
+            offset: def.offset,
+            size: def.size,
+            positions,
+            normals,
+            tangents,
+            scale: def.scale.array(),
+            bias: def.bias.array(),
+        };
+        let target = self.device.device().add_target(instance.example_set(), &target);
+        let host = self.hosts.get_mut(&def.buffer).expect("it was found or inserted");
+        host.ranges += usize::from(target.is_ok());
+        self.forget(def.buffer)?;
+        Ok(VulkanMemory { target: target?, handle: def.buffer })
+    }
+
+    pub(super) fn remove(&mut self, memory: VulkanMemory) -> Result<(), Failure> {
+        let Some(host) = self.hosts.get_mut(&memory.handle) else { return Ok(()) };
+        host.ranges -= 1;
+        self.forget(memory.handle)
+    }
+
+    /// Forgets a buffer of the host's device that no range lies in.
+    fn forget(&mut self, handle: u64) -> Result<(), Failure> {
+        let unused = |host: &Host| host.ranges == 0 && host.def.is_some();
+        if let Some(host) = self.hosts.get(&handle).filter(|host| unused(host)) {
+            let id = host.id;
+            self.hosts.remove(&handle);
+            self.device.device().remove_buffer(id)?;
+        }
+        Ok(())
+    }
+
+    /// # Safety
+    /// As [`OwnDevice::import_buffer`].
+    pub(super) unsafe fn import_buffer(&mut self, def: &CrumpleVulkanImportDef) -> Result<u64, Failure> {
+        let own = self.device.own("crumple_vulkan_import_buffer()")?;
+        let def = ImportDef {
+            memory: shared(enumerator(def.handle_type, "def.handle_type")?, def.handle),
+            memory_size: def.memory_size,
+            memory_type: def.memory_type,
+            dedicated: boolean(def.dedicated),
+            offset: def.offset,
+            size: def.size,
+            usage: vk::BufferUsageFlags::from_raw(def.usage),
+        };
+        let id = own.import_buffer(&def)?;
+        let handle = own.device().handle_of(id)?;
+        self.hosts.insert(handle, Host { def: None, id, ranges: 0 });
+        Ok(handle)
+    }
+
+    pub(super) fn release_buffer(&mut self, buffer: u64) -> Result<(), Failure> {
+        let own = self.device.own("crumple_vulkan_unimport_buffer()")?;
+        let host = self.hosts.get(&buffer).ok_or_else(|| {
+            Failure::invalid(format!("buffer is {buffer:#x}; it must be one of crumple_vulkan_import_buffer()"))
+        })?;
+        if host.ranges > 0 {
+            let message = format!("{} ranges of buffer {buffer:#x} are registered; unregister them first", host.ranges);
+            return Err(Failure::invalid(message));
+        }
+        own.remove_buffer(host.id)?;
+        self.hosts.remove(&buffer);
+        Ok(())
+    }
+
+    /// # Safety
+    /// As [`OwnDevice::import_semaphore`].
+    pub(super) unsafe fn import_semaphore(&mut self, kind: CrumpleHandleType, handle: i64) -> Result<u64, Failure> {
+        let own = self.device.own("crumple_vulkan_import_semaphore()")?;
+        Ok(own.import_semaphore(shared(kind, handle))?.0)
+    }
+
+    pub(super) fn wait(&mut self, frame: u64, nanoseconds: u64) -> Result<bool, Failure> {
+        Ok(self.device.own("crumple_vulkan_wait_frame()")?.wait(frame, nanoseconds)?)
+    }
+
+    pub(super) fn complete(&mut self, frame: u64) -> Result<(), Failure> {
+        self.device.hosts("crumple_vulkan_complete_frames()")?.completed(frame);
+        Ok(())
+    }
+
+    pub(super) fn discard(&mut self, frame: u64) -> Result<(), Failure> {
+        self.device.hosts("crumple_vulkan_discard_frames()")?.discard(frame);
+        Ok(())
+    }
+}
+
+/// # Safety
+/// Where it is not null it is `vkGetInstanceProcAddr`.
+unsafe fn loader(function: CrumpleVulkanFunction) -> Result<vk::PFN_vkGetInstanceProcAddr, Failure> {
+    let Some(function) = function else {
+        return Err(Failure::new(CrumpleResult::CrumpleErrorNullPointer, "def.get_instance_proc_addr is null"));
+    };
+    Ok(std::mem::transmute::<unsafe extern "C" fn(), vk::PFN_vkGetInstanceProcAddr>(function))
+}
+
+fn shared(kind: CrumpleHandleType, handle: i64) -> Shared {
+    match kind {
+        // What is no file descriptor becomes one that is refused.
+        CrumpleHandleType::OpaqueFd => Shared::OpaqueFd(i32::try_from(handle).unwrap_or(-1)),
+        CrumpleHandleType::OpaqueWin32 => Shared::OpaqueWin32(handle as isize),
+    }
+}
+
+fn stream(s: &CrumpleVulkanStream, name: &str) -> Result<Option<Stream>, Failure> {
+    if s.reserved != 0 {
+        return Err(Failure::invalid(format!("def.{name}.reserved is {}; it must be 0", s.reserved)));
+    }
+    let format = vk::Format::from_raw(s.format as i32);
+    let stream = Stream { offset: s.offset, stride: s.stride, format };
+    Ok((*s != CrumpleVulkanStream::default()).then_some(stream))
+}
+
+impl VulkanMemory {
+    /// Whether normals and tangents are written.
+    pub(super) fn written(&self) -> (bool, bool) {
+        self.target.written()
+    }
+
+    pub(super) fn invalidate(&mut self) {
+        self.target.invalidate();
+    }
+
+    pub(super) fn changed(&self) -> &[Range<u32>] {
+        self.target.changed()
+    }
+
+    pub(super) fn bounds(&self) -> Option<Aabb> {
+        self.target.bounds()
+    }
+
+    /// What was recorded for `frame` or later will not run.
+    pub(super) fn discard(&mut self, frame: u64) {
+        if self.target.written_in() >= frame {
+            self.target.invalidate();
+        }
+    }
+}

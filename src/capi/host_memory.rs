@@ -1,0 +1,106 @@
+//! Memory of the host that deformed vertices are written to.
+
+use super::check::defs;
+use super::memory::{Stream, disjoint};
+use super::result::{CrumpleResult, Failure};
+use super::types::CrumpleStream;
+use crate::{Attribute, Instance, RawStream, Rule, VertexMemory};
+use std::ops::Range;
+
+/// Memory for the deformed vertices of one instance, in the mesh's order and space.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CrumpleHostBufferDef {
+    pub struct_size: u32,
+    /// Which mesh: 0 for the base mesh, or a number of crumple_example_set_add_lod(). Default 0.
+    pub lod: u32,
+    /// Positions, m. Required.
+    pub positions: CrumpleStream,
+    /// Unit normals. Absent: not written.
+    pub normals: CrumpleStream,
+    /// Tangents: xyz of unit length and orthogonal to the normal, w as in the mesh. Absent: not written.
+    pub tangents: CrumpleStream,
+}
+
+defs!(CrumpleHostBufferDef);
+
+/// Checked memory of the host.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct HostMemory {
+    positions: Stream,
+    normals: Option<Stream>,
+    tangents: Option<Stream>,
+}
+
+impl HostMemory {
+    pub(super) fn new(def: &CrumpleHostBufferDef, instance: &Instance) -> Result<Self, Failure> {
+        if def.lod > 0 && instance.options().rule != Rule::Marks {
+            return Err(instance.needs_marks("a buffer of another level of detail than 0").into());
+        }
+        let mesh = instance.example_set().lod_mesh(def.lod as usize)?;
+        let n = mesh.positions().len();
+        let positions = Stream::new(def.positions, 12, n, "def.positions")?;
+        let normals = Stream::new(def.normals, 12, n, "def.normals")?;
+        let tangents = Stream::new(def.tangents, 16, n, "def.tangents")?;
+        disjoint(&[("def.positions", positions), ("def.normals", normals), ("def.tangents", tangents)])?;
+        let lacks = |what: &str, why: &str| -> Failure {
+            crate::Error::Mesh { what: format!("it has no {what} to deform{why}") }.into()
+        };
+        if normals.is_some() && mesh.normals().is_none() {
+            return Err(lacks("normals", ", nor triangles to compute them from"));
+        }
+        if tangents.is_some() && mesh.tangents().is_none() {
+            return Err(lacks("tangents", ""));
+        }
+        let positions = positions.ok_or_else(|| {
+            Failure::new(CrumpleResult::CrumpleErrorNullPointer, "def.positions.data is null; a buffer needs positions")
+        })?;
+        Ok(Self { positions, normals, tangents })
+    }
+
+    /// The memory as the deformer sees it.
+    ///
+    /// # Safety
+    /// The host's memory is still there, and nobody else touches it while a deform runs.
+    pub(super) unsafe fn vertices(&self) -> Result<VertexMemory<'static>, Failure> {
+        let raw = |s: &Stream| RawStream {
+            data: s.data,
+            size: s.layout.span().len(),
+            layout: Attribute { offset: 0, stride: s.layout.stride },
+        };
+        let (normals, tangents) = (self.normals.as_ref().map(raw), self.tangents.as_ref().map(raw));
+        // SAFETY: the caller's; `new` checked sizes, alignment, strides and that the streams are disjoint.
+        Ok(unsafe { VertexMemory::from_raw(raw(&self.positions), normals, tangents) }?)
+    }
+
+    pub(super) fn vertex_count(&self) -> u32 {
+        self.positions.layout.count as u32
+    }
+
+    /// Whether normals and tangents are written.
+    pub(super) fn written(&self) -> (bool, bool) {
+        (self.normals.is_some(), self.tangents.is_some())
+    }
+
+    /// Hands over what vertices were given.
+    ///
+    /// # Safety
+    /// As for `vertices`.
+    pub(super) unsafe fn read(&self, vertices: &Range<u32>, mut to: impl FnMut(&[u8])) {
+        for stream in self.streams() {
+            for v in vertices.clone() {
+                // SAFETY: inside the memory, as `new` checked; the caller vouches for the rest.
+                to(unsafe {
+                    std::slice::from_raw_parts(
+                        stream.data.add(v as usize * stream.layout.stride),
+                        stream.layout.element,
+                    )
+                });
+            }
+        }
+    }
+
+    pub(super) fn streams(&self) -> impl Iterator<Item = Stream> {
+        [Some(self.positions), self.normals, self.tangents].into_iter().flatten()
+    }
+}

@@ -1,0 +1,116 @@
+//! What a context holds: example sets, instances and buffers, by id.
+
+#[cfg(feature = "vulkan")]
+use super::device::{Attached, VulkanMemory};
+use super::host_memory::HostMemory;
+use super::ids::Slots;
+use super::result::Failure;
+use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance, CrumplePrimitive};
+use crate::{Aabb, ExampleSet, Instance, Tracker};
+use std::ffi::CString;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// What a context keeps of a set.
+pub(super) struct SetEntry {
+    pub(super) set: Arc<ExampleSet>,
+    /// The mesh's name in the file it came from.
+    pub(super) name: CString,
+    /// The examples' names.
+    pub(super) names: Vec<CString>,
+    pub(super) primitives: Vec<CrumplePrimitive>,
+    /// What `primitives` points to.
+    pub(super) _materials: Vec<CString>,
+    pub(super) node_transform: Option<[f32; 16]>,
+}
+
+/// What a context keeps of an instance.
+pub(super) struct InstanceEntry {
+    pub(super) instance: Instance,
+    pub(super) set: CrumpleExampleSet,
+    /// As it was given.
+    pub(super) local_to_world: [f32; 16],
+    pub(super) buffers: Vec<CrumpleBuffer>,
+}
+
+/// What a context keeps of a buffer.
+pub(super) struct BufferEntry {
+    pub(super) owner: CrumpleInstance,
+    pub(super) lod: usize,
+    pub(super) memory: Memory,
+}
+
+/// Where a buffer's vertices are.
+pub(super) enum Memory {
+    Host(HostMemory, Tracker),
+    #[cfg(feature = "vulkan")]
+    Vulkan(VulkanMemory),
+}
+
+impl BufferEntry {
+    pub(super) fn invalidate(&mut self) {
+        match &mut self.memory {
+            Memory::Host(_, tracker) => tracker.invalidate(),
+            #[cfg(feature = "vulkan")]
+            Memory::Vulkan(memory) => memory.invalidate(),
+        }
+    }
+
+    /// What the last deform or recording wrote.
+    pub(super) fn changed(&self) -> &[Range<u32>] {
+        match &self.memory {
+            Memory::Host(_, tracker) => tracker.changed(),
+            #[cfg(feature = "vulkan")]
+            Memory::Vulkan(memory) => memory.changed(),
+        }
+    }
+
+    /// Whether normals and tangents are written.
+    pub(super) fn written(&self) -> (bool, bool) {
+        match &self.memory {
+            Memory::Host(memory, _) => memory.written(),
+            #[cfg(feature = "vulkan")]
+            Memory::Vulkan(memory) => memory.written(),
+        }
+    }
+
+    pub(super) fn bounds(&self) -> Option<Aabb> {
+        match &self.memory {
+            Memory::Host(_, tracker) => tracker.bounds(),
+            #[cfg(feature = "vulkan")]
+            Memory::Vulkan(memory) => memory.bounds(),
+        }
+    }
+}
+
+/// What only one thread may touch at a time.
+pub(super) struct State {
+    pub(super) sets: Slots<SetEntry>,
+    pub(super) instances: Slots<InstanceEntry>,
+    pub(super) buffers: Slots<BufferEntry>,
+    #[cfg(feature = "vulkan")]
+    pub(super) vulkan: Option<Attached>,
+}
+
+impl State {
+    /// Nothing; `tag` is the context's in its ids.
+    pub(super) fn new(tag: u16) -> Self {
+        Self {
+            sets: Slots::new(tag),
+            instances: Slots::new(tag),
+            buffers: Slots::new(tag),
+            #[cfg(feature = "vulkan")]
+            vulkan: None,
+        }
+    }
+
+    /// Removes a buffer, but not from those of its owner.
+    pub(super) fn remove_buffer(&mut self, buffer: CrumpleBuffer) -> Result<CrumpleInstance, Failure> {
+        let entry = self.buffers.remove(buffer, "buffer")?;
+        #[cfg(feature = "vulkan")]
+        if let (Memory::Vulkan(memory), Some(vulkan)) = (entry.memory, &mut self.vulkan) {
+            vulkan.remove(memory)?;
+        }
+        Ok(entry.owner)
+    }
+}
