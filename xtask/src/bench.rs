@@ -1,4 +1,4 @@
-//! `cargo xtask bench`: builds the lab's benchmark and runs it from the repository's root; with `--gpu` that of graphics devices.
+//! `cargo xtask bench`: builds the lab's benchmark and runs it from the repository's root. `--gpu` runs the benchmark of graphics devices.
 
 use std::path::{Path, PathBuf};
 
@@ -11,16 +11,16 @@ use crate::workspace::{Workspace, empty_directory};
 
 #[derive(Args)]
 pub struct Options {
-    /// Short runs, and without the largest meshes; replaces no committed figure
+    /// Measure briefly, without the largest meshes; replaces no committed figure
     #[arg(long)]
     pub quick: bool,
-    /// Writes the results as JSON: an array of name, value, unit, reference (in the unit) and ratio
+    /// Write the results as JSON: an array of name, value, unit, reference (in the unit) and ratio
     #[arg(long, value_name = "FILE", conflicts_with = "gpu")]
     pub json: Option<PathBuf>,
     /// Only the results whose names begin like this, or this workload of graphics devices; may be given several times
     #[arg(long, value_name = "NAME")]
     pub only: Vec<String>,
-    /// On each graphics device that the Vulkan loader finds; VK_DRIVER_FILES chooses its drivers
+    /// Measure each graphics device that the Vulkan loader finds; VK_DRIVER_FILES chooses its drivers
     #[arg(long)]
     pub gpu: bool,
     /// Only devices whose names begin like this; may be given several times
@@ -32,9 +32,8 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     if options.gpu {
         return devices(workspace, options);
     }
-    // Without the physics engines that `cargo xtask lab` needs: they take longer to build than all the rest.
-    workspace.cargo(&["build", "--release", "--package", "crumple-lab"]).run()?;
-    let program = workspace.target.join("release/crumple-lab").with_extension(std::env::consts::EXE_EXTENSION);
+    // The physics engines that `cargo xtask lab` needs are left out: they take longer to build than all the rest.
+    let program = lab::program(workspace, &[])?;
     let (out, lab) = (workspace.path("docs/bench"), workspace.path("docs/lab"));
     let quick = options.quick.then_some("--quick");
     let only = options.only.iter().flat_map(|name| ["--only", name]);
@@ -46,10 +45,9 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// On graphics devices. A full run replaces their tables, and the charts and the page that are made of all of them.
+/// Measures graphics devices. A full run replaces their tables, and the charts and the page made from all tables.
 fn devices(workspace: &Workspace, options: &Options) -> Result<()> {
-    workspace.cargo(&["build", "--release", "--package", "crumple-lab", "--features", "gpu"]).run()?;
-    let program = workspace.target.join("release/crumple-lab").with_extension(std::env::consts::EXE_EXTENSION);
+    let program = lab::program(workspace, &["--features", "gpu"])?;
     let out = workspace.path("docs/bench");
     let quick = options.quick.then_some("--quick");
     let only = options.only.iter().flat_map(|name| ["--only", name]);
@@ -71,8 +69,7 @@ fn devices(workspace: &Workspace, options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// What an engine links, as small as it gets: the shared library with its default features, stripped. Nothing where there is
-/// no `strip`.
+/// The shared library with its default features, stripped: the smallest that an engine links. `None` without a `strip` program.
 fn stripped_library(workspace: &Workspace) -> Result<Option<PathBuf>> {
     use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
     workspace.cargo(&["build", "--release", "--package", "crumple", "--lib"]).run()?;
@@ -87,7 +84,7 @@ fn stripped_library(workspace: &Workspace) -> Result<Option<PathBuf>> {
     Ok(Some(stripped))
 }
 
-/// As seen from where the command was typed.
+/// Resolves `file` against the folder in which the user typed the command.
 fn absolute(file: &Path) -> Result<PathBuf> {
     std::path::absolute(file).with_context(|| format!("finding {}", file.display()))
 }

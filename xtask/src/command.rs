@@ -1,4 +1,4 @@
-//! The `crumple` command, built and called as a person would call it. Each call answers what it printed.
+//! Builds the `crumple` command and calls it as a user does. Each call returns what the command printed.
 
 use std::path::{Path, PathBuf};
 
@@ -8,18 +8,18 @@ use xshell::cmd;
 use crate::install::Profile;
 use crate::workspace::Workspace;
 
-/// Of the command that is handed out, beside the default ones.
+/// The features of the released command, beside the default ones.
 pub const FEATURES: &str = "cli,wgpu";
 
 pub struct Command<'a> {
     workspace: &'a Workspace,
     program: PathBuf,
-    /// Deforms on the GPU, one whose name holds this.
+    /// Deform on the GPU whose name contains this.
     gpu: Option<String>,
 }
 
 impl<'a> Command<'a> {
-    /// A debug build is the one that the tests use. A release build is without the GPU unless it is wanted.
+    /// A debug build is the one that the tests use. A release build has GPU support only if `gpu` is given.
     pub fn build(workspace: &'a Workspace, profile: Profile, gpu: Option<&str>) -> Result<Self> {
         let release = ["--package", "crumple", "--features", if gpu.is_some() { FEATURES } else { "cli" }];
         match profile {
@@ -44,7 +44,7 @@ impl<'a> Command<'a> {
         Ok(cmd!(self.workspace.shell, "{program} info {file}").quiet().read()?)
     }
 
-    /// Writes `count` impacts on `file`'s mesh, the same ones at every call.
+    /// Writes `count` impacts on `file`'s mesh. Every call writes the same ones.
     pub fn sample(&self, file: &Path, impacts: &Path, count: &str) -> Result<String> {
         let program = &self.program;
         Ok(cmd!(self.workspace.shell, "{program} sample {file} --count {count} -o {impacts}").quiet().read()?)

@@ -1,4 +1,4 @@
-//! C#: the declarations that are written from the header, and the tests of what lies over them, under Mono.
+//! C#: generates the declarations from the header, and tests the C# layer above them under Mono.
 
 mod layout;
 mod write;
@@ -22,9 +22,9 @@ pub const FUNCTIONS: &str = "bindings/unity/Runtime/Native/NativeMethods.g.cs";
 
 const RUNTIME: &str = "bindings/unity/Runtime";
 const TESTS: &str = "tests/csharp";
-/// What Mono's compiler needs to be told to take C# 7.2, as Unity's takes it, and to be strict.
+/// Makes Mono's compiler accept C# 7.2, like Unity's compiler, and fail on warnings.
 const STRICT: &[&str] = &["-langversion:latest", "-unsafe", "-warnaserror", "-debug-"];
-/// `e_machine` of ELF, and its number for ARM64.
+/// The offset of `e_machine` in an ELF file, and its value for ARM64.
 const MACHINE: (usize, [u8; 2]) = (18, [183, 0]);
 
 /// The texts of `TYPES` and `FUNCTIONS`.
@@ -46,7 +46,7 @@ pub fn run(workspace: &Workspace) -> Result<Outcome> {
     let (sh, libraries) = (&workspace.shell, prefix.join("lib"));
     let mono = |program: &str, folder: &Path| {
         let program = built.join(program);
-        // Names of fixtures and files are UTF-8 wherever this runs.
+        // File names are UTF-8 in every locale.
         cmd!(sh, "mono {program}").env("LD_LIBRARY_PATH", folder).env("LC_ALL", "C.UTF-8").quiet()
     };
     mono("quickstart.exe", &libraries).run()?;
@@ -60,17 +60,17 @@ pub fn run(workspace: &Workspace) -> Result<Outcome> {
     mono("library.exe", &built.join("empty")).arg("beside").arg(beside).run()?;
     if Tool::Vulkan.here(workspace) && Tool::VulkanHeaders.here(workspace) {
         vulkan_host(workspace, &built)?;
-        // One driver: what differs between them is below C#.
+        // One driver is enough: drivers differ below the C# layer.
         let driver = vulkan::lavapipe()?;
         let frames = || mono("vulkan.exe", &libraries).env("VK_DRIVER_FILES", &driver).env("CRUMPLE_REQUIRE_GPU", "1");
-        // Mesa's layer that chooses devices would complain about a session without a display.
+        // Mesa's device selection layer prints errors in a session without a display.
         frames().env("NODEVICE_SELECT", "1").env("CRUMPLE_VALIDATION", "1").run()?;
         frames().env("NODEVICE_SELECT", "1").arg("device-goes-first").run()?;
     }
     Ok(Outcome::Passed)
 }
 
-/// The library with its documentation, and the programs that use it.
+/// Compiles the library with its documentation, and the test programs.
 fn compile(workspace: &Workspace, built: &Path) -> Result<()> {
     let sh = &workspace.shell;
     let sources = |folder: &str| -> Result<Vec<PathBuf>> {
@@ -103,7 +103,7 @@ fn compile(workspace: &Workspace, built: &Path) -> Result<()> {
     Ok(())
 }
 
-/// The file that tells the tests sizes and offsets as C has them.
+/// Writes the sizes and offsets that the C compiler uses to a file, which the tests read.
 fn layouts(workspace: &Workspace, prefix: &Path, built: &Path, header: &str) -> Result<PathBuf> {
     let sh = &workspace.shell;
     let (source, program, table) = (built.join("layout.c"), built.join("layout"), built.join("layout.txt"));
@@ -114,7 +114,7 @@ fn layouts(workspace: &Workspace, prefix: &Path, built: &Path, header: &str) -> 
     Ok(table)
 }
 
-/// The C host of the Vulkan examples as a library, which Mono finds beside the program.
+/// Compiles the C host of the Vulkan examples to a library beside the test programs, where Mono finds it.
 fn vulkan_host(workspace: &Workspace, built: &Path) -> Result<()> {
     let sh = &workspace.shell;
     let (file, examples) = (built.join("libcrumplehost.so"), workspace.path("examples-c"));
@@ -123,7 +123,7 @@ fn vulkan_host(workspace: &Workspace, built: &Path) -> Result<()> {
     Ok(cmd!(sh, "cc {strict...} -I {examples} {shared} {host} -o {file} -lvulkan").quiet().run()?)
 }
 
-/// Libraries that cannot be used, by the name of the test's case and of the folder that they are in.
+/// Makes libraries that the C# layer must reject. Each has the name of its test case, which is also the name of its folder.
 fn misfits(workspace: &Workspace, prefix: &Path, built: &Path) -> Result<Vec<(&'static str, PathBuf)>> {
     let sh = &workspace.shell;
     let right = prefix.join("lib/libcrumple.so");
@@ -152,7 +152,7 @@ fn misfits(workspace: &Workspace, prefix: &Path, built: &Path) -> Result<Vec<(&'
     Ok(files)
 }
 
-/// Major and minor version.
+/// The major and the minor version.
 fn two(version: &str) -> Result<(u32, u32)> {
     let mut parts = version.split('.').map(str::parse);
     let mut next = || Ok::<u32, anyhow::Error>(parts.next().context("a version has three parts")??);

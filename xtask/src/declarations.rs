@@ -1,14 +1,14 @@
-//! Reads `include/crumple.h`: the few forms of C that cbindgen writes there, with their comments. Whatever else a line holds is
-//! an error, so that nothing of the header can be missing from what is made of it.
+//! Reads `include/crumple.h`: the few forms of C that cbindgen writes, with their comments. Any other line is an error, so no
+//! declaration can be missing from what is generated.
 
 use anyhow::{Context, Result, bail};
 
-/// A type as C spells it: its name, how many stars follow, and how many elements of it there are.
+/// A C type: its name, the number of pointer stars, and the array length.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Type {
     pub base: String,
     pub pointers: usize,
-    /// Length of an array; only fields have one.
+    /// Only fields are arrays.
     pub array: Option<usize>,
 }
 
@@ -33,12 +33,12 @@ pub enum Form {
     Enum {
         variants: Vec<Variant>,
     },
-    /// A struct that is only ever pointed to.
+    /// A struct without a definition.
     Opaque,
     Struct {
         fields: Vec<Variable>,
     },
-    /// A pointer to a function of the host's.
+    /// A pointer to a function of the host.
     Callback {
         result: Type,
         parameters: Vec<Variable>,
@@ -54,11 +54,11 @@ pub struct Item {
     pub docs: Vec<String>,
     pub name: String,
     pub form: Form,
-    /// As it stands in the header, with the comments inside it.
+    /// The declaration as the header has it, with the comments inside it.
     pub text: String,
 }
 
-/// Everything that the header declares, in its order.
+/// Everything that the header declares, in header order.
 pub fn header(text: &str) -> Result<Vec<Item>> {
     let mut lines = text.lines().enumerate();
     let mut items = Vec::new();
@@ -72,7 +72,7 @@ pub fn header(text: &str) -> Result<Vec<Item>> {
         if ignored(trimmed) {
             continue;
         }
-        // A declaration goes on to its semicolon, or to the brace that closes it and the semicolon after that.
+        // A declaration ends with a semicolon; one with braces ends with the closing brace and a semicolon.
         let mut declaration = vec![line];
         if !trimmed.starts_with("#define") {
             let braced = trimmed.ends_with('{');

@@ -1,4 +1,4 @@
-//! `cargo xtask demo`: the main job, from a mesh and its impacts to pictures and a dented GLB.
+//! `cargo xtask demo`: dents a mesh with impacts and writes pictures and a GLB.
 
 use std::fs;
 use std::path::Path;
@@ -11,10 +11,10 @@ use crate::install::Profile;
 use crate::stage::Outcome;
 use crate::workspace::Workspace;
 
-/// A car's hood and a drum, each with dents that an independent elasto-plastic solver computed as its examples.
+/// A car's hood and a drum. An independent elasto-plastic solver computed their example dents.
 const BODIES: &[&str] = &["hood", "drum"];
 
-/// `gpu`: deformed on the GPU, one whose name holds this.
+/// `gpu`: deform on the GPU whose name contains this.
 pub fn run(workspace: &Workspace, out: &Path, gpu: Option<&str>) -> Result<()> {
     println!("Building the `crumple` command; the first time takes a few minutes.");
     show(workspace, &Command::build(workspace, Profile::Release, gpu)?, out)
@@ -34,7 +34,7 @@ fn show(workspace: &Workspace, command: &Command<'_>, out: &Path) -> Result<()> 
     Ok(())
 }
 
-/// The demo as a test: it runs, and leaves what it promises.
+/// The demo as a test: it runs and writes every file that it promises.
 pub fn check(workspace: &Workspace) -> Result<Outcome> {
     let out = workspace.target.join("demo");
     show(workspace, &Command::build(workspace, Profile::Debug, None)?, &out)?;
@@ -53,7 +53,7 @@ fn dent(workspace: &Workspace, command: &Command<'_>, body: &str, out: &Path) ->
     let impacts = workspace.path(format!("assets/demo/{body}.json"));
     let info = command.info(&mesh)?;
     let applied = command.apply(&mesh, &impacts, &out.join("dented.glb"), Some(out))?;
-    // Behind the last empty line is what came of it; before that, a table with a line a hit.
+    // A table with a line for each hit comes first. The summary follows the last empty line.
     let summary = applied.rsplit("\n\n").next().unwrap_or(&applied);
     println!("{}", summary.trim_end());
     let report = out.join("report.txt");

@@ -1,4 +1,4 @@
-//! Coverage-guided fuzzing on the stable toolchain: the compiler's coverage pass is switched on by flags of code generation.
+//! Coverage-guided fuzzing on the stable toolchain. Code generation flags switch on the compiler's coverage pass.
 
 use std::fs;
 use std::path::PathBuf;
@@ -9,7 +9,7 @@ use xshell::cmd;
 
 use crate::workspace::Workspace;
 
-/// What libFuzzer needs to see where a run went.
+/// Instruments the code for libFuzzer's coverage.
 const COVERAGE: &[&str] = &[
     "-Cpasses=sancov-module",
     "-Cllvm-args=-sanitizer-coverage-level=4",
@@ -22,29 +22,26 @@ const COVERAGE: &[&str] = &[
 
 #[derive(Args)]
 pub struct Options {
-    /// How long, s
+    /// Duration, s
     #[arg(long, default_value_t = 120)]
     seconds: u32,
-    /// Processes at once
+    /// Number of processes
     #[arg(long, default_value_t = 1)]
     jobs: u32,
-    /// Where what was found interesting is kept from run to run [default: the target directory's fuzz/corpus]
+    /// Folder that keeps interesting inputs between runs [default: fuzz/corpus in the target directory]
     #[arg(long)]
     corpus: Option<PathBuf>,
 }
 
 pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     let shell = &workspace.shell;
-    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-    let version = cmd!(shell, "{rustc} -vV").quiet().read()?;
-    let host = version.lines().find_map(|line| line.strip_prefix("host: ")).context("rustc -vV names its host")?;
+    let host = workspace.rustc("host")?;
     let home = workspace.target.join("fuzz");
     let corpus = options.corpus.clone().unwrap_or_else(|| home.join("corpus"));
     fs::create_dir_all(&corpus).with_context(|| format!("making {}", corpus.display()))?;
     let manifest = workspace.path("fuzz/Cargo.toml");
-    // With a target named, build scripts and macros are not instrumented.
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    cmd!(shell, "{cargo} build --release --manifest-path {manifest} --target {host} --target-dir {home}")
+    // --target keeps build scripts and macros free of instrumentation.
+    cmd!(shell, "cargo build --release --manifest-path {manifest} --target {host} --target-dir {home}")
         .env("RUSTFLAGS", COVERAGE.join(" "))
         .run()?;
     let load = home.join(host).join("release").join("load");

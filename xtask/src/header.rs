@@ -53,7 +53,7 @@ fn generate(workspace: &Workspace) -> Result<String> {
     let mut text = Vec::new();
     bindings.write(&mut text);
     let text = String::from_utf8(text)?.replace("\r\n", "\n");
-    // What is left out of the header leaves its blank lines behind.
+    // Items that cbindgen leaves out leave their blank lines behind.
     let mut lines: Vec<String> = Vec::new();
     for line in text.lines() {
         match lines.last_mut() {

@@ -1,4 +1,4 @@
-//! `cargo xtask install`: the C library as others want to find it, in a tree that may be moved anywhere afterwards.
+//! `cargo xtask install`: installs the C library in a folder that may be moved afterwards.
 //!
 //! ```text
 //! PREFIX/include/crumple.h, crumple.hpp
@@ -22,7 +22,7 @@ use crate::workspace::Workspace;
 pub enum Profile {
     Debug,
     Release,
-    /// What archives hold.
+    /// Release archives.
     Dist,
 }
 
@@ -43,18 +43,18 @@ pub const FEATURES: &[&str] = &["gltf", "obj", "vulkan", "host-allocator"];
 /// The library as Cargo left it.
 pub struct Built {
     pub shared: PathBuf,
-    /// What a program links with to use `shared`: another file only on Windows.
+    /// The import library, which programs link on Windows.
     #[cfg_attr(not(windows), expect(dead_code, reason = "read where there are DLLs"))]
     import: Option<PathBuf>,
     static_library: PathBuf,
     /// Linker arguments that a program needs beside `static_library`, such as `-lpthread`.
     static_needs: Vec<String>,
-    /// What of `FEATURES` it has.
+    /// The features that it was built with.
     features: &'static [&'static str],
 }
 
-/// Builds the library that C programs get. A debug build is the one that the tests use, which has all features. `features`: what a
-/// package has; the others have `FEATURES`.
+/// Builds the C library. Only `Profile::Dist` builds with just `features`. A debug build is the one that the tests use, with all
+/// features.
 pub fn build(workspace: &Workspace, profile: Profile, features: &'static [&'static str]) -> Result<Built> {
     match profile {
         Profile::Debug => workspace.build_as_tested(&["--lib"]).run()?,
@@ -64,7 +64,7 @@ pub fn build(workspace: &Workspace, profile: Profile, features: &'static [&'stat
         }
         Profile::Dist => {
             let features = features.join(",");
-            // Only a library for other languages alone is optimized at link time.
+            // Cargo skips link-time optimization if the Rust library is built along.
             let dist =
                 ["rustc", "--profile", "dist", "--lib", "--crate-type", "cdylib,staticlib", "--package", "crumple"];
             workspace.cargo_anywhere(&dist)?.args(["--no-default-features", "--features", &features]).run()?;
@@ -87,7 +87,7 @@ pub fn build(workspace: &Workspace, profile: Profile, features: &'static [&'stat
     })
 }
 
-/// What Rust's standard library itself links with, as `rustc` says it for an empty static library.
+/// The system libraries that Rust's standard library links, as `rustc` prints them for an empty static library.
 fn static_needs(workspace: &Workspace) -> Result<Vec<String>> {
     let scratch = tempfile::tempdir()?;
     let source = scratch.path().join("empty.rs");
@@ -112,7 +112,7 @@ pub fn run(workspace: &Workspace, prefix: &Path, profile: Profile) -> Result<()>
     Ok(())
 }
 
-/// Copies what was built, and what goes with it, to where others look for it.
+/// Copies the library, headers, licenses and package files below `prefix`.
 pub fn lay_out(workspace: &Workspace, built: &Built, prefix: &Path) -> Result<()> {
     let lib = prefix.join("lib");
     copy_shared(workspace, built, prefix)?;
@@ -159,13 +159,13 @@ fn copy_shared(_: &Workspace, built: &Built, prefix: &Path) -> Result<()> {
     copy(import, &prefix.join("lib")).map(drop)
 }
 
-/// The name that programs built with `library` ask the loader for; `build.rs` gave it that.
+/// The name under which programs load the library; `build.rs` sets it.
 pub fn soname(library: &Path) -> Result<String> {
     let name = dynamic(library)?.into_iter().find(|(entry, _)| entry.tag == DT_SONAME).map(|(_, text)| text);
     name.with_context(|| format!("{} has no SONAME; build.rs gives it one", library.display()))
 }
 
-/// A library whose threads may still be ending is not to be taken out of memory; `build.rs` sees to it.
+/// Checks that a host cannot unload the library while its threads are still ending; `build.rs` sets the flag.
 pub fn stays_loaded(library: &Path) -> Result<()> {
     let flags = dynamic(library)?.into_iter().find(|(entry, _)| entry.tag == DT_FLAGS_1);
     let flags = flags.map_or(0, |(entry, _)| entry.val);
@@ -173,7 +173,7 @@ pub fn stays_loaded(library: &Path) -> Result<()> {
     Ok(())
 }
 
-/// What a library tells the loader, each entry with its text where it is one.
+/// The entries of the dynamic table, each with its string if it has one.
 fn dynamic(library: &Path) -> Result<Vec<(Dynamic, String)>> {
     let bytes = fs::read(library).with_context(|| format!("reading {}", library.display()))?;
     let header = FileHeader64::<Endianness>::parse(&*bytes)?;
@@ -214,7 +214,7 @@ fn copy(file: &Path, directory: &Path) -> Result<PathBuf> {
 pub fn copy_as(file: &Path, directory: &Path, name: &str) -> Result<PathBuf> {
     fs::create_dir_all(directory).with_context(|| format!("creating {}", directory.display()))?;
     let to = directory.join(name);
-    // A program that runs from the old file keeps it: the new one must be a new file, not the same one overwritten.
+    // A running program keeps the old file: overwriting it would change the program's memory.
     if to.exists() {
         fs::remove_file(&to).with_context(|| format!("replacing {}", to.display()))?;
     }

@@ -13,7 +13,7 @@ use crate::workspace::{Workspace, empty_directory};
 
 #[derive(Args)]
 pub struct Options {
-    /// A few impacts only, in under 3 minutes; into target/lab-quick, so that no committed figure is replaced
+    /// Measure a few impacts only, in under 3 minutes; writes to target/lab-quick and replaces no committed figure
     #[arg(long)]
     pub quick: bool,
     /// Only this part; may be given several times
@@ -21,14 +21,14 @@ pub struct Options {
     pub only: Vec<String>,
 }
 
-/// What a part runs, in this order; what is not there yet is left out.
+/// A part of the lab. Its fields run in this order. A script that does not exist is left out.
 struct Part {
     name: &'static str,
     /// Subcommand of `crumple-lab`.
     measures: Option<&'static str>,
-    /// Script in lab/python, told `--out DIRECTORY` and perhaps `--quick`.
+    /// Script in lab/python. It gets `--out DIRECTORY`, and `--quick` in a quick run.
     script: Option<&'static str>,
-    /// Script that is told the directory alone.
+    /// Script in lab/python. It gets the directory.
     shows: Option<&'static str>,
 }
 
@@ -63,10 +63,7 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     }
 
     let start = Instant::now();
-    let program = timed("build", || {
-        workspace.cargo(&["build", "--release", "--package", "crumple-lab", "--all-features"]).run()?;
-        Ok(workspace.target.join("release/crumple-lab").with_extension(std::env::consts::EXE_EXTENSION))
-    })?;
+    let program = timed("build", || program(workspace, &["--all-features"]))?;
     let python = timed("python", || python(workspace))?;
     let sh = &workspace.shell;
     let _no_cache = sh.push_env("PYTHONDONTWRITEBYTECODE", "1");
@@ -96,6 +93,12 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     Ok(())
 }
 
+/// Builds the lab with these features and returns its program.
+pub fn program(workspace: &Workspace, features: &[&str]) -> Result<PathBuf> {
+    workspace.cargo(&["build", "--release", "--package", "crumple-lab"]).args(features).run()?;
+    Ok(workspace.target.join("release/crumple-lab").with_extension(std::env::consts::EXE_EXTENSION))
+}
+
 fn timed<T>(name: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
     let start = Instant::now();
     let done = work()?;
@@ -107,7 +110,7 @@ fn script_path(workspace: &Workspace, script: &str) -> PathBuf {
     workspace.path("lab/python").join(script)
 }
 
-/// An interpreter with what the scripts need, in the pinned versions, in an environment under the target directory.
+/// A Python with the pinned packages that the scripts need, in an environment below the target directory.
 pub fn python(workspace: &Workspace) -> Result<PathBuf> {
     let sh = &workspace.shell;
     let environment = workspace.target.join("lab-venv");

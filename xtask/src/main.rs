@@ -1,5 +1,4 @@
-//! `cargo xtask …`: one command for each thing that people and CI do with this repository,
-//! the same on every platform.
+//! `cargo xtask`: one command for each thing that developers and CI do with this repository, the same on every platform.
 
 mod abi;
 mod bench;
@@ -44,18 +43,18 @@ struct Cli {
 enum Command {
     /// Dent a real mesh with real impacts: pictures and a deformed GLB
     Demo {
-        /// Where the pictures and the GLB go
+        /// Folder for the pictures and the GLB
         #[arg(long, default_value = "out/demo")]
         out: PathBuf,
-        /// Deform on the GPU: the fastest there is, or the one whose name holds this
+        /// Deform on the GPU: the fastest one, or the one whose name contains NAME
         #[arg(long, value_name = "NAME", num_args = 0..=1, default_missing_value = "")]
         gpu: Option<String>,
     },
-    /// Run every test: Rust, C and C++, under sanitizers and valgrind, and from outside the tree
+    /// Run every test stage and print a table of the results
     Test(test::Options),
     /// Write include/crumple.h from the Rust sources, and the C# declarations from the header
     Header {
-        /// Write nothing; fail with a diff when the committed header is not what the sources say
+        /// Write nothing; fail with a diff if a committed file does not match the sources
         #[arg(long)]
         check: bool,
     },
@@ -68,23 +67,23 @@ enum Command {
         #[arg(long)]
         debug: bool,
     },
-    /// Make the archives that people without Rust download
+    /// Make the release archives, for users without Rust
     Package(package::Options),
-    /// Fuzz what reads files from outside, guided by coverage
+    /// Fuzz the readers of files, guided by coverage
     Fuzz(fuzz::Options),
     /// Measure accuracy, cost, stability and peers; write docs/lab with its tables, charts and report
     Lab(lab::Options),
-    /// Measure fixed workloads beside references of the same run; write docs/bench
+    /// Measure fixed workloads and references in the same run; write docs/bench
     Bench(bench::Options),
-    /// Formatting, lints, docs, header and repository checks, then every test with nothing skipped
+    /// Run every check and every test stage; a missing program fails its stage
     Ci {
         /// Stop at the first stage that fails
         #[arg(long)]
         fail_fast: bool,
     },
-    /// Only the checks of `ci` that build nothing: asset size, README snippet, changelog, .meta files of the Unity package
+    /// Run the checks of `ci` that build nothing: asset sizes, README snippets, changelog, Unity's .meta files, quoted messages
     Repo {
-        /// Put the present quickstart programs into the pages that show them, and write missing .meta files
+        /// Copy the quickstart programs into the pages that show them, and write missing .meta files
         #[arg(long)]
         fix: bool,
     },

@@ -1,4 +1,4 @@
-//! Pages that explain messages quote messages that there are.
+//! Checks that messages quoted in docs exist in the sources.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,13 +7,13 @@ use anyhow::{Context, Result, ensure};
 
 use crate::workspace::{Workspace, files};
 
-/// A page, and where the messages that it quotes come from.
+/// Each page, and the folders whose sources contain the messages that it quotes.
 const PAGES: &[(&str, &[&str])] = &[
     ("docs/troubleshooting.md", &["src"]),
     ("bindings/unity/Runtime/README.md", &["bindings/unity/Runtime"]),
     ("bindings/unity/Documentation~/index.md", &["bindings/unity"]),
 ];
-/// Tables with this first head quote ours; what other programs say stands under another.
+/// The first head of tables that quote our messages. Tables with other heads quote other programs.
 const HEAD: &str = "| it says |";
 
 pub fn run(workspace: &Workspace) -> Result<()> {
@@ -25,13 +25,13 @@ pub fn run(workspace: &Workspace) -> Result<()> {
         }
         let quoted = quoted(&text);
         let unknown: Vec<&&str> = quoted.iter().filter(|quote| !source.contains(**quote)).collect();
-        ensure!(unknown.is_empty(), "{page} quotes {unknown:?}, which nothing in {sources:?} says");
-        println!("{page} quotes {} pieces of messages, all as they are", quoted.len());
+        ensure!(unknown.is_empty(), "{page} quotes {unknown:?}, which no source in {sources:?} contains");
+        println!("{page} quotes {} pieces of messages; all exist", quoted.len());
     }
     Ok(())
 }
 
-/// What stands in backticks in the first column of tables of messages.
+/// The text in backticks in the first column of our tables.
 fn quoted(page: &str) -> Vec<&str> {
     let mut within = false;
     let mut found = Vec::new();
@@ -45,7 +45,7 @@ fn quoted(page: &str) -> Vec<&str> {
     found
 }
 
-/// The text of all source files, with the lines of a string that goes on joined as the compiler joins them.
+/// Appends the text of all source files. Continued lines of a string are joined as the compiler joins them.
 fn gather(folder: &Path, all: &mut String) -> Result<()> {
     let known = ["rs", "cs", "cpp", "h", "c"];
     let is_source = |path: &PathBuf| path.extension().is_some_and(|extension| known.iter().any(|k| *k == extension));

@@ -1,4 +1,4 @@
-//! The C library as C and C++ programs meet it: installed, under CTest, and under gcc's sanitizers.
+//! Tests of the installed C library by C and C++ programs, plain and under gcc's sanitizers.
 
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ use crate::workspace::{Workspace, empty_directory};
 
 /// CMake projects whose programs are tests, each with the name of its build directory.
 pub const OURS: &[(&str, &str)] = &[("examples-c", "examples-c"), ("tests/c", "tests-c")];
-/// Those and the engines' plugins.
+/// All projects: ours and the engines' plugins.
 const ALL: &[(&str, &str)] =
     &[OURS[0], OURS[1], ("bindings/unity/native~", "unity"), ("bindings/unreal/tests", "unreal")];
 
@@ -30,7 +30,7 @@ pub fn install_release(workspace: &Workspace) -> Result<Outcome> {
     Ok(Outcome::Passed)
 }
 
-/// Where the release library of the present sources is installed.
+/// Installs the release library of the present sources, once a run, and returns its folder.
 pub fn release_prefix(workspace: &Workspace) -> Result<PathBuf> {
     let prefix = workspace.target.join("prefix");
     if !workspace.installed.get() {
@@ -43,7 +43,7 @@ pub fn release_prefix(workspace: &Workspace) -> Result<PathBuf> {
 
 /// How a set of projects is built and run.
 pub struct Build<'a> {
-    /// What is built.
+    /// The projects to build.
     pub projects: &'a [(&'a str, &'a str)],
     /// Name of the directory that holds this kind's builds. Stages that compile alike share one.
     pub kind: &'a str,
@@ -54,14 +54,14 @@ pub struct Build<'a> {
     pub options: &'a [&'a str],
     /// The program that runs each test program, with its arguments, separated by semicolons; empty for none.
     pub launcher: &'a str,
-    /// Manifests of the Vulkan drivers that programs run on; none where there are none.
+    /// Manifests of the Vulkan drivers that programs run on; may be empty.
     pub drivers: &'a [PathBuf],
     /// A regular expression for names of tests that are not run; empty for none.
     pub left_out: &'a str,
 }
 
 impl<'a> Build<'a> {
-    /// Everything, as it is, without Vulkan.
+    /// All projects, without launcher and without Vulkan drivers.
     pub fn new(kind: &'a str, prefix: &'a Path) -> Self {
         Self { projects: ALL, kind, prefix, validation: true, options: &[], launcher: "", drivers: &[], left_out: "" }
     }
@@ -84,7 +84,7 @@ pub fn test_projects(workspace: &Workspace, build: &Build<'_>) -> Result<()> {
     all_passed(results.collect())
 }
 
-/// One a core.
+/// The number of cores.
 fn jobs() -> String {
     std::thread::available_parallelism().map_or(2, usize::from).to_string()
 }
@@ -92,7 +92,7 @@ fn jobs() -> String {
 pub fn compile(workspace: &Workspace, build: &Build<'_>, source: &Path, directory: &Path) -> Result<()> {
     let &Build { prefix, options, launcher, validation, .. } = build;
     let sh = &workspace.shell;
-    // Where there is what they need, leaving programs out would be a mistake of the build.
+    // A program must not be left out if what it needs is installed.
     let ode = Tool::Ode.here(workspace).then_some("-DCRUMPLE_REQUIRE_ODE=ON");
     let vulkan = Tool::VulkanHeaders.here(workspace) && Tool::Png.here(workspace);
     let vulkan = vulkan.then_some("-DCRUMPLE_REQUIRE_VULKAN=ON");
@@ -127,7 +127,8 @@ pub fn ctest(workspace: &Workspace) -> Result<Outcome> {
     Ok(drivers.passed())
 }
 
-/// The client of an engine that no distribution packages: where CMake finds one, by the environment's `CMAKE_PREFIX_PATH`.
+/// Builds and tests the VulkanSceneGraph client if CMake finds that engine. No distribution packages it, so the environment's
+/// `CMAKE_PREFIX_PATH` must name it.
 fn engine(workspace: &Workspace, build: &Build<'_>) -> Result<()> {
     let directory = workspace.target.join("ctest").join(build.kind).join("vsg");
     compile(workspace, build, &workspace.path("bindings/vsg"), &directory)?;
@@ -138,13 +139,12 @@ fn engine(workspace: &Workspace, build: &Build<'_>) -> Result<()> {
     Ok(())
 }
 
-/// Mesa's driver alone, for the slow stages. SwiftShader can be had only as somebody else's build, whose instructions valgrind does not
-/// know.
+/// Mesa's driver alone, for the slow stages. Valgrind does not know some instructions in Chromium's build of SwiftShader.
 pub fn one_driver(workspace: &Workspace) -> Result<Vec<PathBuf>> {
     Tool::Vulkan.here(workspace).then(vulkan::lavapipe).into_iter().collect()
 }
 
-/// The C and C++ tests under gcc's sanitizers, against a debug build of the library, whose own checks are on.
+/// Runs the C and C++ tests under gcc's sanitizers, against a debug build of the library, which has its own checks on.
 pub fn sanitizers(workspace: &Workspace) -> Result<Outcome> {
     if cfg!(not(target_os = "linux")) {
         return Ok(Outcome::NotApplicable("done with gcc on Linux only".into()));

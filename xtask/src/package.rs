@@ -1,5 +1,5 @@
-//! `cargo xtask package`: archives for people who build no Rust, `crumple-VERSION-TARGET[-slim].tar.gz` (`.zip` on Windows), each with
-//! its debug symbols in an archive beside it. The same libraries give the same bytes.
+//! `cargo xtask package`: release archives, `crumple-VERSION-TARGET[-slim].tar.gz` (`.zip` on Windows), each with its debug symbols
+//! in an archive beside it. The same libraries give the same bytes.
 
 mod archive;
 mod check;
@@ -28,17 +28,17 @@ pub struct Options {
     /// Which archives
     #[arg(long, value_enum, default_value = "all")]
     flavour: Choice,
-    /// Where they go
+    /// Folder for the archives
     #[arg(long, value_name = "DIR", default_value = "out/package")]
     out: PathBuf,
-    /// Unpack each elsewhere, and build and run its examples
+    /// Unpack each archive elsewhere, and build and run its examples
     #[arg(long)]
     check: bool,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Choice {
-    /// What a game ships: no importers of files (sets come baked), no command
+    /// For shipping with a game: reads baked sets only, no command
     Slim,
     /// Importers of glTF and OBJ, and the `crumple` command
     Full,
@@ -47,29 +47,29 @@ enum Choice {
 
 pub struct Flavour {
     name: &'static str,
-    /// How the archive's name ends.
+    /// The end of the archive's name.
     suffix: &'static str,
-    /// The library's features. wgpu is none of them: nothing that C can call leads to it.
+    /// The library's features. C has no functions for wgpu, so wgpu is not among them.
     library: &'static [&'static str],
-    /// Whether the command is with it.
+    /// Whether the archive holds the command.
     command: bool,
 }
 
 const SLIM: Flavour = Flavour { name: "slim", suffix: "-slim", library: &["vulkan", "host-allocator"], command: false };
 const FULL: Flavour = Flavour { name: "full", suffix: "", library: install::FEATURES, command: true };
 
-/// What was built for an archive.
+/// The builds that an archive is made of.
 struct Parts {
     flavour: &'static Flavour,
     target: String,
     library: Built,
     command: Option<PathBuf>,
-    /// Whether the command is what people get. Elsewise it is a stand-in that the tests built: slow, and it may say where it was built.
+    /// Whether this is a release. Otherwise the command is the tests' debug build, which is slow and may name folders of this machine.
     handed_out: bool,
 }
 
 struct Packed {
-    /// The name of the archive, without what says its format, and of the one folder in it.
+    /// The name of the archive without its extension, and of the one folder in it.
     name: String,
     archive: PathBuf,
     /// As in `Parts`.
@@ -98,12 +98,12 @@ fn build(workspace: &Workspace, flavour: &'static Flavour) -> Result<Parts> {
     if flavour.command {
         command = Some(Command::build(workspace, Profile::Dist, None)?.program().to_owned());
     }
-    // After the command, which leaves a library of its own in the same place.
+    // Built after the command, because building the command overwrites the library.
     let library = install::build(workspace, Profile::Dist, flavour.library)?;
     Ok(Parts { flavour, target: workspace.rustc("host")?, library, command, handed_out: true })
 }
 
-/// Lays out and packs what was built. Leaves the archives in `out`.
+/// Lays out the folder and writes the archives to `out`.
 fn pack(workspace: &Workspace, parts: &Parts, out: &Path) -> Result<Packed> {
     let Parts { flavour, target, .. } = parts;
     let name = format!("crumple-{}-{target}{}", workspace.version, flavour.suffix);
@@ -134,7 +134,7 @@ fn pack(workspace: &Workspace, parts: &Parts, out: &Path) -> Result<Packed> {
     Ok(Packed { name, archive, handed_out: parts.handed_out })
 }
 
-/// When everything in an archive was changed last, as far as it says: `SOURCE_DATE_EPOCH`, or when the commit was made.
+/// The modification time of every entry: `SOURCE_DATE_EPOCH`, or the time of the commit.
 fn time(workspace: &Workspace) -> Result<u64> {
     if let Ok(seconds) = std::env::var("SOURCE_DATE_EPOCH") {
         return seconds
@@ -145,15 +145,15 @@ fn time(workspace: &Workspace) -> Result<u64> {
     Ok(seconds.trim().parse()?)
 }
 
-/// What git prints. Only what git knows is packed, so that what lies about here is not.
+/// The output of git. Archives hold only files that git tracks.
 fn git(workspace: &Workspace, arguments: &[&str]) -> Result<String> {
-    // Somebody else may have made the checkout.
+    // Another user may own the checkout.
     let trusted = "safe.directory=*";
     let printed = cmd!(workspace.shell, "git -c {trusted} {arguments...}").quiet().read();
-    printed.context("archives are made from a git checkout, of the files that git knows")
+    printed.context("archives need a git checkout: they hold the files that git tracks")
 }
 
-/// A path within a folder as archives write it, on Windows too.
+/// A path relative to a folder, with slashes on every system.
 fn within(folder: &Path, path: &Path) -> Result<String> {
     let inner =
         path.strip_prefix(folder).with_context(|| format!("{} is not in {}", path.display(), folder.display()))?;

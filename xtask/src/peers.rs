@@ -1,5 +1,5 @@
-//! Other people's programs that must agree with what Crumple writes: Blender and the Khronos glTF validator.
-//! Each is installed under the target directory, in the one version that the tests were written against.
+//! Checks the exported files with Blender and the Khronos glTF validator. Each is installed in one pinned version below the target
+//! directory.
 
 use std::path::PathBuf;
 
@@ -14,7 +14,7 @@ use crate::workspace::{Workspace, empty_directory};
 const BLENDER: &str = "bpy==5.0.1";
 const VALIDATOR: &str = "gltf-validator@2.0.0-dev.3.10";
 
-/// Blender opens what the exporter makes of every fixture and what the command makes of a whole body.
+/// Blender opens every exported fixture and a body that the command dented.
 pub fn blender(workspace: &Workspace) -> Result<Outcome> {
     let sh = &workspace.shell;
     let environment = workspace.target.join("blender");
@@ -62,7 +62,7 @@ fn exporter_tests(workspace: &Workspace) -> Result<()> {
     Ok(workspace.tests(&["--test", "export_gltf"]).run()?)
 }
 
-/// A body that the command has dented.
+/// The path of a body that the command dented.
 fn dented(workspace: &Workspace) -> Result<PathBuf> {
     let command = Command::build(workspace, Profile::Debug, None)?;
     let directory = workspace.target.join("dented");

@@ -1,4 +1,4 @@
-//! Checks of the repository itself that build nothing: its size, and that what README and changelog repeat is true.
+//! Checks of the repository that build nothing: sizes, and programs, versions and messages that pages repeat.
 
 use std::fs;
 use std::path::Path;
@@ -10,13 +10,13 @@ use crate::{messages, unity};
 
 /// Meshes, fixtures and pictures together, in bytes.
 const ASSETS_LIMIT: u64 = 15_000_000;
-/// The lab's figures, in bytes; made again by `cargo xtask lab`.
+/// The lab's figures, in bytes; `cargo xtask lab` writes them.
 const FIGURES_LIMIT: u64 = 15_000_000;
-/// The lab's truths, in bytes.
+/// The lab's reference data, in bytes.
 const TRUTHS_LIMIT: u64 = 14_000_000;
 const QUICKSTART: &str = "examples-c/quickstart.c";
 const QUICKSTART_LINES: usize = 80;
-/// Programs that are shown whole, where, and in which language.
+/// Programs that a page shows whole: the program, the page and the language.
 const SHOWN: &[(&str, &str, &str)] =
     &[(QUICKSTART, "README.md", "c"), ("tests/csharp/Quickstart.cs", "bindings/unity/Runtime/README.md", "csharp")];
 
@@ -85,7 +85,7 @@ fn changelog(workspace: &Workspace) -> Result<()> {
     let heading = format!("## [{}]", workspace.version);
     let found = read(workspace, "CHANGELOG.md")?.lines().any(|line| line.starts_with(&heading));
     ensure!(found, "CHANGELOG.md has no heading {heading:?} for this package's version");
-    println!("CHANGELOG.md tells about version {}", workspace.version);
+    println!("CHANGELOG.md has a section for version {}", workspace.version);
     Ok(())
 }
 

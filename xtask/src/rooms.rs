@@ -57,12 +57,13 @@ fn check(sources: &[(String, String)]) -> Result<Vec<String>> {
             findings.push(format!("src/{from}:{line}: {} may not import from {}: {path}", room(from), room(to)));
         }
     }
-    let inside = |from: &str, to: &str| room(from) == room(to);
-    for (&(from, to), (line, path)) in arrows.iter().filter(|((from, to), _)| inside(from, to)) {
-        let (mut reached, mut left) = (BTreeSet::new(), vec![to]);
-        while let Some(file) = left.pop().filter(|_| !reached.contains(from)) {
-            let next = arrows.keys().filter(|(one, other)| *one == file && inside(one, other)).map(|(_, other)| *other);
-            left.extend(next.filter(|other| reached.insert(*other)));
+    let inside = || arrows.iter().filter(|((from, to), _)| room(from) == room(to));
+    let mut next: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    inside().for_each(|((from, to), _)| next.entry(from).or_default().push(to));
+    for ((from, to), (line, path)) in inside() {
+        let (mut reached, mut left) = (BTreeSet::new(), vec![*to]);
+        while let Some(file) = left.pop() {
+            left.extend(next.get(file).into_iter().flatten().filter(|file| reached.insert(**file)));
         }
         if reached.contains(from) {
             findings.push(format!("src/{from}:{line}: a circle of imports leads through src/{to}: {path}"));

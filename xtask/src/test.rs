@@ -11,13 +11,13 @@ use crate::{abi, csharp, demo, native, package, peers, valgrind, vulkan};
 
 #[derive(Args, Default)]
 pub struct Options {
-    /// Fail where a stage would be skipped; also on where CI=true
+    /// Fail a stage if a program that it needs is missing; CI=true sets this too
     #[arg(long)]
     pub require_all: bool,
-    /// Only the Rust tests, those of Vulkan among them, and CTest
+    /// Run only the stages install, vulkan, rust and ctest
     #[arg(long, conflicts_with = "only")]
     pub quick: bool,
-    /// Only this stage or check of `cargo xtask ci`; may be given several times
+    /// Run only this stage, or this check of `cargo xtask ci`; may be given several times
     #[arg(long, value_name = "STAGE")]
     pub only: Vec<String>,
     /// Stop at the first stage that fails
@@ -29,14 +29,14 @@ pub struct Options {
 const STAGES: &[Stage] = &[
     Stage {
         name: "install",
-        shows: "the C library, its headers, CMake package and pkg-config file go into target/prefix",
+        shows: "the C library installs into target/prefix and exports what the header declares",
         needs: &[Tool::CCompiler],
         wants: &[],
         run: native::install_release,
     },
     Stage {
         name: "package",
-        shows: "the archive, unpacked elsewhere, is what it says; its examples run by CMake and by pkg-config, shared and static",
+        shows: "the unpacked archive matches its manifest, and its examples run by CMake and pkg-config, shared and static",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::PkgConfig],
         wants: &[Tool::Ode, Tool::VulkanHeaders, Tool::Png],
         run: package::stage,
@@ -50,28 +50,28 @@ const STAGES: &[Stage] = &[
     },
     Stage {
         name: "csharp",
-        shows: "the C# layer under Mono: dents, errors, threads, callbacks, ten thousand frames, libraries that do not fit",
+        shows: "the C# layer works under Mono and rejects libraries that do not fit",
         needs: &[Tool::CCompiler, Tool::Mono],
         wants: &[Tool::Vulkan, Tool::VulkanHeaders],
         run: csharp::run,
     },
     Stage {
         name: "sanitizers",
-        shows: "the C and C++ tests under gcc's address and undefined-behaviour sanitizers",
+        shows: "the C and C++ tests pass under gcc's address and undefined behaviour sanitizers",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake],
         wants: &[Tool::Ode, Tool::Vulkan, Tool::VulkanHeaders, Tool::Png],
         run: native::sanitizers,
     },
     Stage {
         name: "valgrind-c",
-        shows: "the C and C++ tests under valgrind",
+        shows: "valgrind finds no error and no leak in the C and C++ tests",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::Valgrind],
         wants: &[Tool::Ode, Tool::Vulkan, Tool::VulkanHeaders, Tool::Png],
         run: valgrind::c,
     },
     Stage {
         name: "valgrind-rust",
-        shows: "the Rust tests under valgrind",
+        shows: "valgrind finds no error and no leak in the Rust tests",
         needs: &[Tool::Valgrind],
         wants: &[],
         run: valgrind::rust,
@@ -99,28 +99,22 @@ const STAGES: &[Stage] = &[
     },
     Stage {
         name: "vulkan",
-        shows: "what is recorded into Vulkan command buffers, and deformed through wgpu, on lavapipe and SwiftShader, under validation",
+        shows: "the Vulkan and wgpu tests pass on lavapipe and SwiftShader under validation",
         needs: &[Tool::Vulkan],
         wants: &[],
         run: vulkan::run,
     },
-    Stage {
-        name: "rust",
-        shows: "the Rust tests, documentation examples among them",
-        needs: &[],
-        wants: &[],
-        run: rust,
-    },
+    Stage { name: "rust", shows: "the Rust tests and documentation examples pass", needs: &[], wants: &[], run: rust },
     Stage {
         name: "ctest",
-        shows: "the C and C++ programs, and Unity's plugin and component, against the installed library",
+        shows: "the C and C++ tests and the engines' plugins pass with the installed library",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake],
         wants: &[Tool::Ode, Tool::Vulkan, Tool::VulkanHeaders, Tool::Png, Tool::Mono],
         run: native::ctest,
     },
 ];
 
-/// The stages that `options` choose; all of them without options.
+/// Runs the stages that `options` choose; without options, all of them.
 pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     let all = || CHECKS.iter().chain(STAGES);
     for name in &options.only {
@@ -140,7 +134,7 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     stage::run_all(workspace, &stages, Rules { require_all, fail_fast: options.fail_fast })
 }
 
-/// `cargo xtask ci`: every check and every test, with nothing left out.
+/// `cargo xtask ci`: runs every check and every test. A missing program fails its stage.
 pub fn ci(workspace: &Workspace, fail_fast: bool) -> Result<()> {
     let stages: Vec<&Stage> = CHECKS.iter().chain(STAGES).collect();
     stage::run_all(workspace, &stages, Rules { require_all: true, fail_fast })
@@ -148,7 +142,7 @@ pub fn ci(workspace: &Workspace, fail_fast: bool) -> Result<()> {
 
 fn rust(workspace: &Workspace) -> Result<Outcome> {
     let helper = workspace.cargo(&["test", "--profile", "xtask", "--package", "xtask"]).run();
-    // Vulkan has a stage of its own, with drivers of its own.
+    // Stage "vulkan" runs these tests with drivers.
     let library = workspace.tests(&[]).env("VK_DRIVER_FILES", workspace.path("no-driver")).run();
     stage::all_passed(vec![("xtask", helper.map_err(Into::into)), ("the library", library.map_err(Into::into))])?;
     Ok(Outcome::Passed)

@@ -1,4 +1,4 @@
-//! Programs and libraries the tests need beyond Rust: found, installed where that is allowed, or named in the one line to type.
+//! Programs and libraries that the tests need beside Rust. `provide` finds them, and installs missing ones if it may.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -21,26 +21,26 @@ pub enum Tool {
     Python311,
     /// Any CPython 3 with `venv`, for the lab's charts.
     Python3,
-    /// The windowing libraries that `bpy` is linked with, although nothing is shown.
+    /// The windowing libraries that `bpy` links, although it opens no window.
     BlenderLibraries,
     /// Node's package manager, for the Khronos glTF validator.
     Npm,
     /// Vulkan's loader and validation layers, and Mesa's software driver.
     Vulkan,
-    /// What programs in C need to be built for Vulkan.
+    /// Vulkan's headers for C.
     VulkanHeaders,
     /// libabigail's tools, which compare binary interfaces.
     Abigail,
     /// libpng, with which `vulkan_render.cpp` writes its picture.
     Png,
-    /// A compiler and a runtime for C#, of the kind that Unity has.
+    /// A compiler and a runtime for C#, similar to Unity's.
     Mono,
 }
 
-/// What of Vulkan's files show that it is there.
+/// This file shows that the validation layers are installed.
 const VALIDATION: &str = "/usr/share/vulkan/explicit_layer.d/VkLayer_khronos_validation.json";
 
-/// What `bpy` loads, with the Debian packages that hold it.
+/// The libraries that `bpy` loads, each with its Debian package.
 const BLENDER_LIBRARIES: &[(&str, &str)] = &[
     ("libGL.so.1", "libgl1"),
     ("libICE.so.6", "libice6"),
@@ -137,7 +137,7 @@ impl fmt::Display for Tool {
     }
 }
 
-/// Installs what of `wanted` is missing, if this is Debian or one of its children and we may. Answers what is missing still.
+/// Installs the missing tools of `wanted` on Debian and its derivatives, as root or by sudo. Returns the tools that are still missing.
 pub fn provide(workspace: &Workspace, wanted: &BTreeSet<Tool>) -> Result<BTreeSet<Tool>> {
     let missing = still_missing(workspace, wanted);
     if missing.is_empty() {
@@ -146,8 +146,7 @@ pub fn provide(workspace: &Workspace, wanted: &BTreeSet<Tool>) -> Result<BTreeSe
     let packages = packages_of(&missing);
     if let Some(apt) = apt(workspace) {
         println!("installing what is missing: {}", packages.join(" "));
-        // A package list that cannot be refreshed, or one package that the release does not have, must not stop the others:
-        // what is missing afterwards says so by itself.
+        // Errors are ignored here: one package that the release lacks must not stop the others, and missing tools are reported below.
         let _ = apt(&["update"]);
         if apt(&install_arguments(&packages)).is_err() {
             for package in &packages {
@@ -162,7 +161,7 @@ pub fn provide(workspace: &Workspace, wanted: &BTreeSet<Tool>) -> Result<BTreeSe
     Ok(missing)
 }
 
-/// The one line to type.
+/// The command that installs the missing tools.
 pub fn advice(missing: &BTreeSet<Tool>) -> String {
     let names: Vec<String> = missing.iter().map(Tool::to_string).collect();
     let packages = packages_of(missing).join(" ");
@@ -182,14 +181,14 @@ fn still_missing(workspace: &Workspace, wanted: &BTreeSet<Tool>) -> BTreeSet<Too
     wanted.iter().copied().filter(|tool| !tool.here(workspace)).collect()
 }
 
-/// Renews the list of packages, where that is allowed.
+/// Updates the list of packages if we may.
 pub fn refresh(workspace: &Workspace) {
     if let Some(apt) = apt(workspace) {
         let _ = apt(&["update"]);
     }
 }
 
-/// `apt-get` with these arguments, where we may.
+/// Runs `apt-get` with these arguments. `None` if we may not.
 fn apt(workspace: &Workspace) -> Option<impl Fn(&[&str]) -> xshell::Result<()>> {
     let privilege = privilege(workspace)?;
     let sh = &workspace.shell;
@@ -199,7 +198,7 @@ fn apt(workspace: &Workspace) -> Option<impl Fn(&[&str]) -> xshell::Result<()>> 
     })
 }
 
-/// The words before `NAME=value apt-get`: `env` as root, `sudo -n env` where that asks for no password, `None` elsewhere and where there is no apt.
+/// The words before `NAME=value apt-get`: `env` for root, `sudo -n env` if sudo needs no password, otherwise `None`.
 fn privilege(workspace: &Workspace) -> Option<&'static [&'static str]> {
     let sh = &workspace.shell;
     if cfg!(not(target_os = "linux")) || cmd!(sh, "apt-get --version").quiet().ignore_stderr().read().is_err() {

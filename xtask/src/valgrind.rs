@@ -1,4 +1,4 @@
-//! The tests under valgrind: no error, and no memory lost.
+//! Runs the tests under valgrind, which must find no error and no leak.
 
 use std::fs;
 use std::path::PathBuf;
@@ -10,22 +10,22 @@ use crate::native::{self, Build};
 use crate::stage::Outcome;
 use crate::workspace::{Workspace, empty_directory};
 
-/// Rust test programs that run under valgrind as a whole.
+/// Rust test programs that run whole under valgrind.
 const WHOLE: &[&str] =
     &["--lib", "--test=export_gltf", "--test=import_broken", "--test=import_gltf", "--test=import_obj"];
-/// Those of which only the tests named `quick_…` do: the others' thousands of hits would take hours.
+/// Rust test programs of which only the tests named `quick_…` run. The others make thousands of hits and would take hours.
 const IN_PART: &[&str] =
     &["--test=bad_input", "--test=contacts", "--test=oracle_rules", "--test=paper_equations", "--test=promises"];
 
-/// C programs that do not run under valgrind: a driver takes a minute to compile its kernels there, so that one program, which
-/// makes every call to it, is enough.
+/// C programs that do not run under valgrind. A driver takes a minute there to compile the kernels, and the programs that remain make
+/// every call to it.
 const SLOW_DRIVERS: &str = "^vulkan_(device_lost|record|render)";
 
 pub fn c(workspace: &Workspace) -> Result<Outcome> {
     let run = Run::new(workspace, "c", "definite,possible")?;
     let prefix = native::release_prefix(workspace)?;
     let build = Build {
-        // The plugins use the library as these do, and have the sanitizers.
+        // Stage "sanitizers" checks the plugins.
         projects: native::OURS,
         validation: false,
         launcher: &run.command.join(";"),
@@ -41,13 +41,13 @@ pub fn rust(workspace: &Workspace) -> Result<Outcome> {
     let run = Run::new(workspace, "rust", "definite")?;
     let runner = format!("CARGO_TARGET_{}_RUNNER", workspace.rustc("host")?.to_uppercase().replace('-', "_"));
     let tests = |programs: &[&str], names: &[&str]| -> Command {
-        // Valgrind runs out of room on gathers as a test build has them; the C programs run those of a release build.
+        // Valgrind runs out of space on the gathers of a test build. The C programs run the gathers of a release build.
         let cargo = workspace.tests(programs).env("CRUMPLE_SIMD", "portable");
         let cargo = cargo.env(&runner, run.command.join(" ")).env("PROPTEST_CASES", "2");
         cargo.args(["--"]).args(names).into()
     };
     workspace.tests(WHOLE).args(IN_PART).arg("--no-run").run()?;
-    // Under valgrind one program keeps one core busy, whatever threads it has.
+    // Valgrind runs the threads of a program on one core.
     let mut both = [tests(WHOLE, &[]), tests(IN_PART, &["quick_"])];
     let started: Vec<Child> = both.iter_mut().map(Command::spawn).collect::<Result<_, _>>()?;
     let ended = started.into_iter().map(|mut child| child.wait()).collect::<Result<Vec<ExitStatus>, _>>()?;
@@ -57,14 +57,14 @@ pub fn rust(workspace: &Workspace) -> Result<Outcome> {
     })
 }
 
-/// One run of many programs, each with a log.
+/// A run of many programs, each with a log.
 struct Run {
     logs: PathBuf,
     command: Vec<String>,
 }
 
 impl Run {
-    /// `leaks`: the kinds of lost memory that fail a program.
+    /// `leaks`: the kinds of leaks that fail a program.
     fn new(workspace: &Workspace, name: &str, leaks: &str) -> Result<Self> {
         let logs = workspace.target.join("valgrind").join(name);
         empty_directory(&logs)?;
@@ -76,13 +76,13 @@ impl Run {
         Ok(Self { logs, command })
     }
 
-    /// Prints the logs that hold findings. That there are logs shows that the programs did run under valgrind.
+    /// Prints the logs with findings. Without any log the programs did not run under valgrind, which is an error.
     fn judge(&self, tests: Result<()>) -> Result<Outcome> {
         let mut programs = 0;
         let mut with_findings = 0;
         for entry in fs::read_dir(&self.logs)? {
             let log = fs::read_to_string(entry?.path())?;
-            // A child that became another program (Blender, node) has a log without an end.
+            // The log of a child that became another program (Blender, node) has no summary.
             let Some(summary) = log.lines().find_map(|line| line.split("ERROR SUMMARY: ").nth(1)) else { continue };
             programs += 1;
             if !summary.starts_with("0 errors") {

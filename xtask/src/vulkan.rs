@@ -1,5 +1,4 @@
-//! The tests of Vulkan and of wgpu on two software drivers under validation: Mesa's lavapipe, which Debian packages, and
-//! SwiftShader, which it packages inside Chromium.
+//! Runs the Vulkan and wgpu tests under validation on two software drivers: Mesa's lavapipe, and SwiftShader from Debian's Chromium.
 
 use std::fs;
 use std::path::PathBuf;
@@ -12,18 +11,18 @@ use crate::tools;
 use crate::workspace::{Workspace, empty_directory};
 
 const MANIFESTS: &str = "/usr/share/vulkan/icd.d";
-/// Debian's package that holds SwiftShader, and where in it.
+/// Debian's package that holds SwiftShader.
 const PACKAGE: &str = "chromium-common";
 const PACKAGED: &str = "usr/lib/chromium/libvk_swiftshader.so";
 
-/// Manifests of the software drivers, and why one of them is not among them.
+/// Manifests of the software drivers, and the reason if one is left out.
 pub struct Drivers {
     pub manifests: Vec<PathBuf>,
     pub left_out: Option<String>,
 }
 
 impl Drivers {
-    /// How a stage ended that passed on all of them.
+    /// The outcome of a stage that passed on all of them.
     pub fn passed(self) -> Outcome {
         self.left_out.map_or(Outcome::Passed, Outcome::InPart)
     }
@@ -32,12 +31,12 @@ impl Drivers {
 pub fn run(workspace: &Workspace) -> Result<Outcome> {
     let drivers = drivers(workspace)?;
     let manifests = std::env::join_paths(&drivers.manifests)?;
-    // With one of them missing the tests would say so and fail.
+    // With 1 the tests fail if a driver is missing.
     let required = if drivers.left_out.is_none() { "1" } else { "0" };
-    // The library's own, and the lab's workloads at their smallest.
+    // The library's tests, and the lab's workloads at their smallest.
     let tests = |programs: &[&str]| {
         let tests = workspace.tests(programs).env("VK_DRIVER_FILES", &manifests);
-        // Mesa's layer that chooses devices would complain about a session without a display.
+        // Mesa's device selection layer prints errors in a session without a display.
         let tests = tests.env("NODEVICE_SELECT", "1");
         Ok(tests.env("CRUMPLE_REQUIRE_GPU", required).run()?)
     };
@@ -56,7 +55,7 @@ pub fn drivers(workspace: &Workspace) -> Result<Drivers> {
     })
 }
 
-/// The manifest of Mesa's driver; its name tells the processor or not.
+/// The manifest of Mesa's driver. Some releases put the processor into its name.
 pub fn lavapipe() -> Result<PathBuf> {
     let entries = fs::read_dir(MANIFESTS).with_context(|| format!("reading {MANIFESTS}"))?;
     let mut found = entries.filter_map(|e| Some(e.ok()?.path()));
@@ -87,7 +86,7 @@ fn swiftshader(workspace: &Workspace) -> Result<PathBuf> {
     fs::rename(unpacked.join(PACKAGED), &library).with_context(|| format!("{PACKAGE} holds no {PACKAGED}"))?;
     fs::remove_dir_all(unpacked)?;
     fs::remove_file(package)?;
-    // The package's own manifest names its library relative to itself, which the loader takes as relative to where it runs.
+    // The package's manifest has a relative path, which the loader resolves against the current folder.
     let text = format!(
         r#"{{"file_format_version": "1.0.0", "ICD": {{"library_path": "{}", "api_version": "1.1.0"}}}}"#,
         library.display()

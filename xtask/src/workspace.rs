@@ -1,4 +1,4 @@
-//! The repository as the commands see it: its root, its target directory and a shell that stands in its root.
+//! The repository: its root, its target directory, a shell in its root, and the ways to call Cargo.
 
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use xshell::{Shell, cmd};
 
-/// What is built for tests, by every stage alike, so that it is built once: Cargo makes another library for each choice of
-/// packages and features. The lab is without the engines it compares with: they take longer to build than all the rest.
+/// The packages and features of every test build. Cargo builds another library for each other choice. The physics engines that the
+/// lab compares with are left out: they take longer to build than all the rest.
 const TESTED: &[&str] = &[
     "--package",
     "crumple",
@@ -19,7 +19,7 @@ const TESTED: &[&str] = &[
 
 pub struct Workspace {
     pub root: PathBuf,
-    /// Cargo's target directory, which `CARGO_TARGET_DIR` may have moved.
+    /// Cargo's target directory; `CARGO_TARGET_DIR` may set it.
     pub target: PathBuf,
     /// Version of the `crumple` package, the same for every member.
     pub version: String,
@@ -43,14 +43,14 @@ impl Workspace {
         Ok(Self { root, target, version: env!("CARGO_PKG_VERSION").to_owned(), shell, installed: Cell::new(false) })
     }
 
-    /// `cargo`, which rustup keeps to the toolchain that runs this program.
+    /// `cargo` of the toolchain that runs this program.
     pub fn cargo(&self, arguments: &[&str]) -> xshell::Cmd<'_> {
         cmd!(self.shell, "cargo {arguments...}")
     }
 
-    /// `cargo` for what leaves this machine: nothing that is built says where it was.
+    /// `cargo` for release builds: the binaries contain no path of this machine.
     pub fn cargo_anywhere(&self, arguments: &[&str]) -> Result<xshell::Cmd<'_>> {
-        // Each registry has a folder of its own, which is there once something came from it.
+        // Each registry has a folder, which exists once a package came from it.
         self.cargo(&["fetch", "--quiet"]).quiet().run()?;
         let from = |path: PathBuf, to: &str| format!("--remap-path-prefix={}={to}", path.display());
         let mut flags = vec![
@@ -58,7 +58,7 @@ impl Workspace {
             from(self.sysroot()?.join("lib/rustlib/src/rust"), "/rustc"),
             from(cargo_home()?, "/cargo"),
         ];
-        // Of several that fit, the last counts.
+        // The last remapping that fits counts.
         for registry in std::fs::read_dir(cargo_home()?.join("registry/src"))? {
             flags.push(from(registry?.path(), SOURCES));
         }
@@ -72,7 +72,7 @@ impl Workspace {
         Ok(cmd!(self.shell, "{rustc} --print sysroot").quiet().read()?.into())
     }
 
-    /// What `rustc -vV` says after `key: `.
+    /// The value of `key` in the output of `rustc -vV`.
     pub fn rustc(&self, key: &str) -> Result<String> {
         let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
         let version = cmd!(self.shell, "{rustc} -vV").quiet().read()?;
@@ -80,24 +80,24 @@ impl Workspace {
         line.map(str::to_owned).with_context(|| format!("rustc -vV says no {key}"))
     }
 
-    /// `cargo build` of what `arguments` choose of the Rust code, as the tests have it. A test is built along with it: without one
-    /// Cargo leaves out the features that tests ask of dependencies, and builds everything again for the next test.
+    /// `cargo build` with the features of the tests; `arguments` choose what to build. A test is built along: without one Cargo leaves
+    /// out the features that dev-dependencies enable, and the next test would build everything again.
     pub fn build_as_tested(&self, arguments: &[&str]) -> xshell::Cmd<'_> {
         self.cargo(&["build"]).args(TESTED).args(arguments).args(["--test", "paper_equations"])
     }
 
-    /// `cargo test` of the Rust code, or of what `arguments` choose of it. A test program that fails does not hide the others.
+    /// `cargo test` of the Rust code, or of the part that `arguments` choose. A test program that fails does not hide the others.
     pub fn tests(&self, arguments: &[&str]) -> xshell::Cmd<'_> {
         self.cargo(&["test", "--no-fail-fast"]).args(TESTED).args(arguments)
     }
 
-    /// `path` as seen from the repository's root: absolute, or joined to the root.
+    /// `path`, resolved against the repository's root.
     pub fn path(&self, path: impl AsRef<Path>) -> PathBuf {
         self.root.join(path)
     }
 }
 
-/// What `cargo_anywhere` calls the folder that holds the sources of all dependencies.
+/// The name that `cargo_anywhere` gives to the folder with the sources of dependencies.
 pub const SOURCES: &str = "/cargo/registry";
 
 pub fn cargo_home() -> Result<PathBuf> {
@@ -108,7 +108,7 @@ pub fn cargo_home() -> Result<PathBuf> {
     Ok(home.join(".cargo"))
 }
 
-/// Removes `directory` if it is there and makes it anew, empty.
+/// Removes `directory` if it exists and creates it empty.
 pub fn empty_directory(directory: &Path) -> Result<()> {
     if directory.exists() {
         std::fs::remove_dir_all(directory).with_context(|| format!("removing {}", directory.display()))?;
@@ -116,7 +116,7 @@ pub fn empty_directory(directory: &Path) -> Result<()> {
     std::fs::create_dir_all(directory).with_context(|| format!("creating {}", directory.display()))
 }
 
-/// Files below a folder, without symbolic links, in order.
+/// The files below a folder in order, without symbolic links.
 pub fn files(folder: &Path) -> Result<Vec<PathBuf>> {
     let mut found = Vec::new();
     for entry in std::fs::read_dir(folder).with_context(|| format!("reading {}", folder.display()))? {

@@ -1,5 +1,5 @@
-//! A C program that prints the size of every struct of the header, and offset and size of every field, as a C compiler has them.
-//! Names are those of C#, so that its tests can compare.
+//! Writes a C program that prints the size of every struct and the offset and size of every field, under the names of C#. The C# tests
+//! compare them.
 
 use std::fmt::Write;
 
@@ -19,7 +19,7 @@ pub fn program(items: &[Item]) -> Result<String> {
             let (own, there) = (&field.name, pascal(&field.name));
             let size = format!("sizeof((({name} *)0)->{own}");
             match field.kind.array {
-                // C# has no arrays of structs in structs: a field each.
+                // C# has no arrays of structs in structs, so each element is a field.
                 Some(length) if structs(&field.kind.base) => {
                     for index in 0..length {
                         let offset = format!("offsetof({name}, {own}) + {index} * {size}[0])");

@@ -1,4 +1,4 @@
-//! A folder as an archive whose bytes depend on the folder's contents and a time alone: entries in order, nobody's.
+//! Packs a folder. The archive's bytes depend on the folder's contents and a time alone: entries are sorted and have no owner.
 
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
@@ -27,7 +27,7 @@ enum Kind {
     Link(PathBuf),
 }
 
-/// Everything below a folder, in the order of the names as bytes, each after what holds it.
+/// Everything below a folder, sorted by name as bytes. A folder comes before its contents.
 fn entries(folder: &Path) -> Result<Vec<(PathBuf, Kind)>> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).with_context(|| format!("reading {}", folder.display()))? {
@@ -93,7 +93,7 @@ fn tar_gz(folder: &Path, file: File, time: u64) -> Result<()> {
     Ok(())
 }
 
-/// The time of every entry is the first that the format knows, 1980: it knows no time zones either.
+/// Every entry has the format's first time, in 1980: the format has no time zones.
 fn zip(folder: &Path, file: File) -> Result<()> {
     let above = folder.parent().context("the folder lies somewhere")?;
     let mut archive = zip::ZipWriter::new(BufWriter::new(file));
@@ -103,7 +103,7 @@ fn zip(folder: &Path, file: File) -> Result<()> {
         let name = within(above, &path)?;
         match kind {
             Kind::Folder => archive.add_directory(name, options)?,
-            // What people unpack on Windows holds no links: the file itself.
+            // Archives for Windows hold the file in place of a link.
             Kind::Link(_) | Kind::File { .. } => {
                 archive.start_file(name, options)?;
                 archive.write_all(&fs::read(&path)?)?;

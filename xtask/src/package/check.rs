@@ -1,5 +1,5 @@
-//! An archive as the person has it who downloaded it: unpacked in an empty folder, its files are what its manifest says, and
-//! its examples build and run, shared and static, by CMake and by pkg-config alone.
+//! Checks an archive as a user has it: unpacked in an empty folder. Its files match its manifest, and its examples build and run,
+//! shared and static, by CMake and by pkg-config.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -17,9 +17,9 @@ use crate::native::{self, Build};
 use crate::stage::Outcome;
 use crate::workspace::Workspace;
 
-/// Somebody else's project, beside the archive's own examples.
+/// A project of a user, beside the archive's examples.
 const CLIENT: &[&str] = &["xtask/package/client/CMakeLists.txt", "xtask/package/client/client.cpp"];
-/// What has to be there, whatever else is.
+/// Files that every archive holds.
 const PRESENT: &[&str] = &[
     "README.md",
     "OVERVIEW.md",
@@ -38,7 +38,7 @@ const PRESENT: &[&str] = &[
     "assets/demo/hood.glb",
 ];
 
-/// The full flavour, made of what other stages built: the release library and the tests' command.
+/// Packs and checks the full flavour with the release library and the tests' command, which other stages build too.
 pub fn stage(workspace: &Workspace) -> Result<Outcome> {
     if cfg!(windows) {
         return Ok(Outcome::NotApplicable("not done on Windows, where pkg-config is rare".into()));
@@ -72,7 +72,7 @@ pub fn check(workspace: &Workspace, flavour: &Flavour, packed: &Packed) -> Resul
     );
     let folder = root.join(&packed.name);
 
-    // Elsewhere, with files of another age: the same bytes.
+    // Packing the unpacked files again gives the same bytes.
     let again = root.join("again");
     fs::create_dir(&again)?;
     let same = fs::read(archive::pack(&folder, &again, time(workspace)?)?)? == fs::read(packed_file)?;
@@ -96,7 +96,7 @@ pub fn check(workspace: &Workspace, flavour: &Flavour, packed: &Packed) -> Resul
     Ok(())
 }
 
-/// The manifest names each file, its size and its digest, and no other.
+/// The manifest lists every file with its size and digest, and no other file.
 fn said(workspace: &Workspace, flavour: &Flavour, packed: &Packed, folder: &Path) -> Result<()> {
     let text = fs::read_to_string(folder.join(manifest::FILE)).context("reading the manifest")?;
     let manifest: Value = serde_json::from_str(&text).context("reading the manifest")?;
@@ -120,7 +120,7 @@ fn said(workspace: &Workspace, flavour: &Flavour, packed: &Packed, folder: &Path
     Ok(())
 }
 
-/// Every link of every page leads somewhere.
+/// Every link of every page leads to a file.
 fn pages(folder: &Path) -> Result<()> {
     for page in files(folder)?.iter().filter(|path| path.extension().is_some_and(|extension| extension == "md")) {
         for target in markdown::targets(&fs::read_to_string(page)?) {
@@ -142,7 +142,7 @@ fn command(workspace: &Workspace, flavour: &Flavour, folder: &Path) -> Result<()
     Ok(())
 }
 
-/// What the first page says to type, typed: among it the examples, with the shared library.
+/// Runs the commands that the first page shows, which build the examples with the shared library.
 fn first_page(workspace: &Workspace, packed: &Packed, folder: &Path) -> Result<()> {
     let page = fs::read_to_string(folder.join("README.md"))?;
     let sh = workspace.shell.clone();
@@ -158,7 +158,7 @@ fn first_page(workspace: &Workspace, packed: &Packed, folder: &Path) -> Result<(
     Ok(())
 }
 
-/// The archive's examples with the static library, but for those that need more than a compiler, and somebody else's project.
+/// Builds the user's project, and the archive's examples with the static library. Examples that need more than a compiler are left out.
 fn by_cmake(workspace: &Workspace, root: &Path, folder: &Path) -> Result<()> {
     let sh = &workspace.shell;
     let (examples, build) = (folder.join("examples-c"), root.join("static"));
@@ -185,7 +185,7 @@ fn by_cmake(workspace: &Workspace, root: &Path, folder: &Path) -> Result<()> {
 
 fn by_pkg_config(workspace: &Workspace, flavour: &Flavour, root: &Path, folder: &Path) -> Result<()> {
     let sh = &workspace.shell;
-    // Nothing but the archive is found.
+    // pkg-config finds nothing but the archive.
     let _found = sh.push_env("PKG_CONFIG_LIBDIR", folder.join("lib/pkgconfig"));
     let _nothing_else = sh.push_env("PKG_CONFIG_PATH", "");
     let ask = |arguments: &[&str]| -> Result<Vec<String>> {
@@ -213,7 +213,7 @@ fn by_pkg_config(workspace: &Workspace, flavour: &Flavour, root: &Path, folder: 
         let loader = if cfg!(target_os = "macos") { "DYLD_LIBRARY_PATH" } else { "LD_LIBRARY_PATH" };
         cmd!(sh, "{shared} {arguments...}").env(loader, folder.join("lib")).quiet().run()?;
 
-        // `--static` adds what the library itself needs; naming the file is how one picks it where the shared one lies beside it.
+        // `--static` adds the system libraries. The file is named because the linker would take the shared library beside it.
         let fixed = root.join(format!("{name}-static"));
         let compile = ask(&["--cflags"])?;
         let archive = ask(&["--variable=staticlibrary"])?;

@@ -1,4 +1,4 @@
-//! What of the repository goes into an archive, and where engines look for the library in it.
+//! The contents of an archive, and the places where engines look for the library in it.
 
 use std::fs;
 use std::path::Path;
@@ -14,7 +14,7 @@ use crate::reference;
 use crate::tools::Tool;
 use crate::workspace::Workspace;
 
-/// Files and folders, under their own names, of which archives hold what git knows.
+/// Files and folders of the repository that archives hold under the same names.
 const COPIED: &[&str] = &[
     "CHANGELOG.md",
     "LICENSE-APACHE",
@@ -26,17 +26,17 @@ const COPIED: &[&str] = &[
     "docs",
     "examples-c",
 ];
-/// What of these stays: the lab's 13 MB of charts, and how files were made.
+/// Parts of these that archives leave out: the lab's 13 MB of charts, and scripts that made files.
 const LEFT_OUT: &[&str] = &["docs/lab/", "docs/bench/", "assets/demo/make_demo.py"];
-/// The repository's own page, under another name, since an archive has one of its own.
+/// The repository's README.md gets another name, because an archive has its own.
 const OVERVIEW: (&str, &str) = ("README.md", "OVERVIEW.md");
 const README: &str = "xtask/package/README.md.in";
 const UNITY: &str = "bindings/unity";
 const UNREAL: &str = "bindings/unreal";
-/// Unity's renderer plugin, in C++; folders that end in ~ are none of Unity's business.
+/// Unity's renderer plugin in C++. Unity ignores folders that end in ~.
 const UNITY_NATIVE: &str = "bindings/unity/native~";
 
-/// By operating system: a file of the archive, the folder of the engine that gets it too, and its place there.
+/// Files that engines get too: operating system (empty for all), file, the engine's folder, and the place in it.
 const ENGINES: &[(&str, &str, &str, &str)] = &[
     ("linux", "lib/libcrumple.so.@VERSION@", UNITY, "Plugins/x86_64/libcrumple.so"),
     ("linux", "lib/@SONAME@", UNREAL, "Source/ThirdParty/CrumpleLibrary/Lib/Linux/@SONAME@"),
@@ -54,9 +54,9 @@ const ENGINES: &[(&str, &str, &str, &str)] = &[
     ("", STANDARD_LIBRARY, UNREAL, STANDARD_LIBRARY),
 ];
 
-/// Copies into `folder`, which holds libraries, headers and licenses.
+/// Adds everything else to `folder`, which holds libraries, headers and licenses.
 pub fn copy(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
-    // The installer's place for licenses is for prefixes that many share.
+    // The installer puts licenses into share, for prefixes that many packages share.
     fs::remove_dir_all(folder.join("share")).context("the installer leaves licenses")?;
     let listed = git(workspace, &[&["ls-files", "--"], COPIED].concat())?;
     for name in listed.lines().filter(|name| !LEFT_OUT.iter().any(|out| name.starts_with(out))) {
@@ -81,7 +81,7 @@ fn put(from: &Path, to: &Path) -> Result<()> {
     fs::copy(from, to).with_context(|| format!("copying {}", from.display())).map(drop)
 }
 
-/// The first page: lines that begin with a flavour's name and a bar are that flavour's.
+/// Writes the first page. A template line that begins with `slim|` or `full|` is for that flavour alone.
 fn readme(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
     let template = fs::read_to_string(workspace.path(README)).with_context(|| format!("reading {README}"))?;
     let own = format!("{}|", parts.flavour.name);
@@ -103,10 +103,10 @@ fn readme(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
     fs::write(folder.join("README.md"), text).context("writing the first page")
 }
 
-/// Compiles Unity's renderer plugin against what is packed.
+/// Compiles Unity's renderer plugin against the packed library.
 fn unity_plugin(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
     let source = folder.join(UNITY_NATIVE);
-    // On macOS Unity draws with Metal, and there is no plugin.
+    // There is no plugin for macOS, where Unity draws with Metal.
     if !source.join("CMakeLists.txt").exists() || cfg!(target_os = "macos") {
         return Ok(());
     }
@@ -127,7 +127,7 @@ fn unity_plugin(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<(
     Ok(())
 }
 
-/// Unreal's build rules name files of the library, which its build then needs.
+/// Checks that the archive has the library files that Unreal's build rules name.
 fn unreal_has_what_it_links(plugin: &Path) -> Result<()> {
     let library = plugin.join("Source/ThirdParty/CrumpleLibrary");
     let rules = library.join("CrumpleLibrary.Build.cs");
@@ -152,7 +152,7 @@ fn engines(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
     if cfg!(target_os = "linux") {
         unreal_has_what_it_links(&folder.join(UNREAL))?;
     }
-    // Unity complains of settings of files that are not there: those of other systems' libraries.
+    // Unity warns about .meta files without a file: those of other systems' libraries.
     let plugins = folder.join(UNITY).join("Plugins");
     for settings in if plugins.exists() { files(&plugins)? } else { Vec::new() } {
         if settings.extension().is_some_and(|extension| extension == "meta") && !settings.with_extension("").exists() {

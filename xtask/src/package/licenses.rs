@@ -13,25 +13,25 @@ use crate::command;
 use crate::workspace::Workspace;
 
 pub const FILE: &str = "THIRD-PARTY-LICENSES.txt";
-/// What Rust's own distribution says of its standard library, which is linked too.
+/// The licenses of Rust's standard library, from Rust's distribution.
 pub const STANDARD_LIBRARY: &str = "RUST-STANDARD-LIBRARY-LICENSES.html";
-/// Texts of packages that were published without one, as their authors' repositories have them: `NAME.txt`.
+/// `NAME.txt`: license texts from the repositories of packages that were published without one.
 const SUPPLIED: &str = "xtask/package/licenses";
-/// How names of files begin that hold license texts.
+/// The names of files with license texts begin with these.
 const BEGINNINGS: &[&str] = &["license", "licence", "copying", "unlicense", "notice", "copyright"];
 const RULE: &str = "================================================================================";
 
-/// A package whose code is in what is handed out.
+/// A package whose code is in the archive.
 pub struct Linked {
     pub name: String,
     pub version: String,
     /// The SPDX expression.
     license: String,
-    /// Where its sources lie.
+    /// The folder of its sources.
     directory: PathBuf,
 }
 
-/// What the flavour's library and command are linked with. Procedural macros and what build scripts use are not.
+/// The packages that the flavour's library and command link. Procedural macros and build dependencies are not among them.
 pub fn linked(workspace: &Workspace, parts: &Parts) -> Result<Vec<Linked>> {
     let flavour = parts.flavour;
     let library = flavour.library.join(",");
@@ -70,11 +70,11 @@ fn tree(workspace: &Workspace, target: &str, features: &[&str]) -> Result<Vec<St
     let what =
         ["tree", "--package", "crumple", "--edges", "normal,no-proc-macro", "--prefix", "none", "--format", "{p}"];
     let printed = workspace.cargo(&what).args(["--target", target]).args(features).quiet().read()?;
-    // What was said before is marked.
+    // Cargo marks packages that it has printed before.
     Ok(printed.lines().map(|line| line.trim_end_matches(" (*)").to_owned()).collect())
 }
 
-/// Writes the file, and Rust's own beside it.
+/// Writes the file, and the licenses of Rust's standard library beside it.
 pub fn write(workspace: &Workspace, linked: &[Linked], to: &Path) -> Result<()> {
     let apache = read(&workspace.path("LICENSE-APACHE"))?;
     let mut texts: Vec<(String, Vec<String>)> = Vec::new();
@@ -84,7 +84,7 @@ pub fn write(workspace: &Workspace, linked: &[Linked], to: &Path) -> Result<()> 
         let title = format!("{} {}", package.name, package.version);
         let mut numbers = Vec::new();
         for text in texts_of(package, &workspace.path(SUPPLIED), &apache)? {
-            // Broken into other lines it is the same text.
+            // Texts that differ only in line breaks are one text.
             let words: Vec<String> = text.split_whitespace().map(str::to_owned).collect();
             let number = *by_words.entry(words).or_insert_with(|| {
                 texts.push((text, Vec::new()));
@@ -116,7 +116,7 @@ pub fn write(workspace: &Workspace, linked: &[Linked], to: &Path) -> Result<()> 
     Ok(())
 }
 
-/// The texts of a package: its own, or one that was supplied, or Apache's where its authors offer that, since it is the same for all.
+/// The license texts of a package: its own files, or the supplied text, or Apache's text if the package offers that license.
 fn texts_of(package: &Linked, supplied: &Path, apache: &str) -> Result<Vec<String>> {
     let Linked { name, version, license, directory } = package;
     let mut found = Vec::new();

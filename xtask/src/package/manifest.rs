@@ -1,4 +1,4 @@
-//! `manifest.json`: what an archive is and what is in it, for programs.
+//! `manifest.json`: the version, target, features and files of an archive, for programs.
 
 use std::fs;
 use std::path::Path;
@@ -14,7 +14,7 @@ use crate::workspace::Workspace;
 
 pub const FILE: &str = "manifest.json";
 
-/// Written last: it names every file but itself. Symbolic links are not files.
+/// Called last: the manifest lists every file but itself. Symbolic links are not listed.
 pub fn write(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
     let flavour = parts.flavour;
     let mut entries = Vec::new();
@@ -39,7 +39,7 @@ pub fn write(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> 
     fs::write(folder.join(FILE), text).context("writing the manifest")
 }
 
-/// The oldest glibc that the shared library runs with: the newest one of which it names a symbol's version.
+/// The oldest glibc that the shared library runs with: the newest version among its symbol versions.
 fn glibc(folder: &Path) -> Result<Option<String>> {
     if !cfg!(target_os = "linux") {
         return Ok(None);
@@ -71,7 +71,7 @@ mod tests {
 
     #[test]
     fn digests_are_sha_256() {
-        // FIPS 180-4's own example.
+        // The example of FIPS 180-4.
         let digest = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
         assert_eq!(super::sha256(b"abc"), digest);
     }

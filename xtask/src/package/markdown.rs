@@ -1,9 +1,9 @@
-//! Links between pages. In an archive some lead to what is only in the repository: those become plain text.
+//! Links between pages. Links to files that an archive leaves out become plain text.
 
 use std::ops::Range;
 use std::path::Path;
 
-/// A link or an image as it is written: all of it, its text, and the file it leads to.
+/// A link or an image in a page.
 struct Link {
     whole: Range<usize>,
     image: bool,
@@ -11,12 +11,12 @@ struct Link {
     target: String,
 }
 
-/// Files that `page` leads to, relative to it; addresses and places within the page are left out.
+/// The files that `page` links to, relative to it. Web addresses and anchors are left out.
 pub fn targets(page: &str) -> Vec<String> {
     links(page).into_iter().map(|link| link.target).collect()
 }
 
-/// `page`, which lies in `directory`, without links to what is not there.
+/// `page` of `directory` without links to files that do not exist.
 pub fn without_dead_links(page: &str, directory: &Path) -> String {
     let mut kept = String::new();
     let mut from = 0;
@@ -75,7 +75,7 @@ fn in_line(line: &str, at: usize, found: &mut Vec<Link>) {
     }
 }
 
-/// Where the bracket opens that closes right after `text`.
+/// The position of the bracket that the one after `text` closes.
 fn opening(text: &str) -> Option<usize> {
     let mut depth = 0;
     for (at, byte) in text.bytes().enumerate().rev() {

@@ -1,4 +1,4 @@
-//! What must not be in an archive: where it was built, and code whose license is not.
+//! Checks that an archive contains no path of this machine and no code without its license.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -11,7 +11,7 @@ use super::licenses::Linked;
 use super::{Parts, files, within};
 use crate::workspace::{self, Workspace};
 
-/// No file names a folder of this machine.
+/// Fails if a file contains the path of a folder of this machine.
 pub fn nothing_of_this_machine(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
     let mut known: Vec<PathBuf> = vec![workspace.root.clone(), workspace.target.clone(), workspace::cargo_home()?];
     known.push(workspace.sysroot()?);
@@ -31,7 +31,7 @@ fn separator(byte: &u8) -> bool {
     b"/\\".contains(byte)
 }
 
-/// Whatever of a package is in a library gives its name away: panics say their file.
+/// Fails if a library contains code of a package that is not in `linked`. The source paths in panic messages name the packages.
 pub fn nothing_unlicensed(folder: &Path, linked: &[Linked]) -> Result<()> {
     let known: BTreeSet<String> =
         linked.iter().map(|package| format!("{}-{}", package.name, package.version)).collect();

@@ -1,4 +1,4 @@
-//! Debug symbols, taken out of what people get and kept beside it.
+//! Moves debug symbols out of the libraries and programs into a folder of their own.
 
 use std::fs;
 use std::path::Path;
@@ -23,13 +23,13 @@ pub fn separate(workspace: &Workspace, parts: &Parts, folder: &Path, debug: &Pat
         let name = file.file_name().context("files have names")?.to_string_lossy().into_owned();
         let program = file.parent().is_some_and(|parent| parent.ends_with("bin"));
         if cfg!(windows) {
-            // Stripped as the compiler left it; the symbols are in a file beside what was built.
+            // The compiler puts symbols into a file beside the library or program.
             let built = parts.library.shared.with_file_name(&name).with_extension("pdb");
             if program && built.exists() {
                 fs::copy(&built, debug.join(built.file_name().context("files have names")?))?;
             }
         } else if name.ends_with(".a") {
-            // Its symbols are a program's that links it; here lines are all there is, and ten times the rest.
+            // A static library keeps its symbols and loses its line tables, which are ten times the rest.
             let flag = if cfg!(target_os = "macos") { "-S" } else { "--strip-debug" };
             cmd!(sh, "strip {flag} {file}").quiet().run()?;
         } else if cfg!(target_os = "macos") && (program || name.ends_with(".dylib")) {
