@@ -1,4 +1,4 @@
-//! What SPIR-V gets after naga has written it.
+//! Changes to the SPIR-V that naga writes.
 
 /// Words before the first instruction.
 const HEADER: usize = 5;
@@ -17,7 +17,7 @@ mod op {
     pub const VECTOR_TIMES_SCALAR: u32 = 142;
 }
 
-/// Opcode and words of each instruction, the first of which holds opcode and length.
+/// Opcode and words of each instruction. The first word holds the opcode and the length.
 pub fn instructions(module: &[u32]) -> impl Iterator<Item = (u32, &[u32])> {
     let mut rest = &module[HEADER..];
     std::iter::from_fn(move || {
@@ -28,11 +28,10 @@ pub fn instructions(module: &[u32]) -> impl Iterator<Item = (u32, &[u32])> {
     })
 }
 
-/// Access chains that go on from another become one: naga steps from a buffer to its array, and from there to an element,
-/// and synchronization validation does not see what is stored through the second step. Without this a missing barrier would
-/// pass unseen.
+/// Joins access chains that continue another. naga steps from a buffer to its array, and from there to an element.
+/// Synchronization validation does not see stores through the second step, so that a missing barrier would pass unseen.
 pub fn with_folded_chains(module: &[u32]) -> Vec<u32> {
-    // Of each chain its base and indices, already folded.
+    // The base and indices of each chain, already joined.
     let mut chains: Vec<(u32, Vec<u32>)> = Vec::new();
     let mut out = module[..HEADER].to_vec();
     for (opcode, words) in instructions(module) {
@@ -54,8 +53,8 @@ pub fn with_folded_chains(module: &[u32]) -> Vec<u32> {
     out
 }
 
-/// Decorates every floating-point operation with NoContraction: no multiplication is fused with an addition, so that results
-/// are those of the CPU.
+/// Decorates every floating-point operation with NoContraction, so that drivers fuse no multiplication with an addition and the
+/// results are the CPU's.
 pub fn without_contraction(module: &[u32]) -> Vec<u32> {
     use op::*;
     let decorations: Vec<u32> = instructions(module)

@@ -67,6 +67,7 @@ impl Upload<'_> {
 
 impl ResidentMesh {
     /// Notes that a frame reads the mesh.
+    #[cfg(feature = "vulkan")]
     pub(crate) fn used_in(&self, frame: u64) {
         self.last_frame.fetch_max(frame, Ordering::Relaxed);
     }
@@ -153,6 +154,7 @@ impl<B> Arena<B> {
     }
 
     /// All buffers.
+    #[cfg(feature = "vulkan")]
     pub(crate) fn buffers(&self) -> impl Iterator<Item = &B> {
         self.chunks.iter().map(|c| &c.buffer)
     }

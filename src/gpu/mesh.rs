@@ -1,4 +1,4 @@
-//! What does not change, in words: a mesh with its examples, and the stamps of its set.
+//! The words of a mesh with its examples, and of its set's stamps. They do not change.
 
 use super::layout::NONE;
 use crate::example::blocks::DeltaBlocks;
@@ -10,40 +10,40 @@ use bytemuck::{cast_slice, cast_slice_mut};
 
 const NODE_WORDS: usize = size_of::<Node>() / 4;
 const WINDOW_WORDS: usize = size_of::<WindowBlock>() / 4;
-/// Of a block of an example: widths, groups, where displacements and changes of normals lie from the example's first word.
+/// Words of the head of an example's block: widths, groups, and the first words of displacements and of changes of normals.
 const HEAD_WORDS: usize = 4;
 
-/// Where the parts of a mesh begin, words from its own first.
+/// The first words of the parts of a mesh, counted from the mesh.
 #[derive(Debug)]
 pub(crate) struct MeshWords {
     positions: u32,
     normals: Option<u32>,
     tangents: Option<u32>,
-    /// Six words a block: least coordinates, then greatest.
+    /// Six words a block: the least coordinates, then the greatest.
     bounds: u32,
-    /// Of each example what is stored of which block: a word a block, where its head lies from here, [`NONE`] where nothing is
-    /// stored; then the heads; then the numbers.
+    /// For each example a word a block: the offset of the block's head from here, or [`NONE`] if the example stores nothing of
+    /// the block. The heads and the numbers follow.
     examples: Vec<u32>,
-    /// Longest displacement of each example, m.
+    /// The longest displacement of each example, m.
     longest: Vec<f32>,
-    /// Of each block a word, where its window lies from here, or [`NONE`]; then the windows. Nothing where nothing is held.
+    /// A word a block: the offset of the block's window from here, or [`NONE`]. The windows follow. `None` if no rim is held.
     windows: Option<u32>,
     total: u64,
 }
 
 impl MeshWords {
-    pub(crate) fn new(skin: &MeshLod) -> Self {
+    pub(crate) fn new(lod: &MeshLod) -> Self {
         let mut at = Counter(0);
-        let n = skin.vertex_count();
+        let n = lod.vertex_count();
         MeshWords {
             positions: at.take(3 * n),
-            normals: skin.mesh.normals().map(|_| at.take(3 * n)),
-            tangents: skin.mesh.tangents().map(|_| at.take(4 * n)),
-            bounds: at.take(6 * skin.blocks()),
-            examples: skin.anchored.iter().map(|a| at.take(numbers_at(skin, a) + 2 * a.words.len())).collect(),
-            longest: skin.anchored.iter().map(|a| a.heads.iter().map(|h| h.longest).fold(0.0, f32::max)).collect(),
-            windows: (!skin.rim.windows.is_empty())
-                .then(|| at.take(skin.blocks() + skin.rim.windows.len() * WINDOW_WORDS)),
+            normals: lod.mesh.normals().map(|_| at.take(3 * n)),
+            tangents: lod.mesh.tangents().map(|_| at.take(4 * n)),
+            bounds: at.take(6 * lod.blocks()),
+            examples: lod.anchored.iter().map(|a| at.take(numbers_at(lod, a) + 2 * a.words.len())).collect(),
+            longest: lod.anchored.iter().map(|a| a.heads.iter().map(|h| h.longest).fold(0.0, f32::max)).collect(),
+            windows: (!lod.rim.windows.is_empty())
+                .then(|| at.take(lod.blocks() + lod.rim.windows.len() * WINDOW_WORDS)),
             total: at.0,
         }
     }
@@ -52,21 +52,21 @@ impl MeshWords {
         self.total
     }
 
-    /// Writes all of the skin that this was made from: as many words as it takes.
-    pub(crate) fn write(&self, skin: &MeshLod, to: &mut [u32]) {
+    /// Writes the mesh that this was made from.
+    pub(crate) fn write(&self, lod: &MeshLod, to: &mut [u32]) {
         let mut put = |at: u32, from: &[u32]| to[at as usize..][..from.len()].copy_from_slice(from);
-        put(self.positions, cast_slice(skin.mesh.positions()));
-        if let (Some(at), Some(normals)) = (self.normals, skin.mesh.normals()) {
+        put(self.positions, cast_slice(lod.mesh.positions()));
+        if let (Some(at), Some(normals)) = (self.normals, lod.mesh.normals()) {
             put(at, cast_slice(normals));
         }
-        if let (Some(at), Some(tangents)) = (self.tangents, skin.mesh.tangents()) {
+        if let (Some(at), Some(tangents)) = (self.tangents, lod.mesh.tangents()) {
             put(at, cast_slice(tangents));
         }
-        let corners = skin.block_bounds.iter().flat_map(|b| [b.min.to_array(), b.max.to_array()]);
+        let corners = lod.block_bounds.iter().flat_map(|b| [b.min.to_array(), b.max.to_array()]);
         let corners: Vec<[f32; 3]> = corners.collect();
         put(self.bounds, cast_slice(&corners));
-        for (at, a) in self.examples.iter().zip(&skin.anchored) {
-            let (blocks, numbers) = (skin.blocks(), numbers_at(skin, a));
+        for (at, a) in self.examples.iter().zip(&lod.anchored) {
+            let (blocks, numbers) = (lod.blocks(), numbers_at(lod, a));
             let mut table = vec![NONE; blocks];
             let mut heads = Vec::with_capacity(numbers - blocks);
             for h in a.heads.iter() {
@@ -85,21 +85,21 @@ impl MeshWords {
             put(*at + numbers as u32, cast_slice(&a.words));
         }
         if let Some(at) = self.windows {
-            let blocks = skin.blocks();
+            let blocks = lod.blocks();
             let place = |w: &u32| if *w == Rim::CLEAR { NONE } else { (blocks + *w as usize * WINDOW_WORDS) as u32 };
-            let table: Vec<u32> = skin.rim.blocks.iter().map(place).collect();
+            let table: Vec<u32> = lod.rim.blocks.iter().map(place).collect();
             put(at, &table);
-            put(at + blocks as u32, cast_slice(&skin.rim.windows));
+            put(at + blocks as u32, cast_slice(&lod.rim.windows));
         }
     }
 }
 
 /// Words of an example before its numbers.
-fn numbers_at(skin: &MeshLod, a: &DeltaBlocks) -> usize {
-    skin.blocks() + HEAD_WORDS * a.heads.len()
+fn numbers_at(lod: &MeshLod, a: &DeltaBlocks) -> usize {
+    lod.blocks() + HEAD_WORDS * a.heads.len()
 }
 
-/// Where the nodes of a set's stamps begin, words from the first.
+/// The first words of the nodes of a set's stamps, counted from the first stamp.
 #[derive(Debug)]
 pub(crate) struct StampWords {
     stamps: Vec<u32>,
@@ -126,12 +126,12 @@ impl StampWords {
     }
 }
 
-/// A mesh and its set's stamps, placed in one arena.
+/// A mesh and its set's stamps in one chunk of the arena.
 #[derive(Debug)]
 pub(crate) struct MeshPlacement {
     pub mesh: MeshWords,
     pub stamps: std::sync::Arc<StampWords>,
-    /// Words before the skin, and before the stamps.
+    /// The first words in the chunk.
     pub mesh_at: u32,
     pub stamps_at: u32,
 }
@@ -153,22 +153,22 @@ impl MeshPlacement {
         self.mesh_at + self.mesh.bounds
     }
 
-    /// What an example stores of the mesh.
+    /// The first word of an example.
     pub(crate) fn example(&self, example: usize) -> u32 {
         self.mesh_at + self.mesh.examples[example]
     }
 
-    /// Longest displacement of an example on the mesh, m.
+    /// The longest displacement of an example on the mesh, m.
     pub(crate) fn longest(&self, example: usize) -> f32 {
         self.mesh.longest[example]
     }
 
-    /// The windows, if anything is held.
+    /// The first word of the windows, if a rim is held.
     pub(crate) fn windows(&self) -> Option<u32> {
         self.mesh.windows.map(|at| self.mesh_at + at)
     }
 
-    /// The nodes of an example's stamp.
+    /// The first word of an example's stamp.
     pub(crate) fn stamp(&self, example: usize) -> u32 {
         self.stamps_at + self.stamps.stamps[example]
     }
@@ -177,7 +177,7 @@ impl MeshPlacement {
 struct Counter(u64);
 
 impl Counter {
-    /// Where the next `words` begin. Above 2^32 it is the total that tells.
+    /// Returns where the next `words` words begin. Above 2^32 only the total is right.
     fn take(&mut self, words: usize) -> u32 {
         let at = self.0 as u32;
         self.0 += words as u64;

@@ -25,6 +25,7 @@ pub(crate) use plan::{Plan, PlanTarget, check, missing_state};
 pub(crate) use spirv::with_workgroup;
 pub(crate) use vertices::binding_range;
 pub use vertices::{HostFormat, TargetDef, VertexStream};
+#[cfg(feature = "vulkan")]
 pub(crate) use work::WorkOffsets;
 
 use layout::BLOCK as BLOCK_VERTICES;

@@ -65,6 +65,7 @@ pub(crate) struct Dispatch<B> {
 }
 
 impl<B: Copy> Dispatch<B> {
+    #[cfg(feature = "vulkan")]
     pub(crate) fn binding(&self) -> B {
         self.key.binding
     }

@@ -1,6 +1,6 @@
-//! SPIR-V of the kernels, as devices get it.
+//! Sets the workgroup size in the SPIR-V of a kernel.
 
-/// The words of a module, with so many invocations a workgroup: kernels ask for no number of their own.
+/// Returns the words of a module with this number of invocations a workgroup.
 pub(crate) fn with_workgroup(module: &[u8], invocations: u32) -> Vec<u32> {
     const HEADER: usize = 5;
     const EXECUTION_MODE: u32 = 16;

@@ -1,4 +1,4 @@
-//! The host's device as it is used here, and everything that is made on it.
+//! The host's device, and everything that is made on it.
 
 use super::arena::MeshArena;
 use super::classic::ClassicBuffer;
@@ -26,16 +26,16 @@ pub struct DeviceDef<'a> {
     pub physical_device: vk::PhysicalDevice,
     /// The device.
     pub device: vk::Device,
-    /// Family of the queue that command buffers will be submitted to; one that can compute.
+    /// Family of the queue that command buffers are submitted to. It must support compute.
     pub queue_family: u32,
-    /// What [`Device::pipeline_cache_data`] gave at an earlier run, or nothing. Data of another driver is not used.
+    /// Data from [`Device::pipeline_cache_data`] of an earlier run, or nothing. Data of another driver is ignored.
     pub pipeline_cache: &'a [u8],
-    /// Invocations a workgroup: a power of two from 32 to 256, no more than the device can. 128 where nothing says otherwise.
+    /// Invocations a workgroup: a power of two from 32 to 256 that the device supports. The default is 128.
     pub workgroup_size: u32,
 }
 
 impl<'a> DeviceDef<'a> {
-    /// Of these handles, without cached pipelines.
+    /// A definition with these handles and the defaults.
     pub fn new(
         get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
         instance: vk::Instance,
@@ -56,15 +56,15 @@ impl<'a> DeviceDef<'a> {
     }
 }
 
-/// What everything is made with.
+/// The Vulkan device, its functions and its limits.
 pub(super) struct VulkanDevice {
     pub functions: DeviceFnV1_0,
     pub device: vk::Device,
     pub memory: vk::PhysicalDeviceMemoryProperties,
     pub limits: vk::PhysicalDeviceLimits,
-    /// Of the queue that recorded work is submitted to.
+    /// Family of the queue that command buffers are submitted to.
     pub family: u32,
-    /// Buffers, pieces of memory and descriptor pools made so far.
+    /// Buffers, memory allocations and descriptor pools made so far.
     made: AtomicU64,
 }
 
@@ -88,10 +88,10 @@ impl VulkanDevice {
     }
 }
 
-/// A Vulkan device of the host that deformation is recorded for.
+/// A Vulkan device of the host. Deformation is recorded for it.
 pub struct Device {
     pub(super) gpu: VulkanDevice,
-    /// Tells targets of other devices.
+    /// Tells its targets from those of other devices.
     pub(super) id: u64,
     pub(super) pipelines: VulkanPipelines,
     pub(super) workgroup: u32,
@@ -99,7 +99,7 @@ pub struct Device {
     pub(super) arena: MeshArena,
     pub(super) slots: Vec<FrameSlot>,
     pub(super) states: Vec<Arc<ClassicBuffer>>,
-    /// Sets that are no longer needed, each with the last frame that may use it.
+    /// Descriptor sets of removed buffers, each with the last frame that may use it.
     pub(super) garbage: Vec<(u64, DescriptorSet)>,
     pub(super) recorded: u64,
     pub(super) completed: u64,
@@ -117,12 +117,12 @@ impl fmt::Debug for Device {
 }
 
 impl Device {
-    /// Takes the host's device: loads functions and makes layouts. Pipelines are made with the first targets that need them (some
-    /// milliseconds each, less with cached data).
+    /// Takes the host's device, loads functions and makes layouts. The first target that needs a pipeline makes it, which takes some
+    /// milliseconds, or less with cached data.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a null handle, a queue family that is not there or cannot compute, or a workgroup size
-    /// that is none; [`Error::Unsupported`] naming a function that the loader does not have, or a device below Vulkan 1.1;
+    /// [`Error::InvalidArgument`] for a null handle, a queue family that does not exist or does not support compute, or a bad
+    /// workgroup size; [`Error::Unsupported`] for a function that the loader lacks, or a device below Vulkan 1.1;
     /// [`Error::Vulkan`], [`Error::DeviceLost`].
     ///
     /// # Safety
@@ -192,11 +192,10 @@ impl Device {
         })
     }
 
-    /// Says that the device is done with `frame` and all before it: everything that was submitted for them has completed.
-    /// What they used is used again or freed, and what belonged to sets that no target shows any more. Frames above the last
-    /// recorded count as that one. Cheap; once a frame.
+    /// Tells that the device is done with `frame` and all frames before it. Their memory is reused or freed. Meshes that no target
+    /// shows are freed too. A frame above the last recorded counts as that one. It is cheap; call it once a frame.
     pub fn completed(&mut self, frame: u64) {
-        // Frames that nothing was recorded for may be told of as well.
+        // The host may also name frames that nothing was recorded for.
         self.completed = self.completed.max(frame.min(self.recorded));
         self.drop_states();
         let (gpu, done) = (&self.gpu, self.completed);
@@ -214,8 +213,8 @@ impl Device {
         });
     }
 
-    /// Says that what was recorded for `frame` and those after it will not be submitted: it is as if these recordings had not
-    /// been, but that their targets ([`super::Target::written_in`]) must be told by [`super::Target::invalidate`].
+    /// Tells that the recordings for `frame` and later frames will not be submitted. Call [`super::Target::invalidate`] on their
+    /// targets ([`super::Target::written_in`]).
     pub fn discard(&mut self, frame: u64) {
         self.arena.discard(frame);
     }
@@ -225,17 +224,17 @@ impl Device {
         Ok(self.hosts.get(id)?.def.buffer.as_raw())
     }
 
-    /// The last frame that was recorded; above what [`Device::completed`] was told, frames are in flight.
+    /// The last frame that was recorded. Frames above [`Device::last_completed`] are in flight.
     pub fn recorded(&self) -> u64 {
         self.recorded
     }
 
-    /// The last frame that [`Device::completed`] was told of; 0 for none.
+    /// The last completed frame, or 0.
     pub fn last_completed(&self) -> u64 {
         self.completed
     }
 
-    /// Data for [`DeviceDef::pipeline_cache`] at the next run, on the same driver.
+    /// Returns data for [`DeviceDef::pipeline_cache`] of the next run on the same driver.
     ///
     /// # Errors
     /// [`Error::Vulkan`].
@@ -243,8 +242,7 @@ impl Device {
         self.gpu.cache_data(&self.pipelines)
     }
 
-    /// How many buffers, pieces of memory and descriptor pools were made so far: a number that stands still once as many frames
-    /// are in flight as ever, and as much changes a frame as ever.
+    /// Returns how many buffers, memory allocations and descriptor pools were made so far. The number does not grow in steady state.
     pub fn objects_made(&self) -> u64 {
         self.gpu.made.load(Ordering::Relaxed)
     }
@@ -298,7 +296,7 @@ fn check(
     Ok(())
 }
 
-/// Whether the data's header is of this driver: other data must not be handed to it.
+/// Whether the data's header names this driver. Other data must not be handed to it.
 fn fits(data: &[u8], properties: &vk::PhysicalDeviceProperties) -> bool {
     let word = |i: usize| Some(u32::from_le_bytes(data.get(4 * i..4 * i + 4)?.try_into().ok()?));
     word(0) == Some(32)

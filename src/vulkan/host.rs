@@ -1,4 +1,4 @@
-//! The host's buffers, and where in them vertices lie.
+//! The host's buffers and the targets in them.
 
 use super::classic::ClassicBuffer;
 use super::device::{Device, VulkanDevice};
@@ -10,42 +10,42 @@ use ash::vk::{self, Handle};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Who accesses a buffer before or after us.
+/// An access to a buffer before or after the recorded commands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Access {
-    /// In which stages; at least one.
+    /// The stages; at least one.
     pub stages: vk::PipelineStageFlags,
-    /// How; nothing where the order alone matters.
+    /// The kinds of access. It may be empty if only the order matters.
     pub access: vk::AccessFlags,
 }
 
 impl Access {
-    /// Vertex fetch: what most vertex buffers are for.
+    /// Vertex fetch, the use of most vertex buffers.
     pub const VERTEX_INPUT: Access =
         Access { stages: vk::PipelineStageFlags::VERTEX_INPUT, access: vk::AccessFlags::VERTEX_ATTRIBUTE_READ };
 }
 
-/// A VkBuffer of the host that vertices are written to.
+/// A VkBuffer of the host for vertices.
 #[derive(Debug, Clone, Copy)]
 pub struct BufferDef {
     /// The buffer, bound to memory, made with `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`.
     pub buffer: vk::Buffer,
-    /// Its size, bytes.
+    /// Its size in bytes.
     pub size: u64,
     /// The usage that it was made with.
     pub usage: vk::BufferUsageFlags,
-    /// The family that owns it before and after what is recorded, where that is another than the device's: each recording that
-    /// names one of its targets then begins with an acquire and ends with a release of the whole buffer, even where nothing
-    /// changed; the release and acquire of that other family are the host's. `QUEUE_FAMILY_IGNORED` otherwise.
+    /// The family that owns it before and after the recorded commands, if that is not the device's, else `QUEUE_FAMILY_IGNORED`.
+    /// Each recording that names one of its targets then begins with an acquire and ends with a release of the whole buffer, even
+    /// if nothing changed. The host does the release and the acquire on the other family.
     pub queue_family: u32,
-    /// What the host does with it before each recording. What it wrote itself is only kept where it says so here.
+    /// The host's access before each recording. List the host's own writes here, or they may be lost.
     pub before: Access,
-    /// What the host does with it next.
+    /// The host's next access.
     pub after: Access,
 }
 
 impl BufferDef {
-    /// Whether another description is of the same buffer.
+    /// Fails if another definition of the same buffer differs.
     pub(crate) fn same(&self, other: &BufferDef) -> Result<(), Error> {
         let differs = |name: &str, was: String, is: String| -> Result<(), Error> {
             if was == is { Ok(()) } else { Err(Error::invalid(name, is, &format!("{was}, as for its other ranges"))) }
@@ -58,7 +58,7 @@ impl BufferDef {
     }
 }
 
-/// A buffer as the device knows it. Stale ids are refused, never mistaken.
+/// The id of a registered buffer. A stale id is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct BufferId {
     index: u32,
@@ -89,7 +89,7 @@ pub type Stream = VertexStream<vk::Format>;
 /// Where a buffer stores the vertices of one mesh.
 pub type TargetDef = gpu::TargetDef<BufferId, vk::Format>;
 
-/// A mesh's vertices in a buffer, and what they show. Dropping it is how it ends.
+/// A mesh's vertices in a buffer, and what they show. Drop it to end it.
 #[derive(Debug)]
 pub struct Target {
     pub(super) state: TargetState,
@@ -104,8 +104,8 @@ pub struct Target {
 }
 
 impl Target {
-    /// Forgets what the memory holds: the next recording writes every vertex. For memory that others wrote to, and for
-    /// recordings that were not submitted.
+    /// Forgets what the memory holds, so that the next recording writes every vertex. Call it if anyone else wrote to the memory, or
+    /// if a recording was not submitted.
     pub fn invalidate(&mut self) {
         self.state.tracker.invalidate();
     }
@@ -115,18 +115,18 @@ impl Target {
         (self.state.layout.normals.is_some(), self.state.layout.tangents.is_some())
     }
 
-    /// A box around all vertices as of the last recording, m; `None` before the first. It is never too small but may be too
-    /// large: the CPU does not know the vertices, only how far each block of them can have moved.
+    /// A box around all vertices as of the last recording, m; `None` before the first. It may be too large, since the CPU only knows
+    /// how far each block can have moved, but never too small.
     pub fn bounds(&self) -> Option<Aabb> {
         self.state.tracker.bounds()
     }
 
-    /// The last frame for which anything was recorded that writes it; 0 for none.
+    /// The last frame with a recording that writes it, or 0.
     pub fn written_in(&self) -> u64 {
         self.written_in
     }
 
-    /// Vertices that the last recording wrote: ranges, increasing, apart from each other.
+    /// Vertices that the last recording wrote, as increasing ranges with gaps between them.
     pub fn changed(&self) -> &[Range<u32>] {
         self.state.tracker.changed()
     }
@@ -140,7 +140,7 @@ pub(super) struct HostBuffer {
     pub used: u64,
 }
 
-/// A part of a buffer, no larger than a descriptor may cover.
+/// A range of a buffer that a descriptor can cover.
 pub(super) struct BufferWindow {
     pub range: Range<u64>,
     pub set: DescriptorSet,
@@ -173,15 +173,14 @@ fn stale(id: BufferId) -> Error {
 }
 
 impl Device {
-    /// Registers a buffer of the host. It may be that of any number of targets, and any number of buffers may be registered;
-    /// all targets in one buffer are written by one dispatch.
+    /// Registers a buffer of the host. It may hold any number of targets; one dispatch writes all targets in one buffer.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for a null buffer, a size of 0, a usage without `STORAGE_BUFFER`, or an access without stages.
     ///
     /// # Safety
-    /// The buffer is one of this device, bound to memory, of this size and usage, and lives until it is removed and all frames
-    /// that wrote it are done.
+    /// The buffer belongs to this device, is bound to memory, and has this size and usage. It lives until it is removed and all
+    /// frames that wrote it are done.
     pub unsafe fn add_buffer(&mut self, def: &BufferDef) -> Result<BufferId, Error> {
         if def.buffer.is_null() {
             return Err(Error::invalid("the VkBuffer", "null", "a valid handle"));
@@ -214,10 +213,10 @@ impl Device {
         Ok(BufferId { index: index as u32, generation: *generation })
     }
 
-    /// Forgets a buffer. Its targets are of no more use. The host may destroy it once the frames that wrote it are done.
+    /// Removes a buffer. Its targets can no longer be recorded. The host may destroy it once the frames that wrote it are done.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a buffer that is not there.
+    /// [`Error::InvalidArgument`] for a stale id.
     pub fn remove_buffer(&mut self, id: BufferId) -> Result<(), Error> {
         self.hosts.get(id)?;
         let Some(host) = self.hosts.entries[id.index as usize].1.take() else { return Err(stale(id)) };
@@ -225,14 +224,14 @@ impl Device {
         Ok(())
     }
 
-    /// Says where in a buffer vertices of one of the set's meshes lie. The first target of a mesh gets its vertices and examples
-    /// into memory of the device: they are copied into a staging buffer now, and from there by the next recording.
+    /// Adds a target: a place for the vertices of one of the set's meshes. The first target of a mesh copies the mesh and its
+    /// examples into a staging buffer; the next recording copies them to the device.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a buffer that is not there, a format that an attribute cannot have, a stride that is too
-    /// small, attributes that overlap, or a scale that is none; [`Error::Misaligned`] for offsets and strides that are not
-    /// multiples of 4; [`Error::BufferTooSmall`]; [`Error::IndexOutOfRange`] for a level of detail that is not there;
-    /// [`Error::Unsupported`] for normals or tangents that the mesh does not have, or more bytes than the device can bind;
+    /// [`Error::InvalidArgument`] for a stale buffer, a format that the attribute cannot have, a stride that is too small, attributes
+    /// that overlap, or a bad scale; [`Error::Misaligned`] for offsets and strides that are not multiples of 4;
+    /// [`Error::BufferTooSmall`]; [`Error::IndexOutOfRange`] for a level of detail that the set lacks; [`Error::Unsupported`] for
+    /// normals or tangents that the mesh lacks, or more bytes than the device can bind;
     /// [`Error::OutOfMemory`], [`Error::Vulkan`], [`Error::DeviceLost`].
     pub fn add_target(&mut self, set: &Arc<ExampleSet>, def: &TargetDef) -> Result<Target, Error> {
         let mesh = set.lod(def.lod)?;
@@ -251,7 +250,7 @@ impl Device {
 }
 
 impl HostBuffer {
-    /// A window that holds these bytes.
+    /// Returns the index of a window that holds these bytes.
     fn window(&mut self, gpu: &VulkanDevice, pipelines: &VulkanPipelines, bytes: &Range<u64>) -> Result<usize, Error> {
         let holds = |r: &Range<u64>| r.start <= bytes.start && bytes.end <= r.end;
         if let Some(index) = self.windows.iter().position(|w| holds(&w.range)) {

@@ -1,4 +1,4 @@
-//! Memory and semaphores of the host's device on Crumple's own.
+//! Imports memory and semaphores of the host's device into Crumple's own device.
 
 use super::functions::checked;
 use super::host::{Access, BufferDef, BufferId};
@@ -7,40 +7,40 @@ use crate::Error;
 use ash::vk;
 use std::ptr::null;
 
-/// What the host exported.
+/// An exported handle of the host.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Shared {
-    /// A file descriptor, `VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT` (or the same of a semaphore). It is duplicated: the
-    /// host's stays its own, to be closed when it likes.
+    /// A file descriptor, `VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT` (or the same of a semaphore). It is duplicated, so the host
+    /// may close its own at any time.
     OpaqueFd(i32),
-    /// A Windows handle, `…_OPAQUE_WIN32_BIT`. Windows alone; never run by its authors.
+    /// A Windows handle, `…_OPAQUE_WIN32_BIT`. Windows only. This was never run.
     OpaqueWin32(isize),
 }
 
-/// A buffer of the host's device, in memory that it exported.
+/// A buffer of the host's device in exported memory.
 #[derive(Debug, Clone, Copy)]
 pub struct ImportDef {
     /// The memory.
     pub memory: Shared,
-    /// `allocationSize` that the host allocated it with, bytes.
+    /// `allocationSize` of the host's allocation, bytes.
     pub memory_size: u64,
-    /// `memoryTypeIndex` that the host allocated it with.
+    /// `memoryTypeIndex` of the host's allocation.
     pub memory_type: u32,
     /// Whether the host allocated it for this buffer alone (`VkMemoryDedicatedAllocateInfo`).
     pub dedicated: bool,
-    /// Where in the memory the host bound the buffer, bytes.
+    /// Offset in the memory that the host bound the buffer to, bytes.
     pub offset: u64,
-    /// The buffer's size, bytes.
+    /// The buffer's size in bytes.
     pub size: u64,
-    /// The usage that the host made it with; `STORAGE_BUFFER` must be among its flags.
+    /// The usage that the host made the buffer with. It must have the flag `STORAGE_BUFFER`.
     pub usage: vk::BufferUsageFlags,
 }
 
-/// A semaphore as the own device knows it.
+/// The id of an imported semaphore.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SemaphoreId(
-    /// Place, plus one; above that what tells devices apart.
+    /// The index plus one; in the upper half the device's id.
     pub(crate) u64,
 );
 
@@ -54,7 +54,7 @@ impl ImportedBuffer {
     /// # Safety
     /// Nothing uses it any more.
     pub(super) unsafe fn destroy(&self, own: &OwnHandles) {
-        // SAFETY: passed on; null handles are ignored.
+        // SAFETY: the caller's promise; null handles are ignored.
         unsafe {
             (own.functions.destroy_buffer)(own.device, self.buffer, null());
             (own.functions.free_memory)(own.device, self.memory, null());
@@ -68,19 +68,20 @@ const MEMORY: vk::ExternalMemoryHandleTypeFlags = vk::ExternalMemoryHandleTypeFl
 const MEMORY: vk::ExternalMemoryHandleTypeFlags = vk::ExternalMemoryHandleTypeFlags::OPAQUE_WIN32;
 
 impl OwnDevice {
-    /// Makes a buffer in memory that the host's device exported, of the same physical device and driver. The host made its own
-    /// with `VkExternalMemoryBufferCreateInfo` and releases it to `VK_QUEUE_FAMILY_EXTERNAL` before each submission that writes it,
-    /// and acquires it from there afterwards.
+    /// Makes a buffer in memory that the host's device exported, on the same physical device and driver. The host makes its own
+    /// buffer with `VkExternalMemoryBufferCreateInfo`. It releases it to `VK_QUEUE_FAMILY_EXTERNAL` before each submission that
+    /// writes it, and acquires it afterwards.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for what is no such handle (closed, a pipe, a file that is smaller than the memory), a memory type
-    /// that the device does not have, or a buffer that does not fit into the memory; what [`super::Device::add_buffer`] refuses;
-    /// [`Error::Unsupported`] where the device cannot import such a buffer, or for a handle of another system;
+    /// [`Error::InvalidArgument`] for a bad handle (closed, a pipe, a file smaller than the memory) or a memory type that the buffer
+    /// cannot have; [`Error::BufferTooSmall`] for a buffer that does not fit into the memory; the errors of
+    /// [`super::Device::add_buffer`]; [`Error::Unsupported`] if the device cannot import such a buffer, or the handle is another
+    /// system's;
     /// [`Error::OutOfMemory`], [`Error::Vulkan`], [`Error::DeviceLost`].
     ///
     /// # Safety
-    /// The handle is of memory that was allocated as the definition says, and lives as long as the buffer: until it is removed, or
-    /// the device dropped. (What is checked is what can be.)
+    /// The handle's memory was allocated as the definition says, and lives until the buffer is removed or the device dropped. Only
+    /// some of this can be checked.
     pub unsafe fn import_buffer(&mut self, def: &ImportDef) -> Result<BufferId, Error> {
         let end = def.offset.saturating_add(def.size);
         if end > def.memory_size {
@@ -114,10 +115,10 @@ impl OwnDevice {
         }
     }
 
-    /// Forgets a buffer, and waits until the device is done with it.
+    /// Removes a buffer, and waits until the device is done with it.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a buffer that is not there; [`Error::Vulkan`], [`Error::DeviceLost`].
+    /// [`Error::InvalidArgument`] for a stale id; [`Error::Vulkan`], [`Error::DeviceLost`].
     pub fn remove_buffer(&mut self, id: BufferId) -> Result<(), Error> {
         self.device().remove_buffer(id)?;
         self.wait(self.last_submitted(), u64::MAX)?;
@@ -180,7 +181,7 @@ impl OwnDevice {
         if def.dedicated {
             info = info.push_next(&mut dedicated);
         }
-        let handle = OwnHandles::taken(def.memory, Some(def.memory_size))?;
+        let handle = OwnHandles::duplicate(def.memory, Some(def.memory_size))?;
         #[cfg(not(windows))]
         let mut import = vk::ImportMemoryFdInfoKHR::default().handle_type(MEMORY).fd(handle.raw());
         #[cfg(windows)]
@@ -198,28 +199,28 @@ impl OwnDevice {
             }
             other => checked("vkAllocateMemory", other)?,
         }
-        // Vulkan has it now.
+        // Vulkan owns it now.
         handle.forget();
         // SAFETY: memory of a type that suits the buffer, bound once.
         let bound = unsafe { (f.bind_buffer_memory)(own.device, to.buffer, to.memory, def.offset) };
         checked("vkBindBufferMemory", bound)
     }
 
-    /// Makes a binary semaphore that the host's device exported known here. It lives until the device is dropped.
+    /// Imports a binary semaphore that the host's device exported. It lives until the device is dropped.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] where the driver cannot (use [`OwnDevice::wait`] and a fence of the host's instead), or for a handle of
-    /// another system; [`Error::InvalidArgument`] for what is no such handle; [`Error::Vulkan`], [`Error::DeviceLost`].
+    /// [`Error::Unsupported`] if the driver cannot import semaphores (use [`OwnDevice::wait`] and a fence of the host instead), or the
+    /// handle is another system's; [`Error::InvalidArgument`] for a bad handle; [`Error::Vulkan`], [`Error::DeviceLost`].
     ///
     /// # Safety
-    /// The handle is of a binary semaphore of the same driver.
+    /// The handle is a binary semaphore's, of the same driver.
     pub unsafe fn import_semaphore(&mut self, shared: Shared) -> Result<SemaphoreId, Error> {
         let own = &self.own;
         let Some(import) = own.import_semaphore else {
             let what = "a Vulkan device without external semaphores: wait for a fence instead";
             return Err(Error::Unsupported { what: what.into() });
         };
-        let handle = OwnHandles::taken(shared, None)?;
+        let handle = OwnHandles::duplicate(shared, None)?;
         let mut semaphore = vk::Semaphore::null();
         let info = vk::SemaphoreCreateInfo::default();
         // SAFETY: valid arguments.
@@ -271,7 +272,7 @@ impl OwnDevice {
     }
 }
 
-/// A handle of our own, closed when dropped.
+/// A duplicate of the host's handle. Dropping it closes it.
 #[cfg(unix)]
 struct OwnedHandle(std::os::fd::OwnedFd);
 
@@ -282,7 +283,7 @@ impl OwnedHandle {
         self.0.as_raw_fd()
     }
 
-    /// Somebody else has it now.
+    /// Gives up ownership.
     fn forget(self) {
         use std::os::fd::IntoRawFd;
         let _ = self.0.into_raw_fd();
@@ -291,8 +292,8 @@ impl OwnedHandle {
 
 #[cfg(unix)]
 impl OwnHandles {
-    /// A duplicate of the host's handle, of memory of so many bytes or of something else.
-    fn taken(shared: Shared, memory: Option<u64>) -> Result<OwnedHandle, Error> {
+    /// Duplicates the host's handle. `memory` is the size in bytes if it is memory's.
+    fn duplicate(shared: Shared, memory: Option<u64>) -> Result<OwnedHandle, Error> {
         use std::os::fd::BorrowedFd;
         use std::os::unix::fs::FileTypeExt;
         let refused = |expected: &str| Err(Error::invalid("the handle", format!("{shared:?}"), expected));
@@ -302,7 +303,7 @@ impl OwnHandles {
         if fd < 0 {
             return refused("an open file descriptor");
         }
-        // SAFETY: not -1; where it is not open the system says so.
+        // SAFETY: it is not -1. If it is not open, the system reports that.
         let Ok(own) = unsafe { BorrowedFd::borrow_raw(fd) }.try_clone_to_owned() else {
             return refused("an open file descriptor");
         };
@@ -310,11 +311,9 @@ impl OwnHandles {
         if let Ok(metadata) = file.metadata() {
             let kind = metadata.file_type();
             if kind.is_fifo() || kind.is_socket() || kind.is_dir() {
-                return refused(
-                    "one that vkGetMemoryFdKHR or vkGetSemaphoreFdKHR gave; this is a pipe, socket or folder",
-                );
+                return refused("one from vkGetMemoryFdKHR or vkGetSemaphoreFdKHR; this is a pipe, socket or folder");
             }
-            // Software drivers share memory as files.
+            // Software drivers export memory as files.
             if let Some(size) = memory.filter(|size| kind.is_file() && metadata.len() < *size) {
                 return refused(&format!("memory of {size} bytes; this is a file of {}", metadata.len()));
             }
@@ -323,7 +322,7 @@ impl OwnHandles {
     }
 }
 
-/// A handle of the host's, which Vulkan does not take over.
+/// The host's handle. Vulkan does not take ownership of it.
 #[cfg(not(unix))]
 struct OwnedHandle(isize);
 
@@ -338,7 +337,7 @@ impl OwnedHandle {
 
 #[cfg(not(unix))]
 impl OwnHandles {
-    fn taken(shared: Shared, _: Option<u64>) -> Result<OwnedHandle, Error> {
+    fn duplicate(shared: Shared, _: Option<u64>) -> Result<OwnedHandle, Error> {
         match shared {
             Shared::OpaqueWin32(handle) if handle != 0 && handle != -1 => Ok(OwnedHandle(handle)),
             Shared::OpaqueWin32(handle) => Err(Error::invalid("the handle", handle, "a valid handle")),

@@ -1,33 +1,31 @@
-//! Straight into the host's vertex buffers: deformation recorded into the host's own Vulkan command buffers.
+//! Deformation recorded into the host's own Vulkan command buffers, straight into its vertex buffers.
 //!
-//! 1. [`Device::new`]: from the host's instance, device and loader. libvulkan is never opened here.
-//! 2. [`Device::add_buffer`]: a VkBuffer of the host that vertices are written to, and who else uses it.
-//! 3. [`Device::add_target`]: where in it one mesh's vertices lie, and in which formats.
-//! 4. [`Device::record`], once a frame, into a command buffer outside a render pass: everything that changed since, of all
-//!    targets. It records a copy, a barrier, a dispatch for each VkBuffer, a barrier; it submits nothing and waits for nothing.
-//! 5. [`Device::completed`], when the host knows that the device is done with a frame: what the frame used is used again.
+//! 1. [`Device::new`] takes the host's instance, device and loader. It never opens libvulkan.
+//! 2. [`Device::add_buffer`] registers a VkBuffer of the host, and who else uses it.
+//! 3. [`Device::add_target`] tells where in it one mesh's vertices lie, and in which formats.
+//! 4. [`Device::record`] records everything that changed, of all targets, into a command buffer outside a render pass. Call it
+//!    once a frame. It records a copy, a barrier, a dispatch for each VkBuffer and a barrier. It submits nothing and does not wait.
+//! 5. [`Device::completed`] tells that the device is done with a frame. The frame's memory is reused.
 //!
-//! Nothing beyond Vulkan 1.1 is needed: no feature, no extension. Vertices are what [`crate::deform`] writes, by bits where
-//! the device rounds additions, multiplications, divisions and square roots as IEEE 754 says (lavapipe and SwiftShader do);
-//! Vulkan allows divisions to be off by 2.5 units in the last place, and numbers below 1.2e-38 to count as 0.
+//! It needs Vulkan 1.1, and no feature or extension. On devices that round additions, multiplications, divisions and square roots
+//! as IEEE 754 says (lavapipe and SwiftShader do), the vertices have the bits of [`crate::deform`]. Vulkan allows a division to be
+//! off by 2.5 units in the last place, a square root by 4.5, and numbers below 1.2e-38 to count as 0.
 //!
-//! Instances with a classic rule have a state of 24 bytes a vertex on the device, for each target that shows one (12 where it
-//! has positions alone), and a dispatch of their own. Hits are applied to it in order, as the CPU applies them to its own.
+//! A target of an instance with a classic rule has a state of 24 bytes a vertex on the device (12 if it has positions alone), and
+//! a dispatch of its own. Hits are applied to the state in order, as the CPU applies them to its own.
 //!
-//! A host that cannot hand out command buffers, or not in this process, shares memory instead: see [`OwnDevice`].
+//! A host that cannot hand out command buffers, or runs in another process, shares memory instead: see [`OwnDevice`].
 //!
 //! # Frames
-//! The host numbers its frames from 1 on. The command buffers of a frame are submitted once each, in the order of recording,
-//! on one queue of the family that the device was made with (or with semaphores that order them so).
+//! The host numbers its frames from 1 on. The command buffers of a frame are submitted once each, in the order of recording, on
+//! one queue of the device's family, or on several queues with semaphores that keep this order.
 //!
 //! # Threads
-//! A [`Device`] may go from thread to thread; `&mut self` says what must not happen at once. The command buffer's pool is the
-//! host's to synchronize.
+//! A [`Device`] may move between threads. The host synchronizes the command buffer's pool.
 //!
 //! # Order of destruction
-//! The host's VkBuffers outlive the frames that write them. Before the VkDevice is destroyed the [`Device`] is dropped, and
-//! before that all its frames are done and told by [`Device::completed`]: what a frame in flight may use is leaked rather than
-//! destroyed.
+//! The host's VkBuffers outlive the frames that write them. The [`Device`] is dropped before the VkDevice is destroyed, and after
+//! [`Device::completed`] was called for all frames. If a frame is in flight, everything that it may use is leaked.
 
 mod arena;
 mod classic;

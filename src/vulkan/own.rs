@@ -1,5 +1,5 @@
-//! A device of Crumple's own, for hosts that share memory instead of a command buffer: what the host's device allocated and
-//! exported is imported here, written, and given back through semaphores or a fence.
+//! A device of Crumple's own, for hosts that share memory instead of a command buffer. It imports memory that the host's device
+//! exported, writes it, and synchronizes through semaphores or a fence.
 
 use super::device::{Device, DeviceDef};
 use super::functions::{DeviceFnV1_0, InstanceFnV1_0, InstanceFnV1_1, checked, load};
@@ -13,13 +13,13 @@ use std::fmt;
 use std::mem::ManuallyDrop;
 use std::ptr::{null, null_mut};
 
-/// Which device Crumple makes its own of.
+/// The definition of a device of Crumple's own.
 #[derive(Debug, Clone)]
 pub struct OwnDeviceDef<'a> {
-    /// A loader: `vkGetInstanceProcAddr`. All functions are taken from it.
+    /// The loader's `vkGetInstanceProcAddr`. All functions are taken from it.
     pub get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
-    /// `deviceUUID` of the host's physical device (`VkPhysicalDeviceIDProperties`): memory can be shared within it alone. `None`:
-    /// the first that can compute.
+    /// `deviceUUID` of the host's physical device (`VkPhysicalDeviceIDProperties`). Memory can only be shared on one physical
+    /// device. `None` takes the first device that supports compute.
     pub device_uuid: Option<[u8; vk::UUID_SIZE]>,
     /// As [`DeviceDef::pipeline_cache`].
     pub pipeline_cache: &'a [u8],
@@ -28,27 +28,27 @@ pub struct OwnDeviceDef<'a> {
 }
 
 impl<'a> OwnDeviceDef<'a> {
-    /// Of any device, without cached pipelines.
+    /// A definition of any device, with the defaults.
     pub fn new(get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr) -> Self {
         OwnDeviceDef { get_instance_proc_addr, device_uuid: None, pipeline_cache: &[], workgroup_size: 128 }
     }
 }
 
-/// What everything of the own device is made with, destroyed last.
+/// The handles and functions of the own device. They are destroyed last.
 pub(super) struct OwnHandles {
     pub instance: vk::Instance,
     pub instance_functions: (InstanceFnV1_0, InstanceFnV1_1),
     pub physical_device: vk::PhysicalDevice,
     pub device: vk::Device,
     pub functions: DeviceFnV1_0,
-    /// Null where the device cannot.
+    /// `None` if the device cannot import semaphores.
     pub import_semaphore: vk::PFN_vkVoidFunction,
     queue: vk::Queue,
     family: u32,
     pool: vk::CommandPool,
 }
 
-/// A command buffer and the fence that tells when it was done.
+/// A command buffer, and the fence that it signals.
 struct Submission {
     frame: u64,
     commands: vk::CommandBuffer,
@@ -58,8 +58,8 @@ struct Submission {
 
 /// A Vulkan device of Crumple's own, beside the host's on the same physical device.
 ///
-/// Buffers and semaphores of the host come by [`OwnDevice::import_buffer`] and [`OwnDevice::import_semaphore`]; targets are added
-/// to [`OwnDevice::device`], and [`OwnDevice::submit`] takes the place of [`Device::record`]. Dropping it waits for the device.
+/// Import the host's buffers and semaphores with [`OwnDevice::import_buffer`] and [`OwnDevice::import_semaphore`]. Add targets to
+/// [`OwnDevice::device`]. Call [`OwnDevice::submit`] instead of [`Device::record`]. Dropping it waits for the device.
 pub struct OwnDevice {
     device: ManuallyDrop<Device>,
     pub(super) own: OwnHandles,
@@ -75,12 +75,12 @@ impl fmt::Debug for OwnDevice {
     }
 }
 
-// SAFETY: Vulkan's handles belong to no thread, and all that uses them takes `&mut self`.
+// SAFETY: Vulkan's handles belong to no thread, and everything that uses them takes `&mut self`.
 unsafe impl Send for OwnDevice {}
 // SAFETY: the same.
 unsafe impl Sync for OwnDevice {}
 
-/// Extensions that sharing needs, and one that it can do without.
+/// The extension for memory, the extension for semaphores, and the function of the latter. The last two are optional.
 #[cfg(not(windows))]
 const EXTENSIONS: (&CStr, &CStr, &CStr) =
     (c"VK_KHR_external_memory_fd", c"VK_KHR_external_semaphore_fd", c"vkImportSemaphoreFdKHR");
@@ -89,15 +89,15 @@ const EXTENSIONS: (&CStr, &CStr, &CStr) =
     (c"VK_KHR_external_memory_win32", c"VK_KHR_external_semaphore_win32", c"vkImportSemaphoreWin32HandleKHR");
 
 impl OwnDevice {
-    /// Makes an instance and a device (some milliseconds to tenths of a second, as the driver is).
+    /// Makes an instance and a device. It takes from milliseconds to tenths of a second, depending on the driver.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] where no device is there, none has this UUID (the text names those there are), it cannot import
-    /// memory, or the loader lacks a function; [`Error::InvalidArgument`] for the workgroup size; [`Error::Vulkan`],
+    /// [`Error::Unsupported`] if there is no device, none has this UUID (the text lists the devices), the device cannot import
+    /// memory, or the loader lacks a function; [`Error::InvalidArgument`] for a bad workgroup size; [`Error::Vulkan`],
     /// [`Error::DeviceLost`].
     ///
     /// # Safety
-    /// The loader is one, and stays loaded until this is dropped.
+    /// The function is a loader's `vkGetInstanceProcAddr`, and the loader stays loaded until this is dropped.
     pub unsafe fn new(def: &OwnDeviceDef<'_>) -> Result<Self, Error> {
         let get = def.get_instance_proc_addr;
         // SAFETY: the caller's loader.
@@ -110,7 +110,7 @@ impl OwnDevice {
         let app = vk::ApplicationInfo::default().application_name(c"crumple").api_version(vk::API_VERSION_1_1);
         let info = vk::InstanceCreateInfo::default().application_info(&app);
         let mut instance = vk::Instance::null();
-        // SAFETY: valid arguments that live through the call; so everywhere in this file.
+        // SAFETY: valid arguments that live through the call. So everywhere in this file.
         match unsafe { create(&info, null(), &mut instance) } {
             vk::Result::ERROR_INCOMPATIBLE_DRIVER => {
                 return Err(Error::Unsupported { what: "a machine without a Vulkan driver".into() });
@@ -141,14 +141,14 @@ impl OwnDevice {
             pipeline_cache: def.pipeline_cache,
             workgroup_size: def.workgroup_size,
         };
-        // SAFETY: handles made just now, which outlive the device: they are destroyed after it is dropped.
+        // SAFETY: the handles were made just now, and are destroyed after the device is dropped.
         let device = ManuallyDrop::new(unsafe { Device::new(&device) }?);
         let (submissions, buffers, semaphores) = (Vec::new(), Vec::new(), Vec::new());
         Ok(OwnDevice { device, own, submissions, buffers, semaphores, frame: 0 })
     }
 
-    /// Where targets are added, and where frames and pipelines can be asked about. It must not record or complete frames:
-    /// [`OwnDevice::submit`] does.
+    /// The device to add targets to, and to ask about frames and pipelines. Do not call [`Device::record`] or
+    /// [`Device::completed`] on it; [`OwnDevice::submit`] does that.
     pub fn device(&mut self) -> &mut Device {
         &mut self.device
     }
@@ -157,12 +157,12 @@ impl OwnDevice {
         self.device.id
     }
 
-    /// Brings the targets up to date: records the blocks that changed since each was last written, and submits that. Waits for
-    /// each of `wait` before and signals each of `signal` after, also where nothing changed. Answers the number of the frame, for
-    /// [`OwnDevice::wait`], and what was recorded. Nothing is waited for here.
+    /// Brings the targets up to date: records the blocks that changed since each was last written, and submits them. The submission
+    /// waits for each semaphore in `wait` and signals each in `signal`, even if nothing changed. Returns the number of the frame,
+    /// for [`OwnDevice::wait`], and what was recorded. The call itself does not wait.
     ///
     /// # Errors
-    /// Those of [`Device::record`], and [`Error::InvalidArgument`] for a semaphore that is not there. Nothing was submitted then.
+    /// As [`Device::record`], and [`Error::InvalidArgument`] for an unknown semaphore. After an error nothing was submitted.
     pub fn submit(
         &mut self,
         jobs: &mut [RecordJob<'_>],
@@ -199,7 +199,7 @@ impl OwnDevice {
             checked("vkQueueSubmit", unsafe { (f.queue_submit)(self.own.queue, 1, &submit, fence) })
         });
         if let Err(error) = submitted {
-            // What was recorded will not run.
+            // The recording will not run.
             self.device.discard(frame);
             jobs.iter_mut().filter(|j| j.target.written_in() == frame).for_each(|j| j.target.invalidate());
             return Err(error);
@@ -210,13 +210,13 @@ impl OwnDevice {
         Ok((frame, report))
     }
 
-    /// The last frame that was submitted; 0 for none.
+    /// The last frame that was submitted, or 0.
     pub fn last_submitted(&self) -> u64 {
         self.frame
     }
 
-    /// Waits until the device is done with a frame, or for so many nanoseconds; answers whether it is done. `u64::MAX` waits for as
-    /// long as it takes.
+    /// Waits until the device is done with a frame, at most for `nanoseconds` (`u64::MAX`: without limit). Returns whether it is
+    /// done.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for a frame that was not submitted; [`Error::Vulkan`], [`Error::DeviceLost`].
@@ -239,7 +239,7 @@ impl OwnDevice {
         Ok(true)
     }
 
-    /// Notes what is done.
+    /// Asks which submissions are done.
     fn poll(&mut self) -> Result<(), Error> {
         let f = &self.own.functions;
         for s in self.submissions.iter_mut().filter(|s| s.pending) {
@@ -266,7 +266,7 @@ impl OwnDevice {
         let (f, device) = (&self.own.functions, self.own.device);
         let (mut commands, mut fence) = (vk::CommandBuffer::null(), vk::Fence::null());
         let info = vk::CommandBufferAllocateInfo::default().command_pool(self.own.pool).command_buffer_count(1);
-        // SAFETY: a pool of this device; it goes with its command buffers.
+        // SAFETY: a pool of this device. Its command buffers are freed with it.
         checked("vkAllocateCommandBuffers", unsafe { (f.allocate_command_buffers)(device, &info, &mut commands) })?;
         let info = vk::FenceCreateInfo::default();
         // SAFETY: as above.
@@ -279,7 +279,7 @@ impl OwnDevice {
 impl Drop for OwnDevice {
     fn drop(&mut self) {
         let f = &self.own.functions;
-        // SAFETY: everything was made with this device; it is idle, or lost, in which case nothing runs any more either.
+        // SAFETY: everything was made with this device. The device is idle or lost, so nothing runs.
         unsafe {
             let _ = (f.device_wait_idle)(self.own.device);
             self.device.completed(u64::MAX);
@@ -322,14 +322,14 @@ impl OwnHandles {
                 })
             }
             Err(error) => {
-                // SAFETY: nothing of the instance is left.
+                // SAFETY: nothing that was made with the instance is left.
                 unsafe { (functions.0.destroy_instance)(instance, null()) };
                 Err(error)
             }
         }
     }
 
-    /// The physical device, and a family of it that computes.
+    /// Chooses the physical device, and a queue family that supports compute.
     fn choose(
         instance: vk::Instance,
         (f, f_1_1): &(InstanceFnV1_0, InstanceFnV1_1),
@@ -372,7 +372,7 @@ impl OwnHandles {
                 return Ok((device, family as u32));
             }
         }
-        let wanted = uuid.map_or("that computes".into(), |u| format!("of UUID {}", hexadecimal(&u)));
+        let wanted = uuid.map_or("with compute".into(), |u| format!("of UUID {}", hexadecimal(&u)));
         let there = if seen.is_empty() { "none".into() } else { seen.join(", ") };
         Err(Error::Unsupported { what: format!("a machine without a Vulkan 1.1 device {wanted}; there are: {there}") })
     }
@@ -390,7 +390,7 @@ impl OwnHandles {
         checked("vkEnumerateDeviceExtensionProperties", listed)?;
         let has = |name: &CStr| extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(name));
         if !has(memory) {
-            let what = format!("a Vulkan device without {}, by which memory is shared", memory.to_string_lossy());
+            let what = format!("a Vulkan device without {}, which shares memory", memory.to_string_lossy());
             return Err(Error::Unsupported { what });
         }
         let mut enabled = vec![memory.as_ptr()];

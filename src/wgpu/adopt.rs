@@ -1,4 +1,4 @@
-//! An engine's Vulkan device and buffers, wrapped for wgpu: no handle changes its owner.
+//! Wraps an engine's Vulkan device and buffers for wgpu. The engine keeps owning them.
 
 use super::device::{Device, DeviceDef, DeviceEvents, one_line};
 use super::headless::{exact, listen};
@@ -18,8 +18,8 @@ pub struct VulkanDef<'a> {
     pub get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
     /// The instance.
     pub instance: vk::Instance,
-    /// `apiVersion` of the VkApplicationInfo that it was made with; Vulkan 1.1 or later. wgpu calls what the physical device's own
-    /// version has, so that it must be no lower than that, or 1.3.
+    /// `apiVersion` of the instance's VkApplicationInfo, Vulkan 1.1 or later. wgpu calls functions of the physical device's version,
+    /// so `apiVersion` must be at least that version or 1.3.
     pub api_version: u32,
     /// All extensions that were enabled on it.
     pub instance_extensions: &'a [&'static CStr],
@@ -29,28 +29,27 @@ pub struct VulkanDef<'a> {
     pub device: vk::Device,
     /// All extensions that were enabled on it.
     pub device_extensions: &'a [&'static CStr],
-    /// Family of the queue that wgpu submits to; one that can compute.
+    /// Family of the queue that wgpu submits to. It must support compute.
     pub queue_family: u32,
     /// The queue in that family.
     pub queue_index: u32,
 }
 
 impl VulkanDef<'_> {
-    /// Extensions that the VkDevice must be made with, in addition to the engine's own: those that wgpu uses wherever the
-    /// physical device has them. Ask before the VkDevice is made.
+    /// Returns the extensions that the VkDevice must be made with, in addition to the engine's own. wgpu uses them wherever the
+    /// physical device has them. Call this before vkCreateDevice.
     ///
-    /// The VkDevice also needs the features of those extensions that it enables: wgpu takes a feature that is there for one
-    /// that is enabled. Of what is done here only `timelineSemaphore` matters (`VkPhysicalDeviceTimelineSemaphoreFeatures`, or
-    /// that of Vulkan 1.2).
+    /// The VkDevice also needs the features of these extensions, since wgpu assumes that every feature of the physical device is
+    /// enabled. Only `timelineSemaphore` matters here (`VkPhysicalDeviceTimelineSemaphoreFeatures`, or that of Vulkan 1.2).
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for a null handle; [`Error::Unsupported`] for a loader that lacks a function, or a physical
     /// device that wgpu cannot use.
     ///
     /// # Safety
-    /// Instance and physical device are valid and belong together; versions and extensions are as events.
+    /// Instance and physical device are valid and belong together; versions and extensions are as the definition says.
     pub unsafe fn wanted_extensions(&self) -> Result<Vec<&'static CStr>, Error> {
-        // SAFETY: passed on.
+        // SAFETY: the caller's promise.
         let (_, exposed) = unsafe { self.expose()? };
         Ok(wanted(&exposed))
     }
@@ -110,13 +109,12 @@ impl VulkanDef<'_> {
 }
 
 impl Device {
-    /// Takes an engine's Vulkan device. It stays the engine's: nothing here destroys it.
+    /// Takes an engine's Vulkan device. The engine keeps owning it: nothing here destroys it.
     ///
-    /// wgpu submits to the engine's queue whenever something is submitted or read here: the engine keeps its other threads off
-    /// that queue meanwhile, as Vulkan wants it for vkQueueSubmit. What the engine submitted before on the queue and what it
-    /// submits later are ordered against that as ever: by its own barriers. Before: what uses a target's buffer (vertex fetch,
-    /// transfer) → `COMPUTE_SHADER`, `SHADER_WRITE`; after: `COMPUTE_SHADER`, `SHADER_WRITE` → what uses it next. On another
-    /// queue semaphores do it: `add_wait_semaphore` and `add_signal_semaphore` of the queue that `as_hal` gives.
+    /// wgpu submits to the engine's queue whenever something is submitted or read here. The engine keeps its other threads off that
+    /// queue meanwhile, as vkQueueSubmit demands. The engine's own barriers order its earlier and later submissions against these. Before: what uses a target's buffer (vertex fetch,
+    /// transfer) → `COMPUTE_SHADER`, `SHADER_WRITE`; after: `COMPUTE_SHADER`, `SHADER_WRITE` → what uses it next. Other queues
+    /// need semaphores: `add_wait_semaphore` and `add_signal_semaphore` of the queue that `as_hal` returns.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for a null handle, and for an extension that wgpu wants and the list of enabled ones lacks
@@ -124,12 +122,12 @@ impl Device {
     ///
     /// # Safety
     /// The handles are valid, belong together, and stay valid until the device, and all buffers that were adopted or made on it,
-    /// are dropped. Versions and extensions are as events, the features of the extensions are enabled. There is such a queue.
+    /// are dropped. Versions and extensions are as the definition says, the features of the extensions are enabled. There is such a queue.
     pub unsafe fn adopt(vulkan: &VulkanDef<'_>, def: &DeviceDef) -> Result<Self, Error> {
         if vulkan.device.is_null() {
             return Err(Error::invalid("the VkDevice", "null", "a valid handle"));
         }
-        // SAFETY: passed on.
+        // SAFETY: the caller's promise.
         let (instance, exposed) = unsafe { vulkan.expose()? };
         let wanted = wanted(&exposed);
         if let Some(missing) = wanted.iter().find(|name| !vulkan.device_extensions.contains(*name)) {
@@ -221,7 +219,8 @@ impl Device {
     }
 }
 
-/// All that wgpu enables on a device of its own but what presents: that needs more of the instance, and is never called here.
+/// The extensions that wgpu enables on its own devices, without those that present: they need more of the instance, and nothing
+/// here presents.
 fn wanted(exposed: &hal::ExposedAdapter<Vulkan>) -> Vec<&'static CStr> {
     let mut all = exposed.adapter.required_device_extensions(exact(exposed.features));
     all.retain(|name| ![khr::swapchain::NAME, khr::swapchain_mutable_format::NAME].contains(name));

@@ -1,7 +1,7 @@
 //! Copies a frame's data to the device through staging buffers, which come back once a submission has read them.
 //!
-//! `wgpu::util::StagingBelt` does not fit: it keeps every chunk for ever, does not tell when it makes one, and panics if the
-//! device is lost.
+//! `wgpu::util::StagingBelt` does not fit: it keeps chunks that have become too small, and does not tell when it makes one, which
+//! `Device::objects_made` counts.
 
 use super::device::WgpuDevice;
 use super::pipelines::WgpuPipelines;

@@ -1,4 +1,4 @@
-//! The device as it is used here, and everything that is made on it.
+//! The wgpu device, and everything that is made on it.
 
 use super::belt::Belt;
 use super::encode::FrameEncoding;
@@ -16,7 +16,7 @@ use std::task::{Context, Poll, Waker};
 /// How a device is used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DeviceDef {
-    /// Invocations a workgroup: a power of two from 32 to 256, no more than the device can. 128 where nothing says otherwise.
+    /// Invocations a workgroup: a power of two from 32 to 256 that the device supports. The default is 128.
     pub workgroup_size: u32,
 }
 
@@ -130,15 +130,14 @@ impl fmt::Debug for Device {
 }
 
 impl Device {
-    /// Takes the host's device and its queue, and makes pipelines (some milliseconds). Neither features nor limits above those
-    /// of WebGPU are needed; more [`wgpu::Limits::max_storage_buffer_binding_size`] lets larger buffers be written at once.
+    /// Takes the host's device and its queue. It needs no features, and no limits above those of WebGPU. With a higher
+    /// [`wgpu::Limits::max_storage_buffer_binding_size`] one dispatch can write larger buffers.
     ///
-    /// Errors of calls made here come back from them, and never reach the host's handler of uncaptured errors; but an encoder
-    /// that is of another device than the targets fails when the host finishes or submits it, as wgpu has it.
+    /// The errors of calls here are returned, and do not reach the host's handler of uncaptured errors. But an encoder of another
+    /// device than the targets' fails when the host finishes or submits it.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a workgroup size that is none; [`Error::Unsupported`] naming a limit that is too low;
-    /// [`Error::Wgpu`].
+    /// [`Error::InvalidArgument`] for a bad workgroup size; [`Error::Unsupported`] for a limit that is too low; [`Error::Wgpu`].
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, def: &DeviceDef) -> Result<Self, Error> {
         Self::with(device.clone(), queue.clone(), def, None)
     }
@@ -166,7 +165,7 @@ impl Device {
         })
     }
 
-    /// The device that this works on.
+    /// The wgpu device.
     pub fn device(&self) -> &wgpu::Device {
         &self.gpu.device
     }
@@ -176,8 +175,7 @@ impl Device {
         &self.gpu.queue
     }
 
-    /// How many buffers and bind groups were made so far: a number that stands still once as many frames are in flight as
-    /// ever, and as much changes a frame as ever.
+    /// Returns how many buffers and bind groups were made so far. The number does not grow in steady state.
     pub fn objects_made(&self) -> u64 {
         self.gpu.made.load(Ordering::Relaxed)
     }

@@ -1,19 +1,18 @@
-//! A device of one's own, on whatever there is.
+//! A device of Crumple's own, on any adapter.
 
 use super::device::{Device, DeviceDef, DeviceEvents, now, one_line};
 use crate::Error;
 use std::sync::{Arc, Mutex};
 
-/// Which device, and how it is used.
+/// The definition of a device of Crumple's own.
 #[derive(Debug, Clone, Copy)]
 pub struct HeadlessDef<'a> {
-    /// Part of the adapter's name, whatever its case; nothing for the fastest kind there is (discrete, integrated, virtual,
-    /// software; the first of its kind).
+    /// Part of the adapter's name, in any case. `None` takes the first adapter of the fastest kind (discrete, integrated, virtual,
+    /// software).
     pub adapter: Option<&'a str>,
-    /// Which interfaces are asked: Vulkan, Metal and D3D12 where the target has them, and others that the host has wgpu built
-    /// with.
+    /// The graphics interfaces to ask: Vulkan, Metal and D3D12 if the platform has them, and others that the host builds wgpu with.
     pub backends: wgpu::Backends,
-    /// How it is used.
+    /// How the device is used.
     pub device: DeviceDef,
 }
 
@@ -23,7 +22,7 @@ impl Default for HeadlessDef<'_> {
     }
 }
 
-/// The adapters there are, as [`Device::headless`] tells them apart. Asks every driver: tens of milliseconds.
+/// Lists the adapters. It asks every driver, which takes tens of milliseconds.
 pub fn adapters(backends: wgpu::Backends) -> Vec<wgpu::AdapterInfo> {
     all(backends).iter().map(wgpu::Adapter::get_info).collect()
 }
@@ -39,15 +38,14 @@ fn all(backends: wgpu::Backends) -> Vec<wgpu::Adapter> {
 }
 
 impl Device {
-    /// Makes a device with all the limits that its adapter has, for tools without a host that has one. Its buffers are made
-    /// by [`Device::device`].
+    /// Makes a device with all limits of its adapter, for tools without an engine. Make its buffers with [`Device::device`].
     ///
-    /// What the device says by itself (it is lost; an error of calls that the caller made on it) is an error of the next call
-    /// here, and never ends the process.
+    /// Errors that the device reports outside of calls here (it is lost, or the caller made a mistake on it) are returned by the
+    /// next call here. They never end the process.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] where there is no such adapter, naming those that there are, or where it cannot compute;
-    /// [`Error::Wgpu`] where it gives no device; and those of [`Device::new`].
+    /// [`Error::Unsupported`] if there is no such adapter (the text lists the adapters), or it has no compute shaders;
+    /// [`Error::Wgpu`] if it makes no device; the errors of [`Device::new`].
     pub fn headless(def: &HeadlessDef<'_>) -> Result<Self, Error> {
         let mut adapters = all(def.backends);
         adapters.sort_by_key(|a| rank(a.get_info().device_type));
@@ -80,12 +78,12 @@ impl Device {
     }
 }
 
-/// Of a device's features those that are of use here: kernels as they were built, and not as wgpu translates them.
+/// The features that are useful here: kernels as SPIR-V instead of translated WGSL.
 pub(super) fn exact(features: wgpu::Features) -> wgpu::Features {
     features & wgpu::Features::PASSTHROUGH_SHADERS
 }
 
-/// Notes what the device says by itself.
+/// Notes what the device reports outside of calls.
 pub(super) fn listen(device: &wgpu::Device, events: &Arc<Mutex<DeviceEvents>>) {
     let (errors, losses) = (events.clone(), events.clone());
     device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| {

@@ -1,34 +1,32 @@
-//! Deformation on `wgpu` devices: the host's own, a Vulkan device of an engine, or one made here, which may be Vulkan, Metal
-//! or D3D12.
+//! Deformation on `wgpu` devices: the host's own device, a Vulkan device of an engine, or a device made here, which may be Vulkan,
+//! Metal or D3D12.
 //!
-//! 1. [`Device::new`] takes the host's [`wgpu::Device`] and [`wgpu::Queue`], [`Device::headless`] makes its own, and
-//!    [`Device::adopt`] wraps an engine's VkDevice.
-//! 2. [`Device::add_target`]: where in a [`wgpu::Buffer`] one mesh's vertices lie, and in which formats.
-//! 3. [`Device::encode`], once a frame, into the host's command encoder, or [`Device::submit`]: everything that changed
-//!    since, of all targets. One copy, and a dispatch for each buffer; nothing waits for the device.
+//! 1. [`Device::new`] takes the host's [`wgpu::Device`] and [`wgpu::Queue`]. [`Device::headless`] makes its own. [`Device::adopt`]
+//!    wraps an engine's VkDevice.
+//! 2. [`Device::add_target`] tells where in a [`wgpu::Buffer`] one mesh's vertices lie, and in which formats.
+//! 3. [`Device::encode`] encodes everything that changed, of all targets, into the host's command encoder; [`Device::submit`] submits
+//!    it too. Call one of them once a frame. It makes one copy, and a dispatch for each buffer. Nothing waits for the device.
 //!
-//! Engines with a Vulkan command buffer at hand should rather record into that: [`crate::vulkan`](../vulkan/index.html), which is smaller, costs less
-//! a frame and gives the CPU's bits on more devices.
+//! Engines with a Vulkan command buffer should record into that: [`crate::vulkan`](../vulkan/index.html). It is smaller, costs
+//! less a frame and gives the CPU's bits on more devices.
 //!
 //! # What the device needs
-//! Compute shaders, four storage buffers a stage and three bind groups: what WebGPU guarantees, and no feature. Numbers that
-//! differ from dispatch to dispatch go by a uniform buffer for that reason, and not by immediates (push constants).
+//! Compute shaders, four storage buffers a stage and three bind groups. WebGPU guarantees these. No feature is needed: what differs
+//! from dispatch to dispatch is in a uniform buffer, not in immediates (push constants).
 //!
 //! # How exact it is
-//! The kernels are those of the Vulkan way, from the same WGSL. Vulkan devices with [`wgpu::Features::PASSTHROUGH_SHADERS`]
-//! get the very same SPIR-V, and vertices that are what [`crate::deform`] writes, by bits, where the device rounds additions,
-//! multiplications, divisions and square roots as IEEE 754 says (lavapipe and SwiftShader do). Devices that are made or adopted
-//! here have that feature; a host that wants it asks for it when it makes its own.
+//! The kernels are those of [`crate::vulkan`](../vulkan/index.html), from the same WGSL. Vulkan devices with
+//! [`wgpu::Features::PASSTHROUGH_SHADERS`] get the same SPIR-V. If they also round additions, multiplications, divisions and square
+//! roots as IEEE 754 says (lavapipe and SwiftShader do), the vertices have the bits of [`crate::deform`]. Devices that are made or
+//! adopted here have that feature; a host must ask for it.
 //!
-//! Other devices get the WGSL, translated by wgpu, which does not tell drivers to leave the order of operations alone: they may
-//! fuse or reorder them. Lavapipe does so with the classic rule "blend", not with the default rule, of which the tests accept 4
-//! units in the last place of the body's largest coordinate, and 16 units of 1 for normals and tangents; a tolerance above 0
-//! comes on top where a device cuts off otherwise. Classic rules compare lengths that may be nearly equal, and may choose
-//! otherwise then. Vertices with equal inputs are equal on any one device, so that seams stay shut.
+//! For other devices wgpu translates the WGSL. It does not forbid drivers to fuse or reorder operations. Lavapipe does so with the
+//! classic rule "blend", and not with the default rule. The tests accept 4 units in the last place of the body's largest coordinate,
+//! and 16 units of 1 for normals and tangents; a tolerance above 0 adds to that. Classic rules compare lengths, and may choose
+//! otherwise if they are nearly equal. On one device vertices with equal inputs are equal, so that seams stay shut.
 //!
 //! # Threads
-//! A [`Device`] may go from thread to thread; `&mut self` says what must not happen at once. Command buffers that were encoded
-//! are submitted in the order of encoding.
+//! A [`Device`] may move between threads. Command buffers are submitted in the order of encoding.
 
 #[cfg(any(windows, target_os = "linux", target_os = "android", target_os = "freebsd"))]
 mod adopt;

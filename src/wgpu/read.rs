@@ -1,4 +1,4 @@
-//! Back into the CPU's memory, for tools and tests: no frame should wait for this.
+//! Reads vertices back into the CPU's memory, for tools and tests. It waits for the device.
 
 use super::device::{Device, WgpuDevice};
 use super::target::Target;
@@ -9,19 +9,18 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A buffer that the CPU reads, used over and over.
+/// A buffer that the CPU reads. It is reused.
 #[derive(Default)]
 pub(super) struct Readback {
     buffer: Option<wgpu::Buffer>,
 }
 
 impl Device {
-    /// Reads bytes of a buffer as they are after everything that was submitted, and waits for that. `offset` and the number of
-    /// bytes are multiples of 4.
+    /// Waits for everything that was submitted, and reads bytes of a buffer. `offset` and the number of bytes are multiples of 4.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for a buffer without `COPY_SRC`; [`Error::Misaligned`]; [`Error::BufferTooSmall`];
-    /// [`Error::OutOfMemory`], [`Error::Wgpu`], [`Error::DeviceLost`]. Nothing is written then.
+    /// [`Error::OutOfMemory`], [`Error::Wgpu`], [`Error::DeviceLost`]. After an error nothing was written.
     pub fn read(&mut self, buffer: &wgpu::Buffer, offset: u64, to: &mut [u8]) -> Result<(), Error> {
         self.reported_error()?;
         let bytes = to.len() as u64;
@@ -41,13 +40,13 @@ impl Device {
         if bytes > 0 { self.reader.read(&self.gpu, (buffer, offset), to) } else { Ok(()) }
     }
 
-    /// Reads a target's vertices, as they are after everything that was submitted, into memory of the CPU: what it has of
-    /// positions, normals and tangents. Waits for the device.
+    /// Waits for everything that was submitted, and reads a target's vertices into memory of the CPU: those of positions, normals
+    /// and tangents that the memory has.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for a target of another device or set, and a buffer without `COPY_SRC`;
-    /// [`Error::Unsupported`] for attributes that the target does not have, or has in other formats than floats;
-    /// [`Error::BufferTooSmall`], [`Error::OutOfMemory`], [`Error::Wgpu`], [`Error::DeviceLost`]. Nothing is written then.
+    /// [`Error::Unsupported`] for attributes that the target lacks, or has in other formats than floats;
+    /// [`Error::BufferTooSmall`], [`Error::OutOfMemory`], [`Error::Wgpu`], [`Error::DeviceLost`]. After an error nothing was written.
     pub fn read_vertices(
         &mut self,
         set: &ExampleSet,
@@ -79,7 +78,7 @@ impl Device {
         };
         for v in 0..count {
             let three = |s| [0, 1, 2].map(|i| value(s, v, i));
-            // SAFETY: the memory has room for all vertices, and is borrowed here alone.
+            // SAFETY: the memory has room for all vertices, and only this function borrows it.
             unsafe {
                 if let Some(s) = positions {
                     memory.write_positions(v, &three(s));
@@ -99,7 +98,7 @@ impl Device {
 impl Readback {
     fn read(&mut self, gpu: &WgpuDevice, (from, offset): (&wgpu::Buffer, u64), to: &mut [u8]) -> Result<(), Error> {
         let bytes = to.len() as u64;
-        // Taken, so that one that stays mapped by a failure is not used again.
+        // It is taken, so that a buffer that stays mapped after a failure is not reused.
         let buffer = match self.buffer.take().filter(|b| b.size() >= bytes) {
             Some(buffer) => buffer,
             None => gpu.buffer("read back", bytes, wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST)?,
@@ -113,7 +112,7 @@ impl Readback {
             let done = mapped.clone();
             buffer.map_async(wgpu::MapMode::Read, ..bytes, move |result| done.store(result.is_ok(), Ordering::Release));
         })?;
-        // wgpu panics where a device is lost while somebody waits for it.
+        // wgpu panics if the device is lost during the wait.
         let lost = || Error::DeviceLost { call: "waiting for the device".into() };
         let poll = || gpu.device.poll(wgpu::PollType::wait_indefinitely());
         catch_unwind(AssertUnwindSafe(poll)).map_err(|_| lost())?.map_err(|_| lost())?;

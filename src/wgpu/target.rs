@@ -1,4 +1,4 @@
-//! Where in the host's buffers vertices lie.
+//! Targets in the host's buffers.
 
 use super::device::{Device, WgpuDevice};
 use super::pipelines::WgpuPipelines;
@@ -37,7 +37,7 @@ pub type Stream = VertexStream<VertexFormat>;
 /// refuses a buffer of another device, but cannot tell buffers of two [`wgpu::Instance`]s apart: never mix those.
 pub type TargetDef<'a> = gpu::TargetDef<&'a wgpu::Buffer, VertexFormat>;
 
-/// A mesh's vertices in a buffer, and what they show. Dropping it is how it ends.
+/// A mesh's vertices in a buffer, and what they show. Drop it to end it.
 #[derive(Debug)]
 pub struct Target {
     pub(super) state: TargetState,
@@ -49,24 +49,24 @@ pub struct Target {
 }
 
 impl Target {
-    /// Forgets what the memory holds: the next encoding writes every vertex. For memory that others wrote to, and for
-    /// encodings that were not submitted.
+    /// Forgets what the memory holds, so that the next encoding writes every vertex. Call it if anyone else wrote to the memory, or
+    /// if an encoding was not submitted.
     pub fn invalidate(&mut self) {
         self.state.tracker.invalidate();
     }
 
-    /// A box around all vertices as of the last encoding, m; `None` before the first. It is never too small but may be too
-    /// large: the CPU does not know the vertices, only how far each block of them can have moved.
+    /// A box around all vertices as of the last encoding, m; `None` before the first. It may be too large, since the CPU only knows
+    /// how far each block can have moved, but never too small.
     pub fn bounds(&self) -> Option<Aabb> {
         self.state.tracker.bounds()
     }
 
-    /// Vertices that the last encoding wrote: ranges, increasing, apart from each other.
+    /// Vertices that the last encoding wrote, as increasing ranges with gaps between them.
     pub fn changed(&self) -> &[Range<u32>] {
         self.state.tracker.changed()
     }
 
-    /// The buffer that it is in.
+    /// Its buffer.
     pub fn buffer(&self) -> &wgpu::Buffer {
         &self.bound.buffer
     }
@@ -114,14 +114,14 @@ impl BoundBuffers {
 }
 
 impl Device {
-    /// Says where in a buffer vertices of one of the set's meshes lie. The first target of a mesh gets its vertices and examples
-    /// into memory of the device, in front of whatever is submitted next.
+    /// Adds a target: a place for the vertices of one of the set's meshes. The first target of a mesh uploads the mesh and its
+    /// examples before the next submission.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a buffer without `STORAGE`, a format that an attribute cannot have, a stride that is too
-    /// small, attributes that overlap, or a scale that is none; [`Error::Misaligned`] for offsets and strides that are not
-    /// multiples of 4; [`Error::BufferTooSmall`]; [`Error::IndexOutOfRange`] for a level of detail that is not there;
-    /// [`Error::Unsupported`] for normals or tangents that the mesh does not have, or more bytes than the device can bind;
+    /// [`Error::InvalidArgument`] for a buffer without `STORAGE`, a format that the attribute cannot have, a stride that is too
+    /// small, attributes that overlap, or a bad scale; [`Error::Misaligned`] for offsets and strides that are not multiples of 4;
+    /// [`Error::BufferTooSmall`]; [`Error::IndexOutOfRange`] for a level of detail that the set lacks; [`Error::Unsupported`] for
+    /// normals or tangents that the mesh lacks, or more bytes than the device can bind;
     /// [`Error::Wgpu`] for a buffer of another device or one that was destroyed; [`Error::OutOfMemory`], [`Error::DeviceLost`].
     pub fn add_target(&mut self, set: &Arc<ExampleSet>, def: &TargetDef<'_>) -> Result<Target, Error> {
         self.reported_error()?;

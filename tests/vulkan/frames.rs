@@ -1,65 +1,15 @@
-//! Frames as engines have them: many instances, several in flight, secondary command buffers.
+//! Frames in flight, secondary command buffers, other queue families, cached pipelines.
 
-use crumple::vulkan::{BufferDef, Device, RecordJob, RecordReport, Target, vk};
+use crumple::vulkan::{BufferDef, Device, RecordJob, Target, vk};
 use crumple::{ExampleSet, Instance};
 use std::sync::Arc;
 
-use crate::harness::{Engine, POISON, Tampered, families, on_each_device, tampered};
+use crate::gpu::compare::Expected;
+use crate::gpu::frames::jobs;
+use crate::gpu::layout::TestLayout;
+use crate::gpu::{folded, hit};
+use crate::harness::{Engine, Tampered, families, on_each_device, tampered};
 use crate::scenes;
-use crate::{Plan, folded, hit, same};
-
-/// Jobs of all targets, in the order of their instances.
-fn jobs<'a>(instances: &'a [Instance], targets: &'a mut [Target]) -> Vec<RecordJob<'a>> {
-    instances.iter().zip(targets).map(|(instance, target)| RecordJob { instance, target }).collect()
-}
-
-#[test]
-fn many_instances_in_one_buffer_are_one_dispatch() {
-    let sets = [scenes::cube_set(), scenes::sheet_set(), scenes::ball_set()];
-    on_each_device(|engine| {
-        let mut crumple = engine.crumple();
-        let mut instances: Vec<Instance> = (0..20).map(|i| folded(&sets[i % 3], i, i as u64)).collect();
-        let mut at = 12;
-        let plans: Vec<Plan> = instances
-            .iter()
-            .map(|i| {
-                let plan = Plan::everything(i.example_set(), 0, at);
-                at += plan.size + 8;
-                plan
-            })
-            .collect();
-        let (seen, id) = engine.target_buffer(&mut crumple, at);
-        let add = |(i, p): (&Instance, &Plan)| crumple.add_target(i.example_set(), &p.def(id)).unwrap();
-        let mut targets: Vec<Target> = instances.iter().zip(&plans).map(add).collect();
-        let mut wanted = vec![POISON; seen.words().len()];
-        for frame in 1..4 {
-            let mut jobs = jobs(&instances, &mut targets);
-            // SAFETY: the command buffer is recording.
-            let report = engine.run(|c| unsafe { crumple.record(c, frame, &mut jobs) }).unwrap();
-            assert_eq!(report.dispatches, 1);
-            let changed = targets.iter().flat_map(|t| t.changed()).map(|r| u64::from(r.end - r.start));
-            assert_eq!(report.vertices_written, changed.sum::<u64>());
-            assert!(
-                frame > 1
-                    || report.vertices_written
-                        == instances.iter().map(|i| i.example_set().vertex_count() as u64).sum::<u64>()
-            );
-            crumple.completed(frame);
-            instances.iter().zip(&plans).for_each(|(i, p)| p.expect(i, &mut wanted));
-            same(seen.words(), &wanted, &format!("frame {frame}"));
-            let few: Vec<usize> = (0..20).filter(|i| i % 7 == frame as usize).collect();
-            few.iter().for_each(|i| hit(&mut instances[*i], 2, frame));
-        }
-        // SAFETY: never used.
-        let report = unsafe {
-            crumple.completed(9);
-            let mut none: Vec<RecordJob<'_>> = Vec::new();
-            crumple.record(vk::Handle::from_raw(1), 10, &mut none).unwrap()
-        };
-        assert_eq!(report, RecordReport::default());
-        crumple.completed(10);
-    });
-}
 
 #[test]
 fn buffers_of_other_queue_families_are_taken_and_given_back() {
@@ -68,14 +18,14 @@ fn buffers_of_other_queue_families_are_taken_and_given_back() {
         let def = tampered(engine.def(), Tampered { watch: true, ..Tampered::default() });
         // SAFETY: valid handles.
         let mut crumple = unsafe { Device::new(&def) }.unwrap();
-        let plan = Plan::everything(&set, 0, 0);
-        let seen = engine.buffer(plan.size);
+        let layout = TestLayout::everything(&set, 0, 0);
+        let seen = engine.buffer(layout.size);
         // The one other family that software drivers know.
         let external = vk::QUEUE_FAMILY_EXTERNAL;
         // SAFETY: a valid buffer that lives until the engine is dropped.
         let id = unsafe { crumple.add_buffer(&BufferDef { queue_family: external, ..seen.def() }) }.unwrap();
         let mut instance = folded(&set, 3, 7);
-        let mut target = crumple.add_target(&set, &plan.def(id)).unwrap();
+        let mut target = crumple.add_target(&set, &layout.def(id)).unwrap();
         families();
         for frame in 1..5 {
             let mut jobs = [RecordJob { instance: &instance, target: &mut target }];
@@ -85,9 +35,9 @@ fn buffers_of_other_queue_families_are_taken_and_given_back() {
             assert_eq!(report.blocks_written > 0, frame % 2 == 1, "frame {frame}");
             let ours: Vec<_> = families().into_iter().filter(|b| b.0 == seen.handle).map(|b| (b.1, b.2)).collect();
             assert_eq!(ours, [(external, 0), (0, external)], "frame {frame}");
-            let mut wanted = vec![POISON; seen.words().len()];
-            plan.expect(&instance, &mut wanted);
-            same(seen.words(), &wanted, &format!("frame {frame}"));
+            let mut wanted = Expected::poison(seen.words().len());
+            layout.expect(&mut instance, &mut wanted);
+            wanted.compare(seen.words(), &engine.tested, &format!("frame {frame}"));
             if frame == 2 {
                 hit(&mut instance, 1, 9);
             }
@@ -100,9 +50,9 @@ fn nothing_dirty_records_nothing() {
     on_each_device(|engine| {
         let set = scenes::sheet_set();
         let mut crumple = engine.crumple();
-        let plan = Plan::everything(&set, 0, 0);
-        let (_, id) = engine.target_buffer(&mut crumple, plan.size);
-        let mut target = crumple.add_target(&set, &plan.def(id)).unwrap();
+        let layout = TestLayout::everything(&set, 0, 0);
+        let (_, id) = engine.target_buffer(&mut crumple, layout.size);
+        let mut target = crumple.add_target(&set, &layout.def(id)).unwrap();
         let instance = folded(&set, 3, 1);
         for frame in 1..3 {
             let job = RecordJob { instance: &instance, target: &mut target };
@@ -124,17 +74,17 @@ fn nothing_dirty_records_nothing() {
 fn in_flight(engine: &Engine, set: &Arc<ExampleSet>, level: vk::CommandBufferLevel) {
     const FLIGHT: usize = 3;
     let mut crumple = engine.crumple();
-    let plan = Plan::everything(set, 0, 4);
+    let layout = TestLayout::everything(set, 0, 4);
     let mut instance = folded(set, 0, 0);
     // A buffer for each frame in flight, as for meshes that are drawn while the next is made.
-    let ring: Vec<_> = (0..FLIGHT).map(|_| engine.target_buffer(&mut crumple, plan.size + 4)).collect();
+    let ring: Vec<_> = (0..FLIGHT).map(|_| engine.target_buffer(&mut crumple, layout.size + 4)).collect();
     let mut targets: Vec<Target> =
-        ring.iter().map(|(_, id)| crumple.add_target(set, &plan.def(*id)).unwrap()).collect();
+        ring.iter().map(|(_, id)| crumple.add_target(set, &layout.def(*id)).unwrap()).collect();
     let info = vk::FenceCreateInfo::default().flags(vk::FenceCreateFlags::SIGNALED);
     // SAFETY: valid arguments, here and below.
     let fences: Vec<vk::Fence> =
         (0..FLIGHT).map(|_| unsafe { engine.device.create_fence(&info, None) }.unwrap()).collect();
-    let (mut steady, mut all) = (0, vec![Vec::new(); FLIGHT]);
+    let (mut steady, mut all) = (0, vec![Expected::poison(0); FLIGHT]);
     for frame in 1..=24u64 {
         let i = frame as usize % FLIGHT;
         // SAFETY: as above.
@@ -144,7 +94,7 @@ fn in_flight(engine: &Engine, set: &Arc<ExampleSet>, level: vk::CommandBufferLev
         }
         if frame > FLIGHT as u64 {
             crumple.completed(frame - FLIGHT as u64);
-            same(ring[i].0.words(), &all[i], &format!("frame {}", frame - FLIGHT as u64));
+            all[i].compare(ring[i].0.words(), &engine.tested, &format!("frame {}", frame - FLIGHT as u64));
         }
         hit(&mut instance, 1, frame);
         let commands = engine.begin(vk::CommandBufferLevel::PRIMARY);
@@ -162,8 +112,8 @@ fn in_flight(engine: &Engine, set: &Arc<ExampleSet>, level: vk::CommandBufferLev
             unsafe { crumple.record(commands, frame, &mut jobs) }.unwrap();
         }
         engine.submit(commands, fences[i]);
-        all[i] = vec![POISON; ring[i].0.words().len()];
-        plan.expect(&instance, &mut all[i]);
+        all[i] = Expected::poison(ring[i].0.words().len());
+        layout.expect(&mut instance, &mut all[i]);
         if frame == 8 {
             steady = crumple.objects_made();
         }
@@ -185,93 +135,24 @@ fn secondary_command_buffers_do() {
     on_each_device(|engine| in_flight(engine, &scenes::ball_set(), vk::CommandBufferLevel::SECONDARY));
 }
 
-/// A dozen meshes in one buffer, on a device whose limits are lowered.
-fn limited(engine: &Engine, limits: fn(&mut vk::PhysicalDeviceLimits)) -> u32 {
-    let how = Tampered { limits: Some(limits), ..Tampered::default() };
-    // SAFETY: valid handles.
-    let mut crumple = unsafe { crumple::vulkan::Device::new(&tampered(engine.def(), how)) }.unwrap();
-    let mesh = scenes::sheet(24);
-    let mut examples = scenes::bowls(&mesh, 3, 0.3, 1);
-    examples.iter_mut().for_each(|e| e.placement = crumple::Placement::Anchored);
-    let set = scenes::build(mesh, examples, crumple::SetOptions::default());
-    let instances: Vec<Instance> = (0..12).map(|i| folded(&set, 4, i)).collect();
-    let size = Plan::everything(&set, 0, 0).size;
-    let plans: Vec<Plan> = (0..12).map(|i| Plan::everything(&set, 0, 4 + i * (size + 4))).collect();
-    let (seen, id) = engine.target_buffer(&mut crumple, 16 + 12 * (size + 4));
-    let mut targets: Vec<Target> = plans.iter().map(|p| crumple.add_target(&set, &p.def(id)).unwrap()).collect();
-    let mut wanted = vec![POISON; seen.words().len()];
-    let mut jobs = jobs(&instances, &mut targets);
-    // SAFETY: the command buffer is recording.
-    let report = engine.run(|c| unsafe { crumple.record(c, 1, &mut jobs) }).unwrap();
-    crumple.completed(1);
-    instances.iter().zip(&plans).for_each(|(i, p)| p.expect(i, &mut wanted));
-    same(seen.words(), &wanted, &engine.name);
-    report.dispatches
-}
-
 #[test]
-fn dispatches_go_over_two_dimensions_where_one_is_too_short() {
-    on_each_device(|engine| assert_eq!(limited(engine, |l| l.max_compute_work_group_count[0] = 4), 1));
-}
-
-#[test]
-fn buffers_larger_than_a_descriptor_are_windowed() {
-    // A mesh and its examples fit, and so do some targets, but not all.
-    on_each_device(|engine| {
-        let dispatches = limited(engine, |l| l.max_storage_buffer_range = 1 << 20);
-        assert_eq!(dispatches, 1, "all fit");
-        let dispatches = limited(engine, |l| l.max_storage_buffer_range = 1 << 17);
-        assert!(dispatches > 1, "{dispatches}");
-    });
-}
-
-#[test]
-fn every_workgroup_size_gives_the_same() {
-    let set = scenes::cube_set();
-    on_each_device(|engine| {
-        for workgroup_size in [32, 64, 256] {
-            let def = crumple::vulkan::DeviceDef { workgroup_size, ..engine.def() };
-            // SAFETY: valid handles.
-            let mut crumple = match unsafe { crumple::vulkan::Device::new(&def) } {
-                Ok(crumple) => crumple,
-                Err(e) => {
-                    assert!(workgroup_size == 256 && e.to_string().contains("workgroup_size"), "{e}");
-                    continue;
-                }
-            };
-            let plan = Plan::everything(&set, 0, 0);
-            let (seen, id) = engine.target_buffer(&mut crumple, plan.size);
-            let mut target = crumple.add_target(&set, &plan.def(id)).unwrap();
-            let instance = folded(&set, 6, 2);
-            let job = RecordJob { instance: &instance, target: &mut target };
-            // SAFETY: the command buffer is recording.
-            engine.run(|c| unsafe { crumple.record(c, 1, &mut [job]) }).unwrap();
-            crumple.completed(1);
-            let mut wanted = vec![POISON; seen.words().len()];
-            plan.expect(&instance, &mut wanted);
-            same(seen.words(), &wanted, &format!("{workgroup_size}"));
-        }
-    });
-}
-
-#[test]
-fn meshes_that_no_target_shows_leave_the_device() {
+fn meshes_that_no_target_shows_are_uploaded_anew() {
     on_each_device(|engine| {
         let mut crumple = engine.crumple();
         let set = scenes::sheet_set();
-        let plan = Plan::everything(&set, 0, 0);
-        let (seen, id) = engine.target_buffer(&mut crumple, plan.size);
+        let layout = TestLayout::everything(&set, 0, 0);
+        let (seen, id) = engine.target_buffer(&mut crumple, layout.size);
         for frame in 1..4 {
             seen.poison();
-            let mut target = crumple.add_target(&set, &plan.def(id)).unwrap();
-            let instance = folded(&set, 3, frame);
+            let mut target = crumple.add_target(&set, &layout.def(id)).unwrap();
+            let mut instance = folded(&set, 3, frame);
             let job = RecordJob { instance: &instance, target: &mut target };
             // SAFETY: the command buffer is recording.
             let report = engine.run(|c| unsafe { crumple.record(c, frame, &mut [job]) }).unwrap();
             assert!(report.bytes_copied > 12 * set.vertex_count() as u64, "uploaded anew");
-            let mut wanted = vec![POISON; seen.words().len()];
-            plan.expect(&instance, &mut wanted);
-            same(seen.words(), &wanted, "again");
+            let mut wanted = Expected::poison(seen.words().len());
+            layout.expect(&mut instance, &mut wanted);
+            wanted.compare(seen.words(), &engine.tested, "again");
             drop(target);
             crumple.completed(frame);
         }
@@ -302,12 +183,12 @@ fn recording_cost() {
     on_each_device(|engine| {
         for count in [1, 10, 100, 1000] {
             let mut crumple = engine.crumple();
-            let size = Plan::everything(&set, 0, 0).size;
-            let plans: Vec<Plan> = (0..count).map(|i| Plan::everything(&set, 0, i * size)).collect();
+            let size = TestLayout::everything(&set, 0, 0).size;
+            let layouts: Vec<TestLayout> = (0..count).map(|i| TestLayout::everything(&set, 0, i * size)).collect();
             let (_, id) = engine.target_buffer(&mut crumple, count * size);
             let mut instances: Vec<Instance> = (0..count).map(|i| folded(&set, 1, i)).collect();
             let mut targets: Vec<Target> =
-                plans.iter().map(|p| crumple.add_target(&set, &p.def(id)).unwrap()).collect();
+                layouts.iter().map(|p| crumple.add_target(&set, &p.def(id)).unwrap()).collect();
             let mut times = Vec::new();
             let (mut blocks, mut frame) = (0, 0);
             for round in 0..20 {
@@ -334,7 +215,7 @@ fn recording_cost() {
             }
             times.sort();
             let median = times[times.len() / 2].as_secs_f64() * 1e6;
-            println!("{}: {count} instances, {blocks} blocks: {median:.1} µs", engine.name);
+            println!("{}: {count} instances, {blocks} blocks: {median:.1} µs", engine.tested.name);
         }
     });
 }

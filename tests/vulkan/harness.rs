@@ -1,4 +1,4 @@
-//! An engine as small as can be: an instance with validation, a device, buffers that the CPU sees, and submissions.
+//! A minimal engine: an instance with validation, a device, buffers that the CPU sees, and submissions.
 
 use std::cell::RefCell;
 use std::ffi::{CStr, c_char, c_void};
@@ -7,24 +7,21 @@ use std::sync::Mutex;
 use ash::{Entry, ext, vk};
 use crumple::vulkan::{Access, BufferDef, BufferId, Device, DeviceDef};
 
-/// A word that nothing ever writes.
-pub const POISON: u32 = 0xCDCD_CDCD;
+use crate::gpu::compare::TestedDevice;
+use crate::gpu::{Lowered, POISON, note_missing, required};
 
 /// What the CPU sees of a buffer before and after each recording.
 pub const HOST: Access = Access { stages: vk::PipelineStageFlags::HOST, access: vk::AccessFlags::HOST_READ };
 
-/// Software drivers that every test runs on, as their names begin.
-const DRIVERS: [&str; 2] = ["llvmpipe", "SwiftShader"];
-
-/// Runs a test on each device there is, and fails if validation says anything. Devices that are not there are left out, aloud;
-/// with CRUMPLE_REQUIRE_GPU=1 both software drivers and the validation layer must be there.
+/// Runs a test on each device there is, and fails if validation reports anything. Prints which software drivers are not there. With
+/// CRUMPLE_REQUIRE_GPU=1 both software drivers and the validation layer must be there.
 pub fn on_each_device(test: impl Fn(&Engine)) {
     on_each_device_with(&[], test);
 }
 
 /// The same, with those of these extensions enabled that a device has.
 pub fn on_each_device_with(extensions: &[&CStr], test: impl Fn(&Engine)) {
-    let required = std::env::var("CRUMPLE_REQUIRE_GPU").is_ok_and(|v| v == "1");
+    let required = required();
     // SAFETY: the system's loader.
     let entry = match unsafe { Entry::load() } {
         Ok(entry) => entry,
@@ -45,28 +42,31 @@ pub fn on_each_device_with(extensions: &[&CStr], test: impl Fn(&Engine)) {
         let properties = unsafe { instance.instance.get_physical_device_properties(physical) };
         let name = properties.device_name_as_c_str().unwrap().to_string_lossy().into_owned();
         seen.push(name.clone());
-        let engine = Engine::new(&entry, &instance, physical, name.clone(), extensions);
-        EXACT.set(DRIVERS.iter().any(|driver| name.starts_with(driver)));
+        let tested = TestedDevice { name: name.clone(), driver: driver(&instance.instance, physical) };
+        tested.announce();
+        let engine = Engine::new(&entry, &instance, physical, tested, extensions);
         test(&engine);
         drop(engine);
         let messages = std::mem::take(&mut *instance.messages.lock().unwrap());
         assert!(messages.is_empty(), "on {name}:\n{}", messages.join("\n"));
     }
-    for driver in DRIVERS {
-        if !seen.iter().any(|name| name.starts_with(driver)) {
-            assert!(!required, "{driver} is required, but there are only {seen:?}");
-            eprintln!("left out: there is no {driver}, only {seen:?}");
+    note_missing(&seen);
+}
+
+/// The driver of a device, with its version.
+fn driver(instance: &ash::Instance, physical: vk::PhysicalDevice) -> String {
+    let mut driver = vk::PhysicalDeviceDriverProperties::default();
+    // SAFETY: a valid device. One that has the extension fills the struct.
+    unsafe {
+        let extensions = instance.enumerate_device_extension_properties(physical).unwrap_or_default();
+        if !extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(ash::khr::driver_properties::NAME)) {
+            return format!("version {:#x}", instance.get_physical_device_properties(physical).driver_version);
         }
+        let mut all = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
+        instance.get_physical_device_properties2(physical, &mut all);
     }
-}
-
-thread_local! {
-    static EXACT: std::cell::Cell<bool> = const { std::cell::Cell::new(true) };
-}
-
-/// Whether the device under test rounds as IEEE 754 says: the software drivers do.
-pub fn exact() -> bool {
-    EXACT.get()
+    let text = |s: Result<&CStr, _>| s.map_or_else(|_| String::new(), |s: &CStr| s.to_string_lossy().into_owned());
+    format!("{} {}", text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str()))
 }
 
 struct Instance {
@@ -144,7 +144,7 @@ impl Drop for Instance {
 
 /// A device with one queue.
 pub struct Engine<'a> {
-    pub name: String,
+    pub tested: TestedDevice,
     pub device: ash::Device,
     get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
     instance: &'a Instance,
@@ -198,7 +198,7 @@ impl<'a> Engine<'a> {
         entry: &Entry,
         instance: &'a Instance,
         physical: vk::PhysicalDevice,
-        name: String,
+        tested: TestedDevice,
         extensions: &[&CStr],
     ) -> Self {
         // SAFETY: a valid device.
@@ -212,7 +212,7 @@ impl<'a> Engine<'a> {
             let device = instance.instance.create_device(physical, &info, None).expect("a device");
             let pool = vk::CommandPoolCreateInfo::default().queue_family_index(0);
             Engine {
-                name,
+                tested,
                 get_instance_proc_addr: entry.static_fn().get_instance_proc_addr,
                 instance,
                 physical,
@@ -353,7 +353,7 @@ impl Drop for Engine<'_> {
     }
 }
 
-/// What a loader does that is not quite the system's.
+/// How a loader differs from the system's.
 #[derive(Clone, Copy, Default)]
 pub struct Tampered {
     /// A function that it does not have.
@@ -362,7 +362,7 @@ pub struct Tampered {
     pub barriers: Option<u32>,
     /// Queue families of buffers' barriers are kept for [`families`].
     pub watch: bool,
-    pub limits: Option<fn(&mut vk::PhysicalDeviceLimits)>,
+    pub lowered: Lowered,
     pub api_version: Option<u32>,
 }
 
@@ -424,9 +424,11 @@ unsafe extern "system" fn properties(physical: vk::PhysicalDevice, out: *mut vk:
     // SAFETY: the system's function, and the caller's memory.
     unsafe {
         REAL.with_borrow(|r| r.properties).unwrap()(physical, out);
-        if let Some(limits) = how.limits {
-            limits(&mut (*out).limits);
-        }
+        let (limits, lowered) = (&mut (*out).limits, how.lowered);
+        let groups = &mut limits.max_compute_work_group_count[0];
+        *groups = lowered.workgroups.unwrap_or(*groups);
+        let bytes = lowered.binding_bytes.map(|bytes| bytes as u32);
+        limits.max_storage_buffer_range = bytes.unwrap_or(limits.max_storage_buffer_range);
         (*out).api_version = how.api_version.unwrap_or((*out).api_version);
     }
 }

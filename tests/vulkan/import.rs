@@ -8,9 +8,11 @@ use ash::khr;
 use crumple::vulkan::{BufferId, ImportDef, OwnDevice, OwnDeviceDef, RecordJob, SemaphoreId, Shared, Target, vk};
 use crumple::{Error, ErrorKind, Instance};
 
-use crate::harness::{Engine, POISON, Seen, on_each_device_with};
+use crate::gpu::compare::Expected;
+use crate::gpu::layout::TestLayout;
+use crate::gpu::{folded, hit};
+use crate::harness::{Engine, Seen, on_each_device_with};
 use crate::scenes;
-use crate::{Plan, folded, hit, same};
 
 const EXTENSIONS: [&std::ffi::CStr; 2] = [khr::external_memory_fd::NAME, khr::external_semaphore_fd::NAME];
 const TYPE: vk::ExternalMemoryHandleTypeFlags = vk::ExternalMemoryHandleTypeFlags::OPAQUE_FD;
@@ -108,15 +110,17 @@ fn exported_memory_is_written_by_a_device_of_its_own() {
     let set = scenes::sheet_set();
     on_each_device_with(&EXTENSIONS, |engine| {
         for dedicated in [false, true] {
-            let plans =
-                [Plan::everything(&set, 0, 16), Plan::everything(&set, 0, 32 + Plan::everything(&set, 0, 0).size)];
-            let exported = export(engine, plans[1].offset + plans[1].size + 64, dedicated);
+            let layouts = [
+                TestLayout::everything(&set, 0, 16),
+                TestLayout::everything(&set, 0, 32 + TestLayout::everything(&set, 0, 0).size),
+            ];
+            let exported = export(engine, layouts[1].offset + layouts[1].size + 64, dedicated);
             let mut own = own(engine);
             let id = import(&mut own, &exported.def).unwrap();
             let mut instances = [folded(&set, 3, 1), folded(&set, 2, 2)];
             let mut targets: Vec<Target> =
-                plans.iter().map(|p| own.device().add_target(&set, &p.def(id)).unwrap()).collect();
-            let mut wanted = vec![POISON; exported.seen.words().len()];
+                layouts.iter().map(|p| own.device().add_target(&set, &p.def(id)).unwrap()).collect();
+            let mut wanted = Expected::poison(exported.seen.words().len());
             for round in 0..4 {
                 hand_over(engine, exported.seen.handle, false);
                 let jobs = instances.iter().zip(&mut targets);
@@ -126,8 +130,8 @@ fn exported_memory_is_written_by_a_device_of_its_own() {
                 assert_eq!((frame, report.blocks_written > 0), (round + 1, round != 2));
                 assert!(own.wait(frame, u64::MAX).unwrap());
                 hand_over(engine, exported.seen.handle, true);
-                instances.iter().zip(&plans).for_each(|(i, p)| p.expect(i, &mut wanted));
-                same(exported.seen.words(), &wanted, &format!("round {round}, dedicated {dedicated}"));
+                instances.iter_mut().zip(&layouts).for_each(|(i, p)| p.expect(i, &mut wanted));
+                wanted.compare(exported.seen.words(), &engine.tested, &format!("round {round}, dedicated {dedicated}"));
                 if round != 1 {
                     hit(&mut instances[round as usize % 2], 1, round + 10);
                 }
@@ -185,12 +189,12 @@ fn semaphores_order_the_two_devices_where_the_driver_has_them() {
             unsafe { own.import_semaphore(Shared::OpaqueFd(fd.as_raw_fd())) }.unwrap()
         };
         let (wait, signal) = (import_semaphore(&ready.1), import_semaphore(&done.1));
-        let plan = Plan::everything(&set, 0, 0);
-        let exported = export(engine, plan.size, false);
+        let layout = TestLayout::everything(&set, 0, 0);
+        let exported = export(engine, layout.size, false);
         let id = import(&mut own, &exported.def).unwrap();
         let mut instance = folded(&set, 2, 4);
-        let mut target = own.device().add_target(&set, &plan.def(id)).unwrap();
-        let mut wanted = vec![POISON; exported.seen.words().len()];
+        let mut target = own.device().add_target(&set, &layout.def(id)).unwrap();
+        let mut wanted = Expected::poison(exported.seen.words().len());
         for round in 0..3 {
             let (signals, waits) = ([ready.0], [done.0]);
             let stages = [vk::PipelineStageFlags::ALL_COMMANDS];
@@ -205,8 +209,8 @@ fn semaphores_order_the_two_devices_where_the_driver_has_them() {
             }
             // The engine's queue alone is waited for.
             engine.wait();
-            plan.expect(&instance, &mut wanted);
-            same(exported.seen.words(), &wanted, &format!("round {round}"));
+            layout.expect(&mut instance, &mut wanted);
+            wanted.compare(exported.seen.words(), &engine.tested, &format!("round {round}"));
             hit(&mut instance, 1, round);
         }
         drop(own);
@@ -264,17 +268,17 @@ fn what_is_no_memory_of_the_driver_is_refused() {
 /// The numbers of an import, from one process to another.
 const ACROSS: &str = "CRUMPLE_TEST_IMPORT";
 
-fn across() -> (Instance, Plan) {
+fn across() -> (Instance, TestLayout) {
     let set = scenes::sheet_set();
-    let plan = Plan::everything(&set, 0, 8);
-    (folded(&set, 4, 5), plan)
+    let layout = TestLayout::everything(&set, 0, 8);
+    (folded(&set, 4, 5), layout)
 }
 
 #[test]
 fn another_process_writes_exported_memory() {
     on_each_device_with(&EXTENSIONS, |engine| {
-        let (instance, plan) = across();
-        let exported = export(engine, plan.offset + plan.size + 8, false);
+        let (mut instance, layout) = across();
+        let exported = export(engine, layout.offset + layout.size + 8, false);
         hand_over(engine, exported.seen.handle, false);
         let ImportDef { memory_size, memory_type, offset, size, .. } = exported.def;
         let uuid: String = uuid(engine).iter().map(|b| format!("{b:02x}")).collect();
@@ -288,12 +292,16 @@ fn another_process_writes_exported_memory() {
         }
         let out = child.stdin(Stdio::from(exported.fd)).output().unwrap();
         let text = String::from_utf8_lossy(&out.stdout) + String::from_utf8_lossy(&out.stderr);
-        assert!(out.status.success() && text.contains("1 passed") && !text.contains("VUID"), "{}: {text}", engine.name);
+        assert!(
+            out.status.success() && text.contains("1 passed") && !text.contains("VUID"),
+            "{}: {text}",
+            engine.tested.name
+        );
         assert!(!text.contains("Validation Error") && !text.contains("SYNC-HAZARD"), "{text}");
         hand_over(engine, exported.seen.handle, true);
-        let mut wanted = vec![POISON; exported.seen.words().len()];
-        plan.expect(&instance, &mut wanted);
-        same(exported.seen.words(), &wanted, "from another process");
+        let mut wanted = Expected::poison(exported.seen.words().len());
+        layout.expect(&mut instance, &mut wanted);
+        wanted.compare(exported.seen.words(), &engine.tested, "from another process");
     });
 }
 
@@ -323,8 +331,8 @@ fn in_another_process() {
         usage: Seen::USAGE,
     };
     let id = import(&mut own, &import_def).unwrap();
-    let (instance, plan) = across();
-    let mut target = own.device().add_target(instance.example_set(), &plan.def(id)).unwrap();
+    let (instance, layout) = across();
+    let mut target = own.device().add_target(instance.example_set(), &layout.def(id)).unwrap();
     let (frame, _) = own.submit(&mut [RecordJob { instance: &instance, target: &mut target }], &[], &[]).unwrap();
     assert!(own.wait(frame, u64::MAX).unwrap());
 }

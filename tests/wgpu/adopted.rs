@@ -8,9 +8,11 @@ use crumple::ErrorKind::{InvalidArgument, Unsupported};
 use crumple::wgpu::wgpu::BufferUsages;
 use crumple::wgpu::{Device, DeviceDef, EncodeJob, VulkanDef};
 
-use crate::errors::refused;
-use crate::harness::{POISON, note_missing, now_on, required};
-use crate::{Plan, folded, hit, same, scenes};
+use crate::gpu::compare::{Expected, TestedDevice};
+use crate::gpu::layout::TestLayout;
+use crate::gpu::refusals::refused;
+use crate::gpu::{POISON, folded, hit, note_missing, required};
+use crate::scenes;
 
 /// An engine as small as can be.
 struct Engine {
@@ -204,7 +206,7 @@ fn copy(device: &ash::Device, (from, to): (&Seen, &Seen)) {
 }
 
 /// Runs a test with a device of the engine on each physical device, and fails if validation says anything.
-fn on_each_engine(test: impl Fn(&Engine, &VulkanDef<'_>, &ash::Device)) {
+fn on_each_engine(test: impl Fn(&Engine, &VulkanDef<'_>, &ash::Device, &TestedDevice)) {
     let Some(engine) = Engine::new() else { return };
     // SAFETY: a valid instance.
     let devices = unsafe { engine.instance.enumerate_physical_devices() }.unwrap_or_default();
@@ -213,13 +215,15 @@ fn on_each_engine(test: impl Fn(&Engine, &VulkanDef<'_>, &ash::Device)) {
         // SAFETY: a valid device.
         let properties = unsafe { engine.instance.get_physical_device_properties(physical) };
         let name = properties.device_name_as_c_str().unwrap().to_string_lossy().into_owned();
-        now_on(&name);
+        let driver = format!("version {:#x}", properties.driver_version);
+        let tested = TestedDevice { name: name.clone(), driver };
+        tested.announce();
         seen.push(name);
         let def = engine.def(physical);
         // SAFETY: valid handles.
         let wanted = unsafe { def.wanted_extensions() }.unwrap();
         let device = engine.device(physical, &wanted);
-        test(&engine, &VulkanDef { device: device.handle(), device_extensions: &wanted, ..def }, &device);
+        test(&engine, &VulkanDef { device: device.handle(), device_extensions: &wanted, ..def }, &device, &tested);
         // SAFETY: the tests have waited.
         unsafe { device.destroy_device(None) };
         let messages = std::mem::take(&mut *engine.messages.lock().unwrap());
@@ -231,23 +235,23 @@ fn on_each_engine(test: impl Fn(&Engine, &VulkanDef<'_>, &ash::Device)) {
 #[test]
 fn vertices_go_into_the_engines_own_buffer() {
     let set = scenes::cube_set();
-    on_each_engine(|engine, def, device| {
-        let plan = Plan::everything(&set, 0, 20);
-        let size = plan.offset + plan.size + 64;
+    on_each_engine(|engine, def, device, tested| {
+        let layout = TestLayout::everything(&set, 0, 20);
+        let size = layout.offset + layout.size + 64;
         let [seen, copied] = [(); 2].map(|()| engine.buffer(def.physical_device, device, size));
         // SAFETY: valid handles, extensions as enabled.
         let mut crumple = unsafe { Device::adopt(def, &DeviceDef::default()) }.unwrap();
         // SAFETY: a buffer of that device, which outlives it.
         let wrapped =
             unsafe { crumple.adopt_buffer(seen.handle, size, BufferUsages::STORAGE | BufferUsages::VERTEX) }.unwrap();
-        let mut target = crumple.add_target(&set, &plan.def(&wrapped)).unwrap();
+        let mut target = crumple.add_target(&set, &layout.def(&wrapped)).unwrap();
         let mut instance = folded(&set, 0, 0);
-        let mut wanted = vec![POISON; size as usize / 4];
+        let mut wanted = Expected::poison(size as usize / 4);
         for frame in 1..5 {
             crumple.submit(&mut [EncodeJob { instance: &instance, target: &mut target }]).unwrap();
             copy(device, (&seen, &copied));
-            plan.expect(&instance, &mut wanted);
-            same(copied.words(), &wanted, &format!("frame {frame}"));
+            layout.expect(&mut instance, &mut wanted);
+            wanted.compare(copied.words(), tested, &format!("frame {frame}"));
             hit(&mut instance, 2, frame);
         }
         drop((target, wrapped, crumple));
@@ -265,7 +269,7 @@ fn vertices_go_into_the_engines_own_buffer() {
 
 #[test]
 fn what_cannot_be_adopted_is_refused() {
-    on_each_engine(|engine, def, device| {
+    on_each_engine(|engine, def, device, _| {
         // SAFETY: valid handles, or null.
         let adopt = |def: VulkanDef<'_>| unsafe { Device::adopt(&def, &DeviceDef::default()) };
         let no = |def, kind, words: &[&str]| refused(adopt(def), kind, words);

@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-use crate::harness::on_each_device;
+use crate::backend::on_each_device;
 
 #[test]
 fn the_command_deforms_on_the_gpu() {
@@ -19,13 +19,13 @@ fn the_command_deforms_on_the_gpu() {
     };
     let cpu = folder.path().join("cpu.glb");
     assert!(apply(&cpu, None).0);
-    on_each_device(|device| {
-        let name = device.name.clone();
-        let gpu = folder.path().join("gpu.glb");
-        let (ok, text) = apply(&gpu, Some(format!("--gpu={name}")));
+    on_each_device(|gpu| {
+        let name = gpu.device.name.clone();
+        let out = folder.path().join("gpu.glb");
+        let (ok, text) = apply(&out, Some(format!("--gpu={name}")));
         assert!(ok && text.contains(&name), "{text}");
         if text.contains("the CPU's are the same") {
-            assert!(std::fs::read(&cpu).unwrap() == std::fs::read(&gpu).unwrap());
+            assert!(std::fs::read(&cpu).unwrap() == std::fs::read(&out).unwrap());
         } else {
             assert!(text.contains("the CPU's positions are within"), "{text}");
         }

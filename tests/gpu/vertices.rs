@@ -1,35 +1,33 @@
-//! The same vertices as the CPU's.
+//! The vertices are the CPU's.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 
-use crumple::vulkan::{Attribute, Device, Encoding, RecordJob};
 use crumple::{
     Combine, ExampleSet, Instance, InstanceOptions, Mark, Mirror, Pair, Placement, Rule, Serial, SetOptions,
 };
 
-use crate::harness::{Engine, POISON, on_each_device};
+use super::compare::Expected;
+use super::layout::TestLayout;
+use super::{folded, hit};
+use crate::backend::{Encoding, Gpu, Job, on_each_device};
 use crate::scenes::{self, Dice};
-use crate::{Plan, folded, format, hit, same};
 
-/// Bodies of every kind: exact and baked, in each width, by each way to combine, carried and anchored, with a held rim.
-fn sets() -> Vec<(String, Arc<ExampleSet>)> {
+/// Bodies of every kind: exact and baked, in each width, with each way to combine, carried and anchored, with a held rim.
+pub fn sets() -> Vec<(String, Arc<ExampleSet>)> {
     let mut all: Vec<(String, Arc<ExampleSet>)> =
         scenes::small_bodies().into_iter().map(|(n, s)| (n.to_owned(), s)).collect();
-    let sheet = || {
+    let sheet = |options: SetOptions| {
         let mesh = scenes::sheet(30);
         let examples = scenes::bowls(&mesh, 5, 0.3, 3);
-        (mesh, examples)
+        scenes::build(mesh, examples, options)
     };
     for (tolerance, name) in [(3e-3, "8 bits"), (1e-5, "16 bits"), (1e-7, "floats")] {
-        let (mesh, examples) = sheet();
         let options = SetOptions { tolerance: Some(tolerance), ..SetOptions::default() };
-        all.push((format!("sheet in {name}"), scenes::build(mesh, examples, options)));
+        all.push((format!("sheet in {name}"), sheet(options)));
     }
     for combine in [Combine::Sum, Combine::Deepest] {
-        let (mesh, examples) = sheet();
         let options = SetOptions { combine, depth_limit: Some(0.05), ..SetOptions::default() };
-        all.push((format!("{combine:?}"), scenes::build(mesh, examples, options)));
+        all.push((format!("{combine:?}"), sheet(options)));
     }
     for placement in [Placement::Anchored, Placement::Carried] {
         let mesh = scenes::cube(12);
@@ -67,30 +65,24 @@ fn any_marks(set: &ExampleSet, count: usize, dice: &mut Dice) -> Vec<Mark> {
     all
 }
 
-/// The next frame, of whatever device.
-static FRAME: AtomicU64 = AtomicU64::new(1);
-
-/// Records an instance again and again as it changes, and compares the whole buffer each time.
+/// Writes an instance again and again as it changes, and compares the whole buffer each time.
 fn compare(
-    (engine, crumple): (&Engine, &mut Device),
+    gpu: &mut Gpu,
     name: &str,
     instance: &mut Instance,
-    plan: &Plan,
+    layout: &TestLayout,
     mut change: impl FnMut(&mut Instance, u64) -> bool,
 ) {
-    let (seen, id) = engine.target_buffer(crumple, plan.offset + plan.size + 64);
-    let mut target = crumple.add_target(&instance.example_set().clone(), &plan.def(id)).unwrap();
-    let mut wanted = vec![POISON; seen.words().len()];
+    let buffer = gpu.buffer(layout.offset + layout.size + 64);
+    let mut target = gpu.add_target(&instance.example_set().clone(), layout, &buffer).unwrap();
+    let mut expected = Expected::poison(buffer.words());
     for frame in 1.. {
-        let job = RecordJob { instance, target: &mut target };
-        let number = FRAME.fetch_add(1, Ordering::Relaxed);
-        // SAFETY: the command buffer is recording.
-        let report = engine.run(|c| unsafe { crumple.record(c, number, &mut [job]) }).unwrap();
-        crumple.completed(number);
-        plan.expect(instance, &mut wanted);
-        same(seen.words(), &wanted, &format!("{name} on {}, frame {frame}, {report:?}", engine.name));
+        let report = gpu.run(&mut [Job { instance, target: &mut target }]).unwrap();
+        layout.expect(instance, &mut expected);
+        expected.compare(&gpu.read(&buffer), &gpu.device, &format!("{name}, frame {frame}, {report:?}"));
         let bounds = target.bounds().unwrap();
-        for v in 0..if plan.lod == 0 { instance.example_set().vertex_count() as u32 } else { 0 } {
+        let count = if layout.lod == 0 { instance.example_set().vertex_count() as u32 } else { 0 };
+        for v in 0..count {
             let p = instance.displaced(v).unwrap();
             assert!(bounds.distance_squared(p) == 0.0, "{name}: vertex {v} at {p} is outside {bounds:?}");
         }
@@ -103,12 +95,11 @@ fn compare(
 #[test]
 fn vertices_are_those_of_the_cpu() {
     let sets = sets();
-    on_each_device(|engine| {
-        let mut crumple = engine.crumple();
+    on_each_device(|gpu| {
         for (name, set) in &sets {
             let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
-            let plan = Plan::everything(set, 0, 20);
-            compare((engine, &mut crumple), name, &mut instance, &plan, |instance, frame| {
+            let layout = TestLayout::everything(set, 0, 20);
+            compare(gpu, name, &mut instance, &layout, |instance, frame| {
                 match frame {
                     1 => hit(instance, 1, 7),
                     2 => hit(instance, 2, 8),
@@ -131,15 +122,13 @@ fn vertices_are_those_of_the_cpu() {
 #[test]
 fn positions_alone_and_normals_alone_are_the_same() {
     let set = scenes::cube_set();
-    on_each_device(|engine| {
-        let mut crumple = engine.crumple();
-        for normals in [None, Some(Encoding::F32)] {
-            let plan = Plan::interleaved(&set, 0, 8, [Some(Encoding::F32), normals, None]);
-            compare((engine, &mut crumple), "cube", &mut folded(&set, 9, 3), &plan, |_, _| false);
+    let float = Some(Encoding::F32);
+    on_each_device(|gpu| {
+        // Tangents without normals too.
+        for encodings in [[float, None, None], [float, float, None], [float, None, float]] {
+            let layout = TestLayout::interleaved(&set, 0, 8, encodings);
+            compare(gpu, "cube", &mut folded(&set, 9, 3), &layout, |_, _| false);
         }
-        // Tangents without normals.
-        let plan = Plan::interleaved(&set, 0, 0, [Some(Encoding::F32), None, Some(Encoding::F32)]);
-        compare((engine, &mut crumple), "cube", &mut folded(&set, 9, 3), &plan, |_, _| false);
     });
 }
 
@@ -147,14 +136,13 @@ fn positions_alone_and_normals_alone_are_the_same() {
 fn levels_of_detail_show_the_same_damage() {
     let mesh = scenes::cube(16);
     let examples = scenes::bowls(&mesh, 6, 0.4, 5);
-    let mut set = crumple::ExampleSet::build(mesh, examples, SetOptions::default(), &Serial).unwrap();
+    let mut set = ExampleSet::build(mesh, examples, SetOptions::default(), &Serial).unwrap();
     set.add_lod(scenes::cube(6), &Serial).unwrap();
     let set = Arc::new(set);
-    on_each_device(|engine| {
-        let mut crumple = engine.crumple();
+    on_each_device(|gpu| {
         for lod in 0..2 {
-            let plan = Plan::everything(&set, lod, 4);
-            compare((engine, &mut crumple), "lod", &mut folded(&set, 5, 3), &plan, |i, frame| {
+            let layout = TestLayout::everything(&set, lod, 4);
+            compare(gpu, "lod", &mut folded(&set, 5, 3), &layout, |i, frame| {
                 hit(i, 3, frame);
                 frame < 3
             });
@@ -170,16 +158,16 @@ fn classic_rules_are_those_of_the_cpu() {
         scenes::build(mesh, examples, SetOptions { tolerance: Some(tolerance), ..SetOptions::default() })
     };
     let sets = [scenes::cube_set(), scenes::ball_set(), baked(3e-3), baked(1e-5)];
-    on_each_device(|engine| {
-        let mut crumple = engine.crumple();
-        for (set, rule) in sets.iter().zip([Rule::MostDisplaced, Rule::Blend(0.3), Rule::Blend(0.0), Rule::Blend(1.0)])
-        {
+    let rules = [Rule::MostDisplaced, Rule::Blend(0.3), Rule::Blend(0.0), Rule::Blend(1.0)];
+    let positions = [Some(Encoding::F32), None, None];
+    on_each_device(|gpu| {
+        for (set, rule) in sets.iter().zip(rules) {
             let unclamped = crumple::Selection::ClassicUnclamped;
             let options = InstanceOptions { selection: unclamped, ..InstanceOptions::classic(rule) };
-            for plan in [Plan::everything(set, 0, 8), Plan::interleaved(set, 0, 0, [Some(Encoding::F32), None, None])] {
+            for layout in [TestLayout::everything(set, 0, 8), TestLayout::interleaved(set, 0, 0, positions)] {
                 let mut instance = Instance::new(set.clone(), options).unwrap();
-                // Undamaged in the first frame; then more hits than the journal holds, and what no journal tells.
-                compare((engine, &mut crumple), &format!("{rule:?}"), &mut instance, &plan, |i, frame| {
+                // The first frame is undamaged. Then come more hits than the journal holds, and changes that it does not hold.
+                compare(gpu, &format!("{rule:?}"), &mut instance, &layout, |i, frame| {
                     match frame {
                         4 => hit(i, 300, frame),
                         6 => i.repair(0.7).unwrap(),
@@ -190,7 +178,7 @@ fn classic_rules_are_those_of_the_cpu() {
                 });
                 let mut damaged = Instance::new(set.clone(), options).unwrap();
                 hit(&mut damaged, 20, 5);
-                compare((engine, &mut crumple), "damaged before", &mut damaged, &plan, |i, frame| {
+                compare(gpu, "damaged before", &mut damaged, &layout, |i, frame| {
                     hit(i, 1, frame);
                     frame < 2
                 });
@@ -204,23 +192,16 @@ fn formats_are_converted_as_rust_does() {
     let set = scenes::cube_set();
     let positions = [Encoding::F32, Encoding::F16x4, Encoding::Snorm16x4];
     let others = [Encoding::F32, Encoding::Snorm16x4, Encoding::Snorm8x4];
-    on_each_device(|engine| {
-        let mut crumple = engine.crumple();
+    on_each_device(|gpu| {
         for (p, n) in positions.into_iter().zip(others) {
             for t in others {
-                let plan = Plan::interleaved(&set, 0, 16, [Some(p), Some(n), Some(t)]);
-                compare(
-                    (engine, &mut crumple),
-                    &format!("{p:?} {n:?} {t:?}"),
-                    &mut folded(&set, 9, 5),
-                    &plan,
-                    |i, frame| {
-                        hit(i, 9, frame);
-                        frame < 2
-                    },
-                );
+                let layout = TestLayout::interleaved(&set, 0, 16, [Some(p), Some(n), Some(t)]);
+                let name = format!("{p:?} {n:?} {t:?}");
+                compare(gpu, &name, &mut folded(&set, 9, 5), &layout, |i, frame| {
+                    hit(i, 9, frame);
+                    frame < 2
+                });
             }
         }
     });
-    assert_eq!(format(Attribute::Normal, Encoding::F32), crumple::vulkan::vk::Format::R32G32B32_SFLOAT);
 }

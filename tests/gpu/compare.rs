@@ -1,0 +1,237 @@
+//! Compares vertices of a device with those of the CPU.
+//!
+//! Lavapipe and SwiftShader round every operation as IEEE 754 says, so they must give the CPU's bits. Vulkan allows other devices
+//! to differ (Vulkan specification, "Precision and Operation of SPIR-V Instructions"):
+//!
+//! - Additions, subtractions and multiplications are rounded correctly. NoContraction forbids to fuse them.
+//! - A division may be wrong by 2.5 units in the last place (ulp).
+//! - A square root is computed as 1 / inversesqrt. That makes 2 + 2.5 ulp.
+//! - Numbers below 1.2e-38 may count as 0.
+//!
+//! The kernels divide and take roots in these places:
+//!
+//! - The length limit scales a displacement by `sqrt(a) / sqrt(b)`: at most 4.5 + 4.5 + 2.5 = 11.5 ulp of the displacement. A
+//!   normal is scaled likewise, and divided by its length: 11.5 + 4.5 + 2.5 = 18.5 ulp of 1. A tangent is turned with the normal
+//!   and made a unit vector in two more steps of 7 ulp. [`ULPS`] covers that.
+//! - A carried example unrolls the vertex's place in its stamp with one division. The weights of the stamp's nodes are integers of
+//!   14 bits, so that a place that differs by an ulp changes each weight by up to 2^-14. Heights change with the weights, and the
+//!   fade turns that into a factor. [`STAMP_ULPS`] covers that: 2^-10 of the example's displacement, and of 1 for normals.
+//! - Where a tolerance drops short displacements, two devices may decide otherwise. Each stays within the tolerance, so they
+//!   differ by twice that.
+//! - A normalised position is divided by its scale, which may change the integer by 1.
+
+use crumple::{Instance, Rule};
+
+use super::{DRIVERS, POISON};
+use crate::backend::{Attribute, Encoding};
+
+/// Units in the last place that divisions and square roots may cost, of the largest coordinate or of 1 for directions.
+const ULPS: f32 = 64.0;
+/// The same for carried examples, of the marks' summed depths or of 1 for directions: 2^-10.
+const STAMP_ULPS: f32 = 8192.0;
+
+/// The device that a test runs on.
+#[derive(Debug, Clone)]
+pub struct TestedDevice {
+    pub name: String,
+    /// Its driver, with the version.
+    pub driver: String,
+}
+
+impl TestedDevice {
+    /// Whether it must give the CPU's bits.
+    pub fn exact(&self) -> bool {
+        DRIVERS.iter().any(|driver| self.name.starts_with(driver))
+    }
+
+    /// Prints the device and how its vertices are compared.
+    pub fn announce(&self) {
+        let how = if self.exact() { "bits" } else { "vertices within the bounds of tests/gpu/compare.rs" };
+        println!("on {} (driver {}): compares {how}", self.name, self.driver);
+    }
+}
+
+/// How far a device that is not exact may be off.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    /// m.
+    pub position: f32,
+    /// Of a unit vector.
+    pub direction: f32,
+}
+
+impl Bounds {
+    /// The bounds for an instance.
+    pub fn of(instance: &mut Instance) -> Self {
+        let set = instance.example_set().clone();
+        let bounds = set.mesh().bounds();
+        let largest = bounds.min.abs().max(bounds.max.abs()).max_element() + set.depth_limit();
+        let (position, direction) = (ULPS * f32::EPSILON * largest, ULPS * f32::EPSILON);
+        if instance.options().rule != Rule::Marks {
+            return Bounds { position, direction };
+        }
+        let tolerance = instance.tolerance();
+        // The depths of carried examples, summed. Repeated hits make a mark stronger.
+        let carried =
+            instance.marks().unwrap().iter().filter(|m| m.pairs.iter().any(|p| !p.is_none() && !p.is_anchored()));
+        let depth = |m: &crumple::Mark| m.depth * (m.energy as f32 / crumple::Mark::ONE as f32).max(1.0);
+        let (count, depths) = carried.fold((0, 0.0), |(n, sum), m| (n + 1, sum + depth(m)));
+        // Dropped displacements drop their change of the normal too: no bound on directions holds then.
+        let direction = if tolerance > 0.0 { 2.0 } else { direction + count as f32 * STAMP_ULPS * f32::EPSILON };
+        Bounds { position: position + depths * STAMP_ULPS * f32::EPSILON + 2.0 * tolerance, direction }
+    }
+
+    fn of_attribute(self, attribute: Attribute) -> f32 {
+        if attribute == Attribute::Position { self.position } else { self.direction }
+    }
+}
+
+/// How a word of a buffer may differ on a device that is not exact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Allowed {
+    /// Not at all.
+    Nothing,
+    /// Numbers in an encoding, by a bound on each and one step of the encoding.
+    Numbers(Encoding, [f32; 4]),
+}
+
+/// The words that a buffer should hold.
+#[derive(Debug, Clone)]
+pub struct Expected {
+    words: Vec<u32>,
+    allowed: Vec<Allowed>,
+}
+
+impl Expected {
+    /// Of a buffer of `words` words that nothing was written to.
+    pub fn poison(words: usize) -> Self {
+        Expected { words: vec![POISON; words], allowed: vec![Allowed::Nothing; words] }
+    }
+
+    pub fn words(&self) -> &[u32] {
+        &self.words
+    }
+
+    /// Puts a vertex's attribute at a word. A position's bounds are divided by the scale of normalised integers.
+    pub fn put(
+        &mut self,
+        at: usize,
+        attribute: Attribute,
+        encoding: Encoding,
+        words: &[u32],
+        bounds: Bounds,
+        scale: [f32; 3],
+    ) {
+        let bound = bounds.of_attribute(attribute);
+        let [x, y, z] = scale.map(|s| bound / s);
+        let all = [x, y, z, bound];
+        self.words[at..at + words.len()].copy_from_slice(words);
+        for i in 0..words.len() {
+            let of = match encoding {
+                Encoding::F32 => [all[i]; 4],
+                Encoding::F16x4 | Encoding::Snorm16x4 => [all[2 * i], all[2 * i + 1], 0.0, 0.0],
+                Encoding::Snorm8x4 => all,
+            };
+            self.allowed[at + i] = Allowed::Numbers(encoding, of);
+        }
+    }
+
+    /// Fails at the first word that differs by more than the device may.
+    #[track_caller]
+    pub fn compare(&self, got: &[u32], device: &TestedDevice, what: &str) {
+        assert_eq!(got.len(), self.words.len(), "{what}");
+        let differs = |i: &usize| !agree(got[*i], self.words[*i], self.allowed[*i], device.exact());
+        let mut wrong = (0..got.len()).filter(differs);
+        if let Some(at) = wrong.next() {
+            let (g, w) = (got[at], self.words[at]);
+            let floats = (f32::from_bits(g), f32::from_bits(w));
+            panic!(
+                "{what} on {} (driver {}): word {at} is {g:08x}, not {w:08x} ({floats:?}, {:?}); {} of {} words differ",
+                device.name,
+                device.driver,
+                self.allowed[at],
+                1 + wrong.count(),
+                got.len()
+            );
+        }
+    }
+}
+
+fn agree(got: u32, wanted: u32, allowed: Allowed, exact: bool) -> bool {
+    let zero_for_tiny = f32::from_bits(wanted).is_subnormal() && got << 1 == 0;
+    let Allowed::Numbers(encoding, bounds) = allowed else { return got == wanted };
+    if got == wanted || encoding == Encoding::F32 && zero_for_tiny {
+        return true;
+    }
+    // A NaN agrees with nothing.
+    !exact
+        && numbers(encoding, got).iter().zip(numbers(encoding, wanted)).zip(bounds).all(|((g, w), bound)| {
+            let step = match encoding {
+                Encoding::F32 => 0.0,
+                // Half of a unit in the last place of eleven bits, once on each side.
+                Encoding::F16x4 => w.abs().max(6.2e-5) / 1024.0,
+                Encoding::Snorm16x4 => 1.0 / 32767.0,
+                Encoding::Snorm8x4 => 1.0 / 127.0,
+            };
+            (g - w).abs() <= bound + step * 1.0001
+        })
+}
+
+/// The numbers in a word.
+fn numbers(encoding: Encoding, word: u32) -> [f32; 4] {
+    let halves = [word as u16, (word >> 16) as u16];
+    match encoding {
+        Encoding::F32 => [f32::from_bits(word), 0.0, 0.0, 0.0],
+        Encoding::F16x4 => [half(halves[0]), half(halves[1]), 0.0, 0.0],
+        Encoding::Snorm16x4 => {
+            let [x, y] = halves.map(|h| f32::from(h as i16) / 32767.0);
+            [x, y, 0.0, 0.0]
+        }
+        Encoding::Snorm8x4 => word.to_le_bytes().map(|b| f32::from(b as i8) / 127.0),
+    }
+}
+
+fn half(bits: u16) -> f32 {
+    let (exponent, fraction) = (i32::from(bits >> 10 & 31), f32::from(bits & 0x3FF));
+    let size =
+        if exponent == 0 { fraction * 2f32.powi(-24) } else { (1.0 + fraction / 1024.0) * 2f32.powi(exponent - 15) };
+    if bits & 0x8000 != 0 { -size } else { size }
+}
+
+/// The comparer refuses what it should: a difference above the bound, a bit on an exact device, and a word that nothing may
+/// write.
+#[test]
+fn differences_above_the_bound_are_refused() {
+    let device = |name: &str| TestedDevice { name: name.into(), driver: "any".into() };
+    let (exact, other) = (device("llvmpipe (a processor)"), device("a card"));
+    let bounds = Bounds { position: 1e-5, direction: 1e-6 };
+    let refused = |expected: &Expected, got: Vec<u32>, device: &TestedDevice| {
+        std::panic::catch_unwind(|| expected.compare(&got, device, "test")).is_err()
+    };
+    let mut expected = Expected::poison(8);
+    let floats = [1.0f32, -2.0, 0.5].map(f32::to_bits);
+    expected.put(2, Attribute::Position, Encoding::F32, &floats, bounds, [1.0; 3]);
+    let changed = |at: usize, word: u32| {
+        let mut got = expected.words().to_vec();
+        got[at] = word;
+        got
+    };
+    assert!(!refused(&expected, expected.words().to_vec(), &exact));
+    assert!(refused(&expected, changed(3, floats[1] + 1), &exact));
+    assert!(!refused(&expected, changed(3, floats[1] + 1), &other));
+    assert!(!refused(&expected, changed(2, (1.0f32 + 0.9e-5).to_bits()), &other));
+    assert!(refused(&expected, changed(2, (1.0f32 + 1.1e-5).to_bits()), &other));
+    assert!(refused(&expected, changed(4, f32::NAN.to_bits()), &other));
+    for device in [&exact, &other] {
+        assert!(refused(&expected, changed(0, POISON + 1), device));
+        assert!(refused(&expected, changed(5, 0), device));
+    }
+    // Integers: one step, and the bound as a share of the scale.
+    let mut expected = Expected::poison(2);
+    let words = [100 | 200 << 16, 300 | 32767 << 16];
+    expected.put(0, Attribute::Position, Encoding::Snorm16x4, &words, bounds, [1.0; 3]);
+    assert!(!refused(&expected, vec![101 | 199 << 16, words[1]], &other));
+    assert!(refused(&expected, vec![102 | 200 << 16, words[1]], &other));
+    assert!(refused(&expected, vec![101 | 200 << 16, words[1]], &exact));
+    assert_eq!([half(0x3C00), half(0xC000), half(1)], [1.0, -2.0, 2f32.powi(-24)]);
+}

@@ -1,0 +1,160 @@
+//! The library on a wgpu device, for the tests in `tests/gpu`.
+
+use std::sync::Arc;
+
+use crumple::wgpu::wgpu::{self, VertexFormat};
+pub use crumple::wgpu::{
+    Attribute, EncodeJob as Job, EncodeReport as Report, Encoding, Stream, Target, TargetDef as Def, encode,
+};
+use crumple::wgpu::{Device, DeviceDef, HeadlessDef, adapters};
+use crumple::{Error, ExampleSet};
+
+use crate::gpu::compare::TestedDevice;
+use crate::gpu::layout::TestLayout;
+use crate::gpu::{Lowered, POISON, note_missing};
+
+pub type BufferRef<'a> = &'a wgpu::Buffer;
+
+pub const HALF_POSITION: VertexFormat = VertexFormat::Float16x4;
+pub const PACKED_POSITION: VertexFormat = VertexFormat::Snorm16x4;
+/// A format that is refused, and one that is good instead.
+pub const BAD_POSITION: (VertexFormat, &str) = (VertexFormat::Float32x2, "Float32x3");
+
+pub fn format(attribute: Attribute, encoding: Encoding) -> VertexFormat {
+    match (encoding, attribute) {
+        (Encoding::F32, Attribute::Tangent) => VertexFormat::Float32x4,
+        (Encoding::F32, _) => VertexFormat::Float32x3,
+        (Encoding::F16x4, _) => VertexFormat::Float16x4,
+        (Encoding::Snorm16x4, _) => VertexFormat::Snorm16x4,
+        (Encoding::Snorm8x4, _) => VertexFormat::Snorm8x4,
+    }
+}
+
+/// Runs a test on each Vulkan device there is, with a device that the library makes.
+pub fn on_each_device(test: impl Fn(&mut Gpu)) {
+    let all = adapters(wgpu::Backends::VULKAN);
+    for adapter in &all {
+        let device = TestedDevice::of(adapter);
+        device.announce();
+        let crumple = Device::headless(&headless(&device.name)).unwrap();
+        test(&mut Gpu { device, crumple });
+    }
+    note_missing(&all.into_iter().map(|a| a.name).collect::<Vec<_>>());
+}
+
+impl TestedDevice {
+    fn of(adapter: &wgpu::AdapterInfo) -> Self {
+        TestedDevice { name: adapter.name.clone(), driver: format!("{} {}", adapter.driver, adapter.driver_info) }
+    }
+}
+
+/// The definition of a Vulkan device of this name.
+pub fn headless(name: &str) -> HeadlessDef<'_> {
+    HeadlessDef { adapter: Some(name), backends: wgpu::Backends::VULKAN, device: DeviceDef::default() }
+}
+
+/// A device with the library on it.
+pub struct Gpu {
+    pub device: TestedDevice,
+    pub crumple: Device,
+}
+
+/// A buffer that can be read back.
+pub struct Buffer(pub wgpu::Buffer);
+
+impl Buffer {
+    pub fn words(&self) -> usize {
+        self.0.size() as usize / 4
+    }
+
+    pub fn as_ref(&self) -> &wgpu::Buffer {
+        &self.0
+    }
+}
+
+impl Gpu {
+    /// Another device of the library's on the same adapter.
+    pub fn another(&self) -> Device {
+        Device::headless(&headless(&self.device.name)).unwrap()
+    }
+
+    /// Two devices of a host without features. `change` changes the adapter's limits.
+    pub fn hosts(&self, change: impl Fn(&mut wgpu::Limits)) -> [(wgpu::Device, wgpu::Queue); 2] {
+        let instance = wgpu::Instance::default();
+        let adapters = at_once(instance.enumerate_adapters(wgpu::Backends::VULKAN));
+        let adapter = adapters.iter().find(|a| a.get_info().name == self.device.name).unwrap();
+        let mut required_limits = adapter.limits();
+        change(&mut required_limits);
+        let descriptor = wgpu::DeviceDescriptor { required_limits, ..Default::default() };
+        [(); 2].map(|()| at_once(adapter.request_device(&descriptor)).unwrap())
+    }
+
+    /// A host's device with these limits.
+    pub fn hosted(&self, change: impl Fn(&mut wgpu::Limits), def: &DeviceDef) -> Result<Gpu, Error> {
+        let [(device, queue), _] = self.hosts(change);
+        Ok(Gpu { device: self.device.clone(), crumple: Device::new(&device, &queue, def)? })
+    }
+
+    /// A host's device with lower limits.
+    pub fn lowered(&self, lowered: Lowered) -> Result<Gpu, Error> {
+        let change = |l: &mut wgpu::Limits| {
+            l.max_compute_workgroups_per_dimension =
+                lowered.workgroups.unwrap_or(l.max_compute_workgroups_per_dimension);
+            l.max_storage_buffer_binding_size = lowered.binding_bytes.unwrap_or(l.max_storage_buffer_binding_size);
+        };
+        self.hosted(change, &DeviceDef { workgroup_size: lowered.workgroup_size })
+    }
+
+    pub fn buffer(&mut self, bytes: u64) -> Buffer {
+        Buffer(buffer(&self.crumple, bytes))
+    }
+
+    pub fn add_target(&mut self, set: &Arc<ExampleSet>, layout: &TestLayout, at: &Buffer) -> Result<Target, Error> {
+        self.crumple.add_target(set, &layout.def(&at.0))
+    }
+
+    /// Submits a frame.
+    pub fn run(&mut self, jobs: &mut [Job<'_>]) -> Result<Report, Error> {
+        self.crumple.submit(jobs)
+    }
+
+    pub fn frame_done(&mut self) {}
+
+    pub fn read(&mut self, buffer: &Buffer) -> Vec<u32> {
+        read(&mut self.crumple, &buffer.0)
+    }
+
+    /// Objects that a target in a new buffer takes, if its mesh finds room in a chunk: a bind group.
+    pub fn objects_per_target(&self) -> u64 {
+        1
+    }
+}
+
+/// The output of a future that is ready.
+fn at_once<F: Future>(future: F) -> F::Output {
+    let mut context = std::task::Context::from_waker(std::task::Waker::noop());
+    match std::pin::pin!(future).poll(&mut context) {
+        std::task::Poll::Ready(output) => output,
+        std::task::Poll::Pending => panic!("outside of browsers wgpu's futures are ready"),
+    }
+}
+
+pub const USAGE: wgpu::BufferUsages = wgpu::BufferUsages::STORAGE
+    .union(wgpu::BufferUsages::VERTEX)
+    .union(wgpu::BufferUsages::COPY_SRC)
+    .union(wgpu::BufferUsages::COPY_DST);
+
+/// A buffer full of poison.
+pub fn buffer(crumple: &Device, size: u64) -> wgpu::Buffer {
+    let descriptor = wgpu::BufferDescriptor { label: None, size, usage: USAGE, mapped_at_creation: false };
+    let buffer = crumple.device().create_buffer(&descriptor);
+    crumple.queue().write_buffer(&buffer, 0, &POISON.to_le_bytes().repeat(size as usize / 4));
+    buffer
+}
+
+/// Everything that a buffer holds.
+pub fn read(crumple: &mut Device, buffer: &wgpu::Buffer) -> Vec<u32> {
+    let mut bytes = vec![0; buffer.size() as usize];
+    crumple.read(buffer, 0, &mut bytes).unwrap();
+    bytes.chunks_exact(4).map(|w| u32::from_le_bytes(w.try_into().unwrap())).collect()
+}

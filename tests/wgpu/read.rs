@@ -1,0 +1,40 @@
+//! Vertices come back into the CPU's memory.
+
+use crumple::VertexMemory;
+use crumple::wgpu::EncodeJob;
+
+use crate::backend::{buffer, on_each_device};
+use crate::gpu::compare::Expected;
+use crate::gpu::layout::TestLayout;
+use crate::gpu::{POISON, folded};
+use crate::scenes;
+
+#[test]
+fn vertices_come_back_into_memory() {
+    let set = scenes::cube_set();
+    on_each_device(|gpu| {
+        let (mut crumple, device) = (gpu.another(), &gpu.device);
+        let layout = TestLayout::everything(&set, 0, 12);
+        let seen = buffer(&crumple, layout.offset + layout.size);
+        let mut target = crumple.add_target(&set, &layout.def(&seen)).unwrap();
+        let mut instance = folded(&set, 9, 5);
+        crumple.submit(&mut [EncodeJob { instance: &instance, target: &mut target }]).unwrap();
+        let count = set.vertex_count();
+        let (mut p, mut n, mut t) = (vec![[0.0; 3]; count], vec![[0.0; 3]; count], vec![[0.0; 4]; count]);
+        let mut memory = VertexMemory::separate(&mut p, Some(&mut n), Some(&mut t)).unwrap();
+        crumple.read_vertices(&set, &target, &mut memory).unwrap();
+        let mut wanted = Expected::poison(seen.size() as usize / 4);
+        layout.expect(&mut instance, &mut wanted);
+        // Put what was read where the buffer holds it, so that it is compared as the buffer is.
+        let mut got = vec![POISON; seen.size() as usize / 4];
+        for v in 0..count {
+            let values = [p[v].to_vec(), n[v].to_vec(), t[v].to_vec()];
+            for (stream, value) in layout.streams.iter().zip(values) {
+                let stream = stream.unwrap().0;
+                let at = (layout.offset + stream.offset + v as u64 * stream.stride) as usize / 4;
+                got[at..at + value.len()].copy_from_slice(&value.iter().map(|x| x.to_bits()).collect::<Vec<_>>());
+            }
+        }
+        wanted.compare(&got, device, "read back");
+    });
+}
