@@ -31,7 +31,7 @@ namespace Crumple.Native
         public const uint VersionMinor = 1;
 
         /// <summary>
-        /// Patch version of this header.
+        /// 
         /// </summary>
         public const uint VersionPatch = 0;
 
@@ -82,14 +82,12 @@ namespace Crumple.Native
         public static extern CrumpleAllocatorDef crumple_allocator_def_default();
 
         /// <summary>
-        /// Makes the library allocate from the host's functions, for the whole process. Null restores the system's allocator.
+        /// Makes the library allocate from the host's functions, for the whole process. Null restores the system's allocator. You
+        /// may call this at any time. Each block is freed by the functions that allocated it, so they must stay callable.
+        /// Destroying all contexts frees all blocks, except for a few kB per thread that contexts with their own threads keep
+        /// until process exit. A process can use at most 15 different allocators. Builds without
+        /// <see cref="CrumpleFeatures.HostAllocator"/> return <see cref="CrumpleResult.ErrorUnsupported"/>.
         /// </summary>
-        /// <remarks>
-        /// <para>You may call this at any time. Each block is freed by the functions that allocated it, so they must stay
-        /// callable. Destroying all contexts frees all blocks, except for a few kB per thread that contexts with their own
-        /// threads keep until process exit. A process can use at most 15 different allocators. Builds without
-        /// <see cref="CrumpleFeatures.HostAllocator"/> return <see cref="CrumpleResult.ErrorUnsupported"/>.</para>
-        /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_allocator_set(CrumpleAllocatorDef* allocator);
 
@@ -109,13 +107,10 @@ namespace Crumple.Native
 
         /// <summary>
         /// Destroys a context and everything in it. Your own memory is neither freed nor touched. The context and its ids become
-        /// invalid.
-        /// </summary>
-        /// <remarks>
-        /// <para>No other call may be running with this context. An attached Vulkan device must still exist.
+        /// invalid. No other call may be running with this context. An attached Vulkan device must still exist.
         /// <see cref="CrumpleResult.ErrorFramesInFlight"/>: see
-        /// <see cref="Native.NativeMethods.crumple_vulkan_complete_frames"/>; nothing was destroyed.</para>
-        /// </remarks>
+        /// <see cref="Native.NativeMethods.crumple_vulkan_complete_frames"/>; nothing was destroyed.
+        /// </summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_context_destroy(IntPtr context);
 
@@ -150,14 +145,11 @@ namespace Crumple.Native
 
         /// <summary>
         /// Adds a mesh that shows the same damage, such as a level of detail or a collision proxy. Call this before the set's
-        /// first instance is created. out_lod is its number, 1 for the first, for the lod fields of buffer defs.
+        /// first instance is created. out_lod is its number, 1 for the first, for the lod fields of buffer defs. Each vertex is
+        /// bound to the nearest point of the base surface and moves with it. A vertex on a base vertex moves exactly as that
+        /// vertex. Contacts, marks, saved damage and the fingerprint are still those of the base mesh. Errors:
+        /// <see cref="CrumpleResult.ErrorInvalidArgument"/> (the set has instances), <see cref="CrumpleResult.ErrorMesh"/>.
         /// </summary>
-        /// <remarks>
-        /// <para>Each vertex is bound to the nearest point of the base surface and moves with it. A vertex on a base vertex moves
-        /// exactly as that vertex. Contacts, marks, saved damage and the fingerprint are still those of the base mesh. Errors:
-        /// <see cref="CrumpleResult.ErrorInvalidArgument"/> (the set has instances),
-        /// <see cref="CrumpleResult.ErrorMesh"/>.</para>
-        /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_example_set_add_lod(
             IntPtr context,
@@ -349,12 +341,10 @@ namespace Crumple.Native
 
         /// <summary>
         /// Sets the transform of an instance: local_to_world points to 16 floats, column-major (element 4 * column + row, as in
-        /// glTF and Vulkan), translation in elements 12 to 14, m, last row 0 0 0 1. It may scale and shear but not flatten.
+        /// glTF and Vulkan), translation in elements 12 to 14, m, last row 0 0 0 1. It may scale and shear but not flatten. Hits
+        /// in <see cref="CrumpleSpace.World"/> that are submitted afterwards use it: points as points, impulses and displacements
+        /// as vectors, by its inverse. Deformed vertices are always in the mesh's space.
         /// </summary>
-        /// <remarks>
-        /// <para>Hits in <see cref="CrumpleSpace.World"/> that are submitted afterwards use it: points as points, impulses and
-        /// displacements as vectors, by its inverse. Deformed vertices are always in the mesh's space.</para>
-        /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_instance_set_transform(
             IntPtr context,
@@ -373,13 +363,10 @@ namespace Crumple.Native
 
         /// <summary>
         /// Allows vertices a position error of up to tolerance, m, in the mesh's space, which makes deforming cheaper: smaller
-        /// displacements are skipped. 0: none are skipped. Seams stay closed.
+        /// displacements are skipped. 0: none are skipped. Seams stay closed. The value is rounded down to a power of two in
+        /// metres, so it may be set every frame from <see cref="Native.NativeMethods.crumple_pixel_tolerance"/>. When the rounded
+        /// value changes, the next deform writes every dented block. Classic rules ignore it.
         /// </summary>
-        /// <remarks>
-        /// <para>The value is rounded down to a power of two in metres, so it may be set every frame from
-        /// <see cref="Native.NativeMethods.crumple_pixel_tolerance"/>. When the rounded value changes, the next deform writes
-        /// every dented block. Classic rules ignore it.</para>
-        /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_instance_set_tolerance(
             IntPtr context,
@@ -409,14 +396,11 @@ namespace Crumple.Native
         /// <summary>
         /// Submits a hit. Examples are selected during the call. The mark counts from the next read of the damage (see "Reads" at
         /// the top). A hit that is too weak, or that no example answers, is not an error; see out_result-&gt;status. out_result
-        /// may be null. With a contact_id, it describes the hit alone.
+        /// may be null. With a contact_id, it describes the hit alone. May be called from any thread at any time, except while
+        /// the instance or context is being destroyed. Errors: <see cref="CrumpleResult.ErrorInvalidArgument"/> (duration not
+        /// above 0, negative or unknown mass), <see cref="CrumpleResult.ErrorContactTooFar"/>,
+        /// <see cref="CrumpleResult.ErrorWrongRule"/> (a contact_id with a classic rule).
         /// </summary>
-        /// <remarks>
-        /// <para>May be called from any thread at any time, except while the instance or context is being destroyed. Errors:
-        /// <see cref="CrumpleResult.ErrorInvalidArgument"/> (duration not above 0, negative or unknown mass),
-        /// <see cref="CrumpleResult.ErrorContactTooFar"/>, <see cref="CrumpleResult.ErrorWrongRule"/> (a contact_id with a
-        /// classic rule).</para>
-        /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_instance_submit_impulse(
             IntPtr context,
@@ -456,19 +440,15 @@ namespace Crumple.Native
             CrumpleHitResult* outResult);
 
         /// <summary>
-        /// Ends a contact. Its dent stays; later hits with the same id begin a new contact.
+        /// Ends a contact. Its dent stays; later hits with the same id begin a new contact. Use contacts where the physics engine
+        /// reports one contact as many small impulses. Give each of these hits the same contact_id, any number but 0, and end the
+        /// contact when the bodies separate. They make the dent of the whole impulse, at any frame rate: their displacements add,
+        /// and the place is the mean of their points weighted by displacement. Yield thresholds and depth limit apply to the sum.
+        /// One mark is replaced as hits arrive. Ends and hits of one contact take effect at the next read, hits first. Reuse an
+        /// id only after that read. Ending an unknown id is not an error. Contacts also end when the instance's damage is set,
+        /// loaded, copied, repaired or reset. At most 256 are open; the one hit longest ago ends first. May be called from any
+        /// thread at any time. Errors: <see cref="CrumpleResult.ErrorWrongRule"/> (a classic rule).
         /// </summary>
-        /// <remarks>
-        /// <para>Use contacts where the physics engine reports one contact as many small impulses. Give each of these hits the
-        /// same contact_id, any number but 0, and end the contact when the bodies separate. They make the dent of the whole
-        /// impulse, at any frame rate: their displacements add, and the place is the mean of their points weighted by
-        /// displacement. Yield thresholds and depth limit apply to the sum. One mark is replaced as hits arrive.</para>
-        /// <para>Ends and hits of one contact take effect at the next read, hits first. Reuse an id only after that read. Ending
-        /// an unknown id is not an error. Contacts also end when the instance's damage is set, loaded, copied, repaired or reset.
-        /// At most 256 are open; the one hit longest ago ends first.</para>
-        /// <para>May be called from any thread at any time. Errors: <see cref="CrumpleResult.ErrorWrongRule"/> (a classic
-        /// rule).</para>
-        /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_instance_end_contact(
             IntPtr context,
@@ -557,15 +537,12 @@ namespace Crumple.Native
 
         /// <summary>
         /// Registers your memory for an instance's deformed vertices. The first deform writes every vertex. An instance may have
-        /// several buffers, such as the members of a ring; each is brought up to date by itself.
+        /// several buffers, such as the members of a ring; each is brought up to date by itself. Only
+        /// <see cref="Native.NativeMethods.crumple_context_deform"/> touches the memory. It must exist until the buffer is
+        /// unregistered or set to other memory, or until its instance or context is destroyed. Memory of different buffers must
+        /// not overlap; debug builds of the library check this. Errors: <see cref="CrumpleResult.ErrorMesh"/> (normals or
+        /// tangents that the mesh lacks), <see cref="CrumpleResult.ErrorWrongRule"/> (lod above 0 with a classic rule).
         /// </summary>
-        /// <remarks>
-        /// <para>Only <see cref="Native.NativeMethods.crumple_context_deform"/> touches the memory. It must exist until the
-        /// buffer is unregistered or set to other memory, or until its instance or context is destroyed. Memory of different
-        /// buffers must not overlap; debug builds of the library check this. Errors: <see cref="CrumpleResult.ErrorMesh"/>
-        /// (normals or tangents that the mesh lacks), <see cref="CrumpleResult.ErrorWrongRule"/> (lod above 0 with a classic
-        /// rule).</para>
-        /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_buffer_register_host(
             IntPtr context,
@@ -598,13 +575,11 @@ namespace Crumple.Native
         /// <summary>
         /// Brings host buffers up to date: count ids at buffers, each once, or all host buffers of the context with null and 0.
         /// Writes only what changed since the last write of each buffer, in parallel over all of them. Without changes it is
-        /// cheap. An unseen instance needs no deform: its next deform includes all its hits, at 8 to 20 microseconds each.
-        /// </summary>
-        /// <remarks>
-        /// <para>The buffers' memory must not be read or written during the call. out_report may be null.
+        /// cheap. An unseen instance needs no deform: its next deform includes all its hits, at 8 to 20 microseconds each. The
+        /// buffers' memory must not be read or written during the call. out_report may be null.
         /// <see cref="CrumpleResult.ErrorInvalidArgument"/>: a buffer twice, a Vulkan buffer, or overlapping memory in debug
-        /// builds. No vertex is written then.</para>
-        /// </remarks>
+        /// builds. No vertex is written then.
+        /// </summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_context_deform(
             IntPtr context,
@@ -651,14 +626,11 @@ namespace Crumple.Native
         public static extern CrumpleResult crumple_vulkan_attach(IntPtr context, CrumpleVulkanAttachDef* def);
 
         /// <summary>
-        /// Detaches the Vulkan device. Ends all Vulkan buffers and destroys Crumple's objects on the device. Damage stays.
+        /// Detaches the Vulkan device. Ends all Vulkan buffers and destroys Crumple's objects on the device. Damage stays. After
+        /// <see cref="CrumpleResult.ErrorDeviceLost"/>: call <see cref="Native.NativeMethods.crumple_vulkan_complete_frames"/>
+        /// with UINT64_MAX, then this, then vkDestroyDevice. Attach the new device and register the buffers again.
+        /// <see cref="CrumpleResult.ErrorFramesInFlight"/>: nothing was changed.
         /// </summary>
-        /// <remarks>
-        /// <para>After <see cref="CrumpleResult.ErrorDeviceLost"/>: call
-        /// <see cref="Native.NativeMethods.crumple_vulkan_complete_frames"/> with UINT64_MAX, then this, then vkDestroyDevice.
-        /// Attach the new device and register the buffers again. <see cref="CrumpleResult.ErrorFramesInFlight"/>: nothing was
-        /// changed.</para>
-        /// </remarks>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_vulkan_detach(IntPtr context);
 
@@ -676,16 +648,14 @@ namespace Crumple.Native
         /// <summary>
         /// Registers a range of a VkBuffer for an instance's deformed vertices. The first recording writes every vertex. An
         /// instance may have several ranges, such as the members of a ring. A mesh's first range copies its vertices and examples
-        /// to a staging buffer, and the next recording copies them to the device; all instances and ranges share them.
-        /// </summary>
-        /// <remarks>
-        /// <para>The VkBuffer must exist until its last range has ended and the frames that wrote it are complete. Errors:
+        /// to a staging buffer, and the next recording copies them to the device; all instances and ranges share them. The
+        /// VkBuffer must exist until its last range has ended and the frames that wrote it are complete. Errors:
         /// <see cref="CrumpleResult.ErrorInvalidArgument"/> (no device, stages of 0, an unsupported format, overlapping
         /// attributes, a scale not above 0, a VkBuffer that is registered with another description),
         /// <see cref="CrumpleResult.ErrorWrongRule"/> (lod above 0 with a classic rule),
         /// <see cref="CrumpleResult.ErrorUnsupported"/> (normals or tangents that the mesh lacks; more bytes than the device can
-        /// bind).</para>
-        /// </remarks>
+        /// bind).
+        /// </summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_buffer_register_vulkan(
             IntPtr context,
@@ -854,15 +824,12 @@ namespace Crumple.Native
         /// Records the context's calls to a file, path in UTF-8. "crumple replay FILE" makes the same calls without your engine
         /// and checks that every result and vertex is equal: a bug becomes a test. The file starts with the existing sets,
         /// instances, damage and buffers. It grows by some hundred bytes per hit and frame, written at once, so that a crash
-        /// loses nothing.
-        /// </summary>
-        /// <remarks>
-        /// <para>The next deform writes every buffer whole. Vulkan buffers are replayed on the CPU and not compared. Refused
-        /// calls are noted with their message. Hits wait for each other while recording, so leave it off in releases.</para>
-        /// <para>Submits are serialised, but may arrive meanwhile. Errors: <see cref="CrumpleResult.ErrorInvalidArgument"/> (a
+        /// loses nothing. The next deform writes every buffer whole. Vulkan buffers are replayed on the CPU and not compared.
+        /// Refused calls are noted with their message. Hits wait for each other while recording, so leave it off in releases.
+        /// Submits are serialised, but may arrive meanwhile. Errors: <see cref="CrumpleResult.ErrorInvalidArgument"/> (a
         /// recording runs, or an instance has open contacts), <see cref="CrumpleResult.ErrorIo"/>,
-        /// <see cref="CrumpleResult.ErrorUnsupported"/> (a big-endian processor).</para>
-        /// </remarks>
+        /// <see cref="CrumpleResult.ErrorUnsupported"/> (a big-endian processor).
+        /// </summary>
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_recording_begin(IntPtr context, IntPtr path);
 

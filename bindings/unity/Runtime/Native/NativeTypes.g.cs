@@ -37,7 +37,7 @@ namespace Crumple
     public enum CrumpleResult
     {
         /// <summary>
-        /// Success.
+        /// 
         /// </summary>
         Ok = 0,
         /// <summary>
@@ -136,7 +136,7 @@ namespace Crumple
     public enum CrumpleLogLevel
     {
         /// <summary>
-        /// A report of what was done.
+        /// 
         /// </summary>
         Info = 0,
         /// <summary>
@@ -185,16 +185,16 @@ namespace Crumple
     }
 
     /// <summary>
-    /// The type of triangle indices.
+    /// The type of triangle indices. <see cref="CrumpleIndexType.U32"/> is the default.
     /// </summary>
     public enum CrumpleIndexType
     {
         /// <summary>
-        /// uint32_t. The default.
+        /// 
         /// </summary>
         U32 = 0,
         /// <summary>
-        /// uint16_t.
+        /// 
         /// </summary>
         U16 = 1,
     }
@@ -359,7 +359,7 @@ namespace Crumple
     public delegate void CrumpleFree(IntPtr pointer, UIntPtr size, UIntPtr align, IntPtr user);
 
     /// <summary>
-    /// The host's allocator.
+    /// The host's allocator. Both functions are required.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleAllocatorDef
@@ -369,11 +369,11 @@ namespace Crumple
         /// </summary>
         public uint StructSize;
         /// <summary>
-        /// Allocates. Required.
+        /// 
         /// </summary>
         public IntPtr Alloc;
         /// <summary>
-        /// Frees. Required.
+        /// 
         /// </summary>
         public IntPtr Free;
         /// <summary>
@@ -411,12 +411,9 @@ namespace Crumple
     /// <summary>
     /// Your parallel-for: calls task(index, task_data) once for each index below count, on any threads and in any order, and
     /// returns when all calls have returned. Tasks do not block or throw and may run at once. Crumple itself runs an index that
-    /// you leave out, and ignores a second call of an index.
+    /// you leave out, and ignores a second call of an index. Crumple calls this function on the thread that called Crumple. It
+    /// must not throw or jump out. Of the same context it may call only the functions that may be called at any time.
     /// </summary>
-    /// <remarks>
-    /// <para>Crumple calls this function on the thread that called Crumple. It must not throw or jump out. Of the same context it
-    /// may call only the functions that may be called at any time.</para>
-    /// </remarks>
     [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
     public delegate void CrumpleParallelFor(uint count, IntPtr task, IntPtr taskData, IntPtr user);
 
@@ -427,11 +424,11 @@ namespace Crumple
     public partial struct CrumpleTaskSystem
     {
         /// <summary>
-        /// Runs tasks. Null: Crumple uses its own threads.
+        /// 
         /// </summary>
         public IntPtr ParallelFor;
         /// <summary>
-        /// Passed to parallel_for. May be null.
+        /// 
         /// </summary>
         public IntPtr User;
         /// <summary>
@@ -460,11 +457,11 @@ namespace Crumple
         /// </summary>
         public IntPtr Log;
         /// <summary>
-        /// Passed to log.
+        /// 
         /// </summary>
         public IntPtr LogUser;
         /// <summary>
-        /// Your job system, instead of Crumple's threads. Default zero: none.
+        /// 
         /// </summary>
         public CrumpleTaskSystem Tasks;
 
@@ -562,7 +559,7 @@ namespace Crumple
         /// </summary>
         public CrumpleInput NormalDeltas;
         /// <summary>
-        /// How the contact is given. Default <see cref="CrumpleContactKind.None"/>.
+        /// 
         /// </summary>
         public CrumpleContactKind ContactKind;
         /// <summary>
@@ -582,7 +579,7 @@ namespace Crumple
         /// </summary>
         public CrumpleBool HasContactNormal;
         /// <summary>
-        /// Where the example may be used. Default <see cref="CrumplePlacement.Automatic"/>.
+        /// 
         /// </summary>
         public CrumplePlacement Placement;
 
@@ -632,7 +629,7 @@ namespace Crumple
         /// </summary>
         public CrumpleInput Indices;
         /// <summary>
-        /// Type of indices. Default <see cref="CrumpleIndexType.U32"/>.
+        /// 
         /// </summary>
         public CrumpleIndexType IndexType;
     }
@@ -676,11 +673,11 @@ namespace Crumple
         /// </summary>
         public CrumpleInput VertexMasses;
         /// <summary>
-        /// How the dents of several hits combine. Default <see cref="CrumpleCombine.Energies"/>.
+        /// 
         /// </summary>
         public CrumpleCombine Combine;
         /// <summary>
-        /// How examples that open seams are treated. Default <see cref="CrumpleSeams.Weld"/>.
+        /// 
         /// </summary>
         public CrumpleSeams Seams;
         /// <summary>
@@ -699,7 +696,7 @@ namespace Crumple
     }
 
     /// <summary>
-    /// A base mesh with its examples.
+    /// A base mesh with its examples, at least 1, and how the set is built.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleExampleSetDef
@@ -709,11 +706,11 @@ namespace Crumple
         /// </summary>
         public uint StructSize;
         /// <summary>
-        /// Number of examples, at least 1.
+        /// 
         /// </summary>
         public uint ExampleCount;
         /// <summary>
-        /// The base mesh.
+        /// 
         /// </summary>
         public CrumpleMeshDef Mesh;
         /// <summary>
@@ -721,7 +718,7 @@ namespace Crumple
         /// </summary>
         public IntPtr Examples;
         /// <summary>
-        /// How the set is built.
+        /// 
         /// </summary>
         public CrumpleExampleSetOptions Options;
 
@@ -760,7 +757,7 @@ namespace Crumple
     }
 
     /// <summary>
-    /// Another mesh of a set's body, such as a level of detail.
+    /// Another mesh of a set's body, such as a level of detail, in the base mesh's space.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleLodDef
@@ -770,7 +767,7 @@ namespace Crumple
         /// </summary>
         public uint StructSize;
         /// <summary>
-        /// The mesh, in the base mesh's space.
+        /// 
         /// </summary>
         public CrumpleMeshDef Mesh;
 
@@ -789,7 +786,7 @@ namespace Crumple
     }
 
     /// <summary>
-    /// Which mesh of a glTF file to load, and how.
+    /// Which mesh of a glTF file to load, and how the set is built.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleGltfDef
@@ -812,7 +809,7 @@ namespace Crumple
         /// </summary>
         public IntPtr Path;
         /// <summary>
-        /// How the set is built.
+        /// 
         /// </summary>
         public CrumpleExampleSetOptions Options;
 
@@ -831,7 +828,7 @@ namespace Crumple
     }
 
     /// <summary>
-    /// A base OBJ file with its example files.
+    /// A base OBJ file with its example files, and how the set is built.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleObjDef
@@ -853,7 +850,7 @@ namespace Crumple
         /// </summary>
         public IntPtr ExamplePaths;
         /// <summary>
-        /// How the set is built.
+        /// 
         /// </summary>
         public CrumpleExampleSetOptions Options;
 
@@ -898,7 +895,8 @@ namespace Crumple
     }
 
     /// <summary>
-    /// Where a set's mesh is copied to. Absent streams are skipped.
+    /// Where a set's mesh is copied to: positions (m), unit normals, tangents, and 3 * triangle_count indices. Absent streams are
+    /// skipped.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleMeshCopyDef
@@ -913,19 +911,19 @@ namespace Crumple
         /// </summary>
         public uint Lod;
         /// <summary>
-        /// Positions, m.
+        /// 
         /// </summary>
         public CrumpleStream Positions;
         /// <summary>
-        /// Unit normals.
+        /// 
         /// </summary>
         public CrumpleStream Normals;
         /// <summary>
-        /// Tangents: xyz of unit length, w +1 or -1.
+        /// 
         /// </summary>
         public CrumpleStream Tangents;
         /// <summary>
-        /// Triangles: 3 * triangle_count indices.
+        /// 
         /// </summary>
         public CrumpleStream Indices;
 
@@ -960,7 +958,8 @@ namespace Crumple
     }
 
     /// <summary>
-    /// Facts about an example set. Its strings are valid until the set is destroyed.
+    /// Facts about an example set; counts and bounds are those of the base mesh. Its strings are valid until the set is
+    /// destroyed.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleExampleSetInfo
@@ -974,19 +973,19 @@ namespace Crumple
         /// </summary>
         public ulong Fingerprint;
         /// <summary>
-        /// Memory of the set, bytes.
+        /// 
         /// </summary>
         public ulong MemoryBytes;
         /// <summary>
-        /// Vertices of the base mesh.
+        /// 
         /// </summary>
         public uint VertexCount;
         /// <summary>
-        /// Triangles of the base mesh.
+        /// 
         /// </summary>
         public uint TriangleCount;
         /// <summary>
-        /// Number of examples.
+        /// 
         /// </summary>
         public uint ExampleCount;
         /// <summary>
@@ -1002,7 +1001,7 @@ namespace Crumple
         /// </summary>
         public float DepthLimit;
         /// <summary>
-        /// Bounds of the base mesh.
+        /// 
         /// </summary>
         public CrumpleAabb Bounds;
         /// <summary>
@@ -1010,7 +1009,7 @@ namespace Crumple
         /// </summary>
         public fixed float NodeTransform[16];
         /// <summary>
-        /// Whether the mesh has tangents.
+        /// 
         /// </summary>
         public CrumpleBool HasTangents;
         /// <summary>
@@ -1024,13 +1023,13 @@ namespace Crumple
     }
 
     /// <summary>
-    /// Facts about an example. Its string is valid until the set is destroyed.
+    /// Facts about an example. Its name, UTF-8, is valid until the set is destroyed, and never null.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleExampleInfo
     {
         /// <summary>
-        /// Name, UTF-8. Never null.
+        /// 
         /// </summary>
         public IntPtr Name;
         /// <summary>
@@ -1062,7 +1061,7 @@ namespace Crumple
         /// </summary>
         public float SupportRadius;
         /// <summary>
-        /// Where it may be used.
+        /// 
         /// </summary>
         public CrumplePlacement Placement;
         /// <summary>
@@ -1072,13 +1071,14 @@ namespace Crumple
     }
 
     /// <summary>
-    /// A part of the mesh with its own material.
+    /// A part of the mesh with its own material, whose name (UTF-8) is null if it has none and is valid until the set is
+    /// destroyed.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumplePrimitive
     {
         /// <summary>
-        /// Name of the material, UTF-8; null if it has none. Valid until the set is destroyed.
+        /// 
         /// </summary>
         public IntPtr Material;
         /// <summary>
@@ -1122,11 +1122,11 @@ namespace Crumple
         /// </summary>
         public CrumpleExampleSet Set;
         /// <summary>
-        /// How hits damage the instance. Default <see cref="CrumpleRule.Marks"/>.
+        /// 
         /// </summary>
         public CrumpleRule Rule;
         /// <summary>
-        /// How examples are selected. Default <see cref="CrumpleSelection.OfRule"/>.
+        /// 
         /// </summary>
         public CrumpleSelection Selection;
         /// <summary>
@@ -1215,11 +1215,11 @@ namespace Crumple
         /// </summary>
         public uint MarkCount;
         /// <summary>
-        /// Number of registered buffers.
+        /// 
         /// </summary>
         public uint BufferCount;
         /// <summary>
-        /// No vertex moves further than this, m.
+        /// 
         /// </summary>
         public float DepthLimit;
         /// <summary>
@@ -1233,9 +1233,9 @@ namespace Crumple
     }
 
     /// <summary>
-    /// A hit given as an impulse. The target displacement of the contact is impulse * duration / mass. For dents that do not
-    /// depend on the frame rate, make duration a constant of the material and report a contact once with its whole impulse, or in
-    /// parts with a contact_id.
+    /// A hit given as an impulse, with point and impulse in the given space (default <see cref="CrumpleSpace.Local"/>). The
+    /// target displacement of the contact is impulse * duration / mass. For dents that do not depend on the frame rate, make
+    /// duration a constant of the material and report a contact once with its whole impulse, or in parts with a contact_id.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleImpulseDef
@@ -1245,7 +1245,7 @@ namespace Crumple
         /// </summary>
         public uint StructSize;
         /// <summary>
-        /// Space of point and impulse. Default <see cref="CrumpleSpace.Local"/>.
+        /// 
         /// </summary>
         public CrumpleSpace Space;
         /// <summary>
@@ -1286,7 +1286,7 @@ namespace Crumple
 
     /// <summary>
     /// A hit given as the desired contact displacement, for engines with their own impulse-to-depth mapping. It does not depend
-    /// on the frame rate.
+    /// on the frame rate. Fields without a comment are as in <see cref="CrumpleImpulseDef"/>.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleDisplacementDef
@@ -1296,11 +1296,11 @@ namespace Crumple
         /// </summary>
         public uint StructSize;
         /// <summary>
-        /// Space of point and displacement. Default <see cref="CrumpleSpace.Local"/>.
+        /// 
         /// </summary>
         public CrumpleSpace Space;
         /// <summary>
-        /// Where it hit, m. The nearest vertex becomes the contact.
+        /// 
         /// </summary>
         public CrumpleVec3 Point;
         /// <summary>
@@ -1308,7 +1308,7 @@ namespace Crumple
         /// </summary>
         public CrumpleVec3 Displacement;
         /// <summary>
-        /// As in <see cref="CrumpleImpulseDef"/>. Default 0.
+        /// 
         /// </summary>
         public ulong ContactId;
 
@@ -1333,7 +1333,7 @@ namespace Crumple
     public partial struct CrumpleChosen
     {
         /// <summary>
-        /// Index in the set.
+        /// 
         /// </summary>
         public uint Example;
         /// <summary>
@@ -1424,7 +1424,7 @@ namespace Crumple
     public unsafe partial struct CrumpleHitResult
     {
         /// <summary>
-        /// What became of the hit.
+        /// 
         /// </summary>
         public CrumpleHitStatus Status;
         /// <summary>
@@ -1444,7 +1444,7 @@ namespace Crumple
         /// </summary>
         public CrumpleVec3 Achieved;
         /// <summary>
-        /// Number of chosen examples.
+        /// 
         /// </summary>
         public uint ChosenCount;
         /// <summary>
@@ -1540,17 +1540,17 @@ namespace Crumple
     }
 
     /// <summary>
-    /// The work of a deform.
+    /// The work of a deform. Blocks are runs of consecutive vertices.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleDeformReport
     {
         /// <summary>
-        /// Vertices written, over all buffers.
+        /// 
         /// </summary>
         public ulong VerticesWritten;
         /// <summary>
-        /// Blocks of consecutive vertices written.
+        /// 
         /// </summary>
         public ulong BlocksWritten;
         /// <summary>
@@ -1590,7 +1590,8 @@ namespace Crumple
     public delegate void CrumpleVulkanFunction();
 
     /// <summary>
-    /// Your Vulkan device, Vulkan 1.1 or later. No extension or feature needs to be enabled.
+    /// Your Vulkan device, Vulkan 1.1 or later: a VkInstance, a VkPhysicalDevice and a VkDevice, all required. No extension or
+    /// feature needs to be enabled.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleVulkanAttachDef
@@ -1609,15 +1610,15 @@ namespace Crumple
         /// </summary>
         public IntPtr GetInstanceProcAddr;
         /// <summary>
-        /// The VkInstance. Required.
+        /// 
         /// </summary>
         public IntPtr Instance;
         /// <summary>
-        /// The VkPhysicalDevice. Required.
+        /// 
         /// </summary>
         public IntPtr PhysicalDevice;
         /// <summary>
-        /// The VkDevice. Required.
+        /// 
         /// </summary>
         public IntPtr Device;
         /// <summary>
@@ -1675,7 +1676,8 @@ namespace Crumple
     }
 
     /// <summary>
-    /// A range of a VkBuffer for the deformed vertices of one instance, in the mesh's order and space.
+    /// A range of a VkBuffer for the deformed vertices of one instance, in the mesh's order and space. Fields without a comment
+    /// are as in <see cref="CrumpleHostBufferDef"/>.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleVulkanBufferDef
@@ -1685,8 +1687,7 @@ namespace Crumple
         /// </summary>
         public uint StructSize;
         /// <summary>
-        /// Which mesh: 0 for the base mesh, or a number of <see cref="Native.NativeMethods.crumple_example_set_add_lod"/>.
-        /// Default 0.
+        /// 
         /// </summary>
         public uint Lod;
         /// <summary>
@@ -1735,15 +1736,15 @@ namespace Crumple
         /// </summary>
         public ulong Size;
         /// <summary>
-        /// Positions, m. Required.
+        /// 
         /// </summary>
         public CrumpleVulkanStream Positions;
         /// <summary>
-        /// Unit normals. Absent: not written.
+        /// 
         /// </summary>
         public CrumpleVulkanStream Normals;
         /// <summary>
-        /// Tangents: xyz of unit length and orthogonal to the normal, w as in the mesh. Absent: not written.
+        /// 
         /// </summary>
         public CrumpleVulkanStream Tangents;
         /// <summary>
@@ -1752,7 +1753,7 @@ namespace Crumple
         /// </summary>
         public CrumpleVec3 Scale;
         /// <summary>
-        /// See scale, m. Default 0, 0, 0.
+        /// 
         /// </summary>
         public CrumpleVec3 Bias;
 
@@ -1771,13 +1772,13 @@ namespace Crumple
     }
 
     /// <summary>
-    /// The recorded work.
+    /// The recorded work. Fields without a comment are as in <see cref="CrumpleDeformReport"/>.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleRecordReport
     {
         /// <summary>
-        /// Vertices that will be written, over all buffers.
+        /// 
         /// </summary>
         public ulong VerticesWritten;
         /// <summary>
@@ -1785,11 +1786,11 @@ namespace Crumple
         /// </summary>
         public ulong BlocksWritten;
         /// <summary>
-        /// Blocks that were up to date.
+        /// 
         /// </summary>
         public ulong BlocksSkipped;
         /// <summary>
-        /// Examples of marks that tolerances skipped; see <see cref="Native.NativeMethods.crumple_instance_set_tolerance"/>.
+        /// 
         /// </summary>
         public ulong PartsSkipped;
         /// <summary>
@@ -1811,7 +1812,8 @@ namespace Crumple
     }
 
     /// <summary>
-    /// A Vulkan device that Crumple creates, beside yours on the same physical device.
+    /// A Vulkan device that Crumple creates, beside yours on the same physical device. Fields without a comment are as in
+    /// <see cref="CrumpleVulkanAttachDef"/>.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleVulkanOpenDef
@@ -1821,7 +1823,7 @@ namespace Crumple
         /// </summary>
         public uint StructSize;
         /// <summary>
-        /// As in <see cref="CrumpleVulkanAttachDef"/>. Default 128.
+        /// 
         /// </summary>
         public uint WorkgroupSize;
         /// <summary>
@@ -1834,7 +1836,7 @@ namespace Crumple
         /// </summary>
         public fixed byte DeviceUuid[16];
         /// <summary>
-        /// As in <see cref="CrumpleVulkanAttachDef"/>. Default null.
+        /// 
         /// </summary>
         public IntPtr PipelineCache;
         /// <summary>
@@ -1857,8 +1859,9 @@ namespace Crumple
     }
 
     /// <summary>
-    /// A VkBuffer of your device in memory that it exported. Create it with VkExternalMemoryBufferCreateInfo and its memory with
-    /// VkExportMemoryAllocateInfo, of one handle type.
+    /// A VkBuffer of your device in memory that it exported, at offset (default 0) in the memory and with a size, bytes. usage is
+    /// as in <see cref="CrumpleVulkanBufferDef"/>. Create it with VkExternalMemoryBufferCreateInfo and its memory with
+    /// VkExportMemoryAllocateInfo, of one handle type (default <see cref="CrumpleHandleType.OpaqueFd"/>).
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleVulkanImportDef
@@ -1868,7 +1871,7 @@ namespace Crumple
         /// </summary>
         public uint StructSize;
         /// <summary>
-        /// Type of handle. Default <see cref="CrumpleHandleType.OpaqueFd"/>.
+        /// 
         /// </summary>
         public CrumpleHandleType HandleType;
         /// <summary>
@@ -1884,15 +1887,15 @@ namespace Crumple
         /// </summary>
         public uint MemoryType;
         /// <summary>
-        /// VkBufferUsageFlags of the buffer, with VK_BUFFER_USAGE_STORAGE_BUFFER_BIT. Required.
+        /// 
         /// </summary>
         public uint Usage;
         /// <summary>
-        /// Where the buffer is bound in the memory, bytes. Default 0.
+        /// 
         /// </summary>
         public ulong Offset;
         /// <summary>
-        /// Bytes of the buffer. Required.
+        /// 
         /// </summary>
         public ulong Size;
         /// <summary>
@@ -1963,7 +1966,7 @@ namespace Crumple
     }
 
     /// <summary>
-    /// The place of an attached point.
+    /// The place of an attached point, and its rotation since rest.
     /// </summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleFrame
@@ -1973,7 +1976,7 @@ namespace Crumple
         /// </summary>
         public CrumpleVec3 Position;
         /// <summary>
-        /// Rotation since rest.
+        /// 
         /// </summary>
         public CrumpleQuat Rotation;
         /// <summary>
