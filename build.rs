@@ -1,9 +1,12 @@
 //! Link arguments of the shared C library: its name for the loader, and that it stays loaded, since its threads may still be
-//! ending when a host unloads it. With the feature `vulkan` or `wgpu`, the kernels in `src/gpu` as SPIR-V too.
+//! ending when a host unloads it. With the feature `vulkan` or `wgpu` it compiles the kernels in `src/gpu`.
 
 #[cfg(feature = "gpu")]
 #[path = "build/kernels.rs"]
 mod kernels;
+#[cfg(feature = "gpu")]
+#[path = "build/layout.rs"]
+mod layout;
 #[cfg(feature = "gpu")]
 #[path = "build/spirv.rs"]
 mod spirv;

@@ -1,15 +1,15 @@
-//! The kernels: WGSL in `src/gpu`, SPIR-V for Vulkan 1.1 in `OUT_DIR`. What differs from dispatch to dispatch goes by immediates
-//! (push constants) where the host records, and by a uniform buffer through wgpu, which has immediates on some devices only; for
-//! devices of wgpu that take no SPIR-V the sources with that are there too.
+//! Compiles the kernels: WGSL in `src/gpu` to SPIR-V for Vulkan 1.1 in `OUT_DIR`. The `Call` of a dispatch is an immediate (push
+//! constant) for Vulkan. Only some wgpu devices have immediates, so it is a uniform buffer for wgpu. wgpu devices that take no
+//! SPIR-V get the WGSL with the uniform buffer.
 
-use crate::spirv;
+use crate::{layout, spirv};
 use naga::back::pipeline_constants::process_overrides;
 use naga::back::spv::{self, Capability, WriterFlags};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use std::path::Path;
 use std::{env, fs};
 
-/// Kernel, its source, and the overrides that are on in it.
+/// Name, source and overrides of each kernel.
 const KERNELS: &[(&str, &str, &[&str])] = &[
     ("marks_positions", "marks", &[]),
     ("marks_normals", "marks", &["NORMALS"]),
@@ -33,10 +33,14 @@ pub fn build() {
         let path = format!("src/gpu/{name}.wgsl");
         fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"))
     };
-    let common = read("common");
+    let declared = read("layout");
+    let module = naga::front::wgsl::parse_str(&declared).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&declared)));
+    write("layout.rs".into(), layout::rust(&module).as_bytes());
+    let common = declared + &read("common");
     assert!(common.contains(IMMEDIATE), "src/gpu/common.wgsl does not declare: {IMMEDIATE}");
     for (name, source, on) in KERNELS {
         let text = common.clone() + &read(source);
+        let text = layout::loaders(&module, &text) + &text;
         if cfg!(feature = "vulkan") {
             write(format!("{name}.spv"), &compile(&text, on));
         }
@@ -60,10 +64,10 @@ fn compile(text: &str, on: &[&str]) -> Vec<u8> {
     let options = spv::Options {
         lang_version: (1, 3),
         flags: WriterFlags::empty(),
-        // No more than every Vulkan 1.1 device has: a module that asks for more can crash a driver that lacks it.
+        // Every Vulkan 1.1 device has this. A module that asks for more can crash a driver.
         capabilities: Some([Capability::Shader].into_iter().collect()),
         use_storage_input_output_16: false,
-        // Each loop ends, and no divisor is 0.
+        // Every loop ends, and no divisor is 0.
         force_loop_bounding: false,
         emit_int_div_checks: false,
         ..spv::Options::default()

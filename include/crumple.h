@@ -250,6 +250,8 @@ typedef enum {
     CRUMPLE_HIT_STATUS_BELOW_YIELD = 1,
     /// No example moves the contact vertex towards the target.
     CRUMPLE_HIT_STATUS_NOTHING_REACHES = 2,
+    /// Too little alone to leave a mark, but part of a contact, which it adds to ([`Hit::contact`]).
+    CRUMPLE_HIT_STATUS_ACCUMULATED = 3,
 } CrumpleHitStatus;
 
 /// The type of a handle to shared memory or to a semaphore.

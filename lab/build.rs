@@ -16,7 +16,7 @@ fn main() {
     literature();
 }
 
-/// The literature's kernel, with its operations as they are written, as the library's own are.
+/// The classic kernel, with its operations as they are written, as the library's own are.
 #[cfg(feature = "gpu")]
 fn literature() {
     use naga::back::spv::{self, Capability, WriterFlags};

@@ -21,71 +21,56 @@
 //! lets a C host provide memory.
 #![deny(missing_docs)]
 
-mod anchored;
-mod array;
-mod attach;
+mod bake;
+mod base;
 #[cfg(feature = "capi")]
 mod capi;
 mod classic;
-mod contacts;
 mod damage;
-mod data;
 mod deform;
-mod dent;
-mod error;
-mod examples;
-#[cfg(feature = "gltf")]
-pub mod export;
-mod few;
-mod format;
+mod example;
 #[cfg(feature = "gpu")]
 mod gpu;
-mod images;
-#[cfg(any(feature = "gltf", feature = "obj"))]
-pub mod import;
 mod instance;
-mod learn;
-mod lod;
-mod math;
+mod io;
 mod mesh;
-mod mirror;
-mod nearest;
-mod normals;
-mod reorder;
-mod rim;
 mod select;
-mod simd;
-mod skin;
-mod stamp;
-mod tasks;
-mod tolerance;
 #[cfg(feature = "vulkan")]
 pub mod vulkan;
-mod weights;
 #[cfg(feature = "wgpu")]
 pub mod wgpu;
 
-pub use attach::{Attachment, Frame};
+pub use bake::reorder::reorder;
+pub use base::error::{Error, ErrorKind};
+pub use base::math::Aabb;
+pub use base::tasks::{Serial, TaskSystem, ThreadPool};
 #[cfg(feature = "capi")]
 pub use capi::replay::{Difference, Replay, replay};
-pub use damage::{Mark, Pair};
-pub use data::{Contact, Deltas, ExampleData, MeshData, Placement};
-pub use deform::{Attribute, DeformJob, DeformReport, RawStream, Tracker, VertexMemory, deform};
-pub use error::{Error, ErrorKind};
-pub use examples::{Combine, Example, ExampleSet, Seams, SetOptions, SetReport, VertexMass};
-#[doc(hidden)]
-pub use format::file_checksum;
+pub use damage::mark::{Mark, Pair};
+pub use deform::simd::SimdLevel;
+pub use deform::tolerance::pixel_tolerance;
+pub use deform::{Attribute, DeformReport, RawStream, Tracker, VertexMemory};
+pub use example::data::{Contact, Deltas, ExampleData, Placement};
+pub use example::example::Example;
+pub use example::learned::Learned;
+pub use example::options::{Combine, Seams, SetOptions, VertexMass};
+pub use example::report::{LodReport, SetReport};
+pub use example::set::ExampleSet;
+pub use example::stamp::{Stamp, StampError, StampSample};
 pub use glam;
-pub use instance::{Inbox, Instance, InstanceOptions, Rule};
-pub use learn::Learned;
-pub use lod::LodReport;
-pub use math::Aabb;
+pub use instance::Instance;
+pub use instance::attach::{Attachment, Frame};
+pub use instance::deform::{DeformJob, deform};
+pub use instance::inbox::Inbox;
+pub use instance::options::{InstanceOptions, Rule};
+#[cfg(feature = "gltf")]
+pub use io::export;
+#[doc(hidden)]
+pub use io::format::file_checksum;
+#[cfg(any(feature = "gltf", feature = "obj"))]
+pub use io::import;
 pub use mesh::Mesh;
-pub use mirror::Mirror;
-pub use nearest::Nearest;
-pub use reorder::reorder;
-pub use select::{Cause, Chosen, Hit, HitStatus, Outcome, Selection, Space};
-pub use simd::SimdLevel;
-pub use stamp::{Stamp, StampError, StampSample};
-pub use tasks::{Serial, TaskSystem, ThreadPool};
-pub use tolerance::pixel_tolerance;
+pub use mesh::data::MeshData;
+pub use mesh::mirror::Mirror;
+pub use mesh::nearest::Nearest;
+pub use select::hit::{Cause, Chosen, Hit, HitStatus, Outcome, Selection, Space};

@@ -10,10 +10,9 @@ use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 
-use crumple::{
-    ExampleSet, Instance, InstanceOptions, Placement, Rule, Selection, Serial, SetOptions, Tracker, VertexMemory,
-};
-use scenes::{push, solver_set};
+use crumple::glam::Vec3;
+use crumple::{ExampleSet, Instance, InstanceOptions, Placement, Rule, Selection, SetOptions};
+use scenes::{displacements, push, relative_l2, solver_set};
 
 struct HeldOut {
     fields: Vec<f32>,
@@ -49,19 +48,8 @@ fn errors(set: &Arc<ExampleSet>, options: &InstanceOptions, held_out: &HeldOut) 
         .map(|(point, displacement, truth)| {
             let mut instance = Instance::new(set.clone(), *options).unwrap();
             instance.submit(&push(point, displacement)).unwrap();
-            let mut positions = vec![[0.0; 3]; set.vertex_count()];
-            let mut tracker = Tracker::new();
-            let memory = VertexMemory::separate(&mut positions, None, None).unwrap();
-            instance.deform(&mut tracker, memory, &Serial).unwrap();
-            let (mut wrong, mut all) = (0.0, 0.0);
-            for (v, (p, base)) in positions.iter().zip(set.mesh().positions()).enumerate() {
-                for k in 0..3 {
-                    let (is, ought) = (f64::from(p[k]) - f64::from(base[k]), f64::from(truth[3 * v + k]));
-                    wrong += (is - ought).powi(2);
-                    all += ought.powi(2);
-                }
-            }
-            (wrong / all).sqrt()
+            let truth: Vec<Vec3> = truth.chunks_exact(3).map(Vec3::from_slice).collect();
+            relative_l2(&displacements(&mut instance), &truth)
         })
         .collect();
     errors.sort_by(f64::total_cmp);

@@ -12,7 +12,7 @@ use crumple::{
     Tracker, VertexMass, VertexMemory,
 };
 use proptest::prelude::*;
-use scenes::{Dice, Output, push, random_hit};
+use scenes::{Dice, Output, new, push, random_hit};
 
 /// Asserts that a result is the error given, of the kind given, and that its text has all the words given.
 macro_rules! refused {
@@ -26,6 +26,52 @@ macro_rules! refused {
         $(assert!(text.contains($word), "'{}' does not say '{}'", text, $word);)+
         error
     }};
+}
+
+/// Asserts that every change with every value makes an input that is refused: by an error of this kind, whose text has all the words
+/// between the dots. `VALUE` stands for the value.
+macro_rules! refuses {
+    ($input:ty, $kind:ident, $values:expr; $(|$i:ident, $v:pat_param| $change:expr => $words:literal),+ $(,)?) => {$(
+        for value in $values {
+            let mut input = <$input>::good();
+            let ($i, $v) = (&mut input, value);
+            $change;
+            let error = input.make().expect_err($words);
+            assert_eq!(error.kind(), ErrorKind::$kind, "{error}");
+            for word in $words.split(" … ").map(|word| word.replace("VALUE", &value.to_string())) {
+                assert!(error.to_string().contains(&word), "'{error}' does not say '{word}'");
+            }
+        }
+    )+};
+}
+
+/// Something that can be spoilt before something is made of it.
+trait Made {
+    fn good() -> Self;
+    fn make(self) -> Result<(), Error>;
+}
+
+/// What a set is built from: a mesh, one example, options.
+type Input = (MeshData, Vec<ExampleData>, SetOptions);
+
+impl Made for Input {
+    fn good() -> Self {
+        (triangle(), vec![dent()], SetOptions::default())
+    }
+
+    fn make(self) -> Result<(), Error> {
+        build_with(self.0, self.1, self.2).map(drop)
+    }
+}
+
+impl Made for InstanceOptions {
+    fn good() -> Self {
+        InstanceOptions::default()
+    }
+
+    fn make(self) -> Result<(), Error> {
+        Instance::new(set(), self).map(drop)
+    }
 }
 
 const NAN: f32 = f32::NAN;
@@ -57,7 +103,7 @@ fn set() -> Arc<ExampleSet> {
 }
 
 fn instance() -> Instance {
-    Instance::new(set(), InstanceOptions::default()).unwrap()
+    new(&set())
 }
 
 fn good() -> Hit {
@@ -79,47 +125,29 @@ fn still_usable(instance: &mut Instance, marks: &[Mark]) {
 // ----------------------------------------------------------------------------------------------------------------- meshes
 
 #[test]
-fn quick_meshes_without_vertices() {
-    refused!(build(MeshData::default(), vec![dent()]), Mesh, "0 vertices");
-    let error = build(MeshData::default(), vec![dent()]).unwrap_err();
-    assert_eq!(error.kind(), ErrorKind::Mesh);
-}
-
-#[test]
-fn quick_meshes_whose_arrays_disagree() {
-    let mut mesh = triangle();
-    mesh.normals.as_mut().unwrap().pop();
-    refused!(build(mesh, vec![dent()]), Mesh, "normals", "2", "3");
-    let mut mesh = triangle();
-    mesh.tangents.as_mut().unwrap().push([1.0, 0.0, 0.0, 1.0]);
-    refused!(build(mesh, vec![dent()]), Mesh, "tangents", "4", "3");
-}
-
-#[test]
-fn quick_meshes_with_indices_out_of_range() {
-    for bad in [3, u32::MAX] {
-        let mut mesh = triangle();
-        mesh.triangles.push([0, bad, 1]);
-        refused!(build(mesh, vec![dent()]), IndexOutOfRange, "triangle 1", bad.to_string().as_str(), "below 3");
+fn quick_meshes_that_do_not_hold_together() {
+    refuses! { Input, Mesh, [0.0];
+        |i, _| i.0 = MeshData::default() => "0 vertices",
+        |i, _| i.0.normals.as_mut().unwrap().truncate(2) => "normals … 2 … 3",
+        |i, _| i.0.tangents.as_mut().unwrap().push([1.0, 0.0, 0.0, 1.0]) => "tangents … 4 … 3",
+        |i, _| i.2.mass = VertexMass::PerVertex(vec![1.0]) => "1 vertex masses … 3 vertices",
+    }
+    refuses! { Input, IndexOutOfRange, [3, u32::MAX];
+        |i, v| i.0.triangles.push([0, v, 1]) => "triangle 1 … VALUE … below 3",
     }
 }
 
 #[test]
-fn quick_meshes_with_numbers_that_are_none() {
-    for bad in [NAN, INF, -INF] {
-        let mut mesh = triangle();
-        mesh.positions[1][2] = bad;
-        refused!(build(mesh, vec![dent()]), NotFinite, "positions[1]", "finite");
-        let mut mesh = triangle();
-        mesh.normals.as_mut().unwrap()[2][0] = bad;
-        refused!(build(mesh, vec![dent()]), NotFinite, "normals[2]");
-        let mut mesh = triangle();
-        mesh.tangents.as_mut().unwrap()[0][3] = bad;
-        refused!(build(mesh, vec![dent()]), NotFinite, "tangents[0]");
+fn quick_sets_with_numbers_that_are_none() {
+    refuses! { Input, NotFinite, [NAN, INF, -INF];
+        |i, v| i.0.positions[1][2] = v => "positions[1] … finite",
+        |i, v| i.0.normals.as_mut().unwrap()[2][0] = v => "normals[2]",
+        |i, v| i.0.tangents.as_mut().unwrap()[0][3] = v => "tangents[0]",
+        |i, v| i.1[0].contact_normal = Some([0.0, v, 0.0]) => "contact normal … a dent",
     }
-    let mut mesh = triangle();
-    mesh.positions[0][0] = 1e30;
-    refused!(build(mesh, vec![dent()]), InvalidArgument, "positions[0]", "1e9");
+    refuses! { Input, InvalidArgument, [1e30];
+        |i, v| i.0.positions[0][0] = v => "positions[0] … 1e9",
+    }
 }
 
 #[test]
@@ -135,7 +163,7 @@ fn quick_zero_length_normals_and_degenerate_triangles_are_repaired_and_reported(
     assert_eq!(set.report().repaired_normals, 1);
     // 0, 1 and 2 lie on one line
     assert_eq!(set.report().degenerate_triangles, 3);
-    let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+    let mut instance = new(&set);
     for v in 0..count {
         instance.submit(&push(set.mesh().positions()[v].to_array(), [-0.01, -0.02, -0.03])).unwrap();
     }
@@ -149,7 +177,7 @@ fn quick_a_mesh_of_nothing_but_degenerate_triangles_works() {
     let mesh = MeshData { positions: vec![[1.0; 3]; 4], triangles: vec![[0, 1, 2], [3, 3, 3]], ..MeshData::default() };
     let set = Arc::new(build(mesh, vec![ExampleData::new("", Deltas::Full(vec![[0.0, 0.0, -0.1]; 4]))]).unwrap());
     assert_eq!((set.report().degenerate_triangles, set.mesh().seam_count()), (2, 3));
-    let mut instance = Instance::new(set, InstanceOptions::default()).unwrap();
+    let mut instance = new(&set);
     assert_eq!(instance.submit(&push([1.0; 3], [0.0, 0.0, -0.1])).unwrap().status, HitStatus::Marked);
     let out = Output::fresh(&mut instance);
     assert!(out.positions.iter().all(|p| *p == [1.0, 1.0, 0.9]), "{:?}", out.positions);
@@ -160,7 +188,7 @@ fn quick_one_vertex_is_a_mesh() {
     let mesh = MeshData { positions: vec![[0.0; 3]], ..MeshData::default() };
     let set = Arc::new(build(mesh, vec![ExampleData::new("", Deltas::Full(vec![[0.0, 0.0, -0.1]]))]).unwrap());
     assert_eq!(set.examples()[0].placement(), Placement::Anchored, "it has no normals to be carried by");
-    let mut instance = Instance::new(set, InstanceOptions::default()).unwrap();
+    let mut instance = new(&set);
     assert_eq!(instance.submit(&push([0.0, 0.0, 0.05], [0.0, 0.0, -0.1])).unwrap().status, HitStatus::Marked);
     assert_eq!(instance.displaced(0).unwrap(), Vec3::ZERO, "not folded yet");
     instance.fold();
@@ -171,11 +199,13 @@ fn quick_one_vertex_is_a_mesh() {
 
 #[test]
 fn quick_no_examples() {
+    let still = || ExampleData::new("still", Deltas::Full(vec![[0.0; 3]; 3]));
     let error = refused!(build(triangle(), vec![]), NoExamples, "0 were given", "at least 1");
     assert_eq!(error.kind(), ErrorKind::ExampleMismatch);
-    let still = ExampleData::new("still", Deltas::Full(vec![[0.0; 3]; 3]));
-    refused!(build(triangle(), vec![still.clone(), still.clone()]), NoExamples, "2 given", "moves");
-    refused!(build(triangle(), vec![still; 65_535]), NoExamples, "65535", "65534");
+    refused!(build(triangle(), vec![still(), still()]), NoExamples, "2 given", "moves");
+    refused!(build(triangle(), vec![still(); 65_535]), NoExamples, "65535", "65534");
+    let dropped = SetOptions { drop_below: 0.3, ..SetOptions::default() };
+    refused!(build_with(triangle(), vec![dent()], dropped), NoExamples, "0.3 m");
 }
 
 #[test]
@@ -184,7 +214,7 @@ fn quick_an_empty_example_keeps_its_index_and_is_never_chosen() {
     let set = Arc::new(build(triangle(), vec![still, dent()]).unwrap());
     assert_eq!(set.report().empty_examples, [0]);
     assert!(set.examples()[0].is_empty());
-    let mut instance = Instance::new(set, InstanceOptions::default()).unwrap();
+    let mut instance = new(&set);
     assert_eq!(instance.submit(&good()).unwrap().chosen[0].unwrap().example, 1);
     let mut mark = instance.marks().unwrap()[0];
     mark.pairs[0].example = 0;
@@ -193,84 +223,65 @@ fn quick_an_empty_example_keeps_its_index_and_is_never_chosen() {
 
 #[test]
 fn quick_examples_of_another_vertex_count_or_order() {
-    let with = |positions| ExampleData { positions, ..dent() };
-    refused!(
-        build(triangle(), vec![dent(), with(Deltas::Full(vec![[0.1; 3]; 4]))]),
-        ExampleMismatch,
-        "example 1 'a dent'",
-        "4",
-        "3 vertices"
-    );
-    let sparse = |indices: &[u32], count| Deltas::Sparse { indices: indices.to_vec(), values: vec![[0.1; 3]; count] };
-    refused!(build(triangle(), vec![with(sparse(&[0, 3], 2))]), ExampleMismatch, "index 3", "3 vertices");
-    refused!(build(triangle(), vec![with(sparse(&[0, u32::MAX], 2))]), ExampleMismatch, "4294967295");
-    refused!(build(triangle(), vec![with(sparse(&[1, 0], 2))]), ExampleMismatch, "index 0 follows 1", "increase");
-    refused!(build(triangle(), vec![with(sparse(&[1, 1], 2))]), ExampleMismatch, "index 1 follows 1", "increase");
-    refused!(build(triangle(), vec![with(sparse(&[0, 1], 3))]), ExampleMismatch, "2 indices", "3");
-    let bad_normals = ExampleData { normals: Some(Deltas::Full(vec![[0.0; 3]; 2])), ..dent() };
-    refused!(build(triangle(), vec![bad_normals]), ExampleMismatch, "normal", "2", "3 vertices");
+    fn sparse(indices: &[u32], count: usize) -> Deltas {
+        Deltas::Sparse { indices: indices.to_vec(), values: vec![[0.1; 3]; count] }
+    }
+    refuses! { Input, ExampleMismatch, [4];
+        |i, n| i.1.push(ExampleData { positions: Deltas::Full(vec![[0.1; 3]; n]), ..dent() }) => "example 1 'a dent' … VALUE … 3 vertices",
+        |i, _| i.1[0].positions = sparse(&[0, 3], 2) => "index 3 … 3 vertices",
+        |i, _| i.1[0].positions = sparse(&[0, u32::MAX], 2) => "4294967295",
+        |i, _| i.1[0].positions = sparse(&[1, 0], 2) => "index 0 follows 1 … increase",
+        |i, _| i.1[0].positions = sparse(&[1, 1], 2) => "index 1 follows 1 … increase",
+        |i, _| i.1[0].positions = sparse(&[0, 1], 3) => "2 indices … 3",
+        |i, _| i.1[0].normals = Some(Deltas::Full(vec![[0.0; 3]; 2])) => "normal … 2 … 3 vertices",
+    }
 }
 
 #[test]
 fn quick_examples_with_numbers_that_are_none() {
-    for bad in [NAN, INF, -INF] {
-        let mut full = vec![[0.1; 3]; 3];
-        full[2][1] = bad;
-        let positions = ExampleData { positions: Deltas::Full(full.clone()), ..dent() };
-        refused!(build(triangle(), vec![positions]), ExampleMismatch, "vertex 2", "finite");
-        let normals = ExampleData { normals: Some(Deltas::Full(full)), ..dent() };
-        refused!(build(triangle(), vec![normals]), ExampleMismatch, "normal", "vertex 2", "finite");
-        let contact = ExampleData { contact: Some(Contact::Point([0.0, bad, 0.0])), ..dent() };
-        refused!(build(triangle(), vec![contact]), ExampleMismatch, "contact", "a dent", "finite");
-        let normal = ExampleData { contact_normal: Some([0.0, bad, 0.0]), ..dent() };
-        refused!(build(triangle(), vec![normal]), NotFinite, "contact normal", "a dent");
+    fn full(v: f32) -> Deltas {
+        Deltas::Full(vec![[0.1; 3], [0.1; 3], [0.1, v, 0.1]])
     }
-    let far = ExampleData { positions: Deltas::Full(vec![[0.0, 1e30, 0.0]; 3]), ..dent() };
-    refused!(build(triangle(), vec![far]), ExampleMismatch, "1e30", "1e9");
+    refuses! { Input, ExampleMismatch, [NAN, INF, -INF];
+        |i, v| i.1[0].positions = full(v) => "vertex 2 … finite",
+        |i, v| i.1[0].normals = Some(full(v)) => "normal … vertex 2 … finite",
+        |i, v| i.1[0].contact = Some(Contact::Point([0.0, v, 0.0])) => "contact … a dent … finite",
+    }
+    refuses! { Input, ExampleMismatch, [1e30];
+        |i, v| i.1[0].positions = full(v) => "1e30 … 1e9",
+    }
 }
 
 #[test]
 fn quick_contacts_that_cannot_be() {
-    let at = |contact| ExampleData { contact: Some(contact), ..dent() };
-    let error = build(triangle(), vec![at(Contact::Vertex(3))]).unwrap_err();
+    let error = build(triangle(), vec![ExampleData { contact: Some(Contact::Vertex(3)), ..dent() }]).unwrap_err();
     assert!(matches!(error.kind(), ErrorKind::IndexOutOfRange | ErrorKind::ExampleMismatch), "{error:?}");
     assert!(error.to_string().contains('3'), "{error}");
-    refused!(build(triangle(), vec![at(Contact::Vertex(2))]), ExampleMismatch, "vertex 2", "does not move");
-    refused!(build(triangle(), vec![at(Contact::Point([0.0, 0.9, 0.0]))]), ExampleMismatch, "vertex 2");
-    let flat = ExampleData { contact_normal: Some([0.0; 3]), ..dent() };
-    refused!(build(triangle(), vec![flat]), ExampleMismatch, "contact normal", "length 0");
-}
-
-#[test]
-fn quick_nothing_can_be_carried_over_a_mesh_without_normals() {
-    let mesh = MeshData { normals: None, tangents: None, triangles: vec![], ..triangle() };
-    let carried = ExampleData { placement: Placement::Carried, ..dent() };
-    refused!(build(mesh, vec![carried]), ExampleMismatch, "carried", "normals");
+    refuses! { Input, ExampleMismatch, [0.0];
+        |i, _| i.1[0].contact = Some(Contact::Vertex(2)) => "vertex 2 … does not move",
+        |i, _| i.1[0].contact = Some(Contact::Point([0.0, 0.9, 0.0])) => "vertex 2",
+        |i, _| i.1[0].contact_normal = Some([0.0; 3]) => "contact normal … length 0",
+        // carrying needs a normal wherever the body may be hit
+        |i, _| { i.0 = MeshData { normals: None, tangents: None, triangles: vec![], ..triangle() }; i.1[0].placement = Placement::Carried; } => "carried … normals",
+    }
 }
 
 #[test]
 fn quick_options_of_a_set_out_of_range() {
-    let with = |options| build_with(triangle(), vec![dent()], options);
-    for bad in [0.0, -1.0, NAN, INF, 2e9] {
-        refused!(with(SetOptions { depth_limit: Some(bad), ..SetOptions::default() }), InvalidArgument, "depth_limit");
+    refuses! { Input, InvalidArgument, [0.0, -1.0, NAN, INF];
+        |i, v| i.2.depth_limit = Some(v) => "depth_limit",
+        |i, v| i.2.mass = VertexMass::Uniform(v) => "mass … kg",
+        |i, v| i.2.mass = VertexMass::PerVertex(vec![1.0, v, 1.0]) => "mass of vertex 1",
     }
-    for bad in [-1e-9, NAN, INF] {
-        refused!(with(SetOptions { drop_below: bad, ..SetOptions::default() }), InvalidArgument, "drop_below");
+    refuses! { Input, InvalidArgument, [2e9];
+        |i, v| i.2.depth_limit = Some(v) => "depth_limit",
     }
-    for bad in [0, 3, 129, u32::MAX] {
-        let options = SetOptions { stamp_resolution: bad, ..SetOptions::default() };
-        refused!(with(options), InvalidArgument, "stamp_resolution", bad.to_string().as_str(), "4 to 128");
+    refuses! { Input, InvalidArgument, [-1e-9, NAN, INF];
+        |i, v| i.2.drop_below = v => "drop_below",
     }
-    for bad in [0.0, -1.0, NAN, INF] {
-        let uniform = SetOptions { mass: VertexMass::Uniform(bad), ..SetOptions::default() };
-        refused!(with(uniform), InvalidArgument, "mass", "kg");
-        let each = SetOptions { mass: VertexMass::PerVertex(vec![1.0, bad, 1.0]), ..SetOptions::default() };
-        refused!(with(each), InvalidArgument, "mass of vertex 1");
+    refuses! { Input, InvalidArgument, [0, 3, 129, u32::MAX];
+        |i, v| i.2.stamp_resolution = v => "stamp_resolution … VALUE … 4 to 128",
     }
-    let few = SetOptions { mass: VertexMass::PerVertex(vec![1.0]), ..SetOptions::default() };
-    refused!(with(few), Mesh, "1 vertex masses", "3 vertices");
-    // everything dropped
-    refused!(with(SetOptions { drop_below: 0.3, ..SetOptions::default() }), NoExamples, "0.3 m");
 }
 
 #[test]
@@ -285,39 +296,27 @@ fn quick_any_text_is_a_name() {
 
 #[test]
 fn quick_options_of_an_instance_out_of_range() {
-    let with = |options| Instance::new(set(), options);
-    let default = InstanceOptions::default;
-    for bad in [0, 5, u32::MAX] {
-        refused!(
-            with(InstanceOptions { examples_per_hit: bad, ..default() }),
-            InvalidArgument,
-            "examples_per_hit",
-            "1 to 4"
-        );
+    refuses! { InstanceOptions, InvalidArgument, [0, 5, u32::MAX];
+        |o, v| o.examples_per_hit = v => "examples_per_hit … 1 to 4",
     }
-    for bad in [0, 65_536, u32::MAX] {
-        refused!(with(InstanceOptions { capacity: bad, ..default() }), InvalidArgument, "capacity", "65535");
+    refuses! { InstanceOptions, InvalidArgument, [0, 65_536, u32::MAX];
+        |o, v| o.capacity = v => "capacity … 65535",
     }
-    for bad in [0.0, -1.0, NAN, INF, 2e9] {
-        refused!(with(InstanceOptions { depth_limit: Some(bad), ..default() }), InvalidArgument, "depth_limit", "m");
+    refuses! { InstanceOptions, InvalidArgument, [0.0, -1.0, NAN, INF, 2e9];
+        |o, v| o.depth_limit = Some(v) => "depth_limit … m",
     }
-    for bad in [-1.0, NAN, INF] {
-        refused!(with(InstanceOptions { yield_impulse: bad, ..default() }), InvalidArgument, "yield_impulse", "N·s");
-        refused!(with(InstanceOptions { yield_displacement: bad, ..default() }), InvalidArgument, "yield_displacement");
-        let far = InstanceOptions { max_contact_distance: Some(bad), ..default() };
-        refused!(with(far), InvalidArgument, "max_contact_distance");
+    refuses! { InstanceOptions, InvalidArgument, [-1.0, NAN, INF];
+        |o, v| o.yield_impulse = v => "yield_impulse … N·s",
+        |o, v| o.yield_displacement = v => "yield_displacement",
+        |o, v| o.max_contact_distance = Some(v) => "max_contact_distance",
     }
-    for bad in [-0.1, 1.1, NAN, INF] {
-        refused!(with(InstanceOptions::classic(Rule::Blend(bad))), InvalidArgument, "blend", "0 to 1");
+    refuses! { InstanceOptions, InvalidArgument, [-0.1, 1.1, NAN, INF];
+        |o, v| *o = InstanceOptions::classic(Rule::Blend(v)) => "blend … 0 to 1",
     }
-    let unclamped = InstanceOptions { selection: Selection::ClassicUnclamped, ..default() };
-    refused!(with(unclamped), InvalidArgument, "ClassicUnclamped", "Marks");
-    refused!(
-        with(InstanceOptions { rule: Rule::MostDisplaced, ..default() }),
-        InvalidArgument,
-        "Nearest",
-        "MostDisplaced"
-    );
+    refuses! { InstanceOptions, InvalidArgument, [0];
+        |o, _| o.selection = Selection::ClassicUnclamped => "ClassicUnclamped … Marks",
+        |o, _| o.rule = Rule::MostDisplaced => "Nearest … MostDisplaced",
+    }
 }
 
 #[test]
@@ -434,7 +433,7 @@ fn quick_normals_that_point_at_each_other() {
         let set = Arc::new(build(mesh, vec![example.clone()]).unwrap());
         let mut worst: f32 = 0.0;
         for v in 0..set.vertex_count() {
-            let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+            let mut instance = new(&set);
             let n = set.mesh().contact_normal(v as u32).unwrap();
             let outcome = instance.submit(&push(set.mesh().positions()[v].to_array(), (n * -0.05).to_array())).unwrap();
             assert_eq!(outcome.status, HitStatus::Marked);
@@ -458,7 +457,7 @@ fn quick_a_sheet_folded_flat_on_itself() {
     mesh.triangles.extend(single.triangles.iter().map(|t| [t[0] + count, t[2] + count, t[1] + count]));
     let examples = scenes::bowls(&single, 3, 0.4, 2);
     let set = Arc::new(build(mesh, examples).unwrap());
-    let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+    let mut instance = new(&set);
     for hit in scenes::random_hits(&set, 50, 1) {
         instance.submit(&hit).unwrap();
     }
@@ -580,7 +579,7 @@ fn quick_marks_that_are_none() {
 fn quick_marks_that_carry_what_is_pinned() {
     let pinned = ExampleData { placement: Placement::Anchored, ..dent() };
     let set = Arc::new(build(triangle(), vec![pinned]).unwrap());
-    let mut instance = Instance::new(set, InstanceOptions::default()).unwrap();
+    let mut instance = new(&set);
     let pairs = [Pair::carried(0, Pair::WHOLE, Mirror::NONE), Pair::NONE, Pair::NONE, Pair::NONE];
     refused!(instance.set_marks(&[Mark::new(0, 0.1, pairs)]), InvalidArgument, "mark 0", "carried", "anchored");
     still_usable(&mut instance, &[]);
@@ -592,7 +591,7 @@ fn quick_saved_damage_cut_short_or_too_long() {
     instance.submit(&good()).unwrap();
     let bytes = instance.save();
     let marks = instance.marks().unwrap().to_vec();
-    let mut other = Instance::new(instance.example_set().clone(), InstanceOptions::default()).unwrap();
+    let mut other = new(instance.example_set());
     for len in 0..bytes.len() {
         refused!(other.load(&bytes[..len]), DamageMismatch, "bytes");
     }
@@ -624,9 +623,10 @@ fn quick_saved_damage_of_another_kind_set_or_version() {
     // the same mesh with another example is another set
     let other = ExampleData { positions: Deltas::Full(vec![[0.0, 0.0, -0.1]; 3]), ..dent() };
     let other = Arc::new(build(triangle(), vec![other]).unwrap());
-    let mut other = Instance::new(other, InstanceOptions::default()).unwrap();
+    let mut other = new(&other);
     refused!(other.load(&bytes), DamageMismatch, "example set");
     refused!(other.copy_damage_from(&mut instance), DamageMismatch, "example set");
+    assert!(other.marks().unwrap().is_empty());
     let mut classic =
         Instance::new(instance.example_set().clone(), InstanceOptions::classic(Rule::MostDisplaced)).unwrap();
     refused!(classic.load(&bytes), DamageMismatch, "rule");
@@ -702,7 +702,7 @@ fn quick_examples_that_barely_move_their_own_contact_stay_bounded() {
         }
         let set = Arc::new(build(mesh, vec![example]).unwrap());
         let at = set.mesh().positions()[contact as usize].to_array();
-        let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+        let mut instance = new(&set);
         for size in [1e-6, 0.01, 0.1, 1e30] {
             instance.submit(&push(at, [0.0, 0.0, -size])).unwrap();
             instance.submit(&push([0.3, 0.3, 0.0], [0.0, 0.0, -size])).unwrap();
@@ -747,25 +747,23 @@ fn check_within(instance: &mut Instance) {
 fn quick_memory_that_is_laid_out_wrong() {
     let mut bytes = vec![0u8; 4096];
     let at = |offset, stride| Attribute { offset, stride };
-    for (name, stride) in [("position", 0), ("position", 4), ("position", 8)] {
-        let found = VertexMemory::interleaved(&mut bytes, at(0, stride), None, None).map(|_| ());
-        refused!(found, InvalidArgument, name, stride.to_string().as_str(), "at least 12");
+    let mut positions = |p, normal, tangent| VertexMemory::interleaved(&mut bytes, p, normal, tangent).map(drop);
+    for stride in [0, 4, 8] {
+        let found = positions(at(0, stride), None, None);
+        refused!(found, InvalidArgument, "position", stride.to_string().as_str(), "at least 12");
     }
-    let found = VertexMemory::interleaved(&mut bytes, at(0, 12), None, Some(at(12, 12))).map(|_| ());
-    refused!(found, InvalidArgument, "offset", "stride");
+    refused!(positions(at(0, 12), None, Some(at(12, 12))), InvalidArgument, "offset", "stride");
     for (offset, stride, value) in [(1, 12, "1"), (2, 12, "2"), (0, 13, "13"), (0, 15, "15")] {
-        let found = VertexMemory::interleaved(&mut bytes, at(offset, stride), None, None).map(|_| ());
-        refused!(found, Misaligned, "position", value, "multiple of 4");
+        refused!(positions(at(offset, stride), None, None), Misaligned, "position", value, "multiple of 4");
     }
     // values on top of each other, also across the border of a vertex
     for normal in [0, 4, 8, 20] {
-        let found = VertexMemory::interleaved(&mut bytes, at(0, 24), Some(at(normal, 24)), None).map(|_| ());
-        refused!(found, InvalidArgument, "position", "normal");
+        refused!(positions(at(0, 24), Some(at(normal, 24)), None), InvalidArgument, "position", "normal");
     }
-    VertexMemory::interleaved(&mut bytes, at(0, 24), Some(at(12, 24)), None).unwrap();
-    // normals before positions, and a whole vertex apart, are fine
-    VertexMemory::interleaved(&mut bytes, at(12, 24), Some(at(0, 24)), None).unwrap();
-    VertexMemory::interleaved(&mut bytes, at(0, 24), Some(at(36, 24)), None).unwrap();
+    // normals behind the positions, before them, and a whole vertex apart, are fine
+    for (position, normal) in [(0, 12), (12, 0), (0, 36)] {
+        positions(at(position, 24), Some(at(normal, 24)), None).unwrap();
+    }
 }
 
 #[test]
@@ -808,7 +806,7 @@ fn bytemuck_bytes(positions: &mut [[f32; 3]; 3]) -> &mut [u8] {
 fn quick_outputs_that_the_mesh_has_not() {
     let bare = MeshData { positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], ..MeshData::default() };
     let set = Arc::new(build(bare, vec![dent()]).unwrap());
-    let mut instance = Instance::new(set, InstanceOptions::default()).unwrap();
+    let mut instance = new(&set);
     let mut tracker = Tracker::new();
     let (mut positions, mut normals, mut tangents) = ([[0.0; 3]; 3], [[0.0; 3]; 3], [[0.0; 4]; 3]);
     let memory = VertexMemory::separate(&mut positions, Some(&mut normals), None).unwrap();
@@ -836,6 +834,8 @@ fn quick_tolerances_that_cannot_be_are_named() {
     refused!(build(1e-12), ExampleMismatch, "0.1", "give a tolerance of at least");
     refused!(build(-1.0), InvalidArgument, "tolerance", "-1");
     refused!(build(f32::NAN), InvalidArgument, "tolerance", "NaN");
+    // a tolerance in millimetres, given as metres, drops everything
+    refused!(build(0.1), InvalidArgument, "tolerance is 0.1 m", "largest displacement", "0.1 mm?");
 }
 
 #[test]
@@ -846,21 +846,11 @@ fn quick_a_failed_deform_of_several_writes_none() {
     b.fold();
     let (mut first, mut second) = ([[7.0f32; 3]; 3], [[7.0f32; 3]; 2]);
     let (mut one, mut two) = (Tracker::new(), Tracker::new());
-    let mut jobs = [
-        crumple::DeformJob {
-            lod: 0,
-            instance: &a,
-            tracker: &mut one,
-            memory: VertexMemory::separate(&mut first, None, None).unwrap(),
-        },
-        crumple::DeformJob {
-            lod: 0,
-            instance: &b,
-            tracker: &mut two,
-            memory: VertexMemory::separate(&mut second, None, None).unwrap(),
-        },
-    ];
-    refused!(crumple::deform(&mut jobs, &Serial), BufferTooSmall, "24", "36");
+    let memory = VertexMemory::separate(&mut first, None, None).unwrap();
+    let whole = crumple::DeformJob { lod: 0, instance: &a, tracker: &mut one, memory };
+    let memory = VertexMemory::separate(&mut second, None, None).unwrap();
+    let short = crumple::DeformJob { lod: 0, instance: &b, tracker: &mut two, memory };
+    refused!(crumple::deform(&mut [whole, short], &Serial), BufferTooSmall, "24", "36");
     assert_eq!((first, second), ([[7.0; 3]; 3], [[7.0; 3]; 2]));
     let memory = VertexMemory::separate(&mut first, None, None).unwrap();
     assert_eq!(a.deform(&mut one, memory, &Serial).unwrap().vertices_written, 3);

@@ -24,20 +24,134 @@ fn expect(bytes: &[u8], kind: ErrorKind, part: &str) {
     assert!(exported.is_err());
 }
 
-/// The square with one value changed.
-#[track_caller]
-fn lie(pointer: &str, value: Value, kind: ErrorKind, part: &str) {
-    let mut glb = square();
-    let (parent, key) = pointer.rsplit_once('/').unwrap();
-    let parent = glb.json.pointer_mut(parent).unwrap_or_else(|| panic!("{pointer}"));
-    match key.parse::<usize>() {
-        Ok(i) if parent.is_array() => parent[i] = value,
-        _ => parent[key] = value,
-    }
-    expect(&glb.bytes(), kind, part);
-}
-
 use ErrorKind::{Format, IndexOutOfRange, NotFinite, Unsupported};
+
+/// Changes of one value of the square: `pointer | value | kind of error | part of its message`. A `!` is the pointer of the line before.
+const LIES: &str = r#"
+versions:
+/asset/version    | "1.0" | Unsupported | glTF version 1.0; version 2.0 is read
+!                 | "3.0" | Unsupported | glTF version 3.0
+!                 | 2.0   | Format      | no asset.version
+/asset/minVersion | "2.1" | Unsupported | glTF version 2.1
+
+buffers:
+/buffers/0/byteLength | 100000 | Format | buffer 0 says it has 100000 bytes; there are
+! | 18446744073709551615 | Format | buffer 0 says it has 18446744073709551615 bytes
+! | -1 | Format | buffers[0] of the glTF: invalid value
+! | 4 | Format | bufferView 0 is 48 bytes from byte 0; buffer 0 has 4
+/buffers | {} | Format | the glTF's buffers is not a list
+! | [] | IndexOutOfRange | buffer is 0; it must be below 0
+/buffers/0 | [1] | Format | buffers[0] of the glTF is not made of objects
+/buffers/0/uri | "data:application/octet-stream;base64,@@" | Format | buffer 0: the data: URI is not base64
+! | "data:application/octet-stream;base64" | Format | no comma
+! | "data:;base64,AAAA" | Format | there are 3
+! | "http://example.com/a.bin" | Unsupported | 'http://example.com/a.bin'; only relative paths
+! | "file:///etc/hostname" | Unsupported | only relative paths
+! | "C:\\a.bin" | Unsupported | only relative paths
+! | "/etc/hostname" | Unsupported | absolute path '/etc/hostname'
+! | "%2Fetc/hostname" | Unsupported | absolute path '%2Fetc/hostname'
+! | "" | Format | buffer 0 has an empty uri
+! | "a.bin" | Io | a.bin
+/bufferViews/0/buffer | 1 | IndexOutOfRange | buffer is 1; it must be below 1
+
+buffer views:
+/bufferViews/0/byteLength | 40 | Format | 4 elements of 12 bytes, 12 apart, from byte 0 do not fit into bufferView 0 of 40 bytes
+! | 18446744073709551615 | Format | bufferView 0 is 18446744073709551615 bytes
+/bufferViews/0/byteOffset | 18446744073709551615 | Format | from byte 18446744073709551615
+/bufferViews/3/byteOffset | 1048576 | Format | bufferView 3 is 48 bytes from byte 1048576
+/bufferViews/0/byteStride | 0 | Format | byteStride of 0; an element has 12 bytes
+! | 8 | Format | byteStride of 8
+! | 16 | Format | 16 apart
+! | 18446744073709551615 | Format | do not fit
+/accessors/0/byteOffset | 4 | Format | from byte 4 do not fit
+! | 18446744073709551615 | Format | from byte 18446744073709551615
+/accessors/0/bufferView | 99 | IndexOutOfRange | bufferView is 99; it must be below 7
+! | -1 | Format | accessors[0] of the glTF
+
+counts and types:
+/accessors/0/count | 0 | Format | mesh 0 'Square', primitive 0 POSITION (accessor 0) has a count of 0
+! | 18446744073709551615 | Format | has a count of 18446744073709551615
+! | 4294967295 | Format | has a count of 4294967295
+! | 4294967294 | Format | do not fit into bufferView 0
+! | 4.5 | Format | accessors[0] of the glTF: invalid type: floating point `4.5`, expected a whole number
+! | {} | Format | accessors[0] of the glTF: invalid type: an object, expected a whole number
+! | 3 | IndexOutOfRange | indices (accessor 2)[4] is 3; it must be below 3
+/accessors/1/count | 3 | Format | NORMAL has 3 elements; POSITION has 4
+/accessors/3/count | 2 | Format | target 0 POSITION has 2 elements; POSITION has 4
+/accessors/0/type | "VEC2" | Format | is of type VEC2; it must be VEC3
+! | "VEC5" | Format | unknown componentType or type
+/accessors/0/componentType | 5130 | Format | unknown componentType
+! | 5122 | Unsupported | quantised components of SHORT (5122) (KHR_mesh_quantization)
+/accessors/3/componentType | 5120 | Unsupported | target 0 POSITION (accessor 3) has quantised components of BYTE
+/accessors/2/componentType | 5126 | Format | indices must be unsigned integers
+! | 5125 | Format | 6 elements of 4 bytes
+/accessors/2/type | "VEC3" | Format | must be SCALAR
+/accessors/2/count | 5 | Format | has 5 triangle corners; there must be a multiple of 3
+/meshes/0/primitives/0/mode | 9 | Format | has an unknown mode
+/meshes/0/primitives/0/attributes/POSITION | 77 | IndexOutOfRange | accessor is 77; it must be below 6
+/meshes/0/primitives/0/attributes | {"NORMAL": 1} | Format | primitive 0 has no POSITION
+! | {"POSITION": 0, "TANGENT": 1} | Format | TANGENT (accessor 1) is of type VEC3
+/meshes/0/primitives/0/indices | 77 | IndexOutOfRange | indices: accessor is 77
+/meshes/0/primitives/0/targets/0/POSITION | 77 | IndexOutOfRange | target 0 POSITION: accessor is 77
+/meshes/0/primitives | [] | ExampleMismatch | no mesh of the file has morph targets (it has mesh 0 'Square')
+/meshes/0 | [null, null, "n", [], []] | Format | meshes[0] of the glTF is not made of objects
+/meshes/0/primitives/0 | [{}] | Format | meshes[0] of the glTF is not made of objects
+/meshes | [] | ExampleMismatch | it has no meshes
+
+sparse accessors:
+/accessors/5/sparse/count | 5 | Format | has a sparse count of 5; it must be at most its count of 4
+! | 18446744073709551615 | Format | sparse count of 18446744073709551615
+! | 3 | Format | 3 elements of 2 bytes
+/accessors/5/sparse/indices/bufferView | 99 | IndexOutOfRange | sparse indices: bufferView is 99
+/accessors/5/sparse/values/bufferView | 99 | IndexOutOfRange | sparse values: bufferView is 99
+/accessors/5/sparse/indices/byteOffset | 2 | Format | from byte 2 do not fit
+/accessors/5/sparse/values/byteOffset | 18446744073709551615 | Format | from byte 18446744073709551615
+/accessors/5/sparse/indices/componentType | 5125 | Format | 2 elements of 4 bytes
+! | 5126 | Format | sparse indices have an unknown componentType
+/accessors/5/sparse/indices | null | Format | accessors[5] of the glTF
+
+morph targets:
+/nodes/0/translation | ["x", 0, 0] | Format | nodes[0] of the glTF: invalid type: string "x", expected a number
+/meshes/0/primitives/0/targets | [] | ExampleMismatch | no mesh of the file has morph targets
+! | [5] | Format | meshes[0] of the glTF
+
+extensions:
+/extensionsRequired | ["KHR_draco_mesh_compression"] | Unsupported | requires the extension KHR_draco_mesh_compression
+! | ["EXT_meshopt_compression"] | Unsupported | requires the extension EXT_meshopt_compression
+! | ["KHR_meshopt_compression"] | Unsupported | requires the extension KHR_meshopt_compression
+! | ["VENDOR_thing"] | Unsupported | requires the extension VENDOR_thing
+
+nodes:
+/nodes/0/children | [0] | Format | node 0 is its own ancestor
+! | [7] | IndexOutOfRange | a child of node 0 is 7; it must be below 1
+/nodes | [{"mesh": 0}, {"children": [0]}, {"children": [0]}] | Format | node 0 is a child of node 1 and of node 2
+! | [{"mesh": 0, "children": [1]}, {"children": [0]}] | Format | node 0 is its own ancestor
+! | [{"mesh": 0, "scale": [1e30, 1, 1]}, {"children": [0], "scale": [1e30, 1, 1]}] | NotFinite | the world matrix of node 0 is inf
+/nodes/0/translation | [1e300, 0, 0] | Format | nodes[0] of the glTF: number out of range
+/nodes/0/matrix | [1, 2, 3] | Format | nodes[0] of the glTF: invalid length 3
+"#;
+
+#[test]
+fn values_that_lie() {
+    let mut last = "";
+    for line in LIES.lines().filter(|line| line.contains(" | ")) {
+        let [pointer, value, kind, part] = line.split(" | ").map(str::trim).collect::<Vec<_>>()[..] else {
+            panic!("{line}")
+        };
+        last = if pointer == "!" { last } else { pointer };
+        let mut glb = square();
+        let (parent, key) = last.rsplit_once('/').unwrap();
+        let parent = glb.json.pointer_mut(parent).unwrap_or_else(|| panic!("{line}"));
+        let value = serde_json::from_str(value).unwrap_or_else(|e| panic!("{line}: {e}"));
+        match key.parse::<usize>() {
+            Ok(i) if parent.is_array() => parent[i] = value,
+            _ => parent[key] = value,
+        }
+        let kinds = [Format, IndexOutOfRange, NotFinite, Unsupported, ErrorKind::ExampleMismatch, ErrorKind::Io];
+        let kind = kinds.into_iter().find(|k| format!("{k:?}") == kind).unwrap_or_else(|| panic!("{line}"));
+        expect(&glb.bytes(), kind, part);
+    }
+}
 
 #[test]
 fn files_that_are_something_else() {
@@ -64,10 +178,6 @@ fn files_that_are_something_else() {
 
 #[test]
 fn other_versions() {
-    lie("/asset/version", json!("1.0"), Unsupported, "glTF version 1.0; version 2.0 is read");
-    lie("/asset/version", json!("3.0"), Unsupported, "glTF version 3.0");
-    lie("/asset/minVersion", json!("2.1"), Unsupported, "glTF version 2.1");
-    lie("/asset/version", json!(2.0), Format, "no asset.version");
     let mut newer = square();
     newer.json["asset"] = json!({ "version": "2.1", "minVersion": "2.0" });
     gltf_slice(&newer.bytes(), None, MeshChoice::First).unwrap();
@@ -135,34 +245,6 @@ fn truncated_at_every_byte() {
 
 #[test]
 fn buffers_that_lie() {
-    lie("/buffers/0/byteLength", json!(100_000), Format, "buffer 0 says it has 100000 bytes; there are");
-    lie("/buffers/0/byteLength", json!(u64::MAX), Format, "buffer 0 says it has 18446744073709551615 bytes");
-    lie("/buffers/0/byteLength", json!(-1), Format, "buffers[0] of the glTF: invalid value");
-    lie("/buffers/0/byteLength", json!(4), Format, "bufferView 0 is 48 bytes from byte 0; buffer 0 has 4");
-    lie("/buffers", json!({}), Format, "the glTF's buffers is not a list");
-    lie("/buffers", json!([]), IndexOutOfRange, "buffer is 0; it must be below 0");
-    lie("/buffers/0", json!([1]), Format, "buffers[0] of the glTF is not made of objects");
-    lie(
-        "/buffers/0/uri",
-        json!("data:application/octet-stream;base64,@@"),
-        Format,
-        "buffer 0: the data: URI is not base64",
-    );
-    lie("/buffers/0/uri", json!("data:application/octet-stream;base64"), Format, "no comma");
-    lie("/buffers/0/uri", json!("data:;base64,AAAA"), Format, "there are 3");
-    lie(
-        "/buffers/0/uri",
-        json!("http://example.com/a.bin"),
-        Unsupported,
-        "'http://example.com/a.bin'; only relative paths",
-    );
-    lie("/buffers/0/uri", json!("file:///etc/hostname"), Unsupported, "only relative paths");
-    lie("/buffers/0/uri", json!("C:\\a.bin"), Unsupported, "only relative paths");
-    lie("/buffers/0/uri", json!("/etc/hostname"), Unsupported, "absolute path '/etc/hostname'");
-    lie("/buffers/0/uri", json!("%2Fetc/hostname"), Unsupported, "absolute path '%2Fetc/hostname'");
-    lie("/buffers/0/uri", json!(""), Format, "buffer 0 has an empty uri");
-    lie("/buffers/0/uri", json!("a.bin"), ErrorKind::Io, "a.bin");
-    lie("/bufferViews/0/buffer", json!(1), IndexOutOfRange, "buffer is 1; it must be below 1");
     let mut second = square();
     second.push("buffers", json!({ "byteLength": 48 }));
     second.json["bufferViews"][0]["buffer"] = 1.into();
@@ -197,80 +279,11 @@ fn missing_and_odd_external_files() {
 }
 
 #[test]
-fn views_that_lie() {
-    lie(
-        "/bufferViews/0/byteLength",
-        json!(40),
-        Format,
-        "4 elements of 12 bytes, 12 apart, from byte 0 do not fit into bufferView 0 of 40 bytes",
-    );
-    lie("/bufferViews/0/byteLength", json!(u64::MAX), Format, "bufferView 0 is 18446744073709551615 bytes");
-    lie("/bufferViews/0/byteOffset", json!(u64::MAX), Format, "from byte 18446744073709551615");
-    lie("/bufferViews/3/byteOffset", json!(1 << 20), Format, "bufferView 3 is 48 bytes from byte 1048576");
-    lie("/bufferViews/0/byteStride", json!(0), Format, "byteStride of 0; an element has 12 bytes");
-    lie("/bufferViews/0/byteStride", json!(8), Format, "byteStride of 8");
-    lie("/bufferViews/0/byteStride", json!(16), Format, "16 apart");
-    lie("/bufferViews/0/byteStride", json!(u64::MAX), Format, "do not fit");
-    lie("/accessors/0/byteOffset", json!(4), Format, "from byte 4 do not fit");
-    lie("/accessors/0/byteOffset", json!(u64::MAX), Format, "from byte 18446744073709551615");
-    lie("/accessors/0/bufferView", json!(99), IndexOutOfRange, "bufferView is 99; it must be below 7");
-    lie("/accessors/0/bufferView", json!(-1), Format, "accessors[0] of the glTF");
-}
-
-#[test]
 fn counts_and_types_that_lie() {
-    let position = "mesh 0 'Square', primitive 0 POSITION (accessor 0)";
-    lie("/accessors/0/count", json!(0), Format, &format!("{position} has a count of 0"));
-    lie("/accessors/0/count", json!(u64::MAX), Format, "has a count of 18446744073709551615");
-    lie("/accessors/0/count", json!(u32::MAX), Format, "has a count of 4294967295");
-    lie("/accessors/0/count", json!(u32::MAX - 1), Format, "do not fit into bufferView 0");
-    lie("/accessors/0/count", json!(4.5), Format, "accessors[0] of the glTF: invalid type: floating point");
-    lie("/accessors/0/count", json!(3), IndexOutOfRange, "indices (accessor 2)[4] is 3; it must be below 3");
-    lie("/accessors/1/count", json!(3), Format, "NORMAL has 3 elements; POSITION has 4");
-    lie("/accessors/3/count", json!(2), Format, "target 0 POSITION has 2 elements; POSITION has 4");
-    lie("/accessors/0/type", json!("VEC2"), Format, "is of type VEC2; it must be VEC3");
-    lie("/accessors/0/type", json!("VEC5"), Format, "unknown componentType or type");
-    lie("/accessors/0/componentType", json!(5130), Format, "unknown componentType");
-    lie(
-        "/accessors/0/componentType",
-        json!(5122),
-        Unsupported,
-        "quantised components of SHORT (5122) (KHR_mesh_quantization)",
-    );
-    lie(
-        "/accessors/3/componentType",
-        json!(5120),
-        Unsupported,
-        "target 0 POSITION (accessor 3) has quantised components of BYTE",
-    );
-    lie("/accessors/2/componentType", json!(5126), Format, "indices must be unsigned integers");
-    lie("/accessors/2/componentType", json!(5125), Format, "6 elements of 4 bytes");
-    lie("/accessors/2/type", json!("VEC3"), Format, "must be SCALAR");
-    lie("/accessors/2/count", json!(5), Format, "has 5 triangle corners; a multiple of 3 is right");
     let mut strip = square();
     strip.json["meshes"][0]["primitives"][0]["mode"] = 5.into();
     strip.json["accessors"][2]["count"] = 2.into();
-    expect(&strip.bytes(), Format, "has 2 triangle corners; at least 3 is right");
-    lie("/meshes/0/primitives/0/mode", json!(9), Format, "has an unknown mode");
-    lie("/meshes/0/primitives/0/attributes/POSITION", json!(77), IndexOutOfRange, "accessor is 77; it must be below 6");
-    lie("/meshes/0/primitives/0/attributes", json!({ "NORMAL": 1 }), Format, "primitive 0 has no POSITION");
-    lie("/meshes/0/primitives/0/indices", json!(77), IndexOutOfRange, "indices: accessor is 77");
-    lie("/meshes/0/primitives/0/targets/0/POSITION", json!(77), IndexOutOfRange, "target 0 POSITION: accessor is 77");
-    lie(
-        "/meshes/0/primitives/0/attributes",
-        json!({ "POSITION": 0, "TANGENT": 1 }),
-        Format,
-        "TANGENT (accessor 1) is of type VEC3",
-    );
-    lie(
-        "/meshes/0/primitives",
-        json!([]),
-        ErrorKind::ExampleMismatch,
-        "no mesh of the file has morph targets (it has mesh 0 'Square')",
-    );
-    lie("/meshes/0", json!([null, null, "n", [], []]), Format, "meshes[0] of the glTF is not made of objects");
-    lie("/meshes/0/primitives/0", json!([{}]), Format, "meshes[0] of the glTF is not made of objects");
-    lie("/meshes", json!([]), ErrorKind::ExampleMismatch, "it has no meshes");
+    expect(&strip.bytes(), Format, "has 2 triangle corners; there must be at least 3");
 }
 
 #[test]
@@ -296,17 +309,6 @@ fn a_small_file_may_not_ask_for_much_memory() {
 
 #[test]
 fn sparse_accessors_that_lie() {
-    let at = |key: &str| format!("/accessors/5/sparse/{key}");
-    lie(&at("count"), json!(5), Format, "has a sparse count of 5; it must be at most its count of 4");
-    lie(&at("count"), json!(u64::MAX), Format, "sparse count of 18446744073709551615");
-    lie(&at("count"), json!(3), Format, "3 elements of 2 bytes");
-    lie(&at("indices/bufferView"), json!(99), IndexOutOfRange, "sparse indices: bufferView is 99");
-    lie(&at("values/bufferView"), json!(99), IndexOutOfRange, "sparse values: bufferView is 99");
-    lie(&at("indices/byteOffset"), json!(2), Format, "from byte 2 do not fit");
-    lie(&at("values/byteOffset"), json!(u64::MAX), Format, "from byte 18446744073709551615");
-    lie(&at("indices/componentType"), json!(5125), Format, "2 elements of 4 bytes");
-    lie(&at("indices/componentType"), json!(5126), Format, "sparse indices have an unknown componentType");
-    lie(&at("indices"), json!(null), Format, "accessors[5] of the glTF");
     let indices = |values: &[u32], kind, part: &str| {
         let mut glb = square();
         let target = glb.sparse(4, None, 4, values, &vec![1.0; values.len() * 3]);
@@ -349,20 +351,10 @@ fn targets_that_do_not_fit() {
     second["targets"] = json!([{ "POSITION": 3 }]);
     glb.json["meshes"][0]["primitives"].as_array_mut().unwrap().push(second);
     expect(&glb.bytes(), Format, "primitive 0 has 2 morph targets and primitive 1 has 1; all must have as many");
-    lie(
-        "/meshes/0/primitives/0/targets",
-        json!([]),
-        ErrorKind::ExampleMismatch,
-        "no mesh of the file has morph targets",
-    );
-    lie("/meshes/0/primitives/0/targets", json!([5]), Format, "meshes[0] of the glTF");
 }
 
 #[test]
 fn compressed_geometry_and_unknown_requirements_are_named() {
-    for name in ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression", "VENDOR_thing"] {
-        lie("/extensionsRequired", json!([name]), Unsupported, &format!("requires the extension {name}"));
-    }
     let mut draco = square();
     draco.json["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
     draco.json["accessors"][0].as_object_mut().unwrap().remove("bufferView");
@@ -378,20 +370,6 @@ fn compressed_geometry_and_unknown_requirements_are_named() {
 
 #[test]
 fn node_trees_that_are_none() {
-    lie("/nodes/0/children", json!([0]), Format, "node 0 is its own ancestor");
-    lie("/nodes/0/children", json!([7]), IndexOutOfRange, "a child of node 0 is 7; it must be below 1");
-    lie(
-        "/nodes",
-        json!([{ "mesh": 0 }, { "children": [0] }, { "children": [0] }]),
-        Format,
-        "node 0 is a child of node 1 and of node 2",
-    );
-    lie("/nodes", json!([{ "mesh": 0, "children": [1] }, { "children": [0] }]), Format, "node 0 is its own ancestor");
-    lie("/nodes/0/translation", json!([1e300, 0, 0]), Format, "nodes[0] of the glTF: number out of range");
-    let huge = json!([1e30, 1, 1]);
-    let nodes = json!([{ "mesh": 0, "scale": huge }, { "children": [0], "scale": huge }]);
-    lie("/nodes", nodes, NotFinite, "the world matrix of node 0 is inf");
-    lie("/nodes/0/matrix", json!([1, 2, 3]), Format, "nodes[0] of the glTF: invalid length 3");
     let deep: Vec<Value> = (0..20_000).map(|i| json!({ "children": [i + 1] })).chain([json!({ "mesh": 0 })]).collect();
     let mut glb = square();
     glb.json["nodes"] = deep.into();

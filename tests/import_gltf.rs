@@ -228,7 +228,7 @@ fn buffers_in_data_uris_and_in_files_with_any_name() {
     let expected = read(&glb);
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("Tür & 凹.bin"), &glb.bin).unwrap();
-    let base64 = base64(&glb.bin);
+    let base64 = base64::Engine::encode(&base64::prelude::BASE64_STANDARD, &glb.bin);
     let percent: String = glb.bin.iter().map(|b| format!("%{b:02x}")).collect();
     let uris = [
         format!("data:application/octet-stream;base64,{base64}"),
@@ -248,16 +248,6 @@ fn buffers_in_data_uris_and_in_files_with_any_name() {
             .unwrap_or_else(|e| panic!("{uri}: {e}"));
         assert_eq!(read, expected, "{uri}");
     }
-}
-
-fn base64(bytes: &[u8]) -> String {
-    let digit = |i: u32| b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"[i as usize & 63] as char;
-    let mut out = String::new();
-    for chunk in bytes.chunks(3) {
-        let word = chunk.iter().chain([&0, &0]).take(3).fold(0, |w, b| w << 8 | u32::from(*b));
-        (0..4).for_each(|i| out.push(if i <= chunk.len() { digit(word >> (18 - 6 * i)) } else { '=' }));
-    }
-    out
 }
 
 #[test]
@@ -425,49 +415,39 @@ fn impacts_match_by_name_where_names_decide_and_by_order_elsewhere() {
     assert_eq!(contacts(json!({ "impacts": [] })), [None, None]);
 }
 
+/// `extras | kind | part of the message`
+const MALFORMED_EXTRAS: &str = r#"
+{"targetNames": "one"} | Format | extras.targetNames is "one"
+{"targetNames": ["one", 2]} | Format | extras.targetNames[1] is 2
+{"impacts": 3} | Format | extras.impacts is 3
+{"impacts": "nonsense"} | Format | extras.impacts is a text that is not JSON
+{"impacts": [[]]} | Format | extras.impacts[0] is []
+{"impacts": [{}]} | Format | extras.impacts[0] has neither
+{"impacts": [{"point": [1, 2]}]} | Format | extras.impacts[0].point is [1,2]
+{"impacts": [{"point": [1, 2, "3"]}]} | Format | extras.impacts[0].point
+{"impacts": [{"point": [1, 2, 1e300]}]} | NotFinite | extras.impacts[0].point.z is inf
+{"impacts": [{"contact_vertex": 4}]} | IndexOutOfRange | contact_vertex is 4; it must be below 4
+{"impacts": [{"contact_vertex": -1}]} | Format | contact_vertex is -1
+{"impacts": [{"contact_vertex": 0.5}]} | Format | contact_vertex is 0.5
+{"impacts": [{"point": [0, 0, 0], "normal": [0, 0, 0]}]} | Format | normal is [0.0, 0.0, 0.0]
+{"impacts": [{"point": [0, 0, 0]}, {"point": [0, 0, 0]}, {"point": [0, 0, 0]}]} | Format | extras.impacts has 3 entries for 2 targets
+{"targetNames": ["p", "q"], "impacts": [{"name": "x", "point": [0, 0, 0]}]} | Format | impacts[0] is for 'x'; there is no such target (there are 'p', 'q')
+{"placements": "sideways"} | Format | 'sideways'; it must be automatic, anchored or carried
+{"placements": ["carried"]} | Format | 1 words for 2 targets
+{"placements": ["carried", 1]} | Format | extras.placements[1] is 1
+{"placements": 1} | Format | extras.placements is 1
+{"placements": {"r": "carried"}, "targetNames": ["p", "q"]} | Format | names 'r'
+{"placements": {"p": 1}, "targetNames": ["p", "q"]} | Format | extras.placements['p'] is 1
+"#;
+
 #[test]
 fn malformed_impacts_and_placements_are_named() {
-    let refuse = |extras: Value, kind: ErrorKind, part: &str| {
-        let error = with_extras(extras.clone()).unwrap_err();
-        assert_eq!(error.kind(), kind, "{extras}: {error}");
-        assert!(error.to_string().contains(part), "{extras}: {error}");
-    };
-    let format = ErrorKind::Format;
-    refuse(json!({ "targetNames": "one" }), format, "extras.targetNames is \"one\"");
-    refuse(json!({ "targetNames": ["one", 2] }), format, "extras.targetNames[1] is 2");
-    refuse(json!({ "impacts": 3 }), format, "extras.impacts is 3");
-    refuse(json!({ "impacts": "nonsense" }), format, "extras.impacts is a text that is not JSON");
-    refuse(json!({ "impacts": [[]] }), format, "extras.impacts[0] is []");
-    refuse(json!({ "impacts": [{}] }), format, "extras.impacts[0] has neither");
-    refuse(json!({ "impacts": [{ "point": [1, 2] }] }), format, "extras.impacts[0].point is [1,2]");
-    refuse(json!({ "impacts": [{ "point": [1, 2, "3"] }] }), format, "extras.impacts[0].point");
-    refuse(
-        json!({ "impacts": [{ "point": [1, 2, 1e300] }] }),
-        ErrorKind::NotFinite,
-        "extras.impacts[0].point.z is inf",
-    );
-    refuse(
-        json!({ "impacts": [{ "contact_vertex": 4 }] }),
-        ErrorKind::IndexOutOfRange,
-        "contact_vertex is 4; it must be below 4",
-    );
-    refuse(json!({ "impacts": [{ "contact_vertex": -1 }] }), format, "contact_vertex is -1");
-    refuse(json!({ "impacts": [{ "contact_vertex": 0.5 }] }), format, "contact_vertex is 0.5");
-    refuse(json!({ "impacts": [{ "point": [0, 0, 0], "normal": [0, 0, 0] }] }), format, "normal is [0.0, 0.0, 0.0]");
-    let three = json!([{ "point": [0, 0, 0] }, { "point": [0, 0, 0] }, { "point": [0, 0, 0] }]);
-    refuse(json!({ "impacts": three }), format, "extras.impacts has 3 entries for 2 targets");
-    let stray = json!([{ "name": "x", "point": [0, 0, 0] }]);
-    refuse(
-        json!({ "targetNames": ["p", "q"], "impacts": stray }),
-        format,
-        "impacts[0] is for 'x'; there is no such target (there are 'p', 'q')",
-    );
-    refuse(json!({ "placements": "sideways" }), format, "'sideways'; automatic, anchored or carried");
-    refuse(json!({ "placements": ["carried"] }), format, "1 words for 2 targets");
-    refuse(json!({ "placements": ["carried", 1] }), format, "extras.placements[1] is 1");
-    refuse(json!({ "placements": 1 }), format, "extras.placements is 1");
-    refuse(json!({ "placements": { "r": "carried" }, "targetNames": ["p", "q"] }), format, "names 'r'");
-    refuse(json!({ "placements": { "p": 1 }, "targetNames": ["p", "q"] }), format, "extras.placements['p'] is 1");
+    for line in MALFORMED_EXTRAS.lines().skip(1) {
+        let [extras, kind, part] = line.split(" | ").collect::<Vec<_>>()[..] else { panic!("{line}") };
+        let error = with_extras(serde_json::from_str(extras).unwrap()).unwrap_err();
+        assert_eq!(format!("{:?}", error.kind()), kind, "{line}: {error}");
+        assert!(error.to_string().contains(part), "{line}: {error}");
+    }
 }
 
 #[test]

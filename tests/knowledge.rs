@@ -10,7 +10,7 @@ use crumple::{
     Contact, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Mirror, Placement, Seams,
     SetOptions,
 };
-use scenes::{Dice, Output, build, push, random_hit};
+use scenes::{Dice, Output, build, displacements, new, push, random_hit, relative_l2};
 
 fn positions(set: &ExampleSet) -> &[Vec3] {
     set.mesh().positions()
@@ -20,14 +20,7 @@ fn positions(set: &ExampleSet) -> &[Vec3] {
 fn dent(set: &Arc<ExampleSet>, options: InstanceOptions, hit: &Hit) -> (Vec<Vec3>, crumple::Outcome) {
     let mut instance = Instance::new(set.clone(), options).unwrap();
     let outcome = instance.submit(hit).unwrap();
-    let out = Output::fresh(&mut instance);
-    let moved = out.positions.iter().zip(positions(set)).map(|(p, b)| Vec3::from_array(*p) - *b).collect();
-    (moved, outcome)
-}
-
-fn relative(is: &[Vec3], ought: &[Vec3]) -> f32 {
-    let wrong: f32 = is.iter().zip(ought).map(|(a, b)| (*a - *b).length_squared()).sum();
-    (wrong / ought.iter().map(|b| b.length_squared()).sum::<f32>()).sqrt()
+    (displacements(&mut instance), outcome)
 }
 
 fn with_placement(body: &str, count: usize, placement: Placement, options: SetOptions) -> Arc<ExampleSet> {
@@ -120,7 +113,7 @@ fn a_hit_at_the_mirrored_place_of_an_example_gives_its_mirrored_field() {
             let options = InstanceOptions { examples_per_hit: 1, ..InstanceOptions::default() };
             // carried to where it was made: the error of resampling
             let own = push(e.contact_point().to_array(), e.contact_displacement().to_array());
-            let resampled = relative(&dent(&set, options, &own).0, &field);
+            let resampled = relative_l2(&dent(&set, options, &own).0, &field);
             assert!(resampled < 0.2, "{body}: {resampled}");
             for planes in planes.iter().map(|p| Mirror::from_bits(*p)) {
                 let (image, flip) = (images(&set, planes), mirrored(planes));
@@ -130,7 +123,7 @@ fn a_hit_at_the_mirrored_place_of_an_example_gives_its_mirrored_field() {
                 assert_eq!(outcome.chosen[0].unwrap().mirror, planes, "{body}");
                 let mut ought = vec![Vec3::ZERO; is.len()];
                 image.iter().zip(&field).for_each(|(to, d)| ought[*to] = *d * flip);
-                let off = relative(&is, &ought);
+                let off = relative_l2(&is, &ought);
                 assert!(off < resampled + 0.02, "{body}, {planes:?}: {off}, resampled {resampled}");
             }
         }
@@ -145,7 +138,7 @@ fn a_hit_and_its_mirror_image_give_mirrored_dents() {
         let set = with_placement(body, 12, Placement::Carried, SetOptions::default());
         let (image, flip) = (images(&set, planes), mirrored(planes));
         let mut dice = Dice::new(5);
-        let mut worst = 0.0f32;
+        let mut worst = 0.0f64;
         for _ in 0..40 {
             let vertex = dice.index(set.vertex_count());
             let n = set.mesh().contact_normal(vertex as u32).unwrap();
@@ -157,7 +150,7 @@ fn a_hit_and_its_mirror_image_give_mirrored_dents() {
             assert_eq!(first.status, second.status);
             let mut ought = vec![Vec3::ZERO; a.len()];
             image.iter().zip(&a).for_each(|(to, d)| ought[*to] = *d * flip);
-            worst = worst.max(relative(&b, &ought));
+            worst = worst.max(relative_l2(&b, &ought));
         }
         assert!(worst < 1e-3, "{body}, {planes:?}: {worst}");
     }
@@ -172,7 +165,7 @@ fn without_mirror_nothing_is_mirrored() {
     assert_ne!(set.fingerprint(), both.fingerprint());
     let mirrored = |set: &Arc<ExampleSet>| {
         let mut dice = Dice::new(3);
-        let instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+        let instance = new(set);
         let outcomes: Vec<_> = (0..40).map(|_| instance.preview(&random_hit(set, &mut dice)).unwrap()).collect();
         outcomes.iter().flat_map(|o| o.chosen).flatten().filter(|c| c.mirror != Mirror::NONE).count()
     };
@@ -205,7 +198,7 @@ fn a_held_rim_never_moves_under_what_is_carried() {
         let set = with_placement("panel", 12, Placement::Carried, SetOptions { held_rims, ..SetOptions::default() });
         let rim = rim(&set);
         assert_eq!(set.report().held_vertices, if held_rims { rim.len() } else { 0 });
-        let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+        let mut instance = new(&set);
         let mut dice = Dice::new(11);
         for i in 0..60 {
             // most of them beside the rim
@@ -228,7 +221,7 @@ fn the_rest_of_a_target_beside_a_held_rim_is_unmet() {
     let set = with_placement("panel", 12, Placement::Carried, SetOptions::default());
     let rim = rim(&set);
     let at = positions(&set)[rim[3]];
-    let instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+    let instance = new(&set);
     let outcome = instance.preview(&push(at.to_array(), [0.0, 0.0, -0.02])).unwrap();
     assert_eq!((outcome.achieved, outcome.shortfall()), ([0.0; 3], outcome.target));
 }
@@ -295,7 +288,7 @@ fn each_loop_is_held_or_free_by_itself() {
     let clamped = set(pipe(n), Seams::Weld, &|_, _| {});
     // all around, and one of them twice
     assert_eq!(clamped.report().held_vertices, n + 1);
-    let mut instance = Instance::new(clamped.clone(), InstanceOptions::default()).unwrap();
+    let mut instance = new(&clamped);
     let mut dice = Dice::new(2);
     for _ in 0..30 {
         instance.submit(&random_hit(&clamped, &mut dice)).unwrap();
@@ -371,7 +364,7 @@ fn normals_beside_a_held_rim_are_those_of_the_surface() {
     // away from corners: there the window has a crease, where two sides are equally near
     for (x, y) in [(0.47, 0.1), (0.49, -0.3), (-0.3, 0.48), (-0.46, 0.0), (0.2, 0.1)] {
         for depth in [0.005, 0.015, 0.03] {
-            let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+            let mut instance = new(&set);
             instance.submit(&push([x, y, 0.0], [0.0, 0.0, -depth])).unwrap();
             let out = Output::fresh(&mut instance);
             let sums = scenes::area_normals(&set, &out.positions);
@@ -418,7 +411,7 @@ fn what_dents_the_same_wherever_it_is_hit_stays_in_place() {
     let shape: Vec<Vec3> = (0..set.vertex_count() as u32).map(|v| set.examples()[0].delta(v)).collect();
     let contact = outcome.contact_vertex as usize;
     let as_deep: Vec<Vec3> = shape.iter().map(|d| *d * (0.05 / shape[contact].length())).collect();
-    assert!(relative(&field, &as_deep) < 0.02);
+    assert!(relative_l2(&field, &as_deep) < 0.02);
 }
 
 #[test]

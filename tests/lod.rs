@@ -10,7 +10,7 @@ use crumple::{
     DeformJob, DeformReport, Error, ErrorKind, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData,
     Placement, Rule, Serial, SetOptions, ThreadPool, Tracker, VertexMemory, deform,
 };
-use scenes::{Dice, ball, bowls, coincident, cube, length, push, random_hits, sheet};
+use scenes::{Dice, ball, bowls, coincident, cube, length, new, push, random_hits, sheet};
 
 /// Positions and normals of one level, and what they hold.
 struct Level {
@@ -62,7 +62,7 @@ fn with_lods(mesh: MeshData, examples: Vec<ExampleData>, options: SetOptions, lo
 }
 
 fn dented(set: &Arc<ExampleSet>, hits: &[Hit]) -> Instance {
-    let body = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+    let body = new(set);
     hits.iter().for_each(|h| assert!(body.submit(h).is_ok()));
     body
 }
@@ -201,7 +201,7 @@ fn only_dirty_blocks_of_a_level_are_written() {
     let mesh = sheet(24);
     let set = with_lods(mesh.clone(), bowls(&mesh, 6, 0.15, 2), options(None), &[sheet(80), sheet(12)]);
     let e = &set.examples()[0];
-    let mut body = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+    let mut body = new(&set);
     let mut levels: Vec<Level> = (0..3).map(|lod| Level::new(&set, lod)).collect();
     for level in &mut levels {
         let all = level.positions.len() as u64;
@@ -234,7 +234,7 @@ fn only_dirty_blocks_of_a_level_are_written() {
 fn all_levels_see_a_hit_whenever_they_are_deformed() {
     let mesh = ball(2);
     let set = with_lods(mesh.clone(), bowls(&mesh, 5, 0.5, 7), options(None), &[ball(1), ball(3)]);
-    let mut body = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+    let mut body = new(&set);
     let mut levels: Vec<Level> = (0..3).map(|lod| Level::new(&set, lod)).collect();
     for (frame, hit) in random_hits(&set, 12, 5).iter().enumerate() {
         body.submit(hit).unwrap();

@@ -7,12 +7,12 @@ use std::sync::Arc;
 
 use crumple::{
     Combine, Contact, Deltas, ExampleData, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Mark, MeshData,
-    Mirror, Pair, Placement, Rule, Seams, Selection, Serial, SetOptions, Tracker, VertexMemory,
+    Mirror, Pair, Placement, Rule, Seams, Selection, SetOptions,
 };
 use oracle::vector::{V, add, from_f32, length, scale, sub};
 use oracle::{Model, classic, damage::Ledger, learn, marks, select};
 use proptest::prelude::*;
-use scenes::{Dice, build, push};
+use scenes::{Dice, Output, build, new, push};
 
 /// A random set: a bumpy sheet, ball or cube, smooth and ragged examples, some pinned, some carried, some without a given contact.
 fn random_set(dice: &mut Dice, combine: Combine, seams: Seams) -> Arc<ExampleSet> {
@@ -105,22 +105,6 @@ fn combines() -> impl Strategy<Value = Combine> {
     prop_oneof![Just(Combine::Energies), Just(Combine::Sum), Just(Combine::Deepest)]
 }
 
-struct Deformed {
-    positions: Vec<[f32; 3]>,
-    normals: Vec<[f32; 3]>,
-}
-
-fn deformed(instance: &mut Instance) -> Deformed {
-    let count = instance.example_set().vertex_count();
-    let has_normals = instance.example_set().mesh().normals().is_some();
-    let mut out = Deformed { positions: vec![[0.0; 3]; count], normals: vec![[0.0; 3]; count] };
-    let mut tracker = Tracker::new();
-    let normals = has_normals.then_some(out.normals.as_mut_slice());
-    let memory = VertexMemory::separate(&mut out.positions, normals, None).unwrap();
-    instance.deform(&mut tracker, memory, &Serial).unwrap();
-    out
-}
-
 /// What the weights of a stamp's bilinear mean can tell apart, with room: whole numbers of 14 bits, rounded down.
 const WEIGHTS: f64 = 2.0 / 16384.0;
 
@@ -151,7 +135,7 @@ fn check_evaluation(instance: &mut Instance, limit: f64) -> Result<(), TestCaseE
     let scaled = marks::scaled(&model, &list);
     let sizes: Vec<(f64, f64)> = scaled.iter().map(|m| marks::size(&model, m)).collect();
     let (size, turn) = sizes.iter().fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
-    let out = deformed(instance);
+    let out = Output::fresh(instance);
     for v in 0..set.vertex_count() {
         if list.iter().any(|m| marks::on_a_border(&model, m, v)) {
             continue;
@@ -299,7 +283,7 @@ proptest! {
         let mut dice = Dice::new(seed);
         let set = random_set(&mut dice, combine, Seams::Weld);
         let list: Vec<Mark> = (0..1 + dice.index(5)).map(|_| any_mark(&set, &mut dice)).collect();
-        let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+        let mut instance = new(&set);
         instance.set_marks(&list).unwrap();
         check_evaluation(&mut instance, f64::from(set.depth_limit()))?;
     }
@@ -393,7 +377,7 @@ fn check_classic(set: &Arc<ExampleSet>, dice: &mut Dice, k: f32, clamp: bool) ->
             doubtful[v] |= (a - b).abs() <= error[v] + off && differ > error[v] + off;
             error[v] = error[v].max(off);
         }
-        let out = deformed(&mut instance);
+        let out = Output::fresh(&mut instance);
         for v in (0..current.len()).filter(|v| !doubtful[*v]) {
             let off = length(sub(from_f32(out.positions[v]), current[v]));
             prop_assert!(
@@ -579,7 +563,7 @@ fn quick_eight_marks_at_one_vertex_add_energies() {
     let mut instance = Instance::new(set, InstanceOptions::default()).unwrap();
     for n in 1..=8u16 {
         instance.submit(&push([0.0; 3], [0.0, 0.0, -1.0])).unwrap();
-        let z = deformed(&mut instance).positions[0][2];
+        let z = Output::fresh(&mut instance).positions[0][2];
         assert!((z + f32::from(n).sqrt()).abs() < 1e-6, "{n} hits: {z}");
     }
 }

@@ -7,11 +7,11 @@ use std::sync::Arc;
 
 use crumple::glam::{Mat4, Quat, Vec3};
 use crumple::{
-    Attribute, Cause, Combine, DeformJob, Deltas, Error, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Mark,
-    Mirror, Pair, Placement, Rule, Serial, SetOptions, SimdLevel, Space, TaskSystem, ThreadPool, Tracker, VertexMemory,
+    Attribute, Cause, Combine, DeformJob, Deltas, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Mark, Mirror,
+    Pair, Placement, Rule, Serial, SetOptions, SimdLevel, Space, TaskSystem, ThreadPool, Tracker, VertexMemory,
 };
 use proptest::prelude::*;
-use scenes::{Body, Dice, Output, POISON, fnv, push, random_hit, random_hits};
+use scenes::{Body, Dice, Output, POISON, fnv, new, push, random_hit, random_hits};
 
 /// Built once: all bodies.
 fn bodies() -> &'static [Body] {
@@ -26,10 +26,6 @@ fn any_body() -> impl Strategy<Value = &'static Body> {
 /// 1 to 10 000, small numbers as likely as large ones.
 fn sequence_length() -> impl Strategy<Value = usize> {
     prop_oneof![1usize..10, 10usize..300, 300usize..3000, Just(10_000)]
-}
-
-fn new(set: &Arc<ExampleSet>) -> Instance {
-    with(set, InstanceOptions::default())
 }
 
 fn with(set: &Arc<ExampleSet>, options: InstanceOptions) -> Instance {
@@ -1201,7 +1197,7 @@ fn quick_world_space_hits_arrive_in_the_bodys_own_space() {
     let turn = Quat::from_rotation_y(0.7) * Quat::from_rotation_x(-1.1);
     for scale in [Vec3::ONE, Vec3::splat(2.5), Vec3::new(1.0, 2.0, 0.5)] {
         let to_world = Mat4::from_scale_rotation_translation(scale, turn, Vec3::new(100.0, -20.0, 3.0));
-        let mut moved = new(&set);
+        let moved = new(&set);
         moved.set_transform(to_world).unwrap();
         let mut dice = Dice::new(6);
         for _ in 0..20 {
@@ -1255,13 +1251,4 @@ fn quick_preview_leaves_nothing() {
     let (preview, outcome) = (instance.preview(&hit).unwrap(), new(&set).submit(&hit).unwrap());
     assert_eq!(preview, outcome);
     assert!(instance.marks().unwrap().is_empty());
-}
-
-#[test]
-fn quick_damage_of_another_set_is_refused() {
-    let (sheet, ball) = (scenes::sheet_set(), scenes::ball_set());
-    let (mut a, mut b) = (new(&sheet), new(&ball));
-    a.submit(&random_hit(&sheet, &mut Dice::new(1))).unwrap();
-    assert!(matches!(b.copy_damage_from(&mut a), Err(Error::DamageMismatch { .. })));
-    assert!(b.marks().unwrap().is_empty());
 }

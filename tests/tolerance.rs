@@ -6,21 +6,15 @@ mod scenes;
 use std::sync::Arc;
 
 use crumple::{
-    Combine, DeformReport, ErrorKind, ExampleSet, Instance, InstanceOptions, Placement, Rule, Serial, SetOptions,
-    Tracker, VertexMemory, pixel_tolerance,
+    Combine, ErrorKind, ExampleSet, Instance, InstanceOptions, Placement, Rule, SetOptions, pixel_tolerance,
 };
 use proptest::prelude::*;
-use scenes::{Body, Dice, Output, bowls, build, cases, coincident, cube, push, random_hits, sheet, small_bodies};
+use scenes::{
+    Body, Dice, Output, bowls, build, cases, coincident, cube, positions, push, random_hits, sheet, small_bodies,
+};
 
 fn with(set: &Arc<ExampleSet>, tolerance: f32) -> Instance {
     Instance::new(set.clone(), InstanceOptions { tolerance, ..InstanceOptions::default() }).unwrap()
-}
-
-fn positions(instance: &mut Instance) -> (Vec<[f32; 3]>, DeformReport) {
-    let mut out = vec![[0.0; 3]; instance.example_set().vertex_count()];
-    let memory = VertexMemory::separate(&mut out, None, None).unwrap();
-    let report = instance.deform(&mut Tracker::new(), memory, &Serial).unwrap();
-    (out, report)
 }
 
 fn furthest(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
@@ -104,21 +98,6 @@ proptest! {
                 }
             }
         }
-    }
-
-    #[test]
-    fn the_order_of_hits_does_not_matter(body in 0usize..6, seed: u64, count in 2usize..30) {
-        let set = &bodies()[body].1;
-        let mut hits = random_hits(set, count, seed);
-        let tolerance = set.depth_limit() / 16.0;
-        let deformed = |hits: &[crumple::Hit]| {
-            let mut instance = with(set, tolerance);
-            hits.iter().for_each(|h| assert!(instance.submit(h).is_ok()));
-            positions(&mut instance).0
-        };
-        let first = deformed(&hits);
-        Dice::new(seed).shuffle(&mut hits);
-        prop_assert_eq!(first, deformed(&hits));
     }
 }
 

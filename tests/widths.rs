@@ -7,10 +7,10 @@ use std::sync::Arc;
 
 use crumple::glam::{DVec3, Vec3};
 use crumple::{
-    Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, Mark, Mirror, Pair, Placement, Serial, SetOptions,
-    SimdLevel, TaskSystem, ThreadPool, Tracker, VertexMemory,
+    Deltas, ExampleData, ExampleSet, Hit, Instance, Mark, Mirror, Pair, Placement, Serial, SetOptions, SimdLevel,
+    TaskSystem, ThreadPool, Tracker, VertexMemory,
 };
-use scenes::{Dice, random_hits};
+use scenes::{Dice, new, random_hits};
 
 fn written(instance: &mut Instance, normals: bool, tasks: &dyn TaskSystem) -> Vec<u32> {
     let n = instance.example_set().vertex_count();
@@ -40,7 +40,7 @@ fn levels_widths_and_threads_give_the_same_bits() {
             };
             // A lone anchored dent, then many of all kinds.
             for hits in [0, 25] {
-                let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+                let mut instance = new(&set);
                 if hits == 0 {
                     instance.set_marks(&[alone(Pair::WHOLE)]).unwrap();
                 }
@@ -83,11 +83,9 @@ fn no_vertex_is_further_off_than_the_tolerance() {
                 for weight in [1.0, dice.between(0.01, 1.0)] {
                     let mut pairs = [Pair::NONE; 4];
                     pairs[0] = Pair::anchored(i as u16, Pair::WHOLE);
-                    let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+                    let mut instance = new(&set);
                     instance.set_marks(&[Mark::new(e.contact_vertex(), weight * e.depth(), pairs)]).unwrap();
-                    let mut shown = vec![[0.0f32; 3]; set.vertex_count()];
-                    let memory = VertexMemory::separate(&mut shown, None, None).unwrap();
-                    instance.deform(&mut Tracker::new(), memory, &Serial).unwrap();
+                    let (shown, _) = scenes::positions(&mut instance);
                     let mut worst = 0.0f64;
                     for (v, d) in truth.iter().enumerate() {
                         let base: Vec3 = set.mesh().positions()[v];
@@ -123,7 +121,7 @@ fn contacts_are_not_rounded() {
                 assert_eq!(a.contact_displacement(), b.contact_displacement());
                 assert_eq!((a.depth(), a.support_radius()), (b.depth(), b.support_radius()));
                 let hit = Hit::displacement(b.contact_point().into(), b.contact_displacement().into());
-                let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+                let mut instance = new(&set);
                 let outcome = instance.submit(&hit).unwrap();
                 let chosen = outcome.chosen[0].unwrap();
                 assert_eq!(

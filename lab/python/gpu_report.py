@@ -53,7 +53,7 @@ def aims(found):
 
 
 def vertices(t):
-    methods = {"positions": "positions", "normals": "with normals", "classic": "literature's kernel", "classic rule": "the library's classic rule", "copy": "copy", "cpu": "CPU path"}
+    methods = {"positions": "positions", "normals": "with normals", "classic": "classic kernel", "classic rule": "the library's classic rule", "copy": "copy", "cpu": "CPU path"}
     sizes = sorted({r["vertices"] for r in t.where(workload="vertices", method="classic")})
     one = lambda m, s: next((r for r in t.where(workload="vertices", method=m, vertices=s) if r["case"] is None), None)
 
@@ -62,14 +62,14 @@ def vertices(t):
         more = [three(p["gb_per_s"]), three(p["share_of_copy"]), times(p), three(c["share_of_copy"])]
         return [short(s), *(time(one(m, s)) for m in methods), *more]
 
-    head = ["moved vertices", *methods.values(), "GB/s", "of the copy's", "times the literature's", "its share of a copy"]
+    head = ["moved vertices", *methods.values(), "GB/s", "of the copy's", "times the classic kernel", "its share of a copy"]
     return table(head, map(line, sizes))
 
 
 def groups(t):
     rows = t.where(workload="groups")
     cases = sorted({r["case"] for r in rows})
-    names = {"positions": "Crumple", "classic": "literature's kernel"}
+    names = {"positions": "Crumple", "classic": "classic kernel"}
     lines = [[short(s), names[m], *(time(t.one(workload="groups", method=m, vertices=s, case=c)) for c in cases)] for s in sorted({r["vertices"] for r in rows}) for m in names]
     return table(["vertices", "", *(f"{c:g}" for c in cases)], lines)
 
@@ -148,8 +148,8 @@ that of its copying loop. What holds everywhere is judged everywhere.
 
 {picture(directory, "gpu_vertices", "Time and share of a copy's bandwidth against moved vertices")}
 One anchored example in 16 bits moves every vertex of a sheet. "GB/s" counts what must move: base position and result, 12 bytes each, 6 of the
-example, and a little a block; 52 bytes for the literature's kernel (an entry of 16, base 12, state 12 read and 12 written). The copy
-beside each reads and writes as many bytes together. The literature's kernel begins with the body at rest, so that it writes every vertex; the
+example, and a little a block; 52 bytes for the classic kernel (an entry of 16, base 12, state 12 read and 12 written). The copy
+beside each reads and writes as many bytes together. The classic kernel begins with the body at rest, so that it writes every vertex; the
 library's classic rule keeps a state of its own beside the engine's buffer.
 
 {each(found, vertices)}
@@ -159,7 +159,7 @@ library's classic rule keeps a state of its own beside the engine's buffer.
 {each(found, groups)}
 ## Impulses and carried marks
 
-{picture(directory, "gpu_marks", "Speed of impulses and carried marks against the literature's kernel")}
+{picture(directory, "gpu_marks", "Speed of impulses and carried marks against the classic kernel")}
 {each(found, marks)}
 ## Many instances
 

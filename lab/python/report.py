@@ -72,7 +72,7 @@ def accuracy(directory):
 
     ours = dict(method="automatic", stamp=stamp)
     rows = [line("no dent at all", method="none")]
-    rows += [line(f"the literature's rule, as is, {FULL} examples", method="classic", examples=FULL)]
+    rows += [line(f"the classic rule, as is, {FULL} examples", method="classic", examples=FULL)]
     rows += [line(f"the same, weight clamped, {FULL}", method="classic_clamped", examples=FULL)]
     rows += [line("one radial profile, no examples", method="radial")]
     rows += [line(f"Crumple, anchored only, {FULL}", method="anchored", examples=FULL)]
@@ -91,27 +91,27 @@ def accuracy(directory):
     loses = f" Four examples are no better than the profile without any on the {' and the '.join(near)}." if near else ""
     text = f"""## 1. Accuracy against speed
 
-{picture(directory, "accuracy_speed", "Relative error against time per impact, for Crumple, the literature's rule, a radial profile and physics engines, on two bodies and two truths")}
+{picture(directory, "accuracy_speed", "Relative error against time per impact, for Crumple, the classic rule, a radial profile and physics engines, on two bodies and two truths")}
 The error is the relative L2 of the displacement field over all vertices, against impacts that no example shows ({held}). A
-method is told the contact point and the displacement that stays there, nothing else. Cost is one thread, from the contact to
-the written positions: selection, placing, and every vertex touched. Median / 90th percentile; cost and memory are those of
+method receives the contact point and the displacement that stays there, nothing else. The cost is that of one thread from the contact to
+the written positions: selection, placing, and every vertex touched. Errors are median / 90th percentile. Cost and memory span
 the four bodies:
 
 {table(["method", *heads(), "time an impact", "memory"], rows)}
-- The time is that of positions alone; with normals it is {number(ratio(t, stamp), 1)} times as long.
-- The literature's rule is the cheapest that uses examples, and it puts the dent where the example was made, not where the body
-  was hit; without the clamp its weight grows without limit where an example barely moves the contact.
+- The time is for positions only; with normals it is {number(ratio(t, stamp), 1)} times as long.
+- The classic rule is the cheapest that uses examples. It puts the dent where the example was made, not where the body
+  was hit. Without the clamp its weight grows without limit where an example barely moves the contact.
 - The radial profile is cheaper still and needs next to no memory.{loses} It cannot know that a drum dents along its axis.
-- "Told the depth alone": the same hits reported along the normal, without the tangential part of the displacement (an engine's impulse
-  does not know it). It is what a dent's lean is worth, and every other row of ours has it.
-- "Crumple, K = 3" lets dents be as deep as asked; with all defaults the deepest example limits them, which costs where
-  the examples are few and shallow. Presses that leave under 5 mm are left out: there is no dent to predict.
+- "Told the depth alone" has the same hits reported along the normal, without the tangential part of the displacement, which an engine's impulse
+  does not contain. The difference is the value of a dent's lean; every other row of Crumple has it.
+- "Crumple, K = 3" has no depth limit. With all defaults the deepest example limits dents, which costs accuracy where
+  the examples are few and shallow. Presses that leave under 5 mm are left out, because there is no dent to predict.
 
 {picture(directory, "accuracy_examples", "Error against the number of examples")}
 {picture(directory, "accuracy_stamps", "Error against the size of the stamps")}
 {picture(directory, "accuracy_impacts", "Error of every held-out impact")}
 """
-    return text + peers(directory) + own_text("accuracy") + candidates(directory)
+    return text + peers(directory) + own_text("accuracy")
 
 
 def ratio(t, stamp):
@@ -130,15 +130,11 @@ def peers(directory):
     head = ["engine", "impacts", "quality", "error", "error when scaled", "time an impact", "memory", "failed"]
     return f"""### Physics engines on the same impacts
 
-They are told more (what strikes, how fast or how far) and simulate the rest. "Error when scaled" is after one factor gave the
-contact the displacement that Crumple is told.
+Engines receive more (what strikes, how fast or how far) and simulate the rest. "Error when scaled" is the error after one factor gave the
+contact the displacement that Crumple receives.
 
 {table(head, cells)}
 {own_text("peers")}"""
-
-
-def candidates(directory):
-    return own_text("candidates") if (directory / "candidates.csv").exists() else ""
 
 
 def combining(directory):
@@ -160,14 +156,14 @@ def combining(directory):
     return f"""## 2. Several dents
 
 {picture(directory, "combine_errors", "Error of each rule after the last impact")}
-Sequences of two to four impacts ({n}), and one shot eight times at one place. First each rule is fed with the true dent of each
-impact on the fresh body, so that nothing but the rule is wrong. Error: median / 90th percentile after the last impact.
-"Seam" is the largest edge jump over the truth's, "kept" the displacement kept at earlier contacts over the truth's, "order" the
-largest difference between two orders of the same impacts over the deepest dent, "inverted" triangles beyond the truth's; each
+Sequences of two to four impacts ({n}), and one shot eight times at one place. First each rule receives the true dent of each
+impact on the fresh body, so that only the rule can be wrong. The error is median / 90th percentile after the last impact.
+"Seam" is the largest edge jump over the truth's. "Kept" is the displacement kept at earlier contacts over the truth's. "Order" is the
+largest difference between two orders of the same impacts over the deepest dent. "Inverted" counts turned triangles beyond the truth's. Each is
 the worst over all bodies.
 
 {table(head, rows("true singles"))}
-End to end, with {FULL} examples (the library's rules are free of order by construction, the literature's are not):
+End to end, with {FULL} examples (the library's rules are free of order by construction, the classic rules are not):
 
 {table(head, rows("predicted"))}
 {picture(directory, "combine_seams", "Largest seam against what is kept of earlier dents")}
@@ -182,7 +178,7 @@ def speed(directory):
     t = read(directory, "speed_vertices.csv")
     if t is None:
         return ""
-    names = {"classic": "literature's kernel", "f32": "Crumple, f32", "i16": "Crumple, 16 bit", "i8": "Crumple, 8 bit", "memcpy": "copying the positions"}
+    names = {"classic": "classic kernel", "f32": "Crumple, f32", "i16": "Crumple, 16 bit", "i8": "Crumple, 8 bit", "memcpy": "copying the positions"}
     methods = [m for m in names if t.where(method=m)]
     sizes = sorted({r["moved_vertices"] for r in t.rows})
 
@@ -193,7 +189,7 @@ def speed(directory):
     rows = [[f"{size:,.0f}".replace(",", " "), *(f"{cell(m, size, 1)} / {cell(m, size, 2)}" for m in methods)] for size in sizes]
     return f"""## 5. Speed
 
-{picture(directory, "speed_vertices", "Time against moved vertices, for Crumple, the literature's kernel and a copy")}
+{picture(directory, "speed_vertices", "Time against moved vertices, for Crumple, the classic kernel and a copy")}
 Time of one deformation by one example, on one thread / on two:
 
 {table(["moved vertices", *(names[m] for m in methods)], rows)}
@@ -243,13 +239,14 @@ def main():
     text = f"""# The lab
 
 Everything here is made by `cargo xtask lab`: tables (CSV), charts (SVG and PNG) and this page. {where}
-Two [truths](../../lab/data/README.md), computed by independent solvers, say what is right; parameters were chosen by cross-validation on training
-impacts, never on the held-out ones measured here. Figures are medians unless said otherwise.
+Two [truths](../../lab/data/README.md), computed by independent solvers, are the reference. Parameters were chosen by [cross-validation](../model.md#how-the-rule-was-chosen)
+on training impacts, never on the held-out ones measured here. Figures are medians unless said otherwise. "Classic" is the rule of the
+paper ([model](../model.md#the-classic-rule)); charts call it "literature".
 
 {accuracy(directory)}
 {combining(directory)}
 {section(directory, "3. Stability where methods fail", "stability")}
-{section(directory, "4. The literature's own pictures", "pictures")}
+{section(directory, "4. The paper's own pictures", "pictures")}
 {speed(directory)}
 {scene(directory)}"""
     while "\n\n\n" in text:

@@ -27,7 +27,7 @@ use anyhow::Result;
 use clap::{Args, Parser, Subcommand};
 
 #[derive(Parser)]
-#[command(name = "crumple-lab", about = "Measures Crumple against two truths, its peers and the literature's rule")]
+#[command(name = "crumple-lab", about = "Measures Crumple against two truths, its peers and the classic rule")]
 struct Cli {
     #[command(subcommand)]
     part: Part,
@@ -44,7 +44,7 @@ enum Part {
     /// Physics engines on the same impacts
     #[cfg(feature = "engines")]
     Peers(Options),
-    /// The literature's visual tests, classic beside ours
+    /// The paper's visual tests, classic beside ours
     Pictures(Options),
     /// Time against the number of moved vertices and against threads
     Speed(Options),

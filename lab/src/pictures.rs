@@ -1,4 +1,4 @@
-//! The literature's visual tests (75 random hits), its rule beside ours, rendered.
+//! The paper's visual tests (75 random hits), its rule beside ours, rendered.
 //!
 //! Its tool "chooses random example and random weight for each test" and does so 75 times (section 5.3): here each hit is at
 //! a random example's own contact and asks for a random share of its depth. A second test hits anywhere.
@@ -124,7 +124,7 @@ impl Scene {
         Ok(Self { name, up, smooth, set })
     }
 
-    /// The literature's own test.
+    /// The paper's own test.
     fn at_examples(&self) -> Vec<Hit> {
         let mut dice = Dice::new(75);
         let hit = |_| {

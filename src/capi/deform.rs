@@ -8,7 +8,7 @@ use super::result::{CrumpleResult, Failure};
 use super::store::{BufferEntry, Memory, State};
 use super::tasks::Quiet;
 use super::types::{CrumpleAabb, CrumpleBuffer, CrumpleRange};
-use crate::error::reserve;
+use crate::base::error::reserve;
 use crate::{Aabb, DeformJob};
 use xxhash_rust::xxh3::Xxh3;
 

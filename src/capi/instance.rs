@@ -86,7 +86,7 @@ pub unsafe extern "C" fn crumple_instance_create(
     recorded("crumple_instance_create", context, |context, state, log| {
         let (def, out) = (self::def(def, "def")?, Out::new(out_instance, "out_instance")?);
         let set = state.sets.get(def.set, "def.set")?.set.clone();
-        let mut instance = Instance::new(set, options(&def)?)?;
+        let instance = Instance::new(set, options(&def)?)?;
         instance.set_transform(matrix(def.local_to_world, "def.local_to_world")?)?;
         let mut inboxes = context.inboxes.write().unwrap_or_else(PoisonError::into_inner);
         state.instances.reserve::<CrumpleInstance>()?;

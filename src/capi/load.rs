@@ -79,7 +79,7 @@ pub unsafe extern "C" fn crumple_example_set_load_gltf(
         #[cfg(feature = "gltf")]
         {
             let choice = mesh_choice(&def)?;
-            let imported = crate::import::gltf_file(path.as_ref(), choice)?;
+            let imported = crate::io::import::gltf_file(path.as_ref(), choice)?;
             add_imported((context, state, log), imported, &def.options, out)
         }
         #[cfg(not(feature = "gltf"))]
@@ -106,7 +106,7 @@ pub unsafe extern "C" fn crumple_example_set_load_gltf_memory(
         #[cfg(feature = "gltf")]
         {
             let (choice, folder) = (mesh_choice(&def)?, string(def.path, "def.path")?);
-            let imported = crate::import::gltf_slice(bytes, folder.map(std::path::Path::new), choice)?;
+            let imported = crate::io::import::gltf_slice(bytes, folder.map(std::path::Path::new), choice)?;
             add_imported((context, state, log), imported, &def.options, out)
         }
         #[cfg(not(feature = "gltf"))]
@@ -130,14 +130,14 @@ pub unsafe extern "C" fn crumple_example_set_load_obj(
         let (def, out) = (self::def(def, "def")?, Out::new(out_set, "out_set")?);
         let base = required_string(def.base_path, "def.base_path")?;
         let paths = array(def.example_paths, def.example_count as usize, "def.example_paths")?;
-        let mut examples = crate::error::reserve(paths.len(), "def.example_paths")?;
+        let mut examples = crate::base::error::reserve(paths.len(), "def.example_paths")?;
         for (i, &path) in paths.iter().enumerate() {
             let name = format!("def.example_paths[{i}]");
             examples.push(std::path::PathBuf::from(required_string(path, &name)?));
         }
         #[cfg(feature = "obj")]
         {
-            let imported = crate::import::obj_files(base.as_ref(), &examples)?;
+            let imported = crate::io::import::obj_files(base.as_ref(), &examples)?;
             add_imported((context, state, log), imported, &def.options, out)
         }
         #[cfg(not(feature = "obj"))]
@@ -230,8 +230,8 @@ fn add_baked(of: (&Context, &mut State, &mut Log<'_>), set: ExampleSet, out: Out
 }
 
 #[cfg(feature = "gltf")]
-unsafe fn mesh_choice(def: &CrumpleGltfDef) -> Result<crate::import::MeshChoice<'_>, Failure> {
-    use crate::import::MeshChoice;
+unsafe fn mesh_choice(def: &CrumpleGltfDef) -> Result<crate::io::import::MeshChoice<'_>, Failure> {
+    use crate::io::import::MeshChoice;
     Ok(match (string(def.mesh_name, "def.mesh_name")?, def.mesh_index) {
         (Some(name), _) => MeshChoice::Name(name),
         (None, u32::MAX) => MeshChoice::First,
@@ -242,7 +242,7 @@ unsafe fn mesh_choice(def: &CrumpleGltfDef) -> Result<crate::import::MeshChoice<
 #[cfg(any(feature = "gltf", feature = "obj"))]
 unsafe fn add_imported(
     of: (&Context, &mut State, &mut Log<'_>),
-    imported: crate::import::Imported,
+    imported: crate::io::import::Imported,
     options: &CrumpleExampleSetOptions,
     out: Out<CrumpleExampleSet>,
 ) -> Result<(), Failure> {

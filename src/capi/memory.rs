@@ -3,7 +3,7 @@
 use super::check::misaligned;
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleInput, CrumpleStream};
-use crate::error::reserve;
+use crate::base::error::reserve;
 
 /// Where the elements of an array lie.
 #[derive(Debug, Clone, Copy)]

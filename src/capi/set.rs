@@ -10,7 +10,7 @@ use super::result::{CrumpleResult, Failure};
 use super::store::{SetEntry, State};
 use super::tasks::Quiet;
 use super::types::{CrumpleExampleSet, CrumpleInput, CrumplePrimitive, CrumpleVec3};
-use crate::error::reserve;
+use crate::base::error::reserve;
 use crate::{Combine, Contact, Deltas, ExampleData, ExampleSet, MeshData, Placement, Seams, SetOptions, VertexMass};
 use std::ffi::{CString, c_char};
 use std::mem::MaybeUninit;

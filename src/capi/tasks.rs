@@ -1,7 +1,7 @@
 //! The host's job system as this library's parallel-for.
 
 use super::boundary::quietly;
-use crate::error::reserve;
+use crate::base::error::reserve;
 use crate::{Serial, TaskSystem};
 use std::cell::Cell;
 use std::ffi::c_void;

@@ -10,7 +10,7 @@ c_enums!(
     Combine::Deepest,
     CrumpleRule::Blend,
     CrumpleSelection::ClassicUnclamped,
-    HitStatus::NothingReaches,
+    HitStatus::Accumulated,
     Placement::Carried,
     Seams::Keep,
     Space::World,

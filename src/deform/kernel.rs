@@ -9,11 +9,12 @@
 #![expect(clippy::undocumented_unsafe_blocks, reason = "where none is given, it is the one above")]
 #![expect(clippy::needless_range_loop, reason = "x, y and z side by side read better by their number")]
 
-use crate::anchored::{BLOCK, GROUP, GROUPS, Numbers, Stored};
-use crate::dent::Carried;
-use crate::rim::WindowBlock;
-use crate::simd::Simd;
-use crate::stamp::{FACING, Stamp, WEIGHTS};
+use super::simd::Simd;
+use crate::damage::dent::Carried;
+use crate::example::blocks::{GROUP, GROUPS, Numbers, Stored};
+use crate::example::stamp::{FACING, Stamp, WEIGHTS};
+use crate::mesh::rim::WindowBlock;
+use crate::mesh::vertex_blocks::BLOCK;
 use glam::Vec3;
 
 /// One value for each of x, y and z. No closures here, nor anywhere below: they would not be compiled for the level.
@@ -71,12 +72,12 @@ unsafe fn turned<S: Simd>(m: &[f32; 9], v: V<S>) -> V<S> {
     }
 }
 
-/// Vectors no longer than `least` become zero; all stay where it is 0.
+/// Vectors no longer than `threshold` become zero; all stay where it is 0.
 #[inline(always)]
-unsafe fn cut<S: Simd>(v: V<S>, least: f32) -> V<S> {
+unsafe fn cut<S: Simd>(v: V<S>, threshold: f32) -> V<S> {
     unsafe {
-        if least > 0.0 {
-            let keep = S::greater(dot::<S>(v, v), S::splat(least * least));
+        if threshold > 0.0 {
+            let keep = S::greater(dot::<S>(v, v), S::splat(threshold * threshold));
             select::<S>(keep, v, [S::splat(0.0); 3])
         } else {
             v
@@ -354,12 +355,12 @@ pub(crate) unsafe fn turn_stored<S: Simd>(
 
 /// One part of a dent, made ready for a block.
 #[derive(Clone, Copy)]
-pub(crate) struct Ready<'a> {
+pub(crate) struct ReadyPart<'a> {
     pub source: Source<'a>,
     /// What its displacements are multiplied with.
     pub scale: f32,
     /// Displacements no longer than this, unscaled, are left out, m.
-    pub least: f32,
+    pub threshold: f32,
     /// Whether it is the last part of its dent.
     pub last: bool,
 }
@@ -393,14 +394,14 @@ struct Rest<S: Simd> {
 
 /// Adds stored vectors. `S` has `GROUP` lanes.
 #[inline(always)]
-unsafe fn add_stored<S: Simd>(stored: &Stored<'_>, at: usize, scale: f32, least: f32, to: &mut V<S>) {
+unsafe fn add_stored<S: Simd>(stored: &Stored<'_>, at: usize, scale: f32, threshold: f32, to: &mut V<S>) {
     let group = at / GROUP;
     if stored.groups >> group & 1 == 1 {
         let before = (stored.groups & ((1 << group) - 1)).count_ones() as usize;
         // SAFETY: passed on.
         unsafe {
             let v = S::deinterleave(numbers::<S>(&stored.numbers, before));
-            *to = add::<S>(*to, scaled::<S>(cut::<S>(v, least / stored.step), S::splat(stored.step * scale)));
+            *to = add::<S>(*to, scaled::<S>(cut::<S>(v, threshold / stored.step), S::splat(stored.step * scale)));
         }
     }
 }
@@ -408,7 +409,7 @@ unsafe fn add_stored<S: Simd>(stored: &Stored<'_>, at: usize, scale: f32, least:
 /// Adds what a carried example brings: what [`Stamp::read`] says, in lanes.
 #[inline(always)]
 unsafe fn add_carried<S: Simd, const NORMALS: bool>(
-    part: &Ready<'_>,
+    part: &ReadyPart<'_>,
     (c, stamp): (&Carried, &Stamp),
     window: Option<&WindowBlock>,
     rest: &Rest<S>,
@@ -453,7 +454,7 @@ unsafe fn add_carried<S: Simd, const NORMALS: bool>(
             return;
         }
         let u = turned::<S>(&c.displacement.to_cols_array(), each!(k => S::float(u[k])));
-        let u = cut::<S>(scaled::<S>(u, keep), part.least);
+        let u = cut::<S>(scaled::<S>(u, keep), part.threshold);
         let (mut factor, mut slope) = (one, [zero; 3]);
         if let Some(w) = window {
             factor = S::load(w.factor.as_ptr().add(rest.at));
@@ -505,7 +506,7 @@ pub(crate) struct Block<'a> {
     /// So many vertices are there; the rest are zeros.
     pub len: usize,
     /// In the order in which they are added.
-    pub parts: &'a [Ready<'a>],
+    pub parts: &'a [ReadyPart<'a>],
     pub window: Option<&'a WindowBlock>,
     /// Whether there are parts of more than one dent.
     pub several: bool,
@@ -539,7 +540,7 @@ pub(crate) unsafe fn displace<S: Simd, const NORMALS: bool>(
             for part in block.parts {
                 match &part.source {
                     Source::Stored(displacements, changes) => {
-                        add_stored::<S>(displacements, at, part.scale, part.least, &mut sums.dent);
+                        add_stored::<S>(displacements, at, part.scale, part.threshold, &mut sums.dent);
                         if NORMALS {
                             add_stored::<S>(changes, at, part.scale, 0.0, &mut sums.change);
                         }

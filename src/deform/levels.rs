@@ -2,10 +2,10 @@
 
 use super::evaluate::Flat;
 use super::kernel::{self, Block};
-use crate::anchored::Stored;
 #[cfg(target_arch = "x86_64")]
-use crate::simd::{Avx2, Avx512};
-use crate::simd::{Portable, SimdLevel};
+use super::simd::{Avx2, Avx512};
+use super::simd::{Portable, SimdLevel};
+use crate::example::blocks::Stored;
 use glam::Vec3;
 
 type Bounds = (Vec3, Vec3);

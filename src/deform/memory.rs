@@ -1,7 +1,8 @@
 //! The caller's vertex memory: where each attribute begins, how far apart vertices are. The one file besides the C
 //! interface that writes through raw pointers.
 
-use crate::Error;
+use crate::base::error::Error;
+use crate::base::strided::Strided;
 use glam::Vec4;
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -13,6 +14,12 @@ pub struct Attribute {
     pub offset: usize,
     /// From one vertex's value to the next.
     pub stride: usize,
+}
+
+impl Attribute {
+    fn strided(&self, element: u64, count: u64) -> Strided {
+        Strided { first: self.offset as u64, stride: self.stride as u64, element, count }
+    }
 }
 
 /// One attribute in raw memory. Only [`VertexMemory::from_raw`] takes it from outside.
@@ -53,22 +60,17 @@ impl<'a> VertexMemory<'a> {
         normal: Option<Attribute>,
         tangent: Option<Attribute>,
     ) -> Result<Self, Error> {
-        let spans = [Some((position, 12)), normal.map(|a| (a, 12)), tangent.map(|a| (a, 16))];
-        let names = ["position", "normal", "tangent"];
-        for (i, a) in spans.iter().enumerate() {
-            for (j, b) in spans.iter().enumerate().skip(i + 1) {
-                let (Some((a, al)), Some((b, bl))) = (a, b) else { continue };
-                let overlap = a.stride != b.stride || {
-                    // Within one vertex, on a circle of one stride.
-                    let gap = (b.offset % a.stride.max(1) + a.stride - a.offset % a.stride.max(1)) % a.stride.max(1);
-                    gap < *al || gap + bl > a.stride
-                };
-                if overlap {
+        let streams = [("position", Some(position), 12), ("normal", normal, 12), ("tangent", tangent, 16)];
+        let present: Vec<_> = streams.iter().filter_map(|(name, a, bytes)| Some((name, (*a)?, *bytes))).collect();
+        for (i, (name, a, bytes)) in present.iter().enumerate() {
+            for (other, b, other_bytes) in &present[i + 1..] {
+                // Of any number of vertices, so of endless ones.
+                if a.strided(*bytes, u32::MAX.into()).overlaps(&b.strided(*other_bytes, u32::MAX.into())) {
                     let value = format!(
-                        "offset {} stride {}, {} offset {} stride {}",
-                        a.offset, a.stride, names[j], b.offset, b.stride
+                        "offset {} stride {}, {other} offset {} stride {}",
+                        a.offset, a.stride, b.offset, b.stride
                     );
-                    return Err(Error::invalid(names[i], value, "apart from the others, with the same stride"));
+                    return Err(Error::invalid(name, value, "apart from the others, with the same stride"));
                 }
             }
         }
@@ -115,20 +117,11 @@ impl<'a> VertexMemory<'a> {
     }
 
     fn checked(position: RawStream, normal: Option<RawStream>, tangent: Option<RawStream>) -> Result<Self, Error> {
-        let check = |name: &str, s: &RawStream, size: usize| {
+        let check = |name: &str, s: &RawStream, bytes: u64| {
             for (what, value) in [("offset", s.layout.offset), ("stride", s.layout.stride)] {
-                if value % 4 != 0 {
-                    return Err(Error::Misaligned { name: format!("{name} {what}"), value: value as u64, align: 4 });
-                }
+                Strided::check_aligned(format!("{name} {what}"), value as u64, 4)?;
             }
-            if s.layout.stride < size {
-                return Err(Error::invalid(
-                    &format!("{name} stride"),
-                    s.layout.stride,
-                    &format!("at least {size} bytes"),
-                ));
-            }
-            Ok(())
+            s.layout.strided(bytes, 1).check_stride(&format!("{name} stride"))
         };
         check("position", &position, 12)?;
         normal.iter().try_for_each(|s| check("normal", s, 12))?;
@@ -138,13 +131,8 @@ impl<'a> VertexMemory<'a> {
 
     /// Fails where `count` vertices do not fit.
     pub(crate) fn check_size(&self, count: usize) -> Result<(), Error> {
-        let check = |name: &str, s: &RawStream, size: u64| {
-            let last = (count as u64 - 1).saturating_mul(s.layout.stride as u64);
-            let needed = last.saturating_add(s.layout.offset as u64).saturating_add(size);
-            if (s.size as u64) < needed {
-                return Err(Error::BufferTooSmall { name: format!("{name} memory"), size: s.size as u64, needed });
-            }
-            Ok(())
+        let check = |name: &str, s: &RawStream, bytes: u64| {
+            s.layout.strided(bytes, count as u64).check_size(&format!("{name} memory"), s.size as u64)
         };
         check("position", &self.position, 12)?;
         self.normal.iter().try_for_each(|s| check("normal", s, 12))?;

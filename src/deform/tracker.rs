@@ -1,8 +1,8 @@
 //! What one output holds already, so that only what changed is written.
 
 use crate::Aabb;
-use crate::anchored::block_range;
-use crate::instance::{Changes, Instance};
+use crate::damage::changes::Changes;
+use crate::mesh::vertex_blocks::block_range;
 use std::ops::Range;
 
 /// The memory of one output: which blocks of which instance it holds, as of when. Keep one for each piece of memory (each
@@ -54,13 +54,13 @@ impl Tracker {
     /// Notes that these blocks (second of each pair; increasing) were written and have these bounds.
     pub(crate) fn written(
         &mut self,
-        (instance, lod, vertices): (&Instance, usize, usize),
+        (changes, lod, vertices): (&Changes, usize, usize),
         blocks: &[(u32, u32)],
         bounds: &[Aabb],
     ) {
         self.changed.clear();
         if !blocks.is_empty() {
-            self.block_bounds.resize(instance.changes().blocks[lod].len(), Aabb::EMPTY);
+            self.block_bounds.resize(changes.blocks[lod].len(), Aabb::EMPTY);
             for ((_, b), bound) in blocks.iter().zip(bounds) {
                 self.block_bounds[*b as usize] = *bound;
                 add(&mut self.changed, block_range(*b as usize, vertices));
@@ -69,7 +69,7 @@ impl Tracker {
             self.block_bounds.iter().for_each(|b| all.union(b));
             self.bounds = Some(all);
         }
-        self.holds(instance.changes(), lod);
+        self.holds(changes, lod);
     }
 
     /// Notes that nothing is written.
@@ -83,14 +83,14 @@ impl Tracker {
     #[cfg(feature = "gpu")]
     pub(crate) fn recorded(
         &mut self,
-        (instance, lod, vertices): (&Instance, usize, usize),
+        (changes, lod, vertices): (&Changes, usize, usize),
         blocks: impl Iterator<Item = usize>,
         bounds: Aabb,
     ) -> u64 {
         self.changed.clear();
         blocks.for_each(|b| add(&mut self.changed, block_range(b, vertices)));
         self.bounds = Some(bounds);
-        self.holds(instance.changes(), lod);
+        self.holds(changes, lod);
         self.changed.iter().map(|r| u64::from(r.end - r.start)).sum()
     }
 

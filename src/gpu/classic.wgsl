@@ -1,22 +1,19 @@
-// The literature's rule: hits move the state of each vertex, one an invocation. src/classic.rs, `State::apply`, operation by
-// operation.
+// The classic rules: hits move the state of each vertex. An invocation does one vertex, with the operations of src/classic.rs,
+// `State::apply`, in their order.
 
 override NORMALS: bool = false;
 override TANGENTS: bool = false;
 
-// The vertex is at rest; its state is nowhere yet.
-const AT_REST = 1u;
-
-// Of each vertex its position and, with NORMALS, its normal, not of unit length.
+// The position of each vertex and, with NORMALS, its normal, which is not of unit length.
 @group(2) @binding(0) var<storage, read_write> state: array<u32>;
 
-// Any word of the frame.
-fn frame_float(at: u32) -> f32 {
-    return bitcast<f32>(frame[at >> 2u][at & 3u]);
+// Word `at` of the frame's lists.
+fn work_float(at: u32) -> f32 {
+    return bitcast<f32>(work[at >> 2u][at & 3u]);
 }
 
-fn frame_vector(at: u32) -> vec3<f32> {
-    return vec3(frame_float(at), frame_float(at + 1u), frame_float(at + 2u));
+fn work_vector(at: u32) -> vec3<f32> {
+    return vec3(work_float(at), work_float(at + 1u), work_float(at + 2u));
 }
 
 fn finite(v: vec3<f32>) -> bool {
@@ -43,24 +40,24 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if !vertex.wanted {
         return;
     }
-    let target_ = vertex.target_;
-    let constant = bitcast<f32>(target_.f.x);
-    let given = target_.f.w;
+    let out = vertex.out;
+    let constant = out.limit;
+    let given = out.given_state;
     let words = select(3u, 6u, NORMALS);
 
-    let base = arena_vector(target_.a.x + 3u * vertex.index);
+    let base = arena_vector(out.base_positions + 3u * vertex.index);
     var position = base;
     var base_normal = vec3(0.0);
     if NORMALS {
-        base_normal = arena_vector(target_.a.y + 3u * vertex.index);
+        base_normal = arena_vector(out.base_normals + 3u * vertex.index);
     }
     var normal = base_normal;
-    if (target_.e.w & AT_REST) == 0u {
+    if (out.flags & AT_REST) == 0u {
         if given != NONE {
-            let at = call.carried + given + words * vertex.index;
-            position = frame_vector(at);
+            let at = 4u * call.carried + given + words * vertex.index;
+            position = work_vector(at);
             if NORMALS {
-                normal = frame_vector(at + 3u);
+                normal = work_vector(at + 3u);
             }
         } else {
             position = state_vector(words * vertex.index);
@@ -70,25 +67,22 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         }
     }
 
-    for (var p = target_.e.y; p < target_.e.z; p++) {
-        let part = call.parts + p * PART;
-        let example = quad(part).y;
-        let factors = float_quad(part + 4u);
-        let head = head_of(example, vertex.block);
+    for (var row = out.parts_begin; row < out.parts_end; row++) {
+        let hit = load_classic_hit(call.parts + row);
+        let head = head_of(hit.example, vertex.block);
         if head == NONE {
             continue;
         }
-        let weight = factors.z;
-        let d = stored_displacement(example, head, vertex.v) * factors.x;
+        let d = stored_displacement(hit.example, head, vertex.v) * hit.position_step;
         let moved = any(d != vec3(0.0));
         var change = vec3(0.0);
         if NORMALS {
-            change = stored_normal_change(example, head, vertex.v) * factors.y;
+            change = stored_normal_change(hit.example, head, vertex.v) * hit.normal_step;
         }
         if !moved && all(change == vec3(0.0)) {
             continue;
         }
-        let result = lerp3(position, base + d, weight);
+        let result = lerp3(position, base + d, hit.weight);
         if !finite(result) {
             continue;
         }
@@ -99,7 +93,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             position = select(lerp3(position, result, constant), result, further);
         }
         if NORMALS {
-            let turned = lerp3(normal, base_normal + change, weight);
+            let turned = lerp3(normal, base_normal + change, hit.weight);
             if finite(turned) {
                 normal = select(lerp3(normal, turned, constant), turned, further);
             }
@@ -107,18 +101,18 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
 
     set_state(words * vertex.index, position);
-    write_position(target_, vertex.index, position);
+    write_position(out, vertex.index, position);
     if NORMALS {
         set_state(words * vertex.index + 3u, normal);
         var shown = normal;
         if any(normal != base_normal) {
             shown = unit(normal, base_normal);
         }
-        write_normal(target_, vertex.index, shown);
-        if TANGENTS && target_.c.x != 0u {
-            let at = target_.a.z + 4u * vertex.index;
+        write_normal(out, vertex.index, shown);
+        if TANGENTS && out.tangent_stride != 0u {
+            let at = out.base_tangents + 4u * vertex.index;
             let tangent = vec4(arena_vector(at), arena_float(at + 3u));
-            write_tangent(target_, vertex.index, tangent_of(tangent, base_normal, shown));
+            write_tangent(out, vertex.index, tangent_of(tangent, base_normal, shown));
         }
     }
 }

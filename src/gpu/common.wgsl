@@ -1,44 +1,16 @@
-// What both rules share: where things lie, vectors, and vertices as the host stores them. Joined before each kernel.
+// What the kernels of both rules share: bindings, vectors, anchored examples, and the host's formats.
 //
-// Every operation is written out, in the order in which src/deform/kernel.rs does it: no built-in whose result differs from
-// device to device (dot, mix, normalize, min, max, pack…).
+// Every operation is written out, in the order of src/deform/kernel.rs. Built-ins whose result differs between devices (dot, mix,
+// normalize, min, max, pack…) are not used.
 
-// Vertices a block.
-const BLOCK = 128u;
-const NONE = 0xFFFFFFFFu;
-// Words of each kind in `frame`.
-const LISTED = 2u;
-const TARGET = 24u;
-const PART = 8u;
-
-// Word offsets in `frame`, multiples of 4.
-struct Call {
-    blocks: u32,
-    targets: u32,
-    parts: u32,
-    carried: u32,
-    // Invocations in a row of workgroups, and those that are wanted in all.
-    row: u32,
-    count: u32,
-}
 var<immediate> call: Call;
 
-// Meshes, examples, stamps: what does not change.
+// Meshes, examples, stamps: they do not change.
 @group(0) @binding(0) var<storage, read> arena: array<u32>;
-// The frame's blocks, targets, parts and carried parts, four words at a time: invocations read them far oftener than they read
-// vertices.
-@group(0) @binding(1) var<storage, read> frame: array<vec4<u32>>;
+// The frame's lists, in rows: layout.wgsl.
+@group(0) @binding(1) var<storage, read> work: array<vec4<u32>>;
 // The host's buffer, or a window of it.
 @group(1) @binding(0) var<storage, read_write> vertices: array<u32>;
-
-// Four words of the frame from word `at` on, a multiple of 4.
-fn quad(at: u32) -> vec4<u32> {
-    return frame[at >> 2u];
-}
-
-fn float_quad(at: u32) -> vec4<f32> {
-    return bitcast<vec4<f32>>(quad(at));
-}
 
 fn arena_float(at: u32) -> f32 {
     return bitcast<f32>(arena[at]);
@@ -56,22 +28,22 @@ fn cross3(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
     return vec3(a.y * b.z - b.y * a.z, a.z * b.x - b.z * a.x, a.x * b.y - b.x * a.y);
 }
 
-// Of two numbers; where `a` is not one, `b`.
-fn least(a: f32, b: f32) -> f32 {
+// The lesser of two numbers; `b` if `a` is not a number.
+fn minimum(a: f32, b: f32) -> f32 {
     return select(b, a, a < b);
 }
 
-fn most(a: f32, b: f32) -> f32 {
+fn maximum(a: f32, b: f32) -> f32 {
     return select(b, a, a > b);
 }
 
-fn held(x: f32, low: f32, high: f32) -> f32 {
-    return least(most(x, low), high);
+fn clamped(x: f32, low: f32, high: f32) -> f32 {
+    return minimum(maximum(x, low), high);
 }
 
 // `v` of unit length, or `other` where it has no length.
 fn unit(v: vec3<f32>, other: vec3<f32>) -> vec3<f32> {
-    let m = most(most(abs(v.x), abs(v.y)), abs(v.z));
+    let m = maximum(maximum(abs(v.x), abs(v.y)), abs(v.z));
     if !(m > 0.0 && m <= 3.4028234e38) {
         return other;
     }
@@ -155,53 +127,30 @@ fn stored_normal_change(example: u32, head: u32, v: u32) -> vec3<f32> {
     return stored(example + arena[head + 3u], arena[head] >> 8u, arena[head + 1u] >> 16u, v);
 }
 
-// ---------------------------------------------------------------------------------------------------- the invocation's vertex
-
-// A target's words: src/gpu/frame.rs, `add_target`.
-struct Target {
-    // Base positions, normals, tangents in the arena; positions in the host's buffer.
-    a: vec4<u32>,
-    // Stride of positions; normals, their stride; tangents.
-    b: vec4<u32>,
-    // Stride of tangents; formats; bias x, y.
-    c: vec4<u32>,
-    // Bias z, scale.
-    d: vec4<u32>,
-    // Vertices; parts from, to; flags.
-    e: vec4<u32>,
-    // A number; bounds of blocks, windows of blocks in the arena; the state that is given.
-    f: vec4<u32>,
-}
+// ----------------------------------------------------------------------------------------------------- the invocation's vertex
 
 struct Vertex {
     wanted: bool,
+    // Index of the block, of the vertex in the block, and of the vertex in the mesh.
     block: u32,
-    // In the block, and in the mesh.
     v: u32,
     index: u32,
-    target_: Target,
+    out: TargetWork,
 }
 
 fn vertex_of(id: vec3<u32>) -> Vertex {
     let invocation = id.y * call.row + id.x;
-    // What is not wanted reads what the first of the dispatch reads.
+    // Invocations that are not wanted read what the first one reads.
     let slot = select(invocation / BLOCK, 0u, invocation >= call.count);
-    let listed = call.blocks + slot * LISTED;
-    let two = quad(listed);
-    let here = select(two.xy, two.zw, (listed & 2u) != 0u);
-    let t = call.targets + here.x * TARGET;
-    let target_ = Target(quad(t), quad(t + 4u), quad(t + 8u), quad(t + 12u), quad(t + 16u), quad(t + 20u));
+    let listed = load_block_work(call.blocks + slot);
+    let out = load_target_work(call.targets + listed.target_index * ROWS_TARGET_WORK);
     let v = invocation % BLOCK;
-    let index = here.y * BLOCK + v;
-    return Vertex(invocation < call.count && index < target_.e.x, here.y, v, index, target_);
+    let index = listed.block * BLOCK + v;
+    return Vertex(invocation < call.count && index < out.vertices, listed.block, v, index, out);
 }
 
 // ---------------------------------------------------------------------------------------------------- the host's formats
-// Codes and conversions are those of src/gpu/format.rs.
-
-const F16X4 = 1u;
-const SNORM16X4 = 2u;
-const SNORM8X4 = 3u;
+// The conversions of src/gpu/format.rs.
 
 fn f16_bits(x: f32) -> u32 {
     let bits = bitcast<u32>(x);
@@ -217,7 +166,7 @@ fn f16_bits(x: f32) -> u32 {
 }
 
 fn snorm_bits(x: f32, top: f32) -> u32 {
-    let y = held(x, -1.0, 1.0) * top;
+    let y = clamped(x, -1.0, 1.0) * top;
     return bitcast<u32>(i32(y + select(0.5, -0.5, y < 0.0)));
 }
 
@@ -240,26 +189,24 @@ fn write3(at: u32, v: vec3<f32>) {
     vertices[at + 2u] = bitcast<u32>(v.z);
 }
 
-fn write_position(t: Target, vertex: u32, p: vec3<f32>) {
-    let at = t.a.w + vertex * t.b.x;
-    let format = t.c.y & 0xFFu;
+fn write_position(t: TargetWork, vertex: u32, p: vec3<f32>) {
+    let at = t.position_at + vertex * t.position_stride;
+    let format = t.formats & 0xFFu;
     if format == 0u {
         write3(at, p);
     } else if format == F16X4 {
         write4(at, format, vec4(p, 1.0));
     } else {
-        let bias = bitcast<vec3<f32>>(vec3(t.c.zw, t.d.x));
-        write4(at, format, vec4((p - bias) / bitcast<vec3<f32>>(t.d.yzw), 1.0));
+        write4(at, format, vec4((p - t.bias) / t.scale, 1.0));
     }
 }
 
-fn write_normal(t: Target, vertex: u32, n: vec3<f32>) {
-    let stride = t.b.z;
-    if stride == 0u {
+fn write_normal(t: TargetWork, vertex: u32, n: vec3<f32>) {
+    if t.normal_stride == 0u {
         return;
     }
-    let at = t.b.y + vertex * stride;
-    let format = (t.c.y >> 8u) & 0xFFu;
+    let at = t.normal_at + vertex * t.normal_stride;
+    let format = (t.formats >> 8u) & 0xFFu;
     if format == 0u {
         write3(at, n);
     } else {
@@ -267,9 +214,9 @@ fn write_normal(t: Target, vertex: u32, n: vec3<f32>) {
     }
 }
 
-fn write_tangent(t: Target, vertex: u32, v: vec4<f32>) {
-    let at = t.b.w + vertex * t.c.x;
-    let format = (t.c.y >> 16u) & 0xFFu;
+fn write_tangent(t: TargetWork, vertex: u32, v: vec4<f32>) {
+    let at = t.tangent_at + vertex * t.tangent_stride;
+    let format = (t.formats >> 16u) & 0xFFu;
     if format == 0u {
         write3(at, v.xyz);
         vertices[at + 3u] = bitcast<u32>(v.w);

@@ -1,19 +1,8 @@
-// The default rule: marks become vertices, one an invocation. src/deform/kernel.rs, `displace`, operation by operation.
+// The default rule: marks become vertices. An invocation does one vertex, with the operations of src/deform/kernel.rs,
+// `displace`, in their order.
 
 override NORMALS: bool = false;
 override TANGENTS: bool = false;
-
-// Words of a carried example in `frame`.
-const CARRIED = 48u;
-// What the weights of a bilinear mean sum to: WEIGHTS in src/stamp.rs.
-const WEIGHTS = 16384.0;
-
-const SEVERAL = 1u;
-const SQUARES = 2u;
-const LONGEST = 4u;
-const LIMITED = 8u;
-
-const IS_CARRIED = 1u;
 
 // Sums at a vertex.
 struct Sums {
@@ -48,35 +37,30 @@ fn turned(x: vec3<f32>, y: vec3<f32>, z: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
     return x * v.x + y * v.y + z * v.z;
 }
 
-// `c` is the carried part's place in `frame`, `factors` are the part's own: src/gpu/frame.rs, `add_carried`.
+// Adds a carried example whose `CarriedWork` begins at `row`.
 fn add_carried(
-    c: u32,
-    factors: vec4<f32>,
+    row: u32,
+    part: DentPart,
     window: u32,
     v: u32,
     position: vec3<f32>,
     normal: vec3<f32>,
     sums: ptr<function, Sums>,
 ) {
-    let q0 = float_quad(c);
-    let q1 = float_quad(c + 4u);
-    let q2 = float_quad(c + 8u);
-    let p = turned(vec3(q0.w, q1.xy), vec3(q1.zw, q2.x), q2.yzw, position - q0.xyz);
-    // stamp.rs, `unrolled`, on into units of nodes.
-    let steep = least((p.z * p.z) / (p.x * p.x + p.y * p.y), 2.0);
+    let stamp = load_carried_lookup(row + ROW_CARRIED_WORK_LOOKUP);
+    let p = turned(stamp.to_stamp_x, stamp.to_stamp_y, stamp.to_stamp_z, position - stamp.contact);
+    // stamp.rs, `unrolled`, in units of nodes.
+    let steep = minimum((p.z * p.z) / (p.x * p.x + p.y * p.y), 2.0);
     let lift = 1.0 + steep * 0.5;
-    let cells = float_quad(c + 12u);
-    let q4 = float_quad(c + 16u);
-    let gx = (p.x * lift) * cells.x - cells.z;
-    let gy = (p.y * lift) * cells.y - cells.w;
-    let hx = held(gx, 0.0, q4.x);
-    let hy = held(gy, 0.0, q4.y);
+    let gx = (p.x * lift) * stamp.per_cell.x - stamp.grid_origin.x;
+    let gy = (p.y * lift) * stamp.per_cell.y - stamp.grid_origin.y;
+    let hx = clamped(gx, 0.0, stamp.grid_top.x);
+    let hy = clamped(gy, 0.0, stamp.grid_top.y);
     if !(gx == hx && gy == hy) {
         return;
     }
-    // Nodes are at least two a side, and coordinates at least 0.
-    let q10 = quad(c + 40u);
-    let dims = q10.zw;
+    // A stamp has at least two nodes a side, and the coordinates are at least 0.
+    let dims = stamp.grid_size;
     let first = min(vec2<u32>(vec2<i32>(vec2(hx, hy))), dims - 2u);
     let x = hx - f32(first.x);
     let y = hy - f32(first.y);
@@ -85,47 +69,42 @@ fn add_carried(
     let wy = i32(y * WEIGHTS);
     let neither = max(i32(WEIGHTS) - wx - wy + both, 0);
     let weights = vec4(neither, wx - both, wy - both, both);
-    let at = quad(c + 44u).x + 4u * (first.x + first.y * dims.x);
+    let at = stamp.nodes + 4u * (first.x + first.y * dims.x);
     let sums4 = blend(at, dims.x, weights);
-    let q9 = float_quad(c + 36u);
-    let off = abs(p.z - sums4.w * q9.x);
-    let keep = held(2.0 - off * q9.y, 0.0, 1.0);
+    let off = abs(p.z - sums4.w * stamp.height);
+    let keep = clamped(2.0 - off * stamp.fade, 0.0, 1.0);
     if !(keep > 0.0) {
         return;
     }
-    let scale = factors.x;
-    let q5 = float_quad(c + 20u);
-    let q6 = float_quad(c + 24u);
-    var u = cut(turned(vec3(q4.zw, q5.x), q5.yzw, q6.xyz, sums4.xyz) * keep, factors.z);
+    let onto = load_carried_displacement(row + ROW_CARRIED_WORK_DISPLACEMENT);
+    var u = cut(turned(onto.x, onto.y, onto.z, sums4.xyz) * keep, part.dropped_square);
     var factor = 1.0;
     if window != NONE {
         factor = arena_float(window + v);
     }
     if NORMALS {
         let turn = blend(at + 2u, dims.x, weights);
-        // A vertex that faces elsewhere than the surface of the example does not take over how that turned.
-        let up = bitcast<vec2<f32>>(q10.xy);
-        let apart = abs(dot3(normal, vec3(q9.zw, up.x)) - turn.w * up.y);
-        let alike = held(2.0 - (apart + apart), 0.0, 1.0);
-        let q7 = float_quad(c + 28u);
-        let q8 = float_quad(c + 32u);
-        var change = turned(vec3(q6.w, q7.xy), vec3(q7.zw, q8.x), q8.yzw, turn.xyz) * (keep * alike);
+        let bend = load_carried_normals(row + ROW_CARRIED_WORK_NORMALS);
+        // A vertex that faces elsewhere than the example's surface does not turn with it.
+        let apart = abs(dot3(normal, bend.up) - turn.w * FACING);
+        let alike = clamped(2.0 - (apart + apart), 0.0, 1.0);
+        var change = turned(bend.x, bend.y, bend.z, turn.xyz) * (keep * alike);
         if window != NONE {
-            // The window's own slope tilts the surface too.
+            // The slope of the window tilts the surface too.
             let at = window + BLOCK + v;
             let slope = vec3(arena_float(at), arena_float(at + BLOCK), arena_float(at + 2u * BLOCK));
             let along = slope - normal * dot3(normal, slope);
             change = change * factor - along * dot3(u, normal);
         }
-        (*sums).change = (*sums).change + change * scale;
+        (*sums).change = (*sums).change + change * part.scale;
     }
     if window != NONE {
         u = u * factor;
     }
-    (*sums).dent = (*sums).dent + u * scale;
+    (*sums).dent = (*sums).dent + u * part.scale;
 }
 
-// The unit vector along `n + change`; `n` itself where the `sum` of changes is nothing.
+// The unit vector along `n + change`; `n` itself if the `sum` of changes is zero.
 fn normal_of(n: vec3<f32>, sum: vec3<f32>, change: vec3<f32>) -> vec3<f32> {
     let v = n + change;
     let square = dot3(v, v);
@@ -135,15 +114,15 @@ fn normal_of(n: vec3<f32>, sum: vec3<f32>, change: vec3<f32>) -> vec3<f32> {
     return v * (1.0 / sqrt(square));
 }
 
-fn add_stored(example: u32, factors: vec4<f32>, block: u32, v: u32, sums: ptr<function, Sums>) {
-    let head = head_of(example, block);
+fn add_anchored(part: DentPart, block: u32, v: u32, sums: ptr<function, Sums>) {
+    let head = head_of(part.source, block);
     if head == NONE {
         return;
     }
-    let u = stored_displacement(example, head, v);
-    (*sums).dent = (*sums).dent + cut(u, factors.z) * factors.x;
+    let u = stored_displacement(part.source, head, v);
+    (*sums).dent = (*sums).dent + cut(u, part.dropped_square) * part.scale;
     if NORMALS {
-        (*sums).change = (*sums).change + stored_normal_change(example, head, v) * factors.y;
+        (*sums).change = (*sums).change + stored_normal_change(part.source, head, v) * part.normal_scale;
     }
 }
 
@@ -153,54 +132,53 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if !vertex.wanted {
         return;
     }
-    let target_ = vertex.target_;
-    let flags = target_.e.w;
-    let end = call.parts + target_.e.z * PART;
-    var window = target_.f.z;
+    let out = vertex.out;
+    let flags = out.flags;
+    var window = out.windows;
     if window != NONE {
         let at = arena[window + vertex.block];
         window = select(window + at, NONE, at == NONE);
     }
-    let bounds = target_.f.y + 6u * vertex.block;
+    let bounds = out.block_bounds + 6u * vertex.block;
     let low = arena_vector(bounds);
     let high = arena_vector(bounds + 3u);
 
-    let base = arena_vector(target_.a.x + 3u * vertex.index);
+    let base = arena_vector(out.base_positions + 3u * vertex.index);
     var base_normal = vec3(0.0);
     if NORMALS {
-        base_normal = arena_vector(target_.a.y + 3u * vertex.index);
+        base_normal = arena_vector(out.base_normals + 3u * vertex.index);
     }
 
     var sums = Sums(vec3(0.0), vec3(0.0), 0.0, vec3(0.0));
-    // A dent is a head, which tells how far it reaches and how many parts follow.
-    var at = call.parts + target_.e.y * PART;
-    while at < end {
-        let after = at + PART + quad(at + 4u).x * PART;
-        let contact = float_quad(at);
+    var row = call.parts + out.parts_begin;
+    let end = call.parts + out.parts_end;
+    while row < end {
+        let dent = load_dent_head(row);
+        let first = row + ROWS_DENT_HEAD;
+        let after = first + dent.parts * ROWS_DENT_PART;
         let off = vec3(
-            most(most(low.x - contact.x, contact.x - high.x), 0.0),
-            most(most(low.y - contact.y, contact.y - high.y), 0.0),
-            most(most(low.z - contact.z, contact.z - high.z), 0.0),
+            maximum(maximum(low.x - dent.contact.x, dent.contact.x - high.x), 0.0),
+            maximum(maximum(low.y - dent.contact.y, dent.contact.y - high.y), 0.0),
+            maximum(maximum(low.z - dent.contact.z, dent.contact.z - high.z), 0.0),
         );
-        if dot3(off, off) <= contact.w {
-            for (var part = at + PART; part < after; part += PART) {
-                let what = quad(part);
-                let factors = float_quad(part + 4u);
-                if (what.x & IS_CARRIED) != 0u {
-                    let c = call.carried + what.y * CARRIED;
-                    add_carried(c, factors, window, vertex.v, base, base_normal, &sums);
+        if dot3(off, off) <= dent.reach_square {
+            for (var at = first; at < after; at += ROWS_DENT_PART) {
+                let part = load_dent_part(at);
+                if part.carried != 0u {
+                    let carried = call.carried + part.source * ROWS_CARRIED_WORK;
+                    add_carried(carried, part, window, vertex.v, base, base_normal, &sums);
                 } else {
-                    add_stored(what.y, factors, vertex.block, vertex.v, &sums);
+                    add_anchored(part, vertex.block, vertex.v, &sums);
                 }
             }
             sums.all = sums.all + sums.dent;
             if (flags & SEVERAL) != 0u {
                 let square = dot3(sums.dent, sums.dent);
-                sums.squares = select(sums.squares + square, most(square, sums.squares), (flags & LONGEST) != 0u);
+                sums.squares = select(sums.squares + square, maximum(square, sums.squares), (flags & LONGEST) != 0u);
             }
             sums.dent = vec3(0.0);
         }
-        at = after;
+        row = after;
     }
 
     var u = sums.all;
@@ -209,10 +187,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         let length = sqrt(dot3(u, u));
         var allowed = length;
         if (flags & SEVERAL) != 0u && (flags & (SQUARES | LONGEST)) != 0u {
-            allowed = least(sqrt(sums.squares), allowed);
+            allowed = minimum(sqrt(sums.squares), allowed);
         }
         if (flags & LIMITED) != 0u {
-            allowed = least(bitcast<f32>(target_.f.x), allowed);
+            allowed = minimum(out.limit, allowed);
         }
         if length > allowed {
             let factor = allowed / length;
@@ -220,14 +198,14 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             change = change * factor;
         }
     }
-    write_position(target_, vertex.index, base + u);
+    write_position(out, vertex.index, base + u);
     if NORMALS {
         let normal = normal_of(base_normal, sums.change, change);
-        write_normal(target_, vertex.index, normal);
-        if TANGENTS && target_.c.x != 0u {
-            let at = target_.a.z + 4u * vertex.index;
+        write_normal(out, vertex.index, normal);
+        if TANGENTS && out.tangent_stride != 0u {
+            let at = out.base_tangents + 4u * vertex.index;
             let tangent = vec4(arena_vector(at), arena_float(at + 3u));
-            write_tangent(target_, vertex.index, tangent_of(tangent, base_normal, normal));
+            write_tangent(out, vertex.index, tangent_of(tangent, base_normal, normal));
         }
     }
 }

@@ -1,19 +1,30 @@
-//! What every way onto a graphics device shares: how meshes and a frame's work lie in words of 32 bits, and how vertices are
-//! stored. The CPU decides what moves which block, makes every matrix and hands over a few words a block; the kernels beside
-//! this file (`*.wgsl`) evaluate the vertices, operation by operation as [`crate::deform`] does.
+//! What the graphics backends share: the plan of a frame, the layout of its data, the placement of meshes on the device, and the
+//! formats of vertices. The CPU decides which example moves which block and makes every matrix. The kernels beside this file
+//! (`*.wgsl`) evaluate the vertices with the operations of [`crate::deform`], in the same order.
 
+mod arena;
 mod format;
-mod frame;
-mod skin;
+mod kernel;
+mod layout;
+mod limits;
+mod mesh;
+mod plan;
 mod spirv;
-mod target;
+mod vertices;
+mod work;
 
+#[cfg(feature = "wgpu")]
+pub(crate) use arena::Upload;
+pub(crate) use arena::{Arena, ResidentMesh};
 pub use format::{Attribute, Encoding, encode};
-pub(crate) use format::{Layout, Stream};
-pub(crate) use frame::{Frame, Offsets, Shown};
-pub(crate) use skin::{Place, SkinWords, StampWords};
+pub(crate) use kernel::{Kernel, TargetState};
+pub(crate) use layout::Call;
+pub(crate) use limits::BindingLimits;
+pub use plan::{FrameReport, Job};
+pub(crate) use plan::{Plan, PlanTarget, check, missing_state};
 pub(crate) use spirv::with_workgroup;
-pub(crate) use target::{Call, Kernel, check_scale, stream};
+pub(crate) use vertices::binding_range;
+pub use vertices::{HostFormat, TargetDef, VertexStream};
+pub(crate) use work::WorkOffsets;
 
-/// Of nothing, where a word offset is expected.
-const NONE: u32 = u32::MAX;
+use layout::BLOCK as BLOCK_VERTICES;

@@ -1,13 +1,14 @@
 //! The host's device as it is used here, and everything that is made on it.
 
-use super::arena::Arena;
-use super::frames::Slot;
-use super::functions::{Functions, InstanceFunctions};
-use super::host::{BufferDef, Hosts};
-use super::kernels::{Kernels, Set};
-use super::record::Scratch;
-use super::state::State;
+use super::arena::MeshArena;
+use super::classic::ClassicBuffer;
+use super::frames::FrameSlot;
+use super::functions::{DeviceFnV1_0, InstanceFnV1_0, load};
+use super::host::{BufferDef, HostBuffers};
+use super::pipelines::{DescriptorSet, VulkanPipelines};
+use super::record::Recording;
 use crate::Error;
+use crate::gpu::BindingLimits;
 use ash::vk::{self, Handle};
 use std::ffi::CStr;
 use std::fmt;
@@ -56,8 +57,8 @@ impl<'a> DeviceDef<'a> {
 }
 
 /// What everything is made with.
-pub(super) struct Gpu {
-    pub functions: Functions,
+pub(super) struct VulkanDevice {
+    pub functions: DeviceFnV1_0,
     pub device: vk::Device,
     pub memory: vk::PhysicalDeviceMemoryProperties,
     pub limits: vk::PhysicalDeviceLimits,
@@ -67,12 +68,21 @@ pub(super) struct Gpu {
     made: AtomicU64,
 }
 
-impl Gpu {
+impl VulkanDevice {
     /// Whether another queue family owns a buffer.
     pub(super) fn foreign(&self, def: &BufferDef) -> bool {
         def.queue_family != vk::QUEUE_FAMILY_IGNORED && def.queue_family != self.family
     }
 
+    pub(super) fn binding_limits(&self) -> BindingLimits {
+        BindingLimits {
+            bytes: u64::from(self.limits.max_storage_buffer_range) & !3,
+            name: "maxStorageBufferRange",
+            alignment: self.limits.min_storage_buffer_offset_alignment.max(4),
+        }
+    }
+
+    /// Counts an object that is made.
     pub(super) fn count(&self) {
         self.made.fetch_add(1, Ordering::Relaxed);
     }
@@ -80,20 +90,20 @@ impl Gpu {
 
 /// A Vulkan device of the host that deformation is recorded for.
 pub struct Device {
-    pub(super) gpu: Gpu,
+    pub(super) gpu: VulkanDevice,
     /// Tells targets of other devices.
     pub(super) id: u64,
-    pub(super) kernels: Kernels,
+    pub(super) pipelines: VulkanPipelines,
     pub(super) workgroup: u32,
-    pub(super) hosts: Hosts,
-    pub(super) arena: Arena,
-    pub(super) slots: Vec<Slot>,
-    pub(super) states: Vec<Arc<State>>,
+    pub(super) hosts: HostBuffers,
+    pub(super) arena: MeshArena,
+    pub(super) slots: Vec<FrameSlot>,
+    pub(super) states: Vec<Arc<ClassicBuffer>>,
     /// Sets that are no longer needed, each with the last frame that may use it.
-    pub(super) garbage: Vec<(u64, Set)>,
+    pub(super) garbage: Vec<(u64, DescriptorSet)>,
     pub(super) recorded: u64,
     pub(super) completed: u64,
-    pub(super) scratch: Scratch,
+    pub(super) recording: Recording,
 }
 
 impl fmt::Debug for Device {
@@ -129,44 +139,56 @@ impl Device {
             }
         }
         let get = def.get_instance_proc_addr;
-        // SAFETY: the caller's loader and instance.
-        let instance = unsafe { InstanceFunctions::load(|name| get(def.instance, name.as_ptr()))? };
-        let get = |name: &CStr| {
+        let of_instance = |name: &CStr| {
+            // SAFETY: the caller's loader and instance.
+            unsafe { get(def.instance, name.as_ptr()) }
+        };
+        let instance = load(|get| InstanceFnV1_0::load(get), of_instance)?;
+        let of_device = |name: &CStr| {
             // SAFETY: the caller's device, and its own loader.
             unsafe { (instance.get_device_proc_addr)(def.device, name.as_ptr()) }
         };
-        // SAFETY: as the loader says.
-        let functions = unsafe { Functions::load(get)? };
+        let functions = load(|get| DeviceFnV1_0::load(get), of_device)?;
         let mut properties = vk::PhysicalDeviceProperties::default();
         let mut memory = vk::PhysicalDeviceMemoryProperties::default();
         let mut count = 0;
         // SAFETY: the caller's physical device.
         unsafe {
-            (instance.properties)(def.physical_device, &mut properties);
-            (instance.memory_properties)(def.physical_device, &mut memory);
-            (instance.queue_families)(def.physical_device, &mut count, std::ptr::null_mut());
+            (instance.get_physical_device_properties)(def.physical_device, &mut properties);
+            (instance.get_physical_device_memory_properties)(def.physical_device, &mut memory);
+            (instance.get_physical_device_queue_family_properties)(
+                def.physical_device,
+                &mut count,
+                std::ptr::null_mut(),
+            );
         }
         let mut families = vec![vk::QueueFamilyProperties::default(); count as usize];
         // SAFETY: the same; there is room for `count`.
-        unsafe { (instance.queue_families)(def.physical_device, &mut count, families.as_mut_ptr()) };
+        unsafe {
+            (instance.get_physical_device_queue_family_properties)(
+                def.physical_device,
+                &mut count,
+                families.as_mut_ptr(),
+            )
+        };
         check(def, &properties, &families)?;
         static NEXT: AtomicU64 = AtomicU64::new(1);
         let (device, limits, family) = (def.device, properties.limits, def.queue_family);
-        let gpu = Gpu { functions, device, memory, limits, family, made: AtomicU64::new(0) };
+        let gpu = VulkanDevice { functions, device, memory, limits, family, made: AtomicU64::new(0) };
         let cache = if fits(def.pipeline_cache, &properties) { def.pipeline_cache } else { &[] };
         Ok(Device {
-            kernels: gpu.kernels(def.workgroup_size, cache)?,
+            pipelines: gpu.pipelines(def.workgroup_size, cache)?,
             gpu,
             id: NEXT.fetch_add(1, Ordering::Relaxed),
             workgroup: def.workgroup_size,
-            hosts: Hosts::default(),
-            arena: Arena::default(),
+            hosts: HostBuffers::default(),
+            arena: MeshArena::new(),
             slots: Vec::new(),
             states: Vec::new(),
             garbage: Vec::new(),
             recorded: 0,
             completed: 0,
-            scratch: Scratch::default(),
+            recording: Recording::default(),
         })
     }
 
@@ -218,7 +240,7 @@ impl Device {
     /// # Errors
     /// [`Error::Vulkan`].
     pub fn pipeline_cache_data(&self) -> Result<Vec<u8>, Error> {
-        self.gpu.cache_data(&self.kernels)
+        self.gpu.cache_data(&self.pipelines)
     }
 
     /// How many buffers, pieces of memory and descriptor pools were made so far: a number that stands still once as many frames
@@ -243,7 +265,7 @@ impl Drop for Device {
             for slot in &self.slots {
                 slot.destroy(&self.gpu);
             }
-            self.gpu.destroy_kernels(&self.kernels);
+            self.gpu.destroy_pipelines(&self.pipelines);
         }
     }
 }

@@ -1,43 +1,40 @@
 //! A frame's words on their way to the device: as many slots as there are recordings in flight, used over and over.
 
-use super::device::{Device, Gpu};
-use super::kernels::Set;
-use super::memory::{Buffer, Use};
+use super::device::{Device, VulkanDevice};
+use super::memory::{BufferUse, OwnBuffer};
+use super::pipelines::DescriptorSet;
 use crate::Error;
 
-/// Bytes of a slot, at least.
-const LEAST: u64 = 64 << 10;
+/// The smallest slot in bytes.
+const SMALLEST: u64 = 64 << 10;
 
-/// What one recording uses.
-pub(super) struct Slot {
-    /// The last frame that uses it; 0 for none.
+/// Buffers that one recording uses.
+pub(super) struct FrameSlot {
+    /// The last frame that uses it, or 0.
     pub frame: u64,
-    pub staging: Buffer,
-    pub storage: Buffer,
-    /// Of each arena chunk that it was used with, the set of both.
-    sets: Vec<(u32, Set)>,
+    pub staging: OwnBuffer,
+    pub storage: OwnBuffer,
+    /// The descriptor sets, one for each chunk of the arena that it was used with.
+    sets: Vec<(u32, DescriptorSet)>,
 }
 
 impl Device {
-    /// A slot of at least so many bytes that no frame in flight uses.
+    /// Returns a slot of at least `bytes` bytes that no frame in flight uses.
     pub(super) fn slot(&mut self, bytes: u64) -> Result<usize, Error> {
-        let most = u64::from(self.gpu.limits.max_storage_buffer_range);
-        if bytes > most {
-            let what = format!("{bytes} bytes for the work of a frame; maxStorageBufferRange is {most} on this device");
-            return Err(Error::Unsupported { what });
-        }
-        let free = |s: &Slot| s.frame <= self.completed;
+        let limits = self.gpu.binding_limits();
+        limits.check("the work of a frame", bytes)?;
+        let free = |s: &FrameSlot| s.frame <= self.completed;
         if let Some(index) = self.slots.iter().position(|s| free(s) && s.storage.size >= bytes) {
             return Ok(index);
         }
-        let size = bytes.next_power_of_two().max(LEAST).min(most & !3);
-        let staging = self.gpu.buffer(size, Use::Staging)?;
-        let storage = self.gpu.buffer(size, Use::Storage).inspect_err(|_| {
+        let size = bytes.next_power_of_two().max(SMALLEST).min(limits.bytes);
+        let staging = self.gpu.buffer(size, BufferUse::Staging)?;
+        let storage = self.gpu.buffer(size, BufferUse::Storage).inspect_err(|_| {
             // SAFETY: nothing uses it yet.
             unsafe { self.gpu.destroy(&staging) }
         })?;
-        let slot = Slot { frame: 0, staging, storage, sets: Vec::new() };
-        // One that has become too small gives way.
+        let slot = FrameSlot { frame: 0, staging, storage, sets: Vec::new() };
+        // A free slot that is too small is replaced.
         match self.slots.iter().position(free) {
             Some(index) => {
                 let old = std::mem::replace(&mut self.slots[index], slot);
@@ -52,26 +49,26 @@ impl Device {
         }
     }
 
-    /// Makes sure that the slot has its set for a chunk.
+    /// Adds the slot's set for a chunk, if it is not there yet.
     pub(super) fn add_slot_set(&mut self, slot: usize, chunk: u32) -> Result<(), Error> {
         let slot = &mut self.slots[slot];
         if !slot.sets.iter().any(|(c, _)| *c == chunk) {
-            let whole = |b: &Buffer| (b.handle, 0, b.size);
-            let set = self.gpu.set(&self.kernels, &[whole(self.arena.chunk(chunk)), whole(&slot.storage)])?;
+            let whole = |b: &OwnBuffer| (b.handle, 0, b.size);
+            let set = self.gpu.set(&self.pipelines, &[whole(self.arena.buffer(chunk)), whole(&slot.storage)])?;
             slot.sets.push((chunk, set));
         }
         Ok(())
     }
 }
 
-impl Slot {
-    /// The set for a chunk, which must have been added.
-    pub(super) fn set(&self, chunk: u32) -> &Set {
+impl FrameSlot {
+    /// A set that was added.
+    pub(super) fn set(&self, chunk: u32) -> &DescriptorSet {
         &self.sets.iter().find(|(c, _)| *c == chunk).expect("the set was added").1
     }
 
-    /// Destroys the set of a chunk that is no more, and that no frame in flight uses.
-    pub(super) fn forget(&mut self, gpu: &Gpu, chunk: u32) {
+    /// Destroys the set of a chunk that is no more. No frame in flight uses it.
+    pub(super) fn forget(&mut self, gpu: &VulkanDevice, chunk: u32) {
         self.sets.retain(|(c, set)| {
             if *c == chunk {
                 // SAFETY: the frames that used the chunk are done.
@@ -83,8 +80,8 @@ impl Slot {
 
     /// # Safety
     /// Nothing uses it any more.
-    pub(super) unsafe fn destroy(&self, gpu: &Gpu) {
-        // SAFETY: passed on.
+    pub(super) unsafe fn destroy(&self, gpu: &VulkanDevice) {
+        // SAFETY: the caller's promise.
         unsafe {
             self.sets.iter().for_each(|(_, set)| gpu.destroy_set(set));
             gpu.destroy(&self.staging);

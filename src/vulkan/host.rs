@@ -1,15 +1,14 @@
 //! The host's buffers, and where in them vertices lie.
 
-use super::arena::Home;
-use super::device::{Device, Gpu};
-use super::kernels::{Kernels, Set};
-use super::state::State;
-use crate::examples::ExampleSet;
-use crate::gpu::{self, Encoding, Kernel, Layout};
+use super::classic::ClassicBuffer;
+use super::device::{Device, VulkanDevice};
+use super::pipelines::{DescriptorSet, VulkanPipelines};
+use crate::example::set::ExampleSet;
+use crate::gpu::{self, Encoding, HostFormat, TargetState, VertexStream, binding_range};
 use crate::{Aabb, Error, Tracker};
 use ash::vk::{self, Handle};
 use std::ops::Range;
-use std::sync::{Arc, Weak};
+use std::sync::Arc;
 
 /// Who accesses a buffer before or after us.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,68 +65,40 @@ pub struct BufferId {
     generation: u32,
 }
 
-/// Where the values of an attribute lie in a target.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Stream {
-    /// Bytes from the target's offset to the first vertex's value; a multiple of 4.
-    pub offset: u64,
-    /// Bytes from one vertex's value to the next; a multiple of 4, no smaller than a value.
-    pub stride: u64,
-    /// `R32G32B32_SFLOAT` for positions and normals, `R32G32B32A32_SFLOAT` for tangents; `R16G16B16A16_SFLOAT` for positions
-    /// (the fourth is 1); `R16G16B16A16_SNORM` for all, `R8G8B8A8_SNORM` for normals and tangents (a normal's fourth is 0).
-    pub format: vk::Format,
+impl HostFormat for vk::Format {
+    const POSITIONS: [(Self, Encoding); 3] = [
+        (vk::Format::R32G32B32_SFLOAT, Encoding::F32),
+        (vk::Format::R16G16B16A16_SFLOAT, Encoding::F16x4),
+        (vk::Format::R16G16B16A16_SNORM, Encoding::Snorm16x4),
+    ];
+    const NORMALS: [(Self, Encoding); 3] = [
+        (vk::Format::R32G32B32_SFLOAT, Encoding::F32),
+        (vk::Format::R16G16B16A16_SNORM, Encoding::Snorm16x4),
+        (vk::Format::R8G8B8A8_SNORM, Encoding::Snorm8x4),
+    ];
+    const TANGENTS: [(Self, Encoding); 3] = [
+        (vk::Format::R32G32B32A32_SFLOAT, Encoding::F32),
+        (vk::Format::R16G16B16A16_SNORM, Encoding::Snorm16x4),
+        (vk::Format::R8G8B8A8_SNORM, Encoding::Snorm8x4),
+    ];
 }
 
-/// Where the vertices of one mesh lie.
-#[derive(Debug, Clone, Copy)]
-pub struct TargetDef {
-    /// The mesh: 0 is the set's own, then its levels of detail.
-    pub lod: usize,
-    /// The buffer.
-    pub buffer: BufferId,
-    /// Bytes before the target; a multiple of 4.
-    pub offset: u64,
-    /// Bytes of the target: nothing outside is written. Ranges of targets may interleave, values must not overlap.
-    pub size: u64,
-    /// Positions, m.
-    pub positions: Stream,
-    /// Unit normals, where they are wanted.
-    pub normals: Option<Stream>,
-    /// Tangents, where they are wanted; the fourth number is the base tangent's.
-    pub tangents: Option<Stream>,
-    /// Of positions in `R16G16B16A16_SNORM`: a stored number s stands for `s * scale + bias`, m, s from -1 to 1. What lies
-    /// outside is held at the border, so take bounds grown by the depth limit. Scales are above 0.
-    pub scale: [f32; 3],
-    /// See `scale`; m.
-    pub bias: [f32; 3],
-}
+/// Where a buffer stores one attribute of the vertices.
+pub type Stream = VertexStream<vk::Format>;
 
-impl TargetDef {
-    /// Positions alone, three floats each, one behind the other, from `offset` on.
-    pub fn positions(buffer: BufferId, offset: u64, size: u64) -> Self {
-        let positions = Stream { offset: 0, stride: 12, format: vk::Format::R32G32B32_SFLOAT };
-        let (normals, tangents) = (None, None);
-        let (scale, bias) = ([1.0; 3], [0.0; 3]);
-        TargetDef { lod: 0, buffer, offset, size, positions, normals, tangents, scale, bias }
-    }
-}
+/// Where a buffer stores the vertices of one mesh.
+pub type TargetDef = gpu::TargetDef<BufferId, vk::Format>;
 
 /// A mesh's vertices in a buffer, and what they show. Dropping it is how it ends.
 #[derive(Debug)]
 pub struct Target {
-    pub(super) device: u64,
-    pub(super) set: Weak<ExampleSet>,
-    pub(super) lod: usize,
+    pub(super) state: TargetState,
+    pub(super) handle: vk::Buffer,
     pub(super) buffer: BufferId,
+    /// Index of its window of the buffer.
     pub(super) window: usize,
-    pub(super) kernel: Kernel,
-    pub(super) layout: Layout,
-    /// Bytes before it in the window, modulo 2^64: what is not written may begin before.
-    pub(super) first: u64,
-    pub(super) home: Arc<Home>,
-    /// Of an instance with a classic rule.
-    pub(super) state: Option<Arc<State>>,
-    pub(super) tracker: Tracker,
+    /// States of the vertices, for an instance with a classic rule.
+    pub(super) classic: Option<Arc<ClassicBuffer>>,
     /// The last frame that writes it.
     pub(super) written_in: u64,
 }
@@ -136,18 +107,18 @@ impl Target {
     /// Forgets what the memory holds: the next recording writes every vertex. For memory that others wrote to, and for
     /// recordings that were not submitted.
     pub fn invalidate(&mut self) {
-        self.tracker.invalidate();
+        self.state.tracker.invalidate();
     }
 
     /// Whether normals and tangents are written.
     pub(crate) fn written(&self) -> (bool, bool) {
-        (self.layout.normals.is_some(), self.layout.tangents.is_some())
+        (self.state.layout.normals.is_some(), self.state.layout.tangents.is_some())
     }
 
     /// A box around all vertices as of the last recording, m; `None` before the first. It is never too small but may be too
     /// large: the CPU does not know the vertices, only how far each block of them can have moved.
     pub fn bounds(&self) -> Option<Aabb> {
-        self.tracker.bounds()
+        self.state.tracker.bounds()
     }
 
     /// The last frame for which anything was recorded that writes it; 0 for none.
@@ -157,41 +128,41 @@ impl Target {
 
     /// Vertices that the last recording wrote: ranges, increasing, apart from each other.
     pub fn changed(&self) -> &[Range<u32>] {
-        self.tracker.changed()
+        self.state.tracker.changed()
     }
 }
 
 /// A registered buffer.
-pub(super) struct Host {
+pub(super) struct HostBuffer {
     pub def: BufferDef,
-    pub windows: Vec<Window>,
+    pub windows: Vec<BufferWindow>,
     /// The last frame that writes it.
     pub used: u64,
 }
 
 /// A part of a buffer, no larger than a descriptor may cover.
-pub(super) struct Window {
+pub(super) struct BufferWindow {
     pub range: Range<u64>,
-    pub set: Set,
+    pub set: DescriptorSet,
 }
 
 #[derive(Default)]
-pub(super) struct Hosts {
-    entries: Vec<(u32, Option<Host>)>,
+pub(super) struct HostBuffers {
+    entries: Vec<(u32, Option<HostBuffer>)>,
 }
 
-impl Hosts {
-    pub(super) fn get(&self, id: BufferId) -> Result<&Host, Error> {
+impl HostBuffers {
+    pub(super) fn get(&self, id: BufferId) -> Result<&HostBuffer, Error> {
         let entry = self.entries.get(id.index as usize).filter(|(generation, _)| *generation == id.generation);
         entry.and_then(|(_, host)| host.as_ref()).ok_or_else(|| stale(id))
     }
 
-    pub(super) fn get_mut(&mut self, id: BufferId) -> Result<&mut Host, Error> {
+    pub(super) fn get_mut(&mut self, id: BufferId) -> Result<&mut HostBuffer, Error> {
         let entry = self.entries.get_mut(id.index as usize).filter(|(generation, _)| *generation == id.generation);
         entry.and_then(|(_, host)| host.as_mut()).ok_or_else(|| stale(id))
     }
 
-    pub(super) fn sets(&self) -> impl Iterator<Item = &Set> {
+    pub(super) fn sets(&self) -> impl Iterator<Item = &DescriptorSet> {
         self.entries.iter().filter_map(|(_, host)| host.as_ref()).flat_map(|h| h.windows.iter().map(|w| &w.set))
     }
 }
@@ -231,7 +202,7 @@ impl Device {
                 ));
             }
         }
-        let host = Host { def: *def, windows: Vec::new(), used: 0 };
+        let host = HostBuffer { def: *def, windows: Vec::new(), used: 0 };
         let entries = &mut self.hosts.entries;
         let index = entries.iter().position(|(_, host)| host.is_none()).unwrap_or(entries.len());
         if index == entries.len() {
@@ -264,86 +235,31 @@ impl Device {
     /// [`Error::Unsupported`] for normals or tangents that the mesh does not have, or more bytes than the device can bind;
     /// [`Error::OutOfMemory`], [`Error::Vulkan`], [`Error::DeviceLost`].
     pub fn add_target(&mut self, set: &Arc<ExampleSet>, def: &TargetDef) -> Result<Target, Error> {
-        let skin = set.lod(def.lod)?;
-        let layout = layout(def)?;
+        let mesh = set.lod(def.lod)?;
         let size = self.hosts.get(def.buffer)?.def.size;
-        if !def.offset.is_multiple_of(4) {
-            return Err(Error::Misaligned { name: "the target's offset".into(), value: def.offset, align: 4 });
-        }
-        let needed = def.offset.saturating_add(def.size);
-        if needed > size {
-            return Err(Error::BufferTooSmall { name: "the buffer".into(), size, needed });
-        }
-        let kernel = Kernel::of(&layout, &skin.mesh)?;
-        let (low, high) = layout.check(skin.vertex_count(), def.size)?;
-        let written = def.offset + low..def.offset + high;
+        let (layout, kernel, written) = def.layout(&mesh.mesh, size)?;
+        let limits = self.gpu.binding_limits();
         let host = self.hosts.get_mut(def.buffer)?;
-        let window = host.window(&self.gpu, &self.kernels, &written)?;
-        let first = def.offset.wrapping_sub(host.windows[window].range.start);
-        self.gpu.add_pipeline(&mut self.kernels, kernel, false)?;
-        let home = self.arena.home(&self.gpu, set, def.lod)?;
-        Ok(Target {
-            device: self.id,
-            set: Arc::downgrade(set),
-            lod: def.lod,
-            buffer: def.buffer,
-            window,
-            kernel,
-            layout,
-            first,
-            home,
-            state: None,
-            tracker: Tracker::new(),
-            written_in: 0,
-        })
+        let window = host.window(&self.gpu, &self.pipelines, &written)?;
+        let (handle, first) = (host.def.buffer, def.offset.wrapping_sub(host.windows[window].range.start));
+        self.gpu.add_pipeline(&mut self.pipelines, kernel, false)?;
+        let mesh = self.arena.mesh(&self.gpu, &limits, set, def.lod)?;
+        let (device, set, tracker) = (self.id, Arc::downgrade(set), Tracker::new());
+        let state = TargetState { device, set, lod: def.lod, kernel, layout, first, mesh, tracker };
+        Ok(Target { state, handle, buffer: def.buffer, window, classic: None, written_in: 0 })
     }
 }
 
-impl Host {
+impl HostBuffer {
     /// A window that holds these bytes.
-    fn window(&mut self, gpu: &Gpu, kernels: &Kernels, bytes: &Range<u64>) -> Result<usize, Error> {
+    fn window(&mut self, gpu: &VulkanDevice, pipelines: &VulkanPipelines, bytes: &Range<u64>) -> Result<usize, Error> {
         let holds = |r: &Range<u64>| r.start <= bytes.start && bytes.end <= r.end;
         if let Some(index) = self.windows.iter().position(|w| holds(&w.range)) {
             return Ok(index);
         }
-        let most = u64::from(gpu.limits.max_storage_buffer_range);
-        let start = if self.def.size <= most {
-            0
-        } else {
-            bytes.start - bytes.start % gpu.limits.min_storage_buffer_offset_alignment.max(4)
-        };
-        let range = start..start + ((self.def.size - start).min(most) & !3);
-        if !holds(&range) {
-            let what = format!(
-                "a target that spans {} bytes; maxStorageBufferRange is {most} on this device",
-                bytes.end - bytes.start
-            );
-            return Err(Error::Unsupported { what });
-        }
-        let set = gpu.set(kernels, &[(self.def.buffer, range.start, range.end - range.start)])?;
-        self.windows.push(Window { range, set });
+        let range = binding_range(self.def.size, bytes, &gpu.binding_limits())?;
+        let set = gpu.set(pipelines, &[(self.def.buffer, range.start, range.end - range.start)])?;
+        self.windows.push(BufferWindow { range, set });
         Ok(self.windows.len() - 1)
     }
-}
-
-fn layout(def: &TargetDef) -> Result<Layout, Error> {
-    use vk::Format;
-    let stream = |name: &str, s: &Stream, allowed: &[(Format, Encoding)]| {
-        gpu::stream(name, (s.offset, s.stride, s.format), allowed)
-    };
-    let (half, snorm16) = (Format::R16G16B16A16_SFLOAT, Format::R16G16B16A16_SNORM);
-    let packed = [(snorm16, Encoding::Snorm16x4), (Format::R8G8B8A8_SNORM, Encoding::Snorm8x4)];
-    let floats = |format| (format, Encoding::F32);
-    let of_positions = [floats(Format::R32G32B32_SFLOAT), (half, Encoding::F16x4), (snorm16, Encoding::Snorm16x4)];
-    let of_normals = [floats(Format::R32G32B32_SFLOAT), packed[0], packed[1]];
-    let of_tangents = [floats(Format::R32G32B32A32_SFLOAT), packed[0], packed[1]];
-    let positions = stream("position", &def.positions, &of_positions)?;
-    gpu::check_scale(&positions, def.scale, def.bias)?;
-    Ok(Layout {
-        positions,
-        normals: def.normals.as_ref().map(|s| stream("normal", s, &of_normals)).transpose()?,
-        tangents: def.tangents.as_ref().map(|s| stream("tangent", s, &of_tangents)).transpose()?,
-        scale: def.scale,
-        bias: def.bias,
-    })
 }

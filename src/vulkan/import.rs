@@ -2,7 +2,7 @@
 
 use super::functions::checked;
 use super::host::{Access, BufferDef, BufferId};
-use super::own::{Own, OwnDevice};
+use super::own::{OwnDevice, OwnHandles};
 use crate::Error;
 use ash::vk;
 use std::ptr::null;
@@ -45,19 +45,19 @@ pub struct SemaphoreId(
 );
 
 /// A buffer in imported memory.
-pub(super) struct Imported {
+pub(super) struct ImportedBuffer {
     buffer: vk::Buffer,
     memory: vk::DeviceMemory,
 }
 
-impl Imported {
+impl ImportedBuffer {
     /// # Safety
     /// Nothing uses it any more.
-    pub(super) unsafe fn destroy(&self, own: &Own) {
+    pub(super) unsafe fn destroy(&self, own: &OwnHandles) {
         // SAFETY: passed on; null handles are ignored.
         unsafe {
-            (own.resources.destroy_buffer)(own.device, self.buffer, null());
-            (own.resources.free_memory)(own.device, self.memory, null());
+            (own.functions.destroy_buffer)(own.device, self.buffer, null());
+            (own.functions.free_memory)(own.device, self.memory, null());
         }
     }
 }
@@ -88,7 +88,7 @@ impl OwnDevice {
             return Err(Error::BufferTooSmall { name, size: def.memory_size, needed: end });
         }
         self.importable(def.usage)?;
-        let mut imported = Imported { buffer: vk::Buffer::null(), memory: vk::DeviceMemory::null() };
+        let mut imported = ImportedBuffer { buffer: vk::Buffer::null(), memory: vk::DeviceMemory::null() };
         // SAFETY: the caller's.
         let made = unsafe { self.import(def, &mut imported) }.and_then(|()| {
             let anything = Access {
@@ -133,7 +133,11 @@ impl OwnDevice {
         let mut properties = vk::ExternalBufferProperties::default();
         // SAFETY: a physical device of Vulkan 1.1.
         unsafe {
-            (self.own.instance_functions.external_buffer)(self.own.physical_device, &info, &mut properties);
+            (self.own.instance_functions.1.get_physical_device_external_buffer_properties)(
+                self.own.physical_device,
+                &info,
+                &mut properties,
+            );
         }
         let features = properties.external_memory_properties.external_memory_features;
         if features.contains(vk::ExternalMemoryFeatureFlags::IMPORTABLE) {
@@ -144,8 +148,8 @@ impl OwnDevice {
 
     /// # Safety
     /// As [`OwnDevice::import_buffer`].
-    unsafe fn import(&self, def: &ImportDef, to: &mut Imported) -> Result<(), Error> {
-        let (own, f) = (&self.own, &self.own.resources);
+    unsafe fn import(&self, def: &ImportDef, to: &mut ImportedBuffer) -> Result<(), Error> {
+        let (own, f) = (&self.own, &self.own.functions);
         let mut external = vk::ExternalMemoryBufferCreateInfo::default().handle_types(MEMORY);
         let info = vk::BufferCreateInfo::default().size(def.size).usage(def.usage).push_next(&mut external);
         if def.size == 0 {
@@ -155,7 +159,7 @@ impl OwnDevice {
         checked("vkCreateBuffer", unsafe { (f.create_buffer)(own.device, &info, null(), &mut to.buffer) })?;
         let mut needs = vk::MemoryRequirements::default();
         // SAFETY: the buffer was made just now.
-        unsafe { (f.buffer_requirements)(own.device, to.buffer, &mut needs) };
+        unsafe { (f.get_buffer_memory_requirements)(own.device, to.buffer, &mut needs) };
         if def.memory_type >= 32 || needs.memory_type_bits >> def.memory_type & 1 == 0 {
             let good: Vec<String> =
                 (0..32).filter(|t| needs.memory_type_bits >> t & 1 == 1).map(|t| t.to_string()).collect();
@@ -176,7 +180,7 @@ impl OwnDevice {
         if def.dedicated {
             info = info.push_next(&mut dedicated);
         }
-        let handle = Own::taken(def.memory, Some(def.memory_size))?;
+        let handle = OwnHandles::taken(def.memory, Some(def.memory_size))?;
         #[cfg(not(windows))]
         let mut import = vk::ImportMemoryFdInfoKHR::default().handle_type(MEMORY).fd(handle.raw());
         #[cfg(windows)]
@@ -215,7 +219,7 @@ impl OwnDevice {
             let what = "a Vulkan device without external semaphores: wait for a fence instead";
             return Err(Error::Unsupported { what: what.into() });
         };
-        let handle = Own::taken(shared, None)?;
+        let handle = OwnHandles::taken(shared, None)?;
         let mut semaphore = vk::Semaphore::null();
         let info = vk::SemaphoreCreateInfo::default();
         // SAFETY: valid arguments.
@@ -269,10 +273,10 @@ impl OwnDevice {
 
 /// A handle of our own, closed when dropped.
 #[cfg(unix)]
-struct Taken(std::os::fd::OwnedFd);
+struct OwnedHandle(std::os::fd::OwnedFd);
 
 #[cfg(unix)]
-impl Taken {
+impl OwnedHandle {
     fn raw(&self) -> i32 {
         use std::os::fd::AsRawFd;
         self.0.as_raw_fd()
@@ -286,9 +290,9 @@ impl Taken {
 }
 
 #[cfg(unix)]
-impl Own {
+impl OwnHandles {
     /// A duplicate of the host's handle, of memory of so many bytes or of something else.
-    fn taken(shared: Shared, memory: Option<u64>) -> Result<Taken, Error> {
+    fn taken(shared: Shared, memory: Option<u64>) -> Result<OwnedHandle, Error> {
         use std::os::fd::BorrowedFd;
         use std::os::unix::fs::FileTypeExt;
         let refused = |expected: &str| Err(Error::invalid("the handle", format!("{shared:?}"), expected));
@@ -315,16 +319,16 @@ impl Own {
                 return refused(&format!("memory of {size} bytes; this is a file of {}", metadata.len()));
             }
         }
-        Ok(Taken(file.into()))
+        Ok(OwnedHandle(file.into()))
     }
 }
 
 /// A handle of the host's, which Vulkan does not take over.
 #[cfg(not(unix))]
-struct Taken(isize);
+struct OwnedHandle(isize);
 
 #[cfg(not(unix))]
-impl Taken {
+impl OwnedHandle {
     fn raw(&self) -> isize {
         self.0
     }
@@ -333,10 +337,10 @@ impl Taken {
 }
 
 #[cfg(not(unix))]
-impl Own {
-    fn taken(shared: Shared, _: Option<u64>) -> Result<Taken, Error> {
+impl OwnHandles {
+    fn taken(shared: Shared, _: Option<u64>) -> Result<OwnedHandle, Error> {
         match shared {
-            Shared::OpaqueWin32(handle) if handle != 0 && handle != -1 => Ok(Taken(handle)),
+            Shared::OpaqueWin32(handle) if handle != 0 && handle != -1 => Ok(OwnedHandle(handle)),
             Shared::OpaqueWin32(handle) => Err(Error::invalid("the handle", handle, "a valid handle")),
             _ => Err(Error::Unsupported { what: format!("{shared:?}: this system has Windows handles") }),
         }

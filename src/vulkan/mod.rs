@@ -30,16 +30,16 @@
 //! destroyed.
 
 mod arena;
+mod classic;
 mod device;
 mod frames;
 mod functions;
 mod host;
 mod import;
-mod kernels;
 mod memory;
 mod own;
+mod pipelines;
 mod record;
-mod state;
 
 pub use ash::vk;
 pub use device::{Device, DeviceDef};

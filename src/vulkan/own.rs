@@ -2,9 +2,9 @@
 //! exported is imported here, written, and given back through semaphores or a fence.
 
 use super::device::{Device, DeviceDef};
-use super::functions::{Functions, checked, functions};
+use super::functions::{DeviceFnV1_0, InstanceFnV1_0, InstanceFnV1_1, checked, load};
 use super::host::BufferId;
-use super::import::{Imported, SemaphoreId};
+use super::import::{ImportedBuffer, SemaphoreId};
 use super::record::{RecordJob, RecordReport};
 use crate::Error;
 use ash::vk;
@@ -12,47 +12,6 @@ use std::ffi::CStr;
 use std::fmt;
 use std::mem::ManuallyDrop;
 use std::ptr::{null, null_mut};
-
-functions! {
-    /// Without an instance.
-    GlobalFunctions:
-    create_instance = c"vkCreateInstance" as PFN_vkCreateInstance,
-}
-
-functions! {
-    /// Of an instance.
-    InstanceFunctions:
-    destroy_instance = c"vkDestroyInstance" as PFN_vkDestroyInstance,
-    physical_devices = c"vkEnumeratePhysicalDevices" as PFN_vkEnumeratePhysicalDevices,
-    properties = c"vkGetPhysicalDeviceProperties" as PFN_vkGetPhysicalDeviceProperties,
-    properties2 = c"vkGetPhysicalDeviceProperties2" as PFN_vkGetPhysicalDeviceProperties2,
-    queue_families = c"vkGetPhysicalDeviceQueueFamilyProperties" as PFN_vkGetPhysicalDeviceQueueFamilyProperties,
-    external_buffer = c"vkGetPhysicalDeviceExternalBufferProperties" as PFN_vkGetPhysicalDeviceExternalBufferProperties,
-    extensions = c"vkEnumerateDeviceExtensionProperties" as PFN_vkEnumerateDeviceExtensionProperties,
-    create_device = c"vkCreateDevice" as PFN_vkCreateDevice,
-    get_device_proc_addr = c"vkGetDeviceProcAddr" as PFN_vkGetDeviceProcAddr,
-}
-
-functions! {
-    /// Of a device, beyond [`Functions`].
-    QueueFunctions:
-    destroy_device = c"vkDestroyDevice" as PFN_vkDestroyDevice,
-    queue = c"vkGetDeviceQueue" as PFN_vkGetDeviceQueue,
-    create_command_pool = c"vkCreateCommandPool" as PFN_vkCreateCommandPool,
-    destroy_command_pool = c"vkDestroyCommandPool" as PFN_vkDestroyCommandPool,
-    allocate_commands = c"vkAllocateCommandBuffers" as PFN_vkAllocateCommandBuffers,
-    begin = c"vkBeginCommandBuffer" as PFN_vkBeginCommandBuffer,
-    end = c"vkEndCommandBuffer" as PFN_vkEndCommandBuffer,
-    create_fence = c"vkCreateFence" as PFN_vkCreateFence,
-    destroy_fence = c"vkDestroyFence" as PFN_vkDestroyFence,
-    reset_fences = c"vkResetFences" as PFN_vkResetFences,
-    fence_status = c"vkGetFenceStatus" as PFN_vkGetFenceStatus,
-    wait_for_fences = c"vkWaitForFences" as PFN_vkWaitForFences,
-    submit = c"vkQueueSubmit" as PFN_vkQueueSubmit,
-    wait_idle = c"vkDeviceWaitIdle" as PFN_vkDeviceWaitIdle,
-    create_semaphore = c"vkCreateSemaphore" as PFN_vkCreateSemaphore,
-    destroy_semaphore = c"vkDestroySemaphore" as PFN_vkDestroySemaphore,
-}
 
 /// Which device Crumple makes its own of.
 #[derive(Debug, Clone)]
@@ -76,13 +35,12 @@ impl<'a> OwnDeviceDef<'a> {
 }
 
 /// What everything of the own device is made with, destroyed last.
-pub(super) struct Own {
+pub(super) struct OwnHandles {
     pub instance: vk::Instance,
-    pub instance_functions: InstanceFunctions,
+    pub instance_functions: (InstanceFnV1_0, InstanceFnV1_1),
     pub physical_device: vk::PhysicalDevice,
     pub device: vk::Device,
-    pub functions: QueueFunctions,
-    pub resources: Functions,
+    pub functions: DeviceFnV1_0,
     /// Null where the device cannot.
     pub import_semaphore: vk::PFN_vkVoidFunction,
     queue: vk::Queue,
@@ -104,9 +62,9 @@ struct Submission {
 /// to [`OwnDevice::device`], and [`OwnDevice::submit`] takes the place of [`Device::record`]. Dropping it waits for the device.
 pub struct OwnDevice {
     device: ManuallyDrop<Device>,
-    pub(super) own: Own,
+    pub(super) own: OwnHandles,
     submissions: Vec<Submission>,
-    pub(super) buffers: Vec<(BufferId, Imported)>,
+    pub(super) buffers: Vec<(BufferId, ImportedBuffer)>,
     pub(super) semaphores: Vec<vk::Semaphore>,
     frame: u64,
 }
@@ -143,22 +101,27 @@ impl OwnDevice {
     pub unsafe fn new(def: &OwnDeviceDef<'_>) -> Result<Self, Error> {
         let get = def.get_instance_proc_addr;
         // SAFETY: the caller's loader.
-        let global = unsafe { GlobalFunctions::load(|name| get(vk::Instance::null(), name.as_ptr()))? };
+        let ask = |instance: vk::Instance, name: &CStr| unsafe { get(instance, name.as_ptr()) };
+        let Some(create) = ask(vk::Instance::null(), c"vkCreateInstance") else {
+            return Err(Error::Unsupported { what: "a Vulkan loader without vkCreateInstance".into() });
+        };
+        // SAFETY: the function has this name.
+        let create = unsafe { std::mem::transmute::<unsafe extern "system" fn(), vk::PFN_vkCreateInstance>(create) };
         let app = vk::ApplicationInfo::default().application_name(c"crumple").api_version(vk::API_VERSION_1_1);
         let info = vk::InstanceCreateInfo::default().application_info(&app);
         let mut instance = vk::Instance::null();
         // SAFETY: valid arguments that live through the call; so everywhere in this file.
-        match unsafe { (global.create_instance)(&info, null(), &mut instance) } {
+        match unsafe { create(&info, null(), &mut instance) } {
             vk::Result::ERROR_INCOMPATIBLE_DRIVER => {
                 return Err(Error::Unsupported { what: "a machine without a Vulkan driver".into() });
             }
             other => checked("vkCreateInstance", other)?,
         }
-        // SAFETY: the instance was made by this loader.
-        let functions = unsafe { InstanceFunctions::load(|name| get(instance, name.as_ptr())) };
-        let functions = functions.inspect_err(|_| {
+        let of_instance = |name: &CStr| ask(instance, name);
+        let functions = load(|get| (InstanceFnV1_0::load(&mut *get), InstanceFnV1_1::load(get)), of_instance);
+        let (functions, functions_1_1) = functions.inspect_err(|_| {
             // SAFETY: nothing else was made with the instance; the function is the one of this name.
-            if let Some(destroy) = unsafe { get(instance, c"vkDestroyInstance".as_ptr()) } {
+            if let Some(destroy) = ask(instance, c"vkDestroyInstance") {
                 // SAFETY: as above.
                 unsafe {
                     std::mem::transmute::<unsafe extern "system" fn(), vk::PFN_vkDestroyInstance>(destroy)(
@@ -168,7 +131,7 @@ impl OwnDevice {
                 }
             }
         })?;
-        let own = Own::new(instance, functions, def.device_uuid)?;
+        let own = OwnHandles::new(instance, (functions, functions_1_1), def.device_uuid)?;
         let device = DeviceDef {
             get_instance_proc_addr: get,
             instance: own.instance,
@@ -216,13 +179,13 @@ impl OwnDevice {
         // SAFETY: the fence of the command buffer's last use has signalled.
         unsafe {
             checked("vkResetFences", (f.reset_fences)(self.own.device, 1, &fence))?;
-            checked("vkBeginCommandBuffer", (f.begin)(commands, &begin))?;
+            checked("vkBeginCommandBuffer", (f.begin_command_buffer)(commands, &begin))?;
         }
         let frame = self.frame + 1;
         // SAFETY: the command buffer is recording.
         let recorded = unsafe { self.device.record(commands, frame, jobs) };
         // SAFETY: it was begun.
-        let ended = checked("vkEndCommandBuffer", unsafe { (f.end)(commands) });
+        let ended = checked("vkEndCommandBuffer", unsafe { (f.end_command_buffer)(commands) });
         let report = recorded?;
         let stages = vec![vk::PipelineStageFlags::ALL_COMMANDS; wait.len()];
         let all = [commands];
@@ -233,7 +196,7 @@ impl OwnDevice {
             .signal_semaphores(&signal);
         let submitted = ended.and_then(|()| {
             // SAFETY: the queue is used here alone.
-            checked("vkQueueSubmit", unsafe { (f.submit)(self.own.queue, 1, &submit, fence) })
+            checked("vkQueueSubmit", unsafe { (f.queue_submit)(self.own.queue, 1, &submit, fence) })
         });
         if let Err(error) = submitted {
             // What was recorded will not run.
@@ -281,7 +244,7 @@ impl OwnDevice {
         let f = &self.own.functions;
         for s in self.submissions.iter_mut().filter(|s| s.pending) {
             // SAFETY: a fence of this device.
-            match unsafe { (f.fence_status)(self.own.device, s.fence) } {
+            match unsafe { (f.get_fence_status)(self.own.device, s.fence) } {
                 vk::Result::NOT_READY => {}
                 other => {
                     checked("vkGetFenceStatus", other)?;
@@ -304,7 +267,7 @@ impl OwnDevice {
         let (mut commands, mut fence) = (vk::CommandBuffer::null(), vk::Fence::null());
         let info = vk::CommandBufferAllocateInfo::default().command_pool(self.own.pool).command_buffer_count(1);
         // SAFETY: a pool of this device; it goes with its command buffers.
-        checked("vkAllocateCommandBuffers", unsafe { (f.allocate_commands)(device, &info, &mut commands) })?;
+        checked("vkAllocateCommandBuffers", unsafe { (f.allocate_command_buffers)(device, &info, &mut commands) })?;
         let info = vk::FenceCreateInfo::default();
         // SAFETY: as above.
         checked("vkCreateFence", unsafe { (f.create_fence)(device, &info, null(), &mut fence) })?;
@@ -318,7 +281,7 @@ impl Drop for OwnDevice {
         let f = &self.own.functions;
         // SAFETY: everything was made with this device; it is idle, or lost, in which case nothing runs any more either.
         unsafe {
-            let _ = (f.wait_idle)(self.own.device);
+            let _ = (f.device_wait_idle)(self.own.device);
             self.device.completed(u64::MAX);
             ManuallyDrop::drop(&mut self.device);
             for (_, buffer) in &self.buffers {
@@ -334,25 +297,24 @@ impl Drop for OwnDevice {
     }
 }
 
-impl Own {
+impl OwnHandles {
     /// Takes over the instance.
     fn new(
         instance: vk::Instance,
-        functions: InstanceFunctions,
+        functions: (InstanceFnV1_0, InstanceFnV1_1),
         uuid: Option<[u8; vk::UUID_SIZE]>,
     ) -> Result<Self, Error> {
         let made = Self::choose(instance, &functions, uuid).and_then(|(physical_device, family)| {
-            Self::make(&functions, physical_device, family).map(|made| (physical_device, family, made))
+            Self::make(&functions.0, physical_device, family).map(|made| (physical_device, family, made))
         });
         match made {
-            Ok((physical_device, family, (device, (queue_functions, resources), import_semaphore, queue, pool))) => {
-                Ok(Own {
+            Ok((physical_device, family, (device, device_functions, import_semaphore, queue, pool))) => {
+                Ok(OwnHandles {
                     instance,
                     instance_functions: functions,
                     physical_device,
                     device,
-                    functions: queue_functions,
-                    resources,
+                    functions: device_functions,
                     import_semaphore,
                     queue,
                     family,
@@ -361,7 +323,7 @@ impl Own {
             }
             Err(error) => {
                 // SAFETY: nothing of the instance is left.
-                unsafe { (functions.destroy_instance)(instance, null()) };
+                unsafe { (functions.0.destroy_instance)(instance, null()) };
                 Err(error)
             }
         }
@@ -370,28 +332,30 @@ impl Own {
     /// The physical device, and a family of it that computes.
     fn choose(
         instance: vk::Instance,
-        f: &InstanceFunctions,
+        (f, f_1_1): &(InstanceFnV1_0, InstanceFnV1_1),
         uuid: Option<[u8; vk::UUID_SIZE]>,
     ) -> Result<(vk::PhysicalDevice, u32), Error> {
         let mut count = 0;
         // SAFETY: the instance is valid; room for `count` below.
-        checked("vkEnumeratePhysicalDevices", unsafe { (f.physical_devices)(instance, &mut count, null_mut()) })?;
+        checked("vkEnumeratePhysicalDevices", unsafe {
+            (f.enumerate_physical_devices)(instance, &mut count, null_mut())
+        })?;
         let mut devices = vec![vk::PhysicalDevice::null(); count as usize];
         // SAFETY: as above.
-        let listed = unsafe { (f.physical_devices)(instance, &mut count, devices.as_mut_ptr()) };
+        let listed = unsafe { (f.enumerate_physical_devices)(instance, &mut count, devices.as_mut_ptr()) };
         checked("vkEnumeratePhysicalDevices", listed)?;
         let mut seen = Vec::new();
         for device in devices {
             let mut properties = vk::PhysicalDeviceProperties::default();
             // SAFETY: a device of the instance, here and below.
-            unsafe { (f.properties)(device, &mut properties) };
+            unsafe { (f.get_physical_device_properties)(device, &mut properties) };
             if properties.api_version < vk::API_VERSION_1_1 {
                 continue;
             }
             let mut ids = vk::PhysicalDeviceIDProperties::default();
             let mut both = vk::PhysicalDeviceProperties2::default().push_next(&mut ids);
             // SAFETY: as above; a device of Vulkan 1.1 fills both.
-            unsafe { (f.properties2)(device, &mut both) };
+            unsafe { (f_1_1.get_physical_device_properties2)(device, &mut both) };
             let found = ids.device_uuid;
             let name = properties.device_name_as_c_str().unwrap_or_default().to_string_lossy().into_owned();
             seen.push(format!("{name} {}", hexadecimal(&found)));
@@ -399,10 +363,10 @@ impl Own {
                 continue;
             }
             // SAFETY: as above.
-            unsafe { (f.queue_families)(device, &mut count, null_mut()) };
+            unsafe { (f.get_physical_device_queue_family_properties)(device, &mut count, null_mut()) };
             let mut families = vec![vk::QueueFamilyProperties::default(); count as usize];
             // SAFETY: as above; there is room for `count`.
-            unsafe { (f.queue_families)(device, &mut count, families.as_mut_ptr()) };
+            unsafe { (f.get_physical_device_queue_family_properties)(device, &mut count, families.as_mut_ptr()) };
             let computes = |q: &vk::QueueFamilyProperties| q.queue_flags.contains(vk::QueueFlags::COMPUTE);
             if let Some(family) = families.iter().position(computes) {
                 return Ok((device, family as u32));
@@ -413,15 +377,16 @@ impl Own {
         Err(Error::Unsupported { what: format!("a machine without a Vulkan 1.1 device {wanted}; there are: {there}") })
     }
 
-    fn make(f: &InstanceFunctions, physical: vk::PhysicalDevice, family: u32) -> Result<Made, Error> {
+    fn make(f: &InstanceFnV1_0, physical: vk::PhysicalDevice, family: u32) -> Result<Made, Error> {
         let (memory, semaphore, import) = EXTENSIONS;
         let mut count = 0;
         // SAFETY: a physical device of the instance; room for `count` below.
-        let listed = unsafe { (f.extensions)(physical, null(), &mut count, null_mut()) };
+        let listed = unsafe { (f.enumerate_device_extension_properties)(physical, null(), &mut count, null_mut()) };
         checked("vkEnumerateDeviceExtensionProperties", listed)?;
         let mut extensions = vec![vk::ExtensionProperties::default(); count as usize];
         // SAFETY: as above.
-        let listed = unsafe { (f.extensions)(physical, null(), &mut count, extensions.as_mut_ptr()) };
+        let listed =
+            unsafe { (f.enumerate_device_extension_properties)(physical, null(), &mut count, extensions.as_mut_ptr()) };
         checked("vkEnumerateDeviceExtensionProperties", listed)?;
         let has = |name: &CStr| extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(name));
         if !has(memory) {
@@ -442,46 +407,41 @@ impl Own {
             // SAFETY: the device was made just now.
             unsafe { (f.get_device_proc_addr)(device, name.as_ptr()) }
         };
-        // SAFETY: as the loader says.
-        let functions =
-            unsafe { QueueFunctions::load(get).and_then(|q| Ok((q, Functions::load(get)?))) }.inspect_err(|_| {
-                if let Some(destroy) = get(c"vkDestroyDevice") {
-                    // SAFETY: nothing was made with the device; the function is the one of this name.
-                    unsafe {
-                        std::mem::transmute::<unsafe extern "system" fn(), vk::PFN_vkDestroyDevice>(destroy)(
-                            device,
-                            null(),
-                        )
-                    }
+        let functions = load(|get| DeviceFnV1_0::load(get), get).inspect_err(|_| {
+            if let Some(destroy) = get(c"vkDestroyDevice") {
+                // SAFETY: nothing was made with the device; the function is the one of this name.
+                unsafe {
+                    std::mem::transmute::<unsafe extern "system" fn(), vk::PFN_vkDestroyDevice>(destroy)(device, null())
                 }
-            })?;
+            }
+        })?;
         let (mut queue, mut pool) = (vk::Queue::null(), vk::CommandPool::null());
         let info = vk::CommandPoolCreateInfo::default()
             .queue_family_index(family)
             .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER | vk::CommandPoolCreateFlags::TRANSIENT);
         // SAFETY: the device has this queue.
         let made = unsafe {
-            (functions.0.queue)(device, family, 0, &mut queue);
-            (functions.0.create_command_pool)(device, &info, null(), &mut pool)
+            (functions.get_device_queue)(device, family, 0, &mut queue);
+            (functions.create_command_pool)(device, &info, null(), &mut pool)
         };
         checked("vkCreateCommandPool", made).inspect_err(|_| {
             // SAFETY: nothing else was made with the device.
-            unsafe { (functions.0.destroy_device)(device, null()) }
+            unsafe { (functions.destroy_device)(device, null()) }
         })?;
         let import = semaphores.then(|| get(import)).flatten();
         Ok((device, functions, import, queue, pool))
     }
 }
 
-type Made = (vk::Device, (QueueFunctions, Functions), vk::PFN_vkVoidFunction, vk::Queue, vk::CommandPool);
+type Made = (vk::Device, DeviceFnV1_0, vk::PFN_vkVoidFunction, vk::Queue, vk::CommandPool);
 
-impl Drop for Own {
+impl Drop for OwnHandles {
     fn drop(&mut self) {
         // SAFETY: everything else of the device was destroyed before.
         unsafe {
             (self.functions.destroy_command_pool)(self.device, self.pool, null());
             (self.functions.destroy_device)(self.device, null());
-            (self.instance_functions.destroy_instance)(self.instance, null());
+            (self.instance_functions.0.destroy_instance)(self.instance, null());
         }
     }
 }

@@ -1,103 +1,84 @@
-//! A frame: what changed, as commands.
+//! Records a frame: copies, barriers and dispatches for what changed.
 
-use super::device::{Device, Gpu};
-use super::host::{BufferId, Hosts, Target};
-use crate::gpu::{Call, Frame, Kernel, Offsets, Shown};
-use crate::{Aabb, Error, Instance};
+use super::device::{Device, VulkanDevice};
+use super::frames::FrameSlot;
+use super::host::{BufferId, HostBuffers, Target};
+use crate::Error;
+use crate::gpu::{self, Call, FrameReport, Job, Plan, PlanTarget, TargetState, WorkOffsets};
 use ash::vk::{self, Handle};
 use std::ops::Range;
 use std::ptr::null;
-use std::sync::Arc;
-use std::sync::atomic::Ordering;
 
-/// Invocations a block: its vertices.
-const BLOCK: u64 = crate::anchored::BLOCK as u64;
-
-/// One target to bring up to date.
-#[derive(Debug)]
-pub struct RecordJob<'a> {
-    /// The instance; hits must have been folded ([`Instance::fold`]), others wait for the next time.
-    pub instance: &'a Instance,
-    /// Where its vertices go.
-    pub target: &'a mut Target,
-}
+/// A target to bring up to date.
+/// <!--
+/// cbindgen:ignore
+/// -->
+pub type RecordJob<'a> = Job<'a, Target>;
 
 /// What was recorded.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct RecordReport {
-    /// Vertices that will be written, over all targets.
-    pub vertices_written: u64,
-    /// Blocks of 128 vertices that will be written.
-    pub blocks_written: u64,
-    /// Blocks that were up to date.
-    pub blocks_skipped: u64,
-    /// Examples of marks that the instances' tolerances left out of blocks written.
-    pub parts_skipped: u64,
-    /// Dispatches: one for each VkBuffer, times the pieces that it or the examples on the device must be cut into; and one for
-    /// each target of an instance with a classic rule.
-    pub dispatches: u32,
-    /// Bytes that are copied to the device for this frame, those of new meshes among them.
-    pub bytes_copied: u64,
+pub type RecordReport = FrameReport;
+
+/// The part of a host's buffer that a dispatch writes. Ids of one VkBuffer lie side by side.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct TargetBinding {
+    handle: vk::Buffer,
+    buffer: BufferId,
+    window: usize,
 }
 
-/// What a recording works with, used over and over.
+impl PlanTarget for Target {
+    type Binding = TargetBinding;
+
+    fn binding(&self) -> TargetBinding {
+        TargetBinding { handle: self.handle, buffer: self.buffer, window: self.window }
+    }
+
+    fn state(&self) -> &TargetState {
+        &self.state
+    }
+
+    fn state_mut(&mut self) -> &mut TargetState {
+        &mut self.state
+    }
+}
+
+/// The lists of a recording. They are reused.
 #[derive(Default)]
-pub(super) struct Scratch {
-    frame: Frame,
-    /// Jobs with something to write, those of one dispatch side by side.
-    order: Vec<(Key, u32)>,
-    /// Of each of these a box that will hold its vertices, and the places of its blocks in the frame.
-    shown: Vec<(Aabb, Range<usize>)>,
-    dispatches: Vec<Dispatch>,
-    /// Windows that are written.
-    writes: Vec<(BufferId, usize)>,
+pub(super) struct Recording {
+    plan: Plan<TargetBinding>,
     /// Buffers that another queue family owns.
-    transfers: Vec<BufferId>,
+    foreign: Vec<BufferId>,
     before: Vec<vk::BufferMemoryBarrier<'static>>,
     after: Vec<vk::BufferMemoryBarrier<'static>>,
 }
 
-/// What one dispatch has in common.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Key {
-    handle: vk::Buffer,
-    buffer: BufferId,
-    window: usize,
-    /// Of the arena.
-    chunk: u32,
-    /// Of an instance with a classic rule the job itself, which alone has its state.
-    classic: Option<u32>,
-}
-
-struct Dispatch {
-    key: Key,
-    kernel: Kernel,
-    blocks: Range<usize>,
-}
+/// The access of a kernel to a buffer that it writes.
+const SHADER_WRITE: vk::AccessFlags = vk::AccessFlags::SHADER_WRITE;
+/// The stage of the kernels.
+const COMPUTE: vk::PipelineStageFlags = vk::PipelineStageFlags::COMPUTE_SHADER;
 
 impl Device {
-    /// Records what brings the targets up to date: the blocks that changed since each was last written, and those only. Where
-    /// nothing changed, nothing is recorded.
+    /// Records what brings the targets up to date: only the blocks that changed since each was last written. If nothing changed,
+    /// nothing is recorded.
     ///
-    /// `frame` is the host's number of the frame, from 1 on; it never falls, and several recordings may have the same. The
-    /// command buffer, primary or secondary, is in the recording state, outside a render pass, of a pool of the device's queue
-    /// family, and is submitted once, before or together with what the next recording goes into.
+    /// `frame` is the host's number of the frame, from 1 on. It never falls; several recordings may have the same. The command
+    /// buffer, primary or secondary, is in the recording state, outside a render pass, and from a pool of the device's queue
+    /// family. It is submitted once, before the command buffer of the next recording or together with it.
     ///
-    /// **Left changed in the command buffer**: the compute pipeline, the compute descriptor sets 0 to 2, and the first 24 bytes
+    /// **Changed state of the command buffer**: the compute pipeline, the compute descriptor sets 0 to 2, and the first 24 bytes
     /// of the push constants of stage compute. Nothing else.
     ///
-    /// Buffers, memory and descriptor sets are only made while more recordings are in flight, or more changes in a frame, than
+    /// Buffers, memory and descriptor sets are only made when more recordings are in flight, or more changes in a frame, than
     /// ever before ([`Device::objects_made`]).
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a null command buffer, a frame that is done or below the last, a target of another device,
-    /// set or removed buffer; [`Error::WrongRule`] for an instance with a classic rule at
-    /// another level of detail than 0, whose state is the base mesh's; [`Error::Unsupported`] for more work than
-    /// the device can bind; [`Error::OutOfMemory`], [`Error::Vulkan`], [`Error::DeviceLost`]. Nothing is recorded then, and
-    /// targets hold what they held.
+    /// [`Error::InvalidArgument`] for a null command buffer, a frame that is done or below the last, a target of another device
+    /// or set, or a removed buffer; [`Error::WrongRule`] for an instance with a classic rule at another level of detail than 0;
+    /// [`Error::Unsupported`] for more work than the device can bind; [`Error::OutOfMemory`], [`Error::Vulkan`],
+    /// [`Error::DeviceLost`]. After an error nothing is recorded, and targets hold what they held.
     ///
     /// # Safety
-    /// The command buffer is as said above, one of this device, and no other thread uses its pool meanwhile.
+    /// The command buffer is one of this device in the state above. No other thread uses its pool meanwhile.
     pub unsafe fn record(
         &mut self,
         commands: vk::CommandBuffer,
@@ -111,270 +92,197 @@ impl Device {
             let expected = format!("above {}, the last completed, and no less than {}", self.completed, self.recorded);
             return Err(Error::invalid("frame", frame, &expected));
         }
-        let mut scratch = std::mem::take(&mut self.scratch);
-        let mut recorded = self.prepare(&mut scratch, jobs).and_then(|mut report| {
-            if report.blocks_written > 0 {
-                let (slot, offsets) = self.fill(&scratch)?;
-                self.commands(&mut scratch, (commands, frame), (slot, offsets), jobs, &mut report)?;
-            } else if !scratch.transfers.is_empty() {
-                self.pass(&mut scratch, (commands, frame))?;
-            }
-            Ok(report)
-        });
-        if let Ok(report) = &mut recorded {
-            report.vertices_written = written(&scratch, jobs, frame);
-        }
-        self.scratch = scratch;
+        let mut recording = std::mem::take(&mut self.recording);
+        let recorded = self.record_jobs(&mut recording, (commands, frame), jobs);
+        self.recording = recording;
         recorded
     }
 
-    /// Checks all jobs and packs what they have to write.
-    fn prepare(&mut self, s: &mut Scratch, jobs: &mut [RecordJob<'_>]) -> Result<RecordReport, Error> {
-        let mut report = RecordReport::default();
-        s.frame.clear();
-        s.order.clear();
-        s.shown.clear();
-        s.dispatches.clear();
-        s.writes.clear();
-        s.transfers.clear();
-        for (j, job) in jobs.iter().enumerate() {
-            self.check(job).map_err(|e| named(e, j))?;
-        }
+    fn record_jobs(
+        &mut self,
+        r: &mut Recording,
+        (commands, frame): (vk::CommandBuffer, u64),
+        jobs: &mut [RecordJob<'_>],
+    ) -> Result<RecordReport, Error> {
+        gpu::check(jobs, self.id)?;
+        r.foreign.clear();
         for (j, job) in jobs.iter_mut().enumerate() {
-            self.add_state(job.instance, job.target)?;
-            let (target, changes) = (&job.target, job.instance.changes());
-            let (buffer, window) = (target.buffer, target.window);
-            let def = &self.hosts.get(buffer)?.def;
-            if self.gpu.foreign(def) {
-                s.transfers.push(buffer);
+            let host = self.hosts.get(job.target.buffer).map_err(|e| of_job(e, j))?;
+            if self.gpu.foreign(&host.def) {
+                r.foreign.push(job.target.buffer);
             }
-            if target.tracker.dirty(changes, target.lod).next().is_some() {
-                let handle = def.buffer;
-                let classic = job.instance.classic_state().map(|_| j as u32);
-                s.order.push((Key { handle, buffer, window, chunk: target.home.chunk, classic }, j as u32));
-            } else {
-                report.blocks_skipped += changes.blocks[target.lod].len() as u64;
-            }
+            self.add_state(job)?;
         }
-        s.order.sort_unstable();
-        s.transfers.sort_unstable();
-        s.transfers.dedup();
-        for (key, j) in &s.order {
-            let RecordJob { instance, target } = &jobs[*j as usize];
-            let skin = instance.example_set().lod(target.lod)?;
-            let (place, normals) = (&target.home.place, target.kernel > Kernel::Positions);
-            if s.dispatches.last().is_none_or(|d| d.key != *key) {
-                let blocks = s.frame.blocks()..s.frame.blocks();
-                s.dispatches.push(Dispatch { key: *key, kernel: Kernel::Positions, blocks });
-            }
-            if s.writes.last() != Some(&(key.buffer, key.window)) {
-                s.writes.push((key.buffer, key.window));
-            }
-            let shown = Shown { instance, skin, place, layout: &target.layout, first: target.first };
-            let bounds = match instance.classic_state() {
-                Some(state) => {
-                    let since = target.tracker.since(instance.changes(), target.lod);
-                    s.frame.classic_target(&shown, state, normals, since)
-                }
-                None => s.frame.target(&shown),
-            };
-            let blocks = s.frame.add_blocks(target.tracker.dirty(instance.changes(), target.lod));
-            report.blocks_written += blocks.len() as u64;
-            report.blocks_skipped += (skin.blocks() - blocks.len()) as u64;
-            s.shown.push((bounds, blocks));
-            if let Some(dispatch) = s.dispatches.last_mut() {
-                dispatch.blocks.end = s.frame.blocks();
-                dispatch.kernel = dispatch.kernel.max(target.kernel);
-            }
+        r.foreign.sort_unstable();
+        r.foreign.dedup();
+        let mut report = r.plan.fill(jobs)?;
+        if report.blocks_written > 0 {
+            let offsets = r.plan.offsets()?;
+            let slot = self.fill(&r.plan, &offsets)?;
+            report.bytes_copied = self.commands(r, (commands, frame), (slot, &offsets), jobs)?;
+        } else if !r.foreign.is_empty() {
+            self.pass_on(r, (commands, frame))?;
         }
-        report.parts_skipped = s.frame.left_out.into();
-        report.dispatches = s.dispatches.len() as u32;
-        let invocations = report.blocks_written * BLOCK;
-        if invocations > u64::from(u32::MAX) {
-            let what = format!("{invocations} vertices in one recording; at most 4294967295");
-            return Err(Error::Unsupported { what });
-        }
+        report.vertices_written = r.plan.commit(jobs, |target| {
+            target.state.mesh.used_in(frame);
+            target.written_in = frame;
+        });
         Ok(report)
     }
 
-    fn check(&self, job: &RecordJob<'_>) -> Result<(), Error> {
-        let RecordJob { instance, target } = job;
-        if target.device != self.id {
-            return Err(Error::invalid("target", "of another device", "a target of this device"));
+    /// Takes a slot, writes the frame's data into it, and adds the descriptor sets that it lacks.
+    fn fill(&mut self, plan: &Plan<TargetBinding>, offsets: &WorkOffsets) -> Result<usize, Error> {
+        let slot = self.slot(offsets.bytes())?;
+        for dispatch in plan.dispatches() {
+            self.add_slot_set(slot, dispatch.chunk())?;
         }
-        self.hosts.get(target.buffer)?;
-        if !std::ptr::eq(target.set.as_ptr(), Arc::as_ptr(instance.example_set())) {
-            return Err(Error::invalid("instance", "of another example set", "an instance of the target's set"));
-        }
-        if target.lod > 0 && instance.classic_state().is_some() {
-            return Err(instance.needs_marks("a recording of another level of detail than 0"));
-        }
-        Ok(())
+        self.gpu.write(&mut self.slots[slot].staging, offsets.words(), |to| plan.write(to))?;
+        Ok(slot)
     }
 
-    /// Takes a slot, writes the frame's words into it, and makes sure that it has its sets.
-    fn fill(&mut self, s: &Scratch) -> Result<(usize, Offsets), Error> {
-        let offsets = s.frame.offsets()?;
-        let slot = self.slot(4 * offsets.total as u64)?;
-        for d in &s.dispatches {
-            self.add_slot_set(slot, d.key.chunk)?;
-        }
-        self.gpu.write(&mut self.slots[slot].staging, offsets.total, |to| s.frame.write(to))?;
-        Ok((slot, offsets))
-    }
-
-    /// The commands themselves: nothing here fails but for what is checked first.
+    /// Records the commands of a frame that writes something. Returns the number of bytes that are copied. Everything that can
+    /// fail was done before, except for look-ups that were checked.
     fn commands(
         &mut self,
-        s: &mut Scratch,
+        r: &mut Recording,
         (commands, frame): (vk::CommandBuffer, u64),
-        (slot, offsets): (usize, Offsets),
+        (slot, offsets): (usize, &WorkOffsets),
         jobs: &[RecordJob<'_>],
-        report: &mut RecordReport,
-    ) -> Result<(), Error> {
-        let (f, kernels) = (&self.gpu.functions, &self.kernels);
-        let slot = &mut self.slots[slot];
-        slot.frame = frame;
+    ) -> Result<u64, Error> {
+        self.slots[slot].frame = frame;
         self.recorded = frame;
-        s.before.clear();
-        s.after.clear();
-        let copy = |from: vk::Buffer, to: vk::Buffer, (src, dst, size): (u64, u64, u64)| {
-            let region = vk::BufferCopy { src_offset: src, dst_offset: dst, size };
-            // SAFETY: the command buffer is recording, by the terms of `record`; so everywhere below. The ranges lie within
-            // both buffers.
-            unsafe { (f.cmd_copy)(commands, from, to, 1, &region) };
-            barrier(to, dst..dst + size, vk::AccessFlags::TRANSFER_WRITE, vk::AccessFlags::SHADER_READ)
-        };
-        self.arena.record(frame, |staging, chunk, copies| {
-            for c in copies {
-                s.before.push(copy(staging.handle, chunk.handle, *c));
-                report.bytes_copied += c.2;
-            }
-        });
-        let bytes = 4 * offsets.total as u64;
-        s.before.push(copy(slot.staging.handle, slot.storage.handle, (0, 0, bytes)));
-        report.bytes_copied += bytes;
-
-        // What the host did before, our own writes of an earlier recording, and copies.
-        let own = vk::PipelineStageFlags::COMPUTE_SHADER;
-        let (mut from, mut to) = (own | vk::PipelineStageFlags::TRANSFER, vk::PipelineStageFlags::empty());
-        for (buffer, window) in &s.writes {
-            let host = self.hosts.get_mut(*buffer)?;
+        r.before.clear();
+        r.after.clear();
+        let bytes_copied = self.copies(r, (commands, frame), (slot, offsets.bytes()));
+        let (mut from, mut to) = (COMPUTE | vk::PipelineStageFlags::TRANSFER, vk::PipelineStageFlags::empty());
+        let mut previous = None;
+        for dispatch in r.plan.dispatches() {
+            let binding = dispatch.binding();
+            let host = self.hosts.get_mut(binding.buffer)?;
             host.used = frame;
-            if self.gpu.foreign(&host.def) {
+            if self.gpu.foreign(&host.def) || previous.replace(binding) == Some(binding) {
                 continue;
             }
-            // All that is bound, since nobody but us knows what of it is written.
-            let (handle, bytes) = (host.def.buffer, &host.windows[*window].range);
-            let shader = vk::AccessFlags::SHADER_WRITE;
-            s.before.push(barrier(handle, bytes.clone(), host.def.before.access | shader, shader));
-            s.after.push(barrier(handle, bytes.clone(), shader, host.def.after.access));
+            // The barrier covers everything that is bound: the kernel decides what of it is written. It also orders writes of
+            // earlier recordings before these.
+            let bytes = &host.windows[binding.window].range;
+            let access = host.def.before.access | SHADER_WRITE;
+            r.before.push(barrier(binding.handle, bytes.clone(), access, SHADER_WRITE));
+            r.after.push(barrier(binding.handle, bytes.clone(), SHADER_WRITE, host.def.after.access));
             from |= host.def.before.stages;
             to |= host.def.after.stages;
         }
-        let (first, last) = transfers(&mut self.hosts, &self.gpu, s, frame)?;
+        let (first, last) = acquire_and_release(&mut self.hosts, &self.gpu, r, frame)?;
         (from, to) = (from | first, to | last);
-        let state = |d: &Dispatch| d.key.classic.and_then(|j| jobs[j as usize].target.state.as_ref());
-        for state in s.dispatches.iter().filter_map(state) {
-            state.use_in(frame);
-            let (read, write) = (vk::AccessFlags::SHADER_READ, vk::AccessFlags::SHADER_WRITE);
-            s.before.push(barrier(state.handle(), 0..vk::WHOLE_SIZE, write, read | write));
+        for dispatch in r.plan.dispatches().iter().filter(|d| d.classic()) {
+            let Some(state) = &jobs[dispatch.job].target.classic else { continue };
+            state.used_in(frame);
+            let (read, write) = (vk::AccessFlags::SHADER_READ, SHADER_WRITE);
+            r.before.push(barrier(state.handle(), 0..vk::WHOLE_SIZE, write, read | write));
         }
-        cmd_barrier(&self.gpu, commands, (from, own), &s.before);
-        let mut bound = None;
-        let mut previous: Option<vk::Buffer> = None;
-        for d in &s.dispatches {
-            let window = &self.hosts.get(d.key.buffer)?.windows[d.key.window];
-            if previous == Some(d.key.handle) {
-                // Other vertices of the same buffer; no validation layer can know that, and it is rare.
-                let access = vk::AccessFlags::SHADER_WRITE;
-                cmd_barrier(
-                    &self.gpu,
-                    commands,
-                    (own, own),
-                    &[barrier(d.key.handle, 0..vk::WHOLE_SIZE, access, access)],
-                );
+        cmd_barrier(&self.gpu, commands, (from, COMPUTE), &r.before);
+        self.dispatches(&r.plan, commands, (&self.slots[slot], offsets), jobs)?;
+        cmd_barrier(&self.gpu, commands, (COMPUTE, to), &r.after);
+        Ok(bytes_copied)
+    }
+
+    /// Records the copies of new meshes and of the frame's data, and adds their barriers. Returns the number of bytes.
+    fn copies(
+        &mut self,
+        r: &mut Recording,
+        (commands, frame): (vk::CommandBuffer, u64),
+        (slot, bytes): (usize, u64),
+    ) -> u64 {
+        let (f, slot) = (&self.gpu.functions, &self.slots[slot]);
+        let mut total = 0;
+        let mut copy = |from: vk::Buffer, to: vk::Buffer, at: u64, size: u64| {
+            let region = vk::BufferCopy { src_offset: 0, dst_offset: at, size };
+            // SAFETY: the command buffer is recording, as `record` demands. So everywhere in this file. The ranges lie within
+            // both buffers.
+            unsafe { (f.cmd_copy_buffer)(commands, from, to, 1, &region) };
+            total += size;
+            let (write, read) = (vk::AccessFlags::TRANSFER_WRITE, vk::AccessFlags::SHADER_READ);
+            r.before.push(barrier(to, at..at + size, write, read));
+        };
+        self.arena.record(frame, |staging, chunk, at, size| copy(staging.handle, chunk.handle, at, size));
+        copy(slot.staging.handle, slot.storage.handle, 0, bytes);
+        total
+    }
+
+    fn dispatches(
+        &self,
+        plan: &Plan<TargetBinding>,
+        commands: vk::CommandBuffer,
+        (slot, offsets): (&FrameSlot, &WorkOffsets),
+        jobs: &[RecordJob<'_>],
+    ) -> Result<(), Error> {
+        let (f, pipelines) = (&self.gpu.functions, &self.pipelines);
+        let most = self.gpu.limits.max_compute_work_group_count[0];
+        let (mut bound, mut previous) = (None, None);
+        for d in plan.dispatches() {
+            let binding = d.binding();
+            if previous.replace(binding.handle) == Some(binding.handle) {
+                // These are other vertices of the same buffer. Validation layers cannot know that, and it is rare.
+                let all = [barrier(binding.handle, 0..vk::WHOLE_SIZE, SHADER_WRITE, SHADER_WRITE)];
+                cmd_barrier(&self.gpu, commands, (COMPUTE, COMPUTE), &all);
             }
-            previous = Some(d.key.handle);
-            let most = self.gpu.limits.max_compute_work_group_count[0];
-            let (call, [across, rows]) = offsets.call(&d.blocks, self.workgroup, most);
-            let sets =
-                [slot.set(d.key.chunk).handle, window.set.handle, state(d).map_or(window.set.handle, |s| s.set())];
-            let (count_of_sets, pipeline) = match d.key.classic {
-                Some(_) => (3, kernels.pipeline(d.kernel, true)),
-                None => (2, kernels.pipeline(d.kernel, false)),
-            };
+            let (call, [across, rows]) = offsets.call((&d.blocks, d.classic()), self.workgroup, most);
+            let window = self.hosts.get(binding.buffer)?.windows[binding.window].set.handle;
+            let state = jobs[d.job].target.classic.as_ref().filter(|_| d.classic());
+            let sets = [slot.set(d.chunk()).handle, window, state.map_or(window, |s| s.set())];
+            let count = if d.classic() { 3 } else { 2 };
+            let pipeline = pipelines.get(d.kernel, d.classic());
             let (point, compute) = (vk::PipelineBindPoint::COMPUTE, vk::ShaderStageFlags::COMPUTE);
-            // SAFETY: as above; handles are alive, and stay so until the frame is done.
+            // SAFETY: as above. The handles are alive until the frame is done.
             unsafe {
-                if bound != Some(pipeline) {
+                if bound.replace(pipeline) != Some(pipeline) {
                     (f.cmd_bind_pipeline)(commands, point, pipeline);
-                    bound = Some(pipeline);
                 }
-                (f.cmd_bind_sets)(commands, point, kernels.layout, 0, count_of_sets, sets.as_ptr(), 0, null());
+                let layout = pipelines.layout;
+                (f.cmd_bind_descriptor_sets)(commands, point, layout, 0, count, sets.as_ptr(), 0, null());
                 let size = size_of::<Call>() as u32;
-                (f.cmd_push_constants)(commands, kernels.layout, compute, 0, size, call.as_ptr().cast());
+                (f.cmd_push_constants)(commands, layout, compute, 0, size, (&raw const call).cast());
                 (f.cmd_dispatch)(commands, across, rows, 1);
             }
         }
-        cmd_barrier(&self.gpu, commands, (own, to), &s.after);
         Ok(())
     }
 
-    /// Where nothing changed: takes buffers that another queue family owns, and gives them back.
-    fn pass(&mut self, s: &mut Scratch, (commands, frame): (vk::CommandBuffer, u64)) -> Result<(), Error> {
-        s.before.clear();
-        s.after.clear();
-        let (from, to) = transfers(&mut self.hosts, &self.gpu, s, frame)?;
+    /// Records the acquire and the release of buffers that another queue family owns, for a frame that writes nothing.
+    fn pass_on(&mut self, r: &mut Recording, (commands, frame): (vk::CommandBuffer, u64)) -> Result<(), Error> {
+        r.before.clear();
+        r.after.clear();
+        let (from, to) = acquire_and_release(&mut self.hosts, &self.gpu, r, frame)?;
         self.recorded = frame;
-        let own = vk::PipelineStageFlags::COMPUTE_SHADER;
-        cmd_barrier(&self.gpu, commands, (from, own), &s.before);
-        cmd_barrier(&self.gpu, commands, (own, to), &s.after);
+        cmd_barrier(&self.gpu, commands, (from, COMPUTE), &r.before);
+        cmd_barrier(&self.gpu, commands, (COMPUTE, to), &r.after);
         Ok(())
     }
 }
 
-/// Adds acquires and releases of buffers that another queue family owns; answers the stages before and after.
-fn transfers(
-    hosts: &mut Hosts,
-    gpu: &Gpu,
-    s: &mut Scratch,
+/// Adds barriers that acquire and release the buffers of other queue families. Returns the stages before and after.
+fn acquire_and_release(
+    hosts: &mut HostBuffers,
+    gpu: &VulkanDevice,
+    r: &mut Recording,
     frame: u64,
 ) -> Result<(vk::PipelineStageFlags, vk::PipelineStageFlags), Error> {
     let (mut from, mut to) = (vk::PipelineStageFlags::empty(), vk::PipelineStageFlags::empty());
-    for buffer in &s.transfers {
+    for buffer in &r.foreign {
         let host = hosts.get_mut(*buffer)?;
         host.used = frame;
-        let (def, ours) = (host.def, gpu.family);
-        let (shader, none) = (vk::AccessFlags::SHADER_WRITE, vk::AccessFlags::empty());
+        let (def, ours, none) = (host.def, gpu.family, vk::AccessFlags::empty());
         let transfer = |(from, from_family), (to, to_family)| {
             barrier(def.buffer, 0..vk::WHOLE_SIZE, from, to)
                 .src_queue_family_index(from_family)
                 .dst_queue_family_index(to_family)
         };
-        // What the other family did it made available itself, and what it does it makes visible itself.
-        s.before.push(transfer((none, def.queue_family), (shader, ours)));
-        s.after.push(transfer((shader, ours), (none, def.queue_family)));
+        // The other family makes its own accesses available and visible.
+        r.before.push(transfer((none, def.queue_family), (SHADER_WRITE, ours)));
+        r.after.push(transfer((SHADER_WRITE, ours), (none, def.queue_family)));
         (from, to) = (from | def.before.stages, to | def.after.stages);
     }
     Ok((from, to))
-}
-
-/// Notes what each target will hold; answers how many vertices are written.
-fn written(s: &Scratch, jobs: &mut [RecordJob<'_>], frame: u64) -> u64 {
-    let mut vertices = 0;
-    for job in jobs.iter_mut() {
-        job.target.tracker.unchanged();
-    }
-    for ((_, j), (bounds, blocks)) in s.order.iter().zip(&s.shown) {
-        let RecordJob { instance, target } = &mut jobs[*j as usize];
-        let Ok(skin) = instance.example_set().lod(target.lod) else { continue };
-        let of = (*instance, target.lod, skin.vertex_count());
-        vertices += target.tracker.recorded(of, s.frame.listed(blocks), *bounds);
-        target.home.used.fetch_max(frame, Ordering::Relaxed);
-        target.written_in = frame;
-    }
-    vertices
 }
 
 fn barrier(
@@ -394,19 +302,19 @@ fn barrier(
 }
 
 fn cmd_barrier(
-    gpu: &Gpu,
+    gpu: &VulkanDevice,
     commands: vk::CommandBuffer,
     (from, to): (vk::PipelineStageFlags, vk::PipelineStageFlags),
     barriers: &[vk::BufferMemoryBarrier<'_>],
 ) {
     let (none, count) = (vk::DependencyFlags::empty(), barriers.len() as u32);
-    let f = gpu.functions.cmd_barrier;
+    let f = gpu.functions.cmd_pipeline_barrier;
     // SAFETY: the command buffer is recording.
     unsafe { f(commands, from, to, none, 0, null(), count, barriers.as_ptr(), 0, null()) };
 }
 
-/// The error, telling which job.
-fn named(error: Error, job: usize) -> Error {
+/// The error, naming the job.
+fn of_job(error: Error, job: usize) -> Error {
     match error {
         Error::InvalidArgument { name, value, expected } => {
             Error::InvalidArgument { name: format!("{name} of job {job}"), value, expected }

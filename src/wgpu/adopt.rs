@@ -1,6 +1,6 @@
 //! An engine's Vulkan device and buffers, wrapped for wgpu: no handle changes its owner.
 
-use super::device::{Device, DeviceDef, Said, one_line};
+use super::device::{Device, DeviceDef, DeviceEvents, one_line};
 use super::headless::{exact, listen};
 use crate::Error;
 use ash::khr;
@@ -48,7 +48,7 @@ impl VulkanDef<'_> {
     /// device that wgpu cannot use.
     ///
     /// # Safety
-    /// Instance and physical device are valid and belong together; versions and extensions are as said.
+    /// Instance and physical device are valid and belong together; versions and extensions are as events.
     pub unsafe fn wanted_extensions(&self) -> Result<Vec<&'static CStr>, Error> {
         // SAFETY: passed on.
         let (_, exposed) = unsafe { self.expose()? };
@@ -124,7 +124,7 @@ impl Device {
     ///
     /// # Safety
     /// The handles are valid, belong together, and stay valid until the device, and all buffers that were adopted or made on it,
-    /// are dropped. Versions and extensions are as said, the features of the extensions are enabled. There is such a queue.
+    /// are dropped. Versions and extensions are as events, the features of the extensions are enabled. There is such a queue.
     pub unsafe fn adopt(vulkan: &VulkanDef<'_>, def: &DeviceDef) -> Result<Self, Error> {
         if vulkan.device.is_null() {
             return Err(Error::invalid("the VkDevice", "null", "a valid handle"));
@@ -170,9 +170,9 @@ impl Device {
             adapter.create_device_from_hal::<Vulkan>(open, &descriptor)
         };
         let (device, queue) = made.map_err(|e| Error::Wgpu { call: call(), what: one_line(&e.to_string()) })?;
-        let said = Arc::new(Mutex::new(Said::default()));
-        listen(&device, &said);
-        Self::with(device, queue, def, Some(said))
+        let events = Arc::new(Mutex::new(DeviceEvents::default()));
+        listen(&device, &events);
+        Self::with(device, queue, def, Some(events))
     }
 
     /// Wraps a VkBuffer of an adopted device, or of any wgpu device on Vulkan, as a buffer for targets. It stays the engine's.

@@ -1,31 +1,33 @@
-//! A frame's words on their way to the device: staging buffers that come back by themselves once a submission has read them.
+//! Copies a frame's data to the device through staging buffers, which come back once a submission has read them.
+//!
+//! `wgpu::util::StagingBelt` does not fit: it keeps every chunk for ever, does not tell when it makes one, and panics if the
+//! device is lost.
 
-use super::arena::{Arena, Chunk};
-use super::device::Gpu;
-use super::kernels::Kernels;
+use super::device::WgpuDevice;
+use super::pipelines::WgpuPipelines;
 use crate::Error;
 use crate::gpu::Call;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
 
-/// Bytes of a staging buffer, at least.
-const LEAST: u64 = 64 << 10;
+/// The smallest staging buffer in bytes.
+const SMALLEST: u64 = 64 << 10;
 
-/// Mapped, and the CPU's.
+/// Mapped; the CPU may write it.
 const FREE: u8 = 0;
-/// In a command buffer.
+/// Used by a command buffer.
 const BUSY: u8 = 1;
-/// Its command buffer was never submitted, or the device is lost.
+/// Of no more use: its command buffer was never submitted, or the device is lost.
 const GONE: u8 = 2;
 
-/// Every command buffer copies its words to the same place on the device, in front of its dispatches: what is submitted one
-/// after the other runs so.
+/// Every command buffer first copies its words to the same place on the device, and then dispatches. Submissions run one after
+/// another, so that each reads its own words.
 #[derive(Default)]
 pub(super) struct Belt {
     staging: Vec<Staging>,
-    /// A frame's words, and behind them its calls.
+    /// A frame's data, and behind it the calls.
     storage: Option<wgpu::Buffer>,
-    /// Of each arena chunk that it was used with, the bind group of both.
+    /// Bind groups of a chunk of the arena and the storage buffer.
     groups: Vec<(u32, wgpu::BindGroup)>,
 }
 
@@ -34,7 +36,7 @@ struct Staging {
     state: Arc<AtomicU8>,
 }
 
-/// Held by the command buffer: tells when it is done, or that it was dropped.
+/// Held by a command buffer. It sets the state when the command buffer is done or dropped.
 struct Ticket(Arc<AtomicU8>);
 
 impl Ticket {
@@ -50,53 +52,55 @@ impl Drop for Ticket {
 }
 
 impl Belt {
-    /// Makes room on the device for so many bytes.
-    pub(super) fn reserve(&mut self, gpu: &Gpu, bytes: u64) -> Result<(), Error> {
+    /// Makes room on the device for `bytes` bytes.
+    pub(super) fn reserve(&mut self, gpu: &WgpuDevice, bytes: u64) -> Result<(), Error> {
         if self.storage.as_ref().is_some_and(|s| s.size() >= bytes) {
             return Ok(());
         }
-        let most = gpu.most_bound();
-        if bytes > most {
-            let what = format!(
-                "{bytes} bytes for the work of a frame; max_storage_buffer_binding_size is {most} on this device"
-            );
-            return Err(Error::Unsupported { what });
-        }
+        let limits = gpu.binding_limits();
+        limits.check("the work of a frame", bytes)?;
         use wgpu::BufferUsages as U;
-        let size = bytes.next_power_of_two().max(LEAST).min(most);
+        let size = bytes.next_power_of_two().max(SMALLEST).min(limits.bytes);
         self.storage = Some(gpu.buffer("work of a frame", size, U::STORAGE | U::UNIFORM | U::COPY_DST)?);
         self.groups.clear();
         Ok(())
     }
 
-    /// Makes sure that there is a bind group for a chunk, and drops those of chunks that are no more.
+    /// Adds the bind group for a chunk, if it is not there yet.
     pub(super) fn add_group(
         &mut self,
-        (gpu, kernels, arena): (&Gpu, &Kernels, &Arena),
-        chunk: &Chunk,
+        (gpu, pipelines): (&WgpuDevice, &WgpuPipelines),
+        chunk: u32,
+        meshes: &wgpu::Buffer,
     ) -> Result<(), Error> {
         let Some(storage) = &self.storage else { return Ok(()) };
-        if !self.groups.iter().any(|(c, _)| *c == chunk.id) {
-            self.groups.retain(|(c, _)| arena.has(*c));
+        if self.group(chunk).is_none() {
             let whole = |buffer| wgpu::BufferBinding { buffer, offset: 0, size: None };
-            let call = wgpu::BufferBinding {
-                buffer: storage,
-                offset: 0,
-                size: std::num::NonZero::new(size_of::<Call>() as u64),
-            };
-            let group = gpu.bind_group(&kernels.work, &[whole(&chunk.buffer), whole(storage), call])?;
-            self.groups.push((chunk.id, group));
+            let size = std::num::NonZero::new(size_of::<Call>() as u64);
+            let call = wgpu::BufferBinding { buffer: storage, offset: 0, size };
+            let group = gpu.bind_group(&pipelines.work, &[whole(meshes), whole(storage), call])?;
+            self.groups.push((chunk, group));
         }
         Ok(())
     }
 
-    /// The bind group for a chunk, once it was added.
+    /// Drops the bind group of a chunk that is no more.
+    pub(super) fn remove_group(&mut self, chunk: u32) {
+        self.groups.retain(|(c, _)| *c != chunk);
+    }
+
+    /// A bind group that was added.
     pub(super) fn group(&self, chunk: u32) -> Option<&wgpu::BindGroup> {
         Some(&self.groups.iter().find(|(c, _)| *c == chunk)?.1)
     }
 
-    /// Has the words copied to the device, for which there is room, by the encoder.
-    pub(super) fn copy(&mut self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, words: &[u32]) -> Result<(), Error> {
+    /// Encodes a copy of the words to the device. There must be room for them.
+    pub(super) fn copy(
+        &mut self,
+        gpu: &WgpuDevice,
+        encoder: &mut wgpu::CommandEncoder,
+        words: &[u32],
+    ) -> Result<(), Error> {
         let Some(storage) = &self.storage else { return Ok(()) };
         let bytes = 4 * words.len() as u64;
         self.staging.retain(|s| s.state.load(Ordering::Acquire) != GONE);
@@ -105,7 +109,7 @@ impl Belt {
             Some(index) => index,
             None => {
                 use wgpu::BufferUsages as U;
-                // Those that have become too small give way.
+                // Free buffers are too small now.
                 self.staging.retain(|s| !free(s));
                 let buffer = gpu.buffer("staging", storage.size(), U::MAP_WRITE | U::COPY_SRC)?;
                 self.staging.push(Staging { buffer, state: Arc::new(AtomicU8::new(FREE)) });
@@ -113,7 +117,7 @@ impl Belt {
             }
         };
         let Staging { buffer, state } = &self.staging[index];
-        // wgpu says that a device is lost by giving out buffers that are none.
+        // The buffers of a lost device cannot be mapped.
         let lost = |_| Error::DeviceLost { call: "mapping a buffer".into() };
         buffer.get_mapped_range_mut(..bytes).map_err(lost)?.copy_from_slice(bytemuck::cast_slice(words));
         buffer.unmap();

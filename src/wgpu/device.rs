@@ -1,12 +1,12 @@
 //! The device as it is used here, and everything that is made on it.
 
-use super::arena::Arena;
 use super::belt::Belt;
-use super::encode::Scratch;
-use super::kernels::Kernels;
-use super::read::Reader;
-use super::target::Windows;
+use super::encode::FrameEncoding;
+use super::pipelines::WgpuPipelines;
+use super::read::Readback;
+use super::target::BoundBuffers;
 use crate::Error;
+use crate::gpu::{Arena, BindingLimits};
 use std::fmt;
 use std::pin::pin;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -26,28 +26,29 @@ impl Default for DeviceDef {
     }
 }
 
-/// What everything is made with.
-pub(super) struct Gpu {
+/// The wgpu device, its queue and its limits.
+pub(super) struct WgpuDevice {
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
     pub limits: wgpu::Limits,
-    /// What the device said to nobody in particular; of devices that were made here.
-    pub said: Option<Arc<Mutex<Said>>>,
+    /// What the device reports outside of calls. Only devices that were made here are listened to.
+    pub events: Option<Arc<Mutex<DeviceEvents>>>,
     /// Buffers and bind groups made so far.
     pub made: AtomicU64,
 }
 
-/// What a device says by itself.
+/// What a device reports outside of calls.
 #[derive(Debug, Default)]
-pub(super) struct Said {
-    /// The first error that no scope held.
+pub(super) struct DeviceEvents {
+    /// The first error that no scope caught.
     pub error: Option<String>,
-    /// Why the device is lost, where it is.
+    /// Why the device is lost.
     pub lost: Option<String>,
 }
 
-impl Gpu {
-    /// Calls `f`; what it makes wgpu say is an error, and never the host's handler's affair. `bytes` are what it allocates.
+impl WgpuDevice {
+    /// Calls `f`, and returns what wgpu finds wrong with it as an error. The host's handler does not hear of it. `bytes` is what
+    /// the call allocates.
     pub(super) fn checked<T>(&self, call: &str, bytes: u64, f: impl FnOnce() -> T) -> Result<T, Error> {
         use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
         let scopes = [OutOfMemory, Validation, Internal].map(|filter| self.device.push_error_scope(filter));
@@ -57,7 +58,7 @@ impl Gpu {
             first = now(scope.pop()).or(first);
         }
         if first.is_some() {
-            // Where a device is lost everything else fails too.
+            // On a lost device everything else fails too.
             self.lost()?;
         }
         match first {
@@ -67,7 +68,7 @@ impl Gpu {
         }
     }
 
-    /// A buffer of so many bytes, at least 4.
+    /// Makes a buffer of `bytes` bytes, at least 4.
     pub(super) fn buffer(&self, what: &str, bytes: u64, usage: wgpu::BufferUsages) -> Result<wgpu::Buffer, Error> {
         let size = bytes.max(4).next_multiple_of(4);
         if size > self.limits.max_buffer_size {
@@ -83,22 +84,25 @@ impl Gpu {
         self.checked(what, bytes, || self.device.create_buffer(&descriptor))
     }
 
-    /// Bytes of the largest storage buffer that can be bound: a multiple of 4.
-    pub(super) fn most_bound(&self) -> u64 {
-        self.limits.max_storage_buffer_binding_size & !3
+    pub(super) fn binding_limits(&self) -> BindingLimits {
+        BindingLimits {
+            bytes: self.limits.max_storage_buffer_binding_size & !3,
+            name: "max_storage_buffer_binding_size",
+            alignment: u64::from(self.limits.min_storage_buffer_offset_alignment.max(4)),
+        }
     }
 
-    /// What the device has said since it was last asked, as an error.
-    fn heard(&self) -> Result<(), Error> {
+    /// Returns what the device has reported since the last call, as an error.
+    fn reported_error(&self) -> Result<(), Error> {
         self.lost()?;
-        let Some(said) = &self.said else { return Ok(()) };
-        let error = said.lock().unwrap_or_else(|e| e.into_inner()).error.take();
+        let Some(events) = &self.events else { return Ok(()) };
+        let error = events.lock().unwrap_or_else(|e| e.into_inner()).error.take();
         error.map_or(Ok(()), |what| Err(Error::Wgpu { call: "an earlier call".into(), what }))
     }
 
     fn lost(&self) -> Result<(), Error> {
-        let Some(said) = &self.said else { return Ok(()) };
-        match &said.lock().unwrap_or_else(|e| e.into_inner()).lost {
+        let Some(events) = &self.events else { return Ok(()) };
+        match &events.lock().unwrap_or_else(|e| e.into_inner()).lost {
             Some(reason) => Err(Error::DeviceLost { call: format!("wgpu ({reason})") }),
             None => Ok(()),
         }
@@ -107,16 +111,16 @@ impl Gpu {
 
 /// A `wgpu` device that deforms.
 pub struct Device {
-    pub(super) gpu: Gpu,
-    /// Tells targets of other devices.
+    pub(super) gpu: WgpuDevice,
+    /// Tells its targets from those of other devices.
     pub(super) id: u64,
-    pub(super) kernels: Kernels,
+    pub(super) pipelines: WgpuPipelines,
     pub(super) workgroup: u32,
-    pub(super) windows: Windows,
-    pub(super) arena: Arena,
+    pub(super) bound: BoundBuffers,
+    pub(super) arena: Arena<wgpu::Buffer>,
     pub(super) belt: Belt,
-    pub(super) reader: Reader,
-    pub(super) scratch: Scratch,
+    pub(super) reader: Readback,
+    pub(super) encoding: FrameEncoding,
 }
 
 impl fmt::Debug for Device {
@@ -143,22 +147,22 @@ impl Device {
         device: wgpu::Device,
         queue: wgpu::Queue,
         def: &DeviceDef,
-        said: Option<Arc<Mutex<Said>>>,
+        events: Option<Arc<Mutex<DeviceEvents>>>,
     ) -> Result<Self, Error> {
         static NEXT: AtomicU64 = AtomicU64::new(1);
         let limits = device.limits();
         check(def, &limits)?;
-        let gpu = Gpu { device, queue, limits, said, made: AtomicU64::new(0) };
+        let gpu = WgpuDevice { device, queue, limits, events, made: AtomicU64::new(0) };
         Ok(Device {
-            kernels: Kernels::new(&gpu, def.workgroup_size)?,
+            pipelines: WgpuPipelines::new(&gpu, def.workgroup_size)?,
             gpu,
             id: NEXT.fetch_add(1, Ordering::Relaxed),
             workgroup: def.workgroup_size,
-            windows: Windows::default(),
-            arena: Arena::default(),
+            bound: BoundBuffers::default(),
+            arena: Arena::new(),
             belt: Belt::default(),
-            reader: Reader::default(),
-            scratch: Scratch::default(),
+            reader: Readback::default(),
+            encoding: FrameEncoding::default(),
         })
     }
 
@@ -178,9 +182,9 @@ impl Device {
         self.gpu.made.load(Ordering::Relaxed)
     }
 
-    /// Fails where the device has said by itself that something is wrong; only devices made here are listened to.
-    pub(super) fn heard(&self) -> Result<(), Error> {
-        self.gpu.heard()
+    /// Fails if the device has reported an error outside of calls. Only devices that were made here are listened to.
+    pub(super) fn reported_error(&self) -> Result<(), Error> {
+        self.gpu.reported_error()
     }
 }
 
@@ -205,7 +209,7 @@ fn check(def: &DeviceDef, limits: &wgpu::Limits) -> Result<(), Error> {
     Ok(())
 }
 
-/// What a future of wgpu gives: outside browsers they are ready from the start.
+/// The output of a future of wgpu. Outside of browsers it is ready from the start.
 pub(super) fn now<F: Future>(future: F) -> F::Output {
     let mut future = pin!(future);
     let mut context = Context::from_waker(Waker::noop());
@@ -217,7 +221,7 @@ pub(super) fn now<F: Future>(future: F) -> F::Output {
     }
 }
 
-/// wgpu's words without their line breaks.
+/// A text of wgpu without its line breaks.
 pub(super) fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }

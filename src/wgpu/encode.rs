@@ -1,113 +1,77 @@
-//! A frame: what changed, as commands.
+//! Encodes a frame: a copy, and a compute pass with dispatches for what changed.
 
 use super::device::Device;
 use super::target::Target;
-use crate::anchored;
-use crate::gpu::{Frame, Kernel, Shown};
-use crate::{Aabb, Error, Instance};
-use std::ops::Range;
-use std::sync::Arc;
+use crate::Error;
+use crate::gpu::{self, FrameReport, Job, Kernel, Plan, PlanTarget, TargetState, missing_state};
 
-/// Invocations a block: its vertices.
-const BLOCK: u64 = anchored::BLOCK as u64;
-
-/// One target to bring up to date.
-#[derive(Debug)]
-pub struct EncodeJob<'a> {
-    /// The instance; hits must have been folded ([`Instance::fold`]), others wait for the next time.
-    pub instance: &'a Instance,
-    /// Where its vertices go.
-    pub target: &'a mut Target,
-}
+/// A target to bring up to date.
+/// <!--
+/// cbindgen:ignore
+/// -->
+pub type EncodeJob<'a> = Job<'a, Target>;
 
 /// What was encoded.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct EncodeReport {
-    /// Vertices that will be written, over all targets.
-    pub vertices_written: u64,
-    /// Blocks of 128 vertices that will be written.
-    pub blocks_written: u64,
-    /// Blocks that were up to date.
-    pub blocks_skipped: u64,
-    /// Examples of marks that the instances' tolerances left out of blocks written.
-    pub parts_skipped: u64,
-    /// Dispatches: one for each buffer, times the pieces that it or the examples on the device must be cut into; and one for
-    /// each target of an instance with a classic rule.
-    pub dispatches: u32,
-    /// Bytes that are copied to the device for this frame.
-    pub bytes_copied: u64,
+pub type EncodeReport = FrameReport;
+
+impl PlanTarget for Target {
+    /// The id of its binding.
+    type Binding = u64;
+
+    fn binding(&self) -> u64 {
+        self.bound.id
+    }
+
+    fn state(&self) -> &TargetState {
+        &self.state
+    }
+
+    fn state_mut(&mut self) -> &mut TargetState {
+        &mut self.state
+    }
 }
 
-/// What an encoding works with, used over and over.
+/// The lists of an encoding. They are reused.
 #[derive(Default)]
-pub(super) struct Scratch {
-    frame: Frame,
-    /// Jobs with something to write, those of one dispatch side by side.
-    order: Vec<(Key, u32)>,
-    /// Of each of these a box that will hold its vertices, and the places of its blocks in the frame.
-    shown: Vec<(Aabb, Range<usize>)>,
-    dispatches: Vec<Dispatch>,
-    /// The frame, and behind it a call for each dispatch.
+pub(super) struct FrameEncoding {
+    plan: Plan<u64>,
+    /// The frame's data, and behind it a call for each dispatch.
     words: Vec<u32>,
+    calls: Vec<EncodedCall>,
 }
 
-/// What one dispatch has in common.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Key {
-    window: u64,
-    /// Of the arena.
-    chunk: u32,
-    /// Of an instance with a classic rule the job itself, which alone has its state.
-    classic: Option<u32>,
-}
-
-struct Dispatch {
-    key: Key,
-    /// Any of its jobs.
-    job: u32,
-    kernel: Kernel,
-    blocks: Range<usize>,
+/// A dispatch's call and size.
+struct EncodedCall {
+    /// Bytes before the call in the words.
+    at: u32,
     /// Workgroups in a row, and rows.
     groups: [u32; 2],
-    /// Bytes in front of its call.
-    call: u32,
 }
 
 impl Device {
-    /// Encodes what brings the targets up to date: the blocks that changed since each was last written, and those only. Where
-    /// nothing changed, nothing is encoded. The encoder is of this device; a copy and a compute pass are added to it.
+    /// Encodes what brings the targets up to date: only the blocks that changed since each was last written. If nothing changed,
+    /// nothing is encoded. The encoder is of this device; a copy and a compute pass are added to it.
     ///
-    /// Command buffers are submitted once, in the order of encoding. Of one that is never submitted its targets must be told by
-    /// [`Target::invalidate`].
+    /// Each command buffer is submitted once, in the order of encoding. If one is never submitted, call [`Target::invalidate`] on
+    /// its targets.
     ///
-    /// Buffers and bind groups are only made while more encodings are in flight, or more changes in a frame, than ever before
+    /// Buffers and bind groups are only made when more encodings are in flight, or more changes in a frame, than ever before
     /// ([`Device::objects_made`]). Staging memory comes back when wgpu is polled, which every submission does.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for a target of another device or set; [`Error::WrongRule`] for an instance with a classic
-    /// rule at another level of detail than 0, whose state is the base mesh's; [`Error::Unsupported`] for more work than the
-    /// device can bind; [`Error::OutOfMemory`], [`Error::DeviceLost`], [`Error::Wgpu`]. Nothing is encoded then, and targets
-    /// hold what they held.
+    /// rule at another level of detail than 0; [`Error::Unsupported`] for more work than the device can bind;
+    /// [`Error::OutOfMemory`], [`Error::DeviceLost`], [`Error::Wgpu`]. After an error nothing is encoded, and targets hold what
+    /// they held.
     pub fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         jobs: &mut [EncodeJob<'_>],
     ) -> Result<EncodeReport, Error> {
-        self.heard()?;
-        let mut scratch = std::mem::take(&mut self.scratch);
-        let mut encoded = self.prepare(&mut scratch, jobs).and_then(|mut report| {
-            if report.blocks_written > 0 {
-                self.provide(&scratch, jobs)?;
-                self.belt.copy(&self.gpu, encoder, &scratch.words)?;
-                report.bytes_copied = 4 * scratch.words.len() as u64;
-                self.dispatch(encoder, &scratch, jobs);
-            }
-            Ok(report)
-        });
-        if let Ok(report) = &mut encoded {
-            report.vertices_written = written(&scratch, jobs);
-        }
-        self.scratch = scratch;
+        self.reported_error()?;
+        let mut encoding = std::mem::take(&mut self.encoding);
+        let encoded = self.encode_jobs(&mut encoding, encoder, jobs);
+        self.encoding = encoding;
         encoded
     }
 
@@ -115,8 +79,8 @@ impl Device {
     /// vertices.
     ///
     /// # Errors
-    /// As [`Device::encode`]; after [`Error::Wgpu`] from the submission (a buffer that was destroyed or is mapped), targets are
-    /// to be written anew.
+    /// As [`Device::encode`]. After [`Error::Wgpu`] from the submission (a buffer was destroyed or is mapped), all targets are
+    /// written anew next time.
     pub fn submit(&mut self, jobs: &mut [EncodeJob<'_>]) -> Result<EncodeReport, Error> {
         let descriptor = wgpu::CommandEncoderDescriptor { label: Some("crumple") };
         let mut encoder =
@@ -132,170 +96,85 @@ impl Device {
         Ok(report)
     }
 
-    /// Checks all jobs and packs what they have to write.
-    fn prepare(&mut self, s: &mut Scratch, jobs: &mut [EncodeJob<'_>]) -> Result<EncodeReport, Error> {
-        let mut report = EncodeReport::default();
-        s.frame.clear();
-        s.order.clear();
-        s.shown.clear();
-        s.dispatches.clear();
-        for (j, job) in jobs.iter().enumerate() {
-            self.check(job, j)?;
+    fn encode_jobs(
+        &mut self,
+        e: &mut FrameEncoding,
+        encoder: &mut wgpu::CommandEncoder,
+        jobs: &mut [EncodeJob<'_>],
+    ) -> Result<EncodeReport, Error> {
+        gpu::check(jobs, self.id)?;
+        self.free_meshes();
+        for job in jobs.iter_mut() {
+            self.add_state(job)?;
         }
-        for (j, job) in jobs.iter_mut().enumerate() {
-            self.add_state(job.instance, job.target)?;
-            let (target, changes) = (&job.target, job.instance.changes());
-            if target.tracker.dirty(changes, target.lod).next().is_some() {
-                let classic = job.instance.classic_state().map(|_| j as u32);
-                let key = Key { window: target.window.id, chunk: target.home.chunk.id, classic };
-                s.order.push((key, j as u32));
-            } else {
-                report.blocks_skipped += changes.blocks[target.lod].len() as u64;
-            }
-        }
-        s.order.sort_unstable();
-        for (key, j) in &s.order {
-            let EncodeJob { instance, target } = &jobs[*j as usize];
-            let skin = instance.example_set().lod(target.lod)?;
-            let (place, normals) = (&target.home.place, target.kernel > Kernel::Positions);
-            if s.dispatches.last().is_none_or(|d| d.key != *key) {
-                let blocks = s.frame.blocks()..s.frame.blocks();
-                let kernel = Kernel::Positions;
-                s.dispatches.push(Dispatch { key: *key, job: *j, kernel, blocks, groups: [0; 2], call: 0 });
-            }
-            let shown = Shown { instance, skin, place, layout: &target.layout, first: target.first };
-            let bounds = match instance.classic_state() {
-                Some(state) => {
-                    let since = target.tracker.since(instance.changes(), target.lod);
-                    s.frame.classic_target(&shown, state, normals, since)
-                }
-                None => s.frame.target(&shown),
-            };
-            let blocks = s.frame.add_blocks(target.tracker.dirty(instance.changes(), target.lod));
-            report.blocks_written += blocks.len() as u64;
-            report.blocks_skipped += (skin.blocks() - blocks.len()) as u64;
-            s.shown.push((bounds, blocks));
-            if let Some(dispatch) = s.dispatches.last_mut() {
-                dispatch.blocks.end = s.frame.blocks();
-                dispatch.kernel = dispatch.kernel.max(target.kernel);
-            }
-        }
-        report.parts_skipped = s.frame.left_out.into();
-        report.dispatches = s.dispatches.len() as u32;
+        let mut report = e.plan.fill(jobs)?;
         if report.blocks_written > 0 {
-            self.write(s, report.blocks_written * BLOCK)?;
+            self.write(e)?;
+            self.belt.reserve(&self.gpu, 4 * e.words.len() as u64)?;
+            for dispatch in e.plan.dispatches() {
+                self.pipelines.add(&self.gpu, dispatch.kernel, dispatch.classic())?;
+                let chunk = dispatch.chunk();
+                self.belt.add_group((&self.gpu, &self.pipelines), chunk, self.arena.buffer(chunk))?;
+            }
+            self.belt.copy(&self.gpu, encoder, &e.words)?;
+            report.bytes_copied = 4 * e.words.len() as u64;
+            self.dispatch(encoder, e, jobs);
         }
+        report.vertices_written = e.plan.commit(jobs, |_| ());
         Ok(report)
     }
 
-    fn check(&self, job: &EncodeJob<'_>, j: usize) -> Result<(), Error> {
-        let EncodeJob { instance, target } = job;
-        if target.device != self.id {
-            let expected = "a target of this device";
-            return Err(Error::invalid(&format!("target of job {j}"), "of another device", expected));
-        }
-        if !std::ptr::eq(target.set.as_ptr(), Arc::as_ptr(instance.example_set())) {
-            let expected = "an instance of the target's set";
-            return Err(Error::invalid(&format!("instance of job {j}"), "of another example set", expected));
-        }
-        if target.lod > 0 && instance.classic_state().is_some() {
-            return Err(instance.needs_marks("an encoding of another level of detail than 0"));
-        }
-        Ok(())
-    }
-
-    /// Makes sure that a target of an instance with a classic rule has a state.
-    fn add_state(&mut self, instance: &Instance, target: &mut Target) -> Result<(), Error> {
-        if instance.classic_state().is_none() || target.state.is_some() {
-            return Ok(());
-        }
-        let vertices = instance.example_set().vertex_count() as u64;
-        let bytes = vertices * target.kernel.state_bytes();
-        let most = self.gpu.most_bound();
-        if bytes > most {
-            let what = format!(
-                "a classic rule's state of {bytes} bytes; max_storage_buffer_binding_size is {most} on this device"
-            );
-            return Err(Error::Unsupported { what });
-        }
+    /// Makes the state that a target of an instance with a classic rule lacks.
+    fn add_state(&mut self, job: &mut EncodeJob<'_>) -> Result<(), Error> {
+        let Some(bytes) = missing_state(job, job.target.classic.is_some()) else { return Ok(()) };
+        self.gpu.binding_limits().check("a classic rule's state", bytes)?;
         let buffer = self.gpu.buffer("a classic rule's state", bytes, wgpu::BufferUsages::STORAGE)?;
         let whole = wgpu::BufferBinding { buffer: &buffer, offset: 0, size: None };
-        target.state = Some(self.gpu.bind_group(&self.kernels.one, &[whole])?);
-        // What the memory may hold already says nothing about the state.
-        target.tracker.invalidate();
+        job.target.classic = Some(self.gpu.bind_group(&self.pipelines.one, &[whole])?);
+        // The new buffer holds no state, whatever the vertices show.
+        job.target.state.tracker.invalidate();
         Ok(())
     }
 
-    /// Lays the frame out in words, a call for each dispatch behind it.
-    fn write(&self, s: &mut Scratch, invocations: u64) -> Result<(), Error> {
-        if invocations > u64::from(u32::MAX) {
-            let what = format!("{invocations} vertices in one encoding; at most 4294967295");
-            return Err(Error::Unsupported { what });
-        }
-        let offsets = s.frame.offsets()?;
+    /// Writes the frame's data into words, and a call for each dispatch behind it.
+    fn write(&self, e: &mut FrameEncoding) -> Result<(), Error> {
+        let offsets = e.plan.offsets()?;
         let align = self.gpu.limits.min_uniform_buffer_offset_alignment.max(4) as usize / 4;
         let most = self.gpu.limits.max_compute_workgroups_per_dimension;
-        s.words.clear();
-        s.words.resize(offsets.total, 0);
-        s.frame.write(&mut s.words);
-        for d in &mut s.dispatches {
-            let (call, groups) = offsets.call(&d.blocks, self.workgroup, most);
-            d.groups = groups;
-            s.words.resize(s.words.len().next_multiple_of(align), 0);
-            d.call = (4 * s.words.len()) as u32;
-            s.words.extend(call);
+        e.words.clear();
+        e.words.resize(offsets.words(), 0);
+        e.plan.write(&mut e.words);
+        e.calls.clear();
+        for d in e.plan.dispatches() {
+            let (call, groups) = offsets.call((&d.blocks, d.classic()), self.workgroup, most);
+            e.words.resize(e.words.len().next_multiple_of(align), 0);
+            e.calls.push(EncodedCall { at: (4 * e.words.len()) as u32, groups });
+            e.words.extend_from_slice(bytemuck::cast_slice(&[call]));
         }
         Ok(())
     }
 
-    /// Makes what the dispatches need and is not there yet.
-    fn provide(&mut self, s: &Scratch, jobs: &[EncodeJob<'_>]) -> Result<(), Error> {
-        self.belt.reserve(&self.gpu, 4 * s.words.len() as u64)?;
-        for d in &s.dispatches {
-            self.kernels.add_pipeline(&self.gpu, d.kernel, d.key.classic.is_some())?;
-            let chunk = &jobs[d.job as usize].target.home.chunk;
-            self.belt.add_group((&self.gpu, &self.kernels, &self.arena), chunk)?;
-        }
-        Ok(())
-    }
-
-    /// The commands themselves: nothing here fails.
-    fn dispatch(&self, encoder: &mut wgpu::CommandEncoder, s: &Scratch, jobs: &[EncodeJob<'_>]) {
+    /// Encodes the compute pass. Nothing here fails.
+    fn dispatch(&self, encoder: &mut wgpu::CommandEncoder, e: &FrameEncoding, jobs: &[EncodeJob<'_>]) {
         let descriptor = wgpu::ComputePassDescriptor { label: Some("crumple"), timestamp_writes: None };
         let mut pass = encoder.begin_compute_pass(&descriptor);
-        let mut bound = None;
-        for d in &s.dispatches {
-            let target = &*jobs[d.job as usize].target;
-            let classic = target.state.as_ref().filter(|_| d.key.classic.is_some());
-            let pipeline = (d.kernel, classic.is_some());
-            let (Some(kernel), Some(group)) = (self.kernels.pipeline(pipeline), self.belt.group(d.key.chunk)) else {
+        let mut bound: Option<(Kernel, bool)> = None;
+        for (d, call) in e.plan.dispatches().iter().zip(&e.calls) {
+            let target = &*jobs[d.job].target;
+            let wanted = (d.kernel, d.classic());
+            let (Some(pipeline), Some(group)) = (self.pipelines.get(wanted), self.belt.group(d.chunk())) else {
                 continue;
             };
-            if bound.replace(pipeline) != Some(pipeline) {
-                pass.set_pipeline(kernel);
+            if bound.replace(wanted) != Some(wanted) {
+                pass.set_pipeline(pipeline);
             }
-            pass.set_bind_group(0, group, &[d.call]);
-            pass.set_bind_group(1, &target.window.group, &[]);
-            if let Some(state) = classic {
+            pass.set_bind_group(0, group, &[call.at]);
+            pass.set_bind_group(1, &target.bound.group, &[]);
+            if let Some(state) = target.classic.as_ref().filter(|_| d.classic()) {
                 pass.set_bind_group(2, state, &[]);
             }
-            let [across, rows] = d.groups;
+            let [across, rows] = call.groups;
             pass.dispatch_workgroups(across, rows, 1);
         }
     }
-}
-
-/// Notes what each target will hold; answers how many vertices are written.
-fn written(s: &Scratch, jobs: &mut [EncodeJob<'_>]) -> u64 {
-    let mut vertices = 0;
-    for job in jobs.iter_mut() {
-        job.target.tracker.unchanged();
-    }
-    for ((_, j), (bounds, blocks)) in s.order.iter().zip(&s.shown) {
-        let EncodeJob { instance, target } = &mut jobs[*j as usize];
-        let Ok(skin) = instance.example_set().lod(target.lod) else { continue };
-        let of = (*instance, target.lod, skin.vertex_count());
-        vertices += target.tracker.recorded(of, s.frame.listed(blocks), *bounds);
-    }
-    vertices
 }

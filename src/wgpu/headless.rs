@@ -1,6 +1,6 @@
 //! A device of one's own, on whatever there is.
 
-use super::device::{Device, DeviceDef, Said, now, one_line};
+use super::device::{Device, DeviceDef, DeviceEvents, now, one_line};
 use crate::Error;
 use std::sync::{Arc, Mutex};
 
@@ -74,9 +74,9 @@ impl Device {
         let made = now(adapter.request_device(&descriptor));
         let (device, queue) =
             made.map_err(|e| Error::Wgpu { call: "requesting a device".into(), what: one_line(&e.to_string()) })?;
-        let said = Arc::new(Mutex::new(Said::default()));
-        listen(&device, &said);
-        Self::with(device, queue, &def.device, Some(said))
+        let events = Arc::new(Mutex::new(DeviceEvents::default()));
+        listen(&device, &events);
+        Self::with(device, queue, &def.device, Some(events))
     }
 }
 
@@ -86,15 +86,15 @@ pub(super) fn exact(features: wgpu::Features) -> wgpu::Features {
 }
 
 /// Notes what the device says by itself.
-pub(super) fn listen(device: &wgpu::Device, said: &Arc<Mutex<Said>>) {
-    let (errors, losses) = (said.clone(), said.clone());
+pub(super) fn listen(device: &wgpu::Device, events: &Arc<Mutex<DeviceEvents>>) {
+    let (errors, losses) = (events.clone(), events.clone());
     device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| {
-        let mut said = errors.lock().unwrap_or_else(|e| e.into_inner());
-        said.error.get_or_insert_with(|| one_line(&e.to_string()));
+        let mut events = errors.lock().unwrap_or_else(|e| e.into_inner());
+        events.error.get_or_insert_with(|| one_line(&e.to_string()));
     }));
     device.set_device_lost_callback(move |reason, message| {
-        let mut said = losses.lock().unwrap_or_else(|e| e.into_inner());
-        said.lost.get_or_insert_with(|| one_line(&format!("{reason:?}: {message}")));
+        let mut events = losses.lock().unwrap_or_else(|e| e.into_inner());
+        events.lost.get_or_insert_with(|| one_line(&format!("{reason:?}: {message}")));
     });
 }
 

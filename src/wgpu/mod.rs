@@ -37,7 +37,7 @@ mod belt;
 mod device;
 mod encode;
 mod headless;
-mod kernels;
+mod pipelines;
 mod read;
 mod target;
 

@@ -1,9 +1,9 @@
 //! Back into the CPU's memory, for tools and tests: no frame should wait for this.
 
-use super::device::{Device, Gpu};
+use super::device::{Device, WgpuDevice};
 use super::target::Target;
 use crate::deform::VertexMemory;
-use crate::gpu::{Encoding, Stream};
+use crate::gpu::{Encoding, VertexStream};
 use crate::{Error, ExampleSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A buffer that the CPU reads, used over and over.
 #[derive(Default)]
-pub(super) struct Reader {
+pub(super) struct Readback {
     buffer: Option<wgpu::Buffer>,
 }
 
@@ -23,7 +23,7 @@ impl Device {
     /// [`Error::InvalidArgument`] for a buffer without `COPY_SRC`; [`Error::Misaligned`]; [`Error::BufferTooSmall`];
     /// [`Error::OutOfMemory`], [`Error::Wgpu`], [`Error::DeviceLost`]. Nothing is written then.
     pub fn read(&mut self, buffer: &wgpu::Buffer, offset: u64, to: &mut [u8]) -> Result<(), Error> {
-        self.heard()?;
+        self.reported_error()?;
         let bytes = to.len() as u64;
         for (name, value) in [("the offset", offset), ("the number of bytes to read", bytes)] {
             if value % 4 != 0 {
@@ -54,28 +54,29 @@ impl Device {
         target: &Target,
         memory: &mut VertexMemory<'_>,
     ) -> Result<(), Error> {
-        if target.device != self.id {
+        if target.state.device != self.id {
             return Err(Error::invalid("target", "of another device", "a target of this device"));
         }
-        if !std::ptr::eq(target.set.as_ptr(), set) {
+        if !std::ptr::eq(target.state.set.as_ptr(), set) {
             return Err(Error::invalid("set", "another one", "the set of the target"));
         }
-        let count = set.lod(target.lod)?.vertex_count();
+        let count = set.lod(target.state.lod)?.vertex_count();
         memory.check_size(count)?;
-        let stream = |name: &str, s: Option<Stream>, wanted: bool| match s {
+        let stream = |name: &str, s: Option<VertexStream<Encoding>>, wanted: bool| match s {
             _ if !wanted => Ok(None),
-            Some(s) if s.encoding == Encoding::F32 => Ok(Some(s)),
-            Some(s) => Err(Error::Unsupported { what: format!("reading {name}s from {:?}: only floats", s.encoding) }),
+            Some(s) if s.format == Encoding::F32 => Ok(Some(s)),
+            Some(s) => Err(Error::Unsupported { what: format!("reading {name}s from {:?}: only floats", s.format) }),
             None => Err(Error::Unsupported { what: format!("reading {name}s, which the target does not have") }),
         };
-        let positions = stream("position", Some(target.layout.positions), true)?;
-        let normals = stream("normal", target.layout.normals, memory.has_normals())?;
-        let tangents = stream("tangent", target.layout.tangents, memory.has_tangents())?;
-        let mut all = crate::error::reserve::<u32>(target.size.div_ceil(4) as usize, "a target's vertices")?;
+        let positions = stream("position", Some(target.state.layout.positions), true)?;
+        let normals = stream("normal", target.state.layout.normals, memory.has_normals())?;
+        let tangents = stream("tangent", target.state.layout.tangents, memory.has_tangents())?;
+        let mut all = crate::base::error::reserve::<u32>(target.size.div_ceil(4) as usize, "a target's vertices")?;
         all.resize((target.size / 4) as usize, 0);
         self.read(target.buffer(), target.offset, bytemuck::cast_slice_mut(&mut all))?;
-        let value =
-            |s: Stream, v: usize, i: u64| f32::from_bits(all[((s.offset + v as u64 * s.stride) / 4 + i) as usize]);
+        let value = |s: VertexStream<Encoding>, v: usize, i: u64| {
+            f32::from_bits(all[((s.offset + v as u64 * s.stride) / 4 + i) as usize])
+        };
         for v in 0..count {
             let three = |s| [0, 1, 2].map(|i| value(s, v, i));
             // SAFETY: the memory has room for all vertices, and is borrowed here alone.
@@ -95,8 +96,8 @@ impl Device {
     }
 }
 
-impl Reader {
-    fn read(&mut self, gpu: &Gpu, (from, offset): (&wgpu::Buffer, u64), to: &mut [u8]) -> Result<(), Error> {
+impl Readback {
+    fn read(&mut self, gpu: &WgpuDevice, (from, offset): (&wgpu::Buffer, u64), to: &mut [u8]) -> Result<(), Error> {
         let bytes = to.len() as u64;
         // Taken, so that one that stays mapped by a failure is not used again.
         let buffer = match self.buffer.take().filter(|b| b.size() >= bytes) {

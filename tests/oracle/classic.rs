@@ -1,4 +1,4 @@
-//! The literature's method, whole: Eq. 4.4-4.7, Figure 4.2 (selection) and Figure 4.3 (deformation).
+//! The paper's method, whole: Eq. 4.4-4.7, Figure 4.2 (selection) and Figure 4.3 (deformation).
 
 use super::Model;
 use super::vector::{V, add, dot, length, lerp, scale, sub};

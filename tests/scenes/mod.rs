@@ -11,8 +11,8 @@ use proptest::test_runner::RngSeed;
 
 use crumple::glam::Vec3;
 use crumple::{
-    Cause, Contact, DeformReport, Deltas, ExampleData, ExampleSet, Hit, Instance, MeshData, Placement, Serial,
-    SetOptions, Space, TaskSystem, Tracker, VertexMemory,
+    Cause, Contact, DeformReport, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Placement,
+    Serial, SetOptions, Space, TaskSystem, Tracker, VertexMemory,
 };
 
 pub use solver::solver;
@@ -113,41 +113,15 @@ fn grid_triangles(n: usize, first: u32) -> Vec<[u32; 3]> {
 /// A closed sphere of radius 0.5 m: an icosahedron split `splits` times.
 pub fn ball(splits: usize) -> MeshData {
     let g = (1.0 + 5f32.sqrt()) / 2.0;
+    #[rustfmt::skip]
     let mut points: Vec<[f32; 3]> = vec![
-        [-1.0, g, 0.0],
-        [1.0, g, 0.0],
-        [-1.0, -g, 0.0],
-        [1.0, -g, 0.0],
-        [0.0, -1.0, g],
-        [0.0, 1.0, g],
-        [0.0, -1.0, -g],
-        [0.0, 1.0, -g],
-        [g, 0.0, -1.0],
-        [g, 0.0, 1.0],
-        [-g, 0.0, -1.0],
-        [-g, 0.0, 1.0],
+        [-1.0, g, 0.0], [1.0, g, 0.0], [-1.0, -g, 0.0], [1.0, -g, 0.0], [0.0, -1.0, g], [0.0, 1.0, g],
+        [0.0, -1.0, -g], [0.0, 1.0, -g], [g, 0.0, -1.0], [g, 0.0, 1.0], [-g, 0.0, -1.0], [-g, 0.0, 1.0],
     ];
+    #[rustfmt::skip]
     let mut triangles: Vec<[u32; 3]> = vec![
-        [0, 11, 5],
-        [0, 5, 1],
-        [0, 1, 7],
-        [0, 7, 10],
-        [0, 10, 11],
-        [1, 5, 9],
-        [5, 11, 4],
-        [11, 10, 2],
-        [10, 7, 6],
-        [7, 1, 8],
-        [3, 9, 4],
-        [3, 4, 2],
-        [3, 2, 6],
-        [3, 6, 8],
-        [3, 8, 9],
-        [4, 9, 5],
-        [2, 4, 11],
-        [6, 2, 10],
-        [8, 6, 7],
-        [9, 8, 1],
+        [0, 11, 5], [0, 5, 1], [0, 1, 7], [0, 7, 10], [0, 10, 11], [1, 5, 9], [5, 11, 4], [11, 10, 2], [10, 7, 6], [7, 1, 8],
+        [3, 9, 4], [3, 4, 2], [3, 2, 6], [3, 6, 8], [3, 8, 9], [4, 9, 5], [2, 4, 11], [6, 2, 10], [8, 6, 7], [9, 8, 1],
     ];
     let unit = |p: [f32; 3]| {
         let l = length(p);
@@ -448,6 +422,33 @@ impl Output {
     pub fn all_bits(&self) -> Vec<[u32; 10]> {
         (0..self.positions.len()).map(|v| self.bits(v)).collect()
     }
+}
+
+/// A deform of positions alone into fresh memory.
+pub fn positions(instance: &mut Instance) -> (Vec<[f32; 3]>, DeformReport) {
+    let mut out = vec![[0.0; 3]; instance.example_set().vertex_count()];
+    let memory = VertexMemory::separate(&mut out, None, None).unwrap();
+    let report = instance.deform(&mut Tracker::new(), memory, &Serial).unwrap();
+    (out, report)
+}
+
+/// How far each vertex has moved, m.
+pub fn displacements(instance: &mut Instance) -> Vec<Vec3> {
+    let set = instance.example_set().clone();
+    let base = set.mesh().positions();
+    positions(instance).0.iter().zip(base).map(|(p, b)| Vec3::from_array(*p) - *b).collect()
+}
+
+/// Relative L2 norm of the difference between two fields.
+pub fn relative_l2(is: &[Vec3], ought: &[Vec3]) -> f64 {
+    let square = |v: Vec3| v.as_dvec3().length_squared();
+    let wrong: f64 = is.iter().zip(ought).map(|(a, b)| square(*a - *b)).sum();
+    (wrong / ought.iter().map(|b| square(*b)).sum::<f64>()).sqrt()
+}
+
+/// An instance with default options.
+pub fn new(set: &Arc<ExampleSet>) -> Instance {
+    Instance::new(set.clone(), InstanceOptions::default()).unwrap()
 }
 
 /// FNV-1a: a hash that needs no crate and is the same everywhere.

@@ -1,41 +1,44 @@
-//! `cargo xtask ci`: everything that must hold before a change lands. Lints first, since they are quick to fail;
-//! the tests last, so that the output ends with their runners' own closing lines.
+//! The checks that `cargo xtask ci` runs before the tests. Each is a stage: `cargo xtask test --only NAME` repeats it.
 
-use std::time::Instant;
+use anyhow::Result;
 
-use anyhow::{Context, Result};
-
+use crate::stage::{Outcome, Stage};
 use crate::workspace::Workspace;
-use crate::{abi, header, repo, test};
+use crate::{header, repo, rooms};
 
-pub fn run(workspace: &Workspace) -> Result<()> {
-    let start = Instant::now();
-    let check = |name: &str, result: Result<()>| -> Result<()> {
-        result.with_context(|| format!("check {name} failed"))?;
-        println!("== {name}: well after {:.0} s", start.elapsed().as_secs_f64());
-        Ok(())
-    };
-    check("repository", repo::run(workspace, false))?;
-    check("header", header::run(workspace, true))?;
-    check("binary interface", abi::run(workspace, true))?;
-    check("format", cargo(workspace, &["fmt", "--all", "--check"]))?;
-    check("lints", clippy(workspace, &["--workspace", "--all-targets", "--all-features"]))?;
-    check("lints without features", clippy(workspace, &["--package", "crumple", "--lib", "--no-default-features"]))?;
-    check("documentation", documentation(workspace))?;
-    test::run(workspace, &test::Options { require_all: true, ..Default::default() })
+pub const CHECKS: &[Stage] = &[
+    check("repository", "sizes, shown programs, changelog, .meta files and quoted messages are right", |workspace| {
+        repo::run(workspace, false).map(passed)
+    }),
+    check("rooms", "the imports of src keep the order of its rooms", |workspace| rooms::run(workspace).map(passed)),
+    check("header", "the committed header and C# declarations match the sources", |workspace| {
+        header::run(workspace, true).map(passed)
+    }),
+    check("format", "rustfmt changes nothing", |workspace| {
+        Ok(workspace.cargo(&["fmt", "--all", "--check"]).run().map(passed)?)
+    }),
+    check("lints", "clippy finds nothing, with all features", |workspace| {
+        clippy(workspace, &["--workspace", "--all-targets", "--all-features"])
+    }),
+    check("lints-slim", "clippy finds nothing in the library without features", |workspace| {
+        clippy(workspace, &["--package", "crumple", "--lib", "--no-default-features"])
+    }),
+    check("documentation", "rustdoc finds nothing", |workspace| {
+        // The whole workspace with all features: stage "lints" has checked its dependencies so.
+        let what = ["doc", "--no-deps", "--workspace", "--all-features"];
+        Ok(workspace.cargo(&what).env("RUSTDOCFLAGS", "--deny warnings").run().map(passed)?)
+    }),
+];
+
+const fn check(name: &'static str, shows: &'static str, run: fn(&Workspace) -> Result<Outcome>) -> Stage {
+    Stage { name, shows, needs: &[], wants: &[], run }
 }
 
-fn cargo(workspace: &Workspace, arguments: &[&str]) -> Result<()> {
-    Ok(workspace.cargo(arguments).run()?)
+fn passed((): ()) -> Outcome {
+    Outcome::Passed
 }
 
-fn clippy(workspace: &Workspace, what: &[&str]) -> Result<()> {
+fn clippy(workspace: &Workspace, what: &[&str]) -> Result<Outcome> {
     let deny = ["--", "--deny", "warnings", "--deny", "clippy::undocumented_unsafe_blocks"];
-    Ok(workspace.cargo(&["clippy"]).args(what).args(deny).run()?)
-}
-
-fn documentation(workspace: &Workspace) -> Result<()> {
-    // The whole workspace, since the lints have checked its dependencies with just these features.
-    let what = ["doc", "--no-deps", "--workspace", "--all-features"];
-    Ok(workspace.cargo(&what).env("RUSTDOCFLAGS", "--deny warnings").run()?)
+    Ok(workspace.cargo(&["clippy"]).args(what).args(deny).run().map(passed)?)
 }

@@ -15,14 +15,12 @@ pub struct Type {
 /// A field or a parameter.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Variable {
-    pub docs: Vec<String>,
     pub name: String,
     pub kind: Type,
 }
 
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Variant {
-    pub docs: Vec<String>,
     pub name: String,
     pub value: String,
 }
@@ -137,39 +135,28 @@ fn item(lines: &[&str]) -> Result<(String, Form)> {
         return Ok((name.to_owned(), Form::Callback { result, parameters: parameters(list)? }));
     }
     let (before, list) = whole.split_once('(').context("not a declaration that this reads")?;
-    let Variable { name, kind: result, .. } = variable(before)?;
+    let Variable { name, kind: result } = variable(before)?;
     let list = list.strip_suffix(')').context("a function without an end")?;
     Ok((name, Form::Function { result, parameters: parameters(list)? }))
 }
 
-/// The lines of a body, each with the comments above it.
-fn documented<'a>(lines: &[&'a str]) -> Vec<(Vec<String>, &'a str)> {
-    let mut docs = Vec::new();
-    let mut found = Vec::new();
-    for line in lines.iter().map(|line| line.trim()) {
-        match line.strip_prefix("///") {
-            Some(text) => docs.push(text.trim().to_owned()),
-            None => found.push((std::mem::take(&mut docs), line)),
-        }
-    }
-    found
+/// The lines of a body without comments.
+fn code<'a>(lines: &'a [&str]) -> impl Iterator<Item = &'a str> {
+    lines.iter().map(|line| line.trim()).filter(|line| !line.starts_with("///"))
 }
 
 fn variants(lines: &[&str]) -> Result<Vec<Variant>> {
-    let variant = |(docs, line): (Vec<String>, &str)| {
+    let variant = |line: &str| {
         let (name, value) =
             line.trim_end_matches(',').split_once(" = ").with_context(|| format!("{line:?} has no value"))?;
-        Ok(Variant { docs, name: name.to_owned(), value: value.to_owned() })
+        Ok(Variant { name: name.to_owned(), value: value.to_owned() })
     };
-    documented(lines).into_iter().map(variant).collect()
+    code(lines).map(variant).collect()
 }
 
 fn fields(lines: &[&str]) -> Result<Vec<Variable>> {
-    let field = |(docs, line): (Vec<String>, &str)| {
-        let line = line.strip_suffix(';').with_context(|| format!("{line:?} has no semicolon"))?;
-        Ok(Variable { docs, ..variable(line)? })
-    };
-    documented(lines).into_iter().map(field).collect()
+    let field = |line: &str| variable(line.strip_suffix(';').with_context(|| format!("{line:?} has no semicolon"))?);
+    code(lines).map(field).collect()
 }
 
 /// `const T *name[4]`, without comments.
@@ -184,7 +171,6 @@ fn variable(text: &str) -> Result<Variable> {
     match words.as_slice() {
         [base, stars @ .., name] if stars.iter().all(|word| *word == "*") && plain(base) && plain(name) => {
             Ok(Variable {
-                docs: Vec::new(),
                 name: (*name).to_owned(),
                 kind: Type { base: (*base).to_owned(), pointers: stars.len(), array },
             })
@@ -214,7 +200,7 @@ mod tests {
         let Form::Callback { result, parameters } = &items[4].form else { bail!("{:?}", items[4]) };
         assert_eq!((result.pointers, parameters[1].kind.pointers, parameters[1].name.as_str()), (1, 2, "b"));
         let Form::Struct { fields } = &items[5].form else { bail!("{:?}", items[5]) };
-        assert_eq!((fields[0].kind.array, fields[0].docs[0].as_str(), fields[1].kind.pointers), (Some(16), "In m.", 1));
+        assert_eq!((fields[0].kind.array, fields[1].kind.pointers), (Some(16), 1));
         let Form::Function { parameters, .. } = &items[6].form else { bail!("{:?}", items[6]) };
         assert_eq!(parameters[1].kind, Type { base: "CrumpleO".into(), pointers: 2, array: None });
         Ok(())

@@ -1,13 +1,13 @@
-//! `include/crumple.h`, written by cbindgen from the sources of `src/capi`, and what is written from it, the C# declarations and the
-//! reference page: committed, and compared in CI.
+//! `include/crumple.h`, which cbindgen writes from the sources of `src/capi`, and the C# declarations made from it: committed, and
+//! compared in CI.
 
 use std::fs;
 
 use anyhow::{Context, Result, anyhow, bail};
 use similar::TextDiff;
 
+use crate::csharp;
 use crate::workspace::Workspace;
-use crate::{csharp, reference};
 
 /// Characters in a line of the header.
 const WIDTH: usize = 120;
@@ -16,8 +16,7 @@ pub const HEADER: &str = "include/crumple.h";
 pub fn run(workspace: &Workspace, check: bool) -> Result<()> {
     let header = generate(workspace)?;
     let (types, functions) = csharp::declarations(&header)?;
-    let page = reference::page(workspace, &header)?;
-    let files = [(HEADER, header), (csharp::TYPES, types), (csharp::FUNCTIONS, functions), (reference::PAGE, page)];
+    let files = [(HEADER, header), (csharp::TYPES, types), (csharp::FUNCTIONS, functions)];
     for (name, fresh) in &files {
         if check { compare(workspace, name, fresh)? } else { write(workspace, name, fresh)? }
     }

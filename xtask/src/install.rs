@@ -103,13 +103,13 @@ fn static_needs(workspace: &Workspace) -> Result<Vec<String>> {
     Ok(line.split_whitespace().map(str::to_owned).collect())
 }
 
-/// Builds and installs. Answers what was built.
-pub fn run(workspace: &Workspace, prefix: &Path, profile: Profile) -> Result<Built> {
+/// Builds and installs.
+pub fn run(workspace: &Workspace, prefix: &Path, profile: Profile) -> Result<()> {
     let built = build(workspace, profile, FEATURES)?;
     let prefix = workspace.path(prefix);
     lay_out(workspace, &built, &prefix)?;
     println!("installed Crumple {} ({}) in {}", workspace.version, profile.directory(), prefix.display());
-    Ok(built)
+    Ok(())
 }
 
 /// Copies what was built, and what goes with it, to where others look for it.

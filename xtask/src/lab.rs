@@ -39,7 +39,6 @@ const fn part(name: &'static str) -> Part {
 const PARTS: &[Part] = &[
     Part { measures: Some("accuracy"), ..part("accuracy") },
     Part { measures: Some("combine"), ..part("combine") },
-    Part { script: Some("candidates.py"), ..part("candidates") },
     Part { measures: Some("peers"), script: Some("mujoco_peer.py"), ..part("peers") },
     Part { measures: Some("stability"), ..part("stability") },
     Part { measures: Some("pictures"), ..part("pictures") },

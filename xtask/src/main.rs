@@ -18,6 +18,7 @@ mod package;
 mod peers;
 mod reference;
 mod repo;
+mod rooms;
 mod stage;
 mod test;
 mod tools;
@@ -52,15 +53,9 @@ enum Command {
     },
     /// Run every test: Rust, C and C++, under sanitizers and valgrind, and from outside the tree
     Test(test::Options),
-    /// Write include/crumple.h from the Rust sources, and what is made of it: the C# declarations, docs/reference.md
+    /// Write include/crumple.h from the Rust sources, and the C# declarations from the header
     Header {
         /// Write nothing; fail with a diff when the committed header is not what the sources say
-        #[arg(long)]
-        check: bool,
-    },
-    /// Write docs/abi from include/crumple.h: what programs that are built against it rely on
-    Abi {
-        /// Write nothing; fail where the header says something else
         #[arg(long)]
         check: bool,
     },
@@ -82,7 +77,11 @@ enum Command {
     /// Measure fixed workloads beside references of the same run; write docs/bench
     Bench(bench::Options),
     /// Formatting, lints, docs, header and repository checks, then every test with nothing skipped
-    Ci,
+    Ci {
+        /// Stop at the first stage that fails
+        #[arg(long)]
+        fail_fast: bool,
+    },
     /// Only the checks of `ci` that build nothing: asset size, README snippet, changelog, .meta files of the Unity package
     Repo {
         /// Put the present quickstart programs into the pages that show them, and write missing .meta files
@@ -107,16 +106,15 @@ fn run(command: Command) -> Result<()> {
         Command::Demo { out, gpu } => demo::run(&workspace, &out, gpu.as_deref()),
         Command::Test(options) => test::run(&workspace, &options),
         Command::Header { check } => header::run(&workspace, check),
-        Command::Abi { check } => abi::run(&workspace, check),
         Command::Install { prefix, debug } => {
             let profile = if debug { install::Profile::Debug } else { install::Profile::Release };
-            install::run(&workspace, &prefix, profile).map(drop)
+            install::run(&workspace, &prefix, profile)
         }
         Command::Package(options) => package::run(&workspace, &options),
         Command::Fuzz(options) => fuzz::run(&workspace, &options),
         Command::Lab(options) => lab::run(&workspace, &options),
         Command::Bench(options) => bench::run(&workspace, &options),
-        Command::Ci => ci::run(&workspace),
+        Command::Ci { fail_fast } => test::ci(&workspace, fail_fast),
         Command::Repo { fix } => repo::run(&workspace, fix),
     }
 }

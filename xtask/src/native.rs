@@ -6,8 +6,9 @@ use anyhow::Result;
 use xshell::cmd;
 
 use crate::abi;
+use crate::header::HEADER;
 use crate::install::{self, Profile};
-use crate::stage::Outcome;
+use crate::stage::{Outcome, all_passed};
 use crate::tools::Tool;
 use crate::vulkan;
 use crate::workspace::{Workspace, empty_directory};
@@ -19,24 +20,36 @@ const ALL: &[(&str, &str)] =
     &[OURS[0], OURS[1], ("bindings/unity/native~", "unity"), ("bindings/unreal/tests", "unreal")];
 
 pub fn install_release(workspace: &Workspace) -> Result<Outcome> {
-    let prefix = release_prefix(workspace);
-    empty_directory(&prefix)?;
-    let built = install::run(workspace, &prefix, Profile::Release)?;
-    abi::exported(&workspace.path("include/crumple.h"), &built.shared)?;
+    let prefix = release_prefix(workspace)?;
+    let shared = match std::env::consts::OS {
+        "windows" => "bin/crumple.dll",
+        "macos" => "lib/libcrumple.dylib",
+        _ => "lib/libcrumple.so",
+    };
+    abi::exported(&workspace.path(HEADER), &prefix.join(shared))?;
     Ok(Outcome::Passed)
 }
 
-pub fn release_prefix(workspace: &Workspace) -> PathBuf {
-    workspace.target.join("prefix")
+/// Where the release library of the present sources is installed.
+pub fn release_prefix(workspace: &Workspace) -> Result<PathBuf> {
+    let prefix = workspace.target.join("prefix");
+    if !workspace.installed.get() {
+        empty_directory(&prefix)?;
+        install::run(workspace, &prefix, Profile::Release)?;
+        workspace.installed.set(true);
+    }
+    Ok(prefix)
 }
 
 /// How a set of projects is built and run.
 pub struct Build<'a> {
     /// What is built.
     pub projects: &'a [(&'a str, &'a str)],
-    /// Name of the directory that holds this kind's builds.
+    /// Name of the directory that holds this kind's builds. Stages that compile alike share one.
     pub kind: &'a str,
     pub prefix: &'a Path,
+    /// Whether programs run on drivers under Vulkan's validation layer.
+    pub validation: bool,
     /// Further arguments for CMake.
     pub options: &'a [&'a str],
     /// The program that runs each test program, with its arguments, separated by semicolons; empty for none.
@@ -50,14 +63,14 @@ pub struct Build<'a> {
 impl<'a> Build<'a> {
     /// Everything, as it is, without Vulkan.
     pub fn new(kind: &'a str, prefix: &'a Path) -> Self {
-        Self { projects: ALL, kind, prefix, options: &[], launcher: "", drivers: &[], left_out: "" }
+        Self { projects: ALL, kind, prefix, validation: true, options: &[], launcher: "", drivers: &[], left_out: "" }
     }
 }
 
-/// Builds every project against an installed library and runs its tests.
+/// Builds every project against an installed library and runs its tests. A project that fails does not hide the others.
 pub fn test_projects(workspace: &Workspace, build: &Build<'_>) -> Result<()> {
     let jobs = jobs();
-    for (project, name) in build.projects {
+    let test = |project: &str, name: &str| -> Result<()> {
         let directory = workspace.target.join("ctest").join(build.kind).join(name);
         compile(workspace, build, &workspace.path(project), &directory)?;
         let tests = cmd!(
@@ -65,9 +78,10 @@ pub fn test_projects(workspace: &Workspace, build: &Build<'_>) -> Result<()> {
             "ctest --test-dir {directory} --parallel {jobs} --output-on-failure --no-tests=error"
         );
         let left_out = [build.left_out].into_iter().filter(|names| !names.is_empty());
-        tests.args(left_out.flat_map(|names| ["--exclude-regex", names])).run()?;
-    }
-    Ok(())
+        Ok(tests.args(left_out.flat_map(|names| ["--exclude-regex", names])).run()?)
+    };
+    let results = build.projects.iter().map(|(project, name)| (*project, test(project, name)));
+    all_passed(results.collect())
 }
 
 /// One a core.
@@ -76,8 +90,7 @@ fn jobs() -> String {
 }
 
 pub fn compile(workspace: &Workspace, build: &Build<'_>, source: &Path, directory: &Path) -> Result<()> {
-    empty_directory(directory)?;
-    let &Build { prefix, options, launcher, .. } = build;
+    let &Build { prefix, options, launcher, validation, .. } = build;
     let sh = &workspace.shell;
     // Where there is what they need, leaving programs out would be a mistake of the build.
     let ode = Tool::Ode.here(workspace).then_some("-DCRUMPLE_REQUIRE_ODE=ON");
@@ -86,10 +99,11 @@ pub fn compile(workspace: &Workspace, build: &Build<'_>, source: &Path, director
     let mono = Tool::Mono.here(workspace).then_some("-DCRUMPLE_REQUIRE_MONO=ON");
     let drivers: Vec<String> = build.drivers.iter().map(|manifest| manifest.display().to_string()).collect();
     let drivers = format!("-DCRUMPLE_VULKAN_DRIVERS={}", drivers.join(";"));
+    let validation = format!("-DCRUMPLE_VULKAN_VALIDATION={}", if validation { "ON" } else { "OFF" });
     cmd!(
         sh,
         "cmake -S {source} -B {directory} -DCMAKE_PREFIX_PATH={prefix} -DCMAKE_BUILD_TYPE=RelWithDebInfo
-         {options...} {ode...} {vulkan...} {mono...} {drivers}
+         {options...} {ode...} {vulkan...} {mono...} {drivers} {validation}
          -DCMAKE_CROSSCOMPILING_EMULATOR={launcher} -DCMAKE_POLICY_DEFAULT_CMP0158=OLD --no-warn-unused-cli"
     )
     .quiet()
@@ -100,7 +114,7 @@ pub fn compile(workspace: &Workspace, build: &Build<'_>, source: &Path, director
 }
 
 pub fn ctest(workspace: &Workspace) -> Result<Outcome> {
-    let prefix = release_prefix(workspace);
+    let prefix = release_prefix(workspace)?;
     let build = Build::new("release", &prefix);
     if !Tool::Vulkan.here(workspace) {
         test_projects(workspace, &build)?;
@@ -133,17 +147,18 @@ pub fn one_driver(workspace: &Workspace) -> Result<Vec<PathBuf>> {
 /// The C and C++ tests under gcc's sanitizers, against a debug build of the library, whose own checks are on.
 pub fn sanitizers(workspace: &Workspace) -> Result<Outcome> {
     if cfg!(not(target_os = "linux")) {
-        return Ok(Outcome::Skipped("done with gcc on Linux only".into()));
+        return Ok(Outcome::NotApplicable("done with gcc on Linux only".into()));
     }
     let prefix = debug_prefix(workspace)?;
     let sh = &workspace.shell;
     let _asan = sh.push_env("ASAN_OPTIONS", "detect_leaks=1:strict_string_checks=1:detect_stack_use_after_return=1");
     let _ubsan = sh.push_env("UBSAN_OPTIONS", "print_stacktrace=1");
-    // The validation layer leaks memory of its own; the stage "ctest" has it.
-    let options = &["-DCRUMPLE_SANITIZE=ON", "-DCRUMPLE_VULKAN_VALIDATION=OFF"];
+    let sanitizers = workspace.path("tests/c/sanitizers.cmake");
+    let sanitizers = format!("-DCMAKE_PROJECT_INCLUDE={}", sanitizers.display());
+    // The validation layer leaks memory of its own; stage "ctest" runs with it.
     let drivers = one_driver(workspace)?;
-    // Mesa's driver leaks a little for what it draws with.
-    let build = Build { options, drivers: &drivers, left_out: "^vulkan_render", ..Build::new("sanitizers", &prefix) };
+    let build =
+        Build { options: &[&sanitizers], validation: false, drivers: &drivers, ..Build::new("sanitizers", &prefix) };
     test_projects(workspace, &build)?;
     Ok(Outcome::Passed)
 }

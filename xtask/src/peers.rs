@@ -27,7 +27,7 @@ pub fn blender(workspace: &Workspace) -> Result<Outcome> {
         cmd!(sh, "python3.11 -m venv {environment}").run()?;
         let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--only-binary", ":all:"];
         if let Err(error) = cmd!(sh, "{python} {pip...} {BLENDER}").run() {
-            return Ok(Outcome::Skipped(format!("{BLENDER} cannot be installed: {error}")));
+            return Ok(Outcome::LeftOut(format!("{BLENDER} cannot be installed: {error}")));
         }
     }
     let _required = [sh.push_env("CRUMPLE_REQUIRE_BLENDER", "1"), sh.push_env("CRUMPLE_BLENDER_PYTHON", &python)];
@@ -47,7 +47,7 @@ pub fn gltf_validator(workspace: &Workspace) -> Result<Outcome> {
         empty_directory(&directory)?;
         let npm = ["install", "--loglevel=error", "--no-audit", "--no-fund", "--prefix"];
         if let Err(error) = cmd!(sh, "npm {npm...} {directory} {VALIDATOR}").run() {
-            return Ok(Outcome::Skipped(format!("{VALIDATOR} cannot be installed: {error}")));
+            return Ok(Outcome::LeftOut(format!("{VALIDATOR} cannot be installed: {error}")));
         }
     }
     let _required = sh.push_env("CRUMPLE_REQUIRE_VALIDATOR", "1");

@@ -1,9 +1,10 @@
-//! `cargo xtask test`: the list of stages. A new kind of test is one more entry here.
+//! `cargo xtask test` and `cargo xtask ci`: the list of test stages, and which stages a command runs.
 
 use anyhow::{Result, bail};
 use clap::Args;
 
-use crate::stage::{self, Outcome, Stage};
+use crate::ci::CHECKS;
+use crate::stage::{self, Outcome, Rules, Stage};
 use crate::tools::Tool;
 use crate::workspace::Workspace;
 use crate::{abi, csharp, demo, native, package, peers, valgrind, vulkan};
@@ -16,19 +17,21 @@ pub struct Options {
     /// Only the Rust tests, those of Vulkan among them, and CTest
     #[arg(long, conflicts_with = "only")]
     pub quick: bool,
-    /// Only this stage; may be given several times
+    /// Only this stage or check of `cargo xtask ci`; may be given several times
     #[arg(long, value_name = "STAGE")]
     pub only: Vec<String>,
+    /// Stop at the first stage that fails
+    #[arg(long)]
+    pub fail_fast: bool,
 }
 
-/// In order: what prepares and what takes other programs first, the two test runners last, since theirs should be the last lines.
+/// In the order in which they run. A new kind of test is one more entry here.
 const STAGES: &[Stage] = &[
     Stage {
         name: "install",
         shows: "the C library, its headers, CMake package and pkg-config file go into target/prefix",
         needs: &[Tool::CCompiler],
         wants: &[],
-        closing: false,
         run: native::install_release,
     },
     Stage {
@@ -36,15 +39,13 @@ const STAGES: &[Stage] = &[
         shows: "the archive, unpacked elsewhere, is what it says; its examples run by CMake and by pkg-config, shared and static",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::PkgConfig],
         wants: &[Tool::Ode, Tool::VulkanHeaders, Tool::Png],
-        closing: false,
         run: package::stage,
     },
     Stage {
         name: "abi",
-        shows: "the binary interface is the committed one, and programs of the first header run with the library of today",
-        needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::Abigail],
+        shows: "programs built against the last release fit the header of today",
+        needs: &[Tool::CCompiler, Tool::Abigail],
         wants: &[],
-        closing: false,
         run: abi::stage,
     },
     Stage {
@@ -52,7 +53,6 @@ const STAGES: &[Stage] = &[
         shows: "the C# layer under Mono: dents, errors, threads, callbacks, ten thousand frames, libraries that do not fit",
         needs: &[Tool::CCompiler, Tool::Mono],
         wants: &[Tool::Vulkan, Tool::VulkanHeaders],
-        closing: false,
         run: csharp::run,
     },
     Stage {
@@ -60,7 +60,6 @@ const STAGES: &[Stage] = &[
         shows: "the C and C++ tests under gcc's address and undefined-behaviour sanitizers",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake],
         wants: &[Tool::Ode, Tool::Vulkan, Tool::VulkanHeaders, Tool::Png],
-        closing: false,
         run: native::sanitizers,
     },
     Stage {
@@ -68,7 +67,6 @@ const STAGES: &[Stage] = &[
         shows: "the C and C++ tests under valgrind",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::Valgrind],
         wants: &[Tool::Ode, Tool::Vulkan, Tool::VulkanHeaders, Tool::Png],
-        closing: false,
         run: valgrind::c,
     },
     Stage {
@@ -76,7 +74,6 @@ const STAGES: &[Stage] = &[
         shows: "the Rust tests under valgrind",
         needs: &[Tool::Valgrind],
         wants: &[],
-        closing: false,
         run: valgrind::rust,
     },
     Stage {
@@ -84,7 +81,6 @@ const STAGES: &[Stage] = &[
         shows: "`cargo xtask demo` dents a hood and a drum",
         needs: &[],
         wants: &[],
-        closing: false,
         run: demo::check,
     },
     Stage {
@@ -92,7 +88,6 @@ const STAGES: &[Stage] = &[
         shows: "Blender opens what the command exports",
         needs: &[Tool::Python311, Tool::BlenderLibraries],
         wants: &[],
-        closing: false,
         run: peers::blender,
     },
     Stage {
@@ -100,7 +95,6 @@ const STAGES: &[Stage] = &[
         shows: "the Khronos validator finds nothing wrong with what the command exports",
         needs: &[Tool::Npm],
         wants: &[],
-        closing: false,
         run: peers::gltf_validator,
     },
     Stage {
@@ -108,7 +102,6 @@ const STAGES: &[Stage] = &[
         shows: "what is recorded into Vulkan command buffers, and deformed through wgpu, on lavapipe and SwiftShader, under validation",
         needs: &[Tool::Vulkan],
         wants: &[],
-        closing: false,
         run: vulkan::run,
     },
     Stage {
@@ -116,7 +109,6 @@ const STAGES: &[Stage] = &[
         shows: "the Rust tests, documentation examples among them",
         needs: &[],
         wants: &[],
-        closing: true,
         run: rust,
     },
     Stage {
@@ -124,31 +116,40 @@ const STAGES: &[Stage] = &[
         shows: "the C and C++ programs, and Unity's plugin and component, against the installed library",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake],
         wants: &[Tool::Ode, Tool::Vulkan, Tool::VulkanHeaders, Tool::Png, Tool::Mono],
-        closing: true,
         run: native::ctest,
     },
 ];
 
+/// The stages that `options` choose; all of them without options.
 pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
-    let wanted = |stage: &&Stage| match options {
-        Options { quick: true, .. } => ["install", "vulkan", "rust", "ctest"].contains(&stage.name),
-        Options { only, .. } if !only.is_empty() => only.iter().any(|name| name == stage.name),
-        _ => true,
-    };
+    let all = || CHECKS.iter().chain(STAGES);
     for name in &options.only {
-        if !STAGES.iter().any(|stage| stage.name == name) {
-            let names: Vec<&str> = STAGES.iter().map(|stage| stage.name).collect();
+        if !all().any(|stage| stage.name == name) {
+            let names: Vec<&str> = all().map(|stage| stage.name).collect();
             bail!("there is no stage {name:?}; there are: {}", names.join(", "));
         }
     }
-    let stages: Vec<&Stage> = STAGES.iter().filter(wanted).collect();
+    let stages: Vec<&Stage> = if options.quick {
+        STAGES.iter().filter(|stage| ["install", "vulkan", "rust", "ctest"].contains(&stage.name)).collect()
+    } else if options.only.is_empty() {
+        STAGES.iter().collect()
+    } else {
+        all().filter(|stage| options.only.iter().any(|name| name == stage.name)).collect()
+    };
     let require_all = options.require_all || std::env::var("CI").is_ok_and(|value| value == "true" || value == "1");
-    stage::run_all(workspace, &stages, require_all)
+    stage::run_all(workspace, &stages, Rules { require_all, fail_fast: options.fail_fast })
+}
+
+/// `cargo xtask ci`: every check and every test, with nothing left out.
+pub fn ci(workspace: &Workspace, fail_fast: bool) -> Result<()> {
+    let stages: Vec<&Stage> = CHECKS.iter().chain(STAGES).collect();
+    stage::run_all(workspace, &stages, Rules { require_all: true, fail_fast })
 }
 
 fn rust(workspace: &Workspace) -> Result<Outcome> {
-    workspace.cargo(&["test", "--profile", "xtask", "--package", "xtask"]).run()?;
+    let helper = workspace.cargo(&["test", "--profile", "xtask", "--package", "xtask"]).run();
     // Vulkan has a stage of its own, with drivers of its own.
-    workspace.tests(&[]).env("VK_DRIVER_FILES", workspace.path("no-driver")).run()?;
+    let library = workspace.tests(&[]).env("VK_DRIVER_FILES", workspace.path("no-driver")).run();
+    stage::all_passed(vec![("xtask", helper.map_err(Into::into)), ("the library", library.map_err(Into::into))])?;
     Ok(Outcome::Passed)
 }

@@ -23,15 +23,15 @@ const SLOW_DRIVERS: &str = "^vulkan_(device_lost|record|render)";
 
 pub fn c(workspace: &Workspace) -> Result<Outcome> {
     let run = Run::new(workspace, "c", "definite,possible")?;
-    let prefix = native::release_prefix(workspace);
+    let prefix = native::release_prefix(workspace)?;
     let build = Build {
         // The plugins use the library as these do, and have the sanitizers.
         projects: native::OURS,
-        options: &["-DCRUMPLE_VULKAN_VALIDATION=OFF"],
+        validation: false,
         launcher: &run.command.join(";"),
         drivers: &native::one_driver(workspace)?,
         left_out: SLOW_DRIVERS,
-        ..Build::new("valgrind", &prefix)
+        ..Build::new("release", &prefix)
     };
     run.judge(native::test_projects(workspace, &build))
 }

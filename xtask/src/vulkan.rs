@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use xshell::cmd;
 
-use crate::stage::Outcome;
+use crate::stage::{Outcome, all_passed};
 use crate::tools;
 use crate::workspace::{Workspace, empty_directory};
 
@@ -35,12 +35,16 @@ pub fn run(workspace: &Workspace) -> Result<Outcome> {
     // With one of them missing the tests would say so and fail.
     let required = if drivers.left_out.is_none() { "1" } else { "0" };
     // The library's own, and the lab's workloads at their smallest.
-    for of in [&["--test", "vulkan", "--test", "wgpu"][..], &["--bin", "crumple-lab", "--", "gpu::"]] {
-        let tests = workspace.tests(of).env("VK_DRIVER_FILES", &manifests);
+    let tests = |programs: &[&str]| {
+        let tests = workspace.tests(programs).env("VK_DRIVER_FILES", &manifests);
         // Mesa's layer that chooses devices would complain about a session without a display.
         let tests = tests.env("NODEVICE_SELECT", "1");
-        tests.env("CRUMPLE_REQUIRE_GPU", required).run()?;
-    }
+        Ok(tests.env("CRUMPLE_REQUIRE_GPU", required).run()?)
+    };
+    all_passed(vec![
+        ("the library", tests(&["--test", "vulkan", "--test", "wgpu"])),
+        ("the lab", tests(&["--bin", "crumple-lab", "--", "gpu::"])),
+    ])?;
     Ok(drivers.passed())
 }
 

@@ -1,5 +1,6 @@
 //! The repository as the commands see it: its root, its target directory and a shell that stands in its root.
 
+use std::cell::Cell;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
@@ -23,6 +24,8 @@ pub struct Workspace {
     /// Version of the `crumple` package, the same for every member.
     pub version: String,
     pub shell: Shell,
+    /// Whether this run has installed the release library already.
+    pub installed: Cell<bool>,
 }
 
 impl Workspace {
@@ -37,7 +40,7 @@ impl Workspace {
             Some(dir) => root.join(dir),
             None => root.join("target"),
         };
-        Ok(Self { root, target, version: env!("CARGO_PKG_VERSION").to_owned(), shell })
+        Ok(Self { root, target, version: env!("CARGO_PKG_VERSION").to_owned(), shell, installed: Cell::new(false) })
     }
 
     /// `cargo`, which rustup keeps to the toolchain that runs this program.
@@ -83,9 +86,9 @@ impl Workspace {
         self.cargo(&["build"]).args(TESTED).args(arguments).args(["--test", "paper_equations"])
     }
 
-    /// `cargo test` of the Rust code, or of what `arguments` choose of it.
+    /// `cargo test` of the Rust code, or of what `arguments` choose of it. A test program that fails does not hide the others.
     pub fn tests(&self, arguments: &[&str]) -> xshell::Cmd<'_> {
-        self.cargo(&["test"]).args(TESTED).args(arguments)
+        self.cargo(&["test", "--no-fail-fast"]).args(TESTED).args(arguments)
     }
 
     /// `path` as seen from the repository's root: absolute, or joined to the root.

@@ -1,4 +1,4 @@
-//! Anchored examples of a sheet, against the literature's kernel and against a copy.
+//! Anchored examples of a sheet, against the classic kernel and against a copy.
 
 use anyhow::Result;
 

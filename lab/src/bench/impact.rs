@@ -62,7 +62,7 @@ fn measure(bench: &Bench, name: &str, set: Arc<ExampleSet>, impacts: &[&Impact],
         });
         let field: Vec<(u32, Vec3)> = field.collect();
         let moved = field.len().max(1) as f64;
-        // The literature's kernel, told which example and where: no selection, no normals, no bounds.
+        // The classic kernel, told which example and where: no selection, no normals, no bounds.
         let mut classic = Classic::new(base, &[field], bench.tasks(1));
         let mut contenders = [Contender::new(|| ours.hit(&[], &[hit])), Contender::new(|| classic.run())];
         let times: Vec<f64> = interleaved(&plan, &mut contenders).iter().map(Times::median).collect();

@@ -1,6 +1,6 @@
 //! The benchmark: fixed workloads, each beside a reference of the same run. `cargo xtask bench` runs it.
 //!
-//! [`measure`] lets contenders take turns, [`report`] shows the rows, [`mod@reference`] has a copy and the literature's kernel,
+//! [`measure`] lets contenders take turns, [`report`] shows the rows, [`mod@reference`] has a copy and the classic kernel,
 //! [`width`] says which options give which width; the other files are the workloads and what they are made of.
 
 mod build;

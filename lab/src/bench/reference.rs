@@ -63,7 +63,7 @@ struct Entries {
     cuts: Vec<usize>,
 }
 
-/// The literature's rule ("the most displaced", Figure 4.3 of the thesis): sparse example, state and base a vertex, 52 bytes
+/// The classic rule ("the most displaced", Figure 4.3 of the thesis): sparse example, state and base a vertex, 52 bytes
 /// of traffic for each vertex that moves.
 pub struct Classic<'t> {
     base: Vec<Vec3>,

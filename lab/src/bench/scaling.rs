@@ -1,4 +1,4 @@
-//! Time against the number of moved vertices and against threads: the literature's Tables 5.2 and 5.3, Figures 5.4 and 5.5.
+//! Time against the number of moved vertices and against threads: the paper's Tables 5.2 and 5.3, Figures 5.4 and 5.5.
 
 use std::path::Path;
 
@@ -39,7 +39,7 @@ pub fn run(bench: &Bench, out: Option<&Path>) -> Result<()> {
             "ms",
             "medians of interleaved runs: an anchored example that moves every vertex of a sheet, positions only",
         );
-        t.comment("classic", "the literature's kernel: entries of 16 bytes, state and base position a vertex");
+        t.comment("classic", "the classic kernel: entries of 16 bytes, state and base position a vertex");
         t.comment("memcpy", "copying as many positions, 12 bytes a vertex");
         t.comment("times", "as fast as: classic or memcpy over the method");
     }

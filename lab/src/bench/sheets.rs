@@ -77,7 +77,7 @@ impl Sheets {
         self.sets[0].1.vertex_count()
     }
 
-    /// On each of these numbers of threads, all in turn: each width, the literature's kernel, and a copy of as many positions
+    /// On each of these numbers of threads, all in turn: each width, the classic kernel, and a copy of as many positions
     /// as move.
     pub fn measure(&self, bench: &Bench, threads: &[usize]) -> Result<Vec<Measured>> {
         let mut methods: Vec<(&'static str, usize, Method)> = Vec::new();

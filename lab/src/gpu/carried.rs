@@ -1,4 +1,4 @@
-//! Carried marks whose stamps cover the sheet, against one pass of the literature's kernel over as many vertices.
+//! Carried marks whose stamps cover the sheet, against one pass of the classic kernel over as many vertices.
 
 use anyhow::Result;
 use crumple::InstanceOptions;
@@ -77,7 +77,7 @@ fn one(bench: &Bench<'_>, size: usize, largest: bool) -> Result<()> {
         });
     }
     let wanted = on_the_cpu(base, &fields, WEIGHT);
-    let agreement = Agreement::of(gpu, "the literature's kernel", &classic.vertices()?, &wanted)?;
+    let agreement = Agreement::of(gpu, "the classic kernel", &classic.vertices()?, &wanted)?;
     bench.add(found("classic", "", of_classic).bytes(literature::BYTES).checked(agreement));
     copy.check()?;
     Ok(())

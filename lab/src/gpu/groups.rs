@@ -1,4 +1,4 @@
-//! Workgroup sizes: the lines of the literature's Figures 5.1 and 5.2.
+//! Workgroup sizes: the lines of the paper's Figures 5.1 and 5.2.
 
 use anyhow::Result;
 use crumple::InstanceOptions;

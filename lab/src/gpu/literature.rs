@@ -1,4 +1,4 @@
-//! The literature's kernel on the device: what ours is held against, 52 bytes a vertex (`literature.wgsl`).
+//! The classic kernel on the device: what ours is held against, 52 bytes a vertex (`literature.wgsl`).
 
 use std::time::Duration;
 

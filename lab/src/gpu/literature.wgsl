@@ -1,4 +1,4 @@
-// The literature's kernel, as it stands: for each vertex that an example moves, an entry of vertex and target, 16 bytes, read at
+// The classic kernel, as it stands: for each vertex that an example moves, an entry of vertex and target, 16 bytes, read at
 // once; 12 bytes of base position; 12 of state, read and written. 52 bytes a vertex. "The most displaced" stays.
 // lab/src/bench/reference.rs, `most_displaced`, operation by operation.
 

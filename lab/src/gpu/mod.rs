@@ -1,5 +1,5 @@
 //! The same on graphics devices: fixed workloads on each device that the loader finds, each beside a copy of as many bytes and
-//! the literature's kernel on the same device in the same run. `cargo xtask bench --gpu` runs it.
+//! the classic kernel on the same device in the same run. `cargo xtask bench --gpu` runs it.
 //!
 //! [`engine`] and [`buffer`] are the host, [`recorded`] the library in it, [`literature`] what it is held against, [`scene`] what
 //! is dented, [`check`] holds results against the CPU path, [`aims`] and [`findings`] say what is found; the rest are workloads.
@@ -94,7 +94,7 @@ const M: usize = 1_000_000;
 const WORKLOADS: &[Workload] = &[
     Workload {
         name: "vertices",
-        about: "one anchored example in 16 bits moves every vertex of a sheet; the literature's kernel; the CPU path, all cores",
+        about: "one anchored example in 16 bits moves every vertex of a sheet; the classic kernel; the CPU path, all cores",
         sizes: [
             &[K, 3 * K, 10 * K, 30 * K, 100 * K, 300 * K, M, 3 * M, 10 * M],
             &[K, 3 * K, 10 * K, 30 * K, 100 * K, 300 * K, M],

@@ -12,7 +12,7 @@ use crate::bench::width::{Width, options};
 
 /// Strengths of marks, neither nothing nor the whole (which need not be multiplied), as the CPU path's benchmark has them …
 pub const STRENGTHS: [f64; 2] = [0.9, 0.8];
-/// … and of the literature's hits.
+/// … and of the paper's hits.
 pub const WEIGHT: f32 = 0.9;
 
 /// Anchored examples of a sheet of about so many vertices, in 16 bits, with normals or without.

@@ -1,5 +1,5 @@
 //! Onto the device and back: the upload of a set with its first target, and reading vertices back, which is what an engine that
-//! deforms on the device never needs (the literature's Figure 5.6).
+//! deforms on the device never needs (the paper's Figure 5.6).
 
 use std::sync::Arc;
 use std::time::Instant;

@@ -1,4 +1,4 @@
-//! Time against the number of moved vertices, ours and the literature's kernel, and the CPU path beside them: the literature's
+//! Time against the number of moved vertices, ours and the classic kernel, and the CPU path beside them: the literature's
 //! Figures 5.1 to 5.3 and 5.7, Table 5.1.
 
 use anyhow::Result;
@@ -72,7 +72,7 @@ fn one(bench: &Bench<'_>, size: usize, largest: bool) -> Result<()> {
     let of_cpu = Agreement::of(gpu, "the CPU path", cpu.positions().as_flattened(), &wanted)?;
     let of_positions = agreement("positions", positions.written()?, wanted)?;
     let of_normals = agreement("normals", normals.written()?, normals.expected(tasks)?)?;
-    let of_classic = agreement("the literature's kernel", classic.vertices()?, on_the_cpu(base, &fields, WEIGHT))?;
+    let of_classic = agreement("the classic kernel", classic.vertices()?, on_the_cpu(base, &fields, WEIGHT))?;
     let of_rule = agreement("the classic rule", rule.vertices()?, rule.expected(tasks)?)?;
 
     let found = |method: &str, times: &Times| Finding::time("vertices", method, "", count, times, "ms");

@@ -53,7 +53,7 @@ pub fn run(options: &Options) -> Result<()> {
 pub enum Method {
     /// The library's defaults.
     Ours,
-    /// The literature's rule, most displaced, its weight at most 1.
+    /// The classic rule, most displaced, its weight at most 1.
     Classic,
     /// The same with blending by 0.5.
     Blend,

@@ -23,7 +23,7 @@ const RATES: [f64; 4] = [30.0, 60.0, 144.0, 240.0];
 struct Way {
     name: &'static str,
     method: Method,
-    /// The time step is taken for the duration, as the literature's formula has it.
+    /// The time step is taken for the duration, as the paper's formula has it.
     steps: bool,
     contact: bool,
 }

@@ -1,4 +1,4 @@
-//! `crumple apply`: impacts in, a dented GLB and its pictures out.
+//! `crumple apply`: dents a mesh with a list of impacts; writes a GLB and pictures.
 
 use crate::{
     gpu,
@@ -11,7 +11,8 @@ use crate::{
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use crumple::{
-    HitStatus, Instance, InstanceOptions, Mesh, Outcome, Rule, Selection, Space, ThreadPool, Tracker, VertexMemory,
+    ExampleSet, HitStatus, Instance, InstanceOptions, Mesh, Outcome, Rule, Selection, Space, ThreadPool, Tracker,
+    VertexMemory,
     glam::{Vec3, Vec4},
 };
 use std::{
@@ -22,33 +23,35 @@ use std::{
 
 /// Vertices that moved less than this do not count as moved, m.
 const VISIBLE: f32 = 1e-5;
+/// A contact further than this from the nearest vertex is reported, as a share of the body's diagonal.
+const FAR_OFF: f32 = 0.1;
 
 #[derive(Args)]
 pub struct Arguments {
     #[command(flatten)]
     input: Input,
-    /// JSON list of impacts: see docs/impacts.md, or start from `crumple sample`
+    /// JSON list of impacts, as docs/impacts.md describes; `crumple sample` writes one to start from
     #[arg(long, value_name = "IMPACTS.json")]
     impacts: PathBuf,
-    /// Where to write the dented mesh; everything else of a glTF file is kept
+    /// File for the dented mesh; everything else of a glTF file is kept
     #[arg(short, long, value_name = "OUT.glb")]
     output: PathBuf,
-    /// Directory for base.png, after.png, heat.png and before_after.png; made if it is not there
+    /// Directory for base.png, after.png, heat.png and before_after.png; it is created if needed
     #[arg(long, value_name = "DIR")]
     png: Option<PathBuf>,
-    /// What impacts do: marks (the default), or one of the literature's rules: most-displaced, blend=K (K from 0 to 1)
+    /// How impacts add up: marks, or one of the paper's classic rules, most-displaced or blend=K (K from 0 to 1)
     #[arg(long, default_value = "marks", value_parser = rule)]
     rule: Rule,
-    /// How examples are chosen; the literature's rules have the classic selection
+    /// How examples are chosen [default: nearest with --rule marks, classic with the classic rules]
     #[arg(long, value_enum)]
     selection: Option<SelectionName>,
-    /// Most examples that one hit may mix
+    /// Largest number of examples that one hit may mix [default: 3]
     #[arg(id = "per_hit", long = "examples", value_name = "K", value_parser = clap::value_parser!(u32).range(1..=4))]
     examples_per_hit: Option<u32>,
-    /// Threads; 0 is one for each core
+    /// Number of threads; 0 is one per core
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1024))]
     threads: u32,
-    /// Deform on the GPU: the fastest there is, or the one whose name holds this. The CPU's vertices are compared with it
+    /// Deform on the GPU and compare with the CPU's vertices. Takes the fastest GPU, or the one whose name contains NAME
     #[arg(long, value_name = "NAME", num_args = 0..=1, default_missing_value = "")]
     gpu: Option<String>,
 }
@@ -57,7 +60,7 @@ pub struct Arguments {
 enum SelectionName {
     /// The examples nearest in place, size and angle, carried to the contact
     Nearest,
-    /// The literature's: best cosine among the examples that move the contact's vertex
+    /// The paper's rule: of the examples that move the contact's vertex, the one with the best cosine
     Classic,
 }
 
@@ -73,7 +76,7 @@ fn rule(text: &str) -> Result<Rule, String> {
     }
 }
 
-/// Vertices, attribute by attribute, as many as the mesh has of them.
+/// The attributes of the vertices that the mesh has.
 #[derive(Clone)]
 pub struct Vertices {
     pub positions: Vec<[f32; 3]>,
@@ -90,7 +93,7 @@ impl Vertices {
         }
     }
 
-    /// As memory to deform into.
+    /// The memory that a deform writes.
     pub fn memory(&mut self) -> Result<VertexMemory<'_>> {
         let Vertices { positions, normals, tangents } = self;
         Ok(VertexMemory::separate(positions, normals.as_deref_mut(), tangents.as_deref_mut())?)
@@ -100,17 +103,17 @@ impl Vertices {
 /// The mesh as deformed.
 struct Deformed {
     vertices: Vertices,
-    /// How long it took to fold the hits and evaluate every vertex.
+    /// Time to fold the hits and to evaluate every vertex.
     time: Duration,
-    /// What did it, and how it compares.
+    /// The device, and how its vertices compare with the CPU's.
     by: String,
 }
 
 pub fn run(arguments: &Arguments) -> Result<String> {
     let impacts = impacts::read(&arguments.impacts)?;
-    let mut file = Output::create(&arguments.output)?;
+    let mut file = Output::create_as(&arguments.output, "glb", "a GLB")?;
     if same_file(&arguments.output, &arguments.input.file) {
-        bail!("{} is the input; writing it would lose its examples: name another file", arguments.output.display());
+        bail!("{} is the input; writing it would delete its examples; name another file", arguments.output.display());
     }
     let pool = ThreadPool::new(arguments.threads as usize)?;
     let pictures: &[Kind] = if arguments.png.is_some() { &Kind::ALL } else { &[] };
@@ -118,7 +121,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     bar.set_message("reading");
     let source = arguments.input.load(&pool)?;
     if arguments.png.is_some() && source.set.mesh().triangles().is_empty() {
-        bail!("the mesh has no triangles, so there is nothing to draw; leave --png out");
+        bail!("the mesh has no triangles, so no picture can be drawn; remove --png");
     }
     bar.inc(1);
 
@@ -203,7 +206,7 @@ fn deform(arguments: &Arguments, instance: &mut Instance, source: &Source, pool:
     let mut seen = Vertices::at_rest(source.set.mesh());
     let done = gpu::deform(instance, &source.set, adapter, &mut seen)?;
     let compared = compared(&seen, &vertices);
-    let by = format!("{}, the upload of the mesh and its examples among it; {compared}", done.adapter);
+    let by = format!("{}, including the upload of the mesh and its examples; {compared}", done.adapter);
     Ok(Deformed { vertices: seen, time: done.time, by })
 }
 
@@ -302,15 +305,7 @@ fn report(
             millimetres(deepest.1)
         )?;
     }
-    let clamped = outcomes.iter().filter(|o| o.clamped).count();
-    if clamped > 0 {
-        let limit = millimetres(instance.depth_limit());
-        writeln!(
-            text,
-            "  {} asked for more than the depth limit of {limit} mm and got that.",
-            count(clamped, "impact", "impacts")
-        )?;
-    }
+    warnings(&mut text, set, instance.depth_limit(), impacts, outcomes)?;
     writeln!(
         text,
         "  Deformed {} vertices in {:.2} ms on {}.",
@@ -326,11 +321,55 @@ fn report(
     Ok(text)
 }
 
-/// What answered a hit, or why nothing did.
+/// Impacts whose numbers are probably in the wrong unit or space.
+fn warnings(
+    text: &mut String,
+    set: &ExampleSet,
+    limit: f32,
+    impacts: &[Impact],
+    outcomes: &[Outcome],
+) -> std::fmt::Result {
+    let name = |i: usize| match &impacts[i].name {
+        Some(name) => format!("impact {i} '{name}'"),
+        None => format!("impact {i}"),
+    };
+    let worst = |values: Vec<(usize, f32)>| values.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
+    let all = || outcomes.iter().enumerate();
+    let clamped: Vec<_> =
+        all().filter(|(_, o)| o.clamped).map(|(i, o)| (i, Vec3::from(o.target).as_dvec3().length() as f32)).collect();
+    let cut = clamped.len();
+    if let Some((i, most)) = worst(clamped) {
+        writeln!(
+            text,
+            "  Warning: {} asked for more than the depth limit of {} mm and got the limit; {} asked for {} mm.",
+            count(cut, "impact", "impacts"),
+            millimetres(limit),
+            name(i),
+            millimetres(most)
+        )?;
+    }
+    let bounds = set.mesh().bounds();
+    let far = FAR_OFF * bounds.max.distance(bounds.min);
+    let off: Vec<_> = all().filter(|(_, o)| o.contact_distance > far).map(|(i, o)| (i, o.contact_distance)).collect();
+    let missed = off.len();
+    if let Some((i, most)) = worst(off) {
+        writeln!(
+            text,
+            "  Warning: {} more than {} mm from the nearest vertex; {} is {} mm off. Check the points' space and unit (m).",
+            if missed == 1 { "1 impact lies".to_owned() } else { format!("{missed} impacts lie") },
+            millimetres(far),
+            name(i),
+            millimetres(most)
+        )?;
+    }
+    Ok(())
+}
+
+/// The examples of a hit's mark, or the reason why it has no mark.
 fn chosen(source: &Source, outcome: &Outcome) -> String {
     match outcome.status {
         HitStatus::BelowYield => return "below yield: no mark".into(),
-        HitStatus::NothingReaches => return "no example reaches the contact in that direction".into(),
+        HitStatus::NothingReaches => return "no example moves the contact in that direction".into(),
         _ => {}
     }
     let parts: Vec<String> = outcome

@@ -1,4 +1,4 @@
-//! `crumple bake`: a mesh's example set made ready once, in a file that loads at once, and what that cost in accuracy.
+//! `crumple bake`: builds a mesh's example set, writes it as a .crumple file and reports its size and accuracy.
 
 use crate::{
     output::{Output, progress},
@@ -18,33 +18,34 @@ const SPARSE: usize = 16;
 pub struct Arguments {
     #[command(flatten)]
     input: Input,
-    /// Where to write the baked set
+    /// File for the baked set
     #[arg(short, long, value_name = "OUT.crumple")]
     output: PathBuf,
-    /// How far an example may put a vertex off, such as 0.1mm (um, mm, cm, m, in; a bare number is metres). Without it
-    /// every displacement is kept as exact floats
+    /// Largest position error of a stored example, such as 0.1mm (um, mm, cm, m, in; a bare number is metres) [default: exact
+    /// floats]
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     tolerance: Option<f32>,
-    /// With a tolerance: how far an example may turn a normal off, such as 1deg or 0.02rad (a bare number is degrees)
+    /// Largest error of a stored normal, such as 1deg or 0.02rad (a bare number is degrees); needs --tolerance
     #[arg(long, value_name = "ANGLE", value_parser = angle, requires = "tolerance")]
     normal_tolerance: Option<f32>,
-    /// Nodes along the longest side of what carried dents are read from; with a tolerance, at most
+    /// Nodes along the longest side of the grid that a carried dent is stored in; with --tolerance, the largest number
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..=128))]
     stamp_resolution: Option<u32>,
-    /// No vertex ever moves further than this; the deepest example where left out
+    /// No vertex moves further than this [default: the depth of the deepest example]
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     depth_limit: Option<f32>,
-    /// Mass of a vertex, such as 0.5kg (g, kg, lb; a bare number is kilograms), for impulses that bring none of their own
+    /// Calibration mass of impulses that have none of their own, such as 0.5kg (g, kg, lb; a bare number is kilograms). An impulse
+    /// moves its contact by impulse * duration / mass
     #[arg(long, value_name = "MASS", value_parser = mass)]
     vertex_mass: Option<f32>,
-    /// Put the vertices into an order in which neighbours in space are neighbours in memory: smaller and faster, but your
-    /// vertex buffers must follow it (see --permutation)
+    /// Sort the vertices by place, which makes the set smaller and faster. Your vertex buffers must use the same order (see
+    /// --permutation)
     #[arg(long)]
     reorder: bool,
-    /// Where to write that order: of each vertex its number in the source, little-endian u32; it is in the baked set too
+    /// File for that order: the source index of each vertex, as little-endian u32. The baked set has it too
     #[arg(long, value_name = "FILE", requires = "reorder")]
     permutation: Option<PathBuf>,
-    /// Threads; 0 is one for each core
+    /// Number of threads; 0 is one per core
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1024))]
     threads: u32,
 }
@@ -52,7 +53,7 @@ pub struct Arguments {
 /// A number and what follows it.
 fn split(text: &str) -> (Option<f64>, &str) {
     let text = text.trim();
-    // The longest beginning that is a number: "1e-4m" is one and a metre, "5e" five and an unknown unit.
+    // The longest prefix that is a number: "1e-4m" is 1e-4 and metres, "5e" is 5 and an unknown unit.
     let ends = (1..=text.len()).rev().filter(|at| text.is_char_boundary(*at));
     let number = |at: &usize| text[..*at].bytes().all(|b| b"0123456789+-.eE".contains(&b));
     ends.filter(number)
@@ -71,7 +72,7 @@ fn mass(text: &str) -> Result<f32, String> {
     quantity(text, &UNITS, ("mass", "0.5kg"), "g, kg or lb, or none for kilograms")
 }
 
-/// Something above 0 in one of these units.
+/// A number above 0 in one of these units.
 fn quantity(text: &str, units: &[(&str, f64)], (noun, example): (&str, &str), names: &str) -> Result<f32, String> {
     let (Some(number), unit) = split(text) else {
         return Err(format!("it must be a {noun}, such as {example}"));
@@ -98,9 +99,9 @@ fn angle(text: &str) -> Result<f32, String> {
 pub fn run(arguments: &Arguments) -> Result<String> {
     let shown = arguments.input.file.display();
     if arguments.input.is_baked()? {
-        bail!("{shown} is baked already; bake the artist's file again with other options");
+        bail!("{shown} is baked already; bake its source file again with the other options");
     }
-    let mut file = Output::create(&arguments.output)?;
+    let mut file = Output::create_as(&arguments.output, "crumple", "a .crumple file")?;
     let mut permutation = arguments.permutation.as_deref().map(Output::create).transpose()?;
     ensure!(
         arguments.permutation.as_deref() != Some(&arguments.output),
@@ -124,7 +125,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
         normal_tolerance: arguments.normal_tolerance.unwrap_or(defaults.normal_tolerance),
         ..defaults
     };
-    // What the baked set is compared with; of it only what stays where it was made is looked at.
+    // The reference for the errors below, which compare anchored examples only.
     let exact = SetOptions { tolerance: None, stamp_resolution: 4, mirror: false, held_rims: false, ..options.clone() };
     let exact = ExampleSet::build(mesh.clone(), examples.clone(), exact, &pool).with_context(|| shown.to_string())?;
     bar.inc(1);
@@ -143,7 +144,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     file.fill(&bytes)?;
     let length = bytes.len();
     let start = Instant::now();
-    ExampleSet::load(bytes, &pool).context("what was baked does not load")?;
+    ExampleSet::load(bytes, &pool).context("the baked set does not load")?;
     let loaded = start.elapsed();
     file.commit()?;
     permutation.map(Output::commit).transpose()?;
@@ -153,16 +154,11 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     sizes(&mut text, &set, &exact, length);
     errors(&mut text, &set, &exact)?;
     stamps(&mut text, &set)?;
-    writeln!(
-        text,
-        "\n  Made ready in {:.0} ms; loads in {:.2} ms.",
-        built.as_secs_f64() * 1e3,
-        loaded.as_secs_f64() * 1e3
-    )?;
+    writeln!(text, "\n  Built in {:.0} ms; loads in {:.2} ms.", built.as_secs_f64() * 1e3, loaded.as_secs_f64() * 1e3)?;
     if let Some(path) = &arguments.permutation {
-        writeln!(text, "  Wrote {}: of each vertex its number in the source.", path.display())?;
+        writeln!(text, "  Wrote {}: the source index of each vertex.", path.display())?;
     } else if arguments.reorder {
-        writeln!(text, "  Vertices are in another order than the source's; --permutation FILE writes which.")?;
+        writeln!(text, "  The order of the vertices differs from the source's; --permutation FILE writes it.")?;
     }
     Ok(text)
 }
@@ -171,7 +167,7 @@ fn megabytes(bytes: usize) -> String {
     if bytes < 100_000 { format!("{:.1} kB", bytes as f64 * 1e-3) } else { format!("{:.2} MB", bytes as f64 * 1e-6) }
 }
 
-/// Where the bytes go, against the plain sparse form.
+/// The bytes of each part, compared with the plain sparse form.
 fn sizes(text: &mut String, set: &ExampleSet, exact: &ExampleSet, file: usize) {
     let report = set.report();
     // Both forms are measured by the vertices that the source moves.
@@ -191,7 +187,7 @@ fn sizes(text: &mut String, set: &ExampleSet, exact: &ExampleSet, file: usize) {
     let dropped = exact.report().moved_vertices - report.moved_vertices.min(exact.report().moved_vertices);
     let _ = writeln!(
         text,
-        "\n  moved     {} in {}; {} moved by no more than the tolerance and were dropped",
+        "\n  moved     {} in {}; {} moved by at most the tolerance and were dropped",
         count(moved, "vertex", "vertices"),
         count(set.examples().len(), "example", "examples"),
         dropped
@@ -219,7 +215,7 @@ impl Error {
     }
 }
 
-/// How far the baked examples are off the source's, measured.
+/// Measures the difference between the baked examples and the source's.
 fn errors(text: &mut String, set: &ExampleSet, exact: &ExampleSet) -> Result<()> {
     let (mut positions, mut normals) = (Error::default(), Error::default());
     let base = set.mesh().normals();
@@ -254,7 +250,7 @@ fn errors(text: &mut String, set: &ExampleSet, exact: &ExampleSet) -> Result<()>
     Ok(())
 }
 
-/// What carried dents are read from, and whether it holds the tolerance.
+/// The grids that carried dents are stored in, and whether they hold the tolerance.
 fn stamps(text: &mut String, set: &ExampleSet) -> Result<()> {
     let all: Vec<(&str, &Stamp)> = set.examples().iter().filter_map(|e| Some((e.name(), e.stamp()?))).collect();
     if all.is_empty() {
@@ -275,8 +271,8 @@ fn stamps(text: &mut String, set: &ExampleSet) -> Result<()> {
     if let (true, Some((name, worst))) = (held < all.len(), worst) {
         writeln!(
             text,
-            "\n  {held} of {} hold the tolerance when carried; {name} is off by up to {} mm: no grid of up to {} nodes a side \
-             holds it. Where examples stay as they were made, all do.",
+            "\n  {held} of {} hold the tolerance when carried. {name} is off by up to {} mm: no grid of up to {} nodes a side \
+             is finer. Anchored, every example holds it.",
             count(all.len(), "stamp", "stamps"),
             millimetres(off(worst)),
             set.options().stamp_resolution

@@ -6,9 +6,9 @@ use crumple::{ExampleSet, Instance};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// What was done, and on what.
+/// The device of a deformation and its time.
 pub struct Done {
-    /// The adapter's name, with the interface it was reached by.
+    /// The adapter's name and its graphics interface.
     pub adapter: String,
     /// From the first upload to the last vertex, without reading them back.
     pub time: Duration,
@@ -16,10 +16,10 @@ pub struct Done {
 
 #[cfg(not(feature = "wgpu"))]
 pub fn deform(_: &Instance, _: &Arc<ExampleSet>, _: &str, _: &mut Vertices) -> Result<Done> {
-    anyhow::bail!("--gpu: this build has no GPU; build it with --features cli,wgpu")
+    anyhow::bail!("--gpu: this build cannot use a GPU; build it with --features cli,wgpu")
 }
 
-/// Writes the vertices of an instance whose hits were folded, as a device computes them whose name holds `adapter`.
+/// Deforms an instance, whose hits are folded, on the device whose name contains `adapter`.
 #[cfg(feature = "wgpu")]
 pub fn deform(instance: &Instance, set: &Arc<ExampleSet>, adapter: &str, to: &mut Vertices) -> Result<Done> {
     use crumple::wgpu::wgpu::{BufferDescriptor, BufferUsages, PollType, VertexFormat};

@@ -1,4 +1,4 @@
-//! The JSON list of impacts; its keys are documented in `docs/impacts.md`.
+//! Reads and writes the JSON list of impacts, whose keys `docs/impacts.md` documents.
 
 use anyhow::{Context, Result, anyhow, bail};
 use crumple::{Cause, Hit, Space};
@@ -7,7 +7,7 @@ use serde_json::value::RawValue;
 use std::num::NonZeroU64;
 use std::path::Path;
 
-/// One impact as the file has it. Numbers are f64 here, so that one too large for f32 is noticed.
+/// One impact of the file. Numbers are f64, so that a number too large for f32 can be refused.
 #[derive(Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "lowercase")]
 struct Entry {
@@ -54,16 +54,21 @@ pub fn read(path: &Path) -> Result<Vec<Impact>> {
 fn parse(text: &str) -> Result<Vec<Impact>> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let raw: Vec<&RawValue> = serde_json::from_str(text).map_err(|e| {
-        if e.is_data() { anyhow!("not a list of impacts [{{…}}, …]: {e}") } else { anyhow!("not JSON: {e}") }
+        if e.is_data() {
+            anyhow!("the file is not a list of impacts, [{{…}}, …]")
+        } else {
+            anyhow!("not JSON: {e}")
+        }
     })?;
     if raw.is_empty() {
-        bail!("the list of impacts is empty; there is nothing to do");
+        bail!("the list of impacts is empty; give at least one");
     }
     raw.iter().enumerate().map(|(i, raw)| entry(raw.get()).with_context(|| format!("impact {i}"))).collect()
 }
 
 fn entry(raw: &str) -> Result<Impact> {
-    let entry: Entry = serde_json::from_str(raw).map_err(|e| explain(&e, raw))?;
+    let entry: Entry =
+        serde_path_to_error::deserialize(&mut serde_json::Deserializer::from_str(raw)).map_err(|e| explain(&e, raw))?;
     let point = vector("point", entry.point)?;
     let number = |key: &'static str, value: Option<f64>| -> Result<f32> {
         let value = value.ok_or_else(|| anyhow!("'impulse' needs '{key}' beside it"))?;
@@ -78,7 +83,7 @@ fn entry(raw: &str) -> Result<Impact> {
         (Some(displacement), None) => {
             for (key, value) in [("duration", entry.duration), ("mass", entry.mass)] {
                 if value.is_some() {
-                    bail!("'{key}' goes with 'impulse', not with 'displacement'");
+                    bail!("'{key}' needs 'impulse' and cannot be given with 'displacement'");
                 }
             }
             Cause::Displacement(vector("displacement", displacement)?)
@@ -105,9 +110,12 @@ fn vector(key: &str, value: [f64; 3]) -> Result<[f32; 3]> {
     Ok(value.map(|v| v as f32))
 }
 
-/// serde_json tells where, counted from the impact's own start; the reader of the file needs what.
-fn explain(error: &serde_json::Error, raw: &str) -> anyhow::Error {
+/// serde's error in words for who wrote the file: the key, the value, and what would be right.
+fn explain(error: &serde_path_to_error::Error<serde_json::Error>, raw: &str) -> anyhow::Error {
+    let (path, error) = (error.path().to_string(), error.inner());
+    let key = if path == "." { "the impact" } else { &path };
     let text = error.to_string();
+    // The line and column count from the impact's own start.
     let what = text.split(" at line ").next().unwrap_or(&text);
     if what.contains("number out of range") {
         let line = raw.lines().nth(error.line().saturating_sub(1)).unwrap_or(raw);
@@ -115,14 +123,35 @@ fn explain(error: &serde_json::Error, raw: &str) -> anyhow::Error {
         let number = |c: char| c.is_ascii_digit() || "+-.eE".contains(c);
         let start = line.as_bytes()[..end].iter().rposition(|&b| !number(b as char)).map_or(0, |p| p + 1);
         let stop = line.as_bytes()[end..].iter().position(|&b| !number(b as char)).map_or(line.len(), |p| end + p);
-        return anyhow!("{} is out of range; numbers must be within 3.4e38 of zero", &line[start..stop]);
+        return anyhow!("{key}: {} is out of range; numbers must be within 3.4e38 of zero", &line[start..stop]);
+    }
+    let mismatch = what.strip_prefix("invalid type: ").or(what.strip_prefix("invalid value: "));
+    if let Some((found, expected)) = mismatch.and_then(|t| t.rsplit_once(", expected ")) {
+        return anyhow!("{key} is {}; it must be {}", json_name(found), json_name(expected));
+    }
+    if let Some(length) = what.strip_prefix("invalid length ").and_then(|t| t.split(',').next()) {
+        return anyhow!("{key} has {length} numbers; it must have 3");
     }
     anyhow!("{what}")
 }
 
-/// The file for displacements at points, m.
+/// serde's name of a type, or of a value with its type, as a reader of JSON knows it.
+fn json_name(serde: &str) -> String {
+    let value = ["integer `", "floating point `", "boolean `"].iter().find_map(|kind| serde.strip_prefix(kind));
+    match (value.and_then(|v| v.strip_suffix('`')), serde) {
+        (Some(value), _) => value.into(),
+        (_, "f64") => "a number".into(),
+        (_, "a nonzero u64") => "a whole number above 0".into(),
+        (_, "struct Entry" | "map") => "an object {…}".into(),
+        (_, "sequence") => "a list".into(),
+        (_, t) if t.starts_with("an array of length 3") => "a list of 3 numbers".into(),
+        (_, t) => t.strip_prefix("string ").map_or_else(|| t.to_owned(), |text| format!("the text {text}")),
+    }
+}
+
+/// The text of a list of displacements at points, m.
 pub fn format(impacts: &[([f32; 3], [f32; 3])]) -> Result<String> {
-    // Through the shortest text of an f32, so that the file shows 0.1 and not 0.10000000149.
+    // By way of the shortest text of an f32: the file shows 0.1, not 0.10000000149.
     let exact = |v: [f32; 3]| v.map(|c| c.to_string().parse::<f64>().unwrap_or(f64::from(c)));
     let mut text = String::from("[\n");
     for (i, &(point, displacement)) in impacts.iter().enumerate() {
@@ -137,4 +166,56 @@ pub fn format(impacts: &[([f32; 3], [f32; 3])]) -> Result<String> {
     }
     text.push_str("]\n");
     Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lists that are refused, and what the message says. `P` stands for a point, `U` for a displacement.
+    const REFUSED: &[(&str, &str)] = &[
+        ("", "not JSON"),
+        ("[{]", "not JSON: key must be a string at line 1 column 3"),
+        ("{}", "the file is not a list of impacts, [{…}, …]"),
+        ("[]", "the list of impacts is empty"),
+        ("[1]", "impact 0: the impact is 1; it must be an object {…}"),
+        (r#"[{P, U}, {P, "displacment": [0,0,-1]}]"#, "impact 1: unknown field `displacment`, expected one of"),
+        (r#"[{P, "displacment": [0,0,-1]}]"#, "`displacement`"),
+        ("[{U}]", "impact 0: missing field `point`"),
+        ("[{P}]", "impact 0: neither 'displacement' (m) nor 'impulse' (N s)"),
+        (r#"[{P, U, "impulse": [0,0,1]}]"#, "both"),
+        (r#"[{P, U, "mass": 1}]"#, "'mass' needs 'impulse'"),
+        (r#"[{P, "impulse": [0,0,1], "mass": 1}]"#, "'impulse' needs 'duration'"),
+        (r#"[{"point": [0,0], U}]"#, "impact 0: point has 2 numbers; it must have 3"),
+        (r#"[{"point": 7, U}]"#, "point is 7; it must be a list of 3 numbers"),
+        (r#"[{P, U, "space": "wrold"}]"#, "unknown variant `wrold`, expected `local` or `world`"),
+        (r#"[{P, U, "contact": 0}]"#, "contact is 0; it must be a whole number above 0"),
+        ("[{P, P, U}]", "duplicate field `point`"),
+        (r#"[{"point": [0,0,1e999], U}]"#, "impact 0: point[2]: 1e999 is out of range"),
+        ("[\n{P, U},\n{P,\n\"displacement\": [0,-1e999,0]}]", "impact 1: displacement[1]: -1e999 is out of range"),
+        (r#"[{"point": [0,4e38,0], U}]"#, "impact 0: point[1] is 4e38"),
+        (r#"[{P, "impulse": [0,0,1], "duration": 0, "mass": 1}]"#, "duration is 0; it must be above 0"),
+        (r#"[{P, "impulse": [0,0,1], "duration": 1, "mass": -2}]"#, "mass is -2; it must be above 0"),
+        // below the smallest f32
+        (r#"[{P, "impulse": [0,0,1], "duration": 1e-60, "mass": 1}]"#, "must be above 0"),
+        (r#"[{"point": [0,0,NaN], U}]"#, "not JSON"),
+        (r#"[{"point": [0,0,"1"], U}]"#, "impact 0: point[2] is the text \"1\"; it must be a number"),
+        (r#"[{"point": [0,{},0], U}]"#, "point[1] is an object {…}; it must be a number"),
+        (r#"[{"point": [0,true,0], U}]"#, "point[1] is true; it must be a number"),
+        (r#"[{"point": [0,null,0], U}]"#, "point[1] is null; it must be a number"),
+        (r#"[{"point": [0,[0],0], U}]"#, "point[1] is a list; it must be a number"),
+    ];
+
+    #[test]
+    fn refusals_name_the_impact_the_key_and_what_would_be_right() {
+        for (json, part) in REFUSED {
+            let json = json.replace('P', r#""point": [0,0,0]"#).replace('U', r#""displacement": [0,0,-1]"#);
+            let error = format!("{:#}", parse(&json).expect_err(&json));
+            assert!(error.contains(part), "'{part}' is not in: {error}");
+        }
+        let file = tempfile::NamedTempFile::new().expect("a file");
+        std::fs::write(file.path(), b"[\xff]").expect("written");
+        let error = read(file.path()).expect_err("not UTF-8").to_string();
+        assert!(error.contains("not UTF-8 at byte 1"), "{error}");
+    }
 }

@@ -1,4 +1,4 @@
-//! `crumple info`: what a file's mesh and examples are, what they show of each other, and where they do not reach.
+//! `crumple info`: a file's mesh and examples, how well the examples predict each other, and where they do not reach.
 
 use crate::{
     picture::millimetres,
@@ -52,14 +52,14 @@ fn body(text: &mut String, source: &Source) -> Result<()> {
         let held = count(report.held_vertices, "vertex", "vertices");
         writeln!(
             text,
-            "  rim       {held} on edges that the examples show to be held; carried dents leave them where they are"
+            "  rim       {held} on edges that the examples show to be held; carried dents do not move them"
         )?;
     }
     if report.welded > 0 {
         let widest = millimetres(report.widest_weld);
         writeln!(
             text,
-            "  note      examples tear {} seam vertices apart, by up to {widest} mm; they were welded",
+            "  note      the examples tear {} seam vertices apart, by up to {widest} mm; they were welded",
             report.welded
         )?;
     }
@@ -68,6 +68,27 @@ fn body(text: &mut String, source: &Source) -> Result<()> {
     }
     if report.degenerate_triangles > 0 {
         writeln!(text, "  note      {} triangles have no area", report.degenerate_triangles)?;
+    }
+    levels(text, &source.set)
+}
+
+/// A level of detail further off the base surface than this is reported, as a share of the body's diagonal.
+const FAR_OFF: f32 = 0.02;
+
+/// The levels of detail, and which of them are probably of another body or in another unit.
+fn levels(text: &mut String, set: &ExampleSet) -> Result<()> {
+    let bounds = set.mesh().bounds();
+    let far = FAR_OFF * bounds.max.distance(bounds.min);
+    for (i, level) in set.report().lods.iter().enumerate() {
+        let (vertices, off) = (count(level.vertices, "vertex", "vertices"), millimetres(level.farthest));
+        writeln!(text, "  level {}   {vertices}, at most {off} mm off the base surface", i + 1)?;
+        if level.farthest > far {
+            writeln!(
+                text,
+                "  warning   level {} lies far off the base surface; is it the same body, in the same space and unit (m)?",
+                i + 1
+            )?;
+        }
     }
     Ok(())
 }
@@ -123,10 +144,13 @@ fn learned(text: &mut String, set: &ExampleSet) -> Result<()> {
     let learned = set.learned();
     let (Some(median), Some((worst, error))) = (learned.median(), learned.worst()) else { return Ok(()) };
     text.push_str("\n  Examples predict each other\n");
-    writeln!(text, "  error     {median:.2} in the median of the field left out; 0 is perfect, no dent at all is 1")?;
+    writeln!(
+        text,
+        "  error     {median:.2}, median over the examples left out in turn; 0 is perfect, no dent at all is 1"
+    )?;
     let name: String = set.examples()[worst].name().chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     writeln!(text, "  worst     {error:.2}, {name} (#{worst}): one more near it would help most")?;
-    writeln!(text, "  reach     what an example says fades over {:.1} diagonals", learned.place_width)?;
+    writeln!(text, "  reach     the influence of an example fades over {:.1} diagonals", learned.place_width)?;
     let stay: Vec<String> =
         (0..learned.anchored.len()).filter(|i| learned.anchored[*i]).map(|i| i.to_string()).collect();
     match stay.len() {
@@ -156,11 +180,11 @@ fn reach(text: &mut String, set: &ExampleSet) -> Result<()> {
     }
     text.push('\n');
     if missed == 0 {
-        writeln!(text, "  Where they were made, the examples move every vertex.")?;
+        writeln!(text, "  Anchored, the examples move every vertex.")?;
     } else {
         writeln!(
             text,
-            "  Where they were made, the examples do not move {} of {} vertices ({}; {} of the area).",
+            "  Anchored, the examples do not move {} of {} vertices ({}; {} of the area).",
             missed,
             set.vertex_count(),
             percent(missed as f64, set.vertex_count() as f64),
@@ -183,7 +207,7 @@ fn reach(text: &mut String, set: &ExampleSet) -> Result<()> {
     let near: f64 = areas.iter().zip(mesh.positions()).filter(|(_, p)| stays(set, **p)).map(|(a, _)| a).sum();
     writeln!(
         text,
-        "  A hit on {} of the area finds an example made there; if it is about as deep, it stays where it is. Elsewhere examples are carried.",
+        "  On {} of the area a hit is near the contact of an example, which stays anchored if it is about as deep. Elsewhere examples are carried.",
         percent(near, area)
     )?;
     Ok(())

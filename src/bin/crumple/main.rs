@@ -16,7 +16,7 @@ use anyhow::Result;
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
-/// Dents meshes by example: a base mesh, a few dents made by an artist or a solver, and a list of impacts.
+/// Dents meshes. The input is a base mesh, a few examples of dents, and a list of impacts
 #[derive(Parser)]
 #[command(name = "crumple", version, arg_required_else_help = true)]
 struct Arguments {
@@ -26,15 +26,15 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Tell what a file's mesh and examples are, and which part of the body the examples do not reach
+    /// Print what a file's mesh and examples are, and which part of the body the examples do not reach
     Info(info::Arguments),
-    /// Make a mesh's example set ready once and write it as a .crumple file, which loads at once
+    /// Build a mesh's example set and write it as a .crumple file, which loads without being built again
     Bake(bake::Arguments),
-    /// Dent a mesh by a list of impacts and write it as a GLB
+    /// Dent a mesh with a list of impacts and write it as a GLB
     Apply(apply::Arguments),
     /// Write a list of impacts to start from
     Sample(sample::Arguments),
-    /// Make the calls of a recording again and compare what they give
+    /// Repeat the calls of a recording and compare their results with the recorded ones
     Replay(replay::Arguments),
 }
 
@@ -49,7 +49,7 @@ fn main() -> ExitCode {
     match result.and_then(|text| print(&text)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            // One line, whatever the text came from.
+            // One line, even if a file's text has line ends.
             let line = format!("{error:#}").split_whitespace().collect::<Vec<_>>().join(" ");
             output::complain(&format!("error: {line}"));
             ExitCode::FAILURE
@@ -57,7 +57,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Prints a report. A reader that has gone away (`| head`) is no error.
+/// Prints a report. It is no error if the reader has closed the pipe (`| head`).
 fn print(text: &str) -> Result<()> {
     use std::io::Write;
     match std::io::stdout().lock().write_all(text.as_bytes()) {

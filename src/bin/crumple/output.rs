@@ -1,4 +1,4 @@
-//! Files are written beside their place and renamed into it: nobody ever sees half of one.
+//! Writes files under a temporary name and renames them when they are complete.
 
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -9,7 +9,8 @@ use std::{
     time::Duration,
 };
 
-/// A file to come. Its place is tried before the long work starts, and left as it was unless [`Output::commit`] succeeds.
+/// A file that is not yet in its place. Creating it before the long work starts finds out whether the place can be written. The
+/// place stays as it was unless [`Output::commit`] succeeds.
 pub struct Output {
     path: PathBuf,
     temporary: PathBuf,
@@ -17,12 +18,20 @@ pub struct Output {
 }
 
 impl Output {
+    /// An output in the one format that a command writes, which the name's ending must say.
+    pub fn create_as(path: &Path, ending: &str, format: &str) -> Result<Output> {
+        if path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending)) {
+            return Output::create(path);
+        }
+        bail!("cannot write {}: this command writes {format}; name a file that ends in .{ending}", path.display());
+    }
+
     pub fn create(path: &Path) -> Result<Output> {
         let shown = path.display();
         if path.is_dir() {
             bail!("cannot write {shown}: it is a directory; name a file");
         }
-        let Some(name) = path.file_name() else { bail!("cannot write '{shown}': it names no file") };
+        let Some(name) = path.file_name() else { bail!("cannot write '{shown}': it is not the name of a file") };
         let folder = match path.parent() {
             Some(p) if !p.as_os_str().is_empty() => p,
             _ => Path::new("."),
@@ -38,13 +47,13 @@ impl Output {
         Ok(Output { path: path.to_owned(), temporary, file })
     }
 
-    /// Writes everything, but not yet in its place.
+    /// Writes the bytes under the temporary name.
     pub fn fill(&mut self, bytes: &[u8]) -> Result<()> {
         let written = self.file.write_all(bytes).and_then(|()| self.file.sync_all());
         written.with_context(|| format!("cannot write {}", self.path.display()))
     }
 
-    /// Puts what was written in its place.
+    /// Renames the file into its place.
     pub fn commit(self) -> Result<()> {
         fs::rename(&self.temporary, &self.path).with_context(|| format!("cannot write {}", self.path.display()))
     }
@@ -57,7 +66,7 @@ impl Drop for Output {
     }
 }
 
-/// A bar for `steps` steps of long work; drawn on a terminal only.
+/// A progress bar of `steps` steps; it is drawn only on a terminal.
 pub fn progress(steps: usize) -> ProgressBar {
     let bar = ProgressBar::new(steps as u64);
     if let Ok(style) = ProgressStyle::with_template("{spinner} {msg:<24} {bar:32} {pos}/{len} {elapsed}") {
@@ -67,7 +76,7 @@ pub fn progress(steps: usize) -> ProgressBar {
     bar
 }
 
-/// A line on stderr; where there is no stderr, nobody wants it.
+/// Writes a line to stderr, if there is a stderr.
 pub fn complain(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }

@@ -1,4 +1,4 @@
-//! `crumple replay`: makes the calls of a recording again.
+//! `crumple replay`: repeats the calls of a recording.
 
 use crate::table::count;
 use anyhow::{Context, Result, bail};
@@ -8,12 +8,12 @@ use std::path::PathBuf;
 
 #[derive(Args)]
 pub struct Arguments {
-    /// What crumple_recording_begin() wrote
+    /// The recording, a file that crumple_recording_begin() wrote
     file: PathBuf,
-    /// Print every call before it is made: the last one is where a crash is
+    /// Print every call before it is made; after a crash, the last line is the call that crashed
     #[arg(long)]
     list: bool,
-    /// Threads that deform; 0: one a core. The results are the same
+    /// Number of threads that deform; 0 is one per core. It does not change the results
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1024))]
     threads: u32,
 }
@@ -23,7 +23,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     let bytes = std::fs::read(&arguments.file).with_context(|| format!("cannot read {shown}"))?;
     let mut each = |number: u64, call: fmt::Arguments<'_>| {
         if arguments.list {
-            // A reader that has gone away is told by the report at the end.
+            // A closed pipe is reported when the report is printed.
             let _ = crate::print(&format!("{number:6}  {call}\n"));
         }
     };
@@ -34,7 +34,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     let other = if then == now { String::new() } else { format!(" (recorded by {then}, replayed by {now})") };
     if let Some(first) = &found.first {
         bail!(
-            "{shown}: {} of {} give something else than was recorded{other}; the first is call {}, {}: {}",
+            "{shown}: {} of {} differ from the recording{other}; the first is call {}, {}: {}",
             found.differences,
             count(found.calls as usize, "call", "calls"),
             first.call,
@@ -45,17 +45,17 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     let mut text = format!("{shown}: recorded by {then}\n");
     writeln!(
         text,
-        "  {}, {} among them, give what was recorded; {} wrote {}",
+        "  {} ({} among them) match the recording; {} wrote {}",
         count(found.calls as usize, "call", "calls"),
         count(found.hits as usize, "hit", "hits"),
         count(found.deforms as usize, "deform", "deforms"),
         count(found.vertices_written as usize, "vertex", "vertices"),
     )?;
     if !found.complete {
-        writeln!(text, "  the recording has no end: the program ended, perhaps in the last of these calls")?;
+        writeln!(text, "  the recording has no end: the program ended, perhaps inside the last of these calls")?;
     }
     for refused in &found.refused {
-        writeln!(text, "  refused then: {refused}")?;
+        writeln!(text, "  refused when recorded: {refused}")?;
     }
     Ok(text)
 }

@@ -13,10 +13,10 @@ const CANDIDATES: usize = 24;
 pub struct Arguments {
     #[command(flatten)]
     input: Input,
-    /// Where to write the impacts
+    /// File for the impacts
     #[arg(short, long, value_name = "IMPACTS.json")]
     output: PathBuf,
-    /// How many
+    /// Number of impacts
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     count: u32,
     /// The same seed gives the same impacts
@@ -25,7 +25,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<String> {
-    let mut file = Output::create(&arguments.output)?;
+    let mut file = Output::create_as(&arguments.output, "json", "JSON")?;
     let source = arguments.input.load(&ThreadPool::new(0)?)?;
     let impacts = sample(&source.set, arguments.count as usize, arguments.seed)?;
     file.fill(impacts::format(&impacts)?.as_bytes())?;
@@ -42,12 +42,12 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     ))
 }
 
-/// Points spread over the surface, each with a displacement (m) into the body along the normal, as deep as the examples.
+/// Points spread over the surface. Each has a displacement (m) into the body along the normal, as deep as the examples.
 fn sample(set: &ExampleSet, count: usize, seed: u64) -> Result<Vec<([f32; 3], [f32; 3])>> {
     let depths = set.examples().iter().filter(|e| !e.is_empty()).map(|e| e.depth());
     let (low, high) = depths.fold((f32::MAX, 0f32), |(l, h), d| (l.min(d), h.max(d)));
     if high <= 0.0 {
-        bail!("no example moves anything, so there is no depth to sample; check the morph targets");
+        bail!("no example moves a vertex, so there is no depth to sample; check the morph targets");
     }
     let mut random = Random(seed);
     let surface = Surface::new(set);
@@ -64,7 +64,7 @@ fn sample(set: &ExampleSet, count: usize, seed: u64) -> Result<Vec<([f32; 3], [f
         }
         let Some((_, p, normal)) = best else {
             bail!(
-                "no triangle with an area is moved by an example, so there is nowhere to hit; write the impacts by hand"
+                "no example moves a triangle that has an area, so there is no place to hit; write the impacts by hand"
             );
         };
         let depth = low + (high - low) * random.unit();
@@ -74,8 +74,8 @@ fn sample(set: &ExampleSet, count: usize, seed: u64) -> Result<Vec<([f32; 3], [f
     Ok(impacts)
 }
 
-/// Triangles with their areas summed up, for picking by area. Only those that some example moves: elsewhere the examples
-/// say nothing about how the body dents, or that it does not.
+/// Triangles with the running sum of their areas, for picking by area. Triangles that no example moves are left out, because
+/// the examples do not show how the body dents there.
 struct Surface<'a> {
     mesh: &'a Mesh,
     sums: Vec<f64>,

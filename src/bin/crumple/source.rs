@@ -1,4 +1,4 @@
-//! A file on disk becomes an example set.
+//! Reads a mesh with its examples from a file.
 
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
@@ -16,12 +16,12 @@ use std::{
 /// Which mesh of which file.
 #[derive(Args)]
 pub struct Input {
-    /// glTF or GLB file with morph targets, an OBJ file (then give --example), or a file that `crumple bake` wrote
+    /// A glTF or GLB file with morph targets, an OBJ file (also give --example), or a .crumple file from `crumple bake`
     pub file: PathBuf,
-    /// Mesh of a glTF file by name, or by index from 0; the first with morph targets where left out
+    /// Mesh of a glTF file, by name or by index from 0 [default: the first mesh with morph targets]
     #[arg(long, value_name = "NAME|INDEX")]
     pub mesh: Option<String>,
-    /// Example of an OBJ base: the same mesh after a collision; may be given many times
+    /// Example for an OBJ base: the same mesh after a collision; repeat the option for more examples
     #[arg(long = "example", value_name = "OBJ")]
     pub examples: Vec<PathBuf>,
 }
@@ -43,13 +43,13 @@ pub enum Kind {
 }
 
 impl Input {
-    /// Reads the file and builds its example set, or loads it ready-made.
+    /// Builds the example set of the file, or loads it if it is baked.
     pub fn load(&self, tasks: &dyn TaskSystem) -> Result<Source> {
         let shown = self.file.display();
         if self.is_baked()? {
             ensure!(
                 self.mesh.is_none() && self.examples.is_empty(),
-                "{shown} is a baked set, which holds one mesh with its examples; leave --mesh and --example out"
+                "{shown} is a baked set, which has one mesh and its own examples; remove --mesh and --example"
             );
             let set = ExampleSet::load_file(&self.file, tasks).with_context(|| shown.to_string())?;
             let name = self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -76,27 +76,29 @@ impl Input {
         Ok(ExampleSet::is_saved(&start))
     }
 
-    /// Reads a file of an artist's.
+    /// Reads a glTF, GLB or OBJ file.
     pub fn import(&self) -> Result<(Imported, Kind)> {
         let shown = self.file.display();
         let is_obj = self.file.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
         let bytes = std::fs::read(&self.file).with_context(|| format!("cannot read {shown}"))?;
         if is_obj {
-            ensure!(self.mesh.is_none(), "--mesh chooses within a glTF file; {shown} is an OBJ, all of it is the mesh");
+            ensure!(self.mesh.is_none(), "--mesh chooses a mesh of a glTF file; {shown} is an OBJ, which is one mesh");
             ensure!(
                 !self.examples.is_empty(),
-                "{shown} is an OBJ, which holds no examples: give one or more with --example FILE.obj"
+                "{shown} is an OBJ, which has no examples; give one or more with --example FILE.obj"
             );
             let imported = import::obj_files(&self.file, &self.examples).with_context(|| shown.to_string())?;
             Ok((imported.clone(), Kind::Obj(Box::new(imported))))
         } else {
             ensure!(
                 self.examples.is_empty(),
-                "--example goes with an OBJ base; the examples of {shown} are its morph targets"
+                "--example needs an OBJ base; the examples of {shown} are its morph targets"
             );
             let text = bytes.trim_ascii_start();
             if !bytes.starts_with(b"glTF") && !text.starts_with(b"{") && !text.starts_with(b"\xef\xbb\xbf{") {
-                bail!("{shown} is neither a GLB (it does not begin with 'glTF') nor a glTF (JSON), nor named .obj");
+                bail!(
+                    "{shown} holds no mesh: it is neither a GLB (it does not begin with 'glTF'), a glTF (a JSON object), a .crumple file, nor named .obj"
+                );
             }
             let base_dir = self.file.parent().unwrap_or(Path::new("")).to_owned();
             let imported =
@@ -123,7 +125,7 @@ impl Source {
         }
     }
 
-    /// What a baked set still knows of what it was made from: the mesh.
+    /// The mesh of a baked set in the form that export takes.
     fn as_imported(&self) -> Imported {
         let mesh = self.set.mesh();
         let part = PrimitiveRange {
@@ -148,13 +150,13 @@ impl Source {
         }
     }
 
-    /// Unit: upward in the mesh's space, so that +y is up in the scene, as glTF has it.
+    /// Unit vector in the mesh's space that points up in the scene, where glTF has +y up.
     pub fn up(&self) -> Vec3 {
         self.transform.map_or(Vec3::Y, |m| m.transpose().transform_vector3(Vec3::Y).normalize_or(Vec3::Y))
     }
 }
 
-/// A number is an index, anything else a name.
+/// Reads a number as an index and any other text as a name.
 fn choice(mesh: &Option<String>) -> MeshChoice<'_> {
     match mesh {
         None => MeshChoice::First,

@@ -33,6 +33,7 @@ const PRESENT: &[&str] = &[
     "lib/static-libraries.txt",
     "lib/cmake/Crumple/CrumpleConfig.cmake",
     "docs/integration.md",
+    "docs/reference.md",
     "examples-c/quickstart.c",
     "assets/demo/hood.glb",
 ];
@@ -40,7 +41,7 @@ const PRESENT: &[&str] = &[
 /// The full flavour, made of what other stages built: the release library and the tests' command.
 pub fn stage(workspace: &Workspace) -> Result<Outcome> {
     if cfg!(windows) {
-        return Ok(Outcome::Skipped("not done on Windows, where pkg-config is rare".into()));
+        return Ok(Outcome::NotApplicable("not done on Windows, where pkg-config is rare".into()));
     }
     let parts = Parts {
         flavour: &FULL,

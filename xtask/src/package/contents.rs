@@ -7,8 +7,10 @@ use anyhow::{Context, Result, ensure};
 
 use super::licenses::{FILE as LICENSES, STANDARD_LIBRARY};
 use super::{Parts, files, git, markdown};
+use crate::header::HEADER;
 use crate::install;
 use crate::native::{self, Build};
+use crate::reference;
 use crate::tools::Tool;
 use crate::workspace::Workspace;
 
@@ -62,6 +64,8 @@ pub fn copy(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
     }
     put(&workspace.path(OVERVIEW.0), &folder.join(OVERVIEW.1))?;
     readme(workspace, parts, folder)?;
+    let header = fs::read_to_string(workspace.path(HEADER)).with_context(|| format!("reading {HEADER}"))?;
+    fs::write(folder.join(reference::PAGE), reference::page(&header)?).context("writing the reference page")?;
     unity_plugin(workspace, parts, folder)?;
     engines(workspace, parts, folder)?;
     for page in files(folder)?.iter().filter(|path| path.extension().is_some_and(|extension| extension == "md")) {

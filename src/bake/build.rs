@@ -1,0 +1,386 @@
+//! From plain arrays to an example set.
+
+use super::learn::learn;
+use crate::base::error::reserve;
+use crate::base::math::{rotation_between, tangent_basis, unit};
+use crate::base::tasks::map;
+use crate::example::blocks::{DeltaBlocks, Steps};
+use crate::example::data::{Contact, Deltas, ExampleData, Placement};
+use crate::example::example::Example;
+use crate::example::learned::Learned;
+use crate::example::mesh_lod::MeshLod;
+use crate::example::options::{Combine, Seams, SetOptions, check_options};
+use crate::example::set::{ExampleSet, Parts, deepest};
+use crate::example::stamp::{Source, Stamp};
+use crate::mesh::data::MeshData;
+use crate::mesh::mirror::{self, Mirror};
+use crate::mesh::nearest::VertexIndex;
+use crate::mesh::rim::{self, Rim};
+use crate::mesh::{MAX_COORDINATE, Mesh, finite, normals};
+use crate::{Error, TaskSystem};
+use glam::Vec3;
+use std::sync::Arc;
+use xxhash_rust::xxh3::Xxh3;
+
+/// Displacements below this share of an example's deepest do not count for its support radius.
+const SUPPORT: f32 = 0.01;
+
+impl ExampleSet {
+    /// Checks everything and makes the examples ready; `tasks` runs the work.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`], [`Error::NoExamples`], [`Error::ExampleMismatch`], [`Error::IndexOutOfRange`],
+    /// [`Error::NotFinite`], [`Error::InvalidArgument`] or [`Error::OutOfMemory`], each naming the value.
+    pub fn build(
+        mesh: MeshData,
+        examples: Vec<ExampleData>,
+        options: SetOptions,
+        tasks: &dyn TaskSystem,
+    ) -> Result<Self, Error> {
+        check_options(&options, mesh.positions.len())?;
+        if examples.is_empty() {
+            return Err(Error::NoExamples { what: "0 were given; at least 1 is needed".into() });
+        }
+        if examples.len() >= usize::from(u16::MAX) {
+            return Err(Error::NoExamples {
+                what: format!("{} were given; at most 65534 are possible", examples.len()),
+            });
+        }
+        let (mesh, smooth) = Mesh::new(mesh)?;
+        let index = VertexIndex::new(mesh.positions(), mesh.weld(), tasks);
+        let seams = seam_groups(mesh.weld());
+        let steps = options.tolerance.map_or(Steps::EXACT, |t| Steps::new(t, options.normal_tolerance));
+        let builder =
+            ExampleBuilder { mesh: &mesh, index: &index, seams: &seams, smooth: &smooth, options: &options, steps };
+        let built = map(tasks, examples.iter().enumerate(), |(i, e)| builder.build(i, e));
+        let (mut welded, mut widest_weld, mut given) = (0, 0.0f32, 0.0f32);
+        let mut ready = reserve(examples.len(), "examples")?;
+        let mut moves = reserve(examples.len(), "examples")?;
+        for built in built {
+            let built = built?;
+            welded += built.welded;
+            widest_weld = widest_weld.max(built.widest_weld);
+            given = given.max(built.deepest);
+            moves.push(built.moves);
+            ready.push(built.example);
+        }
+        if deepest(&ready) == 0.0 {
+            if let (Some(t), true) = (options.tolerance, given > 0.0) {
+                let expected =
+                    format!("below the largest displacement of the examples, {given} m; did you mean {t} mm?");
+                return Err(Error::invalid("tolerance", format!("{t} m"), &expected));
+            }
+            return Err(Error::NoExamples {
+                what: format!("none of the {} given moves a vertex by more than {} m", ready.len(), options.drop_below),
+            });
+        }
+        let planes =
+            if options.mirror { mirror::planes(mesh.positions(), &index, &mesh.bounds()) } else { Mirror::NONE };
+        let rim = if options.held_rims { Rim::find(&mesh, &moves) } else { Rim::default() };
+        let mut set = Self::assemble(Parts {
+            fingerprint: fingerprint(&mesh, &ready, &options),
+            learned: Learned::nothing(ready.len()),
+            base: MeshLod::new(mesh, rim, ready.iter().map(|e| e.anchored.clone()).collect()),
+            lods: Vec::new(),
+            examples: ready,
+            options,
+            index,
+            planes,
+            welded,
+            widest_weld,
+            source_order: None,
+        });
+        set.set_learned(learn(&set, tasks));
+        Ok(set)
+    }
+}
+
+/// Groups of two or more vertices at one position.
+fn seam_groups(weld: &[u32]) -> Vec<Vec<u32>> {
+    let mut pairs: Vec<(u32, u32)> =
+        weld.iter().enumerate().filter(|(v, w)| **w as usize != *v).map(|(v, w)| (*w, v as u32)).collect();
+    pairs.sort_unstable();
+    pairs.chunk_by(|a, b| a.0 == b.0).map(|g| std::iter::once(g[0].0).chain(g.iter().map(|p| p.1)).collect()).collect()
+}
+
+fn fingerprint(mesh: &Mesh, examples: &[Example], options: &SetOptions) -> u64 {
+    let mut h = Xxh3::new();
+    let mut vec = |v: Vec3| v.to_array().iter().for_each(|x| h.update(&x.to_bits().to_le_bytes()));
+    mesh.positions().iter().for_each(|p| vec(*p));
+    for e in examples {
+        vec(e.contact_point);
+        vec(e.contact_normal.unwrap_or(Vec3::ZERO));
+        vec(e.contact_delta);
+        vec(Vec3::splat(e.placement as u8 as f32));
+        e.anchored.iter().for_each(|(v, d, _)| {
+            vec(Vec3::new(f32::from_bits(v), 0.0, 0.0));
+            vec(d);
+        });
+    }
+    let combine = match options.combine {
+        Combine::Sum => 0,
+        Combine::Energies => 1,
+        Combine::Deepest => 2,
+    };
+    h.update(&[combine, u8::from(options.strict), options.stamp_resolution as u8]);
+    h.update(&[u8::from(options.mirror), u8::from(options.held_rims)]);
+    h.digest()
+}
+
+struct Built {
+    example: Example,
+    /// Which vertices it moves, for finding held rims.
+    moves: Vec<bool>,
+    welded: usize,
+    widest_weld: f32,
+    /// Longest displacement before the tolerance rounds it, m.
+    deepest: f32,
+}
+
+struct ExampleBuilder<'a> {
+    mesh: &'a Mesh,
+    index: &'a VertexIndex,
+    seams: &'a [Vec<u32>],
+    smooth: &'a [Vec3],
+    options: &'a SetOptions,
+    steps: Steps,
+}
+
+impl ExampleBuilder<'_> {
+    fn build(&self, i: usize, data: &ExampleData) -> Result<Built, Error> {
+        let mismatch = |what: String| Error::ExampleMismatch { index: i, name: data.name.clone(), what };
+        let mut deltas = self.dense(&data.positions, "displacement", &mismatch)?;
+        for d in &mut deltas {
+            if d.length() <= self.options.drop_below {
+                *d = Vec3::ZERO;
+            }
+        }
+        let (welded, widest_weld) = match self.options.seams {
+            Seams::Weld => self.weld(&mut deltas),
+            Seams::Keep => (0, 0.0),
+        };
+        let normals = match (&data.normals, self.mesh.normals()) {
+            (Some(n), Some(_)) => Some(self.dense(n, "normal change", &mismatch)?),
+            (None, Some(base)) => Some(self.computed_normals(&deltas, base)),
+            (_, None) => None,
+        };
+        let (given, given_normals) = (deltas, normals);
+        let (deltas, normals) = self.rounded(&given, given_normals.as_deref(), &mismatch)?;
+        let moved = deltas.iter().filter(|d| **d != Vec3::ZERO).count();
+        let longest = |deltas: &[Vec3]| deltas.iter().map(|d| d.length()).fold(0.0, f32::max);
+        let (max_depth, deepest) = (longest(&deltas), longest(&given));
+        let contact_vertex = self.contact_vertex(data, &given, &mismatch)?;
+        let contact_point = self.mesh.positions()[contact_vertex as usize];
+        let contact_delta = if moved > 0 { given[contact_vertex as usize] } else { Vec3::ZERO };
+        let depth = contact_delta.length();
+        if moved > 0 && depth == 0.0 {
+            return Err(mismatch(format!(
+                "it does not move its own contact, vertex {contact_vertex}; give a contact inside the dent, or none to take the deepest vertex"
+            )));
+        }
+        let contact_normal =
+            match data.contact_normal {
+                Some(n) => {
+                    let n = finite(n, || format!("contact normal of example {i} '{}'", data.name))?;
+                    Some(unit(n).ok_or_else(|| {
+                        mismatch("its contact normal has length 0; give a unit vector, or none".into())
+                    })?)
+                }
+                None => self.mesh.contact_normal(contact_vertex),
+            };
+        // Carrying needs a normal wherever the body may be hit.
+        let can_carry = self.mesh.normals().is_some();
+        if data.placement == Placement::Carried && !can_carry {
+            return Err(mismatch(
+                "it is to be carried, but the mesh has neither normals nor triangles; give either".into(),
+            ));
+        }
+        let placement = if can_carry { data.placement } else { Placement::Anchored };
+        let support_radius = self
+            .mesh
+            .positions()
+            .iter()
+            .zip(&given)
+            .filter(|(_, d)| d.length() >= SUPPORT * deepest && **d != Vec3::ZERO)
+            .map(|(p, _)| (*p - contact_point).length())
+            .fold(0.0, f32::max);
+        let stamp = (placement != Placement::Anchored && moved > 0).then(|| {
+            let source = Source {
+                positions: self.mesh.positions(),
+                index: self.index,
+                deltas: &given,
+                normals: given_normals.as_deref().zip(self.mesh.normals()),
+                frame: tangent_basis(contact_normal.unwrap_or(Vec3::Z)),
+                contact: contact_point,
+                max_depth: deepest,
+                support_radius,
+            };
+            Stamp::build(&source, self.options.stamp_resolution, self.options.tolerance)
+        });
+        let example = Example {
+            name: data.name.clone(),
+            placement,
+            contact_vertex,
+            contact_point,
+            contact_normal,
+            contact_delta,
+            depth,
+            log_depth: libm::logf(depth),
+            max_depth,
+            support_radius,
+            moved,
+            anchored: Arc::new(DeltaBlocks::new(&deltas, normals.as_deref(), self.steps)),
+            stamp,
+        };
+        let moves = if self.options.held_rims { rim::moves(&given) } else { Vec::new() };
+        Ok(Built { example, moves, welded, widest_weld, deepest })
+    }
+
+    /// Displacements and changes of normals as they will be stored.
+    fn rounded(
+        &self,
+        deltas: &[Vec3],
+        normals: Option<&[Vec3]>,
+        mismatch: &dyn Fn(String) -> Error,
+    ) -> Result<(Vec<Vec3>, Option<Vec<Vec3>>), Error> {
+        let mut kept = reserve(deltas.len(), "an example's displacements")?;
+        let least = self.options.tolerance.unwrap_or(0.0);
+        kept.extend(deltas.iter().map(|d| self.steps.displacement(*d, least)));
+        let longest = deltas.iter().map(|d| d.abs().max_element()).fold(0.0, f32::max);
+        if self.steps.whole && longest > self.steps.position * Steps::MOST {
+            return Err(mismatch(format!(
+                "it moves a vertex by {longest} m, too far to be told to {least} m in a float; give a tolerance of at least {} m, or none",
+                longest / Steps::MOST
+            )));
+        }
+        let normals = normals.map(|n| n.iter().map(|n| self.steps.normal_change(*n)).collect());
+        Ok((kept, normals))
+    }
+
+    /// One vector a vertex.
+    fn dense(&self, deltas: &Deltas, what: &str, mismatch: &dyn Fn(String) -> Error) -> Result<Vec<Vec3>, Error> {
+        let n = self.mesh.positions().len();
+        let check = |v: u32, d: [f32; 3]| -> Result<Vec3, Error> {
+            let x = Vec3::from_array(d);
+            if !x.is_finite() {
+                return Err(mismatch(format!("its {what} of vertex {v} is {d:?}; every component must be finite")));
+            }
+            if x.abs().max_element() > MAX_COORDINATE {
+                return Err(mismatch(format!("its {what} of vertex {v} is {d:?}; at most 1e9 m is possible")));
+            }
+            Ok(x + Vec3::ZERO)
+        };
+        let mut out = reserve(n, "an example's displacements")?;
+        match deltas {
+            Deltas::Full(d) => {
+                if d.len() != n {
+                    return Err(mismatch(format!(
+                        "it has {} {what}s, the base mesh {n} vertices; there must be as many, in the same order",
+                        d.len()
+                    )));
+                }
+                for (v, d) in d.iter().enumerate() {
+                    out.push(check(v as u32, *d)?);
+                }
+            }
+            Deltas::Sparse { indices, values } => {
+                if indices.len() != values.len() {
+                    return Err(mismatch(format!(
+                        "it has {} indices and {} {what}s; there must be as many",
+                        indices.len(),
+                        values.len()
+                    )));
+                }
+                out.resize(n, Vec3::ZERO);
+                let mut last = None;
+                for (v, d) in indices.iter().zip(values) {
+                    if *v as usize >= n {
+                        return Err(mismatch(format!("its index {v} is out of range; the base mesh has {n} vertices")));
+                    }
+                    if last.is_some_and(|l| l >= *v) {
+                        return Err(mismatch(format!(
+                            "its index {v} follows {}; indices must increase",
+                            last.unwrap_or(0)
+                        )));
+                    }
+                    last = Some(*v);
+                    out[*v as usize] = check(*v, *d)?;
+                }
+            }
+        }
+        Ok(out)
+    }
+
+    /// Gives coincident vertices the mean of their displacements; how many differed, and the widest gap (m).
+    fn weld(&self, deltas: &mut [Vec3]) -> (usize, f32) {
+        let (mut count, mut widest) = (0, 0.0f32);
+        for group in self.seams {
+            let first = deltas[group[0] as usize];
+            if group.iter().all(|v| deltas[*v as usize] == first) {
+                continue;
+            }
+            let sum: glam::DVec3 = group.iter().map(|v| deltas[*v as usize].as_dvec3()).sum();
+            let mean = (sum / group.len() as f64).as_vec3();
+            for v in group {
+                let d = &mut deltas[*v as usize];
+                widest = widest.max((*d - first).length());
+                *d = mean;
+            }
+            count += group.len();
+        }
+        (count, widest)
+    }
+
+    /// Changes of the base normals: each is turned as the smooth normal of the displaced surface turns.
+    fn computed_normals(&self, deltas: &[Vec3], base: &[Vec3]) -> Vec<Vec3> {
+        let (triangles, weld) = (self.mesh.triangles(), self.mesh.weld());
+        let moved: Vec<Vec3> = self.mesh.positions().iter().zip(deltas).map(|(p, d)| *p + *d).collect();
+        // Only around moved vertices, so that many small examples on a large mesh stay cheap.
+        let mut near = vec![false; base.len()];
+        for t in triangles {
+            if t.iter().any(|v| deltas[*v as usize] != Vec3::ZERO) {
+                t.iter().for_each(|v| near[weld[*v as usize] as usize] = true);
+            }
+        }
+        let after = normals::smooth_where(&moved, triangles, weld, |w| near[w as usize]);
+        (0..base.len())
+            .map(|v| {
+                let (a, b) = (self.smooth[v], after[v]);
+                if a == Vec3::ZERO || b == Vec3::ZERO || a == b {
+                    return Vec3::ZERO;
+                }
+                rotation_between(a, b) * base[v] - base[v]
+            })
+            .collect()
+    }
+
+    fn contact_vertex(
+        &self,
+        data: &ExampleData,
+        deltas: &[Vec3],
+        mismatch: &dyn Fn(String) -> Error,
+    ) -> Result<u32, Error> {
+        match data.contact {
+            Some(Contact::Vertex(v)) if (v as usize) < deltas.len() => Ok(v),
+            Some(Contact::Vertex(v)) => Err(mismatch(format!(
+                "its contact vertex {v} is out of range; the base mesh has {} vertices",
+                deltas.len()
+            ))),
+            Some(Contact::Point(p)) => {
+                let p = Vec3::from_array(p);
+                let near = p.is_finite().then(|| self.index.nearest(p, self.mesh.positions())).flatten();
+                near.map(|n| n.vertex)
+                    .ok_or_else(|| mismatch(format!("its contact point is {p}; it must be finite and near the mesh")))
+            }
+            None => {
+                let mut best = 0;
+                for (v, d) in deltas.iter().enumerate() {
+                    if d.length() > deltas[best].length() {
+                        best = v;
+                    }
+                }
+                Ok(best as u32)
+            }
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! A list of at most `N` elements that lives where it is declared: selection allocates nothing.
+
+use std::ops::{Deref, DerefMut};
+
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ArrayVec<T, const N: usize> {
+    items: [T; N],
+    len: usize,
+}
+
+impl<T: Copy + Default, const N: usize> ArrayVec<T, N> {
+    pub(crate) fn new() -> Self {
+        ArrayVec { items: [T::default(); N], len: 0 }
+    }
+
+    /// Appends an element; the list must have room.
+    pub(crate) fn push(&mut self, item: T) {
+        self.items[self.len] = item;
+        self.len += 1;
+    }
+
+    /// Inserts an element at `at`; what then is beyond the last place falls off.
+    pub(crate) fn insert(&mut self, at: usize, item: T) {
+        if at < N {
+            self.len = (self.len + 1).min(N);
+            // For so few elements a call to `memmove` costs more.
+            for i in (at + 1..self.len).rev() {
+                self.items[i] = self.items[i - 1];
+            }
+            self.items[at] = item;
+        }
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.len = 0;
+    }
+}
+
+impl<T, const N: usize> Deref for ArrayVec<T, N> {
+    type Target = [T];
+    fn deref(&self) -> &[T] {
+        &self.items[..self.len]
+    }
+}
+
+impl<T, const N: usize> DerefMut for ArrayVec<T, N> {
+    fn deref_mut(&mut self) -> &mut [T] {
+        &mut self.items[..self.len]
+    }
+}
+
+impl<'a, T, const N: usize> IntoIterator for &'a ArrayVec<T, N> {
+    type Item = &'a T;
+    type IntoIter = std::slice::Iter<'a, T>;
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}

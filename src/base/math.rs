@@ -1,0 +1,184 @@
+//! The few pieces of vector algebra that marks depend on, in plain IEEE operations: the same bits on
+//! every platform (glam's scalar `Vec3`/`Mat3`, square roots, and `libm` for the rest).
+
+use glam::{DVec3, Mat3, Vec3};
+
+/// An axis-aligned box, m. Empty when `min > max`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Aabb {
+    /// Smallest coordinates.
+    pub min: Vec3,
+    /// Largest coordinates.
+    pub max: Vec3,
+}
+
+impl Aabb {
+    /// The box that holds nothing.
+    pub const EMPTY: Aabb = Aabb { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
+
+    /// The smallest box around `points`.
+    pub fn of<'a>(points: impl IntoIterator<Item = &'a Vec3>) -> Self {
+        let mut b = Aabb::EMPTY;
+        for p in points {
+            b.add(*p);
+        }
+        b
+    }
+
+    /// Grows the box to hold `p`.
+    pub fn add(&mut self, p: Vec3) {
+        self.min = self.min.min(p);
+        self.max = self.max.max(p);
+    }
+
+    /// Grows the box to hold `other`.
+    pub fn union(&mut self, other: &Aabb) {
+        self.min = self.min.min(other.min);
+        self.max = self.max.max(other.max);
+    }
+
+    /// Length of the diagonal, m; 0 for an empty box.
+    pub fn diagonal(&self) -> f32 {
+        if self.min.x > self.max.x { 0.0 } else { (self.max - self.min).length() }
+    }
+
+    /// Squared distance from `p` to the box, m²; 0 inside.
+    pub fn distance_squared(&self, p: Vec3) -> f32 {
+        let d = (self.min - p).max(p - self.max).max(Vec3::ZERO);
+        d.dot(d)
+    }
+}
+
+/// The smallest rotation that takes unit vector `a` to unit vector `b`. Where they are opposite, a half turn about the axis at
+/// right angles to `a` that is nearest to z (to x, where `a` is along z): mirrored in coordinate planes, it is the mirrored turn.
+///
+/// In f64, of vectors made unit length again: near opposite ones `1 / (1 + cos)` blows up what f32 rounded off.
+pub(crate) fn rotation_between(a: Vec3, b: Vec3) -> Mat3 {
+    if a.dot(b) < -0.9999 {
+        // Half a turn about u, then the small rest from -a to b.
+        let towards = if a.z.abs() < 0.99 { Vec3::Z } else { Vec3::X };
+        let u = unit(towards - a * a.dot(towards)).unwrap_or(towards);
+        let half = Mat3::from_cols(u * (2.0 * u.x), u * (2.0 * u.y), u * (2.0 * u.z)) - Mat3::IDENTITY;
+        return rotation_between(-a, b) * half;
+    }
+    let (a, b) = (a.as_dvec3(), b.as_dvec3());
+    let (a, b) = (a / a.length(), b / b.length());
+    let v = a.cross(b);
+    let k = 1.0 / (1.0 + a.dot(b));
+    Mat3::from_cols(
+        DVec3::new(1.0 - (v.y * v.y + v.z * v.z) * k, v.z + v.x * v.y * k, -v.y + v.x * v.z * k).as_vec3(),
+        DVec3::new(-v.z + v.x * v.y * k, 1.0 - (v.x * v.x + v.z * v.z) * k, v.x + v.y * v.z * k).as_vec3(),
+        DVec3::new(v.y + v.x * v.z * k, -v.x + v.y * v.z * k, 1.0 - (v.x * v.x + v.y * v.y) * k).as_vec3(),
+    )
+}
+
+/// `t` turned by the smallest rotation that takes unit vector `a` to unit vector `b`: [`rotation_between`] in f32 alone, which
+/// every processor and graphics device has. Near opposite vectors it is good to a thousandth.
+pub(crate) fn turned_as(a: Vec3, b: Vec3, t: Vec3) -> Vec3 {
+    let (mut from, mut v) = (a, t);
+    if a.dot(b) < -0.9999 {
+        let towards = if a.z.abs() < 0.99 { Vec3::Z } else { Vec3::X };
+        let u = unit(towards - a * a.dot(towards)).unwrap_or(towards);
+        v = u * (2.0 * u.dot(t)) - t;
+        from = -a;
+    }
+    let c = from.cross(b);
+    let w = c.cross(v);
+    v + w + c.cross(w) * (1.0 / (1.0 + from.dot(b)))
+}
+
+/// `v`, at right angles to unit vector `a`, turned by the smallest rotation from `a` to unit vector `b`.
+pub(crate) fn turn_tangent(v: Vec3, a: Vec3, b: Vec3) -> Vec3 {
+    // Near opposite vectors the quotient loses all digits.
+    const OPPOSITE: f32 = 1e-2;
+    let k = 1.0 + a.dot(b);
+    if k < OPPOSITE { rotation_between(a, b) * v } else { v - (a + b) * (v.dot(b) / k) }
+}
+
+/// A right-handed orthonormal frame whose z axis is the unit vector `n`
+/// (Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 2017).
+pub(crate) fn tangent_basis(n: Vec3) -> Mat3 {
+    let sign = 1.0f32.copysign(n.z);
+    let a = -1.0 / (sign + n.z);
+    let b = n.x * n.y * a;
+    Mat3::from_cols(
+        Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x),
+        Vec3::new(b, sign + n.y * n.y * a, -n.y),
+        n,
+    )
+}
+
+/// `v` scaled to unit length, or `None` where its length is zero or not finite.
+pub(crate) fn unit(v: Vec3) -> Option<Vec3> {
+    // The largest component first, so that tiny and huge vectors neither underflow nor overflow.
+    let m = v.abs().max_element();
+    if !(m > 0.0 && m.is_finite()) {
+        return None;
+    }
+    let w = v / m;
+    Some(w / w.length())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rotation_takes_a_to_b_also_when_opposite() {
+        let dirs =
+            [Vec3::X, -Vec3::X, Vec3::Y, Vec3::Z, -Vec3::Z, Vec3::new(0.6, 0.0, 0.8), Vec3::new(-0.6, 1e-4, -0.8)];
+        for a in dirs.map(|v| unit(v).unwrap()) {
+            for b in dirs.map(|v| unit(v).unwrap()) {
+                let r = rotation_between(a, b);
+                assert!((r * a - b).length() < 1e-5, "{a} to {b}: {}", r * a);
+                for t in [Vec3::X, Vec3::Y, Vec3::Z] {
+                    assert!((turned_as(a, b, t) - r * t).length() < 1e-3, "{a} to {b}: {t}");
+                }
+                assert!((r.determinant() - 1.0).abs() < 1e-5);
+                assert!((r.transpose() * r - Mat3::IDENTITY).to_cols_array().iter().all(|x| x.abs() < 1e-5));
+            }
+        }
+    }
+
+    #[test]
+    fn rotation_is_one_to_rounding_also_between_nearly_opposite_vectors() {
+        let a = unit(Vec3::new(0.3, -0.5, 0.8)).unwrap();
+        for off in [0.3f32, 0.1, 0.03, 0.02, 0.015, 0.014, 0.01, 1e-3] {
+            let b = unit(-a + tangent_basis(a).y_axis * off).unwrap();
+            let r = rotation_between(a, b);
+            assert!((r * a - b).length() < 5e-7, "{off}: {}", (r * a - b).length());
+            assert!((r.transpose() * r - Mat3::IDENTITY).to_cols_array().iter().all(|x| x.abs() < 5e-7), "{off}");
+        }
+    }
+
+    #[test]
+    fn tangent_basis_is_right_handed_and_keeps_n() {
+        for n in [Vec3::Z, -Vec3::Z, Vec3::X, unit(Vec3::new(1.0, -2.0, -1e-8)).unwrap()] {
+            let b = tangent_basis(n);
+            assert_eq!(b.z_axis, n);
+            assert!((b.determinant() - 1.0).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn turn_tangent_is_the_smallest_rotation() {
+        for (a, b) in [
+            (Vec3::Z, Vec3::X),
+            (Vec3::new(0.3, -0.5, 0.8), Vec3::new(-0.2, 0.9, 0.1)),
+            (Vec3::Y, Vec3::new(0.05, -1.0, 0.0)),
+        ] {
+            let (a, b) = (unit(a).unwrap(), unit(b).unwrap());
+            let v = tangent_basis(a).x_axis * 0.3 + tangent_basis(a).y_axis * 0.1;
+            assert!((turn_tangent(v, a, b) - rotation_between(a, b) * v).length() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn unit_survives_extremes() {
+        for s in [1e-40f32, 1e-20, 1.0, 1e20, 3e38] {
+            assert!((unit(Vec3::new(s, 0.0, 0.0)).unwrap() - Vec3::X).length() < 1e-6);
+        }
+        assert!(unit(Vec3::ZERO).is_none());
+        assert!(unit(Vec3::splat(f32::NAN)).is_none());
+    }
+}

@@ -1,0 +1,192 @@
+//! The classic rule, whole: sections 4.4 to 4.7 of the thesis "Example Based Soft-Body Simulation on Graphics
+//! Processing Units". It needs per-vertex state and its result depends on the order of impulses; the default rule does
+//! neither. Kept complete for comparison.
+
+pub(crate) mod select;
+
+use crate::base::error::{Error, reserve};
+use crate::damage::saved;
+use crate::deform::view::DisplacedVertices;
+use crate::example::blocks::DeltaBlocks;
+use crate::example::set::ExampleSet;
+use glam::Vec3;
+
+/// How a classic instance treats a vertex that is already displaced further (Figure 4.3, lines 5 to 9).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Blend {
+    /// The "fine constant" of line 8: 0 keeps the most displaced candidate.
+    pub constant: f32,
+}
+
+/// An example as the paper stores it: an index and three floats a vertex that it moves.
+#[derive(Debug, Clone)]
+pub(crate) struct Sparse {
+    entries: Vec<Entry>,
+    /// Change of the normal of each; empty where the mesh has no normals.
+    normals: Vec<Vec3>,
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+struct Entry {
+    vertex: u32,
+    /// m.
+    displacement: Vec3,
+}
+
+impl Sparse {
+    pub(crate) fn new(example: &DeltaBlocks, normals: bool) -> Self {
+        let moved = || example.iter().filter(move |(_, d, _)| normals || *d != Vec3::ZERO);
+        Sparse {
+            entries: moved().map(|(vertex, displacement, _)| Entry { vertex, displacement }).collect(),
+            normals: if normals { moved().map(|(_, _, n)| n).collect() } else { Vec::new() },
+        }
+    }
+}
+
+/// Displaced vertices of one instance.
+#[derive(Debug, Clone)]
+pub(crate) struct State {
+    positions: Vec<Vec3>,
+    normals: Vec<Vec3>,
+    /// The examples that it was hit with so far, as the rule reads them.
+    sparse: Vec<Option<Sparse>>,
+    /// The last hits, in order: who keeps the state elsewhere applies what is new there.
+    journal: Vec<Applied>,
+    /// The journal holds all that happened after this epoch.
+    known_since: u64,
+}
+
+/// A hit as it was applied.
+#[derive(Debug, Clone, Copy)]
+#[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "for who keeps the state elsewhere"))]
+pub(crate) struct Applied {
+    epoch: u64,
+    pub example: u32,
+    pub weight: f32,
+}
+
+/// Hits that a journal holds; of a state that is further behind all is taken over.
+const JOURNAL: usize = 256;
+
+impl State {
+    pub(crate) fn new(set: &ExampleSet) -> Result<Self, Error> {
+        let mut positions = reserve(set.vertex_count(), "an instance's positions")?;
+        positions.extend_from_slice(set.mesh().positions());
+        let base = set.mesh().normals().unwrap_or(&[]);
+        let mut normals = reserve(base.len(), "an instance's normals")?;
+        normals.extend_from_slice(base);
+        let sparse = set.examples().iter().map(|_| None).collect();
+        Ok(State { positions, normals, sparse, journal: Vec::new(), known_since: 0 })
+    }
+
+    pub(crate) fn vertices(&self) -> DisplacedVertices<'_> {
+        DisplacedVertices { positions: &self.positions, normals: &self.normals }
+    }
+
+    /// The hits that were applied after an epoch; `None` where that is too long ago, or anything else happened since.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn applied_since(&self, epoch: u64) -> Option<&[Applied]> {
+        (epoch >= self.known_since).then(|| &self.journal[self.journal.partition_point(|a| a.epoch <= epoch)..])
+    }
+
+    /// Notes that a hit was applied at an epoch.
+    pub(crate) fn note(&mut self, epoch: u64, example: u32, weight: f32) {
+        if self.journal.len() == JOURNAL {
+            self.known_since = self.journal[JOURNAL / 2].epoch;
+            self.journal.retain(|a| a.epoch > self.known_since);
+        }
+        self.journal.push(Applied { epoch, example, weight });
+    }
+
+    /// Notes that something else than hits changed the state at an epoch.
+    pub(crate) fn replaced(&mut self, epoch: u64) {
+        self.known_since = epoch;
+        self.journal.clear();
+    }
+
+    /// Figure 4.3 for every vertex that `example` moves. A candidate that is not finite (an unclamped weight far above 2,
+    /// many times over) is dropped.
+    pub(crate) fn apply(&mut self, set: &ExampleSet, example: u32, weight: f32, blend: Blend) {
+        let base = set.mesh().positions();
+        let lerp = |a: Vec3, b: Vec3, w: f32| a + (b - a) * w;
+        let i = example as usize;
+        let with_normals = set.mesh().normals().is_some();
+        let sparse = self.sparse[i].get_or_insert_with(|| Sparse::new(&set.base_lod().anchored[i], with_normals));
+        for (i, e) in sparse.entries.iter().enumerate() {
+            let v = e.vertex as usize;
+            let current = self.positions[v];
+            let result = lerp(current, base[v] + e.displacement, weight);
+            if !result.is_finite() {
+                continue;
+            }
+            let further = (result - base[v]).length_squared() >= (current - base[v]).length_squared();
+            // Vertices around the dent have a change of normal only: the paper's example does not hold them.
+            if e.displacement != Vec3::ZERO {
+                self.positions[v] = if further { result } else { lerp(current, result, blend.constant) };
+            }
+            if let (Some(normal), Some(base)) = (self.normals.get_mut(v), set.mesh().normals()) {
+                let result = lerp(*normal, base[v] + sparse.normals[i], weight);
+                if result.is_finite() {
+                    *normal = if further { result } else { lerp(*normal, result, blend.constant) };
+                }
+            }
+        }
+    }
+
+    /// Moves every vertex back to `keep` of its displacement.
+    pub(crate) fn scale(&mut self, set: &ExampleSet, keep: f32) {
+        for (p, b) in self.positions.iter_mut().zip(set.mesh().positions()) {
+            *p = *b + (*p - *b) * keep;
+        }
+        if let Some(base) = set.mesh().normals() {
+            for (n, b) in self.normals.iter_mut().zip(base) {
+                *n = *b + (*n - *b) * keep;
+            }
+        }
+    }
+
+    /// Entries of 28 bytes: u32 vertex, f32 position (m), f32 normal (zero where the mesh has none).
+    pub(crate) fn save(&self, set: &ExampleSet) -> Vec<u8> {
+        let changed: Vec<usize> = (0..self.positions.len())
+            .filter(|v| {
+                self.positions[*v] != set.mesh().positions()[*v]
+                    || set.mesh().normals().is_some_and(|n| n[*v] != self.normals[*v])
+            })
+            .collect();
+        let mut out = saved::header(set, saved::CLASSIC, changed.len());
+        for v in changed {
+            out.extend((v as u32).to_le_bytes());
+            let n = self.normals.get(v).copied().unwrap_or(Vec3::ZERO);
+            for x in self.positions[v].to_array().into_iter().chain(n.to_array()) {
+                out.extend(x.to_bits().to_le_bytes());
+            }
+        }
+        out
+    }
+
+    /// The state that [`State::save`] wrote.
+    pub(crate) fn load(set: &ExampleSet, bytes: &[u8]) -> Result<Self, Error> {
+        let mut state = State::new(set)?;
+        for (at, e) in saved::entries(set, bytes, saved::CLASSIC, 28)?.chunks_exact(28).enumerate() {
+            let word = |i: usize| u32::from_le_bytes([e[i], e[i + 1], e[i + 2], e[i + 3]]);
+            let vec =
+                |i: usize| Vec3::new(f32::from_bits(word(i)), f32::from_bits(word(i + 4)), f32::from_bits(word(i + 8)));
+            let v = word(0) as usize;
+            let (p, n) = (vec(4), vec(16));
+            if v >= state.positions.len() || !p.is_finite() || !n.is_finite() {
+                return Err(Error::DamageMismatch {
+                    what: format!(
+                        "entry {at}: vertex {v} at {p}; vertices go to {}, numbers must be finite",
+                        set.vertex_count() - 1
+                    ),
+                });
+            }
+            state.positions[v] = p;
+            if let Some(slot) = state.normals.get_mut(v) {
+                *slot = n;
+            }
+        }
+        Ok(state)
+    }
+}

@@ -1,0 +1,294 @@
+//! A mark made ready for evaluation: which examples, how placed, how scaled. A pure function of the mark and the set.
+//!
+//! For a mark with target depth `T` at contact `c` (normal `n`), a pair of example `i` and share `s_i` contributes
+//!
+//! ```text
+//! anchored   a_i = T / |d_i(c)|      e_i(v) = d_i(v)      (at the example's own contact d_i(c) is not rounded)
+//! carried    a_i = T / |d_i(p_i)|    e_i(v) = R d_i at p_i + stretch^-1 (R^T (v - c))
+//! ```
+//!
+//! with `R` the smallest rotation from `n_i` to `n` and `stretch = clamp(sqrt(a_i), 1/4, 4)` in the surface; a mirrored pair
+//! takes the example's mirror image for the example. All are then scaled together by `g = T / |sum s_i a_i e_i(c)|`, so that
+//! the contact gets the depth asked for, except that anchored examples (and all, in a strict set) are never scaled above 1.
+//! Towards a held rim what is carried falls to zero ([`crate::mesh::rim`]).
+
+use super::mark::{MAX_PAIRS, Mark, Pair};
+use crate::base::array_vec::ArrayVec;
+use crate::base::math::{Aabb, rotation_between};
+use crate::example::mesh_lod::MeshLod;
+use crate::example::options::Combine;
+use crate::example::set::ExampleSet;
+use crate::example::stamp::{WEIGHTS, lift};
+use glam::{Mat3, UVec2, Vec2, Vec3};
+
+/// Limits of the stretch of a carried example in the surface.
+const STRETCH: (f32, f32) = (0.25, 4.0);
+/// What boxes are made larger by before they are found not to meet a stamp, as a share: far more than rounding.
+const ROUNDING: f32 = 1e-4;
+
+/// One example of a dent, placed and scaled.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct PlacedExample {
+    pub example: usize,
+    /// What its displacements are multiplied with.
+    pub scale: f32,
+    pub carried: Option<Carried>,
+}
+
+/// Where a carried example goes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Carried {
+    pub contact: Vec3,
+    /// Mesh space relative to the contact into the stamp's frame, stretch undone.
+    pub to_stamp: Mat3,
+    /// From unrolled coordinates to units of the stamp's nodes, and what is taken off to count from the first.
+    pub per_cell: Vec2,
+    pub grid_origin: Vec2,
+    /// Greatest coordinates on the grid.
+    pub grid_top: Vec2,
+    /// The stamp's frame into mesh space.
+    from_stamp: Mat3,
+    /// From weighted sums of a stamp's numbers to displacements in mesh space, and to changes of normals: these are also multiplied
+    /// with one over the stretch, since slopes fall as a dent gets wider.
+    pub displacement: Mat3,
+    pub normal_change: Mat3,
+    /// The same to heights, m.
+    pub height: f32,
+    /// Two over the stamp's fade, 1/m.
+    pub fade: f32,
+    /// What lies lower or higher in the stamp's frame is not moved, m.
+    heights: (f32, f32),
+    /// The stamp's z in mesh space.
+    pub up: Vec3,
+    /// Nothing moves further than this from the contact, m.
+    radius: f32,
+}
+
+/// A mark made ready.
+#[derive(Debug, Clone)]
+pub(crate) struct Dent {
+    /// What all its parts are multiplied with: grows with hits that repeat it.
+    pub strength: f32,
+    pub contact: Vec3,
+    pub parts: ArrayVec<PlacedExample, MAX_PAIRS>,
+}
+
+impl Dent {
+    /// From a valid mark.
+    pub(crate) fn new(set: &ExampleSet, mark: &Mark) -> Self {
+        let parts =
+            place(set, mark.contact, mark.depth, &mark.pairs, &frame_rotations(set, mark.contact, &mark.pairs)).parts;
+        Dent {
+            strength: strength(mark.energy, set.options().combine),
+            contact: set.mesh().positions()[mark.contact as usize],
+            parts,
+        }
+    }
+
+    /// Where it may move anything.
+    pub(crate) fn reach(&self) -> Reach {
+        let radius = |p: &PlacedExample| p.carried.as_ref().map_or(f32::INFINITY, |c| c.radius);
+        let radius = self.parts.iter().map(radius).fold(0.0, f32::max);
+        Reach { contact: self.contact, square: radius * radius }
+    }
+
+    /// Whether part `p` is shown on a lod: not where no displacement of it, as scaled, is longer than `threshold` (m, above 0).
+    pub(crate) fn counts(&self, set: &ExampleSet, lod: &MeshLod, p: &PlacedExample, threshold: f32) -> bool {
+        let scale = (p.scale * self.strength).abs();
+        threshold == 0.0
+            || scale == 0.0
+            || match &p.carried {
+                Some(_) => set.examples()[p.example].stamp().is_none_or(|s| s.longest > threshold / scale),
+                None => lod.anchored[p.example].exceeds(threshold / scale),
+            }
+    }
+
+    /// Calls `f` with every block of a lod that a part may move, and the longest displacement that it may bring there, m.
+    pub(crate) fn lengths(&self, set: &ExampleSet, lod: &MeshLod, mut f: impl FnMut(usize, f32)) {
+        self.parts.iter().for_each(|p| self.part_lengths(set, lod, p, &mut f));
+    }
+
+    /// Calls `f` with every block of a lod that it may move by more than `threshold` (m; 0: at all), some perhaps twice.
+    pub(crate) fn blocks(&self, set: &ExampleSet, lod: &MeshLod, threshold: f32, mut f: impl FnMut(usize)) {
+        let counts = self.parts.iter().filter(|p| self.counts(set, lod, p, threshold));
+        counts.for_each(|p| self.part_lengths(set, lod, p, &mut |b, _| f(b)));
+    }
+
+    fn part_lengths(&self, set: &ExampleSet, lod: &MeshLod, p: &PlacedExample, f: &mut impl FnMut(usize, f32)) {
+        let scale = (p.scale * self.strength).abs();
+        match &p.carried {
+            Some(c) => {
+                let longest = set.examples()[p.example].stamp().map_or(0.0, |s| s.longest) * scale;
+                let reached = (0..lod.blocks()).filter(|b| c.reaches(&lod.block_bounds[*b]));
+                reached.for_each(|b| f(b, longest));
+            }
+            None => {
+                lod.anchored[p.example].heads.iter().for_each(|h| f(h.block as usize, h.longest * scale));
+            }
+        }
+    }
+}
+
+/// A sphere outside which a dent moves nothing; endless where it has an anchored example.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Reach {
+    pub contact: Vec3,
+    /// Radius squared, m².
+    pub square: f32,
+}
+
+impl Carried {
+    const NOTHING: Carried = Carried {
+        contact: Vec3::ZERO,
+        to_stamp: Mat3::ZERO,
+        per_cell: Vec2::ONE,
+        grid_origin: Vec2::ZERO,
+        grid_top: Vec2::ZERO,
+        from_stamp: Mat3::ZERO,
+        displacement: Mat3::ZERO,
+        normal_change: Mat3::ZERO,
+        height: 0.0,
+        fade: 0.0,
+        heights: (0.0, 0.0),
+        up: Vec3::Z,
+        radius: 0.0,
+    };
+
+    fn new(set: &ExampleSet, example: usize, from_stamp: Mat3, contact: u32, size: f32) -> Self {
+        let e = &set.examples()[example];
+        let stretch = size.sqrt().clamp(STRETCH.0, STRETCH.1);
+        let shrink = Vec3::new(1.0 / stretch, 1.0 / stretch, 1.0);
+        let to_stamp = Mat3::from_diagonal(shrink) * from_stamp.transpose();
+        let c = Carried { contact: set.mesh().positions()[contact as usize], to_stamp, from_stamp, ..Carried::NOTHING };
+        // Only an anchored example lacks a stamp, and it is not carried.
+        let Some(s) = e.stamp() else { return c };
+        let unit = |step: Vec3| Mat3::from_diagonal(step * (1.0 / WEIGHTS));
+        Carried {
+            per_cell: 1.0 / s.grid.cell,
+            grid_origin: s.grid.origin / s.grid.cell,
+            grid_top: (s.grid.dims - UVec2::ONE).as_vec2(),
+            displacement: from_stamp * unit(s.steps.displacement),
+            normal_change: from_stamp * unit(s.steps.normal) * (1.0 / stretch),
+            height: s.steps.height * (1.0 / WEIGHTS),
+            fade: 2.0 / s.fade,
+            heights: (s.heights.0 - s.fade, s.heights.1 + s.fade),
+            up: from_stamp.z_axis,
+            radius: s.reach(stretch),
+            ..c
+        }
+    }
+
+    /// Whether anything in the box may move: whether it meets the stamp's sphere, and in the stamp's frame lies neither above nor below
+    /// nor beside it.
+    pub(crate) fn reaches(&self, bounds: &Aabb) -> bool {
+        if bounds.distance_squared(self.contact) > self.radius * self.radius {
+            return false;
+        }
+        // Differences first: far from the origin they lose nothing.
+        let centre = self.to_stamp * ((bounds.min - self.contact + (bounds.max - self.contact)) * 0.5);
+        let half = self.to_stamp.abs() * ((bounds.max - bounds.min) * 0.5);
+        let half = half * (1.0 + ROUNDING) + Vec3::splat(self.radius * ROUNDING);
+        let (low, high) = (centre - half, centre + half);
+        if low.z > self.heights.1 || high.z < self.heights.0 {
+            return false;
+        }
+        // Unrolling takes no point of the box further out than the steepest could be.
+        let across = low.truncate().max(-high.truncate()).max(Vec2::ZERO).length_squared();
+        let up = low.z.abs().max(high.z.abs());
+        let lift = lift(up, across) + ROUNDING;
+        let low = low.truncate().min(low.truncate() * lift) * self.per_cell - self.grid_origin;
+        let high = high.truncate().max(high.truncate() * lift) * self.per_cell - self.grid_origin;
+        high.cmpge(Vec2::ZERO).all() && low.cmple(self.grid_top).all()
+    }
+
+    /// Displacement that the example brings to a vertex at base position `v`, unscaled, m.
+    pub(crate) fn at(&self, set: &ExampleSet, example: usize, v: Vec3) -> Vec3 {
+        let stamp = set.examples()[example].stamp();
+        stamp.map_or(Vec3::ZERO, |s| self.from_stamp * s.displacement(self.to_stamp * (v - self.contact)))
+    }
+}
+
+/// A mark's parts, placed and scaled.
+pub(crate) struct PlacedMark {
+    pub parts: ArrayVec<PlacedExample, MAX_PAIRS>,
+    /// Displacement that they bring to the contact, m.
+    pub achieved: Vec3,
+    /// The same if no rim were held.
+    pub without_rim: Vec3,
+}
+
+/// Of each carried pair of a mark, the rotation of its stamp's frame into mesh space (mirrored, for a mirrored one). It is the
+/// same for any depth.
+pub(crate) fn frame_rotations(set: &ExampleSet, contact: u32, pairs: &[Pair; MAX_PAIRS]) -> [Mat3; MAX_PAIRS] {
+    let n = set.mesh().contact_normal(contact).unwrap_or(Vec3::Z);
+    pairs.map(|pair| {
+        if pair.is_none() || pair.is_anchored() {
+            return Mat3::IDENTITY;
+        }
+        let (e, mirror) = (&set.examples()[pair.example as usize], pair.mirror());
+        let own = e.contact_normal().unwrap_or(Vec3::Z);
+        rotation_between(mirror.direction(own), n) * mirror.matrix() * e.frame()
+    })
+}
+
+/// The parts of a mark with the [`frame_rotations`] of its pairs.
+pub(crate) fn place(
+    set: &ExampleSet,
+    contact: u32,
+    depth: f32,
+    pairs: &[Pair; MAX_PAIRS],
+    rotations: &[Mat3; MAX_PAIRS],
+) -> PlacedMark {
+    let c = set.mesh().positions()[contact as usize];
+    let mut parts: ArrayVec<PlacedExample, MAX_PAIRS> = ArrayVec::new();
+    let mut at_contact = [Vec3::ZERO; MAX_PAIRS];
+    let mut sum = Vec3::ZERO;
+    for (pair, rotation) in pairs.iter().zip(rotations).filter(|(p, _)| !p.is_none()) {
+        let example = pair.example as usize;
+        let e = &set.examples()[example];
+        let (size, carried, u) = if pair.is_anchored() {
+            let u = e.displacement_at(contact, c);
+            (depth / u.length(), None, u)
+        } else {
+            let size = depth / e.depth();
+            let carried = Carried::new(set, example, *rotation, contact, size);
+            let u = carried.at(set, example, c);
+            (size, Some(carried), u)
+        };
+        let scale = pair.share_fraction() * size;
+        // Only a damaged file could bring an anchored example that does not move the contact.
+        if !scale.is_finite() {
+            continue;
+        }
+        at_contact[parts.len()] = u;
+        sum += u * scale;
+        parts.push(PlacedExample { example, scale, carried });
+    }
+    let together = depth / sum.length();
+    // Examples that cancel each other at the contact are not blown up to meet a depth they cannot.
+    let together = if together.is_finite() { together.min(4.0) } else { 1.0 };
+    let strict = set.options().strict;
+    let held = set.rim().at(contact).factor;
+    let (mut achieved, mut without_rim) = (Vec3::ZERO, Vec3::ZERO);
+    for (p, u) in parts.iter_mut().zip(at_contact) {
+        p.scale *= together;
+        if (p.scale - 1.0).abs() < 1e-6 {
+            p.scale = 1.0;
+        }
+        if strict || p.carried.is_none() {
+            p.scale = p.scale.clamp(-1.0, 1.0);
+        }
+        without_rim += u * p.scale;
+        achieved += u * (if p.carried.is_some() { p.scale * held } else { p.scale });
+    }
+    PlacedMark { parts, achieved, without_rim }
+}
+
+/// Strength of a mark: its `energy` is strength, strength squared, or the greatest strength, as the set combines.
+pub(crate) fn strength(energy: u64, combine: Combine) -> f32 {
+    let e = energy as f64 / Mark::ONE as f64;
+    match combine {
+        Combine::Energies => e.sqrt() as f32,
+        Combine::Sum | Combine::Deepest => e as f32,
+    }
+}

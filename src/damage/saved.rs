@@ -1,0 +1,81 @@
+//! Saved damage: 24 bytes of header (magic `CRDM`, u16 version, u16 kind, u64 fingerprint of the set, u32 count, u32
+//! zero), then the entries. All numbers are little-endian.
+
+use super::mark::{Mark, Pair};
+use crate::base::error::Error;
+use crate::example::set::ExampleSet;
+
+pub(crate) const MAGIC: [u8; 4] = *b"CRDM";
+pub(crate) const VERSION: u16 = 1;
+pub(crate) const HEADER: usize = 24;
+/// Entries are marks of 32 bytes.
+pub(crate) const MARKS: u16 = 1;
+/// Entries are vertices of a classic rule's state, 28 bytes each.
+pub(crate) const CLASSIC: u16 = 2;
+
+pub(crate) fn header(set: &ExampleSet, kind: u16, count: usize) -> Vec<u8> {
+    let mut out = Vec::with_capacity(HEADER + count * 32);
+    out.extend(MAGIC);
+    out.extend(VERSION.to_le_bytes());
+    out.extend(kind.to_le_bytes());
+    out.extend(set.fingerprint().to_le_bytes());
+    out.extend((count as u32).to_le_bytes());
+    out.extend(0u32.to_le_bytes());
+    out
+}
+
+/// The entries, checked to be as many as the header says.
+pub(crate) fn entries<'a>(set: &ExampleSet, bytes: &'a [u8], kind: u16, size: usize) -> Result<&'a [u8], Error> {
+    let bad = |what: String| Err(Error::DamageMismatch { what });
+    if bytes.len() < HEADER {
+        return bad(format!("{} bytes; at least {HEADER} are needed", bytes.len()));
+    }
+    let u16_at = |i: usize| u16::from_le_bytes([bytes[i], bytes[i + 1]]);
+    let u32_at = |i: usize| u32::from_le_bytes([bytes[i], bytes[i + 1], bytes[i + 2], bytes[i + 3]]);
+    if bytes[..4] != MAGIC {
+        return bad(format!("it begins with {:?}; saved damage begins with {:?}", &bytes[..4], MAGIC));
+    }
+    if u16_at(4) != VERSION {
+        return bad(format!("version {}; this library reads version {VERSION}", u16_at(4)));
+    }
+    if u16_at(6) != kind {
+        return bad(format!(
+            "kind {} (1: marks, 2: a classic rule's vertices); this instance's rule needs {kind}",
+            u16_at(6)
+        ));
+    }
+    let mark = u64::from(u32_at(8)) | u64::from(u32_at(12)) << 32;
+    if mark != set.fingerprint() {
+        return bad(format!("it belongs to example set {mark:016x}; this instance's is {:016x}", set.fingerprint()));
+    }
+    if u32_at(20) != 0 {
+        return bad(format!("bytes 20 to 23 are {:#x}; they must be 0", u32_at(20)));
+    }
+    let rest = &bytes[HEADER..];
+    let needed = u64::from(u32_at(16)) * size as u64;
+    if rest.len() as u64 != needed {
+        return bad(format!("{} bytes after the header; {} entries take {needed}", rest.len(), u32_at(16)));
+    }
+    Ok(rest)
+}
+
+pub(crate) fn write_mark(m: &Mark, out: &mut Vec<u8>) {
+    out.extend(m.contact.to_le_bytes());
+    out.extend(m.depth.to_bits().to_le_bytes());
+    out.extend(m.energy.to_le_bytes());
+    for p in &m.pairs {
+        out.extend(p.example.to_le_bytes());
+        out.extend(p.share.to_le_bytes());
+    }
+}
+
+pub(crate) fn read_mark(b: &[u8]) -> Mark {
+    let u16_at = |i: usize| u16::from_le_bytes([b[i], b[i + 1]]);
+    let u32_at = |i: usize| u32::from_le_bytes([b[i], b[i + 1], b[i + 2], b[i + 3]]);
+    Mark {
+        contact: u32_at(0),
+        depth: f32::from_bits(u32_at(4)),
+        energy: u64::from(u32_at(8)) | u64::from(u32_at(12)) << 32,
+        pairs: [0, 1, 2, 3].map(|i| Pair { example: u16_at(16 + 4 * i), share: u16_at(18 + 4 * i) }),
+    }
+}

@@ -1,0 +1,195 @@
+//! Eight or sixteen floats at once: what the kernels of `deform` are written in.
+//!
+//! One source for every level: a kernel is generic over [`Simd`], and each level compiles it for its instructions. All
+//! operations are the IEEE ones (no fused multiply-add, no approximate reciprocals), so every level gives the same bits.
+
+/// Functions of [`Simd`] that are one expression of intrinsics.
+#[cfg(target_arch = "x86_64")]
+macro_rules! intrinsics {
+    ($(fn $name:ident $(<$t:ident>)? ($($arg:ident: $type:ty),*) $(-> $out:ty)? = $body:expr;)*) => {$(
+        #[inline(always)]
+        unsafe fn $name $(<$t>)? ($($arg: $type),*) $(-> $out)? {
+            // SAFETY: callers keep the trait's terms, which are those of the intrinsics.
+            unsafe { $body }
+        }
+    )*};
+}
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+mod portable;
+
+#[cfg(target_arch = "x86_64")]
+pub(crate) use avx2::Avx2;
+#[cfg(target_arch = "x86_64")]
+pub(crate) use avx512::Avx512;
+pub(crate) use portable::Portable;
+
+use crate::Error;
+use crate::example::stamp::Node;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU8, Ordering};
+
+/// Instructions that deformation is compiled for. The result is the same, bit for bit, at every level.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[repr(u8)]
+pub enum SimdLevel {
+    /// What the target always has: SSE2 on x86-64, NEON on AArch64.
+    Portable = 1,
+    /// AVX2, eight lanes and gathers.
+    Avx2 = 2,
+    /// AVX-512 (F, BW, DQ, VL): sixteen lanes where that pays.
+    Avx512 = 3,
+}
+
+/// The level in force; 0 until first asked for.
+static LEVEL: AtomicU8 = AtomicU8::new(0);
+
+impl SimdLevel {
+    /// The best level of this processor; no better than the environment variable `CRUMPLE_SIMD` says when first asked, if that is
+    /// `portable` or `avx2`: for tools that do not know newer instructions.
+    pub fn best() -> Self {
+        static BEST: OnceLock<SimdLevel> = OnceLock::new();
+        *BEST.get_or_init(|| match std::env::var("CRUMPLE_SIMD").as_deref() {
+            Ok("portable") => SimdLevel::Portable,
+            Ok("avx2") => Self::of_processor().min(SimdLevel::Avx2),
+            _ => Self::of_processor(),
+        })
+    }
+
+    fn of_processor() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        {
+            use std::arch::is_x86_feature_detected as has;
+            if has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl") && has!("avx2") {
+                return SimdLevel::Avx512;
+            }
+            if has!("avx2") {
+                return SimdLevel::Avx2;
+            }
+        }
+        SimdLevel::Portable
+    }
+
+    /// All levels of this processor, the simplest first.
+    pub fn available() -> impl Iterator<Item = SimdLevel> {
+        [SimdLevel::Portable, SimdLevel::Avx2, SimdLevel::Avx512].into_iter().filter(|l| *l <= Self::best())
+    }
+
+    /// The level in force in this process: the best, unless [`SimdLevel::force`] said otherwise.
+    pub fn current() -> Self {
+        match LEVEL.load(Ordering::Relaxed) {
+            1 => SimdLevel::Portable,
+            2 => SimdLevel::Avx2,
+            3 => SimdLevel::Avx512,
+            _ => {
+                let best = Self::best();
+                LEVEL.store(best as u8, Ordering::Relaxed);
+                best
+            }
+        }
+    }
+
+    /// Uses this level from now on, in the whole process: for tests and comparisons, since results do not depend on it.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] where the processor lacks it.
+    pub fn force(self) -> Result<(), Error> {
+        if self > Self::best() {
+            return Err(Error::Unsupported { what: format!("{self:?}: this processor goes up to {:?}", Self::best()) });
+        }
+        LEVEL.store(self as u8, Ordering::Relaxed);
+        Ok(())
+    }
+}
+
+/// `LANES` floats, and what kernels do with them.
+///
+/// Functions with pointers read or write `LANES` values there, at any alignment.
+///
+/// # Safety
+/// Every function may only be called where the processor has the level's instructions, which holds inside the functions that
+/// [`SimdLevel::current`] dispatches to. Those with pointers need the memory to be valid.
+pub(crate) trait Simd: Copy {
+    const LANES: usize;
+    /// Floats.
+    type F: Copy;
+    /// 32-bit integers.
+    type I: Copy;
+    /// Yes or no in each lane.
+    type M: Copy;
+
+    unsafe fn splat(x: f32) -> Self::F;
+    unsafe fn load(p: *const f32) -> Self::F;
+    unsafe fn store(p: *mut f32, v: Self::F);
+    /// Tells that the line around `p`, which need not be valid, will be read soon.
+    unsafe fn prefetch<T>(p: *const T);
+    /// The same of a line that will be written.
+    unsafe fn prefetch_write<T>(p: *mut T);
+    unsafe fn add(a: Self::F, b: Self::F) -> Self::F;
+    unsafe fn sub(a: Self::F, b: Self::F) -> Self::F;
+    unsafe fn mul(a: Self::F, b: Self::F) -> Self::F;
+    unsafe fn div(a: Self::F, b: Self::F) -> Self::F;
+    unsafe fn sqrt(a: Self::F) -> Self::F;
+    /// Of two numbers; where `a` is not one, `b`.
+    unsafe fn min(a: Self::F, b: Self::F) -> Self::F;
+    /// Of two numbers; where `a` is not one, `b`.
+    unsafe fn max(a: Self::F, b: Self::F) -> Self::F;
+    unsafe fn equal(a: Self::F, b: Self::F) -> Self::M;
+    unsafe fn greater(a: Self::F, b: Self::F) -> Self::M;
+    unsafe fn both(a: Self::M, b: Self::M) -> Self::M;
+    unsafe fn any(m: Self::M) -> bool;
+    /// The least of the lanes, which are numbers.
+    unsafe fn lowest(a: Self::F) -> f32;
+    /// The greatest of the lanes, which are numbers.
+    unsafe fn highest(a: Self::F) -> f32;
+    /// `a` where `m`, else `b`.
+    unsafe fn select(m: Self::M, a: Self::F, b: Self::F) -> Self::F;
+
+    unsafe fn splat_int(x: i32) -> Self::I;
+    /// Towards zero; of values in the range of i32.
+    unsafe fn truncate(a: Self::F) -> Self::I;
+    unsafe fn float(a: Self::I) -> Self::F;
+    unsafe fn add_int(a: Self::I, b: Self::I) -> Self::I;
+    unsafe fn sub_int(a: Self::I, b: Self::I) -> Self::I;
+    unsafe fn mul_int(a: Self::I, b: Self::I) -> Self::I;
+    unsafe fn min_int(a: Self::I, b: Self::I) -> Self::I;
+    unsafe fn max_int(a: Self::I, b: Self::I) -> Self::I;
+
+    /// `LANES` values, widened.
+    unsafe fn load_i8(p: *const i8) -> Self::F;
+    /// `LANES` values, widened.
+    unsafe fn load_i16(p: *const i16) -> Self::F;
+    /// `3 * LANES` values, x y z x y z …, as three vectors.
+    unsafe fn deinterleave(v: [Self::F; 3]) -> [Self::F; 3];
+    /// The way back.
+    unsafe fn interleave(v: [Self::F; 3]) -> [Self::F; 3];
+
+    /// The lower 16 bits of each lane of `high` above those of `low`.
+    unsafe fn packed(low: Self::I, high: Self::I) -> Self::I;
+    /// Of each lane the weighted sum of four nodes: those at `p[at]` and after it, times the lower and the upper 16 bits of
+    /// `near`, and those `row` further on, times `far`; the nodes' first four numbers, and if `ALL` the last four too (else
+    /// zeros).
+    unsafe fn blend<const ALL: bool>(
+        p: *const Node,
+        row: usize,
+        at: Self::I,
+        near: Self::I,
+        far: Self::I,
+    ) -> [[Self::I; 4]; 2];
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_that_the_processor_lacks_are_refused() {
+        assert_eq!(SimdLevel::available().last(), Some(SimdLevel::best()));
+        if SimdLevel::best() < SimdLevel::Avx512 {
+            assert!(SimdLevel::Avx512.force().is_err());
+        }
+    }
+}

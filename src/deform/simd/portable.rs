@@ -1,0 +1,178 @@
+//! Eight lanes in what every processor of the target has.
+
+use super::Simd;
+use crate::example::stamp::Node;
+use wide::{f32x8, i32x8};
+
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Portable;
+
+// SAFETY of the whole block: the instructions are always there; pointers are valid by the trait's terms.
+impl Simd for Portable {
+    const LANES: usize = 8;
+    type F = f32x8;
+    type I = i32x8;
+    type M = f32x8;
+
+    #[inline(always)]
+    unsafe fn splat(x: f32) -> f32x8 {
+        f32x8::splat(x)
+    }
+    #[inline(always)]
+    unsafe fn load(p: *const f32) -> f32x8 {
+        // SAFETY: eight floats lie there.
+        f32x8::from(unsafe { p.cast::<[f32; 8]>().read_unaligned() })
+    }
+    #[inline(always)]
+    unsafe fn store(p: *mut f32, v: f32x8) {
+        // SAFETY: there is room for eight floats.
+        unsafe { p.cast::<[f32; 8]>().write_unaligned(v.to_array()) }
+    }
+    #[inline(always)]
+    unsafe fn prefetch<T>(_p: *const T) {}
+    #[inline(always)]
+    unsafe fn prefetch_write<T>(_p: *mut T) {}
+    #[inline(always)]
+    unsafe fn add(a: f32x8, b: f32x8) -> f32x8 {
+        a + b
+    }
+    #[inline(always)]
+    unsafe fn sub(a: f32x8, b: f32x8) -> f32x8 {
+        a - b
+    }
+    #[inline(always)]
+    unsafe fn mul(a: f32x8, b: f32x8) -> f32x8 {
+        a * b
+    }
+    #[inline(always)]
+    unsafe fn div(a: f32x8, b: f32x8) -> f32x8 {
+        a / b
+    }
+    #[inline(always)]
+    unsafe fn sqrt(a: f32x8) -> f32x8 {
+        a.sqrt()
+    }
+    #[inline(always)]
+    unsafe fn min(a: f32x8, b: f32x8) -> f32x8 {
+        b.simd_gt(a).select(a, b)
+    }
+    #[inline(always)]
+    unsafe fn max(a: f32x8, b: f32x8) -> f32x8 {
+        a.simd_gt(b).select(a, b)
+    }
+    #[inline(always)]
+    unsafe fn lowest(a: f32x8) -> f32 {
+        a.to_array().into_iter().fold(f32::INFINITY, |m, x| if x < m { x } else { m })
+    }
+    #[inline(always)]
+    unsafe fn highest(a: f32x8) -> f32 {
+        a.to_array().into_iter().fold(f32::NEG_INFINITY, |m, x| if x > m { x } else { m })
+    }
+    #[inline(always)]
+    unsafe fn equal(a: f32x8, b: f32x8) -> f32x8 {
+        a.simd_eq(b)
+    }
+    #[inline(always)]
+    unsafe fn greater(a: f32x8, b: f32x8) -> f32x8 {
+        a.simd_gt(b)
+    }
+    #[inline(always)]
+    unsafe fn both(a: f32x8, b: f32x8) -> f32x8 {
+        a & b
+    }
+    #[inline(always)]
+    unsafe fn any(m: f32x8) -> bool {
+        m.any()
+    }
+    #[inline(always)]
+    unsafe fn select(m: f32x8, a: f32x8, b: f32x8) -> f32x8 {
+        m.select(a, b)
+    }
+    #[inline(always)]
+    unsafe fn splat_int(x: i32) -> i32x8 {
+        i32x8::splat(x)
+    }
+    #[inline(always)]
+    unsafe fn truncate(a: f32x8) -> i32x8 {
+        a.trunc_int()
+    }
+    #[inline(always)]
+    unsafe fn float(a: i32x8) -> f32x8 {
+        a.round_float()
+    }
+    #[inline(always)]
+    unsafe fn add_int(a: i32x8, b: i32x8) -> i32x8 {
+        a + b
+    }
+    #[inline(always)]
+    unsafe fn sub_int(a: i32x8, b: i32x8) -> i32x8 {
+        a - b
+    }
+    #[inline(always)]
+    unsafe fn mul_int(a: i32x8, b: i32x8) -> i32x8 {
+        a * b
+    }
+    #[inline(always)]
+    unsafe fn min_int(a: i32x8, b: i32x8) -> i32x8 {
+        a.min(b)
+    }
+    #[inline(always)]
+    unsafe fn max_int(a: i32x8, b: i32x8) -> i32x8 {
+        a.max(b)
+    }
+    #[inline(always)]
+    unsafe fn load_i8(p: *const i8) -> f32x8 {
+        // SAFETY: eight values lie there.
+        f32x8::from(unsafe { p.cast::<[i8; 8]>().read_unaligned() }.map(f32::from))
+    }
+    #[inline(always)]
+    unsafe fn load_i16(p: *const i16) -> f32x8 {
+        // SAFETY: eight values lie there.
+        f32x8::from(unsafe { p.cast::<[i16; 8]>().read_unaligned() }.map(f32::from))
+    }
+    #[inline(always)]
+    unsafe fn deinterleave([a, b, c]: [f32x8; 3]) -> [f32x8; 3] {
+        let (a, b, c) = (a.to_array(), b.to_array(), c.to_array());
+        [
+            f32x8::from([a[0], a[3], a[6], b[1], b[4], b[7], c[2], c[5]]),
+            f32x8::from([a[1], a[4], a[7], b[2], b[5], c[0], c[3], c[6]]),
+            f32x8::from([a[2], a[5], b[0], b[3], b[6], c[1], c[4], c[7]]),
+        ]
+    }
+    #[inline(always)]
+    unsafe fn interleave([x, y, z]: [f32x8; 3]) -> [f32x8; 3] {
+        let (x, y, z) = (x.to_array(), y.to_array(), z.to_array());
+        [
+            f32x8::from([x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2]]),
+            f32x8::from([z[2], x[3], y[3], z[3], x[4], y[4], z[4], x[5]]),
+            f32x8::from([y[5], z[5], x[6], y[6], z[6], x[7], y[7], z[7]]),
+        ]
+    }
+    #[inline(always)]
+    unsafe fn packed(low: i32x8, high: i32x8) -> i32x8 {
+        (low & i32x8::splat(0xFFFF)) | high << 16
+    }
+    #[inline(always)]
+    unsafe fn blend<const ALL: bool>(
+        p: *const Node,
+        row: usize,
+        at: i32x8,
+        near: i32x8,
+        far: i32x8,
+    ) -> [[i32x8; 4]; 2] {
+        let (at, near, far) = (at.to_array(), near.to_array(), far.to_array());
+        let mut sums = [[0i32; 8]; 8];
+        for i in 0..8 {
+            for (first, w) in [(at[i] as usize, near[i]), (at[i] as usize + row, far[i])] {
+                // SAFETY: `at`, what follows it and what lies a row further on are within the nodes.
+                let [a, b] = unsafe { p.add(first).cast::<[Node; 2]>().read() };
+                let (wa, wb) = (i32::from(w as i16), w >> 16);
+                for k in 0..if ALL { 8 } else { 4 } {
+                    sums[k][i] += i32::from(a[k]) * wa + i32::from(b[k]) * wb;
+                }
+            }
+        }
+        let [a, b, c, d, e, f, g, h] = sums.map(i32x8::from);
+        [[a, b, c, d], [e, f, g, h]]
+    }
+}

@@ -1,0 +1,69 @@
+//! One example as plain arrays: what an importer makes, or a caller fills by hand.
+
+/// Displacements of an example from the base mesh, m (or changes of its unit normals).
+#[derive(Debug, Clone, PartialEq)]
+pub enum Deltas {
+    /// One a vertex of the base mesh; zero where the example does not move it.
+    Full(Vec<[f32; 3]>),
+    /// Only the vertices that the example moves.
+    Sparse {
+        /// Vertex indices, strictly increasing.
+        indices: Vec<u32>,
+        /// One displacement an index.
+        values: Vec<[f32; 3]>,
+    },
+}
+
+/// Where an example was hit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Contact {
+    /// A vertex of the base mesh.
+    Vertex(u32),
+    /// A point in the mesh's space, m; its nearest vertex becomes the contact.
+    Point([f32; 3]),
+}
+
+/// Whether an example may be carried away from where it was made.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Placement {
+    /// Anchored for a hit within a tenth of its support radius of its own contact and with 0.9 to 1 times its own depth;
+    /// carried otherwise. The default.
+    #[default]
+    Automatic = 0,
+    /// Always used where the artist made it: creases, frames, bumpers.
+    Anchored = 1,
+    /// Always moved to where the body was hit: sheet metal.
+    Carried = 2,
+}
+
+/// One example: the base mesh after a collision, as differences from the base.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExampleData {
+    /// Any text; need not be unique.
+    pub name: String,
+    /// Displacements, m.
+    pub positions: Deltas,
+    /// Changes of the unit normals. Computed from the displaced triangles where absent.
+    pub normals: Option<Deltas>,
+    /// Where the example was hit. The deepest vertex where absent.
+    pub contact: Option<Contact>,
+    /// The surface's outward unit normal there. Taken from the mesh where absent.
+    pub contact_normal: Option<[f32; 3]>,
+    /// Whether it may be carried.
+    pub placement: Placement,
+}
+
+impl ExampleData {
+    /// An example with nothing but a name and displacements.
+    pub fn new(name: impl Into<String>, positions: Deltas) -> Self {
+        Self {
+            name: name.into(),
+            positions,
+            normals: None,
+            contact: None,
+            contact_normal: None,
+            placement: Placement::Automatic,
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! One example of a set, ready for use.
+
+use super::blocks::DeltaBlocks;
+use super::data::Placement;
+use super::stamp::Stamp;
+use crate::base::math::tangent_basis;
+use glam::Vec3;
+use std::sync::Arc;
+
+/// One example of a set.
+#[derive(Debug)]
+pub struct Example {
+    pub(crate) name: String,
+    pub(crate) placement: Placement,
+    pub(crate) contact_vertex: u32,
+    pub(crate) contact_point: Vec3,
+    pub(crate) contact_normal: Option<Vec3>,
+    pub(crate) contact_delta: Vec3,
+    pub(crate) depth: f32,
+    /// Natural logarithm of `depth`: what selection compares.
+    pub(crate) log_depth: f32,
+    pub(crate) max_depth: f32,
+    pub(crate) support_radius: f32,
+    pub(crate) moved: usize,
+    pub(crate) anchored: Arc<DeltaBlocks>,
+    pub(crate) stamp: Option<Stamp>,
+}
+
+impl Example {
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Whether it may be carried. [`Placement::Anchored`] where the mesh has no normals to carry it by.
+    pub fn placement(&self) -> Placement {
+        self.placement
+    }
+
+    /// The vertex that was hit when it was made.
+    pub fn contact_vertex(&self) -> u32 {
+        self.contact_vertex
+    }
+
+    /// Base position of that vertex, m.
+    pub fn contact_point(&self) -> Vec3 {
+        self.contact_point
+    }
+
+    /// Outward unit normal there.
+    pub fn contact_normal(&self) -> Option<Vec3> {
+        self.contact_normal
+    }
+
+    /// Displacement of the contact vertex as it was given, m: not rounded to a tolerance, since hits are compared with it.
+    pub fn contact_displacement(&self) -> Vec3 {
+        self.contact_delta
+    }
+
+    /// Length of that displacement, m. 0 only for an empty example.
+    pub fn depth(&self) -> f32 {
+        self.depth
+    }
+
+    /// Length of the longest displacement as stored, m.
+    pub fn max_depth(&self) -> f32 {
+        self.max_depth
+    }
+
+    /// Greatest distance from the contact of a vertex displaced by at least a hundredth of the deepest (as given), m.
+    pub fn support_radius(&self) -> f32 {
+        self.support_radius
+    }
+
+    /// Number of vertices it moves.
+    pub fn moved_vertices(&self) -> usize {
+        self.moved
+    }
+
+    /// Whether it moves nothing. Such an example is kept, so that indices stay the file's, but never chosen.
+    pub fn is_empty(&self) -> bool {
+        self.moved == 0
+    }
+
+    /// Displacement of vertex `v` as stored, m.
+    pub fn delta(&self, v: u32) -> Vec3 {
+        self.anchored.delta(v)
+    }
+
+    /// What a hit on vertex `v`, at position `p` (m), is compared with when the example stays where it was made: at its own
+    /// contact the displacement as given, elsewhere as stored.
+    pub(crate) fn displacement_at(&self, v: u32, p: Vec3) -> Vec3 {
+        let stored = self.delta(v);
+        // The other side of a seam that stays closed is the same place.
+        let own = v == self.contact_vertex || (p == self.contact_point && stored == self.delta(self.contact_vertex));
+        if own { self.contact_delta } else { stored }
+    }
+
+    /// Change of the unit normal of vertex `v`.
+    pub fn normal_delta(&self, v: u32) -> Vec3 {
+        self.anchored.normal_delta(v)
+    }
+
+    /// What is carried; `None` for an anchored or empty example.
+    pub fn stamp(&self) -> Option<&Stamp> {
+        self.stamp.as_ref()
+    }
+
+    pub(crate) fn log_depth(&self) -> f32 {
+        self.log_depth
+    }
+
+    /// The stamp's frame: columns are x, y (in the surface) and z (the contact normal) in mesh space.
+    pub fn frame(&self) -> glam::Mat3 {
+        tangent_basis(self.contact_normal.unwrap_or(Vec3::Z))
+    }
+}

@@ -1,0 +1,44 @@
+//! A mesh that shows damage: the set's own mesh, or another level of detail of the same body.
+
+use super::blocks::DeltaBlocks;
+use crate::base::math::Aabb;
+use crate::mesh::Mesh;
+use crate::mesh::rim::Rim;
+use crate::mesh::vertex_blocks::{BLOCK, block_range};
+use std::sync::Arc;
+
+/// A mesh with all that evaluating marks on it needs.
+#[derive(Debug)]
+pub(crate) struct MeshLod {
+    pub mesh: Mesh,
+    pub block_bounds: Vec<Aabb>,
+    pub rim: Rim,
+    /// One an example of the set.
+    pub anchored: Vec<Arc<DeltaBlocks>>,
+}
+
+impl MeshLod {
+    pub(crate) fn new(mesh: Mesh, rim: Rim, anchored: Vec<Arc<DeltaBlocks>>) -> Self {
+        let positions = mesh.positions();
+        let block_bounds = (0..positions.len().div_ceil(BLOCK))
+            .map(|b| Aabb::of(&positions[block_range(b, positions.len())]))
+            .collect();
+        MeshLod { mesh, block_bounds, rim, anchored }
+    }
+
+    /// Bytes it takes, its anchored examples among them.
+    pub(crate) fn bytes(&self) -> usize {
+        self.mesh.bytes()
+            + self.blocks() * size_of::<Aabb>()
+            + self.rim.bytes()
+            + self.anchored.iter().map(|a| a.bytes().total()).sum::<usize>()
+    }
+
+    pub(crate) fn vertex_count(&self) -> usize {
+        self.mesh.positions().len()
+    }
+
+    pub(crate) fn blocks(&self) -> usize {
+        self.block_bounds.len()
+    }
+}

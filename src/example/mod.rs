@@ -1,0 +1,13 @@
+//! Examples and the set that holds them: plain data, without the behaviour of later rooms.
+
+pub(crate) mod blocks;
+pub(crate) mod candidates;
+pub(crate) mod data;
+#[expect(clippy::module_inception, reason = "one file an idea")]
+pub(crate) mod example;
+pub(crate) mod learned;
+pub(crate) mod mesh_lod;
+pub(crate) mod options;
+pub(crate) mod report;
+pub(crate) mod set;
+pub(crate) mod stamp;

@@ -1,0 +1,285 @@
+//! The example set: a base mesh and its examples, made ready. Immutable, shared by all instances.
+
+use super::blocks::Bytes;
+use super::candidates::Candidates;
+use super::example::Example;
+use super::learned::Learned;
+use super::mesh_lod::MeshLod;
+use super::options::{SetOptions, VertexMass};
+use super::report::{LodReport, SetReport};
+use super::stamp::Stamp;
+use crate::Error;
+use crate::base::array::Array;
+use crate::mesh::mirror::Mirror;
+use crate::mesh::nearest::{Nearest, VertexIndex};
+use crate::mesh::rim::Rim;
+use crate::mesh::surface::SurfaceIndex;
+use crate::mesh::{Mesh, finite};
+use std::sync::OnceLock;
+
+/// A base mesh with its examples. Immutable: share it (`Arc`) among the instances of the mesh and among threads.
+///
+/// ```
+/// use crumple::{Deltas, ExampleData, ExampleSet, MeshData, Serial, SetOptions};
+/// let mesh = MeshData {
+///     positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+///     triangles: vec![[0, 1, 2]],
+///     ..Default::default()
+/// };
+/// let dent = ExampleData::new("dent", Deltas::Sparse { indices: vec![0], values: vec![[0.0, 0.0, -0.1]] });
+/// let set = ExampleSet::build(mesh, vec![dent], SetOptions::default(), &Serial)?;
+/// assert_eq!(set.depth_limit(), 0.1);
+/// # Ok::<(), crumple::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct ExampleSet {
+    base: MeshLod,
+    /// Other meshes that show the same damage, from level of detail 1 on.
+    lods: Vec<MeshLod>,
+    examples: Vec<Example>,
+    options: SetOptions,
+    depth_limit: f32,
+    index: VertexIndex,
+    candidates: Candidates,
+    learned: Learned,
+    fingerprint: u64,
+    report: SetReport,
+    /// Of each vertex its number before [`reorder`](fn@crate::bake::reorder); only for tools.
+    source_order: Option<Array<u32>>,
+    /// The triangles of the base mesh by place, indexed when first needed.
+    surface: OnceLock<SurfaceIndex>,
+}
+
+/// Meshes that a set may have: its own and its levels of detail.
+pub(crate) const MAX_MESHES: usize = 64;
+
+/// What a set is put together from, made or loaded.
+pub(crate) struct Parts {
+    pub base: MeshLod,
+    /// Levels of detail, each with its report.
+    pub lods: Vec<(MeshLod, LodReport)>,
+    pub examples: Vec<Example>,
+    pub options: SetOptions,
+    pub index: VertexIndex,
+    pub learned: Learned,
+    pub planes: Mirror,
+    pub fingerprint: u64,
+    pub welded: usize,
+    pub widest_weld: f32,
+    pub source_order: Option<Array<u32>>,
+}
+
+/// The longest displacement of any example, m, also of contacts before they are rounded.
+pub(crate) fn deepest(examples: &[Example]) -> f32 {
+    examples.iter().map(|e| e.max_depth.max(e.depth)).fold(0.0, f32::max)
+}
+
+impl ExampleSet {
+    /// From parts that are as [`ExampleSet::build`] makes them.
+    pub(crate) fn assemble(p: Parts) -> Self {
+        let mesh = &p.base.mesh;
+        let mut report = SetReport {
+            welded: p.welded,
+            widest_weld: p.widest_weld,
+            repaired_normals: mesh.repaired_normals(),
+            degenerate_triangles: mesh.degenerate_triangles(),
+            mirror_planes: p.planes,
+            held_vertices: p.base.rim.vertices(),
+            lods: p.lods.iter().map(|l| l.1).collect(),
+            ..Default::default()
+        };
+        for (i, e) in p.examples.iter().enumerate() {
+            let bytes: Bytes = e.anchored.bytes();
+            report.anchored_bytes += bytes.total();
+            report.normal_bytes += bytes.normals;
+            report.moved_vertices += e.moved;
+            report.blocks_by_width.iter_mut().zip(bytes.blocks).for_each(|(sum, n)| *sum += n);
+            report.stamp_bytes += e.stamp.as_ref().map_or(0, Stamp::bytes);
+            if e.is_empty() {
+                report.empty_examples.push(i);
+            }
+        }
+        Self {
+            candidates: Candidates::new(mesh, &p.examples, p.planes),
+            depth_limit: p.options.depth_limit.unwrap_or(deepest(&p.examples)),
+            learned: p.learned,
+            base: p.base,
+            lods: p.lods.into_iter().map(|l| l.0).collect(),
+            examples: p.examples,
+            options: p.options,
+            index: p.index,
+            fingerprint: p.fingerprint,
+            report,
+            source_order: p.source_order,
+            surface: OnceLock::new(),
+        }
+    }
+
+    /// The base mesh.
+    pub fn mesh(&self) -> &Mesh {
+        &self.base.mesh
+    }
+
+    /// How many meshes show the damage: 1, the base mesh, and the levels of detail that were added.
+    pub fn lod_count(&self) -> usize {
+        1 + self.lods.len()
+    }
+
+    /// The mesh of a level of detail; 0 is the base mesh.
+    ///
+    /// # Errors
+    /// [`Error::IndexOutOfRange`].
+    pub fn lod_mesh(&self, lod: usize) -> Result<&Mesh, Error> {
+        Ok(&self.lod(lod)?.mesh)
+    }
+
+    /// Number of vertices of the base mesh.
+    pub fn vertex_count(&self) -> usize {
+        self.base.vertex_count()
+    }
+
+    /// The examples, in the order given.
+    pub fn examples(&self) -> &[Example] {
+        &self.examples
+    }
+
+    /// The options it was built with.
+    pub fn options(&self) -> &SetOptions {
+        &self.options
+    }
+
+    /// No vertex moves further than this, m, unless an instance sets its own limit.
+    pub fn depth_limit(&self) -> f32 {
+        self.depth_limit
+    }
+
+    /// A hash of all that marks depend on; saved damage carries it. The same on every platform.
+    pub fn fingerprint(&self) -> u64 {
+        self.fingerprint
+    }
+
+    /// What building it found out.
+    pub fn report(&self) -> &SetReport {
+        &self.report
+    }
+
+    /// Memory held for meshes and examples, bytes.
+    pub fn memory_bytes(&self) -> usize {
+        self.lods().map(MeshLod::bytes).sum::<usize>()
+            + self.index.bytes()
+            + self.report.stamp_bytes
+            + self.candidates.bytes()
+    }
+
+    /// What it learned from its own examples, each left out in turn.
+    pub fn learned(&self) -> &Learned {
+        &self.learned
+    }
+
+    /// The vertex nearest to `point` (mesh space, m); the lowest index where several are equally near.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`]; [`Error::InvalidArgument`] where the distance overflows.
+    pub fn nearest_vertex(&self, point: [f32; 3]) -> Result<Nearest, Error> {
+        let p = finite(point, || "point".into())?;
+        self.index
+            .nearest(p, self.mesh().positions())
+            .ok_or_else(|| Error::invalid("point", p, "near enough that squared distances fit in f32"))
+    }
+
+    /// Of each vertex its number in the source, where the set was made from a [reordered](fn@crate::bake::reorder) mesh and
+    /// [told so](ExampleSet::set_source_order).
+    pub fn source_order(&self) -> Option<&[u32]> {
+        self.source_order.as_deref()
+    }
+
+    /// Keeps what [`reorder`](fn@crate::bake::reorder) returned with the set, and with its file: of each vertex its number in the
+    /// source. Nothing else depends on it.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] unless every number below the number of vertices is there once.
+    pub fn set_source_order(&mut self, order: Vec<u32>) -> Result<(), Error> {
+        check_order(&order, self.vertex_count())
+            .map_err(|(value, expected)| Error::invalid("the source order", value, &expected))?;
+        self.source_order = Some(order.into());
+        Ok(())
+    }
+
+    pub(crate) fn index(&self) -> &VertexIndex {
+        &self.index
+    }
+
+    pub(crate) fn candidates(&self) -> &Candidates {
+        &self.candidates
+    }
+
+    pub(crate) fn rim(&self) -> &Rim {
+        &self.base.rim
+    }
+
+    /// The set's own mesh.
+    pub(crate) fn base_lod(&self) -> &MeshLod {
+        &self.base
+    }
+
+    /// All meshes that show the damage, the set's own first.
+    pub(crate) fn lods(&self) -> impl Iterator<Item = &MeshLod> {
+        std::iter::once(&self.base).chain(&self.lods)
+    }
+
+    /// A level of detail; 0 is the base mesh.
+    pub(crate) fn lod(&self, lod: usize) -> Result<&MeshLod, Error> {
+        self.lods().nth(lod).ok_or_else(|| Error::IndexOutOfRange {
+            name: "the level of detail".into(),
+            index: lod as u64,
+            len: self.lod_count() as u64,
+        })
+    }
+
+    pub(crate) fn push_lod(&mut self, lod: MeshLod, report: LodReport) {
+        self.lods.push(lod);
+        self.report.lods.push(report);
+    }
+
+    pub(crate) fn set_learned(&mut self, learned: Learned) {
+        self.learned = learned;
+    }
+
+    /// The triangles of the base mesh by place. The first call indexes them.
+    pub(crate) fn surface(&self) -> &SurfaceIndex {
+        self.surface.get_or_init(|| SurfaceIndex::new(self.mesh()))
+    }
+
+    pub(crate) fn surface_is_indexed(&self) -> bool {
+        self.surface.get().is_some()
+    }
+
+    /// Frees the index of [`ExampleSet::surface`].
+    pub(crate) fn forget_surface(&mut self) {
+        self.surface.take();
+    }
+
+    /// Mass of vertex `v`, kg.
+    pub(crate) fn mass(&self, v: u32) -> Option<f32> {
+        match &self.options.mass {
+            VertexMass::None => None,
+            VertexMass::Uniform(m) => Some(*m),
+            VertexMass::PerVertex(m) => Some(m[v as usize]),
+        }
+    }
+}
+
+/// Every number below `n` once; else the value that is wrong and what it should be.
+pub(crate) fn check_order(order: &[u32], n: usize) -> Result<(), (String, String)> {
+    if order.len() != n {
+        return Err((format!("{} numbers", order.len()), format!("{n} numbers, one a vertex")));
+    }
+    let mut seen = vec![false; n];
+    for (at, v) in order.iter().enumerate() {
+        match seen.get_mut(*v as usize) {
+            Some(s) if !*s => *s = true,
+            _ => return Err((format!("{v} at {at}"), format!("every number below {n} once"))),
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,143 @@
+//! The data that the kernels read of a frame, as `layout.wgsl` declares it. The build asserts that both agree.
+
+use crate::example::stamp;
+use bytemuck::{Pod, Zeroable};
+
+include!(concat!(env!("OUT_DIR"), "/layout.rs"));
+
+const _: () = assert!(BLOCK as usize == crate::mesh::vertex_blocks::BLOCK);
+const _: () = assert!(WEIGHTS == stamp::WEIGHTS && FACING == stamp::FACING);
+
+/// What a kernel reads at once.
+pub(super) type Row = [u32; 4];
+
+/// What differs from dispatch to dispatch.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Call {
+    pub blocks: u32,
+    pub targets: u32,
+    pub parts: u32,
+    pub carried: u32,
+    pub row: u32,
+    pub count: u32,
+}
+
+/// A block to write.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct BlockWork {
+    pub target_index: u32,
+    pub block: u32,
+}
+
+/// A target with a block to write.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct TargetWork {
+    pub base_positions: u32,
+    pub base_normals: u32,
+    pub base_tangents: u32,
+    pub block_bounds: u32,
+    pub position_at: u32,
+    pub position_stride: u32,
+    pub normal_at: u32,
+    pub normal_stride: u32,
+    pub tangent_at: u32,
+    pub tangent_stride: u32,
+    pub formats: u32,
+    pub vertices: u32,
+    pub bias: [f32; 3],
+    pub limit: f32,
+    pub scale: [f32; 3],
+    pub flags: u32,
+    pub parts_begin: u32,
+    pub parts_end: u32,
+    pub windows: u32,
+    pub given_state: u32,
+}
+
+/// A dent. Its parts follow.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct DentHead {
+    pub contact: [f32; 3],
+    pub reach_square: f32,
+    pub parts: u32,
+    pub padding: [u32; 3],
+}
+
+/// An example in a dent.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct DentPart {
+    pub scale: f32,
+    pub normal_scale: f32,
+    pub dropped_square: f32,
+    pub carried: u32,
+    pub source: u32,
+    pub padding: [u32; 3],
+}
+
+/// A carried example.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct CarriedWork {
+    pub lookup: CarriedLookup,
+    pub displacement: CarriedDisplacement,
+    pub normals: CarriedNormals,
+}
+
+/// Finds a vertex's place in the stamp.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct CarriedLookup {
+    pub contact: [f32; 3],
+    pub nodes: u32,
+    pub to_stamp_x: [f32; 3],
+    pub height: f32,
+    pub to_stamp_y: [f32; 3],
+    pub fade: f32,
+    pub to_stamp_z: [f32; 3],
+    pub padding: u32,
+    pub per_cell: [f32; 2],
+    pub grid_origin: [f32; 2],
+    pub grid_top: [f32; 2],
+    pub grid_size: [u32; 2],
+}
+
+/// Columns of the matrix from weighted sums of the stamp's numbers to displacements.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct CarriedDisplacement {
+    pub x: [f32; 3],
+    pub padding_x: u32,
+    pub y: [f32; 3],
+    pub padding_y: u32,
+    pub z: [f32; 3],
+    pub padding_z: u32,
+}
+
+/// Columns of the matrix from weighted sums of the stamp's numbers to changes of normals, and the stamp's z in mesh space.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct CarriedNormals {
+    pub x: [f32; 3],
+    pub padding_x: u32,
+    pub y: [f32; 3],
+    pub padding_y: u32,
+    pub z: [f32; 3],
+    pub padding_z: u32,
+    pub up: [f32; 3],
+    pub padding_up: u32,
+}
+
+/// A hit on a body with a classic rule.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct ClassicHit {
+    pub example: u32,
+    pub position_step: f32,
+    pub normal_step: f32,
+    pub weight: f32,
+}

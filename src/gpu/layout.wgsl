@@ -1,0 +1,148 @@
+// The data that the CPU packs for a frame. build/layout.rs checks that the structs of src/gpu/layout.rs have these members at
+// these offsets, hands the constants to Rust, and generates a `load_…` function for each struct that a kernel reads.
+//
+// A row is four words, which the kernels read at once. Each struct begins at a row; two `BlockWork` share one.
+
+// Vertices a block.
+const BLOCK = 128u;
+// Stands for no offset.
+const NONE = 0xFFFFFFFFu;
+
+// Number formats of the host: Encoding in src/gpu/format.rs.
+const F16X4 = 1u;
+const SNORM16X4 = 2u;
+const SNORM8X4 = 3u;
+
+// Flags of a target with marks: more than one dent; the length is the root of the summed squares; the length is the longest
+// dent's; the depth limit may be reached.
+const SEVERAL = 1u;
+const SQUARES = 2u;
+const LONGEST = 4u;
+const LIMITED = 8u;
+// Flag of a target with a classic rule: the vertices are at rest and have no state yet.
+const AT_REST = 1u;
+
+// The weights of a bilinear mean sum to this.
+const WEIGHTS: f32 = 16384.0;
+// The step of the stored cosine between a normal and the stamp's z, over WEIGHTS.
+const FACING: f32 = 1.0 / (32767.0 * 16384.0);
+
+// What differs from dispatch to dispatch.
+struct Call {
+    // Index of the dispatch's first block.
+    blocks: u32,
+    // First rows of the lists: targets, parts, carried examples. For a classic rule `parts` are hits, and `carried` are states.
+    targets: u32,
+    parts: u32,
+    carried: u32,
+    // Invocations in a row of workgroups, and in all.
+    row: u32,
+    count: u32,
+}
+
+// A block to write.
+struct BlockWork {
+    // Index of its target.
+    target_index: u32,
+    // Index of the block in the mesh.
+    block: u32,
+}
+
+// A target with a block to write.
+struct TargetWork {
+    // First words in the arena: base positions, normals and tangents, bounds of blocks.
+    base_positions: u32,
+    base_normals: u32,
+    base_tangents: u32,
+    block_bounds: u32,
+    // First words in the host's buffer, and words from one vertex to the next. A stride of 0 stands for no output.
+    position_at: u32,
+    position_stride: u32,
+    normal_at: u32,
+    normal_stride: u32,
+    tangent_at: u32,
+    tangent_stride: u32,
+    // Number formats, a byte each: positions, normals, tangents.
+    formats: u32,
+    vertices: u32,
+    // Positions in normalised integers are stored as (p - bias) / scale.
+    bias: vec3<f32>,
+    // The depth limit, m; for a classic rule the constant that it blends with.
+    limit: f32,
+    scale: vec3<f32>,
+    flags: u32,
+    // Rows from the first part on. For a classic rule hits.
+    parts_begin: u32,
+    parts_end: u32,
+    // First word of the windows of held rims in the arena, or NONE.
+    windows: u32,
+    // For a classic rule: first word of the state that the CPU hands over, or NONE.
+    given_state: u32,
+}
+
+// A dent. Its parts follow.
+struct DentHead {
+    contact: vec3<f32>,
+    // Nothing further from the contact moves, m².
+    reach_square: f32,
+    @size(16) parts: u32,
+}
+
+// An example in a dent.
+struct DentPart {
+    scale: f32,
+    normal_scale: f32,
+    // Displacements with a length of this square or less are dropped, in the units of the example. -1 keeps all.
+    dropped_square: f32,
+    carried: u32,
+    // Anchored: the example's first word in the arena. Carried: the index of its `CarriedWork`.
+    @size(16) source: u32,
+}
+
+// A carried example: Carried in src/dent.rs. Its parts are in the order in which a vertex needs them.
+struct CarriedWork {
+    lookup: CarriedLookup,
+    displacement: CarriedDisplacement,
+    normals: CarriedNormals,
+}
+
+// Finds a vertex's place in the stamp.
+struct CarriedLookup {
+    contact: vec3<f32>,
+    // First word of the stamp's nodes in the arena.
+    nodes: u32,
+    // Columns of the matrix into the stamp's frame.
+    to_stamp_x: vec3<f32>,
+    height: f32,
+    to_stamp_y: vec3<f32>,
+    fade: f32,
+    to_stamp_z: vec3<f32>,
+    per_cell: vec2<f32>,
+    grid_origin: vec2<f32>,
+    grid_top: vec2<f32>,
+    grid_size: vec2<u32>,
+}
+
+// Columns of the matrix from weighted sums of the stamp's numbers to displacements.
+struct CarriedDisplacement {
+    x: vec3<f32>,
+    y: vec3<f32>,
+    z: vec3<f32>,
+}
+
+// Columns of the matrix from weighted sums of the stamp's numbers to changes of normals, and the stamp's z in mesh space.
+struct CarriedNormals {
+    x: vec3<f32>,
+    y: vec3<f32>,
+    z: vec3<f32>,
+    up: vec3<f32>,
+}
+
+// A hit on a body with a classic rule.
+struct ClassicHit {
+    // The example's first word in the arena.
+    example: u32,
+    position_step: f32,
+    normal_step: f32,
+    weight: f32,
+}

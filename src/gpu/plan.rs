@@ -1,0 +1,227 @@
+//! A frame's plan: which jobs have something to write, in which dispatches, and with which data.
+
+use super::BLOCK_VERTICES;
+use super::kernel::{Kernel, TargetState};
+use super::work::{FrameWork, Shown, WorkOffsets};
+use crate::base::math::Aabb;
+use crate::{Error, Instance};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// A target to bring up to date. `T` is the backend's target.
+#[derive(Debug)]
+pub struct Job<'a, T> {
+    /// The instance. Hits must have been folded ([`Instance::fold`]); others wait for the next time.
+    pub instance: &'a Instance,
+    /// Where its vertices go.
+    pub target: &'a mut T,
+}
+
+/// What a frame writes.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct FrameReport {
+    /// Vertices that will be written, over all targets.
+    pub vertices_written: u64,
+    /// Blocks of 128 vertices that will be written.
+    pub blocks_written: u64,
+    /// Blocks that were up to date.
+    pub blocks_skipped: u64,
+    /// Examples of marks that the instances' tolerances left out.
+    pub parts_skipped: u64,
+    /// Dispatches. There is one for each buffer, or more if the device cannot bind the buffer or all examples at once, and one
+    /// for each target of an instance with a classic rule.
+    pub dispatches: u32,
+    /// Bytes that are copied to the device for this frame. Recording also counts those of new meshes.
+    pub bytes_copied: u64,
+}
+
+/// A backend's target, as the plan sees it.
+pub(crate) trait PlanTarget {
+    /// The part of a host's buffer that a dispatch binds. Targets with equal bindings share dispatches.
+    type Binding: Copy + Ord;
+    fn binding(&self) -> Self::Binding;
+    fn state(&self) -> &TargetState;
+    fn state_mut(&mut self) -> &mut TargetState;
+}
+
+/// What the targets of one dispatch have in common.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct DispatchKey<B> {
+    binding: B,
+    /// The arena's chunk.
+    chunk: u32,
+    /// The job, for an instance with a classic rule: no other has its state.
+    classic: Option<u32>,
+}
+
+/// A dispatch.
+#[derive(Debug)]
+pub(crate) struct Dispatch<B> {
+    key: DispatchKey<B>,
+    /// The first of its jobs.
+    pub job: usize,
+    pub kernel: Kernel,
+    pub blocks: Range<usize>,
+}
+
+impl<B: Copy> Dispatch<B> {
+    pub(crate) fn binding(&self) -> B {
+        self.key.binding
+    }
+
+    /// Id of the arena's chunk that it reads.
+    pub(crate) fn chunk(&self) -> u32 {
+        self.key.chunk
+    }
+
+    pub(crate) fn classic(&self) -> bool {
+        self.key.classic.is_some()
+    }
+}
+
+/// A job with something to write.
+#[derive(Debug)]
+struct PlannedJob<B> {
+    key: DispatchKey<B>,
+    job: usize,
+    /// A box that will hold its vertices.
+    bounds: Aabb,
+    /// Its blocks among those of the frame.
+    blocks: Range<usize>,
+}
+
+/// The plan of a frame. Its lists are reused from frame to frame.
+#[derive(Debug)]
+pub(crate) struct Plan<B> {
+    work: FrameWork,
+    jobs: Vec<PlannedJob<B>>,
+    dispatches: Vec<Dispatch<B>>,
+}
+
+impl<B> Default for Plan<B> {
+    fn default() -> Self {
+        Plan { work: FrameWork::default(), jobs: Vec::new(), dispatches: Vec::new() }
+    }
+}
+
+/// Fails if a job's target is another device's or another set's, or if its classic rule cannot be shown on its mesh.
+pub(crate) fn check<T: PlanTarget>(jobs: &[Job<'_, T>], device: u64) -> Result<(), Error> {
+    for (j, Job { instance, target }) in jobs.iter().enumerate() {
+        let target = target.state();
+        if target.device != device {
+            let expected = "a target of this device";
+            return Err(Error::invalid(&format!("target of job {j}"), "of another device", expected));
+        }
+        if !std::ptr::eq(target.set.as_ptr(), Arc::as_ptr(instance.example_set())) {
+            let expected = "an instance of the target's set";
+            return Err(Error::invalid(&format!("instance of job {j}"), "of another example set", expected));
+        }
+        if target.lod > 0 && instance.classic_state().is_some() {
+            return Err(instance.needs_marks("a target of another level of detail than 0"));
+        }
+    }
+    Ok(())
+}
+
+/// The size in bytes of the state that a target needs on the device and does not have. `None` if it needs none.
+pub(crate) fn missing_state<T: PlanTarget>(job: &Job<'_, T>, has_state: bool) -> Option<u64> {
+    let needed = job.instance.classic_state().is_some() && !has_state;
+    needed.then(|| job.instance.example_set().vertex_count() as u64 * job.target.state().kernel.state_bytes())
+}
+
+impl<B: Copy + Ord> Plan<B> {
+    /// Plans jobs that were checked. Every target of an instance with a classic rule has its state.
+    pub(crate) fn fill<T: PlanTarget<Binding = B>>(&mut self, jobs: &[Job<'_, T>]) -> Result<FrameReport, Error> {
+        let mut report = FrameReport::default();
+        self.work.clear();
+        self.jobs.clear();
+        self.dispatches.clear();
+        for (job, Job { instance, target }) in jobs.iter().enumerate() {
+            let (state, changes) = (target.state(), instance.view().changes);
+            if state.tracker.dirty(changes, state.lod).next().is_some() {
+                let classic = instance.classic_state().map(|_| job as u32);
+                let key = DispatchKey { binding: target.binding(), chunk: state.mesh.chunk, classic };
+                self.jobs.push(PlannedJob { key, job, bounds: Aabb::EMPTY, blocks: 0..0 });
+            } else {
+                report.blocks_skipped += changes.blocks[state.lod].len() as u64;
+            }
+        }
+        self.jobs.sort_unstable_by_key(|p| (p.key, p.job));
+        for planned in &mut self.jobs {
+            let Job { instance, target } = &jobs[planned.job];
+            let target = target.state();
+            let mesh = instance.example_set().lod(target.lod)?;
+            let view = instance.view();
+            let shown = Shown { view, mesh, target };
+            planned.bounds = match instance.classic_state() {
+                Some(state) => {
+                    let since = target.tracker.since(view.changes, target.lod);
+                    self.work.add_classic(
+                        shown,
+                        (state, instance.blend_constant()),
+                        target.kernel > Kernel::Positions,
+                        since,
+                    )
+                }
+                None => self.work.add_marks(shown),
+            };
+            planned.blocks = self.work.add_blocks(target.tracker.dirty(view.changes, target.lod));
+            report.blocks_written += planned.blocks.len() as u64;
+            report.blocks_skipped += (mesh.blocks() - planned.blocks.len()) as u64;
+            match self.dispatches.last_mut().filter(|d| d.key == planned.key) {
+                Some(dispatch) => {
+                    dispatch.blocks.end = planned.blocks.end;
+                    dispatch.kernel = dispatch.kernel.max(target.kernel);
+                }
+                None => {
+                    let (key, job, kernel) = (planned.key, planned.job, target.kernel);
+                    self.dispatches.push(Dispatch { key, job, kernel, blocks: planned.blocks.clone() });
+                }
+            }
+        }
+        report.parts_skipped = self.work.parts_skipped.into();
+        report.dispatches = self.dispatches.len() as u32;
+        let invocations = report.blocks_written * u64::from(BLOCK_VERTICES);
+        if invocations > u64::from(u32::MAX) {
+            let what = format!("{invocations} vertices in one frame; at most 4294967295");
+            return Err(Error::Unsupported { what });
+        }
+        Ok(report)
+    }
+
+    /// The dispatches. Those with one binding lie side by side.
+    pub(crate) fn dispatches(&self) -> &[Dispatch<B>] {
+        &self.dispatches
+    }
+
+    /// Where the frame's data will lie.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] if it is too large.
+    pub(crate) fn offsets(&self) -> Result<WorkOffsets, Error> {
+        self.work.offsets()
+    }
+
+    /// Writes the frame's data: [`WorkOffsets::words`] words.
+    pub(crate) fn write(&self, to: &mut [u32]) {
+        self.work.write(to);
+    }
+
+    /// Notes what each target will hold once the frame has run, and calls `written` with each target that it writes. Returns the
+    /// number of vertices.
+    pub(crate) fn commit<T: PlanTarget>(&self, jobs: &mut [Job<'_, T>], mut written: impl FnMut(&mut T)) -> u64 {
+        let mut vertices = 0;
+        for job in jobs.iter_mut() {
+            job.target.state_mut().tracker.unchanged();
+        }
+        for planned in &self.jobs {
+            let Job { instance, target } = &mut jobs[planned.job];
+            let TargetState { lod, tracker, .. } = target.state_mut();
+            let Ok(mesh) = instance.example_set().lod(*lod) else { continue };
+            let of = (instance.view().changes, *lod, mesh.vertex_count());
+            vertices += tracker.recorded(of, self.work.listed(&planned.blocks), planned.bounds);
+            written(target);
+        }
+        vertices
+    }
+}

@@ -1,0 +1,217 @@
+//! Where a host's buffer stores the vertices of a mesh: definition and checks.
+
+use super::format::{Attribute, Encoding};
+use super::kernel::Kernel;
+use super::limits::BindingLimits;
+use crate::{Error, Mesh};
+use std::fmt::Debug;
+use std::ops::Range;
+
+/// Where a buffer stores one attribute of the vertices. `F` is the graphics interface's vertex format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct VertexStream<F> {
+    /// Bytes from the target's offset to the first vertex's value; a multiple of 4.
+    pub offset: u64,
+    /// Bytes from one vertex's value to the next; a multiple of 4, at least the size of a value.
+    pub stride: u64,
+    /// The format of a value. Each attribute takes three formats:
+    ///
+    /// | attribute | Vulkan | wgpu |
+    /// |---|---|---|
+    /// | position | `R32G32B32_SFLOAT`, `R16G16B16A16_SFLOAT`, `R16G16B16A16_SNORM` | `Float32x3`, `Float16x4`, `Snorm16x4` |
+    /// | normal | `R32G32B32_SFLOAT`, `R16G16B16A16_SNORM`, `R8G8B8A8_SNORM` | `Float32x3`, `Snorm16x4`, `Snorm8x4` |
+    /// | tangent | `R32G32B32A32_SFLOAT`, `R16G16B16A16_SNORM`, `R8G8B8A8_SNORM` | `Float32x4`, `Snorm16x4`, `Snorm8x4` |
+    ///
+    /// A position's fourth number is 1, a normal's is 0, a tangent's is the base tangent's.
+    pub format: F,
+}
+
+/// Where a buffer stores the vertices of one mesh. `B` names the buffer, `F` is the graphics interface's vertex format.
+#[derive(Debug, Clone, Copy)]
+pub struct TargetDef<B, F> {
+    /// The mesh: 0 is the set's base mesh, 1 its first level of detail, and so on.
+    pub lod: usize,
+    /// The buffer. It may hold any number of targets; one dispatch writes all targets in one buffer.
+    pub buffer: B,
+    /// Bytes from the buffer's start to the target; a multiple of 4.
+    pub offset: u64,
+    /// Bytes of the target. Nothing outside is written. The ranges of targets may interleave; their values must not overlap.
+    pub size: u64,
+    /// Positions, m.
+    pub positions: VertexStream<F>,
+    /// Unit normals; `None` writes none.
+    pub normals: Option<VertexStream<F>>,
+    /// Tangents; `None` writes none. The fourth number is the base tangent's.
+    pub tangents: Option<VertexStream<F>>,
+    /// Scale of positions in 16-bit normalised integers, m, above 0: a stored number s from -1 to 1 stands for
+    /// `s * scale + bias`. Positions outside are clamped, so take the bounds and add the depth limit.
+    pub scale: [f32; 3],
+    /// Bias of positions in 16-bit normalised integers, m.
+    pub bias: [f32; 3],
+}
+
+/// A graphics interface's vertex format. Each list gives the formats of an attribute, first the floats.
+pub trait HostFormat: Copy + PartialEq + Debug + 'static {
+    /// Formats of positions.
+    const POSITIONS: [(Self, Encoding); 3];
+    /// Formats of normals.
+    const NORMALS: [(Self, Encoding); 3];
+    /// Formats of tangents.
+    const TANGENTS: [(Self, Encoding); 3];
+}
+
+impl<B, F: HostFormat> TargetDef<B, F> {
+    /// Positions alone, three floats each, tightly packed from `offset` on.
+    pub fn positions(buffer: B, offset: u64, size: u64) -> Self {
+        let positions = VertexStream { offset: 0, stride: 12, format: F::POSITIONS[0].0 };
+        let (normals, tangents) = (None, None);
+        let (scale, bias) = ([1.0; 3], [0.0; 3]);
+        TargetDef { lod: 0, buffer, offset, size, positions, normals, tangents, scale, bias }
+    }
+
+    /// Checks the definition for a mesh and a buffer of `buffer_size` bytes. Returns the layout, the kernel that writes it, and
+    /// the bytes of the buffer from the first that is written to the last.
+    pub(crate) fn layout(&self, mesh: &Mesh, buffer_size: u64) -> Result<(VertexLayout, Kernel, Range<u64>), Error> {
+        let positions = encoded("position", &self.positions, &F::POSITIONS)?;
+        let good = self.scale.iter().all(|s| *s > 0.0 && s.is_finite()) && self.bias.iter().all(|b| b.is_finite());
+        if positions.format == Encoding::Snorm16x4 && !good {
+            let value = format!("{:?}, bias {:?}", self.scale, self.bias);
+            return Err(Error::invalid("the scale", value, "above 0 and finite, the bias finite, m"));
+        }
+        let normals = self.normals.as_ref().map(|s| encoded("normal", s, &F::NORMALS)).transpose()?;
+        let tangents = self.tangents.as_ref().map(|s| encoded("tangent", s, &F::TANGENTS)).transpose()?;
+        let layout = VertexLayout { positions, normals, tangents, scale: self.scale, bias: self.bias };
+        if !self.offset.is_multiple_of(4) {
+            return Err(Error::Misaligned { name: "the target's offset".into(), value: self.offset, align: 4 });
+        }
+        let needed = self.offset.saturating_add(self.size);
+        if needed > buffer_size {
+            return Err(Error::BufferTooSmall { name: "the buffer".into(), size: buffer_size, needed });
+        }
+        let kernel = Kernel::of(&layout, mesh)?;
+        let written = layout.check(mesh.positions().len(), self.size)?;
+        Ok((layout, kernel, self.offset + written.start..self.offset + written.end))
+    }
+}
+
+fn encoded<F: HostFormat>(
+    name: &str,
+    stream: &VertexStream<F>,
+    allowed: &[(F, Encoding)],
+) -> Result<VertexStream<Encoding>, Error> {
+    let VertexStream { offset, stride, format } = *stream;
+    let Some((_, encoding)) = allowed.iter().find(|(allowed, _)| *allowed == format) else {
+        let names: Vec<String> = allowed.iter().map(|(format, _)| format!("{format:?}")).collect();
+        let name = format!("the {name} format");
+        return Err(Error::invalid(&name, format!("{format:?}"), &format!("one of {}", names.join(", "))));
+    };
+    Ok(VertexStream { offset, stride, format: *encoding })
+}
+
+/// The layout of a target's vertices.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct VertexLayout {
+    pub positions: VertexStream<Encoding>,
+    pub normals: Option<VertexStream<Encoding>>,
+    pub tangents: Option<VertexStream<Encoding>>,
+    /// Positions in normalised integers are stored as (p - bias) / scale.
+    pub scale: [f32; 3],
+    pub bias: [f32; 3],
+}
+
+impl VertexLayout {
+    fn streams(&self) -> impl Iterator<Item = (Attribute, VertexStream<Encoding>)> {
+        let some = |a, s: Option<VertexStream<Encoding>>| s.map(|s| (a, s));
+        let normals = some(Attribute::Normal, self.normals);
+        let tangents = some(Attribute::Tangent, self.tangents);
+        [Some((Attribute::Position, self.positions)), normals, tangents].into_iter().flatten()
+    }
+
+    /// Fails if a stream is misaligned, overlaps another, or does not fit into `size` bytes. Returns the bytes from the first
+    /// that is written to the last.
+    fn check(&self, vertices: usize, size: u64) -> Result<Range<u64>, Error> {
+        let (mut low, mut high) = (u64::MAX, 0);
+        for (attribute, s) in self.streams() {
+            let name = attribute.name();
+            let bytes = s.format.bytes(attribute);
+            for (what, value) in [("offset", s.offset), ("stride", s.stride)] {
+                if value % 4 != 0 {
+                    return Err(Error::Misaligned { name: format!("the {name} {what}"), value, align: 4 });
+                }
+            }
+            if s.stride < bytes || s.stride > u64::from(u32::MAX) {
+                let expected = format!("from {bytes} bytes, the size of {:?}, to 4294967295", s.format);
+                return Err(Error::invalid(&format!("the {name} stride"), s.stride, &expected));
+            }
+            let last = (vertices as u64 - 1).saturating_mul(s.stride);
+            let needed = last.saturating_add(s.offset).saturating_add(bytes);
+            if needed > size {
+                return Err(Error::BufferTooSmall { name: format!("the target's range, for {name}s,"), size, needed });
+            }
+            low = low.min(s.offset);
+            high = high.max(needed);
+        }
+        for (i, (a, s)) in self.streams().enumerate() {
+            for (b, t) in self.streams().skip(i + 1) {
+                if overlap((s, s.format.bytes(a)), (t, t.format.bytes(b)), vertices as u64) {
+                    let value = format!("offset {} stride {}", s.offset, s.stride);
+                    let other = format!("offset {} stride {}", t.offset, t.stride);
+                    let expected = format!("apart from the {}s (at {other})", b.name());
+                    return Err(Error::invalid(&format!("the layout of {}s", a.name()), value, &expected));
+                }
+            }
+        }
+        Ok(low..high)
+    }
+}
+
+/// Whether values of two streams share bytes. Each stream comes with the size of its value.
+fn overlap(
+    (s, s_bytes): (VertexStream<Encoding>, u64),
+    (t, t_bytes): (VertexStream<Encoding>, u64),
+    vertices: u64,
+) -> bool {
+    let end = |s: VertexStream<Encoding>, bytes: u64| s.offset + (vertices - 1) * s.stride + bytes;
+    if end(s, s_bytes) <= t.offset || end(t, t_bytes) <= s.offset {
+        return false;
+    }
+    // Interleaved streams have one stride, and their values lie apart within it, modulo the stride.
+    let gap = (t.offset % s.stride + s.stride - s.offset % s.stride) % s.stride;
+    s.stride != t.stride || gap < s_bytes || gap + t_bytes > s.stride
+}
+
+/// The range of a buffer of `size` bytes to bind for a target that writes these bytes: the whole buffer if the device can bind
+/// it, else a window that begins at the target.
+pub(crate) fn binding_range(size: u64, written: &Range<u64>, limits: &BindingLimits) -> Result<Range<u64>, Error> {
+    let (size, most) = (size & !3, limits.bytes);
+    let start = if size <= most { 0 } else { written.start - written.start % limits.alignment };
+    let range = start..start + (size - start).min(most);
+    if range.start <= written.start && written.end <= range.end {
+        return Ok(range);
+    }
+    Err(limits.exceeded(&format!("a target that spans {} bytes", written.end - written.start)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn streams_that_share_bytes_are_refused() {
+        let stream = |offset, stride| VertexStream { offset, stride, format: Encoding::F32 };
+        let layout = |normals| VertexLayout {
+            positions: stream(0, 24),
+            normals: Some(normals),
+            tangents: None,
+            scale: [1.0; 3],
+            bias: [0.0; 3],
+        };
+        assert_eq!(layout(stream(12, 24)).check(10, 240).unwrap(), 0..240);
+        assert_eq!(layout(stream(240, 12)).check(10, 360).unwrap(), 0..360);
+        for bad in [stream(8, 24), stream(12, 12), stream(36, 24), stream(20, 24)] {
+            let ok = layout(bad).check(10, 400).is_ok();
+            assert_eq!(ok, bad.offset == 36, "{bad:?}");
+        }
+        assert!(layout(stream(12, 24)).check(10, 239).is_err());
+    }
+}

@@ -1,0 +1,232 @@
+//! Contacts that last: an engine that reports one contact as many small impulses, one a step, gives them one id, and they
+//! make one dent, whatever the length of the step.
+//!
+//! While a contact is open its mark is provisional: it lies upon the settled marks and is made anew, from the sum of all
+//! hits so far, with each fold that brings more. What is shown is therefore always what it would be had every open contact
+//! been reported whole; nothing is taken back from marks that have merged.
+
+use super::options::Rule;
+use super::selection::{Effect, select};
+use crate::damage::dent::Dent;
+use crate::damage::list::Damage;
+use crate::damage::mark::Mark;
+use crate::example::set::ExampleSet;
+use crate::select::hit::{Hit, Outcome};
+use crate::select::target::{HitParams, to_f32};
+use glam::DVec3;
+use std::num::NonZeroU64;
+
+/// One hit's part of a contact, in the mesh's space.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ContactPart {
+    pub id: NonZeroU64,
+    pub point: DVec3,
+    /// Displacement asked for, m.
+    pub target: [f32; 3],
+    /// Length of the impulse, N·s; `None` for a hit by displacement.
+    pub impulse: Option<f32>,
+}
+
+impl ContactPart {
+    /// Sorts the parts of a contact the same way whatever order they came in; equal keys are equal parts.
+    fn key(&self) -> ([u32; 3], [u64; 3], Option<u32>) {
+        (self.target.map(f32::to_bits), self.point.to_array().map(f64::to_bits), self.impulse.map(f32::to_bits))
+    }
+}
+
+/// What happens to a contact.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum ContactEvent {
+    Part(ContactPart),
+    End(NonZeroU64),
+}
+
+impl ContactEvent {
+    fn id(&self) -> NonZeroU64 {
+        match self {
+            ContactEvent::Part(part) => part.id,
+            ContactEvent::End(id) => *id,
+        }
+    }
+}
+
+/// What one open contact has come to.
+#[derive(Debug, Clone)]
+struct OpenContact {
+    id: NonZeroU64,
+    /// The fold that brought its last hit.
+    last_fold: u64,
+    /// Sum of the targets, m.
+    target: DVec3,
+    /// Sum of points times the lengths of their targets, and of these lengths.
+    point: DVec3,
+    weight: f64,
+    /// Sum of the impulses, N·s, each along its target.
+    impulse: DVec3,
+    /// Whether any hit was given as a displacement, which the yield impulse does not apply to.
+    displaced: bool,
+    mark: Option<Mark>,
+}
+
+impl OpenContact {
+    fn new(id: NonZeroU64) -> Self {
+        let zero = DVec3::ZERO;
+        OpenContact {
+            id,
+            last_fold: 0,
+            target: zero,
+            point: zero,
+            weight: 0.0,
+            impulse: zero,
+            displaced: false,
+            mark: None,
+        }
+    }
+
+    fn add(&mut self, part: &ContactPart) {
+        let target = DVec3::from_array(part.target.map(f64::from));
+        let length = target.length();
+        self.target += target;
+        self.point += part.point * length;
+        self.weight += length;
+        match part.impulse {
+            Some(j) if length > 0.0 => self.impulse += target * (f64::from(j) / length),
+            Some(_) => {}
+            None => self.displaced = true,
+        }
+    }
+
+    /// What the sum of its hits does; `None` while it is below the yield impulse, or moves nothing.
+    fn outcome(&self, set: &ExampleSet, params: &HitParams) -> Option<(Outcome, Effect)> {
+        let weak = !self.displaced && self.impulse.length() < f64::from(params.yield_impulse);
+        if weak || self.weight <= 0.0 {
+            return None;
+        }
+        // Each point was near enough; their mean may lie inside the body.
+        let params = HitParams { max_distance: f32::INFINITY, ..*params };
+        let whole = Hit::displacement(to_f32(self.point / self.weight), to_f32(self.target));
+        select(set, Rule::Marks, &params, &whole).ok()
+    }
+
+    fn selected(&self, set: &ExampleSet, params: &HitParams) -> Option<Mark> {
+        match self.outcome(set, params) {
+            Some((_, Effect::Mark(mark))) => Some(mark),
+            _ => None,
+        }
+    }
+}
+
+/// Hits that arrived since the last fold.
+#[derive(Default)]
+pub(crate) struct NewHits {
+    pub marks: Vec<Mark>,
+    /// In the order in which they arrived.
+    pub contacts: Vec<ContactEvent>,
+}
+
+/// The open contacts of one instance.
+#[derive(Debug, Default)]
+pub(crate) struct Contacts {
+    /// By id.
+    open: Vec<OpenContact>,
+    /// The damage without them; kept only while there are any.
+    settled: Damage,
+    folds: u64,
+}
+
+impl Contacts {
+    /// More than these are never open: the one that was hit longest ago is closed first.
+    pub(crate) const MAX: usize = 256;
+
+    pub(crate) fn len(&self) -> usize {
+        self.open.len()
+    }
+
+    /// Ends all of them. What `damage` shows is what stays.
+    pub(crate) fn close_all(&mut self) {
+        self.open.clear();
+        self.settled = Damage::default();
+    }
+
+    pub(crate) fn memory_bytes(&self) -> usize {
+        self.open.len() * size_of::<OpenContact>() + self.settled.memory_bytes()
+    }
+
+    /// What an open contact does so far. The inner `None`: too little to leave anything.
+    pub(crate) fn outcome(&self, id: NonZeroU64, set: &ExampleSet, params: &HitParams) -> Option<Option<Outcome>> {
+        let at = self.open.binary_search_by_key(&id, |o| o.id).ok()?;
+        Some(self.open[at].outcome(set, params).map(|(outcome, _)| outcome))
+    }
+
+    /// Brings `damage`, which shows settled marks and open contacts together, up to date.
+    pub(crate) fn fold(
+        &mut self,
+        set: &ExampleSet,
+        params: &HitParams,
+        capacity: usize,
+        new: NewHits,
+        damage: &mut Damage,
+        changed: &mut dyn FnMut(&Dent),
+    ) {
+        let before = std::mem::take(damage);
+        let mut settled = if self.open.is_empty() { before.clone() } else { std::mem::take(&mut self.settled) };
+        let mut marks = new.marks;
+        self.apply(new.contacts, set, params, &mut marks);
+        while self.open.len() > Self::MAX {
+            let stalest = (0..self.open.len()).min_by_key(|i| (self.open[*i].last_fold, self.open[*i].id));
+            marks.extend(stalest.and_then(|i| self.open.remove(i).mark));
+        }
+        settled.add(set, marks, capacity, &mut |_| {});
+        let open: Vec<Mark> = self.open.iter().filter_map(|o| o.mark).collect();
+        if self.open.is_empty() {
+            *damage = settled;
+        } else {
+            *damage = settled.clone();
+            damage.add(set, open, capacity, &mut |_| {});
+            self.settled = settled;
+        }
+        damage.differences(&before, changed);
+    }
+
+    /// Adds parts to their contacts. Marks of contacts that end go to `ended`.
+    ///
+    /// Each id has its own sequence of parts and ends, so the result depends neither on the order of different contacts nor
+    /// on how often damage was folded in between.
+    fn apply(&mut self, mut events: Vec<ContactEvent>, set: &ExampleSet, params: &HitParams, ended: &mut Vec<Mark>) {
+        self.folds += 1;
+        // Stable: of one id the order of arrival stays.
+        events.sort_by_key(ContactEvent::id);
+        let mut parts = Vec::new();
+        for of_one in events.chunk_by(|a, b| a.id() == b.id()) {
+            let id = of_one[0].id();
+            for event in of_one {
+                match event {
+                    ContactEvent::Part(part) => parts.push(*part),
+                    ContactEvent::End(_) => {
+                        self.add_parts(id, &mut parts, set, params);
+                        if let Ok(at) = self.open.binary_search_by_key(&id, |o| o.id) {
+                            ended.extend(self.open.remove(at).mark);
+                        }
+                    }
+                }
+            }
+            self.add_parts(id, &mut parts, set, params);
+        }
+    }
+
+    /// Adds parts to the contact of this id, opened where it is not, and empties the list.
+    fn add_parts(&mut self, id: NonZeroU64, parts: &mut Vec<ContactPart>, set: &ExampleSet, params: &HitParams) {
+        if parts.is_empty() {
+            return;
+        }
+        parts.sort_unstable_by_key(ContactPart::key);
+        let at = self.open.binary_search_by_key(&id, |o| o.id).unwrap_or_else(|at| {
+            self.open.insert(at, OpenContact::new(id));
+            at
+        });
+        let open = &mut self.open[at];
+        parts.drain(..).for_each(|p| open.add(&p));
+        open.last_fold = self.folds;
+        open.mark = open.selected(set, params);
+    }
+}

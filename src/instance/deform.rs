@@ -1,0 +1,89 @@
+//! Instances into the caller's memory.
+
+use super::Instance;
+use crate::base::error::Error;
+use crate::base::tasks::TaskSystem;
+use crate::deform::view::DamageView;
+use crate::deform::{DeformReport, Output, Tracker, VertexMemory, evaluate, write_outputs};
+use glam::Vec3;
+
+/// One output to bring up to date.
+#[derive(Debug)]
+pub struct DeformJob<'a, 'm> {
+    /// The mesh: 0 is the set's own, then its levels of detail in the order they were added ([`crate::ExampleSet::add_lod`]).
+    pub lod: usize,
+    /// The instance; hits must have been folded ([`Instance::fold`]), others wait for the next time.
+    pub instance: &'a Instance,
+    /// What the memory holds already.
+    pub tracker: &'a mut Tracker,
+    /// Where to write.
+    pub memory: VertexMemory<'m>,
+}
+
+/// Brings outputs up to date: evaluates the blocks that changed since each was last written, and writes those only. Work
+/// is balanced by blocks over all outputs; an output that is up to date costs a comparison.
+///
+/// # Errors
+/// [`Error::IndexOutOfRange`] for a level of detail that the set does not have; [`Error::WrongRule`] for one of an instance with
+/// a classic rule, whose state is the base mesh's; [`Error::BufferTooSmall`], or [`Error::Unsupported`] for normals or tangents
+/// that the mesh does not have. They name the output; nothing is written then.
+pub fn deform(jobs: &mut [DeformJob<'_, '_>], tasks: &dyn TaskSystem) -> Result<DeformReport, Error> {
+    let mut outputs = Vec::with_capacity(jobs.len());
+    for job in jobs.iter_mut() {
+        let mesh = job.instance.example_set().lod(job.lod)?;
+        if job.lod > 0 && job.instance.classic_state().is_some() {
+            return Err(job.instance.needs_marks("a deform of another level of detail than 0"));
+        }
+        let output =
+            Output { view: job.instance.view(), lod: job.lod, mesh, tracker: job.tracker, memory: &job.memory };
+        output.check()?;
+        outputs.push(output);
+    }
+    Ok(write_outputs(&mut outputs, tasks))
+}
+
+impl Instance {
+    /// Folds the hits that have arrived and brings one output up to date.
+    ///
+    /// # Errors
+    /// Those of [`deform`].
+    pub fn deform(
+        &mut self,
+        tracker: &mut Tracker,
+        memory: VertexMemory<'_>,
+        tasks: &dyn TaskSystem,
+    ) -> Result<DeformReport, Error> {
+        self.fold();
+        deform(&mut [DeformJob { lod: 0, instance: self, tracker, memory }], tasks)
+    }
+
+    /// Position of vertex `v` as deformed, m: what [`Instance::deform`] writes, without writing. Hits that have not been
+    /// folded yet do not count.
+    ///
+    /// # Errors
+    /// [`Error::IndexOutOfRange`].
+    pub fn displaced(&self, v: u32) -> Result<Vec3, Error> {
+        let vertices = self.example_set().vertex_count();
+        if v as usize >= vertices {
+            return Err(Error::IndexOutOfRange { name: "vertex".into(), index: v.into(), len: vertices as u64 });
+        }
+        Ok(self.vertex(v).0)
+    }
+
+    /// Position (m) and unit normal of vertex `v` as deformed. The vertex must exist.
+    pub(crate) fn vertex(&self, v: u32) -> (Vec3, Option<Vec3>) {
+        evaluate::vertex(&self.view(), self.example_set().base_lod(), v as usize)
+    }
+
+    /// What evaluation sees of the instance.
+    pub(crate) fn view(&self) -> DamageView<'_> {
+        DamageView {
+            set: &self.set,
+            damage: &self.damage,
+            depth_limit: self.limit,
+            threshold: self.threshold,
+            changes: &self.changes,
+            vertices: self.classic.as_ref().map(|state| state.vertices()),
+        }
+    }
+}

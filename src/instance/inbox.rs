@@ -1,0 +1,163 @@
+//! Where hits arrive, from any thread.
+
+use super::contacts::{ContactEvent, ContactPart};
+use super::options::{Rule, needs_marks};
+use super::selection::{Effect, select};
+use crate::Error;
+use crate::damage::mark::Mark;
+use crate::example::set::ExampleSet;
+use crate::select::hit::{Cause, Hit, HitStatus, Outcome};
+use crate::select::target::HitParams;
+use glam::{DMat3, DVec3, Mat4};
+use std::num::NonZeroU64;
+use std::sync::{Arc, Mutex, MutexGuard, RwLock, RwLockWriteGuard};
+
+/// A hit that waits for the next fold.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Pending {
+    Mark(Mark),
+    /// Contact vertex, example, bits of the weight (positive, so they sort as the numbers do).
+    Classic(u32, u32, u32),
+    Contact(ContactEvent),
+}
+
+/// Where hits arrive: may be shared among threads, which may all submit at once, also while the instance is deformed.
+#[derive(Debug)]
+pub struct Inbox {
+    set: Arc<ExampleSet>,
+    rule: Rule,
+    params: RwLock<HitParams>,
+    pending: Mutex<Vec<Pending>>,
+}
+
+impl Inbox {
+    pub(super) fn new(set: Arc<ExampleSet>, rule: Rule, params: HitParams) -> Self {
+        Inbox { set, rule, params: RwLock::new(params), pending: Mutex::default() }
+    }
+
+    /// Selects examples for a hit, in the calling thread, and leaves the mark for the instance's next fold.
+    ///
+    /// A hit that is too weak, or that no example answers, is no error: see [`Outcome::status`].
+    ///
+    /// A hit with a [`contact`](Hit::contact) adds to its contact. Displacements (of impulses, `impulse * duration / mass`)
+    /// add. The point is the mean of the hits' points, weighted by the lengths of their displacements. The yield thresholds
+    /// and the depth limit hold for the sum, which leaves one mark. That mark is shown from the first fold on and replaced as
+    /// more hits come, until the contact ends: when [`Inbox::end_contact`] says so, when the instance's damage is replaced,
+    /// repaired or reset, or when more than [`Instance::MAX_CONTACTS`](crate::Instance::MAX_CONTACTS) are open (the one hit
+    /// longest ago ends then; of equals the lowest id). The outcome tells what the hit would do alone;
+    /// [`Instance::contact`](crate::Instance::contact) tells what the contact does.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`], [`Error::InvalidArgument`] (duration or mass not above 0, or no mass known),
+    /// [`Error::ContactTooFar`]; [`Error::WrongRule`] for a contact with a classic rule, which cannot replace what it has
+    /// deformed. Nothing is left behind then.
+    pub fn submit(&self, hit: &Hit) -> Result<Outcome, Error> {
+        let params = self.params();
+        let (mut outcome, effect) = self.select(&params, hit)?;
+        let pending = match (hit.contact, effect) {
+            (Some(id), _) => {
+                if outcome.status != HitStatus::Marked {
+                    outcome.status = HitStatus::Accumulated;
+                }
+                Pending::Contact(ContactEvent::Part(ContactPart {
+                    id,
+                    point: params.to_local(hit.point, hit.space),
+                    target: outcome.target,
+                    impulse: match hit.cause {
+                        Cause::Impulse { impulse, .. } => {
+                            Some(DVec3::from_array(impulse.map(f64::from)).length().min(f32::MAX.into()) as f32)
+                        }
+                        Cause::Displacement(_) => None,
+                    },
+                }))
+            }
+            (None, Effect::None) => return Ok(outcome),
+            (None, Effect::Mark(m)) => Pending::Mark(m),
+            (None, Effect::Classic { example, weight }) => {
+                Pending::Classic(outcome.contact_vertex, example, weight.to_bits())
+            }
+        };
+        self.push(pending)?;
+        Ok(outcome)
+    }
+
+    /// Ends a contact: its dent stays as it is. It is the sum of the hits of this id that arrived before this call; a hit of
+    /// the same id that arrives later begins another contact. An id that is not open is no error, since the contact may have
+    /// ended already.
+    ///
+    /// # Errors
+    /// [`Error::WrongRule`] with a classic rule; [`Error::OutOfMemory`].
+    pub fn end_contact(&self, id: NonZeroU64) -> Result<(), Error> {
+        self.contacts_allowed("end_contact")?;
+        self.push(Pending::Contact(ContactEvent::End(id)))
+    }
+
+    /// What [`Inbox::submit`] would return for a hit of its own, without leaving anything.
+    ///
+    /// # Errors
+    /// Those of [`Inbox::submit`].
+    pub fn preview(&self, hit: &Hit) -> Result<Outcome, Error> {
+        Ok(self.select(&self.params(), hit)?.0)
+    }
+
+    /// Sets the transform from mesh to world space that hits in [`crate::Space::World`] go through backwards. Any thread may
+    /// call it at any time; a hit takes the transform in force when it is submitted.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`]; [`Error::InvalidArgument`] where the matrix cannot be inverted or its last row is not
+    /// (0, 0, 0, 1).
+    pub fn set_transform(&self, local_to_world: Mat4) -> Result<(), Error> {
+        let bad = |expected: &str| Error::invalid("transform", local_to_world, expected);
+        if !local_to_world.is_finite() {
+            return Err(Error::NotFinite { name: "transform".into(), value: local_to_world.to_string() });
+        }
+        if local_to_world.row(3) != glam::Vec4::W {
+            return Err(bad(
+                "an affine matrix in column-major order: columns x, y, z, translation; last row 0, 0, 0, 1 (a row-major \
+                 matrix must be transposed)",
+            ));
+        }
+        let m = local_to_world.as_dmat4();
+        let linear = DMat3::from_cols(m.x_axis.truncate(), m.y_axis.truncate(), m.z_axis.truncate());
+        let inverse = linear.inverse();
+        if linear.determinant() == 0.0 || !inverse.is_finite() {
+            return Err(bad("invertible; its determinant is 0"));
+        }
+        let mut params = self.params_mut();
+        params.world_to_local = inverse;
+        params.local_origin_in_world = m.w_axis.truncate();
+        Ok(())
+    }
+
+    fn select(&self, params: &HitParams, hit: &Hit) -> Result<(Outcome, Effect), Error> {
+        if hit.contact.is_some() {
+            self.contacts_allowed("a hit with a contact id")?;
+        }
+        select(&self.set, self.rule, params, hit)
+    }
+
+    fn contacts_allowed(&self, call: &str) -> Result<(), Error> {
+        if self.rule == Rule::Marks { Ok(()) } else { Err(needs_marks(call, self.rule)) }
+    }
+
+    pub(super) fn params(&self) -> HitParams {
+        *self.params.read().unwrap_or_else(|e| e.into_inner())
+    }
+
+    pub(super) fn params_mut(&self) -> RwLockWriteGuard<'_, HitParams> {
+        self.params.write().unwrap_or_else(|e| e.into_inner())
+    }
+
+    fn push(&self, pending: Pending) -> Result<(), Error> {
+        let mut queue = self.queue();
+        let bytes = (queue.len() as u64 + 1) * size_of::<Pending>() as u64;
+        queue.try_reserve(1).map_err(|_| Error::OutOfMemory { what: "hits".into(), bytes })?;
+        queue.push(pending);
+        Ok(())
+    }
+
+    /// Hits in the order in which they arrived.
+    pub(super) fn queue(&self) -> MutexGuard<'_, Vec<Pending>> {
+        self.pending.lock().unwrap_or_else(|e| e.into_inner())
+    }
+}

@@ -1,0 +1,390 @@
+//! One dented copy of a mesh: its inbox of hits, its damage, and which blocks changed when.
+
+pub(crate) mod attach;
+mod contacts;
+pub(crate) mod deform;
+pub(crate) mod inbox;
+pub(crate) mod options;
+mod selection;
+
+use crate::base::error::{Error, at_least_zero};
+use crate::classic::{Blend, State};
+use crate::damage::changes::{ChangeRecorder, Changes};
+use crate::damage::dent::Dent;
+use crate::damage::list::Damage;
+use crate::damage::mark::Mark;
+use crate::damage::saved;
+use crate::deform::tolerance::{rounded, threshold};
+use crate::example::set::ExampleSet;
+use crate::select::hit::{Hit, Outcome};
+use crate::select::target::HitParams;
+use contacts::{Contacts, NewHits};
+use glam::{DMat3, DVec3, Mat4};
+use inbox::{Inbox, Pending};
+use options::{InstanceOptions, Rule, check_limit, needs_marks};
+use std::num::NonZeroU64;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// One dented copy of an example set's mesh.
+///
+/// ```
+/// use crumple::*;
+/// use std::sync::Arc;
+/// # let mesh = MeshData { positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], triangles: vec![[0, 1, 2]], ..Default::default() };
+/// # let dent = ExampleData::new("dent", Deltas::Sparse { indices: vec![0], values: vec![[0.0, 0.0, -0.1]] });
+/// let set = Arc::new(ExampleSet::build(mesh, vec![dent], SetOptions::default(), &Serial)?);
+/// let mut body = Instance::new(set.clone(), InstanceOptions::default())?;
+/// let outcome = body.submit(&Hit::displacement([0.0, 0.0, 0.0], [0.0, 0.0, -0.05]))?;
+/// assert_eq!(outcome.status, HitStatus::Marked);
+///
+/// let mut positions = vec![[0.0f32; 3]; set.vertex_count()];
+/// let mut tracker = Tracker::new();
+/// body.deform(&mut tracker, VertexMemory::separate(&mut positions, None, None)?, &Serial)?;
+/// assert!((positions[0][2] + 0.05).abs() < 1e-6);
+/// # Ok::<(), crumple::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct Instance {
+    set: Arc<ExampleSet>,
+    options: InstanceOptions,
+    inbox: Arc<Inbox>,
+    /// What is shown: settled marks and those of open contacts.
+    damage: Damage,
+    contacts: Contacts,
+    classic: Option<State>,
+    limit: f32,
+    /// In force: a power of two times 1 m, or 0.
+    tolerance: f32,
+    /// Displacements no longer than this, as scaled, are left out, m.
+    threshold: f32,
+    changes: Changes,
+}
+
+impl Instance {
+    /// No more contacts than these are open at a time (see [`Inbox::submit`]).
+    pub const MAX_CONTACTS: usize = Contacts::MAX;
+
+    /// An undamaged copy.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] naming the option; [`Error::OutOfMemory`] for the per-vertex state of a classic rule.
+    pub fn new(set: Arc<ExampleSet>, options: InstanceOptions) -> Result<Self, Error> {
+        static NEXT: AtomicU64 = AtomicU64::new(1);
+        options.check()?;
+        let diagonal = set.mesh().bounds().diagonal();
+        let limit = options.depth_limit.unwrap_or(set.depth_limit());
+        let params = HitParams {
+            selection: options.selection,
+            examples_per_hit: options.examples_per_hit as usize,
+            depth_limit: limit,
+            yield_impulse: options.yield_impulse,
+            yield_displacement: options.yield_displacement,
+            max_distance: options.max_contact_distance.unwrap_or(diagonal.max(limit)),
+            world_to_local: DMat3::IDENTITY,
+            local_origin_in_world: DVec3::ZERO,
+        };
+        let classic = if options.rule == Rule::Marks { None } else { Some(State::new(&set)?) };
+        let blocks = set.lods().map(|s| vec![0; s.blocks()]).collect();
+        let tolerance = if options.rule == Rule::Marks { rounded(options.tolerance) } else { 0.0 };
+        let threshold = threshold(&set, &[], tolerance);
+        Ok(Self {
+            inbox: Arc::new(Inbox::new(set.clone(), options.rule, params)),
+            set,
+            options,
+            damage: Damage::default(),
+            contacts: Contacts::default(),
+            classic,
+            limit,
+            tolerance,
+            threshold,
+            changes: Changes { instance: NEXT.fetch_add(1, Ordering::Relaxed), epoch: 0, blocks },
+        })
+    }
+
+    /// The set it is a copy of.
+    pub fn example_set(&self) -> &Arc<ExampleSet> {
+        &self.set
+    }
+
+    /// The options it was made with.
+    pub fn options(&self) -> &InstanceOptions {
+        &self.options
+    }
+
+    /// Where its hits arrive, to be shared among threads.
+    pub fn inbox(&self) -> &Arc<Inbox> {
+        &self.inbox
+    }
+
+    /// [`Inbox::submit`].
+    ///
+    /// # Errors
+    /// Those of [`Inbox::submit`].
+    pub fn submit(&self, hit: &Hit) -> Result<Outcome, Error> {
+        self.inbox.submit(hit)
+    }
+
+    /// [`Inbox::end_contact`].
+    ///
+    /// # Errors
+    /// Those of [`Inbox::end_contact`].
+    pub fn end_contact(&self, id: NonZeroU64) -> Result<(), Error> {
+        self.inbox.end_contact(id)
+    }
+
+    /// How many contacts are open.
+    pub fn contact_count(&mut self) -> usize {
+        self.fold();
+        self.contacts.len()
+    }
+
+    /// [`Inbox::preview`].
+    ///
+    /// # Errors
+    /// Those of [`Inbox::submit`].
+    pub fn preview(&self, hit: &Hit) -> Result<Outcome, Error> {
+        self.inbox.preview(hit)
+    }
+
+    /// What an open contact does so far, hits that wait among them: the mark it shows, and what of the whole it achieves.
+    /// `None` where no contact of this id is open, or where its sum is too weak to leave anything.
+    ///
+    /// # Errors
+    /// [`Error::WrongRule`] with a classic rule.
+    pub fn contact(&mut self, id: NonZeroU64) -> Result<Option<Outcome>, Error> {
+        self.only_marks("contact")?;
+        self.fold();
+        Ok(self.contacts.outcome(id, &self.set, &self.inbox.params()).flatten())
+    }
+
+    /// [`Inbox::set_transform`].
+    ///
+    /// # Errors
+    /// Those of [`Inbox::set_transform`].
+    pub fn set_transform(&self, local_to_world: Mat4) -> Result<(), Error> {
+        self.inbox.set_transform(local_to_world)
+    }
+
+    /// The depth limit in force, m.
+    pub fn depth_limit(&self) -> f32 {
+        self.limit
+    }
+
+    /// Sets the depth limit, m (`None`: the set's). Marks stay; vertices obey at the next deform.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`].
+    pub fn set_depth_limit(&mut self, limit: Option<f32>) -> Result<(), Error> {
+        check_limit(limit)?;
+        self.limit = limit.unwrap_or(self.set.depth_limit());
+        self.inbox.params_mut().depth_limit = self.limit;
+        let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
+        self.damage.touch_all(&mut |d: &Dent| touch.dent(d));
+        Ok(())
+    }
+
+    /// The tolerance in force, m: what was asked for, rounded down to a power of two times 1 m; 0 where nothing is left out.
+    pub fn tolerance(&self) -> f32 {
+        self.tolerance
+    }
+
+    /// Lets vertices be wrong by up to `tolerance` (m, in the mesh's space; 0: by nothing) so that deforming costs less:
+    /// displacements too short to matter are left out, whole blocks and whole examples of them unread. Seams stay closed bit for
+    /// bit. [`crate::pixel_tolerance`] tells how much is invisible at a distance. Rounding of f32 comes on top.
+    ///
+    /// The tolerance is rounded down to a power of two times 1 m, so that a camera which moves a little changes nothing; where
+    /// it changes, what is dented by more is written anew. Instances with a classic rule ignore it.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a tolerance that is negative or not finite.
+    pub fn set_tolerance(&mut self, tolerance: f32) -> Result<(), Error> {
+        at_least_zero("tolerance", tolerance, "m")?;
+        let tolerance = rounded(tolerance);
+        if self.classic.is_none() && tolerance != self.tolerance {
+            self.tolerance = tolerance;
+            self.update_threshold();
+        }
+        Ok(())
+    }
+
+    /// After every change of damage or tolerance.
+    fn update_threshold(&mut self) {
+        let threshold = threshold(&self.set, self.damage.dents(), self.tolerance);
+        if threshold != self.threshold {
+            // What neither shows looks as before.
+            let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, threshold.min(self.threshold));
+            self.threshold = threshold;
+            self.damage.touch_all(&mut |d: &Dent| touch.dent(d));
+        }
+    }
+
+    /// Turns the hits that have arrived into damage, in an order of their own: the result does not depend on the order
+    /// or the threads they were submitted from. Every call that reads damage does this first.
+    pub fn fold(&mut self) {
+        let pending = std::mem::take(&mut *self.inbox.queue());
+        if pending.is_empty() {
+            return;
+        }
+        let constant = self.blend_constant();
+        let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
+        let mut new = NewHits::default();
+        let mut classic = Vec::new();
+        for p in pending {
+            match p {
+                Pending::Mark(m) => new.marks.push(m),
+                Pending::Classic(contact, example, weight) => classic.push((contact, example, weight)),
+                Pending::Contact(event) => new.contacts.push(event),
+            }
+        }
+        let capacity = self.options.capacity as usize;
+        let mut touched = |d: &Dent| touch.dent(d);
+        if self.contacts.len() > 0 || !new.contacts.is_empty() {
+            let params = self.inbox.params();
+            self.contacts.fold(&self.set, &params, capacity, new, &mut self.damage, &mut touched);
+        } else if !new.marks.is_empty() {
+            self.damage.add(&self.set, new.marks, capacity, &mut touched);
+        }
+        classic.sort_unstable();
+        if let Some(state) = &mut self.classic {
+            for (_, example, weight) in classic {
+                let weight = f32::from_bits(weight);
+                state.apply(&self.set, example, weight, Blend { constant });
+                state.note(touch.changes.epoch, example, weight);
+                touch.example(example as usize);
+            }
+        }
+        self.update_threshold();
+    }
+
+    /// The marks, sorted. Above the capacity, the weakest mark (least strength times depth) gives its energy, in metres
+    /// squared, to the mark whose contact is nearest; ties go to the first in order.
+    ///
+    /// # Errors
+    /// [`Error::WrongRule`] with a classic rule.
+    pub fn marks(&mut self) -> Result<&[Mark], Error> {
+        self.fold();
+        self.only_marks("marks")?;
+        Ok(self.damage.marks())
+    }
+
+    /// Replaces all marks, forgets hits that have not been folded yet, and ends all contacts.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] naming the mark and its value; [`Error::WrongRule`]. Nothing changes then.
+    pub fn set_marks(&mut self, marks: &[Mark]) -> Result<(), Error> {
+        self.only_marks("set_marks")?;
+        let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
+        self.damage.replace(&self.set, marks, self.options.capacity as usize, &mut |d: &Dent| touch.dent(d))?;
+        self.contacts.close_all();
+        self.inbox.queue().clear();
+        self.update_threshold();
+        Ok(())
+    }
+
+    /// The damage as bytes, with a version and the set's fingerprint; the same bytes for the same damage everywhere.
+    pub fn save(&mut self) -> Vec<u8> {
+        self.fold();
+        match &self.classic {
+            Some(state) => state.save(&self.set),
+            None => {
+                let mut out = saved::header(&self.set, saved::MARKS, self.damage.marks().len());
+                self.damage.marks().iter().for_each(|m| saved::write_mark(m, &mut out));
+                out
+            }
+        }
+    }
+
+    /// Replaces the damage by saved bytes, forgets hits that have not been folded yet, and ends all contacts.
+    ///
+    /// # Errors
+    /// [`Error::DamageMismatch`] for bytes of another version, set or rule, or cut short; [`Error::InvalidArgument`] for
+    /// a mark that the set cannot have. Nothing changes then.
+    pub fn load(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        if self.classic.is_some() {
+            let mut state = State::load(&self.set, bytes)?;
+            self.inbox.queue().clear();
+            ChangeRecorder::new(&self.set, &mut self.changes, 0.0).everything();
+            state.replaced(self.changes.epoch);
+            self.classic = Some(state);
+            return Ok(());
+        }
+        let entries = saved::entries(&self.set, bytes, saved::MARKS, size_of::<Mark>())?;
+        let marks: Vec<Mark> = entries.chunks_exact(size_of::<Mark>()).map(saved::read_mark).collect();
+        self.set_marks(&marks)
+    }
+
+    /// Repairs: every dent keeps this share of its depth, 0 to 1. Ends all contacts.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`].
+    pub fn repair(&mut self, keep: f32) -> Result<(), Error> {
+        if !(0.0..=1.0).contains(&keep) {
+            return Err(Error::invalid("keep", keep, "0 (as new) to 1 (nothing repaired)"));
+        }
+        self.fold();
+        self.contacts.close_all();
+        let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
+        self.damage.scale(&self.set, keep, &mut |d: &Dent| touch.dent(d));
+        if let Some(state) = &mut self.classic {
+            state.scale(&self.set, keep);
+            state.replaced(touch.changes.epoch);
+            touch.everything();
+        }
+        self.update_threshold();
+        Ok(())
+    }
+
+    /// As new. Hits that have not been folded yet are forgotten too, and all contacts end.
+    pub fn reset(&mut self) {
+        self.contacts.close_all();
+        self.inbox.queue().clear();
+        let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
+        self.damage.clear(&mut |d: &Dent| touch.dent(d));
+        if let Some(state) = &mut self.classic {
+            state.scale(&self.set, 0.0);
+            state.replaced(touch.changes.epoch);
+            touch.everything();
+        }
+        self.update_threshold();
+    }
+
+    /// Takes over the damage of another instance of the same set and kind of rule.
+    ///
+    /// # Errors
+    /// [`Error::DamageMismatch`] where the sets or the rules differ. Nothing changes then.
+    pub fn copy_damage_from(&mut self, other: &mut Instance) -> Result<(), Error> {
+        let bytes = other.save();
+        self.load(&bytes)
+    }
+
+    /// Memory held for this instance, bytes (without the shared set).
+    pub fn memory_bytes(&self) -> usize {
+        let state = self
+            .classic
+            .as_ref()
+            .map_or(0, |_| self.set.vertex_count() * if self.set.mesh().normals().is_some() { 24 } else { 12 });
+        size_of::<Self>()
+            + state
+            + self.changes.blocks.iter().map(|b| b.len() * 8).sum::<usize>()
+            + self.damage.memory_bytes()
+            + self.contacts.memory_bytes()
+    }
+
+    /// What a classic rule blends by; 0 keeps the most displaced candidate.
+    pub(crate) fn blend_constant(&self) -> f32 {
+        if let Rule::Blend(k) = self.options.rule { k } else { 0.0 }
+    }
+
+    pub(crate) fn classic_state(&self) -> Option<&State> {
+        self.classic.as_ref()
+    }
+
+    fn only_marks(&self, call: &str) -> Result<(), Error> {
+        if self.classic.is_none() { Ok(()) } else { Err(self.needs_marks(call)) }
+    }
+
+    pub(crate) fn needs_marks(&self, call: &str) -> Error {
+        needs_marks(call, self.options.rule)
+    }
+}

@@ -1,0 +1,117 @@
+//! How an instance is made.
+
+use crate::base::error::at_least_zero;
+use crate::{Error, Selection};
+
+/// What impulses do to an instance.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Rule {
+    /// Marks: bounded, local, free of order, without per-vertex state.
+    #[default]
+    Marks,
+    /// The classic rule: each vertex keeps the most displaced candidate.
+    MostDisplaced,
+    /// The classic rule with blending: a vertex that is displaced further already blends by this constant, 0 to 1.
+    Blend(f32),
+}
+
+impl Rule {
+    fn name(self) -> &'static str {
+        match self {
+            Rule::Marks => "Marks",
+            Rule::MostDisplaced => "MostDisplaced",
+            Rule::Blend(_) => "Blend",
+        }
+    }
+}
+
+/// How an instance is made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InstanceOptions {
+    /// What impulses do.
+    pub rule: Rule,
+    /// How examples are chosen. The classic rules take the classic selections only.
+    pub selection: Selection,
+    /// How many examples one hit may mix: 1 to 4.
+    pub examples_per_hit: u32,
+    /// No vertex moves further than this, m. `None`: the set's limit.
+    pub depth_limit: Option<f32>,
+    /// Marks kept, 1 to 65535; above it marks merge (see [`Instance::marks`]).
+    pub capacity: u32,
+    /// Impulses shorter than this leave no mark, N·s.
+    pub yield_impulse: f32,
+    /// Target displacements shorter than this leave no mark, m.
+    pub yield_displacement: f32,
+    /// Contacts further than this from the nearest vertex are refused, m. `None`: the body's diagonal.
+    pub max_contact_distance: Option<f32>,
+    /// No vertex is wrong by more than this, m; 0: nothing is left out. See [`Instance::set_tolerance`].
+    pub tolerance: f32,
+}
+
+impl Default for InstanceOptions {
+    fn default() -> Self {
+        Self {
+            rule: Rule::Marks,
+            selection: Selection::Nearest,
+            examples_per_hit: 3,
+            depth_limit: None,
+            capacity: 64,
+            yield_impulse: 0.0,
+            yield_displacement: 0.0,
+            max_contact_distance: None,
+            tolerance: 0.0,
+        }
+    }
+}
+
+impl InstanceOptions {
+    /// Options for one of the classic rules, with the classic selection.
+    pub fn classic(rule: Rule) -> Self {
+        Self { rule, selection: Selection::Classic, ..Self::default() }
+    }
+
+    pub(super) fn check(&self) -> Result<(), Error> {
+        at_least_zero("yield_impulse", self.yield_impulse, "N·s")?;
+        at_least_zero("yield_displacement", self.yield_displacement, "m")?;
+        if let Some(d) = self.max_contact_distance {
+            at_least_zero("max_contact_distance", d, "m")?;
+        }
+        check_limit(self.depth_limit)?;
+        at_least_zero("tolerance", self.tolerance, "m")?;
+        if !(1..=4).contains(&self.examples_per_hit) {
+            return Err(Error::invalid("examples_per_hit", self.examples_per_hit, "1 to 4"));
+        }
+        if !(1..=65535).contains(&self.capacity) {
+            return Err(Error::invalid("capacity", self.capacity, "1 to 65535 marks"));
+        }
+        if let Rule::Blend(k) = self.rule
+            && !(0.0..=1.0).contains(&k)
+        {
+            return Err(Error::invalid("the blend constant", k, "0 to 1"));
+        }
+        match (self.rule, self.selection) {
+            (Rule::Marks, Selection::ClassicUnclamped) => Err(Error::invalid(
+                "selection",
+                "ClassicUnclamped",
+                "Nearest or Classic with the rule Marks, which is bounded",
+            )),
+            (Rule::MostDisplaced | Rule::Blend(_), Selection::Nearest) => Err(Error::invalid(
+                "selection",
+                "Nearest",
+                &format!("Classic or ClassicUnclamped with the rule {}, which cannot carry examples", self.rule.name()),
+            )),
+            _ => Ok(()),
+        }
+    }
+}
+
+pub(super) fn check_limit(limit: Option<f32>) -> Result<(), Error> {
+    match limit {
+        Some(l) if !(l > 0.0 && l <= 1e9) => Err(Error::invalid("depth_limit", l, "above 0 and at most 1e9 m")),
+        _ => Ok(()),
+    }
+}
+
+pub(super) fn needs_marks(call: &str, rule: Rule) -> Error {
+    Error::WrongRule { call: call.into(), needed: "the rule Marks".into(), rule: rule.name().into() }
+}

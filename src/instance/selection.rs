@@ -1,0 +1,51 @@
+//! The instance's rule decides how a hit selects examples and what it leaves.
+
+use super::options::Rule;
+use crate::Error;
+use crate::classic::select::select_by_cosine;
+use crate::damage::dent::{frame_rotations, place};
+use crate::damage::mark::{MAX_PAIRS, Mark, Pair};
+use crate::example::set::ExampleSet;
+use crate::mesh::mirror::Mirror;
+use crate::select::hit::{Chosen, Hit, HitStatus, Outcome, Selection};
+use crate::select::nearest::{report, select_nearest};
+use crate::select::target::{HitParams, Target, resolve};
+
+/// What a hit leaves.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Effect {
+    None,
+    Mark(Mark),
+    /// The classic rules: blend towards the example by the weight.
+    Classic {
+        example: u32,
+        weight: f32,
+    },
+}
+
+/// Turns a hit into its outcome and its effect.
+pub(crate) fn select(set: &ExampleSet, rule: Rule, params: &HitParams, hit: &Hit) -> Result<(Outcome, Effect), Error> {
+    let (mut outcome, target) = resolve(set, params, hit)?;
+    let Some(target) = target else { return Ok((outcome, Effect::None)) };
+    let effect = match params.selection {
+        Selection::Nearest => select_nearest(set, params.examples_per_hit, &target, &mut outcome).map(Effect::Mark),
+        Selection::Classic => classic(set, rule, &target, true, &mut outcome),
+        Selection::ClassicUnclamped => classic(set, rule, &target, false, &mut outcome),
+    };
+    Ok((outcome, effect.unwrap_or(Effect::None)))
+}
+
+fn classic(set: &ExampleSet, rule: Rule, target: &Target, clamp: bool, out: &mut Outcome) -> Option<Effect> {
+    let chosen = select_by_cosine(set, target, clamp)?;
+    let (example, weight) = (chosen.example, chosen.weight);
+    if rule != Rule::Marks {
+        out.chosen[0] = Some(Chosen { example, share: 1.0, scale: weight, anchored: true, mirror: Mirror::NONE });
+        out.achieved = (chosen.delta * weight).to_array();
+        out.status = HitStatus::Marked;
+        return Some(Effect::Classic { example, weight });
+    }
+    let mut pairs = [Pair::NONE; MAX_PAIRS];
+    pairs[0] = Pair::anchored(example as u16, Pair::WHOLE);
+    let placed = place(set, target.contact, target.size, &pairs, &frame_rotations(set, target.contact, &pairs));
+    Some(Effect::Mark(report(&placed, Mark::new(target.contact, target.size, pairs), out)))
+}

@@ -1,0 +1,245 @@
+//! All buffers into the GLB's one, without what nothing uses any more.
+
+use super::glb::Blob;
+use super::rewrite::list_mut;
+use crate::Error;
+use crate::io::import::document::{Document, out_of_range, range};
+use crate::io::import::malformed;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+
+/// Extensions (by name or by prefix ending in `_`) whose references to accessors are known here, and which have none to bufferViews.
+const KNOWN: &[&str] = &[
+    "KHR_materials_",
+    "KHR_texture_",
+    "EXT_texture_",
+    "MSFT_texture_dds",
+    "KHR_lights_punctual",
+    "KHR_animation_pointer",
+    "KHR_node_visibility",
+    "KHR_xmp",
+    "KHR_xmp_json_ld",
+    "KHR_mesh_quantization",
+    "EXT_mesh_gpu_instancing",
+];
+
+/// Offsets in a buffer keep their remainder by this, so that whatever was aligned stays so.
+const ALIGNMENT: usize = 16;
+
+/// Which accessors something uses, and which bufferViews an accessor or image uses.
+pub(super) struct Used {
+    accessors: Vec<bool>,
+    views: Vec<bool>,
+    /// False where a reference points nowhere: then nothing is renumbered.
+    sound: bool,
+}
+
+impl Used {
+    pub fn of(root: &Value) -> Self {
+        // The walk hands out mutable references, since renumbering is the same walk.
+        let mut root = root.clone();
+        let count = |root: &Value, key: &str| vec![false; root[key].as_array().map_or(0, Vec::len)];
+        let (mut accessors, mut views, mut sound) = (count(&root, "accessors"), count(&root, "bufferViews"), true);
+        let mut mark = |list: &mut Vec<bool>, index: &Value| match index.as_u64().and_then(|i| list.get_mut(i as usize))
+        {
+            Some(slot) => *slot = true,
+            None => sound = false,
+        };
+        accessor_references(&mut root, &mut |index| mark(&mut accessors, index));
+        view_references(&mut root, &mut |index| mark(&mut views, index));
+        Self { accessors, views, sound }
+    }
+}
+
+/// Fills in the buffers of `root`, whose bufferViews from `old_views` on are in `blob`; returns the binary chunk.
+pub(super) fn lay_out(
+    doc: &Document<'_>,
+    root: &mut Value,
+    blob: Blob,
+    old_views: usize,
+    before: Used,
+) -> Result<Vec<u8>, Error> {
+    if before.sound && extensions_known(root) {
+        pack(doc, root, blob, old_views, before)
+    } else {
+        append(doc, root, blob, old_views)
+    }
+}
+
+/// Every buffer keeps its index and content; the new data goes behind buffer 0. Nothing that points anywhere needs to change.
+fn append(doc: &Document<'_>, root: &mut Value, blob: Blob, old_views: usize) -> Result<Vec<u8>, Error> {
+    let count = doc.root.buffers.len();
+    let mut bin = if count == 0 { Vec::new() } else { doc.buffer(0)?.to_vec() };
+    bin.resize(bin.len().next_multiple_of(ALIGNMENT), 0);
+    let start = bin.len();
+    bin.extend_from_slice(&blob.bytes);
+    for view in list_mut(root, "bufferViews").skip(old_views) {
+        view["byteOffset"] = (start as u64 + view["byteOffset"].as_u64().unwrap_or(0)).into();
+    }
+    if count == 0 {
+        root["buffers"] = json!([{}]);
+    }
+    root["buffers"][0]["byteLength"] = bin.len().into();
+    root["buffers"][0].as_object_mut().map(|b| b.shift_remove("uri"));
+    for i in 1..count {
+        let uri = doc.root.buffers[i].uri.as_deref();
+        if uri.is_some_and(|uri| !uri.starts_with("data:")) {
+            let text = STANDARD.encode(doc.buffer(i)?);
+            root["buffers"][i]["uri"] = format!("data:application/octet-stream;base64,{text}").into();
+        }
+    }
+    Ok(bin)
+}
+
+/// What the change made unused goes; the rest moves together into one buffer.
+fn pack(doc: &Document<'_>, root: &mut Value, blob: Blob, old_views: usize, before: Used) -> Result<Vec<u8>, Error> {
+    let after = Used::of(root);
+    let keeps = |before: &[bool], after: &[bool]| -> Vec<bool> {
+        after.iter().enumerate().map(|(i, used)| *used || !before.get(i).copied().unwrap_or(false)).collect()
+    };
+    let accessors = keeps(&before.accessors, &after.accessors);
+    accessor_references(root, &mut renumber(&accessors));
+    retain(root.get_mut("accessors"), &accessors);
+    // Which views are in use shows only now that the accessors are gone.
+    let views = keeps(&before.views, &Used::of(root).views);
+    view_references(root, &mut renumber(&views));
+    let bin = gather(doc, root, &blob, old_views, &views)?;
+    retain(root.get_mut("bufferViews"), &views);
+    root["buffers"] = json!([{ "byteLength": bin.len() }]);
+    for key in ["accessors", "bufferViews"] {
+        if root[key].as_array().is_some_and(Vec::is_empty) {
+            root.as_object_mut().map(|r| r.shift_remove(key));
+        }
+    }
+    Ok(bin)
+}
+
+/// The bytes of the kept views, each stretch once even where views overlap.
+fn gather(
+    doc: &Document<'_>,
+    root: &mut Value,
+    blob: &Blob,
+    old_views: usize,
+    keep: &[bool],
+) -> Result<Vec<u8>, Error> {
+    let mut stretches: BTreeMap<(usize, usize), usize> = BTreeMap::new();
+    let mut places = Vec::new();
+    for (i, view) in doc.root.buffer_views.iter().enumerate().take(old_views).filter(|(i, _)| keep[*i]) {
+        let (buffer, offset, length) = (view.buffer.value(), view.byte_offset.map_or(0, |o| o.0), view.byte_length.0);
+        let size = doc.buffer(buffer)?.len();
+        let r = range(offset, Some(length), size).ok_or_else(|| {
+            malformed(format!("bufferView {i} is {length} bytes from byte {offset}; buffer {buffer} has {size}"))
+        })?;
+        let end = stretches.entry((buffer, r.start)).or_insert(r.end);
+        *end = r.end.max(*end);
+        places.push((i, buffer, r.start));
+    }
+    let mut bin: Vec<u8> = Vec::new();
+    let mut merged: BTreeMap<(usize, usize), usize> = BTreeMap::new();
+    let mut stretches = stretches.into_iter().peekable();
+    while let Some(((buffer, start), mut end)) = stretches.next() {
+        while let Some(((_, _), next_end)) = stretches.next_if(|((b, s), _)| *b == buffer && *s <= end) {
+            end = end.max(next_end);
+        }
+        let at = bin.len().next_multiple_of(ALIGNMENT) + start % ALIGNMENT;
+        bin.resize(at, 0);
+        bin.extend_from_slice(&doc.buffer(buffer)?[start..end]);
+        merged.insert((buffer, start), at);
+    }
+    for (view, buffer, start) in places {
+        let (&(_, first), at) =
+            merged.range(..=(buffer, start)).next_back().ok_or_else(|| out_of_range("bufferView", view, 0))?;
+        root["bufferViews"][view]["buffer"] = 0.into();
+        root["bufferViews"][view]["byteOffset"] = (at + start - first).into();
+    }
+    bin.resize(bin.len().next_multiple_of(ALIGNMENT), 0);
+    let start = bin.len();
+    bin.extend_from_slice(&blob.bytes);
+    for view in list_mut(root, "bufferViews").skip(old_views) {
+        view["byteOffset"] = (start as u64 + view["byteOffset"].as_u64().unwrap_or(0)).into();
+    }
+    Ok(bin)
+}
+
+/// Turns an old index into the one it has when only `keep` is left.
+pub(super) fn renumber(keep: &[bool]) -> impl FnMut(&mut Value) + use<> {
+    let mut next = 0usize;
+    let new: Vec<usize> = keep
+        .iter()
+        .map(|k| {
+            next += usize::from(*k);
+            next - usize::from(*k)
+        })
+        .collect();
+    move |index| {
+        if let Some(new) = index.as_u64().and_then(|i| new.get(i as usize)) {
+            *index = (*new).into();
+        }
+    }
+}
+
+fn retain(list: Option<&mut Value>, keep: &[bool]) {
+    let mut keep = keep.iter();
+    if let Some(list) = list.and_then(Value::as_array_mut) {
+        list.retain(|_| *keep.next().unwrap_or(&true));
+    }
+}
+
+fn accessor_references(root: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
+    for primitive in list_mut(root, "meshes").flat_map(|m| list_mut(m, "primitives")) {
+        values_mut(primitive.get_mut("attributes")).for_each(&mut *visit);
+        primitive.get_mut("indices").into_iter().for_each(&mut *visit);
+        list_mut(primitive, "targets").flat_map(|t| values_mut(Some(t))).for_each(&mut *visit);
+    }
+    for node in list_mut(root, "nodes") {
+        let instances = node.get_mut("extensions").and_then(|e| e.get_mut("EXT_mesh_gpu_instancing"));
+        values_mut(instances.and_then(|i| i.get_mut("attributes"))).for_each(&mut *visit);
+    }
+    for skin in list_mut(root, "skins") {
+        skin.get_mut("inverseBindMatrices").into_iter().for_each(&mut *visit);
+    }
+    for sampler in list_mut(root, "animations").flat_map(|a| list_mut(a, "samplers")) {
+        sampler.get_mut("input").into_iter().for_each(&mut *visit);
+        sampler.get_mut("output").into_iter().for_each(&mut *visit);
+    }
+}
+
+fn view_references(root: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
+    for accessor in list_mut(root, "accessors") {
+        accessor.get_mut("bufferView").into_iter().for_each(&mut *visit);
+        for key in ["indices", "values"] {
+            let sparse = accessor.get_mut("sparse").and_then(|s| s.get_mut(key));
+            sparse.and_then(|s| s.get_mut("bufferView")).into_iter().for_each(&mut *visit);
+        }
+    }
+    for image in list_mut(root, "images") {
+        image.get_mut("bufferView").into_iter().for_each(&mut *visit);
+    }
+}
+
+fn values_mut(object: Option<&mut Value>) -> impl Iterator<Item = &mut Value> {
+    object.and_then(Value::as_object_mut).into_iter().flat_map(|o| o.values_mut())
+}
+
+/// Whether all extensions that the file uses, listed or not, are known not to point to what might be dropped.
+fn extensions_known(root: &Value) -> bool {
+    let known = |name: &str| KNOWN.iter().any(|k| *k == name || (k.ends_with('_') && name.starts_with(k)));
+    let listed = root["extensionsUsed"].as_array().into_iter().flatten().filter_map(Value::as_str).all(known);
+    listed && extensions_within(root, &known)
+}
+
+fn extensions_within(value: &Value, known: &dyn Fn(&str) -> bool) -> bool {
+    match value {
+        Value::Array(list) => list.iter().all(|v| extensions_within(v, known)),
+        Value::Object(map) => map.iter().all(|(key, v)| match (key.as_str(), v) {
+            ("extras", _) => true,
+            ("extensions", Value::Object(names)) => {
+                names.iter().all(|(name, v)| known(name) && extensions_within(v, known))
+            }
+            _ => extensions_within(v, known),
+        }),
+        _ => true,
+    }
+}

@@ -1,0 +1,89 @@
+//! New accessors, and the GLB container.
+
+use crate::Error;
+use crate::io::import::unsupported;
+use serde_json::{Value, json};
+
+/// OpenGL's names for what a bufferView holds, as glTF has them.
+pub(super) const ARRAY_BUFFER: u32 = 34962;
+pub(super) const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+
+/// Bytes to come into the file's binary chunk, and the offset of each piece within them.
+#[derive(Default)]
+pub(super) struct Blob {
+    pub bytes: Vec<u8>,
+}
+
+impl Blob {
+    /// Appends at the next multiple of 4, which all component types need; returns (offset, length).
+    pub fn push(&mut self, bytes: &[u8]) -> (usize, usize) {
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        self.bytes.extend_from_slice(bytes);
+        (self.bytes.len() - bytes.len(), bytes.len())
+    }
+}
+
+/// A bufferView of `blob`; its buffer is filled in when the buffers are laid out.
+pub(super) fn push_view(root: &mut Value, blob: &mut Blob, bytes: &[u8], target: Option<u32>) -> usize {
+    let (offset, length) = blob.push(bytes);
+    let mut view = json!({ "buffer": 0, "byteOffset": offset, "byteLength": length });
+    if let Some(target) = target {
+        view["target"] = target.into();
+    }
+    push(root, "bufferViews", view)
+}
+
+/// A float attribute of `values`; with bounds, which glTF wants for positions.
+pub(super) fn push_attribute<const N: usize>(
+    root: &mut Value,
+    blob: &mut Blob,
+    values: &[[f32; N]],
+    bounds: bool,
+) -> usize {
+    let bytes: Vec<u8> = values.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+    let view = push_view(root, blob, &bytes, Some(ARRAY_BUFFER));
+    let kind = ["SCALAR", "VEC2", "VEC3", "VEC4"][N - 1];
+    let mut accessor = json!({ "bufferView": view, "componentType": 5126, "count": values.len(), "type": kind });
+    if bounds {
+        let fold = |f: fn(f32, f32) -> f32| {
+            (0..N).map(|i| values.iter().map(|v| v[i]).reduce(f).unwrap_or(0.0)).map(f64::from).collect::<Vec<_>>()
+        };
+        accessor["min"] = fold(f32::min).into();
+        accessor["max"] = fold(f32::max).into();
+    }
+    push(root, "accessors", accessor)
+}
+
+/// Appends to one of the root's arrays, which may not exist yet.
+pub(super) fn push(root: &mut Value, key: &str, element: Value) -> usize {
+    if !root[key].is_array() {
+        root[key] = Value::Array(Vec::new());
+    }
+    let list = root[key].as_array_mut().expect("an array, made above");
+    list.push(element);
+    list.len() - 1
+}
+
+/// Header, JSON chunk, binary chunk, each padded to 4 bytes.
+pub(super) fn container(root: &Value, bin: &[u8]) -> Result<Vec<u8>, Error> {
+    let mut text = root.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let padded = bin.len().next_multiple_of(4);
+    let total = 12 + 8 + text.len() + if bin.is_empty() { 0 } else { 8 + padded };
+    let total = u32::try_from(total)
+        .map_err(|_| unsupported(format!("the result has {total} bytes; a GLB holds less than 4 GiB")))?;
+    let mut out = crate::base::error::reserve(total as usize, "the GLB")?;
+    out.extend_from_slice(b"glTF");
+    out.extend_from_slice(&2u32.to_le_bytes());
+    out.extend_from_slice(&total.to_le_bytes());
+    out.extend_from_slice(&(text.len() as u32).to_le_bytes());
+    out.extend_from_slice(b"JSON");
+    out.append(&mut text);
+    if !bin.is_empty() {
+        out.extend_from_slice(&(padded as u32).to_le_bytes());
+        out.extend_from_slice(b"BIN\0");
+        out.extend_from_slice(bin);
+        out.resize(total as usize, 0);
+    }
+    Ok(out)
+}

@@ -1,0 +1,99 @@
+//! Writes deformed meshes to GLB files.
+//!
+//! [`deformed_glb`] rewrites a glTF: the chosen mesh gets its deformed vertices and everything else stays.
+//! [`mesh_glb`] writes a new file, for instance for a mesh from an OBJ file.
+//!
+//! ```
+//! use crumple::export::deformed_glb;
+//! use crumple::import::{MeshChoice, gltf_slice};
+//! # let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/two_materials.glb");
+//! # let source = std::fs::read(path).unwrap();
+//! let imported = gltf_slice(&source, None, MeshChoice::First)?;
+//! let lifted: Vec<[f32; 3]> = imported.mesh.positions.iter().map(|[x, y, z]| [*x, y + 1.0, *z]).collect();
+//! let normals = imported.mesh.normals.as_deref();
+//! let glb = deformed_glb(&source, None, MeshChoice::First, &lifted, normals, None)?;
+//! assert!(glb.starts_with(b"glTF"));
+//! # Ok::<(), crumple::Error>(())
+//! ```
+
+use crate::Error;
+use crate::io::import::{Imported, MeshChoice, finite};
+use std::path::Path;
+
+mod compact;
+mod fresh;
+mod glb;
+mod rewrite;
+
+/// Deformed vertices. Their number is right and all are finite.
+#[derive(Clone, Copy)]
+struct Vertices<'a> {
+    positions: &'a [[f32; 3]],
+    normals: Option<&'a [[f32; 3]]>,
+    tangents: Option<&'a [[f32; 4]]>,
+}
+
+impl<'a> Vertices<'a> {
+    fn checked(
+        count: usize,
+        positions: &'a [[f32; 3]],
+        normals: Option<&'a [[f32; 3]]>,
+        tangents: Option<&'a [[f32; 4]]>,
+    ) -> Result<Self, Error> {
+        each(count, positions, "positions")?;
+        normals.map_or(Ok(()), |n| each(count, n, "normals"))?;
+        tangents.map_or(Ok(()), |t| each(count, t, "tangents"))?;
+        Ok(Self { positions, normals, tangents })
+    }
+}
+
+fn each<const N: usize>(count: usize, values: &[[f32; N]], name: &str) -> Result<(), Error> {
+    if values.len() != count {
+        return Err(Error::invalid(
+            &format!("{name}.len()"),
+            values.len(),
+            &format!("{count}, as many as the mesh has vertices"),
+        ));
+    }
+    values.iter().enumerate().try_for_each(|(i, v)| finite(*v, || format!("{name}[{i}]")).map(drop))
+}
+
+/// Rewrites a glTF (`.glb` or `.gltf`) so that a mesh shows its deformed vertices; returns a GLB that needs no other file.
+///
+/// `positions` (m), unit `normals` and `tangents` (xyz unit, w +1 or -1) are in the order of the joined vertices that the
+/// [import](crate::io::import) of the same mesh gives. Without `normals` or `tangents` the file's stay as they are.
+///
+/// The mesh's morph targets go, and with them their weights, names, impacts, placements and the animation of their weights. Everything else is kept:
+/// node tree, materials, texture coordinates, skins, cameras, other meshes (also where they share data with this one), extras, unknown extensions.
+/// Buffers and images in other files are embedded. Data that nothing uses any more is dropped, unless the file
+/// uses extensions that this library does not know, which may point to it.
+///
+/// # Errors
+/// [`Error::InvalidArgument`] for another number of vertices, [`Error::NotFinite`] for NaN and infinities, and what
+/// [`gltf_slice`](crate::io::import::gltf_slice) says of a file that it cannot read; [`Error::Io`] also for a missing image.
+pub fn deformed_glb(
+    source: &[u8],
+    base_dir: Option<&Path>,
+    mesh: MeshChoice<'_>,
+    positions: &[[f32; 3]],
+    normals: Option<&[[f32; 3]]>,
+    tangents: Option<&[[f32; 4]]>,
+) -> Result<Vec<u8>, Error> {
+    rewrite::deformed(source, base_dir, mesh, |count| Vertices::checked(count, positions, normals, tangents))
+}
+
+/// Writes a new GLB with one mesh: the deformed vertices, the triangles, and the texture coordinates where there are any.
+///
+/// Materials are kept by name only. A mesh without triangles becomes points. Arguments and errors as [`deformed_glb`].
+///
+/// # Errors
+/// [`Error::InvalidArgument`] for another number of vertices, [`Error::NotFinite`] for NaN and infinities.
+pub fn mesh_glb(
+    imported: &Imported,
+    positions: &[[f32; 3]],
+    normals: Option<&[[f32; 3]]>,
+    tangents: Option<&[[f32; 4]]>,
+) -> Result<Vec<u8>, Error> {
+    let vertices = Vertices::checked(imported.mesh.positions.len(), positions, normals, tangents)?;
+    fresh::mesh(imported, vertices)
+}

@@ -1,0 +1,156 @@
+//! What the arrays of a file must be, whoever wrote it. Each check is a scan that compilers make vector operations of.
+
+use super::wrong;
+use crate::Error;
+use crate::deform::longest;
+use crate::example::blocks::{DeltaBlocks, GROUP, Head, Numbers, Stored, Width, words};
+use crate::mesh::MAX_COORDINATE;
+use crate::mesh::rim::{Rim, WindowBlock};
+use crate::mesh::vertex_blocks::{BLOCK, block_range};
+use glam::Vec3;
+
+/// Longest displacement of a file, m: more than any that is built, and its square is far from where floats end.
+pub(super) const MAX_DISPLACEMENT: f32 = 4.0 * MAX_COORDINATE;
+
+/// Every number finite and at most `limit` away from 0.
+pub(super) fn numbers(name: &str, all: &[f32], limit: f32) -> Result<(), Error> {
+    // Without their sign the bits of floats order as the floats do; infinities and what is no number are above all.
+    let size = |x: &f32| (x.to_bits() & 0x7FFF_FFFF) as i32;
+    let limit_bits = size(&limit);
+    if all.iter().fold(0, |m, x| size(x).max(m)) <= limit_bits {
+        return Ok(());
+    }
+    let at = all.iter().position(|x| size(x) > limit_bits).unwrap_or(0);
+    Err(wrong(format!("number {at} of {name}"), all[at], format!("finite and within {limit:e}")))
+}
+
+/// One number, finite, from `low` to `high`.
+pub(super) fn between(name: &str, x: f32, low: f32, high: f32) -> Result<(), Error> {
+    if x >= low && x <= high { Ok(()) } else { Err(wrong(name, x, format!("{low:e} to {high:e}"))) }
+}
+
+/// Vectors of length 1, to a thousandth.
+pub(super) fn units(name: &str, all: &[Vec3]) -> Result<(), Error> {
+    // False also for what is no number.
+    let unit = |v: &Vec3| (v.length_squared() - 1.0).abs() <= 2e-3;
+    if !all.iter().fold(true, |all, v| all & unit(v)) {
+        let at = all.iter().position(|v| !unit(v)).unwrap_or(0);
+        return Err(wrong(format!("vector {at} of {name}"), all[at], "of length 1"));
+    }
+    Ok(())
+}
+
+/// Every index below `len`.
+pub(super) fn indices(name: &str, all: &[u32], len: usize) -> Result<(), Error> {
+    if all.iter().fold(0, |m, x| m.max(*x)) < len as u32 || all.is_empty() {
+        return Ok(());
+    }
+    let at = all.iter().position(|x| *x as usize >= len).unwrap_or(0);
+    Err(wrong(format!("index {at} of {name}"), all[at], format!("below {len}")))
+}
+
+/// Of each vertex the lowest at its position, which is its own.
+pub(super) fn weld(weld: &[u32], positions: &[Vec3]) -> Result<(), Error> {
+    indices("section weld", weld, positions.len())?;
+    let bits = |p: Vec3| p.to_array().map(f32::to_bits);
+    for (v, w) in weld.iter().enumerate().filter(|(v, w)| *v != **w as usize) {
+        let w = *w as usize;
+        if w > v || weld[w] as usize != w || bits(positions[w]) != bits(positions[v]) {
+            return Err(wrong(format!("the weld of vertex {v}"), w, "the lowest vertex at its position"));
+        }
+    }
+    Ok(())
+}
+
+/// The windows of a mesh of so many vertices, on a body with this diagonal (m).
+pub(super) fn rim(rim: &Rim, vertices: usize, diagonal: f32) -> Result<(), Error> {
+    let blocks = vertices.div_ceil(BLOCK);
+    if rim.blocks.len() != blocks && !(rim.blocks.is_empty() && rim.windows.is_empty()) {
+        return Err(wrong("the number of rim blocks", rim.blocks.len(), format!("{blocks}, or none")));
+    }
+    let known = |w: &u32| *w == Rim::CLEAR || (*w as usize) < rim.windows.len();
+    if let Some(at) = rim.blocks.iter().position(|w| !known(w)) {
+        let most = rim.windows.len();
+        return Err(wrong(format!("the window of block {at}"), rim.blocks[at], format!("below {most}, or 2^32 - 1")));
+    }
+    let steepest = WindowBlock::steepest(diagonal).min(f32::MAX);
+    for w in rim.windows.iter() {
+        let one = 1f32.to_bits();
+        if w.factor.iter().fold(0, |m, x| x.to_bits().max(m)) > one {
+            let bad = w.factor.iter().copied().find(|x| x.to_bits() > one).unwrap_or_default();
+            return Err(wrong("a factor of section rim windows", bad, "0 to 1"));
+        }
+        numbers("section rim windows", w.gradient.as_flattened(), steepest)?;
+    }
+    indices("section rim held", &rim.held, vertices)?;
+    if !rim.held.is_sorted_by(|a, b| a < b) {
+        return Err(wrong("section rim held", "not in order", "increasing"));
+    }
+    Ok(())
+}
+
+/// One example's blocks over a mesh of so many vertices. `name` says which.
+pub(super) fn anchored(a: &DeltaBlocks, vertices: usize, name: &str) -> Result<(), Error> {
+    let bad = |head: usize, field: &str, value: String, expected: String| {
+        Err(wrong(format!("{field} of block {head} of {name}"), value, expected))
+    };
+    let (mut at, mut next) = (0, 0);
+    for (i, h) in a.heads.iter().enumerate() {
+        if h.block < next || h.block as usize >= vertices.div_ceil(BLOCK) {
+            return bad(i, "the number", h.block.to_string(), format!("{next} to {}", vertices.div_ceil(BLOCK) - 1));
+        }
+        next = h.block + 1;
+        let len = block_range(h.block as usize, vertices).len();
+        let possible = u16::MAX >> (BLOCK / GROUP - len.div_ceil(GROUP));
+        if (h.groups | h.normal_groups) & !possible != 0 || h.groups | h.normal_groups == 0 {
+            let value = format!("{:#x}, {:#x}", h.groups, h.normal_groups);
+            return bad(i, "the groups", value, format!("some of {possible:#x}"));
+        }
+        for width in [h.width, h.normal_width] {
+            if Width::of(width).is_none_or(|w| !a.steps.whole && w != Width::F32) {
+                return bad(i, "a width", width.to_string(), if a.steps.whole { "1, 2 or 4" } else { "4" }.into());
+            }
+        }
+        if h.zero != 0 {
+            return bad(i, "the rest", h.zero.to_string(), "0".into());
+        }
+        if h.at as usize != at {
+            return bad(i, "the place", h.at.to_string(), format!("{at}, where the block before it ends"));
+        }
+        at += words(h.groups, h.width) + words(h.normal_groups, h.normal_width);
+        if at > a.words.len() {
+            return bad(i, "the end", at.to_string(), format!("at most {}, the words there are", a.words.len()));
+        }
+        block(a, h, len).or_else(|(field, value, expected)| bad(i, field, value, expected))?;
+    }
+    if at != a.words.len() {
+        return Err(wrong(format!("the number of words of {name}"), a.words.len(), at));
+    }
+    Ok(())
+}
+
+/// The numbers of one block.
+fn block(a: &DeltaBlocks, h: &Head, len: usize) -> Result<(), (&'static str, String, String)> {
+    for (name, stored) in [("a displacement", a.displacements(h)), ("a change of a normal", a.normals(h))] {
+        // Whole numbers beyond this would not be sums of steps any more.
+        let most = if a.steps.whole { crate::example::blocks::Steps::MOST } else { MAX_COORDINATE };
+        if let Numbers::F32(n) = stored.numbers
+            && let Err(e) = numbers(name, n, most)
+        {
+            return Err((name, e.to_string(), format!("finite and within {most:e}")));
+        }
+        if let Some(v) = (len..len.next_multiple_of(GROUP)).find(|v| stored.at(*v) != Vec3::ZERO) {
+            return Err((name, stored.at(v).to_string(), "0 beyond the last vertex".into()));
+        }
+    }
+    let found = length(&a.displacements(h));
+    if h.longest != found || found > MAX_DISPLACEMENT {
+        let expected = format!("{found}, at most {MAX_DISPLACEMENT:e} m");
+        return Err(("the longest displacement", h.longest.to_string(), expected));
+    }
+    Ok(())
+}
+
+fn length(stored: &Stored<'_>) -> f32 {
+    if stored.groups == 0 { 0.0 } else { longest(stored) }
+}

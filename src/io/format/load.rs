@@ -1,0 +1,372 @@
+//! A file becomes a set.
+
+use super::read::{File, length_of};
+use super::{AnchoredRecord, ExampleRecord, Id, MeshRecord, SetRecord, StampRecord, check, wrong};
+use crate::base::array::{Array, FileBytes};
+use crate::base::tasks::map;
+use crate::example::blocks::{DeltaBlocks, Head, Steps};
+use crate::example::example::Example;
+use crate::example::learned::Learned;
+use crate::example::mesh_lod::MeshLod;
+use crate::example::options::{Combine, Seams, SetOptions, VertexMass, check_options};
+use crate::example::set::{ExampleSet, MAX_MESHES, Parts, check_order, deepest};
+use crate::example::stamp::{Grid, Node, NodeSteps, Stamp, StampError};
+use crate::mesh::nearest::{LEAF, VertexIndex};
+use crate::mesh::rim::Rim;
+use crate::mesh::{MAX_COORDINATE, Mesh, MeshArrays};
+use crate::{Error, LodReport, Mirror, Placement, TaskSystem};
+use bytemuck::{Pod, cast_slice};
+use glam::{UVec2, Vec2, Vec3};
+use std::sync::Arc;
+
+/// The set in a file.
+pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSet, Error> {
+    let file = File::open(bytes, tasks)?;
+    let record = *one::<SetRecord>(&file.array(Id::Set, 0)?, Id::Set)?;
+    if !(1..=MAX_MESHES as u32).contains(&record.meshes) {
+        return Err(wrong("the number of meshes", record.meshes, format!("1 to {MAX_MESHES}")));
+    }
+    file.check_meshes(record.meshes)?;
+    if !(1..u32::from(u16::MAX)).contains(&record.examples) {
+        return Err(wrong("the number of examples", record.examples, "1 to 65534"));
+    }
+    let count = record.examples as usize;
+    let records: Array<ExampleRecord> = file.array_of(Id::Examples, 0, count)?;
+    let mut meshes = crate::base::error::reserve(record.meshes as usize, "meshes")?;
+    let vertices = one::<MeshRecord>(&file.array(Id::Mesh, 0)?, Id::Mesh)?.vertices as usize;
+    let options = options(&record, &file, vertices)?;
+    let steps = options.tolerance.map_or(Steps::EXACT, |t| Steps::new(t, options.normal_tolerance));
+    if !(steps.position.is_finite() && steps.normal > 0.0) {
+        return Err(wrong("the tolerance", record.tolerance, "such that its steps are floats"));
+    }
+    for k in 0..record.meshes {
+        meshes.push(mesh_lod(&file, k, count, steps)?);
+    }
+    let stamps = stamps(&file, &records)?;
+    check_all(&meshes, tasks)?;
+    let mut meshes = meshes.into_iter();
+    let Some(base) = meshes.next() else { return Err(wrong("the number of meshes", 0, "at least 1")) };
+    let lods = (1..).zip(meshes).map(|(k, lod)| {
+        let farthest = one::<MeshRecord>(&file.array(Id::Mesh, k)?, Id::Mesh)?.farthest;
+        check::between("the greatest distance of a level of detail", farthest, 0.0, f32::MAX)?;
+        let report = LodReport { vertices: lod.vertex_count(), bytes: lod.bytes(), farthest };
+        Ok((lod, report))
+    });
+    let lods = lods.collect::<Result<Vec<_>, Error>>()?;
+    let learned = learned(&record, &records)?;
+    let examples = examples(&file, &records, &base, (stamps, options.tolerance.unwrap_or(0.0)))?;
+    if deepest(&examples) == 0.0 {
+        return Err(wrong("the deepest displacement of all examples", 0, "above 0"));
+    }
+    let planes = Mirror::from_bits(record.planes);
+    if record.planes != planes.bits() || planes != Mirror::NONE && !options.mirror {
+        return Err(wrong("the mirror planes", record.planes, "0 to 7; 0 where mirroring is off"));
+    }
+    let order: Array<u32> = file.array(Id::SourceOrder, 0)?;
+    if !order.is_empty() {
+        check_order(&order, base.vertex_count()).map_err(|(v, expected)| wrong("section source order", v, expected))?;
+    }
+    check::between("the widest weld", record.widest_weld, 0.0, f32::INFINITY)?;
+    Ok(ExampleSet::assemble(Parts {
+        index: index(&file, &base.mesh)?,
+        base,
+        lods,
+        examples,
+        options,
+        learned,
+        planes,
+        fingerprint: record.fingerprint,
+        welded: record.welded as usize,
+        widest_weld: record.widest_weld,
+        source_order: (!order.is_empty()).then_some(order),
+    }))
+}
+
+/// Whatever its arrays hold, it answers with vertices of the mesh.
+fn index(file: &File<'_>, mesh: &Mesh) -> Result<VertexIndex, Error> {
+    let vertices = mesh.positions().len();
+    // Of vertices at one position one is in the tree.
+    let leaves = (vertices - mesh.seam_count()).div_ceil(LEAF);
+    let leaves = file.array_of(Id::IndexLeaves, 0, leaves)?;
+    VertexIndex::of(file.array(Id::IndexInner, 0)?, leaves, vertices)
+        .ok_or_else(|| wrong("the spatial index", "no tree of the mesh's vertices", "one, with all its nodes"))
+}
+
+fn one<T: Pod>(array: &Array<T>, id: Id) -> Result<&T, Error> {
+    if let [one] = &array[..] { Ok(one) } else { Err(length_of(id, array.len(), 1)) }
+}
+
+fn flag(name: &str, x: u8) -> Result<bool, Error> {
+    match x {
+        0 => Ok(false),
+        1 => Ok(true),
+        _ => Err(wrong(name, x, "0 or 1")),
+    }
+}
+
+fn options(r: &SetRecord, file: &File<'_>, vertices: usize) -> Result<SetOptions, Error> {
+    let masses: Array<f32> = file.array(Id::Masses, 0)?;
+    if r.zero != 0 {
+        return Err(wrong("the last byte of section set", r.zero, "0"));
+    }
+    if (r.mass_kind == 2) == masses.is_empty() {
+        return Err(length_of(Id::Masses, masses.len(), if r.mass_kind == 2 { vertices } else { 0 }));
+    }
+    let given = |x: f32| (x.to_bits() != 0).then_some(x);
+    let options = SetOptions {
+        depth_limit: given(r.depth_limit),
+        combine: match r.combine {
+            0 => Combine::Sum,
+            1 => Combine::Energies,
+            2 => Combine::Deepest,
+            other => return Err(wrong("the way of combining", other, "0 to 2")),
+        },
+        strict: flag("strict", r.strict)?,
+        seams: if flag("the way of seams", r.seams)? { Seams::Keep } else { Seams::Weld },
+        mass: match r.mass_kind {
+            0 => VertexMass::None,
+            1 => VertexMass::Uniform(r.mass),
+            2 => VertexMass::PerVertex(masses.to_vec()),
+            other => return Err(wrong("the kind of mass", other, "0 to 2")),
+        },
+        drop_below: r.drop_below,
+        stamp_resolution: r.stamp_resolution,
+        tolerance: given(r.tolerance),
+        normal_tolerance: r.normal_tolerance,
+        mirror: flag("mirror", r.mirror)?,
+        held_rims: flag("held rims", r.held_rims)?,
+    };
+    check_options(&options, vertices).map_err(|e| Error::Format { what: format!("baked set: {e}") })?;
+    Ok(options)
+}
+
+/// A mesh with everything of it, unchecked but for lengths.
+fn mesh_lod(file: &File<'_>, k: u32, examples: usize, steps: Steps) -> Result<MeshLod, Error> {
+    let record = *one::<MeshRecord>(&file.array(Id::Mesh, k)?, Id::Mesh)?;
+    let n = record.vertices as usize;
+    if n == 0 || record.vertices == u32::MAX {
+        return Err(wrong("the number of vertices", n, "1 to 4294967294"));
+    }
+    let positions: Array<Vec3> = file.array_of(Id::Positions, k, n)?;
+    let normals: Array<Vec3> = file.array(Id::Normals, k)?;
+    let contact_normals: Array<Vec3> = file.array_of(Id::ContactNormals, k, normals.len())?;
+    let tangents: Array<[f32; 4]> = file.array(Id::Tangents, k)?;
+    for (id, len) in [(Id::Normals, normals.len()), (Id::Tangents, tangents.len())] {
+        if len != 0 && len != n {
+            return Err(length_of(id, len, n));
+        }
+    }
+    // The same bytes as vectors of their own alignment, which 64 is a multiple of.
+    let tangents = file.array::<glam::Vec4>(Id::Tangents, k)?;
+    let some = |a: Array<Vec3>| (!a.is_empty()).then_some(a);
+    let arrays = MeshArrays {
+        positions,
+        normals: some(normals),
+        tangents: (!tangents.is_empty()).then_some(tangents),
+        triangles: file.array(Id::Triangles, k)?,
+        weld: file.array_of(Id::Weld, k, n)?,
+        contact_normals: some(contact_normals),
+    };
+    let mesh = Mesh::of(arrays, record.repaired_normals as usize, record.degenerate_triangles as usize);
+    let rim = Rim {
+        blocks: file.array(Id::RimBlocks, k)?,
+        windows: file.array(Id::RimWindows, k)?,
+        held: file.array(Id::RimHeld, k)?,
+    };
+    Ok(MeshLod::new(mesh, rim, anchored(file, k, examples, steps)?))
+}
+
+/// One an example.
+fn anchored(file: &File<'_>, k: u32, examples: usize, steps: Steps) -> Result<Vec<Arc<DeltaBlocks>>, Error> {
+    let records: Array<AnchoredRecord> = file.array_of(Id::Anchored, k, examples)?;
+    let heads = file.range(Id::Heads, k, size_of::<Head>())?;
+    let words = file.range(Id::Words, k, size_of::<u64>())?;
+    let (mut head, mut word) = (heads.start, words.start);
+    let mut out = crate::base::error::reserve(examples, "examples")?;
+    for r in records.iter() {
+        let ends = (head + r.heads as usize * size_of::<Head>(), word + r.words as usize * size_of::<u64>());
+        if ends.0 > heads.end || ends.1 > words.end {
+            let value = format!("{} heads and {} words", r.heads, r.words);
+            return Err(wrong("an element of section anchored", value, "what sections heads and words still hold"));
+        }
+        out.push(Arc::new(DeltaBlocks {
+            steps,
+            heads: file.part(head..ends.0, Id::Heads)?,
+            words: file.part(word..ends.1, Id::Words)?,
+        }));
+        (head, word) = ends;
+    }
+    if (head, word) != (heads.end, words.end) {
+        return Err(wrong("the sum of section anchored", "less than sections heads and words", "all of them"));
+    }
+    Ok(out)
+}
+
+/// The stamps of those examples that have one.
+fn stamps(file: &File<'_>, examples: &[ExampleRecord]) -> Result<Vec<Stamp>, Error> {
+    let count = examples.iter().filter(|e| e.stamp != 0).count();
+    let records: Array<StampRecord> = file.array_of(Id::Stamps, 0, count)?;
+    let section = file.range(Id::Nodes, 0, size_of::<Node>())?;
+    let mut at = section.start;
+    let mut out = crate::base::error::reserve(count, "stamps")?;
+    for r in records.iter() {
+        let (dims, steps) = (UVec2::from_array(r.dims), Vec3::from_array(r.displacement));
+        if !(dims.min_element() >= 2 && dims.max_element() <= 128) {
+            return Err(wrong("the nodes of a stamp", dims, "2 to 128 along each axis"));
+        }
+        let grid = Grid { dims, origin: Vec2::from_array(r.origin), cell: Vec2::from_array(r.cell) };
+        check::numbers("a stamp's origin", &r.origin, f32::MAX)?;
+        check::numbers("a stamp's cell", &r.cell, f32::MAX)?;
+        if grid.cell.min_element() <= 0.0 {
+            return Err(wrong("a stamp's cell", grid.cell, "above 0 m"));
+        }
+        check::between("a stamp's fade", r.fade, f32::MIN_POSITIVE, f32::MAX)?;
+        for step in r.displacement.iter().chain(&[r.height]).chain(&r.normal) {
+            check::between("a stamp's step", *step, 0.0, check::MAX_DISPLACEMENT)?;
+        }
+        check::between("the error of a stamp", r.error_max, 0.0, f32::MAX)?;
+        check::between("the error of a stamp", r.error_rms, 0.0, f32::MAX)?;
+        let end = at + grid.count() * size_of::<Node>();
+        if end > section.end {
+            return Err(wrong("the end of a stamp's nodes", end - section.start, section.len()));
+        }
+        let nodes = file.part(at..end, Id::Nodes)?;
+        at = end;
+        let steps = NodeSteps { displacement: steps, height: r.height, normal: Vec3::from_array(r.normal) };
+        out.push(Stamp::new(grid, nodes, steps, r.fade, StampError { max: r.error_max, rms: r.error_rms }));
+    }
+    if at != section.end {
+        return Err(wrong("the end of the last stamp's nodes", at - section.start, section.len()));
+    }
+    Ok(out)
+}
+
+/// Scans everything that is as long as the file, in tasks.
+fn check_all(meshes: &[MeshLod], tasks: &dyn TaskSystem) -> Result<(), Error> {
+    type Check<'a> = Box<dyn FnOnce() -> Result<(), Error> + Send + 'a>;
+    let mut checks: Vec<Check<'_>> = Vec::new();
+    let diagonal = meshes[0].mesh.bounds().diagonal();
+    for lod in meshes {
+        let a = lod.mesh.arrays();
+        let n = lod.vertex_count();
+        checks.push(Box::new(|| {
+            check::numbers("section positions", cast_slice(&a.positions), MAX_COORDINATE)?;
+            check::weld(&a.weld, &a.positions)
+        }));
+        checks.push(Box::new(|| {
+            check::units("section normals", a.normals.as_deref().unwrap_or_default())?;
+            check::units("section contact normals", a.contact_normals.as_deref().unwrap_or_default())?;
+            check::numbers("section tangents", cast_slice(a.tangents.as_deref().unwrap_or_default()), f32::MAX)
+        }));
+        checks.push(Box::new(move || check::indices("section triangles", a.triangles.as_flattened(), n)));
+        checks.push(Box::new(move || check::rim(&lod.rim, n, diagonal)));
+        for (i, anchored) in lod.anchored.iter().enumerate() {
+            checks.push(Box::new(move || check::anchored(anchored, n, &format!("example {i}"))));
+        }
+    }
+    // The first error in order, whoever found it first.
+    map(tasks, checks, |check| check()).into_iter().collect()
+}
+
+fn learned(set: &SetRecord, records: &[ExampleRecord]) -> Result<Learned, Error> {
+    check::between("the learned width of the place axes", set.place_width, 0.01, 10.0)?;
+    let error = |x: f32| match x {
+        x if x.is_nan() => Ok(None),
+        x if x >= 0.0 => Ok(Some(x)),
+        x => Err(wrong("a learned error", x, "at least 0, or not a number")),
+    };
+    Ok(Learned {
+        place_width: set.place_width,
+        carried_error: records.iter().map(|r| error(r.carried_error)).collect::<Result<_, _>>()?,
+        anchored_error: records.iter().map(|r| error(r.anchored_error)).collect::<Result<_, _>>()?,
+        anchored: records.iter().map(|r| flag("whether an example stays", r.stays)).collect::<Result<_, _>>()?,
+    })
+}
+
+fn examples(
+    file: &File<'_>,
+    records: &[ExampleRecord],
+    lod: &MeshLod,
+    (stamps, tolerance): (Vec<Stamp>, f32),
+) -> Result<Vec<Example>, Error> {
+    let names: Array<u8> = file.array(Id::Names, 0)?;
+    let (mut names, mut stamps) = (&names[..], stamps.into_iter());
+    let mut out = crate::base::error::reserve(records.len(), "examples")?;
+    for (i, (r, anchored)) in records.iter().zip(&lod.anchored).enumerate() {
+        let name;
+        (name, names) = names
+            .split_at_checked(r.name as usize)
+            .ok_or_else(|| wrong(format!("the length of the name of example {i}"), r.name, names.len()))?;
+        let name = std::str::from_utf8(name).map_err(|e| {
+            wrong(format!("the name of example {i}"), format!("wrong at byte {}", e.valid_up_to()), "UTF-8")
+        })?;
+        let stamp = flag("whether an example has a stamp", r.stamp)?.then(|| stamps.next()).flatten();
+        out.push(example(i, r, (lod, tolerance), (name, anchored.clone(), stamp))?);
+    }
+    if !names.is_empty() {
+        return Err(wrong("the rest of section names", format!("{} bytes", names.len()), "empty"));
+    }
+    Ok(out)
+}
+
+fn example(
+    i: usize,
+    r: &ExampleRecord,
+    (lod, tolerance): (&MeshLod, f32),
+    (name, anchored, stamp): (&str, Arc<DeltaBlocks>, Option<Stamp>),
+) -> Result<Example, Error> {
+    let of = |what: &str| format!("{what} of example {i}");
+    let positions = lod.mesh.positions();
+    let Some(contact_point) = positions.get(r.contact_vertex as usize).copied() else {
+        return Err(wrong(of("the contact"), r.contact_vertex, format!("below {}", positions.len())));
+    };
+    let placement = match r.placement {
+        0 => Placement::Automatic,
+        1 => Placement::Anchored,
+        2 => Placement::Carried,
+        other => return Err(wrong(of("the placement"), other, "0 to 2")),
+    };
+    let max_depth = anchored.heads.iter().map(|h| h.longest).fold(0.0, f32::max);
+    let contact_delta = Vec3::from_array(r.contact_displacement);
+    let depth = contact_delta.length();
+    let off = contact_delta.distance(anchored.delta(r.contact_vertex));
+    if off.is_nan() || off > tolerance * 1.001 {
+        return Err(wrong(
+            of("the displacement of the contact"),
+            contact_delta,
+            "what is stored of it, to the tolerance",
+        ));
+    }
+    if (r.moved > 0) != (max_depth > 0.0) || r.moved as usize > positions.len() {
+        return Err(wrong(of("the number of moved vertices"), r.moved, "0 only where none moves, at most all"));
+    }
+    if (r.moved > 0) != (depth > 0.0) {
+        return Err(wrong(of("the displacement of the contact"), depth, "above 0 m where any vertex moves, else 0"));
+    }
+    let contact_normal = Vec3::from_array(r.contact_normal);
+    let contact_normal = (contact_normal != Vec3::ZERO).then_some(contact_normal);
+    check::units(&of("the contact normal"), contact_normal.as_slice())?;
+    check::between(&of("the support radius"), r.support_radius, 0.0, f32::MAX)?;
+    let carried = placement != Placement::Anchored;
+    if carried && lod.mesh.normals().is_none() {
+        return Err(wrong(of("the placement"), r.placement, "1 (anchored) on a mesh without normals"));
+    }
+    if stamp.is_some() != (carried && r.moved > 0) {
+        return Err(wrong(of("the stamp"), r.stamp, "there where it may be carried and moves anything"));
+    }
+    Ok(Example {
+        name: name.to_owned(),
+        placement,
+        contact_vertex: r.contact_vertex,
+        contact_point,
+        contact_normal,
+        contact_delta,
+        depth,
+        log_depth: libm::logf(depth),
+        max_depth,
+        support_radius: r.support_radius,
+        moved: r.moved as usize,
+        anchored,
+        stamp,
+    })
+}

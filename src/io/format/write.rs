@@ -1,0 +1,275 @@
+//! A set becomes a file.
+
+use super::{
+    ALIGN, AnchoredRecord, CHUNK, Entry, ExampleRecord, Header, Id, MAGIC, MeshRecord, SetRecord, StampRecord,
+    UNHASHED, VERSION, checksum,
+};
+use crate::Placement;
+use crate::example::example::Example;
+use crate::example::mesh_lod::MeshLod;
+use crate::example::options::{Combine, Seams, VertexMass};
+use crate::example::set::ExampleSet;
+use crate::example::stamp::{Node, Stamp};
+use bytemuck::{Pod, bytes_of, cast_slice};
+use std::borrow::Cow;
+use std::io::{self, Write};
+use xxhash_rust::xxh3::Xxh3;
+
+/// What goes into one section: pieces that follow each other.
+struct Section<'a> {
+    id: Id,
+    mesh: u32,
+    element: usize,
+    pieces: Vec<Cow<'a, [u8]>>,
+}
+
+impl Section<'_> {
+    fn length(&self) -> usize {
+        self.pieces.iter().map(|p| p.len()).sum()
+    }
+}
+
+/// A file that is laid out but not written.
+pub(super) struct File<'a> {
+    sections: Vec<Section<'a>>,
+    table: Vec<Entry>,
+    length: usize,
+}
+
+impl<'a> File<'a> {
+    pub(super) fn new(set: &'a ExampleSet) -> Self {
+        let mut file = File { sections: Vec::new(), table: Vec::new(), length: 0 };
+        file.set(set);
+        for (k, lod) in set.lods().enumerate() {
+            let farthest = k.checked_sub(1).map_or(0.0, |lod| set.report().lods[lod].farthest);
+            file.mesh_lod(k as u32, lod, farthest);
+        }
+        let (inner, leaves) = set.index().parts();
+        file.array(Id::IndexInner, 0, inner);
+        file.array(Id::IndexLeaves, 0, leaves);
+        file.array(Id::SourceOrder, 0, set.source_order().unwrap_or_default());
+        let mut at = size_of::<Header>() + file.sections.len() * size_of::<Entry>();
+        for s in &file.sections {
+            let offset = at.next_multiple_of(ALIGN);
+            file.table.push(Entry {
+                id: s.id as u32,
+                mesh: s.mesh,
+                offset: offset as u64,
+                length: s.length() as u64,
+                element: s.element as u32,
+                flags: s.id.flags(),
+            });
+            at = offset + s.length();
+        }
+        file.length = at;
+        file
+    }
+
+    pub(super) fn length(&self) -> usize {
+        self.length
+    }
+
+    pub(super) fn write(&self, out: &mut impl Write) -> io::Result<()> {
+        let mut header = Header {
+            magic: MAGIC,
+            checksum: 0,
+            length: self.length as u64,
+            version: VERSION,
+            sections: self.table.len() as u32,
+            zero: [0; 32],
+        };
+        let mut hash = Chunks::default();
+        self.each(&header, &mut |bytes| {
+            hash.add(bytes);
+            Ok(())
+        })?;
+        header.checksum = hash.finish();
+        self.each(&header, &mut |bytes| out.write_all(bytes))
+    }
+
+    /// All bytes in order.
+    fn each(&self, header: &Header, put: &mut dyn FnMut(&[u8]) -> io::Result<()>) -> io::Result<()> {
+        let mut at = 0;
+        let mut put = |bytes: &[u8]| {
+            at += bytes.len();
+            put(bytes).map(|()| at)
+        };
+        put(bytes_of(header))?;
+        let mut at = put(cast_slice(&self.table))?;
+        for s in &self.sections {
+            put(&[0; ALIGN][..at.next_multiple_of(ALIGN) - at])?;
+            for piece in &s.pieces {
+                at = put(piece)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Sections without an element are left out.
+    fn pieces(&mut self, id: Id, mesh: u32, element: usize, pieces: Vec<Cow<'a, [u8]>>) {
+        if pieces.iter().any(|p| !p.is_empty()) {
+            self.sections.push(Section { id, mesh, element, pieces });
+        }
+    }
+
+    fn array<T: Pod>(&mut self, id: Id, mesh: u32, elements: &'a [T]) {
+        self.pieces(id, mesh, size_of::<T>(), vec![Cow::Borrowed(cast_slice(elements))]);
+    }
+
+    fn records<T: Pod>(&mut self, id: Id, mesh: u32, records: &[T]) {
+        self.pieces(id, mesh, size_of::<T>(), vec![Cow::Owned(cast_slice(records).to_vec())]);
+    }
+
+    fn set(&mut self, set: &'a ExampleSet) {
+        let (o, r, learned) = (set.options(), set.report(), set.learned());
+        let (mass_kind, mass) = match &o.mass {
+            VertexMass::None => (0, 0.0),
+            VertexMass::Uniform(m) => (1, *m),
+            VertexMass::PerVertex(_) => (2, 0.0),
+        };
+        let record = SetRecord {
+            fingerprint: set.fingerprint(),
+            welded: r.welded as u64,
+            examples: set.examples().len() as u32,
+            meshes: set.lods().count() as u32,
+            depth_limit: o.depth_limit.unwrap_or(0.0),
+            drop_below: o.drop_below,
+            tolerance: o.tolerance.unwrap_or(0.0),
+            normal_tolerance: o.normal_tolerance,
+            mass,
+            stamp_resolution: o.stamp_resolution,
+            place_width: learned.place_width,
+            widest_weld: r.widest_weld,
+            combine: match o.combine {
+                Combine::Sum => 0,
+                Combine::Energies => 1,
+                Combine::Deepest => 2,
+            },
+            strict: o.strict.into(),
+            seams: u8::from(o.seams == Seams::Keep),
+            mass_kind,
+            mirror: o.mirror.into(),
+            held_rims: o.held_rims.into(),
+            planes: r.mirror_planes.bits(),
+            zero: 0,
+        };
+        self.records(Id::Set, 0, &[record]);
+        let examples: Vec<ExampleRecord> = set
+            .examples()
+            .iter()
+            .enumerate()
+            .map(|(i, e)| ExampleRecord {
+                name: e.name().len() as u32,
+                contact_vertex: e.contact_vertex(),
+                moved: e.moved_vertices() as u32,
+                support_radius: e.support_radius(),
+                contact_normal: e.contact_normal().unwrap_or_default().to_array(),
+                contact_displacement: e.contact_displacement().to_array(),
+                carried_error: learned.carried_error[i].unwrap_or(f32::NAN),
+                anchored_error: learned.anchored_error[i].unwrap_or(f32::NAN),
+                placement: match e.placement() {
+                    Placement::Automatic => 0,
+                    Placement::Anchored => 1,
+                    Placement::Carried => 2,
+                },
+                stays: learned.anchored[i].into(),
+                stamp: e.stamp().is_some().into(),
+                zero: 0,
+            })
+            .collect();
+        self.records(Id::Examples, 0, &examples);
+        let names: Vec<u8> = set.examples().iter().flat_map(|e| e.name().bytes()).collect();
+        self.records(Id::Names, 0, &names);
+        if let VertexMass::PerVertex(masses) = &o.mass {
+            self.array(Id::Masses, 0, masses);
+        }
+        let stamps = || set.examples().iter().filter_map(Example::stamp);
+        let records: Vec<StampRecord> = stamps().map(record_of).collect();
+        self.records(Id::Stamps, 0, &records);
+        let nodes = stamps().map(|s| Cow::Borrowed(cast_slice(&s.nodes)));
+        self.pieces(Id::Nodes, 0, size_of::<Node>(), nodes.collect());
+    }
+
+    fn mesh_lod(&mut self, k: u32, lod: &'a MeshLod, farthest: f32) {
+        let (mesh, arrays) = (&lod.mesh, lod.mesh.arrays());
+        let record = MeshRecord {
+            vertices: lod.vertex_count() as u32,
+            repaired_normals: mesh.repaired_normals() as u32,
+            degenerate_triangles: mesh.degenerate_triangles() as u32,
+            farthest,
+        };
+        self.records(Id::Mesh, k, &[record]);
+        self.array(Id::Positions, k, &arrays.positions);
+        self.array(Id::Normals, k, arrays.normals.as_deref().unwrap_or_default());
+        self.array(Id::Tangents, k, arrays.tangents.as_deref().unwrap_or_default());
+        self.array(Id::Triangles, k, &arrays.triangles);
+        self.array(Id::Weld, k, &arrays.weld);
+        self.array(Id::ContactNormals, k, arrays.contact_normals.as_deref().unwrap_or_default());
+        self.array(Id::RimBlocks, k, &lod.rim.blocks);
+        self.array(Id::RimWindows, k, &lod.rim.windows);
+        self.array(Id::RimHeld, k, &lod.rim.held);
+        let records: Vec<AnchoredRecord> = lod
+            .anchored
+            .iter()
+            .map(|a| AnchoredRecord { heads: a.heads.len() as u32, words: a.words.len() as u32 })
+            .collect();
+        self.records(Id::Anchored, k, &records);
+        let heads = lod.anchored.iter().map(|a| Cow::Borrowed(cast_slice(&a.heads)));
+        self.pieces(Id::Heads, k, size_of::<crate::example::blocks::Head>(), heads.collect());
+        let words = lod.anchored.iter().map(|a| Cow::Borrowed(cast_slice(&a.words)));
+        self.pieces(Id::Words, k, size_of::<u64>(), words.collect());
+    }
+}
+
+fn record_of(s: &Stamp) -> StampRecord {
+    StampRecord {
+        dims: s.grid.dims.to_array(),
+        origin: s.grid.origin.to_array(),
+        cell: s.grid.cell.to_array(),
+        displacement: s.steps.displacement.to_array(),
+        height: s.steps.height,
+        normal: s.steps.normal.to_array(),
+        fade: s.fade,
+        error_max: s.error.max,
+        error_rms: s.error.rms,
+    }
+}
+
+/// The checksum of bytes that come in pieces.
+#[derive(Default)]
+struct Chunks {
+    skipped: usize,
+    current: Xxh3,
+    filled: usize,
+    hashes: Vec<u64>,
+}
+
+impl Chunks {
+    fn add(&mut self, bytes: &[u8]) {
+        let skip = (UNHASHED - self.skipped).min(bytes.len());
+        self.skipped += skip;
+        let mut bytes = &bytes[skip..];
+        while !bytes.is_empty() {
+            let (now, later) = bytes.split_at(bytes.len().min(CHUNK - self.filled));
+            self.current.update(now);
+            self.filled += now.len();
+            if self.filled == CHUNK {
+                self.next();
+            }
+            bytes = later;
+        }
+    }
+
+    fn next(&mut self) {
+        self.hashes.push(self.current.digest());
+        self.current.reset();
+        self.filled = 0;
+    }
+
+    fn finish(mut self) -> u64 {
+        if self.filled > 0 {
+            self.next();
+        }
+        checksum(&self.hashes)
+    }
+}

@@ -1,0 +1,203 @@
+//! What `mesh.extras` says about the targets: names, impacts, placements.
+
+use super::document::out_of_range;
+use super::{finite, malformed};
+use crate::{Contact, Error, Placement};
+use serde_json::{Map, Value};
+use std::borrow::Cow;
+use std::collections::HashMap;
+
+/// Where an example was hit, and the outward normal there.
+pub(super) type Impact = (Option<Contact>, Option<[f32; 3]>);
+
+/// One name a target. Exporters write them to the mesh; some older ones to its first primitive.
+pub(super) fn names(mesh: &Value, targets: usize) -> Result<Vec<String>, Error> {
+    let on_mesh = &mesh["extras"]["targetNames"];
+    let list = if on_mesh.is_null() { &mesh["primitives"][0]["extras"]["targetNames"] } else { on_mesh };
+    let list = match list {
+        Value::Null => &[],
+        Value::Array(list) => list.as_slice(),
+        other => return Err(malformed(format!("extras.targetNames is {}; it must be a list of texts", brief(other)))),
+    };
+    let name = |i| match list.get(i) {
+        Some(Value::String(name)) => Ok(name.clone()),
+        None | Some(Value::Null) => Ok(format!("target {i}")),
+        Some(other) => Err(malformed(format!("extras.targetNames[{i}] is {}; it must be a text", brief(other)))),
+    };
+    (0..targets).map(name).collect()
+}
+
+/// One entry a target, from `extras.impacts`.
+pub(super) fn impacts(mesh: &Value, names: &[String], vertices: usize) -> Result<Vec<Impact>, Error> {
+    let mut out = vec![(None, None); names.len()];
+    let list = match parsed(&mesh["extras"]["impacts"], "impacts")?.into_owned() {
+        Value::Null => return Ok(out),
+        Value::Array(list) => list,
+        other => return Err(malformed(format!("extras.impacts is {}; it must be a list of objects", brief(&other)))),
+    };
+    let list: Vec<&Map<String, Value>> =
+        list.iter().enumerate().map(|(i, v)| object(v, i)).collect::<Result<_, _>>()?;
+    let targets = by_name(&list, names)?;
+    if targets.is_none() && list.len() > names.len() {
+        return Err(malformed(format!(
+            "extras.impacts has {} entries for {} targets; give at most one each",
+            list.len(),
+            names.len()
+        )));
+    }
+    for (i, entry) in list.iter().enumerate() {
+        out[targets.as_ref().map_or(i, |t| t[i])] = impact(entry, i, vertices)?;
+    }
+    Ok(out)
+}
+
+/// The target of each impact, where the names decide it: all targets' names differ and every impact has one of its own.
+fn by_name(list: &[&Map<String, Value>], names: &[String]) -> Result<Option<Vec<usize>>, Error> {
+    let index: HashMap<&str, usize> = names.iter().enumerate().map(|(i, n)| (n.as_str(), i)).collect();
+    let used: Option<Vec<&str>> = list.iter().map(|entry| entry.get("name").and_then(Value::as_str)).collect();
+    let Some(used) = used.filter(|_| index.len() == names.len()) else { return Ok(None) };
+    let distinct: std::collections::HashSet<&str> = used.iter().copied().collect();
+    if distinct.len() < used.len() {
+        return Ok(None);
+    }
+    let target = |(i, name): (usize, &&str)| {
+        index.get(name).copied().ok_or_else(|| {
+            malformed(format!(
+                "extras.impacts[{i}] is for '{name}'; there is no such target (there are {})",
+                listed(names)
+            ))
+        })
+    };
+    used.iter().enumerate().map(target).collect::<Result<_, _>>().map(Some)
+}
+
+fn impact(entry: &Map<String, Value>, i: usize, vertices: usize) -> Result<Impact, Error> {
+    let vector = |key: &str| match entry.get(key) {
+        None | Some(Value::Null) => Ok(None),
+        Some(value) => vector(value, &format!("extras.impacts[{i}].{key}")).map(Some),
+    };
+    let vertex = match entry.get("contact_vertex") {
+        None | Some(Value::Null) => None,
+        Some(value) => Some(vertex(value, &format!("extras.impacts[{i}].contact_vertex"), vertices)?),
+    };
+    let contact = vector("point")?.map(Contact::Point).or(vertex.map(Contact::Vertex));
+    if contact.is_none() {
+        return Err(malformed(format!("extras.impacts[{i}] has neither a point nor a contact_vertex")));
+    }
+    let normal = vector("normal")?.map(|n| unit(n, i)).transpose()?;
+    Ok((contact, normal))
+}
+
+fn object(value: &Value, i: usize) -> Result<&Map<String, Value>, Error> {
+    value.as_object().ok_or_else(|| malformed(format!("extras.impacts[{i}] is {}; it must be an object", brief(value))))
+}
+
+fn vector(value: &Value, name: &str) -> Result<[f32; 3], Error> {
+    let numbers: Option<Vec<f64>> = value.as_array().and_then(|a| a.iter().map(Value::as_f64).collect());
+    match numbers.as_deref() {
+        Some([x, y, z]) => finite([*x as f32, *y as f32, *z as f32], || name.to_owned()),
+        _ => Err(malformed(format!("{name} is {}; it must be three numbers", brief(value)))),
+    }
+}
+
+fn vertex(value: &Value, name: &str, vertices: usize) -> Result<u32, Error> {
+    // Blender writes whole numbers of a custom property as 7.0 when it was set as a float.
+    let whole = value
+        .as_u64()
+        .or(value.as_f64().filter(|x| *x >= 0.0 && x.fract() == 0.0 && *x < 4294967296.0).map(|x| x as u64));
+    match whole {
+        Some(v) if v < vertices as u64 => Ok(v as u32),
+        Some(v) => Err(out_of_range(name, usize::try_from(v).unwrap_or(usize::MAX), vertices)),
+        None => Err(malformed(format!("{name} is {}; it must be a vertex index", brief(value)))),
+    }
+}
+
+fn unit(n: [f32; 3], i: usize) -> Result<[f32; 3], Error> {
+    let length = n.iter().map(|x| f64::from(*x) * f64::from(*x)).sum::<f64>().sqrt();
+    if length < 1e-30 {
+        return Err(malformed(format!("extras.impacts[{i}].normal is {n:?}; it must have a length")));
+    }
+    Ok(n.map(|x| (f64::from(x) / length) as f32))
+}
+
+/// One placement a target, from `extras.placements`.
+pub(super) fn placements(mesh: &Value, names: &[String]) -> Result<Vec<Placement>, Error> {
+    let words: Vec<Value> = match &mesh["extras"]["placements"] {
+        Value::Null => return Ok(vec![Placement::Automatic; names.len()]),
+        Value::String(text) if !text.contains(',') => return Ok(vec![placement(text, "")?; names.len()]),
+        Value::String(text) => text.split(',').map(Value::from).collect(),
+        Value::Array(list) => list.clone(),
+        Value::Object(map) => return placements_by_name(map, names),
+        other => {
+            return Err(malformed(format!(
+                "extras.placements is {}; it must be a word, a list of words or a map",
+                brief(other)
+            )));
+        }
+    };
+    if words.len() != names.len() {
+        return Err(malformed(format!(
+            "extras.placements has {} words for {} targets; give one each",
+            words.len(),
+            names.len()
+        )));
+    }
+    let word = |(i, word): (usize, &Value)| match word {
+        Value::String(text) => placement(text, &format!("[{i}]")),
+        other => Err(malformed(format!("extras.placements[{i}] is {}; it must be a word", brief(other)))),
+    };
+    words.iter().enumerate().map(word).collect()
+}
+
+fn placements_by_name(map: &Map<String, Value>, names: &[String]) -> Result<Vec<Placement>, Error> {
+    let mut out = vec![Placement::Automatic; names.len()];
+    let mut index: HashMap<&str, Vec<usize>> = HashMap::new();
+    names.iter().enumerate().for_each(|(i, name)| index.entry(name).or_default().push(i));
+    for (name, word) in map {
+        let text = word
+            .as_str()
+            .ok_or_else(|| malformed(format!("extras.placements['{name}'] is {}; it must be a word", brief(word))))?;
+        let placed = placement(text, &format!("['{name}']"))?;
+        let Some(targets) = index.get(name.as_str()) else {
+            return Err(malformed(format!(
+                "extras.placements names '{name}'; there is no such target (there are {})",
+                listed(names)
+            )));
+        };
+        targets.iter().for_each(|t| out[*t] = placed);
+    }
+    Ok(out)
+}
+
+fn placement(text: &str, at: &str) -> Result<Placement, Error> {
+    match text.trim().to_ascii_lowercase().as_str() {
+        "automatic" => Ok(Placement::Automatic),
+        "anchored" => Ok(Placement::Anchored),
+        "carried" => Ok(Placement::Carried),
+        _ => Err(malformed(format!("extras.placements{at} is '{text}'; it must be automatic, anchored or carried"))),
+    }
+}
+
+/// Blender's interface makes no lists of objects, so JSON inside a text is taken as well.
+fn parsed<'v>(value: &'v Value, key: &str) -> Result<Cow<'v, Value>, Error> {
+    match value {
+        Value::String(text) => serde_json::from_str(text)
+            .map(Cow::Owned)
+            .map_err(|e| malformed(format!("extras.{key} is a text that is not JSON: {e}"))),
+        other => Ok(Cow::Borrowed(other)),
+    }
+}
+
+/// A value in an error: at most a line of it.
+fn brief(value: &Value) -> String {
+    let text = value.to_string();
+    if text.chars().count() <= 60 { text } else { text.chars().take(60).chain(['…']).collect() }
+}
+
+fn listed(names: &[String]) -> String {
+    let mut text = names.iter().take(8).map(|n| format!("'{n}'")).collect::<Vec<_>>().join(", ");
+    if names.len() > 8 {
+        text.push_str(&format!(" and {} more", names.len() - 8));
+    }
+    text
+}

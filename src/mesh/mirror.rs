@@ -1,0 +1,90 @@
+//! Mirror images: where a body is the same on both sides of a plane, an example made on one side serves the other.
+//!
+//! Looked for are the three coordinate planes through the centre of the bounds. A plane counts when it maps the vertices
+//! onto themselves (triangulation does not matter). An image of an example costs no memory: its stamp is read mirrored.
+
+use crate::base::math::Aabb;
+use crate::mesh::nearest::VertexIndex;
+use glam::{Mat3, Vec3};
+
+/// A mirrored vertex must lie this near another, as a share of the bounds' diagonal …
+const TOLERANCE: f32 = 1e-3;
+/// … for all but this share of the vertices.
+const STRAYS: f32 = 0.01;
+
+/// Some of the coordinate planes through a point: bit 0 mirrors x, bit 1 y, bit 2 z.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub struct Mirror(u8);
+
+impl Mirror {
+    /// Nothing is mirrored.
+    pub const NONE: Mirror = Mirror(0);
+
+    /// From bits: 1 mirrors x, 2 mirrors y, 4 mirrors z. Higher bits are ignored.
+    pub fn from_bits(bits: u8) -> Self {
+        Mirror(bits & 7)
+    }
+
+    /// 1 mirrors x, 2 mirrors y, 4 mirrors z.
+    pub fn bits(self) -> u8 {
+        self.0
+    }
+
+    /// Whether all planes of `self` are among those of `other`.
+    pub fn within(self, other: Mirror) -> bool {
+        self.0 & !other.0 == 0
+    }
+
+    /// Every choice of its planes, none of them first.
+    pub(crate) fn choices(self) -> impl Iterator<Item = Mirror> {
+        (0..8).map(Mirror).filter(move |m| m.within(self))
+    }
+
+    fn signs(self) -> Vec3 {
+        let sign = |bit: u8| if self.0 >> bit & 1 == 1 { -1.0 } else { 1.0 };
+        Vec3::new(sign(0), sign(1), sign(2))
+    }
+
+    /// A direction mirrored.
+    pub(crate) fn direction(self, v: Vec3) -> Vec3 {
+        // -0 becomes +0: images that coincide are equal by bits.
+        v * self.signs() + Vec3::ZERO
+    }
+
+    /// A point mirrored in planes through `centre`, m.
+    pub(crate) fn point(self, p: Vec3, centre: Vec3) -> Vec3 {
+        if self == Self::NONE { p } else { centre + self.direction(p - centre) }
+    }
+
+    /// The matrix of [`Mirror::direction`].
+    pub(crate) fn matrix(self) -> Mat3 {
+        Mat3::from_diagonal(self.signs())
+    }
+}
+
+/// The planes through the bounds' centre that map the vertices onto themselves.
+pub(crate) fn planes(positions: &[Vec3], index: &VertexIndex, bounds: &Aabb) -> Mirror {
+    let centre = centre(bounds);
+    let near = TOLERANCE * bounds.diagonal();
+    let strays = (STRAYS * positions.len() as f32) as usize;
+    let maps = |m: Mirror| {
+        let mut left = strays;
+        positions.iter().all(|p| {
+            let image = m.point(*p, centre);
+            let hit = index.nearest(image, positions).is_some_and(|n| n.distance <= near);
+            hit || left.checked_sub(1).map(|l| left = l).is_some()
+        })
+    };
+    Mirror((0..3).map(|bit| 1 << bit).filter(|bits| has_extent(bounds, *bits) && maps(Mirror(*bits))).sum())
+}
+
+/// A body without extent along an axis is its own image there, which would only double every example.
+fn has_extent(bounds: &Aabb, bits: u8) -> bool {
+    let extent = (bounds.max - bounds.min)[bits.trailing_zeros() as usize];
+    extent > 2.0 * TOLERANCE * bounds.diagonal()
+}
+
+/// Where the planes meet, m.
+pub(crate) fn centre(bounds: &Aabb) -> Vec3 {
+    bounds.min + (bounds.max - bounds.min) * 0.5
+}

@@ -1,0 +1,241 @@
+//! The base mesh: checked, with its seams, contact normals and bounds known.
+
+pub(crate) mod data;
+pub(crate) mod mirror;
+pub(crate) mod nearest;
+pub(crate) mod normals;
+pub(crate) mod rim;
+pub(crate) mod surface;
+pub(crate) mod vertex_blocks;
+
+use crate::Error;
+use crate::base::array::Array;
+use crate::base::error::reserve;
+use crate::base::math::{Aabb, unit};
+use data::MeshData;
+use glam::{Vec3, Vec4};
+use std::collections::HashMap;
+
+/// Coordinates further from the origin than this are refused, m: beyond it squares leave the range of f32.
+pub(crate) const MAX_COORDINATE: f32 = 1e9;
+
+/// The base mesh of an example set. Vertices keep the caller's order.
+#[derive(Debug, Clone)]
+pub struct Mesh {
+    arrays: MeshArrays,
+    bounds: Aabb,
+    seam_count: usize,
+    repaired_normals: usize,
+    degenerate_triangles: usize,
+}
+
+/// What a mesh keeps of each vertex and triangle.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct MeshArrays {
+    pub positions: Array<Vec3>,
+    pub normals: Option<Array<Vec3>>,
+    pub tangents: Option<Array<Vec4>>,
+    pub triangles: Array<[u32; 3]>,
+    /// Lowest vertex with the same position.
+    pub weld: Array<u32>,
+    /// Unit surface normals for contacts: smooth over all vertices at one position. As many as normals.
+    pub contact_normals: Option<Array<Vec3>>,
+}
+
+impl Mesh {
+    /// Checks `data` and derives what it lacks. Beside it the smooth normals of its triangles (zero where there are none), which only
+    /// building needs.
+    pub(crate) fn new(data: MeshData) -> Result<(Self, Vec<Vec3>), Error> {
+        let n = data.positions.len();
+        if n == 0 {
+            return Err(Error::Mesh { what: "it has 0 vertices; at least 1 is needed".into() });
+        }
+        if n >= u32::MAX as usize {
+            return Err(Error::Mesh { what: format!("it has {n} vertices; at most {} are possible", u32::MAX - 1) });
+        }
+        check_len("normals", data.normals.as_ref().map(Vec::len), n)?;
+        check_len("tangents", data.tangents.as_ref().map(Vec::len), n)?;
+        let mut positions = reserve(n, "base positions")?;
+        for (i, p) in data.positions.iter().enumerate() {
+            let p = finite(*p, || format!("positions[{i}]"))?;
+            if p.abs().max_element() > MAX_COORDINATE {
+                return Err(Error::invalid(&format!("positions[{i}]"), p, "within 1e9 m of the origin"));
+            }
+            // -0 becomes +0, so that coincident vertices are equal by bits.
+            positions.push(p + Vec3::ZERO);
+        }
+        for (i, t) in data.triangles.iter().enumerate() {
+            if let Some(bad) = t.iter().find(|&&v| v as usize >= n) {
+                return Err(Error::IndexOutOfRange {
+                    name: format!("a vertex index of triangle {i}"),
+                    index: u64::from(*bad),
+                    len: n as u64,
+                });
+            }
+        }
+        let weld = weld(&positions)?;
+        let smooth = normals::smooth(&positions, &data.triangles, &weld);
+        let mut repaired = 0;
+        let vertex_normals = match data.normals {
+            Some(given) => {
+                let mut out = reserve(n, "base normals")?;
+                for (i, v) in given.iter().enumerate() {
+                    let v = finite(*v, || format!("normals[{i}]"))?;
+                    out.push(unit(v).unwrap_or_else(|| {
+                        repaired += 1;
+                        unit(smooth[i]).unwrap_or(Vec3::Z)
+                    }));
+                }
+                Some(out)
+            }
+            None if !data.triangles.is_empty() => {
+                Some(smooth.iter().map(|v| if *v == Vec3::ZERO { Vec3::Z } else { *v }).collect())
+            }
+            None => None,
+        };
+        let contact_normals = vertex_normals.as_ref().map(|given| contact_normals(&smooth, given, &weld));
+        let tangents: Option<Vec<Vec4>> = match data.tangents {
+            Some(given) => {
+                for (i, t) in given.iter().enumerate() {
+                    if !t.iter().all(|x| x.is_finite()) {
+                        return Err(Error::NotFinite { name: format!("tangents[{i}]"), value: format!("{t:?}") });
+                    }
+                }
+                Some(given.into_iter().map(Vec4::from_array).collect())
+            }
+            None => None,
+        };
+        let degenerate = data.triangles.iter().filter(|t| area_is_zero(&positions, **t)).count();
+        let arrays = MeshArrays {
+            positions: positions.into(),
+            normals: vertex_normals.map(Array::from),
+            tangents: tangents.map(Array::from),
+            triangles: data.triangles.into(),
+            weld: weld.into(),
+            contact_normals: contact_normals.map(Array::from),
+        };
+        Ok((Self::of(arrays, repaired, degenerate), smooth))
+    }
+
+    /// From arrays that are as [`Mesh::new`] makes them, with the numbers of repaired normals and of triangles without area.
+    pub(crate) fn of(arrays: MeshArrays, repaired_normals: usize, degenerate_triangles: usize) -> Self {
+        Self {
+            bounds: Aabb::of(arrays.positions.iter()),
+            seam_count: arrays.weld.iter().enumerate().filter(|(v, w)| **w as usize != *v).count(),
+            arrays,
+            repaired_normals,
+            degenerate_triangles,
+        }
+    }
+
+    pub(crate) fn arrays(&self) -> &MeshArrays {
+        &self.arrays
+    }
+
+    /// The same without normals, as if it had no triangles to compute them from.
+    pub(crate) fn without_normals(self) -> Self {
+        let arrays = MeshArrays { normals: None, contact_normals: None, ..self.arrays };
+        Mesh { arrays, ..self }
+    }
+
+    /// Bytes it takes.
+    pub(crate) fn bytes(&self) -> usize {
+        let a = &self.arrays;
+        let normals = a.normals.iter().chain(&a.contact_normals).map(Array::bytes).sum::<usize>();
+        let tangents = a.tangents.as_ref().map_or(0, Array::bytes);
+        a.positions.bytes() + a.weld.bytes() + normals + tangents + a.triangles.bytes()
+    }
+
+    /// Positions, m.
+    pub fn positions(&self) -> &[Vec3] {
+        &self.arrays.positions
+    }
+
+    /// Unit normals: the caller's, or computed. `None` where there are neither normals nor triangles.
+    pub fn normals(&self) -> Option<&[Vec3]> {
+        self.arrays.normals.as_deref()
+    }
+
+    /// The caller's tangents.
+    pub fn tangents(&self) -> Option<&[Vec4]> {
+        self.arrays.tangents.as_deref()
+    }
+
+    /// Triangles, three vertex indices each.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.arrays.triangles
+    }
+
+    /// Bounds of the base positions.
+    pub fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    /// Number of vertices that stand where a lower one stands (UV seams, hard edges).
+    pub fn seam_count(&self) -> usize {
+        self.seam_count
+    }
+
+    /// Of each vertex, the lowest vertex at the same position.
+    pub fn weld(&self) -> &[u32] {
+        &self.arrays.weld
+    }
+
+    /// Normals of length zero that were replaced by computed ones.
+    pub fn repaired_normals(&self) -> usize {
+        self.repaired_normals
+    }
+
+    /// Triangles without area: kept, but they have no say in normals.
+    pub fn degenerate_triangles(&self) -> usize {
+        self.degenerate_triangles
+    }
+
+    /// The outward unit normal that a contact at `vertex` has: smooth over all vertices at its position, so that hard
+    /// edges have one. `None` where the mesh has neither normals nor triangles.
+    pub fn contact_normal(&self, vertex: u32) -> Option<Vec3> {
+        self.arrays.contact_normals.as_ref().map(|n| n[vertex as usize])
+    }
+}
+
+/// Smooth normals where triangles give them; elsewhere the mean of the vertex normals at the position; else +z.
+fn contact_normals(smooth: &[Vec3], given: &[Vec3], weld: &[u32]) -> Vec<Vec3> {
+    let mut sums = vec![Vec3::ZERO; given.len()];
+    for (v, n) in given.iter().enumerate() {
+        sums[weld[v] as usize] += *n;
+    }
+    (0..given.len()).map(|v| unit(smooth[v]).or_else(|| unit(sums[weld[v] as usize])).unwrap_or(Vec3::Z)).collect()
+}
+
+fn weld(positions: &[Vec3]) -> Result<Vec<u32>, Error> {
+    let mut out = reserve(positions.len(), "seams")?;
+    let mut first: HashMap<[u32; 3], u32> = HashMap::new();
+    first
+        .try_reserve(positions.len())
+        .map_err(|_| Error::OutOfMemory { what: "seams".into(), bytes: positions.len() as u64 * 20 })?;
+    for (v, p) in positions.iter().enumerate() {
+        out.push(*first.entry(p.to_array().map(f32::to_bits)).or_insert(v as u32));
+    }
+    Ok(out)
+}
+
+fn area_is_zero(p: &[Vec3], t: [u32; 3]) -> bool {
+    let [a, b, c] = t.map(|i| p[i as usize].as_dvec3());
+    (b - a).cross(c - a).length_squared() == 0.0
+}
+
+fn check_len(name: &str, len: Option<usize>, n: usize) -> Result<(), Error> {
+    match len {
+        Some(l) if l != n => Err(Error::Mesh { what: format!("{l} {name} for {n} positions; there must be as many") }),
+        _ => Ok(()),
+    }
+}
+
+/// `v` as a vector, or [`Error::NotFinite`] with the name.
+pub(crate) fn finite(v: [f32; 3], name: impl FnOnce() -> String) -> Result<Vec3, Error> {
+    if v.iter().all(|x| x.is_finite()) {
+        Ok(Vec3::from_array(v))
+    } else {
+        Err(Error::NotFinite { name: name(), value: format!("{v:?}") })
+    }
+}

@@ -1,0 +1,83 @@
+//! The default selection: the examples that say most of the hit's place, depth and lean.
+
+use super::hit::{Chosen, HitStatus, Outcome};
+use super::placement::{Choice, placement_for};
+use super::query::HitQuery;
+use super::shortlist::{Scored, Shortlist};
+use super::target::Target;
+use crate::damage::dent::{PlacedMark, frame_rotations, place};
+use crate::damage::mark::{MAX_PAIRS, Mark, Pair};
+use crate::example::set::ExampleSet;
+
+/// Up to `k` examples that make the mark of a hit; `None` where no example answers it.
+pub(crate) fn select_nearest(set: &ExampleSet, k: usize, target: &Target, out: &mut Outcome) -> Option<Mark> {
+    let Target { contact, direction, size } = *target;
+    let pairs = nearest_pairs(set, k, &HitQuery::new(set, contact, direction, size, set.learned().place_width));
+    if pairs[0].is_none() {
+        return None;
+    }
+    // The dent's own direction at the contact decides how much of the target it can meet.
+    let rotations = frame_rotations(set, contact, &pairs);
+    let placed = place(set, contact, size, &pairs, &rotations);
+    let along = placed.without_rim.length();
+    let depth = if along > 0.0 { (direction * size).dot(placed.without_rim / along) } else { 0.0 };
+    // A target along the dent to within rounding is the dent.
+    let depth = if (depth - size).abs() <= 1e-6 * size { size } else { depth };
+    if depth.is_nan() || depth <= 0.0 {
+        return None;
+    }
+    let placed = if depth == size { placed } else { place(set, contact, depth, &pairs, &rotations) };
+    Some(report(&placed, Mark::new(contact, depth, pairs), out))
+}
+
+fn nearest_pairs(set: &ExampleSet, k: usize, hit: &HitQuery) -> [Pair; MAX_PAIRS] {
+    let mut shortlist = Shortlist::new();
+    let mut alone: Option<Scored> = None;
+    for candidate in set.candidates().iter() {
+        let choice = placement_for(set, candidate, hit);
+        if let Choice::Anchored { .. } | Choice::Alone { .. } = choice
+            && let Some(axes) = hit.axes(candidate, true)
+        {
+            let scored = Scored::new(candidate, true, axes);
+            if matches!(choice, Choice::Anchored { .. }) {
+                shortlist.add(scored);
+            } else if alone.is_none_or(|other| scored.order(&other).is_lt()) {
+                // At an example's own contact it answers alone: the artist's dent, not a mixture.
+                alone = Some(scored);
+            }
+            continue;
+        }
+        let carried = match choice {
+            Choice::Carried => true,
+            Choice::Anchored { or_carried } | Choice::Alone { or_carried } => or_carried,
+        };
+        if carried
+            && !shortlist.excludes(hit.carried_bound(candidate))
+            && let Some(axes) = hit.axes(candidate, false)
+        {
+            shortlist.add(Scored::new(candidate, false, axes));
+        }
+    }
+    match alone {
+        Some(own) => Shortlist::one(own).pairs(1),
+        None => shortlist.pairs(k),
+    }
+}
+
+/// Writes to the outcome what a mark does at its contact.
+pub(crate) fn report(placed: &PlacedMark, mark: Mark, out: &mut Outcome) -> Mark {
+    let used = mark.pairs.iter().filter(|p| !p.is_none());
+    for (slot, (pair, part)) in out.chosen.iter_mut().zip(used.zip(&placed.parts)) {
+        *slot = Some(Chosen {
+            example: u32::from(pair.example),
+            share: pair.share_fraction(),
+            scale: part.scale,
+            anchored: pair.is_anchored(),
+            mirror: pair.mirror(),
+        });
+    }
+    out.achieved = placed.achieved.to_array();
+    out.status = HitStatus::Marked;
+    out.mark = Some(mark);
+    mark
+}

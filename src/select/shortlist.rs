@@ -1,0 +1,87 @@
+//! The candidates nearest to a hit, and the shares that they get.
+
+use super::kriging::{self, Axes, CANDIDATES};
+use crate::base::array_vec::ArrayVec;
+use crate::damage::mark::{MAX_PAIRS, Pair};
+use crate::example::candidates::Candidate;
+use crate::mesh::mirror::Mirror;
+
+/// A candidate that could answer a hit, and how far from the hit it is.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Scored {
+    example: u32,
+    mirror: Mirror,
+    anchored: bool,
+    axes: Axes,
+    /// Squared distance from the hit.
+    distance: f32,
+}
+
+impl Scored {
+    pub(crate) fn new(candidate: &Candidate, anchored: bool, axes: Axes) -> Self {
+        let distance = kriging::distance(&axes);
+        Scored { example: candidate.example, mirror: candidate.mirror, anchored, axes, distance }
+    }
+
+    /// Nearer first; of equally near ones the first example.
+    pub(crate) fn order(&self, other: &Self) -> std::cmp::Ordering {
+        self.distance.total_cmp(&other.distance).then((self.example, self.mirror).cmp(&(other.example, other.mirror)))
+    }
+}
+
+/// The nearest candidates, nearest first.
+pub(crate) struct Shortlist(ArrayVec<Scored, CANDIDATES>);
+
+impl Shortlist {
+    pub(crate) fn new() -> Self {
+        Shortlist(ArrayVec::new())
+    }
+
+    pub(crate) fn one(scored: Scored) -> Self {
+        let mut one = Self::new();
+        one.add(scored);
+        one
+    }
+
+    pub(crate) fn add(&mut self, scored: Scored) {
+        let after = self.0.iter().rev().take_while(|other| scored.order(other).is_lt()).count();
+        self.0.insert(self.0.len() - after, scored);
+    }
+
+    /// Whether a candidate at this squared distance, or further, cannot enter.
+    pub(crate) fn excludes(&self, distance: f32) -> bool {
+        self.0.get(CANDIDATES - 1).is_some_and(|last| distance > last.distance)
+    }
+
+    /// Up to `k` of the candidates with their shares, the weightiest first.
+    pub(crate) fn pairs(&self, k: usize) -> [Pair; MAX_PAIRS] {
+        let mut pairs = [Pair::NONE; MAX_PAIRS];
+        let found = &self.0;
+        if found.is_empty() {
+            return pairs;
+        }
+        let mut axes: ArrayVec<Axes, CANDIDATES> = ArrayVec::new();
+        found.iter().for_each(|c| axes.push(c.axes));
+        let mut chosen = kriging::choose(&axes, k);
+        chosen.sort_unstable_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        let units = |w: f64| (w * f64::from(Pair::WHOLE)).round_ties_even() as i32;
+        // The first takes what rounding leaves, so that shares sum to the whole.
+        let mut shares: ArrayVec<(usize, i32), MAX_PAIRS> = ArrayVec::new();
+        chosen.iter().for_each(|(i, w)| shares.push((*i, units(*w))));
+        shares[0].1 = i32::from(Pair::WHOLE) - shares[1..].iter().map(|s| s.1).sum::<i32>();
+        if shares.iter().any(|s| !(-2048..2048).contains(&s.1)) {
+            // Far outside what the examples span, no mixture is better than the nearest.
+            shares.clear();
+            shares.push((0, i32::from(Pair::WHOLE)));
+        }
+        for (slot, (i, share)) in pairs.iter_mut().zip(shares.iter().filter(|s| s.1 != 0)) {
+            let c = &found[*i];
+            *slot = if c.anchored {
+                Pair::anchored(c.example as u16, *share as i16)
+            } else {
+                Pair::carried(c.example as u16, *share as i16, c.mirror)
+            };
+        }
+        pairs
+    }
+}

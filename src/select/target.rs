@@ -1,0 +1,119 @@
+//! What a hit asks of a body: which vertex, in which direction, how far.
+
+use super::hit::{Cause, Hit, HitStatus, Outcome, Selection, Space};
+use crate::Error;
+use crate::base::error::positive;
+use crate::damage::mark::MAX_PAIRS;
+use crate::example::set::ExampleSet;
+use crate::mesh::{finite, nearest::Nearest};
+use glam::{DMat3, DVec3, Vec3};
+
+/// Targets below this share of the depth limit leave no mark.
+const NEGLIGIBLE: f64 = 1e-6;
+
+/// What selection needs to know of an instance.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct HitParams {
+    pub selection: Selection,
+    pub examples_per_hit: usize,
+    pub depth_limit: f32,
+    pub yield_impulse: f32,
+    pub yield_displacement: f32,
+    pub max_distance: f32,
+    /// Mesh space from world space, and its inverse's translation.
+    pub world_to_local: DMat3,
+    pub local_origin_in_world: DVec3,
+}
+
+impl HitParams {
+    /// A point in the mesh's space, m.
+    pub(crate) fn to_local(&self, point: [f32; 3], space: Space) -> DVec3 {
+        let x = DVec3::from_array(point.map(f64::from));
+        if space == Space::World { self.world_to_local * (x - self.local_origin_in_world) } else { x }
+    }
+}
+
+/// A displacement that a vertex should get.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Target {
+    pub contact: u32,
+    /// Of unit length.
+    pub direction: Vec3,
+    /// m, at most the depth limit unless selection is unclamped.
+    pub size: f32,
+}
+
+/// What a hit asks for; no target where it is too weak to leave anything. The outcome says so, or that nothing reaches it yet.
+pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Outcome, Option<Target>), Error> {
+    check(hit)?;
+    let contact = contact(set, p, p.to_local(hit.point, hit.space))?;
+    let mass = |given: Option<f32>| {
+        given.or_else(|| set.mass(contact.vertex)).ok_or_else(|| Error::InvalidArgument {
+            name: "mass".into(),
+            value: "absent".into(),
+            expected: "given with the impulse, or for the example set's vertices (kg)".into(),
+        })
+    };
+    let vector = |v: [f32; 3]| {
+        let v = DVec3::from_array(v.map(f64::from));
+        if hit.space == Space::World { p.world_to_local * v } else { v }
+    };
+    let (target, weak) = match hit.cause {
+        Cause::Displacement(d) => (vector(d), false),
+        Cause::Impulse { impulse, duration, mass: m } => {
+            // Equation 4.4 of the paper.
+            let t = vector(impulse) * (f64::from(duration) / f64::from(mass(m)?));
+            (t, DVec3::from_array(impulse.map(f64::from)).length() < f64::from(p.yield_impulse))
+        }
+    };
+    let length = target.length();
+    let mut outcome = Outcome {
+        status: HitStatus::BelowYield,
+        contact_vertex: contact.vertex,
+        contact_distance: contact.distance,
+        target: to_f32(target),
+        achieved: [0.0; 3],
+        clamped: false,
+        chosen: [None; MAX_PAIRS],
+        mark: None,
+    };
+    if weak || length < f64::from(p.yield_displacement) || length <= NEGLIGIBLE * f64::from(p.depth_limit) {
+        return Ok((outcome, None));
+    }
+    outcome.status = HitStatus::NothingReaches;
+    outcome.clamped = length > f64::from(p.depth_limit) && p.selection != Selection::ClassicUnclamped;
+    let size = if outcome.clamped { p.depth_limit } else { length.min(f64::from(f32::MAX)) as f32 };
+    let direction = (target / length).as_vec3();
+    Ok((outcome, Some(Target { contact: contact.vertex, direction, size })))
+}
+
+fn check(hit: &Hit) -> Result<(), Error> {
+    let finite = |name: &str, v: [f32; 3]| finite(v, || name.into()).map(|_| ());
+    finite("point", hit.point)?;
+    match hit.cause {
+        Cause::Displacement(d) => finite("displacement", d),
+        Cause::Impulse { impulse, duration, mass } => {
+            finite("impulse", impulse)?;
+            positive("duration", duration, "s")?;
+            mass.map_or(Ok(()), |m| positive("mass", m, "kg"))
+        }
+    }
+}
+
+/// Rounded; what f32 cannot hold becomes the largest it can.
+pub(crate) fn to_f32(v: DVec3) -> [f32; 3] {
+    v.to_array().map(|x| x.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32)
+}
+
+fn contact(set: &ExampleSet, p: &HitParams, point: DVec3) -> Result<Nearest, Error> {
+    let too_far =
+        |distance: f64| Error::ContactTooFar { point: to_f32(point), distance: distance as f32, limit: p.max_distance };
+    // Against the bounds first, in double precision: points so far off that f32 overflows end here.
+    let b = set.mesh().bounds();
+    let off = (b.min.as_dvec3() - point).max(point - b.max.as_dvec3()).max(DVec3::ZERO).length();
+    if off > f64::from(p.max_distance) {
+        return Err(too_far(off));
+    }
+    let near = set.nearest_vertex(to_f32(point))?;
+    if near.distance > p.max_distance { Err(too_far(near.distance.into())) } else { Ok(near) }
+}

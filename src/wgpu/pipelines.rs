@@ -1,0 +1,160 @@
+//! The pipelines of the kernels: the SPIR-V of the build if the device takes it, else WGSL, which wgpu translates.
+
+use super::device::WgpuDevice;
+use crate::Error;
+use crate::gpu::{Call, Kernel, with_workgroup};
+use std::num::NonZero;
+use std::sync::atomic::Ordering;
+
+macro_rules! built {
+    ($include:ident $name:literal) => {
+        $include!(concat!(env!("OUT_DIR"), "/", $name))
+    };
+}
+
+/// SPIR-V, in the order of [`Kernel::number`].
+const MODULES: [&[u8]; 6] = [
+    built!(include_bytes "marks_positions_uniform.spv"),
+    built!(include_bytes "marks_normals_uniform.spv"),
+    built!(include_bytes "marks_tangents_uniform.spv"),
+    built!(include_bytes "classic_positions_uniform.spv"),
+    built!(include_bytes "classic_normals_uniform.spv"),
+    built!(include_bytes "classic_tangents_uniform.spv"),
+];
+const SOURCES: [&str; 2] = [built!(include_str "marks_uniform.wgsl"), built!(include_str "classic_uniform.wgsl")];
+/// The overrides that each [`Kernel`] sets in a source.
+const ON: [&[(&str, f64)]; 3] = [&[], &[("NORMALS", 1.0)], &[("NORMALS", 1.0), ("TANGENTS", 1.0)]];
+const NAMES: [&str; 2] = ["crumple: marks", "crumple: classic"];
+const WORKGROUP: &str = "@workgroup_size(128)";
+
+/// Layouts, and the pipelines that were needed so far.
+pub(super) struct WgpuPipelines {
+    /// Of arena, frame and call.
+    pub work: wgpu::BindGroupLayout,
+    /// Of one buffer: the host's or a state.
+    pub one: wgpu::BindGroupLayout,
+    /// For marks, and for the classic rules.
+    layouts: [wgpu::PipelineLayout; 2],
+    /// Invocations a workgroup.
+    workgroup: u32,
+    /// In the order of [`MODULES`].
+    pipelines: [Option<wgpu::ComputePipeline>; 6],
+}
+
+impl WgpuPipelines {
+    pub(super) fn new(gpu: &WgpuDevice, workgroup: u32) -> Result<Self, Error> {
+        gpu.checked("making pipeline layouts", 0, || Self::make(&gpu.device, workgroup))
+    }
+
+    fn make(device: &wgpu::Device, workgroup: u32) -> Self {
+        let binding = |binding, ty, has_dynamic_offset, size| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: NonZero::new(size) },
+            count: None,
+        };
+        let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
+        let layout = |label, entries: &[wgpu::BindGroupLayoutEntry]| {
+            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
+        };
+        let call = binding(2, wgpu::BufferBindingType::Uniform, true, size_of::<Call>() as u64);
+        // The frame's data is read four words at a time.
+        let read = |n, least| binding(n, storage(true), false, least);
+        let work = layout("crumple: work", &[read(0, 4), read(1, 16), call]);
+        let one = layout("crumple: buffer", &[binding(0, storage(false), false, 4)]);
+        let groups = [Some(&work), Some(&one), Some(&one)];
+        let layouts = [2, 3].map(|count| {
+            device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some("crumple"),
+                bind_group_layouts: &groups[..count],
+                immediate_size: 0,
+            })
+        });
+        WgpuPipelines { work, one, layouts, workgroup, pipelines: Default::default() }
+    }
+
+    /// Adds the pipeline of a kernel, if it is not there yet.
+    pub(super) fn add(&mut self, gpu: &WgpuDevice, kernel: Kernel, classic: bool) -> Result<(), Error> {
+        let pipeline = &mut self.pipelines[kernel.number(classic)];
+        if pipeline.is_some() {
+            return Ok(());
+        }
+        let (device, rule) = (&gpu.device, usize::from(classic));
+        let label = Some(NAMES[rule]);
+        let exact = gpu.takes_spirv();
+        let made = gpu.checked("making a compute pipeline", 0, || {
+            let module = if exact {
+                let words = with_workgroup(MODULES[kernel.number(classic)], self.workgroup);
+                let spirv = Some(words.into());
+                let descriptor = wgpu::ShaderModuleDescriptorPassthrough {
+                    label,
+                    entry_points: [wgpu::PassthroughShaderEntryPoint {
+                        name: "main".into(),
+                        workgroup_size: (self.workgroup, 1, 1),
+                    }]
+                    .to_vec()
+                    .into(),
+                    spirv,
+                    ..Default::default()
+                };
+                // SAFETY: the SPIR-V is valid. Its bindings are those of the layout, numbered from 0 on without gaps, as wgpu
+                // numbers them too. Its loops, divisors and indices are those of the WGSL below.
+                unsafe { device.create_shader_module_passthrough(descriptor) }
+            } else {
+                let workgroup = format!("@workgroup_size({})", self.workgroup);
+                let source = wgpu::ShaderSource::Wgsl(SOURCES[rule].replacen(WORKGROUP, &workgroup, 1).into());
+                let descriptor = wgpu::ShaderModuleDescriptor { label, source };
+                // SAFETY: every loop of a kernel ends, no divisor is 0, and every index lies within what is bound: the same code
+                // makes them for every device, for layouts that were checked.
+                unsafe { device.create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked()) }
+            };
+            let constants = if exact { &[][..] } else { ON[kernel as usize] };
+            device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label,
+                layout: Some(&self.layouts[rule]),
+                module: &module,
+                entry_point: Some("main"),
+                compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
+                cache: None,
+            })
+        })?;
+        *pipeline = Some(made);
+        Ok(())
+    }
+
+    /// A pipeline that was added.
+    pub(super) fn get(&self, (kernel, classic): (Kernel, bool)) -> Option<&wgpu::ComputePipeline> {
+        self.pipelines[kernel.number(classic)].as_ref()
+    }
+}
+
+impl WgpuDevice {
+    /// Whether the device takes the SPIR-V of the build.
+    pub(super) fn takes_spirv(&self) -> bool {
+        self.device.features().contains(wgpu::Features::PASSTHROUGH_SHADERS)
+            && self.device.adapter_info().backend == wgpu::Backend::Vulkan
+    }
+
+    pub(super) fn bind_group(
+        &self,
+        layout: &wgpu::BindGroupLayout,
+        buffers: &[wgpu::BufferBinding<'_>],
+    ) -> Result<wgpu::BindGroup, Error> {
+        let resource = buffers.iter().cloned().map(wgpu::BindingResource::Buffer);
+        let entry = |(n, resource)| wgpu::BindGroupEntry { binding: n as u32, resource };
+        let entries: Vec<_> = resource.enumerate().map(entry).collect();
+        self.made.fetch_add(1, Ordering::Relaxed);
+        let descriptor = wgpu::BindGroupDescriptor { label: Some("crumple"), layout, entries: &entries };
+        self.checked("binding a buffer", 0, || self.device.create_bind_group(&descriptor))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sources_have_the_texts_that_are_replaced() {
+        assert!(SOURCES.iter().all(|s| s.contains(WORKGROUP) && !s.contains("var<immediate>")));
+    }
+}
