@@ -55,7 +55,7 @@ struct Model {
         CrumpleMeshCopyDef copy = crumple_mesh_copy_def_default();
         copy.positions = crumple::stream(base);
         copy.indices = crumple::stream(indices);
-        set.copy_base_mesh(copy).value();
+        set.copy_mesh(copy).value();
     }
 };
 

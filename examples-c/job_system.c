@@ -129,10 +129,10 @@ static void scene(CrumpleTaskSystem tasks, uint32_t threads, float (*vertices)[6
         examples[e].target_positions = (CrumpleInput){targets[e], sizeof targets[e], sizeof targets[e][0]};
     }
     CrumpleExampleSetDef set_def = crumple_example_set_def_default();
-    set_def.vertex_count = VERTICES;
-    set_def.positions = (CrumpleInput){base, sizeof base, sizeof base[0]};
-    set_def.index_count = INDICES;
-    set_def.indices = (CrumpleInput){indices, sizeof indices, sizeof indices[0]};
+    set_def.mesh.vertex_count = VERTICES;
+    set_def.mesh.positions = (CrumpleInput){base, sizeof base, sizeof base[0]};
+    set_def.mesh.index_count = INDICES;
+    set_def.mesh.indices = (CrumpleInput){indices, sizeof indices, sizeof indices[0]};
     set_def.examples = examples;
     set_def.example_count = EXAMPLES;
     CrumpleExampleSet set;

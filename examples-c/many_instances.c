@@ -56,10 +56,10 @@ int main(void) {
     CrumpleExampleDef example = crumple_example_def_default();
     example.target_positions = (CrumpleInput){dented, sizeof dented, sizeof dented[0]};
     CrumpleExampleSetDef set_def = crumple_example_set_def_default();
-    set_def.vertex_count = VERTICES;
-    set_def.positions = (CrumpleInput){base, sizeof base, sizeof base[0]};
-    set_def.index_count = INDICES;
-    set_def.indices = (CrumpleInput){indices, sizeof indices, sizeof indices[0]};
+    set_def.mesh.vertex_count = VERTICES;
+    set_def.mesh.positions = (CrumpleInput){base, sizeof base, sizeof base[0]};
+    set_def.mesh.index_count = INDICES;
+    set_def.mesh.indices = (CrumpleInput){indices, sizeof indices, sizeof indices[0]};
     set_def.examples = &example;
     set_def.example_count = 1;
     CrumpleExampleSet set;

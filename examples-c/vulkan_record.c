@@ -81,11 +81,11 @@ static CrumpleExampleSet make_set(CrumpleContext *context) {
     CrumpleExampleDef example = crumple_example_def_default();
     example.target_positions = (CrumpleInput){dented, sizeof dented, sizeof dented[0]};
     CrumpleExampleSetDef def = crumple_example_set_def_default();
-    def.vertex_count = VERTICES;
-    def.positions = (CrumpleInput){mesh->position, (VERTICES - 1) * sizeof(Vertex) + 12, sizeof(Vertex)};
-    def.normals = (CrumpleInput){mesh->normal, (VERTICES - 1) * sizeof(Vertex) + 12, sizeof(Vertex)};
-    def.index_count = INDICES;
-    def.indices = (CrumpleInput){indices, sizeof indices, sizeof indices[0]};
+    def.mesh.vertex_count = VERTICES;
+    def.mesh.positions = (CrumpleInput){mesh->position, (VERTICES - 1) * sizeof(Vertex) + 12, sizeof(Vertex)};
+    def.mesh.normals = (CrumpleInput){mesh->normal, (VERTICES - 1) * sizeof(Vertex) + 12, sizeof(Vertex)};
+    def.mesh.index_count = INDICES;
+    def.mesh.indices = (CrumpleInput){indices, sizeof indices, sizeof indices[0]};
     def.examples = &example;
     def.example_count = 1;
     def.options.vertex_mass = 0.5f; // kg

@@ -313,7 +313,7 @@ Scene load(const crumple::ExampleSet &set) {
     copy.positions = crumple::stream(positions);
     copy.normals = crumple::stream(normals);
     copy.indices = crumple::stream(scene.indices);
-    set.copy_base_mesh(copy).value();
+    set.copy_mesh(copy).value();
     const auto snorm = [](float x) { return int16_t(std::lround(x * 32767)); };
     for (size_t v = 0; v < positions.size(); ++v)
         scene.vertices.push_back({positions[v], {snorm(normals[v].x), snorm(normals[v].y), snorm(normals[v].z), 0}});

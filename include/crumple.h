@@ -4,32 +4,24 @@
 // impulses from your physics engine. It writes the deformed vertices into your own vertex buffers. examples-c has whole
 // programs.
 //
-//
-// The steps, in the order in which you meet them
-//
-//   1. Context          crumple_context_def_default, crumple_context_create
-//                       threads, log, your own job system; crumple_allocator_set for your own allocator
+// The steps, in the order in which you meet them:
+//   1. Context          crumple_context_create: threads, log, your own job system; crumple_allocator_set
 //   2. Example sets     crumple_example_set_create (arrays), ..._load_gltf, ..._load_gltf_memory, ..._load_obj
 //                       one per mesh, shared by all its instances; once built, save it with
 //                       crumple_example_set_save_baked (or "crumple bake") and load that: ..._load_baked
-//   3. Facts            crumple_example_set_get_info, ..._get_example, ..._get_primitive, ..._copy_mesh
-//   4. Instances        crumple_instance_create, crumple_instance_set_transform
+//   3. Instances        crumple_instance_create, crumple_instance_set_transform
 //                       one per body in the scene; a few hundred bytes each
-//   5. Hits             crumple_instance_submit_impulse, ..._submit_displacement, ..._end_contact
+//   4. Hits             crumple_instance_submit_impulse, ..._submit_displacement, ..._end_contact
 //                       from any thread, whenever the physics engine reports a contact
-//   6. Damage           crumple_instance_get_marks, ..._set_marks, ..._save_damage, ..._load_damage, ..._repair_damage
+//   5. Damage           crumple_instance_get_marks, ..._set_marks, ..._save_damage, ..._load_damage, ..._repair_damage
 //                       a short list of marks of 32 bytes; save it, send it over the network
-//   7. Buffers          crumple_buffer_register_host, ..._set_memory, ..._invalidate
-//                       your vertex memory, with any strides
-//   8. Deformation      crumple_context_deform once a frame, crumple_buffer_get_changes for uploads and bounds
-//   9. On the GPU       instead of 7 and 8: crumple_vulkan_attach, crumple_buffer_register_vulkan, and once a frame
+//   6. Deformation      crumple_buffer_register_host for your vertex memory, with any strides; once a frame
+//                       crumple_context_deform, then crumple_buffer_get_changes for uploads and bounds
+//   7. On the GPU       instead of 6: crumple_vulkan_attach, crumple_buffer_register_vulkan, and once a frame
 //                       crumple_vulkan_record into your VkCommandBuffer and crumple_vulkan_complete_frames;
 //                       to share memory instead of a command buffer: crumple_vulkan_open, ..._import_buffer, ..._submit
-//  10. Attached points  crumple_example_set_attach_point, crumple_instance_get_attached_frame
-//                       lamps, decals and collision vertices that follow the dents
-//  11. Recordings       crumple_recording_begin, crumple_recording_end
-//                       a file of calls that "crumple replay" repeats
-//
+//   8. Attached points  crumple_example_set_attach_point, crumple_instance_get_attached_frame: lamps, collision vertices
+//   9. Recordings       crumple_recording_begin, ..._end: a file of calls that "crumple replay" repeats
 //
 // Results. Calls that can fail return a CrumpleResult; crumple_last_error() has the message. After an error nothing has
 // changed and everything stays usable. Outputs are written only on success, except for counts (see "Arrays"). No call
@@ -40,46 +32,46 @@
 //   CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED    a pointer argument, or an array in a def
 //   CRUMPLE_ERROR_STRUCT_SIZE                               a def
 //   CRUMPLE_ERROR_INVALID_ID                                a context or an id
-//   CRUMPLE_ERROR_INVALID_ARGUMENT                          an enumerator, a number outside its range, a stride that is too
-//                                                           small, streams that overlap, text that is not UTF-8, a Vulkan
-//                                                           call without the attached device that it needs
+//   CRUMPLE_ERROR_INVALID_ARGUMENT                          an enumerator, a number outside its range, a small stride,
+//                                                           overlapping streams, text that is not UTF-8, a Vulkan call
+//                                                           without its attached device
 //   CRUMPLE_ERROR_NOT_FINITE                                NaN or infinity
 //   CRUMPLE_ERROR_INDEX_OUT_OF_RANGE                        an index, or a lod
 //   CRUMPLE_ERROR_BUFFER_TOO_SMALL                          an array
 //   CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE, CRUMPLE_ERROR_INTERNAL
 //   CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST         a call that uses a Vulkan device
 //
-// Ownership. Crumple owns what it creates; you hold an id, a small struct by value. Zero is null. Compare ids field by field.
-// An id is invalid after its destroy or unregister call; using it is an error, never a crash. Ids belong to one context.
-// Destroying an instance unregisters its buffers. An example set lives on for its instances. Destroying a context destroys
-// everything in it. You own what you pass in: defs, strings and arrays are read during the call and may be freed after it.
-// Four things must live longer: memory of registered buffers, what a context's callbacks use, bytes of
-// CRUMPLE_BYTES_KEEP, and an attached Vulkan device or imported memory.
+// Ownership. Crumple owns what it creates; you hold an id, a small struct by value. Zero is null. Compare ids field by
+// field. An id is invalid after its destroy or unregister call; using it is an error, never a crash. Ids belong to one
+// context. Destroying an instance unregisters its buffers. An example set lives on for its instances. Destroying a
+// context destroys everything in it. You own what you pass in: defs, strings and arrays are read during the call and
+// may be freed after it. Four things must live longer: memory of registered buffers, what a context's callbacks use,
+// bytes of CRUMPLE_BYTES_KEEP, and an attached Vulkan device or imported memory.
 //
 // Defs. A struct whose name ends in Def comes from its crumple_..._def_default function, which sets struct_size and the
-// defaults. Then set the fields that you need. struct_size identifies your header version; another size than the library's is
-// an error. Reserved fields are zero.
+// defaults. Then set the fields that you need. struct_size identifies your header version; another size than the
+// library's is an error. Reserved fields are zero.
 //
 // Arrays. Calls that fill an array take its room (capacity) and return the count (out_count or out_size), also with
 // CRUMPLE_ERROR_BUFFER_TOO_SMALL. Null with capacity 0 returns only the count.
 //
-// Threads. Calls are externally synchronised per context: two threads must not use one context at once, and callbacks must
-// not call back into it. Both are CRUMPLE_ERROR_CONCURRENT_USE, in every build. Two kinds of functions may be called from any
-// thread at any time: those without a context argument, and those that submit, preview or end hits
+// Threads. Calls are externally synchronised per context: two threads must not use one context at once, and callbacks
+// must not call back into it. Both are CRUMPLE_ERROR_CONCURRENT_USE, in every build. Two kinds of functions may be
+// called from any thread at any time: those without a context argument, and those that submit, preview or end hits
 // (crumple_instance_submit_..., ..._preview_..., ..._end_contact). Contexts are independent of each other.
 //
-// Reads. Hits are pending until the next read of the instance's damage: crumple_context_deform(), crumple_vulkan_record() or
-// crumple_vulkan_submit() of one of its buffers, crumple_instance_get_info(), ..._get_marks(), ..._save_damage(),
-// ..._repair_damage(), ..._copy_damage() as the source, and crumple_instance_get_attached_frame().
-// The result does not depend on the number of threads or on the order of hits between two reads. With CRUMPLE_RULE_MARKS it
-// does not depend on the reads either, until marks merge because there are more than mark_capacity. Contacts in parts depend
-// on the order only by the rounding of a sum.
+// Reads. Hits are pending until the next read of the instance's damage: crumple_context_deform(),
+// crumple_vulkan_record() or crumple_vulkan_submit() of one of its buffers, crumple_instance_get_info(),
+// ..._get_marks(), ..._save_damage(), ..._repair_damage(), ..._copy_damage() as the source, and
+// crumple_instance_get_attached_frame(). The result does not depend on the number of threads or on the order of hits
+// between two reads. With CRUMPLE_RULE_MARKS it does not depend on the reads either, until marks merge because there
+// are more than mark_capacity. Contacts in parts depend on the order only by the rounding of a sum.
 //
-// Units. Metres, seconds, kilograms, newton seconds. Any handedness, any axis up. Vertices are 32-bit floats, indices count
-// from 0, enums are 32 bits wide (do not compile with -fshort-enums).
+// Units. Metres, seconds, kilograms, newton seconds. Any handedness, any axis up. Vertices are 32-bit floats, indices
+// count from 0, enums are 32 bits wide (do not compile with -fshort-enums).
 //
-// Memory. CRUMPLE_ERROR_OUT_OF_MEMORY covers memory for your arrays and for what you create. If other working memory runs out,
-// the process aborts.
+// Memory. CRUMPLE_ERROR_OUT_OF_MEMORY covers memory for your arrays and for what you create. If other working memory
+// runs out, the process aborts.
 //
 // Do not fork() a process with a live context and use the context in the child.
 //
@@ -94,31 +86,22 @@
 
 /// Major version of this header. Libraries of another major version are incompatible.
 #define CRUMPLE_VERSION_MAJOR 0
-
 /// Minor version of this header. Before 1.0, libraries of another minor version are incompatible.
 #define CRUMPLE_VERSION_MINOR 1
 
-/// Patch version of this header.
 #define CRUMPLE_VERSION_PATCH 0
-
 /// The version of this header as one number, in the format of crumple_version().
 #define CRUMPLE_VERSION (((CRUMPLE_VERSION_MAJOR * 1000000) + (CRUMPLE_VERSION_MINOR * 1000)) + CRUMPLE_VERSION_PATCH)
-
 /// Bit of crumple_features(): the library loads glTF 2.0 and GLB files.
 #define CRUMPLE_FEATURE_GLTF 1
-
 /// Bit of crumple_features(): the library loads OBJ files.
 #define CRUMPLE_FEATURE_OBJ 2
-
 /// Bit of crumple_features(): crumple_allocator_set() works.
 #define CRUMPLE_FEATURE_HOST_ALLOCATOR 4
-
 /// Bit of crumple_features(): crumple_vulkan_attach() works.
 #define CRUMPLE_FEATURE_VULKAN 8
-
 /// The result of a call. See "Results" at the top.
 typedef enum {
-    /// Success.
     CRUMPLE_OK = 0,
     /// A value is outside its range, or the call is not allowed now.
     CRUMPLE_ERROR_INVALID_ARGUMENT = 1,
@@ -168,7 +151,6 @@ typedef enum {
 
 /// The severity of a log message.
 typedef enum {
-    /// A report of what was done.
     CRUMPLE_LOG_LEVEL_INFO = 0,
     /// Something that works but is probably a mistake.
     CRUMPLE_LOG_LEVEL_WARNING = 1,
@@ -195,11 +177,9 @@ typedef enum {
     CRUMPLE_PLACEMENT_CARRIED = 2,
 } CrumplePlacement;
 
-/// The type of triangle indices.
+/// The type of triangle indices. CRUMPLE_INDEX_TYPE_U32 is the default.
 typedef enum {
-    /// uint32_t. The default.
     CRUMPLE_INDEX_TYPE_U32 = 0,
-    /// uint16_t.
     CRUMPLE_INDEX_TYPE_U16 = 1,
 } CrumpleIndexType;
 
@@ -234,8 +214,8 @@ typedef enum {
 typedef enum {
     /// Each hit leaves a mark. Memory is bounded and the order of hits does not matter. The default.
     CRUMPLE_RULE_MARKS = 0,
-    /// The classic rule "most displaced" of the literature, for comparison. The order of hits matters. It has no
-    /// marks and needs memory for each vertex.
+    /// The classic rule "most displaced" of the literature, for comparison. The order of hits matters. It has no marks
+    /// and needs memory for each vertex.
     CRUMPLE_RULE_MOST_DISPLACED = 1,
     /// The classic rule "blend", with blend_constant. Otherwise as CRUMPLE_RULE_MOST_DISPLACED.
     CRUMPLE_RULE_BLEND = 2,
@@ -245,11 +225,10 @@ typedef enum {
 typedef enum {
     /// CRUMPLE_SELECTION_NEAREST with marks, CRUMPLE_SELECTION_CLASSIC with a classic rule. The default.
     CRUMPLE_SELECTION_OF_RULE = 0,
-    /// The examples that are most informative about the hit's place, depth and lean (the angle between the hit and
-    /// the surface normal). Marks only.
+    /// The examples that are most informative about the hit's place, depth and lean (the angle between the hit and the
+    /// surface normal). Marks only.
     CRUMPLE_SELECTION_NEAREST = 1,
-    /// The one example that moves the contact vertex in the direction most like the target, with a weight of at most
-    /// 1.
+    /// The one example that moves the contact vertex in the direction most like the target, with a weight of at most 1.
     CRUMPLE_SELECTION_CLASSIC = 2,
     /// As CRUMPLE_SELECTION_CLASSIC, without the limit of the weight: diverges above 2. Classic rules only.
     CRUMPLE_SELECTION_CLASSIC_UNCLAMPED = 3,
@@ -295,12 +274,10 @@ typedef void *(*CrumpleAlloc)(size_t size, size_t align, void *user);
 /// Crumple, throw or jump out.
 typedef void (*CrumpleFree)(void *pointer, size_t size, size_t align, void *user);
 
-/// The host's allocator.
+/// The host's allocator. Both functions are required.
 typedef struct {
     uint32_t struct_size;
-    /// Allocates. Required.
     CrumpleAlloc alloc;
-    /// Frees. Required.
     CrumpleFree free;
     /// Passed to both. May be null.
     void *user;
@@ -315,17 +292,14 @@ typedef void (*CrumpleTask)(uint32_t index, void *task_data);
 
 /// Your parallel-for: calls task(index, task_data) once for each index below count, on any threads and in any order,
 /// and returns when all calls have returned. Tasks do not block or throw and may run at once. Crumple itself runs an
-/// index that you leave out, and ignores a second call of an index.
-///
-/// Crumple calls this function on the thread that called Crumple. It must not throw or jump out. Of the same context
-/// it may call only the functions that may be called at any time.
+/// index that you leave out, and ignores a second call of an index. Crumple calls this function on the thread that
+/// called Crumple. It must not throw or jump out. Of the same context it may call only the functions that may be called
+/// at any time.
 typedef void (*CrumpleParallelFor)(uint32_t count, CrumpleTask task, void *task_data, void *user);
 
 /// The host's job system. Zero everywhere: Crumple uses its own threads.
 typedef struct {
-    /// Runs tasks. Null: Crumple uses its own threads.
     CrumpleParallelFor parallel_for;
-    /// Passed to parallel_for. May be null.
     void *user;
     /// Number of threads that can work at once; 0 counts as 1. It affects how work is split, never the result.
     uint32_t workers;
@@ -339,14 +313,12 @@ typedef struct {
     uint32_t threads;
     /// Receives messages. Default null: none.
     CrumpleLog log;
-    /// Passed to log.
     void *log_user;
-    /// Your job system, instead of Crumple's threads. Default zero: none.
     CrumpleTaskSystem tasks;
 } CrumpleContextDef;
 
-/// An array that Crumple reads during the call. Element i is at data + i * stride. Count and type are stated where
-/// the array is used. Zero everywhere: absent.
+/// An array that Crumple reads during the call. Element i is at data + i * stride. Count and type are stated where the
+/// array is used. Zero everywhere: absent.
 typedef struct {
     /// First element, aligned to its type (4 bytes; 2 for 16-bit indices). Null: absent.
     const void *data;
@@ -373,8 +345,7 @@ typedef struct {
     const char *name;
     /// Full form: the new position of every vertex, vertex_count times 3 floats, m, in the base mesh's order.
     CrumpleInput target_positions;
-    /// Full form: the new unit normals, vertex_count times 3 floats. Absent: computed. Needs normals of the base
-    /// mesh.
+    /// Full form: the new unit normals, vertex_count times 3 floats. Absent: computed. Needs normals of the base mesh.
     CrumpleInput target_normals;
     /// Sparse form: indices of the moved vertices, strictly increasing, delta_count times uint32_t.
     CrumpleInput delta_indices;
@@ -382,7 +353,6 @@ typedef struct {
     CrumpleInput position_deltas;
     /// Sparse form: the changes of their unit normals, delta_count times 3 floats. Absent: computed.
     CrumpleInput normal_deltas;
-    /// How the contact is given. Default CRUMPLE_CONTACT_KIND_NONE.
     CrumpleContactKind contact_kind;
     /// The vertex that was hit, for CRUMPLE_CONTACT_KIND_VERTEX.
     uint32_t contact_vertex;
@@ -392,7 +362,6 @@ typedef struct {
     CrumpleVec3 contact_normal;
     /// Whether contact_normal is given. Default false: the mesh's normal is used.
     bool has_contact_normal;
-    /// Where the example may be used. Default CRUMPLE_PLACEMENT_AUTOMATIC.
     CrumplePlacement placement;
 } CrumpleExampleDef;
 
@@ -411,7 +380,6 @@ typedef struct {
     /// Triangles: index_count indices, counter-clockwise seen from outside. Absent: a point cloud, whose normals must
     /// be given.
     CrumpleInput indices;
-    /// Type of indices. Default CRUMPLE_INDEX_TYPE_U32.
     CrumpleIndexType index_type;
 } CrumpleMeshDef;
 
@@ -421,43 +389,38 @@ typedef struct {
     float depth_limit;
     /// Displacements of an example up to this length are dropped, m. Default 0: only zeros.
     float drop_below;
-    /// Mass of every vertex, kg, for impulses without a mass: a calibration constant in impulse * duration / mass,
-    /// not the body's mass. Default 0: unknown.
+    /// Mass of every vertex, kg, for impulses without a mass: a calibration constant in impulse * duration / mass, not
+    /// the body's mass. Default 0: unknown.
     float vertex_mass;
-    /// Nodes along each side of the grid that stores a carried example: 4 to 128. Default 32; sharp creases need
-    /// more. With a bake_tolerance, this is the maximum.
+    /// Nodes along each side of the grid that stores a carried example: 4 to 128. Default 32; sharp creases need more.
+    /// With a bake_tolerance, this is the maximum.
     uint32_t stamp_resolution;
     /// Largest position error from quantisation at weight 1, m. Displacements are then stored as integers of 1 or 2
-    /// bytes, carried examples on the coarsest grid within the error. Default 0: exact floats. Changes the
-    /// fingerprint; depth_limit and vertex_mass do not.
+    /// bytes, carried examples on the coarsest grid within the error. Default 0: exact floats. Changes the fingerprint;
+    /// depth_limit and vertex_mass do not.
     float bake_tolerance;
     /// Largest error of a normal at weight 1, degrees, above 0 and up to 45. Used with a bake_tolerance. Default 1.
     float bake_normal_tolerance;
     /// Mass of each vertex, kg: vertex_count floats, instead of vertex_mass. Default absent.
     CrumpleInput vertex_masses;
-    /// How the dents of several hits combine. Default CRUMPLE_COMBINE_ENERGIES.
     CrumpleCombine combine;
-    /// How examples that open seams are treated. Default CRUMPLE_SEAMS_WELD.
     CrumpleSeams seams;
     /// Carried examples are never scaled above their own depth, as anchored ones never are. Default false.
     bool strict;
-    /// Also use mirrored copies of the examples where the body is symmetric in a coordinate plane through the centre
-    /// of its bounds. Default true.
+    /// Also use mirrored copies of the examples where the body is symmetric in a coordinate plane through the centre of
+    /// its bounds. Default true.
     bool mirror;
     /// Fade carried dents to zero at boundary edges that no example moves. Default true.
     bool held_rims;
 } CrumpleExampleSetOptions;
 
-/// A base mesh with its examples.
+/// A base mesh with its examples, at least 1, and how the set is built.
 typedef struct {
     uint32_t struct_size;
-    /// Number of examples, at least 1.
     uint32_t example_count;
-    /// The base mesh.
     CrumpleMeshDef mesh;
     /// example_count defs, each from crumple_example_def_default().
     const CrumpleExampleDef *examples;
-    /// How the set is built.
     CrumpleExampleSetOptions options;
 } CrumpleExampleSetDef;
 
@@ -468,14 +431,13 @@ typedef struct {
     uint16_t context;
 } CrumpleExampleSet;
 
-/// Another mesh of a set's body, such as a level of detail.
+/// Another mesh of a set's body, such as a level of detail, in the base mesh's space.
 typedef struct {
     uint32_t struct_size;
-    /// The mesh, in the base mesh's space.
     CrumpleMeshDef mesh;
 } CrumpleLodDef;
 
-/// Which mesh of a glTF file to load, and how.
+/// Which mesh of a glTF file to load, and how the set is built.
 typedef struct {
     uint32_t struct_size;
     /// Index of the mesh in the file, used where mesh_name is null. Default UINT32_MAX: the first mesh with morph
@@ -483,14 +445,13 @@ typedef struct {
     uint32_t mesh_index;
     /// Name of the mesh, UTF-8. Default null: mesh_index decides.
     const char *mesh_name;
-    /// Path of the .glb or .gltf file, UTF-8. For crumple_example_set_load_gltf_memory(): the folder of files that
-    /// the glTF refers to; null makes such files an error.
+    /// Path of the .glb or .gltf file, UTF-8. For crumple_example_set_load_gltf_memory(): the folder of files that the
+    /// glTF refers to; null makes such files an error.
     const char *path;
-    /// How the set is built.
     CrumpleExampleSetOptions options;
 } CrumpleGltfDef;
 
-/// A base OBJ file with its example files.
+/// A base OBJ file with its example files, and how the set is built.
 typedef struct {
     uint32_t struct_size;
     /// Number of example_paths, at least 1.
@@ -499,13 +460,12 @@ typedef struct {
     const char *base_path;
     /// Paths of the examples, UTF-8. Each has the vertices of the base mesh in the same order.
     const char *const *example_paths;
-    /// How the set is built.
     CrumpleExampleSetOptions options;
 } CrumpleObjDef;
 
 /// An array that Crumple writes. Element i is at data + offset + i * stride. Positions and normals are 3 floats,
-/// tangents 4 floats, indices one uint32_t. Bytes between elements are not touched, so streams may be interleaved.
-/// Zero everywhere: absent.
+/// tangents 4 floats, indices one uint32_t. Bytes between elements are not touched, so streams may be interleaved. Zero
+/// everywhere: absent.
 typedef struct {
     /// Start of the memory, aligned to 4 bytes. Null: absent.
     void *data;
@@ -517,18 +477,15 @@ typedef struct {
     size_t stride;
 } CrumpleStream;
 
-/// Where a set's mesh is copied to. Absent streams are skipped.
+/// Where a set's mesh is copied to: positions (m), unit normals, tangents, and 3 * triangle_count indices. Absent
+/// streams are skipped.
 typedef struct {
     uint32_t struct_size;
     /// Which mesh: 0 for the base mesh, or a number of crumple_example_set_add_lod(). Default 0.
     uint32_t lod;
-    /// Positions, m.
     CrumpleStream positions;
-    /// Unit normals.
     CrumpleStream normals;
-    /// Tangents: xyz of unit length, w +1 or -1.
     CrumpleStream tangents;
-    /// Triangles: 3 * triangle_count indices.
     CrumpleStream indices;
 } CrumpleMeshCopyDef;
 
@@ -538,19 +495,16 @@ typedef struct {
     CrumpleVec3 max;
 } CrumpleAabb;
 
-/// Facts about an example set. Its strings are valid until the set is destroyed.
+/// Facts about an example set; counts and bounds are those of the base mesh. Its strings are valid until the set is
+/// destroyed.
 typedef struct {
     /// Name of the mesh in its file, UTF-8; empty for a set built from arrays. Never null.
     const char *name;
     /// Equal for equal sets, on any machine. Saved damage fits sets of one fingerprint.
     uint64_t fingerprint;
-    /// Memory of the set, bytes.
     uint64_t memory_bytes;
-    /// Vertices of the base mesh.
     uint32_t vertex_count;
-    /// Triangles of the base mesh.
     uint32_t triangle_count;
-    /// Number of examples.
     uint32_t example_count;
     /// Parts of the mesh with their own material, at least 1.
     uint32_t primitive_count;
@@ -558,20 +512,17 @@ typedef struct {
     uint32_t seam_count;
     /// No vertex moves further than this, m.
     float depth_limit;
-    /// Bounds of the base mesh.
     CrumpleAabb bounds;
     /// World matrix of the first node that shows the mesh, column-major; the identity if there is none.
     float node_transform[16];
-    /// Whether the mesh has tangents.
     bool has_tangents;
     /// Number of meshes: 1 + added levels of detail.
     uint32_t lod_count;
     uint64_t reserved[4];
 } CrumpleExampleSetInfo;
 
-/// Facts about an example. Its string is valid until the set is destroyed.
+/// Facts about an example. Its name, UTF-8, is valid until the set is destroyed, and never null.
 typedef struct {
-    /// Name, UTF-8. Never null.
     const char *name;
     /// The vertex that was hit, or the deepest vertex.
     uint32_t contact_vertex;
@@ -587,14 +538,13 @@ typedef struct {
     float max_depth;
     /// Distance from the contact to the furthest vertex that moves noticeably, m.
     float support_radius;
-    /// Where it may be used.
     CrumplePlacement placement;
     uint64_t reserved[2];
 } CrumpleExampleInfo;
 
-/// A part of the mesh with its own material.
+/// A part of the mesh with its own material, whose name (UTF-8) is null if it has none and is valid until the set is
+/// destroyed.
 typedef struct {
-    /// Name of the material, UTF-8; null if it has none. Valid until the set is destroyed.
     const char *material;
     uint32_t first_vertex;
     uint32_t vertex_count;
@@ -611,12 +561,10 @@ typedef struct {
     uint32_t examples_per_hit;
     /// The example set, which the instance keeps alive. Required.
     CrumpleExampleSet set;
-    /// How hits damage the instance. Default CRUMPLE_RULE_MARKS.
     CrumpleRule rule;
-    /// How examples are selected. Default CRUMPLE_SELECTION_OF_RULE.
     CrumpleSelection selection;
-    /// Most marks kept, 1 to 65535, 32 bytes each. Above it, the weakest mark is merged into the nearest mark.
-    /// Default 64.
+    /// Most marks kept, 1 to 65535, 32 bytes each. Above it, the weakest mark is merged into the nearest mark. Default
+    /// 64.
     uint32_t mark_capacity;
     /// No vertex moves further than this, m. Default 0: the set's limit.
     float depth_limit;
@@ -650,21 +598,18 @@ typedef struct {
     uint64_t memory_bytes;
     /// Number of marks; 0 with a classic rule.
     uint32_t mark_count;
-    /// Number of registered buffers.
     uint32_t buffer_count;
-    /// No vertex moves further than this, m.
     float depth_limit;
     /// Number of open contacts; see crumple_instance_end_contact().
     uint32_t contact_count;
     uint32_t reserved[4];
 } CrumpleInstanceInfo;
 
-/// A hit given as an impulse. The target displacement of the contact is impulse * duration / mass. For dents that do
-/// not depend on the frame rate, make duration a constant of the material and report a contact once with its whole
-/// impulse, or in parts with a contact_id.
+/// A hit given as an impulse, with point and impulse in the given space (default CRUMPLE_SPACE_LOCAL). The target
+/// displacement of the contact is impulse * duration / mass. For dents that do not depend on the frame rate, make
+/// duration a constant of the material and report a contact once with its whole impulse, or in parts with a contact_id.
 typedef struct {
     uint32_t struct_size;
-    /// Space of point and impulse. Default CRUMPLE_SPACE_LOCAL.
     CrumpleSpace space;
     /// Where it hit, m. The nearest vertex becomes the contact.
     CrumpleVec3 point;
@@ -680,22 +625,18 @@ typedef struct {
 } CrumpleImpulseDef;
 
 /// A hit given as the desired contact displacement, for engines with their own impulse-to-depth mapping. It does not
-/// depend on the frame rate.
+/// depend on the frame rate. Fields without a comment are as in CrumpleImpulseDef.
 typedef struct {
     uint32_t struct_size;
-    /// Space of point and displacement. Default CRUMPLE_SPACE_LOCAL.
     CrumpleSpace space;
-    /// Where it hit, m. The nearest vertex becomes the contact.
     CrumpleVec3 point;
     /// Target displacement of the contact, m.
     CrumpleVec3 displacement;
-    /// As in CrumpleImpulseDef. Default 0.
     uint64_t contact_id;
 } CrumpleDisplacementDef;
 
 /// An example that a hit uses.
 typedef struct {
-    /// Index in the set.
     uint32_t example;
     /// Share of the dent; shares of a hit sum to 1. Negative where it corrects overshoot of the others.
     float share;
@@ -737,7 +678,6 @@ typedef struct {
 
 /// The effect of a hit.
 typedef struct {
-    /// What became of the hit.
     CrumpleHitStatus status;
     /// The vertex nearest to the point.
     uint32_t contact_vertex;
@@ -747,7 +687,6 @@ typedef struct {
     CrumpleVec3 target;
     /// Displacement of the contact by this hit alone, m, in the mesh's space. target - achieved was not achieved.
     CrumpleVec3 achieved;
-    /// Number of chosen examples.
     uint32_t chosen_count;
     /// Whether the target was longer than the depth limit and was cut to it.
     bool clamped;
@@ -778,11 +717,9 @@ typedef struct {
     uint16_t context;
 } CrumpleBuffer;
 
-/// The work of a deform.
+/// The work of a deform. Blocks are runs of consecutive vertices.
 typedef struct {
-    /// Vertices written, over all buffers.
     uint64_t vertices_written;
-    /// Blocks of consecutive vertices written.
     uint64_t blocks_written;
     /// Blocks that were up to date.
     uint64_t blocks_skipped;
@@ -800,7 +737,8 @@ typedef struct {
 /// Any Vulkan function, as PFN_vkVoidFunction: (CrumpleVulkanFunction)vkGetInstanceProcAddr.
 typedef void (*CrumpleVulkanFunction)(void);
 
-/// Your Vulkan device, Vulkan 1.1 or later. No extension or feature needs to be enabled.
+/// Your Vulkan device, Vulkan 1.1 or later: a VkInstance, a VkPhysicalDevice and a VkDevice, all required. No extension
+/// or feature needs to be enabled.
 typedef struct {
     uint32_t struct_size;
     /// Family of the queue that executes the command buffers; it must support compute. Required. Default UINT32_MAX.
@@ -808,14 +746,11 @@ typedef struct {
     /// vkGetInstanceProcAddr of the instance's loader. Crumple gets every function from it and never opens a Vulkan
     /// library. Required.
     CrumpleVulkanFunction get_instance_proc_addr;
-    /// The VkInstance. Required.
     void *instance;
-    /// The VkPhysicalDevice. Required.
     void *physical_device;
-    /// The VkDevice. Required.
     void *device;
-    /// Data of crumple_vulkan_get_pipeline_cache() from an earlier run, read during the call. Data of another driver
-    /// is ignored. Default null.
+    /// Data of crumple_vulkan_get_pipeline_cache() from an earlier run, read during the call. Data of another driver is
+    /// ignored. Default null.
     const void *pipeline_cache;
     /// Bytes at pipeline_cache.
     size_t pipeline_cache_size;
@@ -829,29 +764,29 @@ typedef struct {
     uint64_t offset;
     /// Bytes from one value to the next: at least the size of a value, a multiple of 4.
     uint64_t stride;
-    /// A VkFormat. Positions: R32G32B32_SFLOAT, R16G16B16A16_SFLOAT (w is 1), R16G16B16A16_SNORM (see scale).
-    /// Normals: R32G32B32_SFLOAT, R16G16B16A16_SNORM, R8G8B8A8_SNORM (w is 0). Tangents: R32G32B32A32_SFLOAT,
+    /// A VkFormat. Positions: R32G32B32_SFLOAT, R16G16B16A16_SFLOAT (w is 1), R16G16B16A16_SNORM (see scale). Normals:
+    /// R32G32B32_SFLOAT, R16G16B16A16_SNORM, R8G8B8A8_SNORM (w is 0). Tangents: R32G32B32A32_SFLOAT,
     /// R16G16B16A16_SNORM, R8G8B8A8_SNORM.
     uint32_t format;
     uint32_t reserved;
 } CrumpleVulkanStream;
 
-/// A range of a VkBuffer for the deformed vertices of one instance, in the mesh's order and space.
+/// A range of a VkBuffer for the deformed vertices of one instance, in the mesh's order and space. Fields without a
+/// comment are as in CrumpleHostBufferDef.
 typedef struct {
     uint32_t struct_size;
-    /// Which mesh: 0 for the base mesh, or a number of crumple_example_set_add_lod(). Default 0.
     uint32_t lod;
-    /// The VkBuffer, bound to memory: (uint64_t)handle. Required. Any number of ranges may lie in one VkBuffer;
-    /// buffer, buffer_size, usage, queue_family and the four stage and access fields must then be equal.
+    /// The VkBuffer, bound to memory: (uint64_t)handle. Required. Any number of ranges may lie in one VkBuffer; buffer,
+    /// buffer_size, usage, queue_family and the four stage and access fields must then be equal.
     uint64_t buffer;
     /// Bytes of the whole VkBuffer. Required.
     uint64_t buffer_size;
     /// VkBufferUsageFlags of the VkBuffer, with VK_BUFFER_USAGE_STORAGE_BUFFER_BIT. Required.
     uint32_t usage;
-    /// Default VK_QUEUE_FAMILY_IGNORED: the device's own family owns the VkBuffer, or it is
-    /// VK_SHARING_MODE_CONCURRENT. Otherwise the other family that owns it. Each recording that includes one of its
-    /// ranges then begins with an acquire and ends with a release of the whole VkBuffer, even without changes. You
-    /// record the matching release and acquire on the other queue.
+    /// Default VK_QUEUE_FAMILY_IGNORED: the device's own family owns the VkBuffer, or it is VK_SHARING_MODE_CONCURRENT.
+    /// Otherwise the other family that owns it. Each recording that includes one of its ranges then begins with an
+    /// acquire and ends with a release of the whole VkBuffer, even without changes. You record the matching release and
+    /// acquire on the other queue.
     uint32_t queue_family;
     /// VkPipelineStageFlags of your last use of the VkBuffer before a recording, not 0. Barriers cover the whole
     /// VkBuffer, so include indices, copies and read-backs in it. Default VK_PIPELINE_STAGE_VERTEX_INPUT_BIT.
@@ -867,28 +802,21 @@ typedef struct {
     uint64_t offset;
     /// Bytes of the range. Nothing outside is written. Ranges may interleave; values must not overlap. Required.
     uint64_t size;
-    /// Positions, m. Required.
     CrumpleVulkanStream positions;
-    /// Unit normals. Absent: not written.
     CrumpleVulkanStream normals;
-    /// Tangents: xyz of unit length and orthogonal to the normal, w as in the mesh. Absent: not written.
     CrumpleVulkanStream tangents;
     /// For positions in R16G16B16A16_SNORM: a stored s in -1 to 1 is s * scale + bias, m. Positions outside are
     /// clamped, so cover the mesh's bounds grown by the depth limit. Above 0. Default 1, 1, 1.
     CrumpleVec3 scale;
-    /// See scale, m. Default 0, 0, 0.
     CrumpleVec3 bias;
 } CrumpleVulkanBufferDef;
 
-/// The recorded work.
+/// The recorded work. Fields without a comment are as in CrumpleDeformReport.
 typedef struct {
-    /// Vertices that will be written, over all buffers.
     uint64_t vertices_written;
     /// Blocks of consecutive vertices that will be written. 0: nothing was recorded, except queue-family transfers.
     uint64_t blocks_written;
-    /// Blocks that were up to date.
     uint64_t blocks_skipped;
-    /// Examples of marks that tolerances skipped; see crumple_instance_set_tolerance().
     uint64_t parts_skipped;
     /// Bytes that the commands copy to the device, including meshes used for the first time.
     uint64_t bytes_copied;
@@ -898,27 +826,26 @@ typedef struct {
     uint64_t reserved[4];
 } CrumpleRecordReport;
 
-/// A Vulkan device that Crumple creates, beside yours on the same physical device.
+/// A Vulkan device that Crumple creates, beside yours on the same physical device. Fields without a comment are as in
+/// CrumpleVulkanAttachDef.
 typedef struct {
     uint32_t struct_size;
-    /// As in CrumpleVulkanAttachDef. Default 128.
     uint32_t workgroup_size;
     /// vkGetInstanceProcAddr of a loader that stays loaded. Required.
     CrumpleVulkanFunction get_instance_proc_addr;
-    /// deviceUUID of your physical device (VkPhysicalDeviceIDProperties); devices of one UUID can share memory.
-    /// Default zero: the first device that supports compute.
+    /// deviceUUID of your physical device (VkPhysicalDeviceIDProperties); devices of one UUID can share memory. Default
+    /// zero: the first device that supports compute.
     uint8_t device_uuid[16];
-    /// As in CrumpleVulkanAttachDef. Default null.
     const void *pipeline_cache;
     /// Bytes at pipeline_cache.
     size_t pipeline_cache_size;
 } CrumpleVulkanOpenDef;
 
-/// A VkBuffer of your device in memory that it exported. Create it with VkExternalMemoryBufferCreateInfo and its
-/// memory with VkExportMemoryAllocateInfo, of one handle type.
+/// A VkBuffer of your device in memory that it exported, at offset (default 0) in the memory and with a size, bytes.
+/// usage is as in CrumpleVulkanBufferDef. Create it with VkExternalMemoryBufferCreateInfo and its memory with
+/// VkExportMemoryAllocateInfo, of one handle type (default CRUMPLE_HANDLE_TYPE_OPAQUE_FD).
 typedef struct {
     uint32_t struct_size;
-    /// Type of handle. Default CRUMPLE_HANDLE_TYPE_OPAQUE_FD.
     CrumpleHandleType handle_type;
     /// Handle of the memory. Required. Default -1.
     int64_t handle;
@@ -926,11 +853,8 @@ typedef struct {
     uint64_t memory_size;
     /// memoryTypeIndex of the memory. Required.
     uint32_t memory_type;
-    /// VkBufferUsageFlags of the buffer, with VK_BUFFER_USAGE_STORAGE_BUFFER_BIT. Required.
     uint32_t usage;
-    /// Where the buffer is bound in the memory, bytes. Default 0.
     uint64_t offset;
-    /// Bytes of the buffer. Required.
     uint64_t size;
     /// Whether the memory is dedicated to this buffer (VkMemoryDedicatedAllocateInfo). Default false.
     bool dedicated;
@@ -955,11 +879,10 @@ typedef struct {
     float w;
 } CrumpleQuat;
 
-/// The place of an attached point.
+/// The place of an attached point, and its rotation since rest.
 typedef struct {
     /// Position, m, in the mesh's space.
     CrumpleVec3 position;
-    /// Rotation since rest.
     CrumpleQuat rotation;
     uint32_t reserved[5];
 } CrumpleFrame;
@@ -968,8 +891,7 @@ typedef struct {
 extern "C" {
 #endif // __cplusplus
 
-/// Returns the version of the running library: major * 1000000 + minor * 1000 + patch. Compare it with
-/// CRUMPLE_VERSION.
+/// Returns the version of the running library: major * 1000000 + minor * 1000 + patch. Compare it with CRUMPLE_VERSION.
 uint32_t crumple_version(void);
 
 /// Returns the version of the running library as text, such as "0.1.0". The text stays valid for ever.
@@ -978,9 +900,9 @@ const char *crumple_version_string(void);
 /// Returns the CRUMPLE_FEATURE_ bits of this build, combined with or. Ignore bits that you do not know.
 uint64_t crumple_features(void);
 
-/// Returns the message of the calling thread's last failed call, as UTF-8: "crumple_instance_create: ...". It names
-/// the wrong value and the right one. It is empty before the first failure; calls that succeed leave it unchanged. It
-/// stays valid until the thread's next failed call. At most 1023 bytes, never null.
+/// Returns the message of the calling thread's last failed call, as UTF-8: "crumple_instance_create: ...". It names the
+/// wrong value and the right one. It is empty before the first failure; calls that succeed leave it unchanged. It stays
+/// valid until the thread's next failed call. At most 1023 bytes, never null.
 const char *crumple_last_error(void);
 
 /// Returns the name of a result, such as "CRUMPLE_ERROR_FORMAT", or "unknown result". The text stays valid for ever.
@@ -990,11 +912,10 @@ const char *crumple_result_name(CrumpleResult result);
 CrumpleAllocatorDef crumple_allocator_def_default(void);
 
 /// Makes the library allocate from the host's functions, for the whole process. Null restores the system's allocator.
-///
 /// You may call this at any time. Each block is freed by the functions that allocated it, so they must stay callable.
 /// Destroying all contexts frees all blocks, except for a few kB per thread that contexts with their own threads keep
-/// until process exit. A process can use at most 15 different allocators. Builds without
-/// CRUMPLE_FEATURE_HOST_ALLOCATOR return CRUMPLE_ERROR_UNSUPPORTED.
+/// until process exit. A process can use at most 15 different allocators. Builds without CRUMPLE_FEATURE_HOST_ALLOCATOR
+/// return CRUMPLE_ERROR_UNSUPPORTED.
 CrumpleResult crumple_allocator_set(const CrumpleAllocatorDef *allocator);
 
 /// The default options: one thread per core, no log.
@@ -1006,9 +927,7 @@ CrumpleContextDef crumple_context_def_default(void);
 CrumpleResult crumple_context_create(const CrumpleContextDef *def, CrumpleContext **out_context);
 
 /// Destroys a context and everything in it. Your own memory is neither freed nor touched. The context and its ids
-/// become invalid.
-///
-/// No other call may be running with this context. An attached Vulkan device must still exist.
+/// become invalid. No other call may be running with this context. An attached Vulkan device must still exist.
 /// CRUMPLE_ERROR_FRAMES_IN_FLIGHT: see crumple_vulkan_complete_frames(); nothing was destroyed.
 CrumpleResult crumple_context_destroy(CrumpleContext *context);
 
@@ -1018,9 +937,9 @@ CrumpleExampleDef crumple_example_def_default(void);
 /// A set without mesh and examples. Set them.
 CrumpleExampleSetDef crumple_example_set_def_default(void);
 
-/// Builds an example set from arrays. The call indexes the mesh and samples every example, which takes time: build
-/// sets while loading, or load baked ones. Errors: CRUMPLE_ERROR_MESH (no vertices), CRUMPLE_ERROR_EXAMPLE_MISMATCH
-/// (no examples, or one that does not fit the mesh).
+/// Builds an example set from arrays. The call indexes the mesh and samples every example, which takes time: build sets
+/// while loading, or load baked ones. Errors: CRUMPLE_ERROR_MESH (no vertices), CRUMPLE_ERROR_EXAMPLE_MISMATCH (no
+/// examples, or one that does not fit the mesh).
 CrumpleResult crumple_example_set_create(CrumpleContext *context, const CrumpleExampleSetDef *def,
                                          CrumpleExampleSet *out_set);
 
@@ -1028,11 +947,10 @@ CrumpleResult crumple_example_set_create(CrumpleContext *context, const CrumpleE
 CrumpleLodDef crumple_lod_def_default(void);
 
 /// Adds a mesh that shows the same damage, such as a level of detail or a collision proxy. Call this before the set's
-/// first instance is created. out_lod is its number, 1 for the first, for the lod fields of buffer defs.
-///
-/// Each vertex is bound to the nearest point of the base surface and moves with it. A vertex on a base vertex moves
-/// exactly as that vertex. Contacts, marks, saved damage and the fingerprint are still those of the base mesh.
-/// Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (the set has instances), CRUMPLE_ERROR_MESH.
+/// first instance is created. out_lod is its number, 1 for the first, for the lod fields of buffer defs. Each vertex is
+/// bound to the nearest point of the base surface and moves with it. A vertex on a base vertex moves exactly as that
+/// vertex. Contacts, marks, saved damage and the fingerprint are still those of the base mesh. Errors:
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (the set has instances), CRUMPLE_ERROR_MESH.
 CrumpleResult crumple_example_set_add_lod(CrumpleContext *context, CrumpleExampleSet set, const CrumpleLodDef *def,
                                           uint32_t *out_lod);
 
@@ -1096,8 +1014,8 @@ CrumpleResult crumple_example_set_get_example(CrumpleContext *context, CrumpleEx
 CrumpleResult crumple_example_set_get_primitive(CrumpleContext *context, CrumpleExampleSet set, uint32_t primitive,
                                                 CrumplePrimitive *out_primitive);
 
-/// Copies the base mesh or a level of detail into your memory, for your vertex and index buffers. Normals that the
-/// set was not given are the computed ones. CRUMPLE_ERROR_MESH: the mesh lacks the normals or tangents asked for.
+/// Copies the base mesh or a level of detail into your memory, for your vertex and index buffers. Normals that the set
+/// was not given are the computed ones. CRUMPLE_ERROR_MESH: the mesh lacks the normals or tangents asked for.
 CrumpleResult crumple_example_set_copy_mesh(CrumpleContext *context, CrumpleExampleSet set,
                                             const CrumpleMeshCopyDef *def);
 
@@ -1120,25 +1038,21 @@ CrumpleResult crumple_instance_destroy(CrumpleContext *context, CrumpleInstance 
 CrumpleResult crumple_instance_get_info(CrumpleContext *context, CrumpleInstance instance,
                                         CrumpleInstanceInfo *out_info);
 
-/// Sets the transform of an instance: local_to_world points to 16 floats, column-major (element 4 * column + row, as
-/// in glTF and Vulkan), translation in elements 12 to 14, m, last row 0 0 0 1. It may scale and shear but not
-/// flatten.
-///
+/// Sets the transform of an instance: local_to_world points to 16 floats, column-major (element 4 * column + row, as in
+/// glTF and Vulkan), translation in elements 12 to 14, m, last row 0 0 0 1. It may scale and shear but not flatten.
 /// Hits in CRUMPLE_SPACE_WORLD that are submitted afterwards use it: points as points, impulses and displacements as
 /// vectors, by its inverse. Deformed vertices are always in the mesh's space.
 CrumpleResult crumple_instance_set_transform(CrumpleContext *context, CrumpleInstance instance,
                                              const float *local_to_world);
 
-/// Limits how far a vertex moves, m, from the next crumple_context_deform() on. 0: the set's limit. Marks are kept,
-/// and show again when the limit is raised.
+/// Limits how far a vertex moves, m, from the next crumple_context_deform() on. 0: the set's limit. Marks are kept, and
+/// show again when the limit is raised.
 CrumpleResult crumple_instance_set_depth_limit(CrumpleContext *context, CrumpleInstance instance, float depth_limit);
 
-/// Allows vertices a position error of up to tolerance, m, in the mesh's space, which makes deforming cheaper:
-/// smaller displacements are skipped. 0: none are skipped. Seams stay closed.
-///
-/// The value is rounded down to a power of two in metres, so it may be set every frame from
-/// crumple_pixel_tolerance(). When the rounded value changes, the next deform writes every dented block. Classic
-/// rules ignore it.
+/// Allows vertices a position error of up to tolerance, m, in the mesh's space, which makes deforming cheaper: smaller
+/// displacements are skipped. 0: none are skipped. Seams stay closed. The value is rounded down to a power of two in
+/// metres, so it may be set every frame from crumple_pixel_tolerance(). When the rounded value changes, the next deform
+/// writes every dented block. Classic rules ignore it.
 CrumpleResult crumple_instance_set_tolerance(CrumpleContext *context, CrumpleInstance instance, float tolerance);
 
 /// Returns the length, m, that covers a number of pixels at a distance, m, for a camera with this vertical field of
@@ -1152,13 +1066,11 @@ CrumpleImpulseDef crumple_impulse_def_default(void);
 /// A zero displacement in the mesh's space. Set point and displacement.
 CrumpleDisplacementDef crumple_displacement_def_default(void);
 
-/// Submits a hit. Examples are selected during the call. The mark counts from the next read of the damage (see
-/// "Reads" at the top). A hit that is too weak, or that no example answers, is not an error; see out_result->status.
-/// out_result may be null. With a contact_id, it describes the hit alone.
-///
-/// May be called from any thread at any time, except while the instance or context is being destroyed. Errors:
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (duration not above 0, negative or unknown mass), CRUMPLE_ERROR_CONTACT_TOO_FAR,
-/// CRUMPLE_ERROR_WRONG_RULE (a contact_id with a classic rule).
+/// Submits a hit. Examples are selected during the call. The mark counts from the next read of the damage (see "Reads"
+/// at the top). A hit that is too weak, or that no example answers, is not an error; see out_result->status. out_result
+/// may be null. With a contact_id, it describes the hit alone. May be called from any thread at any time, except while
+/// the instance or context is being destroyed. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (duration not above 0, negative
+/// or unknown mass), CRUMPLE_ERROR_CONTACT_TOO_FAR, CRUMPLE_ERROR_WRONG_RULE (a contact_id with a classic rule).
 CrumpleResult crumple_instance_submit_impulse(CrumpleContext *context, CrumpleInstance instance,
                                               const CrumpleImpulseDef *def, CrumpleHitResult *out_result);
 
@@ -1175,18 +1087,14 @@ CrumpleResult crumple_instance_preview_impulse(CrumpleContext *context, CrumpleI
 CrumpleResult crumple_instance_preview_displacement(CrumpleContext *context, CrumpleInstance instance,
                                                     const CrumpleDisplacementDef *def, CrumpleHitResult *out_result);
 
-/// Ends a contact. Its dent stays; later hits with the same id begin a new contact.
-///
-/// Use contacts where the physics engine reports one contact as many small impulses. Give each of these hits the same
-/// contact_id, any number but 0, and end the contact when the bodies separate. They make the dent of the whole
-/// impulse, at any frame rate: their displacements add, and the place is the mean of their points weighted by
-/// displacement. Yield thresholds and depth limit apply to the sum. One mark is replaced as hits arrive.
-///
-/// Ends and hits of one contact take effect at the next read, hits first. Reuse an id only after that read. Ending an
-/// unknown id is not an error. Contacts also end when the instance's damage is set, loaded, copied, repaired or
-/// reset. At most 256 are open; the one hit longest ago ends first.
-///
-/// May be called from any thread at any time. Errors: CRUMPLE_ERROR_WRONG_RULE (a classic rule).
+/// Ends a contact. Its dent stays; later hits with the same id begin a new contact. Use contacts where the physics
+/// engine reports one contact as many small impulses. Give each of these hits the same contact_id, any number but 0,
+/// and end the contact when the bodies separate. They make the dent of the whole impulse, at any frame rate: their
+/// displacements add, and the place is the mean of their points weighted by displacement. Yield thresholds and depth
+/// limit apply to the sum. One mark is replaced as hits arrive. Ends and hits of one contact take effect at the next
+/// read, hits first. Reuse an id only after that read. Ending an unknown id is not an error. Contacts also end when the
+/// instance's damage is set, loaded, copied, repaired or reset. At most 256 are open; the one hit longest ago ends
+/// first. May be called from any thread at any time. Errors: CRUMPLE_ERROR_WRONG_RULE (a classic rule).
 CrumpleResult crumple_instance_end_contact(CrumpleContext *context, CrumpleInstance instance, uint64_t contact_id);
 
 /// Copies an instance's marks, sorted, so that the same hits give the same marks in any order. marks has room for
@@ -1204,9 +1112,9 @@ CrumpleResult crumple_instance_set_marks(CrumpleContext *context, CrumpleInstanc
 CrumpleResult crumple_instance_save_damage(CrumpleContext *context, CrumpleInstance instance, void *data,
                                            size_t capacity, size_t *out_size);
 
-/// Replaces an instance's damage by size saved bytes of any alignment. Discards pending hits and ends contacts.
-/// Errors: CRUMPLE_ERROR_DAMAGE_MISMATCH (another set, version or rule, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT
-/// (a mark that the set cannot have).
+/// Replaces an instance's damage by size saved bytes of any alignment. Discards pending hits and ends contacts. Errors:
+/// CRUMPLE_ERROR_DAMAGE_MISMATCH (another set, version or rule, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT (a mark
+/// that the set cannot have).
 CrumpleResult crumple_instance_load_damage(CrumpleContext *context, CrumpleInstance instance, const void *data,
                                            size_t size);
 
@@ -1217,20 +1125,19 @@ CrumpleResult crumple_instance_repair_damage(CrumpleContext *context, CrumpleIns
 CrumpleResult crumple_instance_reset_damage(CrumpleContext *context, CrumpleInstance instance);
 
 /// Replaces an instance's damage by that of source, an instance with an equal set and the same kind of rule. Discards
-/// the instance's pending hits and ends its contacts. Copying from itself does nothing.
-/// CRUMPLE_ERROR_DAMAGE_MISMATCH: another set or rule.
+/// the instance's pending hits and ends its contacts. Copying from itself does nothing. CRUMPLE_ERROR_DAMAGE_MISMATCH:
+/// another set or rule.
 CrumpleResult crumple_instance_copy_damage(CrumpleContext *context, CrumpleInstance instance, CrumpleInstance source);
 
 /// A buffer without memory. Set its streams.
 CrumpleHostBufferDef crumple_host_buffer_def_default(void);
 
 /// Registers your memory for an instance's deformed vertices. The first deform writes every vertex. An instance may
-/// have several buffers, such as the members of a ring; each is brought up to date by itself.
-///
-/// Only crumple_context_deform() touches the memory. It must exist until the buffer is unregistered or set to other
-/// memory, or until its instance or context is destroyed. Memory of different buffers must not overlap; debug builds
-/// of the library check this. Errors: CRUMPLE_ERROR_MESH (normals or tangents that the mesh lacks),
-/// CRUMPLE_ERROR_WRONG_RULE (lod above 0 with a classic rule).
+/// have several buffers, such as the members of a ring; each is brought up to date by itself. Only
+/// crumple_context_deform() touches the memory. It must exist until the buffer is unregistered or set to other memory,
+/// or until its instance or context is destroyed. Memory of different buffers must not overlap; debug builds of the
+/// library check this. Errors: CRUMPLE_ERROR_MESH (normals or tangents that the mesh lacks), CRUMPLE_ERROR_WRONG_RULE
+/// (lod above 0 with a classic rule).
 CrumpleResult crumple_buffer_register_host(CrumpleContext *context, CrumpleInstance instance,
                                            const CrumpleHostBufferDef *def, CrumpleBuffer *out_buffer);
 
@@ -1240,17 +1147,15 @@ CrumpleResult crumple_buffer_unregister(CrumpleContext *context, CrumpleBuffer b
 /// Declares a buffer's contents lost or overwritten. The next deform or recording writes every vertex.
 CrumpleResult crumple_buffer_invalidate(CrumpleContext *context, CrumpleBuffer buffer);
 
-/// Gives a host buffer other memory, perhaps for another level of detail, and invalidates it. After an error the
-/// buffer keeps its memory. Errors as for crumple_buffer_register_host().
+/// Gives a host buffer other memory, perhaps for another level of detail, and invalidates it. After an error the buffer
+/// keeps its memory. Errors as for crumple_buffer_register_host().
 CrumpleResult crumple_buffer_set_memory(CrumpleContext *context, CrumpleBuffer buffer, const CrumpleHostBufferDef *def);
 
-/// Brings host buffers up to date: count ids at buffers, each once, or all host buffers of the context with null and
-/// 0. Writes only what changed since the last write of each buffer, in parallel over all of them. Without changes it
-/// is cheap. An unseen instance needs no deform: its next deform includes all its hits, at 8 to 20 microseconds each.
-///
-/// The buffers' memory must not be read or written during the call. out_report may be null.
-/// CRUMPLE_ERROR_INVALID_ARGUMENT: a buffer twice, a Vulkan buffer, or overlapping memory in debug builds. No vertex
-/// is written then.
+/// Brings host buffers up to date: count ids at buffers, each once, or all host buffers of the context with null and 0.
+/// Writes only what changed since the last write of each buffer, in parallel over all of them. Without changes it is
+/// cheap. An unseen instance needs no deform: its next deform includes all its hits, at 8 to 20 microseconds each. The
+/// buffers' memory must not be read or written during the call. out_report may be null. CRUMPLE_ERROR_INVALID_ARGUMENT:
+/// a buffer twice, a Vulkan buffer, or overlapping memory in debug builds. No vertex is written then.
 CrumpleResult crumple_context_deform(CrumpleContext *context, const CrumpleBuffer *buffers, uint32_t count,
                                      CrumpleDeformReport *out_report);
 
@@ -1267,15 +1172,14 @@ CrumpleVulkanAttachDef crumple_vulkan_attach_def_default(void);
 /// A range def without buffer, read as vertices. Set buffer, buffer_size, usage, size and streams.
 CrumpleVulkanBufferDef crumple_vulkan_buffer_def_default(void);
 
-/// Attaches your Vulkan device, one per context. Takes some tenths of a millisecond. The handles must be valid,
-/// belong together, and live until crumple_vulkan_detach() or crumple_context_destroy(). Errors:
+/// Attaches your Vulkan device, one per context. Takes some tenths of a millisecond. The handles must be valid, belong
+/// together, and live until crumple_vulkan_detach() or crumple_context_destroy(). Errors:
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (a device is attached, the queue family does not exist or lacks compute,
 /// workgroup_size), CRUMPLE_ERROR_UNSUPPORTED (below Vulkan 1.1, a loader that lacks a function, or a build without
 /// CRUMPLE_FEATURE_VULKAN).
 CrumpleResult crumple_vulkan_attach(CrumpleContext *context, const CrumpleVulkanAttachDef *def);
 
 /// Detaches the Vulkan device. Ends all Vulkan buffers and destroys Crumple's objects on the device. Damage stays.
-///
 /// After CRUMPLE_ERROR_DEVICE_LOST: call crumple_vulkan_complete_frames() with UINT64_MAX, then this, then
 /// vkDestroyDevice. Attach the new device and register the buffers again. CRUMPLE_ERROR_FRAMES_IN_FLIGHT: nothing was
 /// changed.
@@ -1287,9 +1191,7 @@ CrumpleResult crumple_vulkan_get_pipeline_cache(CrumpleContext *context, void *d
 
 /// Registers a range of a VkBuffer for an instance's deformed vertices. The first recording writes every vertex. An
 /// instance may have several ranges, such as the members of a ring. A mesh's first range copies its vertices and
-/// examples to a staging buffer, and the next recording copies them to the device; all instances and ranges share
-/// them.
-///
+/// examples to a staging buffer, and the next recording copies them to the device; all instances and ranges share them.
 /// The VkBuffer must exist until its last range has ended and the frames that wrote it are complete. Errors:
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (no device, stages of 0, an unsupported format, overlapping attributes, a scale not
 /// above 0, a VkBuffer that is registered with another description), CRUMPLE_ERROR_WRONG_RULE (lod above 0 with a
@@ -1298,19 +1200,19 @@ CrumpleResult crumple_vulkan_get_pipeline_cache(CrumpleContext *context, void *d
 CrumpleResult crumple_buffer_register_vulkan(CrumpleContext *context, CrumpleInstance instance,
                                              const CrumpleVulkanBufferDef *def, CrumpleBuffer *out_buffer);
 
-/// Records commands that bring Vulkan buffers up to date: count ids at buffers, each once, or all Vulkan buffers of
-/// the context with null and 0. For the blocks that changed it records a copy of a few bytes per block, a barrier,
-/// one dispatch per VkBuffer and a barrier. It submits nothing and waits for nothing. Does not allocate in steady
-/// state. Damage may change at once after the call.
+/// Records commands that bring Vulkan buffers up to date: count ids at buffers, each once, or all Vulkan buffers of the
+/// context with null and 0. For the blocks that changed it records a copy of a few bytes per block, a barrier, one
+/// dispatch per VkBuffer and a barrier. It submits nothing and waits for nothing. Does not allocate in steady state.
+/// Damage may change at once after the call.
 ///
 /// command_buffer is a VkCommandBuffer in the recording state, outside a render pass, of the attached queue family,
 /// whose pool no other thread uses. Submit it once, in the order of recording. frame is your frame number, from 1 on,
 /// never falling; several recordings may share one. out_report may be null.
 ///
 /// The commands change the compute pipeline, compute descriptor sets 0 to 2, and the first 24 bytes of compute push
-/// constants, nothing else. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (no device of yours, a buffer twice, a host
-/// buffer, a frame that is complete or lower than the last), CRUMPLE_ERROR_UNSUPPORTED (more work than the device can
-/// bind). Nothing is recorded then.
+/// constants, nothing else. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (no device of yours, a buffer twice, a host buffer,
+/// a frame that is complete or lower than the last), CRUMPLE_ERROR_UNSUPPORTED (more work than the device can bind).
+/// Nothing is recorded then.
 CrumpleResult crumple_vulkan_record(CrumpleContext *context, void *command_buffer, uint64_t frame,
                                     const CrumpleBuffer *buffers, uint32_t count, CrumpleRecordReport *out_report);
 
@@ -1329,9 +1231,9 @@ CrumpleVulkanOpenDef crumple_vulkan_open_def_default(void);
 CrumpleVulkanImportDef crumple_vulkan_import_def_default(void);
 
 /// Creates a Vulkan device of Crumple's own, for engines that can share memory but cannot hand out a command buffer.
-/// Takes milliseconds to tenths of a second. Use it instead of crumple_vulkan_attach(): import buffers, register
-/// them, and write them with crumple_vulkan_submit(). crumple_vulkan_detach() and crumple_context_destroy() wait for
-/// the device and destroy it. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a device is attached, workgroup_size),
+/// Takes milliseconds to tenths of a second. Use it instead of crumple_vulkan_attach(): import buffers, register them,
+/// and write them with crumple_vulkan_submit(). crumple_vulkan_detach() and crumple_context_destroy() wait for the
+/// device and destroy it. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a device is attached, workgroup_size),
 /// CRUMPLE_ERROR_UNSUPPORTED (no such device, no import of memory, or a build without CRUMPLE_FEATURE_VULKAN).
 CrumpleResult crumple_vulkan_open(CrumpleContext *context, const CrumpleVulkanOpenDef *def);
 
@@ -1356,15 +1258,15 @@ CrumpleResult crumple_vulkan_import_semaphore(CrumpleContext *context, CrumpleHa
                                               uint64_t *out_semaphore);
 
 /// As crumple_vulkan_record(), but records for Crumple's own device and submits. The device waits for wait_count
-/// semaphores at waits first and signals signal_count semaphores at signals last, even without changes. The call
-/// itself does not wait. out_frame is the frame number for crumple_vulkan_wait_frame(). out_frame and out_report may
-/// be null. Nothing is submitted after an error.
+/// semaphores at waits first and signals signal_count semaphores at signals last, even without changes. The call itself
+/// does not wait. out_frame is the frame number for crumple_vulkan_wait_frame(). out_frame and out_report may be null.
+/// Nothing is submitted after an error.
 CrumpleResult crumple_vulkan_submit(CrumpleContext *context, const CrumpleBuffer *buffers, uint32_t count,
                                     const uint64_t *waits, uint32_t wait_count, const uint64_t *signals,
                                     uint32_t signal_count, uint64_t *out_frame, CrumpleRecordReport *out_report);
 
-/// Waits until Crumple's own device has completed a frame and all earlier ones, or for timeout nanoseconds
-/// (UINT64_MAX: without limit). out_done is whether it is complete. The context stays in use meanwhile.
+/// Waits until Crumple's own device has completed a frame and all earlier ones, or for timeout nanoseconds (UINT64_MAX:
+/// without limit). out_done is whether it is complete. The context stays in use meanwhile.
 /// CRUMPLE_ERROR_INVALID_ARGUMENT: the frame was not submitted.
 CrumpleResult crumple_vulkan_wait_frame(CrumpleContext *context, uint64_t frame, uint64_t timeout, bool *out_done);
 
@@ -1374,19 +1276,16 @@ CrumpleResult crumple_example_set_attach_point(CrumpleContext *context, CrumpleE
                                                CrumpleAttachment *out_attachment);
 
 /// Returns the place of an attached point on the dented instance, including pending hits. Uses no buffer. Errors:
-/// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE or CRUMPLE_ERROR_INVALID_ARGUMENT (an attachment of another set, or one that is
-/// not of crumple_example_set_attach_point()).
+/// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE or CRUMPLE_ERROR_INVALID_ARGUMENT (an attachment of another set, or one that is not
+/// of crumple_example_set_attach_point()).
 CrumpleResult crumple_instance_get_attached_frame(CrumpleContext *context, CrumpleInstance instance,
                                                   const CrumpleAttachment *attachment, CrumpleFrame *out_frame);
 
-/// Records the context's calls to a file, path in UTF-8. "crumple replay FILE" makes the same calls without your
-/// engine and checks that every result and vertex is equal: a bug becomes a test. The file starts with the existing
-/// sets, instances, damage and buffers. It grows by some hundred bytes per hit and frame, written at once, so that a
-/// crash loses nothing.
-///
-/// The next deform writes every buffer whole. Vulkan buffers are replayed on the CPU and not compared. Refused calls
-/// are noted with their message. Hits wait for each other while recording, so leave it off in releases.
-///
+/// Records the context's calls to a file, path in UTF-8. "crumple replay FILE" makes the same calls without your engine
+/// and checks that every result and vertex is equal: a bug becomes a test. The file starts with the existing sets,
+/// instances, damage and buffers. It grows by some hundred bytes per hit and frame, written at once, so that a crash
+/// loses nothing. The next deform writes every buffer whole. Vulkan buffers are replayed on the CPU and not compared.
+/// Refused calls are noted with their message. Hits wait for each other while recording, so leave it off in releases.
 /// Submits are serialised, but may arrive meanwhile. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a recording runs, or an
 /// instance has open contacts), CRUMPLE_ERROR_IO, CRUMPLE_ERROR_UNSUPPORTED (a big-endian processor).
 CrumpleResult crumple_recording_begin(CrumpleContext *context, const char *path);

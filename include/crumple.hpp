@@ -7,13 +7,14 @@
 //     body.submit_displacement(point, displacement).value();
 //     context.deform().value();
 //
-// Owners (Context, ExampleSet, Instance, Buffer) can be moved, not copied, and destroy what they own; release() hands
-// the id over instead. Destroying a Context destroys what was made in it; an owner that outlives its context does nothing.
-// Every owner gives its id with id(), and the C functions work on it as well: this file adds nothing to them.
+// Owners (Context, ExampleSet, Instance, Buffer) can be moved but not copied, and destroy what they own; release() gives up
+// ownership of the id instead. A Context destroys everything in it; an owner that outlives its context does nothing.
+// id() returns the id of an owner for the C functions; this file only wraps them.
 //
-// Every call that can fail gives a Result: value() is what it made, or throws Error; with CRUMPLE_NO_EXCEPTIONS defined,
-// value() ends the program instead, and you ask ok(), result() and message() first. A Result that nobody looks at is a
-// compiler warning. Threads are those of the C interface.
+// Every call that can fail returns a Result. Its value() returns what the call made, or throws Error. With
+// CRUMPLE_NO_EXCEPTIONS defined, value() of a failure runs CRUMPLE_ON_ERROR(result, message) instead, which must not return
+// and by default is std::abort(): define it to log the message, or ask ok() first, or use value_or(). Ignoring a Result is a
+// compiler warning. Threads are as in the C interface.
 #ifndef CRUMPLE_HPP
 #define CRUMPLE_HPP
 
@@ -28,6 +29,8 @@
 #include <vector>
 #ifndef CRUMPLE_NO_EXCEPTIONS
 #include <stdexcept>
+#elif !defined(CRUMPLE_ON_ERROR)
+#define CRUMPLE_ON_ERROR(result, message) std::abort()
 #endif
 
 namespace crumple {
@@ -46,7 +49,7 @@ private:
 };
 #endif
 
-/// What a call made, or why it failed. T may be void.
+/// What a call made, or its error. T may be void.
 template <class T>
 class [[nodiscard]] Result {
     struct Nothing {};
@@ -61,13 +64,18 @@ public:
 
     /// Whether the call succeeded.
     bool ok() const noexcept { return result_ == CRUMPLE_OK; }
-    explicit operator bool() const noexcept { return ok(); }
+    /// The same. Not for a Result<bool>, where it could be taken for the value: ask ok() or value().
+    explicit operator bool() const noexcept {
+        static_assert(!std::is_same_v<T, bool>, "ask for ok() or for value(): this Result holds a bool");
+        return ok();
+    }
     CrumpleResult result() const noexcept { return result_; }
 
-    /// What was wrong and what would be right; empty after success.
+    /// The message; empty after success.
     const std::string &message() const noexcept { return message_; }
 
-    /// What the call made. Throws Error, or ends the program, where it failed.
+    /// What the call made. Throws Error, or runs CRUMPLE_ON_ERROR, where it failed. Owners cannot be copied: of a Result that
+    /// has a name use take().
     Stored value() && {
         require();
         return std::move(*value_);
@@ -76,6 +84,13 @@ public:
         require();
         return *value_;
     }
+    /// Moves out what the call made; otherwise as value().
+    Stored take() {
+        require();
+        return std::move(*value_);
+    }
+    /// What the call made, or other where it failed.
+    Stored value_or(Stored other) && { return ok() ? std::move(*value_) : std::move(other); }
 
 private:
     Result(CrumpleResult result, const char *message) : result_(result), message_(message) {}
@@ -83,7 +98,7 @@ private:
     void require() const {
         if (ok()) return;
 #ifdef CRUMPLE_NO_EXCEPTIONS
-        std::abort();
+        CRUMPLE_ON_ERROR(result_, message_.c_str());
 #else
         throw Error(result_, message_);
 #endif
@@ -142,7 +157,7 @@ public:
     CrumpleContext *context() const noexcept { return context_; }
     explicit operator bool() const noexcept { return id_.index != 0; }
 
-    /// Hands the id over: it is the caller's to destroy.
+    /// Gives up ownership: the caller destroys the id.
     Id release() noexcept {
         context_ = nullptr;
         return std::exchange(id_, Id{});
@@ -178,9 +193,10 @@ CrumpleInput input(const Container &values) {
     return input(values.data(), values.size());
 }
 
-/// count elements of type T, stride bytes apart, to be written.
+/// count elements of type T, stride bytes apart, to be written. T is a whole value: CrumpleVec3, float[3] or the like.
 template <class T>
 CrumpleStream stream(T *first, std::size_t count, std::size_t stride = sizeof(T)) {
+    static_assert(!std::is_same_v<T, float>, "a value has 3 or 4 floats: give a pointer to an array of them, or a member");
     CrumpleStream out{};
     out.data = first;
     out.size = count == 0 ? 0 : (count - 1) * stride + sizeof(T);
@@ -188,10 +204,29 @@ CrumpleStream stream(T *first, std::size_t count, std::size_t stride = sizeof(T)
     return out;
 }
 
-/// All elements of a std::vector, std::array, std::span or the like, to be written.
+/// One member of each of count vertices, to be written: stream(vertices, count, &Vertex::normal).
+template <class Vertex, class Member>
+CrumpleStream stream(Vertex *vertices, std::size_t count, Member Vertex::*member) {
+    CrumpleStream out{};
+    if (vertices == nullptr) return out;
+    out.data = vertices;
+    out.size = count * sizeof(Vertex);
+    out.offset = static_cast<std::size_t>(reinterpret_cast<char *>(&(vertices->*member)) - reinterpret_cast<char *>(vertices));
+    out.stride = sizeof(Vertex);
+    return out;
+}
+
+/// All elements of a std::vector, std::array, std::span or the like, to be written. The elements are single values.
 template <class Container, class = decltype(std::declval<Container &>().data())>
 CrumpleStream stream(Container &values) {
+    static_assert(sizeof(*values.data()) <= 4 * sizeof(float), "name the member: stream(vertices, &Vertex::position)");
     return stream(values.data(), values.size());
+}
+
+/// One member of each vertex in a std::vector or the like, to be written: stream(vertices, &Vertex::normal).
+template <class Container, class Vertex, class Member, class = decltype(std::declval<Container &>().data())>
+CrumpleStream stream(Container &vertices, Member Vertex::*member) {
+    return stream(vertices.data(), vertices.size(), member);
 }
 
 /// Memory that an instance's vertices are written to; unregisters itself. See crumple_buffer_register_host().
@@ -249,24 +284,36 @@ public:
         return detail::get<CrumpleHitResult>(
             [&](CrumpleHitResult *out) { return crumple_instance_submit_displacement(context(), id(), &def, out); });
     }
-    /// N s, s, kg (0: the set's mass). Any thread, at any time.
+    /// The result of a hit that leaves no mark. Any thread, at any time.
+    Result<CrumpleHitResult> preview(const CrumpleImpulseDef &def) const {
+        return detail::get<CrumpleHitResult>(
+            [&](CrumpleHitResult *out) { return crumple_instance_preview_impulse(context(), id(), &def, out); });
+    }
+    /// The result of a hit that leaves no mark. Any thread, at any time.
+    Result<CrumpleHitResult> preview(const CrumpleDisplacementDef &def) const {
+        return detail::get<CrumpleHitResult>(
+            [&](CrumpleHitResult *out) { return crumple_instance_preview_displacement(context(), id(), &def, out); });
+    }
+    /// N s, s, kg (0: the set's mass), contact_id (0: none). Any thread, at any time.
     Result<CrumpleHitResult> submit_impulse(CrumpleVec3 point, CrumpleVec3 impulse, float duration, float mass = 0,
-                                            CrumpleSpace space = CRUMPLE_SPACE_LOCAL) {
+                                            CrumpleSpace space = CRUMPLE_SPACE_LOCAL, uint64_t contact_id = 0) {
         CrumpleImpulseDef def = crumple_impulse_def_default();
         def.space = space;
         def.point = point;
         def.impulse = impulse;
         def.duration = duration;
         def.mass = mass;
+        def.contact_id = contact_id;
         return submit(def);
     }
-    /// m. Any thread, at any time.
+    /// m, contact_id (0: none). Any thread, at any time.
     Result<CrumpleHitResult> submit_displacement(CrumpleVec3 point, CrumpleVec3 displacement,
-                                                 CrumpleSpace space = CRUMPLE_SPACE_LOCAL) {
+                                                 CrumpleSpace space = CRUMPLE_SPACE_LOCAL, uint64_t contact_id = 0) {
         CrumpleDisplacementDef def = crumple_displacement_def_default();
         def.space = space;
         def.point = point;
         def.displacement = displacement;
+        def.contact_id = contact_id;
         return submit(def);
     }
 
@@ -292,6 +339,7 @@ public:
     Result<void> load(const void *data, std::size_t size) {
         return detail::done(crumple_instance_load_damage(context(), id(), data, size));
     }
+    Result<void> load(const std::vector<unsigned char> &saved) { return load(saved.data(), saved.size()); }
     /// The share of its depth that every dent keeps, 0 to 1.
     Result<void> repair(float keep) { return detail::done(crumple_instance_repair_damage(context(), id(), keep)); }
     Result<void> reset_damage() { return detail::done(crumple_instance_reset_damage(context(), id())); }
@@ -355,7 +403,7 @@ public:
             return crumple_example_set_save_baked(context(), id(), data, capacity, size);
         });
     }
-    Result<void> copy_base_mesh(const CrumpleMeshCopyDef &def) const {
+    Result<void> copy_mesh(const CrumpleMeshCopyDef &def) const {
         return detail::done(crumple_example_set_copy_mesh(context(), id(), &def));
     }
     struct Nearest {
@@ -490,7 +538,7 @@ public:
     Result<void> complete_frames(uint64_t frame) { return detail::done(crumple_vulkan_complete_frames(context_, frame)); }
     Result<void> discard_frames(uint64_t frame) { return detail::done(crumple_vulkan_discard_frames(context_, frame)); }
 
-    /// What is called goes into a file, for "crumple replay".
+    /// Records calls to a file for "crumple replay".
     Result<void> recording_begin(const char *path) { return detail::done(crumple_recording_begin(context_, path)); }
     Result<void> recording_end() { return detail::done(crumple_recording_end(context_)); }
 
@@ -498,7 +546,7 @@ public:
         return detail::get<uint64_t>(
             [&](uint64_t *buffer) { return crumple_vulkan_import_buffer(context_, &def, buffer); });
     }
-    Result<void> release_vulkan_buffer(uint64_t buffer) {
+    Result<void> unimport_vulkan_buffer(uint64_t buffer) {
         return detail::done(crumple_vulkan_unimport_buffer(context_, buffer));
     }
     Result<uint64_t> import_vulkan_semaphore(CrumpleHandleType type, int64_t handle) {
@@ -513,7 +561,7 @@ public:
                                          signals.data(), static_cast<uint32_t>(signals.size()), frame, report);
         });
     }
-    /// Whether the device was done within so many nanoseconds.
+    /// Whether the device completed the frame within timeout nanoseconds: value() is the answer, ok() is not.
     Result<bool> wait_frame(uint64_t frame, uint64_t timeout = UINT64_MAX) {
         return detail::get<bool>([&](bool *done) { return crumple_vulkan_wait_frame(context_, frame, timeout, done); });
     }

@@ -233,7 +233,7 @@ void run(vsg::ref_ptr<vsg::Instance> instance, const char *hood, const char *pat
     copy.positions = crumple::stream(positions);
     copy.normals = crumple::stream(normals);
     copy.indices = crumple::stream(indices);
-    examples.copy_base_mesh(copy).value();
+    examples.copy_mesh(copy).value();
 
     auto draw = make_draw(positions, normals, indices, 0);
     const float z = about.bounds.min.z - 0.06f;

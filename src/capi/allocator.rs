@@ -15,14 +15,12 @@ pub type CrumpleAlloc = Option<unsafe extern "C" fn(size: usize, align: usize, u
 /// Crumple, throw or jump out.
 pub type CrumpleFree = Option<unsafe extern "C" fn(pointer: *mut c_void, size: usize, align: usize, user: *mut c_void)>;
 
-/// The host's allocator.
+/// The host's allocator. Both functions are required.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleAllocatorDef {
     pub struct_size: u32,
-    /// Allocates. Required.
     pub alloc: CrumpleAlloc,
-    /// Frees. Required.
     pub free: CrumpleFree,
     /// Passed to both. May be null.
     pub user: *mut c_void,
@@ -37,11 +35,10 @@ pub extern "C" fn crumple_allocator_def_default() -> CrumpleAllocatorDef {
 }
 
 /// Makes the library allocate from the host's functions, for the whole process. Null restores the system's allocator.
-///
 /// You may call this at any time. Each block is freed by the functions that allocated it, so they must stay callable.
 /// Destroying all contexts frees all blocks, except for a few kB per thread that contexts with their own threads keep
-/// until process exit. A process can use at most 15 different allocators. Builds without
-/// CRUMPLE_FEATURE_HOST_ALLOCATOR return CRUMPLE_ERROR_UNSUPPORTED.
+/// until process exit. A process can use at most 15 different allocators. Builds without CRUMPLE_FEATURE_HOST_ALLOCATOR
+/// return CRUMPLE_ERROR_UNSUPPORTED.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_allocator_set(allocator: *const CrumpleAllocatorDef) -> CrumpleResult {
     boundary("crumple_allocator_set", || {

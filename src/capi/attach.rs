@@ -22,13 +22,12 @@ pub struct CrumpleAttachment {
     pub reserved: [u32; 3],
 }
 
-/// The place of an attached point.
+/// The place of an attached point, and its rotation since rest.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 pub struct CrumpleFrame {
     /// Position, m, in the mesh's space.
     pub position: CrumpleVec3,
-    /// Rotation since rest.
     pub rotation: CrumpleQuat,
     pub reserved: [u32; 5],
 }
@@ -52,8 +51,8 @@ pub unsafe extern "C" fn crumple_example_set_attach_point(
 }
 
 /// Returns the place of an attached point on the dented instance, including pending hits. Uses no buffer. Errors:
-/// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE or CRUMPLE_ERROR_INVALID_ARGUMENT (an attachment of another set, or one that is
-/// not of crumple_example_set_attach_point()).
+/// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE or CRUMPLE_ERROR_INVALID_ARGUMENT (an attachment of another set, or one that is not
+/// of crumple_example_set_attach_point()).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_get_attached_frame(
     context: *mut CrumpleContext,

@@ -35,12 +35,11 @@ pub extern "C" fn crumple_host_buffer_def_default() -> CrumpleHostBufferDef {
 }
 
 /// Registers your memory for an instance's deformed vertices. The first deform writes every vertex. An instance may
-/// have several buffers, such as the members of a ring; each is brought up to date by itself.
-///
-/// Only crumple_context_deform() touches the memory. It must exist until the buffer is unregistered or set to other
-/// memory, or until its instance or context is destroyed. Memory of different buffers must not overlap; debug builds
-/// of the library check this. Errors: CRUMPLE_ERROR_MESH (normals or tangents that the mesh lacks),
-/// CRUMPLE_ERROR_WRONG_RULE (lod above 0 with a classic rule).
+/// have several buffers, such as the members of a ring; each is brought up to date by itself. Only
+/// crumple_context_deform() touches the memory. It must exist until the buffer is unregistered or set to other memory,
+/// or until its instance or context is destroyed. Memory of different buffers must not overlap; debug builds of the
+/// library check this. Errors: CRUMPLE_ERROR_MESH (normals or tangents that the mesh lacks), CRUMPLE_ERROR_WRONG_RULE
+/// (lod above 0 with a classic rule).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_buffer_register_host(
     context: *mut CrumpleContext,
@@ -83,8 +82,8 @@ pub unsafe extern "C" fn crumple_buffer_invalidate(
     })
 }
 
-/// Gives a host buffer other memory, perhaps for another level of detail, and invalidates it. After an error the
-/// buffer keeps its memory. Errors as for crumple_buffer_register_host().
+/// Gives a host buffer other memory, perhaps for another level of detail, and invalidates it. After an error the buffer
+/// keeps its memory. Errors as for crumple_buffer_register_host().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_buffer_set_memory(
     context: *mut CrumpleContext,

@@ -16,7 +16,6 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock, TryLockError};
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CrumpleLogLevel {
-    /// A report of what was done.
     Info = 0,
     /// Something that works but is probably a mistake.
     Warning = 1,
@@ -40,9 +39,7 @@ pub struct CrumpleContextDef {
     pub threads: u32,
     /// Receives messages. Default null: none.
     pub log: CrumpleLog,
-    /// Passed to log.
     pub log_user: *mut c_void,
-    /// Your job system, instead of Crumple's threads. Default zero: none.
     pub tasks: CrumpleTaskSystem,
 }
 
@@ -200,9 +197,7 @@ fn tag_of(number: usize) -> u16 {
 }
 
 /// Destroys a context and everything in it. Your own memory is neither freed nor touched. The context and its ids
-/// become invalid.
-///
-/// No other call may be running with this context. An attached Vulkan device must still exist.
+/// become invalid. No other call may be running with this context. An attached Vulkan device must still exist.
 /// CRUMPLE_ERROR_FRAMES_IN_FLIGHT: see crumple_vulkan_complete_frames(); nothing was destroyed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_destroy(context: *mut CrumpleContext) -> CrumpleResult {

@@ -66,9 +66,9 @@ pub unsafe extern "C" fn crumple_instance_save_damage(
     })
 }
 
-/// Replaces an instance's damage by size saved bytes of any alignment. Discards pending hits and ends contacts.
-/// Errors: CRUMPLE_ERROR_DAMAGE_MISMATCH (another set, version or rule, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT
-/// (a mark that the set cannot have).
+/// Replaces an instance's damage by size saved bytes of any alignment. Discards pending hits and ends contacts. Errors:
+/// CRUMPLE_ERROR_DAMAGE_MISMATCH (another set, version or rule, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT (a mark
+/// that the set cannot have).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_load_damage(
     context: *mut CrumpleContext,
@@ -111,8 +111,8 @@ pub unsafe extern "C" fn crumple_instance_reset_damage(
 }
 
 /// Replaces an instance's damage by that of source, an instance with an equal set and the same kind of rule. Discards
-/// the instance's pending hits and ends its contacts. Copying from itself does nothing.
-/// CRUMPLE_ERROR_DAMAGE_MISMATCH: another set or rule.
+/// the instance's pending hits and ends its contacts. Copying from itself does nothing. CRUMPLE_ERROR_DAMAGE_MISMATCH:
+/// another set or rule.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_copy_damage(
     context: *mut CrumpleContext,

@@ -12,13 +12,11 @@ use crate::base::error::reserve;
 use crate::{Aabb, DeformJob};
 use xxhash_rust::xxh3::Xxh3;
 
-/// The work of a deform.
+/// The work of a deform. Blocks are runs of consecutive vertices.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CrumpleDeformReport {
-    /// Vertices written, over all buffers.
     pub vertices_written: u64,
-    /// Blocks of consecutive vertices written.
     pub blocks_written: u64,
     /// Blocks that were up to date.
     pub blocks_skipped: u64,
@@ -27,13 +25,11 @@ pub struct CrumpleDeformReport {
     pub reserved: [u64; 4],
 }
 
-/// Brings host buffers up to date: count ids at buffers, each once, or all host buffers of the context with null and
-/// 0. Writes only what changed since the last write of each buffer, in parallel over all of them. Without changes it
-/// is cheap. An unseen instance needs no deform: its next deform includes all its hits, at 8 to 20 microseconds each.
-///
-/// The buffers' memory must not be read or written during the call. out_report may be null.
-/// CRUMPLE_ERROR_INVALID_ARGUMENT: a buffer twice, a Vulkan buffer, or overlapping memory in debug builds. No vertex
-/// is written then.
+/// Brings host buffers up to date: count ids at buffers, each once, or all host buffers of the context with null and 0.
+/// Writes only what changed since the last write of each buffer, in parallel over all of them. Without changes it is
+/// cheap. An unseen instance needs no deform: its next deform includes all its hits, at 8 to 20 microseconds each. The
+/// buffers' memory must not be read or written during the call. out_report may be null. CRUMPLE_ERROR_INVALID_ARGUMENT:
+/// a buffer twice, a Vulkan buffer, or overlapping memory in debug builds. No vertex is written then.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_deform(
     context: *mut CrumpleContext,

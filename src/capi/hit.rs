@@ -12,14 +12,13 @@ use std::mem::MaybeUninit;
 use std::num::NonZeroU64;
 use std::sync::PoisonError;
 
-/// A hit given as an impulse. The target displacement of the contact is impulse * duration / mass. For dents that do
-/// not depend on the frame rate, make duration a constant of the material and report a contact once with its whole
-/// impulse, or in parts with a contact_id.
+/// A hit given as an impulse, with point and impulse in the given space (default CRUMPLE_SPACE_LOCAL). The target
+/// displacement of the contact is impulse * duration / mass. For dents that do not depend on the frame rate, make
+/// duration a constant of the material and report a contact once with its whole impulse, or in parts with a contact_id.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleImpulseDef {
     pub struct_size: u32,
-    /// Space of point and impulse. Default CRUMPLE_SPACE_LOCAL.
     pub space: MaybeUninit<Space>,
     /// Where it hit, m. The nearest vertex becomes the contact.
     pub point: CrumpleVec3,
@@ -35,18 +34,15 @@ pub struct CrumpleImpulseDef {
 }
 
 /// A hit given as the desired contact displacement, for engines with their own impulse-to-depth mapping. It does not
-/// depend on the frame rate.
+/// depend on the frame rate. Fields without a comment are as in CrumpleImpulseDef.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleDisplacementDef {
     pub struct_size: u32,
-    /// Space of point and displacement. Default CRUMPLE_SPACE_LOCAL.
     pub space: MaybeUninit<Space>,
-    /// Where it hit, m. The nearest vertex becomes the contact.
     pub point: CrumpleVec3,
     /// Target displacement of the contact, m.
     pub displacement: CrumpleVec3,
-    /// As in CrumpleImpulseDef. Default 0.
     pub contact_id: u64,
 }
 
@@ -56,7 +52,6 @@ defs!(CrumpleImpulseDef, CrumpleDisplacementDef);
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct CrumpleChosen {
-    /// Index in the set.
     pub example: u32,
     /// Share of the dent; shares of a hit sum to 1. Negative where it corrects overshoot of the others.
     pub share: f32,
@@ -73,7 +68,6 @@ pub struct CrumpleChosen {
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleHitResult {
-    /// What became of the hit.
     pub status: MaybeUninit<HitStatus>,
     /// The vertex nearest to the point.
     pub contact_vertex: u32,
@@ -83,7 +77,6 @@ pub struct CrumpleHitResult {
     pub target: CrumpleVec3,
     /// Displacement of the contact by this hit alone, m, in the mesh's space. target - achieved was not achieved.
     pub achieved: CrumpleVec3,
-    /// Number of chosen examples.
     pub chosen_count: u32,
     /// Whether the target was longer than the depth limit and was cut to it.
     pub clamped: bool,
@@ -136,13 +129,11 @@ pub extern "C" fn crumple_displacement_def_default() -> CrumpleDisplacementDef {
     zeroed()
 }
 
-/// Submits a hit. Examples are selected during the call. The mark counts from the next read of the damage (see
-/// "Reads" at the top). A hit that is too weak, or that no example answers, is not an error; see out_result->status.
-/// out_result may be null. With a contact_id, it describes the hit alone.
-///
-/// May be called from any thread at any time, except while the instance or context is being destroyed. Errors:
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (duration not above 0, negative or unknown mass), CRUMPLE_ERROR_CONTACT_TOO_FAR,
-/// CRUMPLE_ERROR_WRONG_RULE (a contact_id with a classic rule).
+/// Submits a hit. Examples are selected during the call. The mark counts from the next read of the damage (see "Reads"
+/// at the top). A hit that is too weak, or that no example answers, is not an error; see out_result->status. out_result
+/// may be null. With a contact_id, it describes the hit alone. May be called from any thread at any time, except while
+/// the instance or context is being destroyed. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (duration not above 0, negative
+/// or unknown mass), CRUMPLE_ERROR_CONTACT_TOO_FAR, CRUMPLE_ERROR_WRONG_RULE (a contact_id with a classic rule).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_submit_impulse(
     context: *mut CrumpleContext,
@@ -201,18 +192,14 @@ pub unsafe extern "C" fn crumple_instance_preview_displacement(
     )
 }
 
-/// Ends a contact. Its dent stays; later hits with the same id begin a new contact.
-///
-/// Use contacts where the physics engine reports one contact as many small impulses. Give each of these hits the same
-/// contact_id, any number but 0, and end the contact when the bodies separate. They make the dent of the whole
-/// impulse, at any frame rate: their displacements add, and the place is the mean of their points weighted by
-/// displacement. Yield thresholds and depth limit apply to the sum. One mark is replaced as hits arrive.
-///
-/// Ends and hits of one contact take effect at the next read, hits first. Reuse an id only after that read. Ending an
-/// unknown id is not an error. Contacts also end when the instance's damage is set, loaded, copied, repaired or
-/// reset. At most 256 are open; the one hit longest ago ends first.
-///
-/// May be called from any thread at any time. Errors: CRUMPLE_ERROR_WRONG_RULE (a classic rule).
+/// Ends a contact. Its dent stays; later hits with the same id begin a new contact. Use contacts where the physics
+/// engine reports one contact as many small impulses. Give each of these hits the same contact_id, any number but 0,
+/// and end the contact when the bodies separate. They make the dent of the whole impulse, at any frame rate: their
+/// displacements add, and the place is the mean of their points weighted by displacement. Yield thresholds and depth
+/// limit apply to the sum. One mark is replaced as hits arrive. Ends and hits of one contact take effect at the next
+/// read, hits first. Reuse an id only after that read. Ending an unknown id is not an error. Contacts also end when the
+/// instance's damage is set, loaded, copied, repaired or reset. At most 256 are open; the one hit longest ago ends
+/// first. May be called from any thread at any time. Errors: CRUMPLE_ERROR_WRONG_RULE (a classic rule).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_end_contact(
     context: *mut CrumpleContext,

@@ -20,12 +20,10 @@ pub struct CrumpleInstanceDef {
     pub examples_per_hit: u32,
     /// The example set, which the instance keeps alive. Required.
     pub set: CrumpleExampleSet,
-    /// How hits damage the instance. Default CRUMPLE_RULE_MARKS.
     pub rule: MaybeUninit<CrumpleRule>,
-    /// How examples are selected. Default CRUMPLE_SELECTION_OF_RULE.
     pub selection: MaybeUninit<CrumpleSelection>,
-    /// Most marks kept, 1 to 65535, 32 bytes each. Above it, the weakest mark is merged into the nearest mark.
-    /// Default 64.
+    /// Most marks kept, 1 to 65535, 32 bytes each. Above it, the weakest mark is merged into the nearest mark. Default
+    /// 64.
     pub mark_capacity: u32,
     /// No vertex moves further than this, m. Default 0: the set's limit.
     pub depth_limit: f32,
@@ -56,9 +54,7 @@ pub struct CrumpleInstanceInfo {
     pub memory_bytes: u64,
     /// Number of marks; 0 with a classic rule.
     pub mark_count: u32,
-    /// Number of registered buffers.
     pub buffer_count: u32,
-    /// No vertex moves further than this, m.
     pub depth_limit: f32,
     /// Number of open contacts; see crumple_instance_end_contact().
     pub contact_count: u32,
@@ -192,10 +188,8 @@ pub(super) fn info_number(info: &CrumpleInstanceInfo) -> u64 {
     u64::from(info.mark_count) | u64::from(info.contact_count) << 32
 }
 
-/// Sets the transform of an instance: local_to_world points to 16 floats, column-major (element 4 * column + row, as
-/// in glTF and Vulkan), translation in elements 12 to 14, m, last row 0 0 0 1. It may scale and shear but not
-/// flatten.
-///
+/// Sets the transform of an instance: local_to_world points to 16 floats, column-major (element 4 * column + row, as in
+/// glTF and Vulkan), translation in elements 12 to 14, m, last row 0 0 0 1. It may scale and shear but not flatten.
 /// Hits in CRUMPLE_SPACE_WORLD that are submitted afterwards use it: points as points, impulses and displacements as
 /// vectors, by its inverse. Deformed vertices are always in the mesh's space.
 #[unsafe(no_mangle)]
@@ -228,8 +222,8 @@ fn matrix(columns: [f32; 16], name: &str) -> Result<Mat4, Failure> {
     Ok(Mat4::from_cols_array(&columns))
 }
 
-/// Limits how far a vertex moves, m, from the next crumple_context_deform() on. 0: the set's limit. Marks are kept,
-/// and show again when the limit is raised.
+/// Limits how far a vertex moves, m, from the next crumple_context_deform() on. 0: the set's limit. Marks are kept, and
+/// show again when the limit is raised.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_set_depth_limit(
     context: *mut CrumpleContext,
@@ -243,12 +237,10 @@ pub unsafe extern "C" fn crumple_instance_set_depth_limit(
     })
 }
 
-/// Allows vertices a position error of up to tolerance, m, in the mesh's space, which makes deforming cheaper:
-/// smaller displacements are skipped. 0: none are skipped. Seams stay closed.
-///
-/// The value is rounded down to a power of two in metres, so it may be set every frame from
-/// crumple_pixel_tolerance(). When the rounded value changes, the next deform writes every dented block. Classic
-/// rules ignore it.
+/// Allows vertices a position error of up to tolerance, m, in the mesh's space, which makes deforming cheaper: smaller
+/// displacements are skipped. 0: none are skipped. Seams stay closed. The value is rounded down to a power of two in
+/// metres, so it may be set every frame from crumple_pixel_tolerance(). When the rounded value changes, the next deform
+/// writes every dented block. Classic rules ignore it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_set_tolerance(
     context: *mut CrumpleContext,

@@ -17,7 +17,7 @@ use crate::ExampleSet;
 use std::ffi::{c_char, c_void};
 use std::mem::MaybeUninit;
 
-/// Which mesh of a glTF file to load, and how.
+/// Which mesh of a glTF file to load, and how the set is built.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleGltfDef {
@@ -27,14 +27,13 @@ pub struct CrumpleGltfDef {
     pub mesh_index: u32,
     /// Name of the mesh, UTF-8. Default null: mesh_index decides.
     pub mesh_name: *const c_char,
-    /// Path of the .glb or .gltf file, UTF-8. For crumple_example_set_load_gltf_memory(): the folder of files that
-    /// the glTF refers to; null makes such files an error.
+    /// Path of the .glb or .gltf file, UTF-8. For crumple_example_set_load_gltf_memory(): the folder of files that the
+    /// glTF refers to; null makes such files an error.
     pub path: *const c_char,
-    /// How the set is built.
     pub options: CrumpleExampleSetOptions,
 }
 
-/// A base OBJ file with its example files.
+/// A base OBJ file with its example files, and how the set is built.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleObjDef {
@@ -45,7 +44,6 @@ pub struct CrumpleObjDef {
     pub base_path: *const c_char,
     /// Paths of the examples, UTF-8. Each has the vertices of the base mesh in the same order.
     pub example_paths: *const *const c_char,
-    /// How the set is built.
     pub options: CrumpleExampleSetOptions,
 }
 

@@ -10,14 +10,11 @@ use std::ffi::c_char;
 use std::path::Path;
 use std::sync::PoisonError;
 
-/// Records the context's calls to a file, path in UTF-8. "crumple replay FILE" makes the same calls without your
-/// engine and checks that every result and vertex is equal: a bug becomes a test. The file starts with the existing
-/// sets, instances, damage and buffers. It grows by some hundred bytes per hit and frame, written at once, so that a
-/// crash loses nothing.
-///
-/// The next deform writes every buffer whole. Vulkan buffers are replayed on the CPU and not compared. Refused calls
-/// are noted with their message. Hits wait for each other while recording, so leave it off in releases.
-///
+/// Records the context's calls to a file, path in UTF-8. "crumple replay FILE" makes the same calls without your engine
+/// and checks that every result and vertex is equal: a bug becomes a test. The file starts with the existing sets,
+/// instances, damage and buffers. It grows by some hundred bytes per hit and frame, written at once, so that a crash
+/// loses nothing. The next deform writes every buffer whole. Vulkan buffers are replayed on the CPU and not compared.
+/// Refused calls are noted with their message. Hits wait for each other while recording, so leave it off in releases.
 /// Submits are serialised, but may arrive meanwhile. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a recording runs, or an
 /// instance has open contacts), CRUMPLE_ERROR_IO, CRUMPLE_ERROR_UNSUPPORTED (a big-endian processor).
 #[unsafe(no_mangle)]

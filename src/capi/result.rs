@@ -12,7 +12,6 @@ use std::mem::MaybeUninit;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(clippy::enum_variant_names)] // the C names
 pub enum CrumpleResult {
-    /// Success.
     CrumpleOk = 0,
     /// A value is outside its range, or the call is not allowed now.
     CrumpleErrorInvalidArgument = 1,
@@ -170,9 +169,9 @@ pub(super) fn remember(call: &str, message: &str) {
     });
 }
 
-/// Returns the message of the calling thread's last failed call, as UTF-8: "crumple_instance_create: ...". It names
-/// the wrong value and the right one. It is empty before the first failure; calls that succeed leave it unchanged. It
-/// stays valid until the thread's next failed call. At most 1023 bytes, never null.
+/// Returns the message of the calling thread's last failed call, as UTF-8: "crumple_instance_create: ...". It names the
+/// wrong value and the right one. It is empty before the first failure; calls that succeed leave it unchanged. It stays
+/// valid until the thread's next failed call. At most 1023 bytes, never null.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_last_error() -> *const c_char {
     // A thread that is ending has lost its text already.

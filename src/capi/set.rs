@@ -16,14 +16,12 @@ use std::ffi::{CString, c_char};
 use std::mem::MaybeUninit;
 use std::sync::Arc;
 
-/// The type of triangle indices.
+/// The type of triangle indices. CRUMPLE_INDEX_TYPE_U32 is the default.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(dead_code)] // made by C
 pub enum CrumpleIndexType {
-    /// uint32_t. The default.
     U32 = 0,
-    /// uint16_t.
     U16 = 1,
 }
 
@@ -48,28 +46,26 @@ pub struct CrumpleExampleSetOptions {
     pub depth_limit: f32,
     /// Displacements of an example up to this length are dropped, m. Default 0: only zeros.
     pub drop_below: f32,
-    /// Mass of every vertex, kg, for impulses without a mass: a calibration constant in impulse * duration / mass,
-    /// not the body's mass. Default 0: unknown.
+    /// Mass of every vertex, kg, for impulses without a mass: a calibration constant in impulse * duration / mass, not
+    /// the body's mass. Default 0: unknown.
     pub vertex_mass: f32,
-    /// Nodes along each side of the grid that stores a carried example: 4 to 128. Default 32; sharp creases need
-    /// more. With a bake_tolerance, this is the maximum.
+    /// Nodes along each side of the grid that stores a carried example: 4 to 128. Default 32; sharp creases need more.
+    /// With a bake_tolerance, this is the maximum.
     pub stamp_resolution: u32,
     /// Largest position error from quantisation at weight 1, m. Displacements are then stored as integers of 1 or 2
-    /// bytes, carried examples on the coarsest grid within the error. Default 0: exact floats. Changes the
-    /// fingerprint; depth_limit and vertex_mass do not.
+    /// bytes, carried examples on the coarsest grid within the error. Default 0: exact floats. Changes the fingerprint;
+    /// depth_limit and vertex_mass do not.
     pub bake_tolerance: f32,
     /// Largest error of a normal at weight 1, degrees, above 0 and up to 45. Used with a bake_tolerance. Default 1.
     pub bake_normal_tolerance: f32,
     /// Mass of each vertex, kg: vertex_count floats, instead of vertex_mass. Default absent.
     pub vertex_masses: CrumpleInput,
-    /// How the dents of several hits combine. Default CRUMPLE_COMBINE_ENERGIES.
     pub combine: MaybeUninit<Combine>,
-    /// How examples that open seams are treated. Default CRUMPLE_SEAMS_WELD.
     pub seams: MaybeUninit<Seams>,
     /// Carried examples are never scaled above their own depth, as anchored ones never are. Default false.
     pub strict: MaybeUninit<bool>,
-    /// Also use mirrored copies of the examples where the body is symmetric in a coordinate plane through the centre
-    /// of its bounds. Default true.
+    /// Also use mirrored copies of the examples where the body is symmetric in a coordinate plane through the centre of
+    /// its bounds. Default true.
     pub mirror: MaybeUninit<bool>,
     /// Fade carried dents to zero at boundary edges that no example moves. Default true.
     pub held_rims: MaybeUninit<bool>,
@@ -86,8 +82,7 @@ pub struct CrumpleExampleDef {
     pub name: *const c_char,
     /// Full form: the new position of every vertex, vertex_count times 3 floats, m, in the base mesh's order.
     pub target_positions: CrumpleInput,
-    /// Full form: the new unit normals, vertex_count times 3 floats. Absent: computed. Needs normals of the base
-    /// mesh.
+    /// Full form: the new unit normals, vertex_count times 3 floats. Absent: computed. Needs normals of the base mesh.
     pub target_normals: CrumpleInput,
     /// Sparse form: indices of the moved vertices, strictly increasing, delta_count times uint32_t.
     pub delta_indices: CrumpleInput,
@@ -95,7 +90,6 @@ pub struct CrumpleExampleDef {
     pub position_deltas: CrumpleInput,
     /// Sparse form: the changes of their unit normals, delta_count times 3 floats. Absent: computed.
     pub normal_deltas: CrumpleInput,
-    /// How the contact is given. Default CRUMPLE_CONTACT_KIND_NONE.
     pub contact_kind: MaybeUninit<CrumpleContactKind>,
     /// The vertex that was hit, for CRUMPLE_CONTACT_KIND_VERTEX.
     pub contact_vertex: u32,
@@ -105,7 +99,6 @@ pub struct CrumpleExampleDef {
     pub contact_normal: CrumpleVec3,
     /// Whether contact_normal is given. Default false: the mesh's normal is used.
     pub has_contact_normal: MaybeUninit<bool>,
-    /// Where the example may be used. Default CRUMPLE_PLACEMENT_AUTOMATIC.
     pub placement: MaybeUninit<Placement>,
 }
 
@@ -126,31 +119,26 @@ pub struct CrumpleMeshDef {
     /// Triangles: index_count indices, counter-clockwise seen from outside. Absent: a point cloud, whose normals must
     /// be given.
     pub indices: CrumpleInput,
-    /// Type of indices. Default CRUMPLE_INDEX_TYPE_U32.
     pub index_type: MaybeUninit<CrumpleIndexType>,
 }
 
-/// A base mesh with its examples.
+/// A base mesh with its examples, at least 1, and how the set is built.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleExampleSetDef {
     pub struct_size: u32,
-    /// Number of examples, at least 1.
     pub example_count: u32,
-    /// The base mesh.
     pub mesh: CrumpleMeshDef,
     /// example_count defs, each from crumple_example_def_default().
     pub examples: *const CrumpleExampleDef,
-    /// How the set is built.
     pub options: CrumpleExampleSetOptions,
 }
 
-/// Another mesh of a set's body, such as a level of detail.
+/// Another mesh of a set's body, such as a level of detail, in the base mesh's space.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleLodDef {
     pub struct_size: u32,
-    /// The mesh, in the base mesh's space.
     pub mesh: CrumpleMeshDef,
 }
 
@@ -184,9 +172,9 @@ pub extern "C" fn crumple_example_set_def_default() -> CrumpleExampleSetDef {
     CrumpleExampleSetDef { options: default_options(), ..zeroed() }
 }
 
-/// Builds an example set from arrays. The call indexes the mesh and samples every example, which takes time: build
-/// sets while loading, or load baked ones. Errors: CRUMPLE_ERROR_MESH (no vertices), CRUMPLE_ERROR_EXAMPLE_MISMATCH
-/// (no examples, or one that does not fit the mesh).
+/// Builds an example set from arrays. The call indexes the mesh and samples every example, which takes time: build sets
+/// while loading, or load baked ones. Errors: CRUMPLE_ERROR_MESH (no vertices), CRUMPLE_ERROR_EXAMPLE_MISMATCH (no
+/// examples, or one that does not fit the mesh).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_create(
     context: *mut CrumpleContext,
@@ -215,11 +203,10 @@ pub extern "C" fn crumple_lod_def_default() -> CrumpleLodDef {
 }
 
 /// Adds a mesh that shows the same damage, such as a level of detail or a collision proxy. Call this before the set's
-/// first instance is created. out_lod is its number, 1 for the first, for the lod fields of buffer defs.
-///
-/// Each vertex is bound to the nearest point of the base surface and moves with it. A vertex on a base vertex moves
-/// exactly as that vertex. Contacts, marks, saved damage and the fingerprint are still those of the base mesh.
-/// Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (the set has instances), CRUMPLE_ERROR_MESH.
+/// first instance is created. out_lod is its number, 1 for the first, for the lod fields of buffer defs. Each vertex is
+/// bound to the nearest point of the base surface and moves with it. A vertex on a base vertex moves exactly as that
+/// vertex. Contacts, marks, saved damage and the fingerprint are still those of the base mesh. Errors:
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (the set has instances), CRUMPLE_ERROR_MESH.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_add_lod(
     context: *mut CrumpleContext,

@@ -9,7 +9,8 @@ use crate::Placement;
 use std::ffi::c_char;
 use std::mem::MaybeUninit;
 
-/// Facts about an example set. Its strings are valid until the set is destroyed.
+/// Facts about an example set; counts and bounds are those of the base mesh. Its strings are valid until the set is
+/// destroyed.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleExampleSetInfo {
@@ -17,13 +18,9 @@ pub struct CrumpleExampleSetInfo {
     pub name: *const c_char,
     /// Equal for equal sets, on any machine. Saved damage fits sets of one fingerprint.
     pub fingerprint: u64,
-    /// Memory of the set, bytes.
     pub memory_bytes: u64,
-    /// Vertices of the base mesh.
     pub vertex_count: u32,
-    /// Triangles of the base mesh.
     pub triangle_count: u32,
-    /// Number of examples.
     pub example_count: u32,
     /// Parts of the mesh with their own material, at least 1.
     pub primitive_count: u32,
@@ -31,22 +28,19 @@ pub struct CrumpleExampleSetInfo {
     pub seam_count: u32,
     /// No vertex moves further than this, m.
     pub depth_limit: f32,
-    /// Bounds of the base mesh.
     pub bounds: CrumpleAabb,
     /// World matrix of the first node that shows the mesh, column-major; the identity if there is none.
     pub node_transform: [f32; 16],
-    /// Whether the mesh has tangents.
     pub has_tangents: bool,
     /// Number of meshes: 1 + added levels of detail.
     pub lod_count: u32,
     pub reserved: [u64; 4],
 }
 
-/// Facts about an example. Its string is valid until the set is destroyed.
+/// Facts about an example. Its name, UTF-8, is valid until the set is destroyed, and never null.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleExampleInfo {
-    /// Name, UTF-8. Never null.
     pub name: *const c_char,
     /// The vertex that was hit, or the deepest vertex.
     pub contact_vertex: u32,
@@ -62,25 +56,21 @@ pub struct CrumpleExampleInfo {
     pub max_depth: f32,
     /// Distance from the contact to the furthest vertex that moves noticeably, m.
     pub support_radius: f32,
-    /// Where it may be used.
     pub placement: MaybeUninit<Placement>,
     pub reserved: [u64; 2],
 }
 
-/// Where a set's mesh is copied to. Absent streams are skipped.
+/// Where a set's mesh is copied to: positions (m), unit normals, tangents, and 3 * triangle_count indices. Absent
+/// streams are skipped.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleMeshCopyDef {
     pub struct_size: u32,
     /// Which mesh: 0 for the base mesh, or a number of crumple_example_set_add_lod(). Default 0.
     pub lod: u32,
-    /// Positions, m.
     pub positions: CrumpleStream,
-    /// Unit normals.
     pub normals: CrumpleStream,
-    /// Tangents: xyz of unit length, w +1 or -1.
     pub tangents: CrumpleStream,
-    /// Triangles: 3 * triangle_count indices.
     pub indices: CrumpleStream,
 }
 
@@ -174,8 +164,8 @@ fn item<'a, T>(items: &'a [T], index: u32, name: &str) -> Result<&'a T, Failure>
     items.get(index as usize).ok_or_else(|| crate::Error::IndexOutOfRange { name: name.into(), index, len }.into())
 }
 
-/// Copies the base mesh or a level of detail into your memory, for your vertex and index buffers. Normals that the
-/// set was not given are the computed ones. CRUMPLE_ERROR_MESH: the mesh lacks the normals or tangents asked for.
+/// Copies the base mesh or a level of detail into your memory, for your vertex and index buffers. Normals that the set
+/// was not given are the computed ones. CRUMPLE_ERROR_MESH: the mesh lacks the normals or tangents asked for.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_copy_mesh(
     context: *mut CrumpleContext,

@@ -13,10 +13,9 @@ pub type CrumpleTask = Option<unsafe extern "C" fn(index: u32, task_data: *mut c
 
 /// Your parallel-for: calls task(index, task_data) once for each index below count, on any threads and in any order,
 /// and returns when all calls have returned. Tasks do not block or throw and may run at once. Crumple itself runs an
-/// index that you leave out, and ignores a second call of an index.
-///
-/// Crumple calls this function on the thread that called Crumple. It must not throw or jump out. Of the same context
-/// it may call only the functions that may be called at any time.
+/// index that you leave out, and ignores a second call of an index. Crumple calls this function on the thread that
+/// called Crumple. It must not throw or jump out. Of the same context it may call only the functions that may be called
+/// at any time.
 pub type CrumpleParallelFor =
     Option<unsafe extern "C" fn(count: u32, task: CrumpleTask, task_data: *mut c_void, user: *mut c_void)>;
 
@@ -24,9 +23,7 @@ pub type CrumpleParallelFor =
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleTaskSystem {
-    /// Runs tasks. Null: Crumple uses its own threads.
     pub parallel_for: CrumpleParallelFor,
-    /// Passed to parallel_for. May be null.
     pub user: *mut c_void,
     /// Number of threads that can work at once; 0 counts as 1. It affects how work is split, never the result.
     pub workers: u32,

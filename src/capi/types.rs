@@ -75,8 +75,8 @@ pub struct CrumpleRange {
     pub count: u32,
 }
 
-/// An array that Crumple reads during the call. Element i is at data + i * stride. Count and type are stated where
-/// the array is used. Zero everywhere: absent.
+/// An array that Crumple reads during the call. Element i is at data + i * stride. Count and type are stated where the
+/// array is used. Zero everywhere: absent.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleInput {
@@ -90,8 +90,8 @@ pub struct CrumpleInput {
 }
 
 /// An array that Crumple writes. Element i is at data + offset + i * stride. Positions and normals are 3 floats,
-/// tangents 4 floats, indices one uint32_t. Bytes between elements are not touched, so streams may be interleaved.
-/// Zero everywhere: absent.
+/// tangents 4 floats, indices one uint32_t. Bytes between elements are not touched, so streams may be interleaved. Zero
+/// everywhere: absent.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleStream {
@@ -132,11 +132,11 @@ pub struct CrumpleBuffer {
     pub context: u16,
 }
 
-/// A part of the mesh with its own material.
+/// A part of the mesh with its own material, whose name (UTF-8) is null if it has none and is valid until the set is
+/// destroyed.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumplePrimitive {
-    /// Name of the material, UTF-8; null if it has none. Valid until the set is destroyed.
     pub material: *const c_char,
     pub first_vertex: u32,
     pub vertex_count: u32,
@@ -168,8 +168,8 @@ impl CrumplePrimitive {
 pub enum CrumpleRule {
     /// Each hit leaves a mark. Memory is bounded and the order of hits does not matter. The default.
     Marks = 0,
-    /// The classic rule "most displaced" of the literature, for comparison. The order of hits matters. It has no
-    /// marks and needs memory for each vertex.
+    /// The classic rule "most displaced" of the literature, for comparison. The order of hits matters. It has no marks
+    /// and needs memory for each vertex.
     MostDisplaced = 1,
     /// The classic rule "blend", with blend_constant. Otherwise as CRUMPLE_RULE_MOST_DISPLACED.
     Blend = 2,
@@ -182,11 +182,10 @@ pub enum CrumpleRule {
 pub enum CrumpleSelection {
     /// CRUMPLE_SELECTION_NEAREST with marks, CRUMPLE_SELECTION_CLASSIC with a classic rule. The default.
     OfRule = 0,
-    /// The examples that are most informative about the hit's place, depth and lean (the angle between the hit and
-    /// the surface normal). Marks only.
+    /// The examples that are most informative about the hit's place, depth and lean (the angle between the hit and the
+    /// surface normal). Marks only.
     Nearest = 1,
-    /// The one example that moves the contact vertex in the direction most like the target, with a weight of at most
-    /// 1.
+    /// The one example that moves the contact vertex in the direction most like the target, with a weight of at most 1.
     Classic = 2,
     /// As CRUMPLE_SELECTION_CLASSIC, without the limit of the weight: diverges above 2. Classic rules only.
     ClassicUnclamped = 3,

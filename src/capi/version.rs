@@ -8,7 +8,6 @@ pub const CRUMPLE_VERSION_MAJOR: u32 = 0;
 /// Minor version of this header. Before 1.0, libraries of another minor version are incompatible.
 pub const CRUMPLE_VERSION_MINOR: u32 = 1;
 
-/// Patch version of this header.
 pub const CRUMPLE_VERSION_PATCH: u32 = 0;
 
 /// The version of this header as one number, in the format of crumple_version().
@@ -43,8 +42,7 @@ const _: () = assert!(
     "src/capi/version.rs and Cargo.toml disagree about the version"
 );
 
-/// Returns the version of the running library: major * 1000000 + minor * 1000 + patch. Compare it with
-/// CRUMPLE_VERSION.
+/// Returns the version of the running library: major * 1000000 + minor * 1000 + patch. Compare it with CRUMPLE_VERSION.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_version() -> u32 {
     CRUMPLE_VERSION

@@ -55,8 +55,8 @@ pub extern "C" fn crumple_vulkan_buffer_def_default() -> CrumpleVulkanBufferDef 
     }
 }
 
-/// Attaches your Vulkan device, one per context. Takes some tenths of a millisecond. The handles must be valid,
-/// belong together, and live until crumple_vulkan_detach() or crumple_context_destroy(). Errors:
+/// Attaches your Vulkan device, one per context. Takes some tenths of a millisecond. The handles must be valid, belong
+/// together, and live until crumple_vulkan_detach() or crumple_context_destroy(). Errors:
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (a device is attached, the queue family does not exist or lacks compute,
 /// workgroup_size), CRUMPLE_ERROR_UNSUPPORTED (below Vulkan 1.1, a loader that lacks a function, or a build without
 /// CRUMPLE_FEATURE_VULKAN).
@@ -79,7 +79,6 @@ pub unsafe extern "C" fn crumple_vulkan_attach(
 }
 
 /// Detaches the Vulkan device. Ends all Vulkan buffers and destroys Crumple's objects on the device. Damage stays.
-///
 /// After CRUMPLE_ERROR_DEVICE_LOST: call crumple_vulkan_complete_frames() with UINT64_MAX, then this, then
 /// vkDestroyDevice. Attach the new device and register the buffers again. CRUMPLE_ERROR_FRAMES_IN_FLIGHT: nothing was
 /// changed.
@@ -121,9 +120,7 @@ pub unsafe extern "C" fn crumple_vulkan_get_pipeline_cache(
 
 /// Registers a range of a VkBuffer for an instance's deformed vertices. The first recording writes every vertex. An
 /// instance may have several ranges, such as the members of a ring. A mesh's first range copies its vertices and
-/// examples to a staging buffer, and the next recording copies them to the device; all instances and ranges share
-/// them.
-///
+/// examples to a staging buffer, and the next recording copies them to the device; all instances and ranges share them.
 /// The VkBuffer must exist until its last range has ended and the frames that wrote it are complete. Errors:
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (no device, stages of 0, an unsupported format, overlapping attributes, a scale not
 /// above 0, a VkBuffer that is registered with another description), CRUMPLE_ERROR_WRONG_RULE (lod above 0 with a
@@ -149,19 +146,19 @@ pub unsafe extern "C" fn crumple_buffer_register_vulkan(
     })
 }
 
-/// Records commands that bring Vulkan buffers up to date: count ids at buffers, each once, or all Vulkan buffers of
-/// the context with null and 0. For the blocks that changed it records a copy of a few bytes per block, a barrier,
-/// one dispatch per VkBuffer and a barrier. It submits nothing and waits for nothing. Does not allocate in steady
-/// state. Damage may change at once after the call.
+/// Records commands that bring Vulkan buffers up to date: count ids at buffers, each once, or all Vulkan buffers of the
+/// context with null and 0. For the blocks that changed it records a copy of a few bytes per block, a barrier, one
+/// dispatch per VkBuffer and a barrier. It submits nothing and waits for nothing. Does not allocate in steady state.
+/// Damage may change at once after the call.
 ///
 /// command_buffer is a VkCommandBuffer in the recording state, outside a render pass, of the attached queue family,
 /// whose pool no other thread uses. Submit it once, in the order of recording. frame is your frame number, from 1 on,
 /// never falling; several recordings may share one. out_report may be null.
 ///
 /// The commands change the compute pipeline, compute descriptor sets 0 to 2, and the first 24 bytes of compute push
-/// constants, nothing else. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (no device of yours, a buffer twice, a host
-/// buffer, a frame that is complete or lower than the last), CRUMPLE_ERROR_UNSUPPORTED (more work than the device can
-/// bind). Nothing is recorded then.
+/// constants, nothing else. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (no device of yours, a buffer twice, a host buffer,
+/// a frame that is complete or lower than the last), CRUMPLE_ERROR_UNSUPPORTED (more work than the device can bind).
+/// Nothing is recorded then.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_record(
     context: *mut CrumpleContext,
@@ -226,9 +223,9 @@ pub extern "C" fn crumple_vulkan_import_def_default() -> CrumpleVulkanImportDef 
 }
 
 /// Creates a Vulkan device of Crumple's own, for engines that can share memory but cannot hand out a command buffer.
-/// Takes milliseconds to tenths of a second. Use it instead of crumple_vulkan_attach(): import buffers, register
-/// them, and write them with crumple_vulkan_submit(). crumple_vulkan_detach() and crumple_context_destroy() wait for
-/// the device and destroy it. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a device is attached, workgroup_size),
+/// Takes milliseconds to tenths of a second. Use it instead of crumple_vulkan_attach(): import buffers, register them,
+/// and write them with crumple_vulkan_submit(). crumple_vulkan_detach() and crumple_context_destroy() wait for the
+/// device and destroy it. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a device is attached, workgroup_size),
 /// CRUMPLE_ERROR_UNSUPPORTED (no such device, no import of memory, or a build without CRUMPLE_FEATURE_VULKAN).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_open(
@@ -300,9 +297,9 @@ pub unsafe extern "C" fn crumple_vulkan_import_semaphore(
 }
 
 /// As crumple_vulkan_record(), but records for Crumple's own device and submits. The device waits for wait_count
-/// semaphores at waits first and signals signal_count semaphores at signals last, even without changes. The call
-/// itself does not wait. out_frame is the frame number for crumple_vulkan_wait_frame(). out_frame and out_report may
-/// be null. Nothing is submitted after an error.
+/// semaphores at waits first and signals signal_count semaphores at signals last, even without changes. The call itself
+/// does not wait. out_frame is the frame number for crumple_vulkan_wait_frame(). out_frame and out_report may be null.
+/// Nothing is submitted after an error.
 #[unsafe(no_mangle)]
 #[allow(clippy::too_many_arguments)] // three arrays
 pub unsafe extern "C" fn crumple_vulkan_submit(
@@ -335,8 +332,8 @@ pub unsafe extern "C" fn crumple_vulkan_submit(
     })
 }
 
-/// Waits until Crumple's own device has completed a frame and all earlier ones, or for timeout nanoseconds
-/// (UINT64_MAX: without limit). out_done is whether it is complete. The context stays in use meanwhile.
+/// Waits until Crumple's own device has completed a frame and all earlier ones, or for timeout nanoseconds (UINT64_MAX:
+/// without limit). out_done is whether it is complete. The context stays in use meanwhile.
 /// CRUMPLE_ERROR_INVALID_ARGUMENT: the frame was not submitted.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_wait_frame(

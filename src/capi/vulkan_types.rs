@@ -12,7 +12,8 @@ c_enums!(CrumpleHandleType::OpaqueWin32);
 /// Any Vulkan function, as PFN_vkVoidFunction: (CrumpleVulkanFunction)vkGetInstanceProcAddr.
 pub type CrumpleVulkanFunction = Option<unsafe extern "C" fn()>;
 
-/// Your Vulkan device, Vulkan 1.1 or later. No extension or feature needs to be enabled.
+/// Your Vulkan device, Vulkan 1.1 or later: a VkInstance, a VkPhysicalDevice and a VkDevice, all required. No extension
+/// or feature needs to be enabled.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleVulkanAttachDef {
@@ -22,14 +23,11 @@ pub struct CrumpleVulkanAttachDef {
     /// vkGetInstanceProcAddr of the instance's loader. Crumple gets every function from it and never opens a Vulkan
     /// library. Required.
     pub get_instance_proc_addr: CrumpleVulkanFunction,
-    /// The VkInstance. Required.
     pub instance: *mut c_void,
-    /// The VkPhysicalDevice. Required.
     pub physical_device: *mut c_void,
-    /// The VkDevice. Required.
     pub device: *mut c_void,
-    /// Data of crumple_vulkan_get_pipeline_cache() from an earlier run, read during the call. Data of another driver
-    /// is ignored. Default null.
+    /// Data of crumple_vulkan_get_pipeline_cache() from an earlier run, read during the call. Data of another driver is
+    /// ignored. Default null.
     pub pipeline_cache: *const c_void,
     /// Bytes at pipeline_cache.
     pub pipeline_cache_size: usize,
@@ -45,31 +43,31 @@ pub struct CrumpleVulkanStream {
     pub offset: u64,
     /// Bytes from one value to the next: at least the size of a value, a multiple of 4.
     pub stride: u64,
-    /// A VkFormat. Positions: R32G32B32_SFLOAT, R16G16B16A16_SFLOAT (w is 1), R16G16B16A16_SNORM (see scale).
-    /// Normals: R32G32B32_SFLOAT, R16G16B16A16_SNORM, R8G8B8A8_SNORM (w is 0). Tangents: R32G32B32A32_SFLOAT,
+    /// A VkFormat. Positions: R32G32B32_SFLOAT, R16G16B16A16_SFLOAT (w is 1), R16G16B16A16_SNORM (see scale). Normals:
+    /// R32G32B32_SFLOAT, R16G16B16A16_SNORM, R8G8B8A8_SNORM (w is 0). Tangents: R32G32B32A32_SFLOAT,
     /// R16G16B16A16_SNORM, R8G8B8A8_SNORM.
     pub format: u32,
     pub reserved: u32,
 }
 
-/// A range of a VkBuffer for the deformed vertices of one instance, in the mesh's order and space.
+/// A range of a VkBuffer for the deformed vertices of one instance, in the mesh's order and space. Fields without a
+/// comment are as in CrumpleHostBufferDef.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleVulkanBufferDef {
     pub struct_size: u32,
-    /// Which mesh: 0 for the base mesh, or a number of crumple_example_set_add_lod(). Default 0.
     pub lod: u32,
-    /// The VkBuffer, bound to memory: (uint64_t)handle. Required. Any number of ranges may lie in one VkBuffer;
-    /// buffer, buffer_size, usage, queue_family and the four stage and access fields must then be equal.
+    /// The VkBuffer, bound to memory: (uint64_t)handle. Required. Any number of ranges may lie in one VkBuffer; buffer,
+    /// buffer_size, usage, queue_family and the four stage and access fields must then be equal.
     pub buffer: u64,
     /// Bytes of the whole VkBuffer. Required.
     pub buffer_size: u64,
     /// VkBufferUsageFlags of the VkBuffer, with VK_BUFFER_USAGE_STORAGE_BUFFER_BIT. Required.
     pub usage: u32,
-    /// Default VK_QUEUE_FAMILY_IGNORED: the device's own family owns the VkBuffer, or it is
-    /// VK_SHARING_MODE_CONCURRENT. Otherwise the other family that owns it. Each recording that includes one of its
-    /// ranges then begins with an acquire and ends with a release of the whole VkBuffer, even without changes. You
-    /// record the matching release and acquire on the other queue.
+    /// Default VK_QUEUE_FAMILY_IGNORED: the device's own family owns the VkBuffer, or it is VK_SHARING_MODE_CONCURRENT.
+    /// Otherwise the other family that owns it. Each recording that includes one of its ranges then begins with an
+    /// acquire and ends with a release of the whole VkBuffer, even without changes. You record the matching release and
+    /// acquire on the other queue.
     pub queue_family: u32,
     /// VkPipelineStageFlags of your last use of the VkBuffer before a recording, not 0. Barriers cover the whole
     /// VkBuffer, so include indices, copies and read-backs in it. Default VK_PIPELINE_STAGE_VERTEX_INPUT_BIT.
@@ -85,30 +83,23 @@ pub struct CrumpleVulkanBufferDef {
     pub offset: u64,
     /// Bytes of the range. Nothing outside is written. Ranges may interleave; values must not overlap. Required.
     pub size: u64,
-    /// Positions, m. Required.
     pub positions: CrumpleVulkanStream,
-    /// Unit normals. Absent: not written.
     pub normals: CrumpleVulkanStream,
-    /// Tangents: xyz of unit length and orthogonal to the normal, w as in the mesh. Absent: not written.
     pub tangents: CrumpleVulkanStream,
     /// For positions in R16G16B16A16_SNORM: a stored s in -1 to 1 is s * scale + bias, m. Positions outside are
     /// clamped, so cover the mesh's bounds grown by the depth limit. Above 0. Default 1, 1, 1.
     pub scale: CrumpleVec3,
-    /// See scale, m. Default 0, 0, 0.
     pub bias: CrumpleVec3,
 }
 
-/// The recorded work.
+/// The recorded work. Fields without a comment are as in CrumpleDeformReport.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CrumpleRecordReport {
-    /// Vertices that will be written, over all buffers.
     pub vertices_written: u64,
     /// Blocks of consecutive vertices that will be written. 0: nothing was recorded, except queue-family transfers.
     pub blocks_written: u64,
-    /// Blocks that were up to date.
     pub blocks_skipped: u64,
-    /// Examples of marks that tolerances skipped; see crumple_instance_set_tolerance().
     pub parts_skipped: u64,
     /// Bytes that the commands copy to the device, including meshes used for the first time.
     pub bytes_copied: u64,
@@ -118,19 +109,18 @@ pub struct CrumpleRecordReport {
     pub reserved: [u64; 4],
 }
 
-/// A Vulkan device that Crumple creates, beside yours on the same physical device.
+/// A Vulkan device that Crumple creates, beside yours on the same physical device. Fields without a comment are as in
+/// CrumpleVulkanAttachDef.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleVulkanOpenDef {
     pub struct_size: u32,
-    /// As in CrumpleVulkanAttachDef. Default 128.
     pub workgroup_size: u32,
     /// vkGetInstanceProcAddr of a loader that stays loaded. Required.
     pub get_instance_proc_addr: CrumpleVulkanFunction,
-    /// deviceUUID of your physical device (VkPhysicalDeviceIDProperties); devices of one UUID can share memory.
-    /// Default zero: the first device that supports compute.
+    /// deviceUUID of your physical device (VkPhysicalDeviceIDProperties); devices of one UUID can share memory. Default
+    /// zero: the first device that supports compute.
     pub device_uuid: [u8; 16],
-    /// As in CrumpleVulkanAttachDef. Default null.
     pub pipeline_cache: *const c_void,
     /// Bytes at pipeline_cache.
     pub pipeline_cache_size: usize,
@@ -148,13 +138,13 @@ pub enum CrumpleHandleType {
     OpaqueWin32 = 1,
 }
 
-/// A VkBuffer of your device in memory that it exported. Create it with VkExternalMemoryBufferCreateInfo and its
-/// memory with VkExportMemoryAllocateInfo, of one handle type.
+/// A VkBuffer of your device in memory that it exported, at offset (default 0) in the memory and with a size, bytes.
+/// usage is as in CrumpleVulkanBufferDef. Create it with VkExternalMemoryBufferCreateInfo and its memory with
+/// VkExportMemoryAllocateInfo, of one handle type (default CRUMPLE_HANDLE_TYPE_OPAQUE_FD).
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleVulkanImportDef {
     pub struct_size: u32,
-    /// Type of handle. Default CRUMPLE_HANDLE_TYPE_OPAQUE_FD.
     pub handle_type: MaybeUninit<CrumpleHandleType>,
     /// Handle of the memory. Required. Default -1.
     pub handle: i64,
@@ -162,11 +152,8 @@ pub struct CrumpleVulkanImportDef {
     pub memory_size: u64,
     /// memoryTypeIndex of the memory. Required.
     pub memory_type: u32,
-    /// VkBufferUsageFlags of the buffer, with VK_BUFFER_USAGE_STORAGE_BUFFER_BIT. Required.
     pub usage: u32,
-    /// Where the buffer is bound in the memory, bytes. Default 0.
     pub offset: u64,
-    /// Bytes of the buffer. Required.
     pub size: u64,
     /// Whether the memory is dedicated to this buffer (VkMemoryDedicatedAllocateInfo). Default false.
     pub dedicated: MaybeUninit<bool>,

@@ -162,11 +162,11 @@ int main(void) {
     enum { MANY = 100000 };
     float(*cloud)[3] = calloc(MANY, sizeof *cloud);
     for (int i = 0; i < MANY; ++i) cloud[i][0] = (float)i, cloud[i][2] = 1;
-    large.vertex_count = MANY;
-    large.positions = large.normals = input_of(cloud, MANY * sizeof *cloud, 12);
-    large.tangents = input_of(NULL, 0, 0);
-    large.indices = input_of(NULL, 0, 0);
-    large.index_count = 0;
+    large.mesh.vertex_count = MANY;
+    large.mesh.positions = large.mesh.normals = input_of(cloud, MANY * sizeof *cloud, 12);
+    large.mesh.tangents = input_of(NULL, 0, 0);
+    large.mesh.indices = input_of(NULL, 0, 0);
+    large.mesh.index_count = 0;
     second.limit = 64 * 1024;
     OK(crumple_allocator_set(&other));
     FAILS_KEEPING(CRUMPLE_ERROR_OUT_OF_MEMORY, "1200000 bytes", set, crumple_example_set_create(context, &large, &set));

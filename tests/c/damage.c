@@ -103,9 +103,7 @@ static void marks_and_bytes(void) {
     register_all(copy, copies);
     for (int i = 0; i < 5; ++i) {
         CrumpleDisplacementDef hit = displacement_at(0.15f * (float)i - 0.3f, 0.1f, 0.02f + 0.005f * (float)i);
-        hit.preview = true;
-        OK(crumple_instance_submit_displacement(context, body, &hit, &preview));
-        hit.preview = false;
+        OK(crumple_instance_preview_displacement(context, body, &hit, &preview));
         OK(crumple_instance_submit_displacement(context, body, &hit, &told));
         FACT(memcmp(&told.mark, &preview.mark, sizeof told.mark) == 0);
         FACT(told.status == CRUMPLE_HIT_STATUS_MARKED && told.chosen_count >= 1 && told.chosen_count <= 3);

@@ -20,12 +20,12 @@ static CrumpleLodDef every_second(void) {
             for (int k = 0; k < 6; ++k) coarse_indices[n++] = (uint16_t)quad[k];
         }
     }
-    def.vertex_count = COARSE_VERTICES;
-    def.positions = input_of(coarse, sizeof coarse, 12);
-    def.normals = input_of(coarse_normals, sizeof coarse_normals, 12);
-    def.indices = input_of(coarse_indices, sizeof coarse_indices, 2);
-    def.index_count = COARSE_INDICES;
-    def.index_type = CRUMPLE_INDEX_TYPE_U16;
+    def.mesh.vertex_count = COARSE_VERTICES;
+    def.mesh.positions = input_of(coarse, sizeof coarse, 12);
+    def.mesh.normals = input_of(coarse_normals, sizeof coarse_normals, 12);
+    def.mesh.indices = input_of(coarse_indices, sizeof coarse_indices, 2);
+    def.mesh.index_count = COARSE_INDICES;
+    def.mesh.index_type = CRUMPLE_INDEX_TYPE_U16;
     return def;
 }
 
@@ -49,14 +49,14 @@ static void levels(CrumpleContext *context) {
     FACT(info.lod_count == 1);
     uint64_t bytes = info.memory_bytes;
     bad = def;
-    bad.vertex_count = 0;
+    bad.mesh.vertex_count = 0;
     FAILS_KEEPING(CRUMPLE_ERROR_MESH, "vertex_count is 0", lod, crumple_example_set_add_lod(context, set, &bad, &lod));
     bad = def;
     bad.struct_size = 3;
     FAILS(CRUMPLE_ERROR_STRUCT_SIZE, "crumple_lod_def_default", crumple_example_set_add_lod(context, set, &bad, &lod));
     bad = def;
-    bad.positions.size = 100;
-    FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "def.positions", crumple_example_set_add_lod(context, set, &bad, &lod));
+    bad.mesh.positions.size = 100;
+    FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "def.mesh.positions", crumple_example_set_add_lod(context, set, &bad, &lod));
     FAILS(CRUMPLE_ERROR_NULL_POINTER, "out_lod", crumple_example_set_add_lod(context, set, &def, NULL));
     OK(crumple_example_set_add_lod(context, set, &def, &lod));
     FACT(lod == 1);

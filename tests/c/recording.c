@@ -1,5 +1,6 @@
-// Recordings through the C interface: what is in the file, and what is refused. The file that this writes is also the fixture
-// tests/fixtures/sheet.crumplerec, which the command's tests replay.
+// Recordings through the C interface: the file's contents, and refused calls. The fixture tests/fixtures/sheet.crumplerec is the
+// file that this program writes. When the format changes, run `cargo xtask test --only install --only ctest` and copy it from the
+// build folder, target/ctest/release/tests-c.
 #include "support.h"
 
 static Sheet sheet;
@@ -37,7 +38,7 @@ int main(int argc, char **argv) {
 
     make_sheet(&sheet);
     sheet.def.options.vertex_mass = 0.5f;
-    sheet.def.options.tolerance = 1e-4f;
+    sheet.def.options.bake_tolerance = 1e-4f;
     FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "no recording runs", crumple_recording_end(context));
     FAILS(CRUMPLE_ERROR_NULL_POINTER, "context is null", crumple_recording_begin(NULL, path));
     FAILS(CRUMPLE_ERROR_NULL_POINTER, "path is null", crumple_recording_begin(context, NULL));

@@ -125,12 +125,12 @@ static inline void make_sheet(Sheet *sheet) {
         sheet->examples[e].name = "dent";
     }
     sheet->def = crumple_example_set_def_default();
-    sheet->def.vertex_count = VERTICES;
-    sheet->def.positions = input_of(sheet->positions, sizeof sheet->positions, 12);
-    sheet->def.normals = input_of(sheet->normals, sizeof sheet->normals, 12);
-    sheet->def.tangents = input_of(sheet->tangents, sizeof sheet->tangents, 16);
-    sheet->def.index_count = INDICES;
-    sheet->def.indices = input_of(sheet->indices, sizeof sheet->indices, 4);
+    sheet->def.mesh.vertex_count = VERTICES;
+    sheet->def.mesh.positions = input_of(sheet->positions, sizeof sheet->positions, 12);
+    sheet->def.mesh.normals = input_of(sheet->normals, sizeof sheet->normals, 12);
+    sheet->def.mesh.tangents = input_of(sheet->tangents, sizeof sheet->tangents, 16);
+    sheet->def.mesh.index_count = INDICES;
+    sheet->def.mesh.indices = input_of(sheet->indices, sizeof sheet->indices, 4);
     sheet->def.examples = sheet->examples;
     sheet->def.example_count = EXAMPLES;
     sheet->def.options.stamp_resolution = 12; // fast

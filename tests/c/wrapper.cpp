@@ -26,7 +26,7 @@ int main() {
     std::vector<CrumpleVec3> base(VERTICES);
     CrumpleMeshCopyDef copy = crumple_mesh_copy_def_default();
     copy.positions = crumple::stream(base);
-    set.copy_base_mesh(copy).value();
+    set.copy_mesh(copy).value();
     FACT(std::memcmp(base.data(), sheet->positions, sizeof sheet->positions) == 0);
 
     crumple::Instance body = context.create_instance(set).value(), other = context.create_instance(set).value();
@@ -35,13 +35,19 @@ int main() {
     FACT(buffer.bounds().value().max.x == 0.5f);
     const auto told = body.submit_displacement(vec3(0.1f, 0.1f, 0.07f), vec3(0, 0, -0.04f)).value();
     FACT(told.status == CRUMPLE_HIT_STATUS_MARKED);
+    CrumpleImpulseDef impulse = crumple_impulse_def_default();
+    impulse.point = vec3(0.1f, 0.1f, 0.07f);
+    impulse.impulse = vec3(0, 0, -1);
+    impulse.duration = 0.01f;
+    impulse.mass = 1;
+    FACT(other.preview(impulse).value().status == CRUMPLE_HIT_STATUS_MARKED && other.marks().value().empty());
     body.end_contact(7).value();
     FACT(body.end_contact(0).result() == CRUMPLE_ERROR_INVALID_ARGUMENT);
     FACT(context.deform().value().vertices_written == VERTICES);
     FACT(buffer.changes().value().size() == 1);
     FACT(body.marks().value().size() == 1 && other.marks().value().empty());
     const auto saved = body.save().value();
-    other.load(saved.data(), saved.size()).value();
+    other.load(saved).value();
     FACT(other.save().value() == saved);
     other.set_marks(body.marks().value()).value();
     other.repair(0).value();
@@ -51,10 +57,24 @@ int main() {
     const auto lamp = set.attach(vec3(0.1f, 0.1f, 0.2f)).value();
     FACT(body.attached_frame(lamp).value().position.z < lamp.point.z - 0.01f);
 
+    // Streams of interleaved vertices.
+    struct Vertex {
+        float position[3];
+        float normal[3];
+    };
+    std::vector<Vertex> vertices(VERTICES);
+    const CrumpleStream normal = crumple::stream(vertices, &Vertex::normal);
+    FACT(normal.data == vertices.data() && normal.offset == 12 && normal.stride == 24 && normal.size == VERTICES * 24);
+    crumple::Buffer interleaved = body.register_buffer(crumple::stream(vertices, &Vertex::position), normal).value();
+    interleaved.reset();
+
     // Errors.
     const auto failed = body.submit_impulse(vec3(0, 0, 0), vec3(0, 0, -1), 0);
     FACT(!failed && failed.result() == CRUMPLE_ERROR_INVALID_ARGUMENT);
     FACT(failed.message().find("duration") != std::string::npos);
+    FACT(body.submit_impulse(vec3(0, 0, 0), vec3(0, 0, -1), 0).value_or(CrumpleHitResult{}).chosen_count == 0);
+    auto named = context.create_instance(set);
+    FACT(named.take().info().ok());
 #ifndef CRUMPLE_NO_EXCEPTIONS
     bool caught = false;
     try {

@@ -56,6 +56,11 @@ fn generate(workspace: &Workspace) -> Result<String> {
     // Items that cbindgen leaves out leave their blank lines behind.
     let mut lines: Vec<String> = Vec::new();
     for line in text.lines() {
+        // Constants go together.
+        if line.starts_with("///") && lines.ends_with(&[String::new()]) && lines[lines.len() - 2].starts_with("#define")
+        {
+            lines.pop();
+        }
         match lines.last_mut() {
             Some(above) if line.is_empty() && above.is_empty() => {}
             // Arguments go beside each other, as far as there is room.

@@ -48,7 +48,7 @@ namespace Crumple.Editor
         {
             CrumpleExampleSetOptions options = CrumpleExampleSetOptions.Default;
             options.VertexMass = vertexMass;
-            options.Tolerance = tolerance;
+            options.BakeTolerance = tolerance;
             using (CrumpleContext context = new CrumpleContext())
             using (ExampleSet set = context.LoadGltf(bytes, Path.GetDirectoryName(path), meshName.Length == 0 ? null : meshName, -1, options))
                 return set.Save();

@@ -17,13 +17,13 @@ namespace Crumple
             using (Pins pins = new Pins())
             {
                 CrumpleExampleSetDef native = CrumpleExampleSetDef.Default;
-                native.VertexCount = MeshDef.Count(def.VertexCount, "VertexCount");
-                native.Positions = pins.Input(def.Positions);
-                native.Normals = pins.Input(def.Normals);
-                native.Tangents = pins.Input(def.Tangents);
-                native.Indices = pins.Input(def.Indices);
-                native.IndexCount = MeshDef.Count(def.IndexCount, "IndexCount");
-                native.IndexType = def.IndexType;
+                native.Mesh.VertexCount = MeshDef.Count(def.VertexCount, "VertexCount");
+                native.Mesh.Positions = pins.Input(def.Positions);
+                native.Mesh.Normals = pins.Input(def.Normals);
+                native.Mesh.Tangents = pins.Input(def.Tangents);
+                native.Mesh.Indices = pins.Input(def.Indices);
+                native.Mesh.IndexCount = MeshDef.Count(def.IndexCount, "IndexCount");
+                native.Mesh.IndexType = def.IndexType;
                 native.Options = def.Options;
                 if (def.VertexMasses != null) native.Options.VertexMasses = pins.Input(StridedArray.Of(def.VertexMasses));
                 CrumpleExampleDef[] examples = new CrumpleExampleDef[def.Examples.Count];

@@ -163,6 +163,28 @@ namespace Crumple
             return SubmitDisplacement(in def);
         }
 
+        /// <summary>The result of a hit that leaves no mark. Any thread, at any time.</summary>
+        public unsafe CrumpleHitResult PreviewImpulse(in CrumpleImpulseDef def)
+        {
+            CrumpleImpulseDef copy = def;
+            CrumpleHitResult result;
+            using (Call call = Context.Enter(this))
+                call.Check(NativeMethods.crumple_instance_preview_impulse(call.Context, Id, &copy, &result),
+                    "crumple_instance_preview_impulse");
+            return result;
+        }
+
+        /// <summary>The result of a hit that leaves no mark. Any thread, at any time.</summary>
+        public unsafe CrumpleHitResult PreviewDisplacement(in CrumpleDisplacementDef def)
+        {
+            CrumpleDisplacementDef copy = def;
+            CrumpleHitResult result;
+            using (Call call = Context.Enter(this))
+                call.Check(NativeMethods.crumple_instance_preview_displacement(call.Context, Id, &copy, &result),
+                    "crumple_instance_preview_displacement");
+            return result;
+        }
+
         /// <summary>
         /// Ends a contact: its dent stays as it is, and later hits with the same id begin another one. Any thread, at any time.
         /// </summary>

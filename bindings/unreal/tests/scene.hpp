@@ -56,11 +56,11 @@ inline TArray<uint8> make_set(const Mesh& mesh) {
     CrumpleExampleDef example = crumple_example_def_default();
     example.target_positions = input(dented);
     CrumpleExampleSetDef def = crumple_example_set_def_default();
-    def.vertex_count = uint32_t(mesh.positions.size());
-    def.positions = input(mesh.positions);
-    def.normals = input(mesh.normals);
-    def.index_count = uint32_t(mesh.indices.size());
-    def.indices = input(mesh.indices);
+    def.mesh.vertex_count = uint32_t(mesh.positions.size());
+    def.mesh.positions = input(mesh.positions);
+    def.mesh.normals = input(mesh.normals);
+    def.mesh.index_count = uint32_t(mesh.indices.size());
+    def.mesh.indices = input(mesh.indices);
     def.examples = &example;
     def.example_count = 1;
     CrumpleExampleSet set;

@@ -64,8 +64,7 @@ bool FCrumpleBody::Submit(const FCrumpleHit& Hit, CrumpleHitResult& OutTold, FSt
 	CrumpleResult Result = CRUMPLE_OK;
 	if (Hit.bInwards)
 	{
-		Def.preview = true;
-		Result = crumple_instance_submit_impulse(Context, Instance, &Def, &OutTold);
+		Result = crumple_instance_preview_impulse(Context, Instance, &Def, &OutTold);
 		if (Result == CRUMPLE_OK)
 		{
 			const CrumpleVec3& Out = Shape->Normals[OutTold.contact_vertex];
@@ -74,7 +73,6 @@ bool FCrumpleBody::Submit(const FCrumpleHit& Hit, CrumpleHitResult& OutTold, FSt
 				Def.impulse = {-Def.impulse.x, -Def.impulse.y, -Def.impulse.z};
 			}
 		}
-		Def.preview = false;
 	}
 	if (Result == CRUMPLE_OK)
 	{
