@@ -65,8 +65,8 @@ impl HostMemory {
     pub(super) unsafe fn vertices(&self) -> Result<VertexMemory<'static>, Failure> {
         let raw = |s: &Stream| RawStream {
             data: s.data,
-            size: s.layout.span().len(),
-            layout: Attribute { offset: 0, stride: s.layout.stride },
+            size: (s.layout.span().end - s.layout.first) as usize,
+            layout: Attribute { offset: 0, stride: s.layout.stride as usize },
         };
         let (normals, tangents) = (self.normals.as_ref().map(raw), self.tangents.as_ref().map(raw));
         // SAFETY: the caller's; `new` checked sizes, alignment, strides and that the streams are disjoint.
@@ -92,8 +92,8 @@ impl HostMemory {
                 // SAFETY: inside the memory, as `new` checked; the caller vouches for the rest.
                 to(unsafe {
                     std::slice::from_raw_parts(
-                        stream.data.add(v as usize * stream.layout.stride),
-                        stream.layout.element,
+                        stream.data.add(v as usize * stream.layout.stride as usize),
+                        stream.layout.element as usize,
                     )
                 });
             }

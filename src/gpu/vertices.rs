@@ -3,6 +3,7 @@
 use super::format::{Attribute, Encoding};
 use super::kernel::Kernel;
 use super::limits::BindingLimits;
+use crate::base::strided::Strided;
 use crate::{Error, Mesh};
 use std::fmt::Debug;
 use std::ops::Range;
@@ -133,27 +134,21 @@ impl VertexLayout {
         let (mut low, mut high) = (u64::MAX, 0);
         for (attribute, s) in self.streams() {
             let name = attribute.name();
-            let bytes = s.format.bytes(attribute);
             for (what, value) in [("offset", s.offset), ("stride", s.stride)] {
-                if value % 4 != 0 {
-                    return Err(Error::Misaligned { name: format!("the {name} {what}"), value, align: 4 });
-                }
+                Strided::check_aligned(format!("the {name} {what}"), value, 4)?;
             }
-            if s.stride < bytes || s.stride > u64::from(u32::MAX) {
-                let expected = format!("from {bytes} bytes, the size of {:?}, to 4294967295", s.format);
-                return Err(Error::invalid(&format!("the {name} stride"), s.stride, &expected));
+            let strided = s.strided(attribute, vertices);
+            strided.check_stride(&format!("the {name} stride"))?;
+            if s.stride > u64::from(u32::MAX) {
+                return Err(Error::invalid(&format!("the {name} stride"), s.stride, "at most 4294967295 bytes"));
             }
-            let last = (vertices as u64 - 1).saturating_mul(s.stride);
-            let needed = last.saturating_add(s.offset).saturating_add(bytes);
-            if needed > size {
-                return Err(Error::BufferTooSmall { name: format!("the target's range, for {name}s,"), size, needed });
-            }
+            strided.check_size(&format!("the target's range, for {name}s,"), size)?;
             low = low.min(s.offset);
-            high = high.max(needed);
+            high = high.max(strided.span().end);
         }
         for (i, (a, s)) in self.streams().enumerate() {
             for (b, t) in self.streams().skip(i + 1) {
-                if overlap((s, s.format.bytes(a)), (t, t.format.bytes(b)), vertices as u64) {
+                if s.strided(a, vertices).overlaps(&t.strided(b, vertices)) {
                     let value = format!("offset {} stride {}", s.offset, s.stride);
                     let other = format!("offset {} stride {}", t.offset, t.stride);
                     let expected = format!("apart from the {}s (at {other})", b.name());
@@ -165,19 +160,11 @@ impl VertexLayout {
     }
 }
 
-/// Whether values of two streams share bytes. Each stream comes with the size of its value.
-fn overlap(
-    (s, s_bytes): (VertexStream<Encoding>, u64),
-    (t, t_bytes): (VertexStream<Encoding>, u64),
-    vertices: u64,
-) -> bool {
-    let end = |s: VertexStream<Encoding>, bytes: u64| s.offset + (vertices - 1) * s.stride + bytes;
-    if end(s, s_bytes) <= t.offset || end(t, t_bytes) <= s.offset {
-        return false;
+impl VertexStream<Encoding> {
+    fn strided(&self, attribute: Attribute, vertices: usize) -> Strided {
+        let (first, stride) = (self.offset, self.stride);
+        Strided { first, stride, element: self.format.bytes(attribute), count: vertices as u64 }
     }
-    // Interleaved streams have one stride, and their values lie apart within it, modulo the stride.
-    let gap = (t.offset % s.stride + s.stride - s.offset % s.stride) % s.stride;
-    s.stride != t.stride || gap < s_bytes || gap + t_bytes > s.stride
 }
 
 /// The range of a buffer of `size` bytes to bind for a target that writes these bytes: the whole buffer if the device can bind

@@ -236,7 +236,7 @@ fn report(
         ">off mm",
         ">target mm",
         ">achieved mm",
-        ">unmet mm",
+        ">short mm",
         "examples (share x scale)",
     ]);
     for (i, (impact, outcome)) in impacts.iter().zip(outcomes).enumerate() {
@@ -247,8 +247,8 @@ fn report(
             outcome.contact_vertex.to_string(),
             millimetres(outcome.contact_distance),
             length(outcome.target),
-            length(outcome.met),
-            length(outcome.unmet),
+            length(outcome.achieved),
+            length(outcome.shortfall()),
             chosen(source, outcome),
         ]);
     }
