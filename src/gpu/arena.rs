@@ -79,7 +79,7 @@ impl<B> Arena<B> {
     }
 
     /// Returns a mesh of the set. If it is not on the device yet, `upload` has it copied into the chunk's buffer, and `make`
-    /// makes a buffer of so many bytes if no chunk has room.
+    /// makes a buffer of a given size in bytes if no chunk has room.
     pub(crate) fn mesh(
         &mut self,
         (set, lod): (&Arc<ExampleSet>, usize),

@@ -14,21 +14,23 @@
 //!   normal is scaled likewise, and divided by its length: 11.5 + 4.5 + 2.5 = 18.5 ulp of 1. A tangent is turned with the normal
 //!   and made a unit vector in two more steps of 7 ulp. [`ULPS`] covers that.
 //! - A carried example unrolls the vertex's place in its stamp with one division. The weights of the stamp's nodes are integers of
-//!   14 bits, so that a place that differs by an ulp changes each weight by up to 2^-14. Heights change with the weights, and the
-//!   fade turns that into a factor. [`STAMP_ULPS`] covers that: 2^-10 of the example's displacement, and of 1 for normals.
+//!   14 bits, so a place that differs by an ulp may change each of the four weights by 2^-14, and a mean by 2^-12 of the largest
+//!   node. Heights are such means. The fade turns an error of the height into a factor: it is at least 0.2 of the support's radius
+//!   wide, so with heights of up to half of the radius the factor changes by 20 * 2^-14. Both together are less than 2^-9 of the
+//!   displacement. [`STAMP_ULPS`] allows 2^-8, since the parts of a mark may be longer than their sum.
 //! - Where a tolerance drops short displacements, two devices may decide otherwise. Each stays within the tolerance, so they
 //!   differ by twice that.
 //! - A normalised position is divided by its scale, which may change the integer by 1.
 
-use crumple::{Instance, Rule};
+use crumple::{Instance, Mark, Rule};
 
 use super::{DRIVERS, POISON};
 use crate::backend::{Attribute, Encoding};
 
 /// Units in the last place that divisions and square roots may cost, of the largest coordinate or of 1 for directions.
 const ULPS: f32 = 64.0;
-/// The same for carried examples, of the marks' summed depths or of 1 for directions: 2^-10.
-const STAMP_ULPS: f32 = 8192.0;
+/// The same for carried examples, of the marks' summed depths, or of the summed scales for directions: 2^-8.
+const STAMP_ULPS: f32 = 32768.0;
 
 /// The device that a test runs on.
 #[derive(Debug, Clone)]
@@ -71,14 +73,17 @@ impl Bounds {
             return Bounds { position, direction };
         }
         let tolerance = instance.tolerance();
-        // The depths of carried examples, summed. Repeated hits make a mark stronger.
-        let carried =
-            instance.marks().unwrap().iter().filter(|m| m.pairs.iter().any(|p| !p.is_none() && !p.is_anchored()));
-        let depth = |m: &crumple::Mark| m.depth * (m.energy as f32 / crumple::Mark::ONE as f32).max(1.0);
-        let (count, depths) = carried.fold((0, 0.0), |(n, sum), m| (n + 1, sum + depth(m)));
-        // Dropped displacements drop their change of the normal too: no bound on directions holds then.
-        let direction = if tolerance > 0.0 { 2.0 } else { direction + count as f32 * STAMP_ULPS * f32::EPSILON };
-        Bounds { position: position + depths * STAMP_ULPS * f32::EPSILON + 2.0 * tolerance, direction }
+        // The depths of marks with carried examples, summed. Repeated hits make a mark stronger.
+        let carried = |m: &&Mark| m.pairs.iter().any(|p| !p.is_none() && !p.is_anchored());
+        let depth = |m: &Mark| m.depth * (m.energy as f32 / Mark::ONE as f32).max(1.0);
+        let depths: Vec<f32> = instance.marks().unwrap().iter().filter(carried).map(depth).collect();
+        // A change of the normal is scaled as the displacement is: by the mark's depth over the example's.
+        let shallowest = set.examples().iter().map(|e| e.depth()).filter(|d| *d > 0.0).fold(f32::INFINITY, f32::min);
+        let scales: f32 = depths.iter().map(|depth| (depth / shallowest).max(1.0)).sum();
+        let stamps = STAMP_ULPS * f32::EPSILON;
+        // A dropped displacement drops its change of the normal too, so no bound on directions holds then.
+        let direction = if tolerance > 0.0 { 2.0 } else { direction + stamps * scales };
+        Bounds { position: position + stamps * depths.iter().sum::<f32>() + 2.0 * tolerance, direction }
     }
 
     fn of_attribute(self, attribute: Attribute) -> f32 {

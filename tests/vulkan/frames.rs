@@ -172,8 +172,8 @@ fn pipelines_are_cached() {
     });
 }
 
-/// What recording costs the CPU, for instances with one mark each that changes, told beside their numbers and those of blocks: not a test, since it depends on the machine. A release
-/// build tells: `cargo test --release --test vulkan -- --ignored --nocapture cost`.
+/// Measures what recording costs the CPU, for instances with one mark each that changes. It is not a test, since it depends on the
+/// machine. Run it in a release build: `cargo test --release --test vulkan -- --ignored --nocapture cost`.
 #[test]
 #[ignore = "a measurement"]
 fn recording_cost() {

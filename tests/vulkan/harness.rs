@@ -19,7 +19,7 @@ pub fn on_each_device(test: impl Fn(&Engine)) {
     on_each_device_with(&[], test);
 }
 
-/// The same, with those of these extensions enabled that a device has.
+/// The same, with the extensions of this list that the device has.
 pub fn on_each_device_with(extensions: &[&CStr], test: impl Fn(&Engine)) {
     let required = required();
     // SAFETY: the system's loader.
@@ -81,7 +81,7 @@ unsafe extern "system" fn collect(
     data: *const vk::DebugUtilsMessengerCallbackDataEXT<'_>,
     messages: *mut c_void,
 ) -> vk::Bool32 {
-    // SAFETY: what the messenger was made with, and what the layer says.
+    // SAFETY: the messenger was made with these messages, and the layer's data is valid.
     let (messages, text) = unsafe {
         let messages = &*messages.cast::<Mutex<Vec<String>>>();
         (messages, CStr::from_ptr((*data).p_message).to_string_lossy().into_owned())
@@ -124,7 +124,7 @@ impl Instance {
             let messenger = unsafe { utils.create_debug_utils_messenger(&info, None) }.unwrap();
             (utils, messenger)
         });
-        // What drivers say when they are loaded is not about us.
+        // Messages of drivers that are being loaded are not about the tests.
         messages.lock().unwrap().clear();
         Ok(Instance { instance, messages, messenger })
     }
@@ -172,12 +172,12 @@ impl Seen {
     );
 
     pub fn words(&self) -> &[u32] {
-        // SAFETY: so many are mapped, and the tests wait before they look.
+        // SAFETY: the whole buffer is mapped, and the tests wait before they look.
         unsafe { std::slice::from_raw_parts(self.data, self.size as usize / 4) }
     }
 
     pub fn poison(&self) {
-        // SAFETY: so many are mapped, and no frame is in flight.
+        // SAFETY: the whole buffer is mapped, and no frame is in flight.
         unsafe { std::slice::from_raw_parts_mut(self.data, self.size as usize / 4) }.fill(POISON);
     }
 
@@ -239,7 +239,7 @@ impl<'a> Engine<'a> {
         &self.instance.instance
     }
 
-    /// Whether anybody would say what is wrong.
+    /// Whether the validation layer is there.
     pub fn validated(&self) -> bool {
         self.instance.messenger.is_some()
     }
@@ -271,7 +271,7 @@ impl<'a> Engine<'a> {
         }
     }
 
-    /// Maps a buffer that lies so far into its memory, fills it with poison, and takes over both.
+    /// Maps a buffer at an offset of its memory, fills it with poison, and takes over both.
     ///
     /// # Safety
     /// Both are valid, and the memory is visible to the host.

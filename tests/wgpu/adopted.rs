@@ -14,7 +14,7 @@ use crate::gpu::refusals::refused;
 use crate::gpu::{POISON, folded, hit, note_missing, required};
 use crate::scenes;
 
-/// An engine as small as can be.
+/// A minimal engine.
 struct Engine {
     instance: ash::Instance,
     entry: Entry,
@@ -30,7 +30,7 @@ unsafe extern "system" fn collect(
     data: *const vk::DebugUtilsMessengerCallbackDataEXT<'_>,
     messages: *mut c_void,
 ) -> vk::Bool32 {
-    // SAFETY: what the messenger was made with, and what the layer says.
+    // SAFETY: the messenger was made with these messages, and the layer's data is valid.
     let (messages, text) = unsafe {
         let messages = &*messages.cast::<Mutex<Vec<String>>>();
         (messages, CStr::from_ptr((*data).p_message).to_string_lossy().into_owned())
@@ -94,7 +94,7 @@ impl Engine {
         Some(Engine { instance, entry, messages, messenger })
     }
 
-    /// What an engine tells of a physical device, before it has made a device.
+    /// The definition for a physical device, before its device is made.
     fn def(&self, physical_device: vk::PhysicalDevice) -> VulkanDef<'static> {
         VulkanDef {
             get_instance_proc_addr: self.entry.static_fn().get_instance_proc_addr,
@@ -170,12 +170,12 @@ struct Seen {
 
 impl Seen {
     fn words(&self) -> &[u32] {
-        // SAFETY: so many are mapped, and the tests wait before they look.
+        // SAFETY: the whole buffer is mapped, and the tests wait before they look.
         unsafe { std::slice::from_raw_parts(self.data, self.size as usize / 4) }
     }
 }
 
-/// The engine's own command buffer on its queue: copies from one buffer to the other, between what was written and what comes.
+/// Submits a command buffer of the engine, which copies one buffer to the other, with barriers before and after.
 fn copy(device: &ash::Device, (from, to): (&Seen, &Seen)) {
     use vk::{AccessFlags as A, PipelineStageFlags as S};
     let barrier = |(src, before): (S, A), (dst, after): (S, A), commands| {
@@ -205,7 +205,7 @@ fn copy(device: &ash::Device, (from, to): (&Seen, &Seen)) {
     }
 }
 
-/// Runs a test with a device of the engine on each physical device, and fails if validation says anything.
+/// Runs a test with a device of the engine on each physical device, and fails if validation reports anything.
 fn on_each_engine(test: impl Fn(&Engine, &VulkanDef<'_>, &ash::Device, &TestedDevice)) {
     let Some(engine) = Engine::new() else { return };
     // SAFETY: a valid instance.
