@@ -749,7 +749,7 @@ fn quick_memory_that_is_laid_out_wrong() {
     let mut positions = |p, normal, tangent| VertexMemory::interleaved(&mut bytes, p, normal, tangent).map(drop);
     for stride in [0, 4, 8] {
         let found = positions(at(0, stride), None, None);
-        refused!(found, InvalidArgument, "position", stride.to_string().as_str(), "at least 12");
+        refused!(found, InvalidArgument, "position", stride.to_string().as_str(), "at least the 12 bytes");
     }
     refused!(positions(at(0, 12), None, Some(at(12, 12))), InvalidArgument, "offset", "stride");
     for (offset, stride, value) in [(1, 12, "1"), (2, 12, "2"), (0, 13, "13"), (0, 15, "15")] {
