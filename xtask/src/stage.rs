@@ -124,15 +124,21 @@ fn table(rows: &[Row]) -> String {
     let width = rows.iter().map(|row| row.name.len()).max().unwrap_or(0);
     let mut text = format!("{:width$}  result    seconds  repeat alone\n", "stage");
     for Row { name, verdict, seconds, reason } in rows {
-        let (result, first) = (verdict.word(), reason.lines().next().unwrap_or_default());
-        let _ =
-            writeln!(text, "{name:width$}  {result:8}  {seconds:7.1}  cargo xtask test --only {name:width$}  {first}");
+        let (result, line) = (verdict.word(), reason.lines().next().unwrap_or_default());
+        let repeat = format!("cargo xtask test --only {name:width$}");
+        let _ = writeln!(text, "{name:width$}  {result:8}  {seconds:7.1}  {repeat}  {}", shortened(line));
     }
     let count = |of: &[Verdict]| rows.iter().filter(|row| of.contains(&row.verdict)).count();
     let passed = count(&[Verdict::Passed, Verdict::InPart]);
     let (failed, skipped) = (count(&[Verdict::Failed]), count(&[Verdict::LeftOut]));
     let lines = text.lines().map(str::trim_end).collect::<Vec<_>>().join("\n");
     format!("{lines}\n\n{passed} passed, {failed} failed, {skipped} skipped\n")
+}
+
+/// The first 90 letters.
+fn shortened(line: &str) -> String {
+    let start: String = line.chars().take(90).collect();
+    if start.len() < line.len() { start + "…" } else { start }
 }
 
 impl Verdict {
