@@ -57,8 +57,8 @@
 //
 // Threads. Calls are externally synchronised per context: two threads must not use one context at once, and callbacks
 // must not call back into it. Both are CRUMPLE_ERROR_CONCURRENT_USE, in every build. Two kinds of functions may be
-// called from any thread at any time: those without a context argument, and those that submit, preview or end hits
-// (crumple_instance_submit_..., ..._preview_..., ..._end_contact). Contexts are independent of each other.
+// called from any thread at any time: those without a context argument, and crumple_instance_submit_...,
+// ..._preview_..., ..._end_contact and ..._set_transform. Contexts are independent of each other.
 //
 // Reads. Hits are pending until the next read of the instance's damage: crumple_context_deform(),
 // crumple_vulkan_record() or crumple_vulkan_submit() of one of its buffers, crumple_instance_get_info(),
@@ -250,7 +250,7 @@ typedef enum {
     CRUMPLE_HIT_STATUS_BELOW_YIELD = 1,
     /// No example moves the contact vertex towards the target.
     CRUMPLE_HIT_STATUS_NOTHING_REACHES = 2,
-    /// Too little alone to leave a mark, but part of a contact, which it adds to ([`Hit::contact`]).
+    /// It is too weak alone to leave a mark, but it adds to its contact.
     CRUMPLE_HIT_STATUS_ACCUMULATED = 3,
 } CrumpleHitStatus;
 
@@ -660,10 +660,6 @@ typedef struct {
 
 /// One dent: where, how deep, and made of which examples. Plain data of 32 bytes, equal on all machines: send or save it as
 /// it is (little-endian).
-///
-/// ```text
-/// u_m(v) = strength * sum over pairs of scale(depth, share) * e_i(v)          strength = sqrt(energy)
-/// ```
 typedef struct {
     /// The vertex that was hit.
     uint32_t contact;
@@ -1040,8 +1036,9 @@ CrumpleResult crumple_instance_get_info(CrumpleContext *context, CrumpleInstance
 
 /// Sets the transform of an instance: local_to_world points to 16 floats, column-major (element 4 * column + row, as in
 /// glTF and Vulkan), translation in elements 12 to 14, m, last row 0 0 0 1. It may scale and shear but not flatten.
-/// Hits in CRUMPLE_SPACE_WORLD that are submitted afterwards use it: points as points, impulses and displacements as
-/// vectors, by its inverse. Deformed vertices are always in the mesh's space.
+/// Hits in CRUMPLE_SPACE_WORLD use the inverse of the transform in force when they are submitted: points as points,
+/// impulses and displacements as vectors. Deformed vertices are in the mesh's space. May be called from any thread at
+/// any time.
 CrumpleResult crumple_instance_set_transform(CrumpleContext *context, CrumpleInstance instance,
                                              const float *local_to_world);
 
@@ -1091,10 +1088,11 @@ CrumpleResult crumple_instance_preview_displacement(CrumpleContext *context, Cru
 /// engine reports one contact as many small impulses. Give each of these hits the same contact_id, any number but 0,
 /// and end the contact when the bodies separate. They make the dent of the whole impulse, at any frame rate: their
 /// displacements add, and the place is the mean of their points weighted by displacement. Yield thresholds and depth
-/// limit apply to the sum. One mark is replaced as hits arrive. Ends and hits of one contact take effect at the next
-/// read, hits first. Reuse an id only after that read. Ending an unknown id is not an error. Contacts also end when the
-/// instance's damage is set, loaded, copied, repaired or reset. At most 256 are open; the one hit longest ago ends
-/// first. May be called from any thread at any time. Errors: CRUMPLE_ERROR_WRONG_RULE (a classic rule).
+/// limit apply to the sum. One mark is replaced as hits arrive.
+///
+/// A hit that arrives after the end belongs to the next contact of that id. Ending an unknown id is not an error.
+/// Contacts also end when the instance's damage is set, loaded, copied, repaired or reset. At most 256 are open; the
+/// one hit longest ago ends first. May be called from any thread at any time. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
 CrumpleResult crumple_instance_end_contact(CrumpleContext *context, CrumpleInstance instance, uint64_t contact_id);
 
 /// Copies an instance's marks, sorted, so that the same hits give the same marks in any order. marks has room for

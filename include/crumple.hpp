@@ -261,7 +261,7 @@ public:
         return detail::get<CrumpleInstanceInfo>(
             [&](CrumpleInstanceInfo *info) { return crumple_instance_get_info(context(), id(), info); });
     }
-    /// 16 floats, column-major.
+    /// 16 floats, column-major. Any thread, at any time.
     Result<void> set_transform(const float *local_to_world) {
         return detail::done(crumple_instance_set_transform(context(), id(), local_to_world));
     }

@@ -3,11 +3,13 @@
 use super::boundary::boundary;
 use super::check::{Out, def, defs, zeroed};
 use super::ids::Slots;
+use super::record_call::Call;
 use super::recorder::{Log, Recorder};
 use super::result::{CrumpleResult, Failure};
 use super::store::State;
 use super::tasks::{CrumpleTaskSystem, HostTasks};
-use crate::{Inbox, TaskSystem, ThreadPool};
+use super::types::CrumpleInstance;
+use crate::{Error, Inbox, TaskSystem, ThreadPool};
 use std::ffi::{CString, c_char, c_void};
 use std::mem::MaybeUninit;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock, TryLockError};
@@ -52,7 +54,7 @@ pub(super) struct Context {
     state: Mutex<State>,
     /// The same ids as `State::instances`, for the calls that may come from any thread. Changed only while `state` is
     /// held.
-    pub(super) inboxes: RwLock<Slots<Arc<Inbox>>>,
+    pub(super) inboxes: RwLock<Slots<Arrivals>>,
     pub(super) recorder: Recorder,
 }
 
@@ -108,6 +110,45 @@ impl Context {
         let text = CString::new(message.replace('\0', "\u{fffd}")).unwrap_or_default();
         // SAFETY: the host promised that its function may be called so; the text lives across the call.
         unsafe { log(MaybeUninit::new(level), text.as_ptr(), self.log_user) }
+    }
+}
+
+/// What an instance takes from any thread.
+pub(super) struct Arrivals {
+    pub(super) inbox: Arc<Inbox>,
+    /// Its transform, as it was given.
+    pub(super) local_to_world: Arc<Mutex<[f32; 16]>>,
+}
+
+impl Context {
+    /// Brings something to an instance. A recording gets `call()`, and for what `bring` returns the number that stands for it.
+    pub(super) fn deliver<T>(
+        &self,
+        instance: CrumpleInstance,
+        call: impl FnOnce() -> Call,
+        bring: impl FnOnce(&Arrivals) -> Result<T, Error>,
+        number: impl FnOnce(&T) -> u64,
+    ) -> Result<T, Failure> {
+        loop {
+            let log = self.recorder.hit();
+            let inboxes = self.inboxes.read().unwrap_or_else(PoisonError::into_inner);
+            if log.is_none() && self.recorder.is_on() {
+                continue; // it began just now
+            }
+            let to = inboxes.get(instance, "instance")?;
+            let Some(mut log) = log else { return Ok(bring(to)?) };
+            log.call(call());
+            let given = bring(to).map_err(Failure::from);
+            let trouble = match &given {
+                Ok(given) => log.ended(CrumpleResult::CrumpleOk, number(given)),
+                Err(failure) => log.ended(failure.result, 0),
+            };
+            drop(inboxes);
+            if let Some(trouble) = trouble {
+                self.log(CrumpleLogLevel::Warning, &trouble);
+            }
+            return given;
+        }
     }
 }
 

@@ -2,15 +2,14 @@
 
 use super::c_enum::number;
 use super::check::{Out, def, defs, enumerator, finite, zeroed};
-use super::context::{Context, CrumpleContext, CrumpleLogLevel, concurrent};
+use super::context::{Arrivals, CrumpleContext, concurrent};
 use super::record_call::{Call, DisplacementHit, ImpulseHit, Number};
 use super::recorder::digest;
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleInstance, CrumpleVec3};
-use crate::{Cause, Error, Hit, HitStatus, Inbox, Mark, Outcome, Space};
+use crate::{Cause, Hit, HitStatus, Mark, Outcome, Space};
 use std::mem::MaybeUninit;
 use std::num::NonZeroU64;
-use std::sync::PoisonError;
 
 /// A hit given as an impulse, with point and impulse in the given space (default CRUMPLE_SPACE_LOCAL). The target
 /// displacement of the contact is impulse * duration / mass. For dents that do not depend on the frame rate, make
@@ -196,10 +195,11 @@ pub unsafe extern "C" fn crumple_instance_preview_displacement(
 /// engine reports one contact as many small impulses. Give each of these hits the same contact_id, any number but 0,
 /// and end the contact when the bodies separate. They make the dent of the whole impulse, at any frame rate: their
 /// displacements add, and the place is the mean of their points weighted by displacement. Yield thresholds and depth
-/// limit apply to the sum. One mark is replaced as hits arrive. Ends and hits of one contact take effect at the next
-/// read, hits first. Reuse an id only after that read. Ending an unknown id is not an error. Contacts also end when the
-/// instance's damage is set, loaded, copied, repaired or reset. At most 256 are open; the one hit longest ago ends
-/// first. May be called from any thread at any time. Errors: CRUMPLE_ERROR_WRONG_RULE (a classic rule).
+/// limit apply to the sum. One mark is replaced as hits arrive.
+///
+/// A hit that arrives after the end belongs to the next contact of that id. Ending an unknown id is not an error.
+/// Contacts also end when the instance's damage is set, loaded, copied, repaired or reset. At most 256 are open; the
+/// one hit longest ago ends first. May be called from any thread at any time. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_end_contact(
     context: *mut CrumpleContext,
@@ -210,7 +210,7 @@ pub unsafe extern "C" fn crumple_instance_end_contact(
         let id = NonZeroU64::new(contact_id)
             .ok_or_else(|| Failure::invalid("contact_id is 0; it must be the id that hits were given, not 0"))?;
         let call = || Call::EndContact { instance: Number::of(instance), contact_id };
-        deliver(context, instance, call, |inbox| inbox.end_contact(id), |()| 0)
+        context.deliver(instance, call, |to| to.inbox.end_contact(id), |()| 0)
     })
 }
 
@@ -260,42 +260,11 @@ unsafe fn submit(
         let out = if preview { Out::new(out, "out_result") } else { Out::optional(out, "out_result") }?;
         let hit = read()?;
         let call = || recorded_hit(instance, &hit, effect);
-        let bring = |inbox: &Inbox| if preview { inbox.preview(&hit) } else { inbox.submit(&hit) };
-        let outcome = deliver(context, instance, call, bring, |o| hit_digest(&o.into()))?;
+        let bring = |to: &Arrivals| if preview { to.inbox.preview(&hit) } else { to.inbox.submit(&hit) };
+        let outcome = context.deliver(instance, call, bring, |o| hit_digest(&o.into()))?;
         out.write((&outcome).into());
         Ok(())
     })
-}
-
-/// Brings something to an instance's inbox; what `call` makes of it, and the number that stands for what it gave, go into a
-/// recording.
-fn deliver<T>(
-    context: &Context,
-    instance: CrumpleInstance,
-    call: impl FnOnce() -> Call,
-    bring: impl FnOnce(&Inbox) -> Result<T, Error>,
-    number: impl FnOnce(&T) -> u64,
-) -> Result<T, Failure> {
-    loop {
-        let log = context.recorder.hit();
-        let inboxes = context.inboxes.read().unwrap_or_else(PoisonError::into_inner);
-        if log.is_none() && context.recorder.is_on() {
-            continue; // it began just now
-        }
-        let inbox = inboxes.get(instance, "instance")?;
-        let Some(mut log) = log else { return Ok(bring(inbox)?) };
-        log.call(call());
-        let given = bring(inbox).map_err(Failure::from);
-        let trouble = match &given {
-            Ok(given) => log.ended(CrumpleResult::CrumpleOk, number(given)),
-            Err(failure) => log.ended(failure.result, 0),
-        };
-        drop(inboxes);
-        if let Some(trouble) = trouble {
-            context.log(CrumpleLogLevel::Warning, &trouble);
-        }
-        return given;
-    }
 }
 
 fn recorded_hit(instance: CrumpleInstance, hit: &Hit, effect: Effect) -> Call {

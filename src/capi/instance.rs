@@ -1,7 +1,7 @@
 //! Instances: bodies in the scene.
 
 use super::check::{Out, def, defs, enumerator, finite, positive_or, read, zeroed};
-use super::context::{CrumpleContext, recorded};
+use super::context::{Arrivals, CrumpleContext, concurrent, recorded};
 use super::record_call::{Call, Number};
 use super::result::{CrumpleResult, Failure};
 use super::store::InstanceEntry;
@@ -9,7 +9,7 @@ use super::types::{CrumpleExampleSet, CrumpleInstance, CrumpleRule, CrumpleSelec
 use crate::glam::Mat4;
 use crate::{Instance, InstanceOptions, Rule, Selection};
 use std::mem::MaybeUninit;
-use std::sync::PoisonError;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Options of an instance.
 #[repr(C)]
@@ -87,12 +87,14 @@ pub unsafe extern "C" fn crumple_instance_create(
         let (def, out) = (self::def(def, "def")?, Out::new(out_instance, "out_instance")?);
         let set = state.sets.get(def.set, "def.set")?.set.clone();
         let instance = Instance::new(set, options(&def)?)?;
-        instance.set_transform(matrix(def.local_to_world, "def.local_to_world")?)?;
+        instance.set_transform(Mat4::from_cols_array(&finite(def.local_to_world, "def.local_to_world")?))?;
+        let local_to_world = Arc::new(Mutex::new(def.local_to_world));
         let mut inboxes = context.inboxes.write().unwrap_or_else(PoisonError::into_inner);
         state.instances.reserve::<CrumpleInstance>()?;
         inboxes.reserve::<CrumpleInstance>()?;
-        let inbox: CrumpleInstance = inboxes.insert(instance.inbox().clone());
-        let entry = InstanceEntry { instance, set: def.set, local_to_world: def.local_to_world, buffers: Vec::new() };
+        let inbox: CrumpleInstance =
+            inboxes.insert(Arrivals { inbox: instance.inbox().clone(), local_to_world: local_to_world.clone() });
+        let entry = InstanceEntry { instance, set: def.set, local_to_world, buffers: Vec::new() };
         log.instance(&entry);
         let id = state.instances.insert(entry);
         assert_eq!(inbox, id, "the two lists of instances went apart");
@@ -190,36 +192,27 @@ pub(super) fn info_number(info: &CrumpleInstanceInfo) -> u64 {
 
 /// Sets the transform of an instance: local_to_world points to 16 floats, column-major (element 4 * column + row, as in
 /// glTF and Vulkan), translation in elements 12 to 14, m, last row 0 0 0 1. It may scale and shear but not flatten.
-/// Hits in CRUMPLE_SPACE_WORLD that are submitted afterwards use it: points as points, impulses and displacements as
-/// vectors, by its inverse. Deformed vertices are always in the mesh's space.
+/// Hits in CRUMPLE_SPACE_WORLD use the inverse of the transform in force when they are submitted: points as points,
+/// impulses and displacements as vectors. Deformed vertices are in the mesh's space. May be called from any thread at
+/// any time.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_set_transform(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
     local_to_world: *const f32,
 ) -> CrumpleResult {
-    recorded("crumple_instance_set_transform", context, |_, state, log| {
+    concurrent("crumple_instance_set_transform", context, |context| {
         let columns = read(local_to_world.cast::<[f32; 16]>(), "local_to_world")?;
-        let matrix = matrix(columns, "local_to_world")?;
-        log.call(|| Call::SetTransform { instance: Number::of(instance), local_to_world: columns });
-        let entry = state.instances.get_mut(instance, "instance")?;
-        entry.instance.set_transform(matrix)?;
-        entry.local_to_world = columns;
-        Ok(())
+        let matrix = Mat4::from_cols_array(&finite(columns, "local_to_world")?);
+        let call = || Call::SetTransform { instance: Number::of(instance), local_to_world: columns };
+        let set = |to: &Arrivals| {
+            let mut kept = to.local_to_world.lock().unwrap_or_else(PoisonError::into_inner);
+            to.inbox.set_transform(matrix)?;
+            *kept = columns;
+            Ok(())
+        };
+        context.deliver(instance, call, set, |()| 0)
     })
-}
-
-/// A transform of 16 columns; refuses one that was given by rows.
-fn matrix(columns: [f32; 16], name: &str) -> Result<Mat4, Failure> {
-    let [.., x, y, z, _] = finite(columns, name)?;
-    let row = [columns[3], columns[7], columns[11]];
-    if row != [0.0; 3] && [x, y, z] == [0.0; 3] {
-        return Err(Failure::invalid(format!(
-            "{name} looks transposed: elements 3, 7 and 11 are {row:?} and must be 0; it must be column-major, with the \
-             translation in elements 12 to 14"
-        )));
-    }
-    Ok(Mat4::from_cols_array(&columns))
 }
 
 /// Limits how far a vertex moves, m, from the next crumple_context_deform() on. 0: the set's limit. Marks are kept, and

@@ -508,6 +508,23 @@ fn a_recording_says_why_it_cannot_begin_or_go_on() {
     same(&host.end());
 }
 
+#[test]
+fn a_transform_may_be_set_while_the_context_is_in_use_and_is_recorded() {
+    let mut host = Host::with_set();
+    host.instance(CrumpleRule::Marks);
+    ok(host.begin());
+    let mut matrix = crate::glam::Mat4::IDENTITY.to_cols_array();
+    matrix[12] = 0.5;
+    let in_use = exclusive("crumple_test", host.context, |_, _| {
+        // SAFETY: 16 floats.
+        ok(unsafe { crumple_instance_set_transform(host.context, host.instances[0], matrix.as_ptr()) });
+        Ok(())
+    });
+    ok(in_use);
+    ok(host.hit(0, (0.1, 0.0), 2.0, 0));
+    assert_eq!(same(&host.end()).hits, 1);
+}
+
 /// Gathers warnings.
 extern "C" fn note(level: MaybeUninit<CrumpleLogLevel>, message: *const c_char, user: *mut c_void) {
     // SAFETY: one of the enumerators, a text, and what was given with the context.

@@ -93,7 +93,7 @@ pub fn replay(bytes: &[u8], threads: u32, each: &mut dyn FnMut(u64, fmt::Argumen
                 None => return Err(Error::Format { what: "the recording ends a call that it did not begin".into() }),
             },
             Event::Hit(call) => {
-                report.hits += 1;
+                report.hits += u64::from(!matches!(call, Call::SetTransform { .. }));
                 let now = player.play(call, &mut report, each);
                 if let Some(Event::HitEnded(then)) = reader.next()? {
                     player.compare(now, then, &mut report);

@@ -7,6 +7,7 @@ use super::store::{BufferEntry, InstanceEntry, State};
 use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance, CrumpleRule, CrumpleSelection};
 use crate::{Error, ExampleSet, Rule};
 use std::collections::HashSet;
+use std::sync::PoisonError;
 
 /// Refuses what no call could make again.
 pub(super) fn check(state: &mut State) -> Result<(), Failure> {
@@ -81,7 +82,7 @@ pub(super) fn create(entry: &InstanceEntry) -> Call {
         max_contact_distance: o.max_contact_distance.unwrap_or(0.0),
         blend_constant,
         tolerance: o.tolerance,
-        local_to_world: entry.local_to_world,
+        local_to_world: *entry.local_to_world.lock().unwrap_or_else(PoisonError::into_inner),
     }
 }
 

@@ -9,7 +9,7 @@ use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance, CrumplePri
 use crate::{Aabb, ExampleSet, Instance, Tracker};
 use std::ffi::CString;
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// What a context keeps of a set.
 pub(super) struct SetEntry {
@@ -28,8 +28,8 @@ pub(super) struct SetEntry {
 pub(super) struct InstanceEntry {
     pub(super) instance: Instance,
     pub(super) set: CrumpleExampleSet,
-    /// As it was given.
-    pub(super) local_to_world: [f32; 16],
+    /// The transform, as it was given.
+    pub(super) local_to_world: Arc<Mutex<[f32; 16]>>,
     pub(super) buffers: Vec<CrumpleBuffer>,
 }
 

@@ -1,4 +1,8 @@
-//! The mark: one stored hit.
+//! The mark: one stored hit. It displaces vertex v by
+//!
+//! ```text
+//! u_m(v) = strength * sum over pairs of scale(depth, share) * e_i(v)          strength = sqrt(energy)
+//! ```
 
 use crate::base::error::Error;
 use crate::example::set::ExampleSet;
@@ -71,10 +75,6 @@ impl Pair {
 
 /// One dent: where, how deep, and made of which examples. Plain data of 32 bytes, equal on all machines: send or save it as
 /// it is (little-endian).
-///
-/// ```text
-/// u_m(v) = strength * sum over pairs of scale(depth, share) * e_i(v)          strength = sqrt(energy)
-/// ```
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Mark {

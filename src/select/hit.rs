@@ -86,7 +86,7 @@ pub enum HitStatus {
     BelowYield = 1,
     /// No example moves the contact vertex towards the target.
     NothingReaches = 2,
-    /// Too little alone to leave a mark, but part of a contact, which it adds to ([`Hit::contact`]).
+    /// It is too weak alone to leave a mark, but it adds to its contact.
     Accumulated = 3,
 }
 

@@ -321,7 +321,7 @@ static void instances(void) {
     BAD_INSTANCE(INVALID_ARGUMENT, "selection", def.selection = CRUMPLE_SELECTION_CLASSIC_UNCLAMPED);
     BAD_INSTANCE(INVALID_ARGUMENT, "selection", (def.rule = CRUMPLE_RULE_MOST_DISPLACED, def.selection = CRUMPLE_SELECTION_NEAREST));
     BAD_INSTANCE(INVALID_ARGUMENT, "transform", def.local_to_world[0] = def.local_to_world[5] = 0);
-    BAD_INSTANCE(INVALID_ARGUMENT, "looks transposed", def.local_to_world[3] = 1);
+    BAD_INSTANCE(INVALID_ARGUMENT, "transpose", def.local_to_world[3] = 1);
     BAD_INSTANCE(NOT_FINITE, "def.depth_limit", def.depth_limit = NAN);
     BAD_INSTANCE(NOT_FINITE, "def.yield_impulse", def.yield_impulse = NAN);
     BAD_INSTANCE(NOT_FINITE, "def.yield_displacement", def.yield_displacement = NAN);
