@@ -144,10 +144,10 @@ public:
             vertices.push_back({positions.back(), {along.X, along.Z, along.Y, -n.W}, normals.back(), -n.W});
         }
         CrumpleLodDef lod = crumple_lod_def_default();
-        lod.vertex_count = count;
-        lod.positions = {positions.data(), positions.size() * 12, 12};
-        lod.normals = {normals.data(), normals.size() * 12, 12};
-        lod.tangents = {vertices[0].tangent, (count - 1) * sizeof(Vertex) + 16, sizeof(Vertex)};
+        lod.mesh.vertex_count = count;
+        lod.mesh.positions = {positions.data(), positions.size() * 12, 12};
+        lod.mesh.normals = {normals.data(), normals.size() * 12, 12};
+        lod.mesh.tangents = {vertices[0].tangent, (count - 1) * sizeof(Vertex) + 16, sizeof(Vertex)};
         uint32_t level = 0;
         FACT(crumple_example_set_add_lod(context, set, &lod, &level) == CRUMPLE_OK);
         CrumpleInstanceDef def = crumple_instance_def_default();
