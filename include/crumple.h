@@ -1095,6 +1095,12 @@ CrumpleResult crumple_instance_preview_displacement(CrumpleContext *context, Cru
 /// one hit longest ago ends first. May be called from any thread at any time. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
 CrumpleResult crumple_instance_end_contact(CrumpleContext *context, CrumpleInstance instance, uint64_t contact_id);
 
+/// Returns what an open contact does so far, with pending hits: the result of all its hits as one. Its status is
+/// CRUMPLE_HIT_STATUS_BELOW_YIELD if no contact with this id is open or its sum is too weak; the rest is zero then. Reads
+/// the damage. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
+CrumpleResult crumple_instance_get_contact(CrumpleContext *context, CrumpleInstance instance, uint64_t contact_id,
+                                           CrumpleHitResult *out_result);
+
 /// Copies an instance's marks, sorted, so that the same hits give the same marks in any order. marks has room for
 /// capacity marks; see "Arrays" at the top. CRUMPLE_ERROR_WRONG_RULE: classic rules have no marks.
 CrumpleResult crumple_instance_get_marks(CrumpleContext *context, CrumpleInstance instance, CrumpleMark *marks,
@@ -1151,9 +1157,10 @@ CrumpleResult crumple_buffer_set_memory(CrumpleContext *context, CrumpleBuffer b
 
 /// Brings host buffers up to date: count ids at buffers, each once, or all host buffers of the context with null and 0.
 /// Writes only what changed since the last write of each buffer, in parallel over all of them. Without changes it is
-/// cheap. An unseen instance needs no deform: its next deform includes all its hits, at 8 to 20 microseconds each. The
-/// buffers' memory must not be read or written during the call. out_report may be null. CRUMPLE_ERROR_INVALID_ARGUMENT:
-/// a buffer twice, a Vulkan buffer, or overlapping memory in debug builds. No vertex is written then.
+/// cheap. With null and 0 the pending hits of every instance become damage, also without a buffer, so damage does not
+/// depend on which bodies are seen. The buffers' memory must not be read or written during the call. out_report may be
+/// null. CRUMPLE_ERROR_INVALID_ARGUMENT: a buffer twice, a Vulkan buffer, or overlapping memory in debug builds. No
+/// vertex is written then.
 CrumpleResult crumple_context_deform(CrumpleContext *context, const CrumpleBuffer *buffers, uint32_t count,
                                      CrumpleDeformReport *out_report);
 

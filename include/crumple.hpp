@@ -322,6 +322,11 @@ public:
         return detail::done(crumple_instance_end_contact(context(), id(), contact_id));
     }
 
+    /// The result of an open contact as a whole; status CRUMPLE_HIT_STATUS_BELOW_YIELD if there is none.
+    Result<CrumpleHitResult> contact(uint64_t contact_id) {
+        return detail::get<CrumpleHitResult>(
+            [&](CrumpleHitResult *out) { return crumple_instance_get_contact(context(), id(), contact_id, out); });
+    }
     Result<std::vector<CrumpleMark>> marks() const {
         return detail::fill<CrumpleMark, uint32_t>([&](CrumpleMark *marks, uint32_t capacity, uint32_t *count) {
             return crumple_instance_get_marks(context(), id(), marks, capacity, count);

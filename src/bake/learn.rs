@@ -95,17 +95,18 @@ fn left_out(set: &ExampleSet, q: usize) -> Errors {
     let (contact, size) = (e.contact_vertex(), e.depth());
     let direction = e.contact_displacement() / size;
     let copies: Vec<bool> = examples.iter().map(|other| set.candidates().are_copies(e, other)).collect();
-    let others = || set.candidates().iter().filter(|i| i.example as usize != q && !copies[i.example as usize]);
+    let all = set.candidates().all();
+    let others = || all.iter().enumerate().filter(|(_, c)| c.example as usize != q && !copies[c.example as usize]);
     let predict = |width: f32, anchored: bool| {
         let hit = HitQuery::new(set, contact, direction, size, width);
         let usable = |i: usize| anchored || examples[i].placement() != Placement::Anchored;
         let mut found = Shortlist::new();
-        for i in others().filter(|i| usable(i.example as usize)) {
-            if let Some(axes) = hit.axes(i, anchored) {
-                found.add(Scored::new(i, anchored, axes));
+        for (i, c) in others().filter(|(_, c)| usable(c.example as usize)) {
+            if let Some(scored) = Scored::new(i, c, anchored, &hit) {
+                found.add(scored);
             }
         }
-        let pairs = found.pairs(EXAMPLES);
+        let pairs = found.pairs(EXAMPLES, all, &hit);
         (!pairs[0].is_none()).then(|| {
             let parts = place(set, contact, size, &pairs, &frame_rotations(set, contact, &pairs)).parts;
             let (mut wrong, mut all) = (0.0f64, 0.0f64);

@@ -87,10 +87,13 @@ pub(crate) fn turned_as(a: Vec3, b: Vec3, t: Vec3) -> Vec3 {
     v + w + c.cross(w) * (1.0 / (1.0 + from.dot(b)))
 }
 
+/// One plus the cosine of two unit vectors: below it they are nearly opposite.
+pub(crate) const OPPOSITE: f32 = 1e-2;
+
 /// `v`, at right angles to unit vector `a`, turned by the smallest rotation from `a` to unit vector `b`.
+#[inline]
 pub(crate) fn turn_tangent(v: Vec3, a: Vec3, b: Vec3) -> Vec3 {
     // Near opposite vectors the quotient loses all digits.
-    const OPPOSITE: f32 = 1e-2;
     let k = 1.0 + a.dot(b);
     if k < OPPOSITE { rotation_between(a, b) * v } else { v - (a + b) * (v.dot(b) / k) }
 }

@@ -3,11 +3,12 @@
 use super::check::{Out, array, write_array};
 use super::context::{CrumpleContext, exclusive, recorded};
 use super::host_memory::HostMemory;
+use super::ids::Slots;
 use super::record_call::{Call, Number};
 use super::result::{CrumpleResult, Failure};
-use super::store::{BufferEntry, Memory, State};
+use super::store::{BufferEntry, InstanceEntry, Memory, State};
 use super::tasks::Quiet;
-use super::types::{CrumpleAabb, CrumpleBuffer, CrumpleRange};
+use super::types::{CrumpleAabb, CrumpleBuffer, CrumpleInstance, CrumpleRange};
 use crate::base::error::reserve;
 use crate::{Aabb, DeformJob};
 use xxhash_rust::xxh3::Xxh3;
@@ -27,9 +28,10 @@ pub struct CrumpleDeformReport {
 
 /// Brings host buffers up to date: count ids at buffers, each once, or all host buffers of the context with null and 0.
 /// Writes only what changed since the last write of each buffer, in parallel over all of them. Without changes it is
-/// cheap. An unseen instance needs no deform: its next deform includes all its hits, at 8 to 20 microseconds each. The
-/// buffers' memory must not be read or written during the call. out_report may be null. CRUMPLE_ERROR_INVALID_ARGUMENT:
-/// a buffer twice, a Vulkan buffer, or overlapping memory in debug builds. No vertex is written then.
+/// cheap. With null and 0 the pending hits of every instance become damage, also without a buffer, so damage does not
+/// depend on which bodies are seen. The buffers' memory must not be read or written during the call. out_report may be
+/// null. CRUMPLE_ERROR_INVALID_ARGUMENT: a buffer twice, a Vulkan buffer, or overlapping memory in debug builds. No
+/// vertex is written then.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_deform(
     context: *mut CrumpleContext,
@@ -53,10 +55,9 @@ pub unsafe extern "C" fn crumple_context_deform(
         if cfg!(debug_assertions) {
             apart(entries.iter::<CrumpleBuffer>().filter(of_host))?;
         }
-        log.call(|| Call::Deform { buffers: entries.iter().filter(of_host).map(|(id, _)| Number::of(id)).collect() });
-        for (_, entry) in entries.iter::<CrumpleBuffer>().filter(of_host) {
-            instances.get_mut(entry.owner, "instance")?.instance.fold();
-        }
+        let numbers = || entries.iter().filter(of_host).map(|(id, _)| Number::of(id)).collect();
+        log.call(|| Call::Deform { all: chosen.all, buffers: numbers() });
+        chosen.fold(instances, entries.iter::<CrumpleBuffer>().filter(of_host))?;
         log.open();
         let mut jobs = reserve(chosen.most(entries.len()), "deform jobs")?;
         for (_, entry) in entries.iter_mut::<CrumpleBuffer>().filter(|(id, _)| chosen.names(*id)) {
@@ -104,7 +105,7 @@ pub(super) unsafe fn vertices_digest<'a>(entries: impl Iterator<Item = &'a Buffe
 pub(super) struct Chosen<'a> {
     /// By index.
     sorted: &'a [CrumpleBuffer],
-    all: bool,
+    pub(super) all: bool,
 }
 
 impl<'a> Chosen<'a> {
@@ -126,6 +127,23 @@ impl<'a> Chosen<'a> {
             return Err(Failure::invalid(format!("buffers names buffer {} twice; name each once", twice.index)));
         }
         Ok(Chosen { sorted: room, all: pointer.is_null() })
+    }
+
+    /// Turns waiting hits into damage: of all instances where all buffers are named, so that the damage of a body does not
+    /// depend on whether it has a buffer; else of the instances that own these buffers.
+    pub(super) fn fold<'b>(
+        &self,
+        instances: &mut Slots<InstanceEntry>,
+        named: impl Iterator<Item = (CrumpleBuffer, &'b BufferEntry)>,
+    ) -> Result<(), Failure> {
+        if self.all {
+            instances.iter_mut::<CrumpleInstance>().for_each(|(_, entry)| entry.instance.fold());
+            return Ok(());
+        }
+        for (_, entry) in named {
+            instances.get_mut(entry.owner, "instance")?.instance.fold();
+        }
+        Ok(())
     }
 
     /// Of an id that is not stale.

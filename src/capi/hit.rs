@@ -2,7 +2,7 @@
 
 use super::c_enum::number;
 use super::check::{Out, def, defs, enumerator, finite, zeroed};
-use super::context::{Arrivals, CrumpleContext, concurrent};
+use super::context::{Arrivals, CrumpleContext, concurrent, recorded};
 use super::record_call::{Call, DisplacementHit, ImpulseHit, Number};
 use super::recorder::digest;
 use super::result::{CrumpleResult, Failure};
@@ -84,6 +84,22 @@ pub struct CrumpleHitResult {
     /// The mark; zero everywhere where the hit leaves none.
     pub mark: Mark,
     pub reserved: [u64; 4],
+}
+
+impl CrumpleHitResult {
+    fn nothing() -> Self {
+        let zero = [0.0; 3];
+        CrumpleHitResult::from(&Outcome {
+            status: HitStatus::BelowYield,
+            contact_vertex: 0,
+            contact_distance: 0.0,
+            target: zero,
+            achieved: zero,
+            clamped: false,
+            chosen: [None; 4],
+            mark: None,
+        })
+    }
 }
 
 impl From<&Outcome> for CrumpleHitResult {
@@ -207,11 +223,36 @@ pub unsafe extern "C" fn crumple_instance_end_contact(
     contact_id: u64,
 ) -> CrumpleResult {
     concurrent("crumple_instance_end_contact", context, |context| {
-        let id = NonZeroU64::new(contact_id)
-            .ok_or_else(|| Failure::invalid("contact_id is 0; it must be the id that hits were given, not 0"))?;
+        let id = contact(contact_id)?;
         let call = || Call::EndContact { instance: Number::of(instance), contact_id };
         context.deliver(instance, call, |to| to.inbox.end_contact(id), |()| 0)
     })
+}
+
+/// Returns what an open contact does so far, with pending hits: the result of all its hits as one. Its status is
+/// CRUMPLE_HIT_STATUS_BELOW_YIELD if no contact with this id is open or its sum is too weak; the rest is zero then. Reads
+/// the damage. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_instance_get_contact(
+    context: *mut CrumpleContext,
+    instance: CrumpleInstance,
+    contact_id: u64,
+    out_result: *mut CrumpleHitResult,
+) -> CrumpleResult {
+    recorded("crumple_instance_get_contact", context, |_, state, log| {
+        let (out, id) = (Out::new(out_result, "out_result")?, contact(contact_id)?);
+        log.call(|| Call::GetContact { instance: Number::of(instance), contact_id });
+        let found = state.instances.get_mut(instance, "instance")?.instance.contact(id)?;
+        let result = found.as_ref().map_or_else(CrumpleHitResult::nothing, CrumpleHitResult::from);
+        log.gave(|| hit_digest(&result));
+        out.write(result);
+        Ok(())
+    })
+}
+
+fn contact(id: u64) -> Result<NonZeroU64, Failure> {
+    NonZeroU64::new(id)
+        .ok_or_else(|| Failure::invalid("contact_id is 0; it must be the id that hits were given, not 0"))
 }
 
 /// Whether a hit leaves a mark.

@@ -83,11 +83,12 @@ calls! {
     "crumple_buffer_unregister" UnregisterBuffer { buffer: Number }
     "crumple_buffer_invalidate" InvalidateBuffer { buffer: Number }
     "crumple_buffer_set_memory" SetBufferMemory { buffer: Number, lod: u32, vertices: u32, normals: bool, tangents: bool }
-    "crumple_context_deform" Deform { buffers: Vec<Number> }
+    "crumple_context_deform" Deform { all: bool, buffers: Vec<Number> }
     /// Also `crumple_vulkan_submit`. The library does not read what the device writes.
-    "crumple_vulkan_record" Record { buffers: Vec<Number> }
+    "crumple_vulkan_record" Record { all: bool, buffers: Vec<Number> }
     "crumple_instance_get_attached_frame" AttachedFrame { instance: Number, vertices: [u32; 3], weights: [f32; 3], point: [f32; 3] }
     "crumple_instance_get_info" InstanceInfo { instance: Number }
+    "crumple_instance_get_contact" GetContact { instance: Number, contact_id: u64 }
 }
 
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]

@@ -355,13 +355,22 @@ impl Player {
                 }
                 result
             }
-            Call::Deform { buffers } | Call::Record { buffers } => self.deform(&buffers, value, report),
+            Call::Deform { all, buffers } | Call::Record { all, buffers } => self.deform(all, &buffers, value, report),
             Call::AttachedFrame { instance, vertices, weights, point } => {
                 let attachment = CrumpleAttachment { vertices, weights, point: point.into(), reserved: [0; 3] };
                 let (id, mut frame) = (self.instance(instance), CrumpleFrame::default());
                 let result = crumple_instance_get_attached_frame(context, id, &attachment, &mut frame);
                 if result == CrumpleResult::CrumpleOk {
                     *value = frame_digest(&frame);
+                }
+                result
+            }
+            Call::GetContact { instance, contact_id } => {
+                let mut found = MaybeUninit::<CrumpleHitResult>::uninit();
+                let id = self.instance(instance);
+                let result = crumple_instance_get_contact(context, id, contact_id, found.as_mut_ptr());
+                if result == CrumpleResult::CrumpleOk {
+                    *value = hit_digest(found.assume_init_ref());
                 }
                 result
             }
@@ -412,7 +421,17 @@ impl Player {
         def
     }
 
-    unsafe fn deform(&mut self, buffers: &[Number], value: &mut u64, report: &mut Replay) -> CrumpleResult {
+    unsafe fn deform(&mut self, all: bool, buffers: &[Number], value: &mut u64, report: &mut Replay) -> CrumpleResult {
+        if all {
+            // The buffers that the recording names may be fewer than there are by now; its instances are all.
+            let folded = exclusive("crumple_context_deform", self.context, |_, state| {
+                state.instances.iter_mut::<CrumpleInstance>().for_each(|(_, entry)| entry.instance.fold());
+                Ok(())
+            });
+            if folded != CrumpleResult::CrumpleOk {
+                return folded;
+            }
+        }
         // The pointer of an empty vector is not null, so that no buffer does not become all.
         let ids: Vec<CrumpleBuffer> = buffers.iter().map(|&number| self.buffer(number)).collect();
         let mut told = CrumpleDeformReport::default();

@@ -369,10 +369,9 @@ fn with_jobs<T>(
     })?;
     let written =
         |(id, entry): &(CrumpleBuffer, &BufferEntry)| matches!(entry.memory, Memory::Vulkan(_)) && chosen.names(*id);
-    log.call(|| Call::Record { buffers: entries.iter().filter(written).map(|(id, _)| Number::of(id)).collect() });
-    for (_, entry) in entries.iter::<CrumpleBuffer>().filter(written) {
-        instances.get_mut(entry.owner, "instance")?.instance.fold();
-    }
+    let numbers = || entries.iter().filter(written).map(|(id, _)| Number::of(id)).collect();
+    log.call(|| Call::Record { all: chosen.all, buffers: numbers() });
+    chosen.fold(instances, entries.iter::<CrumpleBuffer>().filter(written))?;
     log.open();
     let mut jobs = recycled(std::mem::take(kept));
     jobs.try_reserve(chosen.most(entries.len())).map_err(|_| Failure::out_of_memory("the list of jobs"))?;

@@ -1,16 +1,22 @@
 //! What selection can choose from: every example, and its mirror images where the body has mirror planes.
 
+use super::data::Placement;
 use super::example::Example;
 use crate::base::math::turn_tangent;
 use crate::mesh::Mesh;
 use crate::mesh::mirror::{self, Mirror};
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use rstar::{RTree, primitives::GeomWithData};
 
 /// Two candidates are one when they differ by no more than this in place (share of the diagonal), logarithm of depth, and lean.
 const SAME: (f32, f32, f32) = (0.01, 0.02, 0.01);
 /// Two examples are copies of each other when they differ by no more than this in logarithm of depth and in lean.
 const COPY: (f32, f32) = (1e-3, 2e-3);
+
+/// An anchored example reaches a vertex that it displaces by at least this share of its own contact's displacement.
+pub(crate) const REACH: f32 = 0.1;
+/// A hit is at an example's own contact within this share of its support radius.
+pub(crate) const OWN_PLACE: f32 = 0.1;
 
 /// An example, or its mirror image, at its own contact.
 #[derive(Debug, Clone, Copy)]
@@ -24,12 +30,19 @@ pub(crate) struct Candidate {
     /// The tangential part of `direction`.
     pub lean: Vec3,
     pub log_depth: f32,
+    /// Squared distance from the contact, m², up to which the example may stay where it was made; a little more than exact.
+    /// -1: nowhere.
+    pub own_place_square: f32,
 }
 
 impl Candidate {
     fn new(e: &Example, example: usize, mirror: Mirror, centre: Vec3) -> Self {
         let normal = mirror.direction(e.contact_normal().unwrap_or(Vec3::Z));
         let direction = mirror.direction(e.contact_displacement() / e.depth());
+        let own_place_square = match (mirror, e.placement()) {
+            (Mirror::NONE, Placement::Automatic) => a_little_more((OWN_PLACE * e.support_radius()).powi(2)),
+            _ => -1.0,
+        };
         Candidate {
             example: example as u32,
             mirror,
@@ -38,6 +51,7 @@ impl Candidate {
             direction,
             lean: direction - normal * normal.dot(direction),
             log_depth: e.log_depth(),
+            own_place_square,
         }
     }
 
@@ -48,10 +62,52 @@ impl Candidate {
     }
 }
 
+/// Candidates in one [`CandidateLanes`].
+pub(crate) const LANES: usize = 4;
+
+/// Four candidates side by side, for vector operations.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct CandidateLanes {
+    pub point: [Vec4; 3],
+    pub normal: [Vec4; 3],
+    pub lean: [Vec4; 3],
+    pub log_depth: Vec4,
+    pub own_place_square: Vec4,
+}
+
+impl CandidateLanes {
+    /// A candidate that can only stay where it was made is infinitely far off to be carried.
+    fn new(candidates: &[Candidate], cannot_move: &dyn Fn(&Candidate) -> bool) -> Self {
+        // Lanes without a candidate repeat the last one; nobody looks at them.
+        let lane = |i: usize| &candidates[i.min(candidates.len() - 1)];
+        let wide = |f: &dyn Fn(&Candidate) -> f32| Vec4::from_array(std::array::from_fn(|i| f(lane(i))));
+        let wide3 = |f: fn(&Candidate) -> Vec3| [0, 1, 2].map(|axis| wide(&|c| f(c)[axis]));
+        CandidateLanes {
+            point: wide3(|c| c.point),
+            normal: wide3(|c| c.normal),
+            lean: wide3(|c| c.lean),
+            log_depth: wide(&|c| if cannot_move(c) { f32::INFINITY } else { c.log_depth }),
+            own_place_square: wide(&|c| c.own_place_square),
+        }
+    }
+}
+
+/// Nothing further from an example's contact is moved enough for the example to answer there without being carried, m.
+fn reach(mesh: &Mesh, e: &Example) -> f32 {
+    let threshold = REACH * e.depth() * (1.0 - 1e-5);
+    let moved = e.anchored.iter().filter(|(_, u, _)| u.length() >= threshold);
+    moved.map(|(v, _, _)| (mesh.positions()[v as usize] - e.contact_point()).length()).fold(0.0, f32::max)
+}
+
+fn a_little_more(square: f32) -> f32 {
+    square * (1.0 + 2e-5) + f32::MIN_POSITIVE
+}
+
 /// All candidates of a set, ordered by example and then by mirror. A mirror image that repeats another candidate is left out.
 #[derive(Debug, Default)]
 pub(crate) struct Candidates {
     all: Vec<Candidate>,
+    lanes: Vec<CandidateLanes>,
     /// Length of the longest lean of any candidate.
     pub max_lean: f32,
     pub diagonal: f32,
@@ -79,15 +135,33 @@ impl Candidates {
         }
         all.sort_by_key(|c| (c.example, c.mirror));
         let max_lean = all.iter().map(|c| c.lean.length()).fold(0.0, f32::max);
-        Candidates { all, max_lean, diagonal, planes, centre }
+        Candidates { all, lanes: Vec::new(), max_lean, diagonal, planes, centre }
     }
 
-    pub(crate) fn iter(&self) -> impl Iterator<Item = &Candidate> {
-        self.all.iter()
+    /// Lets examples stay where they were made for any hit that they reach: anchored ones, and those that `learned` says.
+    pub(crate) fn let_stay(&mut self, mesh: &Mesh, examples: &[Example], learned: &[bool]) {
+        for c in self.all.iter_mut().filter(|c| c.mirror == Mirror::NONE) {
+            let e = &examples[c.example as usize];
+            if e.placement() == Placement::Anchored || learned[c.example as usize] {
+                let within = (OWN_PLACE * e.support_radius()).max(reach(mesh, e));
+                c.own_place_square = a_little_more(within * within);
+            }
+        }
+        let cannot_move = |c: &Candidate| examples[c.example as usize].placement() == Placement::Anchored;
+        self.lanes = self.all.chunks(LANES).map(|c| CandidateLanes::new(c, &cannot_move)).collect();
+    }
+
+    pub(crate) fn all(&self) -> &[Candidate] {
+        &self.all
+    }
+
+    /// The same in groups of [`LANES`]; the last may have fewer.
+    pub(crate) fn lanes(&self) -> &[CandidateLanes] {
+        &self.lanes
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        size_of_val(&self.all[..])
+        size_of_val(&self.all[..]) + size_of_val(&self.lanes[..])
     }
 
     /// Whether `b` repeats `a`, moved or mirrored. Leaving one of two copies out and keeping the other teaches nothing.

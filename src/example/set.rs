@@ -99,8 +99,10 @@ impl ExampleSet {
                 report.empty_examples.push(i);
             }
         }
+        let mut candidates = Candidates::new(mesh, &p.examples, p.planes);
+        candidates.let_stay(mesh, &p.examples, &p.learned.anchored);
         Self {
-            candidates: Candidates::new(mesh, &p.examples, p.planes),
+            candidates,
             depth_limit: p.options.depth_limit.unwrap_or(deepest(&p.examples)),
             learned: p.learned,
             base: p.base,
@@ -242,6 +244,7 @@ impl ExampleSet {
     }
 
     pub(crate) fn set_learned(&mut self, learned: Learned) {
+        self.candidates.let_stay(&self.base.mesh, &self.examples, &learned.anchored);
         self.learned = learned;
     }
 

@@ -7,6 +7,7 @@ use super::shortlist::{Scored, Shortlist};
 use super::target::Target;
 use crate::damage::dent::{PlacedMark, frame_rotations, place};
 use crate::damage::mark::{MAX_PAIRS, Mark, Pair};
+use crate::example::candidates::LANES;
 use crate::example::set::ExampleSet;
 
 /// Up to `k` examples that make the mark of a hit; `None` where no example answers it.
@@ -33,34 +34,34 @@ pub(crate) fn select_nearest(set: &ExampleSet, k: usize, target: &Target, out: &
 fn nearest_pairs(set: &ExampleSet, k: usize, hit: &HitQuery) -> [Pair; MAX_PAIRS] {
     let mut shortlist = Shortlist::new();
     let mut alone: Option<Scored> = None;
-    for candidate in set.candidates().iter() {
-        let choice = placement_for(set, candidate, hit);
-        if let Choice::Anchored { .. } | Choice::Alone { .. } = choice
-            && let Some(axes) = hit.axes(candidate, true)
-        {
-            let scored = Scored::new(candidate, true, axes);
-            if matches!(choice, Choice::Anchored { .. }) {
-                shortlist.add(scored);
-            } else if alone.is_none_or(|other| scored.order(&other).is_lt()) {
-                // At an example's own contact it answers alone: the artist's dent, not a mixture.
-                alone = Some(scored);
+    let candidates = set.candidates().all();
+    for (g, lanes) in set.candidates().lanes().iter().enumerate() {
+        let Some(bounds) = hit.bounds(lanes, shortlist.limit()) else { continue };
+        for (i, bound) in (g * LANES..candidates.len()).zip(bounds.to_array()) {
+            if bound > shortlist.limit() {
+                continue;
             }
-            continue;
-        }
-        let carried = match choice {
-            Choice::Carried => true,
-            Choice::Anchored { or_carried } | Choice::Alone { or_carried } => or_carried,
-        };
-        if carried
-            && !shortlist.excludes(hit.carried_bound(candidate))
-            && let Some(axes) = hit.axes(candidate, false)
-        {
-            shortlist.add(Scored::new(candidate, false, axes));
+            let candidate = &candidates[i];
+            let choice = placement_for(set, candidate, hit);
+            if choice.may_stay()
+                && let Some(scored) = Scored::new(i, candidate, true, hit)
+            {
+                if matches!(choice, Choice::Anchored { .. }) {
+                    shortlist.add(scored);
+                } else if alone.is_none_or(|other| scored.order(&other).is_lt()) {
+                    // At an example's own contact it answers alone: the artist's dent, not a mixture.
+                    alone = Some(scored);
+                }
+            } else if choice.may_carry()
+                && let Some(scored) = Scored::new(i, candidate, false, hit)
+            {
+                shortlist.add(scored);
+            }
         }
     }
     match alone {
-        Some(own) => Shortlist::one(own).pairs(1),
-        None => shortlist.pairs(k),
+        Some(own) => Shortlist::one(own).pairs(1, candidates, hit),
+        None => shortlist.pairs(k, candidates, hit),
     }
 }
 

@@ -1,12 +1,12 @@
 //! A hit as a point in the space that examples are compared in: place, depth and lean ([`super::kriging`]).
 
 use super::kriging::Axes;
-use crate::base::math::turn_tangent;
-use crate::example::candidates::Candidate;
+use crate::base::math::{OPPOSITE, turn_tangent};
+use crate::example::candidates::{Candidate, CandidateLanes, REACH};
 use crate::example::example::Example;
 use crate::example::set::ExampleSet;
 use crate::mesh::mirror::Mirror;
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 /// Axis width over the natural logarithm of the ratio of depths.
 const SIZE_WIDTH: f32 = 2.4;
@@ -14,8 +14,6 @@ const SIZE_WIDTH: f32 = 2.4;
 const LEAN_WIDTH: f32 = 0.05;
 /// Place axes of anchored examples, as a share of the diagonal: an anchored example says little about other places.
 const ANCHORED_WIDTH: f32 = 0.15;
-/// An anchored example reaches a vertex that it displaces by at least this share of its own contact's displacement.
-const REACH: f32 = 0.1;
 /// A target that leans less than this (a tenth of a degree) is taken as along the normal, with unknown lean.
 const UPRIGHT: f32 = 0.002;
 /// A target that leans more than the most leaning example by this factor is not what a dent's contact does.
@@ -68,6 +66,7 @@ impl<'a> HitQuery<'a> {
     }
 
     /// A candidate relative to the hit; `None` where it cannot answer it.
+    #[inline]
     pub(crate) fn axes(&self, candidate: &Candidate, anchored: bool) -> Option<Axes> {
         let e = &self.examples[candidate.example as usize];
         if e.depth() < self.negligible {
@@ -96,10 +95,33 @@ impl<'a> HitQuery<'a> {
         Some([p.x, p.y, p.z, (log_depth - self.log_size) / SIZE_WIDTH, l.x, l.y, l.z])
     }
 
-    /// A lower bound, exact in f32, on the squared distance of a candidate when it is carried: its first four axes.
-    pub(crate) fn carried_bound(&self, candidate: &Candidate) -> f32 {
-        let p = (candidate.point - self.point) / self.carried_width;
-        let depth = (candidate.log_depth - self.log_size) / SIZE_WIDTH;
-        p.x * p.x + p.y * p.y + p.z * p.z + depth * depth
+    /// Lower bounds on the squared distances of candidates when they are carried; minus infinity for those that may stay where
+    /// they were made, and where only [`HitQuery::axes`] can tell. Divisions of `axes` are products here, so that a bound is
+    /// lowered by more than their rounding. `None` where all are above `limit`.
+    #[inline]
+    pub(crate) fn bounds(&self, lanes: &CandidateLanes, limit: f32) -> Option<Vec4> {
+        const ROUNDING: f32 = 4e-6;
+        #[inline]
+        fn dot(a: [Vec4; 3], b: [Vec4; 3]) -> Vec4 {
+            a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+        }
+        let wide = |v: Option<Vec3>| v.unwrap_or(Vec3::ZERO).to_array().map(Vec4::splat);
+        let (point, normal) = (wide(Some(self.point)), wide(self.normal));
+        let off = [0, 1, 2].map(|i| lanes.point[i] - point[i]);
+        let off_square = dot(off, off);
+        let depth = (lanes.log_depth - Vec4::splat(self.log_size)) * (1.0 / SIZE_WIDTH);
+        let mut distance = off_square * (1.0 / (self.carried_width * self.carried_width)) + depth * depth;
+        let may_stay = off_square.cmple(lanes.own_place_square);
+        if !(may_stay | (distance * (1.0 - ROUNDING)).cmple(Vec4::splat(limit))).any() {
+            return None;
+        }
+        let k = Vec4::ONE + dot(lanes.normal, normal);
+        if let Some(known) = self.lean {
+            let t = dot(lanes.lean, normal) / k;
+            let lean = [0, 1, 2].map(|i| lanes.lean[i] - (lanes.normal[i] + normal[i]) * t - Vec4::splat(known[i]));
+            distance += dot(lean, lean) * (1.0 / (LEAN_WIDTH * LEAN_WIDTH));
+        }
+        let unclear = may_stay | k.cmplt(Vec4::splat(OPPOSITE));
+        Some(Vec4::select(unclear, Vec4::NEG_INFINITY, distance * (1.0 - ROUNDING)))
     }
 }

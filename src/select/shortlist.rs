@@ -1,6 +1,7 @@
 //! The candidates nearest to a hit, and the shares that they get.
 
 use super::kriging::{self, Axes, CANDIDATES};
+use super::query::HitQuery;
 use crate::base::array_vec::ArrayVec;
 use crate::damage::mark::{MAX_PAIRS, Pair};
 use crate::example::candidates::Candidate;
@@ -9,23 +10,27 @@ use crate::mesh::mirror::Mirror;
 /// A candidate that could answer a hit, and how far from the hit it is.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Scored {
+    /// Squared.
+    distance: f32,
     example: u32,
     mirror: Mirror,
     anchored: bool,
-    axes: Axes,
-    /// Squared distance from the hit.
-    distance: f32,
+    /// Its place among the candidates that are considered.
+    index: u32,
 }
 
 impl Scored {
-    pub(crate) fn new(candidate: &Candidate, anchored: bool, axes: Axes) -> Self {
-        let distance = kriging::distance(&axes);
-        Scored { example: candidate.example, mirror: candidate.mirror, anchored, axes, distance }
+    /// `None` where the candidate, the `index`-th, cannot answer the hit.
+    #[inline]
+    pub(crate) fn new(index: usize, candidate: &Candidate, anchored: bool, hit: &HitQuery) -> Option<Self> {
+        let distance = kriging::distance(&hit.axes(candidate, anchored)?);
+        Some(Scored { distance, example: candidate.example, mirror: candidate.mirror, anchored, index: index as u32 })
     }
 
     /// Nearer first; of equally near ones the first example.
     pub(crate) fn order(&self, other: &Self) -> std::cmp::Ordering {
-        self.distance.total_cmp(&other.distance).then((self.example, self.mirror).cmp(&(other.example, other.mirror)))
+        let key = |s: &Self| (s.example, s.mirror);
+        self.distance.total_cmp(&other.distance).then_with(|| key(self).cmp(&key(other)))
     }
 }
 
@@ -48,20 +53,20 @@ impl Shortlist {
         self.0.insert(self.0.len() - after, scored);
     }
 
-    /// Whether a candidate at this squared distance, or further, cannot enter.
-    pub(crate) fn excludes(&self, distance: f32) -> bool {
-        self.0.get(CANDIDATES - 1).is_some_and(|last| distance > last.distance)
+    /// Candidates at a greater squared distance cannot enter.
+    pub(crate) fn limit(&self) -> f32 {
+        self.0.get(CANDIDATES - 1).map_or(f32::INFINITY, |last| last.distance)
     }
 
-    /// Up to `k` of the candidates with their shares, the weightiest first.
-    pub(crate) fn pairs(&self, k: usize) -> [Pair; MAX_PAIRS] {
+    /// Up to `k` of the candidates with their shares for the hit, the weightiest first.
+    pub(crate) fn pairs(&self, k: usize, candidates: &[Candidate], hit: &HitQuery) -> [Pair; MAX_PAIRS] {
         let mut pairs = [Pair::NONE; MAX_PAIRS];
         let found = &self.0;
-        if found.is_empty() {
+        let mut axes: ArrayVec<Axes, CANDIDATES> = ArrayVec::new();
+        found.iter().filter_map(|c| hit.axes(&candidates[c.index as usize], c.anchored)).for_each(|a| axes.push(a));
+        if axes.is_empty() {
             return pairs;
         }
-        let mut axes: ArrayVec<Axes, CANDIDATES> = ArrayVec::new();
-        found.iter().for_each(|c| axes.push(c.axes));
         let mut chosen = kriging::choose(&axes, k);
         chosen.sort_unstable_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
         let units = |w: f64| (w * f64::from(Pair::WHOLE)).round_ties_even() as i32;

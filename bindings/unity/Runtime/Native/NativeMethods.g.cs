@@ -243,6 +243,13 @@ namespace Crumple.Native
             ulong contactId);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_instance_get_contact(
+            IntPtr context,
+            CrumpleInstance instance,
+            ulong contactId,
+            CrumpleHitResult* outResult);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_instance_get_marks(
             IntPtr context,
             CrumpleInstance instance,
