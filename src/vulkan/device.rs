@@ -3,12 +3,11 @@
 use super::arena::MeshArena;
 use super::classic::ClassicBuffer;
 use super::frames::FrameSlot;
-use super::host_buffers::{BufferId, HostBuffers};
+use super::host_buffers::HostBuffers;
 use super::pipelines::{DescriptorSet, VulkanPipelines};
 use super::recording::Recording;
 use super::vulkan_device::{DeviceDef, VulkanDevice};
 use crate::Error;
-use ash::vk::Handle;
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -109,11 +108,6 @@ impl Device {
     /// targets ([`super::Target::written_in`]).
     pub fn discard(&mut self, frame: u64) {
         self.arena.discard(frame);
-    }
-
-    /// The handle of a buffer.
-    pub(crate) fn handle_of(&self, id: BufferId) -> Result<u64, Error> {
-        Ok(self.hosts.get(id)?.def.buffer.as_raw())
     }
 
     /// The last frame that was recorded. Frames above [`Device::last_completed`] are in flight.

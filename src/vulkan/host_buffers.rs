@@ -41,6 +41,7 @@ pub struct BufferDef {
     pub after: Access,
 }
 
+#[cfg(feature = "capi")]
 impl BufferDef {
     /// Fails if another definition of the same buffer differs.
     pub(crate) fn same(&self, other: &BufferDef) -> Result<(), Error> {

@@ -51,6 +51,12 @@ impl Device {
         Ok(())
     }
 
+    /// The handle of a buffer.
+    #[cfg(feature = "capi")]
+    pub(crate) fn handle_of(&self, id: BufferId) -> Result<u64, Error> {
+        Ok(self.hosts.get(id)?.def.buffer.as_raw())
+    }
+
     /// Adds a target: a place for the vertices of one of the set's meshes. The first target of a mesh copies the mesh and its
     /// examples into a staging buffer; the next recording copies them to the device.
     ///

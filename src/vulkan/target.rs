@@ -54,6 +54,7 @@ impl Target {
     }
 
     /// Whether normals and tangents are written.
+    #[cfg(feature = "capi")]
     pub(crate) fn written(&self) -> (bool, bool) {
         (self.state.layout.normals.is_some(), self.state.layout.tangents.is_some())
     }

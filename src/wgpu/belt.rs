@@ -3,8 +3,8 @@
 //! `wgpu::util::StagingBelt` does not fit: it keeps chunks that have become too small, and does not tell when it makes one, which
 //! `Device::objects_made` counts.
 
-use super::device::WgpuDevice;
 use super::pipelines::WgpuPipelines;
+use super::wgpu_device::WgpuDevice;
 use crate::Error;
 use crate::gpu::Call;
 use std::sync::Arc;
