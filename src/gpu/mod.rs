@@ -20,7 +20,7 @@ pub(crate) use arena::{Arena, ResidentMesh};
 pub use format::{Attribute, Encoding, encode};
 pub(crate) use kernel::Kernel;
 pub(crate) use layout::Call;
-pub(crate) use limits::BindingLimits;
+pub(crate) use limits::{BindingLimits, check_workgroup_size};
 pub use plan::{FrameReport, Job};
 pub(crate) use plan::{Plan, PlanTarget, check, missing_state};
 pub(crate) use spirv::with_workgroup;

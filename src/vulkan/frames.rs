@@ -5,9 +5,6 @@ use super::pipelines::{DescriptorSet, VulkanPipelines};
 use super::vulkan_device::VulkanDevice;
 use crate::Error;
 
-/// The smallest slot in bytes.
-const SMALLEST: u64 = 64 << 10;
-
 /// Buffers that one recording uses.
 pub(super) struct FrameSlot {
     /// The last frame that uses it, or 0.
@@ -26,7 +23,7 @@ pub(super) fn free_slot(slots: &mut Vec<FrameSlot>, gpu: &VulkanDevice, done: u6
     if let Some(index) = slots.iter().position(|s| free(s) && s.storage.size >= bytes) {
         return Ok(index);
     }
-    let slot = FrameSlot::new(gpu, bytes.next_power_of_two().max(SMALLEST).min(limits.bytes))?;
+    let slot = FrameSlot::new(gpu, limits.frame_buffer_size(bytes))?;
     // A free slot that is too small is replaced.
     match slots.iter().position(free) {
         Some(index) => {

@@ -2,7 +2,7 @@
 
 use super::functions::{DeviceFnV1_0, InstanceFnV1_0, load};
 use crate::Error;
-use crate::gpu::BindingLimits;
+use crate::gpu::{BindingLimits, check_workgroup_size};
 use ash::vk::{self, Handle};
 use std::ffi::CStr;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -160,11 +160,8 @@ fn check(
         ));
     }
     let limits = &properties.limits;
-    let most = limits.max_compute_work_group_size[0].min(limits.max_compute_work_group_invocations).min(256);
-    if !def.workgroup_size.is_power_of_two() || !(32..=most).contains(&def.workgroup_size) {
-        return Err(Error::invalid("workgroup_size", def.workgroup_size, &format!("a power of two, 32 to {most}")));
-    }
-    Ok(())
+    let most = limits.max_compute_work_group_size[0].min(limits.max_compute_work_group_invocations);
+    check_workgroup_size(def.workgroup_size, most)
 }
 
 /// Whether the data's header names this driver. Other data must not be handed to it.

@@ -10,9 +10,6 @@ use crate::gpu::Call;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
 
-/// The smallest staging buffer in bytes.
-const SMALLEST: u64 = 64 << 10;
-
 /// Mapped; the CPU may write it.
 const FREE: u8 = 0;
 /// Used by a command buffer.
@@ -60,7 +57,7 @@ impl Belt {
         let limits = gpu.binding_limits();
         limits.check("the work of a frame", bytes)?;
         use wgpu::BufferUsages as U;
-        let size = bytes.next_power_of_two().max(SMALLEST).min(limits.bytes);
+        let size = limits.frame_buffer_size(bytes);
         self.storage = Some(gpu.buffer("work of a frame", size, U::STORAGE | U::UNIFORM | U::COPY_DST)?);
         self.groups.clear();
         Ok(())

@@ -1,7 +1,7 @@
 //! The wgpu device with its queue and limits, and its errors.
 
 use crate::Error;
-use crate::gpu::BindingLimits;
+use crate::gpu::{BindingLimits, check_workgroup_size};
 use std::pin::pin;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
@@ -129,11 +129,8 @@ fn check(def: &DeviceDef, limits: &wgpu::Limits) -> Result<(), Error> {
             what: format!("a wgpu device with {name} {has}; it must be requested with at least {need}"),
         });
     }
-    let most = limits.max_compute_workgroup_size_x.min(limits.max_compute_invocations_per_workgroup).min(256);
-    if !def.workgroup_size.is_power_of_two() || !(32..=most).contains(&def.workgroup_size) {
-        return Err(Error::invalid("workgroup_size", def.workgroup_size, &format!("a power of two, 32 to {most}")));
-    }
-    Ok(())
+    let most = limits.max_compute_workgroup_size_x.min(limits.max_compute_invocations_per_workgroup);
+    check_workgroup_size(def.workgroup_size, most)
 }
 
 /// The output of a future of wgpu. Outside of browsers it is ready from the start.
