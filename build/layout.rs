@@ -1,13 +1,13 @@
-//! What `src/gpu/layout.wgsl` declares, for both sides: its constants as Rust, assertions that the structs of
-//! `src/gpu/layout.rs` lie in memory as naga lays them out, and functions that load the structs row by row in WGSL.
+//! Writes code for both sides from `src/gpu/layout.wgsl`. Rust gets its constants, and assertions that the structs of
+//! `src/gpu/layout.rs` have the offsets that naga gives them. WGSL gets functions that load the structs row by row.
 
 use naga::{Literal, Module, ScalarKind, StructMember, TypeInner, VectorSize};
 use std::fmt::Write;
 
-/// Bytes of a row: what a kernel reads at once.
+/// Bytes of a row. A kernel reads a row at once.
 const ROW: u32 = 16;
 
-/// A struct of the file.
+/// A struct of `layout.wgsl`.
 struct Struct<'a> {
     name: &'a str,
     members: &'a [StructMember],
@@ -69,8 +69,8 @@ fn count(size: VectorSize) -> u32 {
     size as u32
 }
 
-/// The functions and constants of this kind that a kernel's text names: `load_block_work(index)` and `load_target_work(row)`
-/// for a struct, `ROWS_TARGET_WORK` for its size, and `ROW_CARRIED_WORK_NORMALS` for where an inner struct begins.
+/// The functions and constants that a kernel's text names. `load_block_work(index)` and `load_target_work(row)` load a struct,
+/// `ROWS_TARGET_WORK` is a struct's size, and `ROW_CARRIED_WORK_NORMALS` is the row at which an inner struct begins.
 pub fn loaders(module: &Module, text: &str) -> String {
     let mut out = String::new();
     let mut add = |name: &str, declaration: String| {
@@ -109,7 +109,7 @@ pub fn loaders(module: &Module, text: &str) -> String {
     out
 }
 
-/// A member's value, out of rows that were loaded.
+/// The expression that takes a member's value from the loaded rows.
 fn value(module: &Module, member: &StructMember) -> String {
     let (row, first) = (member.offset / ROW, member.offset % ROW / 4);
     let (kind, n) = match &module.types[member.ty].inner {

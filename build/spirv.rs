@@ -28,8 +28,8 @@ pub fn instructions(module: &[u32]) -> impl Iterator<Item = (u32, &[u32])> {
     })
 }
 
-/// Joins access chains that continue another. naga steps from a buffer to its array, and from there to an element.
-/// Synchronization validation does not see stores through the second step, so that a missing barrier would pass unseen.
+/// Joins each access chain with the one that it continues. naga steps from a buffer to its array, and from there to an element.
+/// Synchronization validation does not see stores through the second step, so it would not report a missing barrier.
 pub fn with_folded_chains(module: &[u32]) -> Vec<u32> {
     // The base and indices of each chain, already joined.
     let mut chains: Vec<(u32, Vec<u32>)> = Vec::new();
@@ -53,8 +53,8 @@ pub fn with_folded_chains(module: &[u32]) -> Vec<u32> {
     out
 }
 
-/// Decorates every floating-point operation with NoContraction, so that drivers fuse no multiplication with an addition and the
-/// results are the CPU's.
+/// Decorates every floating-point operation with NoContraction. Drivers then fuse no multiplication with an addition, and the
+/// results equal the CPU's.
 pub fn without_contraction(module: &[u32]) -> Vec<u32> {
     use op::*;
     let decorations: Vec<u32> = instructions(module)

@@ -1,5 +1,5 @@
-// The classic rules: hits move the state of each vertex. An invocation does one vertex, with the operations of src/classic.rs,
-// `State::apply`, in their order.
+// The classic rules: hits move the state of each vertex. An invocation computes one vertex, with the operations of
+// `State::apply` in src/classic/mod.rs, in their order.
 
 override NORMALS: bool = false;
 override TANGENTS: bool = false;

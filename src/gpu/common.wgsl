@@ -5,9 +5,9 @@
 
 var<immediate> call: Call;
 
-// Meshes, examples, stamps: they do not change.
+// Meshes, examples and stamps. They do not change.
 @group(0) @binding(0) var<storage, read> arena: array<u32>;
-// The frame's lists, in rows: layout.wgsl.
+// The frame's lists, in rows. layout.wgsl declares their structs.
 @group(0) @binding(1) var<storage, read> work: array<vec4<u32>>;
 // The host's buffer, or a window of it.
 @group(1) @binding(0) var<storage, read_write> vertices: array<u32>;
@@ -28,7 +28,7 @@ fn cross3(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
     return vec3(a.y * b.z - b.y * a.z, a.z * b.x - b.z * a.x, a.x * b.y - b.x * a.y);
 }
 
-// The lesser of two numbers; `b` if `a` is not a number.
+// The smaller of two numbers; `b` if `a` is not a number.
 fn minimum(a: f32, b: f32) -> f32 {
     return select(b, a, a < b);
 }
@@ -51,7 +51,7 @@ fn unit(v: vec3<f32>, other: vec3<f32>) -> vec3<f32> {
     return w / sqrt(dot3(w, w));
 }
 
-// math.rs, `turned_as`.
+// `turned_as` in src/base/math.rs.
 fn turned_as(a: vec3<f32>, b: vec3<f32>, t: vec3<f32>) -> vec3<f32> {
     var from_ = a;
     var v = t;
@@ -66,14 +66,14 @@ fn turned_as(a: vec3<f32>, b: vec3<f32>, t: vec3<f32>) -> vec3<f32> {
     return v + w + cross3(c, w) * (1.0 / (1.0 + dot3(from_, b)));
 }
 
-// evaluate.rs, `tangent`.
+// `tangent` in src/deform/evaluate.rs.
 fn tangent_of(base: vec4<f32>, base_normal: vec3<f32>, normal: vec3<f32>) -> vec4<f32> {
     if all(base_normal == normal) {
         return base;
     }
     let turned = turned_as(base_normal, normal, base.xyz);
     let flat = turned - normal * dot3(normal, turned);
-    // math.rs, `tangent_basis`.
+    // `tangent_basis` in src/base/math.rs.
     let sign = select(1.0, -1.0, (bitcast<u32>(normal.z) >> 31u) != 0u);
     let a = -1.0 / (sign + normal.z);
     let b = normal.x * normal.y * a;
@@ -87,7 +87,8 @@ fn signed(bits: u32, shift: u32, right: u32) -> f32 {
     return f32(bitcast<i32>(bits << shift) >> right);
 }
 
-// The stored vector of vertex `v` of a block, in steps: `width` bytes a number, groups of eight vertices.
+// The stored vector of vertex `v` of a block, in steps. A number has `width` bytes. A bit of `groups` says whether the example
+// stores the numbers of eight vertices.
 fn stored(at: u32, width: u32, groups: u32, v: u32) -> vec3<f32> {
     let group = v >> 3u;
     if ((groups >> group) & 1u) == 0u {
@@ -113,7 +114,7 @@ fn stored(at: u32, width: u32, groups: u32, v: u32) -> vec3<f32> {
     return arena_vector(at + n);
 }
 
-// Where the head of a block lies; NONE where the example stores nothing of it.
+// The first word of a block's head, or NONE if the example stores nothing of the block.
 fn head_of(example: u32, block: u32) -> u32 {
     let at = arena[example + block];
     return select(example + at, NONE, at == NONE);
@@ -140,7 +141,7 @@ struct Vertex {
 
 fn vertex_of(id: vec3<u32>) -> Vertex {
     let invocation = id.y * call.row + id.x;
-    // Invocations that are not wanted read what the first one reads.
+    // Invocations beyond the last vertex read the data of the first.
     let slot = select(invocation / BLOCK, 0u, invocation >= call.count);
     let listed = load_block_work(call.blocks + slot);
     let out = load_target_work(call.targets + listed.target_index * ROWS_TARGET_WORK);

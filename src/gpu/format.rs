@@ -47,7 +47,7 @@ impl Attribute {
     }
 }
 
-/// Returns the words that a kernel stores for a value. The encoding's size tells how many of them count.
+/// Returns the words that a kernel stores for a value. The encoding's size says how many of them are stored.
 pub fn encode(encoding: Encoding, v: [f32; 4]) -> [u32; 4] {
     let pair = |a: u32, b: u32| a & 0xFFFF | b << 16;
     match encoding {

@@ -1,4 +1,4 @@
-//! The data that the kernels read of a frame, as `layout.wgsl` declares it. The build asserts that both agree.
+//! The data of a frame that the kernels read. `layout.wgsl` declares the same structs; the build asserts that both agree.
 
 use crate::example::stamp;
 use bytemuck::{Pod, Zeroable};
@@ -8,7 +8,7 @@ include!(concat!(env!("OUT_DIR"), "/layout.rs"));
 const _: () = assert!(BLOCK as usize == crate::mesh::vertex_blocks::BLOCK);
 const _: () = assert!(WEIGHTS == stamp::WEIGHTS && FACING == stamp::FACING);
 
-/// What a kernel reads at once.
+/// Four words, which a kernel reads at once.
 pub(super) type Row = [u32; 4];
 
 /// What differs from dispatch to dispatch.

@@ -1,5 +1,5 @@
 // The data that the CPU packs for a frame. build/layout.rs checks that the structs of src/gpu/layout.rs have these members at
-// these offsets, hands the constants to Rust, and generates a `load_…` function for each struct that a kernel reads.
+// these offsets, defines the constants in Rust, and generates a `load_…` function for each struct that a kernel reads.
 //
 // A row is four words, which the kernels read at once. Each struct begins at a row; two `BlockWork` share one.
 
@@ -13,11 +13,14 @@ const F16X4 = 1u;
 const SNORM16X4 = 2u;
 const SNORM8X4 = 3u;
 
-// Flags of a target with marks: more than one dent; the length is the root of the summed squares; the length is the longest
-// dent's; the depth limit may be reached.
+// Flags of a target with marks.
+// There is more than one dent.
 const SEVERAL = 1u;
+// The squares of the dents' lengths add.
 const SQUARES = 2u;
+// The longest dent's length counts.
 const LONGEST = 4u;
+// The depth limit may be reached.
 const LIMITED = 8u;
 // Flag of a target with a classic rule: the vertices are at rest and have no state yet.
 const AT_REST = 1u;
@@ -71,12 +74,12 @@ struct TargetWork {
     limit: f32,
     scale: vec3<f32>,
     flags: u32,
-    // Rows from the first part on. For a classic rule hits.
+    // The first of its parts, in rows from the first part of the frame, and the end of them. For a classic rule they are hits.
     parts_begin: u32,
     parts_end: u32,
     // First word of the windows of held rims in the arena, or NONE.
     windows: u32,
-    // For a classic rule: first word of the state that the CPU hands over, or NONE.
+    // For a classic rule: first word of the state that the CPU copies, or NONE.
     given_state: u32,
 }
 
@@ -99,7 +102,7 @@ struct DentPart {
     @size(16) source: u32,
 }
 
-// A carried example: Carried in src/dent.rs. Its parts are in the order in which a vertex needs them.
+// A carried example: `Carried` in src/damage/dent.rs. Its parts are in the order in which a vertex needs them.
 struct CarriedWork {
     lookup: CarriedLookup,
     displacement: CarriedDisplacement,

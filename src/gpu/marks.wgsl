@@ -1,5 +1,5 @@
-// The default rule: marks become vertices. An invocation does one vertex, with the operations of src/deform/kernel.rs,
-// `displace`, in their order.
+// The default rule: marks become vertices. An invocation computes one vertex, with the operations of `displace` in
+// src/deform/kernel.rs, in their order.
 
 override NORMALS: bool = false;
 override TANGENTS: bool = false;
@@ -12,7 +12,7 @@ struct Sums {
     change: vec3<f32>,
 }
 
-// Vectors no longer than the root of `square` become zero; all stay where it is negative.
+// Zero for a vector no longer than the root of `square`, else the vector. A negative `square` keeps all vectors.
 fn cut(v: vec3<f32>, square: f32) -> vec3<f32> {
     return select(vec3(0.0), v, dot3(v, v) > square);
 }
@@ -49,7 +49,7 @@ fn add_carried(
 ) {
     let stamp = load_carried_lookup(row + ROW_CARRIED_WORK_LOOKUP);
     let p = turned(stamp.to_stamp_x, stamp.to_stamp_y, stamp.to_stamp_z, position - stamp.contact);
-    // stamp.rs, `unrolled`, in units of nodes.
+    // `unrolled` in src/example/stamp.rs, in units of nodes.
     let steep = minimum((p.z * p.z) / (p.x * p.x + p.y * p.y), 2.0);
     let lift = 1.0 + steep * 0.5;
     let gx = (p.x * lift) * stamp.per_cell.x - stamp.grid_origin.x;

@@ -10,6 +10,7 @@ mod limits;
 mod mesh;
 mod plan;
 mod spirv;
+mod target;
 mod vertices;
 mod work;
 
@@ -17,12 +18,13 @@ mod work;
 pub(crate) use arena::Upload;
 pub(crate) use arena::{Arena, ResidentMesh};
 pub use format::{Attribute, Encoding, encode};
-pub(crate) use kernel::{Kernel, TargetState};
+pub(crate) use kernel::Kernel;
 pub(crate) use layout::Call;
-pub(crate) use limits::BindingLimits;
+pub(crate) use limits::{BindingLimits, check_workgroup_size};
 pub use plan::{FrameReport, Job};
 pub(crate) use plan::{Plan, PlanTarget, check, missing_state};
 pub(crate) use spirv::with_workgroup;
+pub(crate) use target::TargetState;
 pub(crate) use vertices::binding_range;
 pub use vertices::{HostFormat, TargetDef, VertexStream};
 #[cfg(feature = "vulkan")]

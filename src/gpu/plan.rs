@@ -1,7 +1,8 @@
 //! A frame's plan: which jobs have something to write, in which dispatches, and with which data.
 
 use super::BLOCK_VERTICES;
-use super::kernel::{Kernel, TargetState};
+use super::kernel::Kernel;
+use super::target::TargetState;
 use super::work::{FrameWork, Shown, WorkOffsets};
 use crate::base::math::Aabb;
 use crate::{Error, Instance};

@@ -89,7 +89,7 @@ impl<B, F: HostFormat> TargetDef<B, F> {
         if needed > buffer_size {
             return Err(Error::BufferTooSmall { name: "the buffer".into(), size: buffer_size, needed });
         }
-        let kernel = Kernel::of(&layout, mesh)?;
+        let kernel = layout.kernel(mesh)?;
         let written = layout.check(mesh.positions().len(), self.size)?;
         Ok((layout, kernel, self.offset + written.start..self.offset + written.end))
     }
@@ -126,6 +126,23 @@ impl VertexLayout {
         let normals = some(Attribute::Normal, self.normals);
         let tangents = some(Attribute::Tangent, self.tangents);
         [Some((Attribute::Position, self.positions)), normals, tangents].into_iter().flatten()
+    }
+
+    /// The kernel that writes this layout. Fails if the mesh lacks an attribute.
+    fn kernel(&self, mesh: &Mesh) -> Result<Kernel, Error> {
+        let kernel = match (self.normals, self.tangents) {
+            (_, Some(_)) => Kernel::Tangents,
+            (Some(_), None) => Kernel::Normals,
+            (None, None) => Kernel::Positions,
+        };
+        if kernel > Kernel::Positions && mesh.normals().is_none() {
+            let what = "a normal or tangent output: the mesh has neither normals nor triangles to compute them from";
+            return Err(Error::Unsupported { what: what.into() });
+        }
+        if kernel == Kernel::Tangents && mesh.tangents().is_none() {
+            return Err(Error::Unsupported { what: "a tangent output: the mesh has no tangents".into() });
+        }
+        Ok(kernel)
     }
 
     /// Fails if a stream is misaligned, overlaps another, or does not fit into `size` bytes. Returns the bytes from the first

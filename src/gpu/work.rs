@@ -3,11 +3,11 @@
 //! The CPU lists the blocks to write, and each instance's dents once. The kernels find out which dents reach a block. They test
 //! more dents than [`crate::deform`] does; a dent that does not reach a vertex adds zeros there.
 
-use super::kernel::TargetState;
 use super::layout::{
     AT_REST, BlockWork, Call, CarriedDisplacement, CarriedLookup, CarriedNormals, CarriedWork, ClassicHit, DentHead,
     DentPart, LIMITED, LONGEST, NONE, Row, SEVERAL, SQUARES, TargetWork,
 };
+use super::target::TargetState;
 use super::vertices::VertexStream;
 use super::{BLOCK_VERTICES, Encoding};
 use crate::Error;

@@ -1,7 +1,7 @@
 //! Meshes, examples and stamps on the device, and their way there through staging buffers.
 
-use super::device::VulkanDevice;
 use super::memory::{BufferUse, OwnBuffer};
+use super::vulkan_device::VulkanDevice;
 use crate::Error;
 use crate::example::set::ExampleSet;
 use crate::gpu::{Arena, BindingLimits, ResidentMesh};

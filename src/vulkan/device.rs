@@ -1,97 +1,21 @@
-//! The host's device, and everything that is made on it.
+//! The device that hosts use: everything that is made on the VkDevice, and the frames in flight.
 
 use super::arena::MeshArena;
 use super::classic::ClassicBuffer;
 use super::frames::FrameSlot;
-use super::functions::{DeviceFnV1_0, InstanceFnV1_0, load};
-use super::host::{BufferDef, HostBuffers};
+use super::host_buffers::HostBuffers;
 use super::pipelines::{DescriptorSet, VulkanPipelines};
-use super::record::Recording;
+use super::recording::Recording;
+use super::vulkan_device::{DeviceDef, VulkanDevice};
 use crate::Error;
-use crate::gpu::BindingLimits;
-use ash::vk::{self, Handle};
-use std::ffi::CStr;
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// The host's Vulkan device.
-#[derive(Clone)]
-pub struct DeviceDef<'a> {
-    /// The loader that the instance was made with: `vkGetInstanceProcAddr`. All functions are taken from it.
-    pub get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
-    /// The instance, of Vulkan 1.1 or later.
-    pub instance: vk::Instance,
-    /// The physical device, of Vulkan 1.1 or later.
-    pub physical_device: vk::PhysicalDevice,
-    /// The device.
-    pub device: vk::Device,
-    /// Family of the queue that command buffers are submitted to. It must support compute.
-    pub queue_family: u32,
-    /// Data from [`Device::pipeline_cache_data`] of an earlier run, or nothing. Data of another driver is ignored.
-    pub pipeline_cache: &'a [u8],
-    /// Invocations a workgroup: a power of two from 32 to 256 that the device supports. The default is 128.
-    pub workgroup_size: u32,
-}
-
-impl<'a> DeviceDef<'a> {
-    /// A definition with these handles and the defaults.
-    pub fn new(
-        get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
-        instance: vk::Instance,
-        physical_device: vk::PhysicalDevice,
-        device: vk::Device,
-        queue_family: u32,
-    ) -> Self {
-        let (pipeline_cache, workgroup_size): (&'a [u8], u32) = (&[], 128);
-        DeviceDef {
-            get_instance_proc_addr,
-            instance,
-            physical_device,
-            device,
-            queue_family,
-            pipeline_cache,
-            workgroup_size,
-        }
-    }
-}
-
-/// The Vulkan device, its functions and its limits.
-pub(super) struct VulkanDevice {
-    pub functions: DeviceFnV1_0,
-    pub device: vk::Device,
-    pub memory: vk::PhysicalDeviceMemoryProperties,
-    pub limits: vk::PhysicalDeviceLimits,
-    /// Family of the queue that command buffers are submitted to.
-    pub family: u32,
-    /// Buffers, memory allocations and descriptor pools made so far.
-    made: AtomicU64,
-}
-
-impl VulkanDevice {
-    /// Whether another queue family owns a buffer.
-    pub(super) fn foreign(&self, def: &BufferDef) -> bool {
-        def.queue_family != vk::QUEUE_FAMILY_IGNORED && def.queue_family != self.family
-    }
-
-    pub(super) fn binding_limits(&self) -> BindingLimits {
-        BindingLimits {
-            bytes: u64::from(self.limits.max_storage_buffer_range) & !3,
-            name: "maxStorageBufferRange",
-            alignment: self.limits.min_storage_buffer_offset_alignment.max(4),
-        }
-    }
-
-    /// Counts an object that is made.
-    pub(super) fn count(&self) {
-        self.made.fetch_add(1, Ordering::Relaxed);
-    }
-}
-
 /// A Vulkan device of the host. Deformation is recorded for it.
 pub struct Device {
     pub(super) gpu: VulkanDevice,
-    /// Tells its targets from those of other devices.
+    /// Distinguishes its targets from those of other devices.
     pub(super) id: u64,
     pub(super) pipelines: VulkanPipelines,
     pub(super) workgroup: u32,
@@ -128,54 +52,9 @@ impl Device {
     /// # Safety
     /// The handles are valid, belong together, and stay valid until the device is dropped.
     pub unsafe fn new(def: &DeviceDef<'_>) -> Result<Self, Error> {
-        let named = [
-            ("the VkInstance", def.instance.is_null()),
-            ("the VkPhysicalDevice", def.physical_device.is_null()),
-            ("the VkDevice", def.device.is_null()),
-        ];
-        for (name, null) in named {
-            if null {
-                return Err(Error::invalid(name, "null", "a valid handle"));
-            }
-        }
-        let get = def.get_instance_proc_addr;
-        let of_instance = |name: &CStr| {
-            // SAFETY: the caller's loader and instance.
-            unsafe { get(def.instance, name.as_ptr()) }
-        };
-        let instance = load(|get| InstanceFnV1_0::load(get), of_instance)?;
-        let of_device = |name: &CStr| {
-            // SAFETY: the caller's device, and its own loader.
-            unsafe { (instance.get_device_proc_addr)(def.device, name.as_ptr()) }
-        };
-        let functions = load(|get| DeviceFnV1_0::load(get), of_device)?;
-        let mut properties = vk::PhysicalDeviceProperties::default();
-        let mut memory = vk::PhysicalDeviceMemoryProperties::default();
-        let mut count = 0;
-        // SAFETY: the caller's physical device.
-        unsafe {
-            (instance.get_physical_device_properties)(def.physical_device, &mut properties);
-            (instance.get_physical_device_memory_properties)(def.physical_device, &mut memory);
-            (instance.get_physical_device_queue_family_properties)(
-                def.physical_device,
-                &mut count,
-                std::ptr::null_mut(),
-            );
-        }
-        let mut families = vec![vk::QueueFamilyProperties::default(); count as usize];
-        // SAFETY: the same; there is room for `count`.
-        unsafe {
-            (instance.get_physical_device_queue_family_properties)(
-                def.physical_device,
-                &mut count,
-                families.as_mut_ptr(),
-            )
-        };
-        check(def, &properties, &families)?;
+        // SAFETY: the caller's promise.
+        let (gpu, cache) = unsafe { VulkanDevice::new(def)? };
         static NEXT: AtomicU64 = AtomicU64::new(1);
-        let (device, limits, family) = (def.device, properties.limits, def.queue_family);
-        let gpu = VulkanDevice { functions, device, memory, limits, family, made: AtomicU64::new(0) };
-        let cache = if fits(def.pipeline_cache, &properties) { def.pipeline_cache } else { &[] };
         Ok(Device {
             pipelines: gpu.pipelines(def.workgroup_size, cache)?,
             gpu,
@@ -192,7 +71,7 @@ impl Device {
         })
     }
 
-    /// Tells that the device is done with `frame` and all frames before it. Their memory is reused or freed. Meshes that no target
+    /// Reports that the device is done with `frame` and all frames before it. Their memory is reused or freed. Meshes that no target
     /// shows are freed too. A frame above the last recorded counts as that one. It is cheap; call it once a frame.
     pub fn completed(&mut self, frame: u64) {
         // The host may also name frames that nothing was recorded for.
@@ -213,15 +92,22 @@ impl Device {
         });
     }
 
-    /// Tells that the recordings for `frame` and later frames will not be submitted. Call [`super::Target::invalidate`] on their
+    /// Destroys the states of dropped targets, once their frames are done.
+    fn drop_states(&mut self) {
+        self.states.retain(|s| {
+            let kept = Arc::strong_count(s) > 1 || s.last_frame() > self.completed;
+            if !kept {
+                // SAFETY: the frames that used it are done.
+                unsafe { s.destroy(&self.gpu) };
+            }
+            kept
+        });
+    }
+
+    /// Reports that the recordings for `frame` and later frames will not be submitted. Call [`super::Target::invalidate`] on their
     /// targets ([`super::Target::written_in`]).
     pub fn discard(&mut self, frame: u64) {
         self.arena.discard(frame);
-    }
-
-    /// The handle of a buffer.
-    pub(crate) fn handle_of(&self, id: super::BufferId) -> Result<u64, Error> {
-        Ok(self.hosts.get(id)?.def.buffer.as_raw())
     }
 
     /// The last frame that was recorded. Frames above [`Device::last_completed`] are in flight.
@@ -244,7 +130,7 @@ impl Device {
 
     /// Returns how many buffers, memory allocations and descriptor pools were made so far. The number does not grow in steady state.
     pub fn objects_made(&self) -> u64 {
-        self.gpu.made.load(Ordering::Relaxed)
+        self.gpu.objects_made()
     }
 }
 
@@ -266,42 +152,4 @@ impl Drop for Device {
             self.gpu.destroy_pipelines(&self.pipelines);
         }
     }
-}
-
-fn check(
-    def: &DeviceDef<'_>,
-    properties: &vk::PhysicalDeviceProperties,
-    families: &[vk::QueueFamilyProperties],
-) -> Result<(), Error> {
-    if properties.api_version < vk::API_VERSION_1_1 {
-        let (major, minor) =
-            (vk::api_version_major(properties.api_version), vk::api_version_minor(properties.api_version));
-        return Err(Error::Unsupported { what: format!("a device of Vulkan {major}.{minor}; 1.1 is needed") });
-    }
-    let compute = |f: &vk::QueueFamilyProperties| f.queue_flags.contains(vk::QueueFlags::COMPUTE);
-    if !families.get(def.queue_family as usize).is_some_and(compute) {
-        let good = families.iter().enumerate().filter(|(_, f)| compute(f)).map(|(i, _)| i.to_string());
-        let good: Vec<String> = good.collect();
-        return Err(Error::invalid(
-            "queue_family",
-            def.queue_family,
-            &format!("one that computes: {}", good.join(", ")),
-        ));
-    }
-    let limits = &properties.limits;
-    let most = limits.max_compute_work_group_size[0].min(limits.max_compute_work_group_invocations).min(256);
-    if !def.workgroup_size.is_power_of_two() || !(32..=most).contains(&def.workgroup_size) {
-        return Err(Error::invalid("workgroup_size", def.workgroup_size, &format!("a power of two, 32 to {most}")));
-    }
-    Ok(())
-}
-
-/// Whether the data's header names this driver. Other data must not be handed to it.
-fn fits(data: &[u8], properties: &vk::PhysicalDeviceProperties) -> bool {
-    let word = |i: usize| Some(u32::from_le_bytes(data.get(4 * i..4 * i + 4)?.try_into().ok()?));
-    word(0) == Some(32)
-        && word(1) == Some(vk::PipelineCacheHeaderVersion::ONE.as_raw() as u32)
-        && word(2) == Some(properties.vendor_id)
-        && word(3) == Some(properties.device_id)
-        && data.get(16..32) == Some(&properties.pipeline_cache_uuid)
 }

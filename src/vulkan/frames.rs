@@ -1,12 +1,9 @@
 //! A frame's words on their way to the device: as many slots as there are recordings in flight, used over and over.
 
-use super::device::{Device, VulkanDevice};
 use super::memory::{BufferUse, OwnBuffer};
-use super::pipelines::DescriptorSet;
+use super::pipelines::{DescriptorSet, VulkanPipelines};
+use super::vulkan_device::VulkanDevice;
 use crate::Error;
-
-/// The smallest slot in bytes.
-const SMALLEST: u64 = 64 << 10;
 
 /// Buffers that one recording uses.
 pub(super) struct FrameSlot {
@@ -18,50 +15,56 @@ pub(super) struct FrameSlot {
     sets: Vec<(u32, DescriptorSet)>,
 }
 
-impl Device {
-    /// Returns a slot of at least `bytes` bytes that no frame in flight uses.
-    pub(super) fn slot(&mut self, bytes: u64) -> Result<usize, Error> {
-        let limits = self.gpu.binding_limits();
-        limits.check("the work of a frame", bytes)?;
-        let free = |s: &FrameSlot| s.frame <= self.completed;
-        if let Some(index) = self.slots.iter().position(|s| free(s) && s.storage.size >= bytes) {
-            return Ok(index);
-        }
-        let size = bytes.next_power_of_two().max(SMALLEST).min(limits.bytes);
-        let staging = self.gpu.buffer(size, BufferUse::Staging)?;
-        let storage = self.gpu.buffer(size, BufferUse::Storage).inspect_err(|_| {
-            // SAFETY: nothing uses it yet.
-            unsafe { self.gpu.destroy(&staging) }
-        })?;
-        let slot = FrameSlot { frame: 0, staging, storage, sets: Vec::new() };
-        // A free slot that is too small is replaced.
-        match self.slots.iter().position(free) {
-            Some(index) => {
-                let old = std::mem::replace(&mut self.slots[index], slot);
-                // SAFETY: the frames that used it are done.
-                unsafe { old.destroy(&self.gpu) };
-                Ok(index)
-            }
-            None => {
-                self.slots.push(slot);
-                Ok(self.slots.len() - 1)
-            }
-        }
+/// Returns the index of a slot of at least `bytes` bytes that no frame after `done` uses. Makes one if there is none.
+pub(super) fn free_slot(slots: &mut Vec<FrameSlot>, gpu: &VulkanDevice, done: u64, bytes: u64) -> Result<usize, Error> {
+    let limits = gpu.binding_limits();
+    limits.check("the work of a frame", bytes)?;
+    let free = |s: &FrameSlot| s.frame <= done;
+    if let Some(index) = slots.iter().position(|s| free(s) && s.storage.size >= bytes) {
+        return Ok(index);
     }
-
-    /// Adds the slot's set for a chunk, if it is not there yet.
-    pub(super) fn add_slot_set(&mut self, slot: usize, chunk: u32) -> Result<(), Error> {
-        let slot = &mut self.slots[slot];
-        if !slot.sets.iter().any(|(c, _)| *c == chunk) {
-            let whole = |b: &OwnBuffer| (b.handle, 0, b.size);
-            let set = self.gpu.set(&self.pipelines, &[whole(self.arena.buffer(chunk)), whole(&slot.storage)])?;
-            slot.sets.push((chunk, set));
+    let slot = FrameSlot::new(gpu, limits.frame_buffer_size(bytes))?;
+    // A free slot that is too small is replaced.
+    match slots.iter().position(free) {
+        Some(index) => {
+            let old = std::mem::replace(&mut slots[index], slot);
+            // SAFETY: the frames that used it are done.
+            unsafe { old.destroy(gpu) };
+            Ok(index)
         }
-        Ok(())
+        None => {
+            slots.push(slot);
+            Ok(slots.len() - 1)
+        }
     }
 }
 
 impl FrameSlot {
+    /// Makes the buffers, of `size` bytes each.
+    fn new(gpu: &VulkanDevice, size: u64) -> Result<Self, Error> {
+        let staging = gpu.buffer(size, BufferUse::Staging)?;
+        let storage = gpu.buffer(size, BufferUse::Storage).inspect_err(|_| {
+            // SAFETY: nothing uses it yet.
+            unsafe { gpu.destroy(&staging) }
+        })?;
+        Ok(FrameSlot { frame: 0, staging, storage, sets: Vec::new() })
+    }
+
+    /// Adds the set for a chunk with this buffer, if it is not there yet.
+    pub(super) fn add_set(
+        &mut self,
+        (gpu, pipelines): (&VulkanDevice, &VulkanPipelines),
+        chunk: u32,
+        meshes: &OwnBuffer,
+    ) -> Result<(), Error> {
+        if !self.sets.iter().any(|(c, _)| *c == chunk) {
+            let whole = |b: &OwnBuffer| (b.handle, 0, b.size);
+            let set = gpu.set(pipelines, &[whole(meshes), whole(&self.storage)])?;
+            self.sets.push((chunk, set));
+        }
+        Ok(())
+    }
+
     /// A set that was added.
     pub(super) fn set(&self, chunk: u32) -> &DescriptorSet {
         &self.sets.iter().find(|(c, _)| *c == chunk).expect("the set was added").1

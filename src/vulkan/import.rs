@@ -1,66 +1,12 @@
 //! Imports memory and semaphores of the host's device into Crumple's own device.
 
 use super::functions::checked;
-use super::host::{Access, BufferDef, BufferId};
-use super::own::{OwnDevice, OwnHandles};
+use super::host_buffers::{Access, BufferDef, BufferId};
+use super::own::OwnDevice;
+use super::shared::{ImportDef, ImportedBuffer, OwnedHandle, SemaphoreId, Shared};
 use crate::Error;
 use ash::vk;
 use std::ptr::null;
-
-/// An exported handle of the host.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Shared {
-    /// A file descriptor, `VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT` (or the same of a semaphore). It is duplicated, so the host
-    /// may close its own at any time.
-    OpaqueFd(i32),
-    /// A Windows handle, `…_OPAQUE_WIN32_BIT`. Windows only. This was never run.
-    OpaqueWin32(isize),
-}
-
-/// A buffer of the host's device in exported memory.
-#[derive(Debug, Clone, Copy)]
-pub struct ImportDef {
-    /// The memory.
-    pub memory: Shared,
-    /// `allocationSize` of the host's allocation, bytes.
-    pub memory_size: u64,
-    /// `memoryTypeIndex` of the host's allocation.
-    pub memory_type: u32,
-    /// Whether the host allocated it for this buffer alone (`VkMemoryDedicatedAllocateInfo`).
-    pub dedicated: bool,
-    /// Offset in the memory that the host bound the buffer to, bytes.
-    pub offset: u64,
-    /// The buffer's size in bytes.
-    pub size: u64,
-    /// The usage that the host made the buffer with. It must have the flag `STORAGE_BUFFER`.
-    pub usage: vk::BufferUsageFlags,
-}
-
-/// The id of an imported semaphore.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct SemaphoreId(
-    /// The index plus one; in the upper half the device's id.
-    pub(crate) u64,
-);
-
-/// A buffer in imported memory.
-pub(super) struct ImportedBuffer {
-    buffer: vk::Buffer,
-    memory: vk::DeviceMemory,
-}
-
-impl ImportedBuffer {
-    /// # Safety
-    /// Nothing uses it any more.
-    pub(super) unsafe fn destroy(&self, own: &OwnHandles) {
-        // SAFETY: the caller's promise; null handles are ignored.
-        unsafe {
-            (own.functions.destroy_buffer)(own.device, self.buffer, null());
-            (own.functions.free_memory)(own.device, self.memory, null());
-        }
-    }
-}
 
 #[cfg(not(windows))]
 const MEMORY: vk::ExternalMemoryHandleTypeFlags = vk::ExternalMemoryHandleTypeFlags::OPAQUE_FD;
@@ -181,7 +127,7 @@ impl OwnDevice {
         if def.dedicated {
             info = info.push_next(&mut dedicated);
         }
-        let handle = OwnHandles::duplicate(def.memory, Some(def.memory_size))?;
+        let handle = OwnedHandle::duplicate(def.memory, Some(def.memory_size))?;
         #[cfg(not(windows))]
         let mut import = vk::ImportMemoryFdInfoKHR::default().handle_type(MEMORY).fd(handle.raw());
         #[cfg(windows)]
@@ -220,7 +166,7 @@ impl OwnDevice {
             let what = "a Vulkan device without external semaphores: wait for a fence instead";
             return Err(Error::Unsupported { what: what.into() });
         };
-        let handle = OwnHandles::duplicate(shared, None)?;
+        let handle = OwnedHandle::duplicate(shared, None)?;
         let mut semaphore = vk::Semaphore::null();
         let info = vk::SemaphoreCreateInfo::default();
         // SAFETY: valid arguments.
@@ -259,89 +205,5 @@ impl OwnDevice {
         handle.forget();
         self.semaphores.push(semaphore);
         Ok(SemaphoreId(self.device().id << 32 | self.semaphores.len() as u64))
-    }
-
-    /// The handles of semaphores.
-    pub(super) fn handles(&self, ids: &[SemaphoreId]) -> Result<Vec<vk::Semaphore>, Error> {
-        let one = |id: &SemaphoreId| {
-            let place = (id.0 as u32).wrapping_sub(1) as usize;
-            let found = self.semaphores.get(place).filter(|_| id.0 >> 32 == self.id());
-            found.copied().ok_or_else(|| Error::invalid("semaphore", id.0, "one that this device imported"))
-        };
-        ids.iter().map(one).collect()
-    }
-}
-
-/// A duplicate of the host's handle. Dropping it closes it.
-#[cfg(unix)]
-struct OwnedHandle(std::os::fd::OwnedFd);
-
-#[cfg(unix)]
-impl OwnedHandle {
-    fn raw(&self) -> i32 {
-        use std::os::fd::AsRawFd;
-        self.0.as_raw_fd()
-    }
-
-    /// Gives up ownership.
-    fn forget(self) {
-        use std::os::fd::IntoRawFd;
-        let _ = self.0.into_raw_fd();
-    }
-}
-
-#[cfg(unix)]
-impl OwnHandles {
-    /// Duplicates the host's handle. `memory` is the size in bytes if it is memory's.
-    fn duplicate(shared: Shared, memory: Option<u64>) -> Result<OwnedHandle, Error> {
-        use std::os::fd::BorrowedFd;
-        use std::os::unix::fs::FileTypeExt;
-        let refused = |expected: &str| Err(Error::invalid("the handle", format!("{shared:?}"), expected));
-        let Shared::OpaqueFd(fd) = shared else {
-            return Err(Error::Unsupported { what: format!("{shared:?}: this system has file descriptors") });
-        };
-        if fd < 0 {
-            return refused("an open file descriptor");
-        }
-        // SAFETY: it is not -1. If it is not open, the system reports that.
-        let Ok(own) = unsafe { BorrowedFd::borrow_raw(fd) }.try_clone_to_owned() else {
-            return refused("an open file descriptor");
-        };
-        let file = std::fs::File::from(own);
-        if let Ok(metadata) = file.metadata() {
-            let kind = metadata.file_type();
-            if kind.is_fifo() || kind.is_socket() || kind.is_dir() {
-                return refused("one from vkGetMemoryFdKHR or vkGetSemaphoreFdKHR; this is a pipe, socket or folder");
-            }
-            // Software drivers export memory as files.
-            if let Some(size) = memory.filter(|size| kind.is_file() && metadata.len() < *size) {
-                return refused(&format!("memory of {size} bytes; this is a file of {}", metadata.len()));
-            }
-        }
-        Ok(OwnedHandle(file.into()))
-    }
-}
-
-/// The host's handle. Vulkan does not take ownership of it.
-#[cfg(not(unix))]
-struct OwnedHandle(isize);
-
-#[cfg(not(unix))]
-impl OwnedHandle {
-    fn raw(&self) -> isize {
-        self.0
-    }
-
-    fn forget(self) {}
-}
-
-#[cfg(not(unix))]
-impl OwnHandles {
-    fn duplicate(shared: Shared, _: Option<u64>) -> Result<OwnedHandle, Error> {
-        match shared {
-            Shared::OpaqueWin32(handle) if handle != 0 && handle != -1 => Ok(OwnedHandle(handle)),
-            Shared::OpaqueWin32(handle) => Err(Error::invalid("the handle", handle, "a valid handle")),
-            _ => Err(Error::Unsupported { what: format!("{shared:?}: this system has Windows handles") }),
-        }
     }
 }

@@ -1,7 +1,7 @@
 //! Crumple's own buffers. Each has its memory.
 
-use super::device::VulkanDevice;
 use super::functions::checked;
+use super::vulkan_device::VulkanDevice;
 use crate::Error;
 use ash::vk;
 

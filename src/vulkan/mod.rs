@@ -2,10 +2,10 @@
 //!
 //! 1. [`Device::new`] takes the host's instance, device and loader. It never opens libvulkan.
 //! 2. [`Device::add_buffer`] registers a VkBuffer of the host, and who else uses it.
-//! 3. [`Device::add_target`] tells where in it one mesh's vertices lie, and in which formats.
+//! 3. [`Device::add_target`] says where in it the vertices of one mesh lie, and in which formats.
 //! 4. [`Device::record`] records everything that changed, of all targets, into a command buffer outside a render pass. Call it
 //!    once a frame. It records a copy, a barrier, a dispatch for each VkBuffer and a barrier. It submits nothing and does not wait.
-//! 5. [`Device::completed`] tells that the device is done with a frame. The frame's memory is reused.
+//! 5. [`Device::completed`] reports that the device is done with a frame, so that its memory can be reused.
 //!
 //! It needs Vulkan 1.1, and no feature or extension. On devices that round additions, multiplications, divisions and square roots
 //! as IEEE 754 says (lavapipe and SwiftShader do), the vertices have the bits of [`crate::deform`]. Vulkan allows a division to be
@@ -32,19 +32,27 @@ mod classic;
 mod device;
 mod frames;
 mod functions;
-mod host;
+mod host_buffers;
 mod import;
 mod memory;
 mod own;
+mod own_handles;
 mod pipelines;
 mod record;
+mod recording;
+mod register;
+mod shared;
+mod target;
+mod vulkan_device;
 
 pub use ash::vk;
-pub use device::{Device, DeviceDef};
-pub use host::{Access, BufferDef, BufferId, Stream, Target, TargetDef};
-pub use import::{ImportDef, SemaphoreId, Shared};
+pub use device::Device;
+pub use host_buffers::{Access, BufferDef, BufferId};
 pub use own::{OwnDevice, OwnDeviceDef};
 pub use record::{RecordJob, RecordReport};
+pub use shared::{ImportDef, SemaphoreId, Shared};
+pub use target::{Stream, Target, TargetDef};
+pub use vulkan_device::DeviceDef;
 
 #[doc(hidden)]
 pub use crate::gpu::{Attribute, Encoding, encode};

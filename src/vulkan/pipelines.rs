@@ -1,7 +1,7 @@
 //! The pipelines of the kernels, and their descriptor sets.
 
-use super::device::VulkanDevice;
 use super::functions::checked;
+use super::vulkan_device::VulkanDevice;
 use crate::Error;
 use crate::gpu::{Call, Kernel, with_workgroup};
 use ash::vk::{self, Handle};

@@ -1,13 +1,15 @@
 //! Records a frame: copies, barriers and dispatches for what changed.
 
-use super::device::{Device, VulkanDevice};
-use super::frames::FrameSlot;
-use super::host::{BufferId, HostBuffers, Target};
+use super::classic::ClassicBuffer;
+use super::device::Device;
+use super::frames::{FrameSlot, free_slot};
+use super::recording::{COMPUTE, Recording, SHADER_WRITE, acquire_and_release, barrier, cmd_barrier};
+use super::target::{Target, TargetBinding};
 use crate::Error;
-use crate::gpu::{self, Call, FrameReport, Job, Plan, PlanTarget, TargetState, WorkOffsets};
+use crate::gpu::{self, Call, FrameReport, Job, Plan, WorkOffsets, missing_state};
 use ash::vk::{self, Handle};
-use std::ops::Range;
 use std::ptr::null;
+use std::sync::Arc;
 
 /// A target to bring up to date.
 /// <!--
@@ -17,45 +19,6 @@ pub type RecordJob<'a> = Job<'a, Target>;
 
 /// What was recorded.
 pub type RecordReport = FrameReport;
-
-/// The part of a host's buffer that a dispatch writes. Ids of one VkBuffer lie side by side.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct TargetBinding {
-    handle: vk::Buffer,
-    buffer: BufferId,
-    window: usize,
-}
-
-impl PlanTarget for Target {
-    type Binding = TargetBinding;
-
-    fn binding(&self) -> TargetBinding {
-        TargetBinding { handle: self.handle, buffer: self.buffer, window: self.window }
-    }
-
-    fn state(&self) -> &TargetState {
-        &self.state
-    }
-
-    fn state_mut(&mut self) -> &mut TargetState {
-        &mut self.state
-    }
-}
-
-/// The lists of a recording. They are reused.
-#[derive(Default)]
-pub(super) struct Recording {
-    plan: Plan<TargetBinding>,
-    /// Buffers that another queue family owns.
-    foreign: Vec<BufferId>,
-    before: Vec<vk::BufferMemoryBarrier<'static>>,
-    after: Vec<vk::BufferMemoryBarrier<'static>>,
-}
-
-/// The access of a kernel to a buffer that it writes.
-const SHADER_WRITE: vk::AccessFlags = vk::AccessFlags::SHADER_WRITE;
-/// The stage of the kernels.
-const COMPUTE: vk::PipelineStageFlags = vk::PipelineStageFlags::COMPUTE_SHADER;
 
 impl Device {
     /// Records what brings the targets up to date: only the blocks that changed since each was last written. If nothing changed,
@@ -108,7 +71,7 @@ impl Device {
         r.foreign.clear();
         for (j, job) in jobs.iter_mut().enumerate() {
             let host = self.hosts.get(job.target.buffer).map_err(|e| of_job(e, j))?;
-            if self.gpu.foreign(&host.def) {
+            if self.gpu.foreign(host.def.queue_family) {
                 r.foreign.push(job.target.buffer);
             }
             self.add_state(job)?;
@@ -130,14 +93,28 @@ impl Device {
         Ok(report)
     }
 
+    /// Makes the state and the pipeline that a target of an instance with a classic rule lacks.
+    fn add_state(&mut self, job: &mut RecordJob<'_>) -> Result<(), Error> {
+        let Some(bytes) = missing_state(job, job.target.classic.is_some()) else { return Ok(()) };
+        self.gpu.add_pipeline(&mut self.pipelines, job.target.state.kernel, true)?;
+        let state = Arc::new(ClassicBuffer::new(&self.gpu, &self.pipelines, bytes)?);
+        self.states.push(state.clone());
+        job.target.classic = Some(state);
+        // The new buffer holds no state, whatever the vertices show.
+        job.target.state.tracker.invalidate();
+        Ok(())
+    }
+
     /// Takes a slot, writes the frame's data into it, and adds the descriptor sets that it lacks.
     fn fill(&mut self, plan: &Plan<TargetBinding>, offsets: &WorkOffsets) -> Result<usize, Error> {
-        let slot = self.slot(offsets.bytes())?;
+        let index = free_slot(&mut self.slots, &self.gpu, self.completed, offsets.bytes())?;
+        let slot = &mut self.slots[index];
         for dispatch in plan.dispatches() {
-            self.add_slot_set(slot, dispatch.chunk())?;
+            let chunk = dispatch.chunk();
+            slot.add_set((&self.gpu, &self.pipelines), chunk, self.arena.buffer(chunk))?;
         }
-        self.gpu.write(&mut self.slots[slot].staging, offsets.words(), |to| plan.write(to))?;
-        Ok(slot)
+        self.gpu.write(&mut slot.staging, offsets.words(), |to| plan.write(to))?;
+        Ok(index)
     }
 
     /// Records the commands of a frame that writes something. Returns the number of bytes that are copied. Everything that can
@@ -160,7 +137,7 @@ impl Device {
             let binding = dispatch.binding();
             let host = self.hosts.get_mut(binding.buffer)?;
             host.used = frame;
-            if self.gpu.foreign(&host.def) || previous.replace(binding) == Some(binding) {
+            if self.gpu.foreign(host.def.queue_family) || previous.replace(binding) == Some(binding) {
                 continue;
             }
             // The barrier covers everything that is bound: the kernel decides what of it is written. It also orders writes of
@@ -258,59 +235,6 @@ impl Device {
         cmd_barrier(&self.gpu, commands, (COMPUTE, to), &r.after);
         Ok(())
     }
-}
-
-/// Adds barriers that acquire and release the buffers of other queue families. Returns the stages before and after.
-fn acquire_and_release(
-    hosts: &mut HostBuffers,
-    gpu: &VulkanDevice,
-    r: &mut Recording,
-    frame: u64,
-) -> Result<(vk::PipelineStageFlags, vk::PipelineStageFlags), Error> {
-    let (mut from, mut to) = (vk::PipelineStageFlags::empty(), vk::PipelineStageFlags::empty());
-    for buffer in &r.foreign {
-        let host = hosts.get_mut(*buffer)?;
-        host.used = frame;
-        let (def, ours, none) = (host.def, gpu.family, vk::AccessFlags::empty());
-        let transfer = |(from, from_family), (to, to_family)| {
-            barrier(def.buffer, 0..vk::WHOLE_SIZE, from, to)
-                .src_queue_family_index(from_family)
-                .dst_queue_family_index(to_family)
-        };
-        // The other family makes its own accesses available and visible.
-        r.before.push(transfer((none, def.queue_family), (SHADER_WRITE, ours)));
-        r.after.push(transfer((SHADER_WRITE, ours), (none, def.queue_family)));
-        (from, to) = (from | def.before.stages, to | def.after.stages);
-    }
-    Ok((from, to))
-}
-
-fn barrier(
-    buffer: vk::Buffer,
-    bytes: Range<u64>,
-    from: vk::AccessFlags,
-    to: vk::AccessFlags,
-) -> vk::BufferMemoryBarrier<'static> {
-    vk::BufferMemoryBarrier::default()
-        .src_access_mask(from)
-        .dst_access_mask(to)
-        .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-        .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-        .buffer(buffer)
-        .offset(bytes.start)
-        .size(if bytes.end == vk::WHOLE_SIZE { bytes.end } else { bytes.end - bytes.start })
-}
-
-fn cmd_barrier(
-    gpu: &VulkanDevice,
-    commands: vk::CommandBuffer,
-    (from, to): (vk::PipelineStageFlags, vk::PipelineStageFlags),
-    barriers: &[vk::BufferMemoryBarrier<'_>],
-) {
-    let (none, count) = (vk::DependencyFlags::empty(), barriers.len() as u32);
-    let f = gpu.functions.cmd_pipeline_barrier;
-    // SAFETY: the command buffer is recording.
-    unsafe { f(commands, from, to, none, 0, null(), count, barriers.as_ptr(), 0, null()) };
 }
 
 /// The error, naming the job.

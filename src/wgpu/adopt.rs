@@ -1,7 +1,8 @@
 //! Wraps an engine's Vulkan device and buffers for wgpu. The engine keeps owning them.
 
-use super::device::{Device, DeviceDef, DeviceEvents, one_line};
+use super::device::Device;
 use super::headless::{exact, listen};
+use super::wgpu_device::{DeviceDef, DeviceEvents, one_line};
 use crate::Error;
 use ash::khr;
 use ash::vk::{self, Handle};

@@ -3,15 +3,12 @@
 //! `wgpu::util::StagingBelt` does not fit: it keeps chunks that have become too small, and does not tell when it makes one, which
 //! `Device::objects_made` counts.
 
-use super::device::WgpuDevice;
 use super::pipelines::WgpuPipelines;
+use super::wgpu_device::WgpuDevice;
 use crate::Error;
 use crate::gpu::Call;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
-
-/// The smallest staging buffer in bytes.
-const SMALLEST: u64 = 64 << 10;
 
 /// Mapped; the CPU may write it.
 const FREE: u8 = 0;
@@ -60,7 +57,7 @@ impl Belt {
         let limits = gpu.binding_limits();
         limits.check("the work of a frame", bytes)?;
         use wgpu::BufferUsages as U;
-        let size = bytes.next_power_of_two().max(SMALLEST).min(limits.bytes);
+        let size = limits.frame_buffer_size(bytes);
         self.storage = Some(gpu.buffer("work of a frame", size, U::STORAGE | U::UNIFORM | U::COPY_DST)?);
         self.groups.clear();
         Ok(())

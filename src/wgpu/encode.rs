@@ -1,9 +1,10 @@
 //! Encodes a frame: a copy, and a compute pass with dispatches for what changed.
 
 use super::device::Device;
+use super::frame_encoding::FrameEncoding;
 use super::target::Target;
 use crate::Error;
-use crate::gpu::{self, FrameReport, Job, Kernel, Plan, PlanTarget, TargetState, missing_state};
+use crate::gpu::{self, FrameReport, Job, Kernel, missing_state};
 
 /// A target to bring up to date.
 /// <!--
@@ -13,40 +14,6 @@ pub type EncodeJob<'a> = Job<'a, Target>;
 
 /// What was encoded.
 pub type EncodeReport = FrameReport;
-
-impl PlanTarget for Target {
-    /// The id of its binding.
-    type Binding = u64;
-
-    fn binding(&self) -> u64 {
-        self.bound.id
-    }
-
-    fn state(&self) -> &TargetState {
-        &self.state
-    }
-
-    fn state_mut(&mut self) -> &mut TargetState {
-        &mut self.state
-    }
-}
-
-/// The lists of an encoding. They are reused.
-#[derive(Default)]
-pub(super) struct FrameEncoding {
-    plan: Plan<u64>,
-    /// The frame's data, and behind it a call for each dispatch.
-    words: Vec<u32>,
-    calls: Vec<EncodedCall>,
-}
-
-/// A dispatch's call and size.
-struct EncodedCall {
-    /// Bytes before the call in the words.
-    at: u32,
-    /// Workgroups in a row, and rows.
-    groups: [u32; 2],
-}
 
 impl Device {
     /// Encodes what brings the targets up to date: only the blocks that changed since each was last written. If nothing changed,
@@ -109,7 +76,7 @@ impl Device {
         }
         let mut report = e.plan.fill(jobs)?;
         if report.blocks_written > 0 {
-            self.write(e)?;
+            e.write(&self.gpu, self.workgroup)?;
             self.belt.reserve(&self.gpu, 4 * e.words.len() as u64)?;
             for dispatch in e.plan.dispatches() {
                 self.pipelines.add(&self.gpu, dispatch.kernel, dispatch.classic())?;
@@ -133,24 +100,6 @@ impl Device {
         job.target.classic = Some(self.gpu.bind_group(&self.pipelines.one, &[whole])?);
         // The new buffer holds no state, whatever the vertices show.
         job.target.state.tracker.invalidate();
-        Ok(())
-    }
-
-    /// Writes the frame's data into words, and a call for each dispatch behind it.
-    fn write(&self, e: &mut FrameEncoding) -> Result<(), Error> {
-        let offsets = e.plan.offsets()?;
-        let align = self.gpu.limits.min_uniform_buffer_offset_alignment.max(4) as usize / 4;
-        let most = self.gpu.limits.max_compute_workgroups_per_dimension;
-        e.words.clear();
-        e.words.resize(offsets.words(), 0);
-        e.plan.write(&mut e.words);
-        e.calls.clear();
-        for d in e.plan.dispatches() {
-            let (call, groups) = offsets.call((&d.blocks, d.classic()), self.workgroup, most);
-            e.words.resize(e.words.len().next_multiple_of(align), 0);
-            e.calls.push(EncodedCall { at: (4 * e.words.len()) as u32, groups });
-            e.words.extend_from_slice(bytemuck::cast_slice(&[call]));
-        }
         Ok(())
     }
 

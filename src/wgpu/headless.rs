@@ -1,6 +1,7 @@
 //! A device of Crumple's own, on any adapter.
 
-use super::device::{Device, DeviceDef, DeviceEvents, now, one_line};
+use super::device::Device;
+use super::wgpu_device::{DeviceDef, DeviceEvents, now, one_line};
 use crate::Error;
 use std::sync::{Arc, Mutex};
 

@@ -3,7 +3,7 @@
 //!
 //! 1. [`Device::new`] takes the host's [`wgpu::Device`] and [`wgpu::Queue`]. [`Device::headless`] makes its own. [`Device::adopt`]
 //!    wraps an engine's VkDevice.
-//! 2. [`Device::add_target`] tells where in a [`wgpu::Buffer`] one mesh's vertices lie, and in which formats.
+//! 2. [`Device::add_target`] says where in a [`wgpu::Buffer`] the vertices of one mesh lie, and in which formats.
 //! 3. [`Device::encode`] encodes everything that changed, of all targets, into the host's command encoder; [`Device::submit`] submits
 //!    it too. Call one of them once a frame. It makes one copy, and a dispatch for each buffer. Nothing waits for the device.
 //!
@@ -30,23 +30,28 @@
 
 #[cfg(any(windows, target_os = "linux", target_os = "android", target_os = "freebsd"))]
 mod adopt;
-mod arena;
 mod belt;
+mod bound_buffers;
 mod device;
 mod encode;
+mod frame_encoding;
 mod headless;
 mod pipelines;
 mod read;
+mod readback;
+mod register;
 mod target;
+mod wgpu_device;
 
 #[cfg(any(windows, target_os = "linux", target_os = "android", target_os = "freebsd"))]
 pub use adopt::VulkanDef;
-pub use device::{Device, DeviceDef};
+pub use device::Device;
 pub use encode::{EncodeJob, EncodeReport};
 pub use headless::{HeadlessDef, adapters};
 pub use target::{Stream, Target, TargetDef};
 /// The crate whose types are used here.
 pub use wgpu;
+pub use wgpu_device::DeviceDef;
 
 #[doc(hidden)]
 pub use crate::gpu::{Attribute, Encoding, encode};

@@ -1,6 +1,6 @@
 //! The pipelines of the kernels: the SPIR-V of the build if the device takes it, else WGSL, which wgpu translates.
 
-use super::device::WgpuDevice;
+use super::wgpu_device::WgpuDevice;
 use crate::Error;
 use crate::gpu::{Call, Kernel, with_workgroup};
 use std::num::NonZero;

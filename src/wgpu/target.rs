@@ -1,13 +1,10 @@
-//! Targets in the host's buffers.
+//! A target: the place of a mesh's vertices in a buffer of the host.
 
-use super::device::{Device, WgpuDevice};
-use super::pipelines::WgpuPipelines;
-use crate::example::set::ExampleSet;
-use crate::gpu::{self, Encoding, HostFormat, TargetState, VertexStream, binding_range};
-use crate::{Aabb, Error, Tracker};
-use std::num::NonZero;
+use super::bound_buffers::BoundBuffer;
+use crate::Aabb;
+use crate::gpu::{self, Encoding, HostFormat, PlanTarget, TargetState, VertexStream};
 use std::ops::Range;
-use std::sync::{Arc, Weak};
+use std::sync::Arc;
 use wgpu::VertexFormat;
 
 impl HostFormat for VertexFormat {
@@ -72,71 +69,19 @@ impl Target {
     }
 }
 
-/// A range of a host's buffer that is bound as a whole.
-#[derive(Debug)]
-pub(super) struct BoundBuffer {
-    pub id: u64,
-    buffer: wgpu::Buffer,
-    range: Range<u64>,
-    pub group: wgpu::BindGroup,
-}
+impl PlanTarget for Target {
+    /// The id of its binding.
+    type Binding = u64;
 
-/// The bindings of all targets.
-#[derive(Default)]
-pub(super) struct BoundBuffers {
-    all: Vec<Weak<BoundBuffer>>,
-    last_id: u64,
-}
-
-impl BoundBuffers {
-    /// Returns a binding of the buffer that holds these bytes.
-    fn binding(
-        &mut self,
-        (gpu, pipelines): (&WgpuDevice, &WgpuPipelines),
-        buffer: &wgpu::Buffer,
-        bytes: &Range<u64>,
-    ) -> Result<Arc<BoundBuffer>, Error> {
-        self.all.retain(|w| w.strong_count() > 0);
-        let holds = |r: &Range<u64>| r.start <= bytes.start && bytes.end <= r.end;
-        let mut alive = self.all.iter().filter_map(Weak::upgrade);
-        if let Some(bound) = alive.find(|b| b.buffer == *buffer && holds(&b.range)) {
-            return Ok(bound);
-        }
-        let range = binding_range(buffer.size(), bytes, &gpu.binding_limits())?;
-        let size = NonZero::new(range.end - range.start);
-        let binding = wgpu::BufferBinding { buffer, offset: range.start, size };
-        let group = gpu.bind_group(&pipelines.one, &[binding])?;
-        self.last_id += 1;
-        let bound = Arc::new(BoundBuffer { id: self.last_id, buffer: buffer.clone(), range, group });
-        self.all.push(Arc::downgrade(&bound));
-        Ok(bound)
+    fn binding(&self) -> u64 {
+        self.bound.id
     }
-}
 
-impl Device {
-    /// Adds a target: a place for the vertices of one of the set's meshes. The first target of a mesh uploads the mesh and its
-    /// examples before the next submission.
-    ///
-    /// # Errors
-    /// [`Error::InvalidArgument`] for a buffer without `STORAGE`, a format that the attribute cannot have, a stride that is too
-    /// small, attributes that overlap, or a bad scale; [`Error::Misaligned`] for offsets and strides that are not multiples of 4;
-    /// [`Error::BufferTooSmall`]; [`Error::IndexOutOfRange`] for a level of detail that the set lacks; [`Error::Unsupported`] for
-    /// normals or tangents that the mesh lacks, or more bytes than the device can bind;
-    /// [`Error::Wgpu`] for a buffer of another device or one that was destroyed; [`Error::OutOfMemory`], [`Error::DeviceLost`].
-    pub fn add_target(&mut self, set: &Arc<ExampleSet>, def: &TargetDef<'_>) -> Result<Target, Error> {
-        self.reported_error()?;
-        let mesh = set.lod(def.lod)?;
-        let usage = def.buffer.usage();
-        if !usage.contains(wgpu::BufferUsages::STORAGE) {
-            let value = format!("{usage:?}");
-            return Err(Error::invalid("the buffer's usage", value, "with STORAGE among its flags"));
-        }
-        let (layout, kernel, written) = def.layout(&mesh.mesh, def.buffer.size() & !3)?;
-        let bound = self.bound.binding((&self.gpu, &self.pipelines), def.buffer, &written)?;
-        let first = def.offset.wrapping_sub(bound.range.start);
-        let mesh = self.mesh(set, def.lod)?;
-        let (device, set, tracker) = (self.id, Arc::downgrade(set), Tracker::new());
-        let state = TargetState { device, set, lod: def.lod, kernel, layout, first, mesh, tracker };
-        Ok(Target { state, offset: def.offset, size: def.size, bound, classic: None })
+    fn state(&self) -> &TargetState {
+        &self.state
+    }
+
+    fn state_mut(&mut self) -> &mut TargetState {
+        &mut self.state
     }
 }

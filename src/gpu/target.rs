@@ -1,0 +1,22 @@
+//! What every backend keeps of a target.
+
+use super::arena::ResidentMesh;
+use super::kernel::Kernel;
+use super::vertices::VertexLayout;
+use crate::{ExampleSet, Tracker};
+use std::sync::{Arc, Weak};
+
+/// The part of a target that is the same in every backend.
+#[derive(Debug)]
+pub(crate) struct TargetState {
+    /// Id of the backend's device.
+    pub device: u64,
+    pub set: Weak<ExampleSet>,
+    pub lod: usize,
+    pub kernel: Kernel,
+    pub layout: VertexLayout,
+    /// Bytes from the start of the binding to the target, modulo 2^64: only what is written lies within the binding.
+    pub first: u64,
+    pub mesh: Arc<ResidentMesh>,
+    pub tracker: Tracker,
+}

@@ -1,0 +1,143 @@
+//! The buffers that the host registered, and the windows of them that descriptor sets cover.
+
+use super::pipelines::{DescriptorSet, VulkanPipelines};
+use super::vulkan_device::VulkanDevice;
+use crate::Error;
+use crate::gpu::binding_range;
+use ash::vk;
+use std::ops::Range;
+
+/// An access to a buffer before or after the recorded commands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Access {
+    /// The stages; at least one.
+    pub stages: vk::PipelineStageFlags,
+    /// The kinds of access. It may be empty if only the order matters.
+    pub access: vk::AccessFlags,
+}
+
+impl Access {
+    /// Vertex fetch, the use of most vertex buffers.
+    pub const VERTEX_INPUT: Access =
+        Access { stages: vk::PipelineStageFlags::VERTEX_INPUT, access: vk::AccessFlags::VERTEX_ATTRIBUTE_READ };
+}
+
+/// A VkBuffer of the host for vertices.
+#[derive(Debug, Clone, Copy)]
+pub struct BufferDef {
+    /// The buffer, bound to memory, made with `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`.
+    pub buffer: vk::Buffer,
+    /// Its size in bytes.
+    pub size: u64,
+    /// The usage that it was made with.
+    pub usage: vk::BufferUsageFlags,
+    /// The family that owns it before and after the recorded commands, if that is not the device's, else `QUEUE_FAMILY_IGNORED`.
+    /// Each recording that names one of its targets then begins with an acquire and ends with a release of the whole buffer, even
+    /// if nothing changed. The host does the release and the acquire on the other family.
+    pub queue_family: u32,
+    /// The host's access before each recording. List the host's own writes here, or they may be lost.
+    pub before: Access,
+    /// The host's next access.
+    pub after: Access,
+}
+
+#[cfg(feature = "capi")]
+impl BufferDef {
+    /// Fails if another definition of the same buffer differs.
+    pub(crate) fn same(&self, other: &BufferDef) -> Result<(), Error> {
+        let differs = |name: &str, was: String, is: String| -> Result<(), Error> {
+            if was == is { Ok(()) } else { Err(Error::invalid(name, is, &format!("{was}, as for its other ranges"))) }
+        };
+        differs("the buffer's size", self.size.to_string(), other.size.to_string())?;
+        differs("the buffer's usage", format!("{:?}", self.usage), format!("{:?}", other.usage))?;
+        differs("the buffer's queue family", self.queue_family.to_string(), other.queue_family.to_string())?;
+        differs("before", format!("{:?}", self.before), format!("{:?}", other.before))?;
+        differs("after", format!("{:?}", self.after), format!("{:?}", other.after))
+    }
+}
+
+/// The id of a registered buffer. A stale id is refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct BufferId {
+    index: u32,
+    generation: u32,
+}
+
+/// A registered buffer.
+pub(super) struct HostBuffer {
+    pub def: BufferDef,
+    pub windows: Vec<BufferWindow>,
+    /// The last frame that writes it.
+    pub used: u64,
+}
+
+/// A range of a buffer that a descriptor can cover.
+pub(super) struct BufferWindow {
+    pub range: Range<u64>,
+    pub set: DescriptorSet,
+}
+
+/// All registered buffers.
+#[derive(Default)]
+pub(super) struct HostBuffers {
+    entries: Vec<(u32, Option<HostBuffer>)>,
+}
+
+impl HostBuffers {
+    /// Adds a checked definition.
+    pub(super) fn add(&mut self, def: &BufferDef) -> BufferId {
+        let host = HostBuffer { def: *def, windows: Vec::new(), used: 0 };
+        let entries = &mut self.entries;
+        let index = entries.iter().position(|(_, host)| host.is_none()).unwrap_or(entries.len());
+        if index == entries.len() {
+            entries.push((0, None));
+        }
+        let (generation, entry) = &mut entries[index];
+        *generation += 1;
+        *entry = Some(host);
+        BufferId { index: index as u32, generation: *generation }
+    }
+
+    pub(super) fn remove(&mut self, id: BufferId) -> Result<HostBuffer, Error> {
+        self.get(id)?;
+        self.entries[id.index as usize].1.take().ok_or_else(|| stale(id))
+    }
+
+    pub(super) fn get(&self, id: BufferId) -> Result<&HostBuffer, Error> {
+        let entry = self.entries.get(id.index as usize).filter(|(generation, _)| *generation == id.generation);
+        entry.and_then(|(_, host)| host.as_ref()).ok_or_else(|| stale(id))
+    }
+
+    pub(super) fn get_mut(&mut self, id: BufferId) -> Result<&mut HostBuffer, Error> {
+        let entry = self.entries.get_mut(id.index as usize).filter(|(generation, _)| *generation == id.generation);
+        entry.and_then(|(_, host)| host.as_mut()).ok_or_else(|| stale(id))
+    }
+
+    pub(super) fn sets(&self) -> impl Iterator<Item = &DescriptorSet> {
+        self.entries.iter().filter_map(|(_, host)| host.as_ref()).flat_map(|h| h.windows.iter().map(|w| &w.set))
+    }
+}
+
+fn stale(id: BufferId) -> Error {
+    let value = format!("{}, generation {}", id.index, id.generation);
+    Error::invalid("buffer", value, "one of this device that was not removed")
+}
+
+impl HostBuffer {
+    /// Returns the index of a window that holds these bytes.
+    pub(super) fn window(
+        &mut self,
+        gpu: &VulkanDevice,
+        pipelines: &VulkanPipelines,
+        bytes: &Range<u64>,
+    ) -> Result<usize, Error> {
+        let holds = |r: &Range<u64>| r.start <= bytes.start && bytes.end <= r.end;
+        if let Some(index) = self.windows.iter().position(|w| holds(&w.range)) {
+            return Ok(index);
+        }
+        let range = binding_range(self.def.size, bytes, &gpu.binding_limits())?;
+        let set = gpu.set(pipelines, &[(self.def.buffer, range.start, range.end - range.start)])?;
+        self.windows.push(BufferWindow { range, set });
+        Ok(self.windows.len() - 1)
+    }
+}
