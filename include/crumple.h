@@ -60,12 +60,11 @@
 // called from any thread at any time: those without a context argument, and crumple_instance_submit_...,
 // ..._preview_..., ..._end_contact and ..._set_transform. Contexts are independent of each other.
 //
-// Reads. Hits are pending until the next read of the instance's damage: crumple_context_deform(),
-// crumple_vulkan_record() or crumple_vulkan_submit() of one of its buffers, crumple_instance_get_info(),
-// ..._get_marks(), ..._save_damage(), ..._repair_damage(), ..._copy_damage() as the source, and
-// crumple_instance_get_attached_frame(). The result does not depend on the number of threads or on the order of hits
-// between two reads. With CRUMPLE_RULE_MARKS it does not depend on the reads either, until marks merge because there
-// are more than mark_capacity. Contacts in parts depend on the order only by the rounding of a sum.
+// Reads. Hits are pending until the next read of the instance's damage: a deform or record of one of its buffers, or of all
+// buffers; ..._get_info(), ..._get_marks(), ..._get_contact(), ..._save_damage(), ..._repair_damage(), ..._copy_damage() as
+// the source, and ..._get_attached_frame(). The result does not depend on the number of threads or on the order of hits
+// between two reads. With CRUMPLE_RULE_MARKS it does not depend on the reads either, until marks merge because there are
+// more than mark_capacity or contacts end because more than 256 are open; parts of a contact add up to rounding.
 //
 // Units. Metres, seconds, kilograms, newton seconds. Any handedness, any axis up. Vertices are 32-bit floats, indices
 // count from 0, enums are 32 bits wide (do not compile with -fshort-enums).
@@ -308,8 +307,7 @@ typedef struct {
 /// Options of a context.
 typedef struct {
     uint32_t struct_size;
-    /// Number of threads that deform, up to 1024. 0: one per core. 1: the calling thread only. Ignored where tasks is
-    /// set. Default 0.
+    /// Threads that deform, up to 1024. 0: one per core. 1: only the calling thread. Ignored where tasks is set. Default 0.
     uint32_t threads;
     /// Receives messages. Default null: none.
     CrumpleLog log;
@@ -324,8 +322,7 @@ typedef struct {
     const void *data;
     /// Readable bytes at data: at least (count - 1) * stride + the size of one element.
     size_t size;
-    /// Bytes from one element to the next: at least the size of one element, a multiple of its alignment. 0 is an
-    /// error.
+    /// Bytes from one element to the next: at least the size of one element, a multiple of its alignment. Not 0.
     size_t stride;
 } CrumpleInput;
 
@@ -377,8 +374,7 @@ typedef struct {
     CrumpleInput normals;
     /// Tangents as in glTF: vertex_count times 4 floats, xyz of unit length, w +1 or -1. Absent: none.
     CrumpleInput tangents;
-    /// Triangles: index_count indices, counter-clockwise seen from outside. Absent: a point cloud, whose normals must
-    /// be given.
+    /// Triangles: index_count indices, counter-clockwise seen from outside. Absent: a point cloud, which needs normals.
     CrumpleInput indices;
     CrumpleIndexType index_type;
 } CrumpleMeshDef;
@@ -440,8 +436,7 @@ typedef struct {
 /// Which mesh of a glTF file to load, and how the set is built.
 typedef struct {
     uint32_t struct_size;
-    /// Index of the mesh in the file, used where mesh_name is null. Default UINT32_MAX: the first mesh with morph
-    /// targets.
+    /// Index of the mesh in the file, used where mesh_name is null. Default UINT32_MAX: the first with morph targets.
     uint32_t mesh_index;
     /// Name of the mesh, UTF-8. Default null: mesh_index decides.
     const char *mesh_name;
@@ -477,8 +472,7 @@ typedef struct {
     size_t stride;
 } CrumpleStream;
 
-/// Where a set's mesh is copied to: positions (m), unit normals, tangents, and 3 * triangle_count indices. Absent
-/// streams are skipped.
+/// Where a set's mesh is copied to: positions (m), unit normals, tangents, and 3 * triangle_count indices. Absent ones are skipped.
 typedef struct {
     uint32_t struct_size;
     /// Which mesh: 0 for the base mesh, or a number of crumple_example_set_add_lod(). Default 0.
@@ -563,8 +557,7 @@ typedef struct {
     CrumpleExampleSet set;
     CrumpleRule rule;
     CrumpleSelection selection;
-    /// Most marks kept, 1 to 65535, 32 bytes each. Above it, the weakest mark is merged into the nearest mark. Default
-    /// 64.
+    /// Most marks kept, 1 to 65535, 32 bytes each. Above it, the weakest mark joins the nearest. Default 64.
     uint32_t mark_capacity;
     /// No vertex moves further than this, m. Default 0: the set's limit.
     float depth_limit;
@@ -615,8 +608,7 @@ typedef struct {
     CrumpleVec3 point;
     /// The impulse on the body, N s. A zero impulse leaves no mark.
     CrumpleVec3 impulse;
-    /// How long the impulse acted, s: a constant of the material such as 0.01, not the time step. Required; 0 is
-    /// rejected.
+    /// How long the impulse acted, s: a constant of the material such as 0.01, not the time step. Required, not 0.
     float duration;
     /// Mass of the contact vertex, kg. Default 0: the mass that the set has for the vertex.
     float mass;
@@ -1095,9 +1087,8 @@ CrumpleResult crumple_instance_preview_displacement(CrumpleContext *context, Cru
 /// one hit longest ago ends first. May be called from any thread at any time. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
 CrumpleResult crumple_instance_end_contact(CrumpleContext *context, CrumpleInstance instance, uint64_t contact_id);
 
-/// Returns what an open contact does so far, with pending hits: the result of all its hits as one. Its status is
-/// CRUMPLE_HIT_STATUS_BELOW_YIELD if no contact with this id is open or its sum is too weak; the rest is zero then. Reads
-/// the damage. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
+/// Returns the result of all hits of an open contact as one. Its status is CRUMPLE_HIT_STATUS_BELOW_YIELD if no such
+/// contact is open or its sum is too weak. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
 CrumpleResult crumple_instance_get_contact(CrumpleContext *context, CrumpleInstance instance, uint64_t contact_id,
                                            CrumpleHitResult *out_result);
 
@@ -1251,8 +1242,7 @@ CrumpleResult crumple_vulkan_open(CrumpleContext *context, const CrumpleVulkanOp
 CrumpleResult crumple_vulkan_import_buffer(CrumpleContext *context, const CrumpleVulkanImportDef *def,
                                            uint64_t *out_buffer);
 
-/// Ends an imported buffer after the device is done with it. CRUMPLE_ERROR_INVALID_ARGUMENT: ranges of it are
-/// registered.
+/// Ends an imported buffer after the device is done with it. CRUMPLE_ERROR_INVALID_ARGUMENT: it has registered ranges.
 CrumpleResult crumple_vulkan_unimport_buffer(CrumpleContext *context, uint64_t buffer);
 
 /// Imports a binary semaphore of your device, exported with this handle type. out_semaphore is its number for

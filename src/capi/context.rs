@@ -36,8 +36,7 @@ pub struct CrumpleContext;
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleContextDef {
     pub struct_size: u32,
-    /// Number of threads that deform, up to 1024. 0: one per core. 1: the calling thread only. Ignored where tasks is
-    /// set. Default 0.
+    /// Threads that deform, up to 1024. 0: one per core. 1: only the calling thread. Ignored where tasks is set. Default 0.
     pub threads: u32,
     /// Receives messages. Default null: none.
     pub log: CrumpleLog,

@@ -23,8 +23,7 @@ pub struct CrumpleImpulseDef {
     pub point: CrumpleVec3,
     /// The impulse on the body, N s. A zero impulse leaves no mark.
     pub impulse: CrumpleVec3,
-    /// How long the impulse acted, s: a constant of the material such as 0.01, not the time step. Required; 0 is
-    /// rejected.
+    /// How long the impulse acted, s: a constant of the material such as 0.01, not the time step. Required, not 0.
     pub duration: f32,
     /// Mass of the contact vertex, kg. Default 0: the mass that the set has for the vertex.
     pub mass: f32,
@@ -229,9 +228,8 @@ pub unsafe extern "C" fn crumple_instance_end_contact(
     })
 }
 
-/// Returns what an open contact does so far, with pending hits: the result of all its hits as one. Its status is
-/// CRUMPLE_HIT_STATUS_BELOW_YIELD if no contact with this id is open or its sum is too weak; the rest is zero then. Reads
-/// the damage. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
+/// Returns the result of all hits of an open contact as one. Its status is CRUMPLE_HIT_STATUS_BELOW_YIELD if no such
+/// contact is open or its sum is too weak. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_get_contact(
     context: *mut CrumpleContext,

@@ -22,8 +22,7 @@ pub struct CrumpleInstanceDef {
     pub set: CrumpleExampleSet,
     pub rule: MaybeUninit<CrumpleRule>,
     pub selection: MaybeUninit<CrumpleSelection>,
-    /// Most marks kept, 1 to 65535, 32 bytes each. Above it, the weakest mark is merged into the nearest mark. Default
-    /// 64.
+    /// Most marks kept, 1 to 65535, 32 bytes each. Above it, the weakest mark joins the nearest. Default 64.
     pub mark_capacity: u32,
     /// No vertex moves further than this, m. Default 0: the set's limit.
     pub depth_limit: f32,

@@ -22,8 +22,7 @@ use std::mem::MaybeUninit;
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleGltfDef {
     pub struct_size: u32,
-    /// Index of the mesh in the file, used where mesh_name is null. Default UINT32_MAX: the first mesh with morph
-    /// targets.
+    /// Index of the mesh in the file, used where mesh_name is null. Default UINT32_MAX: the first with morph targets.
     pub mesh_index: u32,
     /// Name of the mesh, UTF-8. Default null: mesh_index decides.
     pub mesh_name: *const c_char,

@@ -116,8 +116,7 @@ pub struct CrumpleMeshDef {
     pub normals: CrumpleInput,
     /// Tangents as in glTF: vertex_count times 4 floats, xyz of unit length, w +1 or -1. Absent: none.
     pub tangents: CrumpleInput,
-    /// Triangles: index_count indices, counter-clockwise seen from outside. Absent: a point cloud, whose normals must
-    /// be given.
+    /// Triangles: index_count indices, counter-clockwise seen from outside. Absent: a point cloud, which needs normals.
     pub indices: CrumpleInput,
     pub index_type: MaybeUninit<CrumpleIndexType>,
 }

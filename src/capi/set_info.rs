@@ -60,8 +60,7 @@ pub struct CrumpleExampleInfo {
     pub reserved: [u64; 2],
 }
 
-/// Where a set's mesh is copied to: positions (m), unit normals, tangents, and 3 * triangle_count indices. Absent
-/// streams are skipped.
+/// Where a set's mesh is copied to: positions (m), unit normals, tangents, and 3 * triangle_count indices. Absent ones are skipped.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleMeshCopyDef {

@@ -84,8 +84,7 @@ pub struct CrumpleInput {
     pub data: *const c_void,
     /// Readable bytes at data: at least (count - 1) * stride + the size of one element.
     pub size: usize,
-    /// Bytes from one element to the next: at least the size of one element, a multiple of its alignment. 0 is an
-    /// error.
+    /// Bytes from one element to the next: at least the size of one element, a multiple of its alignment. Not 0.
     pub stride: usize,
 }
 

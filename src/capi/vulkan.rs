@@ -266,8 +266,7 @@ pub unsafe extern "C" fn crumple_vulkan_import_buffer(
     })
 }
 
-/// Ends an imported buffer after the device is done with it. CRUMPLE_ERROR_INVALID_ARGUMENT: ranges of it are
-/// registered.
+/// Ends an imported buffer after the device is done with it. CRUMPLE_ERROR_INVALID_ARGUMENT: it has registered ranges.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_unimport_buffer(context: *mut CrumpleContext, buffer: u64) -> CrumpleResult {
     vulkan!("crumple_vulkan_unimport_buffer", {
