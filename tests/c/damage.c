@@ -252,6 +252,40 @@ static void contacts(void) {
     FACT(depths[0] > 0.03f && fabsf(depths[1] - depths[0]) < 1e-6f && fabsf(depths[2] - depths[0]) < 1e-6f);
 }
 
+// Five frames, each with a contact of its own: a body without a buffer keeps the damage that a body with one shows. More hits
+// than marks are kept, so that it also counts when marks merge.
+static void visibility(void) {
+    static Vertex vertices[VERTICES];
+    CrumpleInstanceDef def = crumple_instance_def_default();
+    CrumpleInstance body[2];
+    unsigned char saved[2][256];
+    size_t size[2];
+    CrumpleHitResult whole;
+    def.set = set;
+    def.mark_capacity = 2;
+    for (int i = 0; i < 2; ++i) OK(crumple_instance_create(context, &def, &body[i]));
+    register_all(body[0], vertices);
+    for (int frame = 0; frame < 5; ++frame) {
+        for (int i = 0; i < 2; ++i) {
+            CrumpleDisplacementDef push = displacement_at(0.1f * (float)(frame % 3), 0.1f, 0.01f);
+            push.contact_id = 11;
+            OK(crumple_instance_submit_displacement(context, body[i], &push, NULL));
+            OK(crumple_instance_submit_displacement(context, body[i], &push, NULL));
+            if (frame == 0) {
+                OK(crumple_instance_get_contact(context, body[i], 11, &whole));
+                FACT(whole.status == CRUMPLE_HIT_STATUS_MARKED && fabsf(whole.target.z + 0.02f) < 1e-6f);
+            }
+            OK(crumple_instance_end_contact(context, body[i], 11));
+        }
+        OK(crumple_context_deform(context, NULL, 0, NULL));
+    }
+    OK(crumple_instance_get_contact(context, body[0], 11, &whole));
+    FACT(whole.status == CRUMPLE_HIT_STATUS_BELOW_YIELD && whole.mark.energy == 0);
+    for (int i = 0; i < 2; ++i) OK(crumple_instance_save_damage(context, body[i], saved[i], sizeof saved[i], &size[i]));
+    FACT(size[0] == size[1] && memcmp(saved[0], saved[1], size[0]) == 0);
+    for (int i = 0; i < 2; ++i) OK(crumple_instance_destroy(context, body[i]));
+}
+
 static void classic_rules(void) {
     static Vertex vertices[VERTICES];
     for (int rule = CRUMPLE_RULE_MOST_DISPLACED; rule <= CRUMPLE_RULE_BLEND; ++rule) {
@@ -336,6 +370,7 @@ int main(void) {
     spaces();
     yield_and_mass();
     contacts();
+    visibility();
     classic_rules();
     mirrored();
     attached();
