@@ -167,7 +167,7 @@ mod tests {
     fn events() -> Vec<Event> {
         let bytes = Bytes(vec![1, 2, 3]);
         vec![
-            Event::Call(Call::Deform { buffers: vec![Number(1), Number(2)] }),
+            Event::Call(Call::Deform { all: false, buffers: vec![Number(1), Number(2)] }),
             Event::Hit(Call::EndContact { instance: Number(3), contact_id: 4 }),
             Event::HitEnded(Ended { result: 0, value: 0 }),
             Event::Ended(Ended { result: 0, value: 77 }),
