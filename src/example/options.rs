@@ -60,7 +60,7 @@ pub struct SetOptions {
     /// How far an example of weight 1 may put a vertex off, m. `None` keeps every displacement as an exact float. With a
     /// tolerance displacements are whole multiples of one step for the set, in the narrowest integers, and those no longer than
     /// the tolerance are dropped; stamps get the coarsest grid that holds it, if any of up to `stamp_resolution` nodes does
-    /// ([`Stamp::error`] tells).
+    /// ([`crate::Stamp::error`] tells).
     pub tolerance: Option<f32>,
     /// With a tolerance: how far an example of weight 1 may turn a normal off, degrees; above 0 to 45.
     pub normal_tolerance: f32,

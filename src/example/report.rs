@@ -25,7 +25,7 @@ pub struct SetReport {
     pub blocks_by_width: [usize; 3],
     /// Bytes of stamps.
     pub stamp_bytes: usize,
-    /// Planes through the centre of the bounds that map the body onto itself; none where [`SetOptions::mirror`] is off.
+    /// Planes through the centre of the bounds that map the body onto itself; none where [`crate::SetOptions::mirror`] is off.
     pub mirror_planes: Mirror,
     /// Vertices (seams counted) on edges that the examples show to be held.
     pub held_vertices: usize,

@@ -44,7 +44,7 @@ pub struct ExampleSet {
     learned: Learned,
     fingerprint: u64,
     report: SetReport,
-    /// Of each vertex its number before [`reorder`](fn@crate::bake::reorder); only for tools.
+    /// Of each vertex its number before [`reorder`](fn@crate::reorder); only for tools.
     source_order: Option<Array<u32>>,
     /// The triangles of the base mesh by place, indexed when first needed.
     surface: OnceLock<SurfaceIndex>,
@@ -189,13 +189,13 @@ impl ExampleSet {
             .ok_or_else(|| Error::invalid("point", p, "near enough that squared distances fit in f32"))
     }
 
-    /// Of each vertex its number in the source, where the set was made from a [reordered](fn@crate::bake::reorder) mesh and
+    /// Of each vertex its number in the source, where the set was made from a [reordered](fn@crate::reorder) mesh and
     /// [told so](ExampleSet::set_source_order).
     pub fn source_order(&self) -> Option<&[u32]> {
         self.source_order.as_deref()
     }
 
-    /// Keeps what [`reorder`](fn@crate::bake::reorder) returned with the set, and with its file: of each vertex its number in the
+    /// Keeps what [`reorder`](fn@crate::reorder) returned with the set, and with its file: of each vertex its number in the
     /// source. Nothing else depends on it.
     ///
     /// # Errors

@@ -61,7 +61,7 @@ impl Inbox {
                 }
                 Pending::Contact(ContactEvent::Part(ContactPart {
                     id,
-                    point: params.to_local(hit.point, hit.space),
+                    point: params.local(hit.point, hit.space),
                     target: outcome.target,
                     impulse: match hit.cause {
                         Cause::Impulse { impulse, .. } => {

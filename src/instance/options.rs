@@ -36,7 +36,7 @@ pub struct InstanceOptions {
     pub examples_per_hit: u32,
     /// No vertex moves further than this, m. `None`: the set's limit.
     pub depth_limit: Option<f32>,
-    /// Marks kept, 1 to 65535; above it marks merge (see [`Instance::marks`]).
+    /// Marks kept, 1 to 65535; above it marks merge (see [`crate::Instance::marks`]).
     pub capacity: u32,
     /// Impulses shorter than this leave no mark, N·s.
     pub yield_impulse: f32,
@@ -44,7 +44,7 @@ pub struct InstanceOptions {
     pub yield_displacement: f32,
     /// Contacts further than this from the nearest vertex are refused, m. `None`: the body's diagonal.
     pub max_contact_distance: Option<f32>,
-    /// No vertex is wrong by more than this, m; 0: nothing is left out. See [`Instance::set_tolerance`].
+    /// No vertex is wrong by more than this, m; 0: nothing is left out. See [`crate::Instance::set_tolerance`].
     pub tolerance: f32,
 }
 

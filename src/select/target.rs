@@ -27,7 +27,7 @@ pub(crate) struct HitParams {
 
 impl HitParams {
     /// A point in the mesh's space, m.
-    pub(crate) fn to_local(&self, point: [f32; 3], space: Space) -> DVec3 {
+    pub(crate) fn local(&self, point: [f32; 3], space: Space) -> DVec3 {
         let x = DVec3::from_array(point.map(f64::from));
         if space == Space::World { self.world_to_local * (x - self.local_origin_in_world) } else { x }
     }
@@ -46,7 +46,7 @@ pub(crate) struct Target {
 /// What a hit asks for; no target where it is too weak to leave anything. The outcome says so, or that nothing reaches it yet.
 pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Outcome, Option<Target>), Error> {
     check(hit)?;
-    let contact = contact(set, p, p.to_local(hit.point, hit.space))?;
+    let contact = contact(set, p, p.local(hit.point, hit.space))?;
     let mass = |given: Option<f32>| {
         given.or_else(|| set.mass(contact.vertex)).ok_or_else(|| Error::InvalidArgument {
             name: "mass".into(),

@@ -246,10 +246,13 @@ fn bake_writes_a_set_that_the_other_commands_take() {
 fn replay_repeats_the_calls_of_a_recording() {
     let report = crumple(&["replay", RECORDING]).report();
     has(&report, &["recorded by 0.1.0", "53 calls (21 hits among them) match the recording"]);
-    has(&report, &["20 deforms wrote 6973 vertices", "repair_damage: CRUMPLE_ERROR_NOT_FINITE: keep is NaN"]);
+    has(
+        &report,
+        &["20 deforms wrote 6973 vertices", "crumple_instance_repair_damage: CRUMPLE_ERROR_NOT_FINITE: keep is NaN"],
+    );
     assert!(!report.contains("no end"), "{report}");
     let listed = crumple(&["replay", "--list", "--threads", "1", RECORDING]).report();
-    has(&listed, &["    14  crumple_context_deform: Deform { buffers: [1, 2] }\n"]);
+    has(&listed, &["    14  crumple_context_deform: Deform { all: true, buffers: [1, 2] }\n"]);
     assert_eq!(listed.lines().count(), 53 + report.lines().count());
 
     // what a crash left is replayed as far as it goes
