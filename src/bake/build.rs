@@ -1,8 +1,10 @@
 //! From plain arrays to an example set.
 
 use super::learn::learn;
+use crate::base::error::Error;
 use crate::base::error::reserve;
 use crate::base::math::{rotation_between, tangent_basis, unit};
+use crate::base::tasks::TaskSystem;
 use crate::base::tasks::map;
 use crate::example::blocks::{DeltaBlocks, Steps};
 use crate::example::data::{Contact, Deltas, ExampleData, Placement};
@@ -17,7 +19,6 @@ use crate::mesh::mirror::{self, Mirror};
 use crate::mesh::nearest::VertexIndex;
 use crate::mesh::rim::{self, Rim};
 use crate::mesh::{MAX_COORDINATE, Mesh, finite, normals};
-use crate::{Error, TaskSystem};
 use glam::Vec3;
 use std::sync::Arc;
 use xxhash_rust::xxh3::Xxh3;

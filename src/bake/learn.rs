@@ -4,7 +4,7 @@
 //! parts not far) and, for each automatic example, whether hits around it are better met by examples that stay where they were
 //! made or by carried ones. The errors themselves tell an artist where one more example would help most.
 
-use crate::TaskSystem;
+use crate::base::tasks::TaskSystem;
 use crate::base::tasks::map;
 use crate::damage::dent::{frame_rotations, place};
 use crate::example::data::Placement;

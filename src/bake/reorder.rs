@@ -1,7 +1,8 @@
 //! A spatially coherent order of vertices: what moves together lies in the same blocks.
 
 use crate::base::math::Aabb;
-use crate::{Contact, Deltas, ExampleData, MeshData};
+use crate::example::data::{Contact, Deltas, ExampleData};
+use crate::mesh::data::MeshData;
 use glam::Vec3;
 
 /// Bits of a coordinate in a Morton code.

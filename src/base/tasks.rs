@@ -1,7 +1,7 @@
 //! Who runs the work: one parallel-for, by this library's own rayon pool, by the host's job system, or in the caller's
 //! thread. Nothing computed depends on which, or on how many threads there are.
 
-use crate::Error;
+use crate::base::error::Error;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};

@@ -6,7 +6,7 @@ use super::record_call::{Call, Number};
 use super::recorder::digest;
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleExampleSet, CrumpleInstance, CrumpleQuat, CrumpleVec3};
-use crate::Attachment;
+use crate::instance::attach::Attachment;
 use bytemuck::{Pod, Zeroable};
 
 /// A point bound to the nearest surface. Plain data: copy or save it. It fits every instance of its set.

@@ -8,7 +8,7 @@ use super::recorder::Log;
 use super::result::{CrumpleResult, Failure};
 use super::store::{BufferEntry, Memory, State};
 use super::types::{CrumpleBuffer, CrumpleInstance};
-use crate::Tracker;
+use crate::deform::Tracker;
 
 /// Adds a buffer to those of its owner.
 pub(super) fn add_buffer(

@@ -32,7 +32,7 @@ fn usable<T>(pointer: *const T, name: &str) -> Result<(), Failure> {
 }
 
 pub(super) fn misaligned(name: &str, value: u64, align: u64) -> Failure {
-    crate::Error::Misaligned { name: name.into(), value, align }.into()
+    crate::base::error::Error::Misaligned { name: name.into(), value, align }.into()
 }
 
 /// A struct that starts with its size.
@@ -201,7 +201,7 @@ pub(super) fn finite<const N: usize>(value: [f32; N], name: &str) -> Result<[f32
         return Ok(value);
     }
     let value = if N == 1 { value[0].to_string() } else { format!("{value:?}") };
-    Err(crate::Error::NotFinite { name: name.into(), value }.into())
+    Err(crate::base::error::Error::NotFinite { name: name.into(), value }.into())
 }
 
 /// A length or mass in `unit`; 0 stands for `zero`.

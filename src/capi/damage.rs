@@ -6,7 +6,7 @@ use super::record_call::{Bytes, Call, Number};
 use super::recorder::digest;
 use super::result::{CrumpleResult, Failure};
 use super::types::CrumpleInstance;
-use crate::Mark;
+use crate::damage::mark::Mark;
 use std::ffi::c_void;
 
 /// Copies an instance's marks, sorted, so that the same hits give the same marks in any order. marks has room for

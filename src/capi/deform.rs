@@ -10,7 +10,8 @@ use super::store::{BufferEntry, InstanceEntry, Memory, State};
 use super::tasks::Quiet;
 use super::types::{CrumpleAabb, CrumpleBuffer, CrumpleInstance, CrumpleRange};
 use crate::base::error::reserve;
-use crate::{Aabb, DeformJob};
+use crate::base::math::Aabb;
+use crate::instance::deform::DeformJob;
 use xxhash_rust::xxh3::Xxh3;
 
 /// The work of a deform. Blocks are runs of consecutive vertices.
@@ -69,7 +70,7 @@ pub unsafe extern "C" fn crumple_context_deform(
                 memory: memory.vertices()?,
             });
         }
-        let report = crate::deform(&mut jobs, &Quiet(context.tasks()))?;
+        let report = crate::instance::deform::deform(&mut jobs, &Quiet(context.tasks()))?;
         log.gave(|| {
             let written = entries.iter().filter(of_host);
             vertices_digest(written.map(|(_, entry)| entry))

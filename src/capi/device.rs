@@ -7,12 +7,14 @@ use super::vulkan_types::{
     CrumpleHandleType, CrumpleVulkanAttachDef, CrumpleVulkanBufferDef, CrumpleVulkanFunction, CrumpleVulkanImportDef,
     CrumpleVulkanOpenDef, CrumpleVulkanStream,
 };
+use crate::base::math::Aabb;
+use crate::instance::Instance;
+use crate::instance::options::Rule;
 use crate::vulkan::vk::{self, Handle};
 use crate::vulkan::{
     Access, BufferDef, BufferId, Device, DeviceDef, ImportDef, OwnDevice, OwnDeviceDef, RecordJob, Shared, Stream,
     Target, TargetDef,
 };
-use crate::{Aabb, Instance, Rule};
 use std::collections::HashMap;
 use std::ops::Range;
 

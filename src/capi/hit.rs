@@ -7,7 +7,8 @@ use super::record_call::{Call, DisplacementHit, ImpulseHit, Number};
 use super::recorder::digest;
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleInstance, CrumpleVec3};
-use crate::{Cause, Hit, HitStatus, Mark, Outcome, Space};
+use crate::damage::mark::Mark;
+use crate::select::hit::{Cause, Hit, HitStatus, Outcome, Space};
 use std::mem::MaybeUninit;
 use std::num::NonZeroU64;
 

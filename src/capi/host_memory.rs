@@ -4,7 +4,9 @@ use super::check::defs;
 use super::memory::{Stream, disjoint};
 use super::result::{CrumpleResult, Failure};
 use super::types::CrumpleStream;
-use crate::{Attribute, Instance, RawStream, Rule, VertexMemory};
+use crate::deform::{Attribute, RawStream, VertexMemory};
+use crate::instance::Instance;
+use crate::instance::options::Rule;
 use std::ops::Range;
 
 /// Memory for the deformed vertices of one instance, in the mesh's order and space.
@@ -44,7 +46,7 @@ impl HostMemory {
         let tangents = Stream::new(def.tangents, 16, n, "def.tangents")?;
         disjoint(&[("def.positions", positions), ("def.normals", normals), ("def.tangents", tangents)])?;
         let lacks = |what: &str, why: &str| -> Failure {
-            crate::Error::Mesh { what: format!("it has no {what} to deform{why}") }.into()
+            crate::base::error::Error::Mesh { what: format!("it has no {what} to deform{why}") }.into()
         };
         if normals.is_some() && mesh.normals().is_none() {
             return Err(lacks("normals", ", nor triangles to compute them from"));

@@ -6,8 +6,10 @@ use super::record_call::{Call, Number};
 use super::result::{CrumpleResult, Failure};
 use super::store::InstanceEntry;
 use super::types::{CrumpleExampleSet, CrumpleInstance, CrumpleRule, CrumpleSelection};
-use crate::glam::Mat4;
-use crate::{Instance, InstanceOptions, Rule, Selection};
+use glam::Mat4;
+use crate::instance::Instance;
+use crate::instance::options::{InstanceOptions, Rule};
+use crate::select::hit::Selection;
 use std::mem::MaybeUninit;
 use std::sync::{Arc, Mutex, PoisonError};
 

@@ -13,7 +13,7 @@ use super::set::{add_set, c_string, read_options};
 use super::store::State;
 use super::tasks::Quiet;
 use super::types::{CrumpleExampleSet, CrumplePrimitive};
-use crate::ExampleSet;
+use crate::example::set::ExampleSet;
 use std::ffi::{c_char, c_void};
 use std::mem::MaybeUninit;
 

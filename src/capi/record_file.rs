@@ -2,7 +2,7 @@
 //! so that a replay can follow the file of a crashed program up to the call that crashed.
 
 use super::record_call::Call;
-use crate::Error;
+use crate::base::error::Error;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::Write;

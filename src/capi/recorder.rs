@@ -7,7 +7,7 @@ use super::result::{CrumpleResult, Failure};
 use super::snapshot;
 use super::store::{BufferEntry, InstanceEntry};
 use super::types::CrumpleExampleSet;
-use crate::ExampleSet;
+use crate::example::set::ExampleSet;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use xxhash_rust::xxh3::xxh3_64;

@@ -276,11 +276,13 @@ impl Host {
                 Step::EndContact(at, id) => drop(crumple_instance_end_contact(c, some(at), *id)),
                 Step::Deform => self.deform(),
                 Step::Marks(at, room) => {
-                    let (mut marks, mut count) = ([crate::Mark::new(0, 1.0, [crate::Pair::NONE; 4]); 8], 0);
+                    let (mut marks, mut count) =
+                        ([crate::damage::mark::Mark::new(0, 1.0, [crate::damage::mark::Pair::NONE; 4]); 8], 0);
                     crumple_instance_get_marks(c, some(at), marks.as_mut_ptr(), (*room).min(8), &mut count);
                 }
                 Step::CopyMarks(from, to) => {
-                    let (mut marks, mut count) = ([crate::Mark::new(0, 1.0, [crate::Pair::NONE; 4]); 8], 0);
+                    let (mut marks, mut count) =
+                        ([crate::damage::mark::Mark::new(0, 1.0, [crate::damage::mark::Pair::NONE; 4]); 8], 0);
                     if crumple_instance_get_marks(c, some(from), marks.as_mut_ptr(), 8, &mut count) == R::CrumpleOk {
                         crumple_instance_set_marks(c, some(to), marks.as_ptr(), count);
                     }
@@ -297,7 +299,7 @@ impl Host {
                 Step::Reset(at) => drop(crumple_instance_reset_damage(c, some(at))),
                 Step::CopyDamage(to, from) => drop(crumple_instance_copy_damage(c, some(to), some(from))),
                 Step::Move(at, x) => {
-                    let mut matrix = crate::glam::Mat4::IDENTITY.to_cols_array();
+                    let mut matrix = glam::Mat4::IDENTITY.to_cols_array();
                     matrix[12] = *x;
                     crumple_instance_set_transform(c, some(at), matrix.as_ptr());
                 }
@@ -323,7 +325,8 @@ impl Host {
                     let (of, mut info) = (some(at), MaybeUninit::uninit());
                     let there = crumple_instance_get_info(c, of, info.as_mut_ptr()) == R::CrumpleOk;
                     let marks = there && {
-                        let (mut marks, mut count) = ([crate::Mark::new(0, 1.0, [crate::Pair::NONE; 4]); 8], 0);
+                        let (mut marks, mut count) =
+                            ([crate::damage::mark::Mark::new(0, 1.0, [crate::damage::mark::Pair::NONE; 4]); 8], 0);
                         crumple_instance_get_marks(c, of, marks.as_mut_ptr(), 8, &mut count) == R::CrumpleOk
                     };
                     if there {
@@ -513,7 +516,7 @@ fn a_transform_may_be_set_while_the_context_is_in_use_and_is_recorded() {
     let mut host = Host::with_set();
     host.instance(CrumpleRule::Marks);
     ok(host.begin());
-    let mut matrix = crate::glam::Mat4::IDENTITY.to_cols_array();
+    let mut matrix = glam::Mat4::IDENTITY.to_cols_array();
     matrix[12] = 0.5;
     let in_use = exclusive("crumple_test", host.context, |_, _| {
         // SAFETY: 16 floats.

@@ -1,7 +1,7 @@
 //! What a call answers: a result, and a text that names what was wrong.
 
 use super::c_enum::number;
-use crate::ErrorKind;
+use crate::base::error::ErrorKind;
 use std::cell::RefCell;
 use std::ffi::{CStr, c_char};
 use std::mem::MaybeUninit;
@@ -120,8 +120,8 @@ impl Failure {
     }
 }
 
-impl From<crate::Error> for Failure {
-    fn from(error: crate::Error) -> Self {
+impl From<crate::base::error::Error> for Failure {
+    fn from(error: crate::base::error::Error) -> Self {
         use CrumpleResult::*;
         let result = match error.kind() {
             ErrorKind::InvalidArgument => CrumpleErrorInvalidArgument,

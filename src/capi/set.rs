@@ -11,7 +11,10 @@ use super::store::{SetEntry, State};
 use super::tasks::Quiet;
 use super::types::{CrumpleExampleSet, CrumpleInput, CrumplePrimitive, CrumpleVec3};
 use crate::base::error::reserve;
-use crate::{Combine, Contact, Deltas, ExampleData, ExampleSet, MeshData, Placement, Seams, SetOptions, VertexMass};
+use crate::example::data::{Contact, Deltas, ExampleData, Placement};
+use crate::example::options::{Combine, Seams, SetOptions, VertexMass};
+use crate::example::set::ExampleSet;
+use crate::mesh::data::MeshData;
 use std::ffi::{CString, c_char};
 use std::mem::MaybeUninit;
 use std::sync::Arc;
@@ -279,9 +282,10 @@ pub(super) fn insert_set(
 unsafe fn read_mesh(def: &CrumpleMeshDef) -> Result<MeshData, Failure> {
     let vertices = def.vertex_count as usize;
     if vertices == 0 {
-        return Err(
-            crate::Error::Mesh { what: "def.mesh.vertex_count is 0; a mesh needs at least one vertex".into() }.into()
-        );
+        return Err(crate::base::error::Error::Mesh {
+            what: "def.mesh.vertex_count is 0; a mesh needs at least one vertex".into(),
+        }
+        .into());
     }
     let positions = read_required(def.positions, vertices, "def.mesh.positions")?;
     let normals = read(def.normals, vertices, "def.mesh.normals")?;

@@ -5,7 +5,7 @@ use super::context::{CrumpleContext, exclusive};
 use super::memory::{Stream, disjoint};
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleAabb, CrumpleExampleSet, CrumplePrimitive, CrumpleStream, CrumpleVec3};
-use crate::Placement;
+use crate::example::data::Placement;
 use std::ffi::c_char;
 use std::mem::MaybeUninit;
 
@@ -160,7 +160,9 @@ pub unsafe extern "C" fn crumple_example_set_get_primitive(
 
 fn item<'a, T>(items: &'a [T], index: u32, name: &str) -> Result<&'a T, Failure> {
     let (index, len) = (u64::from(index), items.len() as u64);
-    items.get(index as usize).ok_or_else(|| crate::Error::IndexOutOfRange { name: name.into(), index, len }.into())
+    items
+        .get(index as usize)
+        .ok_or_else(|| crate::base::error::Error::IndexOutOfRange { name: name.into(), index, len }.into())
 }
 
 /// Copies the base mesh or a level of detail into your memory, for your vertex and index buffers. Normals that the set
@@ -186,7 +188,8 @@ pub unsafe extern "C" fn crumple_example_set_copy_mesh(
             ("def.tangents", tangents),
             ("def.indices", indices),
         ])?;
-        let lacks = |what: &str| -> Failure { crate::Error::Mesh { what: format!("it has no {what}") }.into() };
+        let lacks =
+            |what: &str| -> Failure { crate::base::error::Error::Mesh { what: format!("it has no {what}") }.into() };
         let normals = match normals {
             Some(stream) => Some((stream, mesh.normals().ok_or_else(|| lacks("normals"))?)),
             None => None,

@@ -5,7 +5,9 @@ use super::record_file::{Ended, Event, Writer};
 use super::result::Failure;
 use super::store::{BufferEntry, InstanceEntry, State};
 use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance, CrumpleRule, CrumpleSelection};
-use crate::{Error, ExampleSet, Rule};
+use crate::base::error::Error;
+use crate::example::set::ExampleSet;
+use crate::instance::options::Rule;
 use std::collections::HashSet;
 use std::sync::PoisonError;
 

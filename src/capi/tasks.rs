@@ -2,7 +2,7 @@
 
 use super::boundary::quietly;
 use crate::base::error::reserve;
-use crate::{Serial, TaskSystem};
+use crate::base::tasks::{Serial, TaskSystem};
 use std::cell::Cell;
 use std::ffi::c_void;
 use std::sync::atomic::{AtomicBool, Ordering};

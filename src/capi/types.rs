@@ -1,7 +1,11 @@
 //! Values that several calls share.
 
 use super::c_enum::c_enums;
-use crate::{Aabb, Combine, HitStatus, Placement, Rule, Seams, Selection, Space};
+use crate::base::math::Aabb;
+use crate::example::data::Placement;
+use crate::example::options::{Combine, Seams};
+use crate::instance::options::Rule;
+use crate::select::hit::{HitStatus, Selection, Space};
 use bytemuck::{Pod, Zeroable};
 use std::ffi::{c_char, c_void};
 use std::ops::Range;

@@ -15,11 +15,12 @@ pub use tracker::Tracker;
 
 pub(crate) use levels::longest;
 
+use crate::base::error::Error;
 use crate::base::math::Aabb;
+use crate::base::tasks::TaskSystem;
 use crate::base::tasks::run_each;
 use crate::example::mesh_lod::MeshLod;
 use crate::mesh::vertex_blocks::{BLOCK, block_range};
-use crate::{Error, TaskSystem};
 use glam::Vec3;
 use memory::Scattered;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -1,6 +1,6 @@
 //! What one output holds already, so that only what changed is written.
 
-use crate::Aabb;
+use crate::base::math::Aabb;
 use crate::damage::changes::Changes;
 use crate::mesh::vertex_blocks::block_range;
 use std::ops::Range;

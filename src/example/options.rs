@@ -1,6 +1,6 @@
 //! How an example set is built.
 
-use crate::Error;
+use crate::base::error::Error;
 use crate::base::error::{at_least_zero, positive};
 use crate::mesh::MAX_COORDINATE;
 

@@ -2,7 +2,7 @@
 
 use super::limits::BindingLimits;
 use super::mesh::{MeshPlacement, MeshWords, StampWords};
-use crate::Error;
+use crate::base::error::Error;
 use crate::example::set::ExampleSet;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Weak};

@@ -1,6 +1,6 @@
 //! Limits of a device: the bytes that it can bind, and the size of workgroups.
 
-use crate::Error;
+use crate::base::error::Error;
 
 /// A device's limits on bound storage buffers.
 #[derive(Debug, Clone, Copy)]

@@ -4,8 +4,9 @@ use super::BLOCK_VERTICES;
 use super::kernel::Kernel;
 use super::target::TargetState;
 use super::work::{FrameWork, Shown, WorkOffsets};
+use crate::base::error::Error;
 use crate::base::math::Aabb;
-use crate::{Error, Instance};
+use crate::instance::Instance;
 use std::ops::Range;
 use std::sync::Arc;
 

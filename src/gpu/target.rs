@@ -3,7 +3,8 @@
 use super::arena::ResidentMesh;
 use super::kernel::Kernel;
 use super::vertices::VertexLayout;
-use crate::{ExampleSet, Tracker};
+use crate::deform::Tracker;
+use crate::example::set::ExampleSet;
 use std::sync::{Arc, Weak};
 
 /// The part of a target that is the same in every backend.

@@ -3,8 +3,9 @@
 use super::format::{Attribute, Encoding};
 use super::kernel::Kernel;
 use super::limits::BindingLimits;
+use crate::base::error::Error;
 use crate::base::strided::Strided;
-use crate::{Error, Mesh};
+use crate::mesh::Mesh;
 use std::fmt::Debug;
 use std::ops::Range;
 

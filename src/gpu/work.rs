@@ -10,7 +10,7 @@ use super::layout::{
 use super::target::TargetState;
 use super::vertices::VertexStream;
 use super::{BLOCK_VERTICES, Encoding};
-use crate::Error;
+use crate::base::error::Error;
 use crate::base::math::Aabb;
 use crate::classic::State;
 use crate::damage::dent::{Carried, PlacedExample, Reach};

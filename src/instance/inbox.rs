@@ -3,7 +3,7 @@
 use super::contacts::{ContactEvent, ContactPart};
 use super::options::{Rule, needs_marks};
 use super::selection::{Effect, select};
-use crate::Error;
+use crate::base::error::Error;
 use crate::damage::mark::Mark;
 use crate::example::set::ExampleSet;
 use crate::select::hit::{Cause, Hit, HitStatus, Outcome};

@@ -1,7 +1,8 @@
 //! How an instance is made.
 
+use crate::base::error::Error;
 use crate::base::error::at_least_zero;
-use crate::{Error, Selection};
+use crate::select::hit::Selection;
 
 /// What impulses do to an instance.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -1,7 +1,7 @@
 //! The instance's rule decides how a hit selects examples and what it leaves.
 
 use super::options::Rule;
-use crate::Error;
+use crate::base::error::Error;
 use crate::classic::select::select_by_cosine;
 use crate::damage::dent::{frame_rotations, place};
 use crate::damage::mark::{MAX_PAIRS, Mark, Pair};

@@ -8,8 +8,8 @@ pub(crate) mod rim;
 pub(crate) mod surface;
 pub(crate) mod vertex_blocks;
 
-use crate::Error;
 use crate::base::array::Array;
+use crate::base::error::Error;
 use crate::base::error::reserve;
 use crate::base::math::{Aabb, unit};
 use data::MeshData;

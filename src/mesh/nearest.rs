@@ -15,10 +15,10 @@
 //! Distances are the f32 sums `(x² + y²) + z²`. Those to boxes are made by the same operations on nearer coordinates, which
 //! round monotonously, so that no point in a box is nearer: answers are those of comparing all vertices.
 
-use crate::TaskSystem;
 use crate::base::array::Array;
 use crate::base::array_vec::ArrayVec;
 use crate::base::math::Aabb;
+use crate::base::tasks::TaskSystem;
 use crate::base::tasks::map;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -368,7 +368,7 @@ fn halve(points: &mut [Point], n: usize) -> (&mut [Point], &mut [Point]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Serial, ThreadPool};
+    use crate::base::tasks::{Serial, ThreadPool};
     use proptest::prelude::*;
 
     fn weld(positions: &[Vec3]) -> Vec<u32> {

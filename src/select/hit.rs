@@ -1,6 +1,7 @@
 //! A hit, and what it was turned into.
 
-use crate::{Mark, Mirror};
+use crate::damage::mark::Mark;
+use crate::mesh::mirror::Mirror;
 use std::num::NonZeroU64;
 
 /// The space that a hit is given in.

@@ -1,7 +1,7 @@
 //! What a hit asks of a body: which vertex, in which direction, how far.
 
 use super::hit::{Cause, Hit, HitStatus, Outcome, Selection, Space};
-use crate::Error;
+use crate::base::error::Error;
 use crate::base::error::positive;
 use crate::damage::mark::MAX_PAIRS;
 use crate::example::set::ExampleSet;

@@ -2,7 +2,7 @@
 
 use super::memory::{BufferUse, OwnBuffer};
 use super::vulkan_device::VulkanDevice;
-use crate::Error;
+use crate::base::error::Error;
 use crate::example::set::ExampleSet;
 use crate::gpu::{Arena, BindingLimits, ResidentMesh};
 use std::sync::{Arc, Weak};

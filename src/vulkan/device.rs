@@ -7,7 +7,7 @@ use super::host_buffers::HostBuffers;
 use super::pipelines::{DescriptorSet, VulkanPipelines};
 use super::recording::Recording;
 use super::vulkan_device::{DeviceDef, VulkanDevice};
-use crate::Error;
+use crate::base::error::Error;
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};

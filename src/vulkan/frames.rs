@@ -3,7 +3,7 @@
 use super::memory::{BufferUse, OwnBuffer};
 use super::pipelines::{DescriptorSet, VulkanPipelines};
 use super::vulkan_device::VulkanDevice;
-use crate::Error;
+use crate::base::error::Error;
 
 /// Buffers that one recording uses.
 pub(super) struct FrameSlot {

@@ -3,7 +3,7 @@
 //! ash fills a function that a loader lacks with a stub that aborts the process. Here a table is only used if the loader has all
 //! of its functions, so no stub can be called. The tables hold core functions, which every device of Vulkan 1.1 has.
 
-use crate::Error;
+use crate::base::error::Error;
 use ash::vk;
 pub(super) use ash::{DeviceFnV1_0, InstanceFnV1_0, InstanceFnV1_1};
 use std::ffi::{CStr, c_void};

@@ -2,7 +2,7 @@
 
 use super::pipelines::{DescriptorSet, VulkanPipelines};
 use super::vulkan_device::VulkanDevice;
-use crate::Error;
+use crate::base::error::Error;
 use crate::gpu::binding_range;
 use ash::vk;
 use std::ops::Range;

@@ -4,7 +4,7 @@ use super::functions::checked;
 use super::host_buffers::{Access, BufferDef, BufferId};
 use super::own::OwnDevice;
 use super::shared::{ImportDef, ImportedBuffer, OwnedHandle, SemaphoreId, Shared};
-use crate::Error;
+use crate::base::error::Error;
 use ash::vk;
 use std::ptr::null;
 

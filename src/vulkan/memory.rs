@@ -2,7 +2,7 @@
 
 use super::functions::checked;
 use super::vulkan_device::VulkanDevice;
-use crate::Error;
+use crate::base::error::Error;
 use ash::vk;
 
 /// The use of a buffer.

@@ -8,7 +8,7 @@ use super::own_handles::OwnHandles;
 use super::record::{RecordJob, RecordReport};
 use super::shared::{ImportedBuffer, SemaphoreId};
 use super::vulkan_device::DeviceDef;
-use crate::Error;
+use crate::base::error::Error;
 use ash::vk;
 use std::ffi::CStr;
 use std::fmt;

@@ -1,7 +1,7 @@
 //! The instance and the VkDevice of a device of Crumple's own.
 
 use super::functions::{DeviceFnV1_0, InstanceFnV1_0, InstanceFnV1_1, checked, load};
-use crate::Error;
+use crate::base::error::Error;
 use ash::vk;
 use std::ffi::CStr;
 use std::ptr::{null, null_mut};

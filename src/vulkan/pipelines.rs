@@ -2,7 +2,7 @@
 
 use super::functions::checked;
 use super::vulkan_device::VulkanDevice;
-use crate::Error;
+use crate::base::error::Error;
 use crate::gpu::{Call, Kernel, with_workgroup};
 use ash::vk::{self, Handle};
 use std::ptr::{null, null_mut};

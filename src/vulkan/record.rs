@@ -5,7 +5,7 @@ use super::device::Device;
 use super::frames::{FrameSlot, free_slot};
 use super::recording::{COMPUTE, Recording, SHADER_WRITE, acquire_and_release, barrier, cmd_barrier};
 use super::target::{Target, TargetBinding};
-use crate::Error;
+use crate::base::error::Error;
 use crate::gpu::{self, Call, FrameReport, Job, Plan, WorkOffsets, missing_state};
 use ash::vk::{self, Handle};
 use std::ptr::null;

@@ -3,7 +3,7 @@
 use super::host_buffers::{BufferId, HostBuffers};
 use super::target::TargetBinding;
 use super::vulkan_device::VulkanDevice;
-use crate::Error;
+use crate::base::error::Error;
 use crate::gpu::Plan;
 use ash::vk;
 use std::ops::Range;

@@ -3,9 +3,10 @@
 use super::device::Device;
 use super::host_buffers::{BufferDef, BufferId};
 use super::target::{Target, TargetDef};
+use crate::base::error::Error;
+use crate::deform::Tracker;
 use crate::example::set::ExampleSet;
 use crate::gpu::TargetState;
-use crate::{Error, Tracker};
 use ash::vk::{self, Handle};
 use std::sync::Arc;
 

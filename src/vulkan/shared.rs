@@ -1,7 +1,7 @@
 //! What the host's device shares: exported memory and semaphores.
 
 use super::own_handles::OwnHandles;
-use crate::Error;
+use crate::base::error::Error;
 use ash::vk;
 use std::ptr::null;
 

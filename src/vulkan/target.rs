@@ -2,7 +2,7 @@
 
 use super::classic::ClassicBuffer;
 use super::host_buffers::BufferId;
-use crate::Aabb;
+use crate::base::math::Aabb;
 use crate::gpu::{self, Encoding, HostFormat, PlanTarget, TargetState, VertexStream};
 use ash::vk;
 use std::ops::Range;

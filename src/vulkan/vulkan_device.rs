@@ -1,7 +1,7 @@
 //! The host's VkDevice with its functions and limits.
 
 use super::functions::{DeviceFnV1_0, InstanceFnV1_0, load};
-use crate::Error;
+use crate::base::error::Error;
 use crate::gpu::{BindingLimits, check_workgroup_size};
 use ash::vk::{self, Handle};
 use std::ffi::CStr;

@@ -3,7 +3,7 @@
 use super::device::Device;
 use super::headless::{exact, listen};
 use super::wgpu_device::{DeviceDef, DeviceEvents, one_line};
-use crate::Error;
+use crate::base::error::Error;
 use ash::khr;
 use ash::vk::{self, Handle};
 use std::ffi::CStr;

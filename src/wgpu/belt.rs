@@ -5,7 +5,7 @@
 
 use super::pipelines::WgpuPipelines;
 use super::wgpu_device::WgpuDevice;
-use crate::Error;
+use crate::base::error::Error;
 use crate::gpu::Call;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};

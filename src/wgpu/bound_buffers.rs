@@ -2,7 +2,7 @@
 
 use super::pipelines::WgpuPipelines;
 use super::wgpu_device::WgpuDevice;
-use crate::Error;
+use crate::base::error::Error;
 use crate::gpu::binding_range;
 use std::num::NonZero;
 use std::ops::Range;

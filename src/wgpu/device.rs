@@ -6,7 +6,7 @@ use super::frame_encoding::FrameEncoding;
 use super::pipelines::WgpuPipelines;
 use super::readback::Readback;
 use super::wgpu_device::{DeviceDef, DeviceEvents, WgpuDevice};
-use crate::Error;
+use crate::base::error::Error;
 use crate::gpu::Arena;
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};

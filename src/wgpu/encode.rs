@@ -3,7 +3,7 @@
 use super::device::Device;
 use super::frame_encoding::FrameEncoding;
 use super::target::Target;
-use crate::Error;
+use crate::base::error::Error;
 use crate::gpu::{self, FrameReport, Job, Kernel, missing_state};
 
 /// A target to bring up to date.

@@ -1,7 +1,7 @@
 //! The data of a frame as words, and the calls of its dispatches.
 
 use super::wgpu_device::WgpuDevice;
-use crate::Error;
+use crate::base::error::Error;
 use crate::gpu::Plan;
 
 /// The lists of an encoding. They are reused.

@@ -2,7 +2,7 @@
 
 use super::device::Device;
 use super::wgpu_device::{DeviceDef, DeviceEvents, now, one_line};
-use crate::Error;
+use crate::base::error::Error;
 use std::sync::{Arc, Mutex};
 
 /// The definition of a device of Crumple's own.

@@ -1,7 +1,7 @@
 //! The pipelines of the kernels: the SPIR-V of the build if the device takes it, else WGSL, which wgpu translates.
 
 use super::wgpu_device::WgpuDevice;
-use crate::Error;
+use crate::base::error::Error;
 use crate::gpu::{Call, Kernel, with_workgroup};
 use std::num::NonZero;
 use std::sync::atomic::Ordering;

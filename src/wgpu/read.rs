@@ -2,9 +2,10 @@
 
 use super::device::Device;
 use super::target::Target;
+use crate::base::error::Error;
 use crate::deform::VertexMemory;
+use crate::example::set::ExampleSet;
 use crate::gpu::{Encoding, VertexStream};
-use crate::{Error, ExampleSet};
 
 impl Device {
     /// Waits for everything that was submitted, and reads bytes of a buffer. `offset` and the number of bytes are multiples of 4.

@@ -1,7 +1,7 @@
 //! Copies bytes of the device to the CPU, through a buffer that the CPU maps.
 
 use super::wgpu_device::WgpuDevice;
-use crate::Error;
+use crate::base::error::Error;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

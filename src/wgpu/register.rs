@@ -3,9 +3,10 @@
 use super::device::Device;
 use super::target::{Target, TargetDef};
 use super::wgpu_device::WgpuDevice;
+use crate::base::error::Error;
+use crate::deform::Tracker;
 use crate::example::set::ExampleSet;
 use crate::gpu::{ResidentMesh, TargetState, Upload};
-use crate::{Error, Tracker};
 use std::sync::Arc;
 
 impl Device {

@@ -1,7 +1,7 @@
 //! A target: the place of a mesh's vertices in a buffer of the host.
 
 use super::bound_buffers::BoundBuffer;
-use crate::Aabb;
+use crate::base::math::Aabb;
 use crate::gpu::{self, Encoding, HostFormat, PlanTarget, TargetState, VertexStream};
 use std::ops::Range;
 use std::sync::Arc;

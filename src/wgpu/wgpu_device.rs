@@ -1,6 +1,6 @@
 //! The wgpu device with its queue and limits, and its errors.
 
-use crate::Error;
+use crate::base::error::Error;
 use crate::gpu::{BindingLimits, check_workgroup_size};
 use std::pin::pin;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -27,7 +27,7 @@ pub(crate) use avx2::Avx2;
 pub(crate) use avx512::Avx512;
 pub(crate) use portable::Portable;
 
-use crate::Error;
+use crate::base::error::Error;
 use crate::example::stamp::Node;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU8, Ordering};

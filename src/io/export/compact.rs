@@ -1,7 +1,7 @@
 //! All buffers into the GLB's one, without what nothing uses any more.
 
 use super::glb::{Blob, list_mut};
-use crate::Error;
+use crate::base::error::Error;
 use crate::io::import::document::{Document, out_of_range, range};
 use crate::io::import::malformed;
 use base64::Engine;

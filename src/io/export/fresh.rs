@@ -2,7 +2,7 @@
 
 use super::glb::{Blob, ELEMENT_ARRAY_BUFFER, container, push, push_attribute, push_view};
 use super::vertices::{Vertices, each};
-use crate::Error;
+use crate::base::error::Error;
 use crate::io::import::{Imported, PrimitiveRange};
 use serde_json::{Value, json};
 use std::collections::HashMap;

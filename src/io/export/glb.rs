@@ -1,6 +1,6 @@
 //! New accessors, and the GLB container.
 
-use crate::Error;
+use crate::base::error::Error;
 use crate::io::import::unsupported;
 use serde_json::{Value, json};
 

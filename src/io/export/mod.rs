@@ -16,7 +16,7 @@
 //! # Ok::<(), crumple::Error>(())
 //! ```
 
-use crate::Error;
+use crate::base::error::Error;
 use crate::io::import::{Imported, MeshChoice};
 use std::path::Path;
 use vertices::Vertices;

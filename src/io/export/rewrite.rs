@@ -3,7 +3,7 @@
 use super::compact;
 use super::glb::{Blob, container, list_mut, push_attribute, push_view};
 use super::vertices::Vertices;
-use crate::Error;
+use crate::base::error::Error;
 use crate::io::import::document::Document;
 use crate::io::import::gltf::{Part, choose, parts};
 use crate::io::import::uri::{self, Target};

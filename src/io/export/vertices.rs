@@ -1,6 +1,6 @@
 //! The vertices that an export writes.
 
-use crate::Error;
+use crate::base::error::Error;
 use crate::io::import::finite;
 
 /// Deformed vertices. Their number is right and all are finite.

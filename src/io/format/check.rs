@@ -1,7 +1,7 @@
 //! What the arrays of a file must be, whoever wrote it. Each check is a scan that compilers make vector operations of.
 
 use super::layout::wrong;
-use crate::Error;
+use crate::base::error::Error;
 use crate::deform::longest;
 use crate::example::blocks::{DeltaBlocks, GROUP, Head, Numbers, Stored, Width, words};
 use crate::mesh::MAX_COORDINATE;

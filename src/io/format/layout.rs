@@ -1,7 +1,8 @@
 //! Where a file keeps what: header, table of sections, records. docs/format.md describes every byte.
 
+use crate::base::error::Error;
+use crate::base::tasks::TaskSystem;
 use crate::base::tasks::map;
-use crate::{Error, TaskSystem};
 use bytemuck::{Pod, Zeroable};
 use xxhash_rust::xxh3::xxh3_64;
 

@@ -13,7 +13,9 @@ mod write;
 pub use layout::file_checksum;
 
 use crate::base::array::FileBytes;
-use crate::{Error, ExampleSet, TaskSystem};
+use crate::base::error::Error;
+use crate::base::tasks::TaskSystem;
+use crate::example::set::ExampleSet;
 use bytemuck::{Pod, Zeroable};
 use layout::{ALIGN, IN_PLACE, MAGIC, little_endian};
 use std::io::{Read, Write};

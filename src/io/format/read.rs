@@ -2,7 +2,8 @@
 
 use super::layout::{ALIGN, Entry, Header, Id, MAGIC, VERSION, file_checksum, wrong};
 use crate::base::array::{Array, FileBytes};
-use crate::{Error, TaskSystem};
+use crate::base::error::Error;
+use crate::base::tasks::TaskSystem;
 use bytemuck::Pod;
 use std::ops::Range;
 

@@ -4,7 +4,7 @@ use super::layout::{
     ALIGN, AnchoredRecord, CHUNK, Entry, ExampleRecord, Header, Id, MAGIC, MeshRecord, SetRecord, StampRecord,
     UNHASHED, VERSION, checksum,
 };
-use crate::Placement;
+use crate::example::data::Placement;
 use crate::example::example::Example;
 use crate::example::mesh_lod::MeshLod;
 use crate::example::options::{Combine, Seams, VertexMass};

@@ -2,7 +2,7 @@
 
 use super::document::{Budget, Document, out_of_range, range};
 use super::{finite, malformed, unsupported};
-use crate::Error;
+use crate::base::error::Error;
 use crate::base::error::reserve;
 use ::gltf::accessor::util::{Item, ItemIter, SparseIndicesIter, SparseIter};
 use ::gltf::json::accessor::{Accessor as Json, ComponentType, IndexComponentType, Type};

@@ -2,7 +2,7 @@
 
 use super::uri::{self, Target};
 use super::{malformed, unsupported};
-use crate::Error;
+use crate::base::error::Error;
 use ::gltf::json::{self, Index};
 use serde_json::Value;
 use std::borrow::Cow;

@@ -2,7 +2,8 @@
 
 use super::document::out_of_range;
 use super::{finite, malformed};
-use crate::{Contact, Error, Placement};
+use crate::base::error::Error;
+use crate::example::data::{Contact, Placement};
 use serde_json::{Map, Value};
 use std::borrow::Cow;
 use std::collections::HashMap;

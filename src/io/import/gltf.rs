@@ -3,7 +3,9 @@
 use super::accessor::Accessor;
 use super::document::{Document, out_of_range};
 use super::{Imported, MeshChoice, PrimitiveRange, extras, malformed, unsupported, uri};
-use crate::{Deltas, Error, ExampleData, MeshData};
+use crate::base::error::Error;
+use crate::example::data::{Deltas, ExampleData};
+use crate::mesh::data::MeshData;
 use ::gltf::json::accessor::Type;
 use ::gltf::json::mesh::{Mode, MorphTarget, Primitive, Semantic};
 use ::gltf::json::validation::Checked;

@@ -38,7 +38,9 @@
 //! Files are not trusted: lengths, offsets, counts and indices are checked before they are used, numbers must be finite,
 //! and memory stays in proportion to the file.
 
-use crate::{Error, ExampleData, MeshData};
+use crate::base::error::Error;
+use crate::example::data::ExampleData;
+use crate::mesh::data::MeshData;
 
 #[cfg(feature = "gltf")]
 mod accessor;

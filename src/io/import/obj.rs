@@ -1,7 +1,9 @@
 //! A base OBJ and example OBJs into one base mesh and its examples.
 
 use super::{Imported, PrimitiveRange, finite, malformed};
-use crate::{Deltas, Error, ExampleData, MeshData};
+use crate::base::error::Error;
+use crate::example::data::{Deltas, ExampleData};
+use crate::mesh::data::MeshData;
 use ::obj::{IndexTuple, ObjData, ObjError, SimplePolygon};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};

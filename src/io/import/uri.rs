@@ -1,7 +1,7 @@
 //! Resolves a glTF's `uri`: a `data:` URI with the bytes, or the path of another file.
 
 use super::{malformed, unsupported};
-use crate::Error;
+use crate::base::error::Error;
 use base64::Engine;
 use base64::alphabet::{STANDARD, URL_SAFE};
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
