@@ -6,10 +6,10 @@ use super::record_call::{Call, Number};
 use super::result::{CrumpleResult, Failure};
 use super::store::InstanceEntry;
 use super::types::{CrumpleExampleSet, CrumpleInstance, CrumpleRule, CrumpleSelection};
-use glam::Mat4;
 use crate::instance::Instance;
 use crate::instance::options::{InstanceOptions, Rule};
 use crate::select::hit::Selection;
+use glam::Mat4;
 use std::mem::MaybeUninit;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -253,5 +253,5 @@ pub unsafe extern "C" fn crumple_instance_set_tolerance(
 /// distance. Returns 0 for meaningless arguments: negative or NaN, a field of view of pi or more, a height of 0.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_pixel_tolerance(pixels: f32, distance: f32, fov_y: f32, viewport_height: f32) -> f32 {
-    crate::pixel_tolerance(pixels, distance, fov_y, viewport_height)
+    crate::deform::tolerance::pixel_tolerance(pixels, distance, fov_y, viewport_height)
 }

@@ -19,6 +19,9 @@ use std::ffi::{CString, c_char};
 use std::mem::MaybeUninit;
 use std::sync::Arc;
 
+/// A level of detail further than this from the base surface is doubted, as a share of the body's diagonal.
+const FAR_OFF: f32 = 0.1;
+
 /// The type of triangle indices. CRUMPLE_INDEX_TYPE_U32 is the default.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -227,10 +230,12 @@ pub unsafe extern "C" fn crumple_example_set_add_lod(
         let lod = set.add_lod(mesh, &Quiet(context.tasks()))?;
         log.set(id, set);
         let report = set.report().lods[lod - 1];
+        let elsewhere = report.farthest > FAR_OFF * set.mesh().bounds().diagonal();
+        let doubt = if elsewhere { "; is it the same body, in the same space and units?" } else { "" };
         context.log(
-            CrumpleLogLevel::Info,
+            if elsewhere { CrumpleLogLevel::Warning } else { CrumpleLogLevel::Info },
             &format!(
-                "level of detail {lod}: {} vertices, at most {} m from the base surface, {} bytes",
+                "level of detail {lod}: {} vertices, at most {} m from the base surface, {} bytes{doubt}",
                 report.vertices, report.farthest, report.bytes
             ),
         );
