@@ -106,11 +106,37 @@ static void levels(CrumpleContext *context) {
     FACT(crumple_pixel_tolerance(-1, 10, 1, 1080) == 0 && crumple_pixel_tolerance(1, 10, 1, 1080) > 0);
 }
 
+static void count_warnings(CrumpleLogLevel level, const char *message, void *user) {
+    (void)message;
+    *(int *)user += level == CRUMPLE_LOG_LEVEL_WARNING;
+}
+
+// A level of detail of another body, or in another space, is accepted with a warning.
+static void far_off(void) {
+    int warnings = 0;
+    CrumpleContextDef context_def = crumple_context_def_default();
+    CrumpleContext *context;
+    CrumpleExampleSet set;
+    CrumpleLodDef def = every_second();
+    uint32_t lod;
+    context_def.log = count_warnings;
+    context_def.log_user = &warnings;
+    OK(crumple_context_create(&context_def, &context));
+    OK(crumple_example_set_create(context, &sheet.def, &set));
+    OK(crumple_example_set_add_lod(context, set, &def, &lod));
+    FACT(warnings == 0);
+    for (int v = 0; v < COARSE_VERTICES; ++v) coarse[v][1] += 22;
+    OK(crumple_example_set_add_lod(context, set, &def, &lod));
+    FACT(warnings == 1);
+    OK(crumple_context_destroy(context));
+}
+
 int main(void) {
     make_sheet(&sheet);
     CrumpleContext *context = make_context(1);
     levels(context);
     OK(crumple_context_destroy(context));
+    far_off();
     printf("%u checks\n", checks);
     return 0;
 }
