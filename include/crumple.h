@@ -169,8 +169,8 @@ typedef enum {
 
 /// Whether an example stays where it was made (anchored) or moves to where the body was hit (carried).
 typedef enum {
-    /// Anchored for hits at most a tenth of its support_radius from its own contact and 0.9 to 1 times as deep, and
-    /// where the set's examples predict each other clearly better anchored. Otherwise carried. The default.
+    /// Anchored if the hit is within a tenth of support_radius of the example's contact and 0.9 to 1 times as deep, or
+    /// if the set's examples predict each other better anchored there. Otherwise carried. The default.
     CRUMPLE_PLACEMENT_AUTOMATIC = 0,
     /// Always anchored: for creases, frames, bumpers.
     CRUMPLE_PLACEMENT_ANCHORED = 1,
@@ -186,11 +186,11 @@ typedef enum {
 
 /// How the displacements of several marks combine at a vertex. The result always has the direction of their sum.
 typedef enum {
-    /// Lengths add, up to the depth limit.
+    /// Displacements add, up to the depth limit.
     CRUMPLE_COMBINE_SUM = 1,
-    /// Energies add: the length is the square root of the sum of squared lengths. The default.
+    /// Energies add: the sum is no longer than the square root of the sum of squared lengths. The default.
     CRUMPLE_COMBINE_ENERGIES = 0,
-    /// The length is that of the longest displacement.
+    /// The sum is no longer than the longest displacement.
     CRUMPLE_COMBINE_DEEPEST = 2,
 } CrumpleCombine;
 
@@ -558,7 +558,7 @@ typedef struct {
     CrumpleExampleSet set;
     CrumpleRule rule;
     CrumpleSelection selection;
-    /// Most marks kept, 1 to 65535, 32 bytes each. Beyond, the weakest mark merges into the nearest. Default 64.
+    /// Most marks kept, 1 to 65535, 32 bytes each. Above, the weakest mark merges into the nearest. Default 64.
     uint32_t mark_capacity;
     /// No vertex moves further than this, m. Default 0: the set's limit.
     float depth_limit;
@@ -567,7 +567,7 @@ typedef struct {
     /// Hits with a target displacement shorter than this leave no mark, m, in the mesh's space. Default 0.
     float yield_displacement;
     /// Hits further than this from the nearest vertex are errors, m, in the mesh's space. Default 0: the diagonal of
-    /// the mesh's bounds, or the depth limit if that is larger.
+    /// the bounds, or the depth limit if larger.
     float max_contact_distance;
     /// Constant of CRUMPLE_RULE_BLEND, 0 to 1. Default 0.
     float blend_constant;
@@ -599,9 +599,10 @@ typedef struct {
     uint32_t reserved[4];
 } CrumpleInstanceInfo;
 
-/// A hit given as an impulse. point and impulse are in space (default CRUMPLE_SPACE_LOCAL). The target displacement of
-/// the contact is impulse * duration / mass. To make dents independent of the frame rate, use a constant of the
-/// material as duration, and report a contact once with its whole impulse, or in parts with a contact_id.
+/// A hit given as an impulse. point and impulse are in the given space (default CRUMPLE_SPACE_LOCAL). The target
+/// displacement of the contact is impulse * duration / mass. To make dents independent of the frame rate, use a
+/// constant of the material as duration, and report a contact once with its whole impulse, or in parts with a
+/// contact_id.
 typedef struct {
     uint32_t struct_size;
     CrumpleSpace space;
@@ -1157,9 +1158,10 @@ CrumpleResult crumple_buffer_set_memory(CrumpleContext *context, CrumpleBuffer b
 CrumpleResult crumple_context_deform(CrumpleContext *context, const CrumpleBuffer *buffers, uint32_t count,
                                      CrumpleDeformReport *out_report);
 
-/// Returns the vertices written by the last deform or recording of the buffer, as increasing ranges that do not
-/// overlap, and the bounds of all its vertices, m. Use them for uploads, refits and culling. The bounds of a Vulkan
-/// buffer may be too large. ranges has room for capacity ranges; see "Arrays" at the top. out_bounds may be null.
+/// Returns the vertices written by the last deform or recording that included the buffer, by id or with null and 0.
+/// They are increasing ranges that do not overlap. Also returns the bounds of all its vertices, m, which may be too
+/// large for a Vulkan buffer. Use them for uploads, refits and culling. ranges has room for capacity ranges; see
+/// "Arrays" at the top. out_bounds may be null.
 CrumpleResult crumple_buffer_get_changes(CrumpleContext *context, CrumpleBuffer buffer, CrumpleRange *ranges,
                                          uint32_t capacity, uint32_t *out_count, CrumpleAabb *out_bounds);
 
@@ -1206,9 +1208,9 @@ CrumpleResult crumple_buffer_register_vulkan(CrumpleContext *context, CrumpleIns
 /// frame is your frame number: it starts at 1 and never decreases; recordings may share one. out_report may be null.
 ///
 /// The commands change only the compute pipeline, compute descriptor sets 0 to 2 and the first 24 bytes of push
-/// constants for compute. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (no attached device, a buffer twice, a host buffer, a
-/// frame that is complete or below the last), CRUMPLE_ERROR_UNSUPPORTED (more work than the device can bind). Nothing
-/// was recorded.
+/// constants for compute. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (no device of crumple_vulkan_attach(), a buffer twice,
+/// a host buffer, a frame that is complete or below the last), CRUMPLE_ERROR_UNSUPPORTED (more work than the device can
+/// bind). Nothing was recorded.
 CrumpleResult crumple_vulkan_record(CrumpleContext *context, void *command_buffer, uint64_t frame,
                                     const CrumpleBuffer *buffers, uint32_t count, CrumpleRecordReport *out_report);
 
@@ -1217,8 +1219,8 @@ CrumpleResult crumple_vulkan_record(CrumpleContext *context, void *command_buffe
 /// that frame.
 CrumpleResult crumple_vulkan_complete_frames(CrumpleContext *context, uint64_t frame);
 
-/// Declares that recordings of frame and later frames will not be submitted. The next recording writes their buffers
-/// whole.
+/// Declares that recordings of frame and later frames will not be submitted. The next recording writes every vertex of
+/// their buffers.
 CrumpleResult crumple_vulkan_discard_frames(CrumpleContext *context, uint64_t frame);
 
 /// Returns a def for any physical device. Set the loader and the UUID.

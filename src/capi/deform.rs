@@ -179,9 +179,10 @@ fn apart<'a>(entries: impl Iterator<Item = (CrumpleBuffer, &'a BufferEntry)>) ->
     Ok(())
 }
 
-/// Returns the vertices written by the last deform or recording of the buffer, as increasing ranges that do not
-/// overlap, and the bounds of all its vertices, m. Use them for uploads, refits and culling. The bounds of a Vulkan
-/// buffer may be too large. ranges has room for capacity ranges; see "Arrays" at the top. out_bounds may be null.
+/// Returns the vertices written by the last deform or recording that included the buffer, by id or with null and 0.
+/// They are increasing ranges that do not overlap. Also returns the bounds of all its vertices, m, which may be too
+/// large for a Vulkan buffer. Use them for uploads, refits and culling. ranges has room for capacity ranges; see
+/// "Arrays" at the top. out_bounds may be null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_buffer_get_changes(
     context: *mut CrumpleContext,

@@ -11,9 +11,10 @@ use crate::{Cause, Hit, HitStatus, Mark, Outcome, Space};
 use std::mem::MaybeUninit;
 use std::num::NonZeroU64;
 
-/// A hit given as an impulse. point and impulse are in space (default CRUMPLE_SPACE_LOCAL). The target displacement of
-/// the contact is impulse * duration / mass. To make dents independent of the frame rate, use a constant of the
-/// material as duration, and report a contact once with its whole impulse, or in parts with a contact_id.
+/// A hit given as an impulse. point and impulse are in the given space (default CRUMPLE_SPACE_LOCAL). The target
+/// displacement of the contact is impulse * duration / mass. To make dents independent of the frame rate, use a
+/// constant of the material as duration, and report a contact once with its whole impulse, or in parts with a
+/// contact_id.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleImpulseDef {

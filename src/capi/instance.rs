@@ -22,7 +22,7 @@ pub struct CrumpleInstanceDef {
     pub set: CrumpleExampleSet,
     pub rule: MaybeUninit<CrumpleRule>,
     pub selection: MaybeUninit<CrumpleSelection>,
-    /// Most marks kept, 1 to 65535, 32 bytes each. Beyond, the weakest mark merges into the nearest. Default 64.
+    /// Most marks kept, 1 to 65535, 32 bytes each. Above, the weakest mark merges into the nearest. Default 64.
     pub mark_capacity: u32,
     /// No vertex moves further than this, m. Default 0: the set's limit.
     pub depth_limit: f32,
@@ -31,7 +31,7 @@ pub struct CrumpleInstanceDef {
     /// Hits with a target displacement shorter than this leave no mark, m, in the mesh's space. Default 0.
     pub yield_displacement: f32,
     /// Hits further than this from the nearest vertex are errors, m, in the mesh's space. Default 0: the diagonal of
-    /// the mesh's bounds, or the depth limit if that is larger.
+    /// the bounds, or the depth limit if larger.
     pub max_contact_distance: f32,
     /// Constant of CRUMPLE_RULE_BLEND, 0 to 1. Default 0.
     pub blend_constant: f32,

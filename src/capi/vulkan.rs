@@ -155,9 +155,9 @@ pub unsafe extern "C" fn crumple_buffer_register_vulkan(
 /// frame is your frame number: it starts at 1 and never decreases; recordings may share one. out_report may be null.
 ///
 /// The commands change only the compute pipeline, compute descriptor sets 0 to 2 and the first 24 bytes of push
-/// constants for compute. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (no attached device, a buffer twice, a host buffer, a
-/// frame that is complete or below the last), CRUMPLE_ERROR_UNSUPPORTED (more work than the device can bind). Nothing
-/// was recorded.
+/// constants for compute. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (no device of crumple_vulkan_attach(), a buffer twice,
+/// a host buffer, a frame that is complete or below the last), CRUMPLE_ERROR_UNSUPPORTED (more work than the device can
+/// bind). Nothing was recorded.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_record(
     context: *mut CrumpleContext,
@@ -193,8 +193,8 @@ pub unsafe extern "C" fn crumple_vulkan_complete_frames(context: *mut CrumpleCon
     })
 }
 
-/// Declares that recordings of frame and later frames will not be submitted. The next recording writes their buffers
-/// whole.
+/// Declares that recordings of frame and later frames will not be submitted. The next recording writes every vertex of
+/// their buffers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_discard_frames(context: *mut CrumpleContext, frame: u64) -> CrumpleResult {
     vulkan!("crumple_vulkan_discard_frames", {

@@ -27,8 +27,8 @@ pub enum Contact {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Placement {
-    /// Anchored for hits at most a tenth of its support_radius from its own contact and 0.9 to 1 times as deep, and
-    /// where the set's examples predict each other clearly better anchored. Otherwise carried. The default.
+    /// Anchored if the hit is within a tenth of support_radius of the example's contact and 0.9 to 1 times as deep, or
+    /// if the set's examples predict each other better anchored there. Otherwise carried. The default.
     #[default]
     Automatic = 0,
     /// Always anchored: for creases, frames, bumpers.

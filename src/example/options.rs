@@ -8,12 +8,12 @@ use crate::mesh::MAX_COORDINATE;
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Combine {
-    /// Lengths add, up to the depth limit.
+    /// Displacements add, up to the depth limit.
     Sum = 1,
-    /// Energies add: the length is the square root of the sum of squared lengths. The default.
+    /// Energies add: the sum is no longer than the square root of the sum of squared lengths. The default.
     #[default]
     Energies = 0,
-    /// The length is that of the longest displacement.
+    /// The sum is no longer than the longest displacement.
     Deepest = 2,
 }
 
