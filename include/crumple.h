@@ -28,8 +28,7 @@
 // success, except for counts (see "Arrays"). No call prints, throws, raises a signal or aborts the process (but see
 // "Memory").
 //
-// Every call may return these errors, for the causes on the right. The comment of a call adds only other errors and
-// causes:
+// Every call may return these errors, for the causes on the right. Its own comment adds only other errors and causes:
 //   CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED    a pointer argument, or an array in a def
 //   CRUMPLE_ERROR_STRUCT_SIZE                               a def
 //   CRUMPLE_ERROR_INVALID_ID                                a context or an id
@@ -231,8 +230,7 @@ typedef enum {
     CRUMPLE_SELECTION_NEAREST = 1,
     /// The one example that moves the contact vertex most nearly in the target's direction, with a weight of at most 1.
     CRUMPLE_SELECTION_CLASSIC = 2,
-    /// Like CRUMPLE_SELECTION_CLASSIC, but without the weight limit. It diverges at weights above 2. Classic rules
-    /// only.
+    /// Like CRUMPLE_SELECTION_CLASSIC without the weight limit. Diverges at weights above 2. Classic rules only.
     CRUMPLE_SELECTION_CLASSIC_UNCLAMPED = 3,
 } CrumpleSelection;
 
@@ -652,8 +650,8 @@ typedef struct {
     uint16_t share;
 } CrumplePair;
 
-/// One dent: its contact, depth and examples. Plain data, 32 bytes, little-endian, equal on all machines: send or save
-/// it as is.
+/// One dent: contact, depth and examples. Plain data, 32 bytes, little-endian, equal on all machines: send or save it
+/// as is.
 typedef struct {
     /// The vertex that was hit.
     uint32_t contact;
@@ -731,8 +729,7 @@ typedef void (*CrumpleVulkanFunction)(void);
 /// or feature needs to be enabled.
 typedef struct {
     uint32_t struct_size;
-    /// Family of the queue that executes the command buffers. It must support compute. Required. Default UINT32_MAX
-    /// (invalid).
+    /// Family of the queue that executes the command buffers, with compute. Required. Default UINT32_MAX (invalid).
     uint32_t queue_family;
     /// vkGetInstanceProcAddr of the instance's loader. Crumple gets every function from it and never opens a Vulkan
     /// library. Required.
@@ -1012,7 +1009,7 @@ CrumpleResult crumple_example_set_copy_mesh(CrumpleContext *context, CrumpleExam
                                             const CrumpleMeshCopyDef *def);
 
 /// Finds the vertex of the base mesh nearest to a point in the mesh's space, m. The lowest index wins a tie. Either
-/// output may be null. The distance is in m.
+/// output may be null. out_distance is in m.
 CrumpleResult crumple_example_set_find_nearest_vertex(CrumpleContext *context, CrumpleExampleSet set, CrumpleVec3 point,
                                                       uint32_t *out_vertex, float *out_distance);
 

@@ -204,7 +204,7 @@ pub unsafe extern "C" fn crumple_example_set_copy_mesh(
 }
 
 /// Finds the vertex of the base mesh nearest to a point in the mesh's space, m. The lowest index wins a tie. Either
-/// output may be null. The distance is in m.
+/// output may be null. out_distance is in m.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_find_nearest_vertex(
     context: *mut CrumpleContext,

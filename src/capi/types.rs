@@ -185,8 +185,7 @@ pub enum CrumpleSelection {
     Nearest = 1,
     /// The one example that moves the contact vertex most nearly in the target's direction, with a weight of at most 1.
     Classic = 2,
-    /// Like CRUMPLE_SELECTION_CLASSIC, but without the weight limit. It diverges at weights above 2. Classic rules
-    /// only.
+    /// Like CRUMPLE_SELECTION_CLASSIC without the weight limit. Diverges at weights above 2. Classic rules only.
     ClassicUnclamped = 3,
 }
 

@@ -18,8 +18,7 @@ pub type CrumpleVulkanFunction = Option<unsafe extern "C" fn()>;
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleVulkanAttachDef {
     pub struct_size: u32,
-    /// Family of the queue that executes the command buffers. It must support compute. Required. Default UINT32_MAX
-    /// (invalid).
+    /// Family of the queue that executes the command buffers, with compute. Required. Default UINT32_MAX (invalid).
     pub queue_family: u32,
     /// vkGetInstanceProcAddr of the instance's loader. Crumple gets every function from it and never opens a Vulkan
     /// library. Required.

@@ -73,8 +73,8 @@ impl Pair {
     }
 }
 
-/// One dent: its contact, depth and examples. Plain data, 32 bytes, little-endian, equal on all machines: send or save
-/// it as is.
+/// One dent: contact, depth and examples. Plain data, 32 bytes, little-endian, equal on all machines: send or save it
+/// as is.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Mark {
