@@ -28,16 +28,16 @@
 // success, except for counts (see "Arrays"). No call prints, throws, raises a signal or aborts the process (but see
 // "Memory").
 //
-// Every call may return these errors, for the causes on the right. Its own comment adds only other errors and causes:
+// Every call may return these errors, for the causes on the right. A call's comment adds only other errors and causes:
 //   CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED    a pointer argument, or an array in a def
-//   CRUMPLE_ERROR_STRUCT_SIZE                               a def
-//   CRUMPLE_ERROR_INVALID_ID                                a context or an id
+//   CRUMPLE_ERROR_STRUCT_SIZE                               a def with a wrong struct_size
+//   CRUMPLE_ERROR_INVALID_ID                                a null id; a destroyed id or context
 //   CRUMPLE_ERROR_INVALID_ARGUMENT                          an enumerator, a number outside its range, a small stride,
 //                                                           overlapping streams, text that is not UTF-8, a Vulkan call
 //                                                           without its attached device
 //   CRUMPLE_ERROR_NOT_FINITE                                NaN or infinity
-//   CRUMPLE_ERROR_INDEX_OUT_OF_RANGE                        an index, or a lod
-//   CRUMPLE_ERROR_BUFFER_TOO_SMALL                          an array
+//   CRUMPLE_ERROR_INDEX_OUT_OF_RANGE                        an index or a lod that is not below its count
+//   CRUMPLE_ERROR_BUFFER_TOO_SMALL                          an array with too few bytes or elements
 //   CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE, CRUMPLE_ERROR_INTERNAL
 //   CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST         a call that uses a Vulkan device
 //
@@ -139,7 +139,7 @@ typedef enum {
     CRUMPLE_ERROR_NULL_POINTER = 64,
     /// The struct_size of a def is wrong. Start from the def's crumple_..._def_default function.
     CRUMPLE_ERROR_STRUCT_SIZE = 65,
-    /// An id or a context is null, was destroyed, or belongs to another context.
+    /// An id is null or of another context, or an id or a context was destroyed.
     CRUMPLE_ERROR_INVALID_ID = 66,
     /// Two threads used one context at once, or a callback called back into its context.
     CRUMPLE_ERROR_CONCURRENT_USE = 67,
@@ -1143,7 +1143,8 @@ CrumpleResult crumple_buffer_unregister(CrumpleContext *context, CrumpleBuffer b
 CrumpleResult crumple_buffer_invalidate(CrumpleContext *context, CrumpleBuffer buffer);
 
 /// Gives a host buffer other memory, perhaps for another level of detail, and invalidates it. After an error the buffer
-/// keeps its memory. Errors: those of crumple_buffer_register_host().
+/// keeps its memory. Errors: those of crumple_buffer_register_host(), and CRUMPLE_ERROR_INVALID_ARGUMENT (a Vulkan
+/// buffer).
 CrumpleResult crumple_buffer_set_memory(CrumpleContext *context, CrumpleBuffer buffer, const CrumpleHostBufferDef *def);
 
 /// Writes the deformed vertices of count host buffers, or of all host buffers of the context if buffers is null and

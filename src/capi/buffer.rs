@@ -82,7 +82,8 @@ pub unsafe extern "C" fn crumple_buffer_invalidate(
 }
 
 /// Gives a host buffer other memory, perhaps for another level of detail, and invalidates it. After an error the buffer
-/// keeps its memory. Errors: those of crumple_buffer_register_host().
+/// keeps its memory. Errors: those of crumple_buffer_register_host(), and CRUMPLE_ERROR_INVALID_ARGUMENT (a Vulkan
+/// buffer).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_buffer_set_memory(
     context: *mut CrumpleContext,

@@ -49,7 +49,7 @@ pub enum CrumpleResult {
     CrumpleErrorNullPointer = 64,
     /// The struct_size of a def is wrong. Start from the def's crumple_..._def_default function.
     CrumpleErrorStructSize = 65,
-    /// An id or a context is null, was destroyed, or belongs to another context.
+    /// An id is null or of another context, or an id or a context was destroyed.
     CrumpleErrorInvalidId = 66,
     /// Two threads used one context at once, or a callback called back into its context.
     CrumpleErrorConcurrentUse = 67,
