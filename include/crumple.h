@@ -31,7 +31,7 @@
 // Every call may return these errors, for the causes on the right. A call's comment adds only other errors and causes:
 //   CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED    a pointer argument, or an array in a def
 //   CRUMPLE_ERROR_STRUCT_SIZE                               a def with a wrong struct_size
-//   CRUMPLE_ERROR_INVALID_ID                                a null id; a destroyed id or context
+//   CRUMPLE_ERROR_INVALID_ID                                a null, destroyed or foreign id, a destroyed context
 //   CRUMPLE_ERROR_INVALID_ARGUMENT                          an enumerator, a number outside its range, a small stride,
 //                                                           overlapping streams, text that is not UTF-8, a Vulkan call
 //                                                           without its attached device
