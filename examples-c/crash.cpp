@@ -1,4 +1,4 @@
-// A rigid-body engine (ODE) drops drums, a hood and a ball; what its contacts push with becomes dents where they pushed.
+// A rigid-body engine (ODE) drops drums, a hood and a ball. The impulses of its contacts become dents where the contacts are.
 //
 //     crash HOOD.glb DRUM.glb FOLDER        writes FOLDER/frame_00.obj …
 #include <crumple.hpp>
@@ -37,7 +37,7 @@ struct Vertex {
     CrumpleVec3 position, normal;
 };
 
-// A mesh with examples, shared by the bodies that look like it.
+// A mesh with examples, shared by all bodies that use it.
 struct Model {
     crumple::ExampleSet set;
     CrumpleExampleSetInfo info;
@@ -47,7 +47,7 @@ struct Model {
     Model(crumple::Context &context, const char *path) {
         CrumpleGltfDef def = crumple_gltf_def_default();
         def.path = path;
-        def.options.vertex_mass = 30; // kg: with 10 ms, 100 N s are 33 mm
+        def.options.vertex_mass = 30; // kg: 100 N s in 10 ms give a dent of 33 mm
         set = context.load_gltf(def).value();
         info = set.info().value();
         base.resize(info.vertex_count);
@@ -59,14 +59,14 @@ struct Model {
     }
 };
 
-// What one contact pushed with during one window of time, in the body's own space.
+// The sum of one contact's impulses in one time window, in the body's own space.
 struct Push {
     double since = 0;
     Vec impulse{}, weighted_point{};
     double weight = 0;
 };
 
-// A body of the scene: rigid for ODE, dented by Crumple.
+// A body of the scene. ODE simulates it as a rigid body; Crumple dents it.
 struct Body {
     std::string name;
     const Model &model;
@@ -86,7 +86,7 @@ struct Body {
         dBodySetRotation(body, rotation);
         CrumpleInstanceDef def = crumple_instance_def_default();
         def.set = model.set.id();
-        def.yield_impulse = 12; // N s: what rests does not dent
+        def.yield_impulse = 12; // N s: resting contacts make no dents
         instance = context.create_instance(def).value();
         buffer = instance
                      .register_buffer(crumple::stream(&vertices[0].position, vertices.size(), sizeof(Vertex)),
@@ -106,7 +106,7 @@ struct Body {
         push.weight += length(impulse);
     }
 
-    // Hands a window that is over to Crumple, and looks whether the dent is where the contact was.
+    // Submits each finished time window as a hit, and checks that the dent is where the contact was.
     void settle(crumple::Context &context, double time) {
         for (auto at = pushes.begin(); at != pushes.end();) {
             const Push push = at->second;
@@ -229,7 +229,7 @@ void run(const char *hood_file, const char *drum_file, const std::string &folder
     const Model hood(context, hood_file), drum(context, drum_file);
     Scene scene;
 
-    // A bollard and a ball, which have no mesh of their own and stay as they are.
+    // A bollard and a ball. They have no mesh and are never dented.
     const dGeomID bollard = dCreateBox(scene.space, 0.15, 0.15, 0.5);
     dGeomSetPosition(bollard, 0, 0, 0.25);
     const dBodyID ball = dBodyCreate(scene.world);
@@ -249,7 +249,7 @@ void run(const char *hood_file, const char *drum_file, const std::string &folder
     add_drum("drum 1", {0.02, 0.05, 1.9}, {1, 0, 0}, 1.62); // on its side, above the bollard
     add_drum("drum 2", {0.3, 0.0, 3.3}, {0.2, 1, 0}, 0.9);  // onto drum 1
 
-    // The hood collides as what it is: its own triangles.
+    // The hood collides with its own triangles.
     std::vector<float> flat;
     for (const CrumpleVec3 &p : hood.base) flat.insert(flat.end(), {p.x, p.y, p.z});
     const dTriMeshDataID triangles = dGeomTriMeshDataCreate();

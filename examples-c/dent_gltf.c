@@ -61,7 +61,7 @@ int main(int argc, char **argv) {
     CrumpleContext *context;
     check(crumple_context_create(&context_def, &context));
 
-    // The first mesh of the file that has morph targets; each target is an example.
+    // Load the file's first mesh with morph targets. Each target is an example.
     CrumpleGltfDef file = crumple_gltf_def_default();
     file.path = argv[1];
     CrumpleExampleSet set;
@@ -83,7 +83,7 @@ int main(int argc, char **argv) {
                example.contact_vertex, example.moved_vertices);
     }
 
-    // What an engine would draw: its own vertex layout, filled from the base mesh.
+    // The vertex buffer that an engine would draw, in its own layout, filled from the base mesh.
     Vertex *base = calloc(info.vertex_count, sizeof *base), *vertices = calloc(info.vertex_count, sizeof *vertices);
     uint32_t *indices = calloc(info.triangle_count, 3 * sizeof *indices);
     size_t bytes = info.vertex_count * sizeof *vertices;
@@ -103,7 +103,7 @@ int main(int argc, char **argv) {
     CrumpleBuffer buffer;
     check(crumple_buffer_register_host(context, instance, &buffer_def, &buffer));
 
-    // Two hits, each 3 cm inwards: at a quarter and at two thirds of the vertices.
+    // Two hits, each 3 cm inwards, at the vertices a quarter and two thirds of the way through the mesh.
     uint32_t hit_vertices[2] = {info.vertex_count / 4, info.vertex_count / 3 * 2};
     for (int i = 0; i < 2; ++i) {
         const Vertex *at = &base[hit_vertices[i]];

@@ -1,4 +1,4 @@
-// Crumple's work on the host's own threads, and the same bits as on Crumple's.
+// Runs Crumple's work on the host's own threads, and checks that the results are bit-for-bit those of Crumple's threads.
 #include <crumple.h>
 
 #include <math.h>
@@ -19,7 +19,7 @@ static void fact(int holds, const char *what) {
     exit(1);
 }
 
-// --- The host's job system: a few threads that take the next index until there is none.
+// --- The host's job system: a few threads that take the next index until none is left.
 
 enum { WORKERS = 3 };
 
@@ -34,7 +34,7 @@ typedef struct Pool {
     int quit;
 } Pool;
 
-// Runs tasks until none is left; the lock is held before and after.
+// Runs tasks until none is left. The caller holds the lock; it is released while a task runs.
 static void run_tasks(Pool *pool) {
     while (pool->next < pool->count) {
         uint32_t index = pool->next++;
@@ -60,7 +60,7 @@ static void *worker(void *user) {
     return NULL;
 }
 
-// What Crumple calls: CrumpleParallelFor.
+// The CrumpleParallelFor that Crumple calls.
 static void parallel_for(uint32_t count, CrumpleTask task, void *task_data, void *user) {
     Pool *pool = user;
     pthread_mutex_lock(&pool->lock);
@@ -91,7 +91,7 @@ static void stop(Pool *pool) {
     for (int i = 0; i < WORKERS; ++i) pthread_join(pool->threads[i], NULL);
 }
 
-// --- The same scene with any task system.
+// --- The scene, deformed with either task system.
 
 enum { SIDE = 129, VERTICES = SIDE * SIDE, INDICES = (SIDE - 1) * (SIDE - 1) * 6, EXAMPLES = 3, HITS = 40 };
 

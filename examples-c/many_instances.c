@@ -1,4 +1,4 @@
-// Thousands of bodies share one example set; a frame hits some of them and deforms the few that are seen.
+// Thousands of bodies share one example set. A frame hits some of them and deforms the few that are visible.
 #include <crumple.h>
 
 #include <math.h>
@@ -72,9 +72,9 @@ int main(void) {
     instance_def.set = set;
     for (int i = 0; i < INSTANCES; ++i) check(crumple_instance_create(context, &instance_def, &instances[i]));
     printf("%d instances created in %.1f ms\n", INSTANCES, milliseconds(start));
-    check(crumple_example_set_destroy(context, set)); // the instances keep what they need
+    check(crumple_example_set_destroy(context, set)); // the instances keep its memory
 
-    // Only a few are seen: only those have buffers.
+    // Only a few bodies are visible. Only those have buffers.
     for (int i = 0; i < SEEN; ++i) {
         CrumpleHostBufferDef def = crumple_host_buffer_def_default();
         def.positions = (CrumpleStream){vertices[i], sizeof vertices[i], 0, sizeof vertices[i][0]};
@@ -99,7 +99,7 @@ int main(void) {
            (unsigned long long)report.vertices_written, time);
     fact(report.vertices_written == (uint64_t)SEEN * VERTICES, "the first deform writes every vertex of what is seen");
 
-    // One more hit: only what it touched is written.
+    // After one more hit, only the blocks that it touched are written.
     CrumpleDisplacementDef hit = crumple_displacement_def_default();
     hit.point = (CrumpleVec3){0.3f, 0.3f, 0};
     hit.displacement = (CrumpleVec3){0, 0, -0.02f};

@@ -1,4 +1,4 @@
-// Two pictures of one size as one PNG.
+// Writes two pictures of equal size into one PNG, side by side.
 #ifndef SIDE_BY_SIDE_HPP
 #define SIDE_BY_SIDE_HPP
 
@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-// Red, green, blue, and a fourth that is not looked at.
+// Red, green, blue, and a fourth channel that is ignored.
 using Picture = std::vector<std::array<uint8_t, 4>>;
 
 inline bool write_side_by_side(const char *path, uint32_t width, const Picture &left, const Picture &right) {

@@ -77,7 +77,7 @@ void host_open(Host *host) {
     uint32_t count = 1;
     const VkResult result = vkEnumeratePhysicalDevices(host->instance, &count, &host->physical_device);
     if (count == 0) left_out("Vulkan finds no device");
-    if (result != VK_INCOMPLETE) VK(result); // there are more, which is as good
+    if (result != VK_INCOMPLETE) VK(result); // VK_INCOMPLETE: there are more devices; the first is enough
     VkPhysicalDeviceProperties properties;
     vkGetPhysicalDeviceProperties(host->physical_device, &properties);
     memcpy(host->name, properties.deviceName, sizeof host->name);

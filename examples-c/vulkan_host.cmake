@@ -1,4 +1,4 @@
-# The programs that need Vulkan, here and in tests/c: find_package(Vulkan) comes first.
+# Helpers for the programs that need Vulkan, here and in tests/c. Call find_package(Vulkan) first.
 
 set(CRUMPLE_VULKAN_DRIVERS "" CACHE STRING
     "Manifests (JSON files) of Vulkan drivers: programs run on each, which must be there. Empty: on what the system has, if any")
@@ -8,8 +8,8 @@ add_library(vulkan_host STATIC "${CMAKE_CURRENT_LIST_DIR}/vulkan_host.c")
 target_include_directories(vulkan_host PUBLIC "${CMAKE_CURRENT_LIST_DIR}")
 target_link_libraries(vulkan_host PUBLIC Vulkan::Vulkan)
 
-# vulkan_test(NAME COMMAND ARGUMENTS…): a test for each driver. {driver} in an argument becomes the driver's name.
-# COST: ctest --parallel starts these long tests first.
+# vulkan_test(NAME COMMAND ARGUMENTS…) adds a test for each driver. {driver} in an argument becomes the driver's name.
+# COST makes ctest --parallel start these long tests first.
 function(vulkan_test name)
   set(validation 0)
   if(CRUMPLE_VULKAN_VALIDATION)

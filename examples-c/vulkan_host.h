@@ -1,9 +1,9 @@
-// What an engine with a Vulkan renderer has already, as small as can be: an instance, a device with one queue, buffers. The
-// Vulkan examples and tests share it; nothing in it is about Crumple.
+// A minimal stand-in for an engine's Vulkan renderer: an instance, a device with one queue, and buffers. The Vulkan examples
+// and tests share it. It does not use Crumple.
 //
-// With CRUMPLE_VALIDATION=1 in the environment the Khronos validation layer watches, synchronization included, and
-// host_close() fails the program if it said anything. Where there is no Vulkan driver host_open() says so and ends the
-// program with 77, which CTest counts as skipped; with CRUMPLE_REQUIRE_GPU=1 that is a failure.
+// CRUMPLE_VALIDATION=1 in the environment enables the Khronos validation layer with synchronization validation.
+// host_close() then fails the program if the layer reported anything. Without a Vulkan driver, host_open() prints a message
+// and exits with 77, which CTest counts as skipped; with CRUMPLE_REQUIRE_GPU=1 that is a failure.
 #ifndef VULKAN_HOST_H
 #define VULKAN_HOST_H
 
@@ -19,45 +19,47 @@ typedef struct Host {
     VkInstance instance;
     VkPhysicalDevice physical_device;
     VkDevice device;
-    uint32_t queue_family; // draws and computes
+    uint32_t queue_family; // supports graphics and compute
     VkQueue queue;
     VkCommandPool pool;
     char name[VK_MAX_PHYSICAL_DEVICE_NAME_SIZE];
-    bool software; // the device is this machine's processor
+    bool software; // the device is a CPU driver
     VkDebugUtilsMessengerEXT messenger;
 } Host;
 
-// A buffer with memory of its own.
+// A buffer with its own memory.
 typedef struct HostBuffer {
     VkBuffer buffer;
     VkDeviceMemory memory;
     VkDeviceSize size; // bytes
     VkBufferUsageFlags usage;
-    void *data; // where the CPU sees it; null for a buffer in the device's own memory
+    void *data; // mapped memory; null for a buffer in device-local memory
 } HostBuffer;
 
-// Ends the program where a call of Vulkan fails.
+// Ends the program if a Vulkan call fails.
 #define VK(call) host_check((call), #call, __FILE__, __LINE__)
 void host_check(VkResult result, const char *call, const char *file, int line);
 
-// The first device there is.
+// Opens the first Vulkan device.
 void host_open(Host *host);
-// The rest, which host_open() does too: after a lost device, a new one of the same physical device.
+// Creates the device, queue and pool; part of host_open(). After a lost device, it creates a new one on the same physical
+// device.
 void host_open_device(Host *host);
 void host_close_device(Host *host);
-// Ends the program if the validation layer had anything to say.
+// Closes everything. Ends the program if the validation layer reported anything.
 void host_close(Host *host);
 
-// Memory that the CPU sees too, or the device's own.
+// Creates a buffer in mapped memory if seen_by_cpu, else in device-local memory.
 HostBuffer host_buffer(const Host *host, VkDeviceSize size, VkBufferUsageFlags usage, bool seen_by_cpu);
 void host_destroy_buffer(const Host *host, HostBuffer *buffer);
 uint32_t host_memory_type(const Host *host, uint32_t allowed, VkMemoryPropertyFlags flags);
 
-// A primary command buffer in the recording state, to be submitted once.
+// Returns a primary command buffer in the recording state. Submit it once.
 VkCommandBuffer host_begin(const Host *host);
-// Ends, submits, waits until the device is done, and frees it.
+// Ends and submits the command buffer, waits until the device is done, and frees it.
 void host_run(const Host *host, VkCommandBuffer commands);
-// Everything recorded so far comes before everything recorded from here on. Correct anywhere, and slow: engines know better.
+// Records a full barrier: everything recorded before it finishes before anything after it starts. Always correct, but slow;
+// engines use narrower barriers.
 void host_barrier(VkCommandBuffer commands);
 
 #ifdef __cplusplus

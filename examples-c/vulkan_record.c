@@ -1,10 +1,10 @@
-// Crumple in a Vulkan renderer, the whole way: from the device that you have to the dented vertices that you draw.
+// Crumple in a Vulkan renderer, from attaching your device to drawing the dented vertices.
 //
 // Your engine keeps its instance, device, queues, buffers and command buffers; vulkan_host.h stands for it here. Once a
 // frame, outside a render pass, Crumple records into a command buffer that you are recording anyway: a small copy, a
-// barrier, one dispatch for each VkBuffer, a barrier. It submits nothing, waits for nothing, and never opens libvulkan.
+// barrier, one dispatch per VkBuffer and a barrier. It submits nothing, waits for nothing, and never opens libvulkan.
 //
-//     CRUMPLE_VALIDATION=1 vulkan_record        under the Khronos validation layer
+//     CRUMPLE_VALIDATION=1 vulkan_record        runs under the Khronos validation layer
 #include "vulkan_host.h"
 
 #include <crumple.h>
@@ -18,13 +18,13 @@ enum {
     SIDE = 65,
     VERTICES = SIDE * SIDE,
     INDICES = (SIDE - 1) * (SIDE - 1) * 6,
-    NEIGHBOURS = 100, // vertices of other meshes, before ours and behind ours in the same VkBuffer
+    NEIGHBOURS = 100, // vertices of other meshes, before and after ours in the same VkBuffer
     FRAMES = 8,
     FRAMES_IN_FLIGHT = 2
 };
 
-// Any struct will do, as long as its parts begin at multiples of 4 bytes. Crumple writes positions, normals and tangents where
-// you say, in the formats that you say, and nothing between them: uv stays yours.
+// Any struct works if its members start at multiples of 4 bytes. Crumple writes positions, normals and tangents at the offsets
+// and in the formats that you give, and nothing between them. It does not touch uv.
 typedef struct Vertex {
     float position[3], normal[3], uv[2];
 } Vertex;
@@ -33,12 +33,12 @@ static Vertex uploaded[NEIGHBOURS + VERTICES + NEIGHBOURS];
 static float dented[VERTICES][3];
 static uint32_t indices[INDICES];
 
-// One of the frames that the CPU prepares while the device works on another.
+// A frame in flight: the CPU prepares one while the device works on another.
 typedef struct Frame {
-    uint64_t number; // 0: none yet
+    uint64_t number; // 0: not used yet
     VkCommandBuffer commands;
     VkFence done;
-    HostBuffer seen;           // all of the vertex buffer, read back
+    HostBuffer seen;           // the whole vertex buffer, read back
     float expected[VERTICES][6]; // position and normal, as the CPU computes them
 } Frame;
 
@@ -47,8 +47,9 @@ static Frame frames[FRAMES_IN_FLIGHT];
 #define CHECK(call) check((call), #call)
 static void check(CrumpleResult result, const char *call) {
     if (result == CRUMPLE_OK) return;
-    // CRUMPLE_ERROR_DEVICE_LOST is the one to expect here: damage lives on the CPU and survives it. Call
-    // crumple_vulkan_complete_frames(context, UINT64_MAX) and crumple_vulkan_detach(), make a new VkDevice, attach, register.
+    // An engine handles CRUMPLE_ERROR_DEVICE_LOST here. Damage is on the CPU and survives. Call
+    // crumple_vulkan_complete_frames(context, UINT64_MAX) and crumple_vulkan_detach(), create a new VkDevice, attach it and
+    // register the buffers again.
     fprintf(stderr, "%s: %s: %s\n", call, crumple_result_name(result), crumple_last_error());
     exit(1);
 }
@@ -94,7 +95,7 @@ static CrumpleExampleSet make_set(CrumpleContext *context) {
     return set;
 }
 
-// The engine's vertex buffer, in the device's own memory, filled once by a copy. The one thing that Crumple asks of it is
+// The engine's vertex buffer, in device-local memory, filled once by a copy. Crumple only requires
 // VK_BUFFER_USAGE_STORAGE_BUFFER_BIT.
 static HostBuffer make_vertex_buffer(const Host *host) {
     const VkBufferUsageFlags usage = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
@@ -111,8 +112,8 @@ static HostBuffer make_vertex_buffer(const Host *host) {
     return vertices;
 }
 
-// A device that rounds as IEEE 754 says gives the CPU's very bits, and software drivers do. Others may round divisions
-// otherwise: a few units in the last place.
+// A device that rounds as IEEE 754 requires gives the same bits as the CPU. Software drivers do. Other devices may round
+// divisions differently, by a few units in the last place.
 static bool same(const Host *host, const float *a, const float *b, int count) {
     if (host->software) return memcmp(a, b, (size_t)count * sizeof *a) == 0;
     for (int k = 0; k < count; ++k)
@@ -120,7 +121,7 @@ static bool same(const Host *host, const float *a, const float *b, int count) {
     return true;
 }
 
-// Looks at what a frame left in the vertex buffer.
+// Checks what a frame wrote to the vertex buffer.
 static void look(const Host *host, const Frame *frame) {
     const Vertex *seen = (const Vertex *)frame->seen.data, *mesh = seen + NEIGHBOURS;
     for (int v = 0; v < VERTICES; ++v) {
@@ -149,18 +150,18 @@ int main(void) {
     CHECK(crumple_instance_create(context, &instance_def, &body));
     CHECK(crumple_instance_create(context, &instance_def, &twin));
 
-    // 2. Attach your device: Vulkan 1.1, no extension, no feature. Registering buffers makes a few pipelines, which takes less
-    // time with the bytes that crumple_vulkan_get_pipeline_cache() gave at an earlier run in def.pipeline_cache.
+    // 2. Attach your device: Vulkan 1.1, no extensions, no features. Registering buffers creates a few pipelines. That is faster
+    // if vulkan.pipeline_cache has the data that crumple_vulkan_get_pipeline_cache() returned in an earlier run.
     CrumpleVulkanAttachDef vulkan = crumple_vulkan_attach_def_default();
     vulkan.get_instance_proc_addr = (CrumpleVulkanFunction)vkGetInstanceProcAddr; // or volk's, or SDL's
     vulkan.instance = host.instance;
     vulkan.physical_device = host.physical_device;
     vulkan.device = host.device;
-    vulkan.queue_family = host.queue_family; // of the queue that your command buffers go to
+    vulkan.queue_family = host.queue_family; // the family of the queue that you submit the command buffers to
     CHECK(crumple_vulkan_attach(context, &vulkan));
 
-    // 3. Register where the body's vertices lie. One call for each body, also where many share one VkBuffer: a frame's
-    // changes of all of them are one dispatch. The VkBuffer stays yours; destroy it after the frames that used it.
+    // 3. Register the range with the body's vertices, with one call per body. Bodies may share one VkBuffer: a frame's changes
+    // to all of them are then one dispatch. You own the VkBuffer; destroy it after the frames that used it are complete.
     CrumpleVulkanBufferDef def = crumple_vulkan_buffer_def_default();
     def.buffer = (uint64_t)vertices.buffer;
     def.buffer_size = vertices.size;
@@ -169,8 +170,8 @@ int main(void) {
     def.size = VERTICES * sizeof(Vertex);
     def.positions = (CrumpleVulkanStream){offsetof(Vertex, position), sizeof(Vertex), VK_FORMAT_R32G32B32_SFLOAT, 0};
     def.normals = (CrumpleVulkanStream){offsetof(Vertex, normal), sizeof(Vertex), VK_FORMAT_R32G32B32_SFLOAT, 0};
-    // What touched the buffer before Crumple writes it, and what does so next: from these come the two barriers. By default
-    // both are the vertex input of your draws. Here every frame also ends with a copy, which reads it.
+    // The stages and accesses that use the buffer before and after Crumple writes it. Crumple's two barriers use them. The
+    // default for both is the vertex input of your draws. Here, a copy at the end of every frame also reads the buffer.
     def.before_stages |= VK_PIPELINE_STAGE_TRANSFER_BIT;
     def.before_access |= VK_ACCESS_TRANSFER_READ_BIT;
     def.after_stages |= VK_PIPELINE_STAGE_TRANSFER_BIT;
@@ -194,12 +195,12 @@ int main(void) {
         frame->seen = host_buffer(&host, vertices.size, VK_BUFFER_USAGE_TRANSFER_DST_BIT, true);
     }
 
-    // 4. The frame loop. Number your frames from 1 on; a number never falls.
+    // 4. The frame loop. Number your frames from 1; numbers never decrease.
     for (uint64_t number = 1; number <= FRAMES; ++number) {
         Frame *frame = &frames[number % FRAMES_IN_FLIGHT];
 
-        // As every renderer does, wait until the device is done with the frame that used this slot last. Then tell Crumple:
-        // it keeps a small buffer for each frame in flight, and now uses that one again.
+        // Like every renderer, wait until the device is done with the frame that last used this slot. Then tell Crumple, which
+        // keeps a small buffer for each frame in flight and can now reuse that one.
         if (frame->number != 0) {
             VK(vkWaitForFences(host.device, 1, &frame->done, VK_TRUE, UINT64_MAX));
             VK(vkResetFences(host.device, 1, &frame->done));
@@ -208,7 +209,7 @@ int main(void) {
         }
         frame->number = number;
 
-        // Contacts come from your physics engine, at any time and from any thread. Here 1.5 N s downwards in frames 3 and 6.
+        // Your physics engine may report contacts at any time and from any thread. Here: 1.5 N s downwards in frames 3 and 6.
         const bool hit_now = number == 3 || number == 6;
         if (hit_now) {
             CrumpleImpulseDef hit = crumple_impulse_def_default();
@@ -223,8 +224,8 @@ int main(void) {
                                                 VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT, NULL};
         VK(vkBeginCommandBuffer(frame->commands, &begin));
 
-        // Null and 0: all registered Vulkan buffers. A secondary command buffer is as good, and so is an empty frame: where
-        // nothing was hit nothing is recorded. Afterwards bind your own pipeline: compute state has changed.
+        // Null and 0: all registered Vulkan buffers. A secondary command buffer also works. If nothing was hit, nothing is
+        // recorded. Afterwards bind your own compute pipeline again: the compute state has changed.
         CrumpleRecordReport report;
         CHECK(crumple_vulkan_record(context, frame->commands, number, NULL, 0, &report));
         FACT(report.dispatches == (number == 1 || hit_now ? 1 : 0));
@@ -242,13 +243,12 @@ int main(void) {
         const VkSubmitInfo submit = {VK_STRUCTURE_TYPE_SUBMIT_INFO, NULL, 0, NULL, NULL, 1, &frame->commands, 0, NULL};
         VK(vkQueueSubmit(host.queue, 1, &submit, frame->done));
 
-        // The same on the CPU. Vulkan's buffers are none of crumple_context_deform()'s business, nor host memory of
-        // crumple_vulkan_record()'s.
+        // The same on the CPU. crumple_context_deform() writes only host buffers, crumple_vulkan_record() only Vulkan buffers.
         CHECK(crumple_context_deform(context, NULL, 0, NULL));
         memcpy(frame->expected, on_cpu, sizeof on_cpu);
     }
 
-    // 5. The end, in this order: the device is done, Crumple knows, the context goes, then the buffers and the device.
+    // 5. Shut down in this order: wait for the device, tell Crumple, destroy the context, then the buffers and the device.
     VK(vkDeviceWaitIdle(host.device));
     CHECK(crumple_vulkan_complete_frames(context, FRAMES));
     for (Frame *frame = frames; frame < frames + FRAMES_IN_FLIGHT; ++frame) look(&host, frame);

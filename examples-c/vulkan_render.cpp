@@ -1,9 +1,9 @@
-// Draws from the very vertex buffer that Crumple writes: a hood before and after two hits, side by side in a PNG.
+// Draws from the vertex buffer that Crumple writes: a hood before and after two hits, side by side in a PNG.
 //
-//     vulkan_render HOOD.glb PICTURE.png        CRUMPLE_VALIDATION=1 for the Khronos validation layer
+//     vulkan_render HOOD.glb PICTURE.png        CRUMPLE_VALIDATION=1 enables the Khronos validation layer
 //
-// vulkan_record.c explains the calls; this shows them around a render pass, and a vertex format as renderers like it: the
-// buffer holds the hood and the ground it stands on, positions as floats and normals in 16-bit integers.
+// vulkan_record.c explains the calls. This program uses them with a render pass and a typical vertex format: positions are
+// floats, normals are 16-bit integers. The buffer holds the hood and the ground below it.
 #include "side_by_side.hpp"
 #include "vulkan_host.h"
 
@@ -28,7 +28,7 @@ constexpr VkFormat COLOUR = VK_FORMAT_R8G8B8A8_SRGB, DEPTH = VK_FORMAT_D32_SFLOA
 
 struct Vertex {
     CrumpleVec3 position; // m
-    int16_t normal[4];    // 32767 is 1; the last is 0 for the hood and 1 for the ground
+    int16_t normal[4];    // 32767 means 1; the last is 0 for the hood and 1 for the ground
 };
 
 using Matrix = std::array<float, 16>; // column-major
@@ -62,13 +62,13 @@ CrumpleVec3 unit(const CrumpleVec3 &a) {
 Camera camera(const CrumpleVec3 &eye, const CrumpleVec3 &target) {
     const CrumpleVec3 back = unit(eye - target), right = unit(cross({0, 0, 1}, back)), up = cross(back, right);
     const float near = 0.1f, far = 20, focal = 4.7f, aspect = float(WIDTH) / float(HEIGHT);
-    // Vulkan's y points down, its depth goes from 0 to 1.
+    // In Vulkan, y points down and depth goes from 0 to 1.
     return {{focal / aspect, 0, 0, 0, 0, -focal, 0, 0, 0, 0, far / (near - far), -1, 0, 0, near * far / (near - far), 0},
             {right.x, up.x, back.x, 0, right.y, up.y, back.y, 0, right.z, up.z, back.z, 0, -dot(right, eye), -dot(up, eye),
              -dot(back, eye), 1}};
 }
 
-// Where a point is seen, pixels.
+// The position of a point on the screen, pixels.
 std::array<float, 2> seen_at(const Camera &camera, const CrumpleVec3 &p) {
     const auto times = [](const Matrix &m, const std::array<float, 4> &v) {
         std::array<float, 4> r{};
@@ -80,7 +80,7 @@ std::array<float, 2> seen_at(const Camera &camera, const CrumpleVec3 &p) {
     return {(clip[0] / clip[3] * 0.5f + 0.5f) * WIDTH, (clip[1] / clip[3] * 0.5f + 0.5f) * HEIGHT};
 }
 
-// What every engine has: here one render pass with one pipeline, drawn into an image of its own.
+// The engine's renderer: one render pass with one pipeline, which draws into an image.
 class Renderer {
 public:
     explicit Renderer(const Host &host_) : host(host_) {
@@ -131,7 +131,7 @@ public:
         vkCmdCopyImageToBuffer(commands, resolved.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, read_back.buffer, 1, &whole);
     }
 
-    // Once the device has drawn.
+    // Call this when the device has finished drawing.
     Picture picture() const {
         Picture pixels(size_t(WIDTH) * HEIGHT);
         std::memcpy(pixels.data(), read_back.data, pixels.size() * 4);
@@ -323,7 +323,7 @@ Scene load(const crumple::ExampleSet &set) {
     return scene;
 }
 
-// A buffer in the device's own memory with these contents.
+// Creates a buffer in device-local memory with these contents.
 template <class T>
 HostBuffer upload(const Host &host, const std::vector<T> &values, VkBufferUsageFlags usage) {
     const VkDeviceSize size = values.size() * sizeof(T);
@@ -339,7 +339,7 @@ HostBuffer upload(const Host &host, const std::vector<T> &values, VkBufferUsageF
     return buffer;
 }
 
-// Pixels that triangles with a changed vertex may cover, before or after, with one pixel around them.
+// The pixels that triangles with a changed vertex may cover before or after the change, with a margin of one pixel.
 std::vector<bool> touched(const Camera &camera, const Scene &scene, const std::vector<Vertex> &now) {
     std::vector<bool> mask(size_t(WIDTH) * HEIGHT);
     for (size_t i = 0; i < scene.indices.size(); i += 3) {
@@ -380,20 +380,20 @@ void run(Host &host, const char *hood, const char *path) {
 
     crumple::Instance body = context.create_instance(set).value();
     CrumpleVulkanBufferDef def = crumple_vulkan_buffer_def_default();
-    def.buffer = (uint64_t)vertices.buffer; // a pointer or an integer, as VK_NON_DISPATCHABLE_HANDLE has it
+    def.buffer = (uint64_t)vertices.buffer; // the handle is a pointer or an integer, depending on the platform
     def.buffer_size = vertices.size;
     def.usage = vertices.usage;
     def.size = scene.hood_vertices * sizeof(Vertex);
     def.positions = {offsetof(Vertex, position), sizeof(Vertex), VK_FORMAT_R32G32B32_SFLOAT, 0};
     def.normals = {offsetof(Vertex, normal), sizeof(Vertex), VK_FORMAT_R16G16B16A16_SNORM, 0};
-    // Draws fetch vertices from it, which is the default; this program also copies it, to look at it.
+    // Draws fetch vertices from the buffer, which is the default. This program also copies it, to check it.
     def.before_stages |= VK_PIPELINE_STAGE_TRANSFER_BIT;
     def.before_access |= VK_ACCESS_TRANSFER_READ_BIT;
     def.after_stages |= VK_PIPELINE_STAGE_TRANSFER_BIT;
     def.after_access |= VK_ACCESS_TRANSFER_READ_BIT;
     const crumple::Buffer buffer = body.register_buffer(def).value();
 
-    // The same vertices on the CPU, to compare with.
+    // The same vertices on the CPU, for comparison.
     std::vector<CrumpleVec3> positions(scene.hood_vertices);
     const crumple::Buffer on_cpu = body.register_buffer(crumple::stream(positions)).value();
 
@@ -407,7 +407,7 @@ void run(Host &host, const char *hood, const char *path) {
         const VkBufferCopy all{0, 0, vertices.size};
         vkCmdCopyBuffer(commands, vertices.buffer, read_back.buffer, 1, &all);
         host_barrier(commands);
-        host_run(&host, commands); // and wait: a program that draws two pictures has no frames in flight
+        host_run(&host, commands); // this waits: a program that draws two pictures needs no frames in flight
         context.complete_frames(number).value();
         std::memcpy(now.data(), read_back.data, vertices.size);
         return renderer.picture();
@@ -419,7 +419,7 @@ void run(Host &host, const char *hood, const char *path) {
     const Picture after = frame(2);
     fact(write_side_by_side(path, WIDTH, before, after), std::string(path) + " was written");
 
-    // The vertices are the CPU's (bit for bit where the device rounds as IEEE 754 says), and the ground is as it was.
+    // The vertices equal the CPU's, bit for bit if the device rounds as IEEE 754 requires. The ground is unchanged.
     context.deform().value();
     for (uint32_t v = 0; v < scene.hood_vertices; ++v) {
         const CrumpleVec3 off = now[v].position - positions[v];
@@ -431,7 +431,7 @@ void run(Host &host, const char *hood, const char *path) {
     fact(std::memcmp(now.data() + scene.hood_vertices, ground, vertices.size - hood_bytes) == 0,
          "what lies behind the hood in the vertex buffer is untouched");
 
-    // The pictures differ where the dents are, and nowhere else.
+    // The pictures differ only where the dents are.
     const std::vector<bool> mask = touched(view, scene, now);
     size_t differ = 0, inside = 0;
     for (size_t i = 0; i < mask.size(); ++i) {

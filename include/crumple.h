@@ -4,7 +4,7 @@
 // impulses from your physics engine. It writes the deformed vertices into your own vertex buffers. examples-c has whole
 // programs.
 //
-// The steps, in the order in which you meet them:
+// The steps, in order:
 //   1. Context          crumple_context_create: threads, log, your own job system; crumple_allocator_set
 //   2. Example sets     crumple_example_set_create (arrays), ..._load_gltf, ..._load_gltf_memory, ..._load_obj
 //                       one per mesh, shared by all its instances; once built, save it with
@@ -23,54 +23,55 @@
 //   8. Attached points  crumple_example_set_attach_point, crumple_instance_get_attached_frame: lamps, collision vertices
 //   9. Recordings       crumple_recording_begin, ..._end: a file of calls that "crumple replay" repeats
 //
-// Results. Calls that can fail return a CrumpleResult; crumple_last_error() has the message. After an error nothing has
-// changed and everything stays usable. Outputs are written only on success, except for counts (see "Arrays"). No call
-// prints, throws or raises a signal, and no call aborts the process (but see "Memory"). Functions that return something
-// else cannot fail.
+// Results. Calls that can fail return a CrumpleResult, and crumple_last_error() returns the message. Calls that return
+// something else cannot fail. A failed call changes nothing, and everything stays usable. Outputs are written only on
+// success, except for counts (see "Arrays"). No call prints, throws, raises a signal or aborts the process (but see
+// "Memory").
 //
-// Every call may return the following; comments at a call name only other errors and special causes:
+// Every call may return these errors, for the causes on the right. A call's comment adds only other errors and causes:
 //   CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED    a pointer argument, or an array in a def
-//   CRUMPLE_ERROR_STRUCT_SIZE                               a def
-//   CRUMPLE_ERROR_INVALID_ID                                a context or an id
+//   CRUMPLE_ERROR_STRUCT_SIZE                               a def with a wrong struct_size
+//   CRUMPLE_ERROR_INVALID_ID                                a null, destroyed or foreign id, a destroyed context
 //   CRUMPLE_ERROR_INVALID_ARGUMENT                          an enumerator, a number outside its range, a small stride,
 //                                                           overlapping streams, text that is not UTF-8, a Vulkan call
 //                                                           without its attached device
 //   CRUMPLE_ERROR_NOT_FINITE                                NaN or infinity
-//   CRUMPLE_ERROR_INDEX_OUT_OF_RANGE                        an index, or a lod
-//   CRUMPLE_ERROR_BUFFER_TOO_SMALL                          an array
+//   CRUMPLE_ERROR_INDEX_OUT_OF_RANGE                        an index or a lod that is not below its count
+//   CRUMPLE_ERROR_BUFFER_TOO_SMALL                          an array with too few bytes or elements
 //   CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE, CRUMPLE_ERROR_INTERNAL
 //   CRUMPLE_ERROR_VULKAN, CRUMPLE_ERROR_DEVICE_LOST         a call that uses a Vulkan device
 //
-// Ownership. Crumple owns what it creates; you hold an id, a small struct by value. Zero is null. Compare ids field by
-// field. An id is invalid after its destroy or unregister call; using it is an error, never a crash. Ids belong to one
-// context. Destroying an instance unregisters its buffers. An example set lives on for its instances. Destroying a
-// context destroys everything in it. You own what you pass in: defs, strings and arrays are read during the call and
-// may be freed after it. Four things must live longer: memory of registered buffers, what a context's callbacks use,
-// bytes of CRUMPLE_BYTES_KEEP, and an attached Vulkan device or imported memory.
+// Ownership. Crumple owns what it creates; you hold an id, a small struct by value. An id of zeros is null. Compare ids
+// field by field. An id is invalid after its destroy or unregister call; using it is an error, never a crash. An id
+// belongs to one context. Destroying an instance unregisters its buffers. Instances keep their destroyed example set
+// alive. Destroying a context destroys everything in it. You own what you pass in: defs, strings and arrays are read
+// during the call and may be freed after it. Four things must live longer: memory of registered buffers, data that a
+// context's callbacks use, bytes passed with CRUMPLE_BYTES_KEEP, and an attached Vulkan device or imported memory.
 //
 // Defs. A struct whose name ends in Def comes from its crumple_..._def_default function, which sets struct_size and the
-// defaults. Then set the fields that you need. struct_size identifies your header version; another size than the
+// defaults. Then set the fields that you need. struct_size identifies your header version; a size other than the
 // library's is an error. Reserved fields are zero.
 //
-// Arrays. Calls that fill an array take its room (capacity) and return the count (out_count or out_size), also with
-// CRUMPLE_ERROR_BUFFER_TOO_SMALL. Null with capacity 0 returns only the count.
+// Arrays. A call that fills an array takes its capacity and writes the count needed to out_count or out_size, also when
+// it returns CRUMPLE_ERROR_BUFFER_TOO_SMALL. Pass null with capacity 0 to get only the count.
 //
-// Threads. Calls are externally synchronised per context: two threads must not use one context at once, and callbacks
-// must not call back into it. Both are CRUMPLE_ERROR_CONCURRENT_USE, in every build. Two kinds of functions may be
-// called from any thread at any time: those without a context argument, and crumple_instance_submit_...,
-// ..._preview_..., ..._end_contact and ..._set_transform. Contexts are independent of each other.
+// Threads. Calls are externally synchronised per context: two threads must not use one context at the same time, and
+// callbacks must not call back into it. Either returns CRUMPLE_ERROR_CONCURRENT_USE, in every build. Two kinds of
+// functions may be called from any thread at any time: those without a context argument, and
+// crumple_instance_submit_..., ..._preview_..., ..._end_contact and ..._set_transform. Contexts are independent.
 //
-// Reads. Hits are pending until the next read of the instance's damage: a deform or record of one of its buffers, or of all
-// buffers; ..._get_info(), ..._get_marks(), ..._get_contact(), ..._save_damage(), ..._repair_damage(), ..._copy_damage() as
-// the source, and ..._get_attached_frame(). The result does not depend on the number of threads or on the order of hits
-// between two reads. With CRUMPLE_RULE_MARKS it does not depend on the reads either, until marks merge because there are
-// more than mark_capacity or contacts end because more than 256 are open; parts of a contact add up to rounding.
+// Reads. Hits are pending until the instance's damage is next read. These calls read it: a deform, record or submit of
+// one of its buffers or of all buffers; ..._get_info(), ..._get_marks(), ..._get_contact(), ..._save_damage(),
+// ..._repair_damage(), ..._copy_damage() for its source, and ..._get_attached_frame(). The result does not depend on
+// the number of threads or on the order of hits between two reads. With CRUMPLE_RULE_MARKS it does not depend on when
+// reads happen, with three exceptions: marks merge above mark_capacity, contacts end when more than 256 are open, and
+// the hits of one contact are summed with rounding.
 //
-// Units. Metres, seconds, kilograms, newton seconds. Any handedness, any axis up. Vertices are 32-bit floats, indices
-// count from 0, enums are 32 bits wide (do not compile with -fshort-enums).
+// Units. Metres, seconds, kilograms, newton seconds. Any handedness and any up axis. Host vertices are 32-bit floats,
+// indices start at 0, enums are 32 bits wide (do not compile with -fshort-enums).
 //
-// Memory. CRUMPLE_ERROR_OUT_OF_MEMORY covers memory for your arrays and for what you create. If other working memory
-// runs out, the process aborts.
+// Memory. CRUMPLE_ERROR_OUT_OF_MEMORY covers copies of your arrays and the objects that you create. If other working
+// memory runs out, the process aborts.
 //
 // Do not fork() a process with a live context and use the context in the child.
 //
@@ -102,7 +103,7 @@
 /// The result of a call. See "Results" at the top.
 typedef enum {
     CRUMPLE_OK = 0,
-    /// A value is outside its range, or the call is not allowed now.
+    /// A value is outside its range, or the call is not allowed in the current state.
     CRUMPLE_ERROR_INVALID_ARGUMENT = 1,
     /// A number is NaN or infinite.
     CRUMPLE_ERROR_NOT_FINITE = 2,
@@ -116,15 +117,15 @@ typedef enum {
     CRUMPLE_ERROR_BUFFER_TOO_SMALL = 6,
     /// A pointer, offset or stride is not a multiple of its alignment.
     CRUMPLE_ERROR_MISALIGNED = 7,
-    /// The point of a hit is further from the body than max_contact_distance. Often the point is in the wrong space.
+    /// A hit is further from the body than max_contact_distance. Often its point is in the wrong space.
     CRUMPLE_ERROR_CONTACT_TOO_FAR = 8,
     /// The input is valid, but this library or this build does not support it.
     CRUMPLE_ERROR_UNSUPPORTED = 9,
-    /// A file or saved bytes are malformed.
+    /// A file is malformed, or bytes in memory are.
     CRUMPLE_ERROR_FORMAT = 10,
     /// The operating system refused to read or write a file.
     CRUMPLE_ERROR_IO = 11,
-    /// Damage belongs to another example set, rule or version.
+    /// The damage belongs to another example set, rule or version.
     CRUMPLE_ERROR_DAMAGE_MISMATCH = 12,
     /// Memory ran out. See "Memory" at the top.
     CRUMPLE_ERROR_OUT_OF_MEMORY = 13,
@@ -138,7 +139,7 @@ typedef enum {
     CRUMPLE_ERROR_NULL_POINTER = 64,
     /// The struct_size of a def is wrong. Start from the def's crumple_..._def_default function.
     CRUMPLE_ERROR_STRUCT_SIZE = 65,
-    /// An id or a context is null, was destroyed, or belongs to another context.
+    /// An id is null or of another context, or an id or a context was destroyed.
     CRUMPLE_ERROR_INVALID_ID = 66,
     /// Two threads used one context at once, or a callback called back into its context.
     CRUMPLE_ERROR_CONCURRENT_USE = 67,
@@ -155,24 +156,24 @@ typedef enum {
     CRUMPLE_LOG_LEVEL_WARNING = 1,
 } CrumpleLogLevel;
 
-/// How the place where an example was hit is given.
+/// How an example's contact (the place where it was hit) is given.
 typedef enum {
     /// Not given: Crumple uses the example's deepest vertex. The default.
     CRUMPLE_CONTACT_KIND_NONE = 0,
     /// As a vertex of the base mesh.
     CRUMPLE_CONTACT_KIND_VERTEX = 1,
-    /// As a point in the mesh's space. Its nearest vertex becomes the contact.
+    /// As a point in the mesh's space. The vertex nearest to it becomes the contact.
     CRUMPLE_CONTACT_KIND_POINT = 2,
 } CrumpleContactKind;
 
-/// Whether an example may be carried away from where it was made.
+/// Whether an example stays where it was made (anchored) or moves to where the body was hit (carried).
 typedef enum {
-    /// Anchored for a hit within a tenth of its support radius of its own contact and with 0.9 to 1 times its own depth;
-    /// carried otherwise. The default.
+    /// Anchored if the hit is within a tenth of support_radius of the example's contact and 0.9 to 1 times as deep, or
+    /// if the set's examples predict each other better anchored there. Otherwise carried. The default.
     CRUMPLE_PLACEMENT_AUTOMATIC = 0,
-    /// Always used where the artist made it: creases, frames, bumpers.
+    /// Always anchored: for creases, frames, bumpers.
     CRUMPLE_PLACEMENT_ANCHORED = 1,
-    /// Always moved to where the body was hit: sheet metal.
+    /// Always carried: for sheet metal.
     CRUMPLE_PLACEMENT_CARRIED = 2,
 } CrumplePlacement;
 
@@ -182,21 +183,21 @@ typedef enum {
     CRUMPLE_INDEX_TYPE_U16 = 1,
 } CrumpleIndexType;
 
-/// How the dents of several marks combine at a vertex. The direction is always that of their sum.
+/// How the displacements of several marks combine at a vertex. The result always has the direction of their sum.
 typedef enum {
-    /// Lengths add, up to the depth limit.
+    /// Displacements add, up to the depth limit.
     CRUMPLE_COMBINE_SUM = 1,
-    /// Energies add: the length is the root of the sum of squares. The default.
+    /// Energies add: the sum is no longer than the square root of the sum of squared lengths. The default.
     CRUMPLE_COMBINE_ENERGIES = 0,
-    /// Only the deepest dent counts.
+    /// The sum is no longer than the longest displacement.
     CRUMPLE_COMBINE_DEEPEST = 2,
 } CrumpleCombine;
 
-/// How an example is treated that moves vertices with the same base position apart.
+/// What happens when an example moves apart vertices that share a base position.
 typedef enum {
     /// The vertices stay together: each gets the mean of their displacements. The default.
     CRUMPLE_SEAMS_WELD = 0,
-    /// The vertices move apart as in the example: a tear that the artist made.
+    /// The vertices move apart as in the example, for tears that the artist made.
     CRUMPLE_SEAMS_KEEP = 1,
 } CrumpleSeams;
 
@@ -204,8 +205,8 @@ typedef enum {
 typedef enum {
     /// The bytes are copied. Free them after the call.
     CRUMPLE_BYTES_COPY = 0,
-    /// The bytes are used in place. They must stay readable and unchanged until the set and its instances, or the
-    /// context, are destroyed. Bytes that do not start at a multiple of 16 are copied.
+    /// The bytes are used in place. They must stay readable and unchanged until the set and all its instances are
+    /// destroyed, or the context is. Bytes whose address is not a multiple of 16 are copied.
     CRUMPLE_BYTES_KEEP = 1,
 } CrumpleBytes;
 
@@ -213,10 +214,10 @@ typedef enum {
 typedef enum {
     /// Each hit leaves a mark. Memory is bounded and the order of hits does not matter. The default.
     CRUMPLE_RULE_MARKS = 0,
-    /// The classic rule "most displaced" of the literature, for comparison. The order of hits matters. It has no marks
-    /// and needs memory for each vertex.
+    /// The classic rule "most displaced" of the literature, for comparison. The order of hits matters. The instance has
+    /// no marks and needs memory for each vertex.
     CRUMPLE_RULE_MOST_DISPLACED = 1,
-    /// The classic rule "blend", with blend_constant. Otherwise as CRUMPLE_RULE_MOST_DISPLACED.
+    /// The classic rule "blend", which uses blend_constant. Otherwise like CRUMPLE_RULE_MOST_DISPLACED.
     CRUMPLE_RULE_BLEND = 2,
 } CrumpleRule;
 
@@ -224,12 +225,12 @@ typedef enum {
 typedef enum {
     /// CRUMPLE_SELECTION_NEAREST with marks, CRUMPLE_SELECTION_CLASSIC with a classic rule. The default.
     CRUMPLE_SELECTION_OF_RULE = 0,
-    /// The examples that are most informative about the hit's place, depth and lean (the angle between the hit and the
-    /// surface normal). Marks only.
+    /// The examples that together predict the hit best, by its place, depth and lean (its angle to the surface normal).
+    /// CRUMPLE_RULE_MARKS only.
     CRUMPLE_SELECTION_NEAREST = 1,
-    /// The one example that moves the contact vertex in the direction most like the target, with a weight of at most 1.
+    /// The one example that moves the contact vertex most nearly in the target's direction, with a weight of at most 1.
     CRUMPLE_SELECTION_CLASSIC = 2,
-    /// As CRUMPLE_SELECTION_CLASSIC, without the limit of the weight: diverges above 2. Classic rules only.
+    /// Like CRUMPLE_SELECTION_CLASSIC without the weight limit. Diverges at weights above 2. Classic rules only.
     CRUMPLE_SELECTION_CLASSIC_UNCLAMPED = 3,
 } CrumpleSelection;
 
@@ -243,20 +244,20 @@ typedef enum {
 
 /// What became of a hit.
 typedef enum {
-    /// It leaves a mark, or with a classic rule a deformation.
+    /// It leaves a mark. With a classic rule, it deforms the instance.
     CRUMPLE_HIT_STATUS_MARKED = 0,
-    /// It is weaker than a yield threshold, or than a millionth of the depth limit.
+    /// It is below a yield threshold, or its target is shorter than a millionth of the depth limit.
     CRUMPLE_HIT_STATUS_BELOW_YIELD = 1,
     /// No example moves the contact vertex towards the target.
     CRUMPLE_HIT_STATUS_NOTHING_REACHES = 2,
-    /// It is too weak alone to leave a mark, but it adds to its contact.
+    /// Alone it would leave no mark, but it adds to its contact.
     CRUMPLE_HIT_STATUS_ACCUMULATED = 3,
 } CrumpleHitStatus;
 
 /// The type of a handle to shared memory or to a semaphore.
 typedef enum {
-    /// A file descriptor, VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT. Crumple duplicates it; yours stays yours to
-    /// close. Linux and Android.
+    /// A file descriptor, VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT. Crumple duplicates it; you close yours. Linux
+    /// and Android.
     CRUMPLE_HANDLE_TYPE_OPAQUE_FD = 0,
     /// A HANDLE, VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_WIN32_BIT. Windows. Untested.
     CRUMPLE_HANDLE_TYPE_OPAQUE_WIN32 = 1,
@@ -266,11 +267,11 @@ typedef enum {
 typedef struct CrumpleContext CrumpleContext;
 
 /// Returns size bytes aligned to align (a power of two, at least 16), or null. Must be thread-safe. Must not call
-/// Crumple, throw or jump out.
+/// Crumple, throw or longjmp out.
 typedef void *(*CrumpleAlloc)(size_t size, size_t align, void *user);
 
-/// Frees memory of CrumpleAlloc; size and align are those of its allocation. Must be thread-safe. Must not call
-/// Crumple, throw or jump out.
+/// Frees memory from CrumpleAlloc; size and align are the values it was allocated with. Must be thread-safe. Must not
+/// call Crumple, throw or longjmp out.
 typedef void (*CrumpleFree)(void *pointer, size_t size, size_t align, void *user);
 
 /// The host's allocator. Both functions are required.
@@ -282,32 +283,31 @@ typedef struct {
     void *user;
 } CrumpleAllocatorDef;
 
-/// Receives one message, UTF-8, without a line break at its end. The text is valid during the callback. Runs on the
-/// thread that called Crumple. Must not call the same context, throw or jump out.
+/// Receives one message, UTF-8, without a line break at its end. The text is valid only during the callback. Runs on
+/// the thread that called Crumple. Must not call the same context, throw or longjmp out.
 typedef void (*CrumpleLog)(CrumpleLogLevel level, const char *message, void *user);
 
 /// A task of a parallel-for. Call it with an index below count and with the task_data of CrumpleParallelFor.
 typedef void (*CrumpleTask)(uint32_t index, void *task_data);
 
-/// Your parallel-for: calls task(index, task_data) once for each index below count, on any threads and in any order,
-/// and returns when all calls have returned. Tasks do not block or throw and may run at once. Crumple itself runs an
-/// index that you leave out, and ignores a second call of an index. Crumple calls this function on the thread that
-/// called Crumple. It must not throw or jump out. Of the same context it may call only the functions that may be called
-/// at any time.
+/// Your parallel-for. Calls task(index, task_data) once for each index below count, on any threads and in any order,
+/// and returns when all calls have returned. Tasks may run concurrently, and do not block or throw. Crumple runs any
+/// index that you skip, and ignores repeated ones. This function runs on the thread that called Crumple. It must not
+/// throw or longjmp out. With the same context it may call only functions allowed at any time; see "Threads".
 typedef void (*CrumpleParallelFor)(uint32_t count, CrumpleTask task, void *task_data, void *user);
 
-/// The host's job system. Zero everywhere: Crumple uses its own threads.
+/// The host's job system. All fields zero: Crumple uses its own threads.
 typedef struct {
     CrumpleParallelFor parallel_for;
     void *user;
-    /// Number of threads that can work at once; 0 counts as 1. It affects how work is split, never the result.
+    /// Number of threads that can work at the same time; 0 counts as 1. It affects how work is split, never the result.
     uint32_t workers;
 } CrumpleTaskSystem;
 
 /// Options of a context.
 typedef struct {
     uint32_t struct_size;
-    /// Threads that deform, up to 1024. 0: one per core. 1: only the calling thread. Ignored where tasks is set. Default 0.
+    /// Threads that deform, up to 1024. 0: one per core. 1: only the calling thread. Unused with tasks. Default 0.
     uint32_t threads;
     /// Receives messages. Default null: none.
     CrumpleLog log;
@@ -315,8 +315,8 @@ typedef struct {
     CrumpleTaskSystem tasks;
 } CrumpleContextDef;
 
-/// An array that Crumple reads during the call. Element i is at data + i * stride. Count and type are stated where the
-/// array is used. Zero everywhere: absent.
+/// An array that Crumple reads during the call. Element i is at data + i * stride. The field that uses it states count
+/// and type. All fields zero: absent.
 typedef struct {
     /// First element, aligned to its type (4 bytes; 2 for 16-bit indices). Null: absent.
     const void *data;
@@ -333,12 +333,12 @@ typedef struct {
     float z;
 } CrumpleVec3;
 
-/// An example: the base mesh after a collision. Give target_positions, or delta_indices with position_deltas.
+/// An example: the base mesh after a collision. Set target_positions, or delta_indices and position_deltas.
 typedef struct {
     uint32_t struct_size;
     /// Number of vertices in delta_indices, position_deltas and normal_deltas.
     uint32_t delta_count;
-    /// UTF-8 text, copied. Need not be unique. Null: empty.
+    /// UTF-8 text. It is copied and need not be unique. Null: empty.
     const char *name;
     /// Full form: the new position of every vertex, vertex_count times 3 floats, m, in the base mesh's order.
     CrumpleInput target_positions;
@@ -355,14 +355,14 @@ typedef struct {
     uint32_t contact_vertex;
     /// The point that was hit, m, in the mesh's space, for CRUMPLE_CONTACT_KIND_POINT.
     CrumpleVec3 contact_point;
-    /// The surface's outward direction at the contact, of any length above 0. Used where has_contact_normal is true.
+    /// The surface's outward direction at the contact, of any length above 0. Used only if has_contact_normal is true.
     CrumpleVec3 contact_normal;
     /// Whether contact_normal is given. Default false: the mesh's normal is used.
     bool has_contact_normal;
     CrumplePlacement placement;
 } CrumpleExampleDef;
 
-/// A mesh as arrays, which are copied. Part of the defs that contain it, which set its defaults.
+/// A mesh as arrays, which are copied. The def that contains it sets its defaults.
 typedef struct {
     /// Number of vertices, at least 1. Their order is kept.
     uint32_t vertex_count;
@@ -379,38 +379,38 @@ typedef struct {
     CrumpleIndexType index_type;
 } CrumpleMeshDef;
 
-/// How an example set is built. Part of the defs that build one, which set its defaults.
+/// How an example set is built. The def that contains it sets its defaults.
 typedef struct {
     /// No vertex moves further than this, m. Default 0: the depth of the deepest example.
     float depth_limit;
-    /// Displacements of an example up to this length are dropped, m. Default 0: only zeros.
+    /// Displacements of an example up to this length are dropped, m. Default 0: drops only zeros.
     float drop_below;
-    /// Mass of every vertex, kg, for impulses without a mass: a calibration constant in impulse * duration / mass, not
-    /// the body's mass. Default 0: unknown.
+    /// Mass of every vertex, kg, for impulses without a mass. It is a calibration constant in impulse * duration /
+    /// mass, not the body's mass. Default 0: unknown.
     float vertex_mass;
     /// Nodes along each side of the grid that stores a carried example: 4 to 128. Default 32; sharp creases need more.
-    /// With a bake_tolerance, this is the maximum.
+    /// If bake_tolerance is above 0, this is the maximum.
     uint32_t stamp_resolution;
-    /// Largest position error from quantisation at weight 1, m. Displacements are then stored as integers of 1 or 2
-    /// bytes, carried examples on the coarsest grid within the error. Default 0: exact floats. Changes the fingerprint;
-    /// depth_limit and vertex_mass do not.
+    /// Largest position error from quantisation at weight 1, m. Above 0, displacements are stored as integers of 1 or 2
+    /// bytes, and carried examples on the coarsest grid within the error. Default 0: exact floats. It changes the
+    /// fingerprint; depth_limit and vertex_mass do not.
     float bake_tolerance;
-    /// Largest error of a normal at weight 1, degrees, above 0 and up to 45. Used with a bake_tolerance. Default 1.
+    /// Largest error of a normal at weight 1, degrees, above 0 and up to 45. Unused if bake_tolerance is 0. Default 1.
     float bake_normal_tolerance;
     /// Mass of each vertex, kg: vertex_count floats, instead of vertex_mass. Default absent.
     CrumpleInput vertex_masses;
     CrumpleCombine combine;
     CrumpleSeams seams;
-    /// Carried examples are never scaled above their own depth, as anchored ones never are. Default false.
+    /// Never scale carried examples above their own depth. Anchored examples never are. Default false.
     bool strict;
-    /// Also use mirrored copies of the examples where the body is symmetric in a coordinate plane through the centre of
+    /// Also use mirrored copies of the examples if the body is symmetric about a coordinate plane through the centre of
     /// its bounds. Default true.
     bool mirror;
     /// Fade carried dents to zero at boundary edges that no example moves. Default true.
     bool held_rims;
 } CrumpleExampleSetOptions;
 
-/// A base mesh with its examples, at least 1, and how the set is built.
+/// A base mesh, at least one example, and the options of the set.
 typedef struct {
     uint32_t struct_size;
     uint32_t example_count;
@@ -433,20 +433,20 @@ typedef struct {
     CrumpleMeshDef mesh;
 } CrumpleLodDef;
 
-/// Which mesh of a glTF file to load, and how the set is built.
+/// Which mesh of a glTF file to load, and the options of the set.
 typedef struct {
     uint32_t struct_size;
-    /// Index of the mesh in the file, used where mesh_name is null. Default UINT32_MAX: the first with morph targets.
+    /// Index of the mesh in the file, used if mesh_name is null. Default UINT32_MAX: the first mesh with morph targets.
     uint32_t mesh_index;
     /// Name of the mesh, UTF-8. Default null: mesh_index decides.
     const char *mesh_name;
-    /// Path of the .glb or .gltf file, UTF-8. For crumple_example_set_load_gltf_memory(): the folder of files that the
-    /// glTF refers to; null makes such files an error.
+    /// Path of the .glb or .gltf file, UTF-8. For crumple_example_set_load_gltf_memory(): the folder of other files
+    /// that the glTF refers to. If it is null there, a glTF that refers to files is an error.
     const char *path;
     CrumpleExampleSetOptions options;
 } CrumpleGltfDef;
 
-/// A base OBJ file with its example files, and how the set is built.
+/// A base OBJ file, its example files, and the options of the set.
 typedef struct {
     uint32_t struct_size;
     /// Number of example_paths, at least 1.
@@ -459,8 +459,8 @@ typedef struct {
 } CrumpleObjDef;
 
 /// An array that Crumple writes. Element i is at data + offset + i * stride. Positions and normals are 3 floats,
-/// tangents 4 floats, indices one uint32_t. Bytes between elements are not touched, so streams may be interleaved. Zero
-/// everywhere: absent.
+/// tangents 4 floats, indices one uint32_t. Bytes between elements are not touched, so streams may be interleaved. All
+/// fields zero: absent.
 typedef struct {
     /// Start of the memory, aligned to 4 bytes. Null: absent.
     void *data;
@@ -472,10 +472,11 @@ typedef struct {
     size_t stride;
 } CrumpleStream;
 
-/// Where a set's mesh is copied to: positions (m), unit normals, tangents, and 3 * triangle_count indices. Absent ones are skipped.
+/// Where to copy a mesh: positions (m), unit normals, tangents and 3 * triangle_count indices. Absent streams are
+/// skipped.
 typedef struct {
     uint32_t struct_size;
-    /// Which mesh: 0 for the base mesh, or a number of crumple_example_set_add_lod(). Default 0.
+    /// Which mesh: 0 for the base mesh, or a number from crumple_example_set_add_lod(). Default 0.
     uint32_t lod;
     CrumpleStream positions;
     CrumpleStream normals;
@@ -489,12 +490,11 @@ typedef struct {
     CrumpleVec3 max;
 } CrumpleAabb;
 
-/// Facts about an example set; counts and bounds are those of the base mesh. Its strings are valid until the set is
-/// destroyed.
+/// Facts about an example set. Counts and bounds are the base mesh's. Strings are valid until the set is destroyed.
 typedef struct {
     /// Name of the mesh in its file, UTF-8; empty for a set built from arrays. Never null.
     const char *name;
-    /// Equal for equal sets, on any machine. Saved damage fits sets of one fingerprint.
+    /// Equal for equal sets, on any machine. Saved damage fits only sets with the same fingerprint.
     uint64_t fingerprint;
     uint64_t memory_bytes;
     uint32_t vertex_count;
@@ -507,7 +507,7 @@ typedef struct {
     /// No vertex moves further than this, m.
     float depth_limit;
     CrumpleAabb bounds;
-    /// World matrix of the first node that shows the mesh, column-major; the identity if there is none.
+    /// World matrix of the first glTF node that shows the mesh, column-major; the identity if there is none.
     float node_transform[16];
     bool has_tangents;
     /// Number of meshes: 1 + added levels of detail.
@@ -515,14 +515,14 @@ typedef struct {
     uint64_t reserved[4];
 } CrumpleExampleSetInfo;
 
-/// Facts about an example. Its name, UTF-8, is valid until the set is destroyed, and never null.
+/// Facts about an example. name is UTF-8, never null, and valid until the set is destroyed.
 typedef struct {
     const char *name;
-    /// The vertex that was hit, or the deepest vertex.
+    /// The vertex that was hit. If the example has no contact, the deepest vertex.
     uint32_t contact_vertex;
-    /// Number of vertices that it moves. 0: it has no effect.
+    /// Number of vertices that the example moves. 0: it has no effect.
     uint32_t moved_vertices;
-    /// Where it was hit, m.
+    /// Where the example was hit, m.
     CrumpleVec3 contact_point;
     /// Outward unit normal at the contact; zero if unknown.
     CrumpleVec3 contact_normal;
@@ -536,8 +536,7 @@ typedef struct {
     uint64_t reserved[2];
 } CrumpleExampleInfo;
 
-/// A part of the mesh with its own material, whose name (UTF-8) is null if it has none and is valid until the set is
-/// destroyed.
+/// A part of the mesh with its own material. material is its name (UTF-8, valid until the set is destroyed) or null.
 typedef struct {
     const char *material;
     uint32_t first_vertex;
@@ -551,22 +550,22 @@ typedef struct {
 /// Options of an instance.
 typedef struct {
     uint32_t struct_size;
-    /// Most examples that one hit may mix: 1 to 4. Default 3.
+    /// Most examples that one hit may combine: 1 to 4. Default 3.
     uint32_t examples_per_hit;
     /// The example set, which the instance keeps alive. Required.
     CrumpleExampleSet set;
     CrumpleRule rule;
     CrumpleSelection selection;
-    /// Most marks kept, 1 to 65535, 32 bytes each. Above it, the weakest mark joins the nearest. Default 64.
+    /// Most marks kept, 1 to 65535, 32 bytes each. Above, the weakest mark merges into the nearest. Default 64.
     uint32_t mark_capacity;
     /// No vertex moves further than this, m. Default 0: the set's limit.
     float depth_limit;
-    /// Shorter impulses leave no mark, N s, in the hit's space. Default 0.
+    /// Impulses shorter than this leave no mark, N s, in the hit's space. Default 0.
     float yield_impulse;
-    /// Hits with a shorter target leave no mark, m, in the mesh's space. Default 0.
+    /// Hits with a target displacement shorter than this leave no mark, m, in the mesh's space. Default 0.
     float yield_displacement;
-    /// Hits further than this from the nearest vertex are refused, m, in the mesh's space. Default 0: the body's
-    /// diagonal.
+    /// Hits further than this from the nearest vertex are errors, m, in the mesh's space. Default 0: the diagonal of
+    /// the bounds, or the depth limit if larger.
     float max_contact_distance;
     /// Constant of CRUMPLE_RULE_BLEND, 0 to 1. Default 0.
     float blend_constant;
@@ -583,9 +582,9 @@ typedef struct {
     uint16_t context;
 } CrumpleInstance;
 
-/// The state of an instance, including pending hits.
+/// The state of an instance. Pending hits are included.
 typedef struct {
-    /// The id that it was created with, which may be stale.
+    /// The set that it was created with. The id is invalid if the set was destroyed.
     CrumpleExampleSet set;
     /// Memory of the instance, bytes, without the set and without your buffers.
     uint64_t memory_bytes;
@@ -598,26 +597,27 @@ typedef struct {
     uint32_t reserved[4];
 } CrumpleInstanceInfo;
 
-/// A hit given as an impulse, with point and impulse in the given space (default CRUMPLE_SPACE_LOCAL). The target
-/// displacement of the contact is impulse * duration / mass. For dents that do not depend on the frame rate, make
-/// duration a constant of the material and report a contact once with its whole impulse, or in parts with a contact_id.
+/// A hit given as an impulse. point and impulse are in the given space (default CRUMPLE_SPACE_LOCAL). The target
+/// displacement of the contact is impulse * duration / mass. To make dents independent of the frame rate, use a
+/// constant of the material as duration, and report a contact once with its whole impulse, or in parts with a
+/// contact_id.
 typedef struct {
     uint32_t struct_size;
     CrumpleSpace space;
-    /// Where it hit, m. The nearest vertex becomes the contact.
+    /// Where the body was hit, m. The nearest vertex becomes the contact.
     CrumpleVec3 point;
     /// The impulse on the body, N s. A zero impulse leaves no mark.
     CrumpleVec3 impulse;
     /// How long the impulse acted, s: a constant of the material such as 0.01, not the time step. Required, not 0.
     float duration;
-    /// Mass of the contact vertex, kg. Default 0: the mass that the set has for the vertex.
+    /// Mass of the contact vertex, kg. Default 0: the set's mass for that vertex.
     float mass;
     /// The contact that the hit is part of; see crumple_instance_end_contact(). Default 0: none.
     uint64_t contact_id;
 } CrumpleImpulseDef;
 
-/// A hit given as the desired contact displacement, for engines with their own impulse-to-depth mapping. It does not
-/// depend on the frame rate. Fields without a comment are as in CrumpleImpulseDef.
+/// A hit given as the desired contact displacement, for engines with their own impulse-to-depth mapping. The dent does
+/// not depend on the frame rate. Fields without a comment are as in CrumpleImpulseDef.
 typedef struct {
     uint32_t struct_size;
     CrumpleSpace space;
@@ -630,13 +630,13 @@ typedef struct {
 /// An example that a hit uses.
 typedef struct {
     uint32_t example;
-    /// Share of the dent; shares of a hit sum to 1. Negative where it corrects overshoot of the others.
+    /// Share of the dent; shares of a hit sum to 1. Negative if it corrects overshoot of the others.
     float share;
-    /// Factor of its displacements.
+    /// Factor that multiplies the example's displacements.
     float scale;
-    /// Whether it stays where it was made. Otherwise it is carried (moved) to the contact.
+    /// Whether the example is anchored. Otherwise it is carried to the contact.
     bool anchored;
-    /// Planes it is mirrored in: 1 for x, 2 for y, 4 for z, added.
+    /// Mirrored coordinates, as bits: 1 for x, 2 for y, 4 for z.
     uint8_t mirror;
     uint16_t reserved;
 } CrumpleChosen;
@@ -645,22 +645,22 @@ typedef struct {
 typedef struct {
     /// Index of the example; 0xFFFF in an unused pair.
     uint16_t example;
-    /// Low 12 bits: share of the dent, two's complement, 1024 for the whole dent. Bits 12, 13 and 14: the example is mirrored
-    /// in x, y and z. Bit 15: it stays where it was made.
+    /// Low 12 bits: share of the dent, two's complement; 1024 is the whole dent. Bits 12, 13 and 14: the example is
+    /// mirrored in x, y and z. Bit 15: the example is anchored.
     uint16_t share;
 } CrumplePair;
 
-/// One dent: where, how deep, and made of which examples. Plain data of 32 bytes, equal on all machines: send or save it as
-/// it is (little-endian).
+/// One dent: contact, depth and examples. Plain data, 32 bytes, little-endian, equal on all machines: send or save it
+/// as is.
 typedef struct {
     /// The vertex that was hit.
     uint32_t contact;
-    /// Depth asked for at the contact, m; above 0.
+    /// Requested depth at the contact, m, above 0.
     float depth;
-    /// Strength squared, in units of 2^-32: 4294967296 for one hit; each hit that repeats the mark adds as much. Sets that
-    /// combine by sum or by the deepest store the strength itself.
+    /// Strength squared, in units of 2^-32: 4294967296 for one hit. Hits that repeat the mark add to it. With
+    /// CRUMPLE_COMBINE_SUM it is the strength itself; with CRUMPLE_COMBINE_DEEPEST the greatest strength.
     uint64_t energy;
-    /// Up to four examples, the used ones first.
+    /// Up to four examples. Used pairs come first.
     CrumplePair pairs[4];
 } CrumpleMark;
 
@@ -669,18 +669,18 @@ typedef struct {
     CrumpleHitStatus status;
     /// The vertex nearest to the point.
     uint32_t contact_vertex;
-    /// Its distance from the point, m.
+    /// Distance of that vertex from the point, m.
     float contact_distance;
-    /// Target displacement of the contact before clamping, m, in the mesh's space.
+    /// Target displacement of the contact, before it is clamped, m, in the mesh's space.
     CrumpleVec3 target;
-    /// Displacement of the contact by this hit alone, m, in the mesh's space. target - achieved was not achieved.
+    /// Displacement of the contact by this hit alone, m, in the mesh's space.
     CrumpleVec3 achieved;
     uint32_t chosen_count;
     /// Whether the target was longer than the depth limit and was cut to it.
     bool clamped;
     /// The examples, the largest share first.
     CrumpleChosen chosen[4];
-    /// The mark; zero everywhere where the hit leaves none.
+    /// The mark. All zero if the hit leaves none.
     CrumpleMark mark;
     uint64_t reserved[4];
 } CrumpleHitResult;
@@ -688,7 +688,7 @@ typedef struct {
 /// Memory for the deformed vertices of one instance, in the mesh's order and space.
 typedef struct {
     uint32_t struct_size;
-    /// Which mesh: 0 for the base mesh, or a number of crumple_example_set_add_lod(). Default 0.
+    /// Which mesh: 0 for the base mesh, or a number from crumple_example_set_add_lod(). Default 0.
     uint32_t lod;
     /// Positions, m. Required.
     CrumpleStream positions;
@@ -698,20 +698,20 @@ typedef struct {
     CrumpleStream tangents;
 } CrumpleHostBufferDef;
 
-/// Your memory that an instance's deformed vertices are written to. An id; zero is null.
+/// Registered memory of yours that receives an instance's deformed vertices. An id; zero is null.
 typedef struct {
     uint32_t index;
     uint16_t generation;
     uint16_t context;
 } CrumpleBuffer;
 
-/// The work of a deform. Blocks are runs of consecutive vertices.
+/// The work done by a deform. A block is a run of up to 128 consecutive vertices.
 typedef struct {
     uint64_t vertices_written;
     uint64_t blocks_written;
     /// Blocks that were up to date.
     uint64_t blocks_skipped;
-    /// Examples of marks that tolerances skipped; see crumple_instance_set_tolerance().
+    /// Examples of marks skipped by tolerances; see crumple_instance_set_tolerance().
     uint64_t parts_skipped;
     uint64_t reserved[4];
 } CrumpleDeformReport;
@@ -722,14 +722,14 @@ typedef struct {
     uint32_t count;
 } CrumpleRange;
 
-/// Any Vulkan function, as PFN_vkVoidFunction: (CrumpleVulkanFunction)vkGetInstanceProcAddr.
+/// Any Vulkan function, like PFN_vkVoidFunction. Cast to it: (CrumpleVulkanFunction)vkGetInstanceProcAddr.
 typedef void (*CrumpleVulkanFunction)(void);
 
 /// Your Vulkan device, Vulkan 1.1 or later: a VkInstance, a VkPhysicalDevice and a VkDevice, all required. No extension
 /// or feature needs to be enabled.
 typedef struct {
     uint32_t struct_size;
-    /// Family of the queue that executes the command buffers; it must support compute. Required. Default UINT32_MAX.
+    /// Family of the queue that executes the command buffers, with compute. Required. Default UINT32_MAX (invalid).
     uint32_t queue_family;
     /// vkGetInstanceProcAddr of the instance's loader. Crumple gets every function from it and never opens a Vulkan
     /// library. Required.
@@ -746,15 +746,15 @@ typedef struct {
     uint32_t workgroup_size;
 } CrumpleVulkanAttachDef;
 
-/// Where the values of one attribute are. Zero everywhere: absent.
+/// Where the values of one attribute are stored. All fields zero: absent.
 typedef struct {
     /// Bytes from the start of the range to the first value, a multiple of 4.
     uint64_t offset;
     /// Bytes from one value to the next: at least the size of a value, a multiple of 4.
     uint64_t stride;
-    /// A VkFormat. Positions: R32G32B32_SFLOAT, R16G16B16A16_SFLOAT (w is 1), R16G16B16A16_SNORM (see scale). Normals:
-    /// R32G32B32_SFLOAT, R16G16B16A16_SNORM, R8G8B8A8_SNORM (w is 0). Tangents: R32G32B32A32_SFLOAT,
-    /// R16G16B16A16_SNORM, R8G8B8A8_SNORM.
+    /// A VkFormat. Positions: R32G32B32_SFLOAT, R16G16B16A16_SFLOAT (w is 1), R16G16B16A16_SNORM (see
+    /// CrumpleVulkanBufferDef.scale). Normals: R32G32B32_SFLOAT, R16G16B16A16_SNORM, R8G8B8A8_SNORM (w is 0). Tangents:
+    /// R32G32B32A32_SFLOAT, R16G16B16A16_SNORM, R8G8B8A8_SNORM.
     uint32_t format;
     uint32_t reserved;
 } CrumpleVulkanStream;
@@ -764,37 +764,38 @@ typedef struct {
 typedef struct {
     uint32_t struct_size;
     uint32_t lod;
-    /// The VkBuffer, bound to memory: (uint64_t)handle. Required. Any number of ranges may lie in one VkBuffer; buffer,
-    /// buffer_size, usage, queue_family and the four stage and access fields must then be equal.
+    /// The VkBuffer, bound to memory: (uint64_t)handle. Required. One VkBuffer may hold any number of ranges; their
+    /// buffer_size, usage, queue_family and four stage and access fields must be equal.
     uint64_t buffer;
     /// Bytes of the whole VkBuffer. Required.
     uint64_t buffer_size;
-    /// VkBufferUsageFlags of the VkBuffer, with VK_BUFFER_USAGE_STORAGE_BUFFER_BIT. Required.
+    /// VkBufferUsageFlags of the VkBuffer. They must include VK_BUFFER_USAGE_STORAGE_BUFFER_BIT. Required.
     uint32_t usage;
-    /// Default VK_QUEUE_FAMILY_IGNORED: the device's own family owns the VkBuffer, or it is VK_SHARING_MODE_CONCURRENT.
-    /// Otherwise the other family that owns it. Each recording that includes one of its ranges then begins with an
-    /// acquire and ends with a release of the whole VkBuffer, even without changes. You record the matching release and
-    /// acquire on the other queue.
+    /// The other queue family that owns the VkBuffer. Default VK_QUEUE_FAMILY_IGNORED: the attached queue family owns
+    /// it, or it is VK_SHARING_MODE_CONCURRENT. With another owner, each recording that includes one of its ranges
+    /// begins with an acquire and ends with a release of the whole VkBuffer, even without changes. You record the
+    /// matching release and acquire on the other queue.
     uint32_t queue_family;
-    /// VkPipelineStageFlags of your last use of the VkBuffer before a recording, not 0. Barriers cover the whole
-    /// VkBuffer, so include indices, copies and read-backs in it. Default VK_PIPELINE_STAGE_VERTEX_INPUT_BIT.
+    /// VkPipelineStageFlags of your last uses of the VkBuffer before a recording, not 0. Barriers cover the whole
+    /// VkBuffer, so include the stages of index reads, copies and read-backs. Default
+    /// VK_PIPELINE_STAGE_VERTEX_INPUT_BIT.
     uint32_t before_stages;
-    /// VkAccessFlags of that use. Default VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT.
+    /// VkAccessFlags of those uses. Default VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT.
     uint32_t before_access;
-    /// VkPipelineStageFlags of your next use of anything in the VkBuffer, not 0. Default
+    /// VkPipelineStageFlags of your next uses of anything in the VkBuffer, not 0. Default
     /// VK_PIPELINE_STAGE_VERTEX_INPUT_BIT.
     uint32_t after_stages;
-    /// VkAccessFlags of that use. Default VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT.
+    /// VkAccessFlags of those uses. Default VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT.
     uint32_t after_access;
     /// Start of the range, bytes, a multiple of 4.
     uint64_t offset;
-    /// Bytes of the range. Nothing outside is written. Ranges may interleave; values must not overlap. Required.
+    /// Bytes of the range. Nothing outside is written. Ranges may interleave, but values must not overlap. Required.
     uint64_t size;
     CrumpleVulkanStream positions;
     CrumpleVulkanStream normals;
     CrumpleVulkanStream tangents;
-    /// For positions in R16G16B16A16_SNORM: a stored s in -1 to 1 is s * scale + bias, m. Positions outside are
-    /// clamped, so cover the mesh's bounds grown by the depth limit. Above 0. Default 1, 1, 1.
+    /// For positions in R16G16B16A16_SNORM: a stored value s in -1 to 1 means s * scale + bias, m. Positions outside
+    /// that range are clamped, so it must cover the mesh's bounds grown by the depth limit. Above 0. Default 1, 1, 1.
     CrumpleVec3 scale;
     CrumpleVec3 bias;
 } CrumpleVulkanBufferDef;
@@ -802,7 +803,7 @@ typedef struct {
 /// The recorded work. Fields without a comment are as in CrumpleDeformReport.
 typedef struct {
     uint64_t vertices_written;
-    /// Blocks of consecutive vertices that will be written. 0: nothing was recorded, except queue-family transfers.
+    /// Blocks that will be written. 0: only queue-family transfers were recorded, if any.
     uint64_t blocks_written;
     uint64_t blocks_skipped;
     uint64_t parts_skipped;
@@ -814,24 +815,24 @@ typedef struct {
     uint64_t reserved[4];
 } CrumpleRecordReport;
 
-/// A Vulkan device that Crumple creates, beside yours on the same physical device. Fields without a comment are as in
+/// A Vulkan device that Crumple creates beside yours, on the same physical device. Fields without a comment are as in
 /// CrumpleVulkanAttachDef.
 typedef struct {
     uint32_t struct_size;
     uint32_t workgroup_size;
     /// vkGetInstanceProcAddr of a loader that stays loaded. Required.
     CrumpleVulkanFunction get_instance_proc_addr;
-    /// deviceUUID of your physical device (VkPhysicalDeviceIDProperties); devices of one UUID can share memory. Default
-    /// zero: the first device that supports compute.
+    /// deviceUUID of your physical device (VkPhysicalDeviceIDProperties). Devices with equal UUIDs can share memory.
+    /// Default zero: the first device that supports compute.
     uint8_t device_uuid[16];
     const void *pipeline_cache;
     /// Bytes at pipeline_cache.
     size_t pipeline_cache_size;
 } CrumpleVulkanOpenDef;
 
-/// A VkBuffer of your device in memory that it exported, at offset (default 0) in the memory and with a size, bytes.
-/// usage is as in CrumpleVulkanBufferDef. Create it with VkExternalMemoryBufferCreateInfo and its memory with
-/// VkExportMemoryAllocateInfo, of one handle type (default CRUMPLE_HANDLE_TYPE_OPAQUE_FD).
+/// A VkBuffer of your device that Crumple imports. Create it with VkExternalMemoryBufferCreateInfo, and its memory with
+/// VkExportMemoryAllocateInfo, both with handle_type (default CRUMPLE_HANDLE_TYPE_OPAQUE_FD). offset is where the
+/// VkBuffer starts in the memory (default 0) and size is its size, bytes. usage is as in CrumpleVulkanBufferDef.
 typedef struct {
     uint32_t struct_size;
     CrumpleHandleType handle_type;
@@ -848,13 +849,13 @@ typedef struct {
     bool dedicated;
 } CrumpleVulkanImportDef;
 
-/// A point bound to the nearest surface. Plain data: copy or save it. It fits every instance of its set.
+/// A point bound to the nearest surface. Plain data: you may copy or save it. It works with every instance of its set.
 typedef struct {
-    /// Vertices of the triangle; all equal for a mesh without triangles.
+    /// Vertices of the triangle. All three are equal if the mesh has no triangles.
     uint32_t vertices[3];
     /// Barycentric weights of the surface point; they sum to 1.
     float weights[3];
-    /// The attached point at rest, m, in the mesh's space.
+    /// The attached point on the undamaged mesh, m, in the mesh's space.
     CrumpleVec3 point;
     uint32_t reserved[3];
 } CrumpleAttachment;
@@ -867,7 +868,7 @@ typedef struct {
     float w;
 } CrumpleQuat;
 
-/// The place of an attached point, and its rotation since rest.
+/// The position of an attached point, and its rotation relative to the undamaged mesh.
 typedef struct {
     /// Position, m, in the mesh's space.
     CrumpleVec3 position;
@@ -889,96 +890,96 @@ const char *crumple_version_string(void);
 uint64_t crumple_features(void);
 
 /// Returns the message of the calling thread's last failed call, as UTF-8: "crumple_instance_create: ...". It names the
-/// wrong value and the right one. It is empty before the first failure; calls that succeed leave it unchanged. It stays
-/// valid until the thread's next failed call. At most 1023 bytes, never null.
+/// wrong value and what would be right. It is empty before the first failure; calls that succeed leave it unchanged.
+/// The text stays valid until the thread's next failed call. It has at most 1023 bytes and is never null.
 const char *crumple_last_error(void);
 
 /// Returns the name of a result, such as "CRUMPLE_ERROR_FORMAT", or "unknown result". The text stays valid for ever.
 const char *crumple_result_name(CrumpleResult result);
 
-/// An allocator def without functions. Set both.
+/// Returns a def without functions. Set both.
 CrumpleAllocatorDef crumple_allocator_def_default(void);
 
-/// Makes the library allocate from the host's functions, for the whole process. Null restores the system's allocator.
-/// You may call this at any time. Each block is freed by the functions that allocated it, so they must stay callable.
-/// Destroying all contexts frees all blocks, except for a few kB per thread that contexts with their own threads keep
-/// until process exit. A process can use at most 15 different allocators. Builds without CRUMPLE_FEATURE_HOST_ALLOCATOR
-/// return CRUMPLE_ERROR_UNSUPPORTED.
+/// Makes the library allocate from your functions, in the whole process. Null restores the system's allocator. You may
+/// call this at any time. Each block is freed by the functions that allocated it, so they must stay callable.
+/// Destroying all contexts frees all blocks, except for a few kB per thread of Crumple's own, kept until process exit.
+/// A process can use at most 15 different allocators. Builds without CRUMPLE_FEATURE_HOST_ALLOCATOR return
+/// CRUMPLE_ERROR_UNSUPPORTED.
 CrumpleResult crumple_allocator_set(const CrumpleAllocatorDef *allocator);
 
-/// The default options: one thread per core, no log.
+/// Returns the default options: one thread per core, no log.
 CrumpleContextDef crumple_context_def_default(void);
 
-/// Creates a context. What its callbacks use must live until the context is destroyed. Any thread may call this.
+/// Creates a context. Data that its callbacks use must live until the context is destroyed. Any thread may call this.
 /// Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (more than 1024 threads, or 65535 contexts alive),
-/// CRUMPLE_ERROR_OUT_OF_MEMORY (the system starts no more threads).
+/// CRUMPLE_ERROR_OUT_OF_MEMORY (the system cannot start the threads).
 CrumpleResult crumple_context_create(const CrumpleContextDef *def, CrumpleContext **out_context);
 
-/// Destroys a context and everything in it. Your own memory is neither freed nor touched. The context and its ids
+/// Destroys a context and everything in it. It neither frees nor touches your own memory. The context and its ids
 /// become invalid. No other call may be running with this context. An attached Vulkan device must still exist.
-/// CRUMPLE_ERROR_FRAMES_IN_FLIGHT: see crumple_vulkan_complete_frames(); nothing was destroyed.
+/// CRUMPLE_ERROR_FRAMES_IN_FLIGHT: nothing was destroyed; see crumple_vulkan_complete_frames().
 CrumpleResult crumple_context_destroy(CrumpleContext *context);
 
-/// An example without positions. Set them.
+/// Returns a def without positions. Set them.
 CrumpleExampleDef crumple_example_def_default(void);
 
-/// A set without mesh and examples. Set them.
+/// Returns a def without mesh and examples. Set them.
 CrumpleExampleSetDef crumple_example_set_def_default(void);
 
-/// Builds an example set from arrays. The call indexes the mesh and samples every example, which takes time: build sets
+/// Builds an example set from arrays. This indexes the mesh and samples every example, which takes time: build sets
 /// while loading, or load baked ones. Errors: CRUMPLE_ERROR_MESH (no vertices), CRUMPLE_ERROR_EXAMPLE_MISMATCH (no
 /// examples, or one that does not fit the mesh).
 CrumpleResult crumple_example_set_create(CrumpleContext *context, const CrumpleExampleSetDef *def,
                                          CrumpleExampleSet *out_set);
 
-/// A level of detail without mesh. Set it.
+/// Returns a def without mesh. Set it.
 CrumpleLodDef crumple_lod_def_default(void);
 
 /// Adds a mesh that shows the same damage, such as a level of detail or a collision proxy. Call this before the set's
-/// first instance is created. out_lod is its number, 1 for the first, for the lod fields of buffer defs. Each vertex is
-/// bound to the nearest point of the base surface and moves with it. A vertex on a base vertex moves exactly as that
-/// vertex. Contacts, marks, saved damage and the fingerprint are still those of the base mesh. Errors:
+/// first instance is created. out_lod receives its number for the lod fields of defs, 1 for the first. Each vertex is
+/// bound to the nearest point of the base surface and moves with it. A vertex at the position of a base vertex moves
+/// exactly like that vertex. Contacts, marks, saved damage and the fingerprint still refer to the base mesh. Errors:
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (the set has instances), CRUMPLE_ERROR_MESH.
 CrumpleResult crumple_example_set_add_lod(CrumpleContext *context, CrumpleExampleSet set, const CrumpleLodDef *def,
                                           uint32_t *out_lod);
 
-/// Ends a set's id and the strings of its infos. Instances keep the set's memory alive and continue to work.
+/// Destroys a set. Its id and the strings of its infos become invalid. Instances keep the set's memory and still work.
 CrumpleResult crumple_example_set_destroy(CrumpleContext *context, CrumpleExampleSet set);
 
-/// The first mesh with morph targets, with default options. Set the path.
+/// Returns a def for the first mesh with morph targets, with default options. Set the path.
 CrumpleGltfDef crumple_gltf_def_default(void);
 
-/// Default options. Set the paths.
+/// Returns a def with default options. Set the paths.
 CrumpleObjDef crumple_obj_def_default(void);
 
 /// Builds an example set from a glTF 2.0 or GLB file: a mesh with its morph targets. Primitives are joined in their
-/// order; see crumple_example_set_get_primitive(). mesh.extras gives names (targetNames), contacts (impacts) and
-/// placements. Coordinates stay in the mesh's own space: node transforms are not applied. Errors: CRUMPLE_ERROR_IO,
-/// CRUMPLE_ERROR_FORMAT (malformed, or no such mesh), CRUMPLE_ERROR_UNSUPPORTED (Draco or meshopt compression, or a
-/// build without CRUMPLE_FEATURE_GLTF), CRUMPLE_ERROR_EXAMPLE_MISMATCH (no morph targets), and those of
-/// crumple_example_set_create().
+/// order; see crumple_example_set_get_primitive(). mesh.extras has the examples' names (targetNames), contacts
+/// (impacts) and placements. Coordinates are in the mesh's own space: node transforms are not applied. Errors:
+/// CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT (malformed, or no such mesh), CRUMPLE_ERROR_UNSUPPORTED (Draco or meshopt
+/// compression, or a build without CRUMPLE_FEATURE_GLTF), CRUMPLE_ERROR_EXAMPLE_MISMATCH (no morph targets), and those
+/// of crumple_example_set_create().
 CrumpleResult crumple_example_set_load_gltf(CrumpleContext *context, const CrumpleGltfDef *def,
                                             CrumpleExampleSet *out_set);
 
-/// As crumple_example_set_load_gltf(), from the size bytes of a file at data, which are read during the call. Any
-/// alignment.
+/// Like crumple_example_set_load_gltf(), but reads the file from the size bytes at data, of any alignment.
 CrumpleResult crumple_example_set_load_gltf_memory(CrumpleContext *context, const void *data, size_t size,
                                                    const CrumpleGltfDef *def, CrumpleExampleSet *out_set);
 
-/// Builds an example set from a base OBJ file and one OBJ file per example, named after its file. Vertices are the
-/// file's v lines in their order. Polygons are triangulated. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT,
-/// CRUMPLE_ERROR_UNSUPPORTED (a build without CRUMPLE_FEATURE_OBJ), and those of crumple_example_set_create().
+/// Builds an example set from a base OBJ file and one OBJ file per example. Examples are named after their files.
+/// Vertices are the file's v lines in their order. Polygons are triangulated. Errors: CRUMPLE_ERROR_IO,
+/// CRUMPLE_ERROR_FORMAT, CRUMPLE_ERROR_UNSUPPORTED (a build without CRUMPLE_FEATURE_OBJ), and those of
+/// crumple_example_set_create().
 CrumpleResult crumple_example_set_load_obj(CrumpleContext *context, const CrumpleObjDef *def,
                                            CrumpleExampleSet *out_set);
 
 /// Loads an example set from the size bytes of a .crumple file at data, written by "crumple bake" or
 /// crumple_example_set_save_baked(). Loading builds nothing and is fast. All bytes are validated. The set has one
-/// primitive, no name and no node transform. Errors: CRUMPLE_ERROR_FORMAT (damaged, cut short, or no baked set),
+/// primitive, no name and no node transform. Errors: CRUMPLE_ERROR_FORMAT (damaged, cut short, or not a baked set),
 /// CRUMPLE_ERROR_UNSUPPORTED (another format version, or a big-endian processor).
 CrumpleResult crumple_example_set_load_baked_memory(CrumpleContext *context, const void *data, size_t size,
                                                     CrumpleBytes bytes, CrumpleExampleSet *out_set);
 
-/// As crumple_example_set_load_baked_memory(), from a file that is read into memory. path is UTF-8. Also returns
+/// Like crumple_example_set_load_baked_memory(), but reads a file into memory. path is UTF-8. Also returns
 /// CRUMPLE_ERROR_IO.
 CrumpleResult crumple_example_set_load_baked(CrumpleContext *context, const char *path, CrumpleExampleSet *out_set);
 
@@ -987,7 +988,7 @@ CrumpleResult crumple_example_set_load_baked(CrumpleContext *context, const char
 CrumpleResult crumple_example_set_save_baked(CrumpleContext *context, CrumpleExampleSet set, void *data,
                                              size_t capacity, size_t *out_size);
 
-/// A copy def without streams. Set those that you need.
+/// Returns a def without streams. Set those that you need.
 CrumpleMeshCopyDef crumple_mesh_copy_def_default(void);
 
 /// Returns facts about a set.
@@ -1002,24 +1003,24 @@ CrumpleResult crumple_example_set_get_example(CrumpleContext *context, CrumpleEx
 CrumpleResult crumple_example_set_get_primitive(CrumpleContext *context, CrumpleExampleSet set, uint32_t primitive,
                                                 CrumplePrimitive *out_primitive);
 
-/// Copies the base mesh or a level of detail into your memory, for your vertex and index buffers. Normals that the set
-/// was not given are the computed ones. CRUMPLE_ERROR_MESH: the mesh lacks the normals or tangents asked for.
+/// Copies the base mesh or a level of detail into your memory, for your vertex and index buffers. If the set was built
+/// without normals, they are the computed ones. CRUMPLE_ERROR_MESH: the mesh lacks the requested normals or tangents.
 CrumpleResult crumple_example_set_copy_mesh(CrumpleContext *context, CrumpleExampleSet set,
                                             const CrumpleMeshCopyDef *def);
 
 /// Finds the vertex of the base mesh nearest to a point in the mesh's space, m. The lowest index wins a tie. Either
-/// output may be null. The distance is in m.
+/// output may be null. out_distance is in m.
 CrumpleResult crumple_example_set_find_nearest_vertex(CrumpleContext *context, CrumpleExampleSet set, CrumpleVec3 point,
                                                       uint32_t *out_vertex, float *out_distance);
 
-/// An instance with default options. Set its set.
+/// Returns the default options. Set the example set.
 CrumpleInstanceDef crumple_instance_def_default(void);
 
 /// Creates an undamaged instance: a few hundred bytes, plus 8 bytes per 128 vertices.
 CrumpleResult crumple_instance_create(CrumpleContext *context, const CrumpleInstanceDef *def,
                                       CrumpleInstance *out_instance);
 
-/// Destroys an instance and ends the ids of its buffers. Your memory keeps its contents.
+/// Destroys an instance and unregisters its buffers. Your memory keeps its contents.
 CrumpleResult crumple_instance_destroy(CrumpleContext *context, CrumpleInstance instance);
 
 /// Returns the state of an instance.
@@ -1027,43 +1028,43 @@ CrumpleResult crumple_instance_get_info(CrumpleContext *context, CrumpleInstance
                                         CrumpleInstanceInfo *out_info);
 
 /// Sets the transform of an instance: local_to_world points to 16 floats, column-major (element 4 * column + row, as in
-/// glTF and Vulkan), translation in elements 12 to 14, m, last row 0 0 0 1. It may scale and shear but not flatten.
-/// Hits in CRUMPLE_SPACE_WORLD use the inverse of the transform in force when they are submitted: points as points,
-/// impulses and displacements as vectors. Deformed vertices are in the mesh's space. May be called from any thread at
-/// any time.
+/// glTF and Vulkan), translation in elements 12 to 14, m, last row 0 0 0 1. It may scale and shear, but must be
+/// invertible. Hits in CRUMPLE_SPACE_WORLD use the inverse of the transform at the time of the call: in full for
+/// points, without translation for impulses and displacements. Deformed vertices are in the mesh's space. May be called
+/// from any thread at any time.
 CrumpleResult crumple_instance_set_transform(CrumpleContext *context, CrumpleInstance instance,
                                              const float *local_to_world);
 
-/// Limits how far a vertex moves, m, from the next crumple_context_deform() on. 0: the set's limit. Marks are kept, and
-/// show again when the limit is raised.
+/// Limits how far a vertex moves, m. The next deform or recording applies it. 0: the set's limit. Marks are kept, and
+/// their full depth returns when the limit is raised.
 CrumpleResult crumple_instance_set_depth_limit(CrumpleContext *context, CrumpleInstance instance, float depth_limit);
 
-/// Allows vertices a position error of up to tolerance, m, in the mesh's space, which makes deforming cheaper: smaller
-/// displacements are skipped. 0: none are skipped. Seams stay closed. The value is rounded down to a power of two in
-/// metres, so it may be set every frame from crumple_pixel_tolerance(). When the rounded value changes, the next deform
-/// writes every dented block. Classic rules ignore it.
+/// Allows an error of up to tolerance in vertex positions, m, in the mesh's space. Deforming then skips small
+/// displacements and is cheaper. 0: none are skipped. Seams stay closed. The value is rounded down to a power of two in
+/// metres, so that you may set it from crumple_pixel_tolerance() every frame. When the rounded value changes, the next
+/// deform writes every dented block. Classic rules ignore it.
 CrumpleResult crumple_instance_set_tolerance(CrumpleContext *context, CrumpleInstance instance, float tolerance);
 
 /// Returns the length, m, that covers a number of pixels at a distance, m, for a camera with this vertical field of
 /// view, radians, and viewport height, pixels. Use it as the tolerance of an instance whose nearest vertex is at that
-/// distance. Returns 0 for meaningless arguments: negative or NaN, a field of view of pi or more, a height of 0.
+/// distance. Returns 0 for invalid arguments: negative or NaN, a field of view of 0 or at least pi, a height of 0.
 float crumple_pixel_tolerance(float pixels, float distance, float fov_y, float viewport_height);
 
-/// A zero impulse in the mesh's space. Set point, impulse and duration.
+/// Returns a zero impulse in the mesh's space. Set point, impulse and duration.
 CrumpleImpulseDef crumple_impulse_def_default(void);
 
-/// A zero displacement in the mesh's space. Set point and displacement.
+/// Returns a zero displacement in the mesh's space. Set point and displacement.
 CrumpleDisplacementDef crumple_displacement_def_default(void);
 
-/// Submits a hit. Examples are selected during the call. The mark counts from the next read of the damage (see "Reads"
-/// at the top). A hit that is too weak, or that no example answers, is not an error; see out_result->status. out_result
-/// may be null. With a contact_id, it describes the hit alone. May be called from any thread at any time, except while
-/// the instance or context is being destroyed. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (duration not above 0, negative
-/// or unknown mass), CRUMPLE_ERROR_CONTACT_TOO_FAR, CRUMPLE_ERROR_WRONG_RULE (a contact_id with a classic rule).
+/// Submits a hit. The call selects the examples. The next read of the damage applies the mark (see "Reads" at the top).
+/// A hit that is too weak, or that no example fits, is not an error; see out_result->status. out_result may be null.
+/// With a contact_id, it describes this hit alone. May be called from any thread at any time, except while the instance
+/// or context is being destroyed. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (duration not above 0, a negative mass, or no
+/// mass in def or set), CRUMPLE_ERROR_CONTACT_TOO_FAR, CRUMPLE_ERROR_WRONG_RULE (a contact_id with a classic rule).
 CrumpleResult crumple_instance_submit_impulse(CrumpleContext *context, CrumpleInstance instance,
                                               const CrumpleImpulseDef *def, CrumpleHitResult *out_result);
 
-/// As crumple_instance_submit_impulse(), for a displacement.
+/// Like crumple_instance_submit_impulse(), but for a displacement.
 CrumpleResult crumple_instance_submit_displacement(CrumpleContext *context, CrumpleInstance instance,
                                                    const CrumpleDisplacementDef *def, CrumpleHitResult *out_result);
 
@@ -1072,221 +1073,222 @@ CrumpleResult crumple_instance_submit_displacement(CrumpleContext *context, Crum
 CrumpleResult crumple_instance_preview_impulse(CrumpleContext *context, CrumpleInstance instance,
                                                const CrumpleImpulseDef *def, CrumpleHitResult *out_result);
 
-/// As crumple_instance_preview_impulse(), for a displacement.
+/// Like crumple_instance_preview_impulse(), but for a displacement.
 CrumpleResult crumple_instance_preview_displacement(CrumpleContext *context, CrumpleInstance instance,
                                                     const CrumpleDisplacementDef *def, CrumpleHitResult *out_result);
 
-/// Ends a contact. Its dent stays; later hits with the same id begin a new contact. Use contacts where the physics
-/// engine reports one contact as many small impulses. Give each of these hits the same contact_id, any number but 0,
-/// and end the contact when the bodies separate. They make the dent of the whole impulse, at any frame rate: their
-/// displacements add, and the place is the mean of their points weighted by displacement. Yield thresholds and depth
-/// limit apply to the sum. One mark is replaced as hits arrive.
+/// Ends a contact. Its dent stays; later hits with the same id begin a new contact. Use contacts if your physics engine
+/// reports one contact as many small impulses. Give each of these hits the same contact_id, any number but 0, and end
+/// the contact when the bodies separate. Together they make the dent of the whole impulse, at any frame rate: their
+/// target displacements add up, and the place is the mean of their points weighted by displacement. Yield thresholds
+/// and depth limit apply to the sum. A contact has one mark, which is replaced as hits arrive.
 ///
-/// A hit that arrives after the end belongs to the next contact of that id. Ending an unknown id is not an error.
-/// Contacts also end when the instance's damage is set, loaded, copied, repaired or reset. At most 256 are open; the
-/// one hit longest ago ends first. May be called from any thread at any time. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
+/// Ending an unknown id is not an error. Contacts also end when the instance's damage is set, loaded, copied to it,
+/// repaired or reset. At most 256 are open per instance; above that, the one hit longest ago ends. May be called from
+/// any thread at any time. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
 CrumpleResult crumple_instance_end_contact(CrumpleContext *context, CrumpleInstance instance, uint64_t contact_id);
 
-/// Returns the result of all hits of an open contact as one. Its status is CRUMPLE_HIT_STATUS_BELOW_YIELD if no such
-/// contact is open or its sum is too weak. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
+/// Returns the result of an open contact, all its hits taken as one. Its status is CRUMPLE_HIT_STATUS_BELOW_YIELD if no
+/// such contact is open or the sum is too weak. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
 CrumpleResult crumple_instance_get_contact(CrumpleContext *context, CrumpleInstance instance, uint64_t contact_id,
                                            CrumpleHitResult *out_result);
 
-/// Copies an instance's marks, sorted, so that the same hits give the same marks in any order. marks has room for
-/// capacity marks; see "Arrays" at the top. CRUMPLE_ERROR_WRONG_RULE: classic rules have no marks.
+/// Copies an instance's marks to an array of capacity marks; see "Arrays" at the top. The marks are sorted, so that the
+/// order of hits does not matter. CRUMPLE_ERROR_WRONG_RULE: classic rules have no marks.
 CrumpleResult crumple_instance_get_marks(CrumpleContext *context, CrumpleInstance instance, CrumpleMark *marks,
                                          uint32_t capacity, uint32_t *out_count);
 
-/// Replaces an instance's marks by count marks of the same set. Discards pending hits and ends contacts. Errors:
+/// Replaces an instance's marks with count marks of the same set. Discards pending hits and ends contacts. Errors:
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that the set cannot have), CRUMPLE_ERROR_WRONG_RULE.
 CrumpleResult crumple_instance_set_marks(CrumpleContext *context, CrumpleInstance instance, const CrumpleMark *marks,
                                          uint32_t count);
 
-/// Saves an instance's damage as bytes that are equal on all machines. They hold a version and the set's fingerprint.
-/// data has capacity bytes of any alignment; see "Arrays" at the top.
+/// Saves an instance's damage as bytes that are equal on all machines. They include a version and the set's
+/// fingerprint. data has capacity bytes of any alignment; see "Arrays" at the top.
 CrumpleResult crumple_instance_save_damage(CrumpleContext *context, CrumpleInstance instance, void *data,
                                            size_t capacity, size_t *out_size);
 
-/// Replaces an instance's damage by size saved bytes of any alignment. Discards pending hits and ends contacts. Errors:
-/// CRUMPLE_ERROR_DAMAGE_MISMATCH (another set, version or rule, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT (a mark
-/// that the set cannot have).
+/// Replaces an instance's damage with saved damage: size bytes at data, of any alignment. Discards pending hits and
+/// ends contacts. Errors: CRUMPLE_ERROR_DAMAGE_MISMATCH (another set, version or rule, or cut short),
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that the set cannot have).
 CrumpleResult crumple_instance_load_damage(CrumpleContext *context, CrumpleInstance instance, const void *data,
                                            size_t size);
 
-/// Repairs an instance: every dent keeps this share of its depth, 0 (as new) to 1 (unchanged). Ends contacts.
+/// Repairs an instance. Every dent keeps this share of its depth: 0 (as new) to 1 (unchanged). Ends contacts.
 CrumpleResult crumple_instance_repair_damage(CrumpleContext *context, CrumpleInstance instance, float keep);
 
-/// Makes an instance as new. Discards pending hits and ends contacts.
+/// Removes all damage of an instance. Discards pending hits and ends contacts.
 CrumpleResult crumple_instance_reset_damage(CrumpleContext *context, CrumpleInstance instance);
 
-/// Replaces an instance's damage by that of source, an instance with an equal set and the same kind of rule. Discards
-/// the instance's pending hits and ends its contacts. Copying from itself does nothing. CRUMPLE_ERROR_DAMAGE_MISMATCH:
-/// another set or rule.
+/// Replaces an instance's damage with that of source, which needs an equal set and the same kind of rule. Discards the
+/// instance's pending hits and ends its contacts. Copying an instance to itself does nothing.
+/// CRUMPLE_ERROR_DAMAGE_MISMATCH: another set or rule.
 CrumpleResult crumple_instance_copy_damage(CrumpleContext *context, CrumpleInstance instance, CrumpleInstance source);
 
-/// A buffer without memory. Set its streams.
+/// Returns a def without streams. Set them.
 CrumpleHostBufferDef crumple_host_buffer_def_default(void);
 
 /// Registers your memory for an instance's deformed vertices. The first deform writes every vertex. An instance may
-/// have several buffers, such as the members of a ring; each is brought up to date by itself. Only
-/// crumple_context_deform() touches the memory. It must exist until the buffer is unregistered or set to other memory,
-/// or until its instance or context is destroyed. Memory of different buffers must not overlap; debug builds of the
-/// library check this. Errors: CRUMPLE_ERROR_MESH (normals or tangents that the mesh lacks), CRUMPLE_ERROR_WRONG_RULE
-/// (lod above 0 with a classic rule).
+/// have several buffers, such as a ring; each is updated separately. Only crumple_context_deform() touches the memory.
+/// It must exist until the buffer is unregistered or gets other memory, or its instance or context is destroyed. Memory
+/// of different buffers must not overlap; debug builds of the library check this. Errors: CRUMPLE_ERROR_MESH (normals
+/// or tangents that the mesh lacks), CRUMPLE_ERROR_WRONG_RULE (lod above 0 with a classic rule).
 CrumpleResult crumple_buffer_register_host(CrumpleContext *context, CrumpleInstance instance,
                                            const CrumpleHostBufferDef *def, CrumpleBuffer *out_buffer);
 
-/// Ends a buffer. The memory is yours alone again; a VkBuffer is once the frames that wrote it are complete.
+/// Unregisters a buffer. You may then free its memory, or its VkBuffer once the frames that wrote it are complete.
 CrumpleResult crumple_buffer_unregister(CrumpleContext *context, CrumpleBuffer buffer);
 
 /// Declares a buffer's contents lost or overwritten. The next deform or recording writes every vertex.
 CrumpleResult crumple_buffer_invalidate(CrumpleContext *context, CrumpleBuffer buffer);
 
 /// Gives a host buffer other memory, perhaps for another level of detail, and invalidates it. After an error the buffer
-/// keeps its memory. Errors as for crumple_buffer_register_host().
+/// keeps its memory. Errors: those of crumple_buffer_register_host(), and CRUMPLE_ERROR_INVALID_ARGUMENT (a Vulkan
+/// buffer).
 CrumpleResult crumple_buffer_set_memory(CrumpleContext *context, CrumpleBuffer buffer, const CrumpleHostBufferDef *def);
 
-/// Brings host buffers up to date: count ids at buffers, each once, or all host buffers of the context with null and 0.
-/// Writes only what changed since the last write of each buffer, in parallel over all of them. Without changes it is
-/// cheap. With null and 0 the pending hits of every instance become damage, also without a buffer, so damage does not
-/// depend on which bodies are seen. The buffers' memory must not be read or written during the call. out_report may be
-/// null. CRUMPLE_ERROR_INVALID_ARGUMENT: a buffer twice, a Vulkan buffer, or overlapping memory in debug builds. No
-/// vertex is written then.
+/// Writes the deformed vertices of count host buffers, or of all host buffers of the context if buffers is null and
+/// count 0. It writes only what changed since the last write of each buffer, in parallel over all of them, and is cheap
+/// without changes. With null and 0 it also applies the pending hits of instances without a buffer, so that damage does
+/// not depend on which bodies are visible. Nobody else may read or write the memory during the call. out_report may be
+/// null. CRUMPLE_ERROR_INVALID_ARGUMENT (no vertex was written): a buffer twice, a Vulkan buffer, or overlapping memory
+/// in debug builds.
 CrumpleResult crumple_context_deform(CrumpleContext *context, const CrumpleBuffer *buffers, uint32_t count,
                                      CrumpleDeformReport *out_report);
 
-/// Returns the vertices that the last deform or recording that included the buffer wrote (null as buffers includes
-/// all), as increasing, separate ranges, and the bounds of all its vertices, m. Use them for uploads, refits and
-/// culling. Bounds of a Vulkan buffer may be too large. ranges has room for capacity ranges; see "Arrays" at the top.
-/// out_bounds may be null.
+/// Returns the vertices written by the last deform or recording that included the buffer, by id or with null and 0.
+/// They are increasing ranges that do not overlap. Also returns the bounds of all its vertices, m, which may be too
+/// large for a Vulkan buffer. Use them for uploads, refits and culling. ranges has room for capacity ranges; see
+/// "Arrays" at the top. out_bounds may be null.
 CrumpleResult crumple_buffer_get_changes(CrumpleContext *context, CrumpleBuffer buffer, CrumpleRange *ranges,
                                          uint32_t capacity, uint32_t *out_count, CrumpleAabb *out_bounds);
 
-/// A device def without handles. Set them and the queue family.
+/// Returns a def without handles. Set them and the queue family.
 CrumpleVulkanAttachDef crumple_vulkan_attach_def_default(void);
 
-/// A range def without buffer, read as vertices. Set buffer, buffer_size, usage, size and streams.
+/// Returns a def for a vertex buffer without its handle. Set buffer, buffer_size, usage, size and streams.
 CrumpleVulkanBufferDef crumple_vulkan_buffer_def_default(void);
 
-/// Attaches your Vulkan device, one per context. Takes some tenths of a millisecond. The handles must be valid, belong
-/// together, and live until crumple_vulkan_detach() or crumple_context_destroy(). Errors:
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (a device is attached, the queue family does not exist or lacks compute,
-/// workgroup_size), CRUMPLE_ERROR_UNSUPPORTED (below Vulkan 1.1, a loader that lacks a function, or a build without
+/// Attaches your Vulkan device, one per context. It takes some tenths of a millisecond. The handles must be valid,
+/// belong together, and live until crumple_vulkan_detach() or crumple_context_destroy(). Errors:
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (a device is already attached, a queue family that does not exist or lacks compute, a
+/// bad workgroup_size), CRUMPLE_ERROR_UNSUPPORTED (below Vulkan 1.1, a loader that lacks a function, or a build without
 /// CRUMPLE_FEATURE_VULKAN).
 CrumpleResult crumple_vulkan_attach(CrumpleContext *context, const CrumpleVulkanAttachDef *def);
 
-/// Detaches the Vulkan device. Ends all Vulkan buffers and destroys Crumple's objects on the device. Damage stays.
-/// After CRUMPLE_ERROR_DEVICE_LOST: call crumple_vulkan_complete_frames() with UINT64_MAX, then this, then
-/// vkDestroyDevice. Attach the new device and register the buffers again. CRUMPLE_ERROR_FRAMES_IN_FLIGHT: nothing was
+/// Detaches the Vulkan device. Unregisters all Vulkan buffers and destroys Crumple's objects on the device. Damage
+/// stays. After CRUMPLE_ERROR_DEVICE_LOST, call crumple_vulkan_complete_frames() with UINT64_MAX, then this, then
+/// vkDestroyDevice. Then attach the new device and register the buffers again. CRUMPLE_ERROR_FRAMES_IN_FLIGHT: nothing
 /// changed.
 CrumpleResult crumple_vulkan_detach(CrumpleContext *context);
 
 /// Returns pipeline cache data for the next run's crumple_vulkan_attach(). data has capacity bytes of any alignment;
-/// see "Arrays" at the top. The size may grow until every kind of buffer was registered.
+/// see "Arrays" at the top. The size may grow until you have registered every kind of buffer.
 CrumpleResult crumple_vulkan_get_pipeline_cache(CrumpleContext *context, void *data, size_t capacity, size_t *out_size);
 
 /// Registers a range of a VkBuffer for an instance's deformed vertices. The first recording writes every vertex. An
-/// instance may have several ranges, such as the members of a ring. A mesh's first range copies its vertices and
-/// examples to a staging buffer, and the next recording copies them to the device; all instances and ranges share them.
-/// The VkBuffer must exist until its last range has ended and the frames that wrote it are complete. Errors:
+/// instance may have several ranges, such as a ring. The first range of a mesh copies the mesh and its examples to a
+/// staging buffer, and the next recording copies them to the device; all instances and ranges share them. The VkBuffer
+/// must exist until its last range is unregistered and the frames that wrote it are complete. Errors:
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (no device, stages of 0, an unsupported format, overlapping attributes, a scale not
-/// above 0, a VkBuffer that is registered with another description), CRUMPLE_ERROR_WRONG_RULE (lod above 0 with a
-/// classic rule), CRUMPLE_ERROR_UNSUPPORTED (normals or tangents that the mesh lacks; more bytes than the device can
-/// bind).
+/// above 0, a VkBuffer already registered with other values), CRUMPLE_ERROR_WRONG_RULE (lod above 0 with a classic
+/// rule), CRUMPLE_ERROR_UNSUPPORTED (normals or tangents that the mesh lacks; more bytes than the device can bind).
 CrumpleResult crumple_buffer_register_vulkan(CrumpleContext *context, CrumpleInstance instance,
                                              const CrumpleVulkanBufferDef *def, CrumpleBuffer *out_buffer);
 
-/// Records commands that bring Vulkan buffers up to date: count ids at buffers, each once, or all Vulkan buffers of the
-/// context with null and 0. For the blocks that changed it records a copy of a few bytes per block, a barrier, one
-/// dispatch per VkBuffer and a barrier. It submits nothing and waits for nothing. Does not allocate in steady state.
-/// Damage may change at once after the call.
+/// Records commands that write the deformed vertices of count Vulkan buffers, or of all Vulkan buffers of the context
+/// if buffers is null and count 0. For the blocks that changed it records a copy of a few bytes per block, a barrier,
+/// one dispatch per VkBuffer and a barrier. It submits nothing, waits for nothing, and does not allocate in steady
+/// state. You may change damage right after the call.
 ///
 /// command_buffer is a VkCommandBuffer in the recording state, outside a render pass, of the attached queue family,
-/// whose pool no other thread uses. Submit it once, in the order of recording. frame is your frame number, from 1 on,
-/// never falling; several recordings may share one. out_report may be null.
+/// whose pool no other thread uses. Submit it once, and submit recordings in the order in which they were recorded.
+/// frame is your frame number: it starts at 1 and never decreases; recordings may share one. out_report may be null.
 ///
-/// The commands change the compute pipeline, compute descriptor sets 0 to 2, and the first 24 bytes of compute push
-/// constants, nothing else. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (no device of yours, a buffer twice, a host buffer,
-/// a frame that is complete or lower than the last), CRUMPLE_ERROR_UNSUPPORTED (more work than the device can bind).
-/// Nothing is recorded then.
+/// The commands change only the compute pipeline, compute descriptor sets 0 to 2 and the first 24 bytes of push
+/// constants for compute. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (no device of crumple_vulkan_attach(), a buffer twice,
+/// a host buffer, a frame that is complete or below the last), CRUMPLE_ERROR_UNSUPPORTED (more work than the device can
+/// bind). Nothing was recorded.
 CrumpleResult crumple_vulkan_record(CrumpleContext *context, void *command_buffer, uint64_t frame,
                                     const CrumpleBuffer *buffers, uint32_t count, CrumpleRecordReport *out_report);
 
-/// Declares frame and all earlier ones complete on the device, as a fence or timeline semaphore says. Their resources
-/// are reused or freed. Call it once a frame; it is cheap. Numbers above the last recorded frame count as that frame.
+/// Declares that the device has completed frame and all earlier ones, as a fence or timeline semaphore tells you. Their
+/// resources are reused or freed. Call it once a frame; it is cheap. A number above the last recorded frame counts as
+/// that frame.
 CrumpleResult crumple_vulkan_complete_frames(CrumpleContext *context, uint64_t frame);
 
-/// Declares that the recordings of frame and later ones will not be submitted. Their buffers are written whole by the
-/// next recording.
+/// Declares that recordings of frame and later frames will not be submitted. The next recording writes every vertex of
+/// their buffers.
 CrumpleResult crumple_vulkan_discard_frames(CrumpleContext *context, uint64_t frame);
 
-/// Any physical device. Set the loader and the UUID.
+/// Returns a def for any physical device. Set the loader and the UUID.
 CrumpleVulkanOpenDef crumple_vulkan_open_def_default(void);
 
-/// An import without memory. Set handle, sizes, memory type and usage.
+/// Returns a def without memory. Set handle, sizes, memory type and usage.
 CrumpleVulkanImportDef crumple_vulkan_import_def_default(void);
 
 /// Creates a Vulkan device of Crumple's own, for engines that can share memory but cannot hand out a command buffer.
 /// Takes milliseconds to tenths of a second. Use it instead of crumple_vulkan_attach(): import buffers, register them,
 /// and write them with crumple_vulkan_submit(). crumple_vulkan_detach() and crumple_context_destroy() wait for the
-/// device and destroy it. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a device is attached, workgroup_size),
-/// CRUMPLE_ERROR_UNSUPPORTED (no such device, no import of memory, or a build without CRUMPLE_FEATURE_VULKAN).
+/// device and destroy it. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a device is already attached, a bad workgroup_size),
+/// CRUMPLE_ERROR_UNSUPPORTED (no such device, one that cannot import memory, or a build without
+/// CRUMPLE_FEATURE_VULKAN).
 CrumpleResult crumple_vulkan_open(CrumpleContext *context, const CrumpleVulkanOpenDef *def);
 
-/// Imports a buffer of your device into Crumple's device. out_buffer is the buffer field for CrumpleVulkanBufferDef,
-/// whose buffer_size, usage, queue_family, stages and accesses are then ignored. Before each submit, release the
-/// VkBuffer to VK_QUEUE_FAMILY_EXTERNAL on your queue; acquire it afterwards. The memory must exist until
+/// Imports a buffer of your device into Crumple's device. Use out_buffer as the buffer field of CrumpleVulkanBufferDef;
+/// its buffer_size, usage, queue_family, stages and accesses are then ignored. Before each submit, release the VkBuffer
+/// to VK_QUEUE_FAMILY_EXTERNAL on your queue. Acquire it afterwards. The memory must exist until
 /// crumple_vulkan_unimport_buffer(), crumple_vulkan_detach() or crumple_context_destroy(). Errors:
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (no device of crumple_vulkan_open(), a bad handle, an unsuitable memory type or
 /// usage), CRUMPLE_ERROR_UNSUPPORTED (a handle type of another system, or a buffer that the device cannot import).
 CrumpleResult crumple_vulkan_import_buffer(CrumpleContext *context, const CrumpleVulkanImportDef *def,
                                            uint64_t *out_buffer);
 
-/// Ends an imported buffer after the device is done with it. CRUMPLE_ERROR_INVALID_ARGUMENT: it has registered ranges.
+/// Releases an imported buffer once the device is done with it. CRUMPLE_ERROR_INVALID_ARGUMENT: it still has ranges.
 CrumpleResult crumple_vulkan_unimport_buffer(CrumpleContext *context, uint64_t buffer);
 
-/// Imports a binary semaphore of your device, exported with this handle type. out_semaphore is its number for
+/// Imports a binary semaphore of your device, exported with this handle type. Pass out_semaphore to
 /// crumple_vulkan_submit(). It lives until crumple_vulkan_detach() or crumple_context_destroy(). Errors:
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (no device of crumple_vulkan_open(), a bad handle), CRUMPLE_ERROR_UNSUPPORTED (a
 /// driver without external semaphores; use fences and crumple_vulkan_wait_frame()).
 CrumpleResult crumple_vulkan_import_semaphore(CrumpleContext *context, CrumpleHandleType handle_type, int64_t handle,
                                               uint64_t *out_semaphore);
 
-/// As crumple_vulkan_record(), but records for Crumple's own device and submits. The device waits for wait_count
-/// semaphores at waits first and signals signal_count semaphores at signals last, even without changes. The call itself
-/// does not wait. out_frame is the frame number for crumple_vulkan_wait_frame(). out_frame and out_report may be null.
-/// Nothing is submitted after an error.
+/// Like crumple_vulkan_record(), but submits the work to Crumple's own device. The device first waits for the
+/// wait_count semaphores at waits, and last signals the signal_count semaphores at signals, even without changes. The
+/// call itself does not wait. out_frame receives the frame number for crumple_vulkan_wait_frame(). out_frame and
+/// out_report may be null. After an error nothing was submitted.
 CrumpleResult crumple_vulkan_submit(CrumpleContext *context, const CrumpleBuffer *buffers, uint32_t count,
                                     const uint64_t *waits, uint32_t wait_count, const uint64_t *signals,
                                     uint32_t signal_count, uint64_t *out_frame, CrumpleRecordReport *out_report);
 
-/// Waits until Crumple's own device has completed a frame and all earlier ones, or for timeout nanoseconds (UINT64_MAX:
-/// without limit). out_done is whether it is complete. The context stays in use meanwhile.
+/// Waits until Crumple's own device has completed a frame and all earlier ones, at most timeout nanoseconds
+/// (UINT64_MAX: no limit). out_done receives whether the frame is complete. The context is in use while the call waits.
 /// CRUMPLE_ERROR_INVALID_ARGUMENT: the frame was not submitted.
 CrumpleResult crumple_vulkan_wait_frame(CrumpleContext *context, uint64_t frame, uint64_t timeout, bool *out_done);
 
 /// Binds a point in the mesh's space, m, to the nearest surface. The point keeps its distance from the surface and
-/// turns with it. CRUMPLE_ERROR_INVALID_ARGUMENT: the point is further away than 1e9 m.
+/// rotates with it. CRUMPLE_ERROR_INVALID_ARGUMENT: the point is further away than 1e9 m.
 CrumpleResult crumple_example_set_attach_point(CrumpleContext *context, CrumpleExampleSet set, CrumpleVec3 point,
                                                CrumpleAttachment *out_attachment);
 
-/// Returns the place of an attached point on the dented instance, including pending hits. Uses no buffer. Errors:
-/// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE or CRUMPLE_ERROR_INVALID_ARGUMENT (an attachment of another set, or one that is not
-/// of crumple_example_set_attach_point()).
+/// Returns the position of an attached point on the dented instance, pending hits included. It needs no buffer. Errors:
+/// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE or CRUMPLE_ERROR_INVALID_ARGUMENT (an attachment of another set, or one not from
+/// crumple_example_set_attach_point()).
 CrumpleResult crumple_instance_get_attached_frame(CrumpleContext *context, CrumpleInstance instance,
                                                   const CrumpleAttachment *attachment, CrumpleFrame *out_frame);
 
-/// Records the context's calls to a file, path in UTF-8. "crumple replay FILE" makes the same calls without your engine
-/// and checks that every result and vertex is equal: a bug becomes a test. The file starts with the existing sets,
-/// instances, damage and buffers. It grows by some hundred bytes per hit and frame, written at once, so that a crash
-/// loses nothing. The next deform writes every buffer whole. Vulkan buffers are replayed on the CPU and not compared.
-/// Refused calls are noted with their message. Hits wait for each other while recording, so leave it off in releases.
-/// Submits are serialised, but may arrive meanwhile. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a recording runs, or an
-/// instance has open contacts), CRUMPLE_ERROR_IO, CRUMPLE_ERROR_UNSUPPORTED (a big-endian processor).
+/// Records the context's calls to a file. path is UTF-8. "crumple replay FILE" repeats the calls without your engine
+/// and checks that every result and vertex is equal, so that a bug becomes a test. The file starts with the existing
+/// sets, instances, damage and buffers. It grows by some hundred bytes per hit and frame, written immediately, so that
+/// a crash loses nothing. The next deform writes every vertex of every buffer. Vulkan buffers are replayed on the CPU
+/// and not compared. Failed calls are recorded with their message. Hits may still come from any thread, but are
+/// serialised while recording, so leave it off in releases. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a recording is
+/// running, or an instance has open contacts), CRUMPLE_ERROR_IO, CRUMPLE_ERROR_UNSUPPORTED (a big-endian processor).
 CrumpleResult crumple_recording_begin(CrumpleContext *context, const char *path);
 
 /// Ends the recording and completes the file. crumple_context_destroy() does so too. CRUMPLE_ERROR_IO: the file could
-/// not be completed; its content can be replayed, and the recording has ended.
+/// not be completed. Its content can still be replayed, and the recording has ended.
 CrumpleResult crumple_recording_end(CrumpleContext *context);
 
 #ifdef __cplusplus

@@ -7,14 +7,14 @@
 //     body.submit_displacement(point, displacement).value();
 //     context.deform().value();
 //
-// Owners (Context, ExampleSet, Instance, Buffer) can be moved but not copied, and destroy what they own; release() gives up
-// ownership of the id instead. A Context destroys everything in it; an owner that outlives its context does nothing.
-// id() returns the id of an owner for the C functions; this file only wraps them.
+// Owners (Context, ExampleSet, Instance, Buffer) can be moved but not copied. They destroy what they own; release()
+// gives up ownership of the id instead. A Context destroys everything in it; an owner that outlives its context does
+// nothing. For the C functions, use id() of an owner and get() of a Context; this file only wraps them.
 //
-// Every call that can fail returns a Result. Its value() returns what the call made, or throws Error. With
-// CRUMPLE_NO_EXCEPTIONS defined, value() of a failure runs CRUMPLE_ON_ERROR(result, message) instead, which must not return
-// and by default is std::abort(): define it to log the message, or ask ok() first, or use value_or(). Ignoring a Result is a
-// compiler warning. Threads are as in the C interface.
+// Every call that can fail returns a Result. Its value() returns the call's value, or throws Error after a failure. If
+// CRUMPLE_NO_EXCEPTIONS is defined, value() runs CRUMPLE_ON_ERROR(result, message) instead of throwing. That must not
+// return; the default is std::abort(). Define it to log the message, or call ok() first, or use value_or(). Ignoring a
+// Result is a compiler warning. The rules for threads are those of the C interface.
 #ifndef CRUMPLE_HPP
 #define CRUMPLE_HPP
 
@@ -38,7 +38,7 @@ namespace crumple {
 static_assert(sizeof(CrumpleResult) == 4, "enums must be 32 bits wide: compile without -fshort-enums");
 
 #ifndef CRUMPLE_NO_EXCEPTIONS
-/// What Result::value() throws: what() is crumple_last_error()'s text.
+/// Thrown by Result::value(). what() is the text of crumple_last_error().
 class Error : public std::runtime_error {
 public:
     Error(CrumpleResult result, const std::string &message) : std::runtime_error(message), result_(result) {}
@@ -49,7 +49,7 @@ private:
 };
 #endif
 
-/// What a call made, or its error. T may be void.
+/// The value of a call, or its error. T may be void.
 template <class T>
 class [[nodiscard]] Result {
     struct Nothing {};
@@ -64,18 +64,18 @@ public:
 
     /// Whether the call succeeded.
     bool ok() const noexcept { return result_ == CRUMPLE_OK; }
-    /// The same. Not for a Result<bool>, where it could be taken for the value: ask ok() or value().
+    /// The same as ok(). Not available for Result<bool>, where it could be mistaken for the value: use ok() or value().
     explicit operator bool() const noexcept {
         static_assert(!std::is_same_v<T, bool>, "ask for ok() or for value(): this Result holds a bool");
         return ok();
     }
     CrumpleResult result() const noexcept { return result_; }
 
-    /// The message; empty after success.
+    /// The error message; empty after success.
     const std::string &message() const noexcept { return message_; }
 
-    /// What the call made. Throws Error, or runs CRUMPLE_ON_ERROR, where it failed. Owners cannot be copied: of a Result that
-    /// has a name use take().
+    /// The call's value. After a failure it throws Error, or runs CRUMPLE_ON_ERROR. Owners cannot be copied: use take()
+    /// if the Result is a variable.
     Stored value() && {
         require();
         return std::move(*value_);
@@ -84,12 +84,12 @@ public:
         require();
         return *value_;
     }
-    /// Moves out what the call made; otherwise as value().
+    /// Like value(), but moves the value out.
     Stored take() {
         require();
         return std::move(*value_);
     }
-    /// What the call made, or other where it failed.
+    /// The call's value, or other after a failure.
     Stored value_or(Stored other) && { return ok() ? std::move(*value_) : std::move(other); }
 
 private:
@@ -115,7 +115,7 @@ inline Result<void> done(CrumpleResult result) {
     return result == CRUMPLE_OK ? Result<void>() : Result<void>::failed(result);
 }
 
-/// Calls call(out) and gives what it wrote.
+/// Runs call(out) and returns the value that it wrote.
 template <class T, class Call>
 Result<T> get(Call &&call) {
     T out{};
@@ -123,7 +123,7 @@ Result<T> get(Call &&call) {
     return result == CRUMPLE_OK ? Result<T>(std::move(out)) : Result<T>::failed(result);
 }
 
-/// Asks for a number, then fills a vector of that many.
+/// Gets the count, then fills a vector of that size.
 template <class T, class Count, class Call>
 Result<std::vector<T>> fill(Call &&call) {
     Count count = 0;
@@ -133,7 +133,7 @@ Result<std::vector<T>> fill(Call &&call) {
     return result == CRUMPLE_OK ? Result<std::vector<T>>(std::move(values)) : Result<std::vector<T>>::failed(result);
 }
 
-/// An id and the context it lives in; destroyed with Destroy.
+/// Owns an id of a context and destroys it with Destroy.
 template <class Id, CrumpleResult (*Destroy)(CrumpleContext *, Id)>
 class Owner {
 public:
@@ -152,18 +152,18 @@ public:
     Owner &operator=(const Owner &) = delete;
     ~Owner() { reset(); }
 
-    /// The id, for the C functions; null where this owns nothing.
+    /// The id, for the C functions; null if this owns nothing.
     Id id() const noexcept { return id_; }
     CrumpleContext *context() const noexcept { return context_; }
     explicit operator bool() const noexcept { return id_.index != 0; }
 
-    /// Gives up ownership: the caller destroys the id.
+    /// Gives up ownership. The caller must destroy the id.
     Id release() noexcept {
         context_ = nullptr;
         return std::exchange(id_, Id{});
     }
 
-    /// Destroys it now.
+    /// Destroys the object now.
     void reset() noexcept {
         if (id_.index != 0) Destroy(context_, id_);
         context_ = nullptr;
@@ -177,7 +177,8 @@ private:
 
 } // namespace detail
 
-/// count elements of type T, stride bytes apart: any of your vertex structs, read from one member on.
+/// count elements of type T, stride bytes apart. For vertex structs, pass the address of a member and sizeof(Vertex) as
+/// stride.
 template <class T>
 CrumpleInput input(const T *first, std::size_t count, std::size_t stride = sizeof(T)) {
     CrumpleInput in{};
@@ -187,13 +188,13 @@ CrumpleInput input(const T *first, std::size_t count, std::size_t stride = sizeo
     return in;
 }
 
-/// All elements of a std::vector, std::array, std::span or the like.
+/// All elements of a std::vector, std::array, std::span or similar.
 template <class Container, class = decltype(std::declval<const Container &>().data())>
 CrumpleInput input(const Container &values) {
     return input(values.data(), values.size());
 }
 
-/// count elements of type T, stride bytes apart, to be written. T is a whole value: CrumpleVec3, float[3] or the like.
+/// count elements of type T, stride bytes apart, to be written. T is a whole value: CrumpleVec3, float[3] or similar.
 template <class T>
 CrumpleStream stream(T *first, std::size_t count, std::size_t stride = sizeof(T)) {
     static_assert(!std::is_same_v<T, float>, "a value has 3 or 4 floats: give a pointer to an array of them, or a member");
@@ -204,7 +205,7 @@ CrumpleStream stream(T *first, std::size_t count, std::size_t stride = sizeof(T)
     return out;
 }
 
-/// One member of each of count vertices, to be written: stream(vertices, count, &Vertex::normal).
+/// One member of each of the count vertices, to be written: stream(vertices, count, &Vertex::normal).
 template <class Vertex, class Member>
 CrumpleStream stream(Vertex *vertices, std::size_t count, Member Vertex::*member) {
     CrumpleStream out{};
@@ -216,20 +217,21 @@ CrumpleStream stream(Vertex *vertices, std::size_t count, Member Vertex::*member
     return out;
 }
 
-/// All elements of a std::vector, std::array, std::span or the like, to be written. The elements are single values.
+/// All elements of a std::vector, std::array, std::span or similar, to be written. Each element is one value, such as
+/// CrumpleVec3.
 template <class Container, class = decltype(std::declval<Container &>().data())>
 CrumpleStream stream(Container &values) {
     static_assert(sizeof(*values.data()) <= 4 * sizeof(float), "name the member: stream(vertices, &Vertex::position)");
     return stream(values.data(), values.size());
 }
 
-/// One member of each vertex in a std::vector or the like, to be written: stream(vertices, &Vertex::normal).
+/// One member of each vertex in a std::vector or similar, to be written: stream(vertices, &Vertex::normal).
 template <class Container, class Vertex, class Member, class = decltype(std::declval<Container &>().data())>
 CrumpleStream stream(Container &vertices, Member Vertex::*member) {
     return stream(vertices.data(), vertices.size(), member);
 }
 
-/// Memory that an instance's vertices are written to; unregisters itself. See crumple_buffer_register_host().
+/// Memory that receives an instance's vertices. Unregisters itself. See crumple_buffer_register_host().
 class Buffer : public detail::Owner<CrumpleBuffer, crumple_buffer_unregister> {
 public:
     using Owner::Owner;
@@ -238,13 +240,13 @@ public:
     Result<void> set_memory(const CrumpleHostBufferDef &def) {
         return detail::done(crumple_buffer_set_memory(context(), id(), &def));
     }
-    /// The vertices that the last deform of it wrote.
+    /// The vertices written by the last deform or recording that included this buffer.
     Result<std::vector<CrumpleRange>> changes() const {
         return detail::fill<CrumpleRange, uint32_t>([&](CrumpleRange *ranges, uint32_t capacity, uint32_t *count) {
             return crumple_buffer_get_changes(context(), id(), ranges, capacity, count, nullptr);
         });
     }
-    /// The box around all of its vertices, m.
+    /// The bounds of all its vertices, m.
     Result<CrumpleAabb> bounds() const {
         uint32_t count = 0;
         return detail::get<CrumpleAabb>(
@@ -252,7 +254,7 @@ public:
     }
 };
 
-/// A body in the scene; destroys itself. See crumple_instance_create().
+/// A body in the scene. Destroys itself. See crumple_instance_create().
 class Instance : public detail::Owner<CrumpleInstance, crumple_instance_destroy> {
 public:
     using Owner::Owner;
@@ -261,40 +263,41 @@ public:
         return detail::get<CrumpleInstanceInfo>(
             [&](CrumpleInstanceInfo *info) { return crumple_instance_get_info(context(), id(), info); });
     }
-    /// 16 floats, column-major. Any thread, at any time.
+    /// local_to_world is 16 floats, column-major. May be called from any thread at any time.
     Result<void> set_transform(const float *local_to_world) {
         return detail::done(crumple_instance_set_transform(context(), id(), local_to_world));
     }
-    /// m; 0: the set's limit.
+    /// limit in m; 0: the set's limit.
     Result<void> set_depth_limit(float limit) {
         return detail::done(crumple_instance_set_depth_limit(context(), id(), limit));
     }
-    /// m; 0: nothing is left out. See crumple_pixel_tolerance().
+    /// tolerance in m; 0: nothing is skipped. See crumple_pixel_tolerance().
     Result<void> set_tolerance(float tolerance) {
         return detail::done(crumple_instance_set_tolerance(context(), id(), tolerance));
     }
 
-    /// Any thread, at any time.
+    /// May be called from any thread at any time.
     Result<CrumpleHitResult> submit(const CrumpleImpulseDef &def) {
         return detail::get<CrumpleHitResult>(
             [&](CrumpleHitResult *out) { return crumple_instance_submit_impulse(context(), id(), &def, out); });
     }
-    /// Any thread, at any time.
+    /// May be called from any thread at any time.
     Result<CrumpleHitResult> submit(const CrumpleDisplacementDef &def) {
         return detail::get<CrumpleHitResult>(
             [&](CrumpleHitResult *out) { return crumple_instance_submit_displacement(context(), id(), &def, out); });
     }
-    /// The result of a hit that leaves no mark. Any thread, at any time.
+    /// Returns the result of a hit without leaving a mark. May be called from any thread at any time.
     Result<CrumpleHitResult> preview(const CrumpleImpulseDef &def) const {
         return detail::get<CrumpleHitResult>(
             [&](CrumpleHitResult *out) { return crumple_instance_preview_impulse(context(), id(), &def, out); });
     }
-    /// The result of a hit that leaves no mark. Any thread, at any time.
+    /// Returns the result of a hit without leaving a mark. May be called from any thread at any time.
     Result<CrumpleHitResult> preview(const CrumpleDisplacementDef &def) const {
         return detail::get<CrumpleHitResult>(
             [&](CrumpleHitResult *out) { return crumple_instance_preview_displacement(context(), id(), &def, out); });
     }
-    /// N s, s, kg (0: the set's mass), contact_id (0: none). Any thread, at any time.
+    /// point in m, impulse in N s, duration in s, mass in kg (0: the set's mass), contact_id (0: none). May be called
+    /// from any thread at any time.
     Result<CrumpleHitResult> submit_impulse(CrumpleVec3 point, CrumpleVec3 impulse, float duration, float mass = 0,
                                             CrumpleSpace space = CRUMPLE_SPACE_LOCAL, uint64_t contact_id = 0) {
         CrumpleImpulseDef def = crumple_impulse_def_default();
@@ -306,7 +309,7 @@ public:
         def.contact_id = contact_id;
         return submit(def);
     }
-    /// m, contact_id (0: none). Any thread, at any time.
+    /// point and displacement in m, contact_id (0: none). May be called from any thread at any time.
     Result<CrumpleHitResult> submit_displacement(CrumpleVec3 point, CrumpleVec3 displacement,
                                                  CrumpleSpace space = CRUMPLE_SPACE_LOCAL, uint64_t contact_id = 0) {
         CrumpleDisplacementDef def = crumple_displacement_def_default();
@@ -317,12 +320,13 @@ public:
         return submit(def);
     }
 
-    /// Ends a contact: hits with its contact_id make one dent until then. Any thread, at any time.
+    /// Ends a contact. Until then, hits with its contact_id make one dent. May be called from any thread at any time.
     Result<void> end_contact(uint64_t contact_id) {
         return detail::done(crumple_instance_end_contact(context(), id(), contact_id));
     }
 
-    /// The result of an open contact as a whole; status CRUMPLE_HIT_STATUS_BELOW_YIELD if there is none.
+    /// The result of an open contact, all its hits taken as one. Its status is CRUMPLE_HIT_STATUS_BELOW_YIELD if no
+    /// such contact is open.
     Result<CrumpleHitResult> contact(uint64_t contact_id) {
         return detail::get<CrumpleHitResult>(
             [&](CrumpleHitResult *out) { return crumple_instance_get_contact(context(), id(), contact_id, out); });
@@ -345,7 +349,7 @@ public:
         return detail::done(crumple_instance_load_damage(context(), id(), data, size));
     }
     Result<void> load(const std::vector<unsigned char> &saved) { return load(saved.data(), saved.size()); }
-    /// The share of its depth that every dent keeps, 0 to 1.
+    /// keep is the share of its depth that every dent keeps: 0 (as new) to 1 (unchanged).
     Result<void> repair(float keep) { return detail::done(crumple_instance_repair_damage(context(), id(), keep)); }
     Result<void> reset_damage() { return detail::done(crumple_instance_reset_damage(context(), id())); }
     Result<void> copy_damage(CrumpleInstance source) { return detail::done(crumple_instance_copy_damage(context(), id(), source)); }
@@ -360,7 +364,7 @@ public:
         const CrumpleResult result = crumple_buffer_register_host(context(), id(), &def, &buffer);
         return result == CRUMPLE_OK ? Result<Buffer>(Buffer(context(), buffer)) : Result<Buffer>::failed(result);
     }
-    /// Absent normals and tangents are not written.
+    /// Writes normals and tangents only if their streams are given.
     Result<Buffer> register_buffer(CrumpleStream positions, CrumpleStream normals = {}, CrumpleStream tangents = {}) {
         CrumpleHostBufferDef def = crumple_host_buffer_def_default();
         def.positions = positions;
@@ -368,7 +372,7 @@ public:
         def.tangents = tangents;
         return register_buffer(def);
     }
-    /// A range of a VkBuffer, which Context::record_deform() writes.
+    /// Registers a range of a VkBuffer. Context::record_deform() or submit_deform() writes it.
     Result<Buffer> register_buffer(const CrumpleVulkanBufferDef &def) {
         CrumpleBuffer buffer{};
         const CrumpleResult result = crumple_buffer_register_vulkan(context(), id(), &def, &buffer);
@@ -376,33 +380,34 @@ public:
     }
 };
 
-/// A base mesh and its examples; ends its id by itself, while instances keep what they need. See
+/// A base mesh and its examples. Destroys itself; instances keep the memory that they need. See
 /// crumple_example_set_create().
 class ExampleSet : public detail::Owner<CrumpleExampleSet, crumple_example_set_destroy> {
 public:
     using Owner::Owner;
 
-    /// Its strings live as long as this.
+    /// The strings are valid until the set is destroyed.
     Result<CrumpleExampleSetInfo> info() const {
         return detail::get<CrumpleExampleSetInfo>(
             [&](CrumpleExampleSetInfo *info) { return crumple_example_set_get_info(context(), id(), info); });
     }
-    /// Before the first instance is made: another mesh that shows the same damage; its number.
+    /// Adds another mesh that shows the same damage and returns its lod number. Call it before creating the first
+    /// instance.
     Result<uint32_t> add_lod(const CrumpleLodDef &def) {
         return detail::get<uint32_t>(
             [&](uint32_t *lod) { return crumple_example_set_add_lod(context(), id(), &def, lod); });
     }
-    /// Its strings live as long as this.
+    /// The strings are valid until the set is destroyed.
     Result<CrumpleExampleInfo> example(uint32_t index) const {
         return detail::get<CrumpleExampleInfo>(
             [&](CrumpleExampleInfo *info) { return crumple_example_set_get_example(context(), id(), index, info); });
     }
-    /// Its strings live as long as this.
+    /// The strings are valid until the set is destroyed.
     Result<CrumplePrimitive> primitive(uint32_t index) const {
         return detail::get<CrumplePrimitive>(
             [&](CrumplePrimitive *primitive) { return crumple_example_set_get_primitive(context(), id(), index, primitive); });
     }
-    /// The bytes of a .crumple file.
+    /// Returns the bytes of a .crumple file.
     Result<std::vector<unsigned char>> save() const {
         return detail::fill<unsigned char, std::size_t>([&](unsigned char *data, std::size_t capacity, std::size_t *size) {
             return crumple_example_set_save_baked(context(), id(), data, capacity, size);
@@ -426,7 +431,7 @@ public:
     }
 };
 
-/// Everything; destroys itself and all that was made in it. See crumple_context_create().
+/// A context. Destroys itself and everything in it. See crumple_context_create().
 class Context {
 public:
     static Result<Context> create(const CrumpleContextDef &def = crumple_context_def_default()) {
@@ -436,10 +441,10 @@ public:
     }
 
 #ifndef CRUMPLE_NO_EXCEPTIONS
-    /// Throws Error.
+    /// Creates a context, or throws Error.
     explicit Context(const CrumpleContextDef &def = crumple_context_def_default()) : Context(create(def).value()) {}
 #endif
-    /// Takes over a context of the C interface; null owns nothing.
+    /// Takes ownership of a context of the C interface. May be null.
     explicit Context(CrumpleContext *context) noexcept : context_(context) {}
     Context(Context &&other) noexcept : context_(std::exchange(other.context_, nullptr)) {}
     Context &operator=(Context &&other) noexcept {
@@ -453,10 +458,11 @@ public:
     Context &operator=(const Context &) = delete;
     ~Context() { reset(); }
 
-    /// For the C functions.
+    /// The context for the C functions.
     CrumpleContext *get() const noexcept { return context_; }
     CrumpleContext *release() noexcept { return std::exchange(context_, nullptr); }
-    /// Destroys it now. With Vulkan frames in flight nothing is destroyed, and what they use is lost: complete_frames() first.
+    /// Destroys the context now. Call complete_frames() first: with Vulkan frames in flight nothing is destroyed, and
+    /// the context leaks.
     void reset() noexcept {
         if (context_ != nullptr) crumple_context_destroy(context_);
         context_ = nullptr;
@@ -470,7 +476,7 @@ public:
         return own<ExampleSet, CrumpleExampleSet>(
             [&](CrumpleExampleSet *out) { return crumple_example_set_load_gltf(context_, &def, out); });
     }
-    /// The first mesh that has morph targets, with default options.
+    /// Loads the first mesh with morph targets, with default options.
     Result<ExampleSet> load_gltf(const char *path) {
         CrumpleGltfDef def = crumple_gltf_def_default();
         def.path = path;
@@ -487,7 +493,7 @@ public:
             [&](CrumpleExampleSet *out) { return crumple_example_set_load_obj(context_, &def, out); });
     }
 
-    /// From the bytes of a .crumple file; with CRUMPLE_BYTES_KEEP they must outlive the set and its instances.
+    /// Loads the bytes of a .crumple file. With CRUMPLE_BYTES_KEEP they must outlive the set and its instances.
     Result<ExampleSet> load_baked(const void *data, std::size_t size, CrumpleBytes bytes = CRUMPLE_BYTES_COPY) {
         return own<ExampleSet, CrumpleExampleSet>([&](CrumpleExampleSet *out) {
             return crumple_example_set_load_baked_memory(context_, data, size, bytes, out);
@@ -502,16 +508,16 @@ public:
         return own<Instance, CrumpleInstance>(
             [&](CrumpleInstance *out) { return crumple_instance_create(context_, &def, out); });
     }
-    /// With default rules.
+    /// Creates an instance with default options.
     Result<Instance> create_instance(const ExampleSet &set) {
         CrumpleInstanceDef def = crumple_instance_def_default();
         def.set = set.id();
         return create_instance(def);
     }
 
-    /// All host buffers.
+    /// Deforms all host buffers.
     Result<CrumpleDeformReport> deform() { return deform(nullptr, 0); }
-    /// Some buffers, each once.
+    /// Deforms some host buffers, each given once.
     Result<CrumpleDeformReport> deform(const CrumpleBuffer *buffers, std::size_t count) {
         return detail::get<CrumpleDeformReport>([&](CrumpleDeformReport *report) {
             return crumple_context_deform(context_, buffers, static_cast<uint32_t>(count), report);
@@ -521,7 +527,7 @@ public:
     Result<void> attach_vulkan(const CrumpleVulkanAttachDef &def) {
         return detail::done(crumple_vulkan_attach(context_, &def));
     }
-    /// A device of Crumple's own, which memory is shared with.
+    /// Creates a Vulkan device of Crumple's own, for sharing memory.
     Result<void> open_vulkan(const CrumpleVulkanOpenDef &def) { return detail::done(crumple_vulkan_open(context_, &def)); }
     Result<void> detach_vulkan() { return detail::done(crumple_vulkan_detach(context_)); }
     Result<std::vector<unsigned char>> vulkan_pipeline_cache() {
@@ -529,11 +535,11 @@ public:
             return crumple_vulkan_get_pipeline_cache(context_, data, capacity, size);
         });
     }
-    /// All Vulkan buffers, into a VkCommandBuffer.
+    /// Records all Vulkan buffers into a VkCommandBuffer.
     Result<CrumpleRecordReport> record_deform(void *command_buffer, uint64_t frame) {
         return record_deform(command_buffer, frame, nullptr, 0);
     }
-    /// Some buffers, each once.
+    /// Records some Vulkan buffers, each given once.
     Result<CrumpleRecordReport> record_deform(void *command_buffer, uint64_t frame, const CrumpleBuffer *buffers,
                                               std::size_t count) {
         return detail::get<CrumpleRecordReport>([&](CrumpleRecordReport *report) {
@@ -558,7 +564,7 @@ public:
         return detail::get<uint64_t>(
             [&](uint64_t *semaphore) { return crumple_vulkan_import_semaphore(context_, type, handle, semaphore); });
     }
-    /// All Vulkan buffers, on Crumple's own device; gives the number of the frame.
+    /// Submits all Vulkan buffers to Crumple's own device. Returns the frame number.
     Result<uint64_t> submit_deform(const std::vector<uint64_t> &waits = {}, const std::vector<uint64_t> &signals = {},
                                    CrumpleRecordReport *report = nullptr) {
         return detail::get<uint64_t>([&](uint64_t *frame) {
@@ -566,7 +572,7 @@ public:
                                          signals.data(), static_cast<uint32_t>(signals.size()), frame, report);
         });
     }
-    /// Whether the device completed the frame within timeout nanoseconds: value() is the answer, ok() is not.
+    /// Returns whether the device completed the frame within timeout nanoseconds. That is value(), not ok().
     Result<bool> wait_frame(uint64_t frame, uint64_t timeout = UINT64_MAX) {
         return detail::get<bool>([&](bool *done) { return crumple_vulkan_wait_frame(context_, frame, timeout, done); });
     }

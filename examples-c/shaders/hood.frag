@@ -1,5 +1,5 @@
 #version 450
-// Painted sheet metal under a row of lamps, whose reflections show every dent, on a ground with its shadow.
+// Painted sheet metal on a ground with its shadow, under a row of lamps. Their reflections show every dent.
 //
 //     glslangValidator -V hood.frag --target-env vulkan1.1 --vn hood_frag -o hood.frag.h
 
@@ -14,7 +14,7 @@ const vec3 PAINT = vec3(0.07, 0.22, 0.36);
 const vec3 SUN = vec3(-0.52, 0.24, 0.82);
 const float LAMPS = 2.2; // m above the hood
 
-// How much of the light from so far beside the middle of a box reaches the ground.
+// The shadow of a box of half_size on the ground: the share of light blocked at an offset from its centre.
 float shadow(vec2 at, vec2 half_size, float soft) {
     vec2 inside = smoothstep(-half_size - soft, -half_size + soft, at) * (1 - smoothstep(half_size - soft, half_size + soft, at));
     return inside.x * inside.y;

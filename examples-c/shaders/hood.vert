@@ -1,5 +1,5 @@
 #version 450
-// The header beside this file is its SPIR-V, so that nobody needs a compiler to build the examples:
+// hood.vert.h is this file as SPIR-V, so that building the examples needs no shader compiler. It was made with:
 //
 //     glslangValidator -V hood.vert --target-env vulkan1.1 --vn hood_vert -o hood.vert.h
 
@@ -9,7 +9,7 @@ layout(push_constant) uniform Camera {
 };
 
 layout(location = 0) in vec3 position; // m, z up
-layout(location = 1) in vec4 normal;   // w: 0 of the hood, 1 of the ground
+layout(location = 1) in vec4 normal;   // w: 0 for the hood, 1 for the ground
 
 layout(location = 0) out vec3 surface;
 layout(location = 1) out vec4 facing;

@@ -8,11 +8,11 @@ use super::result::Failure;
 use std::ffi::c_void;
 
 /// Returns size bytes aligned to align (a power of two, at least 16), or null. Must be thread-safe. Must not call
-/// Crumple, throw or jump out.
+/// Crumple, throw or longjmp out.
 pub type CrumpleAlloc = Option<unsafe extern "C" fn(size: usize, align: usize, user: *mut c_void) -> *mut c_void>;
 
-/// Frees memory of CrumpleAlloc; size and align are those of its allocation. Must be thread-safe. Must not call
-/// Crumple, throw or jump out.
+/// Frees memory from CrumpleAlloc; size and align are the values it was allocated with. Must be thread-safe. Must not
+/// call Crumple, throw or longjmp out.
 pub type CrumpleFree = Option<unsafe extern "C" fn(pointer: *mut c_void, size: usize, align: usize, user: *mut c_void)>;
 
 /// The host's allocator. Both functions are required.
@@ -28,17 +28,17 @@ pub struct CrumpleAllocatorDef {
 
 defs!(CrumpleAllocatorDef);
 
-/// An allocator def without functions. Set both.
+/// Returns a def without functions. Set both.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_allocator_def_default() -> CrumpleAllocatorDef {
     zeroed()
 }
 
-/// Makes the library allocate from the host's functions, for the whole process. Null restores the system's allocator.
-/// You may call this at any time. Each block is freed by the functions that allocated it, so they must stay callable.
-/// Destroying all contexts frees all blocks, except for a few kB per thread that contexts with their own threads keep
-/// until process exit. A process can use at most 15 different allocators. Builds without CRUMPLE_FEATURE_HOST_ALLOCATOR
-/// return CRUMPLE_ERROR_UNSUPPORTED.
+/// Makes the library allocate from your functions, in the whole process. Null restores the system's allocator. You may
+/// call this at any time. Each block is freed by the functions that allocated it, so they must stay callable.
+/// Destroying all contexts frees all blocks, except for a few kB per thread of Crumple's own, kept until process exit.
+/// A process can use at most 15 different allocators. Builds without CRUMPLE_FEATURE_HOST_ALLOCATOR return
+/// CRUMPLE_ERROR_UNSUPPORTED.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_allocator_set(allocator: *const CrumpleAllocatorDef) -> CrumpleResult {
     boundary("crumple_allocator_set", || {

@@ -9,20 +9,20 @@ use super::types::{CrumpleExampleSet, CrumpleInstance, CrumpleQuat, CrumpleVec3}
 use crate::instance::attach::Attachment;
 use bytemuck::{Pod, Zeroable};
 
-/// A point bound to the nearest surface. Plain data: copy or save it. It fits every instance of its set.
+/// A point bound to the nearest surface. Plain data: you may copy or save it. It works with every instance of its set.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 pub struct CrumpleAttachment {
-    /// Vertices of the triangle; all equal for a mesh without triangles.
+    /// Vertices of the triangle. All three are equal if the mesh has no triangles.
     pub vertices: [u32; 3],
     /// Barycentric weights of the surface point; they sum to 1.
     pub weights: [f32; 3],
-    /// The attached point at rest, m, in the mesh's space.
+    /// The attached point on the undamaged mesh, m, in the mesh's space.
     pub point: CrumpleVec3,
     pub reserved: [u32; 3],
 }
 
-/// The place of an attached point, and its rotation since rest.
+/// The position of an attached point, and its rotation relative to the undamaged mesh.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 pub struct CrumpleFrame {
@@ -33,7 +33,7 @@ pub struct CrumpleFrame {
 }
 
 /// Binds a point in the mesh's space, m, to the nearest surface. The point keeps its distance from the surface and
-/// turns with it. CRUMPLE_ERROR_INVALID_ARGUMENT: the point is further away than 1e9 m.
+/// rotates with it. CRUMPLE_ERROR_INVALID_ARGUMENT: the point is further away than 1e9 m.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_attach_point(
     context: *mut CrumpleContext,
@@ -50,9 +50,9 @@ pub unsafe extern "C" fn crumple_example_set_attach_point(
     })
 }
 
-/// Returns the place of an attached point on the dented instance, including pending hits. Uses no buffer. Errors:
-/// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE or CRUMPLE_ERROR_INVALID_ARGUMENT (an attachment of another set, or one that is not
-/// of crumple_example_set_attach_point()).
+/// Returns the position of an attached point on the dented instance, pending hits included. It needs no buffer. Errors:
+/// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE or CRUMPLE_ERROR_INVALID_ARGUMENT (an attachment of another set, or one not from
+/// crumple_example_set_attach_point()).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_get_attached_frame(
     context: *mut CrumpleContext,

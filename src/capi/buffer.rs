@@ -28,18 +28,17 @@ pub(super) fn add_buffer(
     Ok(())
 }
 
-/// A buffer without memory. Set its streams.
+/// Returns a def without streams. Set them.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_host_buffer_def_default() -> CrumpleHostBufferDef {
     zeroed()
 }
 
 /// Registers your memory for an instance's deformed vertices. The first deform writes every vertex. An instance may
-/// have several buffers, such as the members of a ring; each is brought up to date by itself. Only
-/// crumple_context_deform() touches the memory. It must exist until the buffer is unregistered or set to other memory,
-/// or until its instance or context is destroyed. Memory of different buffers must not overlap; debug builds of the
-/// library check this. Errors: CRUMPLE_ERROR_MESH (normals or tangents that the mesh lacks), CRUMPLE_ERROR_WRONG_RULE
-/// (lod above 0 with a classic rule).
+/// have several buffers, such as a ring; each is updated separately. Only crumple_context_deform() touches the memory.
+/// It must exist until the buffer is unregistered or gets other memory, or its instance or context is destroyed. Memory
+/// of different buffers must not overlap; debug builds of the library check this. Errors: CRUMPLE_ERROR_MESH (normals
+/// or tangents that the mesh lacks), CRUMPLE_ERROR_WRONG_RULE (lod above 0 with a classic rule).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_buffer_register_host(
     context: *mut CrumpleContext,
@@ -55,7 +54,7 @@ pub unsafe extern "C" fn crumple_buffer_register_host(
     })
 }
 
-/// Ends a buffer. The memory is yours alone again; a VkBuffer is once the frames that wrote it are complete.
+/// Unregisters a buffer. You may then free its memory, or its VkBuffer once the frames that wrote it are complete.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_buffer_unregister(
     context: *mut CrumpleContext,
@@ -83,7 +82,8 @@ pub unsafe extern "C" fn crumple_buffer_invalidate(
 }
 
 /// Gives a host buffer other memory, perhaps for another level of detail, and invalidates it. After an error the buffer
-/// keeps its memory. Errors as for crumple_buffer_register_host().
+/// keeps its memory. Errors: those of crumple_buffer_register_host(), and CRUMPLE_ERROR_INVALID_ARGUMENT (a Vulkan
+/// buffer).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_buffer_set_memory(
     context: *mut CrumpleContext,

@@ -25,8 +25,8 @@ pub enum CrumpleLogLevel {
     Warning = 1,
 }
 
-/// Receives one message, UTF-8, without a line break at its end. The text is valid during the callback. Runs on the
-/// thread that called Crumple. Must not call the same context, throw or jump out.
+/// Receives one message, UTF-8, without a line break at its end. The text is valid only during the callback. Runs on
+/// the thread that called Crumple. Must not call the same context, throw or longjmp out.
 pub type CrumpleLog =
     Option<unsafe extern "C" fn(level: MaybeUninit<CrumpleLogLevel>, message: *const c_char, user: *mut c_void)>;
 
@@ -38,7 +38,7 @@ pub struct CrumpleContext;
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleContextDef {
     pub struct_size: u32,
-    /// Threads that deform, up to 1024. 0: one per core. 1: only the calling thread. Ignored where tasks is set. Default 0.
+    /// Threads that deform, up to 1024. 0: one per core. 1: only the calling thread. Unused with tasks. Default 0.
     pub threads: u32,
     /// Receives messages. Default null: none.
     pub log: CrumpleLog,
@@ -191,15 +191,15 @@ pub(super) fn concurrent(
     boundary(call, || body(&*find(context)?))
 }
 
-/// The default options: one thread per core, no log.
+/// Returns the default options: one thread per core, no log.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_context_def_default() -> CrumpleContextDef {
     zeroed()
 }
 
-/// Creates a context. What its callbacks use must live until the context is destroyed. Any thread may call this.
+/// Creates a context. Data that its callbacks use must live until the context is destroyed. Any thread may call this.
 /// Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (more than 1024 threads, or 65535 contexts alive),
-/// CRUMPLE_ERROR_OUT_OF_MEMORY (the system starts no more threads).
+/// CRUMPLE_ERROR_OUT_OF_MEMORY (the system cannot start the threads).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_create(
     def: *const CrumpleContextDef,
@@ -238,9 +238,9 @@ fn tag_of(number: usize) -> u16 {
     (number / STEP) as u16
 }
 
-/// Destroys a context and everything in it. Your own memory is neither freed nor touched. The context and its ids
+/// Destroys a context and everything in it. It neither frees nor touches your own memory. The context and its ids
 /// become invalid. No other call may be running with this context. An attached Vulkan device must still exist.
-/// CRUMPLE_ERROR_FRAMES_IN_FLIGHT: see crumple_vulkan_complete_frames(); nothing was destroyed.
+/// CRUMPLE_ERROR_FRAMES_IN_FLIGHT: nothing was destroyed; see crumple_vulkan_complete_frames().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_destroy(context: *mut CrumpleContext) -> CrumpleResult {
     boundary("crumple_context_destroy", || {

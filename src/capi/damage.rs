@@ -9,8 +9,8 @@ use super::types::CrumpleInstance;
 use crate::damage::mark::Mark;
 use std::ffi::c_void;
 
-/// Copies an instance's marks, sorted, so that the same hits give the same marks in any order. marks has room for
-/// capacity marks; see "Arrays" at the top. CRUMPLE_ERROR_WRONG_RULE: classic rules have no marks.
+/// Copies an instance's marks to an array of capacity marks; see "Arrays" at the top. The marks are sorted, so that the
+/// order of hits does not matter. CRUMPLE_ERROR_WRONG_RULE: classic rules have no marks.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_get_marks(
     context: *mut CrumpleContext,
@@ -29,7 +29,7 @@ pub unsafe extern "C" fn crumple_instance_get_marks(
     })
 }
 
-/// Replaces an instance's marks by count marks of the same set. Discards pending hits and ends contacts. Errors:
+/// Replaces an instance's marks with count marks of the same set. Discards pending hits and ends contacts. Errors:
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that the set cannot have), CRUMPLE_ERROR_WRONG_RULE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_set_marks(
@@ -46,8 +46,8 @@ pub unsafe extern "C" fn crumple_instance_set_marks(
     })
 }
 
-/// Saves an instance's damage as bytes that are equal on all machines. They hold a version and the set's fingerprint.
-/// data has capacity bytes of any alignment; see "Arrays" at the top.
+/// Saves an instance's damage as bytes that are equal on all machines. They include a version and the set's
+/// fingerprint. data has capacity bytes of any alignment; see "Arrays" at the top.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_save_damage(
     context: *mut CrumpleContext,
@@ -66,9 +66,9 @@ pub unsafe extern "C" fn crumple_instance_save_damage(
     })
 }
 
-/// Replaces an instance's damage by size saved bytes of any alignment. Discards pending hits and ends contacts. Errors:
-/// CRUMPLE_ERROR_DAMAGE_MISMATCH (another set, version or rule, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT (a mark
-/// that the set cannot have).
+/// Replaces an instance's damage with saved damage: size bytes at data, of any alignment. Discards pending hits and
+/// ends contacts. Errors: CRUMPLE_ERROR_DAMAGE_MISMATCH (another set, version or rule, or cut short),
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that the set cannot have).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_load_damage(
     context: *mut CrumpleContext,
@@ -83,7 +83,7 @@ pub unsafe extern "C" fn crumple_instance_load_damage(
     })
 }
 
-/// Repairs an instance: every dent keeps this share of its depth, 0 (as new) to 1 (unchanged). Ends contacts.
+/// Repairs an instance. Every dent keeps this share of its depth: 0 (as new) to 1 (unchanged). Ends contacts.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_repair_damage(
     context: *mut CrumpleContext,
@@ -97,7 +97,7 @@ pub unsafe extern "C" fn crumple_instance_repair_damage(
     })
 }
 
-/// Makes an instance as new. Discards pending hits and ends contacts.
+/// Removes all damage of an instance. Discards pending hits and ends contacts.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_reset_damage(
     context: *mut CrumpleContext,
@@ -110,9 +110,9 @@ pub unsafe extern "C" fn crumple_instance_reset_damage(
     })
 }
 
-/// Replaces an instance's damage by that of source, an instance with an equal set and the same kind of rule. Discards
-/// the instance's pending hits and ends its contacts. Copying from itself does nothing. CRUMPLE_ERROR_DAMAGE_MISMATCH:
-/// another set or rule.
+/// Replaces an instance's damage with that of source, which needs an equal set and the same kind of rule. Discards the
+/// instance's pending hits and ends its contacts. Copying an instance to itself does nothing.
+/// CRUMPLE_ERROR_DAMAGE_MISMATCH: another set or rule.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_copy_damage(
     context: *mut CrumpleContext,

@@ -14,7 +14,7 @@ use crate::base::math::Aabb;
 use crate::instance::deform::DeformJob;
 use xxhash_rust::xxh3::Xxh3;
 
-/// The work of a deform. Blocks are runs of consecutive vertices.
+/// The work done by a deform. A block is a run of up to 128 consecutive vertices.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CrumpleDeformReport {
@@ -22,17 +22,17 @@ pub struct CrumpleDeformReport {
     pub blocks_written: u64,
     /// Blocks that were up to date.
     pub blocks_skipped: u64,
-    /// Examples of marks that tolerances skipped; see crumple_instance_set_tolerance().
+    /// Examples of marks skipped by tolerances; see crumple_instance_set_tolerance().
     pub parts_skipped: u64,
     pub reserved: [u64; 4],
 }
 
-/// Brings host buffers up to date: count ids at buffers, each once, or all host buffers of the context with null and 0.
-/// Writes only what changed since the last write of each buffer, in parallel over all of them. Without changes it is
-/// cheap. With null and 0 the pending hits of every instance become damage, also without a buffer, so damage does not
-/// depend on which bodies are seen. The buffers' memory must not be read or written during the call. out_report may be
-/// null. CRUMPLE_ERROR_INVALID_ARGUMENT: a buffer twice, a Vulkan buffer, or overlapping memory in debug builds. No
-/// vertex is written then.
+/// Writes the deformed vertices of count host buffers, or of all host buffers of the context if buffers is null and
+/// count 0. It writes only what changed since the last write of each buffer, in parallel over all of them, and is cheap
+/// without changes. With null and 0 it also applies the pending hits of instances without a buffer, so that damage does
+/// not depend on which bodies are visible. Nobody else may read or write the memory during the call. out_report may be
+/// null. CRUMPLE_ERROR_INVALID_ARGUMENT (no vertex was written): a buffer twice, a Vulkan buffer, or overlapping memory
+/// in debug builds.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_deform(
     context: *mut CrumpleContext,
@@ -180,10 +180,10 @@ fn apart<'a>(entries: impl Iterator<Item = (CrumpleBuffer, &'a BufferEntry)>) ->
     Ok(())
 }
 
-/// Returns the vertices that the last deform or recording that included the buffer wrote (null as buffers includes
-/// all), as increasing, separate ranges, and the bounds of all its vertices, m. Use them for uploads, refits and
-/// culling. Bounds of a Vulkan buffer may be too large. ranges has room for capacity ranges; see "Arrays" at the top.
-/// out_bounds may be null.
+/// Returns the vertices written by the last deform or recording that included the buffer, by id or with null and 0.
+/// They are increasing ranges that do not overlap. Also returns the bounds of all its vertices, m, which may be too
+/// large for a Vulkan buffer. Use them for uploads, refits and culling. ranges has room for capacity ranges; see
+/// "Arrays" at the top. out_bounds may be null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_buffer_get_changes(
     context: *mut CrumpleContext,

@@ -12,28 +12,29 @@ use crate::select::hit::{Cause, Hit, HitStatus, Outcome, Space};
 use std::mem::MaybeUninit;
 use std::num::NonZeroU64;
 
-/// A hit given as an impulse, with point and impulse in the given space (default CRUMPLE_SPACE_LOCAL). The target
-/// displacement of the contact is impulse * duration / mass. For dents that do not depend on the frame rate, make
-/// duration a constant of the material and report a contact once with its whole impulse, or in parts with a contact_id.
+/// A hit given as an impulse. point and impulse are in the given space (default CRUMPLE_SPACE_LOCAL). The target
+/// displacement of the contact is impulse * duration / mass. To make dents independent of the frame rate, use a
+/// constant of the material as duration, and report a contact once with its whole impulse, or in parts with a
+/// contact_id.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleImpulseDef {
     pub struct_size: u32,
     pub space: MaybeUninit<Space>,
-    /// Where it hit, m. The nearest vertex becomes the contact.
+    /// Where the body was hit, m. The nearest vertex becomes the contact.
     pub point: CrumpleVec3,
     /// The impulse on the body, N s. A zero impulse leaves no mark.
     pub impulse: CrumpleVec3,
     /// How long the impulse acted, s: a constant of the material such as 0.01, not the time step. Required, not 0.
     pub duration: f32,
-    /// Mass of the contact vertex, kg. Default 0: the mass that the set has for the vertex.
+    /// Mass of the contact vertex, kg. Default 0: the set's mass for that vertex.
     pub mass: f32,
     /// The contact that the hit is part of; see crumple_instance_end_contact(). Default 0: none.
     pub contact_id: u64,
 }
 
-/// A hit given as the desired contact displacement, for engines with their own impulse-to-depth mapping. It does not
-/// depend on the frame rate. Fields without a comment are as in CrumpleImpulseDef.
+/// A hit given as the desired contact displacement, for engines with their own impulse-to-depth mapping. The dent does
+/// not depend on the frame rate. Fields without a comment are as in CrumpleImpulseDef.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleDisplacementDef {
@@ -52,13 +53,13 @@ defs!(CrumpleImpulseDef, CrumpleDisplacementDef);
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct CrumpleChosen {
     pub example: u32,
-    /// Share of the dent; shares of a hit sum to 1. Negative where it corrects overshoot of the others.
+    /// Share of the dent; shares of a hit sum to 1. Negative if it corrects overshoot of the others.
     pub share: f32,
-    /// Factor of its displacements.
+    /// Factor that multiplies the example's displacements.
     pub scale: f32,
-    /// Whether it stays where it was made. Otherwise it is carried (moved) to the contact.
+    /// Whether the example is anchored. Otherwise it is carried to the contact.
     pub anchored: bool,
-    /// Planes it is mirrored in: 1 for x, 2 for y, 4 for z, added.
+    /// Mirrored coordinates, as bits: 1 for x, 2 for y, 4 for z.
     pub mirror: u8,
     pub reserved: u16,
 }
@@ -70,18 +71,18 @@ pub struct CrumpleHitResult {
     pub status: MaybeUninit<HitStatus>,
     /// The vertex nearest to the point.
     pub contact_vertex: u32,
-    /// Its distance from the point, m.
+    /// Distance of that vertex from the point, m.
     pub contact_distance: f32,
-    /// Target displacement of the contact before clamping, m, in the mesh's space.
+    /// Target displacement of the contact, before it is clamped, m, in the mesh's space.
     pub target: CrumpleVec3,
-    /// Displacement of the contact by this hit alone, m, in the mesh's space. target - achieved was not achieved.
+    /// Displacement of the contact by this hit alone, m, in the mesh's space.
     pub achieved: CrumpleVec3,
     pub chosen_count: u32,
     /// Whether the target was longer than the depth limit and was cut to it.
     pub clamped: bool,
     /// The examples, the largest share first.
     pub chosen: [CrumpleChosen; 4],
-    /// The mark; zero everywhere where the hit leaves none.
+    /// The mark. All zero if the hit leaves none.
     pub mark: Mark,
     pub reserved: [u64; 4],
 }
@@ -132,23 +133,23 @@ impl From<&Outcome> for CrumpleHitResult {
     }
 }
 
-/// A zero impulse in the mesh's space. Set point, impulse and duration.
+/// Returns a zero impulse in the mesh's space. Set point, impulse and duration.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_impulse_def_default() -> CrumpleImpulseDef {
     zeroed()
 }
 
-/// A zero displacement in the mesh's space. Set point and displacement.
+/// Returns a zero displacement in the mesh's space. Set point and displacement.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_displacement_def_default() -> CrumpleDisplacementDef {
     zeroed()
 }
 
-/// Submits a hit. Examples are selected during the call. The mark counts from the next read of the damage (see "Reads"
-/// at the top). A hit that is too weak, or that no example answers, is not an error; see out_result->status. out_result
-/// may be null. With a contact_id, it describes the hit alone. May be called from any thread at any time, except while
-/// the instance or context is being destroyed. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (duration not above 0, negative
-/// or unknown mass), CRUMPLE_ERROR_CONTACT_TOO_FAR, CRUMPLE_ERROR_WRONG_RULE (a contact_id with a classic rule).
+/// Submits a hit. The call selects the examples. The next read of the damage applies the mark (see "Reads" at the top).
+/// A hit that is too weak, or that no example fits, is not an error; see out_result->status. out_result may be null.
+/// With a contact_id, it describes this hit alone. May be called from any thread at any time, except while the instance
+/// or context is being destroyed. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (duration not above 0, a negative mass, or no
+/// mass in def or set), CRUMPLE_ERROR_CONTACT_TOO_FAR, CRUMPLE_ERROR_WRONG_RULE (a contact_id with a classic rule).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_submit_impulse(
     context: *mut CrumpleContext,
@@ -159,7 +160,7 @@ pub unsafe extern "C" fn crumple_instance_submit_impulse(
     submit("crumple_instance_submit_impulse", context, instance, || read_impulse(def), Effect::Submit, out_result)
 }
 
-/// As crumple_instance_submit_impulse(), for a displacement.
+/// Like crumple_instance_submit_impulse(), but for a displacement.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_submit_displacement(
     context: *mut CrumpleContext,
@@ -189,7 +190,7 @@ pub unsafe extern "C" fn crumple_instance_preview_impulse(
     submit("crumple_instance_preview_impulse", context, instance, || read_impulse(def), Effect::Preview, out_result)
 }
 
-/// As crumple_instance_preview_impulse(), for a displacement.
+/// Like crumple_instance_preview_impulse(), but for a displacement.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_preview_displacement(
     context: *mut CrumpleContext,
@@ -207,15 +208,15 @@ pub unsafe extern "C" fn crumple_instance_preview_displacement(
     )
 }
 
-/// Ends a contact. Its dent stays; later hits with the same id begin a new contact. Use contacts where the physics
-/// engine reports one contact as many small impulses. Give each of these hits the same contact_id, any number but 0,
-/// and end the contact when the bodies separate. They make the dent of the whole impulse, at any frame rate: their
-/// displacements add, and the place is the mean of their points weighted by displacement. Yield thresholds and depth
-/// limit apply to the sum. One mark is replaced as hits arrive.
+/// Ends a contact. Its dent stays; later hits with the same id begin a new contact. Use contacts if your physics engine
+/// reports one contact as many small impulses. Give each of these hits the same contact_id, any number but 0, and end
+/// the contact when the bodies separate. Together they make the dent of the whole impulse, at any frame rate: their
+/// target displacements add up, and the place is the mean of their points weighted by displacement. Yield thresholds
+/// and depth limit apply to the sum. A contact has one mark, which is replaced as hits arrive.
 ///
-/// A hit that arrives after the end belongs to the next contact of that id. Ending an unknown id is not an error.
-/// Contacts also end when the instance's damage is set, loaded, copied, repaired or reset. At most 256 are open; the
-/// one hit longest ago ends first. May be called from any thread at any time. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
+/// Ending an unknown id is not an error. Contacts also end when the instance's damage is set, loaded, copied to it,
+/// repaired or reset. At most 256 are open per instance; above that, the one hit longest ago ends. May be called from
+/// any thread at any time. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_end_contact(
     context: *mut CrumpleContext,
@@ -229,8 +230,8 @@ pub unsafe extern "C" fn crumple_instance_end_contact(
     })
 }
 
-/// Returns the result of all hits of an open contact as one. Its status is CRUMPLE_HIT_STATUS_BELOW_YIELD if no such
-/// contact is open or its sum is too weak. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
+/// Returns the result of an open contact, all its hits taken as one. Its status is CRUMPLE_HIT_STATUS_BELOW_YIELD if no
+/// such contact is open or the sum is too weak. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_get_contact(
     context: *mut CrumpleContext,

@@ -14,7 +14,7 @@ use std::ops::Range;
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleHostBufferDef {
     pub struct_size: u32,
-    /// Which mesh: 0 for the base mesh, or a number of crumple_example_set_add_lod(). Default 0.
+    /// Which mesh: 0 for the base mesh, or a number from crumple_example_set_add_lod(). Default 0.
     pub lod: u32,
     /// Positions, m. Required.
     pub positions: CrumpleStream,

@@ -18,22 +18,22 @@ use std::sync::{Arc, Mutex, PoisonError};
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleInstanceDef {
     pub struct_size: u32,
-    /// Most examples that one hit may mix: 1 to 4. Default 3.
+    /// Most examples that one hit may combine: 1 to 4. Default 3.
     pub examples_per_hit: u32,
     /// The example set, which the instance keeps alive. Required.
     pub set: CrumpleExampleSet,
     pub rule: MaybeUninit<CrumpleRule>,
     pub selection: MaybeUninit<CrumpleSelection>,
-    /// Most marks kept, 1 to 65535, 32 bytes each. Above it, the weakest mark joins the nearest. Default 64.
+    /// Most marks kept, 1 to 65535, 32 bytes each. Above, the weakest mark merges into the nearest. Default 64.
     pub mark_capacity: u32,
     /// No vertex moves further than this, m. Default 0: the set's limit.
     pub depth_limit: f32,
-    /// Shorter impulses leave no mark, N s, in the hit's space. Default 0.
+    /// Impulses shorter than this leave no mark, N s, in the hit's space. Default 0.
     pub yield_impulse: f32,
-    /// Hits with a shorter target leave no mark, m, in the mesh's space. Default 0.
+    /// Hits with a target displacement shorter than this leave no mark, m, in the mesh's space. Default 0.
     pub yield_displacement: f32,
-    /// Hits further than this from the nearest vertex are refused, m, in the mesh's space. Default 0: the body's
-    /// diagonal.
+    /// Hits further than this from the nearest vertex are errors, m, in the mesh's space. Default 0: the diagonal of
+    /// the bounds, or the depth limit if larger.
     pub max_contact_distance: f32,
     /// Constant of CRUMPLE_RULE_BLEND, 0 to 1. Default 0.
     pub blend_constant: f32,
@@ -45,11 +45,11 @@ pub struct CrumpleInstanceDef {
 
 defs!(CrumpleInstanceDef);
 
-/// The state of an instance, including pending hits.
+/// The state of an instance. Pending hits are included.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleInstanceInfo {
-    /// The id that it was created with, which may be stale.
+    /// The set that it was created with. The id is invalid if the set was destroyed.
     pub set: CrumpleExampleSet,
     /// Memory of the instance, bytes, without the set and without your buffers.
     pub memory_bytes: u64,
@@ -62,7 +62,7 @@ pub struct CrumpleInstanceInfo {
     pub reserved: [u32; 4],
 }
 
-/// An instance with default options. Set its set.
+/// Returns the default options. Set the example set.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_instance_def_default() -> CrumpleInstanceDef {
     let options = InstanceOptions::default();
@@ -139,7 +139,7 @@ fn options(def: &CrumpleInstanceDef) -> Result<InstanceOptions, Failure> {
     })
 }
 
-/// Destroys an instance and ends the ids of its buffers. Your memory keeps its contents.
+/// Destroys an instance and unregisters its buffers. Your memory keeps its contents.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_destroy(
     context: *mut CrumpleContext,
@@ -192,10 +192,10 @@ pub(super) fn info_number(info: &CrumpleInstanceInfo) -> u64 {
 }
 
 /// Sets the transform of an instance: local_to_world points to 16 floats, column-major (element 4 * column + row, as in
-/// glTF and Vulkan), translation in elements 12 to 14, m, last row 0 0 0 1. It may scale and shear but not flatten.
-/// Hits in CRUMPLE_SPACE_WORLD use the inverse of the transform in force when they are submitted: points as points,
-/// impulses and displacements as vectors. Deformed vertices are in the mesh's space. May be called from any thread at
-/// any time.
+/// glTF and Vulkan), translation in elements 12 to 14, m, last row 0 0 0 1. It may scale and shear, but must be
+/// invertible. Hits in CRUMPLE_SPACE_WORLD use the inverse of the transform at the time of the call: in full for
+/// points, without translation for impulses and displacements. Deformed vertices are in the mesh's space. May be called
+/// from any thread at any time.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_set_transform(
     context: *mut CrumpleContext,
@@ -216,8 +216,8 @@ pub unsafe extern "C" fn crumple_instance_set_transform(
     })
 }
 
-/// Limits how far a vertex moves, m, from the next crumple_context_deform() on. 0: the set's limit. Marks are kept, and
-/// show again when the limit is raised.
+/// Limits how far a vertex moves, m. The next deform or recording applies it. 0: the set's limit. Marks are kept, and
+/// their full depth returns when the limit is raised.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_set_depth_limit(
     context: *mut CrumpleContext,
@@ -231,10 +231,10 @@ pub unsafe extern "C" fn crumple_instance_set_depth_limit(
     })
 }
 
-/// Allows vertices a position error of up to tolerance, m, in the mesh's space, which makes deforming cheaper: smaller
-/// displacements are skipped. 0: none are skipped. Seams stay closed. The value is rounded down to a power of two in
-/// metres, so it may be set every frame from crumple_pixel_tolerance(). When the rounded value changes, the next deform
-/// writes every dented block. Classic rules ignore it.
+/// Allows an error of up to tolerance in vertex positions, m, in the mesh's space. Deforming then skips small
+/// displacements and is cheaper. 0: none are skipped. Seams stay closed. The value is rounded down to a power of two in
+/// metres, so that you may set it from crumple_pixel_tolerance() every frame. When the rounded value changes, the next
+/// deform writes every dented block. Classic rules ignore it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_set_tolerance(
     context: *mut CrumpleContext,
@@ -250,7 +250,7 @@ pub unsafe extern "C" fn crumple_instance_set_tolerance(
 
 /// Returns the length, m, that covers a number of pixels at a distance, m, for a camera with this vertical field of
 /// view, radians, and viewport height, pixels. Use it as the tolerance of an instance whose nearest vertex is at that
-/// distance. Returns 0 for meaningless arguments: negative or NaN, a field of view of pi or more, a height of 0.
+/// distance. Returns 0 for invalid arguments: negative or NaN, a field of view of 0 or at least pi, a height of 0.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_pixel_tolerance(pixels: f32, distance: f32, fov_y: f32, viewport_height: f32) -> f32 {
     crate::deform::tolerance::pixel_tolerance(pixels, distance, fov_y, viewport_height)

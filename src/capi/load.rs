@@ -17,22 +17,22 @@ use crate::example::set::ExampleSet;
 use std::ffi::{c_char, c_void};
 use std::mem::MaybeUninit;
 
-/// Which mesh of a glTF file to load, and how the set is built.
+/// Which mesh of a glTF file to load, and the options of the set.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleGltfDef {
     pub struct_size: u32,
-    /// Index of the mesh in the file, used where mesh_name is null. Default UINT32_MAX: the first with morph targets.
+    /// Index of the mesh in the file, used if mesh_name is null. Default UINT32_MAX: the first mesh with morph targets.
     pub mesh_index: u32,
     /// Name of the mesh, UTF-8. Default null: mesh_index decides.
     pub mesh_name: *const c_char,
-    /// Path of the .glb or .gltf file, UTF-8. For crumple_example_set_load_gltf_memory(): the folder of files that the
-    /// glTF refers to; null makes such files an error.
+    /// Path of the .glb or .gltf file, UTF-8. For crumple_example_set_load_gltf_memory(): the folder of other files
+    /// that the glTF refers to. If it is null there, a glTF that refers to files is an error.
     pub path: *const c_char,
     pub options: CrumpleExampleSetOptions,
 }
 
-/// A base OBJ file with its example files, and how the set is built.
+/// A base OBJ file, its example files, and the options of the set.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleObjDef {
@@ -48,24 +48,24 @@ pub struct CrumpleObjDef {
 
 defs!(CrumpleGltfDef, CrumpleObjDef);
 
-/// The first mesh with morph targets, with default options. Set the path.
+/// Returns a def for the first mesh with morph targets, with default options. Set the path.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_gltf_def_default() -> CrumpleGltfDef {
     CrumpleGltfDef { mesh_index: u32::MAX, options: default_options(), ..zeroed() }
 }
 
-/// Default options. Set the paths.
+/// Returns a def with default options. Set the paths.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_obj_def_default() -> CrumpleObjDef {
     CrumpleObjDef { options: default_options(), ..zeroed() }
 }
 
 /// Builds an example set from a glTF 2.0 or GLB file: a mesh with its morph targets. Primitives are joined in their
-/// order; see crumple_example_set_get_primitive(). mesh.extras gives names (targetNames), contacts (impacts) and
-/// placements. Coordinates stay in the mesh's own space: node transforms are not applied. Errors: CRUMPLE_ERROR_IO,
-/// CRUMPLE_ERROR_FORMAT (malformed, or no such mesh), CRUMPLE_ERROR_UNSUPPORTED (Draco or meshopt compression, or a
-/// build without CRUMPLE_FEATURE_GLTF), CRUMPLE_ERROR_EXAMPLE_MISMATCH (no morph targets), and those of
-/// crumple_example_set_create().
+/// order; see crumple_example_set_get_primitive(). mesh.extras has the examples' names (targetNames), contacts
+/// (impacts) and placements. Coordinates are in the mesh's own space: node transforms are not applied. Errors:
+/// CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT (malformed, or no such mesh), CRUMPLE_ERROR_UNSUPPORTED (Draco or meshopt
+/// compression, or a build without CRUMPLE_FEATURE_GLTF), CRUMPLE_ERROR_EXAMPLE_MISMATCH (no morph targets), and those
+/// of crumple_example_set_create().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_load_gltf(
     context: *mut CrumpleContext,
@@ -89,8 +89,7 @@ pub unsafe extern "C" fn crumple_example_set_load_gltf(
     })
 }
 
-/// As crumple_example_set_load_gltf(), from the size bytes of a file at data, which are read during the call. Any
-/// alignment.
+/// Like crumple_example_set_load_gltf(), but reads the file from the size bytes at data, of any alignment.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_load_gltf_memory(
     context: *mut CrumpleContext,
@@ -116,9 +115,10 @@ pub unsafe extern "C" fn crumple_example_set_load_gltf_memory(
     })
 }
 
-/// Builds an example set from a base OBJ file and one OBJ file per example, named after its file. Vertices are the
-/// file's v lines in their order. Polygons are triangulated. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT,
-/// CRUMPLE_ERROR_UNSUPPORTED (a build without CRUMPLE_FEATURE_OBJ), and those of crumple_example_set_create().
+/// Builds an example set from a base OBJ file and one OBJ file per example. Examples are named after their files.
+/// Vertices are the file's v lines in their order. Polygons are triangulated. Errors: CRUMPLE_ERROR_IO,
+/// CRUMPLE_ERROR_FORMAT, CRUMPLE_ERROR_UNSUPPORTED (a build without CRUMPLE_FEATURE_OBJ), and those of
+/// crumple_example_set_create().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_load_obj(
     context: *mut CrumpleContext,
@@ -153,8 +153,8 @@ pub unsafe extern "C" fn crumple_example_set_load_obj(
 pub enum CrumpleBytes {
     /// The bytes are copied. Free them after the call.
     Copy = 0,
-    /// The bytes are used in place. They must stay readable and unchanged until the set and its instances, or the
-    /// context, are destroyed. Bytes that do not start at a multiple of 16 are copied.
+    /// The bytes are used in place. They must stay readable and unchanged until the set and all its instances are
+    /// destroyed, or the context is. Bytes whose address is not a multiple of 16 are copied.
     Keep = 1,
 }
 
@@ -162,7 +162,7 @@ c_enums!(CrumpleBytes::Keep);
 
 /// Loads an example set from the size bytes of a .crumple file at data, written by "crumple bake" or
 /// crumple_example_set_save_baked(). Loading builds nothing and is fast. All bytes are validated. The set has one
-/// primitive, no name and no node transform. Errors: CRUMPLE_ERROR_FORMAT (damaged, cut short, or no baked set),
+/// primitive, no name and no node transform. Errors: CRUMPLE_ERROR_FORMAT (damaged, cut short, or not a baked set),
 /// CRUMPLE_ERROR_UNSUPPORTED (another format version, or a big-endian processor).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_load_baked_memory(
@@ -184,7 +184,7 @@ pub unsafe extern "C" fn crumple_example_set_load_baked_memory(
     })
 }
 
-/// As crumple_example_set_load_baked_memory(), from a file that is read into memory. path is UTF-8. Also returns
+/// Like crumple_example_set_load_baked_memory(), but reads a file into memory. path is UTF-8. Also returns
 /// CRUMPLE_ERROR_IO.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_load_baked(

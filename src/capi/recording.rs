@@ -10,13 +10,13 @@ use std::ffi::c_char;
 use std::path::Path;
 use std::sync::PoisonError;
 
-/// Records the context's calls to a file, path in UTF-8. "crumple replay FILE" makes the same calls without your engine
-/// and checks that every result and vertex is equal: a bug becomes a test. The file starts with the existing sets,
-/// instances, damage and buffers. It grows by some hundred bytes per hit and frame, written at once, so that a crash
-/// loses nothing. The next deform writes every buffer whole. Vulkan buffers are replayed on the CPU and not compared.
-/// Refused calls are noted with their message. Hits wait for each other while recording, so leave it off in releases.
-/// Submits are serialised, but may arrive meanwhile. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a recording runs, or an
-/// instance has open contacts), CRUMPLE_ERROR_IO, CRUMPLE_ERROR_UNSUPPORTED (a big-endian processor).
+/// Records the context's calls to a file. path is UTF-8. "crumple replay FILE" repeats the calls without your engine
+/// and checks that every result and vertex is equal, so that a bug becomes a test. The file starts with the existing
+/// sets, instances, damage and buffers. It grows by some hundred bytes per hit and frame, written immediately, so that
+/// a crash loses nothing. The next deform writes every vertex of every buffer. Vulkan buffers are replayed on the CPU
+/// and not compared. Failed calls are recorded with their message. Hits may still come from any thread, but are
+/// serialised while recording, so leave it off in releases. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a recording is
+/// running, or an instance has open contacts), CRUMPLE_ERROR_IO, CRUMPLE_ERROR_UNSUPPORTED (a big-endian processor).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_recording_begin(context: *mut CrumpleContext, path: *const c_char) -> CrumpleResult {
     exclusive("crumple_recording_begin", context, |context, state| {
@@ -41,7 +41,7 @@ pub unsafe extern "C" fn crumple_recording_begin(context: *mut CrumpleContext, p
 }
 
 /// Ends the recording and completes the file. crumple_context_destroy() does so too. CRUMPLE_ERROR_IO: the file could
-/// not be completed; its content can be replayed, and the recording has ended.
+/// not be completed. Its content can still be replayed, and the recording has ended.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_recording_end(context: *mut CrumpleContext) -> CrumpleResult {
     exclusive("crumple_recording_end", context, |context, _| {

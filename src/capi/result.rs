@@ -13,7 +13,7 @@ use std::mem::MaybeUninit;
 #[allow(clippy::enum_variant_names)] // the C names
 pub enum CrumpleResult {
     CrumpleOk = 0,
-    /// A value is outside its range, or the call is not allowed now.
+    /// A value is outside its range, or the call is not allowed in the current state.
     CrumpleErrorInvalidArgument = 1,
     /// A number is NaN or infinite.
     CrumpleErrorNotFinite = 2,
@@ -27,15 +27,15 @@ pub enum CrumpleResult {
     CrumpleErrorBufferTooSmall = 6,
     /// A pointer, offset or stride is not a multiple of its alignment.
     CrumpleErrorMisaligned = 7,
-    /// The point of a hit is further from the body than max_contact_distance. Often the point is in the wrong space.
+    /// A hit is further from the body than max_contact_distance. Often its point is in the wrong space.
     CrumpleErrorContactTooFar = 8,
     /// The input is valid, but this library or this build does not support it.
     CrumpleErrorUnsupported = 9,
-    /// A file or saved bytes are malformed.
+    /// A file is malformed, or bytes in memory are.
     CrumpleErrorFormat = 10,
     /// The operating system refused to read or write a file.
     CrumpleErrorIo = 11,
-    /// Damage belongs to another example set, rule or version.
+    /// The damage belongs to another example set, rule or version.
     CrumpleErrorDamageMismatch = 12,
     /// Memory ran out. See "Memory" at the top.
     CrumpleErrorOutOfMemory = 13,
@@ -49,7 +49,7 @@ pub enum CrumpleResult {
     CrumpleErrorNullPointer = 64,
     /// The struct_size of a def is wrong. Start from the def's crumple_..._def_default function.
     CrumpleErrorStructSize = 65,
-    /// An id or a context is null, was destroyed, or belongs to another context.
+    /// An id is null or of another context, or an id or a context was destroyed.
     CrumpleErrorInvalidId = 66,
     /// Two threads used one context at once, or a callback called back into its context.
     CrumpleErrorConcurrentUse = 67,
@@ -170,8 +170,8 @@ pub(super) fn remember(call: &str, message: &str) {
 }
 
 /// Returns the message of the calling thread's last failed call, as UTF-8: "crumple_instance_create: ...". It names the
-/// wrong value and the right one. It is empty before the first failure; calls that succeed leave it unchanged. It stays
-/// valid until the thread's next failed call. At most 1023 bytes, never null.
+/// wrong value and what would be right. It is empty before the first failure; calls that succeed leave it unchanged.
+/// The text stays valid until the thread's next failed call. It has at most 1023 bytes and is never null.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_last_error() -> *const c_char {
     // A thread that is ending has lost its text already.

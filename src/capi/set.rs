@@ -31,7 +31,7 @@ pub enum CrumpleIndexType {
     U16 = 1,
 }
 
-/// How the place where an example was hit is given.
+/// How an example's contact (the place where it was hit) is given.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(dead_code)] // made by C
@@ -40,51 +40,51 @@ pub enum CrumpleContactKind {
     None = 0,
     /// As a vertex of the base mesh.
     Vertex = 1,
-    /// As a point in the mesh's space. Its nearest vertex becomes the contact.
+    /// As a point in the mesh's space. The vertex nearest to it becomes the contact.
     Point = 2,
 }
 
-/// How an example set is built. Part of the defs that build one, which set its defaults.
+/// How an example set is built. The def that contains it sets its defaults.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleExampleSetOptions {
     /// No vertex moves further than this, m. Default 0: the depth of the deepest example.
     pub depth_limit: f32,
-    /// Displacements of an example up to this length are dropped, m. Default 0: only zeros.
+    /// Displacements of an example up to this length are dropped, m. Default 0: drops only zeros.
     pub drop_below: f32,
-    /// Mass of every vertex, kg, for impulses without a mass: a calibration constant in impulse * duration / mass, not
-    /// the body's mass. Default 0: unknown.
+    /// Mass of every vertex, kg, for impulses without a mass. It is a calibration constant in impulse * duration /
+    /// mass, not the body's mass. Default 0: unknown.
     pub vertex_mass: f32,
     /// Nodes along each side of the grid that stores a carried example: 4 to 128. Default 32; sharp creases need more.
-    /// With a bake_tolerance, this is the maximum.
+    /// If bake_tolerance is above 0, this is the maximum.
     pub stamp_resolution: u32,
-    /// Largest position error from quantisation at weight 1, m. Displacements are then stored as integers of 1 or 2
-    /// bytes, carried examples on the coarsest grid within the error. Default 0: exact floats. Changes the fingerprint;
-    /// depth_limit and vertex_mass do not.
+    /// Largest position error from quantisation at weight 1, m. Above 0, displacements are stored as integers of 1 or 2
+    /// bytes, and carried examples on the coarsest grid within the error. Default 0: exact floats. It changes the
+    /// fingerprint; depth_limit and vertex_mass do not.
     pub bake_tolerance: f32,
-    /// Largest error of a normal at weight 1, degrees, above 0 and up to 45. Used with a bake_tolerance. Default 1.
+    /// Largest error of a normal at weight 1, degrees, above 0 and up to 45. Unused if bake_tolerance is 0. Default 1.
     pub bake_normal_tolerance: f32,
     /// Mass of each vertex, kg: vertex_count floats, instead of vertex_mass. Default absent.
     pub vertex_masses: CrumpleInput,
     pub combine: MaybeUninit<Combine>,
     pub seams: MaybeUninit<Seams>,
-    /// Carried examples are never scaled above their own depth, as anchored ones never are. Default false.
+    /// Never scale carried examples above their own depth. Anchored examples never are. Default false.
     pub strict: MaybeUninit<bool>,
-    /// Also use mirrored copies of the examples where the body is symmetric in a coordinate plane through the centre of
+    /// Also use mirrored copies of the examples if the body is symmetric about a coordinate plane through the centre of
     /// its bounds. Default true.
     pub mirror: MaybeUninit<bool>,
     /// Fade carried dents to zero at boundary edges that no example moves. Default true.
     pub held_rims: MaybeUninit<bool>,
 }
 
-/// An example: the base mesh after a collision. Give target_positions, or delta_indices with position_deltas.
+/// An example: the base mesh after a collision. Set target_positions, or delta_indices and position_deltas.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleExampleDef {
     pub struct_size: u32,
     /// Number of vertices in delta_indices, position_deltas and normal_deltas.
     pub delta_count: u32,
-    /// UTF-8 text, copied. Need not be unique. Null: empty.
+    /// UTF-8 text. It is copied and need not be unique. Null: empty.
     pub name: *const c_char,
     /// Full form: the new position of every vertex, vertex_count times 3 floats, m, in the base mesh's order.
     pub target_positions: CrumpleInput,
@@ -101,14 +101,14 @@ pub struct CrumpleExampleDef {
     pub contact_vertex: u32,
     /// The point that was hit, m, in the mesh's space, for CRUMPLE_CONTACT_KIND_POINT.
     pub contact_point: CrumpleVec3,
-    /// The surface's outward direction at the contact, of any length above 0. Used where has_contact_normal is true.
+    /// The surface's outward direction at the contact, of any length above 0. Used only if has_contact_normal is true.
     pub contact_normal: CrumpleVec3,
     /// Whether contact_normal is given. Default false: the mesh's normal is used.
     pub has_contact_normal: MaybeUninit<bool>,
     pub placement: MaybeUninit<Placement>,
 }
 
-/// A mesh as arrays, which are copied. Part of the defs that contain it, which set its defaults.
+/// A mesh as arrays, which are copied. The def that contains it sets its defaults.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleMeshDef {
@@ -127,7 +127,7 @@ pub struct CrumpleMeshDef {
     pub index_type: MaybeUninit<CrumpleIndexType>,
 }
 
-/// A base mesh with its examples, at least 1, and how the set is built.
+/// A base mesh, at least one example, and the options of the set.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleExampleSetDef {
@@ -165,19 +165,19 @@ pub(super) fn c_string(text: &str) -> CString {
     CString::new(text.replace('\0', "\u{fffd}")).unwrap_or_default()
 }
 
-/// An example without positions. Set them.
+/// Returns a def without positions. Set them.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_example_def_default() -> CrumpleExampleDef {
     zeroed()
 }
 
-/// A set without mesh and examples. Set them.
+/// Returns a def without mesh and examples. Set them.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_example_set_def_default() -> CrumpleExampleSetDef {
     CrumpleExampleSetDef { options: default_options(), ..zeroed() }
 }
 
-/// Builds an example set from arrays. The call indexes the mesh and samples every example, which takes time: build sets
+/// Builds an example set from arrays. This indexes the mesh and samples every example, which takes time: build sets
 /// while loading, or load baked ones. Errors: CRUMPLE_ERROR_MESH (no vertices), CRUMPLE_ERROR_EXAMPLE_MISMATCH (no
 /// examples, or one that does not fit the mesh).
 #[unsafe(no_mangle)]
@@ -201,16 +201,16 @@ pub unsafe extern "C" fn crumple_example_set_create(
     })
 }
 
-/// A level of detail without mesh. Set it.
+/// Returns a def without mesh. Set it.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_lod_def_default() -> CrumpleLodDef {
     zeroed()
 }
 
 /// Adds a mesh that shows the same damage, such as a level of detail or a collision proxy. Call this before the set's
-/// first instance is created. out_lod is its number, 1 for the first, for the lod fields of buffer defs. Each vertex is
-/// bound to the nearest point of the base surface and moves with it. A vertex on a base vertex moves exactly as that
-/// vertex. Contacts, marks, saved damage and the fingerprint are still those of the base mesh. Errors:
+/// first instance is created. out_lod receives its number for the lod fields of defs, 1 for the first. Each vertex is
+/// bound to the nearest point of the base surface and moves with it. A vertex at the position of a base vertex moves
+/// exactly like that vertex. Contacts, marks, saved damage and the fingerprint still refer to the base mesh. Errors:
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (the set has instances), CRUMPLE_ERROR_MESH.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_add_lod(
@@ -458,7 +458,7 @@ pub(super) unsafe fn read_options(options: &CrumpleExampleSetOptions, vertices: 
     })
 }
 
-/// Ends a set's id and the strings of its infos. Instances keep the set's memory alive and continue to work.
+/// Destroys a set. Its id and the strings of its infos become invalid. Instances keep the set's memory and still work.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_destroy(
     context: *mut CrumpleContext,

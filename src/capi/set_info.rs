@@ -9,14 +9,13 @@ use crate::example::data::Placement;
 use std::ffi::c_char;
 use std::mem::MaybeUninit;
 
-/// Facts about an example set; counts and bounds are those of the base mesh. Its strings are valid until the set is
-/// destroyed.
+/// Facts about an example set. Counts and bounds are the base mesh's. Strings are valid until the set is destroyed.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleExampleSetInfo {
     /// Name of the mesh in its file, UTF-8; empty for a set built from arrays. Never null.
     pub name: *const c_char,
-    /// Equal for equal sets, on any machine. Saved damage fits sets of one fingerprint.
+    /// Equal for equal sets, on any machine. Saved damage fits only sets with the same fingerprint.
     pub fingerprint: u64,
     pub memory_bytes: u64,
     pub vertex_count: u32,
@@ -29,7 +28,7 @@ pub struct CrumpleExampleSetInfo {
     /// No vertex moves further than this, m.
     pub depth_limit: f32,
     pub bounds: CrumpleAabb,
-    /// World matrix of the first node that shows the mesh, column-major; the identity if there is none.
+    /// World matrix of the first glTF node that shows the mesh, column-major; the identity if there is none.
     pub node_transform: [f32; 16],
     pub has_tangents: bool,
     /// Number of meshes: 1 + added levels of detail.
@@ -37,16 +36,16 @@ pub struct CrumpleExampleSetInfo {
     pub reserved: [u64; 4],
 }
 
-/// Facts about an example. Its name, UTF-8, is valid until the set is destroyed, and never null.
+/// Facts about an example. name is UTF-8, never null, and valid until the set is destroyed.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleExampleInfo {
     pub name: *const c_char,
-    /// The vertex that was hit, or the deepest vertex.
+    /// The vertex that was hit. If the example has no contact, the deepest vertex.
     pub contact_vertex: u32,
-    /// Number of vertices that it moves. 0: it has no effect.
+    /// Number of vertices that the example moves. 0: it has no effect.
     pub moved_vertices: u32,
-    /// Where it was hit, m.
+    /// Where the example was hit, m.
     pub contact_point: CrumpleVec3,
     /// Outward unit normal at the contact; zero if unknown.
     pub contact_normal: CrumpleVec3,
@@ -60,12 +59,13 @@ pub struct CrumpleExampleInfo {
     pub reserved: [u64; 2],
 }
 
-/// Where a set's mesh is copied to: positions (m), unit normals, tangents, and 3 * triangle_count indices. Absent ones are skipped.
+/// Where to copy a mesh: positions (m), unit normals, tangents and 3 * triangle_count indices. Absent streams are
+/// skipped.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleMeshCopyDef {
     pub struct_size: u32,
-    /// Which mesh: 0 for the base mesh, or a number of crumple_example_set_add_lod(). Default 0.
+    /// Which mesh: 0 for the base mesh, or a number from crumple_example_set_add_lod(). Default 0.
     pub lod: u32,
     pub positions: CrumpleStream,
     pub normals: CrumpleStream,
@@ -75,7 +75,7 @@ pub struct CrumpleMeshCopyDef {
 
 defs!(CrumpleMeshCopyDef);
 
-/// A copy def without streams. Set those that you need.
+/// Returns a def without streams. Set those that you need.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_mesh_copy_def_default() -> CrumpleMeshCopyDef {
     zeroed()
@@ -165,8 +165,8 @@ fn item<'a, T>(items: &'a [T], index: u32, name: &str) -> Result<&'a T, Failure>
         .ok_or_else(|| crate::base::error::Error::IndexOutOfRange { name: name.into(), index, len }.into())
 }
 
-/// Copies the base mesh or a level of detail into your memory, for your vertex and index buffers. Normals that the set
-/// was not given are the computed ones. CRUMPLE_ERROR_MESH: the mesh lacks the normals or tangents asked for.
+/// Copies the base mesh or a level of detail into your memory, for your vertex and index buffers. If the set was built
+/// without normals, they are the computed ones. CRUMPLE_ERROR_MESH: the mesh lacks the requested normals or tangents.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_copy_mesh(
     context: *mut CrumpleContext,
@@ -207,7 +207,7 @@ pub unsafe extern "C" fn crumple_example_set_copy_mesh(
 }
 
 /// Finds the vertex of the base mesh nearest to a point in the mesh's space, m. The lowest index wins a tie. Either
-/// output may be null. The distance is in m.
+/// output may be null. out_distance is in m.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_find_nearest_vertex(
     context: *mut CrumpleContext,

@@ -11,21 +11,20 @@ use std::sync::{Mutex, PoisonError, RwLock};
 /// A task of a parallel-for. Call it with an index below count and with the task_data of CrumpleParallelFor.
 pub type CrumpleTask = Option<unsafe extern "C" fn(index: u32, task_data: *mut c_void)>;
 
-/// Your parallel-for: calls task(index, task_data) once for each index below count, on any threads and in any order,
-/// and returns when all calls have returned. Tasks do not block or throw and may run at once. Crumple itself runs an
-/// index that you leave out, and ignores a second call of an index. Crumple calls this function on the thread that
-/// called Crumple. It must not throw or jump out. Of the same context it may call only the functions that may be called
-/// at any time.
+/// Your parallel-for. Calls task(index, task_data) once for each index below count, on any threads and in any order,
+/// and returns when all calls have returned. Tasks may run concurrently, and do not block or throw. Crumple runs any
+/// index that you skip, and ignores repeated ones. This function runs on the thread that called Crumple. It must not
+/// throw or longjmp out. With the same context it may call only functions allowed at any time; see "Threads".
 pub type CrumpleParallelFor =
     Option<unsafe extern "C" fn(count: u32, task: CrumpleTask, task_data: *mut c_void, user: *mut c_void)>;
 
-/// The host's job system. Zero everywhere: Crumple uses its own threads.
+/// The host's job system. All fields zero: Crumple uses its own threads.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleTaskSystem {
     pub parallel_for: CrumpleParallelFor,
     pub user: *mut c_void,
-    /// Number of threads that can work at once; 0 counts as 1. It affects how work is split, never the result.
+    /// Number of threads that can work at the same time; 0 counts as 1. It affects how work is split, never the result.
     pub workers: u32,
 }
 

@@ -79,8 +79,8 @@ pub struct CrumpleRange {
     pub count: u32,
 }
 
-/// An array that Crumple reads during the call. Element i is at data + i * stride. Count and type are stated where the
-/// array is used. Zero everywhere: absent.
+/// An array that Crumple reads during the call. Element i is at data + i * stride. The field that uses it states count
+/// and type. All fields zero: absent.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleInput {
@@ -93,8 +93,8 @@ pub struct CrumpleInput {
 }
 
 /// An array that Crumple writes. Element i is at data + offset + i * stride. Positions and normals are 3 floats,
-/// tangents 4 floats, indices one uint32_t. Bytes between elements are not touched, so streams may be interleaved. Zero
-/// everywhere: absent.
+/// tangents 4 floats, indices one uint32_t. Bytes between elements are not touched, so streams may be interleaved. All
+/// fields zero: absent.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleStream {
@@ -126,7 +126,7 @@ pub struct CrumpleInstance {
     pub context: u16,
 }
 
-/// Your memory that an instance's deformed vertices are written to. An id; zero is null.
+/// Registered memory of yours that receives an instance's deformed vertices. An id; zero is null.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
 pub struct CrumpleBuffer {
@@ -135,8 +135,7 @@ pub struct CrumpleBuffer {
     pub context: u16,
 }
 
-/// A part of the mesh with its own material, whose name (UTF-8) is null if it has none and is valid until the set is
-/// destroyed.
+/// A part of the mesh with its own material. material is its name (UTF-8, valid until the set is destroyed) or null.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumplePrimitive {
@@ -171,10 +170,10 @@ impl CrumplePrimitive {
 pub enum CrumpleRule {
     /// Each hit leaves a mark. Memory is bounded and the order of hits does not matter. The default.
     Marks = 0,
-    /// The classic rule "most displaced" of the literature, for comparison. The order of hits matters. It has no marks
-    /// and needs memory for each vertex.
+    /// The classic rule "most displaced" of the literature, for comparison. The order of hits matters. The instance has
+    /// no marks and needs memory for each vertex.
     MostDisplaced = 1,
-    /// The classic rule "blend", with blend_constant. Otherwise as CRUMPLE_RULE_MOST_DISPLACED.
+    /// The classic rule "blend", which uses blend_constant. Otherwise like CRUMPLE_RULE_MOST_DISPLACED.
     Blend = 2,
 }
 
@@ -185,12 +184,12 @@ pub enum CrumpleRule {
 pub enum CrumpleSelection {
     /// CRUMPLE_SELECTION_NEAREST with marks, CRUMPLE_SELECTION_CLASSIC with a classic rule. The default.
     OfRule = 0,
-    /// The examples that are most informative about the hit's place, depth and lean (the angle between the hit and the
-    /// surface normal). Marks only.
+    /// The examples that together predict the hit best, by its place, depth and lean (its angle to the surface normal).
+    /// CRUMPLE_RULE_MARKS only.
     Nearest = 1,
-    /// The one example that moves the contact vertex in the direction most like the target, with a weight of at most 1.
+    /// The one example that moves the contact vertex most nearly in the target's direction, with a weight of at most 1.
     Classic = 2,
-    /// As CRUMPLE_SELECTION_CLASSIC, without the limit of the weight: diverges above 2. Classic rules only.
+    /// Like CRUMPLE_SELECTION_CLASSIC without the weight limit. Diverges at weights above 2. Classic rules only.
     ClassicUnclamped = 3,
 }
 

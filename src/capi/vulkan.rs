@@ -33,13 +33,13 @@ macro_rules! vulkan {
     }};
 }
 
-/// A device def without handles. Set them and the queue family.
+/// Returns a def without handles. Set them and the queue family.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_vulkan_attach_def_default() -> CrumpleVulkanAttachDef {
     CrumpleVulkanAttachDef { queue_family: u32::MAX, workgroup_size: 128, ..zeroed() }
 }
 
-/// A range def without buffer, read as vertices. Set buffer, buffer_size, usage, size and streams.
+/// Returns a def for a vertex buffer without its handle. Set buffer, buffer_size, usage, size and streams.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_vulkan_buffer_def_default() -> CrumpleVulkanBufferDef {
     // VK_PIPELINE_STAGE_VERTEX_INPUT_BIT, VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT.
@@ -55,10 +55,10 @@ pub extern "C" fn crumple_vulkan_buffer_def_default() -> CrumpleVulkanBufferDef 
     }
 }
 
-/// Attaches your Vulkan device, one per context. Takes some tenths of a millisecond. The handles must be valid, belong
-/// together, and live until crumple_vulkan_detach() or crumple_context_destroy(). Errors:
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (a device is attached, the queue family does not exist or lacks compute,
-/// workgroup_size), CRUMPLE_ERROR_UNSUPPORTED (below Vulkan 1.1, a loader that lacks a function, or a build without
+/// Attaches your Vulkan device, one per context. It takes some tenths of a millisecond. The handles must be valid,
+/// belong together, and live until crumple_vulkan_detach() or crumple_context_destroy(). Errors:
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (a device is already attached, a queue family that does not exist or lacks compute, a
+/// bad workgroup_size), CRUMPLE_ERROR_UNSUPPORTED (below Vulkan 1.1, a loader that lacks a function, or a build without
 /// CRUMPLE_FEATURE_VULKAN).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_attach(
@@ -78,9 +78,9 @@ pub unsafe extern "C" fn crumple_vulkan_attach(
     })
 }
 
-/// Detaches the Vulkan device. Ends all Vulkan buffers and destroys Crumple's objects on the device. Damage stays.
-/// After CRUMPLE_ERROR_DEVICE_LOST: call crumple_vulkan_complete_frames() with UINT64_MAX, then this, then
-/// vkDestroyDevice. Attach the new device and register the buffers again. CRUMPLE_ERROR_FRAMES_IN_FLIGHT: nothing was
+/// Detaches the Vulkan device. Unregisters all Vulkan buffers and destroys Crumple's objects on the device. Damage
+/// stays. After CRUMPLE_ERROR_DEVICE_LOST, call crumple_vulkan_complete_frames() with UINT64_MAX, then this, then
+/// vkDestroyDevice. Then attach the new device and register the buffers again. CRUMPLE_ERROR_FRAMES_IN_FLIGHT: nothing
 /// changed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_detach(context: *mut CrumpleContext) -> CrumpleResult {
@@ -102,7 +102,7 @@ pub unsafe extern "C" fn crumple_vulkan_detach(context: *mut CrumpleContext) -> 
 }
 
 /// Returns pipeline cache data for the next run's crumple_vulkan_attach(). data has capacity bytes of any alignment;
-/// see "Arrays" at the top. The size may grow until every kind of buffer was registered.
+/// see "Arrays" at the top. The size may grow until you have registered every kind of buffer.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_get_pipeline_cache(
     context: *mut CrumpleContext,
@@ -119,13 +119,12 @@ pub unsafe extern "C" fn crumple_vulkan_get_pipeline_cache(
 }
 
 /// Registers a range of a VkBuffer for an instance's deformed vertices. The first recording writes every vertex. An
-/// instance may have several ranges, such as the members of a ring. A mesh's first range copies its vertices and
-/// examples to a staging buffer, and the next recording copies them to the device; all instances and ranges share them.
-/// The VkBuffer must exist until its last range has ended and the frames that wrote it are complete. Errors:
+/// instance may have several ranges, such as a ring. The first range of a mesh copies the mesh and its examples to a
+/// staging buffer, and the next recording copies them to the device; all instances and ranges share them. The VkBuffer
+/// must exist until its last range is unregistered and the frames that wrote it are complete. Errors:
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (no device, stages of 0, an unsupported format, overlapping attributes, a scale not
-/// above 0, a VkBuffer that is registered with another description), CRUMPLE_ERROR_WRONG_RULE (lod above 0 with a
-/// classic rule), CRUMPLE_ERROR_UNSUPPORTED (normals or tangents that the mesh lacks; more bytes than the device can
-/// bind).
+/// above 0, a VkBuffer already registered with other values), CRUMPLE_ERROR_WRONG_RULE (lod above 0 with a classic
+/// rule), CRUMPLE_ERROR_UNSUPPORTED (normals or tangents that the mesh lacks; more bytes than the device can bind).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_buffer_register_vulkan(
     context: *mut CrumpleContext,
@@ -146,19 +145,19 @@ pub unsafe extern "C" fn crumple_buffer_register_vulkan(
     })
 }
 
-/// Records commands that bring Vulkan buffers up to date: count ids at buffers, each once, or all Vulkan buffers of the
-/// context with null and 0. For the blocks that changed it records a copy of a few bytes per block, a barrier, one
-/// dispatch per VkBuffer and a barrier. It submits nothing and waits for nothing. Does not allocate in steady state.
-/// Damage may change at once after the call.
+/// Records commands that write the deformed vertices of count Vulkan buffers, or of all Vulkan buffers of the context
+/// if buffers is null and count 0. For the blocks that changed it records a copy of a few bytes per block, a barrier,
+/// one dispatch per VkBuffer and a barrier. It submits nothing, waits for nothing, and does not allocate in steady
+/// state. You may change damage right after the call.
 ///
 /// command_buffer is a VkCommandBuffer in the recording state, outside a render pass, of the attached queue family,
-/// whose pool no other thread uses. Submit it once, in the order of recording. frame is your frame number, from 1 on,
-/// never falling; several recordings may share one. out_report may be null.
+/// whose pool no other thread uses. Submit it once, and submit recordings in the order in which they were recorded.
+/// frame is your frame number: it starts at 1 and never decreases; recordings may share one. out_report may be null.
 ///
-/// The commands change the compute pipeline, compute descriptor sets 0 to 2, and the first 24 bytes of compute push
-/// constants, nothing else. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (no device of yours, a buffer twice, a host buffer,
-/// a frame that is complete or lower than the last), CRUMPLE_ERROR_UNSUPPORTED (more work than the device can bind).
-/// Nothing is recorded then.
+/// The commands change only the compute pipeline, compute descriptor sets 0 to 2 and the first 24 bytes of push
+/// constants for compute. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (no device of crumple_vulkan_attach(), a buffer twice,
+/// a host buffer, a frame that is complete or below the last), CRUMPLE_ERROR_UNSUPPORTED (more work than the device can
+/// bind). Nothing was recorded.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_record(
     context: *mut CrumpleContext,
@@ -184,8 +183,9 @@ pub unsafe extern "C" fn crumple_vulkan_record(
     })
 }
 
-/// Declares frame and all earlier ones complete on the device, as a fence or timeline semaphore says. Their resources
-/// are reused or freed. Call it once a frame; it is cheap. Numbers above the last recorded frame count as that frame.
+/// Declares that the device has completed frame and all earlier ones, as a fence or timeline semaphore tells you. Their
+/// resources are reused or freed. Call it once a frame; it is cheap. A number above the last recorded frame counts as
+/// that frame.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_complete_frames(context: *mut CrumpleContext, frame: u64) -> CrumpleResult {
     vulkan!("crumple_vulkan_complete_frames", {
@@ -193,8 +193,8 @@ pub unsafe extern "C" fn crumple_vulkan_complete_frames(context: *mut CrumpleCon
     })
 }
 
-/// Declares that the recordings of frame and later ones will not be submitted. Their buffers are written whole by the
-/// next recording.
+/// Declares that recordings of frame and later frames will not be submitted. The next recording writes every vertex of
+/// their buffers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_discard_frames(context: *mut CrumpleContext, frame: u64) -> CrumpleResult {
     vulkan!("crumple_vulkan_discard_frames", {
@@ -210,13 +210,13 @@ pub unsafe extern "C" fn crumple_vulkan_discard_frames(context: *mut CrumpleCont
     })
 }
 
-/// Any physical device. Set the loader and the UUID.
+/// Returns a def for any physical device. Set the loader and the UUID.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_vulkan_open_def_default() -> CrumpleVulkanOpenDef {
     CrumpleVulkanOpenDef { workgroup_size: 128, ..zeroed() }
 }
 
-/// An import without memory. Set handle, sizes, memory type and usage.
+/// Returns a def without memory. Set handle, sizes, memory type and usage.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_vulkan_import_def_default() -> CrumpleVulkanImportDef {
     CrumpleVulkanImportDef { handle: -1, ..zeroed() }
@@ -225,8 +225,9 @@ pub extern "C" fn crumple_vulkan_import_def_default() -> CrumpleVulkanImportDef 
 /// Creates a Vulkan device of Crumple's own, for engines that can share memory but cannot hand out a command buffer.
 /// Takes milliseconds to tenths of a second. Use it instead of crumple_vulkan_attach(): import buffers, register them,
 /// and write them with crumple_vulkan_submit(). crumple_vulkan_detach() and crumple_context_destroy() wait for the
-/// device and destroy it. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a device is attached, workgroup_size),
-/// CRUMPLE_ERROR_UNSUPPORTED (no such device, no import of memory, or a build without CRUMPLE_FEATURE_VULKAN).
+/// device and destroy it. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a device is already attached, a bad workgroup_size),
+/// CRUMPLE_ERROR_UNSUPPORTED (no such device, one that cannot import memory, or a build without
+/// CRUMPLE_FEATURE_VULKAN).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_open(
     context: *mut CrumpleContext,
@@ -245,9 +246,9 @@ pub unsafe extern "C" fn crumple_vulkan_open(
     })
 }
 
-/// Imports a buffer of your device into Crumple's device. out_buffer is the buffer field for CrumpleVulkanBufferDef,
-/// whose buffer_size, usage, queue_family, stages and accesses are then ignored. Before each submit, release the
-/// VkBuffer to VK_QUEUE_FAMILY_EXTERNAL on your queue; acquire it afterwards. The memory must exist until
+/// Imports a buffer of your device into Crumple's device. Use out_buffer as the buffer field of CrumpleVulkanBufferDef;
+/// its buffer_size, usage, queue_family, stages and accesses are then ignored. Before each submit, release the VkBuffer
+/// to VK_QUEUE_FAMILY_EXTERNAL on your queue. Acquire it afterwards. The memory must exist until
 /// crumple_vulkan_unimport_buffer(), crumple_vulkan_detach() or crumple_context_destroy(). Errors:
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (no device of crumple_vulkan_open(), a bad handle, an unsuitable memory type or
 /// usage), CRUMPLE_ERROR_UNSUPPORTED (a handle type of another system, or a buffer that the device cannot import).
@@ -266,7 +267,7 @@ pub unsafe extern "C" fn crumple_vulkan_import_buffer(
     })
 }
 
-/// Ends an imported buffer after the device is done with it. CRUMPLE_ERROR_INVALID_ARGUMENT: it has registered ranges.
+/// Releases an imported buffer once the device is done with it. CRUMPLE_ERROR_INVALID_ARGUMENT: it still has ranges.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_unimport_buffer(context: *mut CrumpleContext, buffer: u64) -> CrumpleResult {
     vulkan!("crumple_vulkan_unimport_buffer", {
@@ -274,7 +275,7 @@ pub unsafe extern "C" fn crumple_vulkan_unimport_buffer(context: *mut CrumpleCon
     })
 }
 
-/// Imports a binary semaphore of your device, exported with this handle type. out_semaphore is its number for
+/// Imports a binary semaphore of your device, exported with this handle type. Pass out_semaphore to
 /// crumple_vulkan_submit(). It lives until crumple_vulkan_detach() or crumple_context_destroy(). Errors:
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (no device of crumple_vulkan_open(), a bad handle), CRUMPLE_ERROR_UNSUPPORTED (a
 /// driver without external semaphores; use fences and crumple_vulkan_wait_frame()).
@@ -295,10 +296,10 @@ pub unsafe extern "C" fn crumple_vulkan_import_semaphore(
     })
 }
 
-/// As crumple_vulkan_record(), but records for Crumple's own device and submits. The device waits for wait_count
-/// semaphores at waits first and signals signal_count semaphores at signals last, even without changes. The call itself
-/// does not wait. out_frame is the frame number for crumple_vulkan_wait_frame(). out_frame and out_report may be null.
-/// Nothing is submitted after an error.
+/// Like crumple_vulkan_record(), but submits the work to Crumple's own device. The device first waits for the
+/// wait_count semaphores at waits, and last signals the signal_count semaphores at signals, even without changes. The
+/// call itself does not wait. out_frame receives the frame number for crumple_vulkan_wait_frame(). out_frame and
+/// out_report may be null. After an error nothing was submitted.
 #[unsafe(no_mangle)]
 #[allow(clippy::too_many_arguments)] // three arrays
 pub unsafe extern "C" fn crumple_vulkan_submit(
@@ -331,8 +332,8 @@ pub unsafe extern "C" fn crumple_vulkan_submit(
     })
 }
 
-/// Waits until Crumple's own device has completed a frame and all earlier ones, or for timeout nanoseconds (UINT64_MAX:
-/// without limit). out_done is whether it is complete. The context stays in use meanwhile.
+/// Waits until Crumple's own device has completed a frame and all earlier ones, at most timeout nanoseconds
+/// (UINT64_MAX: no limit). out_done receives whether the frame is complete. The context is in use while the call waits.
 /// CRUMPLE_ERROR_INVALID_ARGUMENT: the frame was not submitted.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_wait_frame(

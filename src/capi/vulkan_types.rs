@@ -9,7 +9,7 @@ use std::mem::MaybeUninit;
 defs!(CrumpleVulkanAttachDef, CrumpleVulkanBufferDef, CrumpleVulkanImportDef, CrumpleVulkanOpenDef);
 c_enums!(CrumpleHandleType::OpaqueWin32);
 
-/// Any Vulkan function, as PFN_vkVoidFunction: (CrumpleVulkanFunction)vkGetInstanceProcAddr.
+/// Any Vulkan function, like PFN_vkVoidFunction. Cast to it: (CrumpleVulkanFunction)vkGetInstanceProcAddr.
 pub type CrumpleVulkanFunction = Option<unsafe extern "C" fn()>;
 
 /// Your Vulkan device, Vulkan 1.1 or later: a VkInstance, a VkPhysicalDevice and a VkDevice, all required. No extension
@@ -18,7 +18,7 @@ pub type CrumpleVulkanFunction = Option<unsafe extern "C" fn()>;
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleVulkanAttachDef {
     pub struct_size: u32,
-    /// Family of the queue that executes the command buffers; it must support compute. Required. Default UINT32_MAX.
+    /// Family of the queue that executes the command buffers, with compute. Required. Default UINT32_MAX (invalid).
     pub queue_family: u32,
     /// vkGetInstanceProcAddr of the instance's loader. Crumple gets every function from it and never opens a Vulkan
     /// library. Required.
@@ -35,7 +35,7 @@ pub struct CrumpleVulkanAttachDef {
     pub workgroup_size: u32,
 }
 
-/// Where the values of one attribute are. Zero everywhere: absent.
+/// Where the values of one attribute are stored. All fields zero: absent.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CrumpleVulkanStream {
@@ -43,9 +43,9 @@ pub struct CrumpleVulkanStream {
     pub offset: u64,
     /// Bytes from one value to the next: at least the size of a value, a multiple of 4.
     pub stride: u64,
-    /// A VkFormat. Positions: R32G32B32_SFLOAT, R16G16B16A16_SFLOAT (w is 1), R16G16B16A16_SNORM (see scale). Normals:
-    /// R32G32B32_SFLOAT, R16G16B16A16_SNORM, R8G8B8A8_SNORM (w is 0). Tangents: R32G32B32A32_SFLOAT,
-    /// R16G16B16A16_SNORM, R8G8B8A8_SNORM.
+    /// A VkFormat. Positions: R32G32B32_SFLOAT, R16G16B16A16_SFLOAT (w is 1), R16G16B16A16_SNORM (see
+    /// CrumpleVulkanBufferDef.scale). Normals: R32G32B32_SFLOAT, R16G16B16A16_SNORM, R8G8B8A8_SNORM (w is 0). Tangents:
+    /// R32G32B32A32_SFLOAT, R16G16B16A16_SNORM, R8G8B8A8_SNORM.
     pub format: u32,
     pub reserved: u32,
 }
@@ -57,37 +57,38 @@ pub struct CrumpleVulkanStream {
 pub struct CrumpleVulkanBufferDef {
     pub struct_size: u32,
     pub lod: u32,
-    /// The VkBuffer, bound to memory: (uint64_t)handle. Required. Any number of ranges may lie in one VkBuffer; buffer,
-    /// buffer_size, usage, queue_family and the four stage and access fields must then be equal.
+    /// The VkBuffer, bound to memory: (uint64_t)handle. Required. One VkBuffer may hold any number of ranges; their
+    /// buffer_size, usage, queue_family and four stage and access fields must be equal.
     pub buffer: u64,
     /// Bytes of the whole VkBuffer. Required.
     pub buffer_size: u64,
-    /// VkBufferUsageFlags of the VkBuffer, with VK_BUFFER_USAGE_STORAGE_BUFFER_BIT. Required.
+    /// VkBufferUsageFlags of the VkBuffer. They must include VK_BUFFER_USAGE_STORAGE_BUFFER_BIT. Required.
     pub usage: u32,
-    /// Default VK_QUEUE_FAMILY_IGNORED: the device's own family owns the VkBuffer, or it is VK_SHARING_MODE_CONCURRENT.
-    /// Otherwise the other family that owns it. Each recording that includes one of its ranges then begins with an
-    /// acquire and ends with a release of the whole VkBuffer, even without changes. You record the matching release and
-    /// acquire on the other queue.
+    /// The other queue family that owns the VkBuffer. Default VK_QUEUE_FAMILY_IGNORED: the attached queue family owns
+    /// it, or it is VK_SHARING_MODE_CONCURRENT. With another owner, each recording that includes one of its ranges
+    /// begins with an acquire and ends with a release of the whole VkBuffer, even without changes. You record the
+    /// matching release and acquire on the other queue.
     pub queue_family: u32,
-    /// VkPipelineStageFlags of your last use of the VkBuffer before a recording, not 0. Barriers cover the whole
-    /// VkBuffer, so include indices, copies and read-backs in it. Default VK_PIPELINE_STAGE_VERTEX_INPUT_BIT.
+    /// VkPipelineStageFlags of your last uses of the VkBuffer before a recording, not 0. Barriers cover the whole
+    /// VkBuffer, so include the stages of index reads, copies and read-backs. Default
+    /// VK_PIPELINE_STAGE_VERTEX_INPUT_BIT.
     pub before_stages: u32,
-    /// VkAccessFlags of that use. Default VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT.
+    /// VkAccessFlags of those uses. Default VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT.
     pub before_access: u32,
-    /// VkPipelineStageFlags of your next use of anything in the VkBuffer, not 0. Default
+    /// VkPipelineStageFlags of your next uses of anything in the VkBuffer, not 0. Default
     /// VK_PIPELINE_STAGE_VERTEX_INPUT_BIT.
     pub after_stages: u32,
-    /// VkAccessFlags of that use. Default VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT.
+    /// VkAccessFlags of those uses. Default VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT.
     pub after_access: u32,
     /// Start of the range, bytes, a multiple of 4.
     pub offset: u64,
-    /// Bytes of the range. Nothing outside is written. Ranges may interleave; values must not overlap. Required.
+    /// Bytes of the range. Nothing outside is written. Ranges may interleave, but values must not overlap. Required.
     pub size: u64,
     pub positions: CrumpleVulkanStream,
     pub normals: CrumpleVulkanStream,
     pub tangents: CrumpleVulkanStream,
-    /// For positions in R16G16B16A16_SNORM: a stored s in -1 to 1 is s * scale + bias, m. Positions outside are
-    /// clamped, so cover the mesh's bounds grown by the depth limit. Above 0. Default 1, 1, 1.
+    /// For positions in R16G16B16A16_SNORM: a stored value s in -1 to 1 means s * scale + bias, m. Positions outside
+    /// that range are clamped, so it must cover the mesh's bounds grown by the depth limit. Above 0. Default 1, 1, 1.
     pub scale: CrumpleVec3,
     pub bias: CrumpleVec3,
 }
@@ -97,7 +98,7 @@ pub struct CrumpleVulkanBufferDef {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CrumpleRecordReport {
     pub vertices_written: u64,
-    /// Blocks of consecutive vertices that will be written. 0: nothing was recorded, except queue-family transfers.
+    /// Blocks that will be written. 0: only queue-family transfers were recorded, if any.
     pub blocks_written: u64,
     pub blocks_skipped: u64,
     pub parts_skipped: u64,
@@ -109,7 +110,7 @@ pub struct CrumpleRecordReport {
     pub reserved: [u64; 4],
 }
 
-/// A Vulkan device that Crumple creates, beside yours on the same physical device. Fields without a comment are as in
+/// A Vulkan device that Crumple creates beside yours, on the same physical device. Fields without a comment are as in
 /// CrumpleVulkanAttachDef.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
@@ -118,8 +119,8 @@ pub struct CrumpleVulkanOpenDef {
     pub workgroup_size: u32,
     /// vkGetInstanceProcAddr of a loader that stays loaded. Required.
     pub get_instance_proc_addr: CrumpleVulkanFunction,
-    /// deviceUUID of your physical device (VkPhysicalDeviceIDProperties); devices of one UUID can share memory. Default
-    /// zero: the first device that supports compute.
+    /// deviceUUID of your physical device (VkPhysicalDeviceIDProperties). Devices with equal UUIDs can share memory.
+    /// Default zero: the first device that supports compute.
     pub device_uuid: [u8; 16],
     pub pipeline_cache: *const c_void,
     /// Bytes at pipeline_cache.
@@ -131,16 +132,16 @@ pub struct CrumpleVulkanOpenDef {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(dead_code)] // made by C
 pub enum CrumpleHandleType {
-    /// A file descriptor, VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT. Crumple duplicates it; yours stays yours to
-    /// close. Linux and Android.
+    /// A file descriptor, VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT. Crumple duplicates it; you close yours. Linux
+    /// and Android.
     OpaqueFd = 0,
     /// A HANDLE, VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_WIN32_BIT. Windows. Untested.
     OpaqueWin32 = 1,
 }
 
-/// A VkBuffer of your device in memory that it exported, at offset (default 0) in the memory and with a size, bytes.
-/// usage is as in CrumpleVulkanBufferDef. Create it with VkExternalMemoryBufferCreateInfo and its memory with
-/// VkExportMemoryAllocateInfo, of one handle type (default CRUMPLE_HANDLE_TYPE_OPAQUE_FD).
+/// A VkBuffer of your device that Crumple imports. Create it with VkExternalMemoryBufferCreateInfo, and its memory with
+/// VkExportMemoryAllocateInfo, both with handle_type (default CRUMPLE_HANDLE_TYPE_OPAQUE_FD). offset is where the
+/// VkBuffer starts in the memory (default 0) and size is its size, bytes. usage is as in CrumpleVulkanBufferDef.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleVulkanImportDef {

@@ -19,8 +19,8 @@ pub(crate) const MAX_PAIRS: usize = 4;
 pub struct Pair {
     /// Index of the example; 0xFFFF in an unused pair.
     pub example: u16,
-    /// Low 12 bits: share of the dent, two's complement, 1024 for the whole dent. Bits 12, 13 and 14: the example is mirrored
-    /// in x, y and z. Bit 15: it stays where it was made.
+    /// Low 12 bits: share of the dent, two's complement; 1024 is the whole dent. Bits 12, 13 and 14: the example is
+    /// mirrored in x, y and z. Bit 15: the example is anchored.
     pub share: u16,
 }
 
@@ -73,19 +73,19 @@ impl Pair {
     }
 }
 
-/// One dent: where, how deep, and made of which examples. Plain data of 32 bytes, equal on all machines: send or save it as
-/// it is (little-endian).
+/// One dent: contact, depth and examples. Plain data, 32 bytes, little-endian, equal on all machines: send or save it
+/// as is.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Mark {
     /// The vertex that was hit.
     pub contact: u32,
-    /// Depth asked for at the contact, m; above 0.
+    /// Requested depth at the contact, m, above 0.
     pub depth: f32,
-    /// Strength squared, in units of 2^-32: 4294967296 for one hit; each hit that repeats the mark adds as much. Sets that
-    /// combine by sum or by the deepest store the strength itself.
+    /// Strength squared, in units of 2^-32: 4294967296 for one hit. Hits that repeat the mark add to it. With
+    /// CRUMPLE_COMBINE_SUM it is the strength itself; with CRUMPLE_COMBINE_DEEPEST the greatest strength.
     pub energy: u64,
-    /// Up to four examples, the used ones first.
+    /// Up to four examples. Used pairs come first.
     pub pairs: [Pair; 4],
 }
 

@@ -23,17 +23,17 @@ pub enum Contact {
     Point([f32; 3]),
 }
 
-/// Whether an example may be carried away from where it was made.
+/// Whether an example stays where it was made (anchored) or moves to where the body was hit (carried).
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Placement {
-    /// Anchored for a hit within a tenth of its support radius of its own contact and with 0.9 to 1 times its own depth;
-    /// carried otherwise. The default.
+    /// Anchored if the hit is within a tenth of support_radius of the example's contact and 0.9 to 1 times as deep, or
+    /// if the set's examples predict each other better anchored there. Otherwise carried. The default.
     #[default]
     Automatic = 0,
-    /// Always used where the artist made it: creases, frames, bumpers.
+    /// Always anchored: for creases, frames, bumpers.
     Anchored = 1,
-    /// Always moved to where the body was hit: sheet metal.
+    /// Always carried: for sheet metal.
     Carried = 2,
 }
 

@@ -4,27 +4,27 @@ use crate::base::error::Error;
 use crate::base::error::{at_least_zero, positive};
 use crate::mesh::MAX_COORDINATE;
 
-/// How the dents of several marks combine at a vertex. The direction is always that of their sum.
+/// How the displacements of several marks combine at a vertex. The result always has the direction of their sum.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Combine {
-    /// Lengths add, up to the depth limit.
+    /// Displacements add, up to the depth limit.
     Sum = 1,
-    /// Energies add: the length is the root of the sum of squares. The default.
+    /// Energies add: the sum is no longer than the square root of the sum of squared lengths. The default.
     #[default]
     Energies = 0,
-    /// Only the deepest dent counts.
+    /// The sum is no longer than the longest displacement.
     Deepest = 2,
 }
 
-/// How an example is treated that moves vertices with the same base position apart.
+/// What happens when an example moves apart vertices that share a base position.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Seams {
     /// The vertices stay together: each gets the mean of their displacements. The default.
     #[default]
     Weld = 0,
-    /// The vertices move apart as in the example: a tear that the artist made.
+    /// The vertices move apart as in the example, for tears that the artist made.
     Keep = 1,
 }
 

@@ -81,13 +81,13 @@ pub enum Selection {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum HitStatus {
-    /// It leaves a mark, or with a classic rule a deformation.
+    /// It leaves a mark. With a classic rule, it deforms the instance.
     Marked = 0,
-    /// It is weaker than a yield threshold, or than a millionth of the depth limit.
+    /// It is below a yield threshold, or its target is shorter than a millionth of the depth limit.
     BelowYield = 1,
     /// No example moves the contact vertex towards the target.
     NothingReaches = 2,
-    /// It is too weak alone to leave a mark, but it adds to its contact.
+    /// Alone it would leave no mark, but it adds to its contact.
     Accumulated = 3,
 }
 
