@@ -7,8 +7,8 @@
 //! exist. With `L` leaves the `I = ceil((L - 1) / 3)` inner nodes come first; node `I + i` is leaf `i`.
 //!
 //! - `inner`, `I` elements: for each child, the box around its points.
-//! - `leaves`, `L` elements: coordinates and vertices, by increasing vertex. Every leaf is full except the rightmost
-//!   leaf of the tree. Its empty slots have infinite coordinates and vertex 0.
+//! - `leaves`, `L` elements: coordinates and vertices, sorted by vertex. Only the rightmost leaf of the tree may
+//!   have empty slots. These have infinite coordinates and vertex 0.
 //!
 //! A query reads only these two arrays. Whatever they contain, it visits at most `I + L` nodes and returns only
 //! vertices that are in the leaves.
