@@ -1,8 +1,8 @@
 //! Leave-one-out learning at build: every example is left out in turn and predicted from the others.
 //!
-//! It sets two things. The width of the place axes is how far from its contact an example is useful: everywhere on an
-//! even sheet, not far on a body of many parts. For each automatic example it decides whether anchored or carried
-//! examples predict hits around it better. The errors also show an artist where another example would help most.
+//! It sets the width of the place axes: how far from its contact an example is useful. On an even sheet that is
+//! everywhere, on a body of many parts it is not far. For each automatic example it also decides whether anchored or
+//! carried examples predict hits around it better. The errors show an artist where another example would help most.
 
 use crate::TaskSystem;
 use crate::base::tasks::map;

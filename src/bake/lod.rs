@@ -139,7 +139,7 @@ fn bind_one(
     }
     let mut nearest: Vec<(f32, &IndexedTriangle)> = Vec::new();
     for (d, t) in surface.by_distance(p) {
-        // The iterator's order is that of distances as rounded.
+        // The iterator's order is exact only up to rounding. The list is sorted below.
         if nearest.first().is_some_and(|n| d > n.0 * (1.0 + EQUALLY_NEAR) + f32::MIN_POSITIVE) {
             break;
         }

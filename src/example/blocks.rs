@@ -58,7 +58,7 @@ pub(crate) struct Head {
 /// Step sizes of a set's stored numbers. 1 if they are exact floats.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Steps {
-    /// m.
+    /// Step of displacements, m.
     pub position: f32,
     pub normal: f32,
     /// Whether numbers are whole multiples of the step.
@@ -76,9 +76,9 @@ impl Steps {
     /// `degrees`.
     ///
     /// Rounding makes each of three components wrong by at most half a step, so the vector is wrong by at most
-    /// `sqrt(3)/2` steps. That is 0.999 of the tolerance. The remaining thousandth covers the rounding of `whole *
-    /// step` to a float, if the displacement is at most about a thousand times the tolerance. For longer ones, f32
-    /// precision is the limit. A displacement no longer than the tolerance may be dropped. If the change of a unit
+    /// `sqrt(3)/2` steps. That is 0.999 of the tolerance. The remaining thousandth covers the rounding of
+    /// `whole * step` to a float, if the displacement is at most about a thousand times the tolerance. For longer ones,
+    /// f32 precision is the limit. A displacement no longer than the tolerance may be dropped. If the change of a unit
     /// normal is wrong by `e`, the normal is wrong by an angle of at most `asin(e)`.
     pub(crate) fn new(tolerance: f32, degrees: f32) -> Self {
         let step = |t: f32| t * (2.0 / 3f32.sqrt()) * 0.999;

@@ -1,4 +1,4 @@
-//! The example set: a base mesh and its examples, ready for use. All instances share it.
+//! The example set: a base mesh and its examples, ready for use. It is immutable, and all instances share it.
 
 use super::blocks::Bytes;
 use super::candidates::Candidates;
@@ -17,7 +17,7 @@ use crate::mesh::surface::SurfaceIndex;
 use crate::mesh::{Mesh, finite};
 use std::sync::OnceLock;
 
-/// A base mesh with its examples. Instances and threads share it through an `Arc`.
+/// A base mesh with its examples. It is immutable: the instances of the mesh and threads share it through an `Arc`.
 ///
 /// ```
 /// use crumple::{Deltas, ExampleData, ExampleSet, MeshData, Serial, SetOptions};

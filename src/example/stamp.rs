@@ -61,9 +61,9 @@ pub struct Stamp {
 /// Step sizes of a node's numbers. The step of the base normal's z is 1/32767.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct NodeSteps {
-    /// m.
+    /// Steps of the displacement, m.
     pub displacement: Vec3,
-    /// m.
+    /// Step of the height, m.
     pub height: f32,
     pub normal: Vec3,
 }
@@ -168,8 +168,9 @@ impl Stamp {
         Stamp { grid, nodes, steps, fade, heights, longest, error }
     }
 
-    /// Returns the displacement, the change of the unit normal and the z of the base normal at `p`. Everything is in
-    /// the contact frame, in m. `None` outside the grid.
+    /// Returns the displacement (m), the change of the unit normal and the z of the base normal at `p` (m). Everything
+    /// is in the contact frame. The change of the normal holds for a surface that faces along this base normal. `None`
+    /// outside the grid.
     pub fn read(&self, p: Vec3) -> Option<StampSample> {
         let (grid, steps) = (&self.grid, &self.steps);
         let g = unrolled(p) * (1.0 / grid.cell) - grid.origin / grid.cell;
