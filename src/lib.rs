@@ -3,22 +3,26 @@
 //!
 //! The pipeline, in the order a user meets it:
 //!
-//! 1. [`ExampleSet::build`]: a base mesh and its examples (the same mesh after a collision), from plain arrays
-//!    ([`MeshData`], [`ExampleData`]) or from files ([`import`]).
-//! 2. [`Instance::new`]: one dented copy. Instances share the set.
-//! 3. [`Instance::submit`]: a hit as the physics reports it. Examples are chosen and the hit becomes a [`Mark`]. Any
-//!    thread may submit ([`Inbox`]). Parts of one contact share an id ([`Hit::contact`]).
-//! 4. [`Instance::deform`]: marks become positions, normals and tangents in the caller's memory ([`VertexMemory`]), only
-//!    where something changed ([`Tracker`]).
+//! 1. [`ExampleSet::build`] makes an example set from a base mesh and its examples (the same mesh after a collision).
+//!    They come from plain arrays ([`MeshData`], [`ExampleData`]) or from files ([`import`]).
+//! 2. [`Instance::new`] makes one dented copy. Instances share the set.
+//! 3. [`Instance::submit`] takes a hit as the physics reports it, chooses examples and stores a [`Mark`]. Any thread
+//!    may submit through an [`Inbox`]. Parts of one contact share an id ([`Hit::contact`]).
+//! 4. [`Instance::deform`] writes positions, normals and tangents to the caller's memory ([`VertexMemory`]). It writes
+//!    only what changed ([`Tracker`]).
 //!
-//! The work of step 1 needs doing only once: [`ExampleSet::save`] is a file from which [`ExampleSet::load`] has the same set at once, with the
-//! arrays where they lie in it.
+//! Step 1 is needed only once. [`ExampleSet::save`] writes the set to a file, and [`ExampleSet::load`] uses the file's
+//! arrays in place, without a copy.
 //!
-//! Damage is the short list of marks: read it, save it, send it, repair it. Vertices are a pure function of it.
+//! Damage is a short list of marks that can be read, saved, sent and repaired. Vertices are a pure function of it.
 //!
 //! # Features
-//! `gltf` and `obj` (default) read those formats; `vulkan` (default) records deformation into the host's command buffers; `wgpu` deforms on `wgpu` devices; `cli` builds the `crumple` command; `capi` exports the C functions; `host-allocator`
-//! lets a C host provide memory.
+//! - `gltf` and `obj` (default) read those formats.
+//! - `vulkan` (default) records deformation into the host's command buffers.
+//! - `wgpu` deforms on `wgpu` devices.
+//! - `cli` builds the `crumple` command.
+//! - `capi` exports the C functions.
+//! - `host-allocator` lets a C host provide memory.
 #![deny(missing_docs)]
 
 mod bake;

@@ -1,4 +1,4 @@
-//! From plain arrays to an example set.
+//! Builds an example set from plain arrays.
 
 use super::learn::learn;
 use crate::base::error::Error;
@@ -23,15 +23,15 @@ use glam::Vec3;
 use std::sync::Arc;
 use xxhash_rust::xxh3::Xxh3;
 
-/// Displacements below this share of an example's deepest do not count for its support radius.
+/// Vertices displaced by less than this share of an example's deepest displacement do not count for its support radius.
 const SUPPORT: f32 = 0.01;
 
 impl ExampleSet {
-    /// Checks everything and makes the examples ready; `tasks` runs the work.
+    /// Checks all input and builds the set. `tasks` runs the work.
     ///
     /// # Errors
     /// [`Error::Mesh`], [`Error::NoExamples`], [`Error::ExampleMismatch`], [`Error::IndexOutOfRange`],
-    /// [`Error::NotFinite`], [`Error::InvalidArgument`] or [`Error::OutOfMemory`], each naming the value.
+    /// [`Error::NotFinite`], [`Error::InvalidArgument`] or [`Error::OutOfMemory`]. Each names the wrong value.
     pub fn build(
         mesh: MeshData,
         examples: Vec<ExampleData>,
@@ -130,11 +130,11 @@ fn fingerprint(mesh: &Mesh, examples: &[Example], options: &SetOptions) -> u64 {
 
 struct Built {
     example: Example,
-    /// Which vertices it moves, for finding held rims.
+    /// Whether the example moves each vertex. Empty unless held rims are wanted.
     moves: Vec<bool>,
     welded: usize,
     widest_weld: f32,
-    /// Longest displacement before the tolerance rounds it, m.
+    /// Longest displacement before rounding to the tolerance, m.
     deepest: f32,
 }
 
@@ -189,7 +189,7 @@ impl ExampleBuilder<'_> {
                 }
                 None => self.mesh.contact_normal(contact_vertex),
             };
-        // Carrying needs a normal wherever the body may be hit.
+        // Carrying needs a normal at every vertex that may be hit.
         let can_carry = self.mesh.normals().is_some();
         if data.placement == Placement::Carried && !can_carry {
             return Err(mismatch(
@@ -237,7 +237,7 @@ impl ExampleBuilder<'_> {
         Ok(Built { example, moves, welded, widest_weld, deepest })
     }
 
-    /// Displacements and changes of normals as they will be stored.
+    /// Rounds displacements and changes of normals as they will be stored.
     fn rounded(
         &self,
         deltas: &[Vec3],
@@ -258,7 +258,7 @@ impl ExampleBuilder<'_> {
         Ok((kept, normals))
     }
 
-    /// One vector a vertex.
+    /// Checks `deltas` and expands them to one vector per vertex.
     fn dense(&self, deltas: &Deltas, what: &str, mismatch: &dyn Fn(String) -> Error) -> Result<Vec<Vec3>, Error> {
         let n = self.mesh.positions().len();
         let check = |v: u32, d: [f32; 3]| -> Result<Vec3, Error> {
@@ -312,7 +312,8 @@ impl ExampleBuilder<'_> {
         Ok(out)
     }
 
-    /// Gives coincident vertices the mean of their displacements; how many differed, and the widest gap (m).
+    /// Gives coincident vertices the mean of their displacements. Returns the number of vertices whose displacements
+    /// differed, and the widest gap (m).
     fn weld(&self, deltas: &mut [Vec3]) -> (usize, f32) {
         let (mut count, mut widest) = (0, 0.0f32);
         for group in self.seams {
@@ -332,11 +333,11 @@ impl ExampleBuilder<'_> {
         (count, widest)
     }
 
-    /// Changes of the base normals: each is turned as the smooth normal of the displaced surface turns.
+    /// Changes of the base normals. Each base normal turns like the smooth normal of the surface.
     fn computed_normals(&self, deltas: &[Vec3], base: &[Vec3]) -> Vec<Vec3> {
         let (triangles, weld) = (self.mesh.triangles(), self.mesh.weld());
         let moved: Vec<Vec3> = self.mesh.positions().iter().zip(deltas).map(|(p, d)| *p + *d).collect();
-        // Only around moved vertices, so that many small examples on a large mesh stay cheap.
+        // Computes only around moved vertices, so that many small examples on a large mesh stay cheap.
         let mut near = vec![false; base.len()];
         for t in triangles {
             if t.iter().any(|v| deltas[*v as usize] != Vec3::ZERO) {

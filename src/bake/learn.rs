@@ -1,8 +1,8 @@
-//! What a set learns from itself at build: every example is left out in turn and predicted from the others.
+//! Leave-one-out learning at build: every example is left out in turn and predicted from the others.
 //!
-//! Learned are the width of the place axes (how far an example's say reaches: on an even sheet everywhere, on a body of many
-//! parts not far) and, for each automatic example, whether hits around it are better met by examples that stay where they were
-//! made or by carried ones. The errors themselves tell an artist where one more example would help most.
+//! It sets the width of the place axes: how far from its contact an example is useful. On an even sheet that is
+//! everywhere, on a body of many parts it is not far. For each automatic example it also decides whether anchored or
+//! carried examples predict hits around it better. The errors show an artist where another example would help most.
 
 use crate::base::tasks::TaskSystem;
 use crate::base::tasks::map;
@@ -15,36 +15,38 @@ use crate::select::query::HitQuery;
 use crate::select::shortlist::{Scored, Shortlist};
 use glam::Vec3;
 
-/// Widths of the place axes that are tried, as shares of the bounds' diagonal. The first is taken where too little is known.
+/// Widths of the place axes that are tried, as shares of the bounds' diagonal. The first is used if there are too few
+/// examples.
 const WIDTHS: [f32; 3] = [Learned::DEFAULT_WIDTH, 0.5, 0.2];
-/// Fewer examples than this teach nothing: with half of them gone, who predicts whom is chance.
+/// With fewer examples than this nothing is learned: if half of them were missing, the results would be chance.
 const ENOUGH: usize = 8;
-/// At most so many examples are left out in turn, evenly spread over the list …
+/// Maximum number of examples left out in turn, evenly spread over the list.
 const QUERIES: usize = 64;
-/// … predicted from so many others (what instances take by default) …
+/// Number of other examples that predict one. Same as the default of instances.
 const EXAMPLES: usize = 3;
-/// … at so many vertices.
+/// Maximum number of vertices, besides the contact, at which predictions are compared.
 const SAMPLES: usize = 384;
-/// Vertices within this many support radii of the contact are looked at.
+/// Predictions are compared within this many support radii of the contact.
 const AROUND: f32 = 1.5;
-/// A narrower width must beat the first by this factor: by less it is chance (cross-validated on the solved bodies, nothing is
-/// gained on average without such a margin).
+/// The error of a narrower width must be below that of the first times this factor. Smaller gains are chance:
+/// cross-validated on the solved bodies, nothing is gained on average without such a margin.
 const CLEARLY: f32 = 0.95;
-/// Staying in place must beat carrying by this factor to be taken: a dent that is where the body was hit is what was asked.
+/// The error of anchored examples must be below that of carried ones times this factor. Carrying is preferred because
+/// it puts the dent where the body was hit.
 const BETTER: f32 = 0.9;
-/// Placement is decided by the errors of an example and its nearest neighbours, this many in all.
+/// Placement is decided by the errors of this many examples: the example itself and its nearest neighbours.
 const NEIGHBOURS: usize = 3;
-/// Errors count up to this: how wrong a failed prediction is says nothing.
+/// Errors are clamped to this, because the size of the error of a failed prediction means nothing.
 const WORST: f32 = 2.0;
 
-/// The errors of one example left out: carried, for each width, and anchored.
+/// The errors of predicting one example that was left out: carried, for each width, and anchored.
 #[derive(Default, Clone, Copy)]
 struct Errors {
     carried: [Option<f32>; WIDTHS.len()],
     anchored: Option<f32>,
 }
 
-/// Leaves the set's examples out in turn.
+/// Leaves the set's examples out in turn and returns what was learned.
 pub(crate) fn learn(set: &ExampleSet, tasks: &dyn TaskSystem) -> Learned {
     let examples = set.examples();
     let mut learned = Learned::nothing(examples.len());
@@ -78,7 +80,7 @@ pub(crate) fn learn(set: &ExampleSet, tasks: &dyn TaskSystem) -> Learned {
     learned
 }
 
-/// Whether around example `i` anchored examples predict better than carried ones.
+/// Whether anchored examples predict better than carried ones around example `i`.
 fn stays(set: &ExampleSet, learned: &Learned, queries: &[usize], i: usize) -> bool {
     let at = |q: usize| set.examples()[q].contact_point();
     let mut near: Vec<usize> = queries.iter().copied().filter(|q| learned.carried_error[*q].is_some()).collect();
@@ -129,7 +131,7 @@ fn left_out(set: &ExampleSet, q: usize) -> Errors {
     Errors { carried: WIDTHS.map(|w| predict(w, false)), anchored: predict(WIDTHS[0], true) }
 }
 
-/// Vertices around an example's contact, every n-th of the mesh's order, and the contact.
+/// Every n-th vertex around an example's contact, in mesh order, and the contact vertex.
 fn samples(set: &ExampleSet, q: usize) -> Vec<u32> {
     let e = &set.examples()[q];
     let radius = e.support_radius() * AROUND;

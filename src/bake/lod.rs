@@ -1,7 +1,7 @@
 //! Levels of detail: other meshes of the same body (coarser ones, a collision proxy) that show the same damage.
 //!
-//! What is carried applies to any mesh as it is. An anchored example belongs to the base mesh: each vertex of another mesh is
-//! bound to the point of the base surface nearest to it, once, and moves as that point does, by linear interpolation.
+//! Carried examples work on any mesh. Anchored examples belong to the base mesh: each vertex of another mesh is bound
+//! once to the nearest point of the base surface. It moves like that point, by linear interpolation.
 
 use crate::base::error::{Error, reserve};
 use crate::base::math::{rotation_between, unit};
@@ -16,24 +16,26 @@ use crate::mesh::surface::{IndexedTriangle, SurfaceIndex, closest};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
-/// Vertices that one task binds.
+/// Number of vertices that one task binds.
 const CHUNK: usize = 512;
-/// Triangles whose squared distance is within this share of the least are equally near: those that meet at a hard edge.
+/// Triangles count as equally near if their squared distances differ by at most this share. Such triangles meet at a
+/// hard edge.
 const EQUALLY_NEAR: f32 = 1e-6;
 
 impl ExampleSet {
-    /// Adds another mesh of the same body, in the same space (m), that shows the same damage: a level of detail, or a collision
-    /// proxy. Returns its number, 1 for the first: what [`crate::DeformJob::lod`] takes. Marks, contacts, saved damage and the
-    /// set's fingerprint stay those of the base mesh.
+    /// Adds another mesh that shows the same damage: a level of detail or a collision proxy. The mesh must be of the
+    /// same body, in the same space (m). Returns its number for [`crate::DeformJob::lod`], 1 for the first. Marks,
+    /// contacts, saved damage and the set's fingerprint remain those of the base mesh.
     ///
-    /// Carried examples apply as they are. Anchored ones are interpolated at the nearest point of the base surface (the nearest
-    /// vertex where the base has no triangles): a vertex that stands on a base vertex moves exactly as that one does, and what
-    /// lies between unmoved vertices does not move at all. In a set with a tolerance, interpolated displacements are rounded once
-    /// more: a vertex between is wrong by at most two tolerances. Vertices at one position stay together, whatever
-    /// [`crate::Seams`] says. Where the base mesh has no normals, the level has none.
+    /// Carried examples are applied directly. Anchored examples are interpolated at the nearest point of the base
+    /// surface, or taken from the nearest vertex if the base mesh has no triangles. A vertex at the position of a base
+    /// vertex moves exactly like it. A vertex between unmoved base vertices does not move. In a set with a tolerance,
+    /// interpolated displacements are rounded again, so they are wrong by at most two tolerances. Vertices at one
+    /// position stay together, whatever [`crate::Seams`] is. The level has no normals if the base mesh has none.
     ///
     /// # Errors
-    /// As [`ExampleSet::build`] for the mesh; [`Error::InvalidArgument`] for more than 63 levels; [`Error::OutOfMemory`]. Nothing is added then.
+    /// Those of [`ExampleSet::build`] for the mesh; [`Error::InvalidArgument`] for more than 63 levels;
+    /// [`Error::OutOfMemory`]. On an error nothing is added.
     pub fn add_lod(&mut self, mesh: MeshData, tasks: &dyn TaskSystem) -> Result<usize, Error> {
         let lod = self.lod_count();
         if lod >= MAX_MESHES {
@@ -65,7 +67,7 @@ impl ExampleSet {
     }
 }
 
-/// Corners of a base triangle and their barycentric weights.
+/// A point on a base triangle: corners and barycentric weights.
 #[derive(Debug, Clone, Copy)]
 struct Corners {
     vertices: [u32; 3],
@@ -83,17 +85,17 @@ impl Corners {
     }
 }
 
-/// What a vertex follows.
+/// The points on the base surface that a vertex follows.
 #[derive(Debug, Clone, Copy)]
 struct Bound {
-    /// Where displacements are from: the same for all vertices at one position.
+    /// Source of displacements. The same for all vertices at one position.
     at: Corners,
-    /// Where changes of the normal are from: of what is as near, what faces as the vertex does.
+    /// Source of changes of the normal. Among equally near points, the one whose normal agrees best with the vertex's.
     facing: Corners,
     distance: f32,
 }
 
-/// Binds every vertex; beside them the greatest distance, m.
+/// Binds every vertex. Also returns the greatest distance, m.
 fn bind(set: &ExampleSet, mesh: &Mesh, tasks: &dyn TaskSystem) -> Result<(Vec<Bound>, f32), Error> {
     let positions = mesh.positions();
     let surface = set.surface();
@@ -112,7 +114,8 @@ fn bind(set: &ExampleSet, mesh: &Mesh, tasks: &dyn TaskSystem) -> Result<(Vec<Bo
     Ok((all, farthest))
 }
 
-/// `copies`: of each base vertex the lowest at its position, and itself; sorted.
+/// Binds the vertex at `p`. `copies` has, for each base vertex, the lowest vertex at its position and the vertex
+/// itself, sorted.
 fn bind_one(
     set: &ExampleSet,
     surface: &SurfaceIndex,
@@ -125,7 +128,7 @@ fn bind_one(
         (Some(n), Some(normals)) => c.mix(normals).dot(n.as_dvec3()),
         _ => 0.0,
     };
-    // The first of those that agree best.
+    // The first is kept if both agree equally well.
     let best = |a: Corners, b: Corners| if agrees(&b) > agrees(&a) { b } else { a };
     let near = set.nearest_vertex(p.to_array())?;
     if base.positions()[near.vertex as usize] == p || surface.is_empty() {
@@ -136,7 +139,7 @@ fn bind_one(
     }
     let mut nearest: Vec<(f32, &IndexedTriangle)> = Vec::new();
     for (d, t) in surface.by_distance(p) {
-        // The iterator's order is that of distances as rounded.
+        // The iterator's order is exact only up to rounding. The list is sorted below.
         if nearest.first().is_some_and(|n| d > n.0 * (1.0 + EQUALLY_NEAR) + f32::MIN_POSITIVE) {
             break;
         }
@@ -157,7 +160,7 @@ fn bind_one(
     Ok(Bound { at, facing, distance: d.sqrt() })
 }
 
-/// One example as another mesh shows it.
+/// Interpolates one example for another mesh.
 fn transfer(
     base: &Mesh,
     example: &DeltaBlocks,
@@ -194,7 +197,7 @@ fn transfer(
     Ok(DeltaBlocks::new(&moved, turned.as_deref(), steps))
 }
 
-/// The change of unit normal `n` when it turns as the base's normal does there.
+/// The change of unit normal `n` if it turns like the base normal at `at`.
 fn turn(at: &Corners, base: &[Vec3], changes: &[Vec3], n: Vec3) -> Vec3 {
     let change = at.mix(changes);
     if change == DVec3::ZERO {

@@ -1,4 +1,4 @@
-//! From base mesh and examples to an example set, once, while loading.
+//! Builds an example set from a base mesh and examples. This happens once, at load time or offline.
 
 pub(crate) mod build;
 pub(crate) mod learn;

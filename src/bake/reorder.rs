@@ -1,22 +1,22 @@
-//! A spatially coherent order of vertices: what moves together lies in the same blocks.
+//! Sorts vertices into a spatially coherent order, so that vertices that move together lie in the same blocks.
 
 use crate::base::math::Aabb;
 use crate::example::data::{Contact, Deltas, ExampleData};
 use crate::mesh::data::MeshData;
 use glam::Vec3;
 
-/// Bits of a coordinate in a Morton code.
+/// Bits per coordinate of a Morton code.
 const BITS: u32 = 21;
 
-/// Puts the vertices of a mesh, and of its examples with it, into an order in which neighbours in space are neighbours in
-/// memory, and returns of each vertex its number before.
+/// Reorders the vertices of a mesh and its examples so that neighbours in space are neighbours in memory. Returns the
+/// old index of each vertex: the new vertex `v` was `order[v]`.
 ///
-/// Sets keep displacements by blocks of 128 consecutive vertices: in such an order a dent touches fewer of them, which makes
-/// files smaller and deformation faster. Only where your own vertex buffers can follow: vertex `v` was `order[v]`. Masses of
-/// vertices, if any, must follow too. Triangles keep their order; vertices at one position keep theirs among each other.
+/// Sets store displacements in blocks of 128 consecutive vertices. After reordering a dent touches fewer blocks, which
+/// makes files smaller and deformation faster. You must reorder your own vertex buffers, and vertex masses if any, in
+/// the same way. Triangles keep their order. Vertices at one position keep their relative order.
 ///
-/// What does not fit (indices out of range, arrays of the wrong length) is left as it is, for
-/// [`ExampleSet::build`](crate::ExampleSet::build) to refuse.
+/// Indices out of range and arrays of the wrong length are left unchanged;
+/// [`ExampleSet::build`](crate::ExampleSet::build) rejects them.
 pub fn reorder(mesh: &mut MeshData, examples: &mut [ExampleData]) -> Vec<u32> {
     let order = morton(&mesh.positions);
     let mut new_of = vec![0; order.len()];
@@ -32,7 +32,7 @@ pub fn reorder(mesh: &mut MeshData, examples: &mut [ExampleData]) -> Vec<u32> {
         for deltas in [Some(&mut e.positions), e.normals.as_mut()].into_iter().flatten() {
             match deltas {
                 Deltas::Full(d) => permute(d, &order),
-                // Indices that do not increase would, once sorted.
+                // Indices that do not increase are left alone: sorting would hide the error.
                 Deltas::Sparse { indices, values }
                     if indices.len() == values.len() && indices.is_sorted_by(|a, b| a < b) =>
                 {
@@ -57,14 +57,14 @@ fn permute<T: Copy>(values: &mut Vec<T>, order: &[u32]) {
     }
 }
 
-/// Vertices by the bits of their coordinates, taken in turn.
+/// Vertices sorted by the Morton code of their position.
 fn morton(positions: &[[f32; 3]]) -> Vec<u32> {
     let bounds = Aabb::of(positions.iter().map(|p| Vec3::from_array(*p)).collect::<Vec<_>>().iter());
     let extent = (bounds.max.as_dvec3() - bounds.min.as_dvec3()).max_element();
     let scale = if extent > 0.0 { f64::from((1u32 << BITS) - 1) / extent } else { 0.0 };
     let code = |p: &[f32; 3]| {
         let at = (Vec3::from_array(*p).as_dvec3() - bounds.min.as_dvec3()) * scale;
-        // `as` holds what is out of range, or no number, within it.
+        // `as` saturates values out of range and maps NaN to 0.
         let [x, y, z] = at.to_array().map(|x| spread(x as u32));
         x | y << 1 | z << 2
     };
@@ -73,7 +73,7 @@ fn morton(positions: &[[f32; 3]]) -> Vec<u32> {
     keys.into_iter().map(|k| k.1).collect()
 }
 
-/// The low 21 bits, two zeros after each.
+/// Spreads the low 21 bits: two zero bits follow each.
 fn spread(x: u32) -> u64 {
     let mut x = u64::from(x) & 0x1F_FFFF;
     for (shift, mask) in [
@@ -93,7 +93,7 @@ mod tests {
     use super::*;
 
     fn scattered() -> (MeshData, Vec<ExampleData>) {
-        // Rows that jump about a plane of 32 by 32.
+        // A plane of 32 by 32 vertices in scattered order.
         let at = |i: u32| (i * 389) % 1024;
         let positions: Vec<[f32; 3]> = (0..1024).map(|i| [(at(i) % 32) as f32, (at(i) / 32) as f32, 0.0]).collect();
         let near = |p: &[f32; 3]| (p[0] - 8.0).hypot(p[1] - 20.0) < 5.0;

@@ -1,11 +1,11 @@
-//! Arrays of plain data that are either owned or lie in the bytes of a baked file, which is never copied.
+//! Arrays of plain data that are either owned or borrowed from the bytes of a baked file. The file is never copied.
 
 use bytemuck::Pod;
 use std::fmt;
 use std::ops::{Deref, Range};
 use std::sync::Arc;
 
-/// The bytes of a baked file, kept as long as anything lies in them.
+/// The bytes of a baked file. Every array that borrows from them keeps a reference.
 pub(crate) type Bytes = Arc<dyn AsRef<[u8]> + Send + Sync>;
 
 /// A read-only array.
@@ -14,33 +14,34 @@ pub(crate) enum Array<T: Pod> {
     Within(Within<T>),
 }
 
-/// A part of a file's bytes: aligned for `T` and a multiple of its size, as [`Array::within`] checked.
+/// Part of a file's bytes. [`Array::within`] checked that it is aligned for `T` and that its length is a multiple of
+/// the size of `T`.
 ///
-/// It refers to the slice that `as_ref` gave when the file was checked, and never asks again: an `as_ref` that answers
-/// differently the next time changes nothing here.
+/// It keeps the slice that `as_ref` returned when the file was checked and never calls `as_ref` again. An `as_ref` that
+/// returns another slice later has no effect.
 pub(crate) struct Within<T: 'static> {
     data: &'static [T],
     owner: Bytes,
 }
 
 impl<T: Pod> Array<T> {
-    /// The elements at `range` (bytes) of a file; `None` where it does not lie in the file, or not aligned, or where the last
-    /// element is cut short.
+    /// Returns the elements at `range` (bytes) of a file. `None` if the range is not inside the file, is not aligned
+    /// for `T`, or is not a whole number of elements.
     pub(crate) fn within(file: &FileBytes, range: Range<usize>) -> Option<Self> {
         let data = bytemuck::try_cast_slice::<u8, T>(file.data.get(range)?).ok()?;
         Some(Array::Within(Within { data, owner: file.owner.clone() }))
     }
 
-    /// Bytes of its elements.
+    /// Size of the elements, bytes.
     pub(crate) fn bytes(&self) -> usize {
         size_of_val::<[T]>(self)
     }
 }
 
-/// A file's bytes, borrowed once from what holds them.
+/// A file's bytes, borrowed once from their owner.
 #[derive(Clone)]
 pub(crate) struct FileBytes {
-    /// Not to be handed out without the owner: it lives no longer.
+    /// Valid only while `owner` lives, so it must not be handed out without it.
     data: &'static [u8],
     owner: Bytes,
 }
@@ -48,9 +49,9 @@ pub(crate) struct FileBytes {
 impl FileBytes {
     pub(crate) fn new(owner: Bytes) -> Self {
         let data: &[u8] = owner.as_ref().as_ref();
-        // SAFETY: the slice is borrowed from what the `Arc` holds, which is neither moved nor changed nor dropped while the
-        // clone of the `Arc` that is kept beside every copy of the slice lives: nobody gets it mutably, since this is where
-        // the `Arc` came to be or it was shared already.
+        // SAFETY: the slice is borrowed from the value inside the `Arc`. Every copy of the slice is stored beside a
+        // clone of the `Arc`. While that clone lives, the value is not moved, changed or dropped: nobody can get it
+        // mutably, because the `Arc` was either created here or already shared.
         let data: &'static [u8] = unsafe { std::slice::from_raw_parts(data.as_ptr(), data.len()) };
         FileBytes { data, owner }
     }

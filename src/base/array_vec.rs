@@ -1,4 +1,4 @@
-//! A list of at most `N` elements that lives where it is declared: selection allocates nothing.
+//! A list of at most `N` elements stored inline, so that selection does not allocate.
 
 use std::ops::{Deref, DerefMut};
 
@@ -13,17 +13,17 @@ impl<T: Copy + Default, const N: usize> ArrayVec<T, N> {
         ArrayVec { items: [T::default(); N], len: 0 }
     }
 
-    /// Appends an element; the list must have room.
+    /// Appends an element. Panics if the list is full.
     pub(crate) fn push(&mut self, item: T) {
         self.items[self.len] = item;
         self.len += 1;
     }
 
-    /// Inserts an element at `at`; what then is beyond the last place falls off.
+    /// Inserts an element at `at`. If the list was full, its last element is dropped.
     pub(crate) fn insert(&mut self, at: usize, item: T) {
         if at < N {
             self.len = (self.len + 1).min(N);
-            // For so few elements a call to `memmove` costs more.
+            // Faster than a call to `memmove` for so few elements.
             for i in (at + 1..self.len).rev() {
                 self.items[i] = self.items[i - 1];
             }

@@ -1,6 +1,6 @@
-//! What can go wrong, in types: every error names the offending value and what would be right.
+//! Error types. Every error names the wrong value and what would be right.
 
-/// The coarse kind of an [`Error`]; one to one with the C interface's result codes.
+/// The coarse kind of an [`Error`]. Each kind has one result code in the C interface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ErrorKind {
@@ -8,13 +8,13 @@ pub enum ErrorKind {
     InvalidArgument,
     /// A number is NaN or infinite.
     NotFinite,
-    /// An index points past the end of what it indexes.
+    /// An index is out of range.
     IndexOutOfRange,
     /// The base mesh cannot be used (no vertices, arrays of different lengths …).
     Mesh,
     /// An example does not fit the base mesh.
     ExampleMismatch,
-    /// Memory is smaller than what must be read from it or written to it.
+    /// A buffer is smaller than the data to read from it or write to it.
     BufferTooSmall,
     /// A pointer, an offset or a stride is not a multiple of four bytes.
     Misaligned,
@@ -30,22 +30,22 @@ pub enum ErrorKind {
     DamageMismatch,
     /// Memory ran out.
     OutOfMemory,
-    /// The call does not fit the instance's rule.
+    /// The call is not available with the instance's rule.
     WrongRule,
     /// A call into the graphics driver failed.
     Vulkan,
-    /// The graphics device is lost; damage is not.
+    /// The graphics device is lost. Damage is kept.
     DeviceLost,
 }
 
-/// Every error of the library. The text names the value that was wrong and what would be right.
+/// Any error of the library. The message names the wrong value and what would be right.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A value lies outside its range.
     #[error("{name} is {value}; it must be {expected}")]
     InvalidArgument {
-        /// What the value is called in the interface.
+        /// Name of the value in the interface.
         name: String,
         /// The value that was given.
         value: String,
@@ -55,19 +55,19 @@ pub enum Error {
     /// A number is NaN or infinite.
     #[error("{name} is {value}; every component must be finite")]
     NotFinite {
-        /// What the value is called, with its index where it has one.
+        /// Name of the value, with its index if it has one.
         name: String,
         /// The value that was given.
         value: String,
     },
-    /// An index points past the end of what it indexes.
+    /// An index is out of range.
     #[error("{name} is {index}; it must be below {len}")]
     IndexOutOfRange {
-        /// What the index is called.
+        /// Name of the index.
         name: String,
         /// The index that was given.
         index: u64,
-        /// The number of elements there are.
+        /// The number of elements.
         len: u64,
     },
     /// The base mesh, or one of its levels of detail, cannot be used.
@@ -89,13 +89,13 @@ pub enum Error {
     /// No example can be used.
     #[error("no examples: {what}")]
     NoExamples {
-        /// What was looked at and what would be right.
+        /// Why none can be used and what would be right.
         what: String,
     },
-    /// Memory is smaller than what must be read from it or written to it.
+    /// A buffer is smaller than the data to read from it or write to it.
     #[error("{name} holds {size} bytes; {needed} are needed")]
     BufferTooSmall {
-        /// Which memory.
+        /// Name of the buffer.
         name: String,
         /// Its size in bytes.
         size: u64,
@@ -128,7 +128,7 @@ pub enum Error {
     /// Valid input that this library does not read.
     #[error("unsupported: {what}")]
     Unsupported {
-        /// What is not supported and what would be.
+        /// What is not supported and what is.
         what: String,
     },
     /// Malformed input.
@@ -137,12 +137,12 @@ pub enum Error {
         /// What is malformed and what would be right.
         what: String,
     },
-    /// A file holds no mesh of that name or index.
+    /// The file has no mesh with that name or index.
     #[error("no mesh {wanted}; the file has {available}")]
     NoSuchMesh {
-        /// What was asked for.
+        /// The mesh asked for.
         wanted: String,
-        /// What there is.
+        /// The meshes in the file.
         available: String,
     },
     /// The operating system refused to read or write.
@@ -150,7 +150,7 @@ pub enum Error {
     Io {
         /// The file.
         path: String,
-        /// What the system said.
+        /// The system's message.
         message: String,
     },
     /// Saved damage belongs to another example set or another version.
@@ -164,17 +164,17 @@ pub enum Error {
     OutOfMemory {
         /// What the memory was for.
         what: String,
-        /// How much was asked for.
+        /// The size asked for, bytes; 0 if unknown.
         bytes: u64,
     },
-    /// The call does not fit the instance's rule.
+    /// The call is not available with the instance's rule.
     #[error("{call} needs {needed}; this instance's rule is {rule}")]
     WrongRule {
         /// The call.
         call: String,
         /// The rule it needs.
         needed: String,
-        /// The rule there is.
+        /// The instance's rule.
         rule: String,
     },
     /// A call into the graphics driver failed.
@@ -182,27 +182,27 @@ pub enum Error {
     Vulkan {
         /// The Vulkan function.
         call: String,
-        /// What it returned.
+        /// The result it returned.
         result: String,
     },
-    /// A call of wgpu failed.
+    /// A call to wgpu failed.
     #[error("{call}: wgpu says: {what}")]
     Wgpu {
-        /// What was called.
+        /// The function called.
         call: String,
-        /// What it said.
+        /// The message from wgpu.
         what: String,
     },
-    /// The graphics device is lost. Damage is not: register the same instances with a new device.
+    /// The graphics device is lost. Damage is kept: register the same instances with a new device.
     #[error("{call} says that the device is lost; damage is not: make another device and register its buffers there")]
     DeviceLost {
-        /// The function that said so.
+        /// The function that reported it.
         call: String,
     },
 }
 
 impl Error {
-    /// The coarse kind, for callers that only branch.
+    /// The coarse kind, for callers that only branch on it.
     pub fn kind(&self) -> ErrorKind {
         match self {
             Error::InvalidArgument { .. } => ErrorKind::InvalidArgument,
@@ -229,12 +229,12 @@ impl Error {
     }
 }
 
-/// Fails where `x` is not above 0 and finite; `unit` follows in the text.
+/// Fails unless `x` is finite and above 0. The message ends with `unit`.
 pub(crate) fn positive(name: &str, x: f32, unit: &str) -> Result<(), Error> {
     if x > 0.0 && x.is_finite() { Ok(()) } else { Err(Error::invalid(name, x, &format!("above 0 and finite, {unit}"))) }
 }
 
-/// Fails where `x` is negative or not finite; `unit` follows in the text.
+/// Fails if `x` is negative or not finite. The message ends with `unit`.
 pub(crate) fn at_least_zero(name: &str, x: f32, unit: &str) -> Result<(), Error> {
     if x >= 0.0 && x.is_finite() {
         Ok(())
@@ -243,7 +243,8 @@ pub(crate) fn at_least_zero(name: &str, x: f32, unit: &str) -> Result<(), Error>
     }
 }
 
-/// An empty vector with room for `n` elements, or [`Error::OutOfMemory`]; for allocations whose size the caller's counts decide.
+/// Returns an empty vector with room for `n` elements, or [`Error::OutOfMemory`]. For allocations whose size depends on
+/// the caller's input.
 pub(crate) fn reserve<T>(n: usize, what: &str) -> Result<Vec<T>, Error> {
     let mut v = Vec::new();
     v.try_reserve_exact(n).map_err(|_| Error::OutOfMemory {

@@ -1,5 +1,5 @@
-//! The few pieces of vector algebra that marks depend on, in plain IEEE operations: the same bits on
-//! every platform (glam's scalar `Vec3`/`Mat3`, square roots, and `libm` for the rest).
+//! The vector math that marks depend on. It gives the same bits on every platform, because it uses only IEEE
+//! operations: glam's scalar `Vec3` and `Mat3`, square roots, and `libm` for the rest.
 
 use glam::{DVec3, Mat3, Vec3};
 
@@ -13,7 +13,7 @@ pub struct Aabb {
 }
 
 impl Aabb {
-    /// The box that holds nothing.
+    /// The empty box.
     pub const EMPTY: Aabb = Aabb { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
 
     /// The smallest box around `points`.
@@ -49,13 +49,15 @@ impl Aabb {
     }
 }
 
-/// The smallest rotation that takes unit vector `a` to unit vector `b`. Where they are opposite, a half turn about the axis at
-/// right angles to `a` that is nearest to z (to x, where `a` is along z): mirrored in coordinate planes, it is the mirrored turn.
+/// The smallest rotation that takes unit vector `a` to unit vector `b`. For opposite vectors it is a half turn about
+/// the axis perpendicular to `a` that is nearest to z (nearest to x if `a` is along z). Vectors mirrored in a
+/// coordinate plane give the mirrored rotation.
 ///
-/// In f64, of vectors made unit length again: near opposite ones `1 / (1 + cos)` blows up what f32 rounded off.
+/// Normalizes the vectors again and computes in f64: for nearly opposite vectors `1 / (1 + cos)` amplifies f32 rounding
+/// errors.
 pub(crate) fn rotation_between(a: Vec3, b: Vec3) -> Mat3 {
     if a.dot(b) < -0.9999 {
-        // Half a turn about u, then the small rest from -a to b.
+        // A half turn about u, then the small rotation from -a to b.
         let towards = if a.z.abs() < 0.99 { Vec3::Z } else { Vec3::X };
         let u = unit(towards - a * a.dot(towards)).unwrap_or(towards);
         let half = Mat3::from_cols(u * (2.0 * u.x), u * (2.0 * u.y), u * (2.0 * u.z)) - Mat3::IDENTITY;
@@ -72,8 +74,8 @@ pub(crate) fn rotation_between(a: Vec3, b: Vec3) -> Mat3 {
     )
 }
 
-/// `t` turned by the smallest rotation that takes unit vector `a` to unit vector `b`: [`rotation_between`] in f32 alone, which
-/// every processor and graphics device has. Near opposite vectors it is good to a thousandth.
+/// Rotates `t` by the smallest rotation that takes unit vector `a` to unit vector `b`. Same as [`rotation_between`],
+/// but in f32 only, which every CPU and GPU has. For nearly opposite vectors it is accurate to 1e-3.
 pub(crate) fn turned_as(a: Vec3, b: Vec3, t: Vec3) -> Vec3 {
     let (mut from, mut v) = (a, t);
     if a.dot(b) < -0.9999 {
@@ -87,13 +89,13 @@ pub(crate) fn turned_as(a: Vec3, b: Vec3, t: Vec3) -> Vec3 {
     v + w + c.cross(w) * (1.0 / (1.0 + from.dot(b)))
 }
 
-/// One plus the cosine of two unit vectors: below it they are nearly opposite.
+/// Two unit vectors are nearly opposite if one plus their cosine is below this.
 pub(crate) const OPPOSITE: f32 = 1e-2;
 
-/// `v`, at right angles to unit vector `a`, turned by the smallest rotation from `a` to unit vector `b`.
+/// Rotates `v` by the smallest rotation from unit vector `a` to unit vector `b`. `v` must be perpendicular to `a`.
 #[inline]
 pub(crate) fn turn_tangent(v: Vec3, a: Vec3, b: Vec3) -> Vec3 {
-    // Near opposite vectors the quotient loses all digits.
+    // The quotient loses all precision for nearly opposite vectors.
     let k = 1.0 + a.dot(b);
     if k < OPPOSITE { rotation_between(a, b) * v } else { v - (a + b) * (v.dot(b) / k) }
 }
@@ -111,9 +113,9 @@ pub(crate) fn tangent_basis(n: Vec3) -> Mat3 {
     )
 }
 
-/// `v` scaled to unit length, or `None` where its length is zero or not finite.
+/// Returns `v` scaled to unit length, or `None` if its length is zero or not finite.
 pub(crate) fn unit(v: Vec3) -> Option<Vec3> {
-    // The largest component first, so that tiny and huge vectors neither underflow nor overflow.
+    // Divide by the largest component first, so that tiny vectors do not underflow and huge ones do not overflow.
     let m = v.abs().max_element();
     if !(m > 0.0 && m.is_finite()) {
         return None;

@@ -1,4 +1,4 @@
-//! What everything stands on: errors, vector math, parallel-for, arrays. Knows nothing of meshes.
+//! Base utilities: errors, vector math, parallel-for and arrays. They do not depend on meshes.
 
 pub(crate) mod array;
 pub(crate) mod array_vec;

@@ -1,12 +1,12 @@
-//! Elements at equal distances in memory that belongs to the caller. The one place where offsets, strides and sizes are checked.
+//! Strided arrays in the caller's memory. Offsets, strides and sizes are checked only here.
 
 use super::error::Error;
 use std::ops::Range;
 
-/// `count` elements of `element` bytes: the first at `first`, each next one `stride` bytes further.
+/// `count` elements of `element` bytes each. The first is at `first`; each next one is `stride` bytes further.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Strided {
-    /// An offset or an address, bytes.
+    /// Offset or address of the first element, bytes.
     pub first: u64,
     pub stride: u64,
     pub element: u64,
@@ -14,12 +14,12 @@ pub(crate) struct Strided {
 }
 
 impl Strided {
-    /// Fails where `value`, called `name`, is not a multiple of `align` bytes.
+    /// Fails if `value` is not a multiple of `align` bytes. The error calls it `name`.
     pub(crate) fn check_aligned(name: String, value: u64, align: u64) -> Result<(), Error> {
         if value.is_multiple_of(align) { Ok(()) } else { Err(Error::Misaligned { name, value, align }) }
     }
 
-    /// Fails where elements overlap their successors.
+    /// Fails if consecutive elements overlap.
     pub(crate) fn check_stride(&self, name: &str) -> Result<(), Error> {
         if self.stride >= self.element {
             return Ok(());
@@ -29,13 +29,13 @@ impl Strided {
         Err(Error::invalid(name, format!("{} bytes", self.stride), &expected))
     }
 
-    /// Fails where the elements do not fit into the `size` bytes that begin at 0.
+    /// Fails if the elements do not fit into bytes `0..size`.
     pub(crate) fn check_size(&self, name: &str, size: u64) -> Result<(), Error> {
         let needed = self.span().end;
         if needed <= size { Ok(()) } else { Err(Error::BufferTooSmall { name: name.into(), size, needed }) }
     }
 
-    /// From the first byte to the one behind the last; what does not fit 64 bits is held at their end.
+    /// The byte range from the first element to the end of the last. Saturates at `u64::MAX`.
     pub(crate) fn span(&self) -> Range<u64> {
         match self.count {
             0 => self.first..self.first,
@@ -45,8 +45,8 @@ impl Strided {
         }
     }
 
-    /// Whether a byte belongs to elements of both. Interleaved arrays (of one stride) are told exactly; others overlap where
-    /// their spans do.
+    /// Whether elements of both arrays share a byte. Exact for interleaved arrays (equal strides). Other arrays count
+    /// as overlapping if their spans overlap.
     pub(crate) fn overlaps(&self, other: &Strided) -> bool {
         let (a, b) = (self.span(), other.span());
         if a.end <= b.start || b.end <= a.start {
@@ -55,7 +55,7 @@ impl Strided {
         if self.stride != other.stride || self.stride == 0 {
             return true;
         }
-        // Within one stride: where the other's elements begin behind this one's.
+        // Offset, within one stride, from this array's elements to the other's.
         let gap = (other.first % self.stride + self.stride - self.first % self.stride) % self.stride;
         gap < self.element || gap + other.element > self.stride
     }

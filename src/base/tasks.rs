@@ -1,24 +1,24 @@
-//! Who runs the work: one parallel-for, by this library's own rayon pool, by the host's job system, or in the caller's
-//! thread. Nothing computed depends on which, or on how many threads there are.
+//! Parallel-for, run by this library's rayon pool, by the host's job system or on the caller's thread. Results depend
+//! neither on the task system nor on the number of threads.
 
 use crate::base::error::Error;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// One parallel-for. Implementations call `task(i)` for every `i` in `0..count` exactly once, on any threads, and return
-/// when all calls have returned. Where one panics, they panic.
+/// A parallel-for. An implementation calls `task(i)` exactly once for every `i` in `0..count`, on any threads, and
+/// returns when all calls have returned. It panics if a task panics.
 pub trait TaskSystem: Sync {
     /// Runs `task(0) … task(count - 1)`.
     fn parallel_for(&self, count: usize, task: &(dyn Fn(usize) + Sync));
 
-    /// Number of threads that may work at once; at least 1. Only decides how finely work is cut.
+    /// Number of threads that may work at once, at least 1. It only affects how finely work is split.
     fn workers(&self) -> usize {
         1
     }
 }
 
-/// Runs everything in the caller's thread.
+/// Runs everything on the caller's thread.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Serial;
 
@@ -28,19 +28,19 @@ impl TaskSystem for Serial {
     }
 }
 
-/// An own rayon pool; rayon's global pool is never touched. Its threads have ended once it is dropped.
+/// A private rayon pool. It does not use rayon's global pool. Dropping it waits until its threads have ended.
 #[derive(Debug)]
 pub struct ThreadPool(Option<Threads>);
 
 #[derive(Debug)]
 struct Threads {
     pool: rayon::ThreadPool,
-    /// To be waited for: a dropped pool only asks its threads to end.
+    /// Joined on drop, because a dropped rayon pool only asks its threads to end.
     _handles: Joined,
 }
 
-/// Threads that are waited for when this is dropped. (Fields are dropped in order, so the pool has asked them to end by
-/// then. None of them is the one that drops: they only run tasks while the pool is borrowed.)
+/// Threads that are joined on drop. Fields are dropped in order, so the pool has already asked the threads to end. A
+/// pool thread never drops the pool itself, because pool threads run tasks only while the pool is borrowed.
 #[derive(Debug, Default)]
 struct Joined(Vec<std::thread::JoinHandle<()>>);
 
@@ -53,10 +53,11 @@ impl Drop for Joined {
 }
 
 impl ThreadPool {
-    /// A pool of `threads` threads (0: one for each core the process may use; 1: none, the caller does the work).
+    /// A pool of `threads` threads. 0 makes one for each core the process may use. 1 makes none: the caller does the
+    /// work.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] above 1024 threads; [`Error::OutOfMemory`] where the system starts no more threads.
+    /// [`Error::InvalidArgument`] above 1024 threads; [`Error::OutOfMemory`] if the system cannot start the threads.
     pub fn new(threads: usize) -> Result<Self, Error> {
         if threads > 1024 {
             return Err(Error::invalid("threads", threads, "0 (one for each core) or 1 to 1024"));
@@ -93,8 +94,9 @@ impl TaskSystem for ThreadPool {
     }
 }
 
-/// Runs `task(0) … task(count - 1)` exactly once each, even where the task system calls one twice (the second call does
-/// nothing) or forgets one (it runs here, afterwards): a host's mistake must not become a data race or a hole.
+/// Runs `task(0) … task(count - 1)` exactly once each, so that a mistake in the host's task system causes neither a
+/// data race nor missing results. A second call of the same task does nothing. A task that was not called runs here
+/// afterwards.
 pub(crate) fn run_each(tasks: &dyn TaskSystem, count: usize, task: &(dyn Fn(usize) + Sync)) {
     if count <= 1 {
         return Serial.parallel_for(count, task);
@@ -109,7 +111,8 @@ pub(crate) fn run_each(tasks: &dyn TaskSystem, count: usize, task: &(dyn Fn(usiz
     (0..count).for_each(once);
 }
 
-/// What `f` makes of each item, in their order. Each item is a task of its own, and may be borrowed mutably.
+/// Applies `f` to each item and returns the results in the items' order. Each item is one task. Items may be mutable
+/// borrows.
 pub(crate) fn map<T: Send, U: Send>(
     tasks: &dyn TaskSystem,
     items: impl IntoIterator<Item = T>,

@@ -1,4 +1,4 @@
-//! Which blocks changed when.
+//! Records when each block last changed.
 
 use super::dent::Dent;
 use crate::example::set::ExampleSet;
@@ -6,19 +6,19 @@ use crate::example::set::ExampleSet;
 /// When each block last changed.
 #[derive(Debug)]
 pub(crate) struct Changes {
-    /// Of this instance alone, so that an output notices when it is given another.
+    /// Unique to the instance, so that an output detects when it is used with another one.
     pub instance: u64,
-    /// Grows with each change.
+    /// Increases with each change.
     pub epoch: u64,
-    /// Of each level of detail the epoch of the last change of each block; 0 for a block at rest since the beginning.
+    /// For each level of detail, the epoch of each block's last change. 0 if the block never changed.
     pub blocks: Vec<Vec<u64>>,
 }
 
-/// Notes blocks as changed, at an epoch of its own.
+/// Marks blocks as changed, at a new epoch.
 pub(crate) struct ChangeRecorder<'a> {
     set: &'a ExampleSet,
     pub changes: &'a mut Changes,
-    /// Displacements no longer than this do not show, m.
+    /// Displacements no longer than this are not shown, m.
     threshold: f32,
 }
 
@@ -34,7 +34,7 @@ impl<'a> ChangeRecorder<'a> {
         }
     }
 
-    /// All that an anchored example moves.
+    /// Marks all blocks that an anchored example moves.
     pub(crate) fn example(&mut self, example: usize) {
         for (lod, blocks) in self.set.lods().zip(&mut self.changes.blocks) {
             lod.anchored[example].blocks().for_each(|b| blocks[b as usize] = self.changes.epoch);

@@ -1,4 +1,5 @@
-//! A mark made ready for evaluation: which examples, how placed, how scaled. A pure function of the mark and the set.
+//! A dent: a mark prepared for evaluation, with each example placed and scaled. A pure function of the mark and the
+//! set.
 //!
 //! For a mark with target depth `T` at contact `c` (normal `n`), a pair of example `i` and share `s_i` contributes
 //!
@@ -7,10 +8,10 @@
 //! carried    a_i = T / |d_i(p_i)|    e_i(v) = R d_i at p_i + stretch^-1 (R^T (v - c))
 //! ```
 //!
-//! with `R` the smallest rotation from `n_i` to `n` and `stretch = clamp(sqrt(a_i), 1/4, 4)` in the surface; a mirrored pair
-//! takes the example's mirror image for the example. All are then scaled together by `g = T / |sum s_i a_i e_i(c)|`, so that
-//! the contact gets the depth asked for, except that anchored examples (and all, in a strict set) are never scaled above 1.
-//! Towards a held rim what is carried falls to zero ([`crate::mesh::rim`]).
+//! `R` is the smallest rotation from `n_i` to `n`. The stretch along the surface is `clamp(sqrt(a_i), 1/4, 4)`. A
+//! mirrored pair uses the example's mirror image. All contributions are then scaled by `g = T / |sum s_i a_i e_i(c)|`,
+//! so that the contact gets the target depth. Anchored examples are never scaled above 1; in a strict set no example
+//! is. Carried examples fade to zero towards held rims ([`crate::mesh::rim`]).
 
 use super::mark::{MAX_PAIRS, Mark, Pair};
 use crate::base::array_vec::ArrayVec;
@@ -21,60 +22,60 @@ use crate::example::set::ExampleSet;
 use crate::example::stamp::{WEIGHTS, lift};
 use glam::{Mat3, UVec2, Vec2, Vec3};
 
-/// Limits of the stretch of a carried example in the surface.
+/// Limits of a carried example's stretch along the surface.
 const STRETCH: (f32, f32) = (0.25, 4.0);
-/// What boxes are made larger by before they are found not to meet a stamp, as a share: far more than rounding.
+/// Share by which boxes are enlarged before they are tested against a stamp. Far more than rounding errors.
 const ROUNDING: f32 = 1e-4;
 
 /// One example of a dent, placed and scaled.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct PlacedExample {
     pub example: usize,
-    /// What its displacements are multiplied with.
+    /// Factor for its displacements.
     pub scale: f32,
     pub carried: Option<Carried>,
 }
 
-/// Where a carried example goes.
+/// The placement of a carried example.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Carried {
     pub contact: Vec3,
-    /// Mesh space relative to the contact into the stamp's frame, stretch undone.
+    /// From mesh space, relative to the contact, to the stamp's frame. Undoes the stretch.
     pub to_stamp: Mat3,
-    /// From unrolled coordinates to units of the stamp's nodes, and what is taken off to count from the first.
+    /// Factor from unrolled coordinates to grid cells, and the grid's origin in cells, which is then subtracted.
     pub per_cell: Vec2,
     pub grid_origin: Vec2,
-    /// Greatest coordinates on the grid.
+    /// Largest coordinates on the grid, cells.
     pub grid_top: Vec2,
-    /// The stamp's frame into mesh space.
+    /// From the stamp's frame to mesh space.
     from_stamp: Mat3,
-    /// From weighted sums of a stamp's numbers to displacements in mesh space, and to changes of normals: these are also multiplied
-    /// with one over the stretch, since slopes fall as a dent gets wider.
+    /// From weighted sums of a stamp's numbers to displacements and to changes of normals, in mesh space. Changes of
+    /// normals are divided by the stretch, because slopes decrease as a dent gets wider.
     pub displacement: Mat3,
     pub normal_change: Mat3,
-    /// The same to heights, m.
+    /// From weighted sums of a stamp's numbers to heights, m.
     pub height: f32,
-    /// Two over the stamp's fade, 1/m.
+    /// 2 divided by the stamp's fade, 1/m.
     pub fade: f32,
-    /// What lies lower or higher in the stamp's frame is not moved, m.
+    /// Range of z in the stamp's frame outside which nothing is moved, m.
     heights: (f32, f32),
     /// The stamp's z in mesh space.
     pub up: Vec3,
-    /// Nothing moves further than this from the contact, m.
+    /// Distance from the contact beyond which nothing is moved, m.
     radius: f32,
 }
 
-/// A mark made ready.
+/// A mark prepared for evaluation.
 #[derive(Debug, Clone)]
 pub(crate) struct Dent {
-    /// What all its parts are multiplied with: grows with hits that repeat it.
+    /// Factor for all parts. Repeated hits increase it.
     pub strength: f32,
     pub contact: Vec3,
     pub parts: ArrayVec<PlacedExample, MAX_PAIRS>,
 }
 
 impl Dent {
-    /// From a valid mark.
+    /// Makes the dent of a mark. The mark must be valid.
     pub(crate) fn new(set: &ExampleSet, mark: &Mark) -> Self {
         let parts =
             place(set, mark.contact, mark.depth, &mark.pairs, &frame_rotations(set, mark.contact, &mark.pairs)).parts;
@@ -85,14 +86,15 @@ impl Dent {
         }
     }
 
-    /// Where it may move anything.
+    /// The region where the dent may move vertices.
     pub(crate) fn reach(&self) -> Reach {
         let radius = |p: &PlacedExample| p.carried.as_ref().map_or(f32::INFINITY, |c| c.radius);
         let radius = self.parts.iter().map(radius).fold(0.0, f32::max);
         Reach { contact: self.contact, square: radius * radius }
     }
 
-    /// Whether part `p` is shown on a lod: not where no displacement of it, as scaled, is longer than `threshold` (m, above 0).
+    /// Whether part `p` is shown on a level of detail: whether any of its scaled displacements may exceed `threshold`
+    /// (m). Always true for 0.
     pub(crate) fn counts(&self, set: &ExampleSet, lod: &MeshLod, p: &PlacedExample, threshold: f32) -> bool {
         let scale = (p.scale * self.strength).abs();
         threshold == 0.0
@@ -103,12 +105,13 @@ impl Dent {
             }
     }
 
-    /// Calls `f` with every block of a lod that a part may move, and the longest displacement that it may bring there, m.
+    /// Calls `f` for every part and every block it may move, with an upper bound of its displacements there, m.
     pub(crate) fn lengths(&self, set: &ExampleSet, lod: &MeshLod, mut f: impl FnMut(usize, f32)) {
         self.parts.iter().for_each(|p| self.part_lengths(set, lod, p, &mut f));
     }
 
-    /// Calls `f` with every block of a lod that it may move by more than `threshold` (m; 0: at all), some perhaps twice.
+    /// Calls `f` for every block that a part longer than `threshold` (m) may move. 0 includes all parts. `f` may get a
+    /// block more than once.
     pub(crate) fn blocks(&self, set: &ExampleSet, lod: &MeshLod, threshold: f32, mut f: impl FnMut(usize)) {
         let counts = self.parts.iter().filter(|p| self.counts(set, lod, p, threshold));
         counts.for_each(|p| self.part_lengths(set, lod, p, &mut |b, _| f(b)));
@@ -129,11 +132,11 @@ impl Dent {
     }
 }
 
-/// A sphere outside which a dent moves nothing; endless where it has an anchored example.
+/// A sphere outside which a dent moves nothing. Its radius is infinite if the dent has an anchored example.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Reach {
     pub contact: Vec3,
-    /// Radius squared, m².
+    /// Squared radius, m².
     pub square: f32,
 }
 
@@ -160,7 +163,7 @@ impl Carried {
         let shrink = Vec3::new(1.0 / stretch, 1.0 / stretch, 1.0);
         let to_stamp = Mat3::from_diagonal(shrink) * from_stamp.transpose();
         let c = Carried { contact: set.mesh().positions()[contact as usize], to_stamp, from_stamp, ..Carried::NOTHING };
-        // Only an anchored example lacks a stamp, and it is not carried.
+        // Only anchored examples lack a stamp, and they are not carried.
         let Some(s) = e.stamp() else { return c };
         let unit = |step: Vec3| Mat3::from_diagonal(step * (1.0 / WEIGHTS));
         Carried {
@@ -178,13 +181,13 @@ impl Carried {
         }
     }
 
-    /// Whether anything in the box may move: whether it meets the stamp's sphere, and in the stamp's frame lies neither above nor below
-    /// nor beside it.
+    /// Whether the stamp may move anything in the box. The box must meet the stamp's sphere and, in the stamp's frame,
+    /// must not lie entirely above, below or beside the stamp.
     pub(crate) fn reaches(&self, bounds: &Aabb) -> bool {
         if bounds.distance_squared(self.contact) > self.radius * self.radius {
             return false;
         }
-        // Differences first: far from the origin they lose nothing.
+        // Subtract first, which loses no precision far from the origin.
         let centre = self.to_stamp * ((bounds.min - self.contact + (bounds.max - self.contact)) * 0.5);
         let half = self.to_stamp.abs() * ((bounds.max - bounds.min) * 0.5);
         let half = half * (1.0 + ROUNDING) + Vec3::splat(self.radius * ROUNDING);
@@ -192,7 +195,7 @@ impl Carried {
         if low.z > self.heights.1 || high.z < self.heights.0 {
             return false;
         }
-        // Unrolling takes no point of the box further out than the steepest could be.
+        // The steepest point that the box could contain bounds how far unrolling moves any of its points outwards.
         let across = low.truncate().max(-high.truncate()).max(Vec2::ZERO).length_squared();
         let up = low.z.abs().max(high.z.abs());
         let lift = lift(up, across) + ROUNDING;
@@ -201,7 +204,7 @@ impl Carried {
         high.cmpge(Vec2::ZERO).all() && low.cmple(self.grid_top).all()
     }
 
-    /// Displacement that the example brings to a vertex at base position `v`, unscaled, m.
+    /// Unscaled displacement of a vertex at base position `v`, m.
     pub(crate) fn at(&self, set: &ExampleSet, example: usize, v: Vec3) -> Vec3 {
         let stamp = set.examples()[example].stamp();
         stamp.map_or(Vec3::ZERO, |s| self.from_stamp * s.displacement(self.to_stamp * (v - self.contact)))
@@ -211,14 +214,14 @@ impl Carried {
 /// A mark's parts, placed and scaled.
 pub(crate) struct PlacedMark {
     pub parts: ArrayVec<PlacedExample, MAX_PAIRS>,
-    /// Displacement that they bring to the contact, m.
+    /// The parts' displacement of the contact, m.
     pub achieved: Vec3,
-    /// The same if no rim were held.
+    /// The displacement of the contact if no rim were held, m.
     pub without_rim: Vec3,
 }
 
-/// Of each carried pair of a mark, the rotation of its stamp's frame into mesh space (mirrored, for a mirrored one). It is the
-/// same for any depth.
+/// For each carried pair of a mark, the rotation from its stamp's frame to mesh space, with a reflection if the pair is
+/// mirrored. It does not depend on the depth.
 pub(crate) fn frame_rotations(set: &ExampleSet, contact: u32, pairs: &[Pair; MAX_PAIRS]) -> [Mat3; MAX_PAIRS] {
     let n = set.mesh().contact_normal(contact).unwrap_or(Vec3::Z);
     pairs.map(|pair| {
@@ -231,7 +234,7 @@ pub(crate) fn frame_rotations(set: &ExampleSet, contact: u32, pairs: &[Pair; MAX
     })
 }
 
-/// The parts of a mark with the [`frame_rotations`] of its pairs.
+/// Places and scales the parts of a mark. `rotations` are the [`frame_rotations`] of its pairs.
 pub(crate) fn place(
     set: &ExampleSet,
     contact: u32,
@@ -256,7 +259,7 @@ pub(crate) fn place(
             (size, Some(carried), u)
         };
         let scale = pair.share_fraction() * size;
-        // Only a damaged file could bring an anchored example that does not move the contact.
+        // Only a corrupt file can contain an anchored example that does not move the contact.
         if !scale.is_finite() {
             continue;
         }
@@ -265,7 +268,7 @@ pub(crate) fn place(
         parts.push(PlacedExample { example, scale, carried });
     }
     let together = depth / sum.length();
-    // Examples that cancel each other at the contact are not blown up to meet a depth they cannot.
+    // Limits the scale of examples that cancel each other at the contact and so cannot reach the depth.
     let together = if together.is_finite() { together.min(4.0) } else { 1.0 };
     let strict = set.options().strict;
     let held = set.rim().at(contact).factor;
@@ -284,7 +287,8 @@ pub(crate) fn place(
     PlacedMark { parts, achieved, without_rim }
 }
 
-/// Strength of a mark: its `energy` is strength, strength squared, or the greatest strength, as the set combines.
+/// Strength of a mark. Depending on [`Combine`], `energy` is the squared strength, the summed strength or the greatest
+/// strength.
 pub(crate) fn strength(energy: u64, combine: Combine) -> f32 {
     let e = energy as f64 / Mark::ONE as f64;
     match combine {

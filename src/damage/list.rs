@@ -1,4 +1,4 @@
-//! Damage: a short, sorted list of marks. The only state an instance of the default rule has.
+//! Damage: a short, sorted list of marks. It is the only state of an instance with the default rule.
 
 use super::dent::{Dent, Reach, strength};
 use super::mark::Mark;
@@ -8,15 +8,15 @@ use crate::example::options::Combine;
 use crate::example::set::ExampleSet;
 use std::cmp::Ordering;
 
-/// Called with every dent that a change of the damage adds, alters or takes away.
+/// Called with every dent that a change of the damage adds, alters or removes.
 type Changed<'a> = &'a mut dyn FnMut(&Dent);
 
-/// The marks of one instance, sorted, each beside its dent.
+/// The sorted marks of one instance and their dents.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Damage {
     marks: Vec<Mark>,
     dents: Vec<Dent>,
-    /// Of each dent, side by side: every block that is evaluated looks at all of them.
+    /// One per dent, in an array of their own because every evaluated block reads all of them.
     reaches: Vec<Reach>,
 }
 
@@ -29,15 +29,16 @@ impl Damage {
         &self.dents
     }
 
-    /// The dents that may move something in a box, in order.
+    /// The dents that may move vertices in a box, in order.
     pub(crate) fn near<'a>(&'a self, bounds: &'a Aabb) -> impl Iterator<Item = &'a Dent> {
         let near = self.reaches.iter().zip(&self.dents).filter(|(r, _)| bounds.distance_squared(r.contact) <= r.square);
         near.map(|(_, dent)| dent)
     }
 
-    /// Adds new marks in canonical order, whatever order they came in. A mark that is there already gets the energy. Above
-    /// `capacity` the weakest mark (least `strength * depth`; the first in order where equal) gives its energy, in metres
-    /// squared, to the mark whose contact is nearest (the first in order where equal).
+    /// Adds new marks. They are sorted first, so the result does not depend on their order. If a mark with the same
+    /// contact, depth and pairs exists, it takes the new mark's energy. Above `capacity` the weakest mark (smallest
+    /// `strength * depth`) is removed. Its energy, converted by the ratio of depths, goes to the mark with the nearest
+    /// contact. Ties go to the first mark in order.
     pub(crate) fn add(&mut self, set: &ExampleSet, mut new: Vec<Mark>, capacity: usize, changed: Changed<'_>) {
         if new.is_empty() {
             return;
@@ -55,7 +56,7 @@ impl Damage {
         self.differences(&before, changed);
     }
 
-    /// Sorted marks and their dents; those that `old` has are taken from there.
+    /// Makes the damage of sorted `marks`. Reuses the dents that `old` has.
     fn with_dents_of(old: &Damage, set: &ExampleSet, marks: Vec<Mark>) -> Self {
         let mut at = 0;
         let dent = |mark: &Mark| {
@@ -71,7 +72,7 @@ impl Damage {
         Damage { reaches: dents.iter().map(Dent::reach).collect(), dents, marks }
     }
 
-    /// Replaces all marks. Fails before anything changes.
+    /// Replaces all marks. On an error nothing changes.
     pub(crate) fn replace(
         &mut self,
         set: &ExampleSet,
@@ -87,7 +88,7 @@ impl Damage {
         Ok(())
     }
 
-    /// Multiplies every dent's depth by `keep`; what falls under a ten-thousandth of its depth goes.
+    /// Multiplies the strength of every dent by `keep`. Removes dents whose strength falls below a ten-thousandth.
     pub(crate) fn scale(&mut self, set: &ExampleSet, keep: f32, changed: Changed<'_>) {
         let keep = f64::from(keep);
         let factor = if set.options().combine == Combine::Energies { keep * keep } else { keep };
@@ -112,7 +113,8 @@ impl Damage {
         self.reaches.clear();
     }
 
-    /// Calls `changed` with every dent that only one of two lists has, or whose strength is another.
+    /// Calls `changed` with every dent that is in only one of the two lists, and with both versions of a dent whose
+    /// energy differs.
     pub(crate) fn differences(&self, other: &Damage, changed: Changed<'_>) {
         let (mut a, mut b) = (0, 0);
         while a < self.marks.len() || b < other.marks.len() {
@@ -144,11 +146,11 @@ impl Damage {
     }
 }
 
-/// Marks while new ones come in: dents are made when it is known which marks stay.
+/// The marks while new ones are added. Dents are made later, when it is known which marks stay.
 struct Merging<'a> {
     set: &'a ExampleSet,
     marks: Vec<Mark>,
-    /// One a mark.
+    /// One per mark.
     strengths: Vec<f32>,
 }
 
@@ -181,7 +183,7 @@ impl Merging<'_> {
         let combine = self.set.options().combine;
         let ratio = f64::from(self.marks[weakest].depth) / f64::from(self.marks[heir].depth);
         let power = if combine == Combine::Energies { ratio * ratio } else { ratio };
-        // `as` saturates; u64 as f64 rounds to nearest: both the same everywhere.
+        // `as` saturates, and u64 as f64 rounds to nearest. Both are the same on every platform.
         let given = (self.marks[weakest].energy as f64 * power) as u64;
         self.add_energy(heir, given);
         self.marks.remove(weakest);

@@ -1,4 +1,4 @@
-//! The mark: one stored hit. It displaces vertex v by
+//! The mark: one stored hit. Mark m displaces vertex v by
 //!
 //! ```text
 //! u_m(v) = strength * sum over pairs of scale(depth, share) * e_i(v)          strength = sqrt(energy)
@@ -10,7 +10,7 @@ use crate::mesh::MAX_COORDINATE;
 use crate::mesh::mirror::Mirror;
 use bytemuck::{Pod, Zeroable};
 
-/// Pairs a mark may have.
+/// Maximum number of pairs of a mark.
 pub(crate) const MAX_PAIRS: usize = 4;
 
 /// An example, how it is placed, and its share of a dent.
@@ -36,17 +36,19 @@ impl Pair {
     /// The share of an example that makes a dent alone. Shares go from -2 to just under 2 of it.
     pub const WHOLE: i16 = 1024;
 
-    /// `share` of [`Pair::WHOLE`], -2048 to 2047 (its low 12 bits are kept), where and as the example was made.
+    /// A pair whose example stays where it was made. `share` is in units of 1 / [`Pair::WHOLE`], -2048 to 2047; only
+    /// its low 12 bits are kept.
     pub fn anchored(example: u16, share: i16) -> Self {
         Pair { example, share: share as u16 & 0xFFF | 1 << 15 }
     }
 
-    /// `share` of [`Pair::WHOLE`], -2048 to 2047 (its low 12 bits are kept), carried to the contact, perhaps as a mirror image.
+    /// A pair whose example is carried to the contact, mirrored by `mirror`. `share` is in units of 1 /
+    /// [`Pair::WHOLE`], -2048 to 2047; only its low 12 bits are kept.
     pub fn carried(example: u16, share: i16, mirror: Mirror) -> Self {
         Pair { example, share: share as u16 & 0xFFF | u16::from(mirror.bits()) << 12 }
     }
 
-    /// Whether it is unused.
+    /// Whether the pair is unused.
     pub fn is_none(self) -> bool {
         self == Self::NONE
     }
@@ -67,7 +69,7 @@ impl Pair {
         (self.share << 4) as i16 >> 4
     }
 
-    /// The share, -2 to just under 2; negative where the example corrects others that overshoot.
+    /// The share as a fraction, from -2 to just under 2. It is negative if the example corrects others that overshoot.
     pub fn share_fraction(self) -> f32 {
         f32::from(self.units()) / f32::from(Self::WHOLE)
     }
@@ -96,15 +98,15 @@ impl Mark {
     /// Energy of one hit.
     pub const ONE: u64 = 1 << 32;
 
-    /// One hit's mark.
+    /// The mark of one hit.
     pub fn new(contact: u32, depth: f32, pairs: [Pair; 4]) -> Self {
         let mut pairs = pairs;
-        // Used pairs first, their order kept.
+        // Moves used pairs to the front and keeps their order.
         pairs.sort_by_key(|p| p.is_none());
         Mark { contact, depth, energy: Self::ONE, pairs }
     }
 
-    /// What two marks must share to be one: contact, depth and pairs. Marks are kept in this order.
+    /// Contact, depth and pairs. Marks with equal keys are merged. Marks are sorted by key.
     pub(super) fn key(&self) -> (u32, u32, [Pair; MAX_PAIRS]) {
         (self.contact, self.depth.to_bits(), self.pairs)
     }

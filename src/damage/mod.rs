@@ -1,4 +1,4 @@
-//! What is kept of hits: marks, the dents that they stand for, and which blocks they changed.
+//! Damage: marks, their dents, and the blocks that they changed.
 
 pub(crate) mod changes;
 pub(crate) mod dent;

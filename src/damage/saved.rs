@@ -1,5 +1,5 @@
-//! Saved damage: 24 bytes of header (magic `CRDM`, u16 version, u16 kind, u64 fingerprint of the set, u32 count, u32
-//! zero), then the entries. All numbers are little-endian.
+//! Saved damage: a header of 24 bytes, then the entries. The header is the magic `CRDM`, u16 version, u16 kind, u64
+//! fingerprint of the set, u32 number of entries, u32 zero. All numbers are little-endian.
 
 use super::mark::{Mark, Pair};
 use crate::base::error::Error;
@@ -10,7 +10,7 @@ pub(crate) const VERSION: u16 = 1;
 pub(crate) const HEADER: usize = 24;
 /// Entries are marks of 32 bytes.
 pub(crate) const MARKS: u16 = 1;
-/// Entries are vertices of a classic rule's state, 28 bytes each.
+/// Entries are vertices of a classic rule's state, of 28 bytes each.
 pub(crate) const CLASSIC: u16 = 2;
 
 pub(crate) fn header(set: &ExampleSet, kind: u16, count: usize) -> Vec<u8> {
@@ -24,7 +24,7 @@ pub(crate) fn header(set: &ExampleSet, kind: u16, count: usize) -> Vec<u8> {
     out
 }
 
-/// The entries, checked to be as many as the header says.
+/// Checks the header and returns the entries. Their number is checked against the header.
 pub(crate) fn entries<'a>(set: &ExampleSet, bytes: &'a [u8], kind: u16, size: usize) -> Result<&'a [u8], Error> {
     let bad = |what: String| Err(Error::DamageMismatch { what });
     if bytes.len() < HEADER {

@@ -1,26 +1,27 @@
-//! An example where the artist made it: displacements of the vertices it moves, dense in blocks, in the narrowest width.
+//! The displacements of an anchored example, stored densely in blocks with the narrowest number type that fits.
 //!
-//! Vertices keep the engine's order and are cut into blocks of 128, blocks into groups of eight. Of a block that the example
-//! touches those groups are stored in which it moves anything, x y z x y z …, as whole multiples of one step for the whole set
-//! (or as plain floats): no index a vertex, and one vector load a group.
+//! Vertices keep the engine's order. They are split into blocks of 128, and blocks into groups of eight. For a block
+//! that the example touches, only the groups with a nonzero value are stored, as x y z x y z …. Numbers are integer
+//! multiples of one step per set, or plain floats. So there is no index per vertex, and each group takes one vector
+//! load.
 
 use crate::base::array::Array;
 use crate::mesh::vertex_blocks::{BLOCK, block_range};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-/// Vertices a group.
+/// Vertices per group.
 pub(crate) const GROUP: usize = 8;
-/// Groups a block.
+/// Groups per block.
 pub(crate) const GROUPS: usize = BLOCK / GROUP;
 
-/// Bytes of a stored number.
+/// Size of a stored number, bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub(crate) enum Width {
     I8 = 1,
     I16 = 2,
-    /// A float; in a set with a tolerance a whole number of steps, up to 2^24.
+    /// A float. In a set with a tolerance it is a whole number of steps, up to 2^24.
     F32 = 4,
 }
 
@@ -35,59 +36,62 @@ impl Width {
     }
 }
 
-/// One block that the example touches.
+/// Header of one block that the example touches.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 pub(crate) struct Head {
     pub block: u32,
-    /// Where its numbers begin, in words of eight bytes: displacements, then normals.
+    /// Offset of its numbers in words of eight bytes. Displacements come first, then changes of normals.
     pub at: u32,
     /// Longest displacement, m.
     pub longest: f32,
-    /// Bit g: displacements of the vertices from 8 g on are stored.
+    /// Bit g is set if the displacements of group g (vertices 8 g to 8 g + 7 of the block) are stored.
     pub groups: u16,
-    /// The same for changes of the normals.
+    /// Like `groups`, for changes of the normals.
     pub normal_groups: u16,
-    /// Widths in bytes: 1, 2 or 4.
+    /// Bytes per number: 1, 2 or 4.
     pub width: u8,
     pub normal_width: u8,
     pub zero: u16,
 }
 
-/// What a set stores numbers in multiples of; 1 where they are exact floats.
+/// Step sizes of a set's stored numbers. 1 if they are exact floats.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Steps {
-    /// m.
+    /// Step of displacements, m.
     pub position: f32,
     pub normal: f32,
-    /// Whether numbers are whole multiples.
+    /// Whether numbers are whole multiples of the step.
     pub whole: bool,
 }
 
 impl Steps {
     /// Exact floats.
     pub(crate) const EXACT: Steps = Steps { position: 1.0, normal: 1.0, whole: false };
-    /// Displacements of more steps than this are refused: up to here a float tells the number of steps without doubt.
+    /// Largest displacement component accepted, in steps. Up to this value an f32 determines the number of steps
+    /// exactly.
     pub(crate) const MOST: f32 = (1 << 21) as f32;
 
-    /// Steps for which no displacement is wrong by more than `tolerance` (m), and no unit normal by more than `degrees`.
+    /// Steps for which no displacement is wrong by more than `tolerance` (m), and no unit normal by more than
+    /// `degrees`.
     ///
-    /// Rounded to the nearest multiple each of three components is wrong by half a step at most, so the vector by at most
-    /// `sqrt(3)/2` steps: 0.999 of the tolerance here. The thousandth that is left covers the rounding of `whole * step` to a
-    /// float, as long as a displacement is not longer than some thousand times the tolerance; beyond that float itself is what
-    /// limits. A displacement no longer than the tolerance may be dropped altogether. A unit normal plus a change that is wrong
-    /// by `e` is turned by at most `asin(e)`.
+    /// Rounding makes each of three components wrong by at most half a step, so the vector is wrong by at most
+    /// `sqrt(3)/2` steps. That is 0.999 of the tolerance. The remaining thousandth covers the rounding of
+    /// `whole * step` to a float, if the displacement is at most about a thousand times the tolerance. For longer ones,
+    /// f32 precision is the limit. A displacement no longer than the tolerance may be dropped. If the change of a unit
+    /// normal is wrong by `e`, the normal is wrong by an angle of at most `asin(e)`.
     pub(crate) fn new(tolerance: f32, degrees: f32) -> Self {
         let step = |t: f32| t * (2.0 / 3f32.sqrt()) * 0.999;
         Steps { position: step(tolerance), normal: step(libm::sinf(degrees.to_radians())), whole: true }
     }
 
-    /// The vector that is stored for `v`.
+    /// The numbers stored for `v`: whole steps, or `v` itself if floats are exact.
     fn rounded(self, v: Vec3, step: f32) -> Vec3 {
         if self.whole { (v / step).to_array().map(f32::round_ties_even).into() } else { v }
     }
 
-    /// What will be read back for a displacement; zero where it is no longer than `threshold` (m).
+    /// The displacement as it will be read back. Zero if its length is at most `threshold` (m) and numbers are whole
+    /// steps.
     pub(crate) fn displacement(self, d: Vec3, threshold: f32) -> Vec3 {
         if self.whole && d.length() <= threshold {
             Vec3::ZERO
@@ -96,28 +100,28 @@ impl Steps {
         }
     }
 
-    /// What will be read back for a change of a normal.
+    /// The change of a normal as it will be read back.
     pub(crate) fn normal_change(self, n: Vec3) -> Vec3 {
         self.rounded(n, self.normal) * self.normal + Vec3::ZERO
     }
 }
 
-/// Displacements and changes of normals of one example.
+/// The displacements and changes of normals of one example.
 #[derive(Debug, Clone)]
 pub(crate) struct DeltaBlocks {
     pub(crate) steps: Steps,
-    /// By block, increasing.
+    /// Sorted by block.
     pub(crate) heads: Array<Head>,
     pub(crate) words: Array<u64>,
 }
 
-/// The stored numbers of one block's displacements, or of its changes of normals.
+/// The stored numbers of one block: its displacements or its changes of normals.
 #[derive(Clone, Copy)]
 pub(crate) struct Stored<'a> {
-    /// Bit g: the vertices from 8 g on.
+    /// Bit g is set if group g is stored.
     pub groups: u16,
     pub numbers: Numbers<'a>,
-    /// What numbers are multiples of.
+    /// Step that the numbers are multiples of.
     pub step: f32,
 }
 
@@ -131,7 +135,7 @@ pub(crate) enum Numbers<'a> {
 impl Stored<'_> {
     pub(crate) const NOTHING: Stored<'static> = Stored { groups: 0, numbers: Numbers::I8(&[]), step: 1.0 };
 
-    /// The vector of vertex `v` of the block.
+    /// The vector at vertex `v`, counted from the block's first vertex.
     pub(crate) fn at(&self, v: usize) -> Vec3 {
         let group = v / GROUP;
         if self.groups >> group & 1 == 0 {
@@ -149,7 +153,7 @@ impl Stored<'_> {
 }
 
 impl DeltaBlocks {
-    /// From one displacement (and change of the normal) a vertex, as [`Steps`] rounds them.
+    /// Stores one displacement (and one change of the normal) per vertex. Values must be as [`Steps`] rounds them.
     pub(crate) fn new(deltas: &[Vec3], normals: Option<&[Vec3]>, steps: Steps) -> Self {
         let (mut heads, mut words) = (Vec::new(), Vec::new());
         for b in 0..deltas.len().div_ceil(BLOCK) {
@@ -177,24 +181,24 @@ impl DeltaBlocks {
         DeltaBlocks { steps, heads: heads.into(), words: words.into() }
     }
 
-    /// The blocks it touches, increasing.
+    /// The blocks that the example touches, increasing.
     pub(crate) fn blocks(&self) -> impl Iterator<Item = u32> + '_ {
         self.heads.iter().map(|h| h.block)
     }
 
-    /// Whether it moves any vertex by more than `threshold`, m.
+    /// Whether the example moves any vertex by more than `threshold`, m.
     pub(crate) fn exceeds(&self, threshold: f32) -> bool {
         self.heads.iter().any(|h| h.longest > threshold)
     }
 
-    /// What is stored of block `b`.
+    /// The header of block `b`. `None` if the example does not touch it.
     #[inline(always)]
     pub(crate) fn block(&self, b: u32) -> Option<&Head> {
         let heads: &[Head] = &self.heads;
         let (first, last) = (heads.first()?.block, heads.last()?.block);
         let (after, before) = (b.checked_sub(first)? as usize, last.checked_sub(b)? as usize);
-        // Blocks increase, so that head is at most as many on from the first as its block is, and likewise before the last:
-        // without gaps that is one place.
+        // Block numbers increase, so the header is at most `b - first` places after the first and at most `last - b`
+        // places before the last. Without gaps that leaves one place.
         let (low, high) = ((heads.len() - 1).saturating_sub(before), after.min(heads.len() - 1));
         let near = heads.get(low..=high)?;
         near.binary_search_by_key(&b, |h| h.block).ok().map(|i| &near[i])
@@ -234,7 +238,7 @@ impl DeltaBlocks {
         self.block(v / BLOCK as u32).map_or(Vec3::ZERO, |h| self.normals(h).at(v as usize % BLOCK))
     }
 
-    /// Vertex, displacement and change of the normal of all vertices where either is not zero.
+    /// Vertex, displacement (m) and change of the normal, for all vertices where either is not zero.
     pub(crate) fn iter(&self) -> impl Iterator<Item = (u32, Vec3, Vec3)> + '_ {
         self.heads.iter().flat_map(move |h| {
             let (d, n) = (self.displacements(h), self.normals(h));
@@ -257,13 +261,13 @@ impl DeltaBlocks {
     }
 }
 
-/// Where the bytes of anchored examples go.
+/// Memory of an anchored example's parts, bytes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Bytes {
     pub heads: usize,
     pub displacements: usize,
     pub normals: usize,
-    /// Blocks with displacements in 1, 2 and 4 bytes a number.
+    /// Number of blocks with displacements of 1, 2 and 4 bytes per number.
     pub blocks: [usize; 3],
 }
 
@@ -273,19 +277,19 @@ impl Bytes {
     }
 }
 
-/// Words of eight bytes that `groups` take.
+/// Number of eight-byte words that `groups` take.
 #[inline(always)]
 pub(crate) fn words(groups: u16, width: u8) -> usize {
-    // A group of 24 numbers is three words for each byte of a number.
+    // A group has 24 numbers, so it takes three words per byte of width.
     groups.count_ones() as usize * (GROUP * 3 / 8) * width as usize
 }
 
-/// Groups of a block in which anything is not zero.
+/// Bit mask of the groups with a nonzero vector.
 fn moved(v: &[Vec3]) -> u16 {
     v.chunks(GROUP).enumerate().fold(0, |m, (g, v)| m | u16::from(v.iter().any(|v| *v != Vec3::ZERO)) << g)
 }
 
-/// Appends the numbers of `groups` in the narrowest width that holds them.
+/// Appends the numbers of `groups` in the narrowest width that fits, and returns that width.
 fn store(v: &[Vec3], groups: u16, steps: Steps, step: f32, out: &mut Vec<u64>) -> Width {
     let mut numbers: Vec<f32> = Vec::with_capacity(groups.count_ones() as usize * GROUP * 3);
     for group in (0..GROUPS).filter(|g| groups >> g & 1 == 1) {

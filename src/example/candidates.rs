@@ -1,4 +1,4 @@
-//! What selection can choose from: every example, and its mirror images where the body has mirror planes.
+//! The candidates of selection: every example, and its mirror images if the body has mirror planes.
 
 use super::data::Placement;
 use super::example::Example;
@@ -8,17 +8,18 @@ use crate::mesh::mirror::{self, Mirror};
 use glam::{Vec3, Vec4};
 use rstar::{RTree, primitives::GeomWithData};
 
-/// Two candidates are one when they differ by no more than this in place (share of the diagonal), logarithm of depth, and lean.
+/// Two candidates are duplicates if they differ by at most this in place (share of the diagonal), logarithm of depth,
+/// and lean.
 const SAME: (f32, f32, f32) = (0.01, 0.02, 0.01);
-/// Two examples are copies of each other when they differ by no more than this in logarithm of depth and in lean.
+/// Two examples are copies if they differ by at most this in logarithm of depth and in lean.
 const COPY: (f32, f32) = (1e-3, 2e-3);
 
-/// An anchored example reaches a vertex that it displaces by at least this share of its own contact's displacement.
+/// An anchored example reaches a vertex if it displaces it by at least this share of its contact's displacement.
 pub(crate) const REACH: f32 = 0.1;
-/// A hit is at an example's own contact within this share of its support radius.
+/// A hit counts as being at an example's own contact within this share of its support radius.
 pub(crate) const OWN_PLACE: f32 = 0.1;
 
-/// An example, or its mirror image, at its own contact.
+/// An example or its mirror image, described at its own contact.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Candidate {
     pub example: u32,
@@ -30,8 +31,8 @@ pub(crate) struct Candidate {
     /// The tangential part of `direction`.
     pub lean: Vec3,
     pub log_depth: f32,
-    /// Squared distance from the contact, m², up to which the example may stay where it was made; a little more than exact.
-    /// -1: nowhere.
+    /// Squared distance between the hit and the contact, m², up to which the example may be used anchored. Slightly
+    /// rounded up. -1 if it may not.
     pub own_place_square: f32,
 }
 
@@ -62,10 +63,10 @@ impl Candidate {
     }
 }
 
-/// Candidates in one [`CandidateLanes`].
+/// Candidates per [`CandidateLanes`].
 pub(crate) const LANES: usize = 4;
 
-/// Four candidates side by side, for vector operations.
+/// Four candidates as a structure of arrays, for vector operations.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct CandidateLanes {
     pub point: [Vec4; 3],
@@ -76,9 +77,9 @@ pub(crate) struct CandidateLanes {
 }
 
 impl CandidateLanes {
-    /// A candidate that can only stay where it was made is infinitely far off to be carried.
+    /// A candidate that cannot be carried gets an infinite `log_depth`, so its distance when carried is infinite.
     fn new(candidates: &[Candidate], cannot_move: &dyn Fn(&Candidate) -> bool) -> Self {
-        // Lanes without a candidate repeat the last one; nobody looks at them.
+        // Unused lanes repeat the last candidate. They are never read.
         let lane = |i: usize| &candidates[i.min(candidates.len() - 1)];
         let wide = |f: &dyn Fn(&Candidate) -> f32| Vec4::from_array(std::array::from_fn(|i| f(lane(i))));
         let wide3 = |f: fn(&Candidate) -> Vec3| [0, 1, 2].map(|axis| wide(&|c| f(c)[axis]));
@@ -92,7 +93,7 @@ impl CandidateLanes {
     }
 }
 
-/// Nothing further from an example's contact is moved enough for the example to answer there without being carried, m.
+/// The distance from the contact beyond which the example moves no vertex enough to be used there anchored, m.
 fn reach(mesh: &Mesh, e: &Example) -> f32 {
     let threshold = REACH * e.depth() * (1.0 - 1e-5);
     let moved = e.anchored.iter().filter(|(_, u, _)| u.length() >= threshold);
@@ -103,12 +104,13 @@ fn a_little_more(square: f32) -> f32 {
     square * (1.0 + 2e-5) + f32::MIN_POSITIVE
 }
 
-/// All candidates of a set, ordered by example and then by mirror. A mirror image that repeats another candidate is left out.
+/// All candidates of a set, ordered by example, then by mirror. Mirror images that duplicate another candidate are left
+/// out.
 #[derive(Debug, Default)]
 pub(crate) struct Candidates {
     all: Vec<Candidate>,
     lanes: Vec<CandidateLanes>,
-    /// Length of the longest lean of any candidate.
+    /// Length of the longest lean of all candidates.
     pub max_lean: f32,
     pub diagonal: f32,
     planes: Mirror,
@@ -138,7 +140,8 @@ impl Candidates {
         Candidates { all, lanes: Vec::new(), max_lean, diagonal, planes, centre }
     }
 
-    /// Lets examples stay where they were made for any hit that they reach: anchored ones, and those that `learned` says.
+    /// Lets examples be used anchored for any hit that they reach. Applies to anchored examples and to those marked in
+    /// `learned`.
     pub(crate) fn let_stay(&mut self, mesh: &Mesh, examples: &[Example], learned: &[bool]) {
         for c in self.all.iter_mut().filter(|c| c.mirror == Mirror::NONE) {
             let e = &examples[c.example as usize];
@@ -155,7 +158,7 @@ impl Candidates {
         &self.all
     }
 
-    /// The same in groups of [`LANES`]; the last may have fewer.
+    /// The candidates in groups of [`LANES`]. The last group may have fewer.
     pub(crate) fn lanes(&self) -> &[CandidateLanes] {
         &self.lanes
     }
@@ -164,7 +167,8 @@ impl Candidates {
         size_of_val(&self.all[..]) + size_of_val(&self.lanes[..])
     }
 
-    /// Whether `b` repeats `a`, moved or mirrored. Leaving one of two copies out and keeping the other teaches nothing.
+    /// Whether `b` is a moved or mirrored copy of `a`. Leaving out one of two copies teaches nothing, since the other
+    /// remains.
     pub(crate) fn are_copies(&self, a: &Example, b: &Example) -> bool {
         if a.is_empty() || b.is_empty() {
             return false;

@@ -1,15 +1,15 @@
-//! One example as plain arrays: what an importer makes, or a caller fills by hand.
+//! One example as plain arrays, made by an importer or by the caller.
 
-/// Displacements of an example from the base mesh, m (or changes of its unit normals).
+/// Displacements of an example from the base mesh, m, or changes of the unit normals.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Deltas {
-    /// One a vertex of the base mesh; zero where the example does not move it.
+    /// One value per vertex of the base mesh. Zero for vertices that the example does not move.
     Full(Vec<[f32; 3]>),
     /// Only the vertices that the example moves.
     Sparse {
         /// Vertex indices, strictly increasing.
         indices: Vec<u32>,
-        /// One displacement an index.
+        /// One value per index.
         values: Vec<[f32; 3]>,
     },
 }
@@ -37,25 +37,25 @@ pub enum Placement {
     Carried = 2,
 }
 
-/// One example: the base mesh after a collision, as differences from the base.
+/// One example: the base mesh after a collision, stored as differences from the base mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExampleData {
-    /// Any text; need not be unique.
+    /// Name of the example. Any text; it need not be unique.
     pub name: String,
     /// Displacements, m.
     pub positions: Deltas,
-    /// Changes of the unit normals. Computed from the displaced triangles where absent.
+    /// Changes of the unit normals. If `None`, they are computed from the displaced triangles.
     pub normals: Option<Deltas>,
-    /// Where the example was hit. The deepest vertex where absent.
+    /// Where the example was hit. If `None`, the deepest vertex is used.
     pub contact: Option<Contact>,
-    /// The surface's outward unit normal there. Taken from the mesh where absent.
+    /// Outward unit normal of the surface at the contact. If `None`, it is taken from the mesh.
     pub contact_normal: Option<[f32; 3]>,
-    /// Whether it may be carried.
+    /// Whether the example may be carried.
     pub placement: Placement,
 }
 
 impl ExampleData {
-    /// An example with nothing but a name and displacements.
+    /// An example with a name and displacements. Everything else takes its default.
     pub fn new(name: impl Into<String>, positions: Deltas) -> Self {
         Self {
             name: name.into(),

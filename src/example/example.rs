@@ -17,7 +17,7 @@ pub struct Example {
     pub(crate) contact_normal: Option<Vec3>,
     pub(crate) contact_delta: Vec3,
     pub(crate) depth: f32,
-    /// Natural logarithm of `depth`: what selection compares.
+    /// Natural logarithm of `depth`, for selection.
     pub(crate) log_depth: f32,
     pub(crate) max_depth: f32,
     pub(crate) support_radius: f32,
@@ -32,32 +32,33 @@ impl Example {
         &self.name
     }
 
-    /// Whether it may be carried. [`Placement::Anchored`] where the mesh has no normals to carry it by.
+    /// Whether the example may be carried. [`Placement::Anchored`] if the mesh has no normals, which carrying needs.
     pub fn placement(&self) -> Placement {
         self.placement
     }
 
-    /// The vertex that was hit when it was made.
+    /// The vertex that was hit when the example was made.
     pub fn contact_vertex(&self) -> u32 {
         self.contact_vertex
     }
 
-    /// Base position of that vertex, m.
+    /// Base position of the contact vertex, m.
     pub fn contact_point(&self) -> Vec3 {
         self.contact_point
     }
 
-    /// Outward unit normal there.
+    /// Outward unit normal at the contact. `None` if the mesh has no normals and none was given.
     pub fn contact_normal(&self) -> Option<Vec3> {
         self.contact_normal
     }
 
-    /// Displacement of the contact vertex as it was given, m: not rounded to a tolerance, since hits are compared with it.
+    /// Displacement of the contact vertex as it was given, m. It is not rounded to a tolerance, because hits are
+    /// compared with it.
     pub fn contact_displacement(&self) -> Vec3 {
         self.contact_delta
     }
 
-    /// Length of that displacement, m. 0 only for an empty example.
+    /// Length of the contact's displacement, m. 0 only for an empty example.
     pub fn depth(&self) -> f32 {
         self.depth
     }
@@ -67,17 +68,18 @@ impl Example {
         self.max_depth
     }
 
-    /// Greatest distance from the contact of a vertex displaced by at least a hundredth of the deepest (as given), m.
+    /// Distance from the contact to the farthest vertex whose given displacement is at least a hundredth of the
+    /// longest, m.
     pub fn support_radius(&self) -> f32 {
         self.support_radius
     }
 
-    /// Number of vertices it moves.
+    /// Number of vertices that the example moves.
     pub fn moved_vertices(&self) -> usize {
         self.moved
     }
 
-    /// Whether it moves nothing. Such an example is kept, so that indices stay the file's, but never chosen.
+    /// Whether the example moves nothing. It is kept, so that indices match the file, but never chosen.
     pub fn is_empty(&self) -> bool {
         self.moved == 0
     }
@@ -87,11 +89,11 @@ impl Example {
         self.anchored.delta(v)
     }
 
-    /// What a hit on vertex `v`, at position `p` (m), is compared with when the example stays where it was made: at its own
-    /// contact the displacement as given, elsewhere as stored.
+    /// The displacement that a hit on vertex `v`, at position `p` (m), is compared with when the example is used
+    /// anchored. At its own contact it is the displacement as given, elsewhere as stored.
     pub(crate) fn displacement_at(&self, v: u32, p: Vec3) -> Vec3 {
         let stored = self.delta(v);
-        // The other side of a seam that stays closed is the same place.
+        // The vertex on the other side of a closed seam counts as the contact too.
         let own = v == self.contact_vertex || (p == self.contact_point && stored == self.delta(self.contact_vertex));
         if own { self.contact_delta } else { stored }
     }
@@ -101,7 +103,7 @@ impl Example {
         self.anchored.normal_delta(v)
     }
 
-    /// What is carried; `None` for an anchored or empty example.
+    /// The stamp used to carry the example. `None` for an anchored or empty example.
     pub fn stamp(&self) -> Option<&Stamp> {
         self.stamp.as_ref()
     }
@@ -110,7 +112,7 @@ impl Example {
         self.log_depth
     }
 
-    /// The stamp's frame: columns are x, y (in the surface) and z (the contact normal) in mesh space.
+    /// The stamp's frame in mesh space. Its columns are x and y, along the surface, and z, the contact normal.
     pub fn frame(&self) -> glam::Mat3 {
         tangent_basis(self.contact_normal.unwrap_or(Vec3::Z))
     }

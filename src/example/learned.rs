@@ -1,24 +1,25 @@
-//! What a set learned from its own examples, each left out in turn.
+//! What a set learned from its own examples by leaving each one out in turn.
 
-/// How well the examples of a set predict each other, and what follows. Errors are relative L2 errors of the displacement
-/// field around the example left out: 0 is perfect, predicting no dent is 1.
+/// How well the examples of a set predict each other, and the settings derived from that. Errors are relative L2 errors
+/// of the displacement field around the example left out: 0 is perfect, 1 is as wrong as predicting no dent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Learned {
     /// Width of the place axes, as a share of the bounds' diagonal.
     pub place_width: f32,
-    /// Error of each example when the others predict it carried; `None` where it was not tried or nothing answered.
+    /// Error of each example when it is predicted from the others, carried. `None` if not tried or if no other could be
+    /// used.
     pub carried_error: Vec<Option<f32>>,
-    /// The same when the others stay where they were made.
+    /// Error of each example when it is predicted from the others, anchored. `None` as for `carried_error`.
     pub anchored_error: Vec<Option<f32>>,
-    /// Whether each automatic example stays in place for hits around it.
+    /// Whether each automatic example is used anchored for hits around it.
     pub anchored: Vec<bool>,
 }
 
 impl Learned {
-    /// Width of the place axes where too little is known to learn it.
+    /// Width of the place axes if there are too few examples to learn it.
     pub(crate) const DEFAULT_WIDTH: f32 = 1.3;
 
-    /// Nothing known yet, of `n` examples.
+    /// The defaults for `n` examples, before learning.
     pub(crate) fn nothing(n: usize) -> Self {
         Learned {
             place_width: Self::DEFAULT_WIDTH,
@@ -28,7 +29,7 @@ impl Learned {
         }
     }
 
-    /// The example that the others predict worst: one more near it would help most.
+    /// The example that the others predict worst, and its error. Another example near it would help most.
     pub fn worst(&self) -> Option<(usize, f32)> {
         let best = |i: usize| match (self.carried_error[i], self.anchored_error[i]) {
             (Some(c), Some(a)) if self.anchored[i] => Some(a.min(c)),
@@ -39,7 +40,7 @@ impl Learned {
             .max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))
     }
 
-    /// Median of the errors of the placement that each example has.
+    /// Median of the errors, each for the placement that its example uses.
     pub fn median(&self) -> Option<f32> {
         let of = |i: usize| if self.anchored[i] { self.anchored_error[i] } else { self.carried_error[i] };
         let mut errors: Vec<f32> = (0..self.anchored.len()).filter_map(of).collect();

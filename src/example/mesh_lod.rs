@@ -7,13 +7,13 @@ use crate::mesh::rim::Rim;
 use crate::mesh::vertex_blocks::{BLOCK, block_range};
 use std::sync::Arc;
 
-/// A mesh with all that evaluating marks on it needs.
+/// A mesh with the data needed to evaluate marks on it.
 #[derive(Debug)]
 pub(crate) struct MeshLod {
     pub mesh: Mesh,
     pub block_bounds: Vec<Aabb>,
     pub rim: Rim,
-    /// One an example of the set.
+    /// One per example of the set.
     pub anchored: Vec<Arc<DeltaBlocks>>,
 }
 
@@ -26,7 +26,7 @@ impl MeshLod {
         MeshLod { mesh, block_bounds, rim, anchored }
     }
 
-    /// Bytes it takes, its anchored examples among them.
+    /// Memory used, with its anchored examples, bytes.
     pub(crate) fn bytes(&self) -> usize {
         self.mesh.bytes()
             + self.blocks() * size_of::<Aabb>()

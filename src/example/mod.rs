@@ -1,4 +1,4 @@
-//! Examples and the set that holds them: plain data, without the behaviour of later rooms.
+//! Examples and the set that holds them, as plain data. Later modules add the behaviour.
 
 pub(crate) mod blocks;
 pub(crate) mod candidates;

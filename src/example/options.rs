@@ -1,4 +1,4 @@
-//! How an example set is built.
+//! Options for building an example set.
 
 use crate::base::error::Error;
 use crate::base::error::{at_least_zero, positive};
@@ -28,46 +28,46 @@ pub enum Seams {
     Keep = 1,
 }
 
-/// Mass of a vertex, for impulses that do not bring their own.
+/// Mass of the vertices, for impulses that do not give one.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum VertexMass {
-    /// Unknown: each impulse must bring a mass.
+    /// Unknown. Each impulse must give a mass.
     #[default]
     None,
-    /// The same for all, kg.
+    /// The same mass for all vertices, kg.
     Uniform(f32),
-    /// One a vertex, kg.
+    /// One mass per vertex, kg.
     PerVertex(Vec<f32>),
 }
 
-/// How an example set is built.
+/// Options for building an example set.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SetOptions {
-    /// No vertex ever moves further than this, m. `None`: the deepest displacement of any example.
+    /// Largest displacement of any vertex, m. `None` takes the longest displacement of all examples.
     pub depth_limit: Option<f32>,
     /// How the dents of several marks combine.
     pub combine: Combine,
-    /// Whether carried examples may never be scaled above their own depth, as anchored ones never are.
+    /// If true, carried examples are never scaled above their own depth. Anchored ones never are.
     pub strict: bool,
-    /// What becomes of examples that tear seams.
+    /// How examples that tear seams are treated.
     pub seams: Seams,
-    /// Mass of a vertex.
+    /// Mass of the vertices.
     pub mass: VertexMass,
-    /// Displacements up to this length are dropped, m. 0 drops only exact zeros.
+    /// Displacements no longer than this are dropped, m. 0 drops only exact zeros.
     pub drop_below: f32,
-    /// Nodes along each side of a stamp: 4 to 128. With a tolerance, at most.
+    /// Nodes along each side of a stamp, 4 to 128. With a tolerance it is the maximum.
     pub stamp_resolution: u32,
-    /// How far an example of weight 1 may put a vertex off, m. `None` keeps every displacement as an exact float. With a
-    /// tolerance displacements are whole multiples of one step for the set, in the narrowest integers, and those no longer than
-    /// the tolerance are dropped; stamps get the coarsest grid that holds it, if any of up to `stamp_resolution` nodes does
-    /// ([`crate::Stamp::error`] tells).
+    /// Largest position error that compression may cause, for an example of weight 1, m. `None` stores displacements as
+    /// exact floats. With a tolerance, displacements are stored as multiples of one step in the narrowest integers, and
+    /// those no longer than the tolerance are dropped. Each stamp uses the coarsest grid within the tolerance. If none
+    /// is, it has `stamp_resolution` nodes a side and a larger [`crate::Stamp::error`].
     pub tolerance: Option<f32>,
-    /// With a tolerance: how far an example of weight 1 may turn a normal off, degrees; above 0 to 45.
+    /// With a tolerance, the largest error of a normal for an example of weight 1, degrees. Above 0 and at most 45.
     pub normal_tolerance: f32,
-    /// Whether examples also serve mirrored, where the body is the same on both sides of a coordinate plane through the centre
-    /// of its bounds.
+    /// Whether examples are also used mirrored, if the body is symmetric about a coordinate plane through the centre of
+    /// its bounds.
     pub mirror: bool,
-    /// Whether carried dents fall to zero towards edges of the sheet that the examples show to be held.
+    /// Whether carried dents fade to zero towards edges of the sheet that the examples show to be held (fixed).
     pub held_rims: bool,
 }
 

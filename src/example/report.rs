@@ -1,46 +1,46 @@
-//! What building a set found out.
+//! Statistics from building a set.
 
 use crate::mesh::mirror::Mirror;
 
-/// What building a set found out.
+/// Statistics and warnings from building a set.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SetReport {
-    /// Examples that move nothing.
+    /// Indices of the examples that move nothing.
     pub empty_examples: Vec<usize>,
-    /// Coincident vertices that examples moved apart and that were welded, counted over all examples.
+    /// Number of coincident vertices that examples moved apart and that were welded, summed over all examples.
     pub welded: usize,
-    /// The longest such gap, m.
+    /// The widest gap that was welded, m.
     pub widest_weld: f32,
-    /// Base normals of length zero that were replaced by computed ones.
+    /// Number of base normals of length zero that were replaced by computed ones.
     pub repaired_normals: usize,
-    /// Triangles without area.
+    /// Number of triangles without area.
     pub degenerate_triangles: usize,
-    /// Bytes of anchored displacements and normals, with their headers.
+    /// Memory of anchored displacements and normals, with their headers, bytes.
     pub anchored_bytes: usize,
-    /// Of these, the normals'.
+    /// The part of `anchored_bytes` that normals use.
     pub normal_bytes: usize,
-    /// Vertices that examples move, counted over all examples.
+    /// Number of vertices that examples move, summed over all examples.
     pub moved_vertices: usize,
-    /// Blocks of anchored displacements with 1, 2 and 4 bytes a number, counted over all examples.
+    /// Number of blocks of anchored displacements with 1, 2 and 4 bytes per number, summed over all examples.
     pub blocks_by_width: [usize; 3],
-    /// Bytes of stamps.
+    /// Memory of stamps, bytes.
     pub stamp_bytes: usize,
-    /// Planes through the centre of the bounds that map the body onto itself; none where [`crate::SetOptions::mirror`] is off.
+    /// Planes of symmetry through the centre of the bounds. None if [`crate::SetOptions::mirror`] is off.
     pub mirror_planes: Mirror,
-    /// Vertices (seams counted) on edges that the examples show to be held.
+    /// Number of vertices on held edges. Each vertex of a seam counts.
     pub held_vertices: usize,
-    /// Of each level of detail that was added; what stands above is the base mesh's alone.
+    /// One report per level of detail added. The other fields describe the base mesh only.
     pub lods: Vec<LodReport>,
 }
 
-/// What adding a level of detail found out.
+/// Statistics from adding a level of detail.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct LodReport {
-    /// Its vertices.
+    /// Number of vertices.
     pub vertices: usize,
-    /// Memory it takes, bytes.
+    /// Memory used, bytes.
     pub bytes: usize,
-    /// Greatest distance of a vertex from the base surface it is bound to, m: much more than the simplification's own error
-    /// tells of a mesh of another body, or in another space.
+    /// Greatest distance of a vertex from the base surface, m. If it is much larger than the simplification error, the
+    /// mesh belongs to another body or is in another space.
     pub farthest: f32,
 }

@@ -1,4 +1,4 @@
-//! The example set: a base mesh and its examples, made ready. Immutable, shared by all instances.
+//! The example set: a base mesh and its examples, ready for use. It is immutable, and all instances share it.
 
 use super::blocks::Bytes;
 use super::candidates::Candidates;
@@ -17,7 +17,7 @@ use crate::mesh::surface::SurfaceIndex;
 use crate::mesh::{Mesh, finite};
 use std::sync::OnceLock;
 
-/// A base mesh with its examples. Immutable: share it (`Arc`) among the instances of the mesh and among threads.
+/// A base mesh with its examples. It is immutable: the instances of the mesh and threads share it through an `Arc`.
 ///
 /// ```
 /// use crumple::{Deltas, ExampleData, ExampleSet, MeshData, Serial, SetOptions};
@@ -34,7 +34,7 @@ use std::sync::OnceLock;
 #[derive(Debug)]
 pub struct ExampleSet {
     base: MeshLod,
-    /// Other meshes that show the same damage, from level of detail 1 on.
+    /// Levels of detail 1 and up: other meshes that show the same damage.
     lods: Vec<MeshLod>,
     examples: Vec<Example>,
     options: SetOptions,
@@ -44,16 +44,16 @@ pub struct ExampleSet {
     learned: Learned,
     fingerprint: u64,
     report: SetReport,
-    /// Of each vertex its number before [`reorder`](fn@crate::reorder); only for tools.
+    /// The source index of each vertex, if the mesh was [reordered](fn@crate::reorder). Only tools use it.
     source_order: Option<Array<u32>>,
-    /// The triangles of the base mesh by place, indexed when first needed.
+    /// Spatial index of the base mesh's triangles, built on first use.
     surface: OnceLock<SurfaceIndex>,
 }
 
-/// Meshes that a set may have: its own and its levels of detail.
+/// Maximum number of meshes of a set: the base mesh and its levels of detail.
 pub(crate) const MAX_MESHES: usize = 64;
 
-/// What a set is put together from, made or loaded.
+/// The parts of a set, built or loaded.
 pub(crate) struct Parts {
     pub base: MeshLod,
     /// Levels of detail, each with its report.
@@ -69,13 +69,13 @@ pub(crate) struct Parts {
     pub source_order: Option<Array<u32>>,
 }
 
-/// The longest displacement of any example, m, also of contacts before they are rounded.
+/// The longest displacement of all examples, m. Includes the contacts' displacements before rounding.
 pub(crate) fn deepest(examples: &[Example]) -> f32 {
     examples.iter().map(|e| e.max_depth.max(e.depth)).fold(0.0, f32::max)
 }
 
 impl ExampleSet {
-    /// From parts that are as [`ExampleSet::build`] makes them.
+    /// Makes a set from parts as [`ExampleSet::build`] makes them.
     pub(crate) fn assemble(p: Parts) -> Self {
         let mesh = &p.base.mesh;
         let mut report = SetReport {
@@ -122,7 +122,7 @@ impl ExampleSet {
         &self.base.mesh
     }
 
-    /// How many meshes show the damage: 1, the base mesh, and the levels of detail that were added.
+    /// Number of meshes that show the damage: the base mesh and the levels of detail added.
     pub fn lod_count(&self) -> usize {
         1 + self.lods.len()
     }
@@ -145,27 +145,27 @@ impl ExampleSet {
         &self.examples
     }
 
-    /// The options it was built with.
+    /// The options that the set was built with.
     pub fn options(&self) -> &SetOptions {
         &self.options
     }
 
-    /// No vertex moves further than this, m, unless an instance sets its own limit.
+    /// Largest displacement of any vertex, m, unless an instance sets its own limit.
     pub fn depth_limit(&self) -> f32 {
         self.depth_limit
     }
 
-    /// A hash of all that marks depend on; saved damage carries it. The same on every platform.
+    /// A hash of everything that marks depend on. Saved damage contains it. It is the same on every platform.
     pub fn fingerprint(&self) -> u64 {
         self.fingerprint
     }
 
-    /// What building it found out.
+    /// Statistics from building the set.
     pub fn report(&self) -> &SetReport {
         &self.report
     }
 
-    /// Memory held for meshes and examples, bytes.
+    /// Memory used by meshes and examples, bytes.
     pub fn memory_bytes(&self) -> usize {
         self.lods().map(MeshLod::bytes).sum::<usize>()
             + self.index.bytes()
@@ -173,15 +173,15 @@ impl ExampleSet {
             + self.candidates.bytes()
     }
 
-    /// What it learned from its own examples, each left out in turn.
+    /// What the set learned from its own examples by leaving each one out in turn.
     pub fn learned(&self) -> &Learned {
         &self.learned
     }
 
-    /// The vertex nearest to `point` (mesh space, m); the lowest index where several are equally near.
+    /// The vertex nearest to `point` (mesh space, m). The lowest index if several are equally near.
     ///
     /// # Errors
-    /// [`Error::NotFinite`]; [`Error::InvalidArgument`] where the distance overflows.
+    /// [`Error::NotFinite`]; [`Error::InvalidArgument`] if the distance overflows.
     pub fn nearest_vertex(&self, point: [f32; 3]) -> Result<Nearest, Error> {
         let p = finite(point, || "point".into())?;
         self.index
@@ -189,17 +189,17 @@ impl ExampleSet {
             .ok_or_else(|| Error::invalid("point", p, "near enough that squared distances fit in f32"))
     }
 
-    /// Of each vertex its number in the source, where the set was made from a [reordered](fn@crate::reorder) mesh and
-    /// [told so](ExampleSet::set_source_order).
+    /// The source index of each vertex. `None` unless the order of a [reordered](fn@crate::reorder) mesh was
+    /// [stored](ExampleSet::set_source_order).
     pub fn source_order(&self) -> Option<&[u32]> {
         self.source_order.as_deref()
     }
 
-    /// Keeps what [`reorder`](fn@crate::reorder) returned with the set, and with its file: of each vertex its number in the
-    /// source. Nothing else depends on it.
+    /// Stores the source index of each vertex, as [`reorder`](fn@crate::reorder) returned it. It is saved with the set.
+    /// Nothing else depends on it.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] unless every number below the number of vertices is there once.
+    /// [`Error::InvalidArgument`] unless `order` contains every number below the number of vertices exactly once.
     pub fn set_source_order(&mut self, order: Vec<u32>) -> Result<(), Error> {
         check_order(&order, self.vertex_count())
             .map_err(|(value, expected)| Error::invalid("the source order", value, &expected))?;
@@ -219,12 +219,12 @@ impl ExampleSet {
         &self.base.rim
     }
 
-    /// The set's own mesh.
+    /// The base mesh with the data for evaluation.
     pub(crate) fn base_lod(&self) -> &MeshLod {
         &self.base
     }
 
-    /// All meshes that show the damage, the set's own first.
+    /// All meshes that show the damage, the base mesh first.
     pub(crate) fn lods(&self) -> impl Iterator<Item = &MeshLod> {
         std::iter::once(&self.base).chain(&self.lods)
     }
@@ -248,7 +248,7 @@ impl ExampleSet {
         self.learned = learned;
     }
 
-    /// The triangles of the base mesh by place. The first call indexes them.
+    /// Spatial index of the base mesh's triangles. The first call builds it.
     pub(crate) fn surface(&self) -> &SurfaceIndex {
         self.surface.get_or_init(|| SurfaceIndex::new(self.mesh()))
     }
@@ -262,7 +262,7 @@ impl ExampleSet {
         self.surface.take();
     }
 
-    /// Mass of vertex `v`, kg.
+    /// Mass of vertex `v`, kg. `None` if unknown.
     pub(crate) fn mass(&self, v: u32) -> Option<f32> {
         match &self.options.mass {
             VertexMass::None => None,
@@ -272,7 +272,7 @@ impl ExampleSet {
     }
 }
 
-/// Every number below `n` once; else the value that is wrong and what it should be.
+/// Checks that `order` contains every number below `n` once. Otherwise returns the wrong value and what is expected.
 pub(crate) fn check_order(order: &[u32], n: usize) -> Result<(), (String, String)> {
     if order.len() != n {
         return Err((format!("{} numbers", order.len()), format!("{n} numbers, one a vertex")));

@@ -1,20 +1,23 @@
-//! A stamp: an example's fields laid flat at build, so that the example can be carried to where a body was hit, on any mesh.
+//! A stamp: an example's fields resampled on a flat grid at build, so that the example can be carried to any place and
+//! mesh.
 //!
-//! In the example's contact frame (origin at the contact, x and y in the surface, z along the normal) the surface around the
-//! contact is unrolled onto a plane:
+//! In the example's contact frame (origin at the contact, x and y in the surface, z along the normal) the surface
+//! around the contact is unrolled onto a plane:
 //!
 //! ```text
 //! q = (x, y) (1 + min(z² / (x² + y²), 2) / 2)
 //! ```
 //!
-//! On a flat sheet that is (x, y); on a cylinder, up to 109 degrees around, within 5 % of the length of the arc. A small grid over q
-//! keeps what the example does there, and how high the surface lies. A vertex takes the grid's bilinear mean at its own q, times a
-//! factor that falls with its distance along z from that height: from 1 at half the stamp's [`Stamp::fade`] to 0 at all of it.
-//! Outside the grid the fields are zero. Nodes are eight numbers of 16 bits, weights whole numbers of 14 bits, so that means are exact
-//! in integers and the same on every processor.
+//! On a flat sheet q is (x, y). On a cylinder it is within 5 % of the arc length, up to 109 degrees around. A small
+//! grid over q stores the example's fields and the height of the surface. A vertex takes the bilinear interpolation of
+//! the grid at its own q, times a fade factor. The factor depends on the distance along z between the vertex and the
+//! interpolated height: it is 1 up to half of [`Stamp::fade`] and falls to 0 at [`Stamp::fade`]. Outside the grid the
+//! fields are zero. A node has eight 16-bit numbers, and interpolation weights have 14 bits, so integer sums are exact
+//! and the same on every processor.
 //!
-//! A node's value is that of the surface under it (inverse-square mean of the four nearest vertices). With a tolerance the grid is
-//! the coarsest that holds it at the example's own vertices (at most `stamp_resolution` nodes a side).
+//! A node takes the inverse-square weighted mean of the four nearest vertices. With a tolerance, the grid is the
+//! coarsest whose error at the example's own vertices is within the tolerance, with at most `stamp_resolution` nodes a
+//! side.
 
 use crate::base::array::Array;
 use crate::base::math::Aabb;
@@ -22,62 +25,62 @@ use crate::mesh::nearest::VertexIndex;
 use glam::{Mat3, UVec2, Vec2, Vec3};
 use std::collections::VecDeque;
 
-/// Displacements below this share of the deepest are left out of a stamp's extent: long flat tails would cost the dent itself
-/// its nodes.
+/// Displacements below this share of the deepest do not enlarge the grid. Otherwise long flat tails would take nodes
+/// from the dent itself.
 const EXTENT: f32 = 1e-2;
-/// Nothing is moved from this distance above or below the surface, as a share of the support radius.
+/// Distance above or below the surface at which the stamp has faded to zero, as a share of the support radius.
 const FADE: f32 = 0.2;
 /// Nodes along the longest side of the coarsest grid.
 const COARSEST: u32 = 4;
-/// Displacement x, y, z; height; change of the unit normal x, y, z; z of the base normal.
+/// Eight numbers: displacement x, y, z; height; change of the unit normal x, y, z; z of the base normal.
 pub(crate) type Node = [i16; 8];
-/// What the four weights of a bilinear mean sum to.
+/// Sum of the four weights of a bilinear interpolation.
 pub(crate) const WEIGHTS: f32 = 16384.0;
-/// The greatest number in a node.
+/// The largest number in a node.
 const MOST: f32 = 32767.0;
-/// From a weighted sum of the nodes' last numbers to the z of a base normal.
+/// Factor from a weighted sum of the nodes' last numbers to the z of a base normal.
 pub(crate) const FACING: f32 = 1.0 / (MOST * WEIGHTS);
 
-/// An example's fields around its contact, in its contact frame.
+/// An example's fields around its contact, on a grid in its contact frame.
 #[derive(Debug, Clone)]
 pub struct Stamp {
     pub(crate) grid: Grid,
-    /// x runs fastest.
+    /// x varies fastest.
     pub(crate) nodes: Array<Node>,
     pub(crate) steps: NodeSteps,
-    /// Nothing is moved from this distance above or below the surface, m.
+    /// Distance above or below the surface at which the stamp has faded to zero, m.
     pub(crate) fade: f32,
-    /// The lowest and the highest node, m.
+    /// Heights of the lowest and the highest node, m.
     pub(crate) heights: (f32, f32),
-    /// No displacement read from it is longer, m.
+    /// Upper bound of the length of displacements read from the stamp, m.
     pub(crate) longest: f32,
-    /// How far it is off the example at its own vertices.
+    /// Error at the vertices that the example moves.
     pub(crate) error: StampError,
 }
 
-/// What a node's numbers are multiples of. (The z of the base normal: of 1/32767.)
+/// Step sizes of a node's numbers. The step of the base normal's z is 1/32767.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct NodeSteps {
-    /// m.
+    /// Steps of the displacement, m.
     pub displacement: Vec3,
-    /// m.
+    /// Step of the height, m.
     pub height: f32,
     pub normal: Vec3,
 }
 
-/// How far a stamp is off its example, at the vertices that the example moves, m.
+/// Error of a stamp at the vertices that its example moves, m.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StampError {
-    /// At the worst vertex.
+    /// Error at the worst vertex.
     pub max: f32,
-    /// Root of the mean square.
+    /// Root mean square error.
     pub rms: f32,
 }
 
-/// Where a stamp's nodes are, on the unrolled surface.
+/// The positions of a stamp's nodes on the unrolled surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Grid {
-    /// Nodes along x and y; each at least 2.
+    /// Number of nodes along x and y, each at least 2.
     pub dims: UVec2,
     /// Position of node (0, 0), m.
     pub origin: Vec2,
@@ -85,20 +88,20 @@ pub(crate) struct Grid {
     pub cell: Vec2,
 }
 
-/// What unrolling multiplies x and y with at height `up` above or below the contact, `across` (squared) beside it.
+/// Factor by which unrolling scales x and y. `up` is the height above or below the contact; `across` is x² + y².
 pub(crate) fn lift(up: f32, across: f32) -> f32 {
-    // Not a number where both are 0, which is then no less than 2.
+    // NaN if both are 0. The comparison below then takes 2.
     let steep = up * up / across;
     1.0 + 0.5 * if steep < 2.0 { steep } else { 2.0 }
 }
 
-/// A point of the contact frame on the plane. A point right above or below the contact is at its place.
+/// Maps a point in the contact frame to the plane. Points directly above or below the contact map to the origin.
 pub(crate) fn unrolled(p: Vec3) -> Vec2 {
     let scale = lift(p.z, p.x * p.x + p.y * p.y);
     Vec2::new(p.x * scale, p.y * scale)
 }
 
-/// The point at height `z` that [`unrolled`] takes to `q`; `z` is held to where there is one.
+/// The point at height `z` that [`unrolled`] maps to `q`. `z` is clamped to the range for which such a point exists.
 fn rolled(q: Vec2, z: f32) -> Vec3 {
     let r = q.length();
     let z = z.clamp(-0.7 * r, 0.7 * r);
@@ -120,12 +123,12 @@ impl Grid {
     }
 }
 
-/// What a stamp is made from: fields over the base mesh, and the contact's frame.
+/// The input of a stamp: fields over the base mesh and the contact's frame.
 pub(crate) struct Source<'a> {
     pub positions: &'a [Vec3],
     pub index: &'a VertexIndex,
     pub deltas: &'a [Vec3],
-    /// Changes of the unit normals, and the base normals themselves.
+    /// Changes of the unit normals, and the base normals.
     pub normals: Option<(&'a [Vec3], &'a [Vec3])>,
     /// Columns x, y, z of the contact frame.
     pub frame: Mat3,
@@ -135,12 +138,12 @@ pub(crate) struct Source<'a> {
 }
 
 impl Stamp {
-    /// Resamples fields into `resolution` nodes an axis; with a tolerance (m) into the coarsest grid of up to as many that
-    /// holds it, if one does.
+    /// Resamples the fields with `resolution` nodes per axis. With a tolerance (m) it uses the coarsest grid within the
+    /// tolerance, if there is one of at most `resolution` nodes per axis.
     pub(crate) fn build(s: &Source<'_>, resolution: u32, tolerance: Option<f32>) -> Self {
         let mut best = s.resample(resolution);
         let Some(tolerance) = tolerance.filter(|t| best.error.max <= *t) else { return best };
-        // The error falls with the resolution, if not always: bisected, then held.
+        // Bisection. The error usually, but not always, falls with the resolution. `best` always holds the tolerance.
         let (mut low, mut high) = (COARSEST.min(resolution), resolution);
         while low < high {
             let middle = low.midpoint(high);
@@ -155,23 +158,24 @@ impl Stamp {
         best
     }
 
-    /// From what a file says; heights and longest displacement are told from the nodes.
+    /// Makes a stamp from its stored parts. Computes the heights and the longest displacement from the nodes.
     pub(crate) fn new(grid: Grid, nodes: Array<Node>, steps: NodeSteps, fade: f32, error: StampError) -> Self {
         let height = |n: &Node| f32::from(n[3]) * steps.height;
         let heights =
             nodes.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(lo, hi), n| (lo.min(height(n)), hi.max(height(n))));
-        // Weights may sum to a unit more than they should.
+        // The weights of an interpolation may sum to one unit too much.
         let longest = nodes.iter().map(|n| (of(n, 0) * steps.displacement).length()).fold(0.0, f32::max) * 1.0002;
         Stamp { grid, nodes, steps, fade, heights, longest, error }
     }
 
-    /// Displacement and change of the unit normal at `p` (contact frame, m) where the surface faces along its own base normal, in the
-    /// contact frame; and the z of that base normal.
+    /// Returns the displacement (m), the change of the unit normal and the z of the base normal at `p` (m). Everything
+    /// is in the contact frame. The change of the normal holds for a surface that faces along this base normal. `None`
+    /// outside the grid.
     pub fn read(&self, p: Vec3) -> Option<StampSample> {
         let (grid, steps) = (&self.grid, &self.steps);
         let g = unrolled(p) * (1.0 / grid.cell) - grid.origin / grid.cell;
         let top = (grid.dims - UVec2::ONE).as_vec2();
-        // Also false for NaN.
+        // Also rejects NaN.
         if !(g.cmpge(Vec2::ZERO).all() && g.cmple(top).all()) {
             return None;
         }
@@ -194,57 +198,59 @@ impl Stamp {
         })
     }
 
-    /// Displacement at `p` (contact frame, m), in the contact frame, m.
+    /// Displacement at `p`, m. Both are in the contact frame. Zero outside the grid.
     pub fn displacement(&self, p: Vec3) -> Vec3 {
         self.read(p).map_or(Vec3::ZERO, |r| r.displacement)
     }
 
-    /// Nodes along x and y of the unrolled surface.
+    /// Number of nodes along x and y of the unrolled surface.
     pub fn dims(&self) -> [u32; 2] {
         self.grid.dims.to_array()
     }
 
-    /// Position of node (0, 0) on the unrolled surface, and the distance between nodes, m.
+    /// Position of node (0, 0) on the unrolled surface, and the distance between nodes along x and y, m.
     pub fn grid(&self) -> ([f32; 2], [f32; 2]) {
         (self.grid.origin.to_array(), self.grid.cell.to_array())
     }
 
-    /// The nodes' displacements in the contact frame, m; x runs fastest.
+    /// Displacements at the nodes in the contact frame, m. x varies fastest.
     pub fn nodes(&self) -> Vec<Vec3> {
         self.nodes.iter().map(|n| of(n, 0) * self.steps.displacement).collect()
     }
 
-    /// How high the surface lies at the nodes: z in the contact frame, m.
+    /// Heights of the surface at the nodes: z in the contact frame, m.
     pub fn height_nodes(&self) -> Vec<f32> {
         self.nodes.iter().map(|n| f32::from(n[3]) * self.steps.height).collect()
     }
 
-    /// The nodes' changes of the unit normal in the contact frame; zero where the mesh has no normals.
+    /// Changes of the unit normal at the nodes, in the contact frame. Zero if the mesh has no normals.
     pub fn normal_nodes(&self) -> Vec<Vec3> {
         self.nodes.iter().map(|n| of(n, 4) * self.steps.normal).collect()
     }
 
-    /// The z of the nodes' base normals in the contact frame, -1 to 1.
+    /// The z of the base normals at the nodes in the contact frame, -1 to 1.
     pub fn facing_nodes(&self) -> Vec<f32> {
         self.nodes.iter().map(|n| f32::from(n[7]) / MOST).collect()
     }
 
-    /// Nothing is moved from this distance above or below the surface, m; all of it up to half the distance.
+    /// Distance above or below the surface at which the stamp has faded to zero, m. Up to half of it there is no
+    /// fading.
     pub fn fade(&self) -> f32 {
         self.fade
     }
 
-    /// How far it is off the example at the vertices that the example moves.
+    /// Error of the stamp at the vertices that its example moves.
     pub fn error(&self) -> StampError {
         self.error
     }
 
-    /// Radius of a sphere around the contact that holds the field when it is stretched by `stretch` in the surface, m.
+    /// Radius of a sphere around the contact that contains the field when it is stretched by `stretch` along the
+    /// surface, m.
     pub(crate) fn reach(&self, stretch: f32) -> f32 {
         let top = (self.grid.dims - UVec2::ONE).as_vec2() * self.grid.cell;
         let across = self.grid.origin.abs().max((self.grid.origin + top).abs()).length() * stretch;
         let along = self.heights.0.abs().max(self.heights.1.abs()) + self.fade;
-        // A little more than exact, so that rounding never cuts a vertex off.
+        // Slightly larger, so that rounding excludes no vertex.
         (across * across + along * along).sqrt() * 1.0001
     }
 
@@ -253,14 +259,14 @@ impl Stamp {
     }
 }
 
-/// What a [`Stamp`] says of a point.
+/// The fields of a [`Stamp`] at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StampSample {
     /// Displacement in the contact frame, m.
     pub displacement: Vec3,
     /// Change of the unit normal in the contact frame.
     pub normal: Vec3,
-    /// The z of the base normal.
+    /// The z of the base normal in the contact frame.
     pub facing: f32,
 }
 
@@ -270,8 +276,8 @@ fn of(n: &Node, first: usize) -> Vec3 {
 
 impl Source<'_> {
     fn resample(&self, resolution: u32) -> Stamp {
-        // Between the last vertex that moves and its unmoved neighbours the field falls to zero over an edge's length; an
-        // example that moves a single vertex is nothing but that.
+        // The field falls to zero over one edge length, between the last moved vertices and their unmoved neighbours.
+        // If the example moves a single vertex, that is the whole field.
         let edge = self.index.four(self.contact).iter().map(|(d2, _)| d2.sqrt()).fold(0.0, f32::max);
         let edge = if edge > 0.0 { edge } else { self.max_depth };
         let radius = self.support_radius.max(edge);
@@ -282,7 +288,7 @@ impl Source<'_> {
             .map(|i| {
                 let at = grid.at(i);
                 let p = rolled(grid.position(i), heights[i]);
-                // Zero on the sides of the grid: the field ends without a step.
+                // Zero on the grid's border, so that the field ends without a step.
                 let side = at.cmpeq(UVec2::ZERO).any() || (at + UVec2::ONE).cmpeq(grid.dims).any();
                 self.sample(self.contact + self.frame * p, fade, side)
             })
@@ -302,7 +308,8 @@ impl Source<'_> {
         Stamp { error: self.error(&stamp), ..stamp }
     }
 
-    /// A grid around what moves, with room to fall to zero: an edge, and at least a cell.
+    /// A grid around the moved vertices. Its margin, one edge length and at least one cell, lets the field fall to
+    /// zero.
     fn grid(&self, resolution: u32, edge: f32, radius: f32) -> Grid {
         let limit = self.max_depth * EXTENT;
         let mut b = Aabb::EMPTY;
@@ -323,8 +330,8 @@ impl Source<'_> {
         self.frame.transpose() * (p - self.contact)
     }
 
-    /// How high the surface lies at each node. It is followed from the contact outwards, from node to node, so that of several sheets
-    /// the one that was hit is kept.
+    /// Height of the surface at each node. The search starts at the contact and goes outwards from node to node, so it
+    /// stays on the sheet that was hit if there are several.
     fn heights(&self, grid: &Grid, fade: f32) -> Vec<f32> {
         let mut heights = vec![f32::NAN; grid.count()];
         let (w, h) = (grid.dims.x as usize, grid.dims.y as usize);
@@ -350,7 +357,7 @@ impl Source<'_> {
         heights
     }
 
-    /// How high the surface lies at `q`, sought from a guess (m); the guess where none is near.
+    /// Height of the surface at `q`, searched from `guess` (m). Returns `guess` if there is no surface near it.
     fn height(&self, q: Vec2, guess: f32, fade: f32) -> f32 {
         let surface = |z: f32| -> Option<f32> {
             let p = self.contact + self.frame * rolled(q, z);
@@ -367,7 +374,7 @@ impl Source<'_> {
         for _ in 0..3 {
             let Some(a) = surface(z) else { return z };
             let Some(b) = surface(a) else { return a };
-            // Each step leaves the same share of the error (Aitken's extrapolation).
+            // Aitken's extrapolation: each step reduces the error by the same factor.
             let (first, second) = (a - z, b - a);
             let further = second * second / (first - second);
             z = if further.abs() <= fade && first * second > 0.0 { b + further } else { b };
@@ -375,11 +382,11 @@ impl Source<'_> {
         z
     }
 
-    /// The fields at `p` (mesh space): mean of the four nearest vertices, changes faded with distance from the surface, and zero if
-    /// `still`.
+    /// The fields at `p` (mesh space), averaged over the four nearest vertices. Displacement and change of the normal
+    /// fade with distance from the surface, and are zero if `still`.
     fn sample(&self, p: Vec3, fade: f32, still: bool) -> Sample {
         let (mut sample, mut facing, mut sum) = (Sample::default(), Vec3::ZERO, 0.0f32);
-        // Distances below a ten-thousandth of the fade count as hits of the vertex itself.
+        // Distances below a ten-thousandth of the fade count as zero.
         let floor = fade * fade * 1e-8;
         let near = self.index.four_if_near(p, fade);
         let Some((nearest, _)) = near.first() else { return sample };
@@ -402,7 +409,7 @@ impl Source<'_> {
         }
     }
 
-    /// How far a stamp is off the field that it was made from, at the vertices that it moves.
+    /// Error of a stamp against the field that it was made from, at the vertices that the field moves.
     fn error(&self, stamp: &Stamp) -> StampError {
         let (mut max, mut sum, mut count) = (0.0f32, 0.0f64, 0u32);
         for (p, d) in self.positions.iter().zip(self.deltas).filter(|(_, d)| **d != Vec3::ZERO) {
@@ -415,7 +422,7 @@ impl Source<'_> {
     }
 }
 
-/// The fields at one node, in the contact frame.
+/// The fields at one node in the contact frame.
 #[derive(Default, Clone, Copy)]
 struct Sample {
     displacement: Vec3,
@@ -423,7 +430,8 @@ struct Sample {
     facing: f32,
 }
 
-/// The steps of x, y and z for which the largest is [`MOST`] of them, and the vectors in steps.
+/// Quantizes vectors. Returns the steps of x, y and z, chosen so that the largest value is [`MOST`] steps, and the
+/// vectors in steps.
 fn whole(vectors: impl Iterator<Item = Vec3> + Clone) -> (Vec3, Vec<[i16; 3]>) {
     let largest = vectors.clone().fold(Vec3::ZERO, |m, v| m.max(v.abs()));
     let step = Vec3::select(largest.cmpgt(Vec3::ZERO), largest / MOST, Vec3::ONE);

@@ -1,14 +1,14 @@
-//! The arrays that a mesh is made of.
+//! The arrays of a mesh, as the caller gives them.
 
-/// The base mesh, as plain arrays. Positions in metres, any handedness, any axis up.
+/// The base mesh as plain arrays. Positions are in metres. Any handedness and any up axis will do.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct MeshData {
-    /// One position a vertex, m. The order is the engine's and is kept.
+    /// One position per vertex, m, in the engine's order. The order is kept.
     pub positions: Vec<[f32; 3]>,
-    /// One unit normal a vertex. Computed from the triangles where absent.
+    /// One unit normal per vertex. If `None`, normals are computed from the triangles.
     pub normals: Option<Vec<[f32; 3]>>,
-    /// One tangent a vertex: xyz of unit length, w the handedness (+1 or -1), as in glTF.
+    /// One tangent per vertex, as in glTF: xyz is a unit vector, w is the handedness (+1 or -1).
     pub tangents: Option<Vec<[f32; 4]>>,
-    /// Three vertex indices a triangle, counter-clockwise seen from outside. May be empty.
+    /// Three vertex indices per triangle, counter-clockwise seen from outside. May be empty.
     pub triangles: Vec<[u32; 3]>,
 }

@@ -1,41 +1,42 @@
-//! Mirror images: where a body is the same on both sides of a plane, an example made on one side serves the other.
+//! Mirror symmetry. If a body is symmetric about a plane, an example made on one side is also used on the other.
 //!
-//! Looked for are the three coordinate planes through the centre of the bounds. A plane counts when it maps the vertices
-//! onto themselves (triangulation does not matter). An image of an example costs no memory: its stamp is read mirrored.
+//! Only the three coordinate planes through the centre of the bounds are tested. The body is symmetric about a plane if
+//! the plane maps the vertices onto themselves; triangles are ignored. A mirrored example needs no memory, because its
+//! stamp is read mirrored.
 
 use crate::base::math::Aabb;
 use crate::mesh::nearest::VertexIndex;
 use glam::{Mat3, Vec3};
 
-/// A mirrored vertex must lie this near another, as a share of the bounds' diagonal …
+/// Greatest distance between a mirrored vertex and its nearest vertex, as a share of the bounds' diagonal.
 const TOLERANCE: f32 = 1e-3;
-/// … for all but this share of the vertices.
+/// Share of the vertices that may miss the tolerance.
 const STRAYS: f32 = 0.01;
 
-/// Some of the coordinate planes through a point: bit 0 mirrors x, bit 1 y, bit 2 z.
+/// A set of coordinate planes to mirror in. Bit 0 mirrors x, bit 1 y, bit 2 z.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct Mirror(u8);
 
 impl Mirror {
-    /// Nothing is mirrored.
+    /// No mirroring.
     pub const NONE: Mirror = Mirror(0);
 
-    /// From bits: 1 mirrors x, 2 mirrors y, 4 mirrors z. Higher bits are ignored.
+    /// Makes a set from bits: 1 mirrors x, 2 mirrors y, 4 mirrors z. Higher bits are ignored.
     pub fn from_bits(bits: u8) -> Self {
         Mirror(bits & 7)
     }
 
-    /// 1 mirrors x, 2 mirrors y, 4 mirrors z.
+    /// The set as bits: 1 mirrors x, 2 mirrors y, 4 mirrors z.
     pub fn bits(self) -> u8 {
         self.0
     }
 
-    /// Whether all planes of `self` are among those of `other`.
+    /// Whether `other` contains all planes of `self`.
     pub fn within(self, other: Mirror) -> bool {
         self.0 & !other.0 == 0
     }
 
-    /// Every choice of its planes, none of them first.
+    /// All subsets of its planes, starting with the empty one.
     pub(crate) fn choices(self) -> impl Iterator<Item = Mirror> {
         (0..8).map(Mirror).filter(move |m| m.within(self))
     }
@@ -45,13 +46,13 @@ impl Mirror {
         Vec3::new(sign(0), sign(1), sign(2))
     }
 
-    /// A direction mirrored.
+    /// Mirrors a direction.
     pub(crate) fn direction(self, v: Vec3) -> Vec3 {
-        // -0 becomes +0: images that coincide are equal by bits.
+        // -0 becomes +0, so that coincident images have equal bits.
         v * self.signs() + Vec3::ZERO
     }
 
-    /// A point mirrored in planes through `centre`, m.
+    /// Mirrors a point in planes through `centre`, m.
     pub(crate) fn point(self, p: Vec3, centre: Vec3) -> Vec3 {
         if self == Self::NONE { p } else { centre + self.direction(p - centre) }
     }
@@ -78,13 +79,14 @@ pub(crate) fn planes(positions: &[Vec3], index: &VertexIndex, bounds: &Aabb) -> 
     Mirror((0..3).map(|bit| 1 << bit).filter(|bits| has_extent(bounds, *bits) && maps(Mirror(*bits))).sum())
 }
 
-/// A body without extent along an axis is its own image there, which would only double every example.
+/// Whether the body has extent along an axis. Without extent it is its own mirror image, so every example would count
+/// twice.
 fn has_extent(bounds: &Aabb, bits: u8) -> bool {
     let extent = (bounds.max - bounds.min)[bits.trailing_zeros() as usize];
     extent > 2.0 * TOLERANCE * bounds.diagonal()
 }
 
-/// Where the planes meet, m.
+/// The point where the planes meet, m.
 pub(crate) fn centre(bounds: &Aabb) -> Vec3 {
     bounds.min + (bounds.max - bounds.min) * 0.5
 }

@@ -1,4 +1,4 @@
-//! The base mesh: checked, with its seams, contact normals and bounds known.
+//! The checked base mesh with its seams, contact normals and bounds.
 
 pub(crate) mod data;
 pub(crate) mod mirror;
@@ -16,7 +16,7 @@ use data::MeshData;
 use glam::{Vec3, Vec4};
 use std::collections::HashMap;
 
-/// Coordinates further from the origin than this are refused, m: beyond it squares leave the range of f32.
+/// Largest coordinate accepted, m. Squares of larger ones could overflow f32.
 pub(crate) const MAX_COORDINATE: f32 = 1e9;
 
 /// The base mesh of an example set. Vertices keep the caller's order.
@@ -29,22 +29,22 @@ pub struct Mesh {
     degenerate_triangles: usize,
 }
 
-/// What a mesh keeps of each vertex and triangle.
+/// The per-vertex and per-triangle arrays of a mesh.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct MeshArrays {
     pub positions: Array<Vec3>,
     pub normals: Option<Array<Vec3>>,
     pub tangents: Option<Array<Vec4>>,
     pub triangles: Array<[u32; 3]>,
-    /// Lowest vertex with the same position.
+    /// The lowest vertex at the same position.
     pub weld: Array<u32>,
-    /// Unit surface normals for contacts: smooth over all vertices at one position. As many as normals.
+    /// Unit surface normals for contacts, smoothed over all vertices at one position. Present if `normals` is.
     pub contact_normals: Option<Array<Vec3>>,
 }
 
 impl Mesh {
-    /// Checks `data` and derives what it lacks. Beside it the smooth normals of its triangles (zero where there are none), which only
-    /// building needs.
+    /// Checks `data` and computes what it lacks. Also returns the smooth normal of each vertex, which only building
+    /// needs. It is zero at vertices without triangles.
     pub(crate) fn new(data: MeshData) -> Result<(Self, Vec<Vec3>), Error> {
         let n = data.positions.len();
         if n == 0 {
@@ -61,7 +61,7 @@ impl Mesh {
             if p.abs().max_element() > MAX_COORDINATE {
                 return Err(Error::invalid(&format!("positions[{i}]"), p, "within 1e9 m of the origin"));
             }
-            // -0 becomes +0, so that coincident vertices are equal by bits.
+            // -0 becomes +0, so that coincident vertices have equal bits.
             positions.push(p + Vec3::ZERO);
         }
         for (i, t) in data.triangles.iter().enumerate() {
@@ -117,7 +117,8 @@ impl Mesh {
         Ok((Self::of(arrays, repaired, degenerate), smooth))
     }
 
-    /// From arrays that are as [`Mesh::new`] makes them, with the numbers of repaired normals and of triangles without area.
+    /// Makes a mesh from arrays as [`Mesh::new`] makes them. `degenerate_triangles` is the number of triangles without
+    /// area.
     pub(crate) fn of(arrays: MeshArrays, repaired_normals: usize, degenerate_triangles: usize) -> Self {
         Self {
             bounds: Aabb::of(arrays.positions.iter()),
@@ -132,13 +133,13 @@ impl Mesh {
         &self.arrays
     }
 
-    /// The same without normals, as if it had no triangles to compute them from.
+    /// Removes the normals, as if there were no triangles to compute them from.
     pub(crate) fn without_normals(self) -> Self {
         let arrays = MeshArrays { normals: None, contact_normals: None, ..self.arrays };
         Mesh { arrays, ..self }
     }
 
-    /// Bytes it takes.
+    /// Memory used, bytes.
     pub(crate) fn bytes(&self) -> usize {
         let a = &self.arrays;
         let normals = a.normals.iter().chain(&a.contact_normals).map(Array::bytes).sum::<usize>();
@@ -151,7 +152,7 @@ impl Mesh {
         &self.arrays.positions
     }
 
-    /// Unit normals: the caller's, or computed. `None` where there are neither normals nor triangles.
+    /// Unit normals, given by the caller or computed. `None` if the mesh was given neither normals nor triangles.
     pub fn normals(&self) -> Option<&[Vec3]> {
         self.arrays.normals.as_deref()
     }
@@ -171,34 +172,35 @@ impl Mesh {
         self.bounds
     }
 
-    /// Number of vertices that stand where a lower one stands (UV seams, hard edges).
+    /// Number of vertices at the same position as a lower vertex (UV seams, hard edges).
     pub fn seam_count(&self) -> usize {
         self.seam_count
     }
 
-    /// Of each vertex, the lowest vertex at the same position.
+    /// For each vertex, the lowest vertex at the same position.
     pub fn weld(&self) -> &[u32] {
         &self.arrays.weld
     }
 
-    /// Normals of length zero that were replaced by computed ones.
+    /// Number of normals of length zero that were replaced by computed ones.
     pub fn repaired_normals(&self) -> usize {
         self.repaired_normals
     }
 
-    /// Triangles without area: kept, but they have no say in normals.
+    /// Number of triangles without area. They are kept, but do not contribute to normals.
     pub fn degenerate_triangles(&self) -> usize {
         self.degenerate_triangles
     }
 
-    /// The outward unit normal that a contact at `vertex` has: smooth over all vertices at its position, so that hard
-    /// edges have one. `None` where the mesh has neither normals nor triangles.
+    /// The outward unit normal for a contact at `vertex`. It is smoothed over all vertices at that position, so hard
+    /// edges have a single normal. `None` if the mesh has neither normals nor triangles.
     pub fn contact_normal(&self, vertex: u32) -> Option<Vec3> {
         self.arrays.contact_normals.as_ref().map(|n| n[vertex as usize])
     }
 }
 
-/// Smooth normals where triangles give them; elsewhere the mean of the vertex normals at the position; else +z.
+/// Contact normals: the smooth normal if the vertex has triangles, else the mean of the vertex normals at the position,
+/// else +z.
 fn contact_normals(smooth: &[Vec3], given: &[Vec3], weld: &[u32]) -> Vec<Vec3> {
     let mut sums = vec![Vec3::ZERO; given.len()];
     for (v, n) in given.iter().enumerate() {
@@ -231,7 +233,7 @@ fn check_len(name: &str, len: Option<usize>, n: usize) -> Result<(), Error> {
     }
 }
 
-/// `v` as a vector, or [`Error::NotFinite`] with the name.
+/// Returns `v` as a vector, or [`Error::NotFinite`] with `name`.
 pub(crate) fn finite(v: [f32; 3], name: impl FnOnce() -> String) -> Result<Vec3, Error> {
     if v.iter().all(|x| x.is_finite()) {
         Ok(Vec3::from_array(v))

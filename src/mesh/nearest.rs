@@ -1,19 +1,21 @@
-//! The nearest base vertices to a point: an implicit, balanced tree of boxes in two flat arrays. Ties go to the lowest index.
+//! Finds the base vertices nearest to a point. The index is an implicit, balanced tree of boxes in two flat arrays.
+//! Ties go to the lowest index.
 //!
 //! # Layout
-//! Of vertices at one position only the lowest is in the tree. They fill leaves of [`LEAF`] points. Nodes are numbered as in a
-//! heap of four children: 0 is the root, the children of inner node `i` are `4 i + 1` to `4 i + 4`, as far as there are so many.
-//! With `L` leaves the `I = ceil((L - 1) / 3)` inner nodes come first; node `I + i` is leaf `i`.
+//! The tree holds the lowest vertex at each position. Leaves hold [`LEAF`] points. Nodes are numbered as in a heap with
+//! four children per node: node 0 is the root, and the children of inner node `i` are `4 i + 1` to `4 i + 4`, if they
+//! exist. With `L` leaves the `I = ceil((L - 1) / 3)` inner nodes come first; node `I + i` is leaf `i`.
 //!
-//! - `inner`, `I` of them: of each child the box around its points.
-//! - `leaves`, `L` of them: coordinates and vertices, vertices increasing. All are full but the one that is last from left to
-//!   right, whose empty slots have infinite coordinates and vertex 0.
+//! - `inner`, `I` elements: for each child, the box around its points.
+//! - `leaves`, `L` elements: coordinates and vertices, sorted by vertex. Only the rightmost leaf of the tree may
+//!   have empty slots. These have infinite coordinates and vertex 0.
 //!
-//! The two arrays are all there is, and a query reads nothing else: whatever they hold, it ends after at most `I + L` nodes and
-//! answers with vertices that are in them.
+//! A query reads only these two arrays. Whatever they contain, it visits at most `I + L` nodes and returns only
+//! vertices that are in the leaves.
 //!
-//! Distances are the f32 sums `(x² + y²) + z²`. Those to boxes are made by the same operations on nearer coordinates, which
-//! round monotonously, so that no point in a box is nearer: answers are those of comparing all vertices.
+//! Squared distances are the f32 sums `(x² + y²) + z²`. The distance to a box uses the same operations on smaller
+//! differences. Rounding is monotonic, so no point in a box is nearer than the box. Results therefore equal those of
+//! comparing all vertices.
 
 use crate::base::array::Array;
 use crate::base::array_vec::ArrayVec;
@@ -23,27 +25,27 @@ use crate::base::tasks::map;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-/// Points a leaf.
+/// Points per leaf.
 pub(crate) const LEAF: usize = 16;
 /// Children of an inner node.
 const WIDE: usize = 4;
-/// Leaves are fewer than this.
+/// The number of leaves is below this.
 const MAX_LEAVES: usize = 1 << 30;
-/// Nodes that can wait: each of at most 16 levels on the way down leaves its other children behind.
+/// Capacity of the stack of nodes to visit: on each of at most 16 levels the other children wait.
 const WAITING: usize = 16 * (WIDE - 1) + 1;
-/// Leaves that one task fills.
+/// Number of leaves that one task fills.
 const LEAVES_A_TASK: usize = 1024;
 
 /// The vertex nearest to a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Nearest {
-    /// Its index; the lowest where several are equally near.
+    /// Its index. The lowest if several are equally near.
     pub vertex: u32,
     /// Its distance, m.
     pub distance: f32,
 }
 
-/// The boxes around the points of an inner node's children, by axis; where there is no child, an empty one.
+/// The boxes around the points of an inner node's children, by axis. A missing child has an empty box.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub(crate) struct Inner {
@@ -111,7 +113,7 @@ impl Leaf {
     }
 }
 
-/// The least of a leaf's distances, in a tree of comparisons that compilers make vector operations of.
+/// The smallest of a leaf's distances. The comparisons form a tree, so that compilers vectorize them.
 #[inline]
 fn least(d: &[f32; LEAF]) -> f32 {
     let min = |a: f32, b: f32| if a < b { a } else { b };
@@ -126,7 +128,7 @@ fn least(d: &[f32; LEAF]) -> f32 {
     m[0]
 }
 
-/// The tree. Its arrays may come from a file.
+/// The tree. Its arrays may be borrowed from a file.
 #[derive(Debug)]
 pub(crate) struct VertexIndex {
     inner: Array<Inner>,
@@ -134,8 +136,8 @@ pub(crate) struct VertexIndex {
 }
 
 impl VertexIndex {
-    /// Of vertices at one position only the lowest (`weld[v] == v`) is kept: it is the answer for all of them. There is at
-    /// least one; all are finite. The tree is the same for any number of threads.
+    /// Builds the tree. Keeps only the lowest vertex at each position (`weld[v] == v`), which is the result for all of
+    /// them. Needs at least one vertex and finite positions. The tree does not depend on the number of threads.
     pub(crate) fn new(positions: &[Vec3], weld: &[u32], tasks: &dyn TaskSystem) -> Self {
         let mut points: Vec<Point> = (0..)
             .zip(positions.iter().zip(weld))
@@ -155,7 +157,7 @@ impl VertexIndex {
             points.chunks(LEAF).map(bounds).collect::<Vec<_>>()
         });
         let mut inner = vec![Inner::EMPTY; inner_nodes(count)];
-        // Of all nodes.
+        // One box per node.
         let mut boxes = [vec![Aabb::EMPTY; inner.len()], boxes.concat()].concat();
         for i in (0..inner.len()).rev() {
             for (child, at) in (WIDE * i + 1..boxes.len()).take(WIDE).enumerate() {
@@ -167,15 +169,16 @@ impl VertexIndex {
         VertexIndex { inner: inner.into(), leaves: leaves.into() }
     }
 
-    /// The tree in arrays of any origin, for a mesh of `vertices`: `None` unless there is a leaf, there are as many inner nodes
-    /// as that takes, and all vertices are the mesh's. Arrays that are no tree give wrong vertices, nothing worse.
+    /// Makes the tree from arrays of any origin, for a mesh with `vertices` vertices. `None` if there is no leaf, the
+    /// number of inner nodes does not match the leaves, or a vertex is out of range. Arrays that do not form a tree
+    /// only give wrong vertices.
     pub(crate) fn of(inner: Array<Inner>, leaves: Array<Leaf>, vertices: usize) -> Option<Self> {
         let fits = (1..MAX_LEAVES).contains(&leaves.len()) && inner.len() == inner_nodes(leaves.len());
         let known = || leaves.iter().all(|l| l.vertex.iter().all(|v| (*v as usize) < vertices));
         (fits && known()).then_some(VertexIndex { inner, leaves })
     }
 
-    /// The arrays, as [`VertexIndex::of`] takes them.
+    /// The arrays for [`VertexIndex::of`].
     pub(crate) fn parts(&self) -> (&[Inner], &[Leaf]) {
         (&self.inner, &self.leaves)
     }
@@ -184,35 +187,37 @@ impl VertexIndex {
         self.inner.bytes() + self.leaves.bytes()
     }
 
-    /// The lowest of the vertices with the least f32 squared distance. `None` only where the distance overflows f32.
+    /// The vertex with the smallest f32 squared distance, the lowest if several are equal. `None` only if the distance
+    /// overflows f32.
     pub(crate) fn nearest(&self, point: Vec3, positions: &[Vec3]) -> Option<Nearest> {
-        // Where all squares overflow, all are equally near, and the lowest is the first.
+        // If all squares overflow, all vertices are equally near, and vertex 0 is the lowest.
         let vertex = self.within::<1>(point, f32::MAX).first().map_or(0, |found| found.1);
         let distance = (positions[vertex as usize].as_dvec3() - point.as_dvec3()).length() as f32;
         distance.is_finite().then_some(Nearest { vertex, distance })
     }
 
-    /// Squared distances (m²) and vertices of up to four nearest ones, nearest first; of equally near ones the lowest.
+    /// Squared distances (m²) and indices of up to four nearest vertices, nearest first. Ties go to the lowest index.
     pub(crate) fn four(&self, point: Vec3) -> ArrayVec<(f32, u32), 4> {
         self.within(point, f32::MAX)
     }
 
-    /// The same where the nearest lies nearer than `reach` (m); none, sooner, where it does not.
+    /// Like [`VertexIndex::four`] if the nearest vertex is nearer than `reach` (m). Otherwise it is faster and, up to
+    /// rounding, returns none.
     pub(crate) fn four_if_near(&self, point: Vec3, reach: f32) -> ArrayVec<(f32, u32), 4> {
-        // A little more, so that rounding cuts nothing off.
+        // Slightly more, so that rounding excludes no vertex.
         let found = self.within(point, (reach * reach * 1.00001 + f32::MIN_POSITIVE).min(f32::MAX));
         if (1..4).contains(&found.len()) { self.four(point) } else { found }
     }
 
-    /// The nearest `N` of those within a squared distance of `reach`, m².
+    /// The `N` nearest vertices within a squared distance of `reach`, m².
     #[inline]
     fn within<const N: usize>(&self, point: Vec3, mut reach: f32) -> ArrayVec<(f32, u32), N> {
         let (inner, leaves) = self.parts();
         let nodes = inner.len() + leaves.len();
         let q = point.to_array();
         let mut found = ArrayVec::new();
-        // Nodes to look at, the next one last: the bits of their squared distance (which order as it does) above their number.
-        // The root comes first.
+        // Stack of nodes to visit. High 32 bits: the bits of the squared distance, which sort like the distance. Low 32
+        // bits: the node's number. The first entry is the root.
         let mut waiting = [0u64; WAITING];
         let mut count = 1;
         while count > 0 {
@@ -263,7 +268,7 @@ fn number(key: u64) -> usize {
     (key & u64::from(u32::MAX)) as usize
 }
 
-/// A vertex on its way into the tree.
+/// A vertex while the tree is built.
 #[derive(Debug, Clone, Copy)]
 struct Point {
     at: [f32; 3],
@@ -271,38 +276,39 @@ struct Point {
 }
 
 impl Point {
-    /// Orders points along an axis and, so that there are no ties, by vertex.
+    /// Sort key: orders points along an axis, then by vertex, so that there are no ties.
     #[inline]
     fn key(&self, axis: usize) -> u64 {
         let bits = self.at[axis].to_bits();
-        // The order of unsigned integers for that of floats: negative ones are turned over.
+        // Maps floats to unsigned integers in the same order: inverts negative ones, sets the sign bit of the others.
         let mask = if bits >> 31 == 1 { u32::MAX } else { 1 << 31 };
         u64::from(bits ^ mask) << 32 | u64::from(self.vertex)
     }
 }
 
-/// Inner nodes of a tree with so many leaves.
+/// Number of inner nodes of a tree with `leaves` leaves.
 fn inner_nodes(leaves: usize) -> usize {
     leaves.saturating_sub(1).div_ceil(WIDE - 1)
 }
 
-/// Nodes on all levels above level `level`, the root's being 0.
+/// Number of nodes above level `level`. The root is on level 0.
 fn above(level: u32) -> usize {
     (WIDE.pow(level) - 1) / (WIDE - 1)
 }
 
-/// The level of the last of so many nodes (one or more).
+/// The level of the last of `nodes` nodes (at least 1).
 fn deepest(nodes: usize) -> u32 {
     (0..).find(|l| above(l + 1) >= nodes).unwrap_or(0)
 }
 
-/// Of so many leaves, how many are not on the deepest level. These come first by number, and last from left to right.
+/// Number of leaves that are not on the deepest level. They have the lowest numbers and are the rightmost in the tree.
 fn shallow_leaves(leaves: usize) -> usize {
     let inner = inner_nodes(leaves);
     above(deepest(inner + leaves)).saturating_sub(inner)
 }
 
-/// Leaves below each child of the root of a tree with so many leaves (two or more): the deepest level is filled from the left.
+/// Number of leaves below each child of the root, for a tree with at least 2 leaves. The deepest level is filled from
+/// the left.
 fn leaves_below(leaves: usize) -> [usize; WIDE] {
     let nodes = inner_nodes(leaves) + leaves;
     let level = deepest(nodes);
@@ -323,10 +329,10 @@ fn bounds(points: &[Point]) -> Aabb {
     b
 }
 
-/// Brings the points of a tree with so many leaves into its order, from left to right.
+/// Sorts the points of a tree with `leaves` leaves into the tree's order, from left to right.
 fn arrange(points: &mut [Point], leaves: usize, tasks: &dyn TaskSystem) {
     let mut branches = vec![(points, leaves)];
-    // Level by level until there is enough to do for all; then each branch to its end.
+    // Splits level by level until every worker has enough branches, then finishes each branch as one task.
     let enough = if tasks.workers() > 1 { tasks.workers() * 4 } else { 1 };
     while branches.len() < enough && branches.iter().any(|b| b.1 > 1) {
         let parted = map(tasks, branches, |(p, n)| if n > 1 { part(p, n).into() } else { vec![(p, n)] });
@@ -335,7 +341,7 @@ fn arrange(points: &mut [Point], leaves: usize, tasks: &dyn TaskSystem) {
     map(tasks, branches, |(points, leaves)| finish(points, leaves));
 }
 
-/// Parts points down to leaves.
+/// Splits points down to leaves.
 fn finish(points: &mut [Point], leaves: usize) {
     if leaves > 1 {
         part(points, leaves).into_iter().for_each(|(points, leaves)| finish(points, leaves));
@@ -344,7 +350,7 @@ fn finish(points: &mut [Point], leaves: usize) {
     }
 }
 
-/// The points and numbers of leaves of the root's children.
+/// Splits points among the root's children. Returns the points and the number of leaves of each child.
 fn part(points: &mut [Point], leaves: usize) -> [(&mut [Point], usize); WIDE] {
     let [a, b, c, d] = leaves_below(leaves);
     let (left, right) = halve(points, (a + b) * LEAF);
@@ -353,8 +359,8 @@ fn part(points: &mut [Point], leaves: usize) -> [(&mut [Point], usize); WIDE] {
     [(first, a), (second, b), (third, c), (fourth, d)]
 }
 
-/// The first `n` points along the widest axis, and the others. Which those are does not depend on their order: nor does the
-/// tree, in the end.
+/// Splits off the first `n` points along the widest axis. The split does not depend on the points' order, so neither
+/// does the tree.
 fn halve(points: &mut [Point], n: usize) -> (&mut [Point], &mut [Point]) {
     if n >= points.len() {
         return (points, &mut []);
@@ -376,7 +382,7 @@ mod tests {
         positions.iter().map(first).collect()
     }
 
-    /// Squared distances and vertices, all of them, nearest first, lowest first among equals.
+    /// Squared distances and indices of all vertices, nearest first. Ties are sorted by index.
     fn compared(positions: &[Vec3], weld: &[u32], q: Vec3) -> Vec<(f32, u32)> {
         let d = |p: Vec3| (p.x - q.x) * (p.x - q.x) + (p.y - q.y) * (p.y - q.y) + (p.z - q.z) * (p.z - q.z);
         let mut all: Vec<(f32, u32)> = (0..positions.len() as u32)
@@ -387,7 +393,8 @@ mod tests {
         all
     }
 
-    /// Random clouds, lattices with many ties, lines, one place many times, and coordinates up to the greatest allowed.
+    /// Random clouds, lattices with many ties, lines, one position repeated, planes, and coordinates up to the largest
+    /// allowed.
     fn clouds() -> impl Strategy<Value = Vec<Vec3>> {
         let kinds = prop_oneof![Just(0), Just(1), Just(2), Just(3), Just(4), Just(5)];
         (kinds, prop::collection::vec(prop::array::uniform3(-1.0f32..1.0), 1..400)).prop_map(|(kind, points)| {
@@ -438,7 +445,7 @@ mod tests {
             prop_assert_eq!(bytemuck::cast_slice::<_, u8>(&serial.leaves), bytemuck::cast_slice::<_, u8>(&parallel.leaves));
         }
 
-        /// Whatever the arrays hold, queries end with vertices of the mesh.
+        /// Whatever the arrays contain, queries end and return vertices of the mesh.
         #[test]
         fn arrays_that_are_no_tree_do_no_harm(
             leaves in 1usize..40, bits in prop::collection::vec(any::<u32>(), 64), q in prop::array::uniform3(any::<f32>()),

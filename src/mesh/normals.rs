@@ -1,16 +1,16 @@
-//! Smooth vertex normals from triangles: weighted by the angle at the corner, shared by all vertices at one position.
+//! Smooth vertex normals from triangles, weighted by corner angle and shared by all vertices at one position.
 
 use glam::{DVec3, Vec3};
 
-/// Unit normals of `positions`, one a vertex. Corners of triangles without area count nothing; a vertex without any other
-/// corner gets zero. `weld[v]` is the lowest vertex at the position of `v`.
+/// Returns one unit normal per vertex. Triangles without area are ignored. A vertex without other triangles gets zero.
+/// `weld[v]` is the lowest vertex at the position of `v`.
 ///
-/// Angle weights (Thürmer and Wüthrich, 1998) do not depend on how a surface was cut into triangles.
+/// Angle weights (Thürmer and Wüthrich, 1998) do not depend on how the surface is triangulated.
 pub(crate) fn smooth(positions: &[Vec3], triangles: &[[u32; 3]], weld: &[u32]) -> Vec<Vec3> {
     smooth_where(positions, triangles, weld, |_| true)
 }
 
-/// The same where `wanted` says so of a vertex's `weld`; zero elsewhere, at little cost.
+/// Like [`smooth`], but only for vertices whose `weld` is `wanted`. Others get zero at little cost.
 pub(crate) fn smooth_where(
     positions: &[Vec3],
     triangles: &[[u32; 3]],

@@ -1,9 +1,10 @@
-//! The held rim: where examples show that an edge of the sheet does not move, a carried dent falls to zero towards it.
+//! Held rims. If the examples show that an edge of the sheet does not move, carried dents fade to zero towards it.
 //!
-//! A rim is a loop of boundary edges. It is held when no example moves any of its vertices (by more than a hundredth of its
-//! deepest displacement) although some example moves a vertex beside it (in one triangle with it, or within the window's
-//! width). Towards it, carried displacements are multiplied with a window that rises smoothly from 0 on the rim to 1 at
-//! [`WIDTH`] of the diagonal. DeltaBlocks examples are left as they are.
+//! A rim is a loop of boundary edges. It is held if no example moves any of its vertices, but some example moves a
+//! vertex beside it. A vertex counts as moved if its displacement exceeds a hundredth of the example's deepest. A
+//! vertex is beside a rim if it shares a triangle with it or lies within the window's width. Near a held rim, carried
+//! displacements are multiplied by a window that rises smoothly from 0 on the rim to 1 at [`WIDTH`] of the diagonal.
+//! Anchored examples are not changed.
 
 use super::Mesh;
 use super::vertex_blocks::{BLOCK, block_range};
@@ -14,24 +15,24 @@ use rstar::{RTree, primitives::GeomWithData};
 
 /// Width of the window, as a share of the bounds' diagonal.
 const WIDTH: f32 = 0.03;
-/// What counts as moved, as a share of an example's deepest displacement.
+/// A vertex counts as moved above this share of the example's deepest displacement.
 const MOVED: f32 = 0.01;
 
 /// The window at one vertex.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Window {
-    /// What carried displacements are multiplied with, 0 to 1.
+    /// Factor for carried displacements, 0 to 1.
     pub factor: f32,
-    /// Its gradient, 1/m.
+    /// Gradient of the factor, 1/m.
     pub gradient: Vec3,
 }
 
 impl Window {
-    /// Away from every held rim.
+    /// The window away from every held rim.
     pub(crate) const OPEN: Window = Window { factor: 1.0, gradient: Vec3::ZERO };
 }
 
-/// The windows of one block's vertices, component by component.
+/// The windows of one block's vertices, one array per component.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 pub(crate) struct WindowBlock {
@@ -43,9 +44,9 @@ pub(crate) struct WindowBlock {
 impl WindowBlock {
     const OPEN: WindowBlock = WindowBlock { factor: [1.0; BLOCK], gradient: [[0.0; BLOCK]; 3] };
 
-    /// No gradient of a window is greater than this on a body with this diagonal (m), 1/m.
+    /// Upper bound of the length of a window's gradient, 1/m, for a body with this diagonal (m).
     pub(crate) fn steepest(diagonal: f32) -> f32 {
-        // 6 s (1 - s) is 1.5 at most; a little more for rounding.
+        // 6 s (1 - s) is at most 1.5. Slightly more to allow for rounding.
         1.51 / (WIDTH * diagonal)
     }
 
@@ -55,21 +56,21 @@ impl WindowBlock {
     }
 }
 
-/// The windows of the blocks that come near a held rim.
+/// The windows of the blocks near held rims.
 #[derive(Debug, Default, Clone)]
 pub(crate) struct Rim {
-    /// Of each block the index of its windows, [`Rim::CLEAR`] where all are open; empty where nothing is held.
+    /// For each block the index of its windows, or [`Rim::CLEAR`] if all are open. Empty if no rim is held.
     pub(crate) blocks: Array<u32>,
     pub(crate) windows: Array<WindowBlock>,
-    /// Vertices that are held, increasing.
+    /// The held vertices, increasing.
     pub(crate) held: Array<u32>,
 }
 
 impl Rim {
-    /// A block away from every held rim.
+    /// Marks a block away from every held rim.
     pub(crate) const CLEAR: u32 = u32::MAX;
 
-    /// What the examples show to be held, given which vertices each of them [moves](moves).
+    /// Finds the held rims. `examples` says for each example which vertices it [moves](moves).
     pub(crate) fn find(mesh: &Mesh, examples: &[Vec<bool>]) -> Self {
         let held = held(mesh, examples);
         let points: Vec<Vec3> = held.iter().map(|v| mesh.positions()[*v as usize]).collect();
@@ -77,14 +78,15 @@ impl Rim {
         Rim { blocks: blocks.into(), windows: windows.into(), held: held.into() }
     }
 
-    /// The same rim as another mesh of the same body sees it.
+    /// The windows of the same rims for the vertices of another mesh of the same body. Its list of held vertices is
+    /// empty.
     pub(crate) fn on(&self, own: &Mesh, other: &[Vec3]) -> Self {
         let points: Vec<Vec3> = self.held.iter().map(|v| own.positions()[*v as usize]).collect();
         let (blocks, windows) = windows(&points, own.bounds().diagonal(), other);
         Rim { blocks: blocks.into(), windows: windows.into(), held: Array::default() }
     }
 
-    /// The windows of block `b`, from its first vertex; `None` where all are open.
+    /// The windows of block `b`, or `None` if all are open.
     pub(crate) fn block(&self, b: usize) -> Option<&WindowBlock> {
         self.windows.get(*self.blocks.get(b)? as usize)
     }
@@ -106,7 +108,8 @@ impl Rim {
     }
 }
 
-/// Windows around held points for a body with this diagonal (m): of each block the index of its windows, and these.
+/// Windows around held points for a body with this diagonal (m). Returns the index of each block's windows, and the
+/// windows.
 fn windows(held: &[Vec3], diagonal: f32, positions: &[Vec3]) -> (Vec<u32>, Vec<WindowBlock>) {
     if held.is_empty() {
         return Default::default();
@@ -139,14 +142,15 @@ fn windows(held: &[Vec3], diagonal: f32, positions: &[Vec3]) -> (Vec<u32>, Vec<W
     (blocks.collect(), all)
 }
 
-/// Whether an example moves each vertex. Told from displacements as they were given: what a tolerance leaves out still shows that
+/// Whether an example moves each vertex. Pass the displacements as given: those that a tolerance drops still show that
 /// an edge is free.
 pub(crate) fn moves(deltas: &[Vec3]) -> Vec<bool> {
     let deepest = deltas.iter().map(|d| d.length()).fold(0.0, f32::max);
     deltas.iter().map(|d| d.length() > MOVED * deepest).collect()
 }
 
-/// Vertices of the loops that are held, all that stand at one position: an example may tear them apart.
+/// Returns the vertices of the held loops. Includes every vertex at each position, because an example may tear them
+/// apart.
 fn held(mesh: &Mesh, examples: &[Vec<bool>]) -> Vec<u32> {
     let (triangles, weld) = (mesh.triangles(), mesh.weld());
     let welded = |t: &[u32; 3]| t.map(|v| weld[v as usize]);
@@ -162,7 +166,7 @@ fn held(mesh: &Mesh, examples: &[Vec<bool>]) -> Vec<u32> {
         return Vec::new();
     }
     let mut loops = Loops::new(mesh.positions().len(), &boundary);
-    // Vertices beside a loop (the lowest at each position), each with the loop.
+    // Pairs of a vertex beside a loop (the lowest at its position) and the loop.
     let mut beside: Vec<(u32, u32)> = Vec::new();
     for t in triangles.iter().map(welded) {
         for v in t {
@@ -175,7 +179,7 @@ fn held(mesh: &Mesh, examples: &[Vec<bool>]) -> Vec<u32> {
             }
         }
     }
-    // On a fine mesh the next vertices hardly move where the sheet is clamped: those within the window's width count too.
+    // Next to a clamped edge of a fine mesh, vertices hardly move, so vertices within the window's width count too.
     let positions = mesh.positions();
     let edge = (0..positions.len() as u32).filter(|v| weld[*v as usize] == *v && loops.has(*v));
     let edge = RTree::bulk_load(edge.map(|v| GeomWithData::new(positions[v as usize].to_array(), v)).collect());
@@ -208,13 +212,13 @@ fn held(mesh: &Mesh, examples: &[Vec<bool>]) -> Vec<u32> {
     rim.iter().filter(|(_, l)| !free[*l as usize] && shown[*l as usize]).map(|(v, _)| *v).collect()
 }
 
-/// `near`, sorted, with all vertices that stand where its vertices do.
+/// Adds to `near` (sorted) all vertices at the positions of its vertices.
 fn copies(weld: &[u32], near: &[(u32, u32)]) -> Vec<(u32, u32)> {
     let at = |w: u32| near[near.partition_point(|n| n.0 < w)..].iter().take_while(move |n| n.0 == w);
     weld.iter().zip(0..).flat_map(|(w, v)| at(*w).map(move |n| (v, n.1))).collect()
 }
 
-/// Boundary vertices joined into loops.
+/// Boundary vertices joined into loops (union-find).
 struct Loops {
     parent: Vec<u32>,
     member: Vec<bool>,
@@ -236,7 +240,7 @@ impl Loops {
         self.member[v as usize]
     }
 
-    /// The loop that vertex `v` is on: its lowest vertex.
+    /// The loop of vertex `v`, named by the loop's lowest vertex.
     fn of(&mut self, v: u32) -> Option<u32> {
         self.has(v).then(|| self.root(v))
     }

@@ -4,7 +4,7 @@ use super::Mesh;
 use glam::Vec3;
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 
-/// The triangles of a mesh by place.
+/// A spatial index of a mesh's triangles.
 #[derive(Debug)]
 pub(crate) struct SurfaceIndex(RTree<IndexedTriangle>);
 
@@ -19,12 +19,12 @@ impl SurfaceIndex {
         self.0.size() == 0
     }
 
-    /// The triangle nearest to a point; `None` where there is no triangle.
+    /// The triangle nearest to a point. `None` if there are no triangles.
     pub(crate) fn nearest(&self, p: Vec3) -> Option<&IndexedTriangle> {
         self.0.nearest_neighbor(p.to_array())
     }
 
-    /// The triangles in order of their distance from a point, to rounding, with that distance squared, m².
+    /// The triangles and their squared distances (m²) from a point, nearest first. The order is exact up to rounding.
     pub(crate) fn by_distance(&self, p: Vec3) -> impl Iterator<Item = (f32, &IndexedTriangle)> {
         let p = p.to_array();
         self.0.nearest_neighbor_iter(p).map(move |t| (t.distance_2(&p), t))
@@ -60,7 +60,7 @@ impl PointDistance for IndexedTriangle {
     }
 }
 
-/// Barycentric weights of the point of a triangle that is closest to `p` (Ericson, Real-Time Collision Detection, 5.1.5).
+/// Barycentric weights of the triangle's closest point to `p` (Ericson, Real-Time Collision Detection, 5.1.5).
 pub(crate) fn closest(triangle: [Vec3; 3], p: Vec3) -> [f64; 3] {
     let ([a, b, c], p) = (triangle.map(|v| v.as_dvec3()), p.as_dvec3());
     let (ab, ac, ap) = (b - a, c - a, p - a);

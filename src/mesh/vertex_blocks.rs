@@ -1,11 +1,11 @@
-//! Vertices keep the engine's order and are cut into blocks: the unit that is tracked, skipped and evaluated.
+//! Blocks of consecutive vertices, in the engine's order. A block is the unit that is tracked, skipped and evaluated.
 
 use std::ops::Range;
 
-/// Vertices in a block.
+/// Vertices per block.
 pub(crate) const BLOCK: usize = 128;
 
-/// The vertices of block `b` in a mesh of `n`.
+/// The vertices of block `b` in a mesh with `n` vertices.
 pub(crate) fn block_range(b: usize, n: usize) -> Range<usize> {
     b * BLOCK..((b + 1) * BLOCK).min(n)
 }

@@ -1,4 +1,4 @@
-//! A hit, and what it was turned into.
+//! A hit and its outcome.
 
 use crate::damage::mark::Mark;
 use crate::mesh::mirror::Mirror;
@@ -15,21 +15,23 @@ pub enum Space {
     World = 1,
 }
 
-/// What a hit does to the vertex it hits.
+/// What a hit asks of the vertex it hits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Cause {
-    /// The literature's target displacement `impulse * duration / mass` (Eq. 4.4). It depends on `duration`, so on the
-    /// engine's time step if that is what is passed: give a duration of the material's own, and report a contact once, with
-    /// its whole impulse, or in parts with an id ([`Hit::contact`]). [`Cause::Displacement`] has no duration.
+    /// An impulse. The target displacement is the paper's `impulse * duration / mass` (Eq. 4.4). Do not pass the
+    /// engine's time step as `duration`, because dents would depend on it; pass a constant of the material. Report a
+    /// contact once with its whole impulse, or in parts with an id ([`Hit::contact`]). [`Cause::Displacement`] needs no
+    /// duration.
     Impulse {
-        /// N·s.
+        /// The impulse, N·s.
         impulse: [f32; 3],
-        /// How long it acted, s; above 0.
+        /// How long the impulse acted, s. Above 0.
         duration: f32,
-        /// Mass of the vertex, kg, above 0. `None`: the set's.
+        /// Mass of the vertex, kg. Above 0. `None` takes the set's.
         mass: Option<f32>,
     },
-    /// The displacement the contact should get, m: the engine's own mapping, free of the frame rate.
+    /// The desired contact displacement, m, for engines with their own mapping from impulse to depth. It does not
+    /// depend on the frame rate.
     Displacement([f32; 3]),
 }
 
@@ -38,18 +40,19 @@ pub enum Cause {
 pub struct Hit {
     /// Contact point, m.
     pub point: [f32; 3],
-    /// Impulse or displacement; points into the body for a dent.
+    /// Impulse or displacement. For a dent it points into the body.
     pub cause: Cause,
     /// The space of `point` and of the vector in `cause`.
     pub space: Space,
-    /// The contact it is part of. `None`: a hit of its own. Hits of one contact, which may come over many steps until
-    /// [`Inbox::end_contact`](crate::Inbox::end_contact), make the one dent of their sum, whatever the time step. An
-    /// impulse's `duration` is then a constant of the material, not the step. The rule `Marks` only.
+    /// Id of the contact that the hit is part of. `None` for a separate hit. Hits of one contact make one dent, that of
+    /// their sum, whatever the time step. They may come over many steps until
+    /// [`Inbox::end_contact`](crate::Inbox::end_contact). The `duration` of their impulses must be a constant of the
+    /// material, not the time step. Only for the rule `Marks`.
     pub contact: Option<NonZeroU64>,
 }
 
 impl Hit {
-    /// A hit in the mesh's space that should displace the contact by `displacement`, m.
+    /// A hit in the mesh's space that asks for a contact displacement of `displacement`, m.
     pub fn displacement(point: [f32; 3], displacement: [f32; 3]) -> Self {
         Hit { point, cause: Cause::Displacement(displacement), space: Space::Local, contact: None }
     }
@@ -68,12 +71,15 @@ impl Hit {
 /// How examples are chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Selection {
-    /// The K that say most of the hit's place, depth and lean, carried or anchored as each example says.
+    /// The K examples that best predict a dent of the hit's place, depth and lean. Each is carried or anchored as its
+    /// placement says.
     #[default]
     Nearest,
-    /// The paper's Figure 4.2: best cosine among the examples that move the nearest vertex, anchored; weight at most 1.
+    /// The paper's Figure 4.2: the example with the best cosine among those that move the nearest vertex, anchored. Its
+    /// weight is at most 1.
     Classic,
-    /// The same without the limit of the weight: diverges above 2. For comparison, with the classic rules only.
+    /// Like `Classic`, but the weight has no limit. The rule diverges for weights above 2. For comparison; needs a
+    /// classic rule.
     ClassicUnclamped,
 }
 
@@ -94,36 +100,36 @@ pub enum HitStatus {
 /// An example chosen for a hit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Chosen {
-    /// Its index.
+    /// Index of the example.
     pub example: u32,
-    /// Its share of the dent; shares sum to 1. Negative where it corrects others that overshoot.
+    /// Its share of the dent. Shares sum to 1. A negative share corrects others that overshoot.
     pub share: f32,
-    /// What its displacements are multiplied with.
+    /// Factor for its displacements.
     pub scale: f32,
-    /// Whether it stays where it was made.
+    /// Whether the example stays where it was made.
     pub anchored: bool,
-    /// The planes that it is mirrored in.
+    /// The planes that the example is mirrored in.
     pub mirror: Mirror,
 }
 
-/// What a hit was turned into.
+/// The outcome of a hit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outcome {
-    /// What became of it.
+    /// What became of the hit.
     pub status: HitStatus,
     /// The vertex nearest to the contact point.
     pub contact_vertex: u32,
-    /// Its distance from the contact point, m.
+    /// Distance of that vertex from the contact point, m.
     pub contact_distance: f32,
-    /// Displacement asked for at the contact, in the mesh's space, m.
+    /// The displacement that the hit asks for at the contact vertex, in the mesh's space, m.
     pub target: [f32; 3],
-    /// Displacement that this hit alone achieves there, m.
+    /// The displacement of the contact vertex by this hit alone, in the mesh's space, m.
     pub achieved: [f32; 3],
-    /// Whether the target was longer than the depth limit and was cut to it.
+    /// Whether the target was longer than the depth limit and was shortened to it.
     pub clamped: bool,
-    /// The examples chosen, the weightiest first.
+    /// The examples chosen, the largest share first.
     pub chosen: [Option<Chosen>; 4],
-    /// The mark it leaves; none with the classic rules.
+    /// The mark that the hit leaves. `None` with the classic rules.
     pub mark: Option<Mark>,
 }
 

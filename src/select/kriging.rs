@@ -1,23 +1,23 @@
-//! Which examples make a dent, and with what shares: ordinary kriging over what is known of a hit.
+//! Chooses the examples of a dent and their shares by ordinary kriging.
 //!
-//! A hit and an example are points in a space of seven axes: place (3), logarithm of depth (1), and lean (3), the tangential
-//! part of the unit displacement, all relative to the hit and each divided by its width. With `D` their squared distance, the kernel
-//! is the rational quadratic `1 / (1 + D / 2)`. Of the [`CANDIDATES`] nearest examples those K are taken that bring the
-//! kriging variance down most, one after the other; their shares are the kriging weights, which sum to 1 and may be negative
-//! (an example that overshoots is corrected by another). Far from all examples the weights fall back to equal shares.
-//! (Krige 1951; Cressie, "Statistics for Spatial Data", 1993, section 3.2.)
+//! Hits and examples are points in a space with seven axes: place (3), logarithm of depth (1), and lean (3), the
+//! tangential part of the unit displacement. Coordinates are relative to the hit and divided by the width of their
+//! axis. With `D` the squared distance, the kernel is the rational quadratic `1 / (1 + D / 2)`. K of the [`CANDIDATES`]
+//! nearest examples are picked one after the other, each time the one that reduces the kriging variance most. Their
+//! shares are the kriging weights, which sum to 1. A negative weight corrects an example that overshoots. Far from all
+//! examples the weights become equal. (Krige 1951; Cressie, "Statistics for Spatial Data", 1993, section 3.2.)
 //!
-//! Plain IEEE f32/f64 operations without transcendentals: the same bits everywhere.
+//! Uses only IEEE f32 and f64 operations without transcendental functions, so it gives the same bits on every platform.
 
 use crate::base::array_vec::ArrayVec;
 use crate::damage::mark::MAX_PAIRS;
 
-/// Only so many nearest examples are considered.
+/// Number of nearest examples that are considered.
 pub(crate) const CANDIDATES: usize = 12;
-/// Variance of what the axes do not tell, as a share of the kernel's height.
+/// Variance that the axes do not explain (the nugget), as a share of the kernel's height.
 const NUGGET: f64 = 0.03;
 
-/// An example as seen from a hit, or the other way round.
+/// Coordinates of an example relative to a hit.
 pub(crate) type Axes = [f32; 7];
 
 /// Squared distance from the hit, which is the origin.
@@ -29,8 +29,8 @@ fn kernel(d: f64) -> f64 {
     1.0 / (1.0 + 0.5 * d)
 }
 
-/// Indices into `near` (at most [`CANDIDATES`], nearest first) of the `k` chosen (at most [`MAX_PAIRS`]), with their weights;
-/// the sum of weights is 1 to rounding.
+/// Chooses up to `k` (at most [`MAX_PAIRS`]) examples from `near`, which is sorted with the nearest first. Only the
+/// first [`CANDIDATES`] are considered. Returns indices into `near` and weights. Weights sum to 1 up to rounding.
 pub(crate) fn choose(near: &[Axes], k: usize) -> ArrayVec<(usize, f64), MAX_PAIRS> {
     let n = near.len().min(CANDIDATES);
     let mut system = System::new(&near[..n]);
@@ -43,14 +43,16 @@ pub(crate) fn choose(near: &[Axes], k: usize) -> ArrayVec<(usize, f64), MAX_PAIR
     weights(&picked)
 }
 
-/// One value a candidate. All are computed for all, picked ones and empty places too, in loops that become vector operations.
+/// One value per candidate. Loops also compute picked and unused candidates, so that they vectorize.
 type Each = [f64; CANDIDATES];
 
-/// The Cholesky factor of the picked examples' covariances, with one more row for each candidate that could be picked next.
+/// The Cholesky factor `L` of the picked examples' covariances, with the next row for each candidate that could be
+/// picked.
 struct System {
-    /// The candidate's covariance with the hit.
+    /// Each candidate's covariance with the hit, `k`.
     to_hit: Each,
-    /// Its row, and of that the sum of squares and the products with `L^-1 k` and `L^-1 1` of the rows picked.
+    /// Each candidate's row. `square` is the row's sum of squares; `hit` and `one` are its products with `L^-1 k` and
+    /// `L^-1 1`.
     lower: [Each; MAX_PAIRS],
     square: Each,
     hit: Each,
@@ -58,7 +60,7 @@ struct System {
     picked: [bool; CANDIDATES],
 }
 
-/// One row of the factor: `lower` and its diagonal, and its entries of `L^-1 k` and `L^-1 1`.
+/// One row of the factor: `lower`, its diagonal, and its entries of `L^-1 k` (`hit`) and `L^-1 1` (`one`).
 #[derive(Debug, Clone, Copy, Default)]
 struct Row {
     candidate: usize,
@@ -78,7 +80,7 @@ impl System {
         System { to_hit, lower: [zero; MAX_PAIRS], square: zero, hit: zero, one: zero, picked: [false; CANDIDATES] }
     }
 
-    /// The one of the first `n` candidates with which the kriging variance is least.
+    /// The candidate among the first `n` that gives the smallest kriging variance.
     fn best(&self, rows: &[Row], n: usize) -> Option<Row> {
         let sum = |f: fn(&Row) -> f64| rows.iter().map(f).sum::<f64>();
         let (cross, ones, hits) = (sum(|r| r.hit * r.one), sum(|r| r.one * r.one), sum(|r| r.hit * r.hit));
@@ -88,12 +90,12 @@ impl System {
             diagonal[i] = (1.0 + NUGGET - self.square[i]).sqrt();
             hit[i] = (self.to_hit[i] - self.hit[i]) / diagonal[i];
             one[i] = (1.0 - self.one[i]) / diagonal[i];
-            // Up to a constant.
+            // The variance up to a constant.
             let missing = 1.0 - (cross + hit[i] * one[i]);
             variance[i] = missing * missing / (ones + one[i] * one[i]) - (hits + hit[i] * hit[i]);
         }
         let mut best: Option<usize> = None;
-        // A diagonal of zero (or none at all): what it would tell is known.
+        // Skips a diagonal of zero or NaN: such a candidate adds no information.
         for i in (0..n).filter(|i| !self.picked[*i] && diagonal[*i] > 0.0) {
             if best.is_none_or(|b| variance[i] < variance[b]) {
                 best = Some(i);
@@ -105,7 +107,7 @@ impl System {
         })
     }
 
-    /// Lengthens the candidates' rows by the entry that belongs to `row`, the next after `rows`.
+    /// Picks `row` as the next after `rows`. Extends every candidate's row by one entry.
     fn take(&mut self, rows: &[Row], row: &Row, near: &[Axes]) {
         self.picked[row.candidate] = true;
         let mut d = [0.0; CANDIDATES];
@@ -166,7 +168,7 @@ mod tests {
 
     #[test]
     fn beyond_the_last_example_the_trend_goes_on() {
-        // At 0.4 and 0.8 on one side: the nearer weighs above 1, the further below 0.
+        // Both are on one side, at 0.4 and 0.8. The nearer gets a weight above 1, the further one below 0.
         let w = choose(&[at(0.4), at(0.8)], 2);
         assert!(w[0].0 == 0 && w[0].1 > 1.0 && w[1].1 < 0.0, "{w:?}");
     }
@@ -179,12 +181,12 @@ mod tests {
 
     #[test]
     fn the_second_is_the_one_on_the_other_side() {
-        // Two near each other say the same: the third, further off but opposite, tells more.
+        // The first two are close together, so the third, which is further off on the other side, adds more.
         let w = choose(&[at(0.5), at(0.55), at(-0.7)], 2);
         assert_eq!(w.iter().map(|(i, _)| *i).collect::<Vec<_>>(), [0, 2]);
     }
 
-    /// Against the textbook: the weights solve [K + nugget, 1; 1, 0] [w; m] = [k; 1].
+    /// The weights solve the textbook system [K + nugget, 1; 1, 0] [w; m] = [k; 1].
     #[test]
     fn weights_solve_the_kriging_system() {
         let axes: Vec<Axes> =

@@ -1,9 +1,10 @@
-//! Selection: a hit becomes a mark.
+//! Selection: turns a hit into a mark.
 //!
-//! The default takes the K examples that say most of a hit of this place, depth and lean, in shares that extrapolate between
-//! them ([`kriging`]), and scales them together so that the contact gets the target displacement.
+//! The default chooses the K examples that best predict a dent of the hit's place, depth and lean. [`kriging`] gives
+//! their shares. They are scaled together so that the contact gets the target displacement.
 //!
-//! Everything here is IEEE f32/f64 arithmetic with `sqrt` and `libm`, so the same hit makes the same mark everywhere.
+//! Selection uses only IEEE f32 and f64 arithmetic, `sqrt` and `libm`, so the same hit makes the same mark on every
+//! platform.
 
 pub(crate) mod hit;
 pub(crate) mod kriging;

@@ -1,4 +1,4 @@
-//! The default selection: the examples that say most of the hit's place, depth and lean.
+//! The default selection: the examples that best predict a dent of the hit's place, depth and lean.
 
 use super::hit::{Chosen, HitStatus, Outcome};
 use super::placement::{Choice, placement_for};
@@ -10,19 +10,19 @@ use crate::damage::mark::{MAX_PAIRS, Mark, Pair};
 use crate::example::candidates::LANES;
 use crate::example::set::ExampleSet;
 
-/// Up to `k` examples that make the mark of a hit; `None` where no example answers it.
+/// Makes the mark of a hit from up to `k` examples. `None` if no example fits the hit.
 pub(crate) fn select_nearest(set: &ExampleSet, k: usize, target: &Target, out: &mut Outcome) -> Option<Mark> {
     let Target { contact, direction, size } = *target;
     let pairs = nearest_pairs(set, k, &HitQuery::new(set, contact, direction, size, set.learned().place_width));
     if pairs[0].is_none() {
         return None;
     }
-    // The dent's own direction at the contact decides how much of the target it can meet.
+    // The depth is the target's component along the dent's direction at the contact.
     let rotations = frame_rotations(set, contact, &pairs);
     let placed = place(set, contact, size, &pairs, &rotations);
     let along = placed.without_rim.length();
     let depth = if along > 0.0 { (direction * size).dot(placed.without_rim / along) } else { 0.0 };
-    // A target along the dent to within rounding is the dent.
+    // Keeps the exact size if the target lies along the dent up to rounding.
     let depth = if (depth - size).abs() <= 1e-6 * size { size } else { depth };
     if depth.is_nan() || depth <= 0.0 {
         return None;
@@ -49,7 +49,7 @@ fn nearest_pairs(set: &ExampleSet, k: usize, hit: &HitQuery) -> [Pair; MAX_PAIRS
                 if matches!(choice, Choice::Anchored { .. }) {
                     shortlist.add(scored);
                 } else if alone.is_none_or(|other| scored.order(&other).is_lt()) {
-                    // At an example's own contact it answers alone: the artist's dent, not a mixture.
+                    // The hit repeats an example at its own contact, so it gets the artist's dent and not a mixture.
                     alone = Some(scored);
                 }
             } else if choice.may_carry()
@@ -65,7 +65,7 @@ fn nearest_pairs(set: &ExampleSet, k: usize, hit: &HitQuery) -> [Pair; MAX_PAIRS
     }
 }
 
-/// Writes to the outcome what a mark does at its contact.
+/// Writes the mark, its examples and the displacement it achieves at its contact to the outcome.
 pub(crate) fn report(placed: &PlacedMark, mark: Mark, out: &mut Outcome) -> Mark {
     let used = mark.pairs.iter().filter(|p| !p.is_none());
     for (slot, (pair, part)) in out.chosen.iter_mut().zip(used.zip(&placed.parts)) {

@@ -1,7 +1,8 @@
-//! Where an example goes for a hit: it stays where it was made, or it is carried to the contact.
+//! Decides whether an example stays where it was made (anchored) or is carried to the contact.
 //!
-//! An anchored example can be neither deepened nor narrowed, so an automatic one stays only for hits at its own contact that
-//! ask for its own depth, or where the set learned that its surroundings are better met by anchored examples.
+//! An anchored example can be neither deepened nor narrowed. An automatic example is therefore anchored only in two
+//! cases: the hit is at its own contact and asks for its own depth, or the set learned that anchored examples predict
+//! hits around it better.
 
 use super::query::HitQuery;
 use crate::example::candidates::{Candidate, OWN_PLACE};
@@ -9,20 +10,20 @@ use crate::example::data::Placement;
 use crate::example::example::Example;
 use crate::example::set::ExampleSet;
 
-/// A hit asks for an example's own depth from this share below it up to rounding above it. (A tenth, as for the place; no
-/// training impact lies that near another, so the value could not be fitted.)
+/// A hit asks for an example's own depth if it is at most this share below it and, up to rounding, not above it. The
+/// value is a tenth, as for the place. It could not be fitted, because no training impact is that near another.
 const OWN_DEPTH: f32 = 0.1;
 
-/// How a candidate may answer a hit.
+/// How a candidate may be used for a hit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Choice {
-    /// It does not reach the contact and cannot be carried there.
+    /// Not at all: it does not reach the contact and cannot be carried there.
     Nowhere,
     /// Carried to the contact.
     Carried,
-    /// Where it was made. Carried where it does not reach the contact, if `or_carried`.
+    /// Anchored where it was made. If it does not reach the contact and `or_carried` is set, carried.
     Anchored { or_carried: bool },
-    /// Where it was made, as the only example of the mark: the hit repeats the example.
+    /// Anchored as the only example of the mark, because the hit repeats the example. `or_carried` as in `Anchored`.
     Alone { or_carried: bool },
 }
 
@@ -42,7 +43,7 @@ impl Choice {
     }
 }
 
-/// The one rule for where an example goes.
+/// The rule that decides how a candidate may be used for a hit. There is no other.
 #[inline]
 pub(crate) fn placement_for(set: &ExampleSet, candidate: &Candidate, hit: &HitQuery) -> Choice {
     let i = candidate.example as usize;
@@ -63,7 +64,7 @@ pub(crate) fn placement_for(set: &ExampleSet, candidate: &Candidate, hit: &HitQu
     }
 }
 
-/// Whether hit and set decide where the example goes.
+/// Whether the hit and the set decide if the example is carried.
 pub(crate) fn is_automatic(e: &Example) -> bool {
     e.placement() == Placement::Automatic && e.stamp().is_some()
 }

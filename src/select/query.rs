@@ -1,4 +1,4 @@
-//! A hit as a point in the space that examples are compared in: place, depth and lean ([`super::kriging`]).
+//! A hit as a point in the space in which examples are compared: place, depth and lean ([`super::kriging`]).
 
 use super::kriging::Axes;
 use crate::base::math::{OPPOSITE, turn_tangent};
@@ -8,20 +8,20 @@ use crate::example::set::ExampleSet;
 use crate::mesh::mirror::Mirror;
 use glam::{Vec3, Vec4};
 
-/// Axis width over the natural logarithm of the ratio of depths.
+/// Width of the depth axis: natural logarithm of the ratio of depths.
 const SIZE_WIDTH: f32 = 2.4;
-/// Axis width over the lean: the tangential part of a unit displacement.
+/// Width of the lean axes: tangential part of a unit displacement.
 const LEAN_WIDTH: f32 = 0.05;
-/// Place axes of anchored examples, as a share of the diagonal: an anchored example says little about other places.
+/// Width of the place axes of anchored examples, as a share of the diagonal. They predict little about other places.
 const ANCHORED_WIDTH: f32 = 0.15;
-/// A target that leans less than this (a tenth of a degree) is taken as along the normal, with unknown lean.
+/// A target that leans less than this (a tenth of a degree) counts as along the normal. Its lean is unknown.
 const UPRIGHT: f32 = 0.002;
-/// A target that leans more than the most leaning example by this factor is not what a dent's contact does.
+/// A lean above this many times the greatest of all examples is implausible for a dent and counts as unknown.
 const BEYOND: f32 = 3.0;
-/// An example shallower than this share of the depth limit answers no hit.
+/// An example shallower than this share of the depth limit is never used.
 const NEGLIGIBLE: f32 = 1e-6;
 
-/// A hit on a vertex that asks for a displacement, as examples are measured against it.
+/// A hit that asks for a displacement of a vertex, prepared for comparison with examples.
 pub(crate) struct HitQuery<'a> {
     examples: &'a [Example],
     contact: u32,
@@ -29,7 +29,7 @@ pub(crate) struct HitQuery<'a> {
     pub size: f32,
     normal: Option<Vec3>,
     direction: Vec3,
-    /// `None` where it is not known.
+    /// `None` if unknown.
     lean: Option<Vec3>,
     log_size: f32,
     /// Widths of the place axes, m.
@@ -39,13 +39,13 @@ pub(crate) struct HitQuery<'a> {
 }
 
 impl<'a> HitQuery<'a> {
-    /// A hit on vertex `contact` that asks for `size` (m) along the unit vector `direction`. `place_width` is the width of the
-    /// place axes as a share of the diagonal.
+    /// A hit on vertex `contact` that asks for a displacement of `size` (m) along the unit vector `direction`.
+    /// `place_width` is the width of the place axes of carried examples, as a share of the diagonal.
     pub(crate) fn new(set: &'a ExampleSet, contact: u32, direction: Vec3, size: f32, place_width: f32) -> Self {
         let (mesh, candidates) = (set.mesh(), set.candidates());
         let normal = mesh.contact_normal(contact);
         let lean = normal.map_or(Vec3::ZERO, |n| direction - n * n.dot(direction));
-        // The direction of an impulse, or a displacement made up along the normal, does not tell how a dent leans.
+        // The direction of an impulse, or a displacement constructed along the normal, does not tell how a dent leans.
         let length = lean.length();
         let cut = if length > candidates.max_lean { lean * (candidates.max_lean / length) } else { lean };
         let lean = (UPRIGHT..=BEYOND * candidates.max_lean).contains(&length).then_some(cut);
@@ -65,7 +65,7 @@ impl<'a> HitQuery<'a> {
         }
     }
 
-    /// A candidate relative to the hit; `None` where it cannot answer it.
+    /// Coordinates of a candidate relative to the hit. `None` if the candidate cannot be used for it.
     #[inline]
     pub(crate) fn axes(&self, candidate: &Candidate, anchored: bool) -> Option<Axes> {
         let e = &self.examples[candidate.example as usize];
@@ -95,9 +95,9 @@ impl<'a> HitQuery<'a> {
         Some([p.x, p.y, p.z, (log_depth - self.log_size) / SIZE_WIDTH, l.x, l.y, l.z])
     }
 
-    /// Lower bounds on the squared distances of candidates when they are carried; minus infinity for those that may stay where
-    /// they were made, and where only [`HitQuery::axes`] can tell. Divisions of `axes` are products here, so that a bound is
-    /// lowered by more than their rounding. `None` where all are above `limit`.
+    /// Lower bounds of the squared distances of carried candidates. A bound is minus infinity if the candidate may be
+    /// used anchored, or if only [`HitQuery::axes`] is precise enough. This function multiplies where `axes` divides,
+    /// so each bound is lowered by more than the rounding difference. `None` if all bounds are above `limit`.
     #[inline]
     pub(crate) fn bounds(&self, lanes: &CandidateLanes, limit: f32) -> Option<Vec4> {
         const ROUNDING: f32 = 4e-6;

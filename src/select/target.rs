@@ -1,4 +1,4 @@
-//! What a hit asks of a body: which vertex, in which direction, how far.
+//! The target of a hit: which vertex is displaced, in which direction and how far.
 
 use super::hit::{Cause, Hit, HitStatus, Outcome, Selection, Space};
 use crate::base::error::Error;
@@ -11,7 +11,7 @@ use glam::{DMat3, DVec3, Vec3};
 /// Targets below this share of the depth limit leave no mark.
 const NEGLIGIBLE: f64 = 1e-6;
 
-/// What selection needs to know of an instance.
+/// The settings of an instance that selection needs.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct HitParams {
     pub selection: Selection,
@@ -20,30 +20,31 @@ pub(crate) struct HitParams {
     pub yield_impulse: f32,
     pub yield_displacement: f32,
     pub max_distance: f32,
-    /// Mesh space from world space, and its inverse's translation.
+    /// Linear part of the transform from world to mesh space, and the mesh origin in world space, m.
     pub world_to_local: DMat3,
     pub local_origin_in_world: DVec3,
 }
 
 impl HitParams {
-    /// A point in the mesh's space, m.
+    /// Maps a point given in `space` to the mesh's space, m.
     pub(crate) fn local(&self, point: [f32; 3], space: Space) -> DVec3 {
         let x = DVec3::from_array(point.map(f64::from));
         if space == Space::World { self.world_to_local * (x - self.local_origin_in_world) } else { x }
     }
 }
 
-/// A displacement that a vertex should get.
+/// The displacement that a hit asks of a vertex.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Target {
     pub contact: u32,
-    /// Of unit length.
+    /// Unit vector.
     pub direction: Vec3,
-    /// m, at most the depth limit unless selection is unclamped.
+    /// Length, m. At most the depth limit, unless selection is unclamped.
     pub size: f32,
 }
 
-/// What a hit asks for; no target where it is too weak to leave anything. The outcome says so, or that nothing reaches it yet.
+/// Computes the target of a hit. There is none if the hit is too weak; the outcome's status is then `BelowYield`.
+/// Otherwise the status is `NothingReaches` until an example is chosen.
 pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Outcome, Option<Target>), Error> {
     check(hit)?;
     let contact = contact(set, p, p.local(hit.point, hit.space))?;
@@ -100,7 +101,7 @@ fn check(hit: &Hit) -> Result<(), Error> {
     }
 }
 
-/// Rounded; what f32 cannot hold becomes the largest it can.
+/// Rounds to f32. Values out of range become the largest finite value.
 pub(crate) fn to_f32(v: DVec3) -> [f32; 3] {
     v.to_array().map(|x| x.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32)
 }
@@ -108,7 +109,7 @@ pub(crate) fn to_f32(v: DVec3) -> [f32; 3] {
 fn contact(set: &ExampleSet, p: &HitParams, point: DVec3) -> Result<Nearest, Error> {
     let too_far =
         |distance: f64| Error::ContactTooFar { point: to_f32(point), distance: distance as f32, limit: p.max_distance };
-    // Against the bounds first, in double precision: points so far off that f32 overflows end here.
+    // Tests the bounds first in double precision. This rejects points so far off that f32 would overflow.
     let b = set.mesh().bounds();
     let off = (b.min.as_dvec3() - point).max(point - b.max.as_dvec3()).max(DVec3::ZERO).length();
     if off > f64::from(p.max_distance) {
