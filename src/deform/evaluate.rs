@@ -90,7 +90,7 @@ fn active<'a>(job: BlockJob<'a>, normals: bool, scratch: &mut Scratch<'a>) -> To
     touched
 }
 
-/// What moves a block.
+/// Summary of what moves a block.
 struct Touched {
     dents: usize,
     /// The most that all of them together can move a vertex, m.

@@ -59,7 +59,7 @@ pub struct Arguments {
 enum SelectionName {
     /// The examples nearest in place, size and angle, carried to the contact
     Nearest,
-    /// The paper's rule: of the examples that move the contact's vertex, the one with the best cosine
+    /// The paper's rule: the example with the best cosine among those that move the contact's vertex
     Classic,
 }
 

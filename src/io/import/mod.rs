@@ -10,8 +10,8 @@
 //!   lines are left out.
 //! - Normals and tangents are kept if every primitive has them. Otherwise they are `None` and computed later. The same
 //!   holds for the normal deltas of a target. Tangent deltas are not read: tangents follow the normals.
-//! - Names come from `mesh.extras.targetNames` and may be empty or repeat. A target without a name is called `target
-//!   N`, counted from 0.
+//! - Names come from `mesh.extras.targetNames` and may be empty or repeat. A target without a name is called
+//!   `target N`, counted from 0.
 //! - Only geometry is read: images, materials, skins, cameras and animations may be missing or broken. Other files may
 //!   be anywhere that a relative path leads to, including through `..`, as glTF allows.
 //! - Compressed geometry (Draco, meshopt) and quantised positions give [`Error::Unsupported`], which names them.
@@ -19,9 +19,9 @@
 //! Two custom properties of the *mesh* (Blender: Object Data > Custom Properties, exported with
 //! "Include > Custom Properties"; they are `mesh.extras` in the file) describe the examples:
 //!
-//! - `impacts`: the contact of each example. It is a list of `{"name": …, "point": [x, y, z], "contact_vertex": i,
-//!   "normal": [x, y, z]}`, or the same list as a JSON text. `point` (m) is in the mesh's own space *as exported* (y
-//!   up; exporters do not turn custom properties). `contact_vertex` is an index into the joined vertices. One of the
+//! - `impacts`: the contact of each example. It is a list of
+//!   `{"name": …, "point": [x, y, z], "contact_vertex": i, "normal": [x, y, z]}`, or the same list as a JSON text.
+//!   `point` (m) is in the mesh's own space *as exported* (y up; exporters do not turn custom properties). `contact_vertex` is an index into the joined vertices. One of the
 //!   two is required; `point` takes precedence. `normal` is optional and points out of the body. Impacts are matched to
 //!   targets by name if all target names differ and all impacts are named, otherwise by order. A target without an
 //!   impact has its contact at its deepest vertex.
@@ -31,7 +31,7 @@
 //!
 //! # OBJ
 //!
-//! [`obj_files`] reads a base and one OBJ per example. All must have the same `v` lines and the same faces in the same
+//! [`obj_files`] reads a base and one OBJ per example. All must have as many `v` lines and the same faces, in the same
 //! order, as solvers and sculpting tools write them.
 //!
 //! Files are not trusted. Lengths, offsets, counts and indices are checked before use, numbers must be finite, and
