@@ -197,8 +197,8 @@ impl Instance {
     /// Rounding of f32 comes on top.
     ///
     /// The tolerance is rounded down to a power of two times 1 m, so that a camera which moves a little changes
-    /// nothing. When the rounded value changes, blocks with larger dents are written again. Instances with a classic
-    /// rule ignore it.
+    /// nothing. When the rounded value changes, blocks that are dented by more than that are written again. Instances
+    /// with a classic rule ignore it.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for a tolerance that is negative or not finite.

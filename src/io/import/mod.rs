@@ -21,10 +21,10 @@
 //!
 //! - `impacts`: the contact of each example. It is a list of
 //!   `{"name": …, "point": [x, y, z], "contact_vertex": i, "normal": [x, y, z]}`, or the same list as a JSON text.
-//!   `point` (m) is in the mesh's own space *as exported* (y up; exporters do not turn custom properties). `contact_vertex` is an index into the joined vertices. One of the
-//!   two is required; `point` takes precedence. `normal` is optional and points out of the body. Impacts are matched to
-//!   targets by name if all target names differ and all impacts are named, otherwise by order. A target without an
-//!   impact has its contact at its deepest vertex.
+//!   `point` (m) is in the mesh's own space *as exported* (y up; exporters do not turn custom properties).
+//!   `contact_vertex` is an index into the joined vertices. One of the two is required; `point` takes precedence.
+//!   `normal` is optional and points out of the body. Impacts are matched to targets by name if all target names differ
+//!   and all impacts are named, otherwise by order. A target without an impact has its contact at its deepest vertex.
 //! - `placements`: whether an example is `anchored` (stays where it was made), `carried` (moves to the hit) or
 //!   `automatic`. It is one word for all (`"anchored"`), words in target order (`"anchored, carried"` or a list), or a
 //!   map `{"target name": "anchored"}`. Targets that a map omits are automatic.
