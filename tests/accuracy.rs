@@ -1,8 +1,9 @@
-//! Compares predicted dents with those of an independent elasto-plastic solver, on impacts that no example shows. The table has the
-//! classic rule beside carried examples. `cargo test --test accuracy -- --nocapture` prints it.
+//! Compares predicted dents with those of an independent elasto-plastic solver, on impacts that no example shows. The
+//! table has the classic rule beside carried examples. `cargo test --test accuracy -- --nocapture` prints it.
 //!
-//! Relative L2 of the displacement field over all vertices, median and 90th percentile over 16 held-out impacts a body. The hit is what
-//! an engine would report: the contact point and the displacement wanted there.
+//! Errors are the relative L2 norm of the displacement field over all vertices: median and 90th percentile over 16
+//! held-out impacts per body. A hit is what an engine would report: the contact point and the displacement wanted
+//! there.
 
 mod scenes;
 
@@ -56,7 +57,7 @@ fn errors(set: &Arc<ExampleSet>, options: &InstanceOptions, held_out: &HeldOut) 
     errors
 }
 
-/// As numpy's: linear between the two nearest ranks.
+/// Interpolates linearly between the two nearest ranks, as numpy does.
 fn quantile(sorted: &[f64], q: f64) -> f64 {
     let at = q * (sorted.len() - 1) as f64;
     let low = at.floor() as usize;
@@ -64,8 +65,8 @@ fn quantile(sorted: &[f64], q: f64) -> f64 {
     sorted[low] + (at - low as f64) * (sorted[high] - sorted[low])
 }
 
-/// The medians of the design's table (at 32 examples it tells classic and carried by 3 only), and what the model must stay below: about 15 %
-/// above what it reached when its shares became those of kriging.
+/// The medians of the design's table, which at 32 examples has classic and carried by 3 only, and the largest median
+/// allowed: about 15 % above the value when the shares became those of kriging.
 struct Row {
     body: &'static str,
     examples: usize,
@@ -84,15 +85,15 @@ const TABLE: [Row; 6] = [
     Row { body: "tube", examples: 32, classic: 1.24, carried_1: None, carried_3: 0.16, at_most: 0.135 },
 ];
 
-/// The classic rules are the design's own: their figures are reproduced.
+/// Allowed difference from the design's figures for the classic rules, which are reproduced.
 const TOLERANCE: f64 = 0.05;
-/// 90th percentile of all but the classic rules and the default depth limit.
+/// Largest 90th percentile, except for the classic rules and the default depth limit.
 const WORST: f64 = 0.4;
 
 #[test]
 fn no_worse_than_the_designs_table_and_than_it_was() {
     let classic = InstanceOptions { rule: Rule::MostDisplaced, selection: Selection::Classic, ..Default::default() };
-    // The table's carried examples were scaled to any depth asked for; by default none passes the deepest example's.
+    // The table's carried examples were scaled to any depth. By default no dent is deeper than the deepest example's.
     let carried = |k| InstanceOptions { examples_per_hit: k, depth_limit: Some(1.0), ..Default::default() };
     let mut wrong = Vec::new();
     println!("relative L2, median / p90 (design's median)\n");
@@ -103,8 +104,8 @@ fn no_worse_than_the_designs_table_and_than_it_was() {
         let held_out = HeldOut::read(row.body);
         let as_carried = solver_set(row.body, row.examples, Placement::Carried);
         let automatic = solver_set(row.body, row.examples, Placement::Automatic);
-        // The classic figures count an example as affecting a vertex from a tenth of a millimetre; without that its choice falls on
-        // examples that barely move the contact (tube, 32 examples: 1.03 instead of 1.24).
+        // The classic figures count a vertex as affected by an example from 0.1 mm on. Without this, examples are
+        // chosen that barely move the contact (tube, 32 examples: 1.03 instead of 1.24).
         let cut = {
             let (mesh, mut examples) = scenes::solver(row.body);
             examples.truncate(row.examples);

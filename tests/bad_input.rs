@@ -1,4 +1,5 @@
-//! Wrong input, and input that only looks wrong. Each refusal has a type, names the value and what would be right, and changes nothing.
+//! Wrong input, and input that only looks wrong. Each error has a type, names the value and what would be right, and
+//! changes nothing.
 
 mod scenes;
 
@@ -13,7 +14,7 @@ use crumple::{
 use proptest::prelude::*;
 use scenes::{Dice, Output, new, push, random_hit};
 
-/// Asserts that a result is the error given, of the kind given, and that its text has all the words given.
+/// Asserts that a result is this kind of error and that its text has all these words.
 macro_rules! refused {
     ($result:expr, $variant:ident, $($word:expr),+ $(,)?) => {{
         let error = match $result {
@@ -27,8 +28,8 @@ macro_rules! refused {
     }};
 }
 
-/// Asserts that every change with every value makes an input that is refused: by an error of this kind, whose text has all the words
-/// between the dots. `VALUE` stands for the value.
+/// Asserts that every change with every value gives an input that is refused with this kind of error, whose text has
+/// all the words between the dots. `VALUE` stands for the value.
 macro_rules! refuses {
     ($input:ty, $kind:ident, $values:expr; $(|$i:ident, $v:pat_param| $change:expr => $words:literal),+ $(,)?) => {$(
         for value in $values {
@@ -44,13 +45,13 @@ macro_rules! refuses {
     )+};
 }
 
-/// Something that can be spoilt before something is made of it.
+/// An input that a test can spoil before it builds something from it.
 trait Made {
     fn good() -> Self;
     fn make(self) -> Result<(), Error>;
 }
 
-/// What a set is built from: a mesh, one example, options.
+/// The input of a set: a mesh, one example, options.
 type Input = (MeshData, Vec<ExampleData>, SetOptions);
 
 impl Made for Input {
@@ -109,7 +110,7 @@ fn good() -> Hit {
     push([0.0; 3], [0.0, 0.0, -0.1])
 }
 
-/// The instance still does its work: it takes a hit, and its damage is `marks` and that hit's.
+/// Asserts that the instance still works: it takes a hit, and its damage is then `marks` and that hit's mark.
 #[track_caller]
 fn still_usable(instance: &mut Instance, marks: &[Mark]) {
     assert_eq!(instance.marks().unwrap(), marks, "a refused call changed the damage");
@@ -160,7 +161,7 @@ fn quick_zero_length_normals_and_degenerate_triangles_are_repaired_and_reported(
     let examples = scenes::bowls(&scenes::cube(4), 3, 0.5, 1);
     let set = Arc::new(build(mesh, examples).unwrap());
     assert_eq!(set.report().repaired_normals, 1);
-    // 0, 1 and 2 lie on one line
+    // 0, 1 and 2 are collinear
     assert_eq!(set.report().degenerate_triangles, 3);
     let mut instance = new(&set);
     for v in 0..count {
@@ -413,7 +414,7 @@ fn quick_hits_that_pull_where_examples_push_reach_nothing() {
 
 #[test]
 fn quick_normals_that_point_at_each_other() {
-    // one example, made at the north pole of a ball, carried to the south pole and to places almost there
+    // one example, made at the north pole of a ball, carried to the south pole and to places close to it
     let mesh = scenes::ball(3);
     let pole = |z: f32| {
         let key = |v: &usize| (mesh.positions[*v][2] * z * 1e6) as i64;
@@ -446,7 +447,7 @@ fn quick_normals_that_point_at_each_other() {
 
 #[test]
 fn quick_a_sheet_folded_flat_on_itself() {
-    // every position twice, with normals that point at each other
+    // every position twice, with opposite normals
     let mut mesh = scenes::sheet(6);
     let single = mesh.clone();
     mesh.positions.extend(&single.positions);
@@ -477,7 +478,7 @@ fn quick_transforms_that_cannot_be_undone() {
     refused!(instance.set_transform(flat), InvalidArgument, "transform", "determinant");
     let perspective = Mat4::from_cols(Vec4::X, Vec4::Y, Vec4::new(0.0, 0.0, 1.0, -1.0), Vec4::W);
     refused!(instance.set_transform(perspective), InvalidArgument, "transform", "affine");
-    // the one before is still in force
+    // the previous transform is still in use
     let outcome = instance.preview(&Hit { space: Space::World, ..good() }).unwrap();
     assert_eq!(outcome.contact_vertex, 0);
     still_usable(&mut instance, &[]);
@@ -542,7 +543,7 @@ fn quick_marks_that_are_none() {
         (Mark { pairs: [Pair { share: 0x9400, ..pair }, Pair::NONE, Pair::NONE, Pair::NONE], ..ok }, "mirrored"),
         (Mark { pairs: [Pair { share: 0xF400, ..pair }, Pair::NONE, Pair::NONE, Pair::NONE], ..ok }, "mirrored"),
     ];
-    // shares sum to 1 to 1024, whatever signs they have
+    // shares must sum to between 1 and 1024, whatever their signs
     let carried = |share| Pair::carried(0, share, Mirror::NONE);
     for shares in [[0, 0], [-1, 0], [-2048, 0], [1024, 1], [2047, -1022], [2047, 2047], [-2048, -2048], [500, -500]] {
         bad.push((Mark { pairs: [carried(shares[0]), carried(shares[1]), Pair::NONE, Pair::NONE], ..ok }, "shares"));
@@ -554,7 +555,7 @@ fn quick_marks_that_are_none() {
         let error = refused!(instance.set_marks(&[ok, mark]), InvalidArgument, name, "mark 1");
         assert_eq!(error.kind(), ErrorKind::InvalidArgument);
         still_usable(&mut instance, &marks);
-        // the same in a file: the bytes of the one mark replaced
+        // the same in a saved file: the bytes of its one mark are replaced
         let mut bytes = instance.save();
         let at = bytes.len() - 32;
         bytes[at..at + 4].copy_from_slice(&mark.contact.to_le_bytes());
@@ -567,7 +568,7 @@ fn quick_marks_that_are_none() {
         assert!(instance.load(&bytes).is_err_and(|e| e.to_string().contains(name)), "{mark:?}");
         still_usable(&mut instance, &marks);
     }
-    // and what is just within
+    // shares just within the limits
     for shares in [[1, 0], [2047, -1023], [2047, -2046], [-1023, 2047], [1024, 0]] {
         let pairs = [carried(shares[0]), carried(shares[1]), Pair::NONE, Pair::NONE];
         instance.set_marks(&[Mark { pairs, ..ok }]).unwrap();
@@ -637,7 +638,7 @@ fn quick_saved_damage_of_another_kind_set_or_version() {
 proptest! {
     #![proptest_config(scenes::cases(400))]
 
-    /// Whatever bytes come in: an error that changes nothing, or damage that is bounded like any other.
+    /// Any bytes give either an error that changes nothing, or damage that is bounded like any other.
     #[test]
     fn damaged_saves_never_do_harm(seed in any::<u64>(), flips in 1usize..6, classic in any::<bool>()) {
         let mut dice = Dice::new(seed);
@@ -650,7 +651,7 @@ proptest! {
         let clean = instance.save();
         let mut bytes = clean.clone();
         for _ in 0..flips {
-            // mostly past the header, whose every bit is checked
+            // mostly past the header, where every bit is checked
             let from = if dice.index(8) == 0 { 0 } else { 16.min(bytes.len() - 1) };
             let at = from + dice.index(bytes.len() - from);
             bytes[at] = [0x00, 0xff, 0x7f, 0x80, bytes[at] ^ 1 << dice.index(8)][dice.index(5)];
@@ -682,7 +683,7 @@ fn scenes_set() -> Arc<ExampleSet> {
 
 #[test]
 fn quick_examples_that_barely_move_their_own_contact_stay_bounded() {
-    // scaling such an example to a target would multiply the rest of it by anything up to 1e38
+    // scaling such an example to a target would multiply its other displacements by up to 1e38
     for tiny in [1e-3f32, 1e-9, 1e-15, 1e-18, 1e-22, 1e-30, 1e-38, 1e-44] {
         let mesh = scenes::sheet(8);
         let Deltas::Sparse { indices, mut values } = scenes::bowl(&mesh, 40, 0.1, 0.5).positions else {
@@ -695,7 +696,7 @@ fn quick_examples_that_barely_move_their_own_contact_stay_bounded() {
             ..ExampleData::new("rim", Deltas::Sparse { indices, values })
         };
         if tiny < 1e-23 {
-            // its square is nothing
+            // its square underflows to zero
             refused!(build(mesh, vec![example]), ExampleMismatch, "does not move its own contact");
             continue;
         }
@@ -755,11 +756,11 @@ fn quick_memory_that_is_laid_out_wrong() {
     for (offset, stride, value) in [(1, 12, "1"), (2, 12, "2"), (0, 13, "13"), (0, 15, "15")] {
         refused!(positions(at(offset, stride), None, None), Misaligned, "position", value, "multiple of 4");
     }
-    // values on top of each other, also across the border of a vertex
+    // values that overlap, also across the end of a vertex
     for normal in [0, 4, 8, 20] {
         refused!(positions(at(0, 24), Some(at(normal, 24)), None), InvalidArgument, "position", "normal");
     }
-    // normals behind the positions, before them, and a whole vertex apart, are fine
+    // normals may lie behind the positions, before them, or a whole vertex away
     for (position, normal) in [(0, 12), (12, 0), (0, 36)] {
         positions(at(position, 24), Some(at(normal, 24)), None).unwrap();
     }

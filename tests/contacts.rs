@@ -1,4 +1,4 @@
-//! Contacts reported in parts leave the same dent at any frame rate, whole or split, among other hits.
+//! Contacts reported in parts leave the same dent at any frame rate, whole or split, and among other hits.
 
 mod scenes;
 
@@ -20,7 +20,7 @@ fn with(set: &std::sync::Arc<crumple::ExampleSet>, options: InstanceOptions) -> 
     Instance::new(set.clone(), options).unwrap()
 }
 
-/// The same contacts, examples and energies; depths and shares up to rounding.
+/// Asserts equal contacts, examples and energies, and depths and shares that are equal up to rounding.
 fn assert_alike(a: &[Mark], b: &[Mark]) {
     assert_eq!(a.len(), b.len(), "{a:?}\n{b:?}");
     for (x, y) in a.iter().zip(b) {
@@ -42,8 +42,8 @@ fn scaled(hit: &Hit, factor: f64) -> Hit {
     Hit { cause, ..*hit }
 }
 
-/// A contact of 25 ms whose force rises and falls: the impulse that each step of an engine at this rate reports, in
-/// `parts` sub-steps, as shares of the whole. The contact begins at `phase` of a step.
+/// A contact of 25 ms whose force rises and falls. Returns the impulse that an engine at this rate reports for each
+/// step, in `parts` sub-steps, as shares of the whole. The contact begins at `phase` of a step.
 fn steps(rate: f64, parts: usize, phase: f64) -> Vec<f64> {
     const LASTS: f64 = 0.025;
     let so_far = |t: f64| 0.5 - 0.5 * (std::f64::consts::PI * (t / LASTS).clamp(0.0, 1.0)).cos();
@@ -130,14 +130,15 @@ fn quick_yield_thresholds_hold_for_the_sum() {
         assert_eq!(whole.and_then(|w| w.mark), instance.marks().unwrap().first().copied());
         assert_eq!(instance.marks().unwrap().len(), usize::from(n >= 5), "after {n} N s");
     }
-    // Pushes that cancel each other leave nothing, though each alone would.
+    // Pushes that cancel leave nothing, though each alone would leave a dent.
     instance.reset();
     instance.submit(&push([0.0; 3], [0.0, 0.0, -0.03]).of_contact(id(2))).unwrap();
     instance.submit(&push([0.0; 3], [0.0, 0.0, 0.03]).of_contact(id(2))).unwrap();
     assert!(instance.marks().unwrap().is_empty());
 }
 
-/// Bug: a body without a buffer was folded once for many frames, and took contacts of one id for a single one.
+/// Bug: a body without a buffer was folded only once in many frames, and took successive contacts with one id for a
+/// single contact.
 #[test]
 fn quick_contacts_do_not_depend_on_when_a_body_is_read() {
     let set = scenes::sheet_set();
@@ -153,8 +154,8 @@ fn quick_contacts_do_not_depend_on_when_a_body_is_read() {
     assert_eq!(seen.save(), unseen.save());
 }
 
-/// Bug: 200 000 hits on an unseen body took seconds at the first read, since each made the dents of all marks anew. Counts
-/// work, not time: what a fold marks as changed is what differs before and after.
+/// Bug: 200 000 hits on an unseen body took seconds at the first read, since each hit recomputed the dents of all
+/// marks. This test counts work instead of time: a fold must mark as changed only what differs before and after.
 #[test]
 fn quick_hits_that_merge_away_within_a_fold_change_nothing_else() {
     let set = scenes::sheet_set();
@@ -225,7 +226,7 @@ fn quick_contacts_end_when_damage_is_replaced_repaired_or_reset() {
         assert_eq!((instance.contact_count(), instance.marks().unwrap().len()), (1, 1));
         end(&mut instance);
         assert_eq!((instance.contact_count(), instance.marks().unwrap().len()), (0, left), "{name}");
-        // The same id begins another dent: energies add.
+        // The same id begins another dent, so energies add.
         instance.submit(&part).unwrap();
         let marks = instance.marks().unwrap().to_vec();
         assert_eq!(marks.iter().map(|m| m.energy).sum::<u64>() > Mark::ONE, left > 0, "{name}: {marks:?}");
@@ -241,14 +242,14 @@ fn the_oldest_contact_ends_when_there_are_too_many() {
     let hit = random_hit(&set, &mut dice);
     for n in 0..2 * Instance::MAX_CONTACTS as u64 {
         instance.submit(&hit.of_contact(id(1 + n))).unwrap();
-        // The first is hit again and again, so it stays.
+        // The first contact is hit again and again, so it stays open.
         instance.submit(&scaled(&hit, 1e-3).of_contact(id(1))).unwrap();
         assert!(instance.contact_count() <= Instance::MAX_CONTACTS);
     }
     assert_eq!(instance.contact_count(), Instance::MAX_CONTACTS);
     let energy = |i: &mut Instance| i.marks().unwrap().iter().map(|m| m.energy).sum::<u64>();
     assert_eq!(energy(&mut instance), 2 * Instance::MAX_CONTACTS as u64 * Mark::ONE);
-    // Had the first ended, this would be a dent of its own.
+    // If the first contact had ended, this hit would make a separate dent.
     instance.submit(&hit.of_contact(id(1))).unwrap();
     assert_eq!(energy(&mut instance), 2 * Instance::MAX_CONTACTS as u64 * Mark::ONE);
 }
@@ -278,8 +279,8 @@ fn quick_classic_rules_refuse_contacts() {
 proptest! {
     #![proptest_config(scenes::cases(24))]
 
-    /// Many contacts at once, each split at random over random frames, among hits of their own: the same marks as reported
-    /// whole, as long as none merge; and in any order within the frames the same bits, merged or not.
+    /// Many contacts at once, each split at random over random frames, among other hits. The marks are those of the
+    /// whole contacts as long as none merge. In any order within the frames they have the same bits, merged or not.
     #[test]
     fn contacts_in_parts_are_contacts_reported_whole(
         body in (0..3usize).prop_map(|i| &bodies()[i]), contacts in 1usize..12, singles in 0usize..6,

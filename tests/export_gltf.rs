@@ -23,7 +23,7 @@ const FIXTURES: [(&str, usize); 9] = [
     ("separate/bent door.gltf", 0),
 ];
 
-/// The whole mesh bent along x, which turns no normal by more than it can show.
+/// Bends the whole mesh along x, by so little that the normals still fit.
 fn bend(imported: &Imported) -> Vec<[f32; 3]> {
     imported.mesh.positions.iter().map(|[x, y, z]| [*x, y + 0.25 * x * x, *z]).collect()
 }
@@ -42,7 +42,7 @@ fn deformed(name: &str, mesh: usize) -> (Imported, Vec<u8>) {
     (imported, glb.unwrap())
 }
 
-/// The source's JSON and its one buffer, wherever that is.
+/// The source's JSON and its one buffer, wherever the buffer is stored.
 fn source(name: &str) -> (Value, Vec<u8>) {
     let bytes = std::fs::read(fixture(name)).unwrap();
     if name.ends_with(".glb") {
@@ -61,7 +61,7 @@ fn view<'b>(json: &Value, bin: &'b [u8], view: &Value) -> &'b [u8] {
     &bin[offset..offset + view["byteLength"].as_u64().unwrap() as usize]
 }
 
-/// An accessor with its bufferViews replaced by what is in them, so that files can be compared whatever their layout.
+/// An accessor with its bufferViews replaced by their content, so that files with different layouts can be compared.
 fn content(json: &Value, bin: &[u8], accessor: &Value) -> Value {
     let mut accessor = json["accessors"][accessor.as_u64().unwrap() as usize].clone();
     for pointer in ["", "/sparse/indices", "/sparse/values"] {
@@ -72,7 +72,8 @@ fn content(json: &Value, bin: &[u8], accessor: &Value) -> Value {
     accessor
 }
 
-/// The file with every accessor and image in place of its index, and no lists of accessors, views and buffers.
+/// The file with each index of an accessor or image replaced by its content, and without the lists of accessors, views
+/// and buffers.
 fn resolved((json, bin): &(Value, Vec<u8>)) -> Value {
     let mut out = json.clone();
     let list =
@@ -146,7 +147,7 @@ fn everything_but_the_mesh_is_as_it_was() {
         assert!(after["meshes"][mesh].get("weights").is_none());
         for file in [&mut before, &mut after] {
             file["meshes"][mesh].take();
-            // Compared in a test of its own.
+            // Another test compares these.
             file["images"].take();
             file["animations"].take();
         }
@@ -173,7 +174,7 @@ fn what_only_the_targets_used_is_gone() {
     }
     let (_, glb) = deformed("two_materials.glb", 0);
     let (json, _) = parts(&glb);
-    // Positions, normals, texture coordinates of two parts, and indices, which the parts share in Blender's file.
+    // Positions, normals and texture coordinates of two parts, and indices, which the parts share in Blender's file.
     assert_eq!(json["accessors"].as_array().unwrap().len(), 7);
 }
 
@@ -209,7 +210,7 @@ fn weights_and_their_animation_go() {
     assert_eq!(animations[0]["channels"], json!([channel(0, 1, "weights"), channel(1, 0, "translation")]));
     assert_eq!(animations[0]["samplers"].as_array().unwrap().len(), 2);
     assert_eq!(animations[1]["channels"], json!([pointer("/nodes/1/weights"), channel(0, 1, "translation")]));
-    // Only animations of weights: the list goes, since glTF allows no empty one.
+    // If all animations animate weights only, the list is removed, since glTF allows no empty list.
     let list = glb.json["animations"].as_array_mut().unwrap();
     *list = vec![list[1].clone()];
     let out = deformed_glb(&glb.bytes(), None, MeshChoice::Index(0), &[[0.0; 3]; 4], None, None).unwrap();
@@ -241,7 +242,7 @@ fn images_are_embedded() {
     assert_eq!(with("https://example.com/a.png").unwrap_err().kind(), ErrorKind::Unsupported);
     let jpeg = parts(&with("a%20b.jpg").unwrap()).0["images"][0].clone();
     assert_eq!((&jpeg["mimeType"], &jpeg["name"], &jpeg["extras"]), (&json!("image/jpeg"), &json!("a b"), &json!(7)));
-    // Already in the file.
+    // The image is already in the file.
     let data = "data:image/png;base64,iVBORw0KGgo=";
     assert_eq!(parts(&with(data).unwrap()).0["images"][0]["uri"], data);
 }
@@ -300,7 +301,7 @@ fn extras_and_unknown_things_survive() {
     glb.json["unheard_of"] = json!({ "list": [1, 2, 3] });
     glb.json["meshes"][0]["extras"]["mine"] = 5.into();
     glb.json["meshes"][0]["primitives"][0]["extras"] = json!({ "targetNames": ["a"], "also": "mine" });
-    // Nothing uses these, and nothing did before.
+    // Nothing uses these, before or after.
     let spare = glb.floats("VEC3", &UP);
     let out = deformed_glb(&glb.bytes(), None, MeshChoice::First, &[[0.0; 3]; 4], None, None).unwrap();
     let (json, bin) = parts(&out);
@@ -338,7 +339,7 @@ fn with_unknown_extensions_nothing_is_renumbered() {
     let position = &json["meshes"][0]["primitives"][0]["attributes"]["POSITION"];
     assert_eq!(content(&json, &bin, position)["bufferView"], json!(floats(&[[2.0; 3]; 4])));
     assert!(json["meshes"][0]["primitives"][0].get("targets").is_none());
-    // An extension that is there without being listed is as unknown.
+    // An extension that is used without being listed counts as unknown too.
     glb.json.as_object_mut().unwrap().remove("extensionsUsed");
     let again = deformed_glb(&glb.bytes(), Some(folder.path()), MeshChoice::First, &[[2.0; 3]; 4], None, None).unwrap();
     assert_eq!(parts(&again).0["accessors"], json["accessors"]);
@@ -360,7 +361,7 @@ fn views_that_overlap_are_stored_once_and_stay_aligned() {
     let values: Vec<f32> = (0..3000).map(|i| i as f32).collect();
     let whole = glb.floats("VEC3", &values);
     let target = glb.floats("VEC3", &values);
-    // A hundred views of the same bytes, each a vertex further.
+    // A hundred views of the same bytes, each one vertex further on.
     for i in 0..100 {
         let view = glb.push("bufferViews", json!({ "buffer": 0, "byteOffset": i * 12, "byteLength": 10_000 }));
         glb.push("accessors", json!({ "bufferView": view, "componentType": 5126, "count": 800, "type": "VEC3" }));
@@ -471,7 +472,7 @@ fn khronos_validator_finds_nothing() {
     validate(&files);
 }
 
-/// Writes the files to a folder that lasts as long as the value.
+/// Writes the files to a folder that exists as long as the returned value.
 fn written(files: &[(&str, Vec<u8>)]) -> (tempfile::TempDir, Vec<PathBuf>) {
     let folder = tempfile::tempdir().unwrap();
     let path = |(i, (name, _)): (usize, &(&str, Vec<u8>))| {
@@ -482,7 +483,7 @@ fn written(files: &[(&str, Vec<u8>)]) -> (tempfile::TempDir, Vec<PathBuf>) {
     (folder, paths)
 }
 
-/// The output of an outside program; `None`, with a message, where it is not installed and `required` is not set to 1.
+/// The output of an external program. Without the program: `None` and a message, unless the variable `required` is 1.
 fn outside(program: &str, script: &str, files: &[PathBuf], required: &str) -> Option<std::process::Output> {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join(script);
     let output = Command::new(program).arg(script).args(files).output();
@@ -497,12 +498,13 @@ fn outside(program: &str, script: &str, files: &[PathBuf], required: &str) -> Op
     }
 }
 
-/// Khronos' validator, which needs node and an npm package (see validate_gltf.js). CRUMPLE_REQUIRE_VALIDATOR=1 makes it a must.
+/// Runs Khronos' validator, which needs node and an npm package (see validate_gltf.js). CRUMPLE_REQUIRE_VALIDATOR=1
+/// makes it required.
 fn validate(files: &[(&str, Vec<u8>)]) {
     let (_folder, paths) = written(files);
     if let Some(output) = outside("node", "validate_gltf.js", &paths, "CRUMPLE_REQUIRE_VALIDATOR") {
         let found = String::from_utf8_lossy(&output.stdout);
-        // What Blender's own file says, and a skinned mesh below its armature is no fault of ours.
+        // Blender's own file has this message too: a skinned mesh below its armature is not our fault.
         let ours: Vec<_> = found.lines().filter(|l| !l.contains("NODE_SKINNED_MESH_NON_ROOT")).collect();
         assert!(ours.is_empty(), "{}", ours.join("\n"));
         let ran = output.status.code() == Some(i32::from(!found.is_empty()));
@@ -510,8 +512,8 @@ fn validate(files: &[(&str, Vec<u8>)]) {
     }
 }
 
-/// Blender, which needs the bpy package (see check_in_blender.py); CRUMPLE_BLENDER_PYTHON names the Python that has it.
-/// CRUMPLE_REQUIRE_BLENDER=1 makes it a must.
+/// Runs Blender, which needs the bpy package (see check_in_blender.py). CRUMPLE_BLENDER_PYTHON names the Python that
+/// has it. CRUMPLE_REQUIRE_BLENDER=1 makes it required.
 #[test]
 fn blender_opens_it_with_materials_uvs_and_node_tree() {
     let outputs: Vec<_> = FIXTURES.iter().map(|(name, mesh)| (*name, deformed(name, *mesh).1)).collect();

@@ -1,4 +1,5 @@
-//! Baked sets: a loaded set equals the saved one, whatever its options. A damaged file is an error, or a set that keeps the promises.
+//! Baked sets: a loaded set equals the saved one, whatever its options. A damaged file gives an error, or a set that
+//! keeps the promises.
 
 mod scenes;
 
@@ -26,7 +27,7 @@ fn baked(tolerance: f32) -> SetOptions {
     SetOptions { tolerance: Some(tolerance), ..SetOptions::default() }
 }
 
-/// Sets with everything that a set may have, and without.
+/// Sets with each optional part, and without any.
 fn small_sets() -> Vec<(&'static str, Arc<ExampleSet>)> {
     let cube = scenes::cube(4);
     let bowls = scenes::bowls(&cube, 4, 0.5, 3);
@@ -68,7 +69,7 @@ fn small_sets() -> Vec<(&'static str, Arc<ExampleSet>)> {
     sets
 }
 
-/// The small ones and bodies of some size, exact and baked.
+/// The small sets, and larger bodies, exact and baked.
 fn sets() -> Vec<(String, Arc<ExampleSet>)> {
     let mut all: Vec<(String, Arc<ExampleSet>)> =
         small_sets().into_iter().chain(scenes::small_bodies()).map(|(n, s)| (n.to_owned(), s)).collect();
@@ -125,7 +126,7 @@ fn loaded_sets_are_the_saved_ones_bit_for_bit() {
                 "{name}"
             );
         }
-        // Damage goes from one to the other.
+        // The saved damage of one set loads into the other.
         b.reset();
         b.load(&a.save()).unwrap();
     }
@@ -138,7 +139,7 @@ fn aligned_bytes_are_used_where_they_lie_and_others_copied() {
     for shift in [0usize, 1, 4, 8, 16] {
         let start = room.as_ptr().align_offset(64) + shift;
         room[start..start + file.len()].copy_from_slice(&file);
-        // A test may leak.
+        // Leaking is fine in a test.
         let bytes: &'static [u8] = &room.clone().leak()[start..start + file.len()];
         let set = ExampleSet::load(bytes, &Serial).unwrap();
         let inside = bytes.as_ptr_range().contains(&set.mesh().positions().as_ptr().cast::<u8>());
@@ -229,7 +230,7 @@ fn every_byte_of_header_and_table_matters_or_does_no_harm() {
             let mut damaged = file.clone();
             damaged[at] = value;
             assert!(load(&damaged).is_err(), "byte {at} = {value} passes");
-            // The right length and checksum: only those two fields may be mended by that.
+            // The file with its length and checksum corrected may load only if the damage was in those two fields.
             repair(&mut damaged);
             assert!(!load_and_use(damaged) || (8..24).contains(&at), "byte {at} = {value} passes when repaired");
         }
@@ -241,7 +242,7 @@ fn optional_sections_are_skipped_and_others_refused() {
     let file = scenes::sheet_set().save().unwrap();
     let count = sections(&file).len();
     let end = HEADER + count * ENTRY;
-    // There is room for one more line before the first section, or there is not: then the file is built anew around it.
+    // Adds a table entry before the first section, and moves the sections to make room for it.
     let with = |flags: u32| {
         let shift = 64;
         let mut out = file[..end].to_vec();
@@ -269,7 +270,7 @@ fn optional_sections_are_skipped_and_others_refused() {
     assert!(e.kind() == ErrorKind::Unsupported && e.to_string().contains("9999"), "{e}");
 }
 
-/// Damages some bytes: bits, whole words of special values, or swaps.
+/// Damages some bytes: flips bits, writes special values to whole words, or swaps bytes.
 fn damage(file: &mut [u8], dice: &mut Dice) {
     for _ in 0..1 + dice.index(4) {
         let at = dice.index(file.len() / 4) * 4;
@@ -287,7 +288,7 @@ fn damage(file: &mut [u8], dice: &mut Dice) {
     }
 }
 
-/// A place in a section, small sections as likely as large ones.
+/// Damages a section; small sections are as likely as large ones.
 fn damage_sections(file: &mut [u8], dice: &mut Dice) {
     let all = sections(file);
     for _ in 0..1 + dice.index(3) {
@@ -308,7 +309,7 @@ proptest! {
     fn damage_without_a_new_checksum_is_always_found(which in 0..6usize, seed in any::<u64>()) {
         let mut file = saved()[which].clone();
         damage(&mut file, &mut Dice::new(seed));
-        // Between sections are zeros that the checksum covers too.
+        // Between sections are zeros, which the checksum also covers.
         prop_assert!(file == saved()[which] || load(&file).is_err());
     }
 

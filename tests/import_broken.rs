@@ -1,4 +1,4 @@
-//! Broken glTF files: each gives a typed error that names the value. None panics.
+//! Broken glTF files. Each gives a typed error that names the value, and none panics.
 #![cfg(feature = "gltf")]
 
 mod import_glb;
@@ -19,14 +19,15 @@ fn expect(bytes: &[u8], kind: ErrorKind, part: &str) {
     let error = refuse(bytes);
     assert_eq!(error.kind(), kind, "{error}");
     assert!(error.to_string().contains(part), "{error}");
-    // The exporter reads the same files.
+    // The exporter must refuse the same files.
     let exported = deformed_glb(bytes, None, MeshChoice::First, &[], None, None);
     assert!(exported.is_err());
 }
 
 use ErrorKind::{Format, IndexOutOfRange, NotFinite, Unsupported};
 
-/// Changes of one value of the square: `pointer | value | kind of error | part of its message`. A `!` is the pointer of the line before.
+/// Changes of one value of the square: `pointer | value | kind of error | part of its message`. `!` repeats the pointer
+/// of the line before.
 const LIES: &str = r#"
 versions:
 /asset/version    | "1.0" | Unsupported | glTF version 1.0; version 2.0 is read
@@ -211,7 +212,7 @@ fn containers_that_lie() {
         "buffer 0 has neither a uri nor a binary chunk",
     );
     expect(b"glTF\x02\0\0\0\x0C\0\0\0", Format, "no JSON chunk");
-    // Chunks of unknown kinds, and zeros behind the JSON, are skipped.
+    // Chunks of unknown kinds, and zeros after the JSON, are skipped.
     let mut json = square().json.to_string().into_bytes();
     json.extend_from_slice(&[0; 8]);
     let mut glb = container(&json, Some(&square().bin));
@@ -227,7 +228,7 @@ fn truncated_at_every_byte() {
     for end in 0..good.len() {
         assert_eq!(refuse(&good[..end]).kind(), Format, "cut at {end}");
     }
-    // The lengths mended: the buffer is now too short, or the JSON is.
+    // With the length field corrected, the buffer or the JSON is too short.
     for end in 12..good.len() {
         let mut cut = good[..end].to_vec();
         cut[8..12].copy_from_slice(&(end as u32).to_le_bytes());
@@ -288,11 +289,11 @@ fn counts_and_types_that_lie() {
 
 #[test]
 fn a_small_file_may_not_ask_for_much_memory() {
-    // Zeros that no bytes stand for.
+    // Zeros that the file does not store.
     let mut glb = square();
     glb.json["accessors"][0] = json!({ "componentType": 5126, "count": 4_000_000_000u32, "type": "VEC3" });
     expect(&glb.bytes(), Format, "asks for 48000000000 bytes");
-    // The same bytes over and over.
+    // The same bytes, used again and again.
     let mut glb = Glb::empty();
     let values: Vec<f32> = (0..30_000).map(|i| i as f32).collect();
     glb.floats("VEC3", &values);
@@ -319,7 +320,7 @@ fn sparse_accessors_that_lie() {
     indices(&[1, 1], Format, "sparse indices[1] is 1 after 1; they must increase");
     indices(&[1, 4], IndexOutOfRange, "sparse indices[1] is 4; it must be below 4");
     indices(&[0, 3, u32::MAX], IndexOutOfRange, "sparse indices[2] is 4294967295; it must be below 4");
-    // A count of none at all is against the specification but harms nobody.
+    // A count of zero violates the specification but does no harm.
     let mut glb = square();
     glb.json["accessors"][5]["sparse"]["count"] = 0.into();
     gltf_slice(&glb.bytes(), None, MeshChoice::First).unwrap();
@@ -328,7 +329,8 @@ fn sparse_accessors_that_lie() {
 #[test]
 fn numbers_that_are_none() {
     for (value, shown) in [(f32::NAN, "NaN"), (f32::INFINITY, "inf"), (f32::NEG_INFINITY, "-inf")] {
-        // Offsets of a float in the binary chunk: positions, normals, dense deltas, normal deltas, sparse values.
+        // Offsets of one float each in the binary chunk: positions, normals, dense deltas, normal deltas, sparse
+        // values.
         for (view, element, part) in [
             (0, 7, "primitive 0 POSITION (accessor 0)[2].y"),
             (1, 0, "primitive 0 NORMAL (accessor 1)[0].x"),
@@ -376,7 +378,7 @@ fn node_trees_that_are_none() {
     gltf_slice(&glb.bytes(), None, MeshChoice::First).unwrap();
 }
 
-/// Reads with every choice; what can be read is also exported.
+/// Reads with every choice of mesh, and exports what can be read.
 fn read_and_export(bytes: &[u8]) {
     for choice in [MeshChoice::First, MeshChoice::Index(0), MeshChoice::Index(1)] {
         if let Ok(imported) = gltf_slice(bytes, None, choice) {
@@ -408,7 +410,7 @@ proptest! {
         read_and_export(&bytes);
     }
 
-    /// Digits for digits: the JSON stays valid, so that its numbers get tested and not its grammar.
+    /// Replaces digits by digits, so that the JSON stays valid and its numbers are tested, not its grammar.
     #[test]
     fn no_mutation_of_numbers_panics(file in 0usize..5, edits in prop::collection::vec((any::<prop::sample::Index>(), 0u8..10), 1..8)) {
         let mut bytes = corpus().swap_remove(file);
@@ -420,7 +422,7 @@ proptest! {
         read_and_export(&bytes);
     }
 
-    /// One JSON value, anywhere, becomes another kind of value.
+    /// Replaces one JSON value, anywhere, by another kind of value.
     #[test]
     fn no_mutation_of_values_panics(file in 0usize..5, pick in any::<prop::sample::Index>(), value in 0usize..8) {
         let bytes = corpus().swap_remove(file);

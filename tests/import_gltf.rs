@@ -1,4 +1,4 @@
-//! Good glTF files: Blender's, and features that Blender does not write.
+//! Valid glTF files: Blender's, and features that Blender does not write.
 #![cfg(feature = "gltf")]
 
 mod import_glb;
@@ -68,7 +68,8 @@ fn assert_dent(
     assert!(deepest > depth * 0.5, "{} touches the mesh", example.name);
 }
 
-/// Vertices at one place, which UV seams, hard edges and material borders split, must move alike.
+/// Asserts that vertices at one position, split by UV seams, hard edges and material borders, move alike. Returns the
+/// number of such positions.
 fn assert_watertight(imported: &Imported) -> usize {
     let mut places: HashMap<[u32; 3], Vec<usize>> = HashMap::new();
     for (v, p) in imported.mesh.positions.iter().enumerate() {
@@ -127,7 +128,7 @@ fn sparse_and_dense_exports_are_the_same_examples() {
     let [full, thin] = ["two_materials.glb", "two_materials_sparse.glb"].map(blender);
     assert_eq!(full.mesh, thin.mesh);
     for (a, b) in full.examples.iter().zip(&thin.examples) {
-        // Blender's sparse export drops what moves less than it rounds to.
+        // Blender's sparse export drops displacements that it rounds to zero.
         for (x, y) in dense(&a.positions, 90).iter().flatten().zip(dense(&b.positions, 90).iter().flatten()) {
             assert!((x - y).abs() < 1e-6, "{x} {y}");
         }
@@ -140,7 +141,7 @@ fn impacts_and_placements_come_from_custom_properties() {
     let plate = blender("two_materials.glb");
     let [left, middle] = &plate.examples[..] else { panic!("two examples") };
     assert_eq!((left.name.as_str(), middle.name.as_str()), ("Left", "Middle"));
-    // Listed the other way round in the file: the names decide.
+    // The file lists them in the opposite order, so names decide.
     assert_eq!(left.contact, Some(Contact::Point([-0.25, 0.0, 0.0])));
     assert_eq!(left.contact_normal, Some([0.0, 1.0, 0.0]), "normalised");
     assert_eq!(middle.contact, Some(Contact::Point([0.0, 0.0, -0.125])));
@@ -152,7 +153,8 @@ fn impacts_and_placements_come_from_custom_properties() {
 fn uv_seams_hard_edges_and_odd_keys() {
     for file in ["seams.glb", "seams_sparse.glb"] {
         let drum = blender(file);
-        // 60 wall and rim places and 2 cap centres; the UV seam splits 5, the hard rims split 24, one of them at the seam on each rim.
+        // 60 wall and rim positions and 2 cap centres. The UV seam splits 5, the hard rims split 24; one position on
+        // each rim is split by both.
         assert_eq!(drum.mesh.positions.len(), 91);
         assert_eq!(assert_watertight(&drum), 27);
         let names: Vec<_> = drum.examples.iter().map(|e| e.name.as_str()).collect();
@@ -176,7 +178,8 @@ fn the_world_matrix_is_the_product_of_the_parents() {
     let world = |p: [f32; 3]| -> [f32; 3] {
         std::array::from_fn(|r| (0..3).map(|c| columns[c][r] * p[c]).sum::<f32>() + columns[3][r])
     };
-    // In Blender: turned 30 degrees about x, moved (0.5, 0, 0); scaled (2, 3, 0.5); turned 90 degrees about z, moved (1, 2, 3).
+    // In Blender: rotated 30 degrees about x, moved (0.5, 0, 0); scaled (2, 3, 0.5); rotated 90 degrees about z, moved
+    // (1, 2, 3).
     let by_hand = |[x, y, z]: [f32; 3]| -> [f32; 3] {
         let (sin, cos) = 30f32.to_radians().sin_cos();
         let (x, y, z) = (x + 0.5, cos * y - sin * z, sin * y + cos * z);
@@ -258,7 +261,7 @@ fn sparse_accessors_over_zeros_and_over_a_base() {
     assert_eq!(sparse(imported.examples[0].normals.as_ref().unwrap()), (&[0][..], &[[0.5, -0.5, 0.]][..]));
     assert_eq!(sparse(&imported.examples[1].positions), (&[1, 3][..], &[[0., -1., 0.], [0., -2., 0.]][..]));
     assert_eq!(imported.examples[1].normals, None);
-    // Over the dense target's view: vertex 0 becomes zero again, vertex 3 moves.
+    // Sparse values over the dense target's view: vertex 0 becomes zero again, vertex 3 moves.
     for width in [1, 2, 4] {
         let accessor = glb.sparse(4, Some(3), width, &[0, 3], &[0., 0., 0., 9., 9., 9.]);
         glb.json["accessors"][accessor]["bufferView"] = glb.json["accessors"][3]["bufferView"].clone();
@@ -266,7 +269,7 @@ fn sparse_accessors_over_zeros_and_over_a_base() {
         let imported = read(&glb);
         assert_eq!(sparse(&imported.examples[1].positions), (&[2, 3][..], &[[0., -0.25, 0.], [9., 9., 9.]][..]));
     }
-    // Sparse base positions, and an accessor without any data: zeros.
+    // Sparse base positions, and an accessor without any data, which is all zeros.
     let positions = glb.sparse(4, None, 1, &[1, 2, 3], &SQUARE[3..]);
     let zeros = glb.push("accessors", json!({ "componentType": 5126, "count": 4, "type": "VEC3" }));
     glb.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = positions.into();
@@ -316,7 +319,7 @@ fn index_widths_strips_fans_and_no_indices() {
     assert_eq!(triangles(Some(6), None), [[1, 2, 0], [2, 3, 0]]);
     assert_eq!(triangles(Some(6), Some(&[3, 0, 1, 2])), [[0, 1, 3], [1, 2, 3]]);
     assert_eq!(triangles(Some(4), Some(&[3, 0, 1])), [[3, 0, 1]]);
-    // Three vertices in sequence.
+    // Without indices: three vertices in sequence.
     let mut glb = Glb::empty();
     glb.floats("VEC3", &SQUARE[..9]);
     glb.push("meshes", json!({ "primitives": [{ "attributes": { "POSITION": 0 }, "targets": [{ "POSITION": 0 }] }] }));
@@ -332,7 +335,7 @@ fn primitives_that_share_accessors_share_vertices() {
     let list = glb.json["meshes"][0]["primitives"].as_array_mut().unwrap();
     list.push(primitive.clone());
     list[1]["indices"] = flipped.into();
-    // Another with targets of its own may not share.
+    // A primitive with other targets may not share vertices.
     list.push(primitive);
     list[2]["targets"][0]["POSITION"] = 5.into();
     let imported = read(&glb);
@@ -468,7 +471,7 @@ fn placements_by_word_list_and_name() {
 fn extensions_that_do_not_touch_geometry_are_no_hindrance() {
     let mut glb = square();
     glb.json["extensionsRequired"] = json!(["KHR_texture_basisu", "KHR_materials_unlit", "KHR_mesh_quantization"]);
-    // Broken materials and images are none of the importer's business.
+    // The importer ignores broken materials and images.
     glb.json["materials"] = json!([{ "pbrMetallicRoughness": 7 }]);
     glb.json["images"] = json!("none");
     glb.json["meshes"][0]["primitives"][0]["material"] = 0.into();

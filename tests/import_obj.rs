@@ -43,10 +43,10 @@ fn blenders_plate() {
     let mut deltas = vec![[0.0; 3]; 25];
     indices.iter().zip(values).for_each(|(i, d)| deltas[*i as usize] = *d);
     for ((p, d), uv) in plate.mesh.positions.iter().zip(&deltas).zip(plate.texcoords.iter().flatten()) {
-        // OBJ holds six decimals.
+        // OBJ files have six decimals.
         let share = (1.0 - (p[0] * p[0] + p[2] * p[2]) / 0.16).max(0.0).powi(2);
         assert!((d[1] + 0.1 * share).abs() < 2e-6 && d[0] == 0.0 && d[2] == 0.0, "{p:?} {d:?}");
-        // Blender's v is 0.5 + y upwards, which is -z as exported; ours counts downwards.
+        // Blender's v is 0.5 + y upwards, which is -z as exported. Ours counts downwards.
         assert!((uv[0] - (p[0] + 0.5)).abs() < 1e-6 && (uv[1] - (p[2] + 0.5)).abs() < 1e-6);
     }
     for t in &plate.mesh.triangles {
@@ -83,13 +83,13 @@ fn files_without_faces_and_files_in_odd_dress() {
     assert_eq!((points.mesh.positions.len(), points.mesh.triangles.len()), (2, 0));
     assert_eq!(sparse(&points), (&[1][..], &[[0., 0., 1.]][..]));
     let plain = read(TWO, DENT).unwrap();
-    // A solver's positions alone.
+    // Positions only, as a solver writes them.
     assert_eq!(read(TWO, DENT.split('f').next().unwrap()).unwrap(), plain);
     // Names, groups, comments, vendors' commands, spaces, carriage returns, a byte order mark, relative indices, a continued line.
     let odd = "\u{feff}# T\u{fc}r\r\nmtllib a b.mtl\r\no\u{2003}\u{2003}x\r\n  v 0 0 0 1 0 0\r\n\tv  1 0 0\r\nv 1 1 0\r\nv 0 1 0\r\n\u{2003}g x\r\ng\r\nusemtl\r\ns off\r\n\
                vendor_thing 1 2\r\nf -4 -3 \\\r\n -2\r\ng \u{fc}\u{e9}\r\no\r\nl 1 2\r\np 1\r\nf 1 3 4";
     assert_eq!(read(odd, DENT).unwrap(), plain);
-    // Latin-1 in a name.
+    // A name in Latin-1.
     let mut latin = b"o T\xFCr\n".to_vec();
     latin.extend_from_slice(TWO.as_bytes());
     assert_eq!(obj_slices(("base", &latin), &[("dent", DENT.as_bytes())]).unwrap(), plain);

@@ -1,5 +1,5 @@
-//! What a set finds out from its body and its examples: mirror planes, held rims, the width of the place axes, and which examples stay
-//! anchored.
+//! What a set learns from its body and its examples: mirror planes, held rims, the width of the place axes, and which
+//! examples stay anchored.
 
 mod scenes;
 
@@ -16,7 +16,7 @@ fn positions(set: &ExampleSet) -> &[Vec3] {
     set.mesh().positions()
 }
 
-/// Displacements by one hit, and its outcome.
+/// The displacements and the outcome of one hit.
 fn dent(set: &Arc<ExampleSet>, options: InstanceOptions, hit: &Hit) -> (Vec<Vec3>, crumple::Outcome) {
     let mut instance = Instance::new(set.clone(), options).unwrap();
     let outcome = instance.submit(hit).unwrap();
@@ -30,7 +30,7 @@ fn with_placement(body: &str, count: usize, placement: Placement, options: SetOp
     build(mesh, examples, options)
 }
 
-/// An example that moves every vertex by what `field` says of its base position.
+/// An example that moves every vertex by `field` of its base position.
 fn example(mesh: &MeshData, contact: u32, field: impl Fn(Vec3) -> Vec3) -> ExampleData {
     let values = mesh.positions.iter().map(|p| field(Vec3::from_array(*p)).to_array()).collect();
     ExampleData {
@@ -39,7 +39,7 @@ fn example(mesh: &MeshData, contact: u32, field: impl Fn(Vec3) -> Vec3) -> Examp
     }
 }
 
-/// A sheet whose vertices are moved so that no plane maps it onto itself.
+/// A sheet with its vertices moved so that no plane maps it onto itself.
 fn lopsided(n: usize) -> MeshData {
     let mut mesh = scenes::sheet(n);
     for p in &mut mesh.positions {
@@ -59,7 +59,7 @@ fn mirror_planes_are_found_where_they_are() {
     let planes = |set: &ExampleSet| set.report().mirror_planes.bits();
     assert_eq!(planes(&scenes::solver_set("panel", 2, Placement::Automatic)), 0b011);
     assert_eq!(planes(&scenes::solver_set("tube", 2, Placement::Automatic)), 0b111);
-    // flat in z: an image in that plane would be the example again
+    // flat in z: a mirror image in that plane would be the example itself
     assert_eq!(planes(&scenes::sheet_set()), 0b011);
     assert_eq!(planes(&scenes::ball_set()), 0b111);
     let mesh = lopsided(12);
@@ -69,7 +69,7 @@ fn mirror_planes_are_found_where_they_are() {
 
 #[test]
 fn planes_survive_a_few_strays_but_no_more() {
-    // 625 vertices: 6 may have no image
+    // of 625 vertices 6 may lack an image
     let with = |strays: usize| {
         let mut mesh = scenes::sheet(24);
         for i in 0..strays {
@@ -80,12 +80,12 @@ fn planes_survive_a_few_strays_but_no_more() {
         build(mesh, examples, SetOptions::default()).report().mirror_planes.bits()
     };
     assert_eq!(with(0), 0b011);
-    // a stray takes its image with it
+    // each stray leaves its image without a partner too
     assert_eq!(with(3), 0b011);
     assert_eq!(with(4), 0);
 }
 
-/// The vertex of each vertex's image.
+/// The index of each vertex's mirror image.
 fn images(set: &ExampleSet, planes: Mirror) -> Vec<usize> {
     let b = set.mesh().bounds();
     let centre = (b.min + b.max) * 0.5;
@@ -96,7 +96,7 @@ fn images(set: &ExampleSet, planes: Mirror) -> Vec<usize> {
         .collect()
 }
 
-/// What a vector is multiplied with.
+/// The factors that mirror a vector.
 fn mirrored(planes: Mirror) -> Vec3 {
     Vec3::from_array([0, 1, 2].map(|k| if planes.bits() >> k & 1 == 1 { -1.0 } else { 1.0 }))
 }
@@ -134,7 +134,7 @@ fn a_hit_at_the_mirrored_place_of_an_example_gives_its_mirrored_field() {
 fn a_hit_and_its_mirror_image_give_mirrored_dents() {
     for (body, planes) in [("panel", 1), ("panel", 2), ("tube", 1), ("tube", 4), ("tube", 7)] {
         let planes = Mirror::from_bits(planes);
-        // carried: an example that stays where it was made has no image there
+        // carried, since an example that stays where it was made has no image there
         let set = with_placement(body, 12, Placement::Carried, SetOptions::default());
         let (image, flip) = (images(&set, planes), mirrored(planes));
         let mut dice = Dice::new(5);
@@ -175,7 +175,7 @@ fn without_mirror_nothing_is_mirrored() {
 
 // ------------------------------------------------------------------------------------------------------------------- rims
 
-/// Vertices on edges that one triangle has.
+/// Vertices on edges that belong to one triangle only.
 fn rim(set: &ExampleSet) -> Vec<usize> {
     let weld = set.mesh().weld();
     let mut edges = std::collections::HashMap::new();
@@ -201,7 +201,7 @@ fn a_held_rim_never_moves_under_what_is_carried() {
         let mut instance = new(&set);
         let mut dice = Dice::new(11);
         for i in 0..60 {
-            // most of them beside the rim
+            // most of them near the rim
             let hit = if i % 4 == 0 {
                 random_hit(&set, &mut dice)
             } else {
@@ -226,7 +226,7 @@ fn the_rest_of_a_target_beside_a_held_rim_is_unmet() {
     assert_eq!((outcome.achieved, outcome.shortfall()), ([0.0; 3], outcome.target));
 }
 
-/// A sheet of 20 by 20 squares with one round dent in the middle that ends at `radius`.
+/// A sheet of 20 by 20 squares with one round dent in the middle, which ends at `radius`.
 fn dented(radius: f32, also: impl Fn(Vec3) -> f32) -> Arc<ExampleSet> {
     let mesh = scenes::sheet(20);
     let deep = move |p: Vec3| (1.0 - p.length_squared() / (radius * radius)).max(0.0).powi(2) + also(p);
@@ -237,22 +237,22 @@ fn dented(radius: f32, also: impl Fn(Vec3) -> f32) -> Arc<ExampleSet> {
 #[test]
 fn a_rim_is_held_where_examples_show_it() {
     let held = |set: Arc<ExampleSet>| set.report().held_vertices;
-    // a square dent up to the sides, which stay
+    // a square dent up to the sides, which do not move
     let square = |p: Vec3| 5.0 * ((0.25 - p.x * p.x) * (0.25 - p.y * p.y)).max(0.0);
     assert_eq!(held(dented(0.3, square)), 80);
-    // moved by a tenth of the deepest: free
+    // moved by a tenth of the deepest displacement: free
     assert_eq!(held(dented(0.3, |p| square(p) + if p.x > 0.49 && p.y > 0.49 { 0.2 } else { 0.0 })), 0);
-    // by less than a hundredth: still held
+    // moved by less than a hundredth: still held
     assert_eq!(held(dented(0.3, |p| square(p) + if p.x > 0.49 { 0.005 } else { 0.0 })), 80);
-    // what nothing comes near may move or not: no one knows
+    // where nothing comes near the rim, it is unknown whether it is held
     assert_eq!(held(dented(0.3, |_| 0.0)), 0);
     assert_eq!(held(dented(0.3, |p| if p.x > 0.4 && p.x < 0.49 && p.y == 0.0 { 0.2 } else { 0.0 })), 80);
-    // a closed body has none
+    // a closed body has no rim
     assert_eq!(held(scenes::ball_set()), 0);
     assert_eq!(held(scenes::cube_set()), 0);
 }
 
-/// An open pipe of radius 0.3 m and length 1 m along z, `n` around and `n` along, and a seam along its length.
+/// An open pipe of radius 0.3 m and length 1 m along z, with `n` squares around and along, and a seam along its length.
 fn pipe(n: usize) -> MeshData {
     let mut mesh = MeshData { normals: Some(Vec::new()), ..MeshData::default() };
     for i in 0..=n {
@@ -286,7 +286,7 @@ fn each_loop_is_held_or_free_by_itself() {
         build(mesh, vec![e], SetOptions { seams, ..SetOptions::default() })
     };
     let clamped = set(pipe(n), Seams::Weld, &|_, _| {});
-    // all around, and one of them twice
+    // all around, and the vertex at the seam twice
     assert_eq!(clamped.report().held_vertices, n + 1);
     let mut instance = new(&clamped);
     let mut dice = Dice::new(2);
@@ -304,7 +304,7 @@ fn each_loop_is_held_or_free_by_itself() {
 
 // ------------------------------------------------------------------------------------------------------- smooth everywhere
 
-/// A fine sheet, and an example with a tail that does not end: everything moves but the sides.
+/// A fine sheet and an example with an endless tail: every vertex moves except on the sides.
 fn tailed(n: usize) -> Arc<ExampleSet> {
     let mesh = scenes::sheet(n);
     let contact = scenes::nearest(&mesh, [0.1, -0.05, 0.0]);
@@ -318,7 +318,7 @@ fn tailed(n: usize) -> Arc<ExampleSet> {
     build(mesh, vec![e], SetOptions { depth_limit: Some(1.0), ..SetOptions::default() })
 }
 
-/// The steepest change of a field between neighbours.
+/// The greatest slope of a field between neighbours.
 fn steepest(set: &ExampleSet, field: &[Vec3]) -> f32 {
     let edges = set.mesh().triangles().iter().flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]);
     let slope = |(a, b): (u32, u32)| {
@@ -341,7 +341,8 @@ fn no_jumps_across_the_window_nor_on_the_sides_of_a_stamp() {
             let (field, outcome) = dent(&set, InstanceOptions::default(), &push([x, y, 0.0], [0.0, 0.0, -depth]));
             let scale = outcome.chosen[0].unwrap().scale;
             let stretch = (outcome.mark.unwrap().depth / e.depth()).sqrt().clamp(0.25, 4.0);
-            // as steep as the example is made, and as the window falls; a hundredth of the depth over a cell at the sides is less
+            // as steep as the example and as the slope of the window; a jump of a hundredth of the depth over one cell
+            // at the sides is less
             let allowed = 1.3 * own * scale / stretch + window * depth;
             let is = steepest(&set, &field);
             assert!(is <= allowed, "at {x}, {y}, depth {depth}: {is}, not {allowed}");
@@ -355,13 +356,13 @@ fn normals_beside_a_held_rim_are_those_of_the_surface() {
     let contact = scenes::nearest(&mesh, [0.0; 3]);
     let mut round = example(&mesh, contact, |p| Vec3::new(0.0, 0.0, -0.05 * (-p.length_squared() / 0.01).exp()));
     round.placement = Placement::Carried;
-    // shows that the sides are held, and never answers: it points outwards
+    // shows that the sides are held, but is never chosen, since it points outwards
     let shows =
         example(&mesh, contact, |p| Vec3::new(0.0, 0.0, if p.x.abs().max(p.y.abs()) < 0.4999 { 0.01 } else { 0.0 }));
     let set = build(mesh, vec![round, shows], SetOptions::default());
     assert_eq!(set.report().held_vertices, 800);
     let rim = rim(&set);
-    // away from corners: there the window has a crease, where two sides are equally near
+    // away from corners, where the window has a crease because two sides are equally near
     for (x, y) in [(0.47, 0.1), (0.49, -0.3), (-0.3, 0.48), (-0.46, 0.0), (0.2, 0.1)] {
         for depth in [0.005, 0.015, 0.03] {
             let mut instance = new(&set);
@@ -369,7 +370,7 @@ fn normals_beside_a_held_rim_are_those_of_the_surface() {
             let out = Output::fresh(&mut instance);
             let sums = scenes::area_normals(&set, &out.positions);
             let angle = |v: usize| sums[v].normalize().angle_between(Vec3::from_array(out.normals[v])).to_degrees();
-            // on the rim itself triangles are on one side only
+            // on the rim itself there are triangles on one side only
             let inside = (0..sums.len()).filter(|v| rim.binary_search(v).is_err());
             let worst = inside.map(angle).fold(0.0, f32::max);
             assert!(worst < 3.0, "at {x}, {y}, depth {depth}: {worst} degrees");
@@ -379,7 +380,7 @@ fn normals_beside_a_held_rim_are_those_of_the_surface() {
 
 // ---------------------------------------------------------------------------------------------------------------- learned
 
-/// One shape wherever it is hit: a drum.
+/// A drum: one shape of dent wherever it is hit.
 fn drum(count: usize) -> Arc<ExampleSet> {
     let mesh = lopsided(20);
     let mut dice = Dice::new(8);
@@ -404,7 +405,7 @@ fn what_dents_the_same_wherever_it_is_hit_stays_in_place() {
     assert!(learned.anchored.iter().all(|a| *a));
     assert!(learned.anchored_error.iter().flatten().all(|e| *e < 1e-5));
     assert!(learned.carried_error.iter().flatten().all(|e| *e > 0.1));
-    // and a hit between the examples gets that shape
+    // a hit between the examples gets that shape too
     let at = positions(&set)[scenes::nearest(&lopsided(20), [0.1, 0.2, 0.0]) as usize];
     let (field, outcome) = dent(&set, InstanceOptions::default(), &push(at.to_array(), [0.0, 0.0, -0.05]));
     assert!(outcome.chosen.iter().flatten().all(|c| c.anchored));
@@ -437,7 +438,8 @@ fn too_few_examples_teach_nothing() {
     assert_eq!((set.learned().worst(), set.learned().median()), (None, None));
 }
 
-/// Dents of many depths and leans of a body whose right half (x > 0) may be of another make: long and narrow instead of round.
+/// Dents of many depths and leans on a body whose right half (x > 0) may dent differently: long and narrow instead of
+/// round.
 fn halves(alike: bool) -> Arc<ExampleSet> {
     let mesh = lopsided(30);
     let mut dice = Dice::new(8);
@@ -450,7 +452,7 @@ fn halves(alike: bool) -> Arc<ExampleSet> {
             let at = Vec3::from_array(mesh.positions[c as usize]);
             let (a, b) = if alike || at.x < 0.0 { (0.12, 0.12) } else { (0.06, 0.4) };
             let size = dice.between(0.02, 0.1);
-            // as deeper dents are wider
+            // deeper dents are wider
             let (a, b) = (a * (size / 0.06).sqrt(), b * (size / 0.06).sqrt());
             let push = Vec3::new(dice.between(-0.3, 0.3), dice.between(-0.3, 0.3), -1.0) * size;
             let mut e = example(&mesh, c, |p| push * (-((p.x - at.x) / a).powi(2) - ((p.y - at.y) / b).powi(2)).exp());
@@ -466,7 +468,8 @@ fn the_place_matters_as_much_as_the_examples_show() {
     let (even, odd) = (halves(true), halves(false));
     assert_eq!(even.learned().place_width, 1.3);
     assert!(odd.learned().place_width < 1.0, "{:?}", odd.learned());
-    // the worst is where the halves meet, or hit by the fewest: it has a place, and an error no less than the median
+    // the worst example (at the border of the halves, or in the rarer half) exists, and its error is at least the
+    // median
     let (worst, error) = odd.learned().worst().unwrap();
     assert!(worst < 32 && error >= odd.learned().median().unwrap());
 }

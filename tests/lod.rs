@@ -1,5 +1,5 @@
-//! Levels of detail: several meshes show the same damage. Vertices shared with the base mesh are compared bit for bit, others with an
-//! interpolation in f64.
+//! Levels of detail: several meshes show the same damage. Vertices shared with the base mesh are compared bit for bit,
+//! others with an interpolation in f64.
 
 mod scenes;
 
@@ -12,7 +12,7 @@ use crumple::{
 };
 use scenes::{Dice, ball, bowls, coincident, cube, length, new, push, random_hits, sheet};
 
-/// Positions and normals of one level, and what they hold.
+/// Positions and normals of one level, and the tracker of what they hold.
 struct Level {
     lod: usize,
     positions: Vec<[f32; 3]>,
@@ -67,7 +67,7 @@ fn dented(set: &Arc<ExampleSet>, hits: &[Hit]) -> Instance {
     body
 }
 
-/// Hits at the examples' own contacts, which anchor them, and anywhere else.
+/// Hits at the examples' own contacts, which anchor them, and hits anywhere else.
 fn hits(set: &ExampleSet, seed: u64) -> Vec<Hit> {
     let own = set.examples().iter().map(|e| push(e.contact_point().into(), e.contact_displacement().into()));
     own.take(3).chain(random_hits(set, 5, seed)).collect()
@@ -129,7 +129,7 @@ fn vertices_between_follow_the_interpolated_displacement() {
     let mut dice = Dice::new(8);
     let mut points: Vec<[f32; 3]> =
         (0..700).map(|_| [dice.between(-0.5, 0.5), dice.between(-0.5, 0.5), dice.between(-0.02, 0.02)]).collect();
-    // On an edge, and on a vertex.
+    // A point on an edge, and one on a vertex.
     points.extend([[0.5, 0.01, 0.0], [-0.5, -0.5, 0.0]]);
     let lod = MeshData { positions: points.clone(), normals: Some(vec![[0.0, 0.0, 1.0]; 702]), ..MeshData::default() };
     for tolerance in [None, Some(tolerance)] {
@@ -244,7 +244,7 @@ fn all_levels_see_a_hit_whenever_they_are_deformed() {
         level.update(&mut body);
         assert_eq!(level.bits(), Level::of(&mut body, level.lod).bits());
     }
-    // One tracker and its memory may change levels: everything is written again.
+    // A tracker and its memory may change levels; then everything is written again.
     let mut moved = Level::new(&set, 2);
     moved.tracker = levels[0].tracker.clone();
     assert_eq!(moved.update(&mut body).vertices_written, moved.positions.len() as u64);

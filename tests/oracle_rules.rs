@@ -14,7 +14,8 @@ use oracle::{Model, classic, damage::Ledger, learn, marks, select};
 use proptest::prelude::*;
 use scenes::{Dice, Output, build, new, push};
 
-/// A random set: a bumpy sheet, ball or cube, smooth and ragged examples, some pinned, some carried, some without a given contact.
+/// A random set: a bumpy sheet, ball or cube, with smooth and ragged examples. Some are anchored, some carried, some
+/// without a given contact.
 fn random_set(dice: &mut Dice, combine: Combine, seams: Seams) -> Arc<ExampleSet> {
     let mut mesh = match dice.index(3) {
         0 => scenes::sheet(6 + dice.index(8)),
@@ -22,7 +23,7 @@ fn random_set(dice: &mut Dice, combine: Combine, seams: Seams) -> Arc<ExampleSet
         _ => scenes::cube(4),
     };
     bump(&mut mesh, dice);
-    // small bowls leave rims where they are, and many of them teach a set something
+    // small bowls do not move rims, and a set learns from many of them
     let (count, radius) = [(1 + dice.index(6), 0.4), (8 + dice.index(6), 0.25)][dice.index(3) / 2];
     let mut examples = scenes::bowls(&mesh, count, radius, dice.next());
     if dice.index(3) == 0 {
@@ -57,13 +58,13 @@ fn random_set(dice: &mut Dice, combine: Combine, seams: Seams) -> Arc<ExampleSet
     build(mesh, examples, options)
 }
 
-/// Whether an example leaves the sides of the sheet alone.
+/// Whether an example does not move the sides of the sheet.
 fn inside(mesh: &MeshData, e: &ExampleData) -> bool {
     let Deltas::Sparse { indices, .. } = &e.positions else { return false };
     indices.iter().all(|v| mesh.positions[*v as usize][..2].iter().all(|x| x.abs() < 0.48))
 }
 
-/// Pushes an example a little sideways, so that it leans.
+/// Adds a small sideways displacement to an example, so that it leans.
 fn lean(e: &mut ExampleData, dice: &mut Dice) {
     let Deltas::Sparse { values, .. } = &mut e.positions else { return };
     let along = dice.vector(0.2);
@@ -73,7 +74,7 @@ fn lean(e: &mut ExampleData, dice: &mut Dice) {
     }
 }
 
-/// Moves every position a little, coincident vertices together, and forgets the normals, so that they are computed.
+/// Moves every position a little, coincident vertices together, and removes the normals so that they are computed.
 fn bump(mesh: &mut MeshData, dice: &mut Dice) {
     if dice.index(2) == 0 {
         return;
@@ -86,7 +87,7 @@ fn bump(mesh: &mut MeshData, dice: &mut Dice) {
     }
 }
 
-/// Unrelated displacements of a random third of the vertices; coincident vertices disagree.
+/// Unrelated displacements of a random third of the vertices. Coincident vertices disagree.
 fn ragged(mesh: &MeshData, dice: &mut Dice) -> ExampleData {
     let (mut indices, mut values) = (Vec::new(), Vec::new());
     for v in 0..mesh.positions.len() as u32 {
@@ -105,10 +106,11 @@ fn combines() -> impl Strategy<Value = Combine> {
     prop_oneof![Just(Combine::Energies), Just(Combine::Sum), Just(Combine::Deepest)]
 }
 
-/// What the weights of a stamp's bilinear mean can tell apart, with room: whole numbers of 14 bits, rounded down.
+/// Resolution of the weights of a stamp's bilinear mean, with a margin: integers of 14 bits, rounded down.
 const WEIGHTS: f64 = 2.0 / 16384.0;
 
-/// Distance of two points in units of what f32 and the weights can tell apart there: `size` is the size of the displacements summed.
+/// Asserts that two points agree within the resolution of f32 and of the weights. `size` is the size of the
+/// displacements summed.
 fn agree(is: V, ought: V, size: f64, what: &str) -> Result<(), TestCaseError> {
     let off = length(sub(is, ought));
     let allowed = WEIGHTS * size + 4e-7 * length(ought);
@@ -116,7 +118,7 @@ fn agree(is: V, ought: V, size: f64, what: &str) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Marks of random hits on `set`, with repeats.
+/// An instance with the marks of random hits on `set`, some of them repeated.
 fn random_marks(set: &Arc<ExampleSet>, dice: &mut Dice, options: &InstanceOptions, count: usize) -> Instance {
     let mut instance = Instance::new(set.clone(), *options).unwrap();
     for hit in scenes::random_hits(set, count, dice.next()) {
@@ -126,7 +128,7 @@ fn random_marks(set: &Arc<ExampleSet>, dice: &mut Dice, options: &InstanceOption
     instance
 }
 
-/// Every vertex of the instance, by the library and by the oracle.
+/// Compares every vertex of the instance between the library and the oracle.
 fn check_evaluation(instance: &mut Instance, limit: f64) -> Result<(), TestCaseError> {
     let set = instance.example_set().clone();
     let model = Model::of(&set);
@@ -150,7 +152,8 @@ fn check_evaluation(instance: &mut Instance, limit: f64) -> Result<(), TestCaseE
             let change = marks::normal_sum(&model, &scaled, v, combine, limit);
             // near a vanishing sum the direction is undefined
             if length(change) > 0.05 {
-                // changes of normals are shortened as the displacement is; where that is less than its own rounding, by any factor up to 1
+                // changes of normals are shortened as the displacement is; if the displacement is less than its
+                // rounding, by any factor up to 1
                 let shortened = (WEIGHTS * size / length(u)).min(1.0) * length(sub(change, model.normals[v]));
                 let allowed = (2.0 * WEIGHTS * (1.0 + turn) + shortened) / length(change);
                 prop_assert!(off <= allowed, "normal of vertex {v}: {:?} is {off:e} from {n:?}", out.normals[v]);
@@ -279,7 +282,7 @@ proptest! {
 
     #[test]
     fn saved_and_arbitrary_marks_evaluate_alike(seed in any::<u64>(), combine in combines()) {
-        // marks no selection would make: any contact, any shares, anchored or carried as the example allows
+        // marks that no selection would make: any contact, any shares, anchored or carried as the example allows
         let mut dice = Dice::new(seed);
         let set = random_set(&mut dice, combine, Seams::Weld);
         let list: Vec<Mark> = (0..1 + dice.index(5)).map(|_| any_mark(&set, &mut dice)).collect();
@@ -305,7 +308,7 @@ fn any_mark(set: &ExampleSet, dice: &mut Dice) -> Mark {
         if anchored && e.delta(contact).length() < 0.02 * e.depth() {
             continue;
         }
-        // the first is large enough for the others to be negative
+        // the first share is large enough that the others may be negative
         let share = if used == 0 { 900 + dice.index(1100) as i32 } else { dice.index(1200) as i32 - 700 };
         if !(100..=1024).contains(&(total + share)) && used > 0 {
             continue;
@@ -314,7 +317,7 @@ fn any_mark(set: &ExampleSet, dice: &mut Dice) -> Mark {
         pairs[used] = if anchored {
             Pair::anchored(example as u16, share as i16)
         } else {
-            // mirrored in any planes, whether the body has them or not
+            // mirrored in any planes, whether or not they are the body's
             Pair::carried(example as u16, share as i16, Mirror::from_bits(dice.index(8) as u8))
         };
         used += 1;
@@ -341,7 +344,8 @@ fn check_classic(set: &Arc<ExampleSet>, dice: &mut Dice, k: f32, clamp: bool) ->
     let mut instance =
         Instance::new(set.clone(), InstanceOptions { rule, selection, ..InstanceOptions::default() }).unwrap();
     let mut current = model.positions.clone();
-    // how far f32 may be off by now, and where a decision of Figure 4.3 hangs on that: not compared from there on
+    // the error of f32 so far, and whether a decision of Figure 4.3 depended on it; such vertices are no longer
+    // compared
     let mut error: Vec<f64> = current.iter().map(|p| 1e-7 * length(*p)).collect();
     let mut doubtful = vec![false; current.len()];
     for _ in 0..5 {
@@ -392,7 +396,7 @@ fn check_classic(set: &Arc<ExampleSet>, dice: &mut Dice, k: f32, clamp: bool) ->
     Ok(())
 }
 
-/// How many of the hits could be compared.
+/// Returns the number of hits that could be compared.
 fn check_selection(set: &Arc<ExampleSet>, dice: &mut Dice, k: u32, hits: usize) -> Result<usize, TestCaseError> {
     let mut compared = 0;
     let model = Model::of(set);
@@ -427,7 +431,7 @@ fn check_selection(set: &Arc<ExampleSet>, dice: &mut Dice, k: u32, hits: usize) 
         };
         let near = |a: f64, b: f64| (a - b).abs() <= 3e-3 * length(target).min(limit);
         prop_assert!(near(is.depth, ought.mark.depth), "depth {} instead of {}", is.depth, ought.mark.depth);
-        // what it says it met is what its mark brings there, to rounding; and near what the oracle's mark would
+        // the outcome's displacement is that of its mark, to rounding, and near that of the oracle's mark
         let met = from_f32(outcome.achieved);
         agree(met, marks::met(&model, &is), length(met) + 1e-3 * limit, "met")?;
         prop_assert!(near(length(sub(met, ought.met)), 0.0), "met {met:?} instead of {:?}", ought.met);
@@ -443,7 +447,7 @@ fn check_selection(set: &Arc<ExampleSet>, dice: &mut Dice, k: u32, hits: usize) 
     Ok(compared)
 }
 
-/// The same examples in about the same shares, in any order; one of almost no share may be absent.
+/// The same examples in about the same shares, in any order; one with almost no share may be absent.
 fn same_parts(a: &[marks::Part], b: &[marks::Part]) -> bool {
     let share = |list: &[marks::Part], p: &marks::Part| {
         let same = |q: &&marks::Part| (q.example, q.anchored, q.mirror) == (p.example, p.anchored, p.mirror);
@@ -452,7 +456,7 @@ fn same_parts(a: &[marks::Part], b: &[marks::Part]) -> bool {
     a.iter().chain(b).all(|p| (share(a, p) - share(b, p)).abs() < 3.5 / 1024.0)
 }
 
-/// Planes, rims and what was learned, against the naive ones.
+/// Compares planes, rims and what was learned with the oracle's.
 fn check_body(set: &Arc<ExampleSet>) -> Result<(), TestCaseError> {
     let model = Model::of(set);
     prop_assert_eq!(set.report().mirror_planes.bits(), model.planes);
@@ -551,7 +555,7 @@ mod solver_bodies {
 
 #[test]
 fn quick_eight_marks_at_one_vertex_add_energies() {
-    // by hand: eight dents of depth 1 side by side in one place, made of two examples, are sqrt(8) deep where nothing limits them
+    // by hand: eight dents of depth 1 at one place, made from two examples, are sqrt(8) deep without a limit
     let mesh = MeshData {
         positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
         triangles: vec![[0, 1, 2]],
@@ -581,7 +585,7 @@ fn quick_the_oracle_agrees_on_a_few_sets() {
         check_evaluation(&mut instance, f64::from(set.depth_limit())).unwrap();
     }
 }
-/// Found by soaking: two dents of 1e-10 m at a vertex whose normal they change by a hundredth.
+/// Found by a soak run: two dents of 1e-10 m at a vertex whose normal they change by a hundredth.
 #[test]
 fn quick_normals_where_a_dent_is_less_than_its_rounding() {
     let mut dice = Dice::new(3_417_314_781_503_467_881);

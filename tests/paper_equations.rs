@@ -32,7 +32,7 @@ const SLANTED: usize = 1;
 const SIDEWAYS: usize = 2;
 const ELSEWHERE: usize = 3;
 
-/// Three examples that move vertex 0, each in its own direction, and one that does not.
+/// Three examples that move vertex 0, each in a different direction, and one that does not.
 fn set_with(options: SetOptions) -> Arc<ExampleSet> {
     let examples = vec![
         example("deep", &[(0, [0.0, 0.0, -2.0]), (1, [0.0, 0.0, -1.0])]),
@@ -122,7 +122,7 @@ fn quick_figure_4_2_takes_the_best_direction_not_the_best_size() {
     assert_eq!(chosen([0.0, 0.0, -0.1]), DEEP);
     assert_eq!(chosen([0.7, 0.0, -0.7]), SLANTED);
     assert_eq!(chosen([0.9, 0.1, -0.2]), SIDEWAYS);
-    // halfway between slanted and deep in angle, a little nearer to deep
+    // halfway between slanted and deep in angle, but a little nearer to deep
     assert_eq!(chosen([0.40, 0.0, -1.0]), DEEP);
     assert_eq!(chosen([0.43, 0.0, -1.0]), SLANTED);
 }
@@ -130,12 +130,12 @@ fn quick_figure_4_2_takes_the_best_direction_not_the_best_size() {
 #[test]
 fn quick_figure_4_2_only_examples_that_affect_the_vertex() {
     let instance = classic_instance(&set(), Rule::MostDisplaced, Selection::Classic);
-    // straight along what `elsewhere` does at vertex 2: at vertex 0 it cannot be chosen
+    // exactly along the displacement of vertex 2 by `elsewhere`, which cannot be chosen at vertex 0
     let outcome = instance.preview(&hit([0.1, 1.0, 0.0])).unwrap();
     assert_ne!(weight(&outcome).0, ELSEWHERE);
     let outcome = instance.preview(&push([2.0, -0.1, 0.0], [0.0, 0.5, 0.0])).unwrap();
     assert_eq!(weight(&outcome), (ELSEWHERE, 0.5));
-    // vertex 3 is moved by none
+    // no example moves vertex 3
     let outcome = instance.preview(&push([1.0, 1.1, 0.0], [0.0, 0.5, 0.0])).unwrap();
     assert_eq!(outcome.status, HitStatus::NothingReaches);
     assert_near(outcome.shortfall(), [0.0, 0.5, 0.0]);
@@ -166,7 +166,7 @@ fn quick_the_weight_is_clamped_to_one_unless_asked_otherwise() {
     assert!((w - 1.5).abs() < 1e-6, "{w}");
 }
 
-/// Figure 4.3, worked by hand at vertex 0 (base at the origin), three hits.
+/// Figure 4.3 worked by hand for three hits at vertex 0 (base at the origin).
 ///
 /// 1. deep, w = 0.4: r = (0, 0, -0.8); longer than 0, so cur = r.
 /// 2. slanted, w = 0.5: r = lerp((0, 0, -0.8), (1, 0, -1), 0.5) = (0.5, 0, -0.9); 1.06 >= 0.64, so cur = r.
@@ -209,7 +209,8 @@ fn quick_blend_with_k_zero_is_most_displaced() {
 
 #[test]
 fn quick_equal_lengths_count_as_most_displaced() {
-    // "if LengthSq(resultDisp) >= LengthSq(curDisp)": at w = 1 the result is the example itself whatever was there before
+    // "if LengthSq(resultDisp) >= LengthSq(curDisp)": at w = 1 the result is the example itself, whatever was there
+    // before
     let examples = vec![example("down", &[(0, [0.0, 0.0, -1.0])]), example("up", &[(0, [0.0, 0.0, 1.0])])];
     let set = build(row(), examples, SetOptions::default());
     let mut instance = classic_instance(&set, Rule::MostDisplaced, Selection::Classic);
@@ -221,7 +222,7 @@ fn quick_equal_lengths_count_as_most_displaced() {
 
 #[test]
 fn quick_a_vertex_whose_normal_alone_changes_is_not_blended() {
-    // vertex 1 is moved by the first example only; the second dents vertex 0 beside it, which turns the normal of 1
+    // only the first example moves vertex 1; the second dents vertex 0 beside it, which turns the normal of vertex 1
     let examples = vec![example("right", &[(1, [0.0, 0.0, -1.0])]), example("left", &[(0, [0.0, 0.0, -1.0])])];
     let set = build(row(), examples, SetOptions::default());
     assert_ne!(set.examples()[1].normal_delta(1).to_array(), [0.0; 3]);

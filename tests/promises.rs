@@ -1,5 +1,6 @@
-//! The promises of docs/model.md: bounded, local, free of order, deterministic, watertight, and nothing written where nothing changed. The
-//! tests submit up to 10 000 random hits to a sheet, a ball, a cube with hard edges and a UV seam, and the solver's panel.
+//! The promises of docs/model.md: bounded, local, independent of order, deterministic, watertight, and nothing written
+//! where nothing changed. The tests submit up to 10 000 random hits to a sheet, a ball, a cube with hard edges and a UV
+//! seam, and the solver's panel.
 
 mod scenes;
 
@@ -13,7 +14,7 @@ use crumple::{
 use proptest::prelude::*;
 use scenes::{Body, Dice, Output, POISON, fnv, new, push, random_hit, random_hits};
 
-/// Built once: all bodies.
+/// All bodies, built once.
 fn bodies() -> &'static [Body] {
     static BODIES: std::sync::OnceLock<Vec<Body>> = std::sync::OnceLock::new();
     BODIES.get_or_init(scenes::bodies)
@@ -44,14 +45,14 @@ fn distance(a: [f32; 3], b: [f32; 3]) -> f64 {
     (0..3).map(|k| (f64::from(a[k]) - f64::from(b[k])).powi(2)).sum::<f64>().sqrt()
 }
 
-/// What rounding a coordinate of this size to f32 can add to a length.
+/// The length that rounding a coordinate of this size to f32 can add.
 fn rounding(p: [f32; 3]) -> f64 {
     p.iter().map(|x| f64::from(x.abs())).fold(0.0, f64::max) * 1.1e-7
 }
 
 // ---------------------------------------------------------------------------------------------------------------- bounded
 
-/// Finite, within the limit, normals of unit length, tangents orthogonal to them.
+/// Checks that positions are finite and within the limit, normals of unit length, and tangents orthogonal to them.
 fn check_bounded(instance: &mut Instance) -> Result<(), TestCaseError> {
     let set = instance.example_set().clone();
     let limit = f64::from(instance.depth_limit());
@@ -76,7 +77,7 @@ fn check_bounded(instance: &mut Instance) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// A mark that no selection would make, but that is accepted: any shares, negative ones too, any mirrors, anchored anywhere.
+/// A mark that no selection would make but that is accepted: any shares, also negative, any mirrors, anchored anywhere.
 fn any_mark(set: &ExampleSet, dice: &mut Dice) -> Mark {
     let mut pairs = [Pair::NONE; 4];
     let used = 1 + dice.index(4);
@@ -101,7 +102,7 @@ fn any_mark(set: &ExampleSet, dice: &mut Dice) -> Mark {
     Mark { contact: dice.index(set.vertex_count()) as u32, depth, energy, pairs }
 }
 
-/// Anything an engine might report: sizes from 1e-30 to 1e30, any direction, as displacements and impulses.
+/// Any hit that an engine might report: sizes from 1e-30 to 1e30, any direction, as displacement or impulse.
 fn wild_hit(set: &ExampleSet, dice: &mut Dice) -> Hit {
     let mut hit = random_hit(set, dice);
     let size = [1e-30f32, 1e-20, 1e-6, 1e-3, 1.0, 10.0, 1e4, 1e15, 1e30][dice.index(9)];
@@ -195,8 +196,8 @@ fn quick_bounded() {
 
 // ------------------------------------------------------------------------------------------------------------------ local
 
-/// Whether any pair of the mark can move (or turn the normal of) vertex `v`, by public data alone: the example's own support where it is
-/// anchored; a ball around the contact that holds the stretched stamp where it is carried.
+/// Whether any pair of the mark can move vertex `v` or turn its normal, judged by public data alone. An anchored
+/// example reaches its own support. A carried example reaches a ball around the contact that holds the stretched stamp.
 fn reaches(set: &ExampleSet, mark: &Mark, v: usize) -> bool {
     mark.pairs.iter().filter(|p| !p.is_none()).any(|pair| {
         let e = &set.examples()[usize::from(pair.example)];
@@ -255,12 +256,13 @@ proptest! {
         let out = Output::fresh(&mut instance);
         let moved = |v: usize| distance(out.positions[v], base(&set, v));
         let deepest = (0..set.vertex_count()).max_by(|a, b| moved(*a).total_cmp(&moved(*b))).unwrap();
-        // the contact got what was asked for (on the cube, where edges have normals between faces: what was told), and nothing is deeper
+        // the contact moves as asked (on the cube, where normals at edges lie between faces: as reported), and no
+        // vertex is much deeper
         let at_contact = moved(outcome.contact_vertex as usize);
         let ought = if which == 2 { f64::from(length3(outcome.achieved)) } else { f64::from(depth) };
         prop_assert!((at_contact - ought).abs() <= 0.01 * ought, "{at_contact}, not {ought}");
         prop_assert!(at_contact >= 0.9 * moved(deepest), "contact {at_contact}, deepest {}", moved(deepest));
-        // a bowl is round: nothing sizeable moves outside its radius, and every vertex well inside moves
+        // a bowl is round: no vertex outside its radius moves much, and every vertex well inside moves
         for v in 0..set.vertex_count() {
             let away = distance(base(&set, v), base(&set, vertex)) as f32;
             prop_assert!(moved(v) <= 0.02 * f64::from(depth) || away <= 1.2 * wide, "vertex {v} moved {} at {away} m, radius {wide}", moved(v));
@@ -303,7 +305,7 @@ fn save_after(set: &Arc<ExampleSet>, options: &InstanceOptions, frames: &[Vec<Hi
     instance.save()
 }
 
-/// Cuts `hits` into frames at random.
+/// Splits `hits` into frames at random.
 fn cut(mut hits: Vec<Hit>, dice: &mut Dice) -> Vec<Vec<Hit>> {
     let mut frames = Vec::new();
     while !hits.is_empty() {
@@ -356,7 +358,8 @@ proptest! {
 
     #[test]
     fn the_classic_rules_have_a_canonical_order_too(body in any_body(), count in 1usize..60, seed in any::<u64>(), k in 0.0f32..=1.0) {
-        // within a frame; across frames their result depends on the order, which is why they are not the default
+        // only within a frame: across frames the classic rules depend on the order, which is why they are not the
+        // default
         let (_, set) = body;
         let options = InstanceOptions::classic(Rule::Blend(k));
         let mut hits = random_hits(set, count, seed);
@@ -439,8 +442,8 @@ fn sets_are_built_alike_on_any_number_of_threads() {
     }
 }
 
-/// The bytes of a fixed scenario. A platform that differs here would not agree with others over a network. After a deliberate change of
-/// the model or of the saved format: take the printed values over.
+/// Hashes of a fixed scenario. A platform that differs here would disagree with others over a network. After a
+/// deliberate change of the model or of the saved format, replace them by the printed values.
 #[test]
 fn quick_golden_marks_are_the_same_on_every_platform() {
     const GOLDEN: [(&str, u64, u64); 3] = [
@@ -517,7 +520,7 @@ fn check_seams(instance: &mut Instance) -> Result<(), TestCaseError> {
             prop_assert_eq!(bits(out.positions[v]), bits(out.positions[group[0]]), "vertices {} and {}", group[0], v);
             let normal = |v: usize| set.mesh().normals().unwrap()[v];
             if normal(v) == normal(group[0]) {
-                // a UV seam: shaded as one surface
+                // a UV seam is shaded as one surface
                 prop_assert_eq!(bits(out.normals[v]), bits(out.normals[group[0]]));
             }
         }
@@ -537,7 +540,7 @@ fn quick_seams_stay_closed() {
 
 // ------------------------------------------------------------------------------------------- written: all, and only, changes
 
-/// Vertices interleaved at a random layout, with guard bytes before, between and after.
+/// Checks vertices interleaved in a random layout, with guard bytes before, between and after.
 fn check_guards(set: &Arc<ExampleSet>, seed: u64) -> Result<(), TestCaseError> {
     const GUARD: u8 = 0xA5;
     let mut dice = Dice::new(seed);
@@ -548,7 +551,7 @@ fn check_guards(set: &Arc<ExampleSet>, seed: u64) -> Result<(), TestCaseError> {
     let tangent = normal + 12 + gap(&mut dice);
     let stride = tangent + 16 + gap(&mut dice);
     let count = set.vertex_count();
-    // the memory ends with the last value: no byte beyond is needed
+    // the memory ends with the last value; deform needs no byte beyond it
     let last = if has_tangents { tangent + 16 } else { normal + 12 };
     let size = (count - 1) * stride + last;
     let before = dice.index(9);
@@ -590,7 +593,8 @@ fn poisoned(out: &Output, v: usize) -> bool {
     out.positions[v] == [POISON; 3]
 }
 
-/// Deforms into poisoned memory: what is written is what `changed` says, and it is a superset of what differs from `before`.
+/// Deforms into poisoned memory. It must write what `changed` lists, and that must include all that differs from
+/// `before`.
 fn check_changes(instance: &mut Instance, out: &mut Output) -> Result<(), TestCaseError> {
     let before = out.all_bits();
     out.poison();
@@ -627,7 +631,7 @@ fn check_bounds(out: &Output) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// One random thing done to an instance.
+/// Does one random thing to an instance.
 fn act(instance: &mut Instance, saves: &mut Vec<Vec<u8>>, dice: &mut Dice) {
     let set = instance.example_set().clone();
     match dice.index(12) {
@@ -779,7 +783,7 @@ fn quick_an_output_that_is_up_to_date_is_not_touched() {
         assert_eq!(again.blocks_skipped, first.blocks_written);
         assert!(out.tracker.changed().is_empty());
         assert!((0..set.vertex_count()).all(|v| poisoned(&out, v)));
-        // whoever overwrote the memory says so, and gets all of it back
+        // after other code overwrites the memory and invalidates the tracker, everything is written again
         out.tracker.invalidate();
         assert_eq!(out.update(&mut instance).vertices_written, set.vertex_count() as u64);
         assert!(out.all_bits() == Output::fresh(&mut instance).all_bits());
@@ -802,7 +806,7 @@ fn a_small_dent_writes_few_blocks_of_a_large_mesh() {
 
 #[test]
 fn quick_a_mark_that_is_merged_away_is_rewritten() {
-    // the weak dent is at one end of a body of many blocks, those that push it out at the other
+    // the weak dent is at one end of a body of many blocks, and those that displace it at the other
     let mesh = scenes::sheet(40);
     let mut examples = scenes::bowls(&mesh, 2, 0.06, 1);
     examples.iter_mut().for_each(|e| e.placement = Placement::Carried);
@@ -860,7 +864,7 @@ proptest! {
             prop_assert!(Output::fresh(&mut other).all_bits() == reference);
         }
         prop_assert!(instance.save() == bytes, "reading changes nothing");
-        // marks are 32 bytes each
+        // a mark has 32 bytes
         prop_assert!(bytes.len() <= 64 + 32 * marks.len());
     }
 
@@ -950,7 +954,7 @@ fn quick_replacing_the_damage_forgets_hits_that_wait() {
         instance.submit(&second).unwrap();
         way(&mut instance, &mut other);
         assert_eq!(instance.marks().unwrap(), marks.as_slice(), "{name}");
-        // and what comes after is not lost
+        // later hits are not lost
         instance.submit(&second).unwrap();
         assert_eq!(instance.marks().unwrap().len(), 2, "{name}");
     }
@@ -1006,7 +1010,7 @@ fn quick_marks_of_other_depth_at_one_place_are_marks_of_their_own() {
     assert!(marks[0].depth < marks[1].depth);
 }
 
-/// A body made in other units dents alike: no constant of the model is a length.
+/// A body made in other units dents in the same way: no constant of the model is a length.
 #[test]
 fn a_body_dents_alike_in_any_unit() {
     let scaled = |factor: f32| {
@@ -1020,7 +1024,7 @@ fn a_body_dents_alike_in_any_unit() {
         scenes::build(mesh, examples, SetOptions::default())
     };
     let one = scaled(1.0);
-    // powers of two, which round nothing
+    // powers of two cause no rounding
     for factor in [2f32.powi(-20), 2f32.powi(-10), 2f32.powi(10), 2f32.powi(20)] {
         let set = scaled(factor);
         let (mut here, mut there) = (new(&one), new(&set));
@@ -1066,7 +1070,7 @@ fn length3(v: [f32; 3]) -> f32 {
     Vec3::from_array(v).length()
 }
 
-/// Distance of two floats in units in the last place of the larger.
+/// Difference of two floats in units in the last place of the larger.
 fn ulps(a: f32, b: f32) -> f32 {
     let largest = a.abs().max(b.abs()).max(f32::MIN_POSITIVE);
     (a - b).abs() / (largest * f32::EPSILON)
@@ -1086,7 +1090,7 @@ fn check_own_contacts(set: &Arc<ExampleSet>) {
             let ought = (set.mesh().positions()[v] + e.delta(v as u32)).to_array();
             for k in 0..3 {
                 let (is, ought) = (out.positions[v][k], ought[k]);
-                // one unit in the last place of the coordinate, or of what was added to it
+                // one unit in the last place of the coordinate or of the displacement added to it
                 let d = e.delta(v as u32)[k].abs();
                 let near = (is - ought).abs() <= f32::EPSILON * ought.abs().max(d);
                 assert!(near, "example {i}, vertex {v}, axis {k}: {is} is {} ulp from {ought}", ulps(is, ought));
@@ -1115,7 +1119,7 @@ fn a_hit_at_an_examples_own_contact_is_the_example_on_solver_bodies() {
 
 #[test]
 fn normals_without_given_ones_are_those_of_the_dented_surface() {
-    // an example's own dent: the normals that the library computed for it are those of its triangles
+    // the example's own dent: the normals that the library computed for it are those of its triangles
     let mesh = scenes::ball(3);
     let example = scenes::bowl(&mesh, 17, 0.08, 0.3);
     let set = scenes::build(mesh, vec![example], SetOptions::default());
@@ -1175,7 +1179,7 @@ fn quick_a_lamp_before_the_surface_keeps_its_place_on_it() {
     let out = Output::fresh(&mut instance);
     for (p, a) in lamps {
         let frame = instance.attached_frame(&a).unwrap();
-        // the three corners of its triangle, and their distances from the lamp before and after
+        // the corners of its triangle, and their distances from the lamp before and after
         let weights = Vec3::from_array(a.weights);
         assert!((weights.element_sum() - 1.0).abs() < 1e-5);
         let surface =

@@ -1,5 +1,5 @@
-//! The facts behind the lab's charts of stability, where other methods fail. `promises.rs` tests hits of any size and in any order,
-//! `contacts.rs` frame rates, `bad_input.rs` broken meshes.
+//! The facts behind the lab's stability charts, where other methods fail. `promises.rs` tests hits of any size and in
+//! any order, `contacts.rs` frame rates, `bad_input.rs` broken meshes.
 
 mod scenes;
 
@@ -9,7 +9,7 @@ use crumple::glam::Vec3;
 use crumple::{Contact, Deltas, ExampleData, ExampleSet, Hit, MeshData, Placement, SetOptions};
 use scenes::{Dice, Output, build, coincident, displacements, new, push, random_hit, relative_l2, sheet};
 
-/// Displacements after these hits, one after the other.
+/// Displacements after these hits in this order.
 fn after(set: &Arc<ExampleSet>, hits: &[Hit]) -> Vec<Vec3> {
     let mut instance = new(set);
     for hit in hits {
@@ -30,7 +30,8 @@ fn assert_bounded(set: &ExampleSet, field: &[Vec3]) {
     assert!(deepest(field) <= limit * 1.00001 + size * 1e-6, "{} m; the limit is {limit} m", deepest(field));
 }
 
-/// A dent around `at` of the sheet that ends at `radius`, and pulls the surface to its middle by `pull` times the distance.
+/// A dent around `at` of the sheet that ends at `radius` and pulls the surface towards its middle by `pull` times the
+/// distance.
 fn dent(mesh: &MeshData, at: [f32; 2], radius: f32, direction: [f32; 3], pull: f32) -> ExampleData {
     let one = |p: &[f32; 3]| {
         let r = [p[0] - at[0], p[1] - at[1], 0.0];
@@ -114,7 +115,7 @@ fn supports_from_one_vertex_to_far_beyond_the_body() {
     }
 }
 
-/// The panel or the tube with its first 8 examples, scaled, then moved; and 20 hits on it.
+/// The panel or the tube with its first 8 examples, scaled and then moved away, and 20 hits on it.
 fn placed(body: &str, scale: f64, away: f64) -> (Arc<ExampleSet>, Vec<Hit>) {
     let (mesh, examples) = scenes::solver(body);
     let by = |v: [f32; 3]| v.map(|x| (f64::from(x) * scale) as f32);
@@ -151,8 +152,8 @@ fn a_millionth_or_a_million_times_as_large_is_the_same_scene() {
             let (set, hits) = placed(body, scale, 0.0);
             let back: Vec<Vec3> = after(&set, &hits).iter().map(|u| *u / scale as f32).collect();
             let error = relative_l2(&back, &reference);
-            // On a body that is its own mirror image two examples can tie, and then rounding, which differs by scale, says
-            // which of them answers (0.006 on the tube).
+            // On a mirror-symmetric body two examples can tie. Rounding, which differs with scale, then decides which
+            // is chosen (0.006 on the tube).
             assert!(error < 1e-2, "{body} at scale {scale}: {error}");
         }
     }
@@ -166,11 +167,11 @@ fn far_from_the_origin_only_rounding_is_lost() {
         for away in [1.0, 100.0] {
             let (set, hits) = placed(body, 1.0, away);
             let error = relative_l2(&after(&set, &hits), &reference);
-            // One rounding of a position, over a dent of the size of these.
+            // One rounding of a position, relative to a dent of this depth.
             let rounding = away * 6e-8 / f64::from(deepest(&reference));
             assert!(error < 0.01 + 100.0 * rounding, "{body} at {away} m: {error}");
         }
-        // So far off that the body's own vertices fall together: still bounded.
+        // So far away that the body's own vertices coincide: still bounded.
         let (set, hits) = placed(body, 1.0, 1e6);
         let field = after(&set, &hits);
         assert!(field.iter().all(|u| u.is_finite()) && deepest(&field) <= set.depth_limit() * 1.00001 + 0.25);

@@ -1,5 +1,5 @@
-//! The run-time tolerance: no vertex is wrong by more, seams stay closed bit for bit, an output that is updated in steps equals a fresh
-//! one, and work is saved.
+//! The runtime tolerance: no vertex is wrong by more, seams stay closed bit for bit, an output updated in steps equals
+//! a new one, and work is saved.
 
 mod scenes;
 
@@ -23,7 +23,7 @@ fn furthest(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
     a.iter().zip(b).map(|(p, q)| distance(p, q)).fold(0.0, f64::max)
 }
 
-/// Bodies that combine dents in each way, with exact and rounded displacements.
+/// Bodies that combine dents in each way, with exact and with rounded displacements.
 fn bodies() -> &'static [Body] {
     static BODIES: std::sync::OnceLock<Vec<Body>> = std::sync::OnceLock::new();
     BODIES.get_or_init(|| {
@@ -59,7 +59,7 @@ proptest! {
         prop_assert!(coarse.tolerance() <= tolerance && coarse.tolerance() * 2.0 > tolerance);
         let (wanted, _) = positions(&mut exact);
         let (got, _) = positions(&mut coarse);
-        // Two roundings to f32 of coordinates and displacements of about 1 m.
+        // Two roundings to f32, of coordinates and of displacements of about 1 m.
         let off = furthest(&wanted, &got);
         prop_assert!(off <= f64::from(coarse.tolerance()) + 4e-7, "{off} of {}", coarse.tolerance());
         let full = Output::fresh(&mut coarse);
@@ -87,7 +87,7 @@ proptest! {
                 }
             }
             output.update(&mut instance);
-            // What was written at different times is what is written at once.
+            // Blocks written at different times equal those written at once.
             prop_assert_eq!(output.all_bits(), Output::fresh(&mut instance).all_bits());
             for g in &groups {
                 for v in g {
@@ -117,7 +117,7 @@ fn what_is_too_short_to_matter_is_skipped() {
     let (_, report) = positions(&mut body);
     assert!(report.parts_skipped > 0, "{report:?}");
 
-    // All of a dent that is not deeper than the tolerance: nothing moves, and once at rest nothing is written.
+    // All of a dent that is no deeper than the tolerance is left out: nothing moves, and nothing is written any more.
     body.set_tolerance(16.0 * e.max_depth()).unwrap();
     let mut output = Output::new(&set);
     output.update(&mut body);
@@ -177,7 +177,7 @@ fn classic_rules_ignore_it() {
 
 #[test]
 fn a_pixel_covers_what_the_camera_shows() {
-    // 90 degrees: the view is twice as high as it is far off.
+    // 90 degrees: the height of the view is twice its distance.
     let right = std::f32::consts::FRAC_PI_2;
     assert!((pixel_tolerance(1.0, 10.0, right, 1000.0) - 0.02).abs() < 1e-7);
     assert!((pixel_tolerance(0.5, 20.0, right, 1000.0) - 0.02).abs() < 1e-7);

@@ -1,5 +1,5 @@
-//! Baked sets: every width of numbers, kind of stamp, SIMD level and number of threads gives the same bits. An example is within the
-//! set's tolerance at any weight. The reference is computed in f64 from sources of this repository.
+//! Baked sets: every width of numbers, kind of stamp, SIMD level and number of threads gives the same bits. An example
+//! is within the set's tolerance at any weight. The reference is computed in f64 from the repository's source files.
 
 mod scenes;
 
@@ -21,7 +21,7 @@ fn written(instance: &mut Instance, normals: bool, tasks: &dyn TaskSystem) -> Ve
     positions.iter().chain(&turned).flatten().map(|x| x.to_bits()).collect()
 }
 
-/// Positions must not depend on whether normals are written too: other kernels run then.
+/// Positions must not depend on whether normals are also written, which uses other kernels.
 #[test]
 fn levels_widths_and_threads_give_the_same_bits() {
     let pool = ThreadPool::new(3).unwrap();
@@ -38,7 +38,7 @@ fn levels_widths_and_threads_give_the_same_bits() {
                 pairs[0] = Pair::anchored(1, share);
                 Mark::new(e.contact_vertex(), 0.7 * e.depth(), pairs)
             };
-            // A lone anchored dent, then many of all kinds.
+            // A single anchored dent, then many of all kinds.
             for hits in [0, 25] {
                 let mut instance = new(&set);
                 if hits == 0 {
@@ -63,7 +63,7 @@ fn levels_widths_and_threads_give_the_same_bits() {
     }
 }
 
-/// Of an example's displacements as the file has them, and as the set shows them at a weight.
+/// Compares an example's displacements in the file with those that the set shows at a weight.
 #[test]
 fn no_vertex_is_further_off_than_the_tolerance() {
     let mut dice = Dice::new(77);
@@ -91,7 +91,7 @@ fn no_vertex_is_further_off_than_the_tolerance() {
                         let base: Vec3 = set.mesh().positions()[v];
                         let right = base.as_dvec3() + *d * f64::from(weight);
                         let off = (Vec3::from(shown[v]).as_dvec3() - right).length();
-                        // The position itself is rounded to a float.
+                        // The position itself is also rounded to f32.
                         worst = worst.max(off - f64::from(base.abs().max_element().max(0.1)) * 3e-7);
                     }
                     assert!(worst <= f64::from(tolerance * weight), "{body} {i} at {weight}: {worst} > {tolerance}");
@@ -101,8 +101,8 @@ fn no_vertex_is_further_off_than_the_tolerance() {
     }
 }
 
-/// Hits are compared with what an example was given to do at its contact, however coarsely its displacements are stored; a hit
-/// that repeats an example shows it as stored.
+/// Hits are compared with the given displacement of an example's contact, however coarsely displacements are stored. A
+/// hit that repeats an example shows it as stored.
 #[test]
 fn contacts_are_not_rounded() {
     for body in ["panel", "tube"] {
@@ -152,7 +152,8 @@ fn displacements(e: &ExampleData, n: usize) -> Vec<DVec3> {
     }
 }
 
-/// A stamp holds the tolerance with as few nodes as can, or has all it may; mirror images are among what the first test runs.
+/// A stamp holds the tolerance with as few nodes as possible, or has the most nodes allowed. The first test runs mirror
+/// images too.
 #[test]
 fn stamps_get_the_coarsest_grid_that_holds_the_tolerance() {
     let (mesh, examples) = scenes::solver("panel");

@@ -1,6 +1,6 @@
-//! The classic rule, whole: sections 4.4 to 4.7 of the thesis "Example Based Soft-Body Simulation on Graphics
-//! Processing Units". It needs per-vertex state and its result depends on the order of impulses; the default rule does
-//! neither. Kept complete for comparison.
+//! The classic rule, complete: sections 4.4 to 4.7 of the thesis "Example Based Soft-Body Simulation on Graphics
+//! Processing Units". It needs per-vertex state, and its result depends on the order of impulses. Neither is true of
+//! the default rule. It is kept for comparison.
 
 pub(crate) mod select;
 
@@ -11,18 +11,18 @@ use crate::example::blocks::DeltaBlocks;
 use crate::example::set::ExampleSet;
 use glam::Vec3;
 
-/// How a classic instance treats a vertex that is already displaced further (Figure 4.3, lines 5 to 9).
+/// What a classic instance does with a vertex that is already displaced further (Figure 4.3, lines 5 to 9).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Blend {
-    /// The "fine constant" of line 8: 0 keeps the most displaced candidate.
+    /// The "fine constant" of line 8; 0 keeps the most displaced candidate.
     pub constant: f32,
 }
 
-/// An example as the paper stores it: an index and three floats a vertex that it moves.
+/// An example as the paper stores it: an index and three floats per moved vertex.
 #[derive(Debug, Clone)]
 pub(crate) struct Sparse {
     entries: Vec<Entry>,
-    /// Change of the normal of each; empty where the mesh has no normals.
+    /// Change of normal of each entry; empty if the mesh has no normals.
     normals: Vec<Vec3>,
 }
 
@@ -44,20 +44,20 @@ impl Sparse {
     }
 }
 
-/// Displaced vertices of one instance.
+/// The displaced vertices of one instance.
 #[derive(Debug, Clone)]
 pub(crate) struct State {
     positions: Vec<Vec3>,
     normals: Vec<Vec3>,
-    /// The examples that it was hit with so far, as the rule reads them.
+    /// The examples used so far, in the form that the rule reads.
     sparse: Vec<Option<Sparse>>,
-    /// The last hits, in order: who keeps the state elsewhere applies what is new there.
+    /// The last hits, in order. A copy of the state elsewhere applies those that it lacks.
     journal: Vec<Applied>,
-    /// The journal holds all that happened after this epoch.
+    /// The journal holds every change after this epoch.
     known_since: u64,
 }
 
-/// A hit as it was applied.
+/// A hit that was applied.
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "for who keeps the state elsewhere"))]
 pub(crate) struct Applied {
@@ -66,7 +66,7 @@ pub(crate) struct Applied {
     pub weight: f32,
 }
 
-/// Hits that a journal holds; of a state that is further behind all is taken over.
+/// Capacity of a journal. A copy of the state that is further behind is replaced as a whole.
 const JOURNAL: usize = 256;
 
 impl State {
@@ -84,13 +84,14 @@ impl State {
         DisplacedVertices { positions: &self.positions, normals: &self.normals }
     }
 
-    /// The hits that were applied after an epoch; `None` where that is too long ago, or anything else happened since.
+    /// Returns the hits applied after `epoch`. `None` if the journal does not reach back that far, or if something
+    /// other than a hit changed the state since.
     #[cfg(feature = "gpu")]
     pub(crate) fn applied_since(&self, epoch: u64) -> Option<&[Applied]> {
         (epoch >= self.known_since).then(|| &self.journal[self.journal.partition_point(|a| a.epoch <= epoch)..])
     }
 
-    /// Notes that a hit was applied at an epoch.
+    /// Records that a hit was applied at `epoch`.
     pub(crate) fn note(&mut self, epoch: u64, example: u32, weight: f32) {
         if self.journal.len() == JOURNAL {
             self.known_since = self.journal[JOURNAL / 2].epoch;
@@ -99,14 +100,14 @@ impl State {
         self.journal.push(Applied { epoch, example, weight });
     }
 
-    /// Notes that something else than hits changed the state at an epoch.
+    /// Records that something other than a hit changed the state at `epoch`.
     pub(crate) fn replaced(&mut self, epoch: u64) {
         self.known_since = epoch;
         self.journal.clear();
     }
 
-    /// Figure 4.3 for every vertex that `example` moves. A candidate that is not finite (an unclamped weight far above 2,
-    /// many times over) is dropped.
+    /// Applies Figure 4.3 to every vertex that `example` moves. Drops a candidate that is not finite (after many
+    /// unclamped weights far above 2).
     pub(crate) fn apply(&mut self, set: &ExampleSet, example: u32, weight: f32, blend: Blend) {
         let base = set.mesh().positions();
         let lerp = |a: Vec3, b: Vec3, w: f32| a + (b - a) * w;
@@ -121,7 +122,7 @@ impl State {
                 continue;
             }
             let further = (result - base[v]).length_squared() >= (current - base[v]).length_squared();
-            // Vertices around the dent have a change of normal only: the paper's example does not hold them.
+            // Vertices around the dent only change their normal: the paper's example does not contain them.
             if e.displacement != Vec3::ZERO {
                 self.positions[v] = if further { result } else { lerp(current, result, blend.constant) };
             }
@@ -134,7 +135,7 @@ impl State {
         }
     }
 
-    /// Moves every vertex back to `keep` of its displacement.
+    /// Scales the displacement of every vertex by `keep`.
     pub(crate) fn scale(&mut self, set: &ExampleSet, keep: f32) {
         for (p, b) in self.positions.iter_mut().zip(set.mesh().positions()) {
             *p = *b + (*p - *b) * keep;
@@ -146,7 +147,8 @@ impl State {
         }
     }
 
-    /// Entries of 28 bytes: u32 vertex, f32 position (m), f32 normal (zero where the mesh has none).
+    /// Saves changed vertices as entries of 28 bytes: u32 vertex, 3 × f32 position (m), 3 × f32 normal (zero if the
+    /// mesh has none).
     pub(crate) fn save(&self, set: &ExampleSet) -> Vec<u8> {
         let changed: Vec<usize> = (0..self.positions.len())
             .filter(|v| {
@@ -165,7 +167,7 @@ impl State {
         out
     }
 
-    /// The state that [`State::save`] wrote.
+    /// Reads the state that [`State::save`] wrote.
     pub(crate) fn load(set: &ExampleSet, bytes: &[u8]) -> Result<Self, Error> {
         let mut state = State::new(set)?;
         for (at, e) in saved::entries(set, bytes, saved::CLASSIC, 28)?.chunks_exact(28).enumerate() {

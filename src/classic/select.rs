@@ -1,20 +1,20 @@
-//! How the classic rule chooses its example: Figure 4.2 of the paper.
+//! How the classic rule chooses an example: Figure 4.2 of the paper.
 
 use crate::example::set::ExampleSet;
 use crate::select::target::Target;
 use glam::Vec3;
 
-/// An example and the weight that it is blended with.
+/// An example and its blend weight.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Weighted {
     pub example: u32,
     pub weight: f32,
-    /// Displacement of the contact that the example alone brings, m, before the weight.
+    /// Displacement of the contact by the example before weighting, m.
     pub delta: Vec3,
 }
 
-/// Of the examples that move the contact, the one with the best cosine similarity (Eq. 4.5). Its weight is target over example
-/// displacement (Eq. 4.7).
+/// Selects the example with the best cosine similarity (Eq. 4.5) among those that move the contact. Its weight is the
+/// length of the target over that of the example's displacement (Eq. 4.7), at most 1 if `clamp`.
 pub(crate) fn select_by_cosine(set: &ExampleSet, target: &Target, clamp: bool) -> Option<Weighted> {
     let mut best: Option<(f32, usize, Vec3)> = None;
     for (i, e) in set.examples().iter().enumerate() {

@@ -1,12 +1,12 @@
-//! Marks become vertices: a pure function, evaluated a block at a time.
+//! Computes vertices from marks: a pure function, evaluated one block at a time.
 //!
 //! ```text
 //! S(v) = sum of u_m(v)      Q(v) = sum of |u_m(v)|²
 //! position(v) = base(v) + S(v) * min(1, sqrt(Q(v)) / |S(v)|, L / |S(v)|)
 //! ```
 //!
-//! Marks are summed in their sorted order with plain f32 operations, so that coincident vertices, any cut into blocks,
-//! any thread and any [`crate::SimdLevel`] give the same bits.
+//! Marks are summed in their sorted order with plain f32 operations. So the result has the same bits for coincident
+//! vertices, for any division into blocks, on any thread and at any [`crate::SimdLevel`].
 
 use super::kernel::{Block, Flat, ReadyPart, Source};
 use super::levels;
@@ -26,7 +26,7 @@ pub(crate) struct BlockJob<'a> {
     pub block: usize,
 }
 
-/// Position and unit normal of one vertex: the same bits as [`block`] gives.
+/// Position and unit normal of one vertex, with the same bits as [`block`] writes.
 pub(crate) fn vertex(view: &DamageView<'_>, lod: &MeshLod, v: usize) -> (Vec3, Option<Vec3>) {
     let (block, i) = (v / BLOCK, v % BLOCK);
     let n = 3 * block_range(block, lod.vertex_count()).len();
@@ -39,10 +39,10 @@ pub(crate) fn vertex(view: &DamageView<'_>, lod: &MeshLod, v: usize) -> (Vec3, O
     (at(&positions), some.then(|| at(&normals)))
 }
 
-/// What evaluating blocks needs of memory, used over and over.
+/// Memory reused between blocks.
 pub(crate) struct Scratch<'a> {
     parts: Vec<ReadyPart<'a>>,
-    /// Parts that the tolerance left out of blocks so far.
+    /// Number of parts that the tolerance has left out of blocks so far.
     pub left_out: u32,
     base: Flat,
     base_normals: Flat,
@@ -57,7 +57,7 @@ impl Scratch<'_> {
     }
 }
 
-/// The parts of an instance's dents that move vertices of the block, in order.
+/// Collects in `scratch`, in order, the parts of the instance's dents that move vertices of the block.
 #[inline(always)]
 fn active<'a>(job: BlockJob<'a>, normals: bool, scratch: &mut Scratch<'a>) -> Touched {
     let Scratch { parts, left_out, .. } = scratch;
@@ -69,7 +69,7 @@ fn active<'a>(job: BlockJob<'a>, normals: bool, scratch: &mut Scratch<'a>) -> To
             if let Some((source, longest)) = reached(job, normals, part) {
                 let scale = part.scale * dent.strength;
                 let threshold = if scale == 0.0 { 0.0 } else { job.view.threshold / scale.abs() };
-                // Normals of a part are shown in all blocks or in none, so that they agree where blocks meet.
+                // The normals of a part are applied in all blocks or in none, so that they agree where blocks meet.
                 let shown = threshold == 0.0
                     || longest > threshold
                     || (normals && part.carried.is_none() && job.lod.anchored[part.example].exceeds(threshold));
@@ -90,16 +90,17 @@ fn active<'a>(job: BlockJob<'a>, normals: bool, scratch: &mut Scratch<'a>) -> To
     touched
 }
 
-/// What moves a block.
+/// Summary of what moves a block.
 struct Touched {
     dents: usize,
-    /// No vertex is moved further by all of them together, m.
+    /// The most that all of them together can move a vertex, m.
     longest: f32,
-    /// Whether anchored examples are among them.
+    /// Whether some of them are anchored examples.
     stored: bool,
 }
 
-/// What a part brings to the block, if anything, and the longest of its displacements, m.
+/// A part's displacements in the block, and the length of the longest before scaling, m. `None` if the part does not
+/// reach the block.
 #[inline(always)]
 fn reached<'a>(job: BlockJob<'a>, normals: bool, part: &'a PlacedExample) -> Option<(Source<'a>, f32)> {
     let lod = job.lod;
@@ -118,8 +119,8 @@ fn reached<'a>(job: BlockJob<'a>, normals: bool, part: &'a PlacedExample) -> Opt
     }
 }
 
-/// Writes positions (m), and unit normals if wanted: three floats a vertex of the block, no more; and the bounds of the
-/// positions. A mesh without normals gets none.
+/// Writes positions (m) and, if wanted, unit normals: exactly three floats per vertex of the block. Also writes the
+/// bounds of the positions. Writes no normals if the mesh has none.
 pub(crate) fn block<'a>(
     job: BlockJob<'a>,
     scratch: &mut Scratch<'a>,
@@ -177,9 +178,9 @@ pub(crate) fn block<'a>(
     }
 }
 
-/// Where one anchored example is all that can move the block, under the depth limit: in one pass, bound by memory. The same
-/// bits as the general way gives. False where it is not so; nothing is written then. A block that is short of vertices goes the
-/// general way if normals are wanted.
+/// The fast path for a block that a single anchored example moves by less than the depth limit: one pass, limited by
+/// memory bandwidth. Writes the same bits as the general path. Returns false and writes nothing if the path does not
+/// apply. It does not apply to a short block if normals are wanted.
 #[inline(always)]
 fn lone(
     job: BlockJob<'_>,
@@ -205,7 +206,7 @@ fn lone(
     true
 }
 
-/// A whole block: `from`, or `scratch` with its floats and zeros where it is short.
+/// A whole block: `from`, or a copy in `scratch` padded with zeros if `from` is short.
 fn whole<'b>(from: &'b [f32], scratch: &'b mut Flat) -> &'b Flat {
     if let Some(whole) = from.first_chunk() {
         return whole;
@@ -215,7 +216,7 @@ fn whole<'b>(from: &'b [f32], scratch: &'b mut Flat) -> &'b Flat {
     scratch
 }
 
-/// A whole block to write: `to` itself, unless it is short.
+/// A whole block to write to: `to`, or `scratch` if `to` is short.
 fn into<'b>(to: &'b mut [f32], scratch: &'b mut Flat) -> &'b mut Flat {
     match to.first_chunk_mut() {
         Some(whole) => whole,
@@ -246,7 +247,7 @@ fn given(
     bounds
 }
 
-/// The base tangent turned as the normal turned, orthogonal to the new normal; w is kept.
+/// The base tangent, rotated as the normal was and made orthogonal to the new normal. Keeps w.
 pub(crate) fn tangent(lod: &MeshLod, v: usize, normal: Vec3) -> Vec4 {
     let Some(t) = lod.mesh.tangents().map(|t| t[v]) else { return Vec4::W };
     let base = lod.mesh.normals().map_or(normal, |n| n[v]);

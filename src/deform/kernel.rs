@@ -1,10 +1,10 @@
-//! The kernels: what turns stored displacements and stamps into vertices, some lanes at a time.
+//! The kernels, which compute vertices from stored displacements and stamps, several lanes at a time.
 //!
-//! They go over one block's vertices once, with all sums in registers, and are generic over [`Simd`]. Operations and their
-//! order are the same at every level and width, so results are the same bits.
+//! Each visits one block's vertices once, with all sums in registers, and is generic over [`Simd`]. Operations and
+//! their order are the same at every level and width, so results have the same bits.
 //!
-//! Every function here is `unsafe` for one reason: it may only run where the level's instructions are there. Pointers are made
-//! from slices and arrays whose lengths are stated.
+//! Every function here is `unsafe` for one reason: it may run only if the processor supports the level's instructions.
+//! Pointers come from slices and arrays of stated lengths.
 
 #![expect(clippy::undocumented_unsafe_blocks, reason = "where none is given, it is the one above")]
 #![expect(clippy::needless_range_loop, reason = "x, y and z side by side read better by their number")]
@@ -17,10 +17,11 @@ use crate::mesh::rim::WindowBlock;
 use crate::mesh::vertex_blocks::BLOCK;
 use glam::Vec3;
 
-/// Vertices x y z x y z … of one block.
+/// The vertices of one block, x y z x y z ….
 pub(crate) type Flat = [f32; 3 * BLOCK];
 
-/// One value for each of x, y and z. No closures here, nor anywhere below: they would not be compiled for the level.
+/// Evaluates an expression for x, y and z. There are no closures here or below: they would not be compiled for the
+/// level.
 macro_rules! each {
     ($k:ident => $e:expr) => {
         [
@@ -40,12 +41,12 @@ macro_rules! each {
     };
 }
 
-/// Vectors of lanes.
+/// One vector per lane, component by component.
 type V<S> = [<S as Simd>::F; 3];
 
 #[inline(always)]
 unsafe fn add<S: Simd>(a: V<S>, b: V<S>) -> V<S> {
-    // SAFETY: passed on, here and below.
+    // SAFETY: guaranteed by the caller, here and below.
     unsafe { each!(k => S::add(a[k], b[k])) }
 }
 
@@ -75,7 +76,7 @@ unsafe fn turned<S: Simd>(m: &[f32; 9], v: V<S>) -> V<S> {
     }
 }
 
-/// Vectors no longer than `threshold` become zero; all stay where it is 0.
+/// Sets vectors no longer than `threshold` to zero. A threshold of 0 keeps all.
 #[inline(always)]
 unsafe fn cut<S: Simd>(v: V<S>, threshold: f32) -> V<S> {
     unsafe {
@@ -88,17 +89,17 @@ unsafe fn cut<S: Simd>(v: V<S>, threshold: f32) -> V<S> {
     }
 }
 
-/// `3 * LANES` floats x y z x y z … from `p`, component by component.
+/// Loads `3 * LANES` floats x y z x y z … from `p` and separates the components.
 #[inline(always)]
 unsafe fn load3<S: Simd>(p: *const f32) -> V<S> {
-    // SAFETY: the caller's floats.
+    // SAFETY: the caller guarantees that the floats are valid.
     unsafe { S::deinterleave(each!(k => S::load(p.add(k * S::LANES)))) }
 }
 
-/// The way back.
+/// The inverse of [`load3`].
 #[inline(always)]
 unsafe fn store3<S: Simd>(v: V<S>, p: *mut f32) {
-    // SAFETY: the caller's floats.
+    // SAFETY: the caller guarantees that the floats are valid.
     unsafe {
         let v = S::interleave(v);
         for k in 0..3 {
@@ -112,7 +113,7 @@ unsafe fn store3<S: Simd>(v: V<S>, p: *mut f32) {
 unsafe fn numbers<S: Simd>(stored: &Numbers<'_>, group: usize) -> V<S> {
     let at = group * 3 * GROUP;
     let end = at + 3 * GROUP;
-    // SAFETY: the slices make sure that the group is there.
+    // SAFETY: the slicing checks that the group exists.
     unsafe {
         match stored {
             Numbers::I8(n) => {
@@ -131,10 +132,10 @@ unsafe fn numbers<S: Simd>(stored: &Numbers<'_>, group: usize) -> V<S> {
     }
 }
 
-/// Length of the longest stored vector; all numbers are finite. `S` has `GROUP` lanes.
+/// Length of the longest stored vector. All numbers must be finite. `S` must have `GROUP` lanes.
 #[inline(always)]
 pub(crate) unsafe fn longest<S: Simd>(stored: &Stored<'_>) -> f32 {
-    // SAFETY: passed on.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         let (step, mut most) = (S::splat(stored.step), S::splat(0.0));
         for kept in 0..stored.groups.count_ones() as usize {
@@ -156,13 +157,13 @@ impl<S: Simd> Extent<S> {
     #[inline(always)]
     unsafe fn new() -> Self {
         let (low, high) = (f32::INFINITY, f32::NEG_INFINITY);
-        // SAFETY: passed on, here and below.
+        // SAFETY: guaranteed by the caller, here and below.
         unsafe {
             Extent { low: [S::splat(low); 3], high: [S::splat(high); 3], rest: (Vec3::splat(low), Vec3::splat(high)) }
         }
     }
 
-    /// Adds vectors: x, y and z apart or x y z x y z …, but always in the same way.
+    /// Adds vectors, with components either separate or x y z x y z …, but the same way in every call.
     #[inline(always)]
     unsafe fn add(&mut self, v: V<S>) {
         for k in 0..3 {
@@ -173,7 +174,7 @@ impl<S: Simd> Extent<S> {
         }
     }
 
-    /// Adds x y z x y z …, one by one.
+    /// Adds vectors x y z x y z …, one by one.
     #[inline(always)]
     fn add_rest(&mut self, rest: &[f32]) {
         for v in rest.chunks_exact(3) {
@@ -182,7 +183,7 @@ impl<S: Simd> Extent<S> {
         }
     }
 
-    /// Of vectors that were added with x, y and z apart.
+    /// The bounds of vectors that were added with separate components.
     #[inline(always)]
     unsafe fn bounds(self) -> (Vec3, Vec3) {
         let (mut low, mut high) = (Vec3::ZERO, Vec3::ZERO);
@@ -196,7 +197,7 @@ impl<S: Simd> Extent<S> {
         if rest.0.x > rest.1.x { (low, high) } else { (low.min(rest.0), high.max(rest.1)) }
     }
 
-    /// Of vectors that were added x y z x y z ….
+    /// The bounds of vectors that were added as x y z x y z ….
     #[inline(always)]
     unsafe fn bounds_of_flat(mut self) -> (Vec3, Vec3) {
         unsafe {
@@ -206,8 +207,9 @@ impl<S: Simd> Extent<S> {
     }
 }
 
-/// `to = base + scale * stored`, all x y z x y z …: what [`displace`] gives for a lone dent under the depth limit, in one pass
-/// without sorting components apart. `S` has `GROUP` lanes. Returns bounds of what it wrote.
+/// Writes `to = base + scale * stored`, all x y z x y z …, and returns the bounds of `to`. The result is that of
+/// [`displace`] for a single dent below the depth limit, in one pass without separating components. `S` must have
+/// `GROUP` lanes.
 #[inline(always)]
 pub(crate) unsafe fn displace_stored<S: Simd>(
     base: &[f32],
@@ -216,7 +218,7 @@ pub(crate) unsafe fn displace_stored<S: Simd>(
     to: &mut [f32],
 ) -> (Vec3, Vec3) {
     let scale = stored.step * scale;
-    // SAFETY: passed on.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         match stored.numbers {
             Numbers::I8(n) => displace_numbers::<S, I8>(base, I8(n), stored.groups, scale, to),
@@ -229,11 +231,11 @@ pub(crate) unsafe fn displace_stored<S: Simd>(
 /// Stored numbers of one width.
 trait Narrow: Copy {
     /// # Safety
-    /// `at + LANES` numbers are there.
+    /// `at + LANES` numbers exist.
     unsafe fn load<S: Simd>(self, at: usize) -> S::F;
     fn len(self) -> usize;
     /// # Safety
-    /// Where the instructions are there.
+    /// The processor supports the instructions.
     unsafe fn prefetch<S: Simd>(self, at: usize);
 }
 
@@ -244,7 +246,7 @@ macro_rules! narrow {
         impl Narrow for $name<'_> {
             #[inline(always)]
             unsafe fn load<S: Simd>(self, at: usize) -> S::F {
-                // SAFETY: passed on.
+                // SAFETY: guaranteed by the caller.
                 unsafe { S::$load(self.0.as_ptr().add(at)) }
             }
             #[inline(always)]
@@ -253,7 +255,7 @@ macro_rules! narrow {
             }
             #[inline(always)]
             unsafe fn prefetch<S: Simd>(self, at: usize) {
-                // SAFETY: passed on.
+                // SAFETY: guaranteed by the caller.
                 unsafe { S::prefetch(self.0.as_ptr().wrapping_add(at)) }
             }
         }
@@ -275,14 +277,16 @@ unsafe fn displace_numbers<S: Simd, N: Narrow>(
     assert!(base.len() == to.len() && numbers.len() == groups.count_ones() as usize * FLOATS);
     let whole = base.len() / FLOATS;
     let (b, o) = (base.as_ptr(), to.as_mut_ptr());
-    // SAFETY: whole groups within the slices, and one stored group a bit; the last group, which may be short, goes one by one.
+    // SAFETY: whole groups lie within the slices, with one stored group per set bit. The last group may be short; it is
+    // done float by float.
     unsafe {
         let mut extent = Extent::<S>::new();
         let f = S::splat(scale);
         if groups == u16::MAX && whole == GROUPS {
             for group in 0..GROUPS {
                 let at = group * FLOATS;
-                // Two blocks ahead, which most often are the next to be written. (With that, stores past the caches cost time.)
+                // Prefetch two blocks ahead, most often the next to be written. (With prefetching, non-temporal stores
+                // are slower.)
                 for k in 0..2 {
                     S::prefetch(b.wrapping_add(at + BLOCK * 6 + k * 16));
                     S::prefetch_write(o.wrapping_add(at + BLOCK * 6 + k * 16));
@@ -327,8 +331,8 @@ unsafe fn displace_numbers<S: Simd, N: Narrow>(
     }
 }
 
-/// Unit normals along `base + scale * stored`, x y z x y z …: what [`displace`] gives for a lone dent under the depth limit. `S` has
-/// `GROUP` lanes.
+/// Writes unit normals along `base + scale * stored`, x y z x y z …. The result is that of [`displace`] for a single
+/// dent below the depth limit. `S` must have `GROUP` lanes.
 #[inline(always)]
 pub(crate) unsafe fn turn_stored<S: Simd>(
     base: &[f32; 3 * BLOCK],
@@ -356,13 +360,13 @@ pub(crate) unsafe fn turn_stored<S: Simd>(
     }
 }
 
-/// One part of a dent, made ready for a block.
+/// One part of a dent, prepared for a block.
 #[derive(Clone, Copy)]
 pub(crate) struct ReadyPart<'a> {
     pub source: Source<'a>,
-    /// What its displacements are multiplied with.
+    /// Factor of its displacements.
     pub scale: f32,
-    /// Displacements no longer than this, unscaled, are left out, m.
+    /// Unscaled displacements no longer than this are left out, m.
     pub threshold: f32,
     /// Whether it is the last part of its dent.
     pub last: bool,
@@ -375,23 +379,23 @@ pub(crate) enum Source<'a> {
     Carried(&'a Carried, &'a Stamp),
 }
 
-/// Sums at some lanes' vertices.
+/// Sums at the vertices of some lanes.
 struct Sums<S: Simd> {
-    /// Of one dent, m.
+    /// Displacement of the current dent, m.
     dent: V<S>,
-    /// Of all dents, m.
+    /// Displacement of all dents, m.
     all: V<S>,
-    /// Of the dents' squares, m², or the greatest.
+    /// Sum of the dents' squared lengths, or the greatest of them, m².
     squares: S::F,
-    /// Of changes of normals.
+    /// Change of the normal.
     change: V<S>,
 }
 
-/// Some lanes' vertices at rest.
+/// Undeformed vertices of some lanes.
 struct Rest<S: Simd> {
     position: V<S>,
     normal: V<S>,
-    /// The first of the lanes in the block.
+    /// Index in the block of the first lane's vertex.
     at: usize,
 }
 
@@ -401,7 +405,7 @@ unsafe fn add_stored<S: Simd>(stored: &Stored<'_>, at: usize, scale: f32, thresh
     let group = at / GROUP;
     if stored.groups >> group & 1 == 1 {
         let before = (stored.groups & ((1 << group) - 1)).count_ones() as usize;
-        // SAFETY: passed on.
+        // SAFETY: guaranteed by the caller.
         unsafe {
             let v = S::deinterleave(numbers::<S>(&stored.numbers, before));
             *to = add::<S>(*to, scaled::<S>(cut::<S>(v, threshold / stored.step), S::splat(stored.step * scale)));
@@ -409,7 +413,7 @@ unsafe fn add_stored<S: Simd>(stored: &Stored<'_>, at: usize, scale: f32, thresh
     }
 }
 
-/// Adds what a carried example brings: what [`Stamp::read`] says, in lanes.
+/// Adds the displacement, and the change of normal if `NORMALS`, of a carried example: [`Stamp::read`] in lanes.
 #[inline(always)]
 unsafe fn add_carried<S: Simd, const NORMALS: bool>(
     part: &ReadyPart<'_>,
@@ -418,12 +422,12 @@ unsafe fn add_carried<S: Simd, const NORMALS: bool>(
     rest: &Rest<S>,
     sums: &mut Sums<S>,
 ) {
-    // SAFETY: passed on; coordinates are held in the grid, also where they are not a number.
+    // SAFETY: guaranteed by the caller; coordinates are clamped to the grid, even if they are NaN.
     unsafe {
         let (zero, one, two) = (S::splat(0.0), S::splat(1.0), S::splat(2.0));
         let p = each!(k => S::sub(rest.position[k], S::splat(c.contact[k])));
         let p = turned::<S>(&c.to_stamp.to_cols_array(), p);
-        // `unrolled`, on into units of nodes.
+        // The same as `unrolled`, then in units of nodes.
         let across = S::add(S::mul(p[0], p[0]), S::mul(p[1], p[1]));
         let steep = S::min(S::div(S::mul(p[2], p[2]), across), two);
         let lift = S::add(one, S::mul(steep, S::splat(0.5)));
@@ -466,8 +470,8 @@ unsafe fn add_carried<S: Simd, const NORMALS: bool>(
         let scale = S::splat(part.scale);
         if NORMALS {
             let n = rest.normal;
-            // A vertex that faces elsewhere than the surface of the example (the lid beside a dented wall) does not take over how that
-            // turned.
+            // A vertex that faces another way than the example's surface (the lid beside a dented wall) does not take
+            // over the surface's change of normal.
             let facing = S::mul(S::float(change[3]), S::splat(FACING));
             let apart = S::sub(dot::<S>(n, each!(k => S::splat(c.up[k]))), facing);
             let apart = S::max(apart, S::sub(zero, apart));
@@ -490,43 +494,43 @@ unsafe fn add_carried<S: Simd, const NORMALS: bool>(
     }
 }
 
-/// How lengths of dents combine at a vertex.
+/// How the lengths of dents combine at a vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Lengths {
     /// Their squares add.
     Squares,
     /// The longest counts.
     Longest,
-    /// Nothing is shortened but by the depth limit.
+    /// Only the depth limit shortens.
     Free,
 }
 
-/// One block's vertices and what moves them.
+/// The vertices of one block and what moves them.
 pub(crate) struct Block<'a> {
-    /// Positions at rest, x y z x y z …, and unit normals where they are wanted.
+    /// Undeformed positions x y z x y z …, and unit normals if they are wanted.
     pub base: &'a [f32; 3 * BLOCK],
     pub base_normals: Option<&'a [f32; 3 * BLOCK]>,
-    /// So many vertices are there; the rest are zeros.
+    /// Number of vertices; the rest are zeros.
     pub len: usize,
-    /// In the order in which they are added.
+    /// In the order of summation.
     pub parts: &'a [ReadyPart<'a>],
     pub window: Option<&'a WindowBlock>,
-    /// Whether there are parts of more than one dent.
+    /// Whether the parts belong to more than one dent.
     pub several: bool,
     pub lengths: Lengths,
-    /// The depth limit, m; `None` where nothing reaches it.
+    /// The depth limit, m; `None` if nothing reaches it.
     pub limit: Option<f32>,
 }
 
-/// Writes deformed positions, and unit normals if `NORMALS`, and returns the bounds of the first `len` positions. Where stored
-/// parts are among them, `S` has `GROUP` lanes.
+/// Writes deformed positions, and unit normals if `NORMALS`. Returns the bounds of the first `len` positions. If there
+/// are stored parts, `S` must have `GROUP` lanes.
 #[inline(always)]
 pub(crate) unsafe fn displace<S: Simd, const NORMALS: bool>(
     block: &Block<'_>,
     positions: &mut [f32; 3 * BLOCK],
     normals: &mut [f32; 3 * BLOCK],
 ) -> (Vec3, Vec3) {
-    // SAFETY: passed on; lanes `at` to `at + LANES` lie in the block.
+    // SAFETY: guaranteed by the caller; lanes `at` to `at + LANES` lie in the block.
     unsafe {
         let mut extent = Extent::<S>::new();
         let zero = [S::splat(0.0); 3];
@@ -577,7 +581,7 @@ pub(crate) unsafe fn displace<S: Simd, const NORMALS: bool>(
                 if let Some(limit) = block.limit {
                     allowed = S::min(S::splat(limit), allowed);
                 }
-                // Where nothing is shortened, exactly 1; also where the length is 0.
+                // Exactly 1 where nothing is shortened, also where the length is 0.
                 let factor = S::select(S::greater(length, allowed), S::div(allowed, length), S::splat(1.0));
                 u = scaled::<S>(u, factor);
                 change = scaled::<S>(change, factor);
@@ -597,10 +601,10 @@ pub(crate) unsafe fn displace<S: Simd, const NORMALS: bool>(
     }
 }
 
-/// The unit vector along `n + change`; `n` itself where the `sum` of changes is nothing.
+/// The unit vector along `n + change`; `n` itself if `sum` is zero or the result is too short.
 #[inline(always)]
 unsafe fn normal<S: Simd>(n: V<S>, sum: V<S>, change: V<S>) -> V<S> {
-    // SAFETY: passed on.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         let zero = S::splat(0.0);
         let same = S::both(S::equal(sum[0], zero), S::both(S::equal(sum[1], zero), S::equal(sum[2], zero)));

@@ -1,4 +1,4 @@
-//! Each kernel compiled for each level, and called for the one in force.
+//! Compiles each kernel for each level and calls the one in use.
 
 use super::kernel::{self, Block, Flat};
 #[cfg(target_arch = "x86_64")]
@@ -9,13 +9,13 @@ use glam::Vec3;
 
 type Bounds = (Vec3, Vec3);
 
-/// Functions with the same arguments as a kernel, compiled for a level's instructions.
+/// Compiles a kernel for a level's instructions, as a function with the same arguments.
 macro_rules! compiled {
     ($name:ident, $features:literal, $kernel:expr, ($($arg:ident: $of:ty),*) -> $out:ty) => {
         #[cfg(target_arch = "x86_64")]
         #[target_feature(enable = $features)]
         fn $name($($arg: $of),*) -> $out {
-            // SAFETY: the attribute says that the instructions are there.
+            // SAFETY: the attribute enables the instructions.
             unsafe { $kernel($($arg),*) }
         }
     };
@@ -40,9 +40,9 @@ compiled!(normals_avx512, "avx512f,avx512bw,avx512dq,avx512vl,avx2", kernel::dis
 pub(crate) fn displace_stored(base: &[f32], stored: &Stored<'_>, scale: f32, to: &mut [f32]) -> Bounds {
     match SimdLevel::current() {
         #[cfg(target_arch = "x86_64")]
-        // SAFETY: a level is in force only where the processor has it; so everywhere below.
+        // SAFETY: a level is in use only if the processor supports it. The same holds below.
         SimdLevel::Avx2 | SimdLevel::Avx512 => unsafe { stored_avx2(base, stored, scale, to) },
-        // SAFETY: always there; so everywhere below.
+        // SAFETY: always supported. The same holds below.
         _ => unsafe { kernel::displace_stored::<Portable>(base, stored, scale, to) },
     }
 }
@@ -59,7 +59,7 @@ pub(crate) fn turn_stored(base: &Flat, stored: &Stored<'_>, scale: f32, to: &mut
     }
 }
 
-/// [`kernel::displace`], with `narrow` in lanes as many as a group has vertices, which stored parts need.
+/// [`kernel::displace`]. `narrow` selects as many lanes as a group has vertices, which stored parts need.
 #[inline]
 pub(crate) fn displace(block: &Block<'_>, narrow: bool, positions: &mut Flat, normals: &mut Flat) -> Bounds {
     // SAFETY: as above.
@@ -79,7 +79,7 @@ pub(crate) fn displace(block: &Block<'_>, narrow: bool, positions: &mut Flat, no
     }
 }
 
-/// Length of the longest stored vector, all of whose numbers are finite: the bits that `Vec3::length` gives of it.
+/// Length of the longest stored vector, with the same bits as `Vec3::length`. All its numbers must be finite.
 pub(crate) fn longest(stored: &Stored<'_>) -> f32 {
     match SimdLevel::current() {
         #[cfg(target_arch = "x86_64")]

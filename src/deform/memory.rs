@@ -1,5 +1,5 @@
-//! The caller's vertex memory: where each attribute begins, how far apart vertices are. The one file besides the C
-//! interface that writes through raw pointers.
+//! The caller's vertex memory: the offset and the stride of each attribute. Apart from the C interface, this is the
+//! only file that writes through pointers from the caller.
 
 use crate::base::error::Error;
 use crate::base::strided::Strided;
@@ -7,12 +7,12 @@ use glam::Vec4;
 use std::marker::PhantomData;
 use std::ops::Range;
 
-/// Where an attribute lies in interleaved vertices, bytes; multiples of 4.
+/// Location of an attribute in interleaved vertices, in bytes. Both values must be multiples of 4.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Attribute {
-    /// From the start of the memory to the first vertex's value.
+    /// Distance from the start of the memory to the first vertex's value.
     pub offset: usize,
-    /// From one vertex's value to the next.
+    /// Distance from one vertex's value to the next.
     pub stride: usize,
 }
 
@@ -22,18 +22,18 @@ impl Attribute {
     }
 }
 
-/// One attribute in raw memory. Only [`VertexMemory::from_raw`] takes it from outside.
+/// One attribute in raw memory, for [`VertexMemory::from_raw`].
 #[derive(Debug, Clone, Copy)]
 pub struct RawStream {
     /// Start of the memory.
     pub data: *mut u8,
-    /// Its size, bytes.
+    /// Size of the memory, bytes.
     pub size: usize,
-    /// Where the values lie.
+    /// Location of the values.
     pub layout: Attribute,
 }
 
-/// The caller's memory for one output: positions (3 × f32, m), and if wanted normals (3 × f32) and tangents (4 × f32).
+/// The caller's memory for one output: positions (3 × f32, m) and optional normals (3 × f32) and tangents (4 × f32).
 /// Bytes between values are never touched.
 #[derive(Debug)]
 pub struct VertexMemory<'a> {
@@ -43,9 +43,9 @@ pub struct VertexMemory<'a> {
     owner: PhantomData<&'a mut [u8]>,
 }
 
-// SAFETY: the memory is borrowed mutably for 'a, so moving the borrow to another thread is moving a `&mut [u8]`.
+// SAFETY: the memory is borrowed mutably for 'a, so moving this to another thread is moving a `&mut [u8]`.
 unsafe impl Send for VertexMemory<'_> {}
-// SAFETY: shared access only writes through `write`, whose callers (one task a block) never write one vertex twice.
+// SAFETY: shared access only writes, and its callers (one task per block) never write a vertex twice.
 unsafe impl Sync for VertexMemory<'_> {}
 
 impl<'a> VertexMemory<'a> {
@@ -53,7 +53,7 @@ impl<'a> VertexMemory<'a> {
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for a stride smaller than its attribute or attributes that overlap,
-    /// [`Error::Misaligned`] for offsets and strides that are not multiples of 4. The size is checked by `deform`.
+    /// [`Error::Misaligned`] for offsets and strides that are not multiples of 4. `deform` checks the size.
     pub fn interleaved(
         data: &'a mut [u8],
         position: Attribute,
@@ -64,7 +64,7 @@ impl<'a> VertexMemory<'a> {
         let present: Vec<_> = streams.iter().filter_map(|(name, a, bytes)| Some((name, (*a)?, *bytes))).collect();
         for (i, (name, a, bytes)) in present.iter().enumerate() {
             for (other, b, other_bytes) in &present[i + 1..] {
-                // Of any number of vertices, so of endless ones.
+                // Checked for the largest vertex count, since the count is not known yet.
                 if a.strided(*bytes, u32::MAX.into()).overlaps(&b.strided(*other_bytes, u32::MAX.into())) {
                     let value = format!(
                         "offset {} stride {}, {other} offset {} stride {}",
@@ -79,10 +79,10 @@ impl<'a> VertexMemory<'a> {
         Self::checked(raw(position), normal.map(raw), tangent.map(raw))
     }
 
-    /// Attributes in arrays of their own.
+    /// Attributes in separate arrays.
     ///
     /// # Errors
-    /// None today; sizes are checked by `deform`.
+    /// None today; `deform` checks the sizes.
     pub fn separate(
         positions: &'a mut [[f32; 3]],
         normals: Option<&'a mut [[f32; 3]]>,
@@ -103,8 +103,9 @@ impl<'a> VertexMemory<'a> {
     /// Raw memory, for the C interface and for mapped graphics buffers.
     ///
     /// # Safety
-    /// Each stream's memory is valid for writes of its size for all of `'a`, and nobody else reads or writes the bytes of
-    /// the attributes while a `deform` with it runs. Streams may lie in one interleaved memory; their values do not overlap.
+    /// Each stream's memory must be valid for writes of its size for all of `'a`. Nobody else may read or write the
+    /// attributes' bytes while a `deform` with it runs. Streams may lie in one interleaved memory, but their values
+    /// must not overlap.
     ///
     /// # Errors
     /// As [`VertexMemory::interleaved`].
@@ -129,7 +130,7 @@ impl<'a> VertexMemory<'a> {
         Ok(Self { position, normal, tangent, owner: PhantomData })
     }
 
-    /// Fails where `count` vertices do not fit.
+    /// Returns an error if `count` vertices do not fit.
     pub(crate) fn check_size(&self, count: usize) -> Result<(), Error> {
         let check = |name: &str, s: &RawStream, bytes: u64| {
             s.layout.strided(bytes, count as u64).check_size(&format!("{name} memory"), s.size as u64)
@@ -147,10 +148,10 @@ impl<'a> VertexMemory<'a> {
         self.tangent.is_some()
     }
 
-    /// The positions of vertices `r` where they lie one after the other, as floats.
+    /// The positions of vertices `r` as a slice of floats; `None` if they are not contiguous or not aligned.
     ///
     /// # Safety
-    /// `check_size` has passed for all vertices of `r`, and no other thread accesses them as long as the slice lives.
+    /// `check_size` has passed for all vertices of `r`, and no other thread accesses them while the slice lives.
     #[allow(clippy::mut_from_ref)]
     pub(crate) unsafe fn positions(&self, r: Range<usize>) -> Option<&mut [f32]> {
         let s = &self.position;
@@ -158,37 +159,37 @@ impl<'a> VertexMemory<'a> {
         if s.layout.stride != 12 || !first.is_aligned() {
             return None;
         }
-        // SAFETY: in bounds and alone by the caller's promise; aligned; any bytes are floats.
+        // SAFETY: in bounds and unaliased, as the caller guarantees; aligned; any bytes are valid floats.
         Some(unsafe { std::slice::from_raw_parts_mut(first, 3 * r.len()) })
     }
 
-    /// Writes positions, three floats each, from vertex `first` on.
+    /// Writes positions, three floats each, starting at vertex `first`.
     ///
     /// # Safety
     /// `check_size` has passed for all these vertices, and no other thread accesses them at the same time.
     pub(crate) unsafe fn write_positions(&self, first: usize, positions: &[f32]) {
-        // SAFETY: passed on.
+        // SAFETY: guaranteed by the caller.
         unsafe { put_all(&self.position, first, positions) }
     }
 
-    /// Writes normals, three floats each, from vertex `first` on; nothing where the memory has none.
+    /// Writes normals, three floats each, starting at vertex `first`. Does nothing if the memory has no normals.
     ///
     /// # Safety
     /// As [`VertexMemory::write_positions`].
     pub(crate) unsafe fn write_normals(&self, first: usize, normals: &[f32]) {
         if let Some(s) = &self.normal {
-            // SAFETY: passed on.
+            // SAFETY: guaranteed by the caller.
             unsafe { put_all(s, first, normals) }
         }
     }
 
-    /// Writes the tangent of vertex `v`; nothing where the memory has none.
+    /// Writes the tangent of vertex `v`. Does nothing if the memory has no tangents.
     ///
     /// # Safety
     /// As [`VertexMemory::write_positions`].
     pub(crate) unsafe fn write_tangent(&self, v: usize, tangent: Vec4) {
         if let Some(s) = &self.tangent {
-            // SAFETY: passed on.
+            // SAFETY: guaranteed by the caller.
             unsafe { put(s, v, tangent.to_array()) }
         }
     }
@@ -198,14 +199,14 @@ impl<'a> VertexMemory<'a> {
 /// The values of all these vertices lie within the stream, and no other thread accesses them.
 unsafe fn put_all(s: &RawStream, first: usize, values: &[f32]) {
     if s.layout.stride == 12 {
-        // SAFETY: one after the other, so that all lie within the stream; bytes need no alignment.
+        // SAFETY: the values are contiguous, so all lie within the stream; bytes need no alignment.
         return unsafe {
             let to = s.data.add(s.layout.offset + first * s.layout.stride);
             values.as_ptr().cast::<u8>().copy_to_nonoverlapping(to, size_of_val(values));
         };
     }
     for (i, v) in values.chunks_exact(3).enumerate() {
-        // SAFETY: passed on.
+        // SAFETY: guaranteed by the caller.
         unsafe { put(s, first + i, [v[0], v[1], v[2]]) }
     }
 }
@@ -213,14 +214,14 @@ unsafe fn put_all(s: &RawStream, first: usize, values: &[f32]) {
 /// # Safety
 /// The value of vertex `v` lies within the stream, and no other thread accesses it.
 unsafe fn put<const N: usize>(s: &RawStream, v: usize, value: [f32; N]) {
-    // SAFETY: in bounds by the caller's promise; unaligned, since a `&mut [u8]` may begin anywhere.
+    // SAFETY: in bounds, as the caller guarantees; unaligned, since a `&mut [u8]` may begin anywhere.
     unsafe { s.data.add(s.layout.offset + v * s.layout.stride).cast::<[f32; N]>().write_unaligned(value) }
 }
 
-/// A slice whose elements are written by different tasks, each element by one.
+/// A slice that several tasks write, each element by only one of them.
 pub(crate) struct Scattered<'a, T>(*mut T, usize, PhantomData<&'a mut [T]>);
 
-// SAFETY: hands out writes of distinct elements only (see `set`).
+// SAFETY: `at` requires that nobody else accesses the element, so writes go to distinct elements.
 unsafe impl<T: Send> Sync for Scattered<'_, T> {}
 
 impl<'a, T> Scattered<'a, T> {
@@ -231,11 +232,11 @@ impl<'a, T> Scattered<'a, T> {
     /// Element `i`, to be written in place.
     ///
     /// # Safety
-    /// Nobody else accesses element `i` as long as the reference lives.
+    /// Nobody else accesses element `i` while the reference lives.
     #[allow(clippy::mut_from_ref)]
     pub(crate) unsafe fn at(&self, i: usize) -> &mut T {
         assert!(i < self.1);
-        // SAFETY: in bounds by the assertion; alone by the caller's promise.
+        // SAFETY: in bounds by the assertion; unaliased, as the caller guarantees.
         unsafe { &mut *self.0.add(i) }
     }
 }

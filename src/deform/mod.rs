@@ -1,5 +1,5 @@
-//! Deformation on the CPU: marks become vertices. The dirty blocks of any number of outputs are evaluated in parallel and
-//! written into the caller's memory. Knows no instance and no hit.
+//! Deformation on the CPU: computes vertices from marks. Evaluates the dirty blocks of any number of outputs in
+//! parallel and writes them into the caller's memory. Knows neither instances nor hits.
 
 pub(crate) mod evaluate;
 pub(crate) mod kernel;
@@ -26,9 +26,9 @@ use memory::Scattered;
 use std::sync::atomic::{AtomicU64, Ordering};
 use view::DamageView;
 
-/// Blocks a task evaluates, at most …
+/// The most blocks that one task evaluates.
 const BLOCKS_A_TASK: usize = 64;
-/// … and tasks a worker gets, at least, where there are so many blocks.
+/// The fewest tasks per worker, if there are enough blocks.
 const TASKS_A_WORKER: usize = 8;
 
 /// What a deform did.
@@ -40,14 +40,14 @@ pub struct DeformReport {
     pub blocks_written: u64,
     /// Blocks that were up to date.
     pub blocks_skipped: u64,
-    /// Examples of marks that the instances' tolerances left out of blocks written, over all of these.
+    /// Parts (one example of one mark) that the tolerance left out, summed over the blocks written.
     pub parts_skipped: u64,
 }
 
 /// One output to bring up to date.
 pub(crate) struct Output<'a, 'm> {
     pub view: DamageView<'a>,
-    /// The number of the level of detail, and the level itself.
+    /// Index of the level of detail.
     pub lod: usize,
     pub mesh: &'a MeshLod,
     pub tracker: &'a mut Tracker,
@@ -71,10 +71,10 @@ impl Output<'_, '_> {
     }
 }
 
-/// Brings outputs up to date: evaluates the blocks that changed since each was last written, and writes only those.
-/// [`Output::check`] must have passed for each.
+/// Evaluates the blocks that changed since each output was last written, and writes only those. [`Output::check`] must
+/// have passed for each output.
 pub(crate) fn write_outputs(outputs: &mut [Output<'_, '_>], tasks: &dyn TaskSystem) -> DeformReport {
-    // Output and block of each piece of work, output by output.
+    // (output, block) of each work item, in the order of outputs.
     let mut items: Vec<(u32, u32)> = Vec::new();
     for (o, output) in outputs.iter().enumerate() {
         let dirty = output.tracker.dirty(output.view.changes, output.lod);

@@ -1,40 +1,43 @@
-//! The tolerance at run time: what an instance may leave out, so that far bodies cost less and no vertex is visibly wrong.
+//! The runtime tolerance: what an instance may leave out, so that distant bodies cost less and no vertex is visibly
+//! wrong.
 //!
-//! A displacement that a part (one example of one mark) brings to a vertex is left out where it is no longer than the threshold
-//! `t`. That rule looks at one vertex and one part alone, so vertices at one position agree whatever blocks they are in; that
-//! whole blocks and whole parts need not be read follows from it. `t` is one number for the whole instance at any time: where
-//! it changes, all that either threshold shows is written anew.
+//! A part is one example of one mark. A part's displacement of a vertex is left out if it is no longer than the
+//! threshold `t`. The rule depends on one vertex and one part alone, so vertices at one position agree whatever blocks
+//! they are in. It follows that some blocks and parts need not be read at all. `t` is the same for the whole instance.
+//! When it changes, everything that the old or the new threshold shows is written again.
 //!
-//! **No vertex is wrong by more than the tolerance.** At a vertex, let the lengths left out sum to `e`, those of mark m to `e_m`.
-//! `position = base + P_r(S)`, with `P_r` the projection onto the ball of radius `r` and `r = min(sqrt Q, L)` (energies),
-//! `r = min(max |u_m|, L)` (deepest) or `r = L` (sum). Then
+//! **No vertex is wrong by more than the tolerance.** At a vertex, let `e` be the sum of the lengths left out, and
+//! `e_m` the sum for mark m. Then `position = base + P_r(S)`, where `P_r` is the projection onto the ball of radius
+//! `r`. The radius is `min(sqrt Q, L)` (energies), `min(max |u_m|, L)` (deepest) or `L` (sum). Leaving out `e` changes
+//! these as follows:
 //!
 //! - `S` moves by at most `e`, by the triangle inequality;
-//! - `sqrt Q` is the length of the vector of all `|u_m|`, so it changes by at most `sqrt(sum of e_m²) <= e`; the greatest `|u_m|`
-//!   changes by at most the greatest `e_m`; `L` does not change; a minimum changes by no more than what it is of;
-//! - `P_r(S)` moves by no more than `S` does where `r` stays, and by no more than `r` does where `S` stays.
+//! - `sqrt Q` is the length of the vector of all `|u_m|`, so it changes by at most `sqrt(sum of e_m²) <= e`; the
+//!   greatest `|u_m|` changes by at most the greatest `e_m`; `L` does not change; a minimum changes by no more than its
+//!   arguments;
+//! - `P_r(S)` moves by no more than `S` does if `r` is fixed, and by no more than `r` does if `S` is fixed.
 //!
-//! So the vertex moves by at most `2 e`; by at most `e` where a lone mark is (there `sqrt Q = |S|`, and only `L` shortens) or
-//! lengths are summed. Of a part no more is left out than `t`, nor than its longest displacement in the block: [`threshold`]
-//! takes the greatest `t` (of the tolerance and its halves) for which this bound holds in every block. Rounding of f32 comes on
-//! top. Stored normals are left out only with a whole part.
+//! So the vertex moves by at most `2 e`. It moves by at most `e` if only one mark reaches it (then `sqrt Q = |S|`, and
+//! only `L` shortens) or if lengths are summed. A part leaves out at most `t`, and at most its longest displacement in
+//! the block. [`threshold`] takes the greatest `t`, among the tolerance and its halves, for which this bound holds in
+//! every block. Rounding of f32 comes on top. Stored normals are left out only with a whole part.
 
 use crate::damage::dent::Dent;
 use crate::example::options::Combine;
 use crate::example::set::ExampleSet;
 
-/// Leaves room for the rounding of thresholds and sums.
+/// Margin for the rounding of thresholds and sums.
 const MARGIN: f32 = 0.999;
-/// Halvings that are tried.
+/// Number of thresholds tried, each half of the one before.
 const STEPS: i32 = 30;
 
-/// `tolerance` (m) rounded down to a power of two times 1 m; 0 where it is too small to tell.
+/// `tolerance` (m) rounded down to a power of two times 1 m; 0 if it is subnormal.
 pub(crate) fn rounded(tolerance: f32) -> f32 {
-    // The exponent alone.
+    // Keeps only the exponent.
     f32::from_bits(tolerance.to_bits() & 0x7F80_0000)
 }
 
-/// Displacements of a part no longer than this, as scaled, may be left out, m.
+/// The threshold, m. Scaled displacements of a part that are no longer may be left out.
 pub(crate) fn threshold(set: &ExampleSet, dents: &[Dent], tolerance: f32) -> f32 {
     if tolerance <= 0.0 {
         return 0.0;
@@ -48,7 +51,7 @@ pub(crate) fn threshold(set: &ExampleSet, dents: &[Dent], tolerance: f32) -> f32
         })
         .collect();
     let count: usize = set.lods().map(|s| s.blocks()).sum();
-    // Of each block of each lod the dents that touch it: none, one, or more.
+    // For each block of each level of detail: the last dent that touches it, and whether several may.
     let (mut last, mut several) = (vec![usize::MAX; count], vec![set.options().combine == Combine::Deepest; count]);
     let mut lengths: Vec<(u32, f32)> = Vec::new();
     for (i, dent) in dents.iter().enumerate() {
@@ -76,9 +79,10 @@ pub(crate) fn threshold(set: &ExampleSet, dents: &[Dent], tolerance: f32) -> f32
     0.0
 }
 
-/// The length (m) that covers so many pixels at a distance (m) before a camera with this vertical field of view (radians) and
-/// viewport height (pixels): the tolerance of an instance whose nearest vertex is that far off. 0, which leaves out nothing,
-/// where a value is negative or not a number, the field of view is not below half a turn, or the height is 0; at most 1e9 m.
+/// Returns the length (m) that covers `pixels` pixels at `distance` (m) from a camera with this vertical field of view
+/// (radians) and viewport height (pixels). Use it as the tolerance of an instance whose nearest vertex is at that
+/// distance. The result is at most 1e9 m. It is 0, which leaves out nothing, if a value is negative or NaN, the field
+/// of view is not between 0 and π, or the height is 0.
 pub fn pixel_tolerance(pixels: f32, distance: f32, fov_y: f32, viewport_height: f32) -> f32 {
     let sensible =
         pixels >= 0.0 && distance >= 0.0 && fov_y > 0.0 && fov_y < std::f32::consts::PI && viewport_height > 0.0;

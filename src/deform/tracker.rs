@@ -1,12 +1,13 @@
-//! What one output holds already, so that only what changed is written.
+//! What one output already holds, so that only changed blocks are written.
 
 use crate::base::math::Aabb;
 use crate::damage::changes::Changes;
 use crate::mesh::vertex_blocks::block_range;
 use std::ops::Range;
 
-/// The memory of one output: which blocks of which instance it holds, as of when. Keep one for each piece of memory (each
-/// of a ring of three, say); whoever else writes there must say so with [`Tracker::invalidate`].
+/// Records which blocks of which instance one output's memory holds, and as of which epoch. Keep one tracker for each
+/// piece of memory, such as each buffer of a ring of three. If anything else writes to the memory, call
+/// [`Tracker::invalidate`].
 #[derive(Debug, Clone, Default)]
 pub struct Tracker {
     /// Instance and epoch written last; instance 0 is none.
@@ -19,17 +20,17 @@ pub struct Tracker {
 }
 
 impl Tracker {
-    /// Of memory that holds nothing yet: the first deform writes every vertex.
+    /// A tracker for memory that holds nothing yet: the first deform writes every vertex.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Forgets: the next deform writes every vertex.
+    /// Forgets what the memory holds: the next deform writes every vertex.
     pub fn invalidate(&mut self) {
         self.instance = 0;
     }
 
-    /// Vertices that the last deform wrote: ranges, increasing, apart from each other.
+    /// The vertices that the last deform wrote, as increasing ranges with gaps between them.
     pub fn changed(&self) -> &[Range<u32>] {
         &self.changed
     }
@@ -39,19 +40,19 @@ impl Tracker {
         self.bounds
     }
 
-    /// Blocks of a level of detail that must be written, increasing.
+    /// The blocks of a level of detail that must be written, in increasing order.
     pub(crate) fn dirty<'a>(&self, changes: &'a Changes, lod: usize) -> impl Iterator<Item = usize> + 'a {
         let since = self.since(changes, lod);
         let blocks = if since == Some(changes.epoch) { &[][..] } else { &changes.blocks[lod][..] };
         blocks.iter().enumerate().filter(move |(_, at)| since.is_none_or(|s| **at > s)).map(|(b, _)| b)
     }
 
-    /// The epoch as of which it holds this instance's level of detail, if it holds that.
+    /// The epoch of the memory's contents, if it holds this instance's level of detail.
     pub(crate) fn since(&self, changes: &Changes, lod: usize) -> Option<u64> {
         (self.instance == changes.instance && self.lod == lod).then_some(self.epoch)
     }
 
-    /// Notes that these blocks (second of each pair; increasing) were written and have these bounds.
+    /// Records that these blocks (second of each pair; increasing) were written, and their bounds.
     pub(crate) fn written(
         &mut self,
         (changes, lod, vertices): (&Changes, usize, usize),
@@ -72,14 +73,14 @@ impl Tracker {
         self.holds(changes, lod);
     }
 
-    /// Notes that nothing is written.
+    /// Records that nothing was written.
     #[cfg(feature = "gpu")]
     pub(crate) fn unchanged(&mut self) {
         self.changed.clear();
     }
 
-    /// Notes that these blocks, the dirty ones, will be written elsewhere than on the CPU, and that all vertices then lie in a box.
-    /// Answers how many vertices are written.
+    /// Records that these dirty blocks will be written elsewhere than on the CPU, and that `bounds` will hold all
+    /// vertices. Returns the number of vertices written.
     #[cfg(feature = "gpu")]
     pub(crate) fn recorded(
         &mut self,
@@ -101,7 +102,7 @@ impl Tracker {
     }
 }
 
-/// Adds a range that begins where the last one ends, or later.
+/// Adds a range, which must begin at or after the end of the last one. Ranges that touch are merged.
 fn add(ranges: &mut Vec<Range<u32>>, r: Range<usize>) {
     match ranges.last_mut() {
         Some(last) if last.end == r.start as u32 => last.end = r.end as u32,

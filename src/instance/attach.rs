@@ -1,4 +1,4 @@
-//! Attached points: a lamp, a decal, a vertex of a collision mesh, that follow the dents without the mesh being touched.
+//! Attached points (a lamp, a decal, a vertex of a collision mesh) follow the dents without deforming the mesh.
 
 use super::Instance;
 use crate::base::error::Error;
@@ -32,13 +32,13 @@ pub struct Frame {
 }
 
 impl ExampleSet {
-    /// Binds a point to the nearest surface (the nearest vertex where the mesh has no triangles). It keeps its distance
-    /// from the surface and turns with it.
+    /// Binds a point to the nearest surface, or to the nearest vertex if the mesh has no triangles. The point keeps its
+    /// distance from the surface and turns with it.
     ///
     /// The first call builds a spatial index of the triangles.
     ///
     /// # Errors
-    /// [`Error::NotFinite`]; [`Error::InvalidArgument`] for a point too far off for f32.
+    /// [`Error::NotFinite`]; [`Error::InvalidArgument`] for a point too far away for f32.
     pub fn attach(&self, point: [f32; 3]) -> Result<Attachment, Error> {
         let p = finite(point, || "point".into())?;
         let vertex = self.nearest_vertex(point)?.vertex;
@@ -51,10 +51,11 @@ impl ExampleSet {
 }
 
 impl Instance {
-    /// Position and rotation of an attached point on this instance. Hits that have not been folded yet do not count.
+    /// Returns the position and rotation of an attached point on this instance. Hits that have not been folded yet do
+    /// not count.
     ///
     /// # Errors
-    /// [`Error::IndexOutOfRange`] or [`Error::NotFinite`] for an attachment that is not the set's.
+    /// [`Error::IndexOutOfRange`] or [`Error::NotFinite`] for an attachment that this set did not make.
     pub fn attached_frame(&self, a: &Attachment) -> Result<Frame, Error> {
         let mesh = self.example_set().mesh();
         for v in a.vertices {
@@ -90,7 +91,7 @@ impl Instance {
     }
 }
 
-/// Rotation that takes one triangle's frame (first edge, normal) to another's; none where either has no area.
+/// The rotation from one triangle's frame (first edge, normal) to another's; the identity if either has no area.
 fn turn(from: [Vec3; 3], to: [Vec3; 3]) -> Mat3 {
     if from == to {
         return Mat3::IDENTITY;

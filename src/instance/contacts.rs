@@ -1,9 +1,9 @@
-//! Contacts that last: an engine that reports one contact as many small impulses, one a step, gives them one id, and they
-//! make one dent, whatever the length of the step.
+//! Contacts that last several steps. An engine may report one contact as many small impulses, one per step. If they
+//! have one id, they make one dent, whatever the length of a step.
 //!
-//! While a contact is open its mark is provisional: it lies upon the settled marks and is made anew, from the sum of all
-//! hits so far, with each fold that brings more. What is shown is therefore always what it would be had every open contact
-//! been reported whole; nothing is taken back from marks that have merged.
+//! An open contact's mark is provisional. It lies on top of the settled marks and is recomputed from the sum of the
+//! contact's hits whenever a fold brings more of them. So the damage shown is always that of each open contact reported
+//! as a whole, and marks that have merged never need to be taken apart.
 
 use super::options::Rule;
 use super::selection::{Effect, select};
@@ -21,20 +21,21 @@ use std::num::NonZeroU64;
 pub(crate) struct ContactPart {
     pub id: NonZeroU64,
     pub point: DVec3,
-    /// Displacement asked for, m.
+    /// Desired displacement, m.
     pub target: [f32; 3],
-    /// Length of the impulse, N·s; `None` for a hit by displacement.
+    /// Length of the impulse, N·s; `None` for a hit given as a displacement.
     pub impulse: Option<f32>,
 }
 
 impl ContactPart {
-    /// Sorts the parts of a contact the same way whatever order they came in; equal keys are equal parts.
+    /// Sort key that makes the order of a contact's parts independent of their arrival. Parts with equal keys are
+    /// equal.
     fn key(&self) -> ([u32; 3], [u64; 3], Option<u32>) {
         (self.target.map(f32::to_bits), self.point.to_array().map(f64::to_bits), self.impulse.map(f32::to_bits))
     }
 }
 
-/// What happens to a contact.
+/// An event of a contact.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum ContactEvent {
     Part(ContactPart),
@@ -50,20 +51,20 @@ impl ContactEvent {
     }
 }
 
-/// What one open contact has come to.
+/// The state of one open contact.
 #[derive(Debug, Clone)]
 struct OpenContact {
     id: NonZeroU64,
-    /// The fold that brought its last hit.
+    /// The number of the fold that brought its last hit.
     last_fold: u64,
     /// Sum of the targets, m.
     target: DVec3,
-    /// Sum of points times the lengths of their targets, and of these lengths.
+    /// Sum of the points times the lengths of their targets, and sum of these lengths.
     point: DVec3,
     weight: f64,
     /// Sum of the impulses, N·s, each along its target.
     impulse: DVec3,
-    /// Whether any hit was given as a displacement, which the yield impulse does not apply to.
+    /// Whether any hit was given as a displacement; the yield impulse does not apply to these.
     displaced: bool,
     mark: Option<Mark>,
 }
@@ -96,13 +97,13 @@ impl OpenContact {
         }
     }
 
-    /// What the sum of its hits does; `None` while it is below the yield impulse, or moves nothing.
+    /// The effect of the sum of its hits; `None` if the sum is below the yield impulse or moves nothing.
     fn outcome(&self, set: &ExampleSet, params: &HitParams) -> Option<(Outcome, Effect)> {
         let weak = !self.displaced && self.impulse.length() < f64::from(params.yield_impulse);
         if weak || self.weight <= 0.0 {
             return None;
         }
-        // Each point was near enough; their mean may lie inside the body.
+        // Each point was near enough, but their mean may lie inside the body.
         let params = HitParams { max_distance: f32::INFINITY, ..*params };
         let whole = Hit::displacement(to_f32(self.point / self.weight), to_f32(self.target));
         select(set, Rule::Marks, &params, &whole).ok()
@@ -120,29 +121,29 @@ impl OpenContact {
 #[derive(Default)]
 pub(crate) struct NewHits {
     pub marks: Vec<Mark>,
-    /// In the order in which they arrived.
+    /// In order of arrival.
     pub contacts: Vec<ContactEvent>,
 }
 
 /// The open contacts of one instance.
 #[derive(Debug, Default)]
 pub(crate) struct Contacts {
-    /// By id.
+    /// Sorted by id.
     open: Vec<OpenContact>,
-    /// The damage without them; kept only while there are any.
+    /// The damage without the open contacts; kept only while there are any.
     settled: Damage,
     folds: u64,
 }
 
 impl Contacts {
-    /// More than these are never open: the one that was hit longest ago is closed first.
+    /// The most contacts that are open at a time. Beyond it, the contact hit longest ago ends first.
     pub(crate) const MAX: usize = 256;
 
     pub(crate) fn len(&self) -> usize {
         self.open.len()
     }
 
-    /// Ends all of them. What `damage` shows is what stays.
+    /// Ends all open contacts. `damage` stays as shown.
     pub(crate) fn close_all(&mut self) {
         self.open.clear();
         self.settled = Damage::default();
@@ -152,13 +153,13 @@ impl Contacts {
         self.open.len() * size_of::<OpenContact>() + self.settled.memory_bytes()
     }
 
-    /// What an open contact does so far. The inner `None`: too little to leave anything.
+    /// The outcome of an open contact so far. The outer `None`: not open. The inner `None`: too weak to leave a mark.
     pub(crate) fn outcome(&self, id: NonZeroU64, set: &ExampleSet, params: &HitParams) -> Option<Option<Outcome>> {
         let at = self.open.binary_search_by_key(&id, |o| o.id).ok()?;
         Some(self.open[at].outcome(set, params).map(|(outcome, _)| outcome))
     }
 
-    /// Brings `damage`, which shows settled marks and open contacts together, up to date.
+    /// Updates `damage`, which holds the settled marks and those of open contacts.
     pub(crate) fn fold(
         &mut self,
         set: &ExampleSet,
@@ -188,13 +189,13 @@ impl Contacts {
         damage.differences(&before, changed);
     }
 
-    /// Adds parts to their contacts. Marks of contacts that end go to `ended`.
+    /// Adds parts to their contacts. Appends the marks of contacts that end to `ended`.
     ///
-    /// Each id has its own sequence of parts and ends, so the result depends neither on the order of different contacts nor
-    /// on how often damage was folded in between.
+    /// Each id has its own sequence of parts and ends. So the result depends neither on the order of different contacts
+    /// nor on how often damage was folded in between.
     fn apply(&mut self, mut events: Vec<ContactEvent>, set: &ExampleSet, params: &HitParams, ended: &mut Vec<Mark>) {
         self.folds += 1;
-        // Stable: of one id the order of arrival stays.
+        // The sort is stable, so events of one id stay in order of arrival.
         events.sort_by_key(ContactEvent::id);
         let mut parts = Vec::new();
         for of_one in events.chunk_by(|a, b| a.id() == b.id()) {
@@ -214,7 +215,7 @@ impl Contacts {
         }
     }
 
-    /// Adds parts to the contact of this id, opened where it is not, and empties the list.
+    /// Adds parts to the contact of this id, which is opened if needed. Empties the list.
     fn add_parts(&mut self, id: NonZeroU64, parts: &mut Vec<ContactPart>, set: &ExampleSet, params: &HitParams) {
         if parts.is_empty() {
             return;

@@ -1,4 +1,4 @@
-//! Instances into the caller's memory.
+//! Deforms instances into the caller's memory.
 
 use super::Instance;
 use crate::base::error::Error;
@@ -10,23 +10,25 @@ use glam::Vec3;
 /// One output to bring up to date.
 #[derive(Debug)]
 pub struct DeformJob<'a, 'm> {
-    /// The mesh: 0 is the set's own, then its levels of detail in the order they were added ([`crate::ExampleSet::add_lod`]).
+    /// The mesh: 0 is the set's own; its levels of detail follow in the order in which they were added
+    /// ([`crate::ExampleSet::add_lod`]).
     pub lod: usize,
-    /// The instance; hits must have been folded ([`Instance::fold`]), others wait for the next time.
+    /// The instance. Only folded hits count ([`Instance::fold`]).
     pub instance: &'a Instance,
-    /// What the memory holds already.
+    /// Records what the memory holds.
     pub tracker: &'a mut Tracker,
-    /// Where to write.
+    /// The memory to write to.
     pub memory: VertexMemory<'m>,
 }
 
-/// Brings outputs up to date: evaluates the blocks that changed since each was last written, and writes those only. Work
-/// is balanced by blocks over all outputs; an output that is up to date costs a comparison.
+/// Evaluates the blocks that changed since each output was last written, and writes only those. Work is balanced by
+/// blocks over all outputs. An output that is up to date costs one comparison.
 ///
 /// # Errors
-/// [`Error::IndexOutOfRange`] for a level of detail that the set does not have; [`Error::WrongRule`] for one of an instance with
-/// a classic rule, whose state is the base mesh's; [`Error::BufferTooSmall`], or [`Error::Unsupported`] for normals or tangents
-/// that the mesh does not have. They name the output; nothing is written then.
+/// [`Error::IndexOutOfRange`] for a level of detail that the set does not have; [`Error::WrongRule`] for a level of
+/// detail of an instance with a classic rule, whose state exists for the base mesh only; [`Error::BufferTooSmall`];
+/// [`Error::Unsupported`] for normals or tangents that the mesh does not have. Errors name the output. After an error
+/// nothing has been written.
 pub fn deform(jobs: &mut [DeformJob<'_, '_>], tasks: &dyn TaskSystem) -> Result<DeformReport, Error> {
     let mut outputs = Vec::with_capacity(jobs.len());
     for job in jobs.iter_mut() {
@@ -43,7 +45,7 @@ pub fn deform(jobs: &mut [DeformJob<'_, '_>], tasks: &dyn TaskSystem) -> Result<
 }
 
 impl Instance {
-    /// Folds the hits that have arrived and brings one output up to date.
+    /// Folds the hits that have arrived and updates one output.
     ///
     /// # Errors
     /// Those of [`deform`].
@@ -57,7 +59,7 @@ impl Instance {
         deform(&mut [DeformJob { lod: 0, instance: self, tracker, memory }], tasks)
     }
 
-    /// Position of vertex `v` as deformed, m: what [`Instance::deform`] writes, without writing. Hits that have not been
+    /// Returns the deformed position of vertex `v`, m, as [`Instance::deform`] would write it. Hits that have not been
     /// folded yet do not count.
     ///
     /// # Errors
@@ -70,12 +72,12 @@ impl Instance {
         Ok(self.vertex(v).0)
     }
 
-    /// Position (m) and unit normal of vertex `v` as deformed. The vertex must exist.
+    /// Deformed position (m) and unit normal of vertex `v`, which must exist.
     pub(crate) fn vertex(&self, v: u32) -> (Vec3, Option<Vec3>) {
         evaluate::vertex(&self.view(), self.example_set().base_lod(), v as usize)
     }
 
-    /// What evaluation sees of the instance.
+    /// What evaluation needs of the instance.
     pub(crate) fn view(&self) -> DamageView<'_> {
         DamageView {
             set: &self.set,

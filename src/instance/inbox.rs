@@ -1,4 +1,4 @@
-//! Where hits arrive, from any thread.
+//! The inbox, where hits arrive from any thread.
 
 use super::contacts::{ContactEvent, ContactPart};
 use super::options::{Rule, needs_marks};
@@ -16,12 +16,12 @@ use std::sync::{Arc, Mutex, MutexGuard, RwLock, RwLockWriteGuard};
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Pending {
     Mark(Mark),
-    /// Contact vertex, example, bits of the weight (positive, so they sort as the numbers do).
+    /// Contact vertex, example, bits of the weight. The weight is positive, so its bits sort as the number does.
     Classic(u32, u32, u32),
     Contact(ContactEvent),
 }
 
-/// Where hits arrive: may be shared among threads, which may all submit at once, also while the instance is deformed.
+/// Receives hits. It may be shared among threads, which may all submit at once, also while the instance is deformed.
 #[derive(Debug)]
 pub struct Inbox {
     set: Arc<ExampleSet>,
@@ -35,22 +35,23 @@ impl Inbox {
         Inbox { set, rule, params: RwLock::new(params), pending: Mutex::default() }
     }
 
-    /// Selects examples for a hit, in the calling thread, and leaves the mark for the instance's next fold.
+    /// Selects examples for a hit in the calling thread and queues the mark for the instance's next fold.
     ///
-    /// A hit that is too weak, or that no example answers, is no error: see [`Outcome::status`].
+    /// A hit that is too weak, or that no example can answer, is no error: see [`Outcome::status`].
     ///
-    /// A hit with a [`contact`](Hit::contact) adds to its contact. Displacements (of impulses, `impulse * duration / mass`)
-    /// add. The point is the mean of the hits' points, weighted by the lengths of their displacements. The yield thresholds
-    /// and the depth limit hold for the sum, which leaves one mark. That mark is shown from the first fold on and replaced as
-    /// more hits come, until the contact ends: when [`Inbox::end_contact`] says so, when the instance's damage is replaced,
-    /// repaired or reset, or when more than [`Instance::MAX_CONTACTS`](crate::Instance::MAX_CONTACTS) are open (the one hit
-    /// longest ago ends then; of equals the lowest id). The outcome tells what the hit would do alone;
-    /// [`Instance::contact`](crate::Instance::contact) tells what the contact does.
+    /// A hit with a [`contact`](Hit::contact) adds to that contact. The displacements of its hits add up; that of an
+    /// impulse is `impulse * duration / mass`. The contact's point is the mean of the hits' points, weighted by the
+    /// lengths of their displacements. The yield thresholds and the depth limit apply to the sum, which leaves one
+    /// mark. The mark is shown from the first fold on and is replaced as more hits come, until the contact ends. A
+    /// contact ends with [`Inbox::end_contact`], or when the instance's damage is replaced, repaired or reset. If more
+    /// than [`Instance::MAX_CONTACTS`](crate::Instance::MAX_CONTACTS) are open, the one hit longest ago ends (among
+    /// equals the one with the lowest id). The outcome is that of the hit alone;
+    /// [`Instance::contact`](crate::Instance::contact) returns that of the contact.
     ///
     /// # Errors
     /// [`Error::NotFinite`], [`Error::InvalidArgument`] (duration or mass not above 0, or no mass known),
-    /// [`Error::ContactTooFar`]; [`Error::WrongRule`] for a contact with a classic rule, which cannot replace what it has
-    /// deformed. Nothing is left behind then.
+    /// [`Error::ContactTooFar`]; [`Error::WrongRule`] for a contact with a classic rule, which cannot replace what it
+    /// has deformed. After an error nothing has been queued.
     pub fn submit(&self, hit: &Hit) -> Result<Outcome, Error> {
         let params = self.params();
         let (mut outcome, effect) = self.select(&params, hit)?;
@@ -81,9 +82,9 @@ impl Inbox {
         Ok(outcome)
     }
 
-    /// Ends a contact: its dent stays as it is. It is the sum of the hits of this id that arrived before this call; a hit of
-    /// the same id that arrives later begins another contact. An id that is not open is no error, since the contact may have
-    /// ended already.
+    /// Ends a contact: its dent stays as it is. The dent is the sum of the hits of this id that arrived before this
+    /// call. A later hit of the same id begins another contact. An id that is not open is no error, since the contact
+    /// may have ended already.
     ///
     /// # Errors
     /// [`Error::WrongRule`] with a classic rule; [`Error::OutOfMemory`].
@@ -92,7 +93,7 @@ impl Inbox {
         self.push(Pending::Contact(ContactEvent::End(id)))
     }
 
-    /// What [`Inbox::submit`] would return for a hit of its own, without leaving anything.
+    /// Returns what [`Inbox::submit`] would return for the hit alone, without queuing it.
     ///
     /// # Errors
     /// Those of [`Inbox::submit`].
@@ -100,12 +101,12 @@ impl Inbox {
         Ok(self.select(&self.params(), hit)?.0)
     }
 
-    /// Sets the transform from mesh to world space that hits in [`crate::Space::World`] go through backwards. Any thread may
-    /// call it at any time; a hit takes the transform in force when it is submitted.
+    /// Sets the transform from mesh to world space. Hits in [`crate::Space::World`] are transformed by its inverse. Any
+    /// thread may call this at any time. A hit uses the transform set at the time it is submitted.
     ///
     /// # Errors
-    /// [`Error::NotFinite`]; [`Error::InvalidArgument`] where the matrix cannot be inverted or its last row is not
-    /// (0, 0, 0, 1).
+    /// [`Error::NotFinite`]; [`Error::InvalidArgument`] if the matrix cannot be inverted or its last row is not (0, 0,
+    /// 0, 1).
     pub fn set_transform(&self, local_to_world: Mat4) -> Result<(), Error> {
         let bad = |expected: &str| Error::invalid("transform", local_to_world, expected);
         if !local_to_world.is_finite() {
@@ -156,7 +157,7 @@ impl Inbox {
         Ok(())
     }
 
-    /// Hits in the order in which they arrived.
+    /// The queued hits, in order of arrival.
     pub(super) fn queue(&self) -> MutexGuard<'_, Vec<Pending>> {
         self.pending.lock().unwrap_or_else(|e| e.into_inner())
     }

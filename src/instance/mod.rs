@@ -1,4 +1,4 @@
-//! One dented copy of a mesh: its inbox of hits, its damage, and which blocks changed when.
+//! One dented copy of a mesh: its inbox of hits, its damage, and the epoch of each block's last change.
 
 pub(crate) mod attach;
 mod contacts;
@@ -49,23 +49,23 @@ pub struct Instance {
     set: Arc<ExampleSet>,
     options: InstanceOptions,
     inbox: Arc<Inbox>,
-    /// What is shown: settled marks and those of open contacts.
+    /// The damage shown: settled marks and those of open contacts.
     damage: Damage,
     contacts: Contacts,
     classic: Option<State>,
     limit: f32,
-    /// In force: a power of two times 1 m, or 0.
+    /// The tolerance in use: a power of two times 1 m, or 0.
     tolerance: f32,
-    /// Displacements no longer than this, as scaled, are left out, m.
+    /// Scaled displacements no longer than this are left out, m.
     threshold: f32,
     changes: Changes,
 }
 
 impl Instance {
-    /// No more contacts than these are open at a time (see [`Inbox::submit`]).
+    /// The most contacts that are open at a time (see [`Inbox::submit`]).
     pub const MAX_CONTACTS: usize = Contacts::MAX;
 
-    /// An undamaged copy.
+    /// Makes an undamaged copy.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] naming the option; [`Error::OutOfMemory`] for the per-vertex state of a classic rule.
@@ -102,22 +102,22 @@ impl Instance {
         })
     }
 
-    /// The set it is a copy of.
+    /// Returns the set that it is a copy of.
     pub fn example_set(&self) -> &Arc<ExampleSet> {
         &self.set
     }
 
-    /// The options it was made with.
+    /// Returns the options it was made with.
     pub fn options(&self) -> &InstanceOptions {
         &self.options
     }
 
-    /// Where its hits arrive, to be shared among threads.
+    /// Returns the inbox of its hits, which threads may share.
     pub fn inbox(&self) -> &Arc<Inbox> {
         &self.inbox
     }
 
-    /// [`Inbox::submit`].
+    /// Calls [`Inbox::submit`].
     ///
     /// # Errors
     /// Those of [`Inbox::submit`].
@@ -125,7 +125,7 @@ impl Instance {
         self.inbox.submit(hit)
     }
 
-    /// [`Inbox::end_contact`].
+    /// Calls [`Inbox::end_contact`].
     ///
     /// # Errors
     /// Those of [`Inbox::end_contact`].
@@ -133,13 +133,13 @@ impl Instance {
         self.inbox.end_contact(id)
     }
 
-    /// How many contacts are open.
+    /// Returns the number of open contacts, after folding the hits that have arrived.
     pub fn contact_count(&mut self) -> usize {
         self.fold();
         self.contacts.len()
     }
 
-    /// [`Inbox::preview`].
+    /// Calls [`Inbox::preview`].
     ///
     /// # Errors
     /// Those of [`Inbox::submit`].
@@ -147,8 +147,9 @@ impl Instance {
         self.inbox.preview(hit)
     }
 
-    /// What an open contact does so far, hits that wait among them: the mark it shows, and what of the whole it achieves.
-    /// `None` where no contact of this id is open, or where its sum is too weak to leave anything.
+    /// Returns what an open contact does so far, after folding the hits that have arrived: its mark, and how much of
+    /// the whole contact's displacement the mark achieves. `None` if no contact of this id is open, or if its sum is
+    /// too weak to leave a mark.
     ///
     /// # Errors
     /// [`Error::WrongRule`] with a classic rule.
@@ -158,7 +159,7 @@ impl Instance {
         Ok(self.contacts.outcome(id, &self.set, &self.inbox.params()).flatten())
     }
 
-    /// [`Inbox::set_transform`].
+    /// Calls [`Inbox::set_transform`].
     ///
     /// # Errors
     /// Those of [`Inbox::set_transform`].
@@ -166,12 +167,12 @@ impl Instance {
         self.inbox.set_transform(local_to_world)
     }
 
-    /// The depth limit in force, m.
+    /// Returns the depth limit in use, m.
     pub fn depth_limit(&self) -> f32 {
         self.limit
     }
 
-    /// Sets the depth limit, m (`None`: the set's). Marks stay; vertices obey at the next deform.
+    /// Sets the depth limit, m; `None` restores the set's. Marks do not change. Vertices follow at the next deform.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`].
@@ -184,17 +185,20 @@ impl Instance {
         Ok(())
     }
 
-    /// The tolerance in force, m: what was asked for, rounded down to a power of two times 1 m; 0 where nothing is left out.
+    /// Returns the tolerance in use, m: the requested one, rounded down to a power of two times 1 m. 0 leaves nothing
+    /// out.
     pub fn tolerance(&self) -> f32 {
         self.tolerance
     }
 
-    /// Lets vertices be wrong by up to `tolerance` (m, in the mesh's space; 0: by nothing) so that deforming costs less:
-    /// displacements too short to matter are left out, whole blocks and whole examples of them unread. Seams stay closed bit for
-    /// bit. [`crate::pixel_tolerance`] tells how much is invisible at a distance. Rounding of f32 comes on top.
+    /// Sets how far any vertex may be wrong (m, in the mesh's space), so that deforming costs less; 0 allows no error.
+    /// Displacements too short to matter are left out, and whole blocks and whole examples of them are not read. Seams
+    /// stay closed bit for bit. [`crate::pixel_tolerance`] returns the tolerance that is invisible at a distance.
+    /// Rounding of f32 comes on top.
     ///
-    /// The tolerance is rounded down to a power of two times 1 m, so that a camera which moves a little changes nothing; where
-    /// it changes, what is dented by more is written anew. Instances with a classic rule ignore it.
+    /// The tolerance is rounded down to a power of two times 1 m, so that a camera which moves a little changes
+    /// nothing. When the rounded value changes, blocks that are dented by more than that are written again. Instances
+    /// with a classic rule ignore it.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for a tolerance that is negative or not finite.
@@ -208,19 +212,19 @@ impl Instance {
         Ok(())
     }
 
-    /// After every change of damage or tolerance.
+    /// Call this after every change of damage or tolerance.
     fn update_threshold(&mut self) {
         let threshold = threshold(&self.set, self.damage.dents(), self.tolerance);
         if threshold != self.threshold {
-            // What neither shows looks as before.
+            // Displacements below both thresholds are not shown before or after.
             let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, threshold.min(self.threshold));
             self.threshold = threshold;
             self.damage.touch_all(&mut |d: &Dent| touch.dent(d));
         }
     }
 
-    /// Turns the hits that have arrived into damage, in an order of their own: the result does not depend on the order
-    /// or the threads they were submitted from. Every call that reads damage does this first.
+    /// Turns the hits that have arrived into damage. The result does not depend on the order or the threads in which
+    /// they were submitted. Methods that take `&mut self` and read the damage do this first.
     pub fn fold(&mut self) {
         let pending = std::mem::take(&mut *self.inbox.queue());
         if pending.is_empty() {
@@ -257,8 +261,8 @@ impl Instance {
         self.update_threshold();
     }
 
-    /// The marks, sorted. Above the capacity, the weakest mark (least strength times depth) gives its energy, in metres
-    /// squared, to the mark whose contact is nearest; ties go to the first in order.
+    /// Returns the marks, sorted. Beyond the capacity, the weakest mark (least strength times depth) gives its energy,
+    /// in square metres, to the mark with the nearest contact; among equals to the first in order.
     ///
     /// # Errors
     /// [`Error::WrongRule`] with a classic rule.
@@ -268,10 +272,11 @@ impl Instance {
         Ok(self.damage.marks())
     }
 
-    /// Replaces all marks, forgets hits that have not been folded yet, and ends all contacts.
+    /// Replaces all marks. Discards hits that have not been folded yet, and ends all contacts.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] naming the mark and its value; [`Error::WrongRule`]. Nothing changes then.
+    /// [`Error::InvalidArgument`] naming the mark and its value; [`Error::WrongRule`]. After an error nothing has
+    /// changed.
     pub fn set_marks(&mut self, marks: &[Mark]) -> Result<(), Error> {
         self.only_marks("set_marks")?;
         let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
@@ -282,7 +287,8 @@ impl Instance {
         Ok(())
     }
 
-    /// The damage as bytes, with a version and the set's fingerprint; the same bytes for the same damage everywhere.
+    /// Returns the damage as bytes, with a version and the set's fingerprint. The same damage gives the same bytes on
+    /// every platform.
     pub fn save(&mut self) -> Vec<u8> {
         self.fold();
         match &self.classic {
@@ -295,11 +301,11 @@ impl Instance {
         }
     }
 
-    /// Replaces the damage by saved bytes, forgets hits that have not been folded yet, and ends all contacts.
+    /// Replaces the damage by saved bytes. Discards hits that have not been folded yet, and ends all contacts.
     ///
     /// # Errors
-    /// [`Error::DamageMismatch`] for bytes of another version, set or rule, or cut short; [`Error::InvalidArgument`] for
-    /// a mark that the set cannot have. Nothing changes then.
+    /// [`Error::DamageMismatch`] for bytes that are cut short or belong to another version, set or rule;
+    /// [`Error::InvalidArgument`] for a mark that the set cannot have. After an error nothing has changed.
     pub fn load(&mut self, bytes: &[u8]) -> Result<(), Error> {
         if self.classic.is_some() {
             let mut state = State::load(&self.set, bytes)?;
@@ -314,7 +320,7 @@ impl Instance {
         self.set_marks(&marks)
     }
 
-    /// Repairs: every dent keeps this share of its depth, 0 to 1. Ends all contacts.
+    /// Repairs: scales the depth of every dent by `keep`, 0 to 1. Ends all contacts.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`].
@@ -335,7 +341,7 @@ impl Instance {
         Ok(())
     }
 
-    /// As new. Hits that have not been folded yet are forgotten too, and all contacts end.
+    /// Removes all damage. Discards hits that have not been folded yet, and ends all contacts.
     pub fn reset(&mut self) {
         self.contacts.close_all();
         self.inbox.queue().clear();
@@ -349,16 +355,16 @@ impl Instance {
         self.update_threshold();
     }
 
-    /// Takes over the damage of another instance of the same set and kind of rule.
+    /// Copies the damage of another instance with the same set and the same kind of rule.
     ///
     /// # Errors
-    /// [`Error::DamageMismatch`] where the sets or the rules differ. Nothing changes then.
+    /// [`Error::DamageMismatch`] if the sets or the rules differ. After an error nothing has changed.
     pub fn copy_damage_from(&mut self, other: &mut Instance) -> Result<(), Error> {
         let bytes = other.save();
         self.load(&bytes)
     }
 
-    /// Memory held for this instance, bytes (without the shared set).
+    /// Returns the memory held for this instance, without the shared set, bytes.
     pub fn memory_bytes(&self) -> usize {
         let state = self
             .classic
@@ -371,7 +377,7 @@ impl Instance {
             + self.contacts.memory_bytes()
     }
 
-    /// What a classic rule blends by; 0 keeps the most displaced candidate.
+    /// The blend constant of a classic rule; 0 keeps the most displaced candidate.
     pub(crate) fn blend_constant(&self) -> f32 {
         if let Rule::Blend(k) = self.options.rule { k } else { 0.0 }
     }

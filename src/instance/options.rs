@@ -1,18 +1,18 @@
-//! How an instance is made.
+//! The options of an instance.
 
 use crate::base::error::Error;
 use crate::base::error::at_least_zero;
 use crate::select::hit::Selection;
 
-/// What impulses do to an instance.
+/// What an impulse leaves on an instance.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Rule {
-    /// Marks: bounded, local, free of order, without per-vertex state.
+    /// Marks: bounded, local, independent of order, without per-vertex state.
     #[default]
     Marks,
     /// The classic rule: each vertex keeps the most displaced candidate.
     MostDisplaced,
-    /// The classic rule with blending: a vertex that is displaced further already blends by this constant, 0 to 1.
+    /// The classic rule with blending: a vertex that is already displaced further blends by this constant, 0 to 1.
     Blend(f32),
 }
 
@@ -26,26 +26,27 @@ impl Rule {
     }
 }
 
-/// How an instance is made.
+/// The options of an instance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InstanceOptions {
-    /// What impulses do.
+    /// What an impulse leaves.
     pub rule: Rule,
-    /// How examples are chosen. The classic rules take the classic selections only.
+    /// How examples are chosen. The classic rules accept only the classic selections.
     pub selection: Selection,
-    /// How many examples one hit may mix: 1 to 4.
+    /// The most examples that one hit may mix, 1 to 4.
     pub examples_per_hit: u32,
-    /// No vertex moves further than this, m. `None`: the set's limit.
+    /// The furthest that any vertex moves, m. `None`: the set's limit.
     pub depth_limit: Option<f32>,
-    /// Marks kept, 1 to 65535; above it marks merge (see [`crate::Instance::marks`]).
+    /// The most marks kept, 1 to 65535. Beyond it marks merge (see [`crate::Instance::marks`]).
     pub capacity: u32,
     /// Impulses shorter than this leave no mark, N·s.
     pub yield_impulse: f32,
     /// Target displacements shorter than this leave no mark, m.
     pub yield_displacement: f32,
-    /// Contacts further than this from the nearest vertex are refused, m. `None`: the body's diagonal.
+    /// The largest distance from a contact to the nearest vertex, m; contacts further away are refused. `None`: the
+    /// body's diagonal.
     pub max_contact_distance: Option<f32>,
-    /// No vertex is wrong by more than this, m; 0: nothing is left out. See [`crate::Instance::set_tolerance`].
+    /// The most that any vertex may be wrong, m; 0 leaves nothing out. See [`crate::Instance::set_tolerance`].
     pub tolerance: f32,
 }
 
@@ -66,7 +67,7 @@ impl Default for InstanceOptions {
 }
 
 impl InstanceOptions {
-    /// Options for one of the classic rules, with the classic selection.
+    /// Default options for a classic rule, with the classic selection.
     pub fn classic(rule: Rule) -> Self {
         Self { rule, selection: Selection::Classic, ..Self::default() }
     }

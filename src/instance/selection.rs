@@ -1,4 +1,4 @@
-//! The instance's rule decides how a hit selects examples and what it leaves.
+//! Selects examples for a hit as the instance's rule requires, and decides what the hit leaves.
 
 use super::options::Rule;
 use crate::base::error::Error;
@@ -11,12 +11,12 @@ use crate::select::hit::{Chosen, Hit, HitStatus, Outcome, Selection};
 use crate::select::nearest::{report, select_nearest};
 use crate::select::target::{HitParams, Target, resolve};
 
-/// What a hit leaves.
+/// What a hit leaves on the instance.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Effect {
     None,
     Mark(Mark),
-    /// The classic rules: blend towards the example by the weight.
+    /// The classic rules: blends towards the example by the weight.
     Classic {
         example: u32,
         weight: f32,

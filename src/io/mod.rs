@@ -1,4 +1,4 @@
-//! Files: baked sets, glTF and OBJ in, glTF out.
+//! Files: reads and writes baked sets, reads glTF and OBJ, writes glTF.
 
 #[cfg(feature = "gltf")]
 pub mod export;

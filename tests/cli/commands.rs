@@ -1,4 +1,4 @@
-//! What the `crumple` command does with good input.
+//! The `crumple` command with valid input.
 
 use crate::{Folder, PANEL, RECORDING, asset, crumple, has, names};
 use crumple::glam::{Mat4, Vec3};
@@ -9,13 +9,13 @@ fn import(path: &str) -> Imported {
     gltf_file(&asset(path), MeshChoice::First).expect("a glTF")
 }
 
-/// Applies a JSON list of impacts and reports; the dented body is `out.glb` in the folder.
+/// Applies a JSON list of impacts and returns the report. The dented body is `out.glb` in the folder.
 fn apply(folder: &Folder, source: &[&str], json: &str, more: &[&str]) -> String {
     let (list, out) = (folder.write("i.json", json), folder.at("out.glb"));
     crumple(&[&["apply"], source, &["--impacts", &list, "-o", &out], more].concat()).report()
 }
 
-/// Positions of a dented file's first primitive; its morph targets are gone, so it is no source of examples any more.
+/// Positions of a dented file's first primitive. The file has no morph targets any more, so the importer refuses it.
 fn dented(path: &str) -> Vec<[f32; 3]> {
     let file = gltf::Gltf::open(path).expect("a GLB");
     let primitive = file.meshes().next().and_then(|m| m.primitives().next()).expect("a primitive");
@@ -35,7 +35,7 @@ fn deepest(lengths: &[f32]) -> (usize, f32) {
     lengths.iter().copied().enumerate().fold((0, 0.0), |a, b| if b.1 > a.1 { b } else { a })
 }
 
-/// Pixels of a PNG and its description.
+/// The pixels of a PNG and its description.
 fn picture(path: &Path) -> (Vec<u8>, String) {
     let file = std::io::BufReader::new(std::fs::File::open(path).expect("readable"));
     let mut reader = png::Decoder::new(file).read_info().expect("a PNG");
@@ -56,7 +56,7 @@ fn info_tells_what_a_file_holds() {
     assert_eq!(cells[..4], ["0", "train_00", "704", "13.6"], "{row}");
     assert!(row.contains("1689  (0.346, -0.270, 0.059)") && row.ends_with("automatic"), "{row}");
     assert_eq!(report.lines().filter(|l| l.contains("train_") && l.ends_with("automatic")).count(), 32);
-    // The rim is pinned: nothing moves it.
+    // The rim is pinned, so nothing moves it.
     has(&report, &["do not move", "1 region", "same on both sides in x, y; examples serve both"]);
     has(&report, &["184 vertices on edges that the examples show to be held"]);
     for mesh in ["panel", "0"] {
@@ -107,7 +107,7 @@ fn apply_dents_the_body_where_it_was_hit() {
     let moved = displacements(&before, &after);
     let (vertex, depth) = deepest(&moved);
     assert!(Vec3::from(before.mesh.positions[vertex]).distance(point) < 0.05, "vertex {vertex}");
-    // the contact gets what was asked for; the dent may be a little deeper beside it
+    // the contact moves as asked; the dent may be a little deeper beside it
     let distance = |v: &usize| Vec3::from(before.mesh.positions[*v]).distance(point);
     let contact = (0..moved.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("a vertex");
     assert!((moved[contact] - 0.025).abs() < 0.001 && depth < 1.2 * moved[contact], "{} {depth}", moved[contact]);
@@ -184,7 +184,7 @@ fn sample_is_the_same_for_the_same_seed_and_can_be_applied() {
             assert!(vector(&other["point"]).distance(p) > 0.05, "spread");
         }
     }
-    // the same file on any number of threads
+    // any number of threads writes the same file
     let run = |threads: &str| {
         has(&apply(&folder, &[PANEL], &a, &["--threads", threads]), &["12 of 12 impacts left a dent"]);
         std::fs::read(folder.at("out.glb")).expect("readable")
@@ -215,7 +215,7 @@ fn bake_writes_a_set_that_the_other_commands_take() {
     let row = report.lines().find(|l| l.trim_start().starts_with("positions")).expect("a row");
     let numbers: Vec<f64> = row.split_whitespace().filter_map(|w| w.parse().ok()).collect();
     assert!(numbers[0] <= 0.5 && numbers[0] > 0.1 && numbers[1] < numbers[0] && numbers[2] == 0.5, "{row}");
-    // Eight nodes a side cannot hold half a millimetre, and that is said.
+    // Eight nodes a side cannot hold half a millimetre, and the report says so.
     has(&report, &["of 32 stamps hold the tolerance when carried"]);
     assert_eq!(folder.names(), ["panel.crumple", "panel.order"]);
 
@@ -255,7 +255,7 @@ fn replay_repeats_the_calls_of_a_recording() {
     has(&listed, &["    14  crumple_context_deform: Deform { all: true, buffers: [1, 2] }\n"]);
     assert_eq!(listed.lines().count(), 53 + report.lines().count());
 
-    // what a crash left is replayed as far as it goes
+    // a recording cut short by a crash is replayed as far as it goes
     let bytes = std::fs::read(asset(RECORDING)).expect("readable");
     let folder = Folder::empty();
     let cut = folder.write("cut.crumplerec", &bytes[..bytes.len() - 700]);

@@ -1,10 +1,10 @@
-//! What the `crumple` command says of bad input: one line that names what was wrong, exit code 1, nothing half written.
+//! The `crumple` command with bad input: one line that names what was wrong, exit code 1, and no half-written file.
 
 use crate::{Folder, PANEL, RECORDING, asset, crumple, has};
 
 const GOOD: &str = r#"[{"point": [0, 0, 0.09], "displacement": [0, 0, -0.02]}]"#;
 
-/// Runs `crumple` with these words, `IN` standing for a folder; the complaint has these parts.
+/// Runs `crumple` with these words, in which `IN` stands for the folder, and checks that the message has these parts.
 #[track_caller]
 fn refused(folder: &Folder, words: &str, parts: &[&str]) {
     let words: Vec<String> =
@@ -12,7 +12,7 @@ fn refused(folder: &Folder, words: &str, parts: &[&str]) {
     has(&crumple(&words.iter().map(String::as_str).collect::<Vec<_>>()).complaint(), parts);
 }
 
-/// The messages themselves are tested beside the parser, in `src/bin/crumple/impacts.rs`.
+/// The tests of the messages are beside the parser, in `src/bin/crumple/impacts.rs`.
 #[test]
 fn bad_impacts_are_named_with_their_file() {
     let folder = Folder::empty();

@@ -1,4 +1,4 @@
-//! The `crumple` command, run as a user runs it: what it reports, and what it says of bad input.
+//! The `crumple` command, run as a user runs it: its reports, and its messages for bad input.
 
 mod commands;
 mod errors;
@@ -10,7 +10,7 @@ use tempfile::TempDir;
 pub const PANEL: &str = "assets/solver/panel.glb";
 pub const RECORDING: &str = "tests/fixtures/sheet.crumplerec";
 
-/// What a run of the command left behind.
+/// The result of a run of the command.
 pub struct Run {
     pub code: Option<i32>,
     pub stdout: String,
@@ -29,7 +29,7 @@ pub fn crumple(arguments: &[&str]) -> Run {
 }
 
 impl Run {
-    /// The report of a run that succeeded.
+    /// The report of a run, which must have succeeded.
     #[track_caller]
     pub fn report(self) -> String {
         assert_eq!(self.code, Some(0), "{}", self.stderr);
@@ -37,7 +37,7 @@ impl Run {
         self.stdout
     }
 
-    /// The one line of a run that failed as it should.
+    /// The one-line message of a run, which must have failed.
     #[track_caller]
     pub fn complaint(self) -> String {
         assert_eq!(self.code, Some(1), "{}", self.stderr);
@@ -48,7 +48,7 @@ impl Run {
     }
 }
 
-/// An empty folder, and the files that a test puts there.
+/// A temporary folder for a test's files.
 pub struct Folder(TempDir);
 
 impl Folder {
@@ -56,12 +56,12 @@ impl Folder {
         Folder(tempfile::tempdir().expect("a directory"))
     }
 
-    /// The path of a file in it.
+    /// The path of a file in the folder.
     pub fn at(&self, name: &str) -> String {
         self.0.path().join(name).to_str().expect("UTF-8").to_owned()
     }
 
-    /// Writes a file; returns its path.
+    /// Writes a file and returns its path.
     pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> String {
         std::fs::write(self.at(name), bytes).expect("written");
         self.at(name)
@@ -72,7 +72,7 @@ impl Folder {
     }
 }
 
-/// Asserts that a text has these parts.
+/// Asserts that a text has all these parts.
 #[track_caller]
 pub fn has(text: &str, parts: &[&str]) {
     for part in parts {
@@ -80,12 +80,12 @@ pub fn has(text: &str, parts: &[&str]) {
     }
 }
 
-/// A file of the repository.
+/// The path of a file of the repository.
 pub fn asset(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
 }
 
-/// Names in a directory, sorted.
+/// The names in a directory, sorted.
 pub fn names(folder: &Path) -> Vec<String> {
     let mut names: Vec<String> = std::fs::read_dir(folder)
         .expect("readable")

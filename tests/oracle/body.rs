@@ -1,12 +1,12 @@
-//! The mirror planes and the held rims of the body, by brute force.
+//! The body's mirror planes and held rims, by brute force.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::vector::{V, add, length, scale, sub};
 
-/// `v` with its x turned round where bit 0 of `planes` is set, y where bit 1 is, z where bit 2 is.
+/// `v` with x negated if bit 0 of `planes` is set, y if bit 1 is, z if bit 2 is.
 pub fn mirrored(v: V, planes: u8) -> V {
-    // no -0: a frame's axes hang on the sign of its normal's z
+    // no -0: the axes of a frame depend on the sign of its normal's z
     [0, 1, 2].map(|k| 0.0 + if planes >> k & 1 == 1 { -v[k] } else { v[k] })
 }
 
@@ -15,8 +15,8 @@ pub fn mirrored_point(p: V, planes: u8, centre: V) -> V {
     if planes == 0 { p } else { add(centre, mirrored(sub(p, centre), planes)) }
 }
 
-/// The coordinate planes through the middle of the bounds that map 99 % of the vertices to within a thousandth of the diagonal of another;
-/// none across an axis along which the body is no thicker than twice that.
+/// The coordinate planes through the middle of the bounds that map 99 % of the vertices to within a thousandth of the
+/// diagonal from another. There is none across an axis along which the body is at most twice that thick.
 pub fn mirror_planes(positions: &[V]) -> (u8, V, f64) {
     let (mut low, mut high) = (positions[0], positions[0]);
     for p in positions {
@@ -47,15 +47,17 @@ pub fn mirror_planes(positions: &[V]) -> (u8, V, f64) {
 #[derive(Debug, Clone, Copy)]
 pub struct Window {
     pub factor: f64,
-    /// Its slope, 1/m, and whether that has a direction: not where two held vertices are equally near.
+    /// Slope of the window, 1/m, and whether it has a direction; it has none where two held vertices are equally near.
     pub gradient: V,
     pub clear: bool,
 }
 
 pub const OPEN: Window = Window { factor: 1.0, gradient: [0.0; 3], clear: true };
 
-/// Vertices on held rims, every copy at a seam: loops of edges that one triangle has, that no example moves by more than a hundredth of its
-/// deepest displacement, beside vertices (in one triangle with it, or within 3 % of the diagonal) of which some example moves one. `close` is set where that hangs on rounding.
+/// Vertices on held rims, with every copy at a seam. A rim is a loop of edges that belong to one triangle only. It is
+/// held if no example moves it by more than a hundredth of the example's deepest displacement, but some example moves a
+/// vertex beside it so. A vertex is beside it if it is in a triangle with it or within 3 % of the diagonal. Sets
+/// `close` if the result depends on rounding.
 pub fn held_vertices(positions: &[V], triangles: &[[u32; 3]], fields: &[&[V]], close: &mut bool) -> Vec<usize> {
     // vertices at one position are one point
     let mut points: BTreeMap<[u64; 3], usize> = BTreeMap::new();
@@ -125,7 +127,7 @@ pub fn held_vertices(positions: &[V], triangles: &[[u32; 3]], fields: &[&[V]], c
     held
 }
 
-/// `s²(3 - 2s)` of the distance to the nearest held vertex over 3 % of the diagonal.
+/// The window: `s²(3 - 2s)`, where `s` is the distance to the nearest held vertex over 3 % of the diagonal.
 pub fn window(p: V, positions: &[V], held: &[usize], diagonal: f64) -> Window {
     let width = 0.03 * diagonal;
     let Some(nearest) =

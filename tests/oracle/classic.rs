@@ -3,7 +3,7 @@
 use super::Model;
 use super::vector::{V, add, dot, length, lerp, scale, sub};
 
-/// Eq. 4.4: impulse (N s) times duration (s) over the mass of the vertex (kg), m.
+/// Eq. 4.4: displacement (m) by an impulse (N s) with a duration (s) on a vertex with a mass (kg).
 pub fn target_displacement(impulse: V, duration: f64, mass: f64) -> V {
     scale(duration / mass, impulse)
 }
@@ -18,7 +18,7 @@ pub fn blend_weight(needed: V, example: V) -> f64 {
     length(needed) / length(example)
 }
 
-/// Figure 4.2: among the examples that move `vertex`, the first with the highest cosine, and its weight.
+/// Figure 4.2: the first example with the highest cosine among those that move `vertex`, and its weight.
 pub fn choose(model: &Model, vertex: usize, target: V, clamp: bool) -> Option<(usize, f64)> {
     let mut best: Option<(usize, f64)> = None;
     for (i, example) in model.examples.iter().enumerate() {
@@ -37,8 +37,8 @@ pub fn choose(model: &Model, vertex: usize, target: V, clamp: bool) -> Option<(u
     })
 }
 
-/// Figure 4.3: blends the current positions of every vertex that the example moves towards it. `k` is the "fine constant": 0 is most
-/// displaced.
+/// Figure 4.3: blends the position of every vertex that the example moves towards the example. `k` is the "fine
+/// constant"; 0 keeps the most displaced.
 pub fn deform(model: &Model, current: &mut [V], example: usize, weight: f64, k: f64) {
     for (v, d) in model.examples[example].deltas.iter().enumerate() {
         if *d == [0.0; 3] {

@@ -1,4 +1,5 @@
-//! The list of marks: hits that repeat a mark add their energy; above the capacity the weakest mark gives its energy away.
+//! The list of marks: hits that repeat a mark add their energy. Beyond the capacity the weakest mark gives its energy
+//! away.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +7,7 @@ use crumple::{Combine, Mark, Pair};
 
 use super::Model;
 
-/// Contact, depth (its bits) and pairs: two marks that share it are one. Marks are kept in this order.
+/// Contact, depth (its bits) and pairs. Marks with the same key are one. Marks are kept in this order.
 pub type Key = (u32, u32, [Pair; 4]);
 
 pub fn key(mark: &Mark) -> Key {
@@ -24,7 +25,7 @@ fn depth(key: &Key) -> f64 {
 }
 
 impl Ledger {
-    /// The marks of one frame: in canonical order, each in turn.
+    /// Adds the marks of one frame, one after another in canonical order.
     pub fn frame(&mut self, model: &Model, combine: Combine, marks: &[Mark], capacity: usize) {
         let mut marks = marks.to_vec();
         marks.sort_by_key(|m| (key(m), m.energy));
@@ -38,7 +39,7 @@ impl Ledger {
     }
 
     fn merge_weakest(&mut self, model: &Model, combine: Combine) {
-        // f32, as documented for the size of a mark: the choice must not hang on the oracle's extra digits
+        // f32, as documented for the size of a mark: the choice must not depend on the oracle's extra digits
         let size = |(k, e): (&Key, &u64)| {
             let energy = *e as f64 / 2f64.powi(32);
             let strength = if combine == Combine::Energies { energy.sqrt() } else { energy };
@@ -46,7 +47,7 @@ impl Ledger {
         };
         let weakest = *self.energies.iter().min_by(|a, b| size(*a).total_cmp(&size(*b))).unwrap().0;
         let energy = self.energies.remove(&weakest).unwrap();
-        // squared and in f32 too, so that equally near contacts tie as they do in the library
+        // squared and in f32 as well, so that equally near contacts tie as they do in the library
         let at = |k: &Key| model.positions[k.0 as usize].map(|x| x as f32);
         let distance = |k: &Key| {
             let (a, b) = (at(k), at(&weakest));
@@ -56,7 +57,7 @@ impl Ledger {
         let Some(heir) = self.energies.keys().min_by(|a, b| distance(a).total_cmp(&distance(b))).copied() else {
             return;
         };
-        // energy in m²: (strength * depth)², kept
+        // conserves the energy in m², (strength * depth)²
         let ratio = depth(&weakest) / depth(&heir);
         let given = energy as f64 * if combine == Combine::Energies { ratio * ratio } else { ratio };
         let entry = self.energies.get_mut(&heir).unwrap();

@@ -1,9 +1,9 @@
 //! Ordinary kriging: one linear system, solved by elimination.
 
-/// Seven numbers: place, logarithm of depth, lean, each over its width.
+/// Seven numbers: place (3), logarithm of depth, lean (3), each divided by its width.
 pub type Axes = [f64; 7];
 
-/// Documented: kernel over squared distance, and nugget.
+/// The documented kernel, as a function of the squared distance.
 pub fn kernel(squared: f64) -> f64 {
     1.0 / (1.0 + squared / 2.0)
 }
@@ -13,7 +13,7 @@ pub fn squared(a: &Axes, b: &Axes) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
 }
 
-/// Gaussian elimination with pivots.
+/// Gaussian elimination with pivoting.
 fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
     let n = b.len();
     for col in 0..n {
@@ -32,7 +32,8 @@ fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
     (0..n).map(|i| b[i] / a[i][i]).collect()
 }
 
-/// Shares of the points for a hit at the origin, `(K + 0.03 I) s + m = k`, `sum s = 1`; and the variance they leave.
+/// Shares of the points for a hit at the origin, by `(K + 0.03 I) s + m = k`, `sum s = 1`, and the variance that
+/// remains.
 pub fn weights(points: &[Axes]) -> (Vec<f64>, f64) {
     let n = points.len();
     let covariance = |i: usize, j: usize| kernel(squared(&points[i], &points[j])) + if i == j { NUGGET } else { 0.0 };
@@ -51,11 +52,11 @@ pub fn weights(points: &[Axes]) -> (Vec<f64>, f64) {
     (s, variance)
 }
 
-/// What rounding may make of two variances.
+/// Two variances that differ by no more than this may be swapped by rounding.
 const TIE: f64 = 3e-5;
 
-/// Every way to take `k` of the points, one after the other, each the one that makes the variance least: more than one where there are
-/// ties. `None` where there are too many to tell.
+/// Every way to choose `k` of the points one by one, each time the one that gives the least variance. There are several
+/// ways if there are ties; `None` if there are too many.
 pub fn choices(points: &[Axes], k: usize) -> Option<Vec<Vec<usize>>> {
     let mut ways: Vec<Vec<usize>> = vec![Vec::new()];
     for _ in 0..k.min(points.len()) {

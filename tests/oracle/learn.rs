@@ -1,4 +1,5 @@
-//! What a set learns: each example is left out and predicted from the others. Naive: every width and every sum is computed anew.
+//! What a set learns by leaving out each example and predicting it from the others. Naive: every width and every sum is
+//! computed separately.
 
 use crumple::Placement;
 
@@ -9,14 +10,14 @@ use super::vector::{V, add, apply, length, rotation_between, scale, sub};
 
 pub const WIDTHS: [f64; 3] = [1.3, 0.5, 0.2];
 
-/// Error of a prediction, and whether rounding could have made it another.
+/// Error of a prediction, and whether it is certain that rounding did not change it.
 #[derive(Debug, Clone, Copy)]
 pub struct Answer {
     pub error: Option<f64>,
     pub sure: bool,
 }
 
-/// Examples with depth and lean alike in some mirror image, wherever they are.
+/// Whether two examples have the same depth and lean in some mirror image, wherever they are.
 fn copies(model: &Model, a: usize, b: usize, close: &mut bool) -> bool {
     if model.examples[a].depth() == 0.0 || model.examples[b].depth() == 0.0 {
         return false;
@@ -32,7 +33,7 @@ fn copies(model: &Model, a: usize, b: usize, close: &mut bool) -> bool {
     })
 }
 
-/// Every n-th vertex within one and a half support radii, so that there are at most 384, and the contact.
+/// The contact, and every n-th vertex within one and a half support radii, with n such that there are at most 384.
 fn samples(model: &Model, q: usize, close: &mut bool) -> Vec<usize> {
     let e = &model.examples[q];
     let radius = 1.5 * e.support_radius;
@@ -60,7 +61,7 @@ fn error(model: &Model, q: usize, parts: &[Part], samples: &[usize]) -> f64 {
     (wrong / all).sqrt()
 }
 
-/// Example `q` predicted from the others: carried with place axes of `width`, or anchored.
+/// Predicts example `q` from the others: carried with place axes of `width`, or anchored.
 pub fn left_out(model: &Model, q: usize, width: f64, anchored: bool) -> Answer {
     let e = &model.examples[q];
     let mut close = model.close;
@@ -82,14 +83,14 @@ pub fn left_out(model: &Model, q: usize, width: f64, anchored: bool) -> Answer {
     Answer { error: Some(first), sure: !close && errors.iter().all(|e| (e - first).abs() < 1e-3 * (1.0 + first)) }
 }
 
-/// What follows from the errors of those left out.
+/// The conclusions from the errors of the examples left out.
 #[derive(Debug, Clone)]
 pub struct Learned {
     pub width: f64,
-    /// By example: error carried at that width, error anchored. None where it is not left out.
+    /// For each example the error carried at that width and the error anchored; `None` if it is not left out.
     pub errors: Vec<Option<(Answer, Answer)>>,
     pub anchored: Vec<bool>,
-    /// The width, or the placement of an example, hangs on rounding.
+    /// Whether the width, and the placement of each example, depend on rounding.
     pub close: bool,
     pub close_placement: Vec<bool>,
 }

@@ -1,4 +1,4 @@
-//! The default model: marks to displacements, one vertex at a time.
+//! The default model: displacements from marks, one vertex at a time.
 
 use crumple::Combine;
 
@@ -15,7 +15,7 @@ pub struct Part {
     /// 1 is the whole; may be negative.
     pub share: f64,
     pub anchored: bool,
-    /// Planes it is mirrored in.
+    /// The planes that it is mirrored in.
     pub mirror: u8,
 }
 
@@ -25,13 +25,13 @@ pub struct Mark {
     pub contact: usize,
     /// Target depth, m.
     pub depth: f64,
-    /// Root of its energy: 1 for one hit.
+    /// Root of its energy; 1 for one hit.
     pub strength: f64,
     pub parts: Vec<Part>,
 }
 
-/// The documented layout of a pair: share in 1/1024 in the low 12 bits, two's complement; mirrored in x, y, z in the next three; anchored
-/// in the top bit.
+/// The documented layout of a pair: the share in 1/1024 in the low 12 bits, two's complement; the mirror planes x, y, z
+/// in the next three bits; anchored in the top bit.
 pub fn part_of(pair: crumple::Pair) -> Part {
     let units = f64::from(pair.share & 0xfff);
     Part {
@@ -42,8 +42,8 @@ pub fn part_of(pair: crumple::Pair) -> Part {
     }
 }
 
-/// The documented layout of a mark: energy in 2^-32, the square of the strength where energies add and the strength itself elsewhere;
-/// unused pairs have example 0xFFFF.
+/// The documented layout of a mark: energy in units of 2^-32. It is the square of the strength if energies add,
+/// otherwise the strength itself. Unused pairs have example 0xFFFF.
 pub fn mark_of(mark: &crumple::Mark, combine: Combine) -> Mark {
     let energy = mark.energy as f64 / 2f64.powi(32);
     Mark {
@@ -56,10 +56,10 @@ pub fn mark_of(mark: &crumple::Mark, combine: Combine) -> Mark {
 
 /// Documented bounds of the stretch in the surface.
 pub const STRETCH: (f64, f64) = (0.25, 4.0);
-/// Examples that cancel each other at the contact are scaled up together by at most this.
+/// Examples that cancel each other at the contact are scaled up together by at most this factor.
 pub const TOGETHER: f64 = 4.0;
 
-/// How far an example carried to a hit of depth `depth` is stretched in the surface.
+/// The stretch in the surface of an example carried to a hit of depth `depth`.
 pub fn stretch(depth: f64, example: &Example) -> f64 {
     (depth / example.depth()).sqrt().clamp(STRETCH.0, STRETCH.1)
 }
@@ -75,12 +75,12 @@ pub struct Chart {
     pub normals: Vec<V>,
     pub facing: Vec<f64>,
     pub fade: f64,
-    /// Rows are the contact frame's x, y, z in mesh space.
+    /// The rows are the contact frame's x, y, z in mesh space.
     pub frame: Matrix,
 }
 
-/// What a stamp says of a point: displacement and change of normal before they fade, the share that is left of them, and the z of the
-/// base normal.
+/// A stamp's values at a point: displacement and change of normal before they fade, the share of them that is kept, and
+/// the z of the base normal.
 #[derive(Debug, Clone, Copy)]
 pub struct Sample {
     pub displacement: V,
@@ -105,14 +105,14 @@ impl Chart {
         }
     }
 
-    /// Where `p` comes to lie on the unrolled surface, in units of nodes.
+    /// The place of `p` on the unrolled surface, in units of nodes.
     fn unrolled(&self, p: V) -> [f64; 2] {
         let across = p[0] * p[0] + p[1] * p[1];
         let steep = if across > 0.0 { (p[2] * p[2] / across).min(2.0) } else { 2.0 };
         [0, 1].map(|k| (p[k] * (1.0 + steep / 2.0) - self.first[k]) / self.step[k])
     }
 
-    /// Bilinear; nothing outside.
+    /// Bilinear interpolation; `None` outside.
     fn look_up(&self, p: V) -> Option<Sample> {
         let at = self.unrolled(p);
         let mut cell = [0usize; 2];
@@ -133,26 +133,27 @@ impl Chart {
             sum.facing += weight * self.facing[node];
             height += weight * self.heights[node];
         }
-        // all of it up to half the fade above or below the surface, nothing from all of it
+        // everything is kept up to half the fade above or below the surface, and nothing beyond the whole fade
         Some(Sample { keep: (2.0 - 2.0 * (p[2] - height).abs() / self.fade).clamp(0.0, 1.0), ..sum })
     }
 }
 
-/// Where `vertex` falls in the stamp of an example carried to the mark (contact frame, m, stretch undone), the way back, and the stretch.
+/// The place of `vertex` in the stamp of an example carried to the mark (contact frame, m, stretch undone), the inverse
+/// transform, and the stretch.
 fn place<'a>(model: &'a Model, mark: &Mark, part: &Part, vertex: usize) -> (&'a Chart, Matrix, f64, V) {
     let example = &model.examples[part.example];
     let grid = example.grid.as_ref().expect("a carried example has a stamp");
     let normal = mirrored(example.contact_normal, part.mirror);
     let rotation = rotation_between(normal, model.contact_normals[mark.contact]);
     let mirror = [0, 1, 2].map(|i| mirrored([0, 1, 2].map(|j| f64::from(u8::from(i == j))), part.mirror));
-    // stamp to mesh: out of the contact frame, mirrored, turned
+    // from stamp to mesh: out of the contact frame, mirrored, rotated
     let back = product(rotation, product(mirror, transpose(grid.frame)));
     let p = apply(transpose(back), sub(model.positions[vertex], model.positions[mark.contact]));
     let s = stretch(mark.depth, example);
     (grid, back, s, [p[0] / s, p[1] / s, p[2]])
 }
 
-/// Whether `vertex` falls so near the border of a stamp that rounding decides whether it is inside.
+/// Whether `vertex` is so near the border of a stamp that rounding decides whether it is inside.
 pub fn on_a_border(model: &Model, mark: &Mark, vertex: usize) -> bool {
     mark.parts.iter().filter(|p| !p.anchored).any(|part| {
         let (grid, _, _, p) = place(model, mark, part, vertex);
@@ -161,7 +162,7 @@ pub fn on_a_border(model: &Model, mark: &Mark, vertex: usize) -> bool {
     })
 }
 
-/// Displacement and change of normal of `vertex` by one example of a mark at full strength, if no rim were held.
+/// Displacement and change of normal of `vertex` by one example of a mark at full strength, without held rims.
 pub fn open_at(model: &Model, mark: &Mark, part: &Part, vertex: usize) -> (V, V) {
     let example = &model.examples[part.example];
     if part.anchored {
@@ -169,19 +170,19 @@ pub fn open_at(model: &Model, mark: &Mark, part: &Part, vertex: usize) -> (V, V)
     }
     let (grid, back, s, p) = place(model, mark, part, vertex);
     let Some(sample) = grid.look_up(p) else { return ([0.0; 3], [0.0; 3]) };
-    // a vertex that faces elsewhere than the surface the example was made on takes nothing of its change
+    // a vertex that faces another way than the surface the example was made on takes none of its change of normal
     let normals = if model.normals.is_empty() {
         [0.0; 3]
     } else {
         let facing = dot(apply(back, [0.0, 0.0, 1.0]), model.normals[vertex]);
         let alike = (2.0 - 2.0 * (facing - sample.facing).abs()).clamp(0.0, 1.0);
-        // slopes fall as a dent gets wider
+        // slopes decrease as a dent gets wider
         scale(sample.keep * alike / s, sample.normal)
     };
     (apply(back, scale(sample.keep, sample.displacement)), apply(back, normals))
 }
 
-/// The same with held rims: what is carried falls to zero towards them, and the surface tilts by that.
+/// The same with held rims: what is carried falls to zero towards them, and that tilts the surface.
 pub fn example_at(model: &Model, mark: &Mark, part: &Part, vertex: usize) -> (V, V) {
     let (u, change) = open_at(model, mark, part, vertex);
     let window = &model.windows[vertex];
@@ -193,8 +194,9 @@ pub fn example_at(model: &Model, mark: &Mark, part: &Part, vertex: usize) -> (V,
     (scale(window.factor, u), sub(scale(window.factor, change), scale(dot(u, n), slope)))
 }
 
-/// What each part of a mark is multiplied with: its share of the target depth over its own, then all together so that the contact gets the
-/// target depth where no rim is held; anchored parts (and all, in a strict set) never beyond -1 or 1.
+/// The factor of each part of a mark. Each part is scaled by its share of the target depth over its own depth. Then all
+/// are scaled together so that the contact gets the target depth if no rim is held. Factors of anchored parts, and of
+/// all parts in a strict set, stay between -1 and 1.
 pub fn scales(model: &Model, mark: &Mark) -> Vec<f64> {
     let at_contact: Vec<V> = mark.parts.iter().map(|p| open_at(model, mark, p, mark.contact).0).collect();
     let mut scales = Vec::new();
@@ -215,7 +217,7 @@ pub fn scales(model: &Model, mark: &Mark) -> Vec<f64> {
     scales
 }
 
-/// Displacement of the contact by one mark of strength 1, if no rim were held.
+/// Displacement of the contact by one mark of strength 1, without held rims.
 pub fn open(model: &Model, mark: &Mark) -> V {
     let mut sum = [0.0; 3];
     for (part, w) in mark.parts.iter().zip(scales(model, mark)) {
@@ -233,7 +235,7 @@ pub fn met(model: &Model, mark: &Mark) -> V {
     sum
 }
 
-/// A mark with the scales of its parts worked out once.
+/// A mark and the factors of its parts, computed once.
 pub struct Scaled<'a>(pub &'a Mark, pub Vec<f64>);
 
 pub fn scaled<'a>(model: &Model, marks: &'a [Mark]) -> Vec<Scaled<'a>> {
@@ -251,8 +253,8 @@ pub fn mark_at(model: &Model, Scaled(mark, scales): &Scaled<'_>, vertex: usize) 
     sum
 }
 
-/// The greatest displacement and change of normal that a mark brings anywhere near: what its rounding errors are measured against. (At one
-/// vertex neighbouring nodes of a stamp may cancel; their errors do not.)
+/// The largest displacement and change of normal that a mark makes anywhere near; its rounding errors are relative to
+/// these. (At one vertex neighbouring nodes of a stamp may cancel, but their errors do not.)
 pub fn size(model: &Model, Scaled(mark, scales): &Scaled<'_>) -> (f64, f64) {
     let longest = |list: &[V]| list.iter().map(|u| length(*u)).fold(0.0, f64::max);
     let mut sum = (0.0, 0.0);
@@ -263,14 +265,14 @@ pub fn size(model: &Model, Scaled(mark, scales): &Scaled<'_>) -> (f64, f64) {
         let stretch = if part.anchored { 1.0 } else { stretch(mark.depth, example) };
         sum.1 += w / stretch * longest(&example.normal_deltas);
         if !part.anchored && !model.held.is_empty() {
-            // the steepest slope of the window
+            // the greatest slope of the window
             sum.1 += w * longest(&example.deltas) * 1.5 / (0.03 * model.diagonal);
         }
     }
     sum
 }
 
-/// Displacement of `vertex` by all marks, and the factor by which their plain sum was shortened.
+/// Displacement of `vertex` by all marks, and the factor that shortened their plain sum.
 pub fn displacement(model: &Model, marks: &[Scaled<'_>], vertex: usize, combine: Combine, limit: f64) -> (V, f64) {
     let (mut sum, mut squares, mut deepest) = ([0.0; 3], 0.0, 0.0f64);
     for mark in marks {
@@ -292,12 +294,13 @@ pub fn displacement(model: &Model, marks: &[Scaled<'_>], vertex: usize, combine:
     (scale(factor, sum), factor)
 }
 
-/// Unit normal of `vertex` after all marks: the base's plus the marks' changes, shortened as the displacement is.
+/// Unit normal of `vertex` after all marks: the base normal plus the marks' changes, shortened by the same factor as
+/// the displacement.
 pub fn normal(model: &Model, marks: &[Scaled<'_>], vertex: usize, combine: Combine, limit: f64) -> V {
     unit(normal_sum(model, marks, vertex, combine, limit))
 }
 
-/// The same before it is made unit length.
+/// The same before normalisation.
 pub fn normal_sum(model: &Model, marks: &[Scaled<'_>], vertex: usize, combine: Combine, limit: f64) -> V {
     let (_, factor) = displacement(model, marks, vertex, combine, limit);
     let mut change = [0.0; 3];

@@ -1,5 +1,6 @@
-//! A second implementation of every rule of the library: naive, in f64, one vertex at a time, written from the paper and the design and not
-//! from the code. It takes only data from the library: stored displacements, grid values of stamps, and documented constants.
+//! A second implementation of every rule of the library: naive, in f64, one vertex at a time, written from the paper
+//! and the design and not from the code. It takes only data from the library: stored displacements, grid values of
+//! stamps, and documented constants.
 #![allow(dead_code)]
 
 pub mod body;
@@ -23,12 +24,12 @@ pub struct Example {
     pub contact_point: V,
     pub contact_normal: V,
     pub placement: Placement,
-    /// Whether the set learned that it stays in place for hits around it.
+    /// Whether the set learned that the example stays in place for hits around it.
     pub stays: bool,
     pub support_radius: f64,
-    /// One displacement a vertex, m.
+    /// One displacement per vertex, m.
     pub deltas: Vec<V>,
-    /// One change of the unit normal a vertex.
+    /// One change of the unit normal per vertex.
     pub normal_deltas: Vec<V>,
     pub grid: Option<Chart>,
 }
@@ -45,10 +46,10 @@ impl Example {
 pub struct Model {
     pub positions: Vec<V>,
     pub normals: Vec<V>,
-    /// Normals of contacts: smooth across hard edges.
+    /// Normals at contacts; they are smooth across hard edges.
     pub contact_normals: Vec<V>,
     pub diagonal: f64,
-    /// Where mirror planes meet, and which there are: bit 0 for x, 1 for y, 2 for z.
+    /// The point where the mirror planes meet, and the planes that exist: bit 0 for x, 1 for y, 2 for z.
     pub centre: V,
     pub planes: u8,
     /// Vertices on held rims (every copy at a seam), and the window of each vertex.
@@ -56,10 +57,10 @@ pub struct Model {
     pub windows: Vec<Window>,
     pub strict: bool,
     pub depth_limit: f64,
-    /// Width of the place axes that the set learned, as a share of the diagonal.
+    /// Learned width of the place axes, as a share of the diagonal.
     pub place_width: f64,
     pub examples: Vec<Example>,
-    /// What of the body hangs on rounding: whether a rim is held, which images fall together.
+    /// Whether rounding decides something about the body: whether a rim is held, or which images coincide.
     pub close: bool,
     pub images: Vec<select::Image>,
 }
@@ -120,7 +121,7 @@ impl Model {
         model
     }
 
-    /// The nearest base vertex and its distance; the lowest index where several are equally near.
+    /// The nearest base vertex and its distance; among equally near vertices the lowest index.
     pub fn nearest(&self, point: V) -> (usize, f64) {
         let mut best = (0, f64::INFINITY);
         for (v, p) in self.positions.iter().enumerate() {

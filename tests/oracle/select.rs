@@ -1,4 +1,5 @@
-//! The default selection: every example and its mirror images, seven axes, kriging among the twelve nearest, scaled together to the target.
+//! The default selection: every example and its mirror images, seven axes, kriging among the twelve nearest, scaled
+//! together to the target.
 
 use crumple::Placement;
 
@@ -8,23 +9,24 @@ use super::marks::{Mark, Part, met, open};
 use super::vector::{V, apply, dot, length, rotation_between, scale, sub};
 use super::{Example, Model};
 
-/// Documented widths: place as a share of the body's diagonal where anchored (where carried it is learned), depth in natural logarithms,
-/// lean.
+/// The documented widths: place as a share of the body's diagonal for anchored examples (learned for carried ones),
+/// depth in natural logarithms, lean.
 const ANCHORED_PLACE: f64 = 0.15;
 const DEPTH: f64 = 2.4;
 const LEAN: f64 = 0.05;
-/// A target's lean is known from here on, and up to so many times the longest lean of any example.
+/// A target's lean is used if it is at least `UPRIGHT` and at most `BEYOND` times the longest lean of any example.
 const UPRIGHT: f64 = 0.002;
 const BEYOND: f64 = 3.0;
-/// An automatic example is anchored within this share of its support radius around its own contact; anchored ones answer alone there.
+/// An automatic example is anchored within this share of its support radius around its own contact. There anchored
+/// examples answer alone.
 const WITHIN: f64 = 0.1;
-/// An automatic example is anchored there only for targets of about its own depth.
+/// It is anchored there only for targets of about its own depth, within these factors.
 const OWN_SIZE: (f64, f64) = (0.9, 1.001);
 /// An anchored example reaches the vertices that it displaces by at least this share of its own contact's displacement.
 const REACH: f64 = 0.1;
-/// So many nearest are considered.
+/// The most candidates considered, nearest first.
 const NEAREST: usize = 12;
-/// Images fall together within this share of the diagonal, this logarithm of depth, this lean.
+/// Images coincide within this share of the diagonal, this difference of the logarithm of depth and this lean.
 const SAME: [f64; 3] = [0.01, 0.02, 0.01];
 
 /// An example, or its image in some of the mirror planes.
@@ -34,12 +36,12 @@ pub struct Image {
     pub mirror: u8,
     pub point: V,
     pub normal: V,
-    /// Unit displacement at its contact, and its part in the surface there.
+    /// Unit displacement at its contact, and the component of that in the surface.
     pub direction: V,
     pub lean: V,
 }
 
-/// The part of `v` in the surface with normal `n`.
+/// The component of `v` in the surface with normal `n`.
 pub fn in_surface(v: V, n: V) -> V {
     sub(v, scale(dot(v, n), n))
 }
@@ -53,8 +55,8 @@ pub fn image(model: &Model, i: usize, mirror: u8) -> Image {
     Image { example: i, mirror, point: mirrored_point(e.contact_point, mirror, model.centre), normal, direction, lean }
 }
 
-/// All examples that move something, and images of those that can be carried, without images that fall together with an example or with an
-/// image before them.
+/// All examples that move something, and mirror images of those that can be carried. Leaves out images that coincide
+/// with an example or with an earlier image.
 pub fn images(model: &Model, close: &mut bool) -> Vec<Image> {
     let usable: Vec<usize> = (0..model.examples.len()).filter(|i| model.examples[*i].depth() > 0.0).collect();
     let mut all: Vec<Image> = usable.iter().map(|i| image(model, *i, 0)).collect();
@@ -114,7 +116,7 @@ fn near(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-4 * (1.0 + b.abs())
 }
 
-/// An image as a candidate; `None` where it cannot answer. `close` is set where a threshold is near.
+/// An image as a candidate; `None` if it cannot answer. Sets `close` if a value is near a threshold.
 pub fn candidate(
     model: &Model,
     image: &Image,
@@ -158,7 +160,8 @@ pub fn candidate(
     Some(Candidate { example: image.example, mirror: image.mirror, anchored, axes })
 }
 
-/// Every way in which up to `k` of the candidates may answer: pairs with shares in units of 1/1024, zero shares left out.
+/// Every way in which up to `k` of the candidates may answer: pairs with shares in units of 1/1024, without zero
+/// shares.
 pub fn answers(list: &[Candidate], k: usize, close: &mut bool) -> Vec<Vec<Part>> {
     let mut list = list.to_vec();
     list.sort_by(|a, b| a.distance().total_cmp(&b.distance()));
@@ -190,7 +193,7 @@ pub fn answers(list: &[Candidate], k: usize, close: &mut bool) -> Vec<Vec<Part>>
         units[0] = 1024.0 - units[1..].iter().sum::<f64>();
         *close |= units.iter().any(|u| (u - 2047.5).abs() < 3.0 || (u + 2048.5).abs() < 3.0);
         if units.iter().any(|u| *u < -2048.0 || *u > 2047.0) {
-            // the nearest, or one as near
+            // the nearest, or any that is equally near
             let first = list[0].distance();
             all.extend(
                 (0..list.len())
@@ -204,7 +207,7 @@ pub fn answers(list: &[Candidate], k: usize, close: &mut bool) -> Vec<Vec<Part>>
     all
 }
 
-/// Who could answer a hit: those that do so alone, and all others.
+/// The candidates for a hit: those that answer alone, and all others.
 pub fn candidates(model: &Model, asked: &Asked, close: &mut bool) -> (Vec<Candidate>, Vec<Candidate>) {
     let (mut own, mut others): (Vec<Candidate>, Vec<Candidate>) = (Vec::new(), Vec::new());
     for image in &model.images {
@@ -220,7 +223,7 @@ pub fn candidates(model: &Model, asked: &Asked, close: &mut bool) -> (Vec<Candid
         let width = model.place_width;
         let mut found = candidate(model, image, anchored, asked, width, close);
         if found.is_none() && anchored && automatic {
-            // what would stay but does not reach is carried
+            // an example that would stay but does not reach the contact is carried
             found = candidate(model, image, false, asked, width, close);
         }
         let Some(c) = found else { continue };
@@ -230,8 +233,9 @@ pub fn candidates(model: &Model, asked: &Asked, close: &mut bool) -> (Vec<Candid
     (own, others)
 }
 
-/// The marks that a hit at vertex `contact` may leave: more than one only where rounding decides. None where nothing reaches. `target` may
-/// be longer than `limit`; it is cut to it first. The flag says that some threshold is so near that rounding may turn it.
+/// The marks that a hit at vertex `contact` may leave: several only if rounding decides, `None` if nothing reaches. A
+/// `target` longer than `limit` is shortened to it first. The flag says that rounding may change the result, since some
+/// value is near a threshold.
 pub fn select(model: &Model, contact: usize, target: V, limit: f64, k: usize) -> (Vec<Option<Selected>>, bool) {
     let target = scale((limit / length(target)).min(1.0), target);
     let mut close = model.close;
@@ -248,7 +252,7 @@ pub fn select(model: &Model, contact: usize, target: V, limit: f64, k: usize) ->
         return (vec![None], close);
     }
     let of = |parts: Vec<Part>, close: &mut bool| {
-        // The dent has its own direction at the contact: of the target it meets the component along it.
+        // The dent has its own direction at the contact and meets the target's component along that direction.
         let mut mark = Mark { contact, depth: length(target), strength: 1.0, parts };
         let brings = open(model, &mark);
         if length(brings) == 0.0 {

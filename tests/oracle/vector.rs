@@ -1,4 +1,4 @@
-//! Three numbers, in f64.
+//! Vectors of three f64.
 
 pub type V = [f64; 3];
 
@@ -40,7 +40,7 @@ pub fn lerp(a: V, b: V, t: f64) -> V {
     add(a, scale(t, sub(b, a)))
 }
 
-/// Rows of a rotation.
+/// The rows of a rotation.
 pub type Matrix = [V; 3];
 
 pub fn apply(m: Matrix, a: V) -> V {
@@ -56,7 +56,7 @@ pub fn product(a: Matrix, b: Matrix) -> Matrix {
     [0, 1, 2].map(|i| [0, 1, 2].map(|j| dot(a[i], b[j])))
 }
 
-/// The smallest rotation that takes unit vector `a` to unit vector `b` (Rodrigues). They must not be opposite.
+/// The smallest rotation that takes unit vector `a` to unit vector `b` (Rodrigues). The vectors must not be opposite.
 pub fn smallest_rotation(a: V, b: V) -> Matrix {
     let v = cross(a, b);
     let c = dot(a, b);
@@ -69,8 +69,8 @@ pub fn smallest_rotation(a: V, b: V) -> Matrix {
     })
 }
 
-/// The same for any two: where they are opposite (to within a cosine of 1e-4), half a turn about what is nearest to z at right angles to `a`
-/// (to x, where `a` is along z) first.
+/// The same for any two vectors. If they are opposite (to within a cosine of 1e-4), a half turn comes first. Its axis
+/// is the direction at right angles to `a` that is nearest to z, or to x if `a` is along z.
 pub fn rotation_between(a: V, b: V) -> Matrix {
     let (a, b) = (unit(a), unit(b));
     if dot(a, b) >= -0.9999 {

@@ -17,17 +17,17 @@ use crumple::{
 
 pub use solver::solver;
 
-/// Number of random cases of a property: `count` in a test run, `CRUMPLE_SOAK` times as many in a soak. A failure prints its seed, which
-/// repeats the case; no files of regressions are written.
+/// Number of random cases of a property: `count` in a test run, `CRUMPLE_SOAK` times as many in a soak run. A failure
+/// prints its seed, which repeats the case. No regression files are written.
 pub fn cases(count: u32) -> ProptestConfig {
     let soak = std::env::var("CRUMPLE_SOAK").ok().and_then(|s| s.parse().ok()).unwrap_or(1);
-    // Every test run has the same cases, so that a failure points at the last change. A soak has new ones.
+    // Test runs always have the same cases, so that a failure points at the last change. Soak runs have new ones.
     let rng_seed = if soak == 1 { RngSeed::Fixed(0x00C0_FFEE) } else { RngSeed::Random };
     let quiet = ProptestConfig { max_shrink_iters: 24, failure_persistence: None, ..ProptestConfig::default() };
     ProptestConfig { cases: count * soak, rng_seed, ..quiet }
 }
 
-/// A small generator (SplitMix64): the same numbers on every platform, from one seed.
+/// A small generator (SplitMix64). A seed gives the same numbers on every platform.
 #[derive(Debug, Clone)]
 pub struct Dice(u64);
 
@@ -44,12 +44,12 @@ impl Dice {
         z ^ (z >> 31)
     }
 
-    /// Below `n`.
+    /// A random index below `n`.
     pub fn index(&mut self, n: usize) -> usize {
         (self.next() % n as u64) as usize
     }
 
-    /// In [0, 1), on a grid of 2^-24, so that it is exact in f32.
+    /// A random number in [0, 1), a multiple of 2^-24 and so exact in f32.
     pub fn unit(&mut self) -> f32 {
         (self.next() >> 40) as f32 / 16_777_216.0
     }
@@ -81,7 +81,7 @@ pub fn length(a: [f32; 3]) -> f32 {
     dot(a, a).sqrt()
 }
 
-/// A flat sheet of 1 m by 1 m in the plane z = 0, facing +z, of `n` by `n` squares.
+/// A flat sheet of 1 m by 1 m in the plane z = 0, facing +z, with `n` by `n` squares.
 pub fn sheet(n: usize) -> MeshData {
     let mut positions = Vec::new();
     for i in 0..=n {
@@ -152,8 +152,9 @@ pub fn ball(splits: usize) -> MeshData {
     }
 }
 
-/// A cube of side 1 m with hard edges (each face has its own vertices) and one UV seam (the first face is cut in two along its
-/// middle column, whose vertices exist twice with the same normal and different tangents). `n` squares along an edge, even.
+/// A cube of side 1 m with hard edges (each face has its own vertices) and one UV seam: the vertices of the first
+/// face's middle column exist twice, with the same normal and different tangents. `n` is the number of squares along an
+/// edge and must be even.
 pub fn cube(n: usize) -> MeshData {
     assert!(n.is_multiple_of(2));
     let mut mesh = MeshData { normals: Some(Vec::new()), tangents: Some(Vec::new()), ..MeshData::default() };
@@ -161,7 +162,7 @@ pub fn cube(n: usize) -> MeshData {
         let (axis, sign) = (face / 2, if face % 2 == 0 { 1.0f32 } else { -1.0 });
         let mut normal = [0.0; 3];
         normal[axis] = sign;
-        // u x v = normal, so that the grid's triangles face outside
+        // u x v = normal, so that the grid's triangles face outwards
         let (u, v) = if sign > 0.0 { ((axis + 1) % 3, (axis + 2) % 3) } else { ((axis + 2) % 3, (axis + 1) % 3) };
         let mut tangent = [0.0, 0.0, 0.0, 1.0];
         tangent[u] = 1.0;
@@ -209,7 +210,7 @@ pub fn nearest(mesh: &MeshData, point: [f32; 3]) -> u32 {
     (0..mesh.positions.len() as u32).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap()
 }
 
-/// The surface's normals at deformed vertices, as long as twice the area of their triangles.
+/// Normals of the surface at deformed vertices, with twice the area of their triangles as their length.
 pub fn area_normals(set: &ExampleSet, positions: &[[f32; 3]]) -> Vec<Vec3> {
     let mut sums = vec![Vec3::ZERO; set.vertex_count()];
     for t in set.mesh().triangles() {
@@ -220,7 +221,7 @@ pub fn area_normals(set: &ExampleSet, positions: &[[f32; 3]]) -> Vec<Vec3> {
     sums
 }
 
-/// Groups of vertices that share a position, bit for bit.
+/// Groups of vertices with bit-identical positions.
 pub fn coincident(positions: &[[f32; 3]]) -> Vec<Vec<usize>> {
     let mut groups: HashMap<[u32; 3], Vec<usize>> = HashMap::new();
     for (v, p) in positions.iter().enumerate() {
@@ -231,8 +232,8 @@ pub fn coincident(positions: &[[f32; 3]]) -> Vec<Vec<usize>> {
     groups
 }
 
-/// A smooth bowl of `depth` at vertex `contact`, pushed in against the normal there, that pulls the surface towards the contact and ends
-/// at `radius`. A function of position only, so that coincident vertices move together.
+/// A smooth bowl of `depth` at vertex `contact`, pushed in against the normal there. It pulls the surface towards the
+/// contact and ends at `radius`. It depends on position only, so that coincident vertices move together.
 pub fn bowl(mesh: &MeshData, contact: u32, depth: f32, radius: f32) -> ExampleData {
     let c = mesh.positions[contact as usize];
     let n = mesh.normals.as_ref().unwrap()[contact as usize];
@@ -252,7 +253,7 @@ pub fn bowl(mesh: &MeshData, contact: u32, depth: f32, radius: f32) -> ExampleDa
     }
 }
 
-/// `count` vertices spread over the body: each is the furthest from all before it.
+/// `count` vertices spread over the body, each the furthest from all before it.
 pub fn spread(positions: &[[f32; 3]], count: usize, first: usize) -> Vec<u32> {
     let mut chosen = vec![first as u32];
     while chosen.len() < count {
@@ -312,7 +313,7 @@ pub fn cube_set() -> Arc<ExampleSet> {
     made_up(2)
 }
 
-/// The synthetic bodies: a flat sheet, a closed sphere, a cube with hard edges and a UV seam. Built once.
+/// The synthetic bodies, built once: a flat sheet, a closed sphere, a cube with hard edges and a UV seam.
 pub fn small_bodies() -> Vec<Body> {
     vec![("sheet", sheet_set()), ("ball", ball_set()), ("cube", cube_set())]
 }
@@ -324,7 +325,7 @@ pub fn bodies() -> Vec<Body> {
     all
 }
 
-/// A solver body with its first `count` examples, placed as asked.
+/// A solver body with its first `count` examples in the given placement.
 pub fn solver_set(body: &str, count: usize, placement: Placement) -> Arc<ExampleSet> {
     let (mesh, mut examples) = solver(body);
     examples.truncate(count);
@@ -336,7 +337,8 @@ pub fn push(point: [f32; 3], displacement: [f32; 3]) -> Hit {
     Hit { point, cause: Cause::Displacement(displacement), space: Space::Local, contact: None }
 }
 
-/// A hit near a random vertex, pushed inwards at up to about 60 degrees from the normal, by 0.02 to 1.5 of the set's depth limit.
+/// A hit near a random vertex, pushed inwards at up to about 60 degrees from the normal. Its length is 0.02 to 1.5
+/// times the set's depth limit.
 pub fn random_hit(set: &ExampleSet, dice: &mut Dice) -> Hit {
     let vertex = dice.index(set.vertex_count());
     hit_at(set, vertex, dice)
@@ -358,7 +360,7 @@ pub fn random_hits(set: &ExampleSet, count: usize, seed: u64) -> Vec<Hit> {
     (0..count).map(|_| if dice.index(4) == 0 { few[dice.index(4)] } else { random_hit(set, &mut dice) }).collect()
 }
 
-/// An output with all attributes of the mesh, and its tracker.
+/// Memory for all attributes of the mesh, and its tracker.
 #[derive(Debug, Clone)]
 pub struct Output {
     pub positions: Vec<[f32; 3]>,
@@ -400,7 +402,7 @@ impl Output {
         self.update_with(instance, &Serial)
     }
 
-    /// A full evaluation of the instance as it is.
+    /// A full evaluation of the instance into new memory.
     pub fn fresh(instance: &mut Instance) -> Self {
         let mut output = Self::new(&instance.example_set().clone());
         output.update(instance);
@@ -424,7 +426,7 @@ impl Output {
     }
 }
 
-/// A deform of positions alone into fresh memory.
+/// Deforms positions alone into new memory.
 pub fn positions(instance: &mut Instance) -> (Vec<[f32; 3]>, DeformReport) {
     let mut out = vec![[0.0; 3]; instance.example_set().vertex_count()];
     let memory = VertexMemory::separate(&mut out, None, None).unwrap();
@@ -451,7 +453,7 @@ pub fn new(set: &Arc<ExampleSet>) -> Instance {
     Instance::new(set.clone(), InstanceOptions::default()).unwrap()
 }
 
-/// FNV-1a: a hash that needs no crate and is the same everywhere.
+/// FNV-1a: a hash that needs no crate and is the same on every platform.
 pub fn fnv(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x0000_0100_0000_01b3))
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use crumple::import::{MeshChoice, gltf_file};
 use crumple::{ExampleData, MeshData};
 
-/// `panel` or `tube`: the base mesh and its 32 examples.
+/// The base mesh and the 32 examples of `panel` or `tube`.
 pub fn solver(body: &str) -> (MeshData, Vec<ExampleData>) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("assets/solver/{body}.glb"));
     let imported = gltf_file(&path, MeshChoice::First).expect("the committed asset");

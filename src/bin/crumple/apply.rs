@@ -20,9 +20,9 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Vertices that moved less than this do not count as moved, m.
+/// Vertices that moved less than this are not reported as moved, m.
 const VISIBLE: f32 = 1e-5;
-/// A contact further than this from the nearest vertex is reported, as a share of the body's diagonal.
+/// A contact further than this from the nearest vertex causes a warning; a share of the body's diagonal.
 const FAR_OFF: f32 = 0.1;
 
 #[derive(Args)]
@@ -59,7 +59,7 @@ pub struct Arguments {
 enum SelectionName {
     /// The examples nearest in place, size and angle, carried to the contact
     Nearest,
-    /// The paper's rule: of the examples that move the contact's vertex, the one with the best cosine
+    /// The paper's rule: the example with the best cosine among those that move the contact's vertex
     Classic,
 }
 
@@ -75,12 +75,12 @@ fn rule(text: &str) -> Result<Rule, String> {
     }
 }
 
-/// The mesh as deformed.
+/// The deformed mesh.
 struct Deformed {
     vertices: Vertices,
     /// Time to fold the hits and to evaluate every vertex.
     time: Duration,
-    /// The device, and how its vertices compare with the CPU's.
+    /// The device and, for a GPU, how its vertices compare with the CPU's.
     by: String,
 }
 
@@ -185,7 +185,7 @@ fn deform(arguments: &Arguments, instance: &mut Instance, source: &Source, pool:
     Ok(Deformed { vertices: seen, time: done.time, by })
 }
 
-/// How the GPU's vertices compare with the CPU's.
+/// Describes how the GPU's vertices compare with the CPU's.
 fn compared(gpu: &Vertices, cpu: &Vertices) -> String {
     let same = gpu.positions == cpu.positions && gpu.normals == cpu.normals && gpu.tangents == cpu.tangents;
     if same {
@@ -296,7 +296,7 @@ fn report(
     Ok(text)
 }
 
-/// Impacts whose numbers are probably in the wrong unit or space.
+/// Warnings of impacts whose numbers are probably in the wrong unit or space.
 fn warnings(
     text: &mut String,
     set: &ExampleSet,

@@ -11,7 +11,7 @@ use clap::Args;
 use crumple::{ExampleSet, SetOptions, Stamp, ThreadPool, VertexMass, glam::Vec3};
 use std::{fmt::Write, path::PathBuf, time::Instant};
 
-/// Bytes that the plain sparse form takes a moved vertex: an index and three floats.
+/// Bytes per moved vertex in the plain sparse form: an index and three floats.
 const SPARSE: usize = 16;
 
 #[derive(Args)]
@@ -50,7 +50,7 @@ pub struct Arguments {
     threads: u32,
 }
 
-/// A number and what follows it.
+/// Splits a text into a number and the rest.
 fn split(text: &str) -> (Option<f64>, &str) {
     let text = text.trim();
     // The longest prefix that is a number: "1e-4m" is 1e-4 and metres, "5e" is 5 and an unknown unit.
@@ -72,7 +72,7 @@ fn mass(text: &str) -> Result<f32, String> {
     quantity(text, &UNITS, ("mass", "0.5kg"), "g, kg or lb, or none for kilograms")
 }
 
-/// A number above 0 in one of these units.
+/// Parses a number above 0 with one of these units.
 fn quantity(text: &str, units: &[(&str, f64)], (noun, example): (&str, &str), names: &str) -> Result<f32, String> {
     let (Some(number), unit) = split(text) else {
         return Err(format!("it must be a {noun}, such as {example}"));
@@ -167,7 +167,7 @@ fn megabytes(bytes: usize) -> String {
     if bytes < 100_000 { format!("{:.1} kB", bytes as f64 * 1e-3) } else { format!("{:.2} MB", bytes as f64 * 1e-6) }
 }
 
-/// The bytes of each part, compared with the plain sparse form.
+/// Reports the bytes of each part, compared with the plain sparse form.
 fn sizes(text: &mut String, set: &ExampleSet, exact: &ExampleSet, file: usize) {
     let report = set.report();
     // Both forms are measured by the vertices that the source moves.
@@ -195,7 +195,7 @@ fn sizes(text: &mut String, set: &ExampleSet, exact: &ExampleSet, file: usize) {
     let _ = writeln!(text, "  blocks    {one} of 1 byte a number, {two} of 2, {four} of 4");
 }
 
-/// Largest and root mean square of some errors.
+/// Maximum and root mean square of errors.
 #[derive(Default)]
 struct Error {
     max: f64,
@@ -215,7 +215,7 @@ impl Error {
     }
 }
 
-/// Measures the difference between the baked examples and the source's.
+/// Reports how far the baked examples differ from the source's.
 fn errors(text: &mut String, set: &ExampleSet, exact: &ExampleSet) -> Result<()> {
     let (mut positions, mut normals) = (Error::default(), Error::default());
     let base = set.mesh().normals();
@@ -250,7 +250,7 @@ fn errors(text: &mut String, set: &ExampleSet, exact: &ExampleSet) -> Result<()>
     Ok(())
 }
 
-/// The grids that carried dents are stored in, and whether they hold the tolerance.
+/// Reports the grids that carried dents are stored in, and whether they hold the tolerance.
 fn stamps(text: &mut String, set: &ExampleSet) -> Result<()> {
     let all: Vec<(&str, &Stamp)> = set.examples().iter().filter_map(|e| Some((e.name(), e.stamp()?))).collect();
     if all.is_empty() {

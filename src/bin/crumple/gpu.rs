@@ -6,11 +6,11 @@ use crumple::{ExampleSet, Instance};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// The device of a deformation and its time.
+/// The result of a deformation on a device.
 pub struct Done {
     /// The adapter's name and its graphics interface.
     pub adapter: String,
-    /// From the first upload to the last vertex, without reading them back.
+    /// From the first upload to the last vertex, without the readback.
     pub time: Duration,
 }
 
@@ -19,7 +19,7 @@ pub fn deform(_: &Instance, _: &Arc<ExampleSet>, _: &str, _: &mut Vertices) -> R
     anyhow::bail!("--gpu: this build cannot use a GPU; build it with --features cli,wgpu")
 }
 
-/// Deforms an instance, whose hits are folded, on the device whose name contains `adapter`.
+/// Deforms an instance on the device whose name contains `adapter`. The instance's hits must be folded.
 #[cfg(feature = "wgpu")]
 pub fn deform(instance: &Instance, set: &Arc<ExampleSet>, adapter: &str, to: &mut Vertices) -> Result<Done> {
     use crumple::wgpu::wgpu::{BufferDescriptor, BufferUsages, PollType, VertexFormat};
@@ -27,7 +27,7 @@ pub fn deform(instance: &Instance, set: &Arc<ExampleSet>, adapter: &str, to: &mu
     let wanted = Some(adapter).filter(|name| !name.is_empty());
     let mut device = Device::headless(&HeadlessDef { adapter: wanted, ..HeadlessDef::default() })?;
     let info = device.device().adapter_info();
-    // Position, normal and tangent of a vertex side by side.
+    // A vertex has its position, normal and tangent side by side.
     let mut stride = 0;
     let mut attribute = |there: bool, format: VertexFormat| {
         let stream = Stream { offset: stride, stride: 0, format };

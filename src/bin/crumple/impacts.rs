@@ -1,4 +1,4 @@
-//! Reads and writes the JSON list of impacts, whose keys `docs/impacts.md` documents.
+//! Reads and writes the JSON list of impacts. `docs/impacts.md` documents its keys.
 
 use anyhow::{Context, Result, anyhow, bail};
 use crumple::{Cause, Hit, Space};
@@ -110,12 +110,12 @@ fn vector(key: &str, value: [f64; 3]) -> Result<[f32; 3]> {
     Ok(value.map(|v| v as f32))
 }
 
-/// serde's error in words for who wrote the file: the key, the value, and what would be right.
+/// Rewrites serde's error for the file's author: the key, the value, and what would be right.
 fn explain(error: &serde_path_to_error::Error<serde_json::Error>, raw: &str) -> anyhow::Error {
     let (path, error) = (error.path().to_string(), error.inner());
     let key = if path == "." { "the impact" } else { &path };
     let text = error.to_string();
-    // The line and column count from the impact's own start.
+    // The line and column count from the start of the impact, so they are left out.
     let what = text.split(" at line ").next().unwrap_or(&text);
     if what.contains("number out of range") {
         let line = raw.lines().nth(error.line().saturating_sub(1)).unwrap_or(raw);
@@ -135,7 +135,7 @@ fn explain(error: &serde_path_to_error::Error<serde_json::Error>, raw: &str) -> 
     anyhow!("{what}")
 }
 
-/// serde's name of a type, or of a value with its type, as a reader of JSON knows it.
+/// JSON's name for serde's name of a type, or of a value with its type.
 fn json_name(serde: &str) -> String {
     let value = ["integer `", "floating point `", "boolean `"].iter().find_map(|kind| serde.strip_prefix(kind));
     match (value.and_then(|v| v.strip_suffix('`')), serde) {
@@ -149,9 +149,9 @@ fn json_name(serde: &str) -> String {
     }
 }
 
-/// The text of a list of displacements at points, m.
+/// Writes a list of (point, displacement) as text, both m.
 pub fn format(impacts: &[([f32; 3], [f32; 3])]) -> Result<String> {
-    // By way of the shortest text of an f32: the file shows 0.1, not 0.10000000149.
+    // Goes through the shortest text of an f32, so that the file shows 0.1, not 0.10000000149.
     let exact = |v: [f32; 3]| v.map(|c| c.to_string().parse::<f64>().unwrap_or(f64::from(c)));
     let mut text = String::from("[\n");
     for (i, &(point, displacement)) in impacts.iter().enumerate() {
@@ -172,7 +172,7 @@ pub fn format(impacts: &[([f32; 3], [f32; 3])]) -> Result<String> {
 mod tests {
     use super::*;
 
-    /// Lists that are refused, and what the message says. `P` stands for a point, `U` for a displacement.
+    /// Lists that are refused, and the messages. `P` stands for a point, `U` for a displacement.
     const REFUSED: &[(&str, &str)] = &[
         ("", "not JSON"),
         ("[{]", "not JSON: key must be a string at line 1 column 3"),

@@ -1,4 +1,5 @@
-//! `crumple info`: a file's mesh and examples, how well the examples predict each other, and where they do not reach.
+//! `crumple info`: reports a file's mesh and examples, how well the examples predict each other, and where they do not
+//! reach.
 
 use crate::{
     picture::millimetres,
@@ -72,10 +73,10 @@ fn body(text: &mut String, source: &Source) -> Result<()> {
     levels(text, &source.set)
 }
 
-/// A level of detail further off the base surface than this is reported, as a share of the body's diagonal.
+/// A level of detail that is further than this from the base surface causes a warning; a share of the body's diagonal.
 const FAR_OFF: f32 = 0.02;
 
-/// The levels of detail, and which of them are probably of another body or in another unit.
+/// Reports the levels of detail, and which of them probably belong to another body or are in another unit.
 fn levels(text: &mut String, set: &ExampleSet) -> Result<()> {
     let bounds = set.mesh().bounds();
     let far = FAR_OFF * bounds.max.distance(bounds.min);
@@ -93,7 +94,7 @@ fn levels(text: &mut String, set: &ExampleSet) -> Result<()> {
     Ok(())
 }
 
-/// Which mirror images examples serve in.
+/// The planes in which mirror images of examples are used.
 fn planes(planes: Mirror) -> String {
     let names: Vec<&str> =
         (0..3).filter(|k| planes.bits() >> k & 1 == 1).map(|k| ["x", "y", "z"][k as usize]).collect();
@@ -139,7 +140,7 @@ fn examples(text: &mut String, set: &ExampleSet) {
     table.write(text);
 }
 
-/// How well the examples predict each other, each left out in turn.
+/// Reports how well the examples predict each other, each left out in turn.
 fn learned(text: &mut String, set: &ExampleSet) -> Result<()> {
     let learned = set.learned();
     let (Some(median), Some((worst, error))) = (learned.median(), learned.worst()) else { return Ok(()) };
@@ -166,7 +167,7 @@ fn learned(text: &mut String, set: &ExampleSet) -> Result<()> {
     Ok(())
 }
 
-/// Which part of the body the examples move where they were made.
+/// Reports which part of the body the examples move where they were made.
 fn reach(text: &mut String, set: &ExampleSet) -> Result<()> {
     let mesh = set.mesh();
     let reached: Vec<bool> =
@@ -213,7 +214,7 @@ fn reach(text: &mut String, set: &ExampleSet) -> Result<()> {
     Ok(())
 }
 
-/// Whether a hit at `p` finds an example that was made there and may stay.
+/// Whether a hit at `p` finds an example that was made there and may stay in place.
 fn stays(set: &ExampleSet, p: Vec3) -> bool {
     set.examples().iter().filter(|e| !e.is_empty()).any(|e| match e.placement() {
         Placement::Automatic => e.contact_point().distance(p) <= 0.1 * e.support_radius(),
@@ -222,7 +223,7 @@ fn stays(set: &ExampleSet, p: Vec3) -> bool {
     })
 }
 
-/// A third of the area of the triangles around each vertex, m².
+/// The area of each vertex: a third of that of the triangles around it, m².
 fn vertex_areas(mesh: &Mesh) -> Vec<f64> {
     let mut areas = vec![0.0; mesh.positions().len()];
     for t in mesh.triangles() {
@@ -234,7 +235,7 @@ fn vertex_areas(mesh: &Mesh) -> Vec<f64> {
     areas
 }
 
-/// Connected regions of vertices that are not reached, largest first. Vertices at one position are connected.
+/// Connected regions of vertices that no example reaches, largest first. Vertices at one position count as connected.
 fn regions(mesh: &Mesh, reached: &[bool]) -> Vec<Vec<u32>> {
     let mut parent: Vec<u32> = mesh.weld().to_vec();
     let mut join = |a: u32, b: u32| {

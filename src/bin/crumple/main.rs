@@ -49,7 +49,7 @@ fn main() -> ExitCode {
     match result.and_then(|text| output::print(&text)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            // One line, even if a file's text has line ends.
+            // The message must be one line, even if text from a file has line breaks.
             let line = format!("{error:#}").split_whitespace().collect::<Vec<_>>().join(" ");
             output::complain(&format!("error: {line}"));
             ExitCode::FAILURE

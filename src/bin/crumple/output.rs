@@ -9,8 +9,8 @@ use std::{
     time::Duration,
 };
 
-/// A file that is not yet in its place. Creating it before the long work starts finds out whether the place can be written. The
-/// place stays as it was unless [`Output::commit`] succeeds.
+/// A file that is written under a temporary name. Creating it before the long work starts shows whether the destination
+/// can be written. The destination does not change unless [`Output::commit`] succeeds.
 pub struct Output {
     path: PathBuf,
     temporary: PathBuf,
@@ -18,7 +18,7 @@ pub struct Output {
 }
 
 impl Output {
-    /// An output in the one format that a command writes, which the name's ending must say.
+    /// Creates an output for a command that writes one format only; the path must have that format's ending.
     pub fn create_as(path: &Path, ending: &str, format: &str) -> Result<Output> {
         if path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending)) {
             return Output::create(path);
@@ -66,7 +66,7 @@ impl Drop for Output {
     }
 }
 
-/// A progress bar of `steps` steps; it is drawn only on a terminal.
+/// A progress bar of `steps` steps, drawn only on a terminal.
 pub fn progress(steps: usize) -> ProgressBar {
     let bar = ProgressBar::new(steps as u64);
     if let Ok(style) = ProgressStyle::with_template("{spinner} {msg:<24} {bar:32} {pos}/{len} {elapsed}") {
@@ -76,7 +76,7 @@ pub fn progress(steps: usize) -> ProgressBar {
     bar
 }
 
-/// Writes a line to stderr, if there is a stderr.
+/// Writes a line to stderr, if it exists.
 pub fn complain(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }

@@ -23,7 +23,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     let bytes = std::fs::read(&arguments.file).with_context(|| format!("cannot read {shown}"))?;
     let mut each = |number: u64, call: fmt::Arguments<'_>| {
         if arguments.list {
-            // A closed pipe is reported when the report is printed.
+            // A closed pipe is reported when the final report is printed.
             let _ = crate::output::print(&format!("{number:6}  {call}\n"));
         }
     };

@@ -1,4 +1,4 @@
-//! `crumple sample`: a list of impacts to start from.
+//! `crumple sample`: writes a list of impacts to start from.
 
 use crate::{impacts, output::Output, picture::millimetres, source::Input, table::count};
 use anyhow::{Result, bail};
@@ -6,7 +6,8 @@ use clap::Args;
 use crumple::{ExampleSet, Mesh, ThreadPool, glam::Vec3};
 use std::path::PathBuf;
 
-/// Candidates tried for each impact; the one furthest from the impacts so far is kept (Mitchell's best candidate, 1991).
+/// Number of candidates for each impact. The one furthest from the impacts so far is kept (Mitchell's best candidate,
+/// 1991).
 const CANDIDATES: usize = 24;
 
 #[derive(Args)]
@@ -42,7 +43,8 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     ))
 }
 
-/// Points spread over the surface. Each has a displacement (m) into the body along the normal, as deep as the examples.
+/// Points spread over the surface, each with a displacement (m) into the body along the normal, as deep as the
+/// examples.
 fn sample(set: &ExampleSet, count: usize, seed: u64) -> Result<Vec<([f32; 3], [f32; 3])>> {
     let depths = set.examples().iter().filter(|e| !e.is_empty()).map(|e| e.depth());
     let (low, high) = depths.fold((f32::MAX, 0f32), |(l, h), d| (l.min(d), h.max(d)));
@@ -74,8 +76,8 @@ fn sample(set: &ExampleSet, count: usize, seed: u64) -> Result<Vec<([f32; 3], [f
     Ok(impacts)
 }
 
-/// Triangles with the running sum of their areas, for picking by area. Triangles that no example moves are left out, because
-/// the examples do not show how the body dents there.
+/// Triangles with the running sum of their areas, for picking by area. Triangles that no example moves are left out,
+/// because the examples do not show how the body dents there.
 struct Surface<'a> {
     mesh: &'a Mesh,
     sums: Vec<f64>,
@@ -98,7 +100,7 @@ impl<'a> Surface<'a> {
         Surface { mesh, sums: mesh.triangles().iter().map(area).collect() }
     }
 
-    /// A point and the outward unit normal of the corner nearest to it.
+    /// Picks a point. Also returns the outward unit normal of the nearest corner.
     fn pick(&self, random: &mut Random) -> Option<(Vec3, Vec3)> {
         let total = self.sums.last().copied().filter(|&total| total > 0.0)?;
         let at = f64::from(random.unit()) * total;
@@ -112,7 +114,7 @@ impl<'a> Surface<'a> {
     }
 }
 
-/// SplitMix64 (Steele, Lea and Flood, 2014): the same numbers everywhere.
+/// SplitMix64 (Steele, Lea and Flood, 2014), which gives the same numbers on every platform.
 struct Random(u64);
 
 impl Random {

@@ -1,4 +1,4 @@
-//! Reads a mesh with its examples from a file.
+//! Reads a mesh and its examples from a file.
 
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
@@ -13,7 +13,7 @@ use std::{
     sync::Arc,
 };
 
-/// Which mesh of which file.
+/// The choice of a file and of a mesh in it.
 #[derive(Args)]
 pub struct Input {
     /// A glTF or GLB file with morph targets, an OBJ file (also give --example), or a .crumple file from `crumple bake`
@@ -26,12 +26,12 @@ pub struct Input {
     pub examples: Vec<PathBuf>,
 }
 
-/// A file's mesh with its examples.
+/// A file's mesh and its examples.
 pub struct Source {
     pub set: Arc<ExampleSet>,
     pub name: String,
     pub primitives: usize,
-    /// From the mesh's space to the scene's.
+    /// Transform from the mesh's space to the scene's.
     pub transform: Option<Mat4>,
     kind: Kind,
 }
@@ -43,7 +43,7 @@ pub enum Kind {
 }
 
 impl Input {
-    /// Builds the example set of the file, or loads it if it is baked.
+    /// Builds the example set of the file, or loads it if the file is baked.
     pub fn load(&self, tasks: &dyn TaskSystem) -> Result<Source> {
         let shown = self.file.display();
         if self.is_baked()? {
@@ -109,7 +109,7 @@ impl Input {
 }
 
 impl Source {
-    /// The file with the mesh replaced by its deformed self, as a GLB.
+    /// The file as a GLB, with the mesh replaced by its deformed vertices.
     pub fn deformed_glb(
         &self,
         positions: &[[f32; 3]],
@@ -125,7 +125,7 @@ impl Source {
         }
     }
 
-    /// The mesh of a baked set in the form that export takes.
+    /// The mesh of a baked set, in the form that export takes.
     fn as_imported(&self) -> Imported {
         let mesh = self.set.mesh();
         let part = PrimitiveRange {
@@ -150,7 +150,7 @@ impl Source {
         }
     }
 
-    /// Unit vector in the mesh's space that points up in the scene, where glTF has +y up.
+    /// Unit vector in the mesh's space that points up in the scene; +y is up in glTF.
     pub fn up(&self) -> Vec3 {
         self.transform.map_or(Vec3::Y, |m| m.transpose().transform_vector3(Vec3::Y).normalize_or(Vec3::Y))
     }

@@ -2,20 +2,20 @@
 
 use std::fmt::Write;
 
-/// Columns are as wide as their widest cell, numbers to the right.
+/// Columns are as wide as their widest cell.
 pub struct Table {
     heads: Vec<String>,
     rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    /// A head that begins with `>` stands over a column set to the right.
+    /// A head that begins with `>` right-aligns its column.
     pub fn new(heads: &[&str]) -> Table {
         Table { heads: heads.iter().map(|&h| h.to_owned()).collect(), rows: Vec::new() }
     }
 
     pub fn row(&mut self, cells: Vec<String>) {
-        // A name may hold anything: line ends and control characters would tear the table.
+        // A name may hold anything; line breaks and control characters would break the table.
         let clean = |c: String| c.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
         self.rows.push(cells.into_iter().map(clean).collect());
     }
@@ -44,18 +44,18 @@ impl Table {
     }
 }
 
-/// A point with millimetres, in metres.
+/// A point in metres, with millimetre precision.
 pub fn point(p: impl Into<[f32; 3]>) -> String {
     let [x, y, z] = p.into().map(|c| format!("{:.3}", if c.abs() < 5e-4 { 0.0 } else { c }));
     format!("({x}, {y}, {z})")
 }
 
-/// `1 hit`, `2 hits`.
+/// A count with its noun: `1 hit`, `2 hits`.
 pub fn count(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }
 
-/// A share as a percentage that says 0 and 100 only where it is.
+/// A share as a percentage. It shows 0 and 100 only if they are exact.
 pub fn percent(part: f64, whole: f64) -> String {
     let p = if whole > 0.0 { 100.0 * part / whole } else { 0.0 };
     match p {

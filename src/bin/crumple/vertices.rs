@@ -4,7 +4,7 @@ use anyhow::Result;
 use crumple::glam::{Vec3, Vec4};
 use crumple::{Mesh, VertexMemory};
 
-/// The attributes of the vertices that the mesh has.
+/// The vertices, with the attributes that the mesh has.
 #[derive(Clone)]
 pub struct Vertices {
     pub positions: Vec<[f32; 3]>,
@@ -13,7 +13,7 @@ pub struct Vertices {
 }
 
 impl Vertices {
-    /// The mesh without dents.
+    /// The undeformed mesh.
     pub fn at_rest(mesh: &Mesh) -> Self {
         Vertices {
             positions: mesh.positions().iter().map(Vec3::to_array).collect(),
@@ -22,7 +22,7 @@ impl Vertices {
         }
     }
 
-    /// The memory that a deform writes.
+    /// The memory for a deform to write to.
     pub fn memory(&mut self) -> Result<VertexMemory<'_>> {
         let Vertices { positions, normals, tangents } = self;
         Ok(VertexMemory::separate(positions, normals.as_deref_mut(), tangents.as_deref_mut())?)

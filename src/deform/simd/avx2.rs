@@ -9,7 +9,7 @@ use std::arch::x86_64::*;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Avx2;
 
-// SAFETY of every block below: the trait's callers run where AVX2 is there, and pass valid pointers and nodes.
+// SAFETY of every block below: the trait's callers run only if AVX2 is supported, and pass valid pointers and nodes.
 impl Simd for Avx2 {
     const LANES: usize = 8;
     type F = __m256;
@@ -67,7 +67,7 @@ impl Simd for Avx2 {
     #[inline(always)]
     unsafe fn deinterleave([a, b, c]: [__m256; 3]) -> [__m256; 3] {
         unsafe {
-            // 0-3 and 12-15, 4-7 and 16-19, 8-11 and 20-23.
+            // Elements 0-3 and 12-15, 4-7 and 16-19, 8-11 and 20-23.
             let m03 = _mm256_permute2f128_ps::<0x30>(a, b);
             let m14 = _mm256_permute2f128_ps::<0x21>(a, c);
             let m25 = _mm256_permute2f128_ps::<0x30>(b, c);
@@ -118,7 +118,7 @@ impl Simd for Avx2 {
     }
 }
 
-/// The weighted sums of two lanes, which are four apart, each in its half: weights are told by the lane within a half.
+/// The weighted sums of two lanes, four apart, each in its half. `LANE` selects the lane's weight within each half.
 ///
 /// # Safety
 /// As [`Simd::blend`].
@@ -152,10 +152,10 @@ unsafe fn both(a: *const Node, b: *const Node) -> __m256i {
     }
 }
 
-/// In each half: four rows become four columns.
+/// Transposes each half: four rows become four columns.
 ///
 /// # Safety
-/// Where AVX2 is there.
+/// The processor supports AVX2.
 #[inline(always)]
 unsafe fn columns([a, b, c, d]: [__m256i; 4]) -> [__m256i; 4] {
     unsafe {

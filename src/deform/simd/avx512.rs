@@ -10,20 +10,20 @@ use std::arch::x86_64::*;
 pub(crate) struct Avx512;
 
 /// # Safety
-/// Where AVX-512 is there.
+/// The processor supports AVX-512.
 #[inline(always)]
 unsafe fn join(lo: __m256, hi: __m256) -> __m512 {
     unsafe { _mm512_insertf32x8::<1>(_mm512_castps256_ps512(lo), hi) }
 }
 
 /// # Safety
-/// Where AVX-512 is there.
+/// The processor supports AVX-512.
 #[inline(always)]
 unsafe fn halves(v: __m512) -> [__m256; 2] {
     unsafe { [_mm512_castps512_ps256(v), _mm512_extractf32x8_ps::<1>(v)] }
 }
 
-// SAFETY of every block below: the trait's callers run where AVX-512 is there, and pass valid pointers and nodes.
+// SAFETY of every block below: the trait's callers run only if AVX-512 is supported, and pass valid pointers and nodes.
 impl Simd for Avx512 {
     const LANES: usize = 16;
     type F = __m512;
@@ -120,8 +120,8 @@ impl Simd for Avx512 {
     }
 }
 
-/// The weighted sums of four lanes from the `FIRST`, which are four apart, each in its quarter: weights are told by the lane within a
-/// quarter.
+/// The weighted sums of four lanes, four apart, each in its quarter. `FIRST` is the first of the lanes. `LANE` selects
+/// the lane's weight within each quarter.
 ///
 /// # Safety
 /// As [`Simd::blend`].
@@ -157,10 +157,10 @@ unsafe fn quarters<const FIRST: usize>(p: *const Node, at: &[i32; 16]) -> __m512
     }
 }
 
-/// In each quarter: four rows become four columns.
+/// Transposes each quarter: four rows become four columns.
 ///
 /// # Safety
-/// Where AVX-512 is there.
+/// The processor supports AVX-512.
 #[inline(always)]
 unsafe fn columns([a, b, c, d]: [__m512i; 4]) -> [__m512i; 4] {
     unsafe {

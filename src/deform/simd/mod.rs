@@ -1,15 +1,15 @@
-//! Eight or sixteen floats at once: what the kernels of `deform` are written in.
+//! Vectors of eight or sixteen floats, in which the kernels of `deform` are written.
 //!
-//! One source for every level: a kernel is generic over [`Simd`], and each level compiles it for its instructions. All
-//! operations are the IEEE ones (no fused multiply-add, no approximate reciprocals), so every level gives the same bits.
+//! All levels share one source: a kernel is generic over [`Simd`], and each level compiles it for its instructions. All
+//! operations follow IEEE 754 (no fused multiply-add, no approximate reciprocals), so every level gives the same bits.
 
-/// Functions of [`Simd`] that are one expression of intrinsics.
+/// Defines functions of [`Simd`] that are one expression of intrinsics.
 #[cfg(target_arch = "x86_64")]
 macro_rules! intrinsics {
     ($(fn $name:ident $(<$t:ident>)? ($($arg:ident: $type:ty),*) $(-> $out:ty)? = $body:expr;)*) => {$(
         #[inline(always)]
         unsafe fn $name $(<$t>)? ($($arg: $type),*) $(-> $out)? {
-            // SAFETY: callers keep the trait's terms, which are those of the intrinsics.
+            // SAFETY: callers uphold the trait's requirements, which are those of the intrinsics.
             unsafe { $body }
         }
     )*};
@@ -32,24 +32,24 @@ use crate::example::stamp::Node;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU8, Ordering};
 
-/// Instructions that deformation is compiled for. The result is the same, bit for bit, at every level.
+/// Instruction sets that deformation is compiled for. The result has the same bits at every level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(u8)]
 pub enum SimdLevel {
-    /// What the target always has: SSE2 on x86-64, NEON on AArch64.
+    /// The target's baseline: SSE2 on x86-64, NEON on AArch64.
     Portable = 1,
-    /// AVX2, eight lanes and gathers.
+    /// AVX2: eight lanes and gathers.
     Avx2 = 2,
-    /// AVX-512 (F, BW, DQ, VL): sixteen lanes where that pays.
+    /// AVX-512 (F, BW, DQ, VL): sixteen lanes where they are faster.
     Avx512 = 3,
 }
 
-/// The level in force; 0 until first asked for.
+/// The level in use; 0 until first queried.
 static LEVEL: AtomicU8 = AtomicU8::new(0);
 
 impl SimdLevel {
-    /// The best level of this processor; no better than the environment variable `CRUMPLE_SIMD` says when first asked, if that is
-    /// `portable` or `avx2`: for tools that do not know newer instructions.
+    /// Returns the best level of this processor. The environment variable `CRUMPLE_SIMD` caps it if it is `portable` or
+    /// `avx2` at the first call, for tools that do not know newer instructions.
     pub fn best() -> Self {
         static BEST: OnceLock<SimdLevel> = OnceLock::new();
         *BEST.get_or_init(|| match std::env::var("CRUMPLE_SIMD").as_deref() {
@@ -73,12 +73,12 @@ impl SimdLevel {
         SimdLevel::Portable
     }
 
-    /// All levels of this processor, the simplest first.
+    /// Returns the levels up to [`SimdLevel::best`], simplest first.
     pub fn available() -> impl Iterator<Item = SimdLevel> {
         [SimdLevel::Portable, SimdLevel::Avx2, SimdLevel::Avx512].into_iter().filter(|l| *l <= Self::best())
     }
 
-    /// The level in force in this process: the best, unless [`SimdLevel::force`] said otherwise.
+    /// Returns the level in use in this process: the best, unless [`SimdLevel::force`] set another.
     pub fn current() -> Self {
         match LEVEL.load(Ordering::Relaxed) {
             1 => SimdLevel::Portable,
@@ -92,10 +92,10 @@ impl SimdLevel {
         }
     }
 
-    /// Uses this level from now on, in the whole process: for tests and comparisons, since results do not depend on it.
+    /// Sets the level of the whole process from now on. For tests and comparisons: results do not depend on the level.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] where the processor lacks it.
+    /// [`Error::Unsupported`] if the level is above [`SimdLevel::best`].
     pub fn force(self) -> Result<(), Error> {
         if self > Self::best() {
             return Err(Error::Unsupported { what: format!("{self:?}: this processor goes up to {:?}", Self::best()) });
@@ -105,51 +105,51 @@ impl SimdLevel {
     }
 }
 
-/// `LANES` floats, and what kernels do with them.
+/// A vector of `LANES` floats, with the operations that the kernels use.
 ///
 /// Functions with pointers read or write `LANES` values there, at any alignment.
 ///
 /// # Safety
-/// Every function may only be called where the processor has the level's instructions, which holds inside the functions that
-/// [`SimdLevel::current`] dispatches to. Those with pointers need the memory to be valid.
+/// Call these functions only if the processor supports the level's instructions. That holds inside the functions that
+/// [`SimdLevel::current`] dispatches to. Pointers must be valid.
 pub(crate) trait Simd: Copy {
     const LANES: usize;
     /// Floats.
     type F: Copy;
     /// 32-bit integers.
     type I: Copy;
-    /// Yes or no in each lane.
+    /// A boolean in each lane.
     type M: Copy;
 
     unsafe fn splat(x: f32) -> Self::F;
     unsafe fn load(p: *const f32) -> Self::F;
     unsafe fn store(p: *mut f32, v: Self::F);
-    /// Tells that the line around `p`, which need not be valid, will be read soon.
+    /// Prefetches the cache line of `p` for reading. `p` need not be valid.
     unsafe fn prefetch<T>(p: *const T);
-    /// The same of a line that will be written.
+    /// Prefetches the cache line of `p` for writing. `p` need not be valid.
     unsafe fn prefetch_write<T>(p: *mut T);
     unsafe fn add(a: Self::F, b: Self::F) -> Self::F;
     unsafe fn sub(a: Self::F, b: Self::F) -> Self::F;
     unsafe fn mul(a: Self::F, b: Self::F) -> Self::F;
     unsafe fn div(a: Self::F, b: Self::F) -> Self::F;
     unsafe fn sqrt(a: Self::F) -> Self::F;
-    /// Of two numbers; where `a` is not one, `b`.
+    /// The lesser of two numbers; `b` where `a` is NaN.
     unsafe fn min(a: Self::F, b: Self::F) -> Self::F;
-    /// Of two numbers; where `a` is not one, `b`.
+    /// The greater of two numbers; `b` where `a` is NaN.
     unsafe fn max(a: Self::F, b: Self::F) -> Self::F;
     unsafe fn equal(a: Self::F, b: Self::F) -> Self::M;
     unsafe fn greater(a: Self::F, b: Self::F) -> Self::M;
     unsafe fn both(a: Self::M, b: Self::M) -> Self::M;
     unsafe fn any(m: Self::M) -> bool;
-    /// The least of the lanes, which are numbers.
+    /// The least lane. No lane may be NaN.
     unsafe fn lowest(a: Self::F) -> f32;
-    /// The greatest of the lanes, which are numbers.
+    /// The greatest lane. No lane may be NaN.
     unsafe fn highest(a: Self::F) -> f32;
     /// `a` where `m`, else `b`.
     unsafe fn select(m: Self::M, a: Self::F, b: Self::F) -> Self::F;
 
     unsafe fn splat_int(x: i32) -> Self::I;
-    /// Towards zero; of values in the range of i32.
+    /// Truncates towards zero. Values must be in the range of i32.
     unsafe fn truncate(a: Self::F) -> Self::I;
     unsafe fn float(a: Self::I) -> Self::F;
     unsafe fn add_int(a: Self::I, b: Self::I) -> Self::I;
@@ -158,20 +158,20 @@ pub(crate) trait Simd: Copy {
     unsafe fn min_int(a: Self::I, b: Self::I) -> Self::I;
     unsafe fn max_int(a: Self::I, b: Self::I) -> Self::I;
 
-    /// `LANES` values, widened.
+    /// Loads `LANES` values as floats.
     unsafe fn load_i8(p: *const i8) -> Self::F;
-    /// `LANES` values, widened.
+    /// Loads `LANES` values as floats.
     unsafe fn load_i16(p: *const i16) -> Self::F;
-    /// `3 * LANES` values, x y z x y z …, as three vectors.
+    /// Separates `3 * LANES` values x y z x y z … into three vectors.
     unsafe fn deinterleave(v: [Self::F; 3]) -> [Self::F; 3];
-    /// The way back.
+    /// The inverse of `deinterleave`.
     unsafe fn interleave(v: [Self::F; 3]) -> [Self::F; 3];
 
-    /// The lower 16 bits of each lane of `high` above those of `low`.
+    /// Puts the lower 16 bits of each lane of `high` above those of `low`.
     unsafe fn packed(low: Self::I, high: Self::I) -> Self::I;
-    /// Of each lane the weighted sum of four nodes: those at `p[at]` and after it, times the lower and the upper 16 bits of
-    /// `near`, and those `row` further on, times `far`; the nodes' first four numbers, and if `ALL` the last four too (else
-    /// zeros).
+    /// For each lane, a weighted sum of four nodes. The weights of `p[at]` and `p[at + 1]` are the lower and the upper
+    /// 16 bits of `near`. The weights of the two nodes `row` further on are those of `far`. Returns the sums of the
+    /// nodes' first four numbers and, if `ALL`, of the last four (zeros otherwise).
     unsafe fn blend<const ALL: bool>(
         p: *const Node,
         row: usize,

@@ -1,4 +1,4 @@
-//! Eight lanes in what every processor of the target has.
+//! Eight lanes in the target's baseline instructions.
 
 use super::Simd;
 use crate::example::stamp::Node;
@@ -7,7 +7,7 @@ use wide::{f32x8, i32x8};
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Portable;
 
-// SAFETY of the whole block: the instructions are always there; pointers are valid by the trait's terms.
+// SAFETY of the whole block: the instructions are always supported; the trait requires valid pointers.
 impl Simd for Portable {
     const LANES: usize = 8;
     type F = f32x8;
@@ -20,7 +20,7 @@ impl Simd for Portable {
     }
     #[inline(always)]
     unsafe fn load(p: *const f32) -> f32x8 {
-        // SAFETY: eight floats lie there.
+        // SAFETY: eight floats are there, as the trait requires.
         f32x8::from(unsafe { p.cast::<[f32; 8]>().read_unaligned() })
     }
     #[inline(always)]
@@ -122,12 +122,12 @@ impl Simd for Portable {
     }
     #[inline(always)]
     unsafe fn load_i8(p: *const i8) -> f32x8 {
-        // SAFETY: eight values lie there.
+        // SAFETY: eight values are there, as the trait requires.
         f32x8::from(unsafe { p.cast::<[i8; 8]>().read_unaligned() }.map(f32::from))
     }
     #[inline(always)]
     unsafe fn load_i16(p: *const i16) -> f32x8 {
-        // SAFETY: eight values lie there.
+        // SAFETY: eight values are there, as the trait requires.
         f32x8::from(unsafe { p.cast::<[i16; 8]>().read_unaligned() }.map(f32::from))
     }
     #[inline(always)]
@@ -164,7 +164,7 @@ impl Simd for Portable {
         let mut sums = [[0i32; 8]; 8];
         for i in 0..8 {
             for (first, w) in [(at[i] as usize, near[i]), (at[i] as usize + row, far[i])] {
-                // SAFETY: `at`, what follows it and what lies a row further on are within the nodes.
+                // SAFETY: the node at `at`, the next one and the two a row further on exist.
                 let [a, b] = unsafe { p.add(first).cast::<[Node; 2]>().read() };
                 let (wa, wb) = (i32::from(w as i16), w >> 16);
                 for k in 0..if ALL { 8 } else { 4 } {

@@ -1,4 +1,4 @@
-//! All buffers into the GLB's one, without what nothing uses any more.
+//! Merges all buffers into the GLB's one and drops what nothing uses any more.
 
 use super::glb::{Blob, list_mut};
 use crate::base::error::Error;
@@ -9,7 +9,8 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
-/// Extensions (by name or by prefix ending in `_`) whose references to accessors are known here, and which have none to bufferViews.
+/// Extensions (by name or by prefix ending in `_`) that do not refer to bufferViews, and whose references to accessors
+/// are handled here.
 const KNOWN: &[&str] = &[
     "KHR_materials_",
     "KHR_texture_",
@@ -24,20 +25,20 @@ const KNOWN: &[&str] = &[
     "EXT_mesh_gpu_instancing",
 ];
 
-/// Offsets in a buffer keep their remainder by this, so that whatever was aligned stays so.
+/// Offsets in a buffer keep their remainder modulo this, so that aligned data stays aligned.
 const ALIGNMENT: usize = 16;
 
-/// Which accessors something uses, and which bufferViews an accessor or image uses.
+/// Which accessors are used, and which bufferViews an accessor or image uses.
 pub(super) struct Used {
     accessors: Vec<bool>,
     views: Vec<bool>,
-    /// False where a reference points nowhere: then nothing is renumbered.
+    /// False if a reference is out of range; then nothing is renumbered.
     sound: bool,
 }
 
 impl Used {
     pub fn of(root: &Value) -> Self {
-        // The walk hands out mutable references, since renumbering is the same walk.
+        // The walk needs mutable references, since renumbering uses the same walk.
         let mut root = root.clone();
         let count = |root: &Value, key: &str| vec![false; root[key].as_array().map_or(0, Vec::len)];
         let (mut accessors, mut views, mut sound) = (count(&root, "accessors"), count(&root, "bufferViews"), true);
@@ -52,7 +53,7 @@ impl Used {
     }
 }
 
-/// Fills in the buffers of `root`, whose bufferViews from `old_views` on are in `blob`; returns the binary chunk.
+/// Fills in the buffers of `root`. Its bufferViews from `old_views` on are in `blob`. Returns the binary chunk.
 pub(super) fn lay_out(
     doc: &Document<'_>,
     root: &mut Value,
@@ -67,7 +68,7 @@ pub(super) fn lay_out(
     }
 }
 
-/// Every buffer keeps its index and content; the new data goes behind buffer 0. Nothing that points anywhere needs to change.
+/// Keeps every buffer's index and content, and appends the new data to buffer 0. No reference needs to change.
 fn append(doc: &Document<'_>, root: &mut Value, blob: Blob, old_views: usize) -> Result<Vec<u8>, Error> {
     let count = doc.root.buffers.len();
     let mut bin = if count == 0 { Vec::new() } else { doc.buffer(0)?.to_vec() };
@@ -92,7 +93,7 @@ fn append(doc: &Document<'_>, root: &mut Value, blob: Blob, old_views: usize) ->
     Ok(bin)
 }
 
-/// What the change made unused goes; the rest moves together into one buffer.
+/// Drops what the change made unused, and moves the rest into one buffer.
 fn pack(doc: &Document<'_>, root: &mut Value, blob: Blob, old_views: usize, before: Used) -> Result<Vec<u8>, Error> {
     let after = Used::of(root);
     let keeps = |before: &[bool], after: &[bool]| -> Vec<bool> {
@@ -101,7 +102,7 @@ fn pack(doc: &Document<'_>, root: &mut Value, blob: Blob, old_views: usize, befo
     let accessors = keeps(&before.accessors, &after.accessors);
     accessor_references(root, &mut renumber(&accessors));
     retain(root.get_mut("accessors"), &accessors);
-    // Which views are in use shows only now that the accessors are gone.
+    // Only now that the accessors are gone is it known which views are used.
     let views = keeps(&before.views, &Used::of(root).views);
     view_references(root, &mut renumber(&views));
     let bin = gather(doc, root, &blob, old_views, &views)?;
@@ -115,7 +116,7 @@ fn pack(doc: &Document<'_>, root: &mut Value, blob: Blob, old_views: usize, befo
     Ok(bin)
 }
 
-/// The bytes of the kept views, each stretch once even where views overlap.
+/// Copies the bytes of the kept views, each byte once even where views overlap.
 fn gather(
     doc: &Document<'_>,
     root: &mut Value,
@@ -162,7 +163,7 @@ fn gather(
     Ok(bin)
 }
 
-/// Turns an old index into the one it has when only `keep` is left.
+/// Returns a function that changes an old index into the index among the elements kept.
 pub(super) fn renumber(keep: &[bool]) -> impl FnMut(&mut Value) + use<> {
     let mut next = 0usize;
     let new: Vec<usize> = keep
@@ -222,7 +223,7 @@ fn values_mut(object: Option<&mut Value>) -> impl Iterator<Item = &mut Value> {
     object.and_then(Value::as_object_mut).into_iter().flat_map(|o| o.values_mut())
 }
 
-/// Whether all extensions that the file uses, listed or not, are known not to point to what might be dropped.
+/// Whether all extensions of the file, listed or not, are known not to refer to anything that might be dropped.
 fn extensions_known(root: &Value) -> bool {
     let known = |name: &str| KNOWN.iter().any(|k| *k == name || (k.ends_with('_') && name.starts_with(k)));
     let listed = root["extensionsUsed"].as_array().into_iter().flatten().filter_map(Value::as_str).all(known);

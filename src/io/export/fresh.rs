@@ -1,4 +1,4 @@
-//! A GLB from nothing but an imported mesh.
+//! Writes a GLB from an imported mesh alone.
 
 use super::glb::{Blob, ELEMENT_ARRAY_BUFFER, container, push, push_attribute, push_view};
 use super::vertices::{Vertices, each};
@@ -42,7 +42,7 @@ pub(super) fn mesh(imported: &Imported, vertices: Vertices<'_>) -> Result<Vec<u8
 const IDENTITY: [[f32; 4]; 4] =
     [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
 
-/// The fields are public, so the caller may have changed them.
+/// Checks a primitive's range: the fields are public, so the caller may have changed them.
 fn check(imported: &Imported, i: usize, range: &PrimitiveRange) -> Result<(), Error> {
     let (vertices, triangles) = (imported.mesh.positions.len(), &imported.mesh.triangles);
     let vertex_end = u64::from(range.first_vertex) + u64::from(range.vertex_count);

@@ -4,18 +4,18 @@ use crate::base::error::Error;
 use crate::io::import::unsupported;
 use serde_json::{Value, json};
 
-/// OpenGL's names for what a bufferView holds, as glTF has them.
+/// OpenGL's constants for the content of a bufferView, which glTF uses too.
 pub(super) const ARRAY_BUFFER: u32 = 34962;
 pub(super) const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 
-/// Bytes to come into the file's binary chunk, and the offset of each piece within them.
+/// Bytes for the file's binary chunk.
 #[derive(Default)]
 pub(super) struct Blob {
     pub bytes: Vec<u8>,
 }
 
 impl Blob {
-    /// Appends at the next multiple of 4, which all component types need; returns (offset, length).
+    /// Appends at the next multiple of 4, the alignment that all component types need. Returns (offset, length).
     pub fn push(&mut self, bytes: &[u8]) -> (usize, usize) {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         self.bytes.extend_from_slice(bytes);
@@ -23,7 +23,7 @@ impl Blob {
     }
 }
 
-/// A bufferView of `blob`; its buffer is filled in when the buffers are laid out.
+/// Adds a bufferView of `blob`. Its buffer is filled in when the buffers are laid out.
 pub(super) fn push_view(root: &mut Value, blob: &mut Blob, bytes: &[u8], target: Option<u32>) -> usize {
     let (offset, length) = blob.push(bytes);
     let mut view = json!({ "buffer": 0, "byteOffset": offset, "byteLength": length });
@@ -33,7 +33,7 @@ pub(super) fn push_view(root: &mut Value, blob: &mut Blob, bytes: &[u8], target:
     push(root, "bufferViews", view)
 }
 
-/// A float attribute of `values`; with bounds, which glTF wants for positions.
+/// Adds an accessor of float `values`, with bounds if asked for; glTF requires bounds for positions.
 pub(super) fn push_attribute<const N: usize>(
     root: &mut Value,
     blob: &mut Blob,
@@ -54,7 +54,7 @@ pub(super) fn push_attribute<const N: usize>(
     push(root, "accessors", accessor)
 }
 
-/// Appends to one of the root's arrays, which may not exist yet.
+/// Appends to one of the root's arrays, which is created if needed.
 pub(super) fn push(root: &mut Value, key: &str, element: Value) -> usize {
     if !root[key].is_array() {
         root[key] = Value::Array(Vec::new());
@@ -88,7 +88,7 @@ pub(super) fn container(root: &Value, bin: &[u8]) -> Result<Vec<u8>, Error> {
     Ok(out)
 }
 
-/// The elements of a list in an object; none where there is no such list. (`IndexMut` would make one.)
+/// The elements of a list in an object; none if there is no such list. (`IndexMut` would create one.)
 pub(super) fn list_mut<'v>(object: &'v mut Value, key: &str) -> impl Iterator<Item = &'v mut Value> + use<'v> {
     object.get_mut(key).and_then(Value::as_array_mut).into_iter().flatten()
 }

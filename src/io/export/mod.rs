@@ -1,7 +1,7 @@
 //! Writes deformed meshes to GLB files.
 //!
-//! [`deformed_glb`] rewrites a glTF: the chosen mesh gets its deformed vertices and everything else stays.
-//! [`mesh_glb`] writes a new file, for instance for a mesh from an OBJ file.
+//! [`deformed_glb`] rewrites a glTF: it replaces the vertices of one mesh and keeps everything else. [`mesh_glb`]
+//! writes a new file, for instance for a mesh from an OBJ file.
 //!
 //! ```
 //! use crumple::export::deformed_glb;
@@ -27,19 +27,21 @@ mod glb;
 mod rewrite;
 mod vertices;
 
-/// Rewrites a glTF (`.glb` or `.gltf`) so that a mesh shows its deformed vertices; returns a GLB that needs no other file.
+/// Rewrites a glTF (`.glb` or `.gltf`) with a mesh's deformed vertices. Returns a GLB that needs no other file.
 ///
-/// `positions` (m), unit `normals` and `tangents` (xyz unit, w +1 or -1) are in the order of the joined vertices that the
-/// [import](crate::io::import) of the same mesh gives. Without `normals` or `tangents` the file's stay as they are.
+/// `positions` (m), unit `normals` and `tangents` (xyz unit, w +1 or -1) are in the order of the joined vertices that
+/// the [import](crate::io::import) of the same mesh gives. Without `normals` or `tangents`, those of the file are kept.
 ///
-/// The mesh's morph targets go, and with them their weights, names, impacts, placements and the animation of their weights. Everything else is kept:
-/// node tree, materials, texture coordinates, skins, cameras, other meshes (also where they share data with this one), extras, unknown extensions.
-/// Buffers and images in other files are embedded. Data that nothing uses any more is dropped, unless the file
-/// uses extensions that this library does not know, which may point to it.
+/// The mesh's morph targets are removed, with their weights, names, impacts, placements and the animation of their
+/// weights. Everything else is kept: node tree, materials, texture coordinates, skins, cameras, other meshes (also
+/// those that share data with this one), extras, unknown extensions. Buffers and images in other files are embedded.
+/// Data that nothing uses any more is dropped, unless the file uses extensions that this library does not know, since
+/// these may refer to it.
 ///
 /// # Errors
-/// [`Error::InvalidArgument`] for another number of vertices, [`Error::NotFinite`] for NaN and infinities, and what
-/// [`gltf_slice`](crate::io::import::gltf_slice) says of a file that it cannot read; [`Error::Io`] also for a missing image.
+/// [`Error::InvalidArgument`] for a wrong number of vertices, [`Error::NotFinite`] for NaN and infinities, the errors
+/// of [`gltf_slice`](crate::io::import::gltf_slice) for a file that it cannot read, and [`Error::Io`] for a missing
+/// image.
 pub fn deformed_glb(
     source: &[u8],
     base_dir: Option<&Path>,
@@ -51,12 +53,13 @@ pub fn deformed_glb(
     rewrite::deformed(source, base_dir, mesh, |count| Vertices::checked(count, positions, normals, tangents))
 }
 
-/// Writes a new GLB with one mesh: the deformed vertices, the triangles, and the texture coordinates where there are any.
+/// Writes a new GLB with one mesh: the deformed vertices, the triangles, and the texture coordinates if there are any.
 ///
-/// Materials are kept by name only. A mesh without triangles becomes points. Arguments and errors as [`deformed_glb`].
+/// Materials are kept by name only. A mesh without triangles becomes points. The arguments are those of
+/// [`deformed_glb`].
 ///
 /// # Errors
-/// [`Error::InvalidArgument`] for another number of vertices, [`Error::NotFinite`] for NaN and infinities.
+/// [`Error::InvalidArgument`] for a wrong number of vertices, [`Error::NotFinite`] for NaN and infinities.
 pub fn mesh_glb(
     imported: &Imported,
     positions: &[[f32; 3]],

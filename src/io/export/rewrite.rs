@@ -1,4 +1,4 @@
-//! A glTF with one mesh's vertices replaced and its morph targets gone, as edits of its JSON.
+//! Replaces one mesh's vertices in a glTF and removes its morph targets, by editing the JSON.
 
 use super::compact;
 use super::glb::{Blob, container, list_mut, push_attribute, push_view};
@@ -34,7 +34,7 @@ pub(super) fn deformed<'v>(
     container(&root, &bin)
 }
 
-/// New accessors for the mesh's primitives; the old ones stay for whoever else uses them.
+/// Gives the mesh's primitives new accessors. The old ones stay for other users.
 fn replace_vertices(root: &mut Value, blob: &mut Blob, mesh: usize, parts: &[Part<'_>], vertices: Vertices<'_>) {
     let mut known: HashMap<usize, Vec<(&str, usize)>> = HashMap::new();
     for part in parts {
@@ -56,7 +56,7 @@ fn drop_targets(root: &mut Value, mesh: usize) {
         if let Some(primitive) = primitive.as_object_mut() {
             primitive.shift_remove("targets");
             remove_within(primitive, "extras", &["targetNames"]);
-            // An optional compressed copy of the vertices would win over the new ones.
+            // An optional compressed copy of the vertices would take precedence over the new ones.
             remove_within(primitive, "extensions", &["KHR_draco_mesh_compression"]);
         }
     }
@@ -69,7 +69,7 @@ fn drop_targets(root: &mut Value, mesh: usize) {
     }
 }
 
-/// Removes keys from an object in `parent`, and the object when nothing is left in it.
+/// Removes keys from an object in `parent`, and the object itself if that leaves it empty.
 fn remove_within(parent: &mut Map<String, Value>, object: &str, keys: &[&str]) {
     let Some(inner) = parent.get_mut(object).and_then(Value::as_object_mut) else { return };
     let removed = keys.iter().filter(|key| inner.shift_remove(**key).is_some()).count();
@@ -78,7 +78,7 @@ fn remove_within(parent: &mut Map<String, Value>, object: &str, keys: &[&str]) {
     }
 }
 
-/// Channels that move the weights go, with the samplers that only they used; an animation that is empty then goes too.
+/// Removes channels that animate the weights, samplers that only they used, and animations that are then empty.
 fn drop_weight_animations(root: &mut Value, mesh: usize) {
     let nodes: Vec<bool> = root["nodes"].as_array().into_iter().flatten().map(|n| shows(n, mesh)).collect();
     let moves_weights = |channel: &Value| {
@@ -120,7 +120,7 @@ fn drop_unused_samplers(animation: &mut Value) {
     for channel in animation["channels"].as_array().into_iter().flatten() {
         match channel["sampler"].as_u64().and_then(|s| used.get_mut(s as usize)) {
             Some(slot) => *slot = true,
-            // A channel without a sampler: nothing can be said, so nothing is dropped.
+            // A channel without a sampler is an error of the file, so nothing is dropped.
             None => return,
         }
     }
@@ -134,7 +134,7 @@ fn drop_unused_samplers(animation: &mut Value) {
     }
 }
 
-/// Images in files of their own become bufferViews; `data:` ones are in the file already.
+/// Turns images in separate files into bufferViews. Images in `data:` URIs are in the file already.
 fn embed_images(doc: &Document<'_>, root: &mut Value, blob: &mut Blob) -> Result<(), Error> {
     for i in 0..root["images"].as_array().map_or(0, Vec::len) {
         let what = format!("image {i}");

@@ -3,7 +3,7 @@
 use crate::base::error::Error;
 use crate::io::import::finite;
 
-/// Deformed vertices. Their number is right and all are finite.
+/// Deformed vertices, checked to be the right number and finite.
 #[derive(Clone, Copy)]
 pub(super) struct Vertices<'a> {
     pub(super) positions: &'a [[f32; 3]],

@@ -1,4 +1,4 @@
-//! What the arrays of a file must be, whoever wrote it. Each check is a scan that compilers make vector operations of.
+//! Checks the arrays of a file, whatever wrote it. Each check is a scan that compilers can vectorise.
 
 use super::layout::wrong;
 use crate::base::error::Error;
@@ -9,12 +9,13 @@ use crate::mesh::rim::{Rim, WindowBlock};
 use crate::mesh::vertex_blocks::{BLOCK, block_range};
 use glam::Vec3;
 
-/// Longest displacement of a file, m: more than any that is built, and its square is far from where floats end.
+/// The longest displacement that a file may have, m. No built set reaches it, and its square is far below the largest
+/// float.
 pub(super) const MAX_DISPLACEMENT: f32 = 4.0 * MAX_COORDINATE;
 
-/// Every number finite and at most `limit` away from 0.
+/// Every number must be finite and at most `limit` in magnitude.
 pub(super) fn numbers(name: &str, all: &[f32], limit: f32) -> Result<(), Error> {
-    // Without their sign the bits of floats order as the floats do; infinities and what is no number are above all.
+    // Without the sign, the bits of floats sort as the floats do; infinities and NaN come last.
     let size = |x: &f32| (x.to_bits() & 0x7FFF_FFFF) as i32;
     let limit_bits = size(&limit);
     if all.iter().fold(0, |m, x| size(x).max(m)) <= limit_bits {
@@ -24,14 +25,14 @@ pub(super) fn numbers(name: &str, all: &[f32], limit: f32) -> Result<(), Error> 
     Err(wrong(format!("number {at} of {name}"), all[at], format!("finite and within {limit:e}")))
 }
 
-/// One number, finite, from `low` to `high`.
+/// The number must be finite, from `low` to `high`.
 pub(super) fn between(name: &str, x: f32, low: f32, high: f32) -> Result<(), Error> {
     if x >= low && x <= high { Ok(()) } else { Err(wrong(name, x, format!("{low:e} to {high:e}"))) }
 }
 
-/// Vectors of length 1, to a thousandth.
+/// Every vector must have length 1, to a thousandth.
 pub(super) fn units(name: &str, all: &[Vec3]) -> Result<(), Error> {
-    // False also for what is no number.
+    // False for NaN too.
     let unit = |v: &Vec3| (v.length_squared() - 1.0).abs() <= 2e-3;
     if !all.iter().fold(true, |all, v| all & unit(v)) {
         let at = all.iter().position(|v| !unit(v)).unwrap_or(0);
@@ -40,7 +41,7 @@ pub(super) fn units(name: &str, all: &[Vec3]) -> Result<(), Error> {
     Ok(())
 }
 
-/// Every index below `len`.
+/// Every index must be below `len`.
 pub(super) fn indices(name: &str, all: &[u32], len: usize) -> Result<(), Error> {
     if all.iter().fold(0, |m, x| m.max(*x)) < len as u32 || all.is_empty() {
         return Ok(());
@@ -49,7 +50,7 @@ pub(super) fn indices(name: &str, all: &[u32], len: usize) -> Result<(), Error> 
     Err(wrong(format!("index {at} of {name}"), all[at], format!("below {len}")))
 }
 
-/// Of each vertex the lowest at its position, which is its own.
+/// Each vertex must map to the lowest vertex at its position, and that vertex to itself.
 pub(super) fn weld(weld: &[u32], positions: &[Vec3]) -> Result<(), Error> {
     indices("section weld", weld, positions.len())?;
     let bits = |p: Vec3| p.to_array().map(f32::to_bits);
@@ -62,7 +63,7 @@ pub(super) fn weld(weld: &[u32], positions: &[Vec3]) -> Result<(), Error> {
     Ok(())
 }
 
-/// The windows of a mesh of so many vertices, on a body with this diagonal (m).
+/// Checks the windows of a mesh with this number of vertices, on a body with this diagonal (m).
 pub(super) fn rim(rim: &Rim, vertices: usize, diagonal: f32) -> Result<(), Error> {
     let blocks = vertices.div_ceil(BLOCK);
     if rim.blocks.len() != blocks && !(rim.blocks.is_empty() && rim.windows.is_empty()) {
@@ -89,7 +90,7 @@ pub(super) fn rim(rim: &Rim, vertices: usize, diagonal: f32) -> Result<(), Error
     Ok(())
 }
 
-/// One example's blocks over a mesh of so many vertices. `name` says which.
+/// Checks one example's blocks on a mesh with this number of vertices. `name` identifies the example in errors.
 pub(super) fn anchored(a: &DeltaBlocks, vertices: usize, name: &str) -> Result<(), Error> {
     let bad = |head: usize, field: &str, value: String, expected: String| {
         Err(wrong(format!("{field} of block {head} of {name}"), value, expected))
@@ -129,10 +130,10 @@ pub(super) fn anchored(a: &DeltaBlocks, vertices: usize, name: &str) -> Result<(
     Ok(())
 }
 
-/// The numbers of one block.
+/// Checks the numbers of one block.
 fn block(a: &DeltaBlocks, h: &Head, len: usize) -> Result<(), (&'static str, String, String)> {
     for (name, stored) in [("a displacement", a.displacements(h)), ("a change of a normal", a.normals(h))] {
-        // Whole numbers beyond this would not be sums of steps any more.
+        // Beyond this, floats do not hold whole numbers of steps reliably.
         let most = if a.steps.whole { crate::example::blocks::Steps::MOST } else { MAX_COORDINATE };
         if let Numbers::F32(n) = stored.numbers
             && let Err(e) = numbers(name, n, most)

@@ -1,4 +1,4 @@
-//! Where a file keeps what: header, table of sections, records. docs/format.md describes every byte.
+//! The layout of a file: header, table of sections, records. docs/format.md describes every byte.
 
 use crate::base::error::Error;
 use crate::base::tasks::TaskSystem;
@@ -6,17 +6,17 @@ use crate::base::tasks::map;
 use bytemuck::{Pod, Zeroable};
 use xxhash_rust::xxh3::xxh3_64;
 
-/// The first bytes of every file; the last one tells a file that went through a text conversion.
+/// The first bytes of every file. The last of them reveals a text conversion.
 pub(super) const MAGIC: [u8; 8] = *b"crumple\n";
 /// Files of other versions are refused.
 pub(super) const VERSION: u32 = 2;
 /// Sections begin at multiples of this; the largest alignment that any element needs is 16.
 pub(super) const ALIGN: usize = 64;
-/// What the memory of a file must be a multiple of to be used in place.
+/// A file is used in place if the address of its memory is a multiple of this.
 pub(super) const IN_PLACE: usize = 16;
 /// Bytes that one hash of the checksum covers.
 pub(super) const CHUNK: usize = 1 << 20;
-/// The magic and the checksum itself are not part of the checksum.
+/// The checksum does not cover these first bytes: the magic and the checksum itself.
 pub(super) const UNHASHED: usize = 16;
 
 /// The first 64 bytes.
@@ -32,14 +32,14 @@ pub(super) struct Header {
     pub(super) zero: [u8; 32],
 }
 
-/// One line of the table of sections, which follows the header.
+/// One entry of the table of sections, which follows the header.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 pub(super) struct Entry {
     pub(super) id: u32,
-    /// Which mesh it belongs to, for the sections of meshes; else 0.
+    /// The mesh that the section belongs to, for sections of meshes; otherwise 0.
     pub(super) mesh: u32,
-    /// From the beginning of the file, a multiple of 64.
+    /// Offset from the start of the file, a multiple of 64.
     pub(super) offset: u64,
     /// Bytes.
     pub(super) length: u64,
@@ -49,11 +49,11 @@ pub(super) struct Entry {
 }
 
 impl Entry {
-    /// A reader that does not know the section may go on without it.
+    /// A reader that does not know the section may ignore it.
     pub(super) const OPTIONAL: u32 = 1;
 }
 
-/// What a section holds.
+/// The content of a section.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u32)]
 pub(super) enum Id {
@@ -107,7 +107,7 @@ impl Id {
         Id::SourceOrder,
     ];
 
-    /// Whether each mesh has its own.
+    /// Whether each mesh has its own section of this kind.
     pub(super) fn of_mesh(self) -> bool {
         (Id::Mesh..Id::SourceOrder).contains(&self)
     }
@@ -149,11 +149,11 @@ impl Id {
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 pub(super) struct SetRecord {
     pub(super) fingerprint: u64,
-    /// Coincident vertices that were welded at build.
+    /// Number of coincident vertices that were welded at build.
     pub(super) welded: u64,
     pub(super) examples: u32,
     pub(super) meshes: u32,
-    /// m; 0: the deepest example.
+    /// m; 0: the depth of the deepest example.
     pub(super) depth_limit: f32,
     /// m.
     pub(super) drop_below: f32,
@@ -161,10 +161,10 @@ pub(super) struct SetRecord {
     pub(super) tolerance: f32,
     /// Degrees.
     pub(super) normal_tolerance: f32,
-    /// kg, where `mass_kind` is 1.
+    /// kg, if `mass_kind` is 1.
     pub(super) mass: f32,
     pub(super) stamp_resolution: u32,
-    /// Learned: share of the bounds' diagonal.
+    /// Learned; a share of the bounds' diagonal.
     pub(super) place_width: f32,
     /// m.
     pub(super) widest_weld: f32,
@@ -173,7 +173,7 @@ pub(super) struct SetRecord {
     pub(super) strict: u8,
     /// 0 weld, 1 keep.
     pub(super) seams: u8,
-    /// 0 none, 1 uniform, 2 one a vertex.
+    /// 0 none, 1 uniform, 2 per vertex.
     pub(super) mass_kind: u8,
     pub(super) mirror: u8,
     pub(super) held_rims: u8,
@@ -186,26 +186,26 @@ pub(super) struct SetRecord {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 pub(super) struct ExampleRecord {
-    /// Bytes of its name, which follows that of the example before it.
+    /// Length of its name, bytes. The names follow each other in the order of the examples.
     pub(super) name: u32,
     pub(super) contact_vertex: u32,
-    /// Vertices it moves.
+    /// Number of vertices that it moves.
     pub(super) moved: u32,
     /// m.
     pub(super) support_radius: f32,
-    /// Zero where there is none.
+    /// Zero if there is none.
     pub(super) contact_normal: [f32; 3],
     /// As given, m.
     pub(super) contact_displacement: [f32; 3],
-    /// Learned; not a number where not known.
+    /// Learned; NaN if unknown.
     pub(super) carried_error: f32,
-    /// Learned; not a number where not known.
+    /// Learned; NaN if unknown.
     pub(super) anchored_error: f32,
     /// 0 automatic, 1 anchored, 2 carried.
     pub(super) placement: u8,
-    /// Learned: stays in place.
+    /// Learned: whether the example stays in place.
     pub(super) stays: u8,
-    /// Whether it has a stamp: the next one of section `stamps`.
+    /// Whether it has a stamp, which is then the next one of section `stamps`.
     pub(super) stamp: u8,
     pub(super) zero: u8,
 }
@@ -214,13 +214,13 @@ pub(super) struct ExampleRecord {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 pub(super) struct StampRecord {
-    /// Nodes along x and y.
+    /// Number of nodes along x and y.
     pub(super) dims: [u32; 2],
     /// m.
     pub(super) origin: [f32; 2],
     /// m.
     pub(super) cell: [f32; 2],
-    /// What displacements (m), heights (m) and changes of normals are multiples of.
+    /// The steps that displacements (m), heights (m) and changes of normals are multiples of.
     pub(super) displacement: [f32; 3],
     pub(super) height: f32,
     pub(super) normal: [f32; 3],
@@ -239,11 +239,11 @@ pub(super) struct MeshRecord {
     pub(super) vertices: u32,
     pub(super) repaired_normals: u32,
     pub(super) degenerate_triangles: u32,
-    /// m; 0 of the base mesh.
+    /// m; 0 for the base mesh.
     pub(super) farthest: f32,
 }
 
-/// One element of section `anchored`: how much of `heads` and `words` is one example's.
+/// One element of section `anchored`: how much of `heads` and `words` belongs to one example.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 pub(super) struct AnchoredRecord {
@@ -251,20 +251,20 @@ pub(super) struct AnchoredRecord {
     pub(super) words: u32,
 }
 
-// docs/format.md tells these.
+// docs/format.md states these sizes.
 const _: () = assert!(size_of::<Header>() == 64 && size_of::<Entry>() == 32);
 const _: () = assert!(size_of::<SetRecord>() == 64 && size_of::<ExampleRecord>() == 52);
 const _: () = assert!(size_of::<StampRecord>() == 64 && size_of::<MeshRecord>() == 16);
 const _: () =
     assert!(size_of::<crate::example::blocks::Head>() == 20 && size_of::<crate::mesh::rim::WindowBlock>() == 2048);
 
-/// The checksum of a file: XXH3 of the XXH3s of its pieces.
+/// The checksum of a file: XXH3 of its chunks' XXH3 hashes.
 pub(super) fn checksum(hashes: &[u64]) -> u64 {
     let bytes: Vec<u8> = hashes.iter().flat_map(|h| h.to_le_bytes()).collect();
     xxh3_64(&bytes)
 }
 
-/// The checksum that a file should have, whatever its own says; for tests that damage files on purpose.
+/// Returns the checksum that a file should have, whatever it says itself. For tests that damage files on purpose.
 #[doc(hidden)]
 pub fn file_checksum(file: &[u8], tasks: &dyn TaskSystem) -> u64 {
     checksum(&map(tasks, file.get(UNHASHED..).unwrap_or_default().chunks(CHUNK), xxh3_64))

@@ -1,4 +1,4 @@
-//! A file becomes a set.
+//! Makes a set from a file.
 
 use super::check;
 use super::layout::{AnchoredRecord, ExampleRecord, Id, MeshRecord, SetRecord, StampRecord, wrong};
@@ -24,7 +24,7 @@ use bytemuck::{Pod, cast_slice};
 use glam::{UVec2, Vec2, Vec3};
 use std::sync::Arc;
 
-/// The set in a file.
+/// Makes the set from a file's bytes.
 pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSet, Error> {
     let file = File::open(bytes, tasks)?;
     let record = *one::<SetRecord>(&file.array(Id::Set, 0)?, Id::Set)?;
@@ -87,10 +87,10 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
     }))
 }
 
-/// Whatever its arrays hold, it answers with vertices of the mesh.
+/// The vertex index. Whatever its arrays hold, queries return vertices of the mesh.
 fn index(file: &File<'_>, mesh: &Mesh) -> Result<VertexIndex, Error> {
     let vertices = mesh.positions().len();
-    // Of vertices at one position one is in the tree.
+    // Only one of the vertices at one position is in the tree.
     let leaves = (vertices - mesh.seam_count()).div_ceil(LEAF);
     let leaves = file.array_of(Id::IndexLeaves, 0, leaves)?;
     VertexIndex::of(file.array(Id::IndexInner, 0)?, leaves, vertices)
@@ -145,7 +145,7 @@ fn options(r: &SetRecord, file: &File<'_>, vertices: usize) -> Result<SetOptions
     Ok(options)
 }
 
-/// A mesh with everything of it, unchecked but for lengths.
+/// A mesh with everything that belongs to it. Only the lengths of its arrays are checked.
 fn mesh_lod(file: &File<'_>, k: u32, examples: usize, steps: Steps) -> Result<MeshLod, Error> {
     let record = *one::<MeshRecord>(&file.array(Id::Mesh, k)?, Id::Mesh)?;
     let n = record.vertices as usize;
@@ -161,7 +161,7 @@ fn mesh_lod(file: &File<'_>, k: u32, examples: usize, steps: Steps) -> Result<Me
             return Err(length_of(id, len, n));
         }
     }
-    // The same bytes as vectors of their own alignment, which 64 is a multiple of.
+    // The same bytes as vectors with a larger alignment; sections are aligned to 64, a multiple of it.
     let tangents = file.array::<glam::Vec4>(Id::Tangents, k)?;
     let some = |a: Array<Vec3>| (!a.is_empty()).then_some(a);
     let arrays = MeshArrays {
@@ -181,7 +181,7 @@ fn mesh_lod(file: &File<'_>, k: u32, examples: usize, steps: Steps) -> Result<Me
     Ok(MeshLod::new(mesh, rim, anchored(file, k, examples, steps)?))
 }
 
-/// One an example.
+/// The blocks of each example.
 fn anchored(file: &File<'_>, k: u32, examples: usize, steps: Steps) -> Result<Vec<Arc<DeltaBlocks>>, Error> {
     let records: Array<AnchoredRecord> = file.array_of(Id::Anchored, k, examples)?;
     let heads = file.range(Id::Heads, k, size_of::<Head>())?;
@@ -207,7 +207,7 @@ fn anchored(file: &File<'_>, k: u32, examples: usize, steps: Steps) -> Result<Ve
     Ok(out)
 }
 
-/// The stamps of those examples that have one.
+/// The stamps of the examples that have one.
 fn stamps(file: &File<'_>, examples: &[ExampleRecord]) -> Result<Vec<Stamp>, Error> {
     let count = examples.iter().filter(|e| e.stamp != 0).count();
     let records: Array<StampRecord> = file.array_of(Id::Stamps, 0, count)?;
@@ -246,7 +246,7 @@ fn stamps(file: &File<'_>, examples: &[ExampleRecord]) -> Result<Vec<Stamp>, Err
     Ok(out)
 }
 
-/// Scans everything that is as long as the file, in tasks.
+/// Checks, in tasks, everything whose size grows with the file.
 fn check_all(meshes: &[MeshLod], tasks: &dyn TaskSystem) -> Result<(), Error> {
     type Check<'a> = Box<dyn FnOnce() -> Result<(), Error> + Send + 'a>;
     let mut checks: Vec<Check<'_>> = Vec::new();
@@ -269,7 +269,7 @@ fn check_all(meshes: &[MeshLod], tasks: &dyn TaskSystem) -> Result<(), Error> {
             checks.push(Box::new(move || check::anchored(anchored, n, &format!("example {i}"))));
         }
     }
-    // The first error in order, whoever found it first.
+    // Returns the first error in order, whichever task finished first.
     map(tasks, checks, |check| check()).into_iter().collect()
 }
 

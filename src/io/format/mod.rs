@@ -1,8 +1,9 @@
-//! Baked sets: a file that holds an example set made ready, so that loading it rebuilds nothing.
+//! Baked sets: files with a prepared example set, so that loading rebuilds nothing.
 //!
-//! A header, a table of sections, and the sections: plain little-endian arrays that are used where they lie. docs/format.md
-//! tells every byte. [`layout`] has the records, [`read`] finds the sections, [`check`] looks at what is in them, [`load`] makes a set of them, [`write`]
-//! is the way back. Whatever a file holds, it becomes a set that keeps the library's promises, or an error.
+//! A file is a header, a table of sections, and the sections: plain little-endian arrays that are used in place.
+//! docs/format.md describes every byte. [`layout`] defines the records, [`read`] finds the sections, [`check`] checks
+//! their content, [`load`] makes a set from them, and [`write`] writes a file. Any file becomes either a set that keeps
+//! the library's promises or an error.
 
 mod check;
 mod layout;
@@ -52,8 +53,8 @@ impl AsRef<[u8]> for Aligned {
 }
 
 impl ExampleSet {
-    /// The set as the bytes of a `.crumple` file, from which [`ExampleSet::load`] makes the same set again. A set always
-    /// gives the same bytes, and so does one that was loaded.
+    /// Returns the set as the bytes of a `.crumple` file, from which [`ExampleSet::load`] makes the same set again. A
+    /// set always gives the same bytes, also after it was saved and loaded.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`]; [`Error::Unsupported`] on a big-endian processor.
@@ -61,7 +62,7 @@ impl ExampleSet {
         little_endian()?;
         let file = write::File::new(self);
         let mut out = crate::base::error::reserve(file.length(), "a baked set")?;
-        // Into memory that is there nothing can fail.
+        // Writing to reserved memory cannot fail.
         let _ = file.write(&mut out);
         Ok(out)
     }
@@ -75,19 +76,20 @@ impl ExampleSet {
         write::File::new(self).write(out)
     }
 
-    /// Bytes of what [`ExampleSet::save`] returns.
+    /// Returns the size of what [`ExampleSet::save`] returns, bytes.
     pub fn saved_bytes(&self) -> usize {
         write::File::new(self).length()
     }
 
-    /// A set from the bytes of a `.crumple` file: a buffer, a `&'static [u8]`, or a memory map of yours, which the set keeps.
+    /// Makes a set from the bytes of a `.crumple` file: a buffer, a `&'static [u8]`, or your memory map. The set keeps
+    /// the bytes.
     ///
-    /// Nothing is rebuilt, and the arrays are not copied but used where they lie, as long as the memory begins at a multiple
-    /// of 16 bytes; otherwise one aligned copy is made, and `bytes` is let go. The bytes must not change while the set or
-    /// anything made of it is alive: see to that where other processes may write to a mapped file.
+    /// Nothing is rebuilt. If the memory begins at a multiple of 16 bytes, the arrays are used in place. Otherwise one
+    /// aligned copy is made, and `bytes` is dropped. The bytes must not change while the set or anything made from it
+    /// is alive: ensure this if other processes may write to a mapped file.
     ///
-    /// Everything is checked, so that no file, whatever is in it, does worse than a set that its maker did not mean. `tasks`
-    /// runs the checks.
+    /// Everything is checked. The worst that a damaged or forged file can do is to give a valid set that its maker did
+    /// not intend. `tasks` runs the checks.
     ///
     /// # Errors
     /// [`Error::Format`] naming what is wrong; [`Error::Unsupported`] for a file of another version, and on a big-endian
@@ -104,7 +106,7 @@ impl ExampleSet {
         load::set(&file, tasks)
     }
 
-    /// [`ExampleSet::load`] from a copy of the bytes.
+    /// Does what [`ExampleSet::load`] does, with a copy of the bytes.
     ///
     /// # Errors
     /// Those of [`ExampleSet::load`].
@@ -115,7 +117,7 @@ impl ExampleSet {
         load::set(&FileBytes::new(Arc::new(copy)), tasks)
     }
 
-    /// A set from a `.crumple` file, which is read into one allocation.
+    /// Makes a set from a `.crumple` file, which is read into one allocation.
     ///
     /// # Errors
     /// [`Error::Io`], and those of [`ExampleSet::load`].
@@ -124,7 +126,7 @@ impl ExampleSet {
         let io = |e: std::io::Error| Error::Io { path: path.display().to_string(), message: e.to_string() };
         let mut file = std::fs::File::open(path).map_err(io)?;
         let length = file.metadata().map_err(io)?.len();
-        // A pipe or a device has no length to tell.
+        // Pipes and devices report no length.
         if length == 0 {
             let mut all = Vec::new();
             file.read_to_end(&mut all).map_err(io)?;
@@ -137,7 +139,7 @@ impl ExampleSet {
         Self::load(bytes, tasks)
     }
 
-    /// Whether bytes begin as a `.crumple` file does.
+    /// Returns whether the bytes begin as a `.crumple` file does.
     pub fn is_saved(bytes: &[u8]) -> bool {
         bytes.starts_with(&MAGIC)
     }

@@ -1,4 +1,4 @@
-//! A file's header and table, and its sections as arrays.
+//! Reads a file's header and table, and its sections as arrays.
 
 use super::layout::{ALIGN, Entry, Header, Id, MAGIC, VERSION, file_checksum, wrong};
 use crate::base::array::{Array, FileBytes};
@@ -7,7 +7,7 @@ use crate::base::tasks::TaskSystem;
 use bytemuck::Pod;
 use std::ops::Range;
 
-/// A file whose sections were found and whose checksum is right.
+/// A file with its sections found and its checksum verified.
 pub(super) struct File<'a> {
     pub bytes: &'a FileBytes,
     /// The known sections, by id and mesh.
@@ -90,7 +90,7 @@ impl<'a> File<'a> {
         Ok(file)
     }
 
-    /// Refuses sections of meshes that there are not.
+    /// Refuses sections of meshes that do not exist.
     pub(super) fn check_meshes(&self, meshes: u32) -> Result<(), Error> {
         for ((id, mesh), _) in &self.sections {
             let most = if id.of_mesh() { meshes } else { 1 };
@@ -101,7 +101,7 @@ impl<'a> File<'a> {
         Ok(())
     }
 
-    /// The bytes of a section in the file; nothing where the section is not there.
+    /// The range of a section's bytes in the file; empty if the section is absent.
     pub(super) fn range(&self, id: Id, mesh: u32, element: usize) -> Result<Range<usize>, Error> {
         let Ok(at) = self.sections.binary_search_by_key(&(id, mesh), |s| s.0) else { return Ok(0..0) };
         let e = &self.sections[at].1;
@@ -119,23 +119,23 @@ impl<'a> File<'a> {
                 format!("a multiple of its elements of {element} bytes, above 0"),
             ));
         }
-        // Within the file, so within the address space.
+        // Within the file, and so within the address space.
         Ok(e.offset as usize..(e.offset + e.length) as usize)
     }
 
-    /// A section's elements where they lie; none where the section is not there.
+    /// A section's elements, in place; empty if the section is absent.
     pub(super) fn array<T: Pod>(&self, id: Id, mesh: u32) -> Result<Array<T>, Error> {
         let range = self.range(id, mesh, size_of::<T>())?;
         if range.is_empty() { Ok(Array::default()) } else { self.part(range, id) }
     }
 
-    /// The same, where it must have so many elements.
+    /// The same for a section that must have `count` elements.
     pub(super) fn array_of<T: Pod>(&self, id: Id, mesh: u32, count: usize) -> Result<Array<T>, Error> {
         let array = self.array(id, mesh)?;
         if array.len() == count { Ok(array) } else { Err(length_of(id, array.len(), count)) }
     }
 
-    /// Elements somewhere in a section.
+    /// The elements in a range of a section.
     pub(super) fn part<T: Pod>(&self, range: Range<usize>, id: Id) -> Result<Array<T>, Error> {
         if range.is_empty() {
             return Ok(Array::default());

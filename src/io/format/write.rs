@@ -1,4 +1,4 @@
-//! A set becomes a file.
+//! Writes a set to a file.
 
 use super::layout::{
     ALIGN, AnchoredRecord, CHUNK, Entry, ExampleRecord, Header, Id, MAGIC, MeshRecord, SetRecord, StampRecord,
@@ -15,7 +15,7 @@ use std::borrow::Cow;
 use std::io::{self, Write};
 use xxhash_rust::xxh3::Xxh3;
 
-/// What goes into one section: pieces that follow each other.
+/// The content of one section, as consecutive pieces.
 struct Section<'a> {
     id: Id,
     mesh: u32,
@@ -29,7 +29,7 @@ impl Section<'_> {
     }
 }
 
-/// A file that is laid out but not written.
+/// A file that is laid out but not yet written.
 pub(super) struct File<'a> {
     sections: Vec<Section<'a>>,
     table: Vec<Entry>,
@@ -87,7 +87,7 @@ impl<'a> File<'a> {
         self.each(&header, &mut |bytes| out.write_all(bytes))
     }
 
-    /// All bytes in order.
+    /// Passes all bytes to `put`, in order.
     fn each(&self, header: &Header, put: &mut dyn FnMut(&[u8]) -> io::Result<()>) -> io::Result<()> {
         let mut at = 0;
         let mut put = |bytes: &[u8]| {
@@ -105,7 +105,7 @@ impl<'a> File<'a> {
         Ok(())
     }
 
-    /// Sections without an element are left out.
+    /// Adds a section, unless it has no elements.
     fn pieces(&mut self, id: Id, mesh: u32, element: usize, pieces: Vec<Cow<'a, [u8]>>) {
         if pieces.iter().any(|p| !p.is_empty()) {
             self.sections.push(Section { id, mesh, element, pieces });
@@ -235,7 +235,7 @@ fn record_of(s: &Stamp) -> StampRecord {
     }
 }
 
-/// The checksum of bytes that come in pieces.
+/// Computes the checksum of bytes that arrive in pieces.
 #[derive(Default)]
 struct Chunks {
     skipped: usize,

@@ -1,4 +1,4 @@
-//! Accessors: their fields are checked against the buffers, then the `gltf` crate's iterators read them.
+//! Accessors: their fields are checked against the buffers, then the `gltf` crate's iterators read the elements.
 
 use super::document::{Budget, Document, out_of_range, range};
 use super::{finite, malformed, unsupported};
@@ -9,7 +9,7 @@ use ::gltf::json::accessor::{Accessor as Json, ComponentType, IndexComponentType
 use ::gltf::json::validation::Checked;
 use ::gltf::json::{self, Index};
 
-/// `(count - 1) * stride + size` bytes of a buffer, checked.
+/// A checked range of a buffer, `(count - 1) * stride + size` bytes.
 #[derive(Clone, Copy)]
 struct Strided<'d> {
     bytes: &'d [u8],
@@ -35,7 +35,7 @@ impl<'d> Accessor<'d> {
             accessors.get(index).ok_or_else(|| out_of_range(&format!("{name}: accessor"), index, accessors.len()))?;
         let name = format!("{name} (accessor {index})");
         let component = component(json, &name, kind)?;
-        // The crate's sparse iterator counts in 32 bits; so do vertex indices.
+        // The crate's sparse iterator counts in 32 bits, and so do vertex indices.
         let count =
             usize::try_from(json.count.0).ok().filter(|n| (1..u32::MAX as usize).contains(n)).ok_or_else(|| {
                 malformed(format!("{name} has a count of {}; it must be from 1 to {}", json.count.0, u32::MAX - 1))
@@ -53,7 +53,7 @@ impl<'d> Accessor<'d> {
         Ok(Self { budget: &doc.budget, name, count, component, base, sparse })
     }
 
-    /// All elements, zeros where nothing is stored.
+    /// Reads all elements; those that are not stored are zero.
     fn read<T: Item + Copy>(&self) -> Result<Vec<T>, Error> {
         self.budget.charge(self.count, size_of::<T>(), &self.name)?;
         let mut out = reserve(self.count, &self.name)?;
@@ -61,7 +61,8 @@ impl<'d> Accessor<'d> {
             (None, Some(base)) => out.extend(ItemIter::<T>::new(base.bytes, base.stride).take(self.count)),
             (None, None) => out.resize(self.count, T::zero()),
             (Some((indices, values)), base) => {
-                // The crate reads the indices from bytes as well; ours are decoded and checked, so lay them out again.
+                // The crate reads the indices from bytes. Ours are decoded and checked already, so they are encoded
+                // again.
                 let raw: Vec<u8> = indices.iter().flat_map(|i| i.to_le_bytes()).collect();
                 let indices = SparseIndicesIter::U32(ItemIter::new(&raw, 4));
                 let values = ItemIter::new(values.bytes, values.stride);
@@ -73,7 +74,7 @@ impl<'d> Accessor<'d> {
         Ok(out)
     }
 
-    /// All elements as floats; NaN and infinities are refused.
+    /// Reads all elements as floats. Refuses NaN and infinities.
     pub fn floats<const N: usize>(&self) -> Result<Vec<[f32; N]>, Error>
     where
         [f32; N]: Item,
@@ -85,7 +86,8 @@ impl<'d> Accessor<'d> {
         Ok(values)
     }
 
-    /// The elements that are not zero, with their indices in increasing order. What a sparse accessor leaves out costs nothing.
+    /// Reads the elements that are not zero, with their indices in increasing order. Elements that a sparse accessor
+    /// omits cost nothing.
     pub fn nonzero(&self) -> Result<(Vec<u32>, Vec<[f32; 3]>), Error> {
         let pairs: Vec<(u32, [f32; 3])> = match (&self.sparse, self.base) {
             (Some((indices, values)), None) => {
@@ -105,7 +107,7 @@ impl<'d> Accessor<'d> {
         Ok(out)
     }
 
-    /// All elements as vertex indices below `limit`.
+    /// Reads all elements as vertex indices, which must be below `limit`.
     pub fn indices(&self, limit: usize) -> Result<Vec<u32>, Error> {
         let wide: Vec<u32> = match self.component {
             ComponentType::U8 => self.read::<u8>()?.into_iter().map(u32::from).collect(),
@@ -217,7 +219,8 @@ fn sparse<'d>(
     }
 }
 
-/// An accessor without data is all zeros (Blender writes keys that move nothing so), unless an extension has it.
+/// Refuses an accessor whose data is in an extension. Without data it is all zeros; Blender writes shape keys that move
+/// nothing this way.
 fn not_compressed(doc: &Document<'_>, index: usize, name: &str) -> Result<(), Error> {
     let used = doc.value["extensionsUsed"].as_array().map(Vec::as_slice).unwrap_or_default();
     let used = used.iter().filter_map(|e| e.as_str()).find(|e| e.contains("draco") || e.contains("meshopt"));

@@ -9,8 +9,8 @@ use std::borrow::Cow;
 use std::cell::{Cell, OnceCell};
 use std::path::Path;
 
-/// Required extensions that leave the geometry as it is (by name or by prefix ending in `_`).
-/// `KHR_mesh_quantization` is among them since each accessor's own type is checked where it is read.
+/// Required extensions (by name or by prefix ending in `_`) that do not change the geometry. `KHR_mesh_quantization` is
+/// among them, since each accessor's type is checked when it is read.
 const HARMLESS: &[&str] = &[
     "KHR_materials_",
     "EXT_materials_",
@@ -27,15 +27,16 @@ const HARMLESS: &[&str] = &[
     "KHR_mesh_quantization",
 ];
 
-/// Decoded bytes allowed per byte of the file. Shared accessors can make decoded data larger than the file; this bounds the factor.
+/// Decoded bytes allowed per byte of the file. Shared accessors can make decoded data larger than the file; this limits
+/// the factor.
 const EXPANSION: u64 = 64;
 
 /// A parsed glTF whose buffers are loaded on first use.
 pub(crate) struct Document<'a> {
-    /// The typed JSON of accessors, views, buffers, meshes and nodes; the rest of it stays empty, so that a file with a broken
-    /// material is still read. Types are right, values are checked where they are used.
+    /// The typed JSON of accessors, views, buffers, meshes and nodes. The rest stays empty, so that a file with a
+    /// broken material can still be read. Types are right; values are checked where they are used.
     pub root: json::Root,
-    /// The same as plain values: extras, extensions and everything unknown.
+    /// The same JSON as plain values: extras, extensions and everything unknown.
     pub value: Value,
     bin: Option<&'a [u8]>,
     base_dir: Option<&'a Path>,
@@ -86,7 +87,7 @@ impl<'a> Document<'a> {
         Ok(Self { root, value, bin, base_dir, buffers, budget })
     }
 
-    /// The bytes of a buffer, exactly as many as it says it has.
+    /// The bytes of a buffer, exactly as many as the file states.
     pub fn buffer(&self, index: usize) -> Result<&[u8], Error> {
         let cell = self.buffers.get(index).ok_or_else(|| out_of_range("buffer", index, self.buffers.len()))?;
         if let Some(bytes) = cell.get() {
@@ -135,7 +136,7 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// The bytes of a bufferView and the stride it states.
+    /// The bytes of a bufferView, and its stride if it has one.
     pub fn view(&self, index: Index<json::buffer::View>, user: &str) -> Result<(&[u8], Option<usize>), Error> {
         let views = &self.root.buffer_views;
         let index = index.value();
@@ -152,12 +153,12 @@ impl<'a> Document<'a> {
         Ok((&buffer[range], view.byte_stride.map(|s| s.0)))
     }
 
-    /// A file that an image names.
+    /// Reads a file that an image refers to.
     pub fn read_relative(&self, path: &str, what: &str) -> Result<Vec<u8>, Error> {
         uri::read_file(self.base_dir, path, what, None)
     }
 
-    /// `mesh 2 'Door'`.
+    /// The mesh's name in errors, such as `mesh 2 'Door'`.
     pub fn mesh_label(&self, mesh: usize) -> String {
         match self.root.meshes[mesh].name.as_deref() {
             None | Some("") => format!("mesh {mesh}"),
@@ -166,7 +167,7 @@ impl<'a> Document<'a> {
     }
 }
 
-/// `offset..offset+length` where that lies within `size`.
+/// `offset..offset+length`, if it lies within `size`.
 pub(crate) fn range(offset: u64, length: Option<u64>, size: usize) -> Option<std::ops::Range<usize>> {
     let end = offset.checked_add(length?)?;
     let (start, end) = (usize::try_from(offset).ok()?, usize::try_from(end).ok()?);
@@ -177,7 +178,7 @@ pub(crate) fn out_of_range(name: &str, index: usize, len: usize) -> Error {
     Error::IndexOutOfRange { name: name.into(), index: index as u64, len: len as u64 }
 }
 
-/// One of the root's arrays, typed; an error names the element.
+/// One of the root's arrays as typed values. Errors name the element.
 fn list<T: serde::de::DeserializeOwned>(value: &Value, key: &str) -> Result<Vec<T>, Error> {
     let elements = match &value[key] {
         Value::Null => return Ok(Vec::new()),
@@ -185,19 +186,19 @@ fn list<T: serde::de::DeserializeOwned>(value: &Value, key: &str) -> Result<Vec<
         _ => return Err(malformed(format!("the glTF's {key} is not a list"))),
     };
     let typed = |(i, element): (usize, &Value)| {
-        // The typed structures could be read from lists as well; the exporter edits objects.
+        // serde also reads these structures from lists, but the exporter edits objects.
         let parts = element["primitives"].as_array().map(Vec::as_slice).unwrap_or_default();
         if !element.is_object() || !parts.iter().all(Value::is_object) {
             return Err(malformed(format!("{key}[{i}] of the glTF is not made of objects")));
         }
-        // By way of text, since the raw extras of the typed structures are read from nothing else.
+        // This goes through text, since the typed structures can read raw extras from nothing else.
         serde_json::from_str(&element.to_string())
             .map_err(|e| malformed(format!("{key}[{i}] of the glTF: {}", in_json_terms(&e))))
     };
     elements.iter().enumerate().map(typed).collect()
 }
 
-/// serde's message with JSON's names for types. The line and column are those of a copy of the text, so they are left out.
+/// serde's message with JSON's names for types. Its line and column belong to a copy of the text, so they are left out.
 fn in_json_terms(error: &serde_json::Error) -> String {
     const TERMS: [(&str, &str); 9] = [
         ("expected u64", "expected a whole number"),
@@ -215,7 +216,7 @@ fn in_json_terms(error: &serde_json::Error) -> String {
     TERMS.iter().fold(text.to_owned(), |text, (serde, json)| text.replace(serde, json))
 }
 
-/// The JSON text and the binary chunk, where there is one.
+/// The JSON text, and the binary chunk if there is one.
 fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Error> {
     if bytes.starts_with(b"glTF") {
         return split_glb(bytes);

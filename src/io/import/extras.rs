@@ -1,4 +1,4 @@
-//! What `mesh.extras` says about the targets: names, impacts, placements.
+//! Reads `mesh.extras` of the targets: names, impacts, placements.
 
 use super::document::out_of_range;
 use super::{finite, malformed};
@@ -8,10 +8,10 @@ use serde_json::{Map, Value};
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-/// Where an example was hit, and the outward normal there.
+/// The contact of an example, and the outward normal there.
 pub(super) type Impact = (Option<Contact>, Option<[f32; 3]>);
 
-/// One name a target. Exporters write them to the mesh; some older ones to its first primitive.
+/// The name of each target. Exporters write the names to the mesh; some older ones write them to its first primitive.
 pub(super) fn names(mesh: &Value, targets: usize) -> Result<Vec<String>, Error> {
     let on_mesh = &mesh["extras"]["targetNames"];
     let list = if on_mesh.is_null() { &mesh["primitives"][0]["extras"]["targetNames"] } else { on_mesh };
@@ -28,7 +28,7 @@ pub(super) fn names(mesh: &Value, targets: usize) -> Result<Vec<String>, Error> 
     (0..targets).map(name).collect()
 }
 
-/// One entry a target, from `extras.impacts`.
+/// The impact of each target, from `extras.impacts`.
 pub(super) fn impacts(mesh: &Value, names: &[String], vertices: usize) -> Result<Vec<Impact>, Error> {
     let mut out = vec![(None, None); names.len()];
     let list = match parsed(&mesh["extras"]["impacts"], "impacts")?.into_owned() {
@@ -52,7 +52,8 @@ pub(super) fn impacts(mesh: &Value, names: &[String], vertices: usize) -> Result
     Ok(out)
 }
 
-/// The target of each impact, where the names decide it: all targets' names differ and every impact has one of its own.
+/// The target of each impact, by name. `None` if names do not decide it: two targets or two impacts have the same name,
+/// or an impact has none.
 fn by_name(list: &[&Map<String, Value>], names: &[String]) -> Result<Option<Vec<usize>>, Error> {
     let index: HashMap<&str, usize> = names.iter().enumerate().map(|(i, n)| (n.as_str(), i)).collect();
     let used: Option<Vec<&str>> = list.iter().map(|entry| entry.get("name").and_then(Value::as_str)).collect();
@@ -102,7 +103,7 @@ fn vector(value: &Value, name: &str) -> Result<[f32; 3], Error> {
 }
 
 fn vertex(value: &Value, name: &str, vertices: usize) -> Result<u32, Error> {
-    // Blender writes whole numbers of a custom property as 7.0 when it was set as a float.
+    // Blender writes an integer custom property as 7.0 if it was set as a float.
     let whole = value
         .as_u64()
         .or(value.as_f64().filter(|x| *x >= 0.0 && x.fract() == 0.0 && *x < 4294967296.0).map(|x| x as u64));
@@ -121,7 +122,7 @@ fn unit(n: [f32; 3], i: usize) -> Result<[f32; 3], Error> {
     Ok(n.map(|x| (f64::from(x) / length) as f32))
 }
 
-/// One placement a target, from `extras.placements`.
+/// The placement of each target, from `extras.placements`.
 pub(super) fn placements(mesh: &Value, names: &[String]) -> Result<Vec<Placement>, Error> {
     let words: Vec<Value> = match &mesh["extras"]["placements"] {
         Value::Null => return Ok(vec![Placement::Automatic; names.len()]),
@@ -179,7 +180,7 @@ fn placement(text: &str, at: &str) -> Result<Placement, Error> {
     }
 }
 
-/// Blender's interface makes no lists of objects, so JSON inside a text is taken as well.
+/// Blender's interface cannot make lists of objects, so JSON in a text is accepted too.
 fn parsed<'v>(value: &'v Value, key: &str) -> Result<Cow<'v, Value>, Error> {
     match value {
         Value::String(text) => serde_json::from_str(text)
@@ -189,7 +190,7 @@ fn parsed<'v>(value: &'v Value, key: &str) -> Result<Cow<'v, Value>, Error> {
     }
 }
 
-/// A value in an error: at most a line of it.
+/// A value for an error message, at most one line of it.
 fn brief(value: &Value) -> String {
     let text = value.to_string();
     if text.chars().count() <= 60 { text } else { text.chars().take(60).chain(['…']).collect() }

@@ -1,4 +1,4 @@
-//! A glTF mesh and its morph targets into one base mesh and its examples.
+//! Reads a glTF mesh and its morph targets as one base mesh and its examples.
 
 use super::accessor::Accessor;
 use super::document::{Document, out_of_range};
@@ -12,7 +12,7 @@ use ::gltf::json::validation::Checked;
 use ::gltf::json::{self, Index};
 use std::path::Path;
 
-/// Reads a mesh and its morph targets from a `.gltf` or `.glb` file; see the [module](super) for what is read.
+/// Reads a mesh and its morph targets from a `.gltf` or `.glb` file. The [module](super) describes what is read.
 ///
 /// ```
 /// use crumple::import::{MeshChoice, gltf_file};
@@ -26,14 +26,15 @@ use std::path::Path;
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`] when the file or one of its buffers cannot be read; [`Error::Unsupported`] for compressed or quantised geometry, other
-/// required extensions and other versions; [`Error::NoSuchMesh`] and [`Error::NoExamples`] say what the file has; [`Error::Format`],
-/// [`Error::IndexOutOfRange`] and [`Error::NotFinite`] name what is wrong in it.
+/// [`Error::Io`] if the file or one of its buffers cannot be read; [`Error::Unsupported`] for compressed or quantised
+/// geometry, other required extensions and other versions; [`Error::NoSuchMesh`] and [`Error::NoExamples`], which list
+/// what the file has; [`Error::Format`], [`Error::IndexOutOfRange`] and [`Error::NotFinite`], which name what is wrong
+/// in the file.
 pub fn gltf_file(path: &Path, mesh: MeshChoice<'_>) -> Result<Imported, Error> {
     gltf_slice(&uri::read(path, None)?, path.parent(), mesh)
 }
 
-/// The same from memory. `base_dir` is where relative paths of external buffers start; without it they are an error.
+/// Reads the same from memory. Relative paths of external buffers start at `base_dir`; without it they are an error.
 ///
 /// # Errors
 /// As [`gltf_file`].
@@ -67,14 +68,14 @@ pub fn gltf_slice(bytes: &[u8], base_dir: Option<&Path>, mesh: MeshChoice<'_>) -
     })
 }
 
-/// One triangle primitive and where it goes. Shared with the exporter, which goes the way back.
+/// One triangle primitive and its place in the joined mesh. The exporter also uses it, to write vertices back.
 pub(crate) struct Part<'d> {
     pub index: usize,
     pub primitive: &'d Primitive,
     name: String,
     pub first_vertex: usize,
     pub vertex_count: usize,
-    /// False where an earlier part has the same accessors and thereby the same vertices.
+    /// False if an earlier part has the same accessors and therefore the same vertices.
     pub owns_vertices: bool,
     first_triangle: usize,
     triangles: Vec<[u32; 3]>,
@@ -85,7 +86,7 @@ impl Part<'_> {
         self.primitive.attributes.get(&Checked::Valid(semantic)).copied()
     }
 
-    /// Parts with equal keys are the same vertices.
+    /// Parts with equal keys have the same vertices.
     fn key(&self) -> (Vec<Option<usize>>, Vec<[Option<usize>; 2]>) {
         let value = |i: Option<Index<json::Accessor>>| i.map(|i| i.value());
         let base = [Semantic::Positions, Semantic::Normals, Semantic::Tangents].map(|s| value(self.attribute(s)));
@@ -94,7 +95,7 @@ impl Part<'_> {
     }
 }
 
-/// The index of the mesh that was asked for.
+/// The index of the chosen mesh.
 pub(crate) fn choose(doc: &Document<'_>, choice: MeshChoice<'_>) -> Result<usize, Error> {
     let meshes = &doc.root.meshes;
     let (found, wanted) = match choice {
@@ -126,7 +127,7 @@ fn with_targets(doc: &Document<'_>) -> String {
     format!("the file's meshes with morph targets are {}", some.join(", "))
 }
 
-/// All primitives of a mesh must agree.
+/// The number of targets, on which all primitives of a mesh must agree.
 fn target_count(doc: &Document<'_>, mesh: usize) -> Result<usize, Error> {
     let count = |p: &Primitive| p.targets.as_ref().map_or(0, Vec::len);
     let primitives = &doc.root.meshes[mesh].primitives;
@@ -141,7 +142,7 @@ fn target_count(doc: &Document<'_>, mesh: usize) -> Result<usize, Error> {
     }
 }
 
-/// The triangle primitives of a mesh, laid out one after the other.
+/// The triangle primitives of a mesh, placed one after the other.
 pub(crate) fn parts<'d>(doc: &'d Document<'_>, mesh: usize) -> Result<Vec<Part<'d>>, Error> {
     let mut parts: Vec<Part<'d>> = Vec::new();
     let mut known = std::collections::HashMap::new();
@@ -197,7 +198,7 @@ fn positions<'d>(doc: &'d Document<'_>, part: &Part<'_>) -> Result<Accessor<'d>,
     Accessor::new(doc, index, &format!("{} POSITION", part.name), Type::Vec3)
 }
 
-/// In joined vertex indices.
+/// The triangles of a part, as indices of joined vertices.
 fn triangles(doc: &Document<'_>, part: &Part<'_>, mode: Mode) -> Result<Vec<[u32; 3]>, Error> {
     let corners: Vec<u32> = match part.primitive.indices {
         Some(index) => {
@@ -216,11 +217,11 @@ fn triangles(doc: &Document<'_>, part: &Part<'_>, mode: Mode) -> Result<Vec<[u32
     let first = part.first_vertex as u32;
     let joined = |t: [u32; 3]| t.map(|i| i + first);
     let c = &corners;
-    // Orders of the glTF 2.0 specification, 3.7.2.1.
+    // The vertex orders of the glTF 2.0 specification, 3.7.2.1.
     Ok(match mode {
         Mode::TriangleStrip => (0..count - 2)
             .map(|i| [c[i], c[i + 1 + i % 2], c[i + 2 - i % 2]])
-            // Strips repeat a corner to jump to another place.
+            // Strips repeat a vertex to jump to another place.
             .filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0])
             .map(joined)
             .collect(),
@@ -242,7 +243,7 @@ fn base(doc: &Document<'_>, parts: &[Part<'_>]) -> Result<MeshData, Error> {
     })
 }
 
-/// An attribute of all vertices, or `None` where a part lacks it.
+/// An attribute of all vertices; `None` if a part lacks it.
 fn attribute<const N: usize>(
     doc: &Document<'_>,
     parts: &[Part<'_>],
@@ -264,7 +265,7 @@ where
     Ok(Some(values))
 }
 
-/// The displacements and normal deltas of one target. Normal deltas only where each part that moves has them.
+/// The displacements and normal deltas of one target. There are normal deltas only if each part that moves has them.
 fn deltas(doc: &Document<'_>, parts: &[Part<'_>], target: usize) -> Result<(Deltas, Option<Deltas>), Error> {
     let mut positions = (Vec::new(), Vec::new());
     let mut normals = Some((Vec::new(), Vec::new()));
@@ -324,7 +325,7 @@ fn range(doc: &Document<'_>, part: &Part<'_>) -> PrimitiveRange {
     }
 }
 
-/// The product of the matrices from the root down to the first node that shows the mesh.
+/// The product of the matrices from the root to the first node that shows the mesh.
 fn node_transform(doc: &Document<'_>, mesh: usize) -> Result<Option<[[f32; 4]; 4]>, Error> {
     let nodes = &doc.root.nodes;
     let Some(first) = nodes.iter().position(|n| n.mesh.is_some_and(|m| m.value() == mesh)) else { return Ok(None) };

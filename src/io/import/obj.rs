@@ -1,4 +1,4 @@
-//! A base OBJ and example OBJs into one base mesh and its examples.
+//! Reads a base OBJ and example OBJs as one base mesh and its examples.
 
 use super::{Imported, PrimitiveRange, finite, malformed};
 use crate::base::error::Error;
@@ -8,12 +8,12 @@ use ::obj::{IndexTuple, ObjData, ObjError, SimplePolygon};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// Reads a base OBJ and one OBJ an example.
+/// Reads a base OBJ and one OBJ per example.
 ///
-/// The base's vertices are the distinct (position, texture coordinate, normal) triples of its face corners, in the order
-/// in which the faces first use them; polygons are fans of triangles. Without faces they are the `v` lines in order. An example
-/// must have as many `v` lines, and the same faces in the same order or none; only its positions are read. Its name is its
-/// file's stem. Materials, groups and lines are not read.
+/// The base's vertices are the distinct (position, texture coordinate, normal) triples of its face corners, in the
+/// order in which the faces first use them. Polygons become fans of triangles. Without faces, the vertices are the `v`
+/// lines in order. An example must have as many `v` lines as the base, and either the same faces in the same order or
+/// none. Only its positions are read. Its name is its file's stem. Materials, groups and lines are not read.
 ///
 /// ```
 /// use crumple::import::obj_files;
@@ -24,8 +24,9 @@ use std::path::{Path, PathBuf};
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`] when a file cannot be read, [`Error::Format`], [`Error::IndexOutOfRange`] and [`Error::NotFinite`] when it is
-/// malformed, [`Error::ExampleMismatch`] when an example does not fit the base, [`Error::NoExamples`] when the list is empty.
+/// [`Error::Io`] if a file cannot be read; [`Error::Format`], [`Error::IndexOutOfRange`] and [`Error::NotFinite`] if it
+/// is malformed; [`Error::ExampleMismatch`] if an example does not fit the base; [`Error::NoExamples`] if the list is
+/// empty.
 pub fn obj_files(base: &Path, examples: &[PathBuf]) -> Result<Imported, Error> {
     let load = |path: &Path| {
         let bytes =
@@ -33,7 +34,7 @@ pub fn obj_files(base: &Path, examples: &[PathBuf]) -> Result<Imported, Error> {
         Ok((path.file_stem().unwrap_or_default().to_string_lossy().into_owned(), bytes))
     };
     let base = load(base)?;
-    // One example at a time is in memory.
+    // Only one example at a time is in memory.
     let mut builder = Builder::new(&base.0, &base.1)?;
     for path in examples {
         let (name, bytes) = load(path)?;
@@ -42,7 +43,7 @@ pub fn obj_files(base: &Path, examples: &[PathBuf]) -> Result<Imported, Error> {
     builder.finish()
 }
 
-/// The same from memory: (name, bytes) of the base and of each example.
+/// Reads the same from memory: (name, bytes) of the base and of each example.
 ///
 /// # Errors
 /// As [`obj_files`].
@@ -56,7 +57,7 @@ pub fn obj_slices(base: (&str, &[u8]), examples: &[(&str, &[u8])]) -> Result<Imp
 
 struct Builder {
     base: Parsed,
-    /// The `v` line of each unified vertex.
+    /// The `v` line of each vertex.
     sources: Vec<u32>,
     imported: Imported,
 }
@@ -123,7 +124,7 @@ impl Parsed {
         let faces: Vec<_> = data.objects.drain(..).flat_map(|o| o.groups).flat_map(|g| g.polys).collect();
         let check = |what: &str, face: usize, index: usize, len: usize| match index < len {
             true => Ok(()),
-            // The crate wraps an index that reaches back beyond the first line; it is shown as it was written.
+            // The crate wraps an index that refers to before the first line; the error shows it as written.
             false => {
                 let shown = if index > isize::MAX as usize { index as isize } else { index as isize + 1 };
                 Err(malformed(format!("{name}: face {} uses {what} {shown}; there are {len}", face + 1)))
@@ -147,8 +148,8 @@ impl Parsed {
     }
 }
 
-/// The lines that say geometry, words one space apart, continued lines joined, line numbers kept. The rest (names, materials,
-/// comments, vendors' commands) may hold text that the crate's parser stumbles over.
+/// The lines that define geometry, with words one space apart, continued lines joined and line numbers kept. The rest
+/// (names, materials, comments, vendors' commands) may hold text that the crate's parser fails on.
 fn geometry_lines(bytes: &[u8]) -> String {
     let text = String::from_utf8_lossy(bytes);
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
@@ -239,7 +240,7 @@ fn unified(base: &Parsed) -> Result<(Vec<u32>, Imported), Error> {
         corners = (0..data.position.len()).map(|v| IndexTuple(v, None, None)).collect();
     }
     let normals: Option<Vec<_>> = corners.iter().map(|c| c.2.map(|n| data.normal[n])).collect();
-    // OBJ counts v upwards from the lower edge, glTF downwards from the upper.
+    // In OBJ v grows upwards from the lower edge, in glTF downwards from the upper edge.
     let texcoords: Option<Vec<_>> =
         corners.iter().map(|c| c.1.map(|t| [data.texture[t][0], 1.0 - data.texture[t][1]])).collect();
     let primitive = PrimitiveRange {

@@ -1,4 +1,4 @@
-//! Resolves a glTF's `uri`: a `data:` URI with the bytes, or the path of another file.
+//! Resolves a glTF's `uri` to the bytes of a `data:` URI or to the path of another file.
 
 use super::{malformed, unsupported};
 use crate::base::error::Error;
@@ -18,7 +18,7 @@ pub(crate) enum Target {
     File(String),
 }
 
-/// `what` names the user of the URI in errors.
+/// Parses a URI. `what` names the user of the URI in errors.
 pub(crate) fn parse(uri: &str, what: &str) -> Result<Target, Error> {
     let scheme = uri.split_once(':').map(|(scheme, _)| scheme).filter(|s| is_scheme(s));
     match scheme {
@@ -28,7 +28,7 @@ pub(crate) fn parse(uri: &str, what: &str) -> Result<Target, Error> {
             shortened(uri)
         ))),
         None if uri.is_empty() => Err(malformed(format!("{what} has an empty uri"))),
-        // Some exporters do not encode at all: what does not decode is the path as it stands.
+        // Some exporters do not encode paths. A path that does not decode is used as written.
         None => match percent_decode_str(uri).decode_utf8().unwrap_or_else(|_| uri.into()) {
             path if path.starts_with(['/', '\\']) => Err(unsupported(format!(
                 "{what} points to the absolute path '{}'; only relative paths are read",
@@ -39,7 +39,7 @@ pub(crate) fn parse(uri: &str, what: &str) -> Result<Target, Error> {
     }
 }
 
-/// Reads at most `limit` bytes of a file named by a relative URI.
+/// Reads at most `limit` bytes of the file that a relative URI names.
 pub(crate) fn read_file(
     base_dir: Option<&Path>,
     relative: &str,
@@ -56,7 +56,7 @@ pub(crate) fn read_file(
     read(&path, limit)
 }
 
-/// Reads a regular file. Devices and pipes are refused, because they may never end.
+/// Reads a regular file. Refuses devices and pipes, because they may never end.
 pub(crate) fn read(path: &Path, limit: Option<u64>) -> Result<Vec<u8>, Error> {
     let io = |e: std::io::Error| Error::Io { path: path.display().to_string(), message: e.to_string() };
     let about = std::fs::metadata(path).map_err(io)?;
@@ -83,14 +83,14 @@ fn data(rest: &str, what: &str) -> Result<Vec<u8>, Error> {
     if !head.ends_with(";base64") {
         return Ok(body.into_owned());
     }
-    // Both alphabets, with padding or without it: data-url reads only the standard one.
+    // Accepts both alphabets, with or without padding: data-url reads only the standard one.
     let config = GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent);
     let alphabet = if body.iter().any(|b| b"-_".contains(b)) { &URL_SAFE } else { &STANDARD };
     let decoded = GeneralPurpose::new(alphabet, config).decode(&*body);
     decoded.map_err(|e| malformed(format!("{what}: the data: URI is not base64: {e}")))
 }
 
-/// URIs may be megabytes long; an error shows their start.
+/// The start of a URI for an error message, since URIs may be megabytes long.
 fn shortened(uri: &str) -> String {
     let mut text: String = uri.chars().take(80).collect();
     if text.len() < uri.len() {

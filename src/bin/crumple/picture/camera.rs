@@ -1,15 +1,15 @@
-//! Where the viewer stands: a three-quarter view that faces the dents and fills the frame.
+//! The camera: a three-quarter view that faces the dents and fills the frame.
 
 use glam::{Vec2, Vec3};
 
-/// A body whose normals agree at least this much (|sum of area vectors| / area) is an open sheet: a hood, a door.
+/// A body is an open sheet, such as a hood or a door, if |sum of area vectors| / area is at least this.
 const SHEET: f32 = 0.6;
-/// Half the vertical field of view, as a tangent: about 26 degrees in all, a portrait lens.
+/// Tangent of half the vertical field of view: about 26 degrees in all, as of a portrait lens.
 const HALF_FIELD: f32 = 0.23;
 
-/// How high the viewer stands beside a body, radians above the floor.
+/// Elevation of the view of a body, radians above the floor.
 const ELEVATION: f32 = 0.42;
-/// Places tried around a body.
+/// Number of directions tried around a body.
 const AZIMUTHS: usize = 48;
 
 /// A perspective camera.
@@ -18,7 +18,7 @@ pub struct Camera {
     pub eye: Vec3,
     pub right: Vec3,
     pub up: Vec3,
-    /// From the scene to the viewer.
+    /// Unit vector from the scene to the viewer.
     pub back: Vec3,
     /// Half the width and height of the frame at distance 1.
     pub tan: Vec2,
@@ -26,7 +26,7 @@ pub struct Camera {
     pub far: f32,
 }
 
-/// Which way a body is shown, before it is known how large the frame is.
+/// The direction from which a body is shown, before the size of the frame is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
     /// Unit, away from the floor.
@@ -44,8 +44,8 @@ pub struct Margins {
 }
 
 impl View {
-    /// An open sheet lies on the floor with its outside (or its hit side) up; any other body keeps the file's `up` and
-    /// turns the dents to the viewer. `displacements` are what the hits did, m, one a vertex.
+    /// An open sheet lies on the floor with its outside (or the side that was hit) up. Any other body keeps the file's
+    /// `up` and turns the dents to the viewer. `displacements` are those of the hits, m, one per vertex.
     pub fn of(positions: &[Vec3], triangles: &[[u32; 3]], displacements: &[Vec3], up: Vec3) -> View {
         let (mut sum, mut area, mut side) = (Vec3::ZERO, 0.0, 0.0);
         let mut dents = Vec::new();
@@ -56,7 +56,7 @@ impl View {
             area += n.length();
             let u = t.iter().map(|&i| displacements[i as usize]).sum::<Vec3>();
             if u != Vec3::ZERO {
-                // A dent goes inward, so the outside of what was hit looks against the displacement.
+                // A dent goes inward, so the outside of the side that was hit faces against the displacement.
                 side -= n.dot(u) * u.length();
                 dents.push((n.normalize_or_zero(), n.length() * u.length_squared()));
             }
@@ -68,7 +68,8 @@ impl View {
             }
             return View { up: normal, toward: three_quarter(normal, long_side(positions, normal), 0.50, 0.82) };
         }
-        // Walk round the body and stop where most of the dents are in sight; seen at an angle is seen well enough.
+        // Try directions around the body and take the one that shows most of the dents; an oblique view counts as
+        // enough.
         let ahead = any_perpendicular(up);
         let mut best = (0.0, three_quarter(up, ahead, 0.0, ELEVATION));
         for step in 0..AZIMUTHS {
@@ -82,14 +83,15 @@ impl View {
         View { up, toward: best.1 }
     }
 
-    /// Level axis to the viewer's right.
+    /// The horizontal axis to the viewer's right.
     pub fn right(&self) -> Vec3 {
         self.up.cross(self.toward).normalize_or(any_perpendicular(self.up))
     }
 }
 
 impl Camera {
-    /// The nearest camera along `view` that shows all `points` inside the margins of a frame of this aspect (width / height).
+    /// The nearest camera along `view` that shows all `points` within the margins of a frame of this aspect (width /
+    /// height).
     pub fn framing<'a>(
         points: impl IntoIterator<Item = &'a Vec3> + Clone,
         view: View,
@@ -99,7 +101,8 @@ impl Camera {
         let (back, right) = (view.toward, view.right());
         let up = back.cross(right);
         let tan = Vec2::new(HALF_FIELD * aspect, HALF_FIELD);
-        // Each side of the frame is a plane through the eye; its support over the points gives the eye's place.
+        // Each side of the frame is a plane through the eye. The furthest point against each plane gives the eye's
+        // position.
         let inner = Vec2::new(1.0 - 2.0 * margins.side, 1.0 - margins.top - margins.bottom) * tan;
         let (mut low, mut high) = (Vec2::MIN, Vec2::MIN);
         let (mut nearest, mut farthest) = (f32::MIN, f32::MAX);
@@ -114,7 +117,7 @@ impl Camera {
         let centre = (high - low) * 0.5;
         let size = (nearest - farthest).max(1e-6);
         let distance = distance.max(nearest + size * 0.05);
-        // The free margins are not equal above and below: shift the picture by half the difference.
+        // The margins above and below differ: shift the picture by half the difference.
         let shift = (margins.top - margins.bottom) * tan.y * (distance - 0.5 * (nearest + farthest));
         let eye = right * centre.x + up * (centre.y + shift) + back * distance;
         let near = (distance - nearest).max(size * 1e-3) * 0.5;
@@ -129,26 +132,26 @@ impl Camera {
         ([q.dot(self.right) / self.tan.x, q.dot(self.up) / self.tan.y, z, w], w)
     }
 
-    /// Pixel of a point in a frame of this size; y downward.
+    /// Pixel of a point in a frame of this size; y points down.
     pub fn pixel(&self, p: Vec3, size: [usize; 2]) -> Vec2 {
         let ([x, y, _, w], _) = self.project(p);
         Vec2::new((x / w + 1.0) * 0.5 * size[0] as f32, (1.0 - y / w) * 0.5 * size[1] as f32)
     }
 
-    /// Direction from the eye through a pixel, of length 1 along the view axis.
+    /// Direction from the eye through a pixel, with length 1 along the view axis.
     pub fn ray(&self, x: f32, y: f32, size: [usize; 2]) -> Vec3 {
         let ndc = Vec2::new(2.0 * x / size[0] as f32 - 1.0, 1.0 - 2.0 * y / size[1] as f32) * self.tan;
         self.right * ndc.x + self.up * ndc.y - self.back
     }
 }
 
-/// A direction `elevation` radians above the floor, `turn` radians beside `facing` (level, unit).
+/// The direction `elevation` radians above the floor and `turn` radians to the side of `facing` (horizontal, unit).
 fn three_quarter(up: Vec3, facing: Vec3, turn: f32, elevation: f32) -> Vec3 {
     let level = facing * turn.cos() + up.cross(facing) * turn.sin();
     (level * elevation.cos() + up * elevation.sin()).normalize()
 }
 
-/// The level direction across which a sheet is widest looks to the viewer's right; the viewer stands at a right angle to it.
+/// The direction of the viewer, at a right angle to the horizontal direction in which a sheet is widest.
 fn long_side(positions: &[Vec3], up: Vec3) -> Vec3 {
     let mean = positions.iter().sum::<Vec3>() / positions.len().max(1) as f32;
     let a = any_perpendicular(up);

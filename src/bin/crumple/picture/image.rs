@@ -13,7 +13,7 @@ impl Image {
         self.blend(x, y, colour, 1.0);
     }
 
-    /// Mixes a colour into a pixel; outside the picture nothing happens.
+    /// Mixes a colour into a pixel. Does nothing outside the picture.
     pub(super) fn blend(&mut self, x: i32, y: i32, colour: [u8; 3], share: f32) {
         if x < 0 || y < 0 || x >= self.width as i32 || y >= self.height as i32 {
             return;
@@ -30,7 +30,7 @@ impl Image {
         Image { width: self.width + other.width, height: self.height, rgb }
     }
 
-    /// The picture as a PNG file with a line of description in it.
+    /// The picture as a PNG file with a one-line description.
     pub fn to_png(&self, description: &str) -> Result<Vec<u8>, png::EncodingError> {
         let mut bytes = Vec::new();
         let mut encoder = png::Encoder::new(&mut bytes, self.width as u32, self.height as u32);

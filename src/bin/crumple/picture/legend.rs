@@ -14,15 +14,15 @@ use glam::Vec2;
 const INK: Rgb888 = Rgb888::new(40, 44, 52);
 const PALE: Rgb888 = Rgb888::new(110, 116, 126);
 
-/// What the colours of a heat map mean: 0 to `maximum` metres.
+/// The range of a heat map's colours: 0 to `maximum` metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scale {
     pub maximum: f32,
 }
 
 impl Scale {
-    /// The 8-bit sRGB colour of a displacement, m. A perceptual map, pale where nothing
-    /// moved so that light shows the shape there, and cut before it turns black.
+    /// The 8-bit sRGB colour of a displacement (m), from a perceptual colour map. It is pale where nothing moved, so
+    /// that light shows the shape there, and ends before it turns black.
     pub fn colour(&self, value: f32) -> [u8; 3] {
         let t = if self.maximum > 0.0 { (value / self.maximum).clamp(0.0, 1.0) } else { 0.0 };
         let c = colorous::MAGMA.eval_continuous(1.0 - 0.82 * f64::from(t));
@@ -34,17 +34,17 @@ impl Scale {
         Light::from(self.colour(t * self.maximum).map(super::shade::decode))
     }
 
-    /// Round values below the maximum for the legend's ticks, m.
+    /// Round values below the maximum, for the legend's ticks, m.
     fn ticks(&self) -> Vec<f32> {
         let raw = self.maximum / 5.0;
         let power = 10f32.powf(raw.log10().floor());
         let step = [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|&s| s >= raw * 0.999).unwrap_or(raw);
-        // The last one leaves room for the label of the maximum itself.
+        // The last tick leaves room for the label of the maximum.
         (0..).map(|i| i as f32 * step).take_while(|&t| t <= self.maximum * 0.9).take(12).collect()
     }
 }
 
-/// A length in millimetres with as many digits as say something.
+/// A length in millimetres, with its significant digits only.
 pub fn millimetres(metres: f32) -> String {
     let mm = metres * 1e3;
     match mm.abs() {
@@ -83,19 +83,19 @@ pub fn bar(image: &mut Image, scale: Scale) {
     }
 }
 
-/// The label of a round value: no more digits than it has.
+/// The label of a round value, without superfluous digits.
 fn tick(metres: f32) -> String {
     let text = format!("{:.3}", metres * 1e3);
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// Title at the upper left, with a smaller line below it.
+/// Draws a title at the upper left, with a smaller line below it.
 pub fn caption(image: &mut Image, x: i32, title: &str, detail: &str) {
     label(image, &iso_8859_1::FONT_10X20, INK, title, x, 44, Alignment::Left);
     label(image, &iso_8859_1::FONT_8X13, PALE, detail, x, 64, Alignment::Left);
 }
 
-/// A ring about a contact point: white with a dark edge, so that it shows on every colour.
+/// Draws a ring around a contact point: white with a dark edge, so that it shows on every colour.
 pub fn marker(image: &mut Image, at: Vec2) {
     let reach = 9i32;
     for dy in -reach..=reach {

@@ -1,4 +1,4 @@
-//! Pictures of a body before and after, without a GPU. The lab draws with this module too.
+//! Pictures of a body before and after, drawn without a GPU. The lab uses this module too.
 
 mod camera;
 mod image;
@@ -20,11 +20,11 @@ use shade::{Frame, Studio};
 
 /// Size of every picture, pixels.
 pub const SIZE: [usize; 2] = [1280, 800];
-/// Each pixel is the mean of this many by this many samples.
+/// Each pixel is the mean of this number of samples in each direction.
 const SAMPLES: usize = 3;
 const MARGINS: Margins = Margins { side: 0.055, top: 0.10, bottom: 0.14 };
 
-/// What is shown: one mesh before and after.
+/// The mesh shown, before and after.
 pub struct Subject<'a> {
     pub triangles: &'a [[u32; 3]],
     pub before: &'a [Vec3],
@@ -33,11 +33,11 @@ pub struct Subject<'a> {
     pub after_normals: &'a [Vec3],
     /// Vertices that were hit.
     pub contacts: &'a [u32],
-    /// Unit: away from the floor, in the mesh's space.
+    /// Unit vector in the mesh's space, away from the floor.
     pub up: Vec3,
 }
 
-/// Which picture.
+/// The kind of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     Base,
@@ -60,13 +60,13 @@ impl Kind {
 }
 
 impl Subject<'_> {
-    /// The vertex that moved furthest, and how far, m.
+    /// The vertex that moved furthest, and its displacement, m.
     pub fn deepest(&self) -> (usize, f32) {
         let lengths = self.after.iter().zip(self.before).map(|(a, b)| (*a - *b).length());
         lengths.enumerate().fold((0, 0.0), |best, new| if new.1 > best.1 { new } else { best })
     }
 
-    /// Draws one picture. All of them share the view, so that they can be laid over each other.
+    /// Draws one picture. All pictures share the view, so that they can be overlaid.
     pub fn draw(&self, kind: Kind) -> Image {
         let moved: Vec<Vec3> = self.after.iter().zip(self.before).map(|(a, b)| *a - *b).collect();
         let values: Vec<f32> = moved.iter().map(|u| u.length()).collect();
@@ -125,7 +125,7 @@ impl Subject<'_> {
         Body { positions, normals, triangles: self.triangles, values }
     }
 
-    /// Rings where the contacts are in sight.
+    /// Draws rings around the contacts that are visible.
     fn mark_contacts(&self, image: &mut Image, camera: &Camera, after: Body<'_>) {
         let surfaces = raster::through(camera, after, SIZE);
         let slack = (camera.far - camera.near) * 0.02;
@@ -141,7 +141,7 @@ impl Subject<'_> {
     }
 }
 
-/// One body in the studio.
+/// Draws one body in the studio.
 pub fn photograph(body: Body<'_>, camera: &Camera, view: View, size: [usize; 2], finish: &Finish<'_>) -> Image {
     let fine = size.map(|n| n * SAMPLES);
     let surfaces = raster::through(camera, body, fine);

@@ -1,4 +1,4 @@
-//! Triangles into pixels with `euc`: the surface seen through each pixel, and depth maps for shadows.
+//! Rasterises triangles with `euc`: the surface seen through each pixel, and depth maps for shadows.
 
 use super::camera::Camera;
 use euc::{
@@ -8,22 +8,22 @@ use euc::{
 };
 use glam::{Vec2, Vec3};
 
-/// What is drawn: a triangle mesh with one scalar a vertex.
+/// A triangle mesh to draw, with one scalar per vertex.
 #[derive(Clone, Copy)]
 pub struct Body<'a> {
     pub positions: &'a [Vec3],
     pub normals: &'a [Vec3],
     pub triangles: &'a [[u32; 3]],
-    /// Length of the displacement, m; empty where it is not wanted.
+    /// Length of the displacement of each vertex, m; empty if it is not needed.
     pub values: &'a [f32],
 }
 
 /// The surface behind one pixel.
 #[derive(Debug, Clone, Copy)]
 pub struct Surface {
-    /// Toward the viewer's side; not of unit length between vertices.
+    /// On the viewer's side; interpolated, so not of unit length.
     pub normal: Vec3,
-    /// Along the view axis, m; infinite where there is no surface.
+    /// Along the view axis, m; infinite if there is no surface.
     pub distance: f32,
     pub value: f32,
 }
@@ -80,15 +80,15 @@ fn facing([a, b, c]: [[f32; 4]; 3]) -> f32 {
     v(a).dot(v(b).cross(v(c)))
 }
 
-/// Draws `body` through `project` (clip coordinates and distance). Both sides of a triangle are drawn; normals of the side
-/// that looks away are turned round.
+/// Draws `body` through `project` (clip coordinates and distance). Both sides of a triangle are drawn. Normals of the
+/// side that faces away are reversed.
 pub fn rasterise(body: Body<'_>, project: impl Fn(Vec3) -> ([f32; 4], f32), size: [usize; 2]) -> Buffer2d<Surface> {
     let seen: Vec<_> = body.positions.iter().map(|&p| project(p)).collect();
     let mut corners = Vec::with_capacity(body.triangles.len() * 3);
     for t in body.triangles {
         let clip = t.map(|i| seen[i as usize].0);
         let side = facing(clip);
-        // euc divides by this area: a triangle seen edge-on has no pixels and would poison them.
+        // euc divides by this area. A triangle seen edge-on has no pixels and would give NaN.
         let reach = clip.iter().flatten().fold(0.0f32, |m, c| m.max(c.abs()));
         if side.abs() <= 1e-12 * reach * reach * reach || !side.is_finite() {
             continue;
@@ -107,8 +107,8 @@ pub fn rasterise(body: Body<'_>, project: impl Fn(Vec3) -> ([f32; 4], f32), size
     pixels
 }
 
-/// Closes the pinholes that rounding leaves between neighbouring triangles: single pixels that look through a surface
-/// which goes on at both sides.
+/// Closes the pinholes that rounding leaves between neighbouring triangles: single pixels that see past a surface which
+/// continues on both sides.
 fn heal(pixels: &mut [Surface], [width, height]: [usize; 2]) {
     let hole = |a: Surface, middle: Surface, b: Surface| {
         let (low, high) = (a.distance.min(b.distance), a.distance.max(b.distance));
@@ -127,15 +127,15 @@ fn heal(pixels: &mut [Surface], [width, height]: [usize; 2]) {
     }
 }
 
-/// Draws `body` as a camera sees it.
+/// Draws `body` as seen by a camera.
 pub fn through(camera: &Camera, body: Body<'_>, size: [usize; 2]) -> Buffer2d<Surface> {
     rasterise(body, |p| camera.project(p), size)
 }
 
-/// Distances to a body from far away in one direction, for shadows.
+/// Distances to a body in one direction, from far away, for shadows.
 pub struct ShadowMap {
     size: usize,
-    /// Along `-direction` from the reference plane, m.
+    /// Distance along `-direction` from the reference plane, m.
     depth: Vec<f32>,
     right: Vec3,
     up: Vec3,
@@ -145,7 +145,7 @@ pub struct ShadowMap {
 }
 
 impl ShadowMap {
-    /// `direction` is the unit vector to the light; the map covers a sphere.
+    /// `direction` is the unit vector towards the light. The map covers a sphere.
     pub fn new(body: Body<'_>, direction: Vec3, centre: Vec3, reach: f32, size: usize) -> ShadowMap {
         let right = direction.any_orthonormal_vector();
         let up = direction.cross(right);
@@ -158,18 +158,18 @@ impl ShadowMap {
         ShadowMap { size, depth, right, up, direction, centre, reach }
     }
 
-    /// How close what lies above `p` comes to it: 1 where it touches, falling over `height` m.
+    /// How close the surface above `p` comes to it: 1 where it touches, falling off over `height` m.
     pub fn contact(&self, p: Vec3, radius: f32, height: f32, taps: Taps<'_>) -> f32 {
         self.gather(p, radius, taps, |gap| if gap > -0.1 * height { (-gap.max(0.0) / height).exp() } else { 0.0 })
     }
 
-    /// How much lies between `p` and the light within a disc of `radius` m about the ray: 0 nothing, 1 all. `bias` is
-    /// the gap that counts as touching, m.
+    /// The share of a disc of `radius` m around the ray from `p` to the light that is blocked: 0 none, 1 all. Gaps up
+    /// to `bias` (m) count as touching, not as blocking.
     pub fn occlusion(&self, p: Vec3, radius: f32, bias: f32, taps: Taps<'_>) -> f32 {
         self.gather(p, radius, taps, |gap| f32::from(gap > bias))
     }
 
-    /// Mean of `weight` over the gaps between `p` and what the light sees around it, m.
+    /// Mean of `weight` over the gaps (m) between `p` and the depths that the light sees around it.
     fn gather(&self, p: Vec3, radius: f32, taps: Taps<'_>, weight: impl Fn(f32) -> f32) -> f32 {
         let q = p - self.centre;
         let at = Vec2::new(q.dot(self.right), -q.dot(self.up));
@@ -193,11 +193,11 @@ impl ShadowMap {
     }
 }
 
-/// Points of the unit disc, to be turned by a rotation of their own at each pixel so that no pattern shows.
+/// Points of the unit disc, with a rotation that differs at each pixel so that no pattern shows.
 #[derive(Clone, Copy)]
 pub struct Taps<'a> {
     pub points: &'a [Vec2],
-    /// Cosine and sine.
+    /// Cosine and sine of the rotation.
     pub turn: Vec2,
 }
 

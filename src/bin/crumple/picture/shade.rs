@@ -1,4 +1,4 @@
-//! A photographer's studio: satin metal under strip lights, on a bright seamless floor.
+//! Shading as in a photographer's studio: satin metal under strip lights, on a bright seamless floor.
 
 use super::{
     camera::{Camera, View},
@@ -6,19 +6,19 @@ use super::{
 };
 use glam::{Vec2, Vec3};
 
-/// Linear light, 1 is paper white.
+/// Linear light; 1 is paper white.
 pub type Light = Vec3;
 
 const SHADOW_TEXELS: usize = 1536;
 /// Diffuse reflectance of the paint.
 const PAINT: Light = Vec3::new(0.045, 0.130, 0.205);
-/// Colour of the metal flakes in it.
+/// Colour of the metal flakes in the paint.
 const FLAKES: Light = Vec3::new(0.16, 0.34, 0.46);
 /// Brightness of a strip light.
 const STRIP: f32 = 5.0;
 const GROUND: Light = Vec3::new(0.80, 0.81, 0.825);
 
-/// Everything that does not change from pixel to pixel.
+/// Everything that is the same for all pixels.
 pub struct Studio<'a> {
     camera: &'a Camera,
     up: Vec3,
@@ -37,7 +37,7 @@ pub struct Studio<'a> {
     body_taps: Vec<Vec2>,
 }
 
-/// How the body's surface looks.
+/// The appearance of the body's surface.
 pub enum Finish<'a> {
     Paint,
     /// Colours of values from 0 to `maximum`, m.
@@ -79,7 +79,7 @@ impl<'a> Studio<'a> {
         }
     }
 
-    /// Light that reaches the viewer through the square of `samples` by `samples` points of a frame at (x, y).
+    /// Light that reaches the viewer through pixel (x, y), which has `samples` by `samples` points of the frame.
     pub fn pixel(&self, x: usize, y: usize, samples: usize, frame: &Frame<'_>, finish: &Finish<'_>) -> Light {
         let (x, y) = (x * samples, y * samples);
         let points = (0..samples * samples).map(|i| (x + i % samples, y + i / samples));
@@ -91,7 +91,7 @@ impl<'a> Studio<'a> {
             let light = self.backdrop(x as f32 + middle, y as f32 + middle, frame, taps);
             sum += light * (samples * samples - covered) as f32;
         }
-        // What is soft by nature is gathered once a pixel, at its first sample.
+        // Soft effects are computed once per pixel, at its first sample.
         let mut shade = None;
         for (x, y) in points.filter(|&(x, y)| frame.at(x, y).is_some()) {
             let (x, y) = (x as f32 + 0.5, y as f32 + 0.5);
@@ -107,7 +107,7 @@ impl<'a> Studio<'a> {
         let p = self.camera.eye + ray * surface.distance;
         let taps = Taps { points: &self.body_taps, turn: turn(x as usize / samples, y as usize / samples) };
         let n = surface.normal.normalize_or(-ray);
-        // A wall sees half the sky as it is: only what hangs over the space before it counts.
+        // A wall always sees half of the sky, so only what hangs over the space in front of it counts.
         let roof =
             self.sky_shadow.occlusion(p + n * (self.radius * 0.10), self.radius * 0.10, self.radius * 0.08, taps);
         let open = self.openness(x, y, p, n, frame, taps);
@@ -123,15 +123,15 @@ impl<'a> Studio<'a> {
             Finish::Paint => self.paint(n, v, shade),
             Finish::Heat { colour, maximum } => {
                 let base = colour((surface.value / maximum).clamp(0.0, 1.0));
-                // The colour is the message; light only hints at the shape.
+                // The colour carries the information; light only hints at the shape.
                 let light = 0.72 + 0.30 * n.dot(self.key).max(0.0) + 0.08 * n.dot(self.up);
                 base * (light * (0.45 + 0.55 * shade.open)).min(1.0)
             }
         }
     }
 
-    /// Metallic paint under clear lacquer: the paint shows the shape by raking light, the lacquer by the strip lights'
-    /// reflections, which bend wherever the surface does.
+    /// Metallic paint under clear lacquer. The paint shows the shape by raking light. The lacquer shows it by the
+    /// reflections of the strip lights, which bend wherever the surface does.
     fn paint(&self, n: Vec3, v: Vec3, Shade { open, direct }: Shade) -> Light {
         let nv = n.dot(v).max(0.02);
         let key = n.dot(self.key).max(0.0);
@@ -148,14 +148,14 @@ impl<'a> Studio<'a> {
         PAINT * (ambient + lit) + FLAKES * flakes + reflected * lacquer
     }
 
-    /// What a mirror sees in direction `d`: a dim room with strip lights in the ceiling.
+    /// The light that a mirror reflects from direction `d`: a dim room with strip lights in the ceiling.
     fn room(&self, d: Vec3) -> Light {
         let (x, y, z) = (d.dot(self.right), d.dot(self.up), d.dot(self.front));
         let wall = Vec3::new(0.80, 0.84, 0.90);
         let ceiling = Vec3::new(0.22, 0.25, 0.30);
         let mut light =
             if y <= 0.0 { wall.lerp(GROUND * 0.7, step(0.0, 0.25, -y)) } else { wall.lerp(ceiling, step(0.0, 0.5, y)) };
-        // Upright tubes in the walls, for bodies that stand: by compass angle, 0 behind the viewer.
+        // Upright tubes in the walls, for upright bodies, placed by azimuth; 0 is behind the viewer.
         let compass = x.atan2(z);
         for at in [-1.9, -1.15, -0.45, 0.5, 1.2] {
             light += Vec3::new(0.96, 0.98, 1.0)
@@ -164,7 +164,7 @@ impl<'a> Studio<'a> {
         if y <= 0.0 {
             return light;
         }
-        // Where the ray meets a ceiling at height 1; far strips melt into the horizon.
+        // Where the ray meets a ceiling at height 1; distant strips fade into the horizon.
         let (u, w) = (x / y.max(0.05), z / y.max(0.05));
         for i in -5..=5 {
             let at = i as f32 * 0.55 + 0.12;
@@ -192,8 +192,8 @@ impl<'a> Studio<'a> {
         light
     }
 
-    /// Share of the surroundings that a surface point sees, from the depths about its pixel (Alchemy's estimator, McGuire
-    /// et al. 2011), at the scale of a dent: shallow dents darken a little, folds and gaps a lot.
+    /// The share of the surroundings that a surface point sees, estimated from the depths around its pixel (Alchemy's
+    /// estimator, McGuire et al. 2011) at the scale of a dent. Shallow dents darken a little, folds and gaps a lot.
     fn openness(&self, x: f32, y: f32, p: Vec3, n: Vec3, frame: &Frame<'_>, taps: Taps<'_>) -> f32 {
         let reach = self.radius * 0.11;
         let pixels =
@@ -219,7 +219,7 @@ impl<'a> Studio<'a> {
     }
 }
 
-/// How much of the light from around and from the key light arrives, 0 to 1.
+/// The shares of the ambient light and of the key light that arrive, 0 to 1.
 #[derive(Clone, Copy)]
 struct Shade {
     open: f32,
@@ -238,24 +238,24 @@ impl Frame<'_> {
     }
 }
 
-/// 0 below `a`, 1 above `b`, smooth between.
+/// 0 below `a`, 1 above `b`, smooth in between.
 fn step(a: f32, b: f32, x: f32) -> f32 {
     let t = ((x - a) / (b - a)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
-/// 1 inside `half` of zero, falling to 0 over `soft` about the edge.
+/// 1 within `half` of zero, falling to 0 over `soft` around the edge.
 fn band(x: f32, half: f32, soft: f32) -> f32 {
     1.0 - step(half - soft * 0.5, half + soft * 0.5, x.abs())
 }
 
-/// A rotation (cosine, sine) that differs from that of the neighbouring pixels: Jimenez's interleaved gradient noise, 2014.
+/// A rotation (cosine, sine) that differs between neighbouring pixels: Jimenez's interleaved gradient noise, 2014.
 fn turn(x: usize, y: usize) -> Vec2 {
     let noise = (52.982_918 * (0.067_110_56 * x as f32 + 0.005_837_15 * y as f32).fract()).fract();
     Vec2::from_angle(noise * std::f32::consts::TAU)
 }
 
-/// Linear light as an 8-bit sRGB value, with a soft shoulder above 0.8 in place of clipping.
+/// Converts linear light to an 8-bit sRGB value, with a soft shoulder above 0.8 instead of clipping.
 pub fn encode(light: f32) -> u8 {
     let x = light.max(0.0);
     let x = if x > 0.8 { 0.8 + 0.2 * (1.0 - (-(x - 0.8) / 0.2).exp()) } else { x };
@@ -263,7 +263,7 @@ pub fn encode(light: f32) -> u8 {
     (s * 255.0 + 0.5) as u8
 }
 
-/// An 8-bit sRGB value as linear light.
+/// Converts an 8-bit sRGB value to linear light.
 pub fn decode(byte: u8) -> f32 {
     let s = f32::from(byte) / 255.0;
     if s <= 0.040_45 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) }

@@ -1,4 +1,4 @@
-//! Facts that pictures must keep to.
+//! Tests of the pictures.
 
 use super::{
     Kind, MARGINS, SIZE, Scale, Subject, View,
@@ -9,7 +9,7 @@ use super::{
 };
 use glam::Vec3;
 
-/// A sphere of radius 1 about `centre`, as positions, normals and triangles.
+/// A sphere of radius 1 around `centre`, as positions, normals and triangles.
 fn sphere(centre: Vec3) -> (Vec<Vec3>, Vec<Vec3>, Vec<[u32; 3]>) {
     let (rings, sectors) = (96u32, 192u32);
     let mut normals = Vec::new();
@@ -42,16 +42,16 @@ fn a_sphere_covers_the_area_that_geometry_says() {
     let body = Body { positions: &positions, normals: &normals, triangles: &triangles, values: &[] };
     let surfaces = raster::through(&camera, body, SIZE);
     let covered = surfaces.as_ref().iter().filter(|s| s.is_some()).count() as f32;
-    // A cone about the sphere cuts the image plane in an ellipse.
+    // The outline of a sphere is an ellipse in the image plane.
     let to = centre - camera.eye;
     let (sin2, cos2) = (1.0 / to.length_squared(), (to.normalize().dot(-camera.back)).powi(2));
     let area = std::f32::consts::PI * sin2 * (1.0 - sin2).sqrt() * cos2.sqrt().max(0.0) / (cos2 - sin2).powf(1.5);
     let pixels = area * (SIZE[1] as f32 / (2.0 * camera.tan.y)).powi(2);
     assert!((covered / pixels - 1.0).abs() < 0.01, "{covered} pixels, {pixels} expected");
-    // The near side hides the far one, without a pinhole.
+    // The near side hides the far side, without pinholes.
     let far = surfaces.as_ref().iter().filter(|s| s.is_some() && s.distance > to.dot(-camera.back)).count();
     assert_eq!(far, 0, "pixels look through the surface");
-    // It fills the frame between the margins.
+    // The sphere fills the frame between the margins.
     let rows = (0..SIZE[1]).filter(|y| surfaces.as_ref()[y * SIZE[0]..(y + 1) * SIZE[0]].iter().any(|s| s.is_some()));
     let rows: Vec<usize> = rows.collect();
     let (top, bottom) = (MARGINS.top * SIZE[1] as f32, (1.0 - MARGINS.bottom) * SIZE[1] as f32);
@@ -83,7 +83,7 @@ fn the_deepest_vertex_has_the_last_colour_of_the_scale() {
     let at = camera.pixel(after[vertex], SIZE);
     let at = (at.y as usize * SIZE[0] + at.x as usize) * 3;
     let colour = Scale { maximum }.colour(maximum);
-    // Light scales a colour and leaves its kind.
+    // Light scales a colour without changing its hue.
     let shares: Vec<f32> = (0..3).map(|c| decode(image.rgb[at + c]) / decode(colour[c])).collect();
     let (low, high) = shares.iter().fold((f32::MAX, 0f32), |(l, h), s| (l.min(*s), h.max(*s)));
     assert!(low > 0.5 && high < 1.15 && high - low < 0.2, "{shares:?}");
