@@ -664,7 +664,7 @@ typedef struct {
     CrumplePair pairs[4];
 } CrumpleMark;
 
-/// The effect of a hit.
+/// The effect of a hit. If its status is not CRUMPLE_HIT_STATUS_MARKED, achieved, chosen and mark are zero.
 typedef struct {
     CrumpleHitStatus status;
     /// The vertex nearest to the point.

@@ -64,7 +64,7 @@ pub struct CrumpleChosen {
     pub reserved: u16,
 }
 
-/// The effect of a hit.
+/// The effect of a hit. If its status is not CRUMPLE_HIT_STATUS_MARKED, achieved, chosen and mark are zero.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleHitResult {
