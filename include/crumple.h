@@ -214,7 +214,7 @@ typedef enum {
 typedef enum {
     /// Each hit leaves a mark. Memory is bounded and the order of hits does not matter. The default.
     CRUMPLE_RULE_MARKS = 0,
-    /// The classic rule "most displaced" of the literature, for comparison. The order of hits matters. The instance has
+    /// The classic rule "most displaced" of the paper, for comparison. The order of hits matters. The instance has
     /// no marks and needs memory for each vertex.
     CRUMPLE_RULE_MOST_DISPLACED = 1,
     /// The classic rule "blend", which uses blend_constant. Otherwise like CRUMPLE_RULE_MOST_DISPLACED.

@@ -73,7 +73,7 @@ mod global {
     /// The least alignment asked of a host.
     const ALIGN: usize = 16;
 
-    struct Host {
+    struct HostCallbacks {
         alloc: AtomicPtr<c_void>,
         free: AtomicPtr<c_void>,
         user: AtomicPtr<c_void>,
@@ -82,8 +82,8 @@ mod global {
     type Alloc = unsafe extern "C" fn(usize, usize, *mut c_void) -> *mut c_void;
     type Free = unsafe extern "C" fn(*mut c_void, usize, usize, *mut c_void);
 
-    static TABLE: [Host; HOSTS] = [const {
-        Host {
+    static TABLE: [HostCallbacks; HOSTS] = [const {
+        HostCallbacks {
             alloc: AtomicPtr::new(std::ptr::null_mut()),
             free: AtomicPtr::new(std::ptr::null_mut()),
             user: AtomicPtr::new(std::ptr::null_mut()),
@@ -110,7 +110,7 @@ mod global {
             }
             std::hint::spin_loop();
         };
-        let same = |host: &Host| {
+        let same = |host: &HostCallbacks| {
             (host.alloc.load(Relaxed), host.free.load(Relaxed), host.user.load(Relaxed)) == (alloc, free, def.user)
         };
         let place = TABLE[..taken].iter().position(same).unwrap_or(taken);

@@ -22,7 +22,7 @@ use std::ops::Range;
 pub(super) struct Attached {
     pub(super) device: Kind,
     /// By handle.
-    hosts: HashMap<u64, Host>,
+    hosts: HashMap<u64, HostBuffer>,
     /// The lists of a recording, kept between frames.
     pub(super) chosen: Vec<CrumpleBuffer>,
     pub(super) jobs: Vec<RecordJob<'static>>,
@@ -62,7 +62,7 @@ impl Kind {
     }
 }
 
-struct Host {
+struct HostBuffer {
     /// Of the host's own device.
     def: Option<BufferDef>,
     id: BufferId,
@@ -165,7 +165,7 @@ impl Attached {
             }
             (None, Kind::Hosts(device)) => {
                 let id = device.add_buffer(&buffer)?;
-                self.hosts.insert(def.buffer, Host { def: Some(buffer), id, ranges: 0 });
+                self.hosts.insert(def.buffer, HostBuffer { def: Some(buffer), id, ranges: 0 });
                 id
             }
         };
@@ -195,7 +195,7 @@ impl Attached {
 
     /// Forgets a buffer of the host's device that no range lies in.
     fn forget(&mut self, handle: u64) -> Result<(), Failure> {
-        let unused = |host: &Host| host.ranges == 0 && host.def.is_some();
+        let unused = |host: &HostBuffer| host.ranges == 0 && host.def.is_some();
         if let Some(host) = self.hosts.get(&handle).filter(|host| unused(host)) {
             let id = host.id;
             self.hosts.remove(&handle);
@@ -219,7 +219,7 @@ impl Attached {
         };
         let id = own.import_buffer(&def)?;
         let handle = own.device().handle_of(id)?;
-        self.hosts.insert(handle, Host { def: None, id, ranges: 0 });
+        self.hosts.insert(handle, HostBuffer { def: None, id, ranges: 0 });
         Ok(handle)
     }
 

@@ -370,7 +370,7 @@ proptest! {
         before.iter().for_each(|s| host.take(s));
         for instance in host.instances.clone() {
             for contact in 1..3 {
-                // SAFETY: plain values. With the literature's rules there is none to end.
+                // SAFETY: plain values. With a classic rule there is none to end.
                 unsafe { crumple_instance_end_contact(host.context, instance, contact) };
             }
         }

@@ -21,14 +21,14 @@ pub(crate) struct Blend {
 /// An example as the paper stores it: an index and three floats per moved vertex.
 #[derive(Debug, Clone)]
 pub(crate) struct Sparse {
-    entries: Vec<Entry>,
+    entries: Vec<SparseEntry>,
     /// Change of normal of each entry; empty if the mesh has no normals.
     normals: Vec<Vec3>,
 }
 
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
-struct Entry {
+struct SparseEntry {
     vertex: u32,
     /// m.
     displacement: Vec3,
@@ -38,7 +38,7 @@ impl Sparse {
     pub(crate) fn new(example: &DeltaBlocks, normals: bool) -> Self {
         let moved = || example.iter().filter(move |(_, d, _)| normals || *d != Vec3::ZERO);
         Sparse {
-            entries: moved().map(|(vertex, displacement, _)| Entry { vertex, displacement }).collect(),
+            entries: moved().map(|(vertex, displacement, _)| SparseEntry { vertex, displacement }).collect(),
             normals: if normals { moved().map(|(_, _, n)| n).collect() } else { Vec::new() },
         }
     }
@@ -46,7 +46,7 @@ impl Sparse {
 
 /// The displaced vertices of one instance.
 #[derive(Debug, Clone)]
-pub(crate) struct State {
+pub(crate) struct ClassicState {
     positions: Vec<Vec3>,
     normals: Vec<Vec3>,
     /// The examples used so far, in the form that the rule reads.
@@ -69,7 +69,7 @@ pub(crate) struct Applied {
 /// Capacity of a journal. A copy of the state that is further behind is replaced as a whole.
 const JOURNAL: usize = 256;
 
-impl State {
+impl ClassicState {
     pub(crate) fn new(set: &ExampleSet) -> Result<Self, Error> {
         let mut positions = reserve(set.vertex_count(), "an instance's positions")?;
         positions.extend_from_slice(set.mesh().positions());
@@ -77,7 +77,7 @@ impl State {
         let mut normals = reserve(base.len(), "an instance's normals")?;
         normals.extend_from_slice(base);
         let sparse = set.examples().iter().map(|_| None).collect();
-        Ok(State { positions, normals, sparse, journal: Vec::new(), known_since: 0 })
+        Ok(ClassicState { positions, normals, sparse, journal: Vec::new(), known_since: 0 })
     }
 
     pub(crate) fn vertices(&self) -> DisplacedVertices<'_> {
@@ -169,7 +169,7 @@ impl State {
 
     /// Reads the state that [`State::save`] wrote.
     pub(crate) fn load(set: &ExampleSet, bytes: &[u8]) -> Result<Self, Error> {
-        let mut state = State::new(set)?;
+        let mut state = ClassicState::new(set)?;
         for (at, e) in saved::entries(set, bytes, saved::CLASSIC, 28)?.chunks_exact(28).enumerate() {
             let word = |i: usize| u32::from_le_bytes([e[i], e[i + 1], e[i + 2], e[i + 3]]);
             let vec =

@@ -1,7 +1,7 @@
 //! How the classic rule chooses an example: Figure 4.2 of the paper.
 
 use crate::example::set::ExampleSet;
-use crate::select::target::Target;
+use crate::select::target::HitTarget;
 use glam::Vec3;
 
 /// An example and its blend weight.
@@ -15,7 +15,7 @@ pub(crate) struct Weighted {
 
 /// Selects the example with the best cosine similarity (Eq. 4.5) among those that move the contact. Its weight is the
 /// length of the target over that of the example's displacement (Eq. 4.7), at most 1 if `clamp`.
-pub(crate) fn select_by_cosine(set: &ExampleSet, target: &Target, clamp: bool) -> Option<Weighted> {
+pub(crate) fn select_by_cosine(set: &ExampleSet, target: &HitTarget, clamp: bool) -> Option<Weighted> {
     let mut best: Option<(f32, usize, Vec3)> = None;
     for (i, e) in set.examples().iter().enumerate() {
         let d = e.delta(target.contact);

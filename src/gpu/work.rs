@@ -12,7 +12,7 @@ use super::vertices::VertexStream;
 use super::{BLOCK_VERTICES, Encoding};
 use crate::base::error::Error;
 use crate::base::math::Aabb;
-use crate::classic::State;
+use crate::classic::ClassicState;
 use crate::damage::dent::{Carried, PlacedExample, Reach};
 use crate::deform::kernel::Lengths;
 use crate::deform::view::DamageView;
@@ -201,7 +201,7 @@ impl FrameWork {
     pub(super) fn add_classic(
         &mut self,
         shown: Shown<'_>,
-        (state, blend_constant): (&State, f32),
+        (state, blend_constant): (&ClassicState, f32),
         normals: bool,
         since: Option<u64>,
     ) -> Aabb {

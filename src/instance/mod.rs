@@ -8,7 +8,7 @@ pub(crate) mod options;
 mod selection;
 
 use crate::base::error::{Error, at_least_zero};
-use crate::classic::{Blend, State};
+use crate::classic::{Blend, ClassicState};
 use crate::damage::changes::{ChangeRecorder, Changes};
 use crate::damage::dent::Dent;
 use crate::damage::list::Damage;
@@ -52,7 +52,7 @@ pub struct Instance {
     /// The damage shown: settled marks and those of open contacts.
     damage: Damage,
     contacts: Contacts,
-    classic: Option<State>,
+    classic: Option<ClassicState>,
     limit: f32,
     /// The tolerance in use: a power of two times 1 m, or 0.
     tolerance: f32,
@@ -84,7 +84,7 @@ impl Instance {
             world_to_local: DMat3::IDENTITY,
             local_origin_in_world: DVec3::ZERO,
         };
-        let classic = if options.rule == Rule::Marks { None } else { Some(State::new(&set)?) };
+        let classic = if options.rule == Rule::Marks { None } else { Some(ClassicState::new(&set)?) };
         let blocks = set.lods().map(|s| vec![0; s.blocks()]).collect();
         let tolerance = if options.rule == Rule::Marks { rounded(options.tolerance) } else { 0.0 };
         let threshold = threshold(&set, &[], tolerance);
@@ -308,7 +308,7 @@ impl Instance {
     /// [`Error::InvalidArgument`] for a mark that the set cannot have. After an error nothing has changed.
     pub fn load(&mut self, bytes: &[u8]) -> Result<(), Error> {
         if self.classic.is_some() {
-            let mut state = State::load(&self.set, bytes)?;
+            let mut state = ClassicState::load(&self.set, bytes)?;
             self.inbox.queue().clear();
             ChangeRecorder::new(&self.set, &mut self.changes, 0.0).everything();
             state.replaced(self.changes.epoch);
@@ -382,7 +382,7 @@ impl Instance {
         if let Rule::Blend(k) = self.options.rule { k } else { 0.0 }
     }
 
-    pub(crate) fn classic_state(&self) -> Option<&State> {
+    pub(crate) fn classic_state(&self) -> Option<&ClassicState> {
         self.classic.as_ref()
     }
 

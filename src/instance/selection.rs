@@ -9,7 +9,7 @@ use crate::example::set::ExampleSet;
 use crate::mesh::mirror::Mirror;
 use crate::select::hit::{Chosen, Hit, HitStatus, Outcome, Selection};
 use crate::select::nearest::{report, select_nearest};
-use crate::select::target::{HitParams, Target, resolve};
+use crate::select::target::{HitParams, HitTarget, resolve};
 
 /// What a hit leaves on the instance.
 #[derive(Debug, Clone, Copy)]
@@ -35,7 +35,7 @@ pub(crate) fn select(set: &ExampleSet, rule: Rule, params: &HitParams, hit: &Hit
     Ok((outcome, effect.unwrap_or(Effect::None)))
 }
 
-fn classic(set: &ExampleSet, rule: Rule, target: &Target, clamp: bool, out: &mut Outcome) -> Option<Effect> {
+fn classic(set: &ExampleSet, rule: Rule, target: &HitTarget, clamp: bool, out: &mut Outcome) -> Option<Effect> {
     let chosen = select_by_cosine(set, target, clamp)?;
     let (example, weight) = (chosen.example, chosen.weight);
     if rule != Rule::Marks {

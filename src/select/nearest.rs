@@ -4,15 +4,15 @@ use super::hit::{Chosen, HitStatus, Outcome};
 use super::placement::{Choice, placement_for};
 use super::query::HitQuery;
 use super::shortlist::{Scored, Shortlist};
-use super::target::Target;
+use super::target::HitTarget;
 use crate::damage::dent::{PlacedMark, frame_rotations, place};
 use crate::damage::mark::{MAX_PAIRS, Mark, Pair};
 use crate::example::candidates::LANES;
 use crate::example::set::ExampleSet;
 
 /// Makes the mark of a hit from up to `k` examples. `None` if no example fits the hit.
-pub(crate) fn select_nearest(set: &ExampleSet, k: usize, target: &Target, out: &mut Outcome) -> Option<Mark> {
-    let Target { contact, direction, size } = *target;
+pub(crate) fn select_nearest(set: &ExampleSet, k: usize, target: &HitTarget, out: &mut Outcome) -> Option<Mark> {
+    let HitTarget { contact, direction, size } = *target;
     let pairs = nearest_pairs(set, k, &HitQuery::new(set, contact, direction, size, set.learned().place_width));
     if pairs[0].is_none() {
         return None;

@@ -35,7 +35,7 @@ impl HitParams {
 
 /// The displacement that a hit asks of a vertex.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Target {
+pub(crate) struct HitTarget {
     pub contact: u32,
     /// Unit vector.
     pub direction: Vec3,
@@ -45,7 +45,7 @@ pub(crate) struct Target {
 
 /// Computes the target of a hit. There is none if the hit is too weak; the outcome's status is then `BelowYield`.
 /// Otherwise the status is `NothingReaches` until an example is chosen.
-pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Outcome, Option<Target>), Error> {
+pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Outcome, Option<HitTarget>), Error> {
     check(hit)?;
     let contact = contact(set, p, p.local(hit.point, hit.space))?;
     let mass = |given: Option<f32>| {
@@ -85,7 +85,7 @@ pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Out
     outcome.clamped = length > f64::from(p.depth_limit) && p.selection != Selection::ClassicUnclamped;
     let size = if outcome.clamped { p.depth_limit } else { length.min(f64::from(f32::MAX)) as f32 };
     let direction = (target / length).as_vec3();
-    Ok((outcome, Some(Target { contact: contact.vertex, direction, size })))
+    Ok((outcome, Some(HitTarget { contact: contact.vertex, direction, size })))
 }
 
 fn check(hit: &Hit) -> Result<(), Error> {

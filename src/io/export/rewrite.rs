@@ -6,7 +6,7 @@ use super::vertices::Vertices;
 use crate::base::error::Error;
 use crate::io::import::document::Document;
 use crate::io::import::gltf::{Part, choose, parts};
-use crate::io::import::uri::{self, Target};
+use crate::io::import::uri::{self, UriTarget};
 use crate::io::import::{MeshChoice, unsupported};
 use serde_json::{Map, Value};
 use std::collections::HashMap;
@@ -139,7 +139,7 @@ fn embed_images(doc: &Document<'_>, root: &mut Value, blob: &mut Blob) -> Result
     for i in 0..root["images"].as_array().map_or(0, Vec::len) {
         let what = format!("image {i}");
         let Some(uri) = root["images"][i]["uri"].as_str().map(str::to_owned) else { continue };
-        let Target::File(path) = uri::parse(&uri, &what)? else { continue };
+        let UriTarget::File(path) = uri::parse(&uri, &what)? else { continue };
         let bytes = doc.read_relative(&path, &what)?;
         let mime = media_type(&bytes, &path).ok_or_else(|| {
             unsupported(format!("{what}, '{path}', is no image that glTF knows (PNG, JPEG, WebP, AVIF, KTX2, DDS)"))

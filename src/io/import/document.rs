@@ -1,6 +1,6 @@
 //! The container of a glTF: GLB chunks, parsed JSON, and buffers that are loaded on first use.
 
-use super::uri::{self, Target};
+use super::uri::{self, UriTarget};
 use super::{malformed, unsupported};
 use crate::base::error::Error;
 use ::gltf::json::{self, Index};
@@ -108,8 +108,8 @@ impl<'a> Document<'a> {
         };
         let bytes: Cow<'a, [u8]> = match (&buffer.uri, self.bin) {
             (Some(uri), _) => match uri::parse(uri, &what)? {
-                Target::Data(bytes) => Cow::Owned(bytes),
-                Target::File(path) => external(uri::read_file(self.base_dir, &path, &what, Some(length))?),
+                UriTarget::Data(bytes) => Cow::Owned(bytes),
+                UriTarget::File(path) => external(uri::read_file(self.base_dir, &path, &what, Some(length))?),
             },
             (None, Some(bin)) if index == 0 => Cow::Borrowed(bin),
             (None, _) => return Err(self.no_data(index)),

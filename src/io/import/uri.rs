@@ -11,7 +11,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// The target of a URI, not yet read.
-pub(crate) enum Target {
+pub(crate) enum UriTarget {
     /// The bytes of a `data:` URI.
     Data(Vec<u8>),
     /// A relative path, percent-decoded.
@@ -19,10 +19,10 @@ pub(crate) enum Target {
 }
 
 /// Parses a URI. `what` names the user of the URI in errors.
-pub(crate) fn parse(uri: &str, what: &str) -> Result<Target, Error> {
+pub(crate) fn parse(uri: &str, what: &str) -> Result<UriTarget, Error> {
     let scheme = uri.split_once(':').map(|(scheme, _)| scheme).filter(|s| is_scheme(s));
     match scheme {
-        Some(s) if s.eq_ignore_ascii_case("data") => data(&uri[5..], what).map(Target::Data),
+        Some(s) if s.eq_ignore_ascii_case("data") => data(&uri[5..], what).map(UriTarget::Data),
         Some(_) => Err(unsupported(format!(
             "{what} points to '{}'; only relative paths and data: URIs are read",
             shortened(uri)
@@ -34,7 +34,7 @@ pub(crate) fn parse(uri: &str, what: &str) -> Result<Target, Error> {
                 "{what} points to the absolute path '{}'; only relative paths are read",
                 shortened(uri)
             ))),
-            path => Ok(Target::File(path.into_owned())),
+            path => Ok(UriTarget::File(path.into_owned())),
         },
     }
 }
