@@ -138,7 +138,7 @@ impl<'a> Chosen<'a> {
         named: impl Iterator<Item = (CrumpleBuffer, &'b BufferEntry)>,
     ) -> Result<(), Failure> {
         if self.all {
-            instances.iter_mut::<CrumpleInstance>().for_each(|(_, entry)| entry.instance.fold());
+            fold_all(instances);
             return Ok(());
         }
         for (_, entry) in named {
@@ -156,6 +156,11 @@ impl<'a> Chosen<'a> {
     pub(super) fn most(&self, there_are: usize) -> usize {
         if self.all { there_are } else { self.sorted.len() }
     }
+}
+
+/// Turns the waiting hits of every instance into damage.
+pub(super) fn fold_all(instances: &mut Slots<InstanceEntry>) {
+    instances.iter_mut::<CrumpleInstance>().for_each(|(_, entry)| entry.instance.fold());
 }
 
 /// Refuses buffers that share memory.

@@ -4,7 +4,7 @@ use super::attach::*;
 use super::buffer::*;
 use super::context::*;
 use super::damage::*;
-use super::deform::{CrumpleDeformReport, crumple_context_deform, vertices_digest};
+use super::deform::{CrumpleDeformReport, crumple_context_deform, fold_all, vertices_digest};
 use super::hit::*;
 use super::host_memory::CrumpleHostBufferDef;
 use super::instance::*;
@@ -426,7 +426,7 @@ impl Player {
         if all {
             // The buffers that the recording names may be fewer than there are by now; its instances are all.
             let folded = exclusive("crumple_context_deform", self.context, |_, state| {
-                state.instances.iter_mut::<CrumpleInstance>().for_each(|(_, entry)| entry.instance.fold());
+                fold_all(&mut state.instances);
                 Ok(())
             });
             if folded != CrumpleResult::CrumpleOk {

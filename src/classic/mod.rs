@@ -42,6 +42,10 @@ impl Sparse {
             normals: if normals { moved().map(|(_, _, n)| n).collect() } else { Vec::new() },
         }
     }
+
+    fn bytes(&self) -> usize {
+        size_of_val(&self.entries[..]) + size_of_val(&self.normals[..])
+    }
 }
 
 /// The displaced vertices of one instance.
@@ -78,6 +82,13 @@ impl ClassicState {
         normals.extend_from_slice(base);
         let sparse = set.examples().iter().map(|_| None).collect();
         Ok(ClassicState { positions, normals, sparse, journal: Vec::new(), known_since: 0 })
+    }
+
+    pub(crate) fn memory_bytes(&self) -> usize {
+        size_of_val(&self.positions[..])
+            + size_of_val(&self.normals[..])
+            + self.sparse.iter().flatten().map(Sparse::bytes).sum::<usize>()
+            + size_of_val(&self.journal[..])
     }
 
     pub(crate) fn vertices(&self) -> DisplacedVertices<'_> {

@@ -366,12 +366,8 @@ impl Instance {
 
     /// Returns the memory held for this instance, without the shared set, bytes.
     pub fn memory_bytes(&self) -> usize {
-        let state = self
-            .classic
-            .as_ref()
-            .map_or(0, |_| self.set.vertex_count() * if self.set.mesh().normals().is_some() { 24 } else { 12 });
         size_of::<Self>()
-            + state
+            + self.classic.as_ref().map_or(0, ClassicState::memory_bytes)
             + self.changes.blocks.iter().map(|b| b.len() * 8).sum::<usize>()
             + self.damage.memory_bytes()
             + self.contacts.memory_bytes()
