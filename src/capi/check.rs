@@ -2,6 +2,8 @@
 
 use super::c_enum::{CEnum, number};
 use super::result::{CrumpleResult, Failure};
+use super::types::CrumpleStriker;
+use crate::example::blow::Striker;
 use std::ffi::{CStr, c_char};
 use std::mem::MaybeUninit;
 
@@ -212,6 +214,17 @@ pub(super) fn positive_or(value: f32, name: &str, unit: &str, zero: &str) -> Res
         v if v > 0.0 => Ok(Some(v)),
         v => Err(Failure::invalid(format!("{name} is {v} {unit}; it must be positive, or 0 for {zero}"))),
     }
+}
+
+/// Reads a striker, of which zeros are unknown.
+pub(super) fn striker(striker: CrumpleStriker, name: &str) -> Result<Striker, Failure> {
+    let field = |field: &str| format!("{name}.{field}");
+    finite(striker.velocity.array(), &field("velocity"))?;
+    Ok(Striker {
+        mass: positive_or(striker.mass, &field("mass"), "kg", "an unknown one")?,
+        radius: positive_or(striker.radius, &field("radius"), "m", "an unknown one")?,
+        velocity: striker.velocity.known(),
+    })
 }
 
 #[cfg(test)]
