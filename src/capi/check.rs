@@ -238,6 +238,15 @@ mod tests {
         assert_eq!(failure.message, "depth_limit is -1 m; it must be positive, or 0 for the deepest example");
     }
 
+    #[test]
+    fn zeros_of_a_striker_are_unknown() {
+        assert_eq!(striker(CrumpleStriker::default(), "striker").ok(), Some(Striker::default()));
+        let known = Striker { mass: Some(2.5), velocity: Some([0.0, 0.5, -4.0]), radius: Some(0.08) };
+        assert_eq!(striker(known.into(), "striker").ok(), Some(known));
+        let failure = striker(CrumpleStriker { radius: -1.0, ..known.into() }, "def.striker").expect_err("no radius");
+        assert_eq!(failure.message, "def.striker.radius is -1 m; it must be positive, or 0 for an unknown one");
+    }
+
     #[repr(C)]
     #[derive(Clone, Copy, Debug, PartialEq)]
     struct CrumpleTodayDef {

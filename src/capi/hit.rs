@@ -153,7 +153,8 @@ pub extern "C" fn crumple_displacement_def_default() -> CrumpleDisplacementDef {
 /// A hit that is too weak, or that no example fits, is not an error; see out_result->status. out_result may be null.
 /// With a contact_id, it describes this hit alone. May be called from any thread at any time, except while the instance
 /// or context is being destroyed. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (duration not above 0, a negative mass or
-/// radius, or no mass in def or set), CRUMPLE_ERROR_CONTACT_TOO_FAR, CRUMPLE_ERROR_WRONG_RULE (a contact_id with a classic rule).
+/// radius, or no mass in def or set), CRUMPLE_ERROR_CONTACT_TOO_FAR, CRUMPLE_ERROR_WRONG_RULE (a contact_id with a
+/// classic rule).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_submit_impulse(
     context: *mut CrumpleContext,
