@@ -527,7 +527,13 @@ typedef struct {
     bool has_tangents;
     /// Number of meshes: 1 + added levels of detail.
     uint32_t lod_count;
-    uint64_t reserved[4];
+    /// Number of examples that know their blow. From 1 on, the set predicts what an impulse leaves.
+    uint32_t blow_count;
+    /// Median error of the displacements around an example, and of its depth, when the other examples predict them:
+    /// relative, 0 is perfect. Negative if unknown.
+    float field_error;
+    float depth_error;
+    uint64_t reserved[2];
 } CrumpleExampleSetInfo;
 
 /// Facts about an example. name is UTF-8, never null, and valid until the set is destroyed.
@@ -548,7 +554,11 @@ typedef struct {
     /// Distance from the contact to the furthest vertex that moves noticeably, m.
     float support_radius;
     CrumplePlacement placement;
-    uint64_t reserved[2];
+    /// Error of its displacements, and of its depth, when the other examples predict them: relative, 0 is perfect.
+    /// Negative if unknown. Where they are large, one more example helps most.
+    float field_error;
+    float depth_error;
+    uint64_t reserved;
 } CrumpleExampleInfo;
 
 /// A part of the mesh with its own material. material is its name (UTF-8, valid until the set is destroyed) or null.
@@ -613,9 +623,9 @@ typedef struct {
 } CrumpleInstanceInfo;
 
 /// A hit given as a blow. point and vectors are in the given space (default CRUMPLE_SPACE_LOCAL). Give impulse, or mass
-/// and velocity of the striker. The target displacement of the contact is impulse * duration / mass. To make dents
-/// independent of the frame rate, use a constant of the material as duration, and report a contact once with its whole
-/// impulse, or in parts with a contact_id.
+/// and velocity of the striker. Report a contact once with its whole impulse, or in parts with a contact_id. If any
+/// example of the set knows its blow, the set predicts the displacement of the contact: give as much of the blow as the
+/// engine knows. Otherwise the displacement is impulse * duration / mass.
 typedef struct {
     uint32_t struct_size;
     CrumpleSpace space;
@@ -623,9 +633,10 @@ typedef struct {
     CrumpleVec3 point;
     /// The impulse on the body, N s. Default 0: striker.mass * striker.velocity. If that is 0 too, there is no mark.
     CrumpleVec3 impulse;
-    /// How long the impulse acted, s: a constant of the material such as 0.01, not the time step. Required.
+    /// How long the impulse acted, s: a constant of the material such as 0.01, not the time step. Required if no example
+    /// knows its blow.
     float duration;
-    /// Mass of the contact vertex, kg. Default 0: the set's mass for that vertex.
+    /// Mass of the contact vertex, kg, for impulse * duration / mass. Default 0: the set's mass for that vertex.
     float mass;
     /// Contact normal, out of the body, of any length. Default 0: unknown.
     CrumpleVec3 normal;
@@ -1068,7 +1079,7 @@ CrumpleResult crumple_instance_set_tolerance(CrumpleContext *context, CrumpleIns
 /// distance. Returns 0 for invalid arguments: negative or NaN, a field of view of 0 or at least pi, a height of 0.
 float crumple_pixel_tolerance(float pixels, float distance, float fov_y, float viewport_height);
 
-/// Returns a zero impulse in the mesh's space. Set point, impulse and duration.
+/// Returns a zero impulse in the mesh's space. Set point and impulse, and what else is known.
 CrumpleImpulseDef crumple_impulse_def_default(void);
 
 /// Returns a zero displacement in the mesh's space. Set point and displacement.
@@ -1077,8 +1088,8 @@ CrumpleDisplacementDef crumple_displacement_def_default(void);
 /// Submits a hit. The call selects the examples. The next read of the damage applies the mark (see "Reads" at the top).
 /// A hit that is too weak, or that no example fits, is not an error; see out_result->status. out_result may be null.
 /// With a contact_id, it describes this hit alone. May be called from any thread at any time, except while the instance
-/// or context is being destroyed. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (duration not above 0, a negative mass or
-/// radius, or no mass in def or set), CRUMPLE_ERROR_CONTACT_TOO_FAR, CRUMPLE_ERROR_WRONG_RULE (a contact_id with a
+/// or context is being destroyed. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a negative duration, mass
+/// or radius; no duration, or no mass in def and set, where they are needed), CRUMPLE_ERROR_CONTACT_TOO_FAR, CRUMPLE_ERROR_WRONG_RULE (a contact_id with a
 /// classic rule).
 CrumpleResult crumple_instance_submit_impulse(CrumpleContext *context, CrumpleInstance instance,
                                               const CrumpleImpulseDef *def, CrumpleHitResult *out_result);
