@@ -183,13 +183,14 @@ typedef enum {
     CRUMPLE_INDEX_TYPE_U16 = 1,
 } CrumpleIndexType;
 
-/// How the displacements of several marks combine at a vertex. The result always has the direction of their sum.
+/// How several marks act together. Each vertex moves along the sum of their displacements, up to the depth limit.
 typedef enum {
-    /// Displacements add, up to the depth limit.
+    /// Displacements add. Hits that repeat a mark add their depths.
     CRUMPLE_COMBINE_SUM = 1,
-    /// Energies add: the sum is no longer than the square root of the sum of squared lengths. The default.
+    /// Energies add where marks overlap: n equal hits at one place leave a dent n^(1/2.4) times as deep, and wider.
+    /// Displacements of marks that do not overlap add. The default.
     CRUMPLE_COMBINE_ENERGIES = 0,
-    /// The sum is no longer than the longest displacement.
+    /// The sum is no longer than the longest displacement. The strongest of equal hits counts.
     CRUMPLE_COMBINE_DEEPEST = 2,
 } CrumpleCombine;
 
@@ -686,8 +687,8 @@ typedef struct {
     uint32_t contact;
     /// Requested depth at the contact, m, above 0.
     float depth;
-    /// Strength squared, in units of 2^-32: 4294967296 for one hit. Hits that repeat the mark add to it. With
-    /// CRUMPLE_COMBINE_SUM it is the strength itself; with CRUMPLE_COMBINE_DEEPEST the greatest strength.
+    /// Energy in hits of this depth, in units of 2^-32: 4294967296 for one hit. Hits that repeat the mark add to it.
+    /// With CRUMPLE_COMBINE_SUM it is the factor for the depth; with CRUMPLE_COMBINE_DEEPEST the greatest of them.
     uint64_t energy;
     /// Up to four examples. Used pairs come first.
     CrumplePair pairs[4];
