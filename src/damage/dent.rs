@@ -16,11 +16,10 @@
 //! is. Carried examples fade to zero towards held rims ([`crate::mesh::rim`]).
 
 use super::mark::{MAX_PAIRS, Mark, Pair};
-use super::overlap::{Nearby, strength_alone};
 use crate::base::array_vec::ArrayVec;
 use crate::base::math::{Aabb, rotation_between};
 use crate::example::mesh_lod::MeshLod;
-use crate::example::options::{Combine, Seams};
+use crate::example::options::Seams;
 use crate::example::set::ExampleSet;
 use crate::example::stamp::{WEIGHTS, lift};
 use glam::{Mat3, UVec2, Vec2, Vec3};
@@ -87,24 +86,29 @@ pub(crate) struct Dent {
     pub nearby: Nearby,
 }
 
+/// What a dent needs to know of itself and of the marks near it ([`super::overlap`]).
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Nearby {
+    pub contact: u32,
+    /// Depth to the power by which energies grow.
+    pub power: f64,
+    /// How far one hit moves the contact, m.
+    pub depth: f32,
+    /// Squared distance from the contact beyond which one hit moves nothing, m².
+    pub reach_square: f32,
+    /// The largest factor for the stretch.
+    pub widest: f32,
+    /// Energy that other marks have here, in units of [`Mark::energy`] with hits of this mark's depth.
+    pub others: u128,
+}
+
 impl Dent {
-    /// Makes the dent of a mark alone, not widened. The mark must be valid.
-    pub(crate) fn new(set: &ExampleSet, mark: &Mark) -> Self {
+    /// Makes the dent of one hit of a mark, not widened. The mark must be valid.
+    pub(crate) fn of_one_hit(set: &ExampleSet, mark: &Mark) -> Self {
         let parts =
             place(set, mark.contact, mark.depth, &mark.pairs, &frame_rotations(set, mark.contact, &mark.pairs)).parts;
-        let strength = strength_alone(mark.energy, set.options().combine);
-        let mut dent = Dent {
-            strength,
-            alone: strength,
-            wide: 1.0,
-            contact: set.mesh().positions()[mark.contact as usize],
-            parts,
-            nearby: Nearby::default(),
-        };
-        if set.options().combine == Combine::Energies {
-            dent.nearby = Nearby::new(set, mark, &dent);
-        }
-        dent
+        let contact = set.mesh().positions()[mark.contact as usize];
+        Dent { strength: 1.0, alone: 1.0, wide: 1.0, contact, parts, nearby: Nearby::default() }
     }
 
     /// Sets the factor for the stretch.

@@ -2,7 +2,7 @@
 
 use super::dent::{Dent, Reach};
 use super::mark::Mark;
-use super::overlap::{change, energy_factor, is_gone, overlap, settle, strength_alone};
+use super::overlap::{change, dent_alone, energy_factor, is_gone, overlap, settle, strength_alone};
 use crate::base::error::{Error, reserve};
 use crate::base::math::Aabb;
 use crate::example::options::Combine;
@@ -38,8 +38,8 @@ impl Damage {
 
     /// Adds new marks. They are sorted first, so the result does not depend on their order. If a mark with the same
     /// contact, depth and pairs exists, it takes the new mark's energy. Above `capacity` the weakest mark (smallest
-    /// strength alone times depth) is removed. Its energy, converted by the ratio of depths, goes to the mark with the nearest
-    /// contact. Ties go to the first mark in order.
+    /// strength alone times depth) is removed. Its energy, converted by the ratio of depths, goes to the mark with the
+    /// nearest contact. Ties go to the first mark in order.
     pub(crate) fn add(&mut self, set: &ExampleSet, mut new: Vec<Mark>, capacity: usize, changed: Changed<'_>) {
         if new.is_empty() {
             return;
@@ -64,7 +64,7 @@ impl Damage {
             let energy = |marks: &[Mark], at: Option<usize>| at.map_or(0, |at| marks[at].energy);
             let dent = match (old, new) {
                 (Some(old), _) => before.dents[old].clone(),
-                (None, new) => Dent::new(set, &marks[new.unwrap_or(0)]),
+                (None, new) => dent_alone(set, &marks[new.unwrap_or(0)]),
             };
             entries.push(Entry { dent, before: energy(&before.marks, old), after: energy(&marks, new) });
         });

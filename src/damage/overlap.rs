@@ -14,7 +14,7 @@
 //! Terms of other marks are rounded down to whole units of energy. So `E_m` is a sum of integers: hits can be added and
 //! taken away one by one, and the sum does not depend on their order.
 
-use super::dent::{Dent, limited};
+use super::dent::{Dent, Nearby, limited};
 use super::mark::Mark;
 use crate::example::options::Combine;
 use crate::example::set::ExampleSet;
@@ -28,34 +28,22 @@ const ROOM: f32 = 0.11;
 /// Dents whose strength alone is below this are removed.
 const LEAST: f32 = 1e-4;
 
-/// What a dent needs to know of itself and of the marks near it.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Nearby {
-    contact: u32,
-    /// Depth to the power [`EXPONENT`].
-    power: f64,
-    /// How far one hit moves the contact, m.
-    depth: f32,
-    /// Squared distance from the contact beyond which one hit moves nothing, m².
-    reach_square: f32,
-    /// The largest factor for the stretch.
-    widest: f32,
-    /// Energy that other marks have here, in units of [`Mark::energy`] with hits of this mark's depth.
-    others: u128,
-}
-
-impl Nearby {
-    /// `dent` is that of `mark` alone.
-    pub(crate) fn new(set: &ExampleSet, mark: &Mark, dent: &Dent) -> Self {
-        Nearby {
+/// Makes the dent of a mark that has no other near it.
+pub(crate) fn dent_alone(set: &ExampleSet, mark: &Mark) -> Dent {
+    let mut dent = Dent::of_one_hit(set, mark);
+    dent.alone = strength_alone(mark.energy, set.options().combine);
+    dent.strength = dent.alone;
+    if set.options().combine == Combine::Energies {
+        dent.nearby = Nearby {
             contact: mark.contact,
             power: libm::pow(f64::from(mark.depth), EXPONENT),
             depth: dent.alone_at(set, mark.contact).length(),
             reach_square: dent.reach().square,
             widest: widest(set, mark),
             others: 0,
-        }
+        };
     }
+    dent
 }
 
 /// The largest factor for the stretch of a mark's dent.
