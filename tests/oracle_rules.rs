@@ -3,13 +3,15 @@
 mod oracle;
 mod scenes;
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use crumple::{
-    Combine, Contact, Deltas, ExampleData, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Mark, MeshData,
-    Mirror, Pair, Placement, Rule, Seams, Selection, SetOptions,
+    Blow, Combine, Contact, Deltas, ExampleData, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Mark, MeshData,
+    Mirror, Outcome, Pair, Placement, Rule, Seams, Selection, SetOptions, Striker,
 };
-use oracle::vector::{V, add, from_f32, length, scale, sub};
+use oracle::response::{Known, Strike};
+use oracle::vector::{self, V, add, from_f32, length, scale, sub};
 use oracle::{Model, classic, damage::Ledger, learn, marks, select};
 use proptest::prelude::*;
 use scenes::{Dice, Output, build, new, push};
@@ -56,6 +58,88 @@ fn random_set(dice: &mut Dice, combine: Combine, seams: Seams) -> Arc<ExampleSet
     let options =
         SetOptions { combine, seams, depth_limit, strict, stamp_resolution, mirror, held_rims, ..Default::default() };
     build(mesh, examples, options)
+}
+
+/// A random set of up to 140 examples whose blows are known in part.
+fn random_blows(dice: &mut Dice) -> Arc<ExampleSet> {
+    let mut mesh = match dice.index(3) {
+        0 => scenes::sheet(9 + dice.index(4)),
+        1 => scenes::ball(2),
+        _ => scenes::cube(4),
+    };
+    bump(&mut mesh, dice);
+    let normals = area_normals(&mesh);
+    let count = [1, 2, 4, 7, 8, 20, 70][dice.index(7)];
+    let mut examples = scenes::bowls(&mesh_with(&mesh, &normals), count, 0.25, dice.next());
+    let (hidden, spread) = (dice.next(), [1.02, 1.3, 4.0][dice.index(3)]);
+    let twice = dice.index(2) == 0;
+    for mut e in std::mem::take(&mut examples) {
+        lean(&mut e, dice);
+        let Some(Contact::Vertex(contact)) = e.contact else { unreachable!() };
+        let normal = normals[contact as usize];
+        // some at one place, by another blow
+        for _ in 0..1 + usize::from(twice && dice.index(3) == 0) {
+            let Deltas::Sparse { values, .. } = &mut e.positions else { unreachable!() };
+            let size = if dice.index(12) == 0 { -1.0 } else { dice.between(0.5, 2.0) };
+            values.iter_mut().for_each(|u| *u = u.map(|x| size * x));
+            let depth = values.iter().map(|u| scenes::length(*u)).fold(0.0, f32::max);
+            let hidden = if dice.index(4) == 0 { dice.next() } else { hidden };
+            let made = depth * dice.between(1.0, spread) * if dice.index(2) == 0 { 1.0 } else { 1.0 / spread };
+            let blow = if dice.index(8) == 0 { Blow::default() } else { random_blow(dice, normal, made, hidden) };
+            let placement = [Placement::Automatic, Placement::Anchored, Placement::Carried][dice.index(3)];
+            examples.push(ExampleData { blow, placement, ..e.clone() });
+        }
+    }
+    if dice.index(8) == 0 {
+        (mesh.normals, mesh.tangents, mesh.triangles) = (None, None, Vec::new());
+        examples.iter_mut().for_each(|e| e.placement = Placement::Anchored);
+    }
+    build(mesh, examples, SetOptions { mirror: dice.index(4) != 0, ..SetOptions::default() })
+}
+
+/// A blow that would leave a dent of about `depth`. Bits of `hidden` say which of its parts are unknown.
+fn random_blow(dice: &mut Dice, normal: [f32; 3], depth: f32, hidden: u64) -> Blow {
+    let knows = |bit: u64| hidden >> bit & 1 == 0;
+    let mass = dice.between(0.5, 50.0);
+    let speed = 300.0 * depth / mass.powf(0.6);
+    let sideways = [0.3, 0.3, 0.3, 0.3, 0.3, 6.0][dice.index(6)];
+    let along = dice.vector(sideways);
+    let velocity = [0, 1, 2].map(|k| speed * (along[k] - normal[k]));
+    let bounce = dice.between(1.0, 1.5);
+    let turn = dice.vector(0.1);
+    let size = dice.between(0.5, 2.0);
+    let rubs = dice.vector(0.3);
+    let impulse = [0, 1, 2].map(|k| bounce * mass * (velocity[k] + speed * rubs[k]));
+    let radius = dice.between(0.005, 0.3);
+    let by_impulse = knows(0);
+    Blow {
+        impulse: by_impulse.then_some(impulse),
+        duration: None,
+        normal: knows(1).then_some([0, 1, 2].map(|k| size * (normal[k] + turn[k]))),
+        striker: Striker {
+            mass: (knows(2) || !by_impulse).then_some(mass),
+            velocity: (knows(3) || !by_impulse).then_some(velocity),
+            radius: knows(4).then_some(radius),
+        },
+    }
+}
+
+/// The unit normals of the mesh's surface.
+fn area_normals(mesh: &MeshData) -> Vec<[f32; 3]> {
+    if let Some(normals) = &mesh.normals {
+        return normals.clone();
+    }
+    let mut sums = vec![[0.0; 3]; mesh.positions.len()];
+    for t in &mesh.triangles {
+        let p = t.map(|v| from_f32(mesh.positions[v as usize]));
+        let n = vector::cross(sub(p[1], p[0]), sub(p[2], p[0]));
+        t.iter().for_each(|v| sums[*v as usize] = add(sums[*v as usize], n));
+    }
+    sums.into_iter().map(|n| vector::unit(n).map(|x| x as f32)).collect()
+}
+
+fn mesh_with(mesh: &MeshData, normals: &[[f32; 3]]) -> MeshData {
+    MeshData { normals: Some(normals.to_vec()), ..mesh.clone() }
 }
 
 /// Whether an example does not move the sides of the sheet.
@@ -249,6 +333,13 @@ proptest! {
     }
 
     #[test]
+    fn the_response_to_a_blow_is_the_models(seed in any::<u64>(), k in 1u32..=4) {
+        let mut dice = Dice::new(seed);
+        let set = random_blows(&mut dice);
+        check_response(&set, &mut dice, k, 12)?;
+    }
+
+    #[test]
     fn planes_rims_and_what_is_learned_are_the_models(seed in any::<u64>()) {
         let mut dice = Dice::new(seed);
         let seams = [Seams::Weld, Seams::Keep][dice.index(2)];
@@ -400,48 +491,114 @@ fn check_classic(set: &Arc<ExampleSet>, dice: &mut Dice, k: f32, clamp: bool) ->
 fn check_selection(set: &Arc<ExampleSet>, dice: &mut Dice, k: u32, hits: usize) -> Result<usize, TestCaseError> {
     let mut compared = 0;
     let model = Model::of(set);
-    let limit = f64::from(set.depth_limit());
     let options = InstanceOptions { examples_per_hit: k, ..InstanceOptions::default() };
     let instance = Instance::new(set.clone(), options).unwrap();
     for _ in 0..hits {
         let hit = scenes::random_hit(set, dice);
         let outcome = instance.preview(&hit).unwrap();
-        let target = from_f32(outcome.target);
+        compared += usize::from(check_outcome(set, &model, &outcome, None, k)?);
+    }
+    Ok(compared)
+}
+
+/// Compares the outcome of a hit with what the oracle makes of its target. Returns whether it could be compared.
+fn check_outcome(
+    set: &ExampleSet,
+    model: &Model,
+    outcome: &Outcome,
+    strike: Option<Strike>,
+    k: u32,
+) -> Result<bool, TestCaseError> {
+    let limit = f64::from(set.depth_limit());
+    let target = from_f32(outcome.target);
+    if (length(target) / limit - 1.0).abs() > 1e-6 {
         prop_assert_eq!(outcome.clamped, length(target) > limit);
-        let (ways, close) = select::select(&model, outcome.contact_vertex as usize, target, limit, k as usize);
-        if close {
-            continue;
-        }
-        compared += 1;
-        let Some(mark) = outcome.mark else {
-            prop_assert!(ways.iter().any(Option::is_none), "{outcome:?} instead of {ways:?}");
-            prop_assert_eq!(outcome.status, HitStatus::NothingReaches, "{:?}", outcome);
-            prop_assert_eq!(outcome.shortfall(), outcome.target);
-            continue;
+    }
+    let (ways, close) = select::select(model, outcome.contact_vertex as usize, target, strike, limit, k as usize);
+    if close {
+        return Ok(false);
+    }
+    let Some(mark) = outcome.mark else {
+        prop_assert!(ways.iter().any(Option::is_none), "{outcome:?} instead of {ways:?}");
+        prop_assert_eq!(outcome.status, HitStatus::NothingReaches, "{:?}", outcome);
+        prop_assert_eq!(outcome.shortfall(), outcome.target);
+        return Ok(true);
+    };
+    prop_assert_eq!(outcome.status, HitStatus::Marked);
+    let is = marks::mark_of(&mark);
+    prop_assert_eq!(is.strength, 1.0);
+    let total: f64 = is.parts.iter().map(|p| p.share).sum();
+    prop_assert!((total - 1.0).abs() < 1e-12, "shares sum to {total}");
+    prop_assert!(is.parts.windows(2).all(|p| p[0].share >= p[1].share - 3.0 / 1024.0), "{:?}", is.parts);
+    let Some(ought) = ways.iter().flatten().find(|w| same_parts(&is.parts, &w.mark.parts)) else {
+        prop_assert!(false, "{:?}\ninstead of {ways:?}", is.parts);
+        unreachable!()
+    };
+    let near = |a: f64, b: f64| (a - b).abs() <= 3e-3 * length(target).min(limit);
+    prop_assert!(near(is.depth, ought.mark.depth), "depth {} instead of {}", is.depth, ought.mark.depth);
+    // the outcome's displacement is that of its mark, to rounding, and near that of the oracle's mark
+    let met = from_f32(outcome.achieved);
+    agree(met, marks::met(model, &is), length(met) + 1e-3 * limit, "met")?;
+    prop_assert!(near(length(sub(met, ought.met)), 0.0), "met {met:?} instead of {:?}", ought.met);
+    agree(from_f32(outcome.shortfall()), sub(target, met), length(target), "unmet")?;
+    for (chosen, (part, scale)) in outcome.chosen.iter().flatten().zip(is.parts.iter().zip(marks::scales(model, &is))) {
+        prop_assert_eq!((chosen.example as usize, chosen.mirror.bits()), (part.example, part.mirror));
+        prop_assert_eq!(chosen.anchored, part.anchored);
+        prop_assert!((f64::from(chosen.scale) - scale).abs() <= 1e-4 * scale.abs() + 2e-6);
+    }
+    Ok(true)
+}
+
+/// Compares what blows are predicted to leave, and their marks. Returns the number of hits that could be compared.
+fn check_response(set: &Arc<ExampleSet>, dice: &mut Dice, k: u32, hits: usize) -> Result<usize, TestCaseError> {
+    let model = Model::of(set);
+    let Some(response) = &model.response else {
+        prop_assert!(set.response().is_none());
+        return Ok(0);
+    };
+    let Some(learned) = set.response() else {
+        prop_assert!(false, "nothing learned");
+        unreachable!()
+    };
+    if response.close {
+        return Ok(0);
+    }
+    let pairs: BTreeSet<_> = learned.contradictions().iter().map(|(a, b)| (*a as usize, *b as usize)).collect();
+    prop_assert_eq!(pairs, response.contradictions().iter().copied().collect::<BTreeSet<_>>());
+    let errors = response.depth_errors(set.examples().len());
+    for (is, ought) in learned.depth_error().iter().zip(&errors) {
+        prop_assert_eq!(is.is_some(), ought.is_some());
+        let off = is.map_or(0.0, f64::from) - ought.unwrap_or(0.0);
+        prop_assert!(off.abs() <= 1e-5 * (1.0 + ought.unwrap_or(0.0)), "{is:?} instead of {ought:?}");
+    }
+    let options = InstanceOptions { examples_per_hit: k, ..InstanceOptions::default() };
+    let instance = Instance::new(set.clone(), options).unwrap();
+    let mut compared = 0;
+    for i in 0..hits {
+        let known: Vec<_> = set.examples().iter().filter(|e| Known::of(e.blow()).is_some()).collect();
+        let (point, blow) = if i % 4 == 0 {
+            let e = known[dice.index(known.len())];
+            (e.contact_point().to_array(), *e.blow())
+        } else {
+            let vertex = dice.index(set.vertex_count());
+            let normal = set.mesh().contact_normal(vertex as u32).map_or([0.0, 0.0, 1.0], |n| n.to_array());
+            let (depth, hidden) = (set.depth_limit() * dice.between(0.0, 1.0).powi(2) * 3.0, dice.next());
+            (set.mesh().positions()[vertex].to_array(), random_blow(dice, normal, depth, hidden))
         };
-        prop_assert_eq!(outcome.status, HitStatus::Marked);
-        let is = marks::mark_of(&mark);
-        prop_assert_eq!(is.strength, 1.0);
-        let total: f64 = is.parts.iter().map(|p| p.share).sum();
-        prop_assert!((total - 1.0).abs() < 1e-12, "shares sum to {total}");
-        prop_assert!(is.parts.windows(2).all(|p| p[0].share >= p[1].share - 3.0 / 1024.0), "{:?}", is.parts);
-        let Some(ought) = ways.iter().flatten().find(|w| same_parts(&is.parts, &w.mark.parts)) else {
-            prop_assert!(false, "{:?}\ninstead of {ways:?}", is.parts);
-            unreachable!()
-        };
-        let near = |a: f64, b: f64| (a - b).abs() <= 3e-3 * length(target).min(limit);
-        prop_assert!(near(is.depth, ought.mark.depth), "depth {} instead of {}", is.depth, ought.mark.depth);
-        // the outcome's displacement is that of its mark, to rounding, and near that of the oracle's mark
-        let met = from_f32(outcome.achieved);
-        agree(met, marks::met(&model, &is), length(met) + 1e-3 * limit, "met")?;
-        prop_assert!(near(length(sub(met, ought.met)), 0.0), "met {met:?} instead of {:?}", ought.met);
-        agree(from_f32(outcome.shortfall()), sub(target, met), length(target), "unmet")?;
-        for (chosen, (part, scale)) in
-            outcome.chosen.iter().flatten().zip(is.parts.iter().zip(marks::scales(&model, &is)))
-        {
-            prop_assert_eq!((chosen.example as usize, chosen.mirror.bits()), (part.example, part.mirror));
-            prop_assert_eq!(chosen.anchored, part.anchored);
-            prop_assert!((f64::from(chosen.scale) - scale).abs() <= 1e-4 * scale.abs() + 2e-6);
+        let outcome = instance.preview(&Hit::blow(point, blow)).unwrap();
+        let ought = response.predict(&model, &Known::of(&blow).unwrap(), outcome.contact_vertex as usize);
+        let (off, size) = (length(sub(from_f32(outcome.target), ought.target)), length(ought.target));
+        prop_assert!(
+            off <= 3e-6 * (size + response.elastic),
+            "{:?} instead of {:?} for {blow:?}",
+            outcome.target,
+            ought.target
+        );
+        let least = 1e-6 * f64::from(set.depth_limit());
+        if size < 0.5 * least {
+            prop_assert_eq!((outcome.status, outcome.mark), (HitStatus::BelowYield, None));
+        } else if size > 2.0 * least {
+            compared += usize::from(check_outcome(set, &model, &outcome, Some(ought.strike), k)?);
         }
     }
     Ok(compared)
@@ -584,7 +741,11 @@ fn quick_the_oracle_agrees_on_a_few_sets() {
         let mut instance = random_marks(&set, &mut dice, &InstanceOptions::default(), 3);
         check_evaluation(&mut instance, f64::from(set.depth_limit())).unwrap();
     }
+    let mut dice = Dice::new(6);
+    let compared: usize = (0..6).map(|_| check_response(&random_blows(&mut dice), &mut dice, 3, 6).unwrap()).sum();
+    assert!(compared >= 10, "{compared} of 36 blows could be compared");
 }
+
 /// Found by a soak run: two dents of 1e-10 m at a vertex whose normal they change by a hundredth.
 #[test]
 fn quick_normals_where_a_dent_is_less_than_its_rounding() {

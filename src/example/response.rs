@@ -211,7 +211,7 @@ impl Response {
 fn rebound(examples: &[Example]) -> f64 {
     let ratio = |e: &Example| {
         let (b, m) = (e.blow(), f64::from(e.blow().striker.mass?));
-        let normal = surface_normal(b, e.contact_normal())?;
+        let normal = b.normal.map_or_else(|| surface_normal(b, e.contact_normal()), |n| double(n).try_normalize())?;
         Some(libm::log(into(double(b.impulse?), normal) / (m * into(double(b.striker.velocity?), normal))))
     };
     let ratios: Vec<f64> = examples.iter().filter(|e| !e.is_empty()).filter_map(ratio).collect();
@@ -322,8 +322,8 @@ struct Law {
     log_depth: Vec<f64>,
     level: f64,
     exponents: [f64; 2],
-    /// Means of the logarithms of strength and radius.
-    mean: [f64; 2],
+    /// Mean of the logarithms of strength, and of radius if any example knows it.
+    mean: (f64, Option<f64>),
     /// Weight of each example's place.
     weights: Vec<f64>,
     /// What each example's log depth is above its prediction from the others.
@@ -344,9 +344,9 @@ impl Law {
         let median = (depths.get(n.checked_sub(1)? / 2)? + depths[n / 2]) / 2.0;
         let elastic = (ELASTIC * median).max(LEAST_ELASTIC * diagonal);
         let radii: Vec<f64> = points.iter().filter_map(|p| p.radius).collect();
-        let mean = [mean_of(&points.iter().map(|p| p.strength).collect::<Vec<_>>()), mean_of(&radii)];
-        let x: Vec<[f64; 2]> =
-            points.iter().map(|p| [p.strength - mean[0], p.radius.map_or(0.0, |r| r - mean[1])]).collect();
+        let strengths: Vec<f64> = points.iter().map(|p| p.strength).collect();
+        let mean = (mean_of(&strengths), (!radii.is_empty()).then(|| mean_of(&radii)));
+        let x: Vec<[f64; 2]> = points.iter().map(|p| features(mean, p.strength, p.radius)).collect();
         let y: Vec<f64> = points.iter().map(|p| libm::log(p.depth.max(LONGEST * p.longest) + elastic)).collect();
         let above =
             |b: [f64; 2]| -> Vec<f64> { y.iter().zip(&x).map(|(y, x)| y - x[0] * b[0] - x[1] * b[1]).collect() };
@@ -411,7 +411,7 @@ impl Law {
     /// The depth that a blow leaves, m. It never decreases with the strength.
     fn depth(&self, strength: f64, radius: Option<f64>, place: DVec3, planes: Mirror) -> f64 {
         let folded = place * signs(place, planes);
-        let x = [strength - self.mean[0], radius.map_or(0.0, |r| r - self.mean[1])];
+        let x = features(self.mean, strength, radius);
         let mut y = self.level + self.exponents[0] * x[0] + self.exponents[1] * x[1] - self.caution;
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         for ((p, weight), log_depth) in self.points.iter().zip(&self.weights).zip(&self.log_depth) {
@@ -435,6 +435,11 @@ impl Law {
             (p.example, ((depth - p.depth).abs() / p.depth) as f32)
         })
     }
+}
+
+/// Logarithms of strength and radius less their means. An unknown radius counts as the mean.
+fn features(mean: (f64, Option<f64>), strength: f64, radius: Option<f64>) -> [f64; 2] {
+    [strength - mean.0, radius.zip(mean.1).map_or(0.0, |(r, mean)| r - mean)]
 }
 
 /// Distance of a blow from an example. Radii count if both are known.

@@ -1,7 +1,10 @@
 //! Ordinary kriging: one linear system, solved by elimination.
 
-/// Seven numbers: place (3), logarithm of depth, lean (3), each divided by its width.
-pub type Axes = [f64; 7];
+/// Place (3), logarithm of depth, lean (3), the blow's tangent (3), logarithm of the striker's radius, each divided by
+/// its width.
+pub type Axes = [f64; 11];
+/// The hit's own coordinates.
+pub const HIT: Axes = [0.0; 11];
 
 /// The documented kernel, as a function of the squared distance.
 pub fn kernel(squared: f64) -> f64 {
@@ -32,12 +35,20 @@ fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
     (0..n).map(|i| b[i] / a[i][i]).collect()
 }
 
+/// Inverse of a matrix, column by column.
+pub fn inverse(a: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    let n = a.len();
+    let unit = |i: usize| (0..n).map(|j| f64::from(u8::from(i == j))).collect();
+    let columns: Vec<Vec<f64>> = (0..n).map(|i| solve(a.clone(), unit(i))).collect();
+    (0..n).map(|i| (0..n).map(|j| columns[j][i]).collect()).collect()
+}
+
 /// Shares of the points for a hit at the origin, by `(K + 0.03 I) s + m = k`, `sum s = 1`, and the variance that
 /// remains.
 pub fn weights(points: &[Axes]) -> (Vec<f64>, f64) {
     let n = points.len();
     let covariance = |i: usize, j: usize| kernel(squared(&points[i], &points[j])) + if i == j { NUGGET } else { 0.0 };
-    let hit: Vec<f64> = points.iter().map(|p| kernel(squared(p, &[0.0; 7]))).collect();
+    let hit: Vec<f64> = points.iter().map(|p| kernel(squared(p, &HIT))).collect();
     let mut rows: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| covariance(i, j)).chain([1.0]).collect()).collect();
     rows.push(vec![1.0; n].into_iter().chain([0.0]).collect());
     let mut s = solve(rows, hit.iter().copied().chain([1.0]).collect());

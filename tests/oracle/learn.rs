@@ -72,7 +72,7 @@ fn error(model: &Model, q: usize, parts: &[Part], samples: &[usize]) -> f64 {
 pub fn left_out(model: &Model, q: usize, width: f64, anchored: bool) -> Answer {
     let e = &model.examples[q];
     let mut close = model.close;
-    let asked = Asked { contact: e.contact_vertex, target: e.deltas[e.contact_vertex] };
+    let asked = Asked { contact: e.contact_vertex, target: e.deltas[e.contact_vertex], strike: None };
     let mut list = Vec::new();
     for image in &model.images {
         let i = image.example;

@@ -9,6 +9,7 @@ pub mod damage;
 pub mod kriging;
 pub mod learn;
 pub mod marks;
+pub mod response;
 pub mod select;
 pub mod vector;
 
@@ -62,6 +63,7 @@ pub struct Model {
     /// Learned width of the place axes, as a share of the diagonal.
     pub place_width: f64,
     pub examples: Vec<Example>,
+    pub response: Option<response::Response>,
     /// Whether rounding decides something about the body: whether a rim is held, or which images coincide.
     pub close: bool,
     pub images: Vec<select::Image>,
@@ -116,9 +118,12 @@ impl Model {
             depth_limit: f64::from(set.depth_limit()),
             place_width: f64::from(set.learned().place_width),
             examples,
+            response: None,
             close,
             images: Vec::new(),
         };
+        let blows: Vec<_> = set.examples().iter().map(|e| response::Known::of(e.blow())).collect();
+        model.response = response::Response::learn(&model, &blows);
         model.images = select::images(&model, &mut close);
         model.close |= close;
         model

@@ -1,19 +1,22 @@
-//! The default selection: every example and its mirror images, seven axes, kriging among the twelve nearest, scaled
+//! The default selection: every example and its mirror images, eleven axes, kriging among the twelve nearest, scaled
 //! together to the target.
 
 use crumple::Placement;
 
 use super::body::{mirrored, mirrored_point};
-use super::kriging::{Axes, choices, squared, weights};
+use super::kriging::{Axes, HIT, choices, squared, weights};
 use super::marks::{Mark, Part, met, open};
+use super::response::Strike;
 use super::vector::{V, apply, dot, length, rotation_between, scale, sub};
 use super::{Example, Model};
 
 /// The documented widths: place as a share of the body's diagonal for anchored examples (learned for carried ones),
-/// depth in natural logarithms, lean.
+/// depth in natural logarithms, lean, the blow's tangent, the striker's radius in natural logarithms.
 const ANCHORED_PLACE: f64 = 0.15;
 const DEPTH: f64 = 2.4;
 const LEAN: f64 = 0.05;
+const TANGENT: f64 = 1.0;
+const RADIUS: f64 = 2.0;
 /// A target's lean is used if it is at least `UPRIGHT` and at most `BEYOND` times the longest lean of any example.
 const UPRIGHT: f64 = 0.002;
 const BEYOND: f64 = 3.0;
@@ -94,15 +97,16 @@ pub struct Candidate {
 
 impl Candidate {
     pub fn distance(&self) -> f64 {
-        squared(&self.axes, &[0.0; 7])
+        squared(&self.axes, &HIT)
     }
 }
 
-/// A hit: contact, and target displacement.
+/// A hit: contact, target displacement, and the features of the blow that the target follows from.
 #[derive(Debug, Clone, Copy)]
 pub struct Asked {
     pub contact: usize,
     pub target: V,
+    pub strike: Option<Strike>,
 }
 
 /// What the oracle would do with a hit.
@@ -151,12 +155,22 @@ pub fn candidate(
     let leans = in_surface(direction, normal);
     let leaning = length(leans);
     *close |= near(leaning, UPRIGHT) || near(leaning, BEYOND * longest) || (leaning - UPRIGHT).abs() < 1e-6;
-    let known = (UPRIGHT..=BEYOND * longest).contains(&leaning);
+    // without a normal there is no lean
+    let known = length(normal) > 0.0 && (UPRIGHT..=BEYOND * longest).contains(&leaning);
     let leans = scale((longest / leaning.max(1e-300)).min(1.0), leans);
     let place = scale(1.0 / (width * model.diagonal), sub(image.point, model.positions[asked.contact]));
     let lean = if known { scale(1.0 / LEAN, sub(in_surface(there, normal), leans)) } else { [0.0; 3] };
     let size = (depth / size).ln() / DEPTH;
-    let axes = [place[0], place[1], place[2], size, lean[0], lean[1], lean[2]];
+    let own = model.response.as_ref().and_then(|r| r.strikes[image.example]);
+    let blows = asked.strike.zip(own);
+    let tangent = blows.map_or([0.0; 3], |(hit, own)| {
+        let own = mirrored(own.tangent, image.mirror);
+        let own = if anchored { own } else { apply(rotation_between(image.normal, normal), own) };
+        scale(1.0 / TANGENT, sub(own, hit.tangent))
+    });
+    let radius = blows.and_then(|(hit, own)| Some((own.radius? - hit.radius?) / RADIUS)).unwrap_or(0.0);
+    let axes =
+        [place[0], place[1], place[2], size, lean[0], lean[1], lean[2], tangent[0], tangent[1], tangent[2], radius];
     Some(Candidate { example: image.example, mirror: image.mirror, anchored, axes })
 }
 
@@ -235,11 +249,18 @@ pub fn candidates(model: &Model, asked: &Asked, close: &mut bool) -> (Vec<Candid
 
 /// The marks that a hit at vertex `contact` may leave: several only if rounding decides, `None` if nothing reaches. A
 /// `target` longer than `limit` is shortened to it first. The flag says that rounding may change the result, since some
-/// value is near a threshold.
-pub fn select(model: &Model, contact: usize, target: V, limit: f64, k: usize) -> (Vec<Option<Selected>>, bool) {
+/// value is near a threshold. `strike` has the features of the blow that the target follows from.
+pub fn select(
+    model: &Model,
+    contact: usize,
+    target: V,
+    strike: Option<Strike>,
+    limit: f64,
+    k: usize,
+) -> (Vec<Option<Selected>>, bool) {
     let target = scale((limit / length(target)).min(1.0), target);
     let mut close = model.close;
-    let asked = Asked { contact, target };
+    let asked = Asked { contact, target, strike };
     let (mut own, others) = candidates(model, &asked, &mut close);
     let ways = if own.is_empty() {
         answers(&others, k, &mut close)
@@ -252,13 +273,16 @@ pub fn select(model: &Model, contact: usize, target: V, limit: f64, k: usize) ->
         return (vec![None], close);
     }
     let of = |parts: Vec<Part>, close: &mut bool| {
-        // The dent has its own direction at the contact and meets the target's component along that direction.
+        // The dent has its own direction at the contact. It meets the target's component along that direction, or the
+        // length of a target that follows from a blow.
         let mut mark = Mark { contact, depth: length(target), hits: 1.0, strength: 1.0, wide: 1.0, parts };
         let brings = open(model, &mark);
         if length(brings) == 0.0 {
             return None;
         }
-        mark.depth = dot(target, brings) / length(brings);
+        if strike.is_none() {
+            mark.depth = dot(target, brings) / length(brings);
+        }
         *close |= mark.depth.abs() < 1e-4 * length(target);
         if mark.depth <= 0.0 {
             return None;
