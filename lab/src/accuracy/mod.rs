@@ -145,7 +145,7 @@ pub fn run(options: &Options) -> Result<()> {
 
 /// The impacts measured on: presses that leave no dent are left out.
 pub fn heldout(body: &Body, quick: bool) -> Vec<&Impact> {
-    let kept = body.heldout.iter().filter(|i| body.truth == Truth::Shots || i.depth() >= LEAST_PRESS);
+    let kept = body.heldout.iter().filter(|i| body.truth != Truth::Presses || i.depth() >= LEAST_PRESS);
     kept.take(if quick { 4 } else { usize::MAX }).collect()
 }
 
