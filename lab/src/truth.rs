@@ -92,6 +92,21 @@ pub struct Blow {
     pub normal: [f32; 3],
 }
 
+impl Blow {
+    /// What a rigid-body engine reports if the body is fixed: the normal momentum without restitution, and friction that
+    /// is at most 0.4 times as large and at most stops the striker. No duration.
+    pub fn in_engine(&self) -> Self {
+        const FRICTION: f64 = 0.4;
+        let (normal, velocity) = (self.normal.map(f64::from), self.velocity.map(f64::from));
+        let along = -dot64(velocity, normal);
+        let across = [0, 1, 2].map(|k| velocity[k] + along * normal[k]);
+        let speed = dot64(across, across).sqrt();
+        let share = (FRICTION * along / speed.max(1e-9)).min(1.0);
+        let impulse = [0, 1, 2].map(|k| (f64::from(self.mass) * (share * across[k] - along * normal[k])) as f32);
+        Blow { impulse, duration: None, ..*self }
+    }
+}
+
 /// One impact on the fresh body.
 #[derive(Debug, Clone)]
 pub struct Impact {
@@ -478,6 +493,8 @@ mod tests {
                         body.name,
                         i.source
                     );
+                    let engine = b.in_engine().impulse;
+                    assert!(body.truth != Truth::Shots || (0..3).all(|k| (engine[k] - b.impulse[k]).abs() < 1e-3));
                     assert!(b.mass > 0.0 && b.radius > 0.0 && b.duration.is_none_or(|d| d > 0.0));
                 }
             }
