@@ -333,6 +333,16 @@ typedef struct {
     float z;
 } CrumpleVec3;
 
+/// What struck a body, as far as it is known. 0 is unknown, which costs accuracy.
+typedef struct {
+    /// kg.
+    float mass;
+    /// Radius of its surface at the contact, m: small for a corner, large for a flat face.
+    float radius;
+    /// Velocity relative to the struck body before the touch, m/s.
+    CrumpleVec3 velocity;
+} CrumpleStriker;
+
 /// An example: the base mesh after a collision. Set target_positions, or delta_indices and position_deltas.
 typedef struct {
     uint32_t struct_size;
@@ -357,6 +367,11 @@ typedef struct {
     CrumpleVec3 contact_point;
     /// The surface's outward direction at the contact, of any length above 0. Used only if has_contact_normal is true.
     CrumpleVec3 contact_normal;
+    /// The impulse on the body, N s. Default 0: unknown.
+    CrumpleVec3 impulse;
+    /// How long the impulse acted, s. Default 0: unknown.
+    float duration;
+    CrumpleStriker striker;
     /// Whether contact_normal is given. Default false: the mesh's normal is used.
     bool has_contact_normal;
     CrumplePlacement placement;
@@ -597,21 +612,24 @@ typedef struct {
     uint32_t reserved[4];
 } CrumpleInstanceInfo;
 
-/// A hit given as an impulse. point and impulse are in the given space (default CRUMPLE_SPACE_LOCAL). The target
-/// displacement of the contact is impulse * duration / mass. To make dents independent of the frame rate, use a
-/// constant of the material as duration, and report a contact once with its whole impulse, or in parts with a
-/// contact_id.
+/// A hit given as a blow. point and vectors are in the given space (default CRUMPLE_SPACE_LOCAL). Give impulse, or mass
+/// and velocity of the striker. The target displacement of the contact is impulse * duration / mass. To make dents
+/// independent of the frame rate, use a constant of the material as duration, and report a contact once with its whole
+/// impulse, or in parts with a contact_id.
 typedef struct {
     uint32_t struct_size;
     CrumpleSpace space;
     /// Where the body was hit, m. The nearest vertex becomes the contact.
     CrumpleVec3 point;
-    /// The impulse on the body, N s. A zero impulse leaves no mark.
+    /// The impulse on the body, N s. Default 0: striker.mass * striker.velocity. If that is 0 too, there is no mark.
     CrumpleVec3 impulse;
-    /// How long the impulse acted, s: a constant of the material such as 0.01, not the time step. Required, not 0.
+    /// How long the impulse acted, s: a constant of the material such as 0.01, not the time step. Required.
     float duration;
     /// Mass of the contact vertex, kg. Default 0: the set's mass for that vertex.
     float mass;
+    /// Contact normal, out of the body, of any length. Default 0: unknown.
+    CrumpleVec3 normal;
+    CrumpleStriker striker;
     /// The contact that the hit is part of; see crumple_instance_end_contact(). Default 0: none.
     uint64_t contact_id;
 } CrumpleImpulseDef;
@@ -1059,8 +1077,9 @@ CrumpleDisplacementDef crumple_displacement_def_default(void);
 /// Submits a hit. The call selects the examples. The next read of the damage applies the mark (see "Reads" at the top).
 /// A hit that is too weak, or that no example fits, is not an error; see out_result->status. out_result may be null.
 /// With a contact_id, it describes this hit alone. May be called from any thread at any time, except while the instance
-/// or context is being destroyed. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (duration not above 0, a negative mass, or no
-/// mass in def or set), CRUMPLE_ERROR_CONTACT_TOO_FAR, CRUMPLE_ERROR_WRONG_RULE (a contact_id with a classic rule).
+/// or context is being destroyed. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (duration not above 0, a negative mass or
+/// radius, or no mass in def or set), CRUMPLE_ERROR_CONTACT_TOO_FAR, CRUMPLE_ERROR_WRONG_RULE (a contact_id with a
+/// classic rule).
 CrumpleResult crumple_instance_submit_impulse(CrumpleContext *context, CrumpleInstance instance,
                                               const CrumpleImpulseDef *def, CrumpleHitResult *out_result);
 

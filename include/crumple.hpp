@@ -296,8 +296,8 @@ public:
         return detail::get<CrumpleHitResult>(
             [&](CrumpleHitResult *out) { return crumple_instance_preview_displacement(context(), id(), &def, out); });
     }
-    /// point in m, impulse in N s, duration in s, mass in kg (0: the set's mass), contact_id (0: none). May be called
-    /// from any thread at any time.
+    /// point in m, impulse in N s, duration in s, mass in kg (0: the set's mass), contact_id (0: none). Use submit() to
+    /// describe the striker too. May be called from any thread at any time.
     Result<CrumpleHitResult> submit_impulse(CrumpleVec3 point, CrumpleVec3 impulse, float duration, float mass = 0,
                                             CrumpleSpace space = CRUMPLE_SPACE_LOCAL, uint64_t contact_id = 0) {
         CrumpleImpulseDef def = crumple_impulse_def_default();

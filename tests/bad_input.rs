@@ -7,9 +7,9 @@ use std::sync::Arc;
 
 use crumple::glam::{Mat4, Vec3, Vec4};
 use crumple::{
-    Attachment, Attribute, Cause, Contact, Deltas, Error, ErrorKind, ExampleData, ExampleSet, Hit, HitStatus, Instance,
-    InstanceOptions, Mark, MeshData, Mirror, Pair, Placement, Rule, Selection, Serial, SetOptions, Space, ThreadPool,
-    Tracker, VertexMass, VertexMemory,
+    Attachment, Attribute, Blow, Cause, Contact, Deltas, Error, ErrorKind, ExampleData, ExampleSet, Hit, HitStatus,
+    Instance, InstanceOptions, Mark, MeshData, Mirror, Pair, Placement, Rule, Selection, Serial, SetOptions, Space,
+    Striker, ThreadPool, Tracker, VertexMass, VertexMemory,
 };
 use proptest::prelude::*;
 use scenes::{Dice, Output, new, push, random_hit};
@@ -250,6 +250,16 @@ fn quick_examples_with_numbers_that_are_none() {
     refuses! { Input, ExampleMismatch, [1e30];
         |i, v| i.1[0].positions = full(v) => "1e30 … 1e9",
     }
+    refuses! { Input, InvalidArgument, [0.0, -1.0, NAN, INF];
+        |i, v| i.1[0].blow.duration = Some(v) => "blow.duration of example 0 'a dent' is VALUE",
+        |i, v| i.1[0].blow.striker.mass = Some(v) => "blow.striker.mass of example 0 'a dent' is VALUE",
+        |i, v| i.1[0].blow.striker.radius = Some(v) => "blow.striker.radius of example 0 'a dent' is VALUE",
+    }
+    refuses! { Input, NotFinite, [NAN, INF];
+        |i, v| i.1[0].blow.impulse = Some([0.0, v, 0.0]) => "blow.impulse of example 0 'a dent' is [0.0, VALUE, 0.0]",
+        |i, v| i.1[0].blow.normal = Some([0.0, v, 0.0]) => "blow.normal of example 0 'a dent' is [0.0, VALUE, 0.0]",
+        |i, v| i.1[0].blow.striker.velocity = Some([v; 3]) => "blow.striker.velocity of example 0 'a dent' is [VALUE",
+    }
 }
 
 #[test]
@@ -333,7 +343,7 @@ fn quick_hits_with_numbers_that_are_none() {
                 refused!(instance.submit(&at), NotFinite, "point");
                 let by = Hit { cause: Cause::Displacement(v), space, ..good() };
                 refused!(instance.submit(&by), NotFinite, "displacement");
-                let cause = Cause::Impulse { impulse: v, duration: 0.1, mass: Some(1.0) };
+                let cause = Cause::Impulse { blow: Blow::of_impulse(v, 0.1), mass: Some(1.0) };
                 refused!(instance.submit(&Hit { cause, space, ..good() }), NotFinite, "impulse");
                 refused!(instance.preview(&Hit { cause, space, ..good() }), NotFinite, "impulse");
             }
@@ -345,7 +355,7 @@ fn quick_hits_with_numbers_that_are_none() {
 #[test]
 fn quick_masses_and_durations_must_be_above_zero() {
     let mut instance = instance();
-    let cause = |duration, mass| Hit { cause: Cause::Impulse { impulse: [0.0, 0.0, -1.0], duration, mass }, ..good() };
+    let cause = |duration, mass| Hit::impulse(good().point, [0.0, 0.0, -1.0], duration, mass);
     for bad in [0.0, -0.0, -1.0, NAN, INF] {
         refused!(instance.submit(&cause(bad, Some(1.0))), InvalidArgument, "duration", "above 0", "s");
         refused!(instance.submit(&cause(0.1, Some(bad))), InvalidArgument, "mass", "above 0", "kg");
@@ -355,12 +365,68 @@ fn quick_masses_and_durations_must_be_above_zero() {
 }
 
 #[test]
+fn quick_a_blow_needs_an_impulse_and_good_numbers() {
+    let mut instance = instance();
+    let whole = Blow {
+        impulse: Some([0.0, 0.0, -1.0]),
+        duration: Some(0.1),
+        normal: Some([0.0, 0.0, 1.0]),
+        striker: Striker { mass: Some(1.0), velocity: Some([0.0, 0.0, -1.0]), radius: Some(0.1) },
+    };
+    let hit = |change: &dyn Fn(&mut Blow)| {
+        let mut blow = whole;
+        change(&mut blow);
+        Hit { cause: Cause::Impulse { blow, mass: Some(1.0) }, ..good() }
+    };
+    for bad in [0.0, -1.0, NAN, INF] {
+        let value = &bad.to_string();
+        refused!(instance.submit(&hit(&|b| b.duration = Some(bad))), InvalidArgument, "duration is", value);
+        refused!(
+            instance.submit(&hit(&|b| b.striker.mass = Some(bad))),
+            InvalidArgument,
+            "striker.mass is",
+            value,
+            "kg"
+        );
+        refused!(instance.submit(&hit(&|b| b.striker.radius = Some(bad))), InvalidArgument, "striker.radius is", value);
+    }
+    for bad in [NAN, INF] {
+        refused!(instance.submit(&hit(&|b| b.impulse = Some([bad; 3]))), NotFinite, "impulse is");
+        refused!(instance.submit(&hit(&|b| b.normal = Some([bad; 3]))), NotFinite, "normal is");
+        refused!(instance.submit(&hit(&|b| b.striker.velocity = Some([bad; 3]))), NotFinite, "striker.velocity is");
+    }
+    refused!(instance.submit(&hit(&|b| b.normal = Some([0.0; 3]))), InvalidArgument, "normal is [0.0, 0.0, 0.0]");
+    let unknown = |b: &mut Blow| (b.impulse, b.striker.velocity) = (None, None);
+    refused!(instance.submit(&hit(&unknown)), InvalidArgument, "impulse is absent", "striker's mass");
+    refused!(instance.submit(&hit(&|b| b.duration = None)), InvalidArgument, "duration is absent");
+    still_usable(&mut instance, &[]);
+}
+
+#[test]
+fn quick_a_striker_s_momentum_is_the_impulse() {
+    let mut dice = Dice::new(15);
+    for space in [Space::Local, Space::World] {
+        let mut instance = instance();
+        instance.set_transform(Mat4::from_rotation_x(0.4)).unwrap();
+        for _ in 0..20 {
+            let (mass, velocity) = (0.1 + 3.0 * dice.vector(1.0)[0].abs(), dice.vector(4.0));
+            let striker = Striker { mass: Some(mass), velocity: Some(velocity), radius: None };
+            let told = Blow { duration: Some(0.01), ..Blow::of_striker(striker) };
+            let explicit = Blow::of_impulse(velocity.map(|v| mass * v), 0.01);
+            let hit = |blow| Hit { cause: Cause::Impulse { blow, mass: Some(1.0) }, space, ..good() };
+            assert_eq!(instance.submit(&hit(told)).unwrap(), instance.submit(&hit(explicit)).unwrap());
+        }
+        assert!(instance.marks().unwrap().iter().any(|m| m.depth > 0.0));
+    }
+}
+
+#[test]
 fn quick_zero_and_tiny_hits_are_too_weak_not_wrong() {
     let mut instance = instance();
     for size in [0.0, -0.0, 1e-30, 1e-38, 1e-44] {
         let outcome = instance.submit(&push([0.0; 3], [0.0, 0.0, -size])).unwrap();
         assert_eq!((outcome.status, outcome.achieved, outcome.mark), (HitStatus::BelowYield, [0.0; 3], None));
-        let cause = Cause::Impulse { impulse: [0.0, 0.0, -size], duration: 1e-3, mass: Some(1.0) };
+        let cause = Cause::Impulse { blow: Blow::of_impulse([0.0, 0.0, -size], 1e-3), mass: Some(1.0) };
         assert_eq!(instance.submit(&Hit { cause, ..good() }).unwrap().status, HitStatus::BelowYield);
     }
     still_usable(&mut instance, &[]);
@@ -375,7 +441,7 @@ fn quick_enormous_hits_are_cut_to_the_limit() {
         assert_eq!(outcome.status, HitStatus::Marked);
         assert!((outcome.achieved[2] + 0.2).abs() < 1e-6);
         assert!(outcome.shortfall().iter().all(|x| x.is_finite()));
-        let cause = Cause::Impulse { impulse: [0.0, 0.0, -size], duration: 1e30, mass: Some(1e-30) };
+        let cause = Cause::Impulse { blow: Blow::of_impulse([0.0, 0.0, -size], 1e30), mass: Some(1e-30) };
         let outcome = instance.submit(&Hit { cause, ..good() }).unwrap();
         assert!(outcome.clamped && outcome.target.iter().all(|x| x.is_finite()));
     }

@@ -2,7 +2,7 @@
 
 mod scenes;
 
-use crumple::{Cause, Error, Hit, HitStatus, Instance, InstanceOptions, Mark, Rule};
+use crumple::{Blow, Cause, Error, Hit, HitStatus, Instance, InstanceOptions, Mark, Rule};
 use proptest::prelude::*;
 use scenes::{Body, Dice, Output, push, random_hit};
 use std::num::NonZeroU64;
@@ -37,7 +37,7 @@ fn scaled(hit: &Hit, factor: f64) -> Hit {
     let by = |v: [f32; 3]| v.map(|x| (f64::from(x) * factor) as f32);
     let cause = match hit.cause {
         Cause::Displacement(d) => Cause::Displacement(by(d)),
-        Cause::Impulse { impulse, duration, mass } => Cause::Impulse { impulse: by(impulse), duration, mass },
+        Cause::Impulse { blow, mass } => Cause::Impulse { blow: Blow { impulse: blow.impulse.map(by), ..blow }, mass },
     };
     Hit { cause, ..*hit }
 }
@@ -60,7 +60,7 @@ fn a_contact_leaves_the_same_mark_at_any_frame_rate_and_in_any_number_of_parts()
         for n in 0..4 {
             let mut hit = random_hit(set, &mut dice);
             if let (Cause::Displacement(d), true) = (hit.cause, n % 2 == 0) {
-                hit.cause = Cause::Impulse { impulse: d.map(|x| x * 100.0), duration: 0.01, mass: Some(1.0) };
+                hit.cause = Cause::Impulse { blow: Blow::of_impulse(d.map(|x| x * 100.0), 0.01), mass: Some(1.0) };
             }
             let mut whole = with(set, InstanceOptions::default());
             whole.submit(&hit).unwrap();

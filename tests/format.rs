@@ -9,8 +9,8 @@ mod target;
 use std::sync::Arc;
 
 use crumple::{
-    Combine, DeformJob, Deltas, Error, ErrorKind, ExampleData, ExampleSet, Hit, MeshData, Placement, Seams, Serial,
-    SetOptions, ThreadPool, Tracker, VertexMass, VertexMemory,
+    Blow, Combine, DeformJob, Deltas, Error, ErrorKind, ExampleData, ExampleSet, Hit, MeshData, Placement, Seams,
+    Serial, SetOptions, Striker, ThreadPool, Tracker, VertexMass, VertexMemory,
 };
 use proptest::prelude::*;
 use scenes::{Dice, Output, cases, random_hits};
@@ -36,6 +36,14 @@ fn small_sets() -> Vec<(&'static str, Arc<ExampleSet>)> {
     placed[0].placement = Placement::Anchored;
     placed[1].placement = Placement::Carried;
     placed[2].name = "délle → 2".into();
+    placed[0].blow = Blow {
+        impulse: Some([0.5, -0.25, -9.0]),
+        duration: Some(0.01),
+        normal: Some([0.3, 0.4, 0.7]),
+        striker: Striker { mass: Some(2.5), velocity: Some([0.1, 0.0, -4.0]), radius: Some(0.08) },
+    };
+    placed[1].blow.duration = Some(0.02);
+    placed[2].blow.striker.radius = Some(0.125);
     placed.push(ExampleData::new("", Deltas::Sparse { indices: vec![], values: vec![] }));
     let sheet = scenes::sheet(8);
     let points = MeshData { positions: sheet.positions.clone(), ..MeshData::default() };
@@ -102,6 +110,7 @@ fn loaded_sets_are_the_saved_ones_bit_for_bit() {
         assert_eq!(loaded.mesh().seam_count(), set.mesh().seam_count(), "{name}");
         for (a, b) in loaded.examples().iter().zip(set.examples()) {
             assert_eq!((a.name(), a.placement(), a.depth()), (b.name(), b.placement(), b.depth()), "{name}");
+            assert_eq!(a.blow(), b.blow(), "{name}");
             assert_eq!(a.stamp().map(|s| s.error()), b.stamp().map(|s| s.error()), "{name}");
         }
         let hits = random_hits(&set, 40, 11);
@@ -191,6 +200,31 @@ fn a_damaged_file_says_what_is_wrong() {
     assert!(message(&|f| f[middle] ^= 1).contains("checksum"));
     let e = load(b"glTF, or anything else that is no set; long enough for a header that it has not").unwrap_err();
     assert_eq!(e.kind(), ErrorKind::Format);
+}
+
+#[test]
+fn a_wrong_blow_is_named() {
+    let (_, set) = &small_sets()[0];
+    let file = set.save().unwrap();
+    let blow = sections(&file)[1].0 + 52;
+    assert_eq!(file[blow..blow + 4], 0.5f32.to_le_bytes(), "the first number of the first example's blow");
+    let cases: [(usize, f32, &str); 8] = [
+        (0, f32::INFINITY, "blow.impulse of example 0 is [inf"),
+        (0, f32::NAN, "blow.impulse of example 0 is [NaN"),
+        (12, 0.0, "blow.duration of example 0 is 0"),
+        (16, 2.0, "blow.normal of example 0"),
+        (16, f32::NAN, "blow.normal of example 0"),
+        (28, -2.5, "blow.striker.mass of example 0 is -2.5"),
+        (36, f32::NEG_INFINITY, "blow.striker.velocity of example 0"),
+        (44, -0.0, "blow.striker.radius of example 0 is -0"),
+    ];
+    for (at, value, message) in cases {
+        let mut wrong = file.clone();
+        wrong[blow + at..blow + at + 4].copy_from_slice(&value.to_le_bytes());
+        repair(&mut wrong);
+        let e = load(&wrong).unwrap_err();
+        assert!(e.kind() == ErrorKind::Format && e.to_string().contains(message), "{e} is not {message}");
+    }
 }
 
 /// Offset and length of every section.

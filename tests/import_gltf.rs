@@ -4,7 +4,7 @@
 mod import_glb;
 
 use crumple::import::{Imported, MeshChoice, gltf_file, gltf_slice};
-use crumple::{Contact, Deltas, Error, ErrorKind, ExampleData, Placement};
+use crumple::{Blow, Contact, Deltas, Error, ErrorKind, ExampleData, Placement, Striker};
 use import_glb::{Glb, SQUARE, UP, bytes, fixture, square};
 use serde_json::{Value, json};
 use std::collections::HashMap;
@@ -418,6 +418,31 @@ fn impacts_match_by_name_where_names_decide_and_by_order_elsewhere() {
     assert_eq!(contacts(json!({ "impacts": [] })), [None, None]);
 }
 
+#[test]
+fn blows_come_from_impacts_in_the_mesh_s_own_space() {
+    let impact = json!({
+        "contact_vertex": 2, "normal": [0, 3, 4], "impulse": [1, -2, -8], "duration": 0.0625, "displacement": [0, 0, 1],
+        "striker": { "mass": 2, "radius": 0.5, "velocity": [0.5, -1, -4], "shape": "ball", "colour": "red" },
+    });
+    let unknown = json!({ "point": [1, 2, 3], "impulse": null, "striker": {}, "mass": "any" });
+    let mut glb = square();
+    glb.json["meshes"][0]["extras"] = json!({ "impacts": [impact, unknown] });
+    glb.json["nodes"] = json!([{ "mesh": 0, "rotation": [0, 0, 1, 0], "scale": [2, 2, 2] }]);
+    let imported = read(&glb);
+    assert!(imported.node_transform.is_some());
+    let expected = Blow {
+        impulse: Some([1.0, -2.0, -8.0]),
+        duration: Some(0.0625),
+        normal: Some([0.0, 0.6, 0.8]),
+        striker: Striker { mass: Some(2.0), velocity: Some([0.5, -1.0, -4.0]), radius: Some(0.5) },
+    };
+    assert_eq!(imported.examples[0].blow, expected);
+    assert_eq!(imported.examples[0].contact_normal, expected.normal, "one normal serves both");
+    assert_eq!(imported.examples[1].blow, Blow::default());
+    let plain = with_extras(json!({ "impacts": [{ "contact_vertex": 2, "normal": [0, 1, 0] }] })).unwrap();
+    assert_eq!(plain.examples[0].blow, Blow { normal: Some([0.0, 1.0, 0.0]), ..Blow::default() });
+}
+
 /// `extras | kind | part of the message`
 const MALFORMED_EXTRAS: &str = r#"
 {"targetNames": "one"} | Format | extras.targetNames is "one"
@@ -433,6 +458,13 @@ const MALFORMED_EXTRAS: &str = r#"
 {"impacts": [{"contact_vertex": -1}]} | Format | contact_vertex is -1
 {"impacts": [{"contact_vertex": 0.5}]} | Format | contact_vertex is 0.5
 {"impacts": [{"point": [0, 0, 0], "normal": [0, 0, 0]}]} | Format | normal is [0.0, 0.0, 0.0]
+{"impacts": [{"point": [0, 0, 0], "impulse": 7}]} | Format | extras.impacts[0].impulse is 7; it must be three numbers
+{"impacts": [{"point": [0, 0, 0], "duration": 0}]} | Format | extras.impacts[0].duration is 0; it must be a number above 0
+{"impacts": [{"point": [0, 0, 0], "duration": 1e300}]} | Format | extras.impacts[0].duration is 1e+300
+{"impacts": [{"point": [0, 0, 0], "striker": 7}]} | Format | extras.impacts[0].striker is 7; it must be an object
+{"impacts": [{"point": [0, 0, 0], "striker": {"mass": -1}}]} | Format | extras.impacts[0].striker.mass is -1
+{"impacts": [{"point": [0, 0, 0], "striker": {"radius": "1"}}]} | Format | extras.impacts[0].striker.radius is "1"
+{"impacts": [{"point": [0, 0, 0], "striker": {"velocity": [1e300, 0, 0]}}]} | NotFinite | extras.impacts[0].striker.velocity.x is inf
 {"impacts": [{"point": [0, 0, 0]}, {"point": [0, 0, 0]}, {"point": [0, 0, 0]}]} | Format | extras.impacts has 3 entries for 2 targets
 {"targetNames": ["p", "q"], "impacts": [{"name": "x", "point": [0, 0, 0]}]} | Format | impacts[0] is for 'x'; there is no such target (there are 'p', 'q')
 {"placements": "sideways"} | Format | 'sideways'; it must be automatic, anchored or carried

@@ -6,7 +6,7 @@ mod scenes;
 use std::sync::Arc;
 
 use crumple::{
-    Cause, Deltas, ExampleData, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, MeshData, Outcome, Rule,
+    Blow, Cause, Deltas, ExampleData, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, MeshData, Outcome, Rule,
     Selection, SetOptions, Space, VertexMass,
 };
 use oracle::classic;
@@ -69,7 +69,7 @@ fn weight(outcome: &Outcome) -> (usize, f32) {
 #[test]
 fn quick_equation_4_4_impulse_times_duration_over_mass() {
     let instance = classic_instance(&set(), Rule::MostDisplaced, Selection::Classic);
-    let cause = Cause::Impulse { impulse: [0.0, 0.0, -10.0], duration: 0.02, mass: Some(0.5) };
+    let cause = Cause::Impulse { blow: Blow::of_impulse([0.0, 0.0, -10.0], 0.02), mass: Some(0.5) };
     let outcome = instance.preview(&Hit { point: [0.0; 3], cause, space: Space::Local, contact: None }).unwrap();
     assert_near(outcome.target, [0.0, 0.0, -0.4]);
     let oracle = classic::target_displacement([0.0, 0.0, -10.0], 0.02, 0.5);
@@ -78,7 +78,7 @@ fn quick_equation_4_4_impulse_times_duration_over_mass() {
 
 #[test]
 fn quick_the_mass_is_the_hits_own_else_the_vertex_s() {
-    let cause = |mass| Cause::Impulse { impulse: [0.0, 0.0, -10.0], duration: 0.02, mass };
+    let cause = |mass| Cause::Impulse { blow: Blow::of_impulse([0.0, 0.0, -10.0], 0.02), mass };
     let target = |set: &Arc<ExampleSet>, mass| {
         let instance = classic_instance(set, Rule::MostDisplaced, Selection::Classic);
         instance

@@ -8,8 +8,8 @@ use std::sync::Arc;
 
 use crumple::glam::{Mat4, Quat, Vec3};
 use crumple::{
-    Attribute, Cause, Combine, DeformJob, Deltas, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Mark, Mirror,
-    Pair, Placement, Rule, Serial, SetOptions, SimdLevel, Space, TaskSystem, ThreadPool, Tracker, VertexMemory,
+    Attribute, Blow, Cause, Combine, DeformJob, Deltas, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Mark,
+    Mirror, Pair, Placement, Rule, Serial, SetOptions, SimdLevel, Space, TaskSystem, ThreadPool, Tracker, VertexMemory,
 };
 use proptest::prelude::*;
 use scenes::{Body, Dice, Output, POISON, fnv, new, push, random_hit, random_hits};
@@ -113,7 +113,7 @@ fn wild_hit(set: &ExampleSet, dice: &mut Dice) -> Hit {
         1 => {
             let duration = [1e-30, 1e-3, 1.0, 1e30][dice.index(4)];
             let mass = Some([1e-30, 0.1, 1e30][dice.index(3)]);
-            Cause::Impulse { impulse: vector, duration, mass }
+            Cause::Impulse { blow: Blow::of_impulse(vector, duration), mass }
         }
         _ => hit.cause,
     };
@@ -461,7 +461,7 @@ fn quick_golden_marks_are_the_same_on_every_platform() {
                 frame.iter().for_each(|h| {
                     instance.submit(h).unwrap();
                 });
-                let impulse = Cause::Impulse { impulse: dice.vector(90.0), duration: 0.01, mass: Some(2.5) };
+                let impulse = Cause::Impulse { blow: Blow::of_impulse(dice.vector(90.0), 0.01), mass: Some(2.5) };
                 let at = base(&set, dice.index(set.vertex_count()));
                 instance.submit(&Hit { point: at, cause: impulse, space: Space::Local, contact: None }).unwrap();
                 instance.fold();
@@ -1228,7 +1228,7 @@ fn quick_yield_thresholds_leave_no_mark() {
     let mut instance = with(&set, options);
     let impulse = |j: f32| Hit {
         point: [0.0; 3],
-        cause: Cause::Impulse { impulse: [0.0, 0.0, -j], duration: 0.1, mass: Some(10.0) },
+        cause: Cause::Impulse { blow: Blow::of_impulse([0.0, 0.0, -j], 0.1), mass: Some(10.0) },
         space: Space::Local,
         contact: None,
     };

@@ -7,6 +7,7 @@ use crate::base::math::{rotation_between, tangent_basis, unit};
 use crate::base::tasks::TaskSystem;
 use crate::base::tasks::map;
 use crate::example::blocks::{DeltaBlocks, Steps};
+use crate::example::blow::Blow;
 use crate::example::data::{Contact, Deltas, ExampleData, Placement};
 use crate::example::example::Example;
 use crate::example::learned::Learned;
@@ -189,6 +190,8 @@ impl ExampleBuilder<'_> {
                 }
                 None => self.mesh.contact_normal(contact_vertex),
             };
+        let blow = Blow { normal: data.blow.normal.or(data.contact_normal), ..data.blow };
+        let blow = blow.checked(|part| format!("blow.{part} of example {i} '{}'", data.name))?;
         // Carrying needs a normal at every vertex that may be hit.
         let can_carry = self.mesh.normals().is_some();
         if data.placement == Placement::Carried && !can_carry {
@@ -225,6 +228,7 @@ impl ExampleBuilder<'_> {
             contact_point,
             contact_normal,
             contact_delta,
+            blow,
             depth,
             log_depth: libm::logf(depth),
             max_depth,

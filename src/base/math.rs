@@ -124,6 +124,11 @@ pub(crate) fn unit(v: Vec3) -> Option<Vec3> {
     Some(w / w.length())
 }
 
+/// Rounds to f32. Values out of range become the largest finite value.
+pub(crate) fn to_f32(v: DVec3) -> [f32; 3] {
+    v.to_array().map(|x| x.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,6 +2,8 @@
 
 use super::c_enum::{CEnum, number};
 use super::result::{CrumpleResult, Failure};
+use super::types::CrumpleStriker;
+use crate::example::blow::Striker;
 use std::ffi::{CStr, c_char};
 use std::mem::MaybeUninit;
 
@@ -214,6 +216,17 @@ pub(super) fn positive_or(value: f32, name: &str, unit: &str, zero: &str) -> Res
     }
 }
 
+/// Reads a striker, of which zeros are unknown.
+pub(super) fn striker(striker: CrumpleStriker, name: &str) -> Result<Striker, Failure> {
+    let field = |field: &str| format!("{name}.{field}");
+    finite(striker.velocity.array(), &field("velocity"))?;
+    Ok(Striker {
+        mass: positive_or(striker.mass, &field("mass"), "kg", "an unknown one")?,
+        radius: positive_or(striker.radius, &field("radius"), "m", "an unknown one")?,
+        velocity: striker.velocity.known(),
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -223,6 +236,15 @@ mod tests {
         assert_eq!(positive_or(0.0, "depth_limit", "m", "the deepest example").ok(), Some(None));
         let failure = positive_or(-1.0, "depth_limit", "m", "the deepest example").expect_err("a negative length");
         assert_eq!(failure.message, "depth_limit is -1 m; it must be positive, or 0 for the deepest example");
+    }
+
+    #[test]
+    fn zeros_of_a_striker_are_unknown() {
+        assert_eq!(striker(CrumpleStriker::default(), "striker").ok(), Some(Striker::default()));
+        let known = Striker { mass: Some(2.5), velocity: Some([0.0, 0.5, -4.0]), radius: Some(0.08) };
+        assert_eq!(striker(known.into(), "striker").ok(), Some(known));
+        let failure = striker(CrumpleStriker { radius: -1.0, ..known.into() }, "def.striker").expect_err("no radius");
+        assert_eq!(failure.message, "def.striker.radius is -1 m; it must be positive, or 0 for an unknown one");
     }
 
     #[repr(C)]

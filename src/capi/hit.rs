@@ -1,21 +1,22 @@
 //! Hits: what the physics engine reports.
 
 use super::c_enum::number;
-use super::check::{Out, def, defs, enumerator, finite, zeroed};
+use super::check::{Out, def, defs, enumerator, finite, positive_or, striker, zeroed};
 use super::context::{Arrivals, CrumpleContext, concurrent, recorded};
 use super::record_call::{Call, DisplacementHit, ImpulseHit, Number};
 use super::recorder::digest;
 use super::result::{CrumpleResult, Failure};
-use super::types::{CrumpleInstance, CrumpleVec3};
+use super::types::{CrumpleInstance, CrumpleStriker, CrumpleVec3};
 use crate::damage::mark::Mark;
+use crate::example::blow::Blow;
 use crate::select::hit::{Cause, Hit, HitStatus, Outcome, Space};
 use std::mem::MaybeUninit;
 use std::num::NonZeroU64;
 
-/// A hit given as an impulse. point and impulse are in the given space (default CRUMPLE_SPACE_LOCAL). The target
-/// displacement of the contact is impulse * duration / mass. To make dents independent of the frame rate, use a
-/// constant of the material as duration, and report a contact once with its whole impulse, or in parts with a
-/// contact_id.
+/// A hit given as a blow. point and vectors are in the given space (default CRUMPLE_SPACE_LOCAL). Give impulse, or mass
+/// and velocity of the striker. The target displacement of the contact is impulse * duration / mass. To make dents
+/// independent of the frame rate, use a constant of the material as duration, and report a contact once with its whole
+/// impulse, or in parts with a contact_id.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleImpulseDef {
@@ -23,12 +24,15 @@ pub struct CrumpleImpulseDef {
     pub space: MaybeUninit<Space>,
     /// Where the body was hit, m. The nearest vertex becomes the contact.
     pub point: CrumpleVec3,
-    /// The impulse on the body, N s. A zero impulse leaves no mark.
+    /// The impulse on the body, N s. Default 0: striker.mass * striker.velocity. If that is 0 too, there is no mark.
     pub impulse: CrumpleVec3,
-    /// How long the impulse acted, s: a constant of the material such as 0.01, not the time step. Required, not 0.
+    /// How long the impulse acted, s: a constant of the material such as 0.01, not the time step. Required.
     pub duration: f32,
     /// Mass of the contact vertex, kg. Default 0: the set's mass for that vertex.
     pub mass: f32,
+    /// Contact normal, out of the body, of any length. Default 0: unknown.
+    pub normal: CrumpleVec3,
+    pub striker: CrumpleStriker,
     /// The contact that the hit is part of; see crumple_instance_end_contact(). Default 0: none.
     pub contact_id: u64,
 }
@@ -148,8 +152,9 @@ pub extern "C" fn crumple_displacement_def_default() -> CrumpleDisplacementDef {
 /// Submits a hit. The call selects the examples. The next read of the damage applies the mark (see "Reads" at the top).
 /// A hit that is too weak, or that no example fits, is not an error; see out_result->status. out_result may be null.
 /// With a contact_id, it describes this hit alone. May be called from any thread at any time, except while the instance
-/// or context is being destroyed. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (duration not above 0, a negative mass, or no
-/// mass in def or set), CRUMPLE_ERROR_CONTACT_TOO_FAR, CRUMPLE_ERROR_WRONG_RULE (a contact_id with a classic rule).
+/// or context is being destroyed. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (duration not above 0, a negative mass or
+/// radius, or no mass in def or set), CRUMPLE_ERROR_CONTACT_TOO_FAR, CRUMPLE_ERROR_WRONG_RULE (a contact_id with a
+/// classic rule).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_submit_impulse(
     context: *mut CrumpleContext,
@@ -264,16 +269,21 @@ enum Effect {
 
 unsafe fn read_impulse(def: *const CrumpleImpulseDef) -> Result<Hit, Failure> {
     let def = self::def(def, "def")?;
-    let [mass] = finite([def.mass], "def.mass")?;
-    if mass < 0.0 {
-        let message = format!("def.mass is {mass} kg; it must be positive, or 0 for that of the set");
-        return Err(Failure::invalid(message));
-    }
-    let cause = Cause::Impulse {
-        impulse: finite(def.impulse.array(), "def.impulse")?,
-        duration: finite([def.duration], "def.duration")?[0],
-        mass: (mass > 0.0).then_some(mass),
+    let mass = positive_or(def.mass, "def.mass", "kg", "that of the set")?;
+    let impulse = finite(def.impulse.array(), "def.impulse")?;
+    let [duration] = finite([def.duration], "def.duration")?;
+    finite(def.normal.array(), "def.normal")?;
+    let mut blow = Blow {
+        impulse: def.impulse.known(),
+        duration: (duration != 0.0).then_some(duration),
+        normal: def.normal.known(),
+        striker: striker(def.striker, "def.striker")?,
     };
+    if blow.total_impulse().is_none() {
+        // Zero: the hit is too weak, not wrong.
+        blow.impulse = Some(impulse);
+    }
+    let cause = Cause::Impulse { blow, mass };
     hit(def.point, def.space, def.contact_id, cause)
 }
 
@@ -312,9 +322,20 @@ fn recorded_hit(instance: CrumpleInstance, hit: &Hit, effect: Effect) -> Call {
     let (space, point, contact_id) = (hit.space as u32, hit.point, hit.contact.map_or(0, NonZeroU64::get));
     let instance = Number::of(instance);
     match hit.cause {
-        Cause::Impulse { impulse, duration, mass } => {
-            let mass = mass.unwrap_or(0.0);
-            let hit = ImpulseHit { space, point, impulse, duration, mass, contact_id };
+        Cause::Impulse { blow, mass } => {
+            let striker = CrumpleStriker::from(blow.striker);
+            let hit = ImpulseHit {
+                space,
+                point,
+                impulse: blow.impulse.unwrap_or_default(),
+                duration: blow.duration.unwrap_or(0.0),
+                mass: mass.unwrap_or(0.0),
+                normal: blow.normal.unwrap_or_default(),
+                striker_mass: striker.mass,
+                striker_radius: striker.radius,
+                striker_velocity: striker.velocity.array(),
+                contact_id,
+            };
             match effect {
                 Effect::Submit => Call::SubmitImpulse { instance, hit },
                 Effect::Preview => Call::PreviewImpulse { instance, hit },

@@ -98,6 +98,10 @@ pub(super) struct ImpulseHit {
     pub(super) impulse: [f32; 3],
     pub(super) duration: f32,
     pub(super) mass: f32,
+    pub(super) normal: [f32; 3],
+    pub(super) striker_mass: f32,
+    pub(super) striker_radius: f32,
+    pub(super) striker_velocity: [f32; 3],
     pub(super) contact_id: u64,
 }
 

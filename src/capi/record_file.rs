@@ -11,7 +11,7 @@ use xxhash_rust::xxh3::xxh3_64_with_seed;
 
 const MAGIC: [u8; 8] = *b"CRUMPREC";
 /// Grows when old readers could not read new files.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 3;
 /// The magic bytes, the format and the library's version.
 const HEADER: usize = 16;
 /// Before an event: its length and its checksum, 8 bytes each.

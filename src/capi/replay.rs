@@ -14,7 +14,7 @@ use super::record_file::{Ended, Event, Reader};
 use super::recorder::digest;
 use super::result::{CrumpleResult, crumple_last_error, crumple_result_name};
 use super::set::crumple_example_set_destroy;
-use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance, CrumpleStream};
+use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance, CrumpleStream, CrumpleStriker};
 use crate::base::error::Error;
 use crate::damage::mark::Mark;
 use std::collections::HashMap;
@@ -485,6 +485,12 @@ fn impulse_def(hit: ImpulseHit) -> CrumpleImpulseDef {
         impulse: hit.impulse.into(),
         duration: hit.duration,
         mass: hit.mass,
+        normal: hit.normal.into(),
+        striker: CrumpleStriker {
+            mass: hit.striker_mass,
+            radius: hit.striker_radius,
+            velocity: hit.striker_velocity.into(),
+        },
         contact_id: hit.contact_id,
         ..crumple_impulse_def_default()
     }

@@ -1,7 +1,7 @@
 //! Example sets from the caller's arrays.
 
 use super::c_enum::c_enums;
-use super::check::{Out, boolean, def, defs, enumerator, finite, positive_or, string, zeroed};
+use super::check::{Out, boolean, def, defs, enumerator, finite, positive_or, striker, string, zeroed};
 use super::context::{Context, CrumpleContext, CrumpleLogLevel, recorded};
 use super::memory::{read, read_required};
 use super::record_call::{Call, Number};
@@ -9,8 +9,9 @@ use super::recorder::Log;
 use super::result::{CrumpleResult, Failure};
 use super::store::{SetEntry, State};
 use super::tasks::Quiet;
-use super::types::{CrumpleExampleSet, CrumpleInput, CrumplePrimitive, CrumpleVec3};
+use super::types::{CrumpleExampleSet, CrumpleInput, CrumplePrimitive, CrumpleStriker, CrumpleVec3};
 use crate::base::error::reserve;
+use crate::example::blow::Blow;
 use crate::example::data::{Contact, Deltas, ExampleData, Placement};
 use crate::example::options::{Combine, Seams, SetOptions, VertexMass};
 use crate::example::set::ExampleSet;
@@ -103,6 +104,11 @@ pub struct CrumpleExampleDef {
     pub contact_point: CrumpleVec3,
     /// The surface's outward direction at the contact, of any length above 0. Used only if has_contact_normal is true.
     pub contact_normal: CrumpleVec3,
+    /// The impulse on the body, N s. Default 0: unknown.
+    pub impulse: CrumpleVec3,
+    /// How long the impulse acted, s. Default 0: unknown.
+    pub duration: f32,
+    pub striker: CrumpleStriker,
     /// Whether contact_normal is given. Default false: the mesh's normal is used.
     pub has_contact_normal: MaybeUninit<bool>,
     pub placement: MaybeUninit<Placement>,
@@ -408,7 +414,14 @@ unsafe fn read_example(example: CrumpleExampleDef, mesh: &MeshData, name: &str) 
         false => None,
     };
     let placement = enumerator(example.placement, &field("placement"))?;
-    Ok(ExampleData { normals, contact, contact_normal, placement, ..ExampleData::new(title, positions) })
+    finite(example.impulse.array(), &field("impulse"))?;
+    let blow = Blow {
+        impulse: example.impulse.known(),
+        duration: positive_or(example.duration, &field("duration"), "s", "an unknown one")?,
+        normal: contact_normal,
+        striker: striker(example.striker, &field("striker"))?,
+    };
+    Ok(ExampleData { normals, contact, contact_normal, blow, placement, ..ExampleData::new(title, positions) })
 }
 
 /// What leads from the base to the targets.

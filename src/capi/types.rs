@@ -2,6 +2,7 @@
 
 use super::c_enum::c_enums;
 use crate::base::math::Aabb;
+use crate::example::blow::Striker;
 use crate::example::data::Placement;
 use crate::example::options::{Combine, Seams};
 use crate::instance::options::Rule;
@@ -33,6 +34,11 @@ impl CrumpleVec3 {
     pub(super) fn array(self) -> [f32; 3] {
         [self.x, self.y, self.z]
     }
+
+    /// The vector, unless it is zero, which stands for unknown.
+    pub(super) fn known(self) -> Option<[f32; 3]> {
+        (self != Self::default()).then_some(self.array())
+    }
 }
 
 impl From<[f32; 3]> for CrumpleVec3 {
@@ -44,6 +50,28 @@ impl From<[f32; 3]> for CrumpleVec3 {
 impl From<glam::Vec3> for CrumpleVec3 {
     fn from(v: glam::Vec3) -> Self {
         v.to_array().into()
+    }
+}
+
+/// What struck a body, as far as it is known. 0 is unknown, which costs accuracy.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+pub struct CrumpleStriker {
+    /// kg.
+    pub mass: f32,
+    /// Radius of its surface at the contact, m: small for a corner, large for a flat face.
+    pub radius: f32,
+    /// Velocity relative to the struck body before the touch, m/s.
+    pub velocity: CrumpleVec3,
+}
+
+impl From<Striker> for CrumpleStriker {
+    fn from(striker: Striker) -> Self {
+        Self {
+            mass: striker.mass.unwrap_or(0.0),
+            radius: striker.radius.unwrap_or(0.0),
+            velocity: striker.velocity.unwrap_or_default().into(),
+        }
     }
 }
 

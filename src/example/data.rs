@@ -1,5 +1,7 @@
 //! One example as plain arrays, made by an importer or by the caller.
 
+use super::blow::Blow;
+
 /// Displacements of an example from the base mesh, m, or changes of the unit normals.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Deltas {
@@ -50,6 +52,8 @@ pub struct ExampleData {
     pub contact: Option<Contact>,
     /// Outward unit normal of the surface at the contact. If `None`, it is taken from the mesh.
     pub contact_normal: Option<[f32; 3]>,
+    /// The blow that made the dent. If its normal is unknown, it takes `contact_normal`.
+    pub blow: Blow,
     /// Whether the example may be carried.
     pub placement: Placement,
 }
@@ -63,6 +67,7 @@ impl ExampleData {
             normals: None,
             contact: None,
             contact_normal: None,
+            blow: Blow::default(),
             placement: Placement::Automatic,
         }
     }

@@ -1,6 +1,7 @@
 //! One example of a set, ready for use.
 
 use super::blocks::DeltaBlocks;
+use super::blow::Blow;
 use super::data::Placement;
 use super::stamp::Stamp;
 use crate::base::math::tangent_basis;
@@ -16,6 +17,7 @@ pub struct Example {
     pub(crate) contact_point: Vec3,
     pub(crate) contact_normal: Option<Vec3>,
     pub(crate) contact_delta: Vec3,
+    pub(crate) blow: Blow,
     pub(crate) depth: f32,
     /// Natural logarithm of `depth`, for selection.
     pub(crate) log_depth: f32,
@@ -56,6 +58,11 @@ impl Example {
     /// compared with it.
     pub fn contact_displacement(&self) -> Vec3 {
         self.contact_delta
+    }
+
+    /// The blow that made the dent, in the mesh's space. Its normal has length 1.
+    pub fn blow(&self) -> &Blow {
+        &self.blow
     }
 
     /// Length of the contact's displacement, m. 0 only for an empty example.

@@ -1,6 +1,7 @@
 //! Examples and the set that holds them, as plain data. Later modules add the behaviour.
 
 pub(crate) mod blocks;
+pub(crate) mod blow;
 pub(crate) mod candidates;
 pub(crate) mod data;
 #[expect(clippy::module_inception, reason = "one file an idea")]

@@ -7,12 +7,13 @@
 
 use super::options::Rule;
 use super::selection::{Effect, select};
+use crate::base::math::to_f32;
 use crate::damage::dent::Dent;
 use crate::damage::list::Damage;
 use crate::damage::mark::Mark;
 use crate::example::set::ExampleSet;
 use crate::select::hit::{Hit, Outcome};
-use crate::select::target::{HitParams, to_f32};
+use crate::select::target::HitParams;
 use glam::DVec3;
 use std::num::NonZeroU64;
 

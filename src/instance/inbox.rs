@@ -49,7 +49,7 @@ impl Inbox {
     /// [`Instance::contact`](crate::Instance::contact) returns that of the contact.
     ///
     /// # Errors
-    /// [`Error::NotFinite`], [`Error::InvalidArgument`] (duration or mass not above 0, or no mass known),
+    /// [`Error::NotFinite`], [`Error::InvalidArgument`] (a bad part of the blow, or no impulse, duration or mass known),
     /// [`Error::ContactTooFar`]; [`Error::WrongRule`] for a contact with a classic rule, which cannot replace what it
     /// has deformed. After an error nothing has been queued.
     pub fn submit(&self, hit: &Hit) -> Result<Outcome, Error> {
@@ -65,9 +65,9 @@ impl Inbox {
                     point: params.local(hit.point, hit.space),
                     target: outcome.target,
                     impulse: match hit.cause {
-                        Cause::Impulse { impulse, .. } => {
-                            Some(DVec3::from_array(impulse.map(f64::from)).length().min(f32::MAX.into()) as f32)
-                        }
+                        Cause::Impulse { blow, .. } => blow
+                            .total_impulse()
+                            .map(|j| DVec3::from_array(j.map(f64::from)).length().min(f32::MAX.into()) as f32),
                         Cause::Displacement(_) => None,
                     },
                 }))

@@ -1,6 +1,7 @@
 //! A hit and its outcome.
 
 use crate::damage::mark::Mark;
+use crate::example::blow::Blow;
 use crate::mesh::mirror::Mirror;
 use std::num::NonZeroU64;
 
@@ -18,16 +19,16 @@ pub enum Space {
 /// What a hit asks of the vertex it hits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Cause {
-    /// An impulse. The target displacement is the paper's `impulse * duration / mass` (Eq. 4.4). Do not pass the
-    /// engine's time step as `duration`, because dents would depend on it; pass a constant of the material. Report a
+    /// A blow, in the hit's space. Its impulse, or the mass and velocity of its striker, must be known. The target
+    /// displacement is the paper's `impulse * duration / mass` (Eq. 4.4), which needs the duration. Do not pass the
+    /// engine's time step as duration, because dents would depend on it; pass a constant of the material. Report a
     /// contact once with its whole impulse, or in parts with an id ([`Hit::contact`]). [`Cause::Displacement`] needs no
     /// duration.
     Impulse {
-        /// The impulse, N·s.
-        impulse: [f32; 3],
-        /// How long the impulse acted, s. Above 0.
-        duration: f32,
-        /// Mass of the vertex, kg. Above 0. `None` takes the set's.
+        /// What is known of the blow.
+        blow: Blow,
+        /// Mass of the vertex, kg. Above 0. `None` takes the set's. It is the calibration mass of the formula, not the
+        /// striker's mass.
         mass: Option<f32>,
     },
     /// The desired contact displacement, m, for engines with their own mapping from impulse to depth. It does not
@@ -42,7 +43,7 @@ pub struct Hit {
     pub point: [f32; 3],
     /// Impulse or displacement. For a dent it points into the body.
     pub cause: Cause,
-    /// The space of `point` and of the vector in `cause`.
+    /// The space of `point` and of the vectors in `cause`.
     pub space: Space,
     /// Id of the contact that the hit is part of. `None` for a separate hit. Hits of one contact make one dent, that of
     /// their sum, whatever the time step. They may come over many steps until
@@ -59,7 +60,13 @@ impl Hit {
 
     /// A hit in the mesh's space by an impulse (N·s) that acted for `duration` (s).
     pub fn impulse(point: [f32; 3], impulse: [f32; 3], duration: f32, mass: Option<f32>) -> Self {
-        Hit { point, cause: Cause::Impulse { impulse, duration, mass }, space: Space::Local, contact: None }
+        let cause = Cause::Impulse { blow: Blow::of_impulse(impulse, duration), mass };
+        Hit { point, cause, space: Space::Local, contact: None }
+    }
+
+    /// A hit in the mesh's space by a blow. The mass of the vertex is the set's.
+    pub fn blow(point: [f32; 3], blow: Blow) -> Self {
+        Hit { point, cause: Cause::Impulse { blow, mass: None }, space: Space::Local, contact: None }
     }
 
     /// The same hit as part of a contact.

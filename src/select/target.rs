@@ -3,7 +3,9 @@
 use super::hit::{Cause, Hit, HitStatus, Outcome, Selection, Space};
 use crate::base::error::Error;
 use crate::base::error::positive;
+use crate::base::math::to_f32;
 use crate::damage::mark::MAX_PAIRS;
+use crate::example::blow::Blow;
 use crate::example::set::ExampleSet;
 use crate::mesh::{finite, nearest::Nearest};
 use glam::{DMat3, DVec3, Vec3};
@@ -61,7 +63,8 @@ pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Out
     };
     let (target, weak) = match hit.cause {
         Cause::Displacement(d) => (vector(d), false),
-        Cause::Impulse { impulse, duration, mass: m } => {
+        Cause::Impulse { blow, mass: m } => {
+            let (impulse, duration) = (impulse_of(&blow)?, duration_of(&blow)?);
             // Equation 4.4 of the paper.
             let t = vector(impulse) * (f64::from(duration) / f64::from(mass(m)?));
             (t, DVec3::from_array(impulse.map(f64::from)).length() < f64::from(p.yield_impulse))
@@ -93,17 +96,24 @@ fn check(hit: &Hit) -> Result<(), Error> {
     finite("point", hit.point)?;
     match hit.cause {
         Cause::Displacement(d) => finite("displacement", d),
-        Cause::Impulse { impulse, duration, mass } => {
-            finite("impulse", impulse)?;
-            positive("duration", duration, "s")?;
+        Cause::Impulse { blow, mass } => {
+            blow.checked(str::to_owned)?;
+            impulse_of(&blow)?;
             mass.map_or(Ok(()), |m| positive("mass", m, "kg"))
         }
     }
 }
 
-/// Rounds to f32. Values out of range become the largest finite value.
-pub(crate) fn to_f32(v: DVec3) -> [f32; 3] {
-    v.to_array().map(|x| x.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32)
+/// The impulse on the body, N·s, in the hit's space.
+fn impulse_of(blow: &Blow) -> Result<[f32; 3], Error> {
+    let expected = "given (N·s), or the striker's mass (kg) and velocity (m/s)";
+    blow.total_impulse().ok_or_else(|| Error::invalid("impulse", "absent", expected))
+}
+
+/// The duration that the paper's formula needs, s.
+fn duration_of(blow: &Blow) -> Result<f32, Error> {
+    let expected = "given with the impulse (s), as a constant of the material";
+    blow.duration.ok_or_else(|| Error::invalid("duration", "absent", expected))
 }
 
 fn contact(set: &ExampleSet, p: &HitParams, point: DVec3) -> Result<Nearest, Error> {

@@ -128,6 +128,10 @@ static void meshes(void) {
     sheet.targets[0][80][0] = held;
     BAD_SET(NOT_FINITE, "def.options.depth_limit", def.options.depth_limit = NAN);
     BAD_SET(NOT_FINITE, "contact_point", (example.contact_kind = CRUMPLE_CONTACT_KIND_POINT, example.contact_point.y = NAN));
+    BAD_SET(NOT_FINITE, "def.examples[0].impulse", example.impulse.x = NAN);
+    BAD_SET(NOT_FINITE, "def.examples[0].striker.velocity", example.striker.velocity.x = NAN);
+    BAD_SET(INVALID_ARGUMENT, "def.examples[0].duration is -1", example.duration = -1);
+    BAD_SET(INVALID_ARGUMENT, "def.examples[0].striker.mass is -3", example.striker.mass = -3);
     BAD_SET(NOT_FINITE, "contact_normal", (example.has_contact_normal = true, example.contact_normal.y = NAN));
     // Options.
     BAD_SET(INVALID_ARGUMENT, "def.options.depth_limit is -1", def.options.depth_limit = -1);
@@ -370,6 +374,10 @@ static void hits(void) {
     BAD_IMPULSE(NOT_FINITE, "def.impulse", def.impulse.y = NAN);
     BAD_IMPULSE(NOT_FINITE, "def.duration", def.duration = NAN);
     BAD_IMPULSE(NOT_FINITE, "def.mass", def.mass = NAN);
+    BAD_IMPULSE(NOT_FINITE, "def.normal", def.normal.y = NAN);
+    BAD_IMPULSE(NOT_FINITE, "def.striker.velocity", def.striker.velocity.z = INFINITY);
+    BAD_IMPULSE(INVALID_ARGUMENT, "def.striker.mass is -1", def.striker.mass = -1);
+    BAD_IMPULSE(INVALID_ARGUMENT, "def.striker.radius is -2", def.striker.radius = -2);
     push.displacement.z = NAN;
     BAD_KEEPING(NOT_FINITE, "def.displacement", told, crumple_instance_submit_displacement(context, body, &push, &told));
     push = displacement_at(0, 0, 0.01f);

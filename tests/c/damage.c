@@ -179,6 +179,60 @@ static void spaces(void) {
     OK(crumple_instance_destroy(context, world));
 }
 
+// Zeros are unknown: the impulse is then the striker's momentum. Without both, nothing happens.
+static void strikers(void) {
+    CrumpleInstance body = make_instance(context, set);
+    CrumpleImpulseDef hit = crumple_impulse_def_default();
+    CrumpleHitResult explicit, momentum;
+    FACT(hit.striker.mass == 0 && hit.striker.radius == 0 && hit.striker.velocity.z == 0 && hit.normal.z == 0);
+    hit.point = vec3(0.1f, 0.1f, 0);
+    hit.duration = 0.01f;
+    hit.mass = 1;
+    OK(crumple_instance_submit_impulse(context, body, &hit, &explicit));
+    FACT(explicit.status == CRUMPLE_HIT_STATUS_BELOW_YIELD);
+    hit.impulse = vec3(2.5f * 0.3f, 0, 2.5f * -1.1f);
+    OK(crumple_instance_preview_impulse(context, body, &hit, &explicit));
+    hit.impulse = vec3(0, 0, 0);
+    hit.normal = vec3(0, 0, 1);
+    hit.striker.mass = 2.5f;
+    hit.striker.velocity = vec3(0.3f, 0, -1.1f);
+    OK(crumple_instance_preview_impulse(context, body, &hit, &momentum));
+    FACT(momentum.status == CRUMPLE_HIT_STATUS_MARKED);
+    FACT(memcmp(&explicit.target, &momentum.target, sizeof explicit.target) == 0);
+    FACT(memcmp(&explicit.mark, &momentum.mark, sizeof explicit.mark) == 0);
+    OK(crumple_instance_destroy(context, body));
+}
+
+// A baked set keeps the blows of its examples.
+static void blows(void) {
+    static unsigned char unknown[1 << 20], known[1 << 20];
+    CrumpleExampleSetDef def = sheet.def;
+    CrumpleExampleDef example = sheet.examples[0];
+    CrumpleExampleSet made;
+    size_t size, known_size, differences = 0;
+    FACT(example.impulse.z == 0 && example.duration == 0 && example.striker.mass == 0);
+    def.examples = &example;
+    def.example_count = 1;
+    OK(crumple_example_set_create(context, &def, &made));
+    OK(crumple_example_set_save_baked(context, made, unknown, sizeof unknown, &size));
+    OK(crumple_example_set_destroy(context, made));
+    example.impulse = vec3(0.5f, 0, -9);
+    example.duration = 0.01f;
+    example.striker.mass = 2.5f;
+    example.striker.radius = 0.08f;
+    example.striker.velocity = vec3(0.1f, 0, -4);
+    OK(crumple_example_set_create(context, &def, &made));
+    OK(crumple_example_set_save_baked(context, made, known, sizeof known, &known_size));
+    OK(crumple_example_set_destroy(context, made));
+    FACT(size == known_size);
+    for (size_t i = 16; i < size; ++i) differences += unknown[i] != known[i];
+    FACT(differences >= 9 && differences <= 9 * 4);
+    OK(crumple_example_set_load_baked_memory(context, known, size, CRUMPLE_BYTES_COPY, &made));
+    OK(crumple_example_set_save_baked(context, made, unknown, sizeof unknown, &size));
+    FACT(size == known_size && memcmp(known, unknown, size) == 0);
+    OK(crumple_example_set_destroy(context, made));
+}
+
 static void yield_and_mass(void) {
     CrumpleExampleSetDef def = sheet.def;
     CrumpleExampleSet heavy;
@@ -368,6 +422,8 @@ int main(void) {
     interleaved();
     marks_and_bytes();
     spaces();
+    strikers();
+    blows();
     yield_and_mass();
     contacts();
     visibility();

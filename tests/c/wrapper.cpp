@@ -40,6 +40,8 @@ int main() {
     impulse.impulse = vec3(0, 0, -1);
     impulse.duration = 0.01f;
     impulse.mass = 1;
+    impulse.normal = vec3(0, 0, 1);
+    impulse.striker = {2.5f, 0.1f, vec3(0, 0, -0.4f)};
     FACT(other.preview(impulse).value().status == CRUMPLE_HIT_STATUS_MARKED && other.marks().value().empty());
     body.end_contact(7).value();
     FACT(body.end_contact(0).result() == CRUMPLE_ERROR_INVALID_ARGUMENT);

@@ -50,6 +50,7 @@ fn picture(path: &Path) -> (Vec<u8>, String) {
 #[test]
 fn info_tells_what_a_file_holds() {
     let report = crumple(&["info", PANEL]).report();
+    has(&report, &["blows     no example knows its blow"]);
     has(&report, &["panel: 2173 vertices, 4160 triangles, 1 primitive, 0 on seams", "1.200 x 0.900 x 0.090 m"]);
     let row = report.lines().find(|l| l.contains("train_00")).expect("a row");
     let cells: Vec<&str> = row.split_whitespace().collect();

@@ -120,6 +120,15 @@ namespace Crumple
         /// <summary>The surface's outward direction there, of any length but 0. Default null: taken from the mesh.</summary>
         public CrumpleVec3? ContactNormal { get; set; }
 
+        /// <summary>The impulse on the body that made it, N s. Default zero: unknown.</summary>
+        public CrumpleVec3 Impulse { get; set; }
+
+        /// <summary>How long the impulse acted, s. Default 0: unknown.</summary>
+        public float Duration { get; set; }
+
+        /// <summary>What struck the body. Zeros are unknown.</summary>
+        public CrumpleStriker Striker { get; set; }
+
         /// <summary>Whether it may be carried away from where it was made. Default automatic.</summary>
         public CrumplePlacement Placement { get; set; }
 
@@ -148,6 +157,9 @@ namespace Crumple
                 def.ContactNormal = ContactNormal.Value;
                 def.HasContactNormal = true;
             }
+            def.Impulse = Impulse;
+            def.Duration = Duration;
+            def.Striker = Striker;
             def.Placement = Placement;
             return def;
         }

@@ -20,6 +20,18 @@ namespace Crumple
         }
     }
 
+    public partial struct CrumpleStriker
+    {
+        /// <summary>What struck a body: mass, kg; radius at the contact, m; velocity relative to the body before the touch, m/s.
+        /// Zeros are unknown.</summary>
+        public CrumpleStriker(float mass, float radius, CrumpleVec3 velocity)
+        {
+            Mass = mass;
+            Radius = radius;
+            Velocity = velocity;
+        }
+    }
+
     public partial struct CrumplePair
     {
         /// <summary><see cref="Example"/> of an unused pair.</summary>

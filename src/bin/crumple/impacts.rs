@@ -1,7 +1,7 @@
 //! Reads and writes the JSON list of impacts. `docs/impacts.md` documents its keys.
 
 use anyhow::{Context, Result, anyhow, bail};
-use crumple::{Cause, Hit, Space};
+use crumple::{Blow, Cause, Hit, Space, Striker};
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 use std::num::NonZeroU64;
@@ -19,6 +19,10 @@ struct Entry {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     impulse: Option<[f64; 3]>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    normal: Option<[f64; 3]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    striker: Option<StrikerEntry>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     duration: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     mass: Option<f64>,
@@ -26,6 +30,20 @@ struct Entry {
     space: Option<SpaceName>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     contact: Option<NonZeroU64>,
+}
+
+#[derive(Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StrikerEntry {
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    mass: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    radius: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    velocity: Option<[f64; 3]>,
+    /// A note for people, such as "ball".
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    shape: Option<String>,
 }
 
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
@@ -70,35 +88,62 @@ fn entry(raw: &str) -> Result<Impact> {
     let entry: Entry =
         serde_path_to_error::deserialize(&mut serde_json::Deserializer::from_str(raw)).map_err(|e| explain(&e, raw))?;
     let point = vector("point", entry.point)?;
-    let number = |key: &'static str, value: Option<f64>| -> Result<f32> {
-        let value = value.ok_or_else(|| anyhow!("'impulse' needs '{key}' beside it"))?;
-        if !(value > 0.0 && (value as f32) > 0.0 && (value as f32).is_finite()) {
-            bail!("{key} is {value}; it must be above 0 and at most 3.4e38");
-        }
-        Ok(value as f32)
-    };
-    let cause = match (entry.displacement, entry.impulse) {
-        (Some(_), Some(_)) => bail!("both 'displacement' and 'impulse'; give one of them"),
-        (None, None) => bail!("neither 'displacement' (m) nor 'impulse' (N s); give one of them"),
-        (Some(displacement), None) => {
-            for (key, value) in [("duration", entry.duration), ("mass", entry.mass)] {
-                if value.is_some() {
-                    bail!("'{key}' needs 'impulse' and cannot be given with 'displacement'");
-                }
+    let cause = match entry.displacement {
+        Some(displacement) => {
+            if entry.impulse.is_some() {
+                bail!("both 'displacement' and 'impulse'; give one of them");
+            }
+            let others = [
+                ("duration", entry.duration.is_some()),
+                ("mass", entry.mass.is_some()),
+                ("normal", entry.normal.is_some()),
+                ("striker", entry.striker.is_some()),
+            ];
+            if let Some((key, _)) = others.iter().find(|(_, given)| *given) {
+                bail!("'{key}' needs 'impulse' and cannot be given with 'displacement'");
             }
             Cause::Displacement(vector("displacement", displacement)?)
         }
-        (None, Some(impulse)) => Cause::Impulse {
-            impulse: vector("impulse", impulse)?,
-            duration: number("duration", entry.duration)?,
-            mass: Some(number("mass", entry.mass)?),
-        },
+        None => Cause::Impulse { blow: blow(&entry)?, mass: number("mass", entry.mass)? },
     };
     let space = match entry.space {
         Some(SpaceName::World) => Space::World,
         _ => Space::Local,
     };
     Ok(Impact { name: entry.name, hit: Hit { point, cause, space, contact: entry.contact } })
+}
+
+fn blow(entry: &Entry) -> Result<Blow> {
+    let vector = |key: &str, value: Option<[f64; 3]>| value.map(|v| self::vector(key, v)).transpose();
+    let none = StrikerEntry::default();
+    let striker = entry.striker.as_ref().unwrap_or(&none);
+    let blow = Blow {
+        impulse: vector("impulse", entry.impulse)?,
+        duration: number("duration", entry.duration)?,
+        normal: vector("normal", entry.normal)?,
+        striker: Striker {
+            mass: number("striker.mass", striker.mass)?,
+            velocity: vector("striker.velocity", striker.velocity)?,
+            radius: number("striker.radius", striker.radius)?,
+        },
+    };
+    if blow.total_impulse().is_none() {
+        bail!(
+            "neither 'displacement' (m) nor 'impulse' (N s) nor a 'striker' with 'mass' (kg) and 'velocity' (m/s); give one of them"
+        );
+    }
+    if blow.normal.is_some_and(|n| n == [0.0; 3]) {
+        bail!("normal is [0, 0, 0]; it must be longer than 0");
+    }
+    Ok(blow)
+}
+
+fn number(key: &str, value: Option<f64>) -> Result<Option<f32>> {
+    let Some(value) = value else { return Ok(None) };
+    if !(value > 0.0 && (value as f32) > 0.0 && (value as f32).is_finite()) {
+        bail!("{key} is {value}; it must be above 0 and at most 3.4e38");
+    }
+    Ok(Some(value as f32))
 }
 
 fn vector(key: &str, value: [f64; 3]) -> Result<[f32; 3]> {
@@ -142,7 +187,7 @@ fn json_name(serde: &str) -> String {
         (Some(value), _) => value.into(),
         (_, "f64") => "a number".into(),
         (_, "a nonzero u64") => "a whole number above 0".into(),
-        (_, "struct Entry" | "map") => "an object {…}".into(),
+        (_, "struct Entry" | "struct StrikerEntry" | "map") => "an object {…}".into(),
         (_, "sequence") => "a list".into(),
         (_, t) if t.starts_with("an array of length 3") => "a list of 3 numbers".into(),
         (_, t) => t.strip_prefix("string ").map_or_else(|| t.to_owned(), |text| format!("the text {text}")),
@@ -185,7 +230,14 @@ mod tests {
         ("[{P}]", "impact 0: neither 'displacement' (m) nor 'impulse' (N s)"),
         (r#"[{P, U, "impulse": [0,0,1]}]"#, "both"),
         (r#"[{P, U, "mass": 1}]"#, "'mass' needs 'impulse'"),
-        (r#"[{P, "impulse": [0,0,1], "mass": 1}]"#, "'impulse' needs 'duration'"),
+        (r#"[{P, U, "striker": {}}]"#, "'striker' needs 'impulse'"),
+        (r#"[{P, "striker": {"mass": 2}}]"#, "nor a 'striker' with 'mass' (kg) and 'velocity' (m/s)"),
+        (r#"[{P, "striker": {"mass": 0, "velocity": [0,0,1]}}]"#, "striker.mass is 0; it must be above 0"),
+        (r#"[{P, "impulse": [0,0,1], "striker": {"radius": -1}}]"#, "striker.radius is -1; it must be above 0"),
+        (r#"[{P, "impulse": [0,0,1], "striker": {"velocity": [0,1e39,0]}}]"#, "striker.velocity[1] is 1e39"),
+        (r#"[{P, "impulse": [0,0,1], "striker": 7}]"#, "striker is 7; it must be an object {…}"),
+        (r#"[{P, "impulse": [0,0,1], "striker": {"speed": 7}}]"#, "unknown field `speed`"),
+        (r#"[{P, "impulse": [0,0,1], "normal": [0,0,0]}]"#, "normal is [0, 0, 0]; it must be longer than 0"),
         (r#"[{"point": [0,0], U}]"#, "impact 0: point has 2 numbers; it must have 3"),
         (r#"[{"point": 7, U}]"#, "point is 7; it must be a list of 3 numbers"),
         (r#"[{P, U, "space": "wrold"}]"#, "unknown variant `wrold`, expected `local` or `world`"),
@@ -205,6 +257,19 @@ mod tests {
         (r#"[{"point": [0,null,0], U}]"#, "point[1] is null; it must be a number"),
         (r#"[{"point": [0,[0],0], U}]"#, "point[1] is a list; it must be a number"),
     ];
+
+    #[test]
+    fn a_blow_is_read_and_what_is_not_given_is_unknown() {
+        let json = r#"[{"point": [1,2,3], "normal": [0,0,2], "duration": 0.5, "mass": 8,
+            "striker": {"mass": 2, "velocity": [0,1,-4], "radius": 0.25, "shape": "ball"}},
+            {"point": [1,2,3], "impulse": [0,0,-1]}]"#;
+        let hits: Vec<Hit> = parse(json).expect("good impacts").into_iter().map(|i| i.hit).collect();
+        let striker = Striker { mass: Some(2.0), velocity: Some([0.0, 1.0, -4.0]), radius: Some(0.25) };
+        let blow = Blow { impulse: None, duration: Some(0.5), normal: Some([0.0, 0.0, 2.0]), striker };
+        assert_eq!(hits[0].cause, Cause::Impulse { blow, mass: Some(8.0) });
+        let blow = Blow { impulse: Some([0.0, 0.0, -1.0]), ..Blow::default() };
+        assert_eq!(hits[1].cause, Cause::Impulse { blow, mass: None });
+    }
 
     #[test]
     fn refusals_name_the_impact_the_key_and_what_would_be_right() {

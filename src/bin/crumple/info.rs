@@ -138,6 +138,14 @@ fn examples(text: &mut String, set: &ExampleSet) {
         ]);
     }
     table.write(text);
+    let known = set.examples().iter().filter(|e| e.blow().total_impulse().is_some()).count();
+    let known = if known == 0 { "no example knows its blow".into() } else { of(known, set.examples().len()) };
+    text.push_str(&format!("\n  blows     {known}\n"));
+}
+
+fn of(known: usize, all: usize) -> String {
+    let know = if known == 1 { "knows its blow" } else { "know their blow" };
+    format!("{known} of {} {know}", count(all, "example", "examples"))
 }
 
 /// Reports how well the examples predict each other, each left out in turn.

@@ -9,7 +9,7 @@ use xxhash_rust::xxh3::xxh3_64;
 /// The first bytes of every file. The last of them reveals a text conversion.
 pub(super) const MAGIC: [u8; 8] = *b"crumple\n";
 /// Files of other versions are refused.
-pub(super) const VERSION: u32 = 2;
+pub(super) const VERSION: u32 = 3;
 /// Sections begin at multiples of this; the largest alignment that any element needs is 16.
 pub(super) const ALIGN: usize = 64;
 /// A file is used in place if the address of its memory is a multiple of this.
@@ -208,6 +208,25 @@ pub(super) struct ExampleRecord {
     /// Whether it has a stamp, which is then the next one of section `stamps`.
     pub(super) stamp: u8,
     pub(super) zero: u8,
+    pub(super) blow: BlowRecord,
+}
+
+/// What is known of an example's blow; NaN if unknown.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(super) struct BlowRecord {
+    /// On the body, N·s.
+    pub(super) impulse: [f32; 3],
+    /// s.
+    pub(super) duration: f32,
+    /// Out of the body, unit.
+    pub(super) normal: [f32; 3],
+    /// kg.
+    pub(super) striker_mass: f32,
+    /// Relative to the body, m/s.
+    pub(super) striker_velocity: [f32; 3],
+    /// m.
+    pub(super) striker_radius: f32,
 }
 
 /// One element of section `stamps`.
@@ -253,7 +272,7 @@ pub(super) struct AnchoredRecord {
 
 // docs/format.md states these sizes.
 const _: () = assert!(size_of::<Header>() == 64 && size_of::<Entry>() == 32);
-const _: () = assert!(size_of::<SetRecord>() == 64 && size_of::<ExampleRecord>() == 52);
+const _: () = assert!(size_of::<SetRecord>() == 64 && size_of::<ExampleRecord>() == 100);
 const _: () = assert!(size_of::<StampRecord>() == 64 && size_of::<MeshRecord>() == 16);
 const _: () =
     assert!(size_of::<crate::example::blocks::Head>() == 20 && size_of::<crate::mesh::rim::WindowBlock>() == 2048);

@@ -1,13 +1,14 @@
 //! Makes a set from a file.
 
 use super::check;
-use super::layout::{AnchoredRecord, ExampleRecord, Id, MeshRecord, SetRecord, StampRecord, wrong};
+use super::layout::{AnchoredRecord, BlowRecord, ExampleRecord, Id, MeshRecord, SetRecord, StampRecord, wrong};
 use super::read::{File, length_of};
 use crate::base::array::{Array, FileBytes};
 use crate::base::error::Error;
 use crate::base::tasks::TaskSystem;
 use crate::base::tasks::map;
 use crate::example::blocks::{DeltaBlocks, Head, Steps};
+use crate::example::blow::{Blow, Striker};
 use crate::example::data::Placement;
 use crate::example::example::Example;
 use crate::example::learned::Learned;
@@ -352,6 +353,7 @@ fn example(
     let contact_normal = (contact_normal != Vec3::ZERO).then_some(contact_normal);
     check::units(&of("the contact normal"), contact_normal.as_slice())?;
     check::between(&of("the support radius"), r.support_radius, 0.0, f32::MAX)?;
+    let blow = blow(i, &r.blow)?;
     let carried = placement != Placement::Anchored;
     if carried && lod.mesh.normals().is_none() {
         return Err(wrong(of("the placement"), r.placement, "1 (anchored) on a mesh without normals"));
@@ -366,6 +368,7 @@ fn example(
         contact_point,
         contact_normal,
         contact_delta,
+        blow,
         depth,
         log_depth: libm::logf(depth),
         max_depth,
@@ -374,4 +377,25 @@ fn example(
         anchored,
         stamp,
     })
+}
+
+/// What is known of the blow of example `i`.
+fn blow(i: usize, r: &BlowRecord) -> Result<Blow, Error> {
+    let number = |x: f32| (!x.is_nan()).then_some(x);
+    let vector = |v: [f32; 3]| (!v.iter().all(|x| x.is_nan())).then_some(v);
+    let blow = Blow {
+        impulse: vector(r.impulse),
+        duration: number(r.duration),
+        normal: vector(r.normal),
+        striker: Striker {
+            mass: number(r.striker_mass),
+            velocity: vector(r.striker_velocity),
+            radius: number(r.striker_radius),
+        },
+    };
+    let name = |part: &str| format!("blow.{part} of example {i}");
+    blow.checked(name).map_err(|e| Error::Format { what: format!("baked set: {e}") })?;
+    check::units(&name("normal"), blow.normal.map(Vec3::from_array).as_slice())?;
+    // Not normalised again, so that the set is saved as the same bytes.
+    Ok(blow)
 }

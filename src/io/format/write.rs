@@ -1,9 +1,10 @@
 //! Writes a set to a file.
 
 use super::layout::{
-    ALIGN, AnchoredRecord, CHUNK, Entry, ExampleRecord, Header, Id, MAGIC, MeshRecord, SetRecord, StampRecord,
-    UNHASHED, VERSION, checksum,
+    ALIGN, AnchoredRecord, BlowRecord, CHUNK, Entry, ExampleRecord, Header, Id, MAGIC, MeshRecord, SetRecord,
+    StampRecord, UNHASHED, VERSION, checksum,
 };
+use crate::example::blow::Blow;
 use crate::example::data::Placement;
 use crate::example::example::Example;
 use crate::example::mesh_lod::MeshLod;
@@ -175,6 +176,7 @@ impl<'a> File<'a> {
                 stays: learned.anchored[i].into(),
                 stamp: e.stamp().is_some().into(),
                 zero: 0,
+                blow: blow_of(e.blow()),
             })
             .collect();
         self.records(Id::Examples, 0, &examples);
@@ -218,6 +220,19 @@ impl<'a> File<'a> {
         self.pieces(Id::Heads, k, size_of::<crate::example::blocks::Head>(), heads.collect());
         let words = lod.anchored.iter().map(|a| Cow::Borrowed(cast_slice(&a.words)));
         self.pieces(Id::Words, k, size_of::<u64>(), words.collect());
+    }
+}
+
+fn blow_of(b: &Blow) -> BlowRecord {
+    let vector = |v: Option<[f32; 3]>| v.unwrap_or([f32::NAN; 3]);
+    let number = |x: Option<f32>| x.unwrap_or(f32::NAN);
+    BlowRecord {
+        impulse: vector(b.impulse),
+        duration: number(b.duration),
+        normal: vector(b.normal),
+        striker_mass: number(b.striker.mass),
+        striker_velocity: vector(b.striker.velocity),
+        striker_radius: number(b.striker.radius),
     }
 }
 

@@ -1,15 +1,22 @@
-//! Reads `mesh.extras` of the targets: names, impacts, placements.
+//! Reads `mesh.extras` of the targets: names, impacts with their blows, placements.
 
 use super::document::out_of_range;
 use super::{finite, malformed};
 use crate::base::error::Error;
+use crate::example::blow::{Blow, Striker};
 use crate::example::data::{Contact, Placement};
 use serde_json::{Map, Value};
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-/// The contact of an example, and the outward normal there.
-pub(super) type Impact = (Option<Contact>, Option<[f32; 3]>);
+/// What is known of how an example was made.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Impact {
+    pub(super) contact: Option<Contact>,
+    /// Outward normal at the contact. It is the surface's and the blow's.
+    pub(super) normal: Option<[f32; 3]>,
+    pub(super) blow: Blow,
+}
 
 /// The name of each target. Exporters write the names to the mesh; some older ones write them to its first primitive.
 pub(super) fn names(mesh: &Value, targets: usize) -> Result<Vec<String>, Error> {
@@ -30,7 +37,7 @@ pub(super) fn names(mesh: &Value, targets: usize) -> Result<Vec<String>, Error> 
 
 /// The impact of each target, from `extras.impacts`.
 pub(super) fn impacts(mesh: &Value, names: &[String], vertices: usize) -> Result<Vec<Impact>, Error> {
-    let mut out = vec![(None, None); names.len()];
+    let mut out = vec![Impact::default(); names.len()];
     let list = match parsed(&mesh["extras"]["impacts"], "impacts")?.into_owned() {
         Value::Null => return Ok(out),
         Value::Array(list) => list,
@@ -74,20 +81,44 @@ fn by_name(list: &[&Map<String, Value>], names: &[String]) -> Result<Option<Vec<
 }
 
 fn impact(entry: &Map<String, Value>, i: usize, vertices: usize) -> Result<Impact, Error> {
-    let vector = |key: &str| match entry.get(key) {
-        None | Some(Value::Null) => Ok(None),
-        Some(value) => vector(value, &format!("extras.impacts[{i}].{key}")).map(Some),
-    };
-    let vertex = match entry.get("contact_vertex") {
-        None | Some(Value::Null) => None,
-        Some(value) => Some(vertex(value, &format!("extras.impacts[{i}].contact_vertex"), vertices)?),
-    };
-    let contact = vector("point")?.map(Contact::Point).or(vertex.map(Contact::Vertex));
+    let at = format!("extras.impacts[{i}]");
+    let vertex = given(entry, "contact_vertex", &at, |value, name| vertex(value, name, vertices))?;
+    let contact = given(entry, "point", &at, vector)?.map(Contact::Point).or(vertex.map(Contact::Vertex));
     if contact.is_none() {
-        return Err(malformed(format!("extras.impacts[{i}] has neither a point nor a contact_vertex")));
+        return Err(malformed(format!("{at} has neither a point nor a contact_vertex")));
     }
-    let normal = vector("normal")?.map(|n| unit(n, i)).transpose()?;
-    Ok((contact, normal))
+    let normal = given(entry, "normal", &at, vector)?.map(|n| unit(n, i)).transpose()?;
+    let blow = Blow {
+        impulse: given(entry, "impulse", &at, vector)?,
+        duration: given(entry, "duration", &at, positive)?,
+        normal,
+        striker: given(entry, "striker", &at, striker)?.unwrap_or_default(),
+    };
+    Ok(Impact { contact, normal, blow })
+}
+
+/// Other keys, such as the shape, are left out.
+fn striker(value: &Value, name: &str) -> Result<Striker, Error> {
+    let entry =
+        value.as_object().ok_or_else(|| malformed(format!("{name} is {}; it must be an object", brief(value))))?;
+    Ok(Striker {
+        mass: given(entry, "mass", name, positive)?,
+        velocity: given(entry, "velocity", name, vector)?,
+        radius: given(entry, "radius", name, positive)?,
+    })
+}
+
+/// The value of a key, as `read` reads it. `None` if the key is absent or null. `at` is the name of the entry.
+fn given<T>(
+    entry: &Map<String, Value>,
+    key: &str,
+    at: &str,
+    read: impl Fn(&Value, &str) -> Result<T, Error>,
+) -> Result<Option<T>, Error> {
+    match entry.get(key) {
+        None | Some(Value::Null) => Ok(None),
+        Some(value) => read(value, &format!("{at}.{key}")).map(Some),
+    }
 }
 
 fn object(value: &Value, i: usize) -> Result<&Map<String, Value>, Error> {
@@ -100,6 +131,11 @@ fn vector(value: &Value, name: &str) -> Result<[f32; 3], Error> {
         Some([x, y, z]) => finite([*x as f32, *y as f32, *z as f32], || name.to_owned()),
         _ => Err(malformed(format!("{name} is {}; it must be three numbers", brief(value)))),
     }
+}
+
+fn positive(value: &Value, name: &str) -> Result<f32, Error> {
+    let number = value.as_f64().map(|x| x as f32).filter(|x| *x > 0.0 && x.is_finite());
+    number.ok_or_else(|| malformed(format!("{name} is {}; it must be a number above 0", brief(value))))
 }
 
 fn vertex(value: &Value, name: &str, vertices: usize) -> Result<u32, Error> {

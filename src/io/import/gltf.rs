@@ -54,9 +54,9 @@ pub fn gltf_slice(bytes: &[u8], base_dir: Option<&Path>, mesh: MeshChoice<'_>) -
     let placements = extras::placements(value, &names)?;
     let mut examples = Vec::with_capacity(targets);
     for (i, ((name, impact), placement)) in names.into_iter().zip(impacts).zip(placements).enumerate() {
-        let (contact, contact_normal) = impact;
+        let extras::Impact { contact, normal: contact_normal, blow } = impact;
         let (positions, normals) = deltas(&doc, &parts, i)?;
-        examples.push(ExampleData { name, positions, normals, contact, contact_normal, placement });
+        examples.push(ExampleData { name, positions, normals, contact, contact_normal, blow, placement });
     }
     Ok(Imported {
         name: doc.root.meshes[mesh].name.clone().unwrap_or_default(),

@@ -19,11 +19,14 @@
 //! Two custom properties of the *mesh* (Blender: Object Data > Custom Properties, exported with
 //! "Include > Custom Properties"; they are `mesh.extras` in the file) describe the examples:
 //!
-//! - `impacts`: the contact of each example. It is a list of
-//!   `{"name": …, "point": [x, y, z], "contact_vertex": i, "normal": [x, y, z]}`, or the same list as a JSON text.
-//!   `point` (m) is in the mesh's own space *as exported* (y up; exporters do not turn custom properties).
-//!   `contact_vertex` is an index into the joined vertices. One of the two is required; `point` takes precedence.
-//!   `normal` is optional and points out of the body. Impacts are matched to targets by name if all target names differ
+//! - `impacts`: the contact and the blow of each example. It is a list of
+//!   `{"name": …, "point": [x, y, z], "contact_vertex": i, "normal": [x, y, z], "impulse": [x, y, z], "duration": t,
+//!   "striker": {"mass": m, "radius": r, "velocity": [x, y, z]}}`, or the same list as a JSON text. `point` (m) and all
+//!   vectors are in the mesh's own space *as exported* (y up; exporters do not turn custom properties).
+//!   `contact_vertex` is an index into the joined vertices. One of `point` and `contact_vertex` is required; `point`
+//!   takes precedence. `normal` points out of the body. `impulse` (N·s, on the body), `duration` (s) and the striker's
+//!   mass (kg), radius at the contact (m) and velocity relative to the body before the touch (m/s) are optional, each
+//!   on its own ([`Blow`](crate::Blow)). Other keys are ignored. Impacts are matched to targets by name if all target names differ
 //!   and all impacts are named, otherwise by order. A target without an impact has its contact at its deepest vertex.
 //! - `placements`: whether an example is `anchored` (stays where it was made), `carried` (moves to the hit) or
 //!   `automatic`. It is one word for all (`"anchored"`), words in target order (`"anchored, carried"` or a list), or a

@@ -10,6 +10,7 @@ namespace Crumple
         {
             internal int Other;
             internal ulong Contact;
+            internal Vector3 Velocity; // of the other relative to this as the touch began, m/s in world space; zero: unknown
             internal float Begin, Last; // s, by Time.fixedTime
             internal bool Open;
         }
@@ -24,13 +25,31 @@ namespace Crumple
         /// </summary>
         public CrumpleHitResult? Hit(Vector3 worldPoint, Vector3 worldImpulse)
         {
-            return Submit(worldPoint, worldImpulse, 0);
+            return Submit(worldPoint, worldImpulse, Vector3.zero, 0, Vector3.zero, 0, 0);
+        }
+
+        /// <summary>
+        /// The same with what is known of the striker. Zeros are unknown, which costs accuracy. A zero impulse is mass times
+        /// velocity.
+        /// </summary>
+        /// <param name="worldPoint">Where it hit, m.</param>
+        /// <param name="worldImpulse">What this body received, N s.</param>
+        /// <param name="worldNormal">Contact normal, out of this body.</param>
+        /// <param name="strikerMass">kg.</param>
+        /// <param name="worldStrikerVelocity">Relative to this body before the touch, m/s.</param>
+        /// <param name="strikerRadius">Radius of its surface at the contact, m.</param>
+        public CrumpleHitResult? Hit(Vector3 worldPoint, Vector3 worldImpulse, Vector3 worldNormal, float strikerMass,
+            Vector3 worldStrikerVelocity, float strikerRadius = 0)
+        {
+            return Submit(worldPoint, worldImpulse, worldNormal, strikerMass, worldStrikerVelocity, strikerRadius, 0);
         }
 
         private void OnCollisionEnter(Collision collision)
         {
             if (!fromCollisions || instance == null || !isActiveAndEnabled) return; // Unity tells disabled ones too
-            Contact(collision, Begin(Id(collision)));
+            int i = Begin(Id(collision));
+            touches[i].Velocity = collision.relativeVelocity;
+            Contact(collision, i);
         }
 
         private void OnCollisionStay(Collision collision)
@@ -128,18 +147,32 @@ namespace Crumple
             // Unity does not say of which of the two bodies the impulse is told. Its normal points from the other one to this,
             // and so does what this one receives.
             if (Vector3.Dot(impulse, normal) < 0) impulse = -impulse;
-            Submit(point / count, impulse, touches[touch].Contact);
+            // The other one comes towards this one, so the same holds for its velocity.
+            Vector3 velocity = touches[touch].Velocity;
+            if (Vector3.Dot(velocity, normal) < 0) velocity = -velocity;
+            Rigidbody other = collision.rigidbody;
+            float mass = other == null || other.isKinematic ? 0 : other.mass;
+            Submit(point / count, impulse, -normal, mass, velocity, 0, touches[touch].Contact);
         }
 
-        private CrumpleHitResult? Submit(Vector3 worldPoint, Vector3 worldImpulse, ulong contact)
+        private CrumpleHitResult? Submit(Vector3 worldPoint, Vector3 worldImpulse, Vector3 worldNormal, float strikerMass,
+            Vector3 worldStrikerVelocity, float strikerRadius, ulong contact)
         {
             if (instance == null) return null;
             CrumpleHitResult result;
             try
             {
                 Transform space = filter.transform;
-                result = instance.SubmitImpulse(MeshMatch.ToCrumple(space.InverseTransformPoint(worldPoint)),
-                    MeshMatch.ToCrumple(space.InverseTransformVector(worldImpulse)), duration, vertexMass, contact);
+                CrumpleImpulseDef def = CrumpleImpulseDef.Default;
+                def.Point = MeshMatch.ToCrumple(space.InverseTransformPoint(worldPoint));
+                def.Impulse = MeshMatch.ToCrumple(space.InverseTransformVector(worldImpulse));
+                def.Duration = duration;
+                def.Mass = vertexMass;
+                def.Normal = MeshMatch.ToCrumple(space.InverseTransformDirection(worldNormal));
+                def.Striker = new CrumpleStriker(strikerMass, strikerRadius,
+                    MeshMatch.ToCrumple(space.InverseTransformVector(worldStrikerVelocity)));
+                def.ContactId = contact;
+                result = instance.SubmitImpulse(in def);
             }
             catch (CrumpleException error)
             {

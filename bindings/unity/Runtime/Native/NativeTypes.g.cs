@@ -205,6 +205,15 @@ namespace Crumple
 
     /// <summary>The struct of crumple.h.</summary>
     [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleStriker
+    {
+        public float Mass;
+        public float Radius;
+        public CrumpleVec3 Velocity;
+    }
+
+    /// <summary>The struct of crumple.h.</summary>
+    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleExampleDef
     {
         public uint StructSize;
@@ -219,6 +228,9 @@ namespace Crumple
         public uint ContactVertex;
         public CrumpleVec3 ContactPoint;
         public CrumpleVec3 ContactNormal;
+        public CrumpleVec3 Impulse;
+        public float Duration;
+        public CrumpleStriker Striker;
         public CrumpleBool HasContactNormal;
         public CrumplePlacement Placement;
 
@@ -496,6 +508,8 @@ namespace Crumple
         public CrumpleVec3 Impulse;
         public float Duration;
         public float Mass;
+        public CrumpleVec3 Normal;
+        public CrumpleStriker Striker;
         public ulong ContactId;
 
         public static CrumpleImpulseDef Default

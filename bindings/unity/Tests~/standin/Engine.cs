@@ -166,6 +166,8 @@ namespace UnityEngine
 
         public Vector3 InverseTransformPoint(Vector3 point) { return InverseTransformVector(point - position); }
 
+        public Vector3 InverseTransformDirection(Vector3 direction) { return direction; }
+
         public Vector3 InverseTransformVector(Vector3 vector)
         {
             return new Vector3(vector.x / localScale.x, vector.y / localScale.y, vector.z / localScale.z);
@@ -209,7 +211,9 @@ namespace UnityEngine
     {
         internal ContactPoint[] Points = new ContactPoint[0];
         public Collider collider { get; internal set; }
+        public Rigidbody rigidbody { get; internal set; }
         public Vector3 impulse { get; internal set; }
+        public Vector3 relativeVelocity { get; internal set; }
         public int contactCount { get { return Points.Length; } }
         public ContactPoint GetContact(int index) { return Points[index]; }
     }

@@ -54,6 +54,16 @@ namespace Crumple.Tests
         }
 
         [Test]
+        public void AStrikersMomentumIsItsImpulse()
+        {
+            CrumpleHitResult known = mesh.Hit(new Vector3(0.2f, 0, 0), new Vector3(0, 0, -1)).Value;
+            CrumpleHitResult striker = mesh.Hit(new Vector3(0.2f, 0, 0), Vector3.zero, new Vector3(0, 0, 1), 4,
+                new Vector3(0, 0, -0.25f), 0.1f).Value;
+            Assert.AreEqual(known.Target.Z, striker.Target.Z);
+            Assert.AreEqual(CrumpleHitStatus.Marked, striker.Status);
+        }
+
+        [Test]
         public void WhatRestsDoesNotDent()
         {
             Step("OnCollisionEnter", -0.5f, Vector3.zero);

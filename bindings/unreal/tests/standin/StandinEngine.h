@@ -224,7 +224,7 @@ public:
 };
 struct FHitResult
 {
-	FVector ImpactPoint;
+	FVector ImpactPoint, ImpactNormal;
 };
 namespace ECollisionEnabled
 {

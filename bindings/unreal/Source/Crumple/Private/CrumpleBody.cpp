@@ -50,6 +50,8 @@ bool FCrumpleBody::Submit(const FCrumpleHit& Hit, CrumpleHitResult& OutTold, FSt
 	CrumpleImpulseDef Def = crumple_impulse_def_default();
 	Def.point = Shape->Space.PointToSet(Hit.Point);
 	Def.impulse = Shape->Space.ImpulseToSet(Hit.Impulse);
+	Def.normal = Shape->Space.DirectionToSet(Hit.Normal);
+	Def.striker.mass = Hit.StrikerMass;
 	Def.duration = Hit.Duration;
 	Def.mass = Hit.VertexMass;
 	Def.contact_id = Hit.Contact;
@@ -71,6 +73,10 @@ bool FCrumpleBody::Submit(const FCrumpleHit& Hit, CrumpleHitResult& OutTold, FSt
 			if (Def.impulse.x * Out.x + Def.impulse.y * Out.y + Def.impulse.z * Out.z > 0)
 			{
 				Def.impulse = {-Def.impulse.x, -Def.impulse.y, -Def.impulse.z};
+			}
+			if (Def.normal.x * Out.x + Def.normal.y * Out.y + Def.normal.z * Out.z < 0)
+			{
+				Def.normal = {-Def.normal.x, -Def.normal.y, -Def.normal.z};
 			}
 		}
 	}

@@ -27,6 +27,10 @@ struct FCrumpleHit
 	FVector Point = FVector::ZeroVector;
 	/** kg cm/s. */
 	FVector Impulse = FVector::ZeroVector;
+	/** Contact normal, of any length; Submit turns it out of the body. Zero: unknown. */
+	FVector Normal = FVector::ZeroVector;
+	/** kg; 0: unknown. */
+	float StrikerMass = 0;
 	/** How long it acts, s: a constant of the material. */
 	float Duration = 0.01f;
 	/** Mass of the vertex that is hit, kg; 0: the set's. */

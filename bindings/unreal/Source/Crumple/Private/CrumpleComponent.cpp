@@ -119,15 +119,20 @@ void UCrumpleComponent::OnHit(UPrimitiveComponent*, AActor*, UPrimitiveComponent
 	}
 	const FVector Place = GetComponentTransform().InverseTransformPosition(HitResult.ImpactPoint);
 	const uint64 Contact = Contacts->Find(OtherComp ? OtherComp->GetUniqueID() : 0, Place, Now);
-	Hit(HitResult.ImpactPoint, NormalImpulse, Contact, true);
+	// Unreal tells after its step, so the velocity before the touch is unknown.
+	const float StrikerMass = OtherComp && OtherComp->IsSimulatingPhysics() ? OtherComp->GetMass() : 0;
+	Hit(HitResult.ImpactPoint, NormalImpulse, HitResult.ImpactNormal, StrikerMass, Contact, true);
 }
 
-bool UCrumpleComponent::Hit(const FVector& Point, const FVector& Impulse, uint64 Contact, bool bInwards)
+bool UCrumpleComponent::Hit(
+	const FVector& Point, const FVector& Impulse, const FVector& Normal, float StrikerMass, uint64 Contact, bool bInwards)
 {
 	const FTransform& Transform = GetComponentTransform();
 	FCrumpleHit Made;
 	Made.Point = Transform.InverseTransformPosition(Point);
 	Made.Impulse = Transform.InverseTransformVectorNoScale(Impulse);
+	Made.Normal = Transform.InverseTransformVectorNoScale(Normal);
+	Made.StrikerMass = StrikerMass;
 	Made.Duration = Duration;
 	Made.VertexMass = VertexMass;
 	Made.Contact = Contact;
@@ -173,7 +178,7 @@ float UCrumpleComponent::LeastImpulse() const
 
 bool UCrumpleComponent::SubmitImpulse(FVector Point, FVector Impulse)
 {
-	return Hit(Point, Impulse, 0, false);
+	return Hit(Point, Impulse, FVector::ZeroVector, 0, 0, false);
 }
 
 TFunction<bool(const FVector& Point, const FVector& Impulse)> UCrumpleComponent::MakeSubmitter() const

@@ -108,7 +108,7 @@ private:
 		const FHitResult& Hit);
 
 	bool Begin();
-	bool Hit(const FVector& Point, const FVector& Impulse, uint64 Contact, bool bInwards);
+	bool Hit(const FVector& Point, const FVector& Impulse, const FVector& Normal, float StrikerMass, uint64 Contact, bool bInwards);
 	/** Runs a call of the body; remembers why it fails. */
 	template <typename CallType>
 	bool With(CallType&& Call);
