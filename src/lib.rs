@@ -60,6 +60,7 @@ pub use example::example::Example;
 pub use example::learned::Learned;
 pub use example::options::{Combine, Seams, SetOptions, VertexMass};
 pub use example::report::{LodReport, SetReport};
+pub use example::response::Response;
 pub use example::set::ExampleSet;
 pub use example::stamp::{Stamp, StampError, StampSample};
 pub use glam;

@@ -13,6 +13,7 @@ use crate::example::set::ExampleSet;
 use crate::select::placement::is_automatic;
 use crate::select::query::HitQuery;
 use crate::select::shortlist::{Scored, Shortlist};
+use crate::select::target::HitTarget;
 use glam::Vec3;
 
 /// Widths of the place axes that are tried, as shares of the bounds' diagonal. The first is used if there are too few
@@ -100,7 +101,7 @@ fn left_out(set: &ExampleSet, q: usize) -> Errors {
     let all = set.candidates().all();
     let others = || all.iter().enumerate().filter(|(_, c)| c.example as usize != q && !copies[c.example as usize]);
     let predict = |width: f32, anchored: bool| {
-        let hit = HitQuery::new(set, contact, direction, size, width);
+        let hit = HitQuery::new(set, &HitTarget { contact, direction, size, strike: None }, width);
         let usable = |i: usize| anchored || examples[i].placement() != Placement::Anchored;
         let mut found = Shortlist::new();
         for (i, c) in others().filter(|(_, c)| usable(c.example as usize)) {

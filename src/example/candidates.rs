@@ -2,6 +2,7 @@
 
 use super::data::Placement;
 use super::example::Example;
+use super::response::Response;
 use crate::base::math::turn_tangent;
 use crate::mesh::Mesh;
 use crate::mesh::mirror::{self, Mirror};
@@ -31,6 +32,10 @@ pub(crate) struct Candidate {
     /// The tangential part of `direction`.
     pub lean: Vec3,
     pub log_depth: f32,
+    /// The tangential part of its blow, as [`super::response::Strike`] has it, and the logarithm of the striker's
+    /// radius. `None` if unknown.
+    pub tangent: Option<Vec3>,
+    pub log_radius: Option<f32>,
     /// Squared distance between the hit and the contact, m², up to which the example may be used anchored. Slightly
     /// rounded up. -1 if it may not.
     pub own_place_square: f32,
@@ -52,7 +57,18 @@ impl Candidate {
             direction,
             lean: direction - normal * normal.dot(direction),
             log_depth: e.log_depth(),
+            tangent: None,
+            log_radius: None,
             own_place_square,
+        }
+    }
+
+    fn with_blow(self, e: &Example, response: Option<&Response>) -> Self {
+        let strike = response.and_then(|r| r.strike_of(e));
+        Candidate {
+            tangent: strike.map(|s| self.mirror.direction(s.tangent.as_vec3())),
+            log_radius: strike.and_then(|s| s.radius).map(|r| r as f32),
+            ..self
         }
     }
 
@@ -118,16 +134,17 @@ pub(crate) struct Candidates {
 }
 
 impl Candidates {
-    pub(crate) fn new(mesh: &Mesh, examples: &[Example], planes: Mirror) -> Self {
+    pub(crate) fn new(mesh: &Mesh, examples: &[Example], planes: Mirror, response: Option<&Response>) -> Self {
         let (centre, diagonal) = (mirror::centre(&mesh.bounds()), mesh.bounds().diagonal());
         let usable = || examples.iter().enumerate().filter(|(_, e)| !e.is_empty());
-        let mut all: Vec<Candidate> = usable().map(|(i, e)| Candidate::new(e, i, Mirror::NONE, centre)).collect();
+        let candidate = |e: &Example, i: usize, m: Mirror| Candidate::new(e, i, m, centre).with_blow(e, response);
+        let mut all: Vec<Candidate> = usable().map(|(i, e)| candidate(e, i, Mirror::NONE)).collect();
         let mut kept: RTree<GeomWithData<[f32; 3], Candidate>> = RTree::new();
         all.iter().for_each(|c| kept.insert(GeomWithData::new(c.point.to_array(), *c)));
         let near = (SAME.0 * diagonal).powi(2);
         for (i, e) in usable().filter(|(_, e)| e.stamp().is_some()) {
             for m in planes.choices().filter(|m| *m != Mirror::NONE) {
-                let image = Candidate::new(e, i, m, centre);
+                let image = candidate(e, i, m);
                 let at = image.point.to_array();
                 if !kept.locate_within_distance(at, near).any(|k| k.data.same(&image, diagonal)) {
                     kept.insert(GeomWithData::new(at, image));

@@ -10,5 +10,6 @@ pub(crate) mod learned;
 pub(crate) mod mesh_lod;
 pub(crate) mod options;
 pub(crate) mod report;
+pub(crate) mod response;
 pub(crate) mod set;
 pub(crate) mod stamp;

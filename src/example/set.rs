@@ -7,6 +7,7 @@ use super::learned::Learned;
 use super::mesh_lod::MeshLod;
 use super::options::{SetOptions, VertexMass};
 use super::report::{LodReport, SetReport};
+use super::response::Response;
 use super::stamp::Stamp;
 use crate::base::array::Array;
 use crate::base::error::Error;
@@ -42,6 +43,7 @@ pub struct ExampleSet {
     index: VertexIndex,
     candidates: Candidates,
     learned: Learned,
+    response: Option<Response>,
     fingerprint: u64,
     report: SetReport,
     /// The source index of each vertex, if the mesh was [reordered](fn@crate::reorder). Only tools use it.
@@ -99,12 +101,14 @@ impl ExampleSet {
                 report.empty_examples.push(i);
             }
         }
-        let mut candidates = Candidates::new(mesh, &p.examples, p.planes);
+        let response = Response::learn(&p.examples, &mesh.bounds(), p.planes);
+        let mut candidates = Candidates::new(mesh, &p.examples, p.planes, response.as_ref());
         candidates.let_stay(mesh, &p.examples, &p.learned.anchored);
         Self {
             candidates,
             depth_limit: p.options.depth_limit.unwrap_or(deepest(&p.examples)),
             learned: p.learned,
+            response,
             base: p.base,
             lods: p.lods.into_iter().map(|l| l.0).collect(),
             examples: p.examples,
@@ -171,6 +175,11 @@ impl ExampleSet {
             + self.index.bytes()
             + self.report.stamp_bytes
             + self.candidates.bytes()
+    }
+
+    /// What the set learned about its body's response to blows. `None` if no example knows its blow.
+    pub fn response(&self) -> Option<&Response> {
+        self.response.as_ref()
     }
 
     /// What the set learned from its own examples by leaving each one out in turn.

@@ -1,7 +1,7 @@
 //! Chooses the examples of a dent and their shares by ordinary kriging.
 //!
-//! Hits and examples are points in a space with seven axes: place (3), logarithm of depth (1), and lean (3), the
-//! tangential part of the unit displacement. Coordinates are relative to the hit and divided by the width of their
+//! Hits and examples are points in a space with eleven axes: place (3), logarithm of depth (1), lean (3, the
+//! tangential part of the unit displacement), tangential part of the blow (3) and logarithm of the striker's radius (1). Coordinates are relative to the hit and divided by the width of their
 //! axis. With `D` the squared distance, the kernel is the rational quadratic `1 / (1 + D / 2)`. K of the [`CANDIDATES`]
 //! nearest examples are picked one after the other, each time the one that reduces the kriging variance most. Their
 //! shares are the kriging weights, which sum to 1. A negative weight corrects an example that overshoots. Far from all
@@ -18,7 +18,7 @@ pub(crate) const CANDIDATES: usize = 12;
 const NUGGET: f64 = 0.03;
 
 /// Coordinates of an example relative to a hit.
-pub(crate) type Axes = [f32; 7];
+pub(crate) type Axes = [f32; 11];
 
 /// Squared distance from the hit, which is the origin.
 pub(crate) fn distance(a: &Axes) -> f32 {
@@ -148,7 +148,7 @@ mod tests {
     use super::*;
 
     fn at(x: f32) -> Axes {
-        [x, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+        [x, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
     }
 
     #[test]
@@ -189,8 +189,16 @@ mod tests {
     /// The weights solve the textbook system [K + nugget, 1; 1, 0] [w; m] = [k; 1].
     #[test]
     fn weights_solve_the_kriging_system() {
-        let axes: Vec<Axes> =
-            (0..4).map(|i| [0.3 * i as f32, 0.2 - 0.1 * i as f32, 0.5, 0.0, 0.1 * (i * i) as f32, 0.0, -0.2]).collect();
+        let axes: Vec<Axes> = (0..4)
+            .map(|i| {
+                std::array::from_fn(|k| {
+                    [0.3 * i as f32, 0.2 - 0.1 * i as f32, 0.5, 0.0, 0.1 * (i * i) as f32, 0.0, -0.2]
+                        .get(k)
+                        .copied()
+                        .unwrap_or(0.0)
+                })
+            })
+            .collect();
         let w = choose(&axes, 4);
         let d = |a: &Axes, b: &Axes| -> f64 { a.iter().zip(b).map(|(a, b)| f64::from(a - b).powi(2)).sum() };
         let lagrange: Vec<f64> = w
@@ -200,7 +208,7 @@ mod tests {
                     .iter()
                     .map(|(j, wj)| wj * (kernel(d(&axes[*i], &axes[*j])) + if i == j { NUGGET } else { 0.0 }))
                     .sum();
-                kernel(d(&axes[*i], &[0.0; 7])) - lhs
+                kernel(d(&axes[*i], &[0.0; 11])) - lhs
             })
             .collect();
         assert!(lagrange.iter().all(|m| (m - lagrange[0]).abs() < 1e-12), "{lagrange:?}");

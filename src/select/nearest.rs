@@ -12,18 +12,20 @@ use crate::example::set::ExampleSet;
 
 /// Makes the mark of a hit from up to `k` examples. `None` if no example fits the hit.
 pub(crate) fn select_nearest(set: &ExampleSet, k: usize, target: &HitTarget, out: &mut Outcome) -> Option<Mark> {
-    let HitTarget { contact, direction, size } = *target;
-    let pairs = nearest_pairs(set, k, &HitQuery::new(set, contact, direction, size, set.learned().place_width));
+    let HitTarget { contact, direction, size, .. } = *target;
+    let pairs = nearest_pairs(set, k, &HitQuery::new(set, target, set.learned().place_width));
     if pairs[0].is_none() {
         return None;
     }
-    // The depth is the target's component along the dent's direction at the contact.
+    // The depth is the target's component along the dent's direction at the contact. Of a blow only the depth is
+    // predicted well enough to be kept.
     let rotations = frame_rotations(set, contact, &pairs);
     let placed = place(set, contact, size, &pairs, &rotations);
     let along = placed.without_rim.length();
     let depth = if along > 0.0 { (direction * size).dot(placed.without_rim / along) } else { 0.0 };
     // Keeps the exact size if the target lies along the dent up to rounding.
-    let depth = if (depth - size).abs() <= 1e-6 * size { size } else { depth };
+    let keep = target.strike.is_some() || (depth - size).abs() <= 1e-6 * size;
+    let depth = if keep { size } else { depth };
     if depth.is_nan() || depth <= 0.0 {
         return None;
     }

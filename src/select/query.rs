@@ -1,6 +1,7 @@
 //! A hit as a point in the space in which examples are compared: place, depth and lean ([`super::kriging`]).
 
 use super::kriging::Axes;
+use super::target::HitTarget;
 use crate::base::math::{OPPOSITE, turn_tangent};
 use crate::example::candidates::{Candidate, CandidateLanes, REACH};
 use crate::example::example::Example;
@@ -14,6 +15,9 @@ const SIZE_WIDTH: f32 = 2.4;
 const LEAN_WIDTH: f32 = 0.05;
 /// Width of the place axes of anchored examples, as a share of the diagonal. They predict little about other places.
 const ANCHORED_WIDTH: f32 = 0.15;
+/// Width of the axes of the blow's tangential part, and of the logarithm of the striker's radius.
+const TANGENT_WIDTH: f32 = 1.0;
+const RADIUS_WIDTH: f32 = 2.0;
 /// A target that leans less than this (a tenth of a degree) counts as along the normal. Its lean is unknown.
 const UPRIGHT: f32 = 0.002;
 /// A lean above this many times the greatest of all examples is implausible for a dent and counts as unknown.
@@ -31,6 +35,9 @@ pub(crate) struct HitQuery<'a> {
     direction: Vec3,
     /// `None` if unknown.
     lean: Option<Vec3>,
+    /// The blow's tangential part and the logarithm of the striker's radius. `None` if unknown.
+    tangent: Option<Vec3>,
+    log_radius: Option<f32>,
     log_size: f32,
     /// Widths of the place axes, m.
     carried_width: f32,
@@ -39,9 +46,10 @@ pub(crate) struct HitQuery<'a> {
 }
 
 impl<'a> HitQuery<'a> {
-    /// A hit on vertex `contact` that asks for a displacement of `size` (m) along the unit vector `direction`.
-    /// `place_width` is the width of the place axes of carried examples, as a share of the diagonal.
-    pub(crate) fn new(set: &'a ExampleSet, contact: u32, direction: Vec3, size: f32, place_width: f32) -> Self {
+    /// A hit with this target. `place_width` is the width of the place axes of carried examples, as a share of the
+    /// diagonal.
+    pub(crate) fn new(set: &'a ExampleSet, target: &HitTarget, place_width: f32) -> Self {
+        let HitTarget { contact, direction, size, strike } = *target;
         let (mesh, candidates) = (set.mesh(), set.candidates());
         let normal = mesh.contact_normal(contact);
         let lean = normal.map_or(Vec3::ZERO, |n| direction - n * n.dot(direction));
@@ -58,6 +66,8 @@ impl<'a> HitQuery<'a> {
             normal,
             direction,
             lean,
+            tangent: strike.map(|s| s.tangent.as_vec3()),
+            log_radius: strike.and_then(|s| s.radius).map(|r| r as f32),
             log_size: libm::logf(size),
             carried_width: width(place_width),
             anchored_width: width(ANCHORED_WIDTH),
@@ -72,7 +82,7 @@ impl<'a> HitQuery<'a> {
         if e.depth() < self.negligible {
             return None;
         }
-        let (log_depth, lean, cos, width) = if anchored {
+        let (log_depth, lean, tangent, cos, width) = if anchored {
             let u = e.displacement_at(self.contact, self.point);
             let depth = u.length();
             if depth < REACH * e.depth() || candidate.mirror != Mirror::NONE {
@@ -80,19 +90,22 @@ impl<'a> HitQuery<'a> {
             }
             let u = u / depth;
             let lean = self.normal.map_or(Vec3::ZERO, |n| u - n * n.dot(u));
-            (libm::logf(depth), lean, u.dot(self.direction), self.anchored_width)
+            (libm::logf(depth), lean, candidate.tangent, u.dot(self.direction), self.anchored_width)
         } else {
             let normal = self.normal?;
             let lean = turn_tangent(candidate.lean, candidate.normal, normal);
             let along = normal * candidate.normal.dot(candidate.direction);
-            (candidate.log_depth, lean, (along + lean).dot(self.direction), self.carried_width)
+            let tangent = candidate.tangent.map(|t| turn_tangent(t, candidate.normal, normal));
+            (candidate.log_depth, lean, tangent, (along + lean).dot(self.direction), self.carried_width)
         };
         if cos.is_nan() || cos <= 1e-3 {
             return None;
         }
         let p = (candidate.point - self.point) / width;
         let l = self.lean.map_or(Vec3::ZERO, |known| (lean - known) / LEAN_WIDTH);
-        Some([p.x, p.y, p.z, (log_depth - self.log_size) / SIZE_WIDTH, l.x, l.y, l.z])
+        let t = self.tangent.zip(tangent).map_or(Vec3::ZERO, |(known, t)| (t - known) / TANGENT_WIDTH);
+        let r = self.log_radius.zip(candidate.log_radius).map_or(0.0, |(known, r)| (r - known) / RADIUS_WIDTH);
+        Some([p.x, p.y, p.z, (log_depth - self.log_size) / SIZE_WIDTH, l.x, l.y, l.z, t.x, t.y, t.z, r])
     }
 
     /// Lower bounds of the squared distances of carried candidates. A bound is minus infinity if the candidate may be

@@ -6,6 +6,7 @@ use crate::base::error::positive;
 use crate::base::math::to_f32;
 use crate::damage::mark::MAX_PAIRS;
 use crate::example::blow::Blow;
+use crate::example::response::Strike;
 use crate::example::set::ExampleSet;
 use crate::mesh::{finite, nearest::Nearest};
 use glam::{DMat3, DVec3, Vec3};
@@ -43,6 +44,8 @@ pub(crate) struct HitTarget {
     pub direction: Vec3,
     /// Length, m. At most the depth limit, unless selection is unclamped.
     pub size: f32,
+    /// The blow, if the target was predicted from it.
+    pub strike: Option<Strike>,
 }
 
 /// Computes the target of a hit. There is none if the hit is too weak; the outcome's status is then `BelowYield`.
@@ -61,13 +64,22 @@ pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Out
         let v = DVec3::from_array(v.map(f64::from));
         if hit.space == Space::World { p.world_to_local * v } else { v }
     };
-    let (target, weak) = match hit.cause {
-        Cause::Displacement(d) => (vector(d), false),
+    let (target, strike, weak) = match hit.cause {
+        Cause::Displacement(d) => (vector(d), None, false),
         Cause::Impulse { blow, mass: m } => {
-            let (impulse, duration) = (impulse_of(&blow)?, duration_of(&blow)?);
-            // Equation 4.4 of the paper.
-            let t = vector(impulse) * (f64::from(duration) / f64::from(mass(m)?));
-            (t, DVec3::from_array(impulse.map(f64::from)).length() < f64::from(p.yield_impulse))
+            let impulse = impulse_of(&blow)?;
+            let weak = DVec3::from_array(impulse.map(f64::from)).length() < f64::from(p.yield_impulse);
+            match set.response() {
+                Some(response) => {
+                    let blow = if hit.space == Space::World { blow.transformed(p.world_to_local) } else { blow };
+                    let mesh = set.mesh();
+                    let at = mesh.positions()[contact.vertex as usize];
+                    let predicted = response.predict(&blow, at, mesh.contact_normal(contact.vertex));
+                    predicted.map_or((DVec3::ZERO, None, weak), |p| (p.displacement, Some(p.strike), weak))
+                }
+                // Equation 4.4 of the paper.
+                None => (vector(impulse) * (f64::from(duration_of(&blow)?) / f64::from(mass(m)?)), None, weak),
+            }
         }
     };
     let length = target.length();
@@ -88,7 +100,7 @@ pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Out
     outcome.clamped = length > f64::from(p.depth_limit) && p.selection != Selection::ClassicUnclamped;
     let size = if outcome.clamped { p.depth_limit } else { length.min(f64::from(f32::MAX)) as f32 };
     let direction = (target / length).as_vec3();
-    Ok((outcome, Some(HitTarget { contact: contact.vertex, direction, size })))
+    Ok((outcome, Some(HitTarget { contact: contact.vertex, direction, size, strike })))
 }
 
 fn check(hit: &Hit) -> Result<(), Error> {
