@@ -3,7 +3,7 @@
 //! that no example shows.
 
 use anyhow::Result;
-use crumple::{Hit, InstanceOptions, Placement, Rule, Selection, SetOptions};
+use crumple::{Blow, Hit, InstanceOptions, Placement, Rule, Selection, SetOptions};
 
 use super::law::{Law, Sees};
 use super::methods::{Answer, Timer, answer, library};
@@ -168,9 +168,7 @@ fn case(body: &Body, train: &str, options: &Options, tables: &mut Tables) -> Res
             InstanceOptions { selection: Selection::Classic, ..InstanceOptions::classic(Rule::MostDisplaced) };
         for told in &toldest {
             let law = Law::fit(&body.train[..n], told.sees());
-            add(*told, "crumple", n, &mut |impact| {
-                library(&automatic, &ours, hit(*told, law.as_ref(), impact, body), &timer)
-            })?;
+            add(*told, "crumple", n, &mut |impact| library(&automatic, &ours, hit(*told, impact, body), &timer))?;
             add(*told, "classic", n, &mut |impact| {
                 let (point, target) = target(*told, law.as_ref(), impact, body);
                 library(&anchored, &classic, Hit::displacement(point, target), &timer)
@@ -182,9 +180,19 @@ fn case(body: &Body, train: &str, options: &Options, tables: &mut Tables) -> Res
 }
 
 /// What Crumple is told.
-fn hit(told: Told, law: Option<&Law>, impact: &Impact, body: &Body) -> Hit {
-    let (point, target) = target(told, law, impact, body);
-    Hit::displacement(point, target)
+fn hit(told: Told, impact: &Impact, body: &Body) -> Hit {
+    match (told, &impact.blow) {
+        (Told::Blow, Some(known)) => Hit::blow(impact.point, scene::blow(&known.in_engine())),
+        (Told::Impulse, Some(known)) => {
+            let known = known.in_engine();
+            let blow = Blow { impulse: Some(known.impulse), normal: Some(known.normal), ..Blow::default() };
+            Hit::blow(impact.point, blow)
+        }
+        _ => {
+            let (point, target) = target(told, None, impact, body);
+            Hit::displacement(point, target)
+        }
+    }
 }
 
 /// What a method is told that wants a displacement: the contact point and the target there.
