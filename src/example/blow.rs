@@ -64,6 +64,17 @@ impl Blow {
         }
     }
 
+    /// The parts as bits, for sorting. Blows with equal keys are equal.
+    pub(crate) fn key(&self) -> [u32; 12] {
+        let vector = |v: Option<[f32; 3]>| v.unwrap_or([f32::NAN; 3]);
+        let [jx, jy, jz] = vector(self.impulse);
+        let [nx, ny, nz] = vector(self.normal);
+        let [vx, vy, vz] = vector(self.striker.velocity);
+        let size = |x: Option<f32>| x.unwrap_or(f32::NAN);
+        [jx, jy, jz, nx, ny, nz, vx, vy, vz, size(self.duration), size(self.striker.mass), size(self.striker.radius)]
+            .map(f32::to_bits)
+    }
+
     /// Checks every part that is known, and returns the blow with a normal of length 1. `name` makes the name of a part
     /// for the error.
     pub(crate) fn checked(&self, name: impl Fn(&str) -> String) -> Result<Self, Error> {

@@ -11,6 +11,7 @@ use crate::base::math::to_f32;
 use crate::damage::dent::Dent;
 use crate::damage::list::Damage;
 use crate::damage::mark::Mark;
+use crate::example::blow::{Blow, Striker};
 use crate::example::set::ExampleSet;
 use crate::select::hit::{Hit, Outcome};
 use crate::select::target::HitParams;
@@ -22,17 +23,28 @@ use std::num::NonZeroU64;
 pub(crate) struct ContactPart {
     pub id: NonZeroU64,
     pub point: DVec3,
-    /// Desired displacement, m.
-    pub target: [f32; 3],
-    /// Length of the impulse, N·s; `None` for a hit given as a displacement.
-    pub impulse: Option<f32>,
+    pub push: Push,
+}
+
+/// What a part adds to its contact.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Push {
+    /// A desired displacement, m, and the length of the impulse that asks for it, N·s; `None` for a hit given as a
+    /// displacement.
+    Target { target: [f32; 3], impulse: Option<f32> },
+    /// A blow whose displacement the set predicts.
+    Blow(Blow),
 }
 
 impl ContactPart {
     /// Sort key that makes the order of a contact's parts independent of their arrival. Parts with equal keys are
     /// equal.
-    fn key(&self) -> ([u32; 3], [u64; 3], Option<u32>) {
-        (self.target.map(f32::to_bits), self.point.to_array().map(f64::to_bits), self.impulse.map(f32::to_bits))
+    fn key(&self) -> ([u32; 3], [u64; 3], Option<u32>, [u32; 12]) {
+        let point = self.point.to_array().map(f64::to_bits);
+        match self.push {
+            Push::Target { target, impulse } => (target.map(f32::to_bits), point, impulse.map(f32::to_bits), [0; 12]),
+            Push::Blow(blow) => ([0; 3], point, None, blow.key()),
+        }
     }
 }
 
@@ -60,13 +72,17 @@ struct OpenContact {
     last_fold: u64,
     /// Sum of the targets, m.
     target: DVec3,
-    /// Sum of the points times the lengths of their targets, and sum of these lengths.
+    /// Sum of the points times the lengths of their targets or impulses, and sum of these lengths.
     point: DVec3,
     weight: f64,
-    /// Sum of the impulses, N·s, each along its target.
+    /// Sum of the impulses, N·s; those of targets each along its target.
     impulse: DVec3,
     /// Whether any hit was given as a displacement; the yield impulse does not apply to these.
     displaced: bool,
+    /// Sum of the blows' unit normals times the lengths of their impulses, N·s.
+    normal: DVec3,
+    /// The blows together, without their impulses and normals. `None` if there is none.
+    blow: Option<Blow>,
     mark: Option<Mark>,
 }
 
@@ -81,33 +97,60 @@ impl OpenContact {
             weight: 0.0,
             impulse: zero,
             displaced: false,
+            normal: zero,
+            blow: None,
             mark: None,
         }
     }
 
     fn add(&mut self, part: &ContactPart) {
-        let target = DVec3::from_array(part.target.map(f64::from));
-        let length = target.length();
-        self.target += target;
+        let double = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
+        let length = match part.push {
+            Push::Target { target, impulse } => {
+                let target = double(target);
+                let length = target.length();
+                self.target += target;
+                match impulse {
+                    Some(j) if length > 0.0 => self.impulse += target * (f64::from(j) / length),
+                    Some(_) => {}
+                    None => self.displaced = true,
+                }
+                length
+            }
+            Push::Blow(blow) => {
+                self.impulse += blow.impulse.map_or(DVec3::ZERO, double);
+                self.blow = Some(self.blow.map_or(blow, |other| together(&other, &blow)));
+                let length = blow.total_impulse().map_or(0.0, |j| double(j).length());
+                self.normal += blow.normal.map_or(DVec3::ZERO, |n| double(n).normalize_or_zero() * length);
+                length
+            }
+        };
         self.point += part.point * length;
         self.weight += length;
-        match part.impulse {
-            Some(j) if length > 0.0 => self.impulse += target * (f64::from(j) / length),
-            Some(_) => {}
-            None => self.displaced = true,
-        }
     }
 
     /// The effect of the sum of its hits; `None` if the sum is below the yield impulse or moves nothing.
     fn outcome(&self, set: &ExampleSet, params: &HitParams) -> Option<(Outcome, Effect)> {
-        let weak = !self.displaced && self.impulse.length() < f64::from(params.yield_impulse);
+        let by_target = self.blow.is_none();
+        let weak = by_target && !self.displaced && self.impulse.length() < f64::from(params.yield_impulse);
         if weak || self.weight <= 0.0 {
             return None;
         }
         // Each point was near enough, but their mean may lie inside the body.
         let params = HitParams { max_distance: f32::INFINITY, ..*params };
-        let whole = Hit::displacement(to_f32(self.point / self.weight), to_f32(self.target));
-        select(set, Rule::Marks, &params, &whole).ok()
+        let point = to_f32(self.point / self.weight);
+        let mut target = self.target;
+        if let Some(blow) = self.blow {
+            let normal = blow.normal.and_then(|_| self.normal.try_normalize()).map(to_f32);
+            let whole = Blow { impulse: blow.impulse.map(|_| to_f32(self.impulse)), normal, ..blow };
+            let whole = Hit::blow(point, whole);
+            let (outcome, effect) = select(set, Rule::Marks, &params, &whole).ok()?;
+            if !self.displaced {
+                return Some((outcome, effect));
+            }
+            target += DVec3::from_array(outcome.target.map(f64::from));
+        }
+        select(set, Rule::Marks, &params, &Hit::displacement(point, to_f32(target))).ok()
     }
 
     fn selected(&self, set: &ExampleSet, params: &HitParams) -> Option<Mark> {
@@ -115,6 +158,30 @@ impl OpenContact {
             Some((_, Effect::Mark(mark))) => Some(mark),
             _ => None,
         }
+    }
+}
+
+/// Two blows of one contact as one: the fastest velocity, the heaviest mass and the largest radius. Does not depend on
+/// their order. Impulses and normals are summed elsewhere.
+fn together(a: &Blow, b: &Blow) -> Blow {
+    let size = |v: Option<[f32; 3]>| v.map_or(-1.0, |v| v.iter().map(|x| f64::from(*x) * f64::from(*x)).sum());
+    // Bits decide between vectors of equal length.
+    let longer = |a: Option<[f32; 3]>, b: Option<[f32; 3]>| {
+        let order = size(a)
+            .total_cmp(&size(b))
+            .then_with(|| a.map(|a| a.map(f32::to_bits)).cmp(&b.map(|b| b.map(f32::to_bits))));
+        if order.is_ge() { a } else { b }
+    };
+    let larger = |a: Option<f32>, b: Option<f32>| a.zip(b).map(|(a, b)| a.max(b)).or(a).or(b);
+    Blow {
+        impulse: a.impulse.or(b.impulse),
+        duration: larger(a.duration, b.duration),
+        normal: a.normal.or(b.normal),
+        striker: Striker {
+            mass: larger(a.striker.mass, b.striker.mass),
+            velocity: longer(a.striker.velocity, b.striker.velocity),
+            radius: larger(a.striker.radius, b.striker.radius),
+        },
     }
 }
 

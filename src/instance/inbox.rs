@@ -1,6 +1,6 @@
 //! The inbox, where hits arrive from any thread.
 
-use super::contacts::{ContactEvent, ContactPart};
+use super::contacts::{ContactEvent, ContactPart, Push};
 use super::options::{Rule, needs_marks};
 use super::selection::{Effect, select};
 use crate::base::error::Error;
@@ -40,8 +40,9 @@ impl Inbox {
     /// A hit that is too weak, or that no example can answer, is no error: see [`Outcome::status`].
     ///
     /// A hit with a [`contact`](Hit::contact) adds to that contact. The displacements of its hits add up; that of an
-    /// impulse is `impulse * duration / mass`. The contact's point is the mean of the hits' points, weighted by the
-    /// lengths of their displacements. The yield thresholds and the depth limit apply to the sum, which leaves one
+    /// impulse is `impulse * duration / mass`. If the set knows its [response](crate::Response), impulses add up
+    /// instead, and the sum is one blow by the fastest, heaviest and largest striker among the hits. The contact's
+    /// point is the mean of the hits' points, weighted by the lengths of their displacements or impulses. The yield thresholds and the depth limit apply to the sum, which leaves one
     /// mark. The mark is shown from the first fold on and is replaced as more hits come, until the contact ends. A
     /// contact ends with [`Inbox::end_contact`], or when the instance's damage is replaced, repaired or reset. If more
     /// than [`Instance::MAX_CONTACTS`](crate::Instance::MAX_CONTACTS) are open, the one hit longest ago ends (among
@@ -60,17 +61,18 @@ impl Inbox {
                 if outcome.status != HitStatus::Marked {
                     outcome.status = HitStatus::Accumulated;
                 }
-                Pending::Contact(ContactEvent::Part(ContactPart {
-                    id,
-                    point: params.local(hit.point, hit.space),
-                    target: outcome.target,
-                    impulse: match hit.cause {
-                        Cause::Impulse { blow, .. } => blow
-                            .total_impulse()
-                            .map(|j| DVec3::from_array(j.map(f64::from)).length().min(f32::MAX.into()) as f32),
-                        Cause::Displacement(_) => None,
-                    },
-                }))
+                let point = params.local(hit.point, hit.space);
+                let length = |j: [f32; 3]| DVec3::from_array(j.map(f64::from)).length().min(f32::MAX.into()) as f32;
+                let push = match hit.cause {
+                    Cause::Displacement(_) => Push::Target { target: outcome.target, impulse: None },
+                    Cause::Impulse { blow, .. } if self.set.response().is_some() => {
+                        Push::Blow(params.local_blow(&blow, hit.space))
+                    }
+                    Cause::Impulse { blow, .. } => {
+                        Push::Target { target: outcome.target, impulse: blow.total_impulse().map(length) }
+                    }
+                };
+                Pending::Contact(ContactEvent::Part(ContactPart { id, point, push }))
             }
             (None, Effect::None) => return Ok(outcome),
             (None, Effect::Mark(m)) => Pending::Mark(m),

@@ -34,6 +34,11 @@ impl HitParams {
         let x = DVec3::from_array(point.map(f64::from));
         if space == Space::World { self.world_to_local * (x - self.local_origin_in_world) } else { x }
     }
+
+    /// Maps a blow given in `space` to the mesh's space.
+    pub(crate) fn local_blow(&self, blow: &Blow, space: Space) -> Blow {
+        if space == Space::World { blow.transformed(self.world_to_local) } else { *blow }
+    }
 }
 
 /// The displacement that a hit asks of a vertex.
@@ -71,7 +76,7 @@ pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Out
             let weak = DVec3::from_array(impulse.map(f64::from)).length() < f64::from(p.yield_impulse);
             match set.response() {
                 Some(response) => {
-                    let blow = if hit.space == Space::World { blow.transformed(p.world_to_local) } else { blow };
+                    let blow = p.local_blow(&blow, hit.space);
                     let mesh = set.mesh();
                     let at = mesh.positions()[contact.vertex as usize];
                     let predicted = response.predict(&blow, at, mesh.contact_normal(contact.vertex));
