@@ -314,7 +314,7 @@ def cases() -> list[tuple[str, str, str, tuple[str, ...]]]:
 
 def choose() -> None:
     """Leave-one-out errors, by training impacts only."""
-    variants = [("POD and kriging", 0), *(("neural field", epochs) for epochs in (10, 30, 60))]
+    variants = [("POD and kriging", 0), *(("neural field", epochs) for epochs in (10, 30))]
     for method, NeuralField.EPOCHS in variants:
         medians = []
         # Of the presses, the symmetry copies of one simulation would give it away.

@@ -38,9 +38,9 @@ impl Law {
         if known.is_empty() {
             return None;
         }
-        let mean = |of: &dyn Fn(&([f64; 3], f64)) -> f64| known.iter().map(of).sum::<f64>() / known.len() as f64;
-        let centre = [0, 1, 2].map(|k| mean(&|e| e.0[k]));
-        let constant = mean(&|e| e.1);
+        let count = known.len() as f64;
+        let centre = [0, 1, 2].map(|k| known.iter().map(|(x, _)| x[k]).sum::<f64>() / count);
+        let constant = known.iter().map(|(_, y)| y).sum::<f64>() / count;
         let usual = if sees == Sees::Striker { OF_STRIKER } else { OF_IMPULSE };
         let (mut matrix, mut right) = (glam::DMat3::IDENTITY * PULL, glam::DVec3::ZERO);
         for (x, y) in &known {
