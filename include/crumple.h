@@ -183,13 +183,14 @@ typedef enum {
     CRUMPLE_INDEX_TYPE_U16 = 1,
 } CrumpleIndexType;
 
-/// How the displacements of several marks combine at a vertex. The result always has the direction of their sum.
+/// How several marks act together. Each vertex moves along the sum of their displacements, up to the depth limit.
 typedef enum {
-    /// Displacements add, up to the depth limit.
+    /// Displacements add. Hits that repeat a mark add their depths.
     CRUMPLE_COMBINE_SUM = 1,
-    /// Energies add: the sum is no longer than the square root of the sum of squared lengths. The default.
+    /// Energies add where marks overlap: n equal hits at one place leave a dent n^(1/2.4) times as deep, and wider.
+    /// Displacements of marks that do not overlap add. The default.
     CRUMPLE_COMBINE_ENERGIES = 0,
-    /// The sum is no longer than the longest displacement.
+    /// The sum is no longer than the longest displacement. The strongest of equal hits counts.
     CRUMPLE_COMBINE_DEEPEST = 2,
 } CrumpleCombine;
 
@@ -527,7 +528,13 @@ typedef struct {
     bool has_tangents;
     /// Number of meshes: 1 + added levels of detail.
     uint32_t lod_count;
-    uint64_t reserved[4];
+    /// Number of examples that know their blow. From 1 on, the set predicts what an impulse leaves.
+    uint32_t blow_count;
+    /// Median error of the displacements around an example, and of its depth, when the other examples predict them:
+    /// relative, 0 is perfect. Negative if unknown.
+    float field_error;
+    float depth_error;
+    uint64_t reserved[2];
 } CrumpleExampleSetInfo;
 
 /// Facts about an example. name is UTF-8, never null, and valid until the set is destroyed.
@@ -548,7 +555,11 @@ typedef struct {
     /// Distance from the contact to the furthest vertex that moves noticeably, m.
     float support_radius;
     CrumplePlacement placement;
-    uint64_t reserved[2];
+    /// Error of its displacements, and of its depth, when the other examples predict them: relative, 0 is perfect.
+    /// Negative if unknown. Where they are large, one more example helps most.
+    float field_error;
+    float depth_error;
+    uint64_t reserved;
 } CrumpleExampleInfo;
 
 /// A part of the mesh with its own material. material is its name (UTF-8, valid until the set is destroyed) or null.
@@ -613,9 +624,9 @@ typedef struct {
 } CrumpleInstanceInfo;
 
 /// A hit given as a blow. point and vectors are in the given space (default CRUMPLE_SPACE_LOCAL). Give impulse, or mass
-/// and velocity of the striker. The target displacement of the contact is impulse * duration / mass. To make dents
-/// independent of the frame rate, use a constant of the material as duration, and report a contact once with its whole
-/// impulse, or in parts with a contact_id.
+/// and velocity of the striker. Report a contact once with its whole impulse, or in parts with a contact_id. If any
+/// example of the set knows its blow, the set predicts the displacement of the contact: give as much of the blow as the
+/// engine knows. Otherwise the displacement is impulse * duration / mass.
 typedef struct {
     uint32_t struct_size;
     CrumpleSpace space;
@@ -623,9 +634,10 @@ typedef struct {
     CrumpleVec3 point;
     /// The impulse on the body, N s. Default 0: striker.mass * striker.velocity. If that is 0 too, there is no mark.
     CrumpleVec3 impulse;
-    /// How long the impulse acted, s: a constant of the material such as 0.01, not the time step. Required.
+    /// How long the impulse acted, s: a constant of the material such as 0.01, not the time step. Required if no example
+    /// knows its blow.
     float duration;
-    /// Mass of the contact vertex, kg. Default 0: the set's mass for that vertex.
+    /// Mass of the contact vertex, kg, for impulse * duration / mass. Default 0: the set's mass for that vertex.
     float mass;
     /// Contact normal, out of the body, of any length. Default 0: unknown.
     CrumpleVec3 normal;
@@ -675,8 +687,8 @@ typedef struct {
     uint32_t contact;
     /// Requested depth at the contact, m, above 0.
     float depth;
-    /// Strength squared, in units of 2^-32: 4294967296 for one hit. Hits that repeat the mark add to it. With
-    /// CRUMPLE_COMBINE_SUM it is the strength itself; with CRUMPLE_COMBINE_DEEPEST the greatest strength.
+    /// Energy in hits of this depth, in units of 2^-32: 4294967296 for one hit. Hits that repeat the mark add to it.
+    /// With CRUMPLE_COMBINE_SUM it is the factor for the depth; with CRUMPLE_COMBINE_DEEPEST the greatest of them.
     uint64_t energy;
     /// Up to four examples. Used pairs come first.
     CrumplePair pairs[4];
@@ -1068,7 +1080,7 @@ CrumpleResult crumple_instance_set_tolerance(CrumpleContext *context, CrumpleIns
 /// distance. Returns 0 for invalid arguments: negative or NaN, a field of view of 0 or at least pi, a height of 0.
 float crumple_pixel_tolerance(float pixels, float distance, float fov_y, float viewport_height);
 
-/// Returns a zero impulse in the mesh's space. Set point, impulse and duration.
+/// Returns a zero impulse in the mesh's space. Set point and impulse, and what else is known.
 CrumpleImpulseDef crumple_impulse_def_default(void);
 
 /// Returns a zero displacement in the mesh's space. Set point and displacement.
@@ -1077,8 +1089,8 @@ CrumpleDisplacementDef crumple_displacement_def_default(void);
 /// Submits a hit. The call selects the examples. The next read of the damage applies the mark (see "Reads" at the top).
 /// A hit that is too weak, or that no example fits, is not an error; see out_result->status. out_result may be null.
 /// With a contact_id, it describes this hit alone. May be called from any thread at any time, except while the instance
-/// or context is being destroyed. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (duration not above 0, a negative mass or
-/// radius, or no mass in def or set), CRUMPLE_ERROR_CONTACT_TOO_FAR, CRUMPLE_ERROR_WRONG_RULE (a contact_id with a
+/// or context is being destroyed. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a negative duration, mass
+/// or radius; no duration, or no mass in def and set, where they are needed), CRUMPLE_ERROR_CONTACT_TOO_FAR, CRUMPLE_ERROR_WRONG_RULE (a contact_id with a
 /// classic rule).
 CrumpleResult crumple_instance_submit_impulse(CrumpleContext *context, CrumpleInstance instance,
                                               const CrumpleImpulseDef *def, CrumpleHitResult *out_result);

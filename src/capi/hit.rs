@@ -14,9 +14,9 @@ use std::mem::MaybeUninit;
 use std::num::NonZeroU64;
 
 /// A hit given as a blow. point and vectors are in the given space (default CRUMPLE_SPACE_LOCAL). Give impulse, or mass
-/// and velocity of the striker. The target displacement of the contact is impulse * duration / mass. To make dents
-/// independent of the frame rate, use a constant of the material as duration, and report a contact once with its whole
-/// impulse, or in parts with a contact_id.
+/// and velocity of the striker. Report a contact once with its whole impulse, or in parts with a contact_id. If any
+/// example of the set knows its blow, the set predicts the displacement of the contact: give as much of the blow as the
+/// engine knows. Otherwise the displacement is impulse * duration / mass.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleImpulseDef {
@@ -26,9 +26,10 @@ pub struct CrumpleImpulseDef {
     pub point: CrumpleVec3,
     /// The impulse on the body, N s. Default 0: striker.mass * striker.velocity. If that is 0 too, there is no mark.
     pub impulse: CrumpleVec3,
-    /// How long the impulse acted, s: a constant of the material such as 0.01, not the time step. Required.
+    /// How long the impulse acted, s: a constant of the material such as 0.01, not the time step. Required if no example
+    /// knows its blow.
     pub duration: f32,
-    /// Mass of the contact vertex, kg. Default 0: the set's mass for that vertex.
+    /// Mass of the contact vertex, kg, for impulse * duration / mass. Default 0: the set's mass for that vertex.
     pub mass: f32,
     /// Contact normal, out of the body, of any length. Default 0: unknown.
     pub normal: CrumpleVec3,
@@ -137,7 +138,7 @@ impl From<&Outcome> for CrumpleHitResult {
     }
 }
 
-/// Returns a zero impulse in the mesh's space. Set point, impulse and duration.
+/// Returns a zero impulse in the mesh's space. Set point and impulse, and what else is known.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_impulse_def_default() -> CrumpleImpulseDef {
     zeroed()
@@ -152,8 +153,8 @@ pub extern "C" fn crumple_displacement_def_default() -> CrumpleDisplacementDef {
 /// Submits a hit. The call selects the examples. The next read of the damage applies the mark (see "Reads" at the top).
 /// A hit that is too weak, or that no example fits, is not an error; see out_result->status. out_result may be null.
 /// With a contact_id, it describes this hit alone. May be called from any thread at any time, except while the instance
-/// or context is being destroyed. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (duration not above 0, a negative mass or
-/// radius, or no mass in def or set), CRUMPLE_ERROR_CONTACT_TOO_FAR, CRUMPLE_ERROR_WRONG_RULE (a contact_id with a
+/// or context is being destroyed. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a negative duration, mass
+/// or radius; no duration, or no mass in def and set, where they are needed), CRUMPLE_ERROR_CONTACT_TOO_FAR, CRUMPLE_ERROR_WRONG_RULE (a contact_id with a
 /// classic rule).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_submit_impulse(

@@ -6,6 +6,7 @@ use super::memory::{Stream, disjoint};
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleAabb, CrumpleExampleSet, CrumplePrimitive, CrumpleStream, CrumpleVec3};
 use crate::example::data::Placement;
+use crate::example::response::Response;
 use std::ffi::c_char;
 use std::mem::MaybeUninit;
 
@@ -33,7 +34,13 @@ pub struct CrumpleExampleSetInfo {
     pub has_tangents: bool,
     /// Number of meshes: 1 + added levels of detail.
     pub lod_count: u32,
-    pub reserved: [u64; 4],
+    /// Number of examples that know their blow. From 1 on, the set predicts what an impulse leaves.
+    pub blow_count: u32,
+    /// Median error of the displacements around an example, and of its depth, when the other examples predict them:
+    /// relative, 0 is perfect. Negative if unknown.
+    pub field_error: f32,
+    pub depth_error: f32,
+    pub reserved: [u64; 2],
 }
 
 /// Facts about an example. name is UTF-8, never null, and valid until the set is destroyed.
@@ -56,7 +63,11 @@ pub struct CrumpleExampleInfo {
     /// Distance from the contact to the furthest vertex that moves noticeably, m.
     pub support_radius: f32,
     pub placement: MaybeUninit<Placement>,
-    pub reserved: [u64; 2],
+    /// Error of its displacements, and of its depth, when the other examples predict them: relative, 0 is perfect.
+    /// Negative if unknown. Where they are large, one more example helps most.
+    pub field_error: f32,
+    pub depth_error: f32,
+    pub reserved: u64,
 }
 
 /// Where to copy a mesh: positions (m), unit normals, tangents and 3 * triangle_count indices. Absent streams are
@@ -108,7 +119,10 @@ pub unsafe extern "C" fn crumple_example_set_get_info(
             node_transform: entry.node_transform.unwrap_or(IDENTITY),
             has_tangents: mesh.tangents().is_some(),
             lod_count: set.lod_count() as u32,
-            reserved: [0; 4],
+            blow_count: set.examples().iter().filter(|e| e.blow().total_impulse().is_some()).count() as u32,
+            field_error: set.learned().median().unwrap_or(-1.0),
+            depth_error: set.response().map_or(-1.0, Response::median_depth_error),
+            reserved: [0; 2],
         });
         Ok(())
     })
@@ -126,7 +140,8 @@ pub unsafe extern "C" fn crumple_example_set_get_example(
         let out = Out::new(out_info, "out_info")?;
         let entry = state.sets.get(set, "set")?;
         let name = item(&entry.names, example, "example")?.as_ptr();
-        let example = &entry.set.examples()[example as usize];
+        let example_index = example as usize;
+        let example = &entry.set.examples()[example_index];
         out.write(CrumpleExampleInfo {
             name,
             contact_vertex: example.contact_vertex(),
@@ -137,7 +152,9 @@ pub unsafe extern "C" fn crumple_example_set_get_example(
             max_depth: example.max_depth(),
             support_radius: example.support_radius(),
             placement: MaybeUninit::new(example.placement()),
-            reserved: [0; 2],
+            field_error: entry.set.learned().error(example_index).unwrap_or(-1.0),
+            depth_error: entry.set.response().and_then(|r| r.depth_error()[example_index]).unwrap_or(-1.0),
+            reserved: 0,
         });
         Ok(())
     })

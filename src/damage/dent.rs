@@ -1,4 +1,4 @@
-//! A dent: a mark prepared for evaluation, with each example placed and scaled. A pure function of the mark and the
+//! A dent: a mark prepared for evaluation, with each example placed and scaled. A pure function of the marks and the
 //! set.
 //!
 //! For a mark with target depth `T` at contact `c` (normal `n`), a pair of example `i` and share `s_i` contributes
@@ -8,16 +8,19 @@
 //! carried    a_i = T / |d_i(p_i)|    e_i(v) = R d_i at p_i + stretch^-1 (R^T (v - c))
 //! ```
 //!
-//! `R` is the smallest rotation from `n_i` to `n`. The stretch along the surface is `clamp(sqrt(a_i), 1/4, 4)`. A
-//! mirrored pair uses the example's mirror image. All contributions are then scaled by `g = T / |sum s_i a_i e_i(c)|`,
+//! `R` is the smallest rotation from `n_i` to `n`. The stretch along the surface is `clamp(wide sqrt(a_i), 1/4, 4)`. A
+//! mirrored pair uses the example's mirror image. `wide` is 1 for a hit alone; [`super::overlap`] computes it. An
+//! anchored example has no stretch. If it has a stamp and `wide` is above 1, it is read from the stamp at its own
+//! contact, stretched by `wide` alone. All contributions are then scaled by `g = T / |sum s_i a_i e_i(c)|`,
 //! so that the contact gets the target depth. Anchored examples are never scaled above 1; in a strict set no example
 //! is. Carried examples fade to zero towards held rims ([`crate::mesh::rim`]).
 
 use super::mark::{MAX_PAIRS, Mark, Pair};
+use super::overlap::{Nearby, strength_alone};
 use crate::base::array_vec::ArrayVec;
 use crate::base::math::{Aabb, rotation_between};
 use crate::example::mesh_lod::MeshLod;
-use crate::example::options::Combine;
+use crate::example::options::{Combine, Seams};
 use crate::example::set::ExampleSet;
 use crate::example::stamp::{WEIGHTS, lift};
 use glam::{Mat3, UVec2, Vec2, Vec3};
@@ -33,6 +36,9 @@ pub(crate) struct PlacedExample {
     pub example: usize,
     /// Factor for its displacements.
     pub scale: f32,
+    /// Whether the example is anchored in the mark.
+    pub anchored: bool,
+    /// `None` if the example's own displacements are read.
     pub carried: Option<Carried>,
 }
 
@@ -63,32 +69,79 @@ pub(crate) struct Carried {
     pub up: Vec3,
     /// Distance from the contact beyond which nothing is moved, m.
     radius: f32,
+    /// The stretch of a hit alone, before it is limited.
+    stretch: f32,
 }
 
 /// A mark prepared for evaluation.
 #[derive(Debug, Clone)]
 pub(crate) struct Dent {
-    /// Factor for all parts. Repeated hits increase it.
+    /// Factor for all parts. Repeated hits and hits nearby change it.
     pub strength: f32,
+    /// The strength if there were no other mark.
+    pub alone: f32,
+    /// Factor for the stretch of all parts; 1 for a hit alone.
+    pub wide: f32,
     pub contact: Vec3,
     pub parts: ArrayVec<PlacedExample, MAX_PAIRS>,
+    pub nearby: Nearby,
 }
 
 impl Dent {
-    /// Makes the dent of a mark. The mark must be valid.
+    /// Makes the dent of a mark alone, not widened. The mark must be valid.
     pub(crate) fn new(set: &ExampleSet, mark: &Mark) -> Self {
         let parts =
             place(set, mark.contact, mark.depth, &mark.pairs, &frame_rotations(set, mark.contact, &mark.pairs)).parts;
-        Dent {
-            strength: strength(mark.energy, set.options().combine),
+        let strength = strength_alone(mark.energy, set.options().combine);
+        let mut dent = Dent {
+            strength,
+            alone: strength,
+            wide: 1.0,
             contact: set.mesh().positions()[mark.contact as usize],
             parts,
+            nearby: Nearby::default(),
+        };
+        if set.options().combine == Combine::Energies {
+            dent.nearby = Nearby::new(set, mark, &dent);
         }
+        dent
+    }
+
+    /// Sets the factor for the stretch.
+    pub(crate) fn widen(&mut self, set: &ExampleSet, wide: f32) {
+        if self.wide == wide {
+            return;
+        }
+        self.wide = wide;
+        for p in self.parts.iter_mut() {
+            let e = &set.examples()[p.example];
+            p.carried = match &p.carried {
+                Some(c) if !p.anchored => Some(Carried::new(set, p.example, c.from_stamp, c.contact, c.stretch, wide)),
+                // Stamps close torn seams.
+                _ if wide > 1.0 && e.stamp().is_some() && set.options().seams == Seams::Weld => {
+                    Some(Carried::new(set, p.example, e.frame(), e.contact_point(), 1.0, wide))
+                }
+                _ => None,
+            };
+        }
+    }
+
+    /// Displacement of the base vertex `v` by the mark's hit alone, without held rims, m.
+    pub(crate) fn alone_at(&self, set: &ExampleSet, v: u32) -> Vec3 {
+        let p = set.mesh().positions()[v as usize];
+        let part = |part: &PlacedExample| match &part.carried {
+            Some(c) if !part.anchored => c.alone_at(set, part.example, p) * part.scale,
+            _ => set.examples()[part.example].displacement_at(v, p) * part.scale,
+        };
+        self.parts.iter().fold(Vec3::ZERO, |sum, p| sum + part(p))
     }
 
     /// The region where the dent may move vertices.
     pub(crate) fn reach(&self) -> Reach {
-        let radius = |p: &PlacedExample| p.carried.as_ref().map_or(f32::INFINITY, |c| c.radius);
+        let radius = |p: &PlacedExample| match &p.carried {
+            Some(c) => c.radius + (c.contact - self.contact).length(),
+            None => f32::INFINITY,
+        };
         let radius = self.parts.iter().map(radius).fold(0.0, f32::max);
         Reach { contact: self.contact, square: radius * radius }
     }
@@ -155,14 +208,15 @@ impl Carried {
         heights: (0.0, 0.0),
         up: Vec3::Z,
         radius: 0.0,
+        stretch: 1.0,
     };
 
-    fn new(set: &ExampleSet, example: usize, from_stamp: Mat3, contact: u32, size: f32) -> Self {
+    /// `alone` is the stretch of a hit alone, before it is limited.
+    fn new(set: &ExampleSet, example: usize, from_stamp: Mat3, contact: Vec3, alone: f32, wide: f32) -> Self {
         let e = &set.examples()[example];
-        let stretch = size.sqrt().clamp(STRETCH.0, STRETCH.1);
-        let shrink = Vec3::new(1.0 / stretch, 1.0 / stretch, 1.0);
-        let to_stamp = Mat3::from_diagonal(shrink) * from_stamp.transpose();
-        let c = Carried { contact: set.mesh().positions()[contact as usize], to_stamp, from_stamp, ..Carried::NOTHING };
+        let stretch = limited(alone * wide);
+        let to_stamp = to_stamp(&from_stamp, stretch);
+        let c = Carried { contact, to_stamp, from_stamp, stretch: alone, ..Carried::NOTHING };
         // Only anchored examples lack a stamp, and they are not carried.
         let Some(s) = e.stamp() else { return c };
         let unit = |step: Vec3| Mat3::from_diagonal(step * (1.0 / WEIGHTS));
@@ -206,9 +260,28 @@ impl Carried {
 
     /// Unscaled displacement of a vertex at base position `v`, m.
     pub(crate) fn at(&self, set: &ExampleSet, example: usize, v: Vec3) -> Vec3 {
-        let stamp = set.examples()[example].stamp();
-        stamp.map_or(Vec3::ZERO, |s| self.from_stamp * s.displacement(self.to_stamp * (v - self.contact)))
+        self.read(set, example, &self.to_stamp, v)
     }
+
+    /// The same by a hit alone.
+    fn alone_at(&self, set: &ExampleSet, example: usize, v: Vec3) -> Vec3 {
+        self.read(set, example, &to_stamp(&self.from_stamp, limited(self.stretch)), v)
+    }
+
+    fn read(&self, set: &ExampleSet, example: usize, to_stamp: &Mat3, v: Vec3) -> Vec3 {
+        let stamp = set.examples()[example].stamp();
+        stamp.map_or(Vec3::ZERO, |s| self.from_stamp * s.displacement(*to_stamp * (v - self.contact)))
+    }
+}
+
+/// A stretch within its limits.
+pub(crate) fn limited(stretch: f32) -> f32 {
+    stretch.clamp(STRETCH.0, STRETCH.1)
+}
+
+/// From mesh space, relative to the contact, to the stamp's frame.
+fn to_stamp(from_stamp: &Mat3, stretch: f32) -> Mat3 {
+    Mat3::from_diagonal(Vec3::new(1.0 / stretch, 1.0 / stretch, 1.0)) * from_stamp.transpose()
 }
 
 /// A mark's parts, placed and scaled.
@@ -254,7 +327,7 @@ pub(crate) fn place(
             (depth / u.length(), None, u)
         } else {
             let size = depth / e.depth();
-            let carried = Carried::new(set, example, *rotation, contact, size);
+            let carried = Carried::new(set, example, *rotation, c, size.sqrt(), 1.0);
             let u = carried.at(set, example, c);
             (size, Some(carried), u)
         };
@@ -265,7 +338,7 @@ pub(crate) fn place(
         }
         at_contact[parts.len()] = u;
         sum += u * scale;
-        parts.push(PlacedExample { example, scale, carried });
+        parts.push(PlacedExample { example, scale, anchored: pair.is_anchored(), carried });
     }
     let together = depth / sum.length();
     // Limits the scale of examples that cancel each other at the contact and so cannot reach the depth.
@@ -285,14 +358,4 @@ pub(crate) fn place(
         achieved += u * (if p.carried.is_some() { p.scale * held } else { p.scale });
     }
     PlacedMark { parts, achieved, without_rim }
-}
-
-/// Strength of a mark. Depending on [`Combine`], `energy` is the squared strength, the summed strength or the greatest
-/// strength.
-pub(crate) fn strength(energy: u64, combine: Combine) -> f32 {
-    let e = energy as f64 / Mark::ONE as f64;
-    match combine {
-        Combine::Energies => e.sqrt() as f32,
-        Combine::Sum | Combine::Deepest => e as f32,
-    }
 }

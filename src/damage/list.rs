@@ -1,7 +1,8 @@
 //! Damage: a short, sorted list of marks. It is the only state of an instance with the default rule.
 
-use super::dent::{Dent, Reach, strength};
+use super::dent::{Dent, Reach};
 use super::mark::Mark;
+use super::overlap::{change, energy_factor, is_gone, overlap, settle, strength_alone};
 use crate::base::error::{Error, reserve};
 use crate::base::math::Aabb;
 use crate::example::options::Combine;
@@ -37,7 +38,7 @@ impl Damage {
 
     /// Adds new marks. They are sorted first, so the result does not depend on their order. If a mark with the same
     /// contact, depth and pairs exists, it takes the new mark's energy. Above `capacity` the weakest mark (smallest
-    /// `strength * depth`) is removed. Its energy, converted by the ratio of depths, goes to the mark with the nearest
+    /// strength alone times depth) is removed. Its energy, converted by the ratio of depths, goes to the mark with the nearest
     /// contact. Ties go to the first mark in order.
     pub(crate) fn add(&mut self, set: &ExampleSet, mut new: Vec<Mark>, capacity: usize, changed: Changed<'_>) {
         if new.is_empty() {
@@ -45,31 +46,36 @@ impl Damage {
         }
         new.sort_unstable_by(|a, b| a.key().cmp(&b.key()).then(a.energy.cmp(&b.energy)));
         let mut list =
-            Merging { set, marks: self.marks.clone(), strengths: self.dents.iter().map(|d| d.strength).collect() };
+            Merging { set, marks: self.marks.clone(), strengths: self.dents.iter().map(|d| d.alone).collect() };
         for mark in new {
             list.add(mark);
             if list.marks.len() > capacity {
                 list.merge_weakest();
             }
         }
-        let before = std::mem::replace(self, Self::with_dents_of(self, set, list.marks));
-        self.differences(&before, changed);
+        self.become_marks(set, list.marks, changed);
     }
 
-    /// Makes the damage of sorted `marks`. Reuses the dents that `old` has.
-    fn with_dents_of(old: &Damage, set: &ExampleSet, marks: Vec<Mark>) -> Self {
-        let mut at = 0;
-        let dent = |mark: &Mark| {
-            at += old.marks[at..].iter().take_while(|m| m.key() < mark.key()).count();
-            match old.marks.get(at) {
-                Some(same) if same.key() == mark.key() => {
-                    Dent { strength: strength(mark.energy, set.options().combine), ..old.dents[at].clone() }
-                }
-                _ => Dent::new(set, mark),
-            }
-        };
-        let dents: Vec<Dent> = marks.iter().map(dent).collect();
-        Damage { reaches: dents.iter().map(Dent::reach).collect(), dents, marks }
+    /// Replaces the marks by others, sorted. Reuses the dents of those that stay.
+    fn become_marks(&mut self, set: &ExampleSet, marks: Vec<Mark>, changed: Changed<'_>) {
+        let before = std::mem::take(self);
+        let mut entries: Vec<Entry> = Vec::with_capacity(before.marks.len() + marks.len());
+        walk(&before.marks, &marks, |old, new| {
+            let energy = |marks: &[Mark], at: Option<usize>| at.map_or(0, |at| marks[at].energy);
+            let dent = match (old, new) {
+                (Some(old), _) => before.dents[old].clone(),
+                (None, new) => Dent::new(set, &marks[new.unwrap_or(0)]),
+            };
+            entries.push(Entry { dent, before: energy(&before.marks, old), after: energy(&marks, new) });
+        });
+        if set.options().combine == Combine::Energies {
+            update_nearby(set, &mut entries);
+        }
+        self.dents = entries.into_iter().filter(|e| e.after > 0).map(|e| e.dent).collect();
+        self.dents.iter_mut().zip(&marks).for_each(|(dent, mark)| settle(set, mark, dent));
+        self.reaches = self.dents.iter().map(Dent::reach).collect();
+        self.marks = marks;
+        self.differences(&before, changed);
     }
 
     /// Replaces all marks. On an error nothing changes.
@@ -88,22 +94,13 @@ impl Damage {
         Ok(())
     }
 
-    /// Multiplies the strength of every dent by `keep`. Removes dents whose strength falls below a ten-thousandth.
+    /// Multiplies the strength of every dent by `keep`. Removes marks whose strength alone falls below a ten-thousandth.
     pub(crate) fn scale(&mut self, set: &ExampleSet, keep: f32, changed: Changed<'_>) {
-        let keep = f64::from(keep);
-        let factor = if set.options().combine == Combine::Energies { keep * keep } else { keep };
-        for i in 0..self.marks.len() {
-            changed(&self.dents[i]);
-            let energy = (self.marks[i].energy as f64 * factor) as u64;
-            self.marks[i].energy = energy;
-            self.dents[i].strength = strength(energy, set.options().combine);
-        }
-        let gone = |d: &Dent| d.strength < 1e-4;
-        let keep: Vec<bool> = self.dents.iter().map(|d| !gone(d)).collect();
-        let mut k = keep.iter();
-        self.marks.retain(|_| *k.next().unwrap_or(&true));
-        self.dents.retain(|d| !gone(d));
-        self.reaches = self.dents.iter().map(Dent::reach).collect();
+        let combine = set.options().combine;
+        let factor = energy_factor(f64::from(keep), combine);
+        let scaled = |m: &Mark| Mark { energy: (m.energy as f64 * factor) as u64, ..*m };
+        let marks = self.marks.iter().map(scaled).filter(|m| !is_gone(m.energy, combine)).collect();
+        self.become_marks(set, marks, changed);
     }
 
     pub(crate) fn clear(&mut self, changed: Changed<'_>) {
@@ -114,27 +111,15 @@ impl Damage {
     }
 
     /// Calls `changed` with every dent that is in only one of the two lists, and with both versions of a dent whose
-    /// energy differs.
+    /// strength or width differs.
     pub(crate) fn differences(&self, other: &Damage, changed: Changed<'_>) {
-        let (mut a, mut b) = (0, 0);
-        while a < self.marks.len() || b < other.marks.len() {
-            let order = match (self.marks.get(a), other.marks.get(b)) {
-                (Some(x), Some(y)) => x.key().cmp(&y.key()),
-                (Some(_), None) => Ordering::Less,
-                (None, _) => Ordering::Greater,
-            };
-            match order {
-                Ordering::Less => changed(&self.dents[a]),
-                Ordering::Greater => changed(&other.dents[b]),
-                Ordering::Equal if self.marks[a].energy != other.marks[b].energy => {
-                    changed(&self.dents[a]);
-                    changed(&other.dents[b]);
-                }
-                Ordering::Equal => {}
+        walk(&self.marks, &other.marks, |a, b| {
+            let (a, b) = (a.map(|a| &self.dents[a]), b.map(|b| &other.dents[b]));
+            let same = |(a, b): (&Dent, &Dent)| a.strength == b.strength && a.wide == b.wide;
+            if !a.zip(b).is_some_and(same) {
+                a.into_iter().chain(b).for_each(&mut *changed);
             }
-            a += usize::from(order.is_le());
-            b += usize::from(order.is_ge());
-        }
+        });
     }
 
     pub(crate) fn memory_bytes(&self) -> usize {
@@ -146,11 +131,50 @@ impl Damage {
     }
 }
 
+/// A dent while the marks change. The energies of its mark are 0 where the mark is not in the list.
+struct Entry {
+    dent: Dent,
+    before: u64,
+    after: u64,
+}
+
+/// Calls `f` for every mark that is in either sorted list, in order, with its index in each.
+fn walk(a: &[Mark], b: &[Mark], mut f: impl FnMut(Option<usize>, Option<usize>)) {
+    let (mut i, mut j) = (0, 0);
+    while i < a.len() || j < b.len() {
+        let order = match (a.get(i), b.get(j)) {
+            (Some(x), Some(y)) => x.key().cmp(&y.key()),
+            (Some(_), None) => Ordering::Less,
+            (None, _) => Ordering::Greater,
+        };
+        f(order.is_le().then_some(i), order.is_ge().then_some(j));
+        i += usize::from(order.is_le());
+        j += usize::from(order.is_ge());
+    }
+}
+
+/// Updates what each dent knows of the marks near it. Takes two look-ups for each pair of a changed mark and another.
+fn update_nearby(set: &ExampleSet, entries: &mut [Entry]) {
+    let changed: Vec<bool> = entries.iter().map(|e| e.before != e.after).collect();
+    for i in (0..entries.len()).filter(|i| changed[*i]) {
+        // A pair of two changed marks comes once.
+        for j in (0..entries.len()).filter(|j| *j > i || !changed[*j]) {
+            let overlap = overlap(set, &entries[i].dent, &entries[j].dent);
+            if overlap > 0.0 {
+                let Ok([a, b]) = entries.get_disjoint_mut([i, j]) else { continue };
+                // A new dent knows nothing of the others yet.
+                change(&mut a.dent, &b.dent, overlap, if a.before > 0 { b.before } else { 0 }, b.after);
+                change(&mut b.dent, &a.dent, overlap, if b.before > 0 { a.before } else { 0 }, a.after);
+            }
+        }
+    }
+}
+
 /// The marks while new ones are added. Dents are made later, when it is known which marks stay.
 struct Merging<'a> {
     set: &'a ExampleSet,
     marks: Vec<Mark>,
-    /// One per mark.
+    /// One per mark, as if it were alone.
     strengths: Vec<f32>,
 }
 
@@ -160,7 +184,7 @@ impl Merging<'_> {
             Ok(at) => self.add_energy(at, mark.energy),
             Err(at) => {
                 self.marks.insert(at, mark);
-                self.strengths.insert(at, strength(mark.energy, self.set.options().combine));
+                self.strengths.insert(at, strength_alone(mark.energy, self.set.options().combine));
             }
         }
     }
@@ -168,7 +192,7 @@ impl Merging<'_> {
     fn add_energy(&mut self, at: usize, energy: u64) {
         let combine = self.set.options().combine;
         self.marks[at].energy = combined(self.marks[at].energy, energy, combine);
-        self.strengths[at] = strength(self.marks[at].energy, combine);
+        self.strengths[at] = strength_alone(self.marks[at].energy, combine);
     }
 
     fn merge_weakest(&mut self) {
@@ -182,9 +206,8 @@ impl Merging<'_> {
         let Some(heir) = others.reduce(|best, i| if distance(i) < distance(best) { i } else { best }) else { return };
         let combine = self.set.options().combine;
         let ratio = f64::from(self.marks[weakest].depth) / f64::from(self.marks[heir].depth);
-        let power = if combine == Combine::Energies { ratio * ratio } else { ratio };
         // `as` saturates, and u64 as f64 rounds to nearest. Both are the same on every platform.
-        let given = (self.marks[weakest].energy as f64 * power) as u64;
+        let given = (self.marks[weakest].energy as f64 * energy_factor(ratio, combine)) as u64;
         self.add_energy(heir, given);
         self.marks.remove(weakest);
         self.strengths.remove(weakest);

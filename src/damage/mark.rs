@@ -1,8 +1,10 @@
 //! The mark: one stored hit. Mark m displaces vertex v by
 //!
 //! ```text
-//! u_m(v) = strength * sum over pairs of scale(depth, share) * e_i(v)          strength = sqrt(energy)
+//! u_m(v) = strength * sum over pairs of scale(depth, share) * e_i(v)
 //! ```
+//!
+//! The strength follows from the energies of this mark and of those near it ([`super::overlap`]).
 
 use crate::base::error::Error;
 use crate::example::set::ExampleSet;
@@ -84,8 +86,8 @@ pub struct Mark {
     pub contact: u32,
     /// Requested depth at the contact, m, above 0.
     pub depth: f32,
-    /// Strength squared, in units of 2^-32: 4294967296 for one hit. Hits that repeat the mark add to it. With
-    /// CRUMPLE_COMBINE_SUM it is the strength itself; with CRUMPLE_COMBINE_DEEPEST the greatest strength.
+    /// Energy in hits of this depth, in units of 2^-32: 4294967296 for one hit. Hits that repeat the mark add to it.
+    /// With CRUMPLE_COMBINE_SUM it is the factor for the depth; with CRUMPLE_COMBINE_DEEPEST the greatest of them.
     pub energy: u64,
     /// Up to four examples. Used pairs come first.
     pub pairs: [Pair; 4],

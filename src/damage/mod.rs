@@ -4,4 +4,5 @@ pub(crate) mod changes;
 pub(crate) mod dent;
 pub(crate) mod list;
 pub(crate) mod mark;
+mod overlap;
 pub(crate) mod saved;

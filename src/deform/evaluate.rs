@@ -1,9 +1,10 @@
 //! Computes vertices from marks: a pure function, evaluated one block at a time.
 //!
 //! ```text
-//! S(v) = sum of u_m(v)      Q(v) = sum of |u_m(v)|²
-//! position(v) = base(v) + S(v) * min(1, sqrt(Q(v)) / |S(v)|, L / |S(v)|)
+//! S(v) = sum of u_m(v)      position(v) = base(v) + S(v) * min(1, L / |S(v)|)
 //! ```
+//!
+//! With [`crate::Combine::Deepest`] the sum is also no longer than the longest `u_m(v)`.
 //!
 //! Marks are summed in their sorted order with plain f32 operations. So the result has the same bits for coincident
 //! vertices, for any division into blocks, on any thread and at any [`crate::SimdLevel`].
@@ -157,8 +158,7 @@ pub(crate) fn block<'a>(
         len: range.len(),
         parts: &scratch.parts,
         window: job.lod.rim.block(job.block),
-        several: touched.dents > 1,
-        lengths: job.view.lengths(),
+        deepest: job.view.keeps_deepest(touched.dents),
         limit: job.view.limit(touched.longest),
     };
     // The last block of a mesh may be short.
@@ -191,7 +191,7 @@ fn lone(
 ) -> bool {
     let mut near = job.view.damage.near(&job.lod.block_bounds[job.block]);
     let (Some(dent), None) = (near.next(), near.next()) else { return false };
-    let [PlacedExample { example, scale, carried: None }] = &dent.parts[..] else { return false };
+    let [PlacedExample { example, scale, carried: None, .. }] = &dent.parts[..] else { return false };
     let anchored = &job.lod.anchored[*example];
     let (Some(head), scale) = (anchored.block(job.block as u32), scale * dent.strength) else { return false };
     if job.view.threshold > 0.0 || may_reach(head.longest * scale.abs(), job.view.depth_limit) {

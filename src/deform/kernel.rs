@@ -385,8 +385,8 @@ struct Sums<S: Simd> {
     dent: V<S>,
     /// Displacement of all dents, m.
     all: V<S>,
-    /// Sum of the dents' squared lengths, or the greatest of them, m².
-    squares: S::F,
+    /// Squared length of the longest dent, m².
+    longest: S::F,
     /// Change of the normal.
     change: V<S>,
 }
@@ -494,17 +494,6 @@ unsafe fn add_carried<S: Simd, const NORMALS: bool>(
     }
 }
 
-/// How the lengths of dents combine at a vertex.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Lengths {
-    /// Their squares add.
-    Squares,
-    /// The longest counts.
-    Longest,
-    /// Only the depth limit shortens.
-    Free,
-}
-
 /// The vertices of one block and what moves them.
 pub(crate) struct Block<'a> {
     /// Undeformed positions x y z x y z …, and unit normals if they are wanted.
@@ -515,9 +504,8 @@ pub(crate) struct Block<'a> {
     /// In the order of summation.
     pub parts: &'a [ReadyPart<'a>],
     pub window: Option<&'a WindowBlock>,
-    /// Whether the parts belong to more than one dent.
-    pub several: bool,
-    pub lengths: Lengths,
+    /// Whether the sum is no longer than the longest dent.
+    pub deepest: bool,
     /// The depth limit, m; `None` if nothing reaches it.
     pub limit: Option<f32>,
 }
@@ -543,7 +531,7 @@ pub(crate) unsafe fn displace<S: Simd, const NORMALS: bool>(
                 },
                 at,
             };
-            let mut sums = Sums::<S> { dent: zero, all: zero, squares: S::splat(0.0), change: zero };
+            let mut sums = Sums::<S> { dent: zero, all: zero, longest: S::splat(0.0), change: zero };
             for part in block.parts {
                 match &part.source {
                     Source::Stored(displacements, changes) => {
@@ -560,23 +548,18 @@ pub(crate) unsafe fn displace<S: Simd, const NORMALS: bool>(
                     let u = sums.dent;
                     sums.all = add::<S>(sums.all, u);
                     sums.dent = zero;
-                    if block.several {
-                        let square = dot::<S>(u, u);
-                        sums.squares = if block.lengths == Lengths::Longest {
-                            S::max(square, sums.squares)
-                        } else {
-                            S::add(sums.squares, square)
-                        };
+                    if block.deepest {
+                        sums.longest = S::max(dot::<S>(u, u), sums.longest);
                     }
                 }
             }
             let s = sums.all;
             let (mut u, mut change) = (s, sums.change);
-            if block.several || block.limit.is_some() {
+            if block.deepest || block.limit.is_some() {
                 let length = S::sqrt(dot::<S>(s, s));
                 let mut allowed = length;
-                if block.several && block.lengths != Lengths::Free {
-                    allowed = S::min(S::sqrt(sums.squares), allowed);
+                if block.deepest {
+                    allowed = S::min(S::sqrt(sums.longest), allowed);
                 }
                 if let Some(limit) = block.limit {
                     allowed = S::min(S::splat(limit), allowed);

@@ -6,21 +6,16 @@
 //! they are in. It follows that some blocks and parts need not be read at all. `t` is the same for the whole instance.
 //! When it changes, everything that the old or the new threshold shows is written again.
 //!
-//! **No vertex is wrong by more than the tolerance.** At a vertex, let `e` be the sum of the lengths left out, and
-//! `e_m` the sum for mark m. Then `position = base + P_r(S)`, where `P_r` is the projection onto the ball of radius
-//! `r`. The radius is `min(sqrt Q, L)` (energies), `min(max |u_m|, L)` (deepest) or `L` (sum). Leaving out `e` changes
-//! these as follows:
+//! **No vertex is wrong by more than the tolerance.** At a vertex, let `e` be the sum of the lengths left out. `S` moves
+//! by at most `e`, by the triangle inequality. Then `position = base + P(S)`, where `P` is the projection onto the ball
+//! of radius `L`. `P(S)` moves by no more than `S` does. So the vertex moves by at most `e`.
 //!
-//! - `S` moves by at most `e`, by the triangle inequality;
-//! - `sqrt Q` is the length of the vector of all `|u_m|`, so it changes by at most `sqrt(sum of e_m²) <= e`; the
-//!   greatest `|u_m|` changes by at most the greatest `e_m`; `L` does not change; a minimum changes by no more than its
-//!   arguments;
-//! - `P_r(S)` moves by no more than `S` does if `r` is fixed, and by no more than `r` does if `S` is fixed.
+//! With [`Combine::Deepest`] the radius is the smaller of `L` and the greatest `|u_m|`. The radius too changes by at
+//! most `e`, and `P(S)` moves by no more than the radius does if `S` is fixed. So the vertex moves by at most `2 e`.
 //!
-//! So the vertex moves by at most `2 e`. It moves by at most `e` if only one mark reaches it (then `sqrt Q = |S|`, and
-//! only `L` shortens) or if lengths are summed. A part leaves out at most `t`, and at most its longest displacement in
-//! the block. [`threshold`] takes the greatest `t`, among the tolerance and its halves, for which this bound holds in
-//! every block. Rounding of f32 comes on top. Stored normals are left out only with a whole part.
+//! A part leaves out at most `t`, and at most its longest displacement in the block. [`threshold`] takes the greatest
+//! `t`, among the tolerance and its halves, for which this bound holds in every block. Rounding of f32 comes on top.
+//! Stored normals are left out only with a whole part.
 
 use crate::damage::dent::Dent;
 use crate::example::options::Combine;
@@ -51,28 +46,20 @@ pub(crate) fn threshold(set: &ExampleSet, dents: &[Dent], tolerance: f32) -> f32
         })
         .collect();
     let count: usize = set.lods().map(|s| s.blocks()).sum();
-    // For each block of each level of detail: the last dent that touches it, and whether several may.
-    let (mut last, mut several) = (vec![usize::MAX; count], vec![set.options().combine == Combine::Deepest; count]);
     let mut lengths: Vec<(u32, f32)> = Vec::new();
-    for (i, dent) in dents.iter().enumerate() {
+    for dent in dents {
         for (lod, first) in set.lods().zip(&firsts) {
-            dent.lengths(set, lod, |block, longest| {
-                let at = first + block;
-                several[at] |= last[at] != usize::MAX && last[at] != i;
-                last[at] = i;
-                lengths.push((at as u32, longest));
-            });
+            dent.lengths(set, lod, |block, longest| lengths.push(((first + block) as u32, longest)));
         }
     }
-    let allowed = f64::from(tolerance * MARGIN);
-    let twice = set.options().combine != Combine::Sum;
+    let halves = if set.options().combine == Combine::Deepest { 0.5 } else { 1.0 };
+    let allowed = f64::from(tolerance * MARGIN) * halves;
     let mut sums = vec![0.0f64; count];
     for step in 0..STEPS {
         let t = tolerance * MARGIN * 0.5f32.powi(step);
         sums.fill(0.0);
         lengths.iter().for_each(|(at, longest)| sums[*at as usize] += f64::from(longest.min(t)));
-        let fits = |(sum, several): (&f64, &bool)| if *several && twice { 2.0 * sum } else { *sum } <= allowed;
-        if sums.iter().zip(&several).all(fits) {
+        if sums.iter().all(|sum| *sum <= allowed) {
             return t;
         }
     }

@@ -1,6 +1,5 @@
 //! What evaluation needs of an instance: its damage, its limits, and when each block changed.
 
-use super::kernel::Lengths;
 use crate::damage::changes::Changes;
 use crate::damage::list::Damage;
 use crate::example::options::Combine;
@@ -31,13 +30,9 @@ pub(crate) struct DisplacedVertices<'a> {
 }
 
 impl DamageView<'_> {
-    /// How lengths of dents combine.
-    pub(crate) fn lengths(&self) -> Lengths {
-        match self.set.options().combine {
-            Combine::Sum => Lengths::Free,
-            Combine::Energies => Lengths::Squares,
-            Combine::Deepest => Lengths::Longest,
-        }
+    /// Whether the sum of this many dents is no longer than the longest of them.
+    pub(crate) fn keeps_deepest(&self, dents: usize) -> bool {
+        self.set.options().combine == Combine::Deepest && dents > 1
     }
 
     /// The depth limit, m, if dents whose lengths sum to `longest` (m) may reach it.

@@ -40,10 +40,14 @@ impl Learned {
             .max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))
     }
 
+    /// Error of an example, for the placement that it uses. `None` as for `carried_error`.
+    pub fn error(&self, example: usize) -> Option<f32> {
+        if self.anchored[example] { self.anchored_error[example] } else { self.carried_error[example] }
+    }
+
     /// Median of the errors, each for the placement that its example uses.
     pub fn median(&self) -> Option<f32> {
-        let of = |i: usize| if self.anchored[i] { self.anchored_error[i] } else { self.carried_error[i] };
-        let mut errors: Vec<f32> = (0..self.anchored.len()).filter_map(of).collect();
+        let mut errors: Vec<f32> = (0..self.anchored.len()).filter_map(|i| self.error(i)).collect();
         errors.sort_by(f32::total_cmp);
         errors.get(errors.len() / 2).copied()
     }

@@ -4,16 +4,17 @@ use crate::base::error::Error;
 use crate::base::error::{at_least_zero, positive};
 use crate::mesh::MAX_COORDINATE;
 
-/// How the displacements of several marks combine at a vertex. The result always has the direction of their sum.
+/// How several marks act together. Each vertex moves along the sum of their displacements, up to the depth limit.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Combine {
-    /// Displacements add, up to the depth limit.
+    /// Displacements add. Hits that repeat a mark add their depths.
     Sum = 1,
-    /// Energies add: the sum is no longer than the square root of the sum of squared lengths. The default.
+    /// Energies add where marks overlap: n equal hits at one place leave a dent n^(1/2.4) times as deep, and wider.
+    /// Displacements of marks that do not overlap add. The default.
     #[default]
     Energies = 0,
-    /// The sum is no longer than the longest displacement.
+    /// The sum is no longer than the longest displacement. The strongest of equal hits counts.
     Deepest = 2,
 }
 

@@ -401,7 +401,7 @@ impl Law {
                 let distance = distance(a, b.place, b.radius);
                 if rise > 0.0 && distance >= SAME_PLACE {
                     self.cone = self.cone.max(rise / distance);
-                } else if rise > 1e-6 {
+                } else if rise > 1e-6 && a.strength >= b.strength {
                     self.contradictions.push((a.example as u32, b.example as u32));
                 }
             }

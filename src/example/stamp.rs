@@ -54,6 +54,8 @@ pub struct Stamp {
     pub(crate) heights: (f32, f32),
     /// Upper bound of the length of displacements read from the stamp, m.
     pub(crate) longest: f32,
+    /// Root of the integral of squared displacements over the unrolled surface, over π, m².
+    pub(crate) spread: f32,
     /// Error at the vertices that the example moves.
     pub(crate) error: StampError,
 }
@@ -165,7 +167,10 @@ impl Stamp {
             nodes.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(lo, hi), n| (lo.min(height(n)), hi.max(height(n))));
         // The weights of an interpolation may sum to one unit too much.
         let longest = nodes.iter().map(|n| (of(n, 0) * steps.displacement).length()).fold(0.0, f32::max) * 1.0002;
-        Stamp { grid, nodes, steps, fade, heights, longest, error }
+        let squares = nodes.iter().map(|n| f64::from((of(n, 0) * steps.displacement).length_squared())).sum::<f64>();
+        let cell = f64::from(grid.cell.x) * f64::from(grid.cell.y);
+        let spread = (squares * cell / std::f64::consts::PI).sqrt() as f32;
+        Stamp { grid, nodes, steps, fade, heights, longest, spread, error }
     }
 
     /// Returns the displacement (m), the change of the unit normal and the z of the base normal at `p` (m). Everything

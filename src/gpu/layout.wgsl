@@ -14,14 +14,10 @@ const SNORM16X4 = 2u;
 const SNORM8X4 = 3u;
 
 // Flags of a target with marks.
-// There is more than one dent.
-const SEVERAL = 1u;
-// The squares of the dents' lengths add.
-const SQUARES = 2u;
-// The longest dent's length counts.
-const LONGEST = 4u;
+// The sum is no longer than the longest dent.
+const DEEPEST = 1u;
 // The depth limit may be reached.
-const LIMITED = 8u;
+const LIMITED = 2u;
 // Flag of a target with a classic rule: the vertices are at rest and have no state yet.
 const AT_REST = 1u;
 

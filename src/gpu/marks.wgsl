@@ -8,7 +8,7 @@ override TANGENTS: bool = false;
 struct Sums {
     dent: vec3<f32>,
     all: vec3<f32>,
-    squares: f32,
+    longest: f32,
     change: vec3<f32>,
 }
 
@@ -172,9 +172,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
                 }
             }
             sums.all = sums.all + sums.dent;
-            if (flags & SEVERAL) != 0u {
-                let square = dot3(sums.dent, sums.dent);
-                sums.squares = select(sums.squares + square, maximum(square, sums.squares), (flags & LONGEST) != 0u);
+            if (flags & DEEPEST) != 0u {
+                sums.longest = maximum(dot3(sums.dent, sums.dent), sums.longest);
             }
             sums.dent = vec3(0.0);
         }
@@ -183,11 +182,11 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
 
     var u = sums.all;
     var change = sums.change;
-    if (flags & (SEVERAL | LIMITED)) != 0u {
+    if (flags & (DEEPEST | LIMITED)) != 0u {
         let length = sqrt(dot3(u, u));
         var allowed = length;
-        if (flags & SEVERAL) != 0u && (flags & (SQUARES | LONGEST)) != 0u {
-            allowed = minimum(sqrt(sums.squares), allowed);
+        if (flags & DEEPEST) != 0u {
+            allowed = minimum(sqrt(sums.longest), allowed);
         }
         if (flags & LIMITED) != 0u {
             allowed = minimum(out.limit, allowed);

@@ -4,8 +4,8 @@
 //! more dents than [`crate::deform`] does; a dent that does not reach a vertex adds zeros there.
 
 use super::layout::{
-    AT_REST, BlockWork, Call, CarriedDisplacement, CarriedLookup, CarriedNormals, CarriedWork, ClassicHit, DentHead,
-    DentPart, LIMITED, LONGEST, NONE, Row, SEVERAL, SQUARES, TargetWork,
+    AT_REST, BlockWork, Call, CarriedDisplacement, CarriedLookup, CarriedNormals, CarriedWork, ClassicHit, DEEPEST,
+    DentHead, DentPart, LIMITED, NONE, Row, TargetWork,
 };
 use super::target::TargetState;
 use super::vertices::VertexStream;
@@ -14,7 +14,6 @@ use crate::base::error::Error;
 use crate::base::math::Aabb;
 use crate::classic::ClassicState;
 use crate::damage::dent::{Carried, PlacedExample, Reach};
-use crate::deform::kernel::Lengths;
 use crate::deform::view::DamageView;
 use crate::example::mesh_lod::MeshLod;
 use crate::example::stamp::Stamp;
@@ -176,13 +175,8 @@ impl FrameWork {
             let rows: [Row; 2] = cast(dent);
             self.parts[head..head + rows.len()].copy_from_slice(&rows);
         }
-        let combined = match view.lengths() {
-            Lengths::Free => 0,
-            Lengths::Squares => SQUARES,
-            Lengths::Longest => LONGEST,
-        };
         let limit = view.limit(longest);
-        let flags = combined | if dents > 1 { SEVERAL } else { 0 } | if limit.is_some() { LIMITED } else { 0 };
+        let flags = if view.keeps_deepest(dents) { DEEPEST } else { 0 } | if limit.is_some() { LIMITED } else { 0 };
         self.add_target(shown, begin, (flags, limit.unwrap_or(0.0), NONE));
         let grown = Vec3::splat(longest.min(view.depth_limit) * ROUNDING);
         let mut bounds = mesh.mesh.bounds();

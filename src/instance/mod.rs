@@ -261,8 +261,8 @@ impl Instance {
         self.update_threshold();
     }
 
-    /// Returns the marks, sorted. Beyond the capacity, the weakest mark (least strength times depth) gives its energy,
-    /// in square metres, to the mark with the nearest contact; among equals to the first in order.
+    /// Returns the marks, sorted. Beyond the capacity, the mark with the least depth (of all its hits) gives its energy
+    /// to the mark with the nearest contact; among equals to the first in order.
     ///
     /// # Errors
     /// [`Error::WrongRule`] with a classic rule.
@@ -320,7 +320,8 @@ impl Instance {
         self.set_marks(&marks)
     }
 
-    /// Repairs: scales the depth of every dent by `keep`, 0 to 1. Ends all contacts.
+    /// Repairs: scales the depth of every dent by `keep`, 0 to 1. Dents of several hits also get narrower. Ends all
+    /// contacts.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`].

@@ -19,16 +19,18 @@ pub enum Space {
 /// What a hit asks of the vertex it hits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Cause {
-    /// A blow, in the hit's space. Its impulse, or the mass and velocity of its striker, must be known. The target
-    /// displacement is the paper's `impulse * duration / mass` (Eq. 4.4), which needs the duration. Do not pass the
-    /// engine's time step as duration, because dents would depend on it; pass a constant of the material. Report a
-    /// contact once with its whole impulse, or in parts with an id ([`Hit::contact`]). [`Cause::Displacement`] needs no
-    /// duration.
+    /// A blow, in the hit's space. Its impulse, or the mass and velocity of its striker, must be known. Report a contact
+    /// once with its whole impulse, or in parts with an id ([`Hit::contact`]).
+    ///
+    /// If any example of the set knows its blow, the set predicts the target displacement
+    /// ([`ExampleSet::response`](crate::ExampleSet::response)); the more of the blow is known, the nearer it is.
+    /// Otherwise the target is the paper's `impulse * duration / mass` (Eq. 4.4), which needs the duration. Do not pass
+    /// the engine's time step as duration, because dents would depend on it; pass a constant of the material.
     Impulse {
         /// What is known of the blow.
         blow: Blow,
-        /// Mass of the vertex, kg. Above 0. `None` takes the set's. It is the calibration mass of the formula, not the
-        /// striker's mass.
+        /// Mass of the vertex, kg. Above 0. `None` takes the set's. It is the calibration mass of the paper's formula,
+        /// not the striker's mass, and a set that predicts the target does not need it.
         mass: Option<f32>,
     },
     /// The desired contact displacement, m, for engines with their own mapping from impulse to depth. It does not

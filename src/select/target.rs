@@ -129,7 +129,8 @@ fn impulse_of(blow: &Blow) -> Result<[f32; 3], Error> {
 
 /// The duration that the paper's formula needs, s.
 fn duration_of(blow: &Blow) -> Result<f32, Error> {
-    let expected = "given with the impulse (s), as a constant of the material";
+    let expected =
+        "given with the impulse (s), as a constant of the material, since no example of the set knows its blow";
     blow.duration.ok_or_else(|| Error::invalid("duration", "absent", expected))
 }
 

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use crumple::{Combine, Mark, Pair};
 
 use super::Model;
+use super::marks::POWER;
 
 /// Contact, depth (its bits) and pairs. Marks with the same key are one. Marks are kept in this order.
 pub type Key = (u32, u32, [Pair; 4]);
@@ -18,6 +19,11 @@ pub fn key(mark: &Mark) -> Key {
 #[derive(Debug, Clone, Default)]
 pub struct Ledger {
     pub energies: BTreeMap<Key, u64>,
+}
+
+/// libm's, as the model says: the last digit may decide which mark is the weakest.
+fn power(x: f64, p: f64) -> f64 {
+    if p == 1.0 { x } else { libm::pow(x, p) }
 }
 
 fn depth(key: &Key) -> f64 {
@@ -42,8 +48,7 @@ impl Ledger {
         // f32, as documented for the size of a mark: the choice must not depend on the oracle's extra digits
         let size = |(k, e): (&Key, &u64)| {
             let energy = *e as f64 / 2f64.powi(32);
-            let strength = if combine == Combine::Energies { energy.sqrt() } else { energy };
-            strength as f32 * depth(k) as f32
+            power(energy, if combine == Combine::Energies { 1.0 / POWER } else { 1.0 }) as f32 * depth(k) as f32
         };
         let weakest = *self.energies.iter().min_by(|a, b| size(*a).total_cmp(&size(*b))).unwrap().0;
         let energy = self.energies.remove(&weakest).unwrap();
@@ -57,9 +62,9 @@ impl Ledger {
         let Some(heir) = self.energies.keys().min_by(|a, b| distance(a).total_cmp(&distance(b))).copied() else {
             return;
         };
-        // conserves the energy in m², (strength * depth)²
+        // conserves the depth of the mark alone
         let ratio = depth(&weakest) / depth(&heir);
-        let given = energy as f64 * if combine == Combine::Energies { ratio * ratio } else { ratio };
+        let given = energy as f64 * power(ratio, if combine == Combine::Energies { POWER } else { 1.0 });
         let entry = self.energies.get_mut(&heir).unwrap();
         *entry = combined(*entry, given as u64, combine);
     }

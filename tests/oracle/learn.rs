@@ -47,7 +47,14 @@ fn samples(model: &Model, q: usize, close: &mut bool) -> Vec<usize> {
 
 fn error(model: &Model, q: usize, parts: &[Part], samples: &[usize]) -> f64 {
     let e = &model.examples[q];
-    let mark = Mark { contact: e.contact_vertex, depth: e.depth(), strength: 1.0, parts: parts.to_vec() };
+    let mark = Mark {
+        contact: e.contact_vertex,
+        depth: e.depth(),
+        hits: 1.0,
+        strength: 1.0,
+        wide: 1.0,
+        parts: parts.to_vec(),
+    };
     let factors = scales(model, &mark);
     let (mut wrong, mut all) = (0.0, 0.0);
     for v in samples {

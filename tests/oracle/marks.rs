@@ -25,8 +25,11 @@ pub struct Mark {
     pub contact: usize,
     /// Target depth, m.
     pub depth: f64,
-    /// Root of its energy; 1 for one hit.
+    /// Energy in hits.
+    pub hits: f64,
+    /// Factors for the displacements and for the stretch; 1 for one hit alone.
     pub strength: f64,
+    pub wide: f64,
     pub parts: Vec<Part>,
 }
 
@@ -42,16 +45,79 @@ pub fn part_of(pair: crumple::Pair) -> Part {
     }
 }
 
-/// The documented layout of a mark: energy in units of 2^-32. It is the square of the strength if energies add,
-/// otherwise the strength itself. Unused pairs have example 0xFFFF.
-pub fn mark_of(mark: &crumple::Mark, combine: Combine) -> Mark {
+/// The documented layout of a mark: energy in units of 2^-32, which is the strength unless energies add. Unused pairs
+/// have example 0xFFFF.
+pub fn mark_of(mark: &crumple::Mark) -> Mark {
     let energy = mark.energy as f64 / 2f64.powi(32);
     Mark {
         contact: mark.contact as usize,
         depth: f64::from(mark.depth),
-        strength: if combine == Combine::Energies { energy.sqrt() } else { energy },
+        hits: energy,
+        strength: energy,
+        wide: 1.0,
         parts: mark.pairs.iter().filter(|p| p.example != 0xFFFF).map(|p| part_of(*p)).collect(),
     }
+}
+
+/// The documented marks of an instance, with the strengths and widths that they have together.
+pub fn marks_of(model: &Model, marks: &[crumple::Mark], combine: Combine) -> Vec<Mark> {
+    let mut marks: Vec<Mark> = marks.iter().map(mark_of).collect();
+    if combine == Combine::Energies {
+        upon_each_other(model, &mut marks);
+    }
+    marks
+}
+
+/// The power of the depth that energy goes with.
+pub const POWER: f64 = 2.4;
+
+/// Hits upon hits: each mark gets its part of all the energy near its contact, and the width of the dent that this
+/// energy makes.
+fn upon_each_other(model: &Model, marks: &mut [Mark]) {
+    let scales: Vec<Vec<f64>> = marks.iter().map(|m| scales(model, m)).collect();
+    let moved = |j: usize, contact: usize| {
+        let mut u = [0.0; 3];
+        for (part, s) in marks[j].parts.iter().zip(&scales[j]) {
+            u = add(u, scale(*s, open_at(model, &marks[j], part, contact).0));
+        }
+        length(u)
+    };
+    let share = |j: usize, contact: usize| {
+        let own = moved(j, marks[j].contact);
+        if own > 0.0 { moved(j, contact) / own } else { 0.0 }
+    };
+    let mut together = Vec::new();
+    for m in 0..marks.len() {
+        let mut energy = 0.0;
+        for j in 0..marks.len() {
+            let near = share(j, marks[m].contact).max(share(m, marks[j].contact));
+            let overlap = if j == m { 1.0 } else { ((near - 0.3) / 0.7).clamp(0.0, 1.0) };
+            energy += overlap * marks[j].hits * (marks[j].depth / marks[m].depth).powf(POWER);
+        }
+        let deeper = energy.powf(1.0 / POWER);
+        let room = 0.11 * model.diagonal / radius(model, &marks[m]);
+        together.push((marks[m].hits / energy * deeper, deeper.sqrt().min(room).max(1.0)));
+    }
+    for (mark, (strength, wide)) in marks.iter_mut().zip(together) {
+        (mark.strength, mark.wide) = (strength, wide);
+    }
+}
+
+/// The radius of a cylinder as deep as one hit of the mark, with the same integral of squared displacements. Infinite
+/// if no part has a stamp.
+fn radius(model: &Model, mark: &Mark) -> f64 {
+    let (mut sum, mut shares) = (0.0, 0.0);
+    for part in &mark.parts {
+        let example = &model.examples[part.example];
+        if let Some(grid) = &example.grid {
+            let squares: f64 = grid.displacements.iter().map(|u| dot(*u, *u)).sum();
+            let own = (squares * grid.step[0] * grid.step[1] / std::f64::consts::PI).sqrt() / example.depth();
+            let stretch = if part.anchored { 1.0 } else { stretch(mark.depth, example, 1.0) };
+            sum += part.share.abs() * stretch * own;
+            shares += part.share.abs();
+        }
+    }
+    if shares > 0.0 { sum / shares } else { f64::INFINITY }
 }
 
 /// Documented bounds of the stretch in the surface.
@@ -59,9 +125,15 @@ pub const STRETCH: (f64, f64) = (0.25, 4.0);
 /// Examples that cancel each other at the contact are scaled up together by at most this factor.
 pub const TOGETHER: f64 = 4.0;
 
-/// The stretch in the surface of an example carried to a hit of depth `depth`.
-pub fn stretch(depth: f64, example: &Example) -> f64 {
-    (depth / example.depth()).sqrt().clamp(STRETCH.0, STRETCH.1)
+/// The stretch in the surface of an example carried to a hit of depth `depth`, in a dent `wide` times as wide.
+pub fn stretch(depth: f64, example: &Example, wide: f64) -> f64 {
+    (wide * (depth / example.depth()).sqrt()).clamp(STRETCH.0, STRETCH.1)
+}
+
+/// Whether a part is read from the example's stamp: carried parts are, and anchored ones that are widened if they have
+/// a stamp and seams are welded.
+pub fn stamped(model: &Model, mark: &Mark, part: &Part) -> bool {
+    !part.anchored || (mark.wide > 1.0 && model.welds && model.examples[part.example].grid.is_some())
 }
 
 /// A stamp in f64.
@@ -143,29 +215,36 @@ impl Chart {
 fn place<'a>(model: &'a Model, mark: &Mark, part: &Part, vertex: usize) -> (&'a Chart, Matrix, f64, V) {
     let example = &model.examples[part.example];
     let grid = example.grid.as_ref().expect("a carried example has a stamp");
+    if part.anchored {
+        // widened where it was made
+        let back = transpose(grid.frame);
+        let p = apply(grid.frame, sub(model.positions[vertex], example.contact_point));
+        let s = mark.wide.clamp(STRETCH.0, STRETCH.1);
+        return (grid, back, s, [p[0] / s, p[1] / s, p[2]]);
+    }
     let normal = mirrored(example.contact_normal, part.mirror);
     let rotation = rotation_between(normal, model.contact_normals[mark.contact]);
     let mirror = [0, 1, 2].map(|i| mirrored([0, 1, 2].map(|j| f64::from(u8::from(i == j))), part.mirror));
     // from stamp to mesh: out of the contact frame, mirrored, rotated
     let back = product(rotation, product(mirror, transpose(grid.frame)));
     let p = apply(transpose(back), sub(model.positions[vertex], model.positions[mark.contact]));
-    let s = stretch(mark.depth, example);
+    let s = stretch(mark.depth, example, mark.wide);
     (grid, back, s, [p[0] / s, p[1] / s, p[2]])
 }
 
 /// Whether `vertex` is so near the border of a stamp that rounding decides whether it is inside.
 pub fn on_a_border(model: &Model, mark: &Mark, vertex: usize) -> bool {
-    mark.parts.iter().filter(|p| !p.anchored).any(|part| {
+    mark.parts.iter().filter(|p| stamped(model, mark, p)).any(|part| {
         let (grid, _, _, p) = place(model, mark, part, vertex);
         let at = grid.unrolled(p);
         (0..2).any(|k| at[k].abs() < 1e-3 || (at[k] - (grid.dims[k] - 1) as f64).abs() < 1e-3)
     })
 }
 
-/// Displacement and change of normal of `vertex` by one example of a mark at full strength, without held rims.
+/// Displacement and change of normal of `vertex` by one example of a mark of strength 1, without held rims.
 pub fn open_at(model: &Model, mark: &Mark, part: &Part, vertex: usize) -> (V, V) {
     let example = &model.examples[part.example];
-    if part.anchored {
+    if !stamped(model, mark, part) {
         return (example.deltas[vertex], example.normal_deltas[vertex]);
     }
     let (grid, back, s, p) = place(model, mark, part, vertex);
@@ -186,7 +265,7 @@ pub fn open_at(model: &Model, mark: &Mark, part: &Part, vertex: usize) -> (V, V)
 pub fn example_at(model: &Model, mark: &Mark, part: &Part, vertex: usize) -> (V, V) {
     let (u, change) = open_at(model, mark, part, vertex);
     let window = &model.windows[vertex];
-    if part.anchored || window.factor == 1.0 {
+    if !stamped(model, mark, part) || window.factor == 1.0 {
         return (u, change);
     }
     let n = model.normals[vertex];
@@ -238,8 +317,10 @@ pub fn met(model: &Model, mark: &Mark) -> V {
 /// A mark and the factors of its parts, computed once.
 pub struct Scaled<'a>(pub &'a Mark, pub Vec<f64>);
 
+/// The factors are those of one hit alone: a dent does not get deeper by getting wider.
 pub fn scaled<'a>(model: &Model, marks: &'a [Mark]) -> Vec<Scaled<'a>> {
-    marks.iter().map(|m| Scaled(m, scales(model, m))).collect()
+    let alone = |m: &Mark| scales(model, &Mark { wide: 1.0, ..m.clone() });
+    marks.iter().map(|m| Scaled(m, alone(m))).collect()
 }
 
 /// Displacement and change of normal of `vertex` by one mark.
@@ -262,9 +343,9 @@ pub fn size(model: &Model, Scaled(mark, scales): &Scaled<'_>) -> (f64, f64) {
         let example = &model.examples[part.example];
         let w = mark.strength * s.abs();
         sum.0 += w * longest(&example.deltas);
-        let stretch = if part.anchored { 1.0 } else { stretch(mark.depth, example) };
+        let stretch = if part.anchored { 1.0 } else { stretch(mark.depth, example, mark.wide) };
         sum.1 += w / stretch * longest(&example.normal_deltas);
-        if !part.anchored && !model.held.is_empty() {
+        if stamped(model, mark, part) && !model.held.is_empty() {
             // the greatest slope of the window
             sum.1 += w * longest(&example.deltas) * 1.5 / (0.03 * model.diagonal);
         }
@@ -274,22 +355,17 @@ pub fn size(model: &Model, Scaled(mark, scales): &Scaled<'_>) -> (f64, f64) {
 
 /// Displacement of `vertex` by all marks, and the factor that shortened their plain sum.
 pub fn displacement(model: &Model, marks: &[Scaled<'_>], vertex: usize, combine: Combine, limit: f64) -> (V, f64) {
-    let (mut sum, mut squares, mut deepest) = ([0.0; 3], 0.0, 0.0f64);
+    let (mut sum, mut deepest) = ([0.0; 3], 0.0f64);
     for mark in marks {
         let (u, _) = mark_at(model, mark, vertex);
         sum = add(sum, u);
-        squares += dot(u, u);
         deepest = deepest.max(length(u));
     }
     let s = length(sum);
     if s == 0.0 {
         return ([0.0; 3], 1.0);
     }
-    let factor = match combine {
-        Combine::Sum => 1.0f64,
-        Combine::Energies => (squares.sqrt() / s).min(1.0),
-        Combine::Deepest => (deepest / s).min(1.0),
-    };
+    let factor: f64 = if combine == Combine::Deepest { (deepest / s).min(1.0) } else { 1.0 };
     let factor = factor.min(limit / s);
     (scale(factor, sum), factor)
 }

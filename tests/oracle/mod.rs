@@ -13,7 +13,7 @@ pub mod select;
 pub mod vector;
 
 use body::Window;
-use crumple::{ExampleSet, Placement};
+use crumple::{ExampleSet, Placement, Seams};
 use marks::Chart;
 use vector::{V, from_f32, length, sub};
 
@@ -56,6 +56,8 @@ pub struct Model {
     pub held: Vec<usize>,
     pub windows: Vec<Window>,
     pub strict: bool,
+    /// Whether vertices at one position stay together.
+    pub welds: bool,
     pub depth_limit: f64,
     /// Learned width of the place axes, as a share of the diagonal.
     pub place_width: f64,
@@ -110,6 +112,7 @@ impl Model {
             held,
             windows,
             strict: set.options().strict,
+            welds: set.options().seams == Seams::Weld,
             depth_limit: f64::from(set.depth_limit()),
             place_width: f64::from(set.learned().place_width),
             examples,

@@ -253,7 +253,7 @@ pub fn select(model: &Model, contact: usize, target: V, limit: f64, k: usize) ->
     }
     let of = |parts: Vec<Part>, close: &mut bool| {
         // The dent has its own direction at the contact and meets the target's component along that direction.
-        let mut mark = Mark { contact, depth: length(target), strength: 1.0, parts };
+        let mut mark = Mark { contact, depth: length(target), hits: 1.0, strength: 1.0, wide: 1.0, parts };
         let brings = open(model, &mark);
         if length(brings) == 0.0 {
             return None;

@@ -3,7 +3,11 @@
 mod rules;
 
 use anyhow::Result;
-use crumple::{Combine, Hit, InstanceOptions, Placement, Rule as LibraryRule, SetOptions};
+use crumple::{
+    Combine, Contact, Deltas, ExampleData, ExampleSet, Hit, InstanceOptions, Placement, Rule as LibraryRule, Serial,
+    SetOptions,
+};
+use std::sync::Arc;
 
 use crate::Options;
 use crate::metric::{deepest, edges, inverted, largest_jump, length, median, quantile, relative_l2};
@@ -137,10 +141,11 @@ pub fn run(options: &Options) -> Result<()> {
                 Ok(narrow(&rule.combine(&dents)))
             })?;
         }
+        let deep = InstanceOptions { depth_limit: Some(DEEP), ..Default::default() };
+        add("true singles", "energies", false, &|case, order| after(&own_set(&body, case)?, &deep, case, order))?;
         for (name, combine) in [("sum", Combine::Sum), ("energies", Combine::Energies), ("deepest", Combine::Deepest)] {
             let set =
                 scene::set(&body, examples, Placement::Automatic, SetOptions { combine, ..SetOptions::default() })?;
-            let deep = InstanceOptions { depth_limit: Some(DEEP), ..Default::default() };
             add("predicted", name, false, &|case, order| after(&set, &deep, case, order))?;
             if combine == SetOptions::default().combine {
                 add("predicted", "all defaults", false, &|case, order| {
@@ -227,12 +232,22 @@ fn cases(body: &Body, quick: bool) -> Vec<Case> {
     cases
 }
 
-fn after(
-    set: &std::sync::Arc<crumple::ExampleSet>,
-    options: &InstanceOptions,
-    case: &Case,
-    order: &[usize],
-) -> Result<Field> {
+/// A set whose examples are the true single dents of a sequence, so that each hit repeats its own.
+fn own_set(body: &Body, case: &Case) -> Result<Arc<ExampleSet>> {
+    let mut examples: Vec<ExampleData> = Vec::new();
+    for (dent, contact) in case.dents.iter().zip(&case.contacts) {
+        let example = ExampleData {
+            contact: Some(Contact::Vertex(*contact)),
+            ..ExampleData::new(format!("{}", examples.len()), Deltas::Full(narrow(&dent.field)))
+        };
+        if !examples.iter().any(|e| e.contact == example.contact && e.positions == example.positions) {
+            examples.push(example);
+        }
+    }
+    Ok(Arc::new(ExampleSet::build(scene::mesh(body), examples, SetOptions::default(), &Serial)?))
+}
+
+fn after(set: &Arc<ExampleSet>, options: &InstanceOptions, case: &Case, order: &[usize]) -> Result<Field> {
     let hits: Vec<Hit> = order.iter().map(|i| case.hits[*i]).collect();
     scene::field_after(set, options, &hits)
 }

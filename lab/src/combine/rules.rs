@@ -1,5 +1,5 @@
 //! Rules that combine dents, on plain displacement fields in f64. Each is measured with the true single dents, so that
-//! nothing but the rule is wrong.
+//! nothing but the rule is wrong. The library's own rule also widens dents, so the library itself runs it.
 
 /// Displacement of each vertex, m.
 pub type Field64 = Vec<[f64; 3]>;
@@ -61,7 +61,7 @@ pub enum Rule {
     Remainder,
     /// Direction of the sum, length the geometric mean of the sum's and the deepest's.
     SumByDeepest,
-    /// Like energies, but pairs of dents also add in length as far as their fields are unlike: each mixed term counts with
+    /// Like the 2-norm, but pairs of dents also add in length as far as their fields are unlike: each mixed term counts with
     /// one minus the cosine between the two whole fields.
     OverlapOfFields,
     /// The same with one factor a dent instead of one a pair: the root of one minus its mean cosine with the others.
@@ -72,20 +72,21 @@ pub enum Rule {
     OverlapExponent,
     /// No dent at all.
     Nothing,
-    /// Like energies, but mixed terms count with one minus the ratio of the shorter to the longer, vertex by vertex.
+    /// Like the 2-norm, but mixed terms count with one minus the ratio of the shorter to the longer, vertex by vertex.
     LocalRatio,
 }
 
-pub const RULES: [(&str, Rule); 24] = [
+pub const RULES: [(&str, Rule); 25] = [
     ("most displaced", Rule::Blend(0.0)),
     ("blend k=0.1", Rule::Blend(0.1)),
     ("blend k=0.5", Rule::Blend(0.5)),
     ("sum", Rule::Sum),
     ("sum, capped", Rule::SumCapped),
-    ("energies", Rule::Norm(2.0)),
     ("p-norm 1", Rule::Norm(1.0)),
     ("p-norm 1.25", Rule::Norm(1.25)),
     ("p-norm 1.5", Rule::Norm(1.5)),
+    ("p-norm 2", Rule::Norm(2.0)),
+    ("p-norm 2.4", Rule::Norm(2.4)),
     ("p-norm 3", Rule::Norm(3.0)),
     ("p-norm 4", Rule::Norm(4.0)),
     ("p-norm 8", Rule::Norm(8.0)),
@@ -260,7 +261,7 @@ mod tests {
     fn the_same_dent_again_grows_as_the_root_where_that_is_meant() {
         let d = dents();
         let four = [&d[0]; 4];
-        let roots = ["energies", "overlap of fields", "overlap of marks", "overlap of contacts", "overlap as exponent"];
+        let roots = ["p-norm 2", "overlap of fields", "overlap of marks", "overlap of contacts", "overlap as exponent"];
         for (name, rule) in RULES {
             let times_deeper = len(rule.combine(&four)[20]) / len(d[0].field[20]);
             let expected = match name {

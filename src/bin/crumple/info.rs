@@ -8,7 +8,7 @@ use crate::{
 };
 use anyhow::Result;
 use clap::Args;
-use crumple::{Aabb, ExampleSet, Mesh, Mirror, Placement, ThreadPool, glam::Vec3};
+use crumple::{Aabb, ExampleSet, Mesh, Mirror, Placement, Response, ThreadPool, glam::Vec3};
 use std::fmt::Write;
 
 #[derive(Args)]
@@ -141,6 +141,35 @@ fn examples(text: &mut String, set: &ExampleSet) {
     let known = set.examples().iter().filter(|e| e.blow().total_impulse().is_some()).count();
     let known = if known == 0 { "no example knows its blow".into() } else { of(known, set.examples().len()) };
     text.push_str(&format!("\n  blows     {known}\n"));
+    if let Some(response) = set.response() {
+        response_text(text, set, response);
+    }
+}
+
+/// Reports how well the blows of the examples predict each other's depth.
+fn response_text(text: &mut String, set: &ExampleSet, response: &Response) {
+    let errors = response.depth_error().iter().enumerate().filter_map(|(i, e)| e.map(|e| (i, e)));
+    let Some((worst, error)) = errors.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0))) else { return };
+    let name = |i: usize| plain(set.examples()[i].name());
+    let median = response.median_depth_error();
+    text.push_str(&format!(
+        "  depth     {:.0} % off when the other blows predict it, median; worst {:.0} %, {} (#{worst})\n",
+        100.0 * median,
+        100.0 * error,
+        name(worst)
+    ));
+    for (harder, softer) in response.contradictions() {
+        text.push_str(&format!(
+            "  warning   {} (#{harder}) was hit harder than {} (#{softer}) at the same place and is not deeper\n",
+            name(*harder as usize),
+            name(*softer as usize)
+        ));
+    }
+}
+
+/// A name on one line.
+fn plain(name: &str) -> String {
+    name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
 fn of(known: usize, all: usize) -> String {
@@ -157,7 +186,7 @@ fn learned(text: &mut String, set: &ExampleSet) -> Result<()> {
         text,
         "  error     {median:.2}, median over the examples left out in turn; 0 is perfect, no dent at all is 1"
     )?;
-    let name: String = set.examples()[worst].name().chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    let name = plain(set.examples()[worst].name());
     writeln!(text, "  worst     {error:.2}, {name} (#{worst}): one more near it would help most")?;
     writeln!(text, "  reach     the influence of an example fades over {:.1} diagonals", learned.place_width)?;
     let stay: Vec<String> =

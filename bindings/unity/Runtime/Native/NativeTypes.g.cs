@@ -417,12 +417,15 @@ namespace Crumple
         public fixed float NodeTransform[16];
         public CrumpleBool HasTangents;
         public uint LodCount;
-        public fixed ulong Reserved[4];
+        public uint BlowCount;
+        public float FieldError;
+        public float DepthError;
+        public fixed ulong Reserved[2];
     }
 
     /// <summary>The struct of crumple.h.</summary>
     [StructLayout(LayoutKind.Sequential)]
-    public unsafe partial struct CrumpleExampleInfo
+    public partial struct CrumpleExampleInfo
     {
         public IntPtr Name;
         public uint ContactVertex;
@@ -433,7 +436,9 @@ namespace Crumple
         public float MaxDepth;
         public float SupportRadius;
         public CrumplePlacement Placement;
-        public fixed ulong Reserved[2];
+        public float FieldError;
+        public float DepthError;
+        public ulong Reserved;
     }
 
     /// <summary>The struct of crumple.h.</summary>

@@ -1,0 +1,127 @@
+//! How marks near each other act together: hits on a dented place deepen it less and widen the dent.
+//!
+//! `n` hits of depth `T` at one place leave a dent `T n^(1/p)` deep. So the energy of a mark, in hits of another mark's
+//! depth, goes with the depth to the power `p`. For marks `m` and `j` with contacts `c`, depths `T`, energies `n` and
+//! fields `u` of one hit alone:
+//!
+//! ```text
+//! o_mj     = clamp((max(|u_j(c_m)| / |u_j(c_j)|, |u_m(c_j)| / |u_m(c_m)|) - 0.3) / 0.7, 0, 1)     o_mm = 1
+//! E_m      = sum over j of o_mj n_j (T_j / T_m)^p               all energy near the contact, in hits of m's depth
+//! strength = n_m / E_m * E_m^(1/p)
+//! wide     = clamp(sqrt(E_m^(1/p)), 1, max(1, 0.11 diagonal / radius of the dent))
+//! ```
+//!
+//! Terms of other marks are rounded down to whole units of energy. So `E_m` is a sum of integers: hits can be added and
+//! taken away one by one, and the sum does not depend on their order.
+
+use super::dent::{Dent, limited};
+use super::mark::Mark;
+use crate::example::options::Combine;
+use crate::example::set::ExampleSet;
+
+/// The depth of a dent to this power grows as the energy does (`p` above).
+const EXPONENT: f64 = 2.4;
+/// Below this share of its depth, a dent does not count as overlapping.
+const FLOOR: f64 = 0.3;
+/// Dents widen until their radius is this share of the body's diagonal.
+const ROOM: f32 = 0.11;
+/// Dents whose strength alone is below this are removed.
+const LEAST: f32 = 1e-4;
+
+/// What a dent needs to know of itself and of the marks near it.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Nearby {
+    contact: u32,
+    /// Depth to the power [`EXPONENT`].
+    power: f64,
+    /// How far one hit moves the contact, m.
+    depth: f32,
+    /// Squared distance from the contact beyond which one hit moves nothing, m².
+    reach_square: f32,
+    /// The largest factor for the stretch.
+    widest: f32,
+    /// Energy that other marks have here, in units of [`Mark::energy`] with hits of this mark's depth.
+    others: u128,
+}
+
+impl Nearby {
+    /// `dent` is that of `mark` alone.
+    pub(crate) fn new(set: &ExampleSet, mark: &Mark, dent: &Dent) -> Self {
+        Nearby {
+            contact: mark.contact,
+            power: libm::pow(f64::from(mark.depth), EXPONENT),
+            depth: dent.alone_at(set, mark.contact).length(),
+            reach_square: dent.reach().square,
+            widest: widest(set, mark),
+            others: 0,
+        }
+    }
+}
+
+/// The largest factor for the stretch of a mark's dent.
+fn widest(set: &ExampleSet, mark: &Mark) -> f32 {
+    let (mut radius, mut shares) = (0.0, 0.0);
+    for pair in mark.pairs.iter().filter(|p| !p.is_none()) {
+        let e = &set.examples()[pair.example as usize];
+        if let Some(stamp) = e.stamp() {
+            let stretch = if pair.is_anchored() { 1.0 } else { limited((mark.depth / e.depth()).sqrt()) };
+            let share = pair.share_fraction().abs();
+            radius += share * stretch * (stamp.spread / e.depth());
+            shares += share;
+        }
+    }
+    // Without a stamp nothing widens.
+    if shares > 0.0 { (ROOM * set.mesh().bounds().diagonal() * shares / radius).max(1.0) } else { 1.0 }
+}
+
+/// How far two dents act on the same place, 0 to 1.
+pub(crate) fn overlap(set: &ExampleSet, a: &Dent, b: &Dent) -> f64 {
+    let apart = (a.contact - b.contact).length_squared();
+    let share = |of: &Dent, at: &Dent| {
+        let near = of.nearby.depth > 0.0 && apart <= of.nearby.reach_square;
+        let moved = if near { of.alone_at(set, at.nearby.contact).length() } else { 0.0 };
+        if near { f64::from(moved) / f64::from(of.nearby.depth) } else { 0.0 }
+    };
+    ((share(a, b).max(share(b, a)) - FLOOR) / (1.0 - FLOOR)).clamp(0.0, 1.0)
+}
+
+/// Adds to the energy that other marks have at `dent` the difference that a change of `other`'s energy makes.
+pub(crate) fn change(dent: &mut Dent, other: &Dent, overlap: f64, before: u64, after: u64) {
+    let factor = overlap * (other.nearby.power / dent.nearby.power);
+    // `as` saturates, and u64 as f64 rounds to nearest. Both are the same on every platform.
+    let given = |energy: u64| u128::from((energy as f64 * factor) as u64);
+    dent.nearby.others = dent.nearby.others + given(after) - given(before);
+}
+
+/// Sets the strength and the stretch of a mark's dent.
+pub(crate) fn settle(set: &ExampleSet, mark: &Mark, dent: &mut Dent) {
+    dent.alone = strength_alone(mark.energy, set.options().combine);
+    dent.strength = dent.alone;
+    if set.options().combine != Combine::Energies {
+        return;
+    }
+    let all = u128::from(mark.energy) + dent.nearby.others;
+    let deeper = libm::pow(all as f64 / Mark::ONE as f64, 1.0 / EXPONENT);
+    dent.strength = (mark.energy as f64 / all as f64 * deeper) as f32;
+    dent.widen(set, (deeper.sqrt() as f32).min(dent.nearby.widest).max(1.0));
+}
+
+/// Strength of a mark that has no other near it. Depending on [`Combine`], the energy is that of a number of hits, the
+/// summed strength or the greatest strength.
+pub(crate) fn strength_alone(energy: u64, combine: Combine) -> f32 {
+    let e = energy as f64 / Mark::ONE as f64;
+    match combine {
+        Combine::Energies => libm::pow(e, 1.0 / EXPONENT) as f32,
+        Combine::Sum | Combine::Deepest => e as f32,
+    }
+}
+
+/// Whether the dent of a mark with this energy is so weak that it is removed.
+pub(crate) fn is_gone(energy: u64, combine: Combine) -> bool {
+    strength_alone(energy, combine) < LEAST
+}
+
+/// The energy, as a factor, that makes a dent `factor` times as deep.
+pub(crate) fn energy_factor(factor: f64, combine: Combine) -> f64 {
+    if combine == Combine::Energies { libm::pow(factor, EXPONENT) } else { factor }
+}
