@@ -292,9 +292,9 @@ def row(train: Hits, test: Hits, told: str, method: str, body: Body, repeats: in
     for i in range(len(test)):
         one = test.of(slice(i, i + 1))
         for _ in range(repeats):
-            started = time.perf_counter()
+            started = time.thread_time()
             surrogate(one)
-            times.append(1e6 * (time.perf_counter() - started))
+            times.append(1e6 * (time.thread_time() - started))
     errors = relative_l2(fields, test.fields)
     # At the contact, which is the vertex whose displacement is the target.
     contact = np.abs(test.fields - test.target[:, None]).sum(2).argmin(1)
