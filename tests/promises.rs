@@ -1109,7 +1109,9 @@ fn quick_eight_hits_at_one_place_leave_a_wider_dent() {
         let mut instance = new(&set);
         instance.submit(&hit).unwrap();
         let (one, deep) = half_width(&Output::fresh(&mut instance), &set);
-        (0..7).for_each(|_| drop(instance.submit(&hit).unwrap()));
+        for _ in 1..8 {
+            instance.submit(&hit).unwrap();
+        }
         let (eight, deeper) = half_width(&Output::fresh(&mut instance), &set);
         let ought = deep * 8f64.powf(1.0 / 2.4);
         assert!((deeper / ought - 1.0).abs() < 0.02, "{placement:?}: {deeper}, not {ought}");
@@ -1164,7 +1166,9 @@ fn quick_a_mark_far_away_changes_nothing() {
     let set = wide_sheet(Placement::Carried);
     let (near, far) = (push([-0.3, 0.0, 0.0], [0.0, 0.0, -0.03]), push([0.3, 0.1, 0.0], [0.0, 0.0, -0.04]));
     let mut instance = new(&set);
-    (0..3).for_each(|_| drop(instance.submit(&near).unwrap()));
+    for _ in 0..3 {
+        instance.submit(&near).unwrap();
+    }
     let mut out = Output::new(&set);
     out.update(&mut instance);
     let alone = out.all_bits();
