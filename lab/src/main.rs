@@ -46,6 +46,9 @@ enum Part {
     /// Physics engines on the same impacts
     #[cfg(feature = "engines")]
     Peers(Options),
+    /// Hits in an engine with the body rigid, and Crumple told its contacts
+    #[cfg(feature = "engines")]
+    Contacts(Options),
     /// The paper's visual tests, classic beside ours
     Pictures(Options),
     /// Time against the number of moved vertices and against threads
@@ -78,6 +81,8 @@ fn main() -> Result<()> {
         Part::Stability(options) => stability::run(&options),
         #[cfg(feature = "engines")]
         Part::Peers(options) => peers::run(&options),
+        #[cfg(feature = "engines")]
+        Part::Contacts(options) => peers::contacts(&options),
         Part::Pictures(options) => pictures::run(&options),
         Part::Speed(options) => bench::speed(&options),
         Part::Bench(options) => bench::run(&options),

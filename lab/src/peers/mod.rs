@@ -3,6 +3,7 @@
 
 #[cfg(test)]
 mod calibrate;
+mod contacts;
 mod rapier;
 mod sheet;
 mod sweeps;
@@ -81,6 +82,11 @@ fn calibrated(truth: Truth) -> &'static [(Quality, Material)] {
 const DEFAULT_MATERIAL: Material = Material { edge_hz: 30.0, bend_hz: 10.0, plastic_yield: 0.0, shape_hz: 10.0 };
 /// With them, the best on training impacts of 0.005, 0.01, 0.02, 0.05, 0.1 and 0.2.
 const YIELD_OF_DEFAULT: f32 = 0.1;
+
+/// A real engine's contacts as all that Crumple is told.
+pub fn contacts(options: &Options) -> Result<()> {
+    contacts::run(options)
+}
 
 pub fn run(options: &Options) -> Result<()> {
     let bodies = Body::read_smooth()?;
