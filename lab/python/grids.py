@@ -1,4 +1,4 @@
-"""Bodies as grids: the panel and the tube of both truths at any resolution, and fields read between two grids."""
+"""Bodies as grids: the panel and the tube of shots and presses at any resolution, and fields read between two grids."""
 
 from __future__ import annotations
 

@@ -252,4 +252,4 @@ def load_impacts(path: str, truth: str, body: str, which: str) -> tuple[list[Imp
         impacts.append(
             Impact(vertex, point, normals[vertex], direction, float(archive[amount][row]), float(archive[radius][row]))
         )
-    return impacts, archive["fields"][rows].astype(float)
+    return impacts, archive["fields"][rows] * float(archive["step"])

@@ -25,6 +25,18 @@ TRUTHS = {"shots": "shots (MuJoCo shells)", "presses": "presses (CalculiX bricks
 BODIES = ("panel", "tube")
 PANELS = [(truth, body) for truth in TRUTHS for body in BODIES]
 
+# Every body: its truth, its name there, the set of examples and the set of hits that charts show, and a title. Hits of the
+# door and the box are those of play, their examples those of a solver's batch.
+EVERY_BODY = [
+    ("shots", "panel", "train", "heldout", "shots, panel"),
+    ("shots", "tube", "train", "heldout", "shots, drum"),
+    ("structure", "door", "train_free", "play", "door"),
+    ("structure", "box", "train_free", "play", "front of a vehicle"),
+    ("steel", "hood", "train", "heldout", "steel hood"),
+    ("presses", "panel", "train", "heldout", "presses, panel"),
+    ("presses", "tube", "train", "heldout", "presses, drum"),
+]
+
 plt.rcParams.update({
     "font.size": 9,
     "axes.titlesize": 10,

@@ -1,4 +1,4 @@
-//! The lab: measures how near to two independent truths predicted dents come and what they cost, how dents combine, and
+//! The lab: measures how near to four truths predicted dents come and what they cost, how dents combine, and
 //! where methods fail. `cargo xtask lab` runs all of it and draws the charts; each part writes CSV files.
 
 // What only the engines and graphics devices need.
@@ -27,7 +27,7 @@ use anyhow::Result;
 use clap::{Args, Parser, Subcommand};
 
 #[derive(Parser)]
-#[command(name = "crumple-lab", about = "Measures Crumple against two truths, its peers and the classic rule")]
+#[command(name = "crumple-lab", about = "Measures Crumple against four truths, its peers and the classic rule")]
 struct Cli {
     #[command(subcommand)]
     part: Part,
@@ -37,6 +37,8 @@ struct Cli {
 enum Part {
     /// How near single dents come to the truth, and what they cost
     Accuracy(Options),
+    /// The same on every body, by what a hit tells: displacement, depth, blow or impulse
+    Told(Options),
     /// How several dents combine
     Combine(Options),
     /// Where methods fail
@@ -44,6 +46,9 @@ enum Part {
     /// Physics engines on the same impacts
     #[cfg(feature = "engines")]
     Peers(Options),
+    /// Hits in an engine with the body rigid, and Crumple told its contacts
+    #[cfg(feature = "engines")]
+    Contacts(Options),
     /// The paper's visual tests, classic beside ours
     Pictures(Options),
     /// Time against the number of moved vertices and against threads
@@ -71,10 +76,13 @@ pub struct Options {
 fn main() -> Result<()> {
     match Cli::parse().part {
         Part::Accuracy(options) => accuracy::run(&options),
+        Part::Told(options) => accuracy::told::run(&options),
         Part::Combine(options) => combine::run(&options),
         Part::Stability(options) => stability::run(&options),
         #[cfg(feature = "engines")]
         Part::Peers(options) => peers::run(&options),
+        #[cfg(feature = "engines")]
+        Part::Contacts(options) => peers::contacts(&options),
         Part::Pictures(options) => pictures::run(&options),
         Part::Speed(options) => bench::speed(&options),
         Part::Bench(options) => bench::run(&options),

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use crumple::{
-    Contact, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Placement, Serial, SetOptions,
-    Tracker, VertexMemory,
+    Blow, Contact, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Placement, Serial,
+    SetOptions, Striker, Tracker, VertexMemory,
 };
 
-use crate::truth::{Body, Field, Impact};
+use crate::truth::{self, Body, Field, Impact};
 
 pub fn mesh(body: &Body) -> MeshData {
     MeshData {
@@ -28,7 +28,18 @@ pub fn example(impact: &Impact, placement: Placement) -> ExampleData {
     ExampleData {
         contact: Some(Contact::Vertex(impact.contact_vertex)),
         placement,
+        blow: impact.blow.as_ref().map(blow).unwrap_or_default(),
         ..ExampleData::new(impact.source.clone(), Deltas::Full(impact.field.clone()))
+    }
+}
+
+/// All that is known of a blow.
+pub fn blow(known: &truth::Blow) -> Blow {
+    Blow {
+        impulse: Some(known.impulse),
+        duration: known.duration,
+        normal: Some(known.normal),
+        striker: Striker { mass: Some(known.mass), velocity: Some(known.velocity), radius: Some(known.radius) },
     }
 }
 

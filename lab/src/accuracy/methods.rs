@@ -58,7 +58,7 @@ const DEEP: f32 = 1.0;
 
 /// Calls `visit` with each method in turn.
 pub fn each(body: &Body, quick: bool, visit: &mut Visit) -> Result<()> {
-    let timer = Timer { runs: if quick { 2 } else { 25 }, budget: Duration::from_millis(if quick { 0 } else { 4 }) };
+    let timer = Timer::of(quick);
     let radial = Radial::fit(body);
     let method = Method { other_bytes: radial.bytes(), ..named("radial", 0, 0, 0) };
     visit(&method, &mut |impact| {
@@ -121,18 +121,24 @@ fn named(name: &'static str, examples: usize, k: u32, stamp: u32) -> Method {
     Method { name, examples, k, stamp, anchored_bytes: 0, stamp_bytes: 0, other_bytes: 0 }
 }
 
-struct Timer {
+/// How often an impact is repeated.
+pub struct Timer {
     runs: usize,
     budget: Duration,
 }
 
 impl Timer {
-    fn time<S>(&self, prepare: impl FnMut() -> S, work: impl FnMut(&mut S)) -> f64 {
+    pub fn of(quick: bool) -> Self {
+        Timer { runs: if quick { 2 } else { 25 }, budget: Duration::from_millis(if quick { 0 } else { 4 }) }
+    }
+
+    /// Median time, µs.
+    pub fn time<S>(&self, prepare: impl FnMut() -> S, work: impl FnMut(&mut S)) -> f64 {
         median_us(self.runs, self.budget, prepare, work)
     }
 }
 
-fn answer(field: Field, answered: bool, us: f64, us_with_normals: f64, written: u64) -> Answer {
+pub fn answer(field: Field, answered: bool, us: f64, us_with_normals: f64, written: u64) -> Answer {
     let moved = field.iter().filter(|u| length(**u) > 0.0).count();
     Answer { field, answered, us, us_with_normals, moved, written }
 }
@@ -162,7 +168,7 @@ fn measure(
 }
 
 /// The library's answer: what an engine pays from the contact to the vertices, other instances being left aside.
-fn library(set: &Arc<ExampleSet>, options: &InstanceOptions, hit: Hit, timer: &Timer) -> Result<Answer> {
+pub fn library(set: &Arc<ExampleSet>, options: &InstanceOptions, hit: Hit, timer: &Timer) -> Result<Answer> {
     let mut body = Instance::new(set.clone(), *options)?;
     let answered = body.submit(&hit)?.status == HitStatus::Marked;
     let field = scene::displacements(&mut body)?;

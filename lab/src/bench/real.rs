@@ -30,7 +30,7 @@ pub fn all() -> Result<Vec<Real>> {
         let name = file.trim_start_matches("demo/").trim_end_matches(".glb").replace('/', "_");
         all.push(Real { name, mesh: read.mesh, examples: read.examples });
     }
-    for body in Body::read_all()? {
+    for body in Body::read_smooth()? {
         let examples = scene::examples(&body, EXAMPLES, Placement::Automatic);
         all.push(Real { name: name(&body), mesh: scene::mesh(&body), examples });
     }
@@ -39,7 +39,7 @@ pub fn all() -> Result<Vec<Real>> {
 
 /// The lab's bodies.
 pub fn bodies(quick: bool) -> Result<Vec<Body>> {
-    if quick { Ok(vec![Body::read(Truth::Shots, "panel")?]) } else { Body::read_all() }
+    if quick { Ok(vec![Body::read(Truth::Shots, "panel")?]) } else { Body::read_smooth() }
 }
 
 /// `shots_panel` and so on.

@@ -98,7 +98,7 @@ pub fn run(options: &Options) -> Result<()> {
             "press: presses; overlap, random, repeat: shots; all: those together; again: one shot eight times",
         );
     }
-    for body in Body::read_all()? {
+    for body in Body::read_smooth()? {
         let cases = cases(&body, options.quick);
         for kind in ["all", "overlap", "random", "repeat", "press", "again"] {
             let count = cases.iter().filter(|c| is(c, kind)).count();

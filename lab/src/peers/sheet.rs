@@ -103,8 +103,9 @@ impl Sheet {
         let triangles = grid.triangles();
         // kg/m²: density times thickness (lab/data/README.md).
         let areal = match body.truth {
-            Truth::Shots => 7800.0 * 0.003,
+            Truth::Shots | Truth::Structure => 7800.0 * 0.003,
             Truth::Presses => 7850.0 * 0.002,
+            Truth::Steel => 7850.0 * 0.0008,
         };
         let masses = lumped(&vertices, &triangles, areal);
         Self { fine, grid, stride, rim: grid.rim(), vertices, triangles, masses }
@@ -186,7 +187,7 @@ mod tests {
 
     #[test]
     fn the_finest_sheet_is_the_truths_own() {
-        for body in Truth::BODIES.map(|b| Body::read(Truth::Shots, b).unwrap()) {
+        for body in Truth::SMOOTH_BODIES.map(|b| Body::read(Truth::Shots, b).unwrap()) {
             let sheet = Sheet::new(&body, 1);
             assert_eq!(sheet.vertices, body.vertices);
             assert_eq!(sheet.triangles, body.triangles);
@@ -198,7 +199,7 @@ mod tests {
 
     #[test]
     fn a_coarse_sheet_weighs_the_same_and_reads_back_what_is_linear() {
-        for body in Truth::BODIES.map(|b| Body::read(Truth::Presses, b).unwrap()) {
+        for body in Truth::SMOOTH_BODIES.map(|b| Body::read(Truth::Presses, b).unwrap()) {
             let weight = |s: &Sheet| s.masses.iter().sum::<f32>();
             let (fine, coarse) = (Sheet::new(&body, 1), Sheet::new(&body, 4));
             assert!((weight(&coarse) / weight(&fine) - 1.0).abs() < 0.03);

@@ -20,7 +20,7 @@ pub fn run(options: &Options) -> Result<()> {
     table.comment("what", "random hits of 0.02 to 1.5 times the deepest example, one sequence");
     table.comment("depth", "deepest vertex over the deepest example");
     table.comment("seam", "largest edge jump over the largest in any example");
-    for name in Truth::BODIES {
+    for name in Truth::SMOOTH_BODIES {
         let (body, set) = shots(name)?;
         let edges = edges(&body.triangles);
         let jumps = body.train.iter().take(super::EXAMPLES).map(|e| largest_jump(&e.field, &edges));

@@ -29,7 +29,7 @@ pub fn run(options: &Options) -> Result<()> {
         "what",
         format!("{HITS} random hits of one impulse, 10 ms, 1 kg; depth: deepest vertex over the deepest example"),
     );
-    for name in Truth::BODIES {
+    for name in Truth::SMOOTH_BODIES {
         let (_, set) = shots(name)?;
         let limit = f64::from(set.depth_limit());
         for method in Method::ALL {

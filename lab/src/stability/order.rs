@@ -19,7 +19,7 @@ pub fn run(options: &Options) -> Result<()> {
     table.comment("what", "random hits in one place of the body, folded one by one, in different orders");
     table.comment("results", "different results, by a hash of every bit of the positions");
     table.comment("apart", "largest distance of a vertex between two results over the deepest dent");
-    for name in Truth::BODIES {
+    for name in Truth::SMOOTH_BODIES {
         let (_, set) = shots(name)?;
         for method in Method::ALL {
             for count in 2..=8 {

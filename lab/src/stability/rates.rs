@@ -42,7 +42,7 @@ pub fn run(options: &Options) -> Result<()> {
         Table::new(&["body", "way", "reported", "rate_hz", "depth_median", "depth_least", "depth_most", "n"]);
     table.comment("what", "one contact of 25 ms whose force rises and falls, begun at any phase of a step");
     table.comment("depth", "deepest vertex over that of the same contact reported whole at 60 Hz");
-    for name in Truth::BODIES {
+    for name in Truth::SMOOTH_BODIES {
         let (body, set) = shots(name)?;
         for way in WAYS {
             let depth = |impact: &Impact, rate: f64, parts: usize, phase: f64| -> Result<f64> {

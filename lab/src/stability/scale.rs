@@ -24,7 +24,7 @@ pub fn run(options: &Options) -> Result<()> {
     );
     table.comment("rounding", "error of the exact result once its positions are rounded to f32");
     let methods = [Method::Ours, Method::Classic];
-    for name in Truth::BODIES {
+    for name in Truth::SMOOTH_BODIES {
         let body = Body::read(Truth::Shots, name)?;
         let home = Placed::new(&body, 1.0, 0.0)?;
         let size = f64::from(home.set.mesh().bounds().diagonal());
