@@ -343,6 +343,8 @@ def main() -> None:
     if options.choose:
         choose()
         return
+    if options.quick:
+        NeuralField.EPOCHS = 2
     options.out.mkdir(parents=True, exist_ok=True)
     with (options.out / "told_surrogates.csv").open("w", newline="") as file:
         file.write("# command: cargo xtask lab --only told\n# us_per_impact: one thread, NumPy; train_s: one thread\n")
