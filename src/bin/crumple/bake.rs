@@ -1,6 +1,7 @@
 //! `crumple bake`: builds a mesh's example set, writes it as a .crumple file and reports its size and accuracy.
 
 use crate::{
+    info,
     output::{Output, progress},
     picture::millimetres,
     source::Input,
@@ -154,6 +155,8 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     sizes(&mut text, &set, &exact, length);
     errors(&mut text, &set, &exact)?;
     stamps(&mut text, &set)?;
+    info::blows(&mut text, &set);
+    info::learned(&mut text, &set)?;
     writeln!(text, "\n  Built in {:.0} ms; loads in {:.2} ms.", built.as_secs_f64() * 1e3, loaded.as_secs_f64() * 1e3)?;
     if let Some(path) = &arguments.permutation {
         writeln!(text, "  Wrote {}: the source index of each vertex.", path.display())?;

@@ -8,7 +8,7 @@ use crate::{
 };
 use anyhow::Result;
 use clap::Args;
-use crumple::{Aabb, ExampleSet, Mesh, Mirror, Placement, Response, ThreadPool, glam::Vec3};
+use crumple::{Aabb, ExampleSet, Mesh, Mirror, Placement, ThreadPool, glam::Vec3};
 use std::fmt::Write;
 
 #[derive(Args)]
@@ -138,16 +138,15 @@ fn examples(text: &mut String, set: &ExampleSet) {
         ]);
     }
     table.write(text);
+    blows(text, set);
+}
+
+/// Reports how many examples know their blow, and how well the blows predict each other's depth.
+pub fn blows(text: &mut String, set: &ExampleSet) {
     let known = set.examples().iter().filter(|e| e.blow().total_impulse().is_some()).count();
     let known = if known == 0 { "no example knows its blow".into() } else { of(known, set.examples().len()) };
     text.push_str(&format!("\n  blows     {known}\n"));
-    if let Some(response) = set.response() {
-        response_text(text, set, response);
-    }
-}
-
-/// Reports how well the blows of the examples predict each other's depth.
-fn response_text(text: &mut String, set: &ExampleSet, response: &Response) {
+    let Some(response) = set.response() else { return };
     let errors = response.depth_error().iter().enumerate().filter_map(|(i, e)| e.map(|e| (i, e)));
     let Some((worst, error)) = errors.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0))) else { return };
     let name = |i: usize| plain(set.examples()[i].name());
@@ -178,7 +177,7 @@ fn of(known: usize, all: usize) -> String {
 }
 
 /// Reports how well the examples predict each other, each left out in turn.
-fn learned(text: &mut String, set: &ExampleSet) -> Result<()> {
+pub fn learned(text: &mut String, set: &ExampleSet) -> Result<()> {
     let learned = set.learned();
     let (Some(median), Some((worst, error))) = (learned.median(), learned.worst()) else { return Ok(()) };
     text.push_str("\n  Examples predict each other\n");
