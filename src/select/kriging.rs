@@ -1,8 +1,8 @@
 //! Chooses the examples of a dent and their shares by ordinary kriging.
 //!
 //! Hits and examples are points in a space with eleven axes: place (3), logarithm of depth (1), lean (3, the
-//! tangential part of the unit displacement), tangential part of the blow (3) and logarithm of the striker's radius (1). Coordinates are relative to the hit and divided by the width of their
-//! axis. With `D` the squared distance, the kernel is the rational quadratic `1 / (1 + D / 2)`. K of the [`CANDIDATES`]
+//! tangential part of the unit displacement), tangential part of the blow (3) and logarithm of the striker's radius (1).
+//! Coordinates are relative to the hit and divided by the width of their axis. With `D` the squared distance, the kernel is the rational quadratic `1 / (1 + D / 2)`. K of the [`CANDIDATES`]
 //! nearest examples are picked one after the other, each time the one that reduces the kriging variance most. Their
 //! shares are the kriging weights, which sum to 1. A negative weight corrects an example that overshoots. Far from all
 //! examples the weights become equal. (Krige 1951; Cressie, "Statistics for Spatial Data", 1993, section 3.2.)

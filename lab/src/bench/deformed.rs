@@ -37,7 +37,8 @@ impl<'t> Deformed<'t> {
     ) -> Result<Self> {
         let count = set.vertex_count();
         let damage = |strength: f64| {
-            let energy = (strength * strength * Mark::ONE as f64) as u64;
+            // The library's law: energy goes with strength to the power 2.4.
+            let energy = (strength.powf(2.4) * Mark::ONE as f64) as u64;
             marks.iter().map(|m| Mark { energy, ..*m }).collect()
         };
         let mut it = Self {

@@ -27,7 +27,8 @@ pub fn anchored(vertices: usize, dents: &[Dent], normals: bool, tasks: &dyn Task
 
 /// Marks of this share of their strength.
 pub fn at_strength(marks: &[Mark], share: f64) -> Vec<Mark> {
-    let energy = share * share * Mark::ONE as f64;
+    // The library's law: energy goes with strength to the power 2.4.
+    let energy = share.powf(2.4) * Mark::ONE as f64;
     marks.iter().map(|m| Mark { energy: energy as u64, ..*m }).collect()
 }
 

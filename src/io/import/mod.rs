@@ -26,8 +26,9 @@
 //!   `contact_vertex` is an index into the joined vertices. One of `point` and `contact_vertex` is required; `point`
 //!   takes precedence. `normal` points out of the body. `impulse` (N·s, on the body), `duration` (s) and the striker's
 //!   mass (kg), radius at the contact (m) and velocity relative to the body before the touch (m/s) are optional, each
-//!   on its own ([`Blow`](crate::Blow)). Other keys are ignored. Impacts are matched to targets by name if all target names differ
-//!   and all impacts are named, otherwise by order. A target without an impact has its contact at its deepest vertex.
+//!   on its own ([`Blow`](crate::Blow)). Other keys are ignored. Impacts are matched to targets by name if all target
+//!   names differ and all impacts are named, otherwise by order. A target without an impact has its contact at its
+//!   deepest vertex.
 //! - `placements`: whether an example is `anchored` (stays where it was made), `carried` (moves to the hit) or
 //!   `automatic`. It is one word for all (`"anchored"`), words in target order (`"anchored, carried"` or a list), or a
 //!   map `{"target name": "anchored"}`. Targets that a map omits are automatic.
