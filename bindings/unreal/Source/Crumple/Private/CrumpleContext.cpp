@@ -79,7 +79,11 @@ TSharedPtr<FCrumpleShape> FCrumpleContext::FindShape(const UCrumpleSet& Asset, c
 		// Whoever holds the shape holds both assets, so these addresses are nobody else's.
 		if (Known.Asset == &Asset && Known.Revision == Asset.GetRevision() && Known.Axes == Asset.Axes && Known.Mesh == &Mesh)
 		{
-			return Known.Shape.Pin();
+			// The render thread may have released it since it was found valid.
+			if (const TSharedPtr<FCrumpleShape> Shape = Known.Shape.Pin())
+			{
+				return Shape;
+			}
 		}
 	}
 	FCrumpleMeshData Data;
