@@ -114,6 +114,16 @@ fn quick_a_blow_of_zero_leaves_nothing() {
 }
 
 #[test]
+fn quick_a_blow_out_of_the_body_leaves_nothing() {
+    for set in sets() {
+        let e = &set.examples()[0];
+        let outward = harder(e.blow(), -1.0);
+        let told = new(&set).preview(&Hit::blow(e.contact_point().to_array(), outward)).unwrap();
+        assert_eq!((told.status, told.target), (HitStatus::BelowYield, [0.0; 3]));
+    }
+}
+
+#[test]
 fn quick_without_blows_the_formula_is_the_papers() {
     let (mesh, mut examples) = struck(2, 6, 15);
     examples.iter_mut().for_each(|e| e.blow = Blow::default());

@@ -76,6 +76,8 @@ pub(crate) struct Strike {
     pub radius: Option<f64>,
     /// The part of the blow along the surface, divided by the normal part.
     pub tangent: DVec3,
+    /// Whether the blow points out of the body. Such a blow leaves nothing.
+    outward: bool,
 }
 
 /// What a blow is predicted to leave at its contact.
@@ -173,7 +175,7 @@ impl Response {
             (Some(law), Some(strength)) => (law, strength),
             _ => (&self.impulse, strike.impulse),
         };
-        let depth = law.depth(strength, strike.radius, strike.place, self.folded);
+        let depth = if strike.outward { 0.0 } else { law.depth(strength, strike.radius, strike.place, self.folded) };
         let up = surface_normal(blow, normal)?;
         let lean = self.lean.predict(&strike, self.folded);
         let lean = lean - up * up.dot(lean);
@@ -255,6 +257,7 @@ impl Space {
             impulse: libm::log(push),
             radius: blow.striker.radius.map(|r| libm::log(f64::from(r))),
             tangent: tangent * (FRICTION / tangent.length().max(FRICTION)),
+            outward: direction.dot(normal) > GRAZING * direction.length(),
         })
     }
 

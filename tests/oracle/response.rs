@@ -58,6 +58,8 @@ pub struct Strike {
     /// Logarithm of the radius.
     pub radius: Option<f64>,
     pub tangent: V,
+    /// The blow points out of the body.
+    pub outward: bool,
 }
 
 /// Folds vectors at a place onto the side of positive coordinates, or does nothing.
@@ -325,6 +327,7 @@ fn strike(model: &Model, known: &Known, at: V, surface: V, rebound: f64) -> Stri
         // Without black_box the compiler also takes the logarithm of an unknown radius and drops it. Valgrind reports that.
         radius: known.radius.map(|r| std::hint::black_box(r).ln()),
         tangent: scale((0.4 / length(tangent).max(1e-300)).min(1.0), tangent),
+        outward: dot(w, n) > 0.02 * length(w),
     }
 }
 
@@ -375,7 +378,7 @@ impl Response {
             ([Some(law), _], [Some(_), _]) => law,
             ([_, law], _) => law.as_ref().unwrap(),
         };
-        let depth = law.predict(&s);
+        let depth = if s.outward { 0.0 } else { law.predict(&s) };
         let lean = self.fit.lean(&s);
         let inward = scale(-(1.0 - dot(lean, lean)).sqrt(), s.surface);
         Predicted { target: scale(depth, add(lean, inward)), strike: s }
