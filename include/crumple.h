@@ -1089,9 +1089,9 @@ CrumpleDisplacementDef crumple_displacement_def_default(void);
 /// Submits a hit. The call selects the examples. The next read of the damage applies the mark (see "Reads" at the top).
 /// A hit that is too weak, or that no example fits, is not an error; see out_result->status. out_result may be null.
 /// With a contact_id, it describes this hit alone. May be called from any thread at any time, except while the instance
-/// or context is being destroyed. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a negative duration, mass
-/// or radius; no duration, or no mass in def and set, where they are needed), CRUMPLE_ERROR_CONTACT_TOO_FAR, CRUMPLE_ERROR_WRONG_RULE (a contact_id with a
-/// classic rule).
+/// or context is being destroyed. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a negative duration, mass or radius; no
+/// duration, or no mass in def and set, where they are needed), CRUMPLE_ERROR_CONTACT_TOO_FAR, CRUMPLE_ERROR_WRONG_RULE
+/// (a contact_id with a classic rule).
 CrumpleResult crumple_instance_submit_impulse(CrumpleContext *context, CrumpleInstance instance,
                                               const CrumpleImpulseDef *def, CrumpleHitResult *out_result);
 
@@ -1111,8 +1111,8 @@ CrumpleResult crumple_instance_preview_displacement(CrumpleContext *context, Cru
 /// Ends a contact. Its dent stays; later hits with the same id begin a new contact. Use contacts if your physics engine
 /// reports one contact as many small impulses. Give each of these hits the same contact_id, any number but 0, and end
 /// the contact when the bodies separate. Together they make the dent of the whole impulse, at any frame rate: their
-/// target displacements add up, and the place is the mean of their points weighted by displacement. Yield thresholds
-/// and depth limit apply to the sum. A contact has one mark, which is replaced as hits arrive.
+/// impulses or displacements add up, and the place is the mean of their points, weighted by these. Yield thresholds and
+/// depth limit apply to the sum. A contact has one mark, which is replaced as hits arrive.
 ///
 /// Ending an unknown id is not an error. Contacts also end when the instance's damage is set, loaded, copied to it,
 /// repaired or reset. At most 256 are open per instance; above that, the one hit longest ago ends. May be called from

@@ -66,6 +66,8 @@ const MOST_EXAMPLES: usize = 64;
 /// A blow that an example or a hit knows, as the law sees it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Strike {
+    /// Outward unit normal of the surface.
+    surface: DVec3,
     /// Contact relative to the body's centre, in units of distance.
     place: DVec3,
     /// Logarithm of `v · m^0.6`. `None` if the mass is unknown.
@@ -176,7 +178,7 @@ impl Response {
             _ => (&self.impulse, strike.impulse),
         };
         let depth = if strike.outward { 0.0 } else { law.depth(strength, strike.radius, strike.place, self.folded) };
-        let up = surface_normal(blow, normal)?;
+        let up = strike.surface;
         let lean = self.lean.predict(&strike, self.folded);
         let lean = lean - up * up.dot(lean);
         let lean = lean * (MOST_LEAN / lean.length().max(MOST_LEAN));
@@ -252,6 +254,7 @@ impl Space {
         let tangent = across / into(direction, normal);
         let tangent = tangent - surface * surface.dot(tangent);
         Some(Strike {
+            surface,
             place: (point.as_dvec3() - self.centre) / self.unit,
             momentum,
             impulse: libm::log(push),
@@ -264,7 +267,7 @@ impl Space {
     /// An example, if it knows its blow and was pushed into the body.
     fn known(&self, i: usize, e: &Example) -> Option<Known> {
         let strike = self.strike(e.blow(), e.contact_point(), e.contact_normal()).filter(|_| !e.is_empty())?;
-        let up = surface_normal(e.blow(), e.contact_normal())?;
+        let up = strike.surface;
         let direction = e.contact_displacement().as_dvec3().try_normalize().filter(|d| d.dot(up) < 0.0)?;
         Some(Known {
             example: i,

@@ -46,14 +46,9 @@ const K: u32 = 3;
 /// Above every dent, m.
 const DEEP: f32 = 1.0;
 
-const COLUMNS: [&str; 16] = [
-    "truth",
-    "body",
-    "train",
-    "test",
-    "told",
-    "method",
-    "examples",
+/// What both tables begin with.
+const HEAD: [&str; 7] = ["truth", "body", "train", "test", "told", "method", "examples"];
+const SUMMARY: [&str; 9] = [
     "rel_l2_median",
     "rel_l2_p25",
     "rel_l2_p75",
@@ -72,20 +67,8 @@ struct Tables {
 
 pub fn run(options: &Options) -> Result<()> {
     let mut tables = Tables {
-        summary: Table::new(&COLUMNS),
-        impacts: Table::new(&[
-            "truth",
-            "body",
-            "train",
-            "test",
-            "told",
-            "method",
-            "examples",
-            "impact",
-            "depth_mm",
-            "predicted_mm",
-            "rel_l2",
-        ]),
+        summary: Table::new(&[&HEAD[..], &SUMMARY].concat()),
+        impacts: Table::new(&[&HEAD[..], &["impact", "depth_mm", "predicted_mm", "rel_l2"]].concat()),
     };
     for t in [&mut tables.summary, &mut tables.impacts] {
         t.comment("command", "cargo xtask lab --only told");
@@ -109,7 +92,7 @@ pub fn run(options: &Options) -> Result<()> {
         // What no method can beat.
         let mut row = [body.truth.name(), body.name, "", "", "", "floor", "0"].map(str::to_owned).to_vec();
         row.extend(std::iter::repeat_n(num(body.truth.noise_floor(body.name)), 4));
-        row.resize(COLUMNS.len(), String::new());
+        row.resize(HEAD.len() + SUMMARY.len(), String::new());
         tables.summary.row(row)?;
     }
     tables.summary.write(&options.out, "told.csv")?;
