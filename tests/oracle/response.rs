@@ -128,7 +128,7 @@ impl Law {
         let means = [mean((0..n).map(strength))?, mean(given.iter().filter_map(|g| g.strike.radius)).unwrap_or(0.0)];
         let x: Vec<[f64; 2]> =
             (0..n).map(|i| [strength(i) - means[0], given[i].strike.radius.map_or(0.0, |r| r - means[1])]).collect();
-        let y: Vec<f64> = given.iter().map(|g| (g.depth.max(g.half) + elastic).ln()).collect();
+        let y: Vec<f64> = given.iter().map(|g| ln(g.depth.max(g.half) + elastic)).collect();
         let (expected, deviation) = [([1.0, -0.1], [0.2, 0.2]), ([0.8, -0.1], [0.3, 0.2])][which];
         let q: Vec<V> = given.iter().map(|g| fold.at(g.strike.place, g.strike.place)).collect();
         let trend = |e: [f64; 2], i: usize| e[0] * x[i][0] + e[1] * x[i][1];
@@ -182,7 +182,7 @@ impl Law {
 
     /// The logarithm of an example's depth, with the elastic part.
     fn top(&self, i: usize) -> f64 {
-        (self.given[i].depth + self.elastic).ln()
+        ln(self.given[i].depth + self.elastic)
     }
 
     fn steepen(&mut self) {
@@ -223,7 +223,7 @@ impl Law {
             least = least.max(self.top(i) - wide - 4.0 * (own - strength).max(0.0));
             most = most.min(self.top(i) + wide + 4.0 * (strength - own).max(0.0));
         }
-        (log.max(least).min(most).exp() - self.elastic).max(0.0)
+        (exp(log.max(least).min(most)) - self.elastic).max(0.0)
     }
 }
 
@@ -308,6 +308,19 @@ pub struct Predicted {
     pub strike: Strike,
 }
 
+/// Not inlined: the compiler would also take the logarithm of a value that is unknown and drop it, which valgrind
+/// reports.
+#[inline(never)]
+fn ln(x: f64) -> f64 {
+    x.ln()
+}
+
+/// Not inlined, for the same reason.
+#[inline(never)]
+fn exp(x: f64) -> f64 {
+    x.exp()
+}
+
 fn strike(model: &Model, known: &Known, at: V, surface: V, rebound: f64) -> Strike {
     let (surface, n) = known.normals(surface);
     let push = match (known.impulse, known.mass, known.velocity) {
@@ -316,16 +329,15 @@ fn strike(model: &Model, known: &Known, at: V, surface: V, rebound: f64) -> Stri
     };
     let with_mass = known.mass.map(|m| {
         let v = known.velocity.map_or(push / (m * rebound), |v| into(v, n));
-        v.ln() + 0.6 * m.ln()
+        ln(v) + 0.6 * ln(m)
     });
     let w = known.velocity.unwrap_or_else(|| known.total());
     let tangent = in_surface(scale(1.0 / into(w, n), in_surface(w, n)), surface);
     Strike {
         surface,
         place: scale(1.0 / (0.2 * model.diagonal), sub(at, model.centre)),
-        strengths: [with_mass, Some(push.ln())],
-        // Without black_box the compiler also takes the logarithm of an unknown radius and drops it. Valgrind reports that.
-        radius: known.radius.map(|r| std::hint::black_box(r).ln()),
+        strengths: [with_mass, Some(ln(push))],
+        radius: known.radius.map(ln),
         tangent: scale((0.4 / length(tangent).max(1e-300)).min(1.0), tangent),
         outward: dot(w, n) > 0.02 * length(w),
     }
@@ -338,9 +350,9 @@ impl Response {
             blows.iter().enumerate().filter_map(|(i, k)| Some((i, &model.examples[i], (*k)?))).collect();
         let rebound = mean(known.iter().filter(|(_, e, _)| e.depth() > 0.0).filter_map(|(_, e, k)| {
             let n = k.normals(e.contact_normal).1;
-            Some((into(k.impulse?, n) / (k.mass? * into(k.velocity?, n))).ln())
+            Some(ln(into(k.impulse?, n) / (k.mass? * into(k.velocity?, n))))
         }));
-        let rebound = rebound.unwrap_or(0.0).exp();
+        let rebound = exp(rebound.unwrap_or(0.0));
         let mut strikes = vec![None; blows.len()];
         let (mut given, mut close) = (Vec::new(), false);
         for (i, e, k) in known {
@@ -394,7 +406,7 @@ impl Response {
         let law = self.fit.first();
         let mut errors = vec![None; count];
         for (g, l) in law.given.iter().zip(&law.left_out) {
-            let depth = ((g.depth.max(g.half) + law.elastic) * (-l).exp() - law.elastic).max(0.0);
+            let depth = ((g.depth.max(g.half) + law.elastic) * exp(-l) - law.elastic).max(0.0);
             errors[g.example] = Some((depth / g.depth - 1.0).abs());
         }
         errors
