@@ -30,7 +30,7 @@ impl<'a> ChangeRecorder<'a> {
 
     pub(crate) fn dent(&mut self, d: &Dent) {
         for (lod, blocks) in self.set.lods().zip(&mut self.changes.blocks) {
-            d.blocks(self.set, lod, self.threshold, |b| blocks[b] = self.changes.epoch);
+            d.blocks(lod, self.threshold, |b| blocks[b] = self.changes.epoch);
         }
     }
 

@@ -16,18 +16,16 @@
 //! is. Carried examples fade to zero towards held rims ([`crate::mesh::rim`]).
 
 use super::mark::{MAX_PAIRS, Mark, Pair};
+use super::carried::{Carried, Lookup, Placement};
 use crate::base::array_vec::ArrayVec;
-use crate::base::math::{Aabb, rotation_between};
+use crate::base::math::rotation_between;
 use crate::example::mesh_lod::MeshLod;
 use crate::example::options::Seams;
 use crate::example::set::ExampleSet;
-use crate::example::stamp::{WEIGHTS, lift};
-use glam::{Mat3, UVec2, Vec2, Vec3};
+use glam::{Mat3, Vec3};
 
 /// Limits of a carried example's stretch along the surface.
 const STRETCH: (f32, f32) = (0.25, 4.0);
-/// Share by which boxes are enlarged before they are tested against a stamp. Far more than rounding errors.
-const ROUNDING: f32 = 1e-4;
 
 /// One example of a dent, placed and scaled.
 #[derive(Debug, Clone, Copy, Default)]
@@ -35,41 +33,17 @@ pub(crate) struct PlacedExample {
     pub example: usize,
     /// Factor for its displacements.
     pub scale: f32,
-    /// Whether the example is anchored in the mark.
-    pub anchored: bool,
-    /// `None` if the example's own displacements are read.
-    pub carried: Option<Carried>,
+    /// `None` if the example is anchored.
+    pub carried: Option<Placement>,
 }
 
-/// The placement of a carried example.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Carried {
-    pub contact: Vec3,
-    /// From mesh space, relative to the contact, to the stamp's frame. Undoes the stretch.
-    pub to_stamp: Mat3,
-    /// Factor from unrolled coordinates to grid cells, and the grid's origin in cells, which is then subtracted.
-    pub per_cell: Vec2,
-    pub grid_origin: Vec2,
-    /// Largest coordinates on the grid, cells.
-    pub grid_top: Vec2,
-    /// From the stamp's frame to mesh space.
-    from_stamp: Mat3,
-    /// From weighted sums of a stamp's numbers to displacements and to changes of normals, in mesh space. Changes of
-    /// normals are divided by the stretch, because slopes decrease as a dent gets wider.
-    pub displacement: Mat3,
-    pub normal_change: Mat3,
-    /// From weighted sums of a stamp's numbers to heights, m.
-    pub height: f32,
-    /// 2 divided by the stamp's fade, 1/m.
-    pub fade: f32,
-    /// Range of z in the stamp's frame outside which nothing is moved, m.
-    heights: (f32, f32),
-    /// The stamp's z in mesh space.
-    pub up: Vec3,
-    /// Distance from the contact beyond which nothing is moved, m.
-    radius: f32,
-    /// The stretch of a hit alone, before it is limited.
-    stretch: f32,
+/// What moves vertices in a dent.
+#[derive(Debug, Clone)]
+pub(crate) enum Part {
+    /// An example where it was made, and the factor for its displacements.
+    Anchored(usize, f32),
+    /// Examples read from their stamps.
+    Carried(Carried),
 }
 
 /// A mark prepared for evaluation.
@@ -82,7 +56,10 @@ pub(crate) struct Dent {
     /// Factor for the stretch of all parts; 1 for a hit alone.
     pub wide: f32,
     pub contact: Vec3,
-    pub parts: ArrayVec<PlacedExample, MAX_PAIRS>,
+    /// The mark's examples as one hit alone places them.
+    examples: ArrayVec<PlacedExample, MAX_PAIRS>,
+    /// What moves vertices: carried examples, then anchored ones in the mark's order.
+    pub parts: Vec<Part>,
     pub nearby: Nearby,
 }
 
@@ -105,10 +82,13 @@ pub(crate) struct Nearby {
 impl Dent {
     /// Makes the dent of one hit of a mark, not widened. The mark must be valid.
     pub(crate) fn of_one_hit(set: &ExampleSet, mark: &Mark) -> Self {
-        let parts =
-            place(set, mark.contact, mark.depth, &mark.pairs, &frame_rotations(set, mark.contact, &mark.pairs)).parts;
+        let rotations = frame_rotations(set, mark.contact, &mark.pairs);
+        let examples = place(set, mark.contact, mark.depth, &mark.pairs, &rotations).parts;
         let contact = set.mesh().positions()[mark.contact as usize];
-        Dent { strength: 1.0, alone: 1.0, wide: 1.0, contact, parts, nearby: Nearby::default() }
+        let (strength, nearby) = (1.0, Nearby::default());
+        let mut dent = Dent { strength, alone: 1.0, wide: 0.0, contact, examples, parts: Vec::new(), nearby };
+        dent.widen(set, 1.0);
+        dent
     }
 
     /// Sets the factor for the stretch.
@@ -117,16 +97,22 @@ impl Dent {
             return;
         }
         self.wide = wide;
-        for p in self.parts.iter_mut() {
+        self.parts.clear();
+        let mut carried: ArrayVec<(usize, f32, Placement), MAX_PAIRS> = ArrayVec::new();
+        for p in self.examples.iter() {
+            if let Some(at) = p.carried {
+                carried.push((p.example, p.scale, Placement { stretch: limited(at.stretch * wide), ..at }));
+            }
+        }
+        self.parts.extend(Carried::new(set, &carried).map(Part::Carried));
+        for p in self.examples.iter().filter(|p| p.carried.is_none()) {
             let e = &set.examples()[p.example];
-            p.carried = match &p.carried {
-                Some(c) if !p.anchored => Some(Carried::new(set, p.example, c.from_stamp, c.contact, c.stretch, wide)),
-                // Stamps close torn seams.
-                _ if wide > 1.0 && e.stamp().is_some() && set.options().seams == Seams::Weld => {
-                    Some(Carried::new(set, p.example, e.frame(), e.contact_point(), 1.0, wide))
-                }
-                _ => None,
-            };
+            let own = Placement { contact: e.contact_point(), frame: e.frame(), stretch: limited(wide) };
+            // Stamps close torn seams.
+            let widened = (wide > 1.0 && set.options().seams == Seams::Weld)
+                .then(|| Carried::new(set, &[(p.example, p.scale, own)]))
+                .flatten();
+            self.parts.push(widened.map_or(Part::Anchored(p.example, p.scale), Part::Carried));
         }
     }
 
@@ -134,58 +120,66 @@ impl Dent {
     pub(crate) fn alone_at(&self, set: &ExampleSet, v: u32) -> Vec3 {
         let p = set.mesh().positions()[v as usize];
         let part = |part: &PlacedExample| match &part.carried {
-            Some(c) if !part.anchored => c.alone_at(set, part.example, p) * part.scale,
-            _ => set.examples()[part.example].displacement_at(v, p) * part.scale,
+            Some(at) => at.alone(set, part.example, p) * part.scale,
+            None => set.examples()[part.example].displacement_at(v, p) * part.scale,
         };
-        self.parts.iter().fold(Vec3::ZERO, |sum, p| sum + part(p))
+        self.examples.iter().fold(Vec3::ZERO, |sum, p| sum + part(p))
     }
 
     /// The region where the dent may move vertices.
     pub(crate) fn reach(&self) -> Reach {
-        let radius = |p: &PlacedExample| match &p.carried {
-            Some(c) => c.radius + (c.contact - self.contact).length(),
-            None => f32::INFINITY,
+        let radius = |p: &Part| match p {
+            Part::Carried(c) => c.radius() + (c.contact - self.contact).length(),
+            Part::Anchored(..) => f32::INFINITY,
         };
         let radius = self.parts.iter().map(radius).fold(0.0, f32::max);
         Reach { contact: self.contact, square: radius * radius }
     }
 
-    /// Whether part `p` is shown on a level of detail: whether any of its scaled displacements may exceed `threshold`
-    /// (m). Always true for 0.
-    pub(crate) fn counts(&self, set: &ExampleSet, lod: &MeshLod, p: &PlacedExample, threshold: f32) -> bool {
-        let scale = (p.scale * self.strength).abs();
-        threshold == 0.0
-            || scale == 0.0
-            || match &p.carried {
-                Some(_) => set.examples()[p.example].stamp().is_none_or(|s| s.longest > threshold / scale),
-                None => lod.anchored[p.example].exceeds(threshold / scale),
-            }
+    /// Whether an anchored example with this scale is shown on a level of detail: whether any of its displacements may
+    /// exceed `threshold` (m). Always true for 0.
+    pub(crate) fn shows_anchored(&self, lod: &MeshLod, (example, scale): (usize, f32), threshold: f32) -> bool {
+        let scale = (scale * self.strength).abs();
+        threshold == 0.0 || scale == 0.0 || lod.anchored[example].exceeds(threshold / scale)
     }
 
-    /// Calls `f` for every part and every block it may move, with an upper bound of its displacements there, m.
-    pub(crate) fn lengths(&self, set: &ExampleSet, lod: &MeshLod, mut f: impl FnMut(usize, f32)) {
-        self.parts.iter().for_each(|p| self.part_lengths(set, lod, p, &mut f));
+    /// The same for a carried example.
+    pub(crate) fn shows_carried(&self, lookup: &Lookup, threshold: f32) -> bool {
+        threshold == 0.0 || lookup.longest * self.strength > threshold
     }
 
-    /// Calls `f` for every block that a part longer than `threshold` (m) may move. 0 includes all parts. `f` may get a
-    /// block more than once.
-    pub(crate) fn blocks(&self, set: &ExampleSet, lod: &MeshLod, threshold: f32, mut f: impl FnMut(usize)) {
-        let counts = self.parts.iter().filter(|p| self.counts(set, lod, p, threshold));
-        counts.for_each(|p| self.part_lengths(set, lod, p, &mut |b, _| f(b)));
+    /// Calls `f` for every example and every block it may move, with an upper bound of its displacements there, m.
+    pub(crate) fn lengths(&self, lod: &MeshLod, mut f: impl FnMut(usize, f32)) {
+        self.shown_lengths(lod, 0.0, &mut f);
     }
 
-    fn part_lengths(&self, set: &ExampleSet, lod: &MeshLod, p: &PlacedExample, f: &mut impl FnMut(usize, f32)) {
-        let scale = (p.scale * self.strength).abs();
-        match &p.carried {
-            Some(c) => {
-                let longest = set.examples()[p.example].stamp().map_or(0.0, |s| s.longest) * scale;
-                let reached = (0..lod.blocks()).filter(|b| c.reaches(&lod.block_bounds[*b]));
-                reached.for_each(|b| f(b, longest));
-            }
-            None => {
-                lod.anchored[p.example].heads.iter().for_each(|h| f(h.block as usize, h.longest * scale));
+    /// Calls `f` for every block that an example longer than `threshold` (m) may move. 0 includes all examples. `f` may
+    /// get a block more than once.
+    pub(crate) fn blocks(&self, lod: &MeshLod, threshold: f32, mut f: impl FnMut(usize)) {
+        self.shown_lengths(lod, threshold, &mut |b, _| f(b));
+    }
+
+    fn shown_lengths(&self, lod: &MeshLod, threshold: f32, f: &mut impl FnMut(usize, f32)) {
+        for part in &self.parts {
+            match part {
+                Part::Carried(c) => {
+                    for (b, bounds) in lod.block_bounds.iter().enumerate() {
+                        let shown = c.reaching(bounds).filter(|l| self.shows_carried(l, threshold));
+                        shown.for_each(|l| f(b, l.longest * self.strength));
+                    }
+                }
+                Part::Anchored(example, scale) if self.shows_anchored(lod, (*example, *scale), threshold) => {
+                    let scale = (scale * self.strength).abs();
+                    lod.anchored[*example].heads.iter().for_each(|h| f(h.block as usize, h.longest * scale));
+                }
+                Part::Anchored(..) => {}
             }
         }
+    }
+
+    /// Memory that the dent holds, bytes.
+    pub(crate) fn memory_bytes(&self) -> usize {
+        size_of::<Self>() + self.parts.capacity() * size_of::<Part>()
     }
 }
 
@@ -197,95 +191,17 @@ pub(crate) struct Reach {
     pub square: f32,
 }
 
-impl Carried {
-    const NOTHING: Carried = Carried {
-        contact: Vec3::ZERO,
-        to_stamp: Mat3::ZERO,
-        per_cell: Vec2::ONE,
-        grid_origin: Vec2::ZERO,
-        grid_top: Vec2::ZERO,
-        from_stamp: Mat3::ZERO,
-        displacement: Mat3::ZERO,
-        normal_change: Mat3::ZERO,
-        height: 0.0,
-        fade: 0.0,
-        heights: (0.0, 0.0),
-        up: Vec3::Z,
-        radius: 0.0,
-        stretch: 1.0,
-    };
-
-    /// `alone` is the stretch of a hit alone, before it is limited.
-    fn new(set: &ExampleSet, example: usize, from_stamp: Mat3, contact: Vec3, alone: f32, wide: f32) -> Self {
-        let e = &set.examples()[example];
-        let stretch = limited(alone * wide);
-        let to_stamp = to_stamp(&from_stamp, stretch);
-        let c = Carried { contact, to_stamp, from_stamp, stretch: alone, ..Carried::NOTHING };
-        // Only anchored examples lack a stamp, and they are not carried.
-        let Some(s) = e.stamp() else { return c };
-        let unit = |step: Vec3| Mat3::from_diagonal(step * (1.0 / WEIGHTS));
-        Carried {
-            per_cell: 1.0 / s.grid.cell,
-            grid_origin: s.grid.origin / s.grid.cell,
-            grid_top: (s.grid.dims - UVec2::ONE).as_vec2(),
-            displacement: from_stamp * unit(s.steps.displacement),
-            normal_change: from_stamp * unit(s.steps.normal) * (1.0 / stretch),
-            height: s.steps.height * (1.0 / WEIGHTS),
-            fade: 2.0 / s.fade,
-            heights: (s.heights.0 - s.fade, s.heights.1 + s.fade),
-            up: from_stamp.z_axis,
-            radius: s.reach(stretch),
-            ..c
-        }
-    }
-
-    /// Whether the stamp may move anything in the box. The box must meet the stamp's sphere and, in the stamp's frame,
-    /// must not lie entirely above, below or beside the stamp.
-    pub(crate) fn reaches(&self, bounds: &Aabb) -> bool {
-        if bounds.distance_squared(self.contact) > self.radius * self.radius {
-            return false;
-        }
-        // Subtract first, which loses no precision far from the origin.
-        let centre = self.to_stamp * ((bounds.min - self.contact + (bounds.max - self.contact)) * 0.5);
-        let half = self.to_stamp.abs() * ((bounds.max - bounds.min) * 0.5);
-        let half = half * (1.0 + ROUNDING) + Vec3::splat(self.radius * ROUNDING);
-        let (low, high) = (centre - half, centre + half);
-        if low.z > self.heights.1 || high.z < self.heights.0 {
-            return false;
-        }
-        // The steepest point that the box could contain bounds how far unrolling moves any of its points outwards.
-        let across = low.truncate().max(-high.truncate()).max(Vec2::ZERO).length_squared();
-        let up = low.z.abs().max(high.z.abs());
-        let lift = lift(up, across) + ROUNDING;
-        let low = low.truncate().min(low.truncate() * lift) * self.per_cell - self.grid_origin;
-        let high = high.truncate().max(high.truncate() * lift) * self.per_cell - self.grid_origin;
-        high.cmpge(Vec2::ZERO).all() && low.cmple(self.grid_top).all()
-    }
-
-    /// Unscaled displacement of a vertex at base position `v`, m.
-    pub(crate) fn at(&self, set: &ExampleSet, example: usize, v: Vec3) -> Vec3 {
-        self.read(set, example, &self.to_stamp, v)
-    }
-
-    /// The same by a hit alone.
-    fn alone_at(&self, set: &ExampleSet, example: usize, v: Vec3) -> Vec3 {
-        self.read(set, example, &to_stamp(&self.from_stamp, limited(self.stretch)), v)
-    }
-
-    fn read(&self, set: &ExampleSet, example: usize, to_stamp: &Mat3, v: Vec3) -> Vec3 {
-        let stamp = set.examples()[example].stamp();
-        stamp.map_or(Vec3::ZERO, |s| self.from_stamp * s.displacement(*to_stamp * (v - self.contact)))
+impl Placement {
+    /// Unscaled displacement of a vertex at base position `v` by one hit alone, m.
+    pub(crate) fn alone(&self, set: &ExampleSet, example: usize, v: Vec3) -> Vec3 {
+        let at = Placement { stretch: limited(self.stretch), ..*self };
+        set.examples()[example].stamp().map_or(Vec3::ZERO, |s| at.displacement(s, v))
     }
 }
 
 /// A stretch within its limits.
 pub(crate) fn limited(stretch: f32) -> f32 {
     stretch.clamp(STRETCH.0, STRETCH.1)
-}
-
-/// From mesh space, relative to the contact, to the stamp's frame.
-fn to_stamp(from_stamp: &Mat3, stretch: f32) -> Mat3 {
-    Mat3::from_diagonal(Vec3::new(1.0 / stretch, 1.0 / stretch, 1.0)) * from_stamp.transpose()
 }
 
 /// A mark's parts, placed and scaled.
@@ -331,8 +247,8 @@ pub(crate) fn place(
             (depth / u.length(), None, u)
         } else {
             let size = depth / e.depth();
-            let carried = Carried::new(set, example, *rotation, c, size.sqrt(), 1.0);
-            let u = carried.at(set, example, c);
+            let carried = Placement { contact: c, frame: *rotation, stretch: size.sqrt() };
+            let u = carried.alone(set, example, c);
             (size, Some(carried), u)
         };
         let scale = pair.share_fraction() * size;
@@ -342,7 +258,7 @@ pub(crate) fn place(
         }
         at_contact[parts.len()] = u;
         sum += u * scale;
-        parts.push(PlacedExample { example, scale, anchored: pair.is_anchored(), carried });
+        parts.push(PlacedExample { example, scale, carried });
     }
     let together = depth / sum.length();
     // Limits the scale of examples that cancel each other at the contact and so cannot reach the depth.

@@ -123,7 +123,8 @@ impl Damage {
     }
 
     pub(crate) fn memory_bytes(&self) -> usize {
-        self.marks.len() * (size_of::<Mark>() + size_of::<Dent>() + size_of::<Reach>())
+        self.marks.len() * (size_of::<Mark>() + size_of::<Reach>())
+            + self.dents.iter().map(Dent::memory_bytes).sum::<usize>()
     }
 
     pub(crate) fn touch_all(&self, changed: Changed<'_>) {

@@ -9,11 +9,11 @@
 //! Marks are summed in their sorted order with plain f32 operations. So the result has the same bits for coincident
 //! vertices, for any division into blocks, on any thread and at any [`crate::SimdLevel`].
 
-use super::kernel::{Block, Flat, ReadyPart, Source};
+use super::kernel::{Block, Flat, ReadyLookup, ReadyPart, Source};
 use super::levels;
 use super::view::{DamageView, DisplacedVertices, may_reach};
 use crate::base::math::{Aabb, tangent_basis, turned_as, unit};
-use crate::damage::dent::PlacedExample;
+use crate::damage::dent::Part;
 use crate::example::blocks::Stored;
 use crate::example::mesh_lod::MeshLod;
 use crate::mesh::vertex_blocks::{BLOCK, block_range};
@@ -43,6 +43,7 @@ pub(crate) fn vertex(view: &DamageView<'_>, lod: &MeshLod, v: usize) -> (Vec3, O
 /// Memory reused between blocks.
 pub(crate) struct Scratch<'a> {
     parts: Vec<ReadyPart<'a>>,
+    lookups: Vec<ReadyLookup<'a>>,
     /// Number of parts that the tolerance has left out of blocks so far.
     pub left_out: u32,
     base: Flat,
@@ -54,34 +55,61 @@ pub(crate) struct Scratch<'a> {
 impl Scratch<'_> {
     pub(crate) fn new() -> Self {
         let zero = [0.0; 3 * BLOCK];
-        Scratch { parts: Vec::new(), left_out: 0, base: zero, base_normals: zero, positions: zero, normals: zero }
+        Scratch {
+            parts: Vec::new(),
+            lookups: Vec::new(),
+            left_out: 0,
+            base: zero,
+            base_normals: zero,
+            positions: zero,
+            normals: zero,
+        }
     }
 }
 
 /// Collects in `scratch`, in order, the parts of the instance's dents that move vertices of the block.
 #[inline(always)]
 fn active<'a>(job: BlockJob<'a>, normals: bool, scratch: &mut Scratch<'a>) -> Touched {
-    let Scratch { parts, left_out, .. } = scratch;
+    let Scratch { parts, lookups, left_out, .. } = scratch;
     parts.clear();
+    lookups.clear();
+    let (lod, examples) = (job.lod, job.view.set.examples());
+    let bounds = &lod.block_bounds[job.block];
     let mut touched = Touched { dents: 0, longest: 0.0, stored: false };
-    for dent in job.view.damage.near(&job.lod.block_bounds[job.block]) {
+    for dent in job.view.damage.near(bounds) {
         let before = parts.len();
-        for part in dent.parts.iter() {
-            if let Some((source, longest)) = reached(job, normals, part) {
-                let scale = part.scale * dent.strength;
-                let threshold = if scale == 0.0 { 0.0 } else { job.view.threshold / scale.abs() };
-                // The normals of a part are applied in all blocks or in none, so that they agree where blocks meet.
-                let shown = threshold == 0.0
-                    || longest > threshold
-                    || (normals && part.carried.is_none() && job.lod.anchored[part.example].exceeds(threshold));
-                if shown {
-                    parts.push(ReadyPart { source, scale, threshold, last: false });
-                    touched.longest += longest * scale.abs();
-                    touched.stored |= part.carried.is_none();
-                } else {
-                    *left_out += 1;
+        for part in &dent.parts {
+            let scale = dent.strength * if let Part::Anchored(_, scale) = part { *scale } else { 1.0 };
+            let threshold = if scale == 0.0 { 0.0 } else { job.view.threshold / scale.abs() };
+            let source = match part {
+                Part::Carried(carried) => {
+                    let first = lookups.len();
+                    for lookup in carried.reaching(bounds) {
+                        let Some(stamp) = examples[lookup.example].stamp() else { continue };
+                        if threshold == 0.0 || lookup.longest > threshold {
+                            lookups.push(ReadyLookup(lookup, &stamp.nodes));
+                            touched.longest += lookup.longest * scale.abs();
+                        } else {
+                            *left_out += 1;
+                        }
+                    }
+                    (lookups.len() > first).then(|| Source::Carried(carried, first..lookups.len()))
                 }
-            }
+                Part::Anchored(example, _) => {
+                    let anchored = &lod.anchored[*example];
+                    let Some(head) = anchored.block(job.block as u32) else { continue };
+                    // The normals are applied in all blocks or in none, so that they agree where blocks meet.
+                    let shown = threshold == 0.0
+                        || head.longest > threshold
+                        || (normals && anchored.exceeds(threshold));
+                    let changes = if normals { anchored.normals(head) } else { Stored::NOTHING };
+                    *left_out += u32::from(!shown);
+                    touched.longest += if shown { head.longest * scale.abs() } else { 0.0 };
+                    touched.stored |= shown;
+                    shown.then(|| Source::Stored(anchored.displacements(head), changes))
+                }
+            };
+            parts.extend(source.map(|source| ReadyPart { source, scale, threshold, last: false }));
         }
         if let Some(last) = parts[before..].last_mut() {
             last.last = true;
@@ -98,26 +126,6 @@ struct Touched {
     longest: f32,
     /// Whether some of them are anchored examples.
     stored: bool,
-}
-
-/// A part's displacements in the block, and the length of the longest before scaling, m. `None` if the part does not
-/// reach the block.
-#[inline(always)]
-fn reached<'a>(job: BlockJob<'a>, normals: bool, part: &'a PlacedExample) -> Option<(Source<'a>, f32)> {
-    let lod = job.lod;
-    match &part.carried {
-        Some(c) if c.reaches(&lod.block_bounds[job.block]) => {
-            let stamp = job.view.set.examples()[part.example].stamp()?;
-            Some((Source::Carried(c, stamp), stamp.longest))
-        }
-        Some(_) => None,
-        None => {
-            let anchored = &lod.anchored[part.example];
-            let head = anchored.block(job.block as u32)?;
-            let changes = if normals { anchored.normals(head) } else { Stored::NOTHING };
-            Some((Source::Stored(anchored.displacements(head), changes), head.longest))
-        }
-    }
 }
 
 /// Writes positions (m) and, if wanted, unit normals: exactly three floats per vertex of the block. Also writes the
@@ -157,6 +165,7 @@ pub(crate) fn block<'a>(
         base_normals: normals.as_ref().map(|(_, base)| whole(base, &mut scratch.base_normals)),
         len: range.len(),
         parts: &scratch.parts,
+        lookups: &scratch.lookups,
         window: job.lod.rim.block(job.block),
         deepest: job.view.keeps_deepest(touched.dents),
         limit: job.view.limit(touched.longest),
@@ -191,7 +200,7 @@ fn lone(
 ) -> bool {
     let mut near = job.view.damage.near(&job.lod.block_bounds[job.block]);
     let (Some(dent), None) = (near.next(), near.next()) else { return false };
-    let [PlacedExample { example, scale, carried: None, .. }] = &dent.parts[..] else { return false };
+    let [Part::Anchored(example, scale)] = &dent.parts[..] else { return false };
     let anchored = &job.lod.anchored[*example];
     let (Some(head), scale) = (anchored.block(job.block as u32), scale * dent.strength) else { return false };
     if job.view.threshold > 0.0 || may_reach(head.longest * scale.abs(), job.view.depth_limit) {

@@ -10,12 +10,13 @@
 #![expect(clippy::needless_range_loop, reason = "x, y and z side by side read better by their number")]
 
 use super::simd::Simd;
-use crate::damage::dent::Carried;
+use crate::damage::carried::{Carried, Lookup};
 use crate::example::blocks::{GROUP, GROUPS, Numbers, Stored};
-use crate::example::stamp::{FACING, Stamp, WEIGHTS};
+use crate::example::stamp::{FACING, Node, WEIGHTS};
 use crate::mesh::rim::WindowBlock;
 use crate::mesh::vertex_blocks::BLOCK;
 use glam::Vec3;
+use std::ops::Range;
 
 /// The vertices of one block, x y z x y z ….
 pub(crate) type Flat = [f32; 3 * BLOCK];
@@ -361,7 +362,6 @@ pub(crate) unsafe fn turn_stored<S: Simd>(
 }
 
 /// One part of a dent, prepared for a block.
-#[derive(Clone, Copy)]
 pub(crate) struct ReadyPart<'a> {
     pub source: Source<'a>,
     /// Factor of its displacements.
@@ -372,12 +372,15 @@ pub(crate) struct ReadyPart<'a> {
     pub last: bool,
 }
 
-#[derive(Clone, Copy)]
 pub(crate) enum Source<'a> {
     /// Displacements and changes of normals.
     Stored(Stored<'a>, Stored<'a>),
-    Carried(&'a Carried, &'a Stamp),
+    /// The look-ups are those of the block at these indices.
+    Carried(&'a Carried, Range<usize>),
 }
+
+/// A look-up in a stamp, whose nodes these are.
+pub(crate) struct ReadyLookup<'a>(pub &'a Lookup, pub &'a [Node]);
 
 /// Sums at the vertices of some lanes.
 struct Sums<S: Simd> {
@@ -413,84 +416,144 @@ unsafe fn add_stored<S: Simd>(stored: &Stored<'_>, at: usize, scale: f32, thresh
     }
 }
 
-/// Adds the displacement, and the change of normal if `NORMALS`, of a carried example: [`Stamp::read`] in lanes.
+/// The transpose of `m` times `v`.
+#[inline(always)]
+unsafe fn turned_back<S: Simd>(m: &[f32; 9], v: V<S>) -> V<S> {
+    unsafe { each!(k => dot::<S>([S::splat(m[3 * k]), S::splat(m[3 * k + 1]), S::splat(m[3 * k + 2])], v)) }
+}
+
+/// `m * v` in the plane.
+#[inline(always)]
+unsafe fn turned_flat<S: Simd>(m: &[f32; 4], v: [S::F; 2]) -> [S::F; 2] {
+    unsafe {
+        [
+            S::add(S::mul(S::splat(m[0]), v[0]), S::mul(S::splat(m[2]), v[1])),
+            S::add(S::mul(S::splat(m[1]), v[0]), S::mul(S::splat(m[3]), v[1])),
+        ]
+    }
+}
+
+/// What the look-ups of carried examples that share a frame find at the vertices of some lanes, in this frame.
+struct Found<S: Simd> {
+    displacement: V<S>,
+    change: V<S>,
+}
+
+/// The vertices of some lanes in the frame that carried examples share.
+struct Framed<S: Simd> {
+    p: V<S>,
+    /// z² / (x² + y²).
+    steep: S::F,
+    /// z of the base normal.
+    facing: S::F,
+}
+
+/// Adds the displacement, and the change of normal if `NORMALS`, of carried examples at one contact.
 #[inline(always)]
 unsafe fn add_carried<S: Simd, const NORMALS: bool>(
     part: &ReadyPart<'_>,
-    (c, stamp): (&Carried, &Stamp),
+    (c, lookups): (&Carried, &[ReadyLookup<'_>]),
     window: Option<&WindowBlock>,
     rest: &Rest<S>,
     sums: &mut Sums<S>,
 ) {
-    // SAFETY: guaranteed by the caller; coordinates are clamped to the grid, even if they are NaN.
+    // SAFETY: guaranteed by the caller.
     unsafe {
-        let (zero, one, two) = (S::splat(0.0), S::splat(1.0), S::splat(2.0));
+        let zero = S::splat(0.0);
         let p = each!(k => S::sub(rest.position[k], S::splat(c.contact[k])));
-        let p = turned::<S>(&c.to_stamp.to_cols_array(), p);
-        // The same as `unrolled`, then in units of nodes.
+        let p = turned::<S>(&c.to_frame.to_cols_array(), p);
         let across = S::add(S::mul(p[0], p[0]), S::mul(p[1], p[1]));
-        let steep = S::min(S::div(S::mul(p[2], p[2]), across), two);
-        let lift = S::add(one, S::mul(steep, S::splat(0.5)));
-        let g = [
-            S::sub(S::mul(S::mul(p[0], lift), S::splat(c.per_cell.x)), S::splat(c.grid_origin.x)),
-            S::sub(S::mul(S::mul(p[1], lift), S::splat(c.per_cell.y)), S::splat(c.grid_origin.y)),
-        ];
-        let x = S::min(S::max(g[0], zero), S::splat(c.grid_top.x));
-        let y = S::min(S::max(g[1], zero), S::splat(c.grid_top.y));
-        let inside = S::both(S::equal(g[0], x), S::equal(g[1], y));
-        if !S::any(inside) {
+        let facing = if NORMALS { dot::<S>(rest.normal, each!(k => S::splat(c.to_frame.col(k).z))) } else { zero };
+        let vertices = Framed::<S> { p, steep: S::div(S::mul(p[2], p[2]), across), facing };
+        let mut found = Found::<S> { displacement: [zero; 3], change: [zero; 3] };
+        let mut any = false;
+        for lookup in lookups {
+            any |= look_up::<S, NORMALS>(lookup, part.threshold, &vertices, &mut found);
+        }
+        if !any {
             return;
         }
-        let dims = stamp.grid.dims.as_ivec2();
-        let column = S::max_int(S::min_int(S::truncate(x), S::splat_int(dims.x - 2)), S::splat_int(0));
-        let row = S::max_int(S::min_int(S::truncate(y), S::splat_int(dims.y - 2)), S::splat_int(0));
-        let (x, y) = (S::sub(x, S::float(column)), S::sub(y, S::float(row)));
-        let whole = S::splat(WEIGHTS);
-        let both = S::truncate(S::mul(S::mul(x, y), whole));
-        let (x, y) = (S::truncate(S::mul(x, whole)), S::truncate(S::mul(y, whole)));
-        let neither = S::add_int(S::sub_int(S::sub_int(S::splat_int(WEIGHTS as i32), x), y), both);
-        let near = S::packed(S::max_int(neither, S::splat_int(0)), S::sub_int(x, both));
-        let far = S::packed(S::sub_int(y, both), both);
-        let at = S::add_int(column, S::mul_int(row, S::splat_int(dims.x)));
-        let [u, change] = S::blend::<NORMALS>(stamp.nodes.as_ptr(), dims.x as usize, at, near, far);
-        let off = S::sub(p[2], S::mul(S::float(u[3]), S::splat(c.height)));
-        let off = S::max(off, S::sub(zero, off));
-        let keep = S::min(S::max(S::sub(two, S::mul(off, S::splat(c.fade))), zero), one);
-        let inside = S::both(inside, S::greater(keep, zero));
-        if !S::any(inside) {
-            return;
-        }
-        let u = turned::<S>(&c.displacement.to_cols_array(), each!(k => S::float(u[k])));
-        let u = cut::<S>(scaled::<S>(u, keep), part.threshold);
-        let (mut factor, mut slope) = (one, [zero; 3]);
+        let back = c.to_frame.to_cols_array();
+        let scale = S::splat(part.scale);
+        let mut u = scaled::<S>(turned_back::<S>(&back, found.displacement), scale);
+        let (mut factor, mut slope) = (S::splat(1.0), [zero; 3]);
         if let Some(w) = window {
             factor = S::load(w.factor.as_ptr().add(rest.at));
             slope = each!(k => S::load(w.gradient[k].as_ptr().add(rest.at)));
         }
-        let scale = S::splat(part.scale);
         if NORMALS {
-            let n = rest.normal;
-            // A vertex that faces another way than the example's surface (the lid beside a dented wall) does not take
-            // over the surface's change of normal.
-            let facing = S::mul(S::float(change[3]), S::splat(FACING));
-            let apart = S::sub(dot::<S>(n, each!(k => S::splat(c.up[k]))), facing);
-            let apart = S::max(apart, S::sub(zero, apart));
-            let alike = S::min(S::max(S::sub(two, S::add(apart, apart)), zero), one);
-            let change = turned::<S>(&c.normal_change.to_cols_array(), each!(k => S::float(change[k])));
-            let mut change = scaled::<S>(change, S::mul(keep, alike));
+            let mut change = scaled::<S>(turned_back::<S>(&back, found.change), scale);
             if window.is_some() {
                 // The window's own slope tilts the surface too.
+                let n = rest.normal;
                 let along = dot::<S>(n, slope);
                 let along = each!(k => S::sub(slope[k], S::mul(n[k], along)));
                 let lift = dot::<S>(u, n);
                 change = each!(k => S::sub(S::mul(change[k], factor), S::mul(along[k], lift)));
             }
-            let change = select::<S>(inside, scaled::<S>(change, scale), [zero; 3]);
             sums.change = add::<S>(sums.change, change);
         }
-        let u = if window.is_some() { scaled::<S>(u, factor) } else { u };
-        let u = select::<S>(inside, scaled::<S>(u, scale), [zero; 3]);
+        if window.is_some() {
+            u = scaled::<S>(u, factor);
+        }
         sums.dent = add::<S>(sums.dent, u);
+    }
+}
+
+/// Adds what one example's stamp has for the vertices: [`Stamp::read`] in lanes. Returns false if it has nothing.
+#[inline(always)]
+unsafe fn look_up<S: Simd, const NORMALS: bool>(
+    lookup: &ReadyLookup<'_>,
+    threshold: f32,
+    vertices: &Framed<S>,
+    found: &mut Found<S>,
+) -> bool {
+    let ReadyLookup(l, nodes) = lookup;
+    // SAFETY: guaranteed by the caller; coordinates are clamped to the grid, even if they are NaN.
+    unsafe {
+        let (zero, one, two) = (S::splat(0.0), S::splat(1.0), S::splat(2.0));
+        let p = &vertices.p;
+        // The same as `unrolled`, in units of 1 / WEIGHTS cells.
+        let steep = S::min(S::mul(vertices.steep, S::splat(l.stretch_square)), two);
+        let lift = S::add(one, S::mul(steep, S::splat(0.5)));
+        let g = turned_flat::<S>(&l.to_grid.to_cols_array(), [p[0], p[1]]);
+        let gx = S::sub(S::mul(g[0], lift), S::splat(l.origin.x));
+        let gy = S::sub(S::mul(g[1], lift), S::splat(l.origin.y));
+        let x = S::min(S::max(gx, zero), S::splat(l.last.x));
+        let y = S::min(S::max(gy, zero), S::splat(l.last.y));
+        let inside = S::both(S::equal(gx, x), S::equal(gy, y));
+        if !S::any(inside) {
+            return false;
+        }
+        let ([column, x], [row, y]) = (S::split(S::truncate(x)), S::split(S::truncate(y)));
+        let [both, _] = S::split(S::mul_short(x, y));
+        let neither = S::add_int(S::sub_int(S::sub_int(S::splat_int(WEIGHTS as i32), x), y), both);
+        let near = S::packed(neither, S::sub_int(x, both));
+        let far = S::packed(S::sub_int(y, both), both);
+        let columns = l.dims.x as i32;
+        let at = S::add_int(column, S::mul_short(row, S::splat_int(columns)));
+        let [u, change] = S::blend::<NORMALS>(nodes.as_ptr(), columns as usize, at, near, far);
+        let off = S::sub(p[2], S::mul(S::float(u[3]), S::splat(l.height)));
+        let off = S::max(off, S::sub(zero, off));
+        let keep = S::min(S::max(S::sub(two, S::mul(off, S::splat(l.fade))), zero), one);
+        let keep = S::select(inside, keep, zero);
+        if !S::any(S::greater(keep, zero)) {
+            return false;
+        }
+        let flat = turned_flat::<S>(&l.displacement.to_cols_array(), [S::float(u[0]), S::float(u[1])]);
+        let u = [flat[0], flat[1], S::mul(S::float(u[2]), S::splat(l.displacement_z))];
+        found.displacement = add::<S>(found.displacement, cut::<S>(scaled::<S>(u, keep), threshold));
+        if NORMALS {
+            // A vertex that faces another way than the example's surface (the lid beside a dented wall) does not take
+            // over the surface's change of normal.
+            let apart = S::sub(vertices.facing, S::mul(S::float(change[3]), S::splat(FACING)));
+            let apart = S::max(apart, S::sub(zero, apart));
+            let alike = S::min(S::max(S::sub(two, S::add(apart, apart)), zero), one);
+            let flat = turned_flat::<S>(&l.normal_change.to_cols_array(), [S::float(change[0]), S::float(change[1])]);
+            let change = [flat[0], flat[1], S::mul(S::float(change[2]), S::splat(l.normal_change_z))];
+            found.change = add::<S>(found.change, scaled::<S>(change, S::mul(keep, alike)));
+        }
+        true
     }
 }
 
@@ -503,6 +566,7 @@ pub(crate) struct Block<'a> {
     pub len: usize,
     /// In the order of summation.
     pub parts: &'a [ReadyPart<'a>],
+    pub lookups: &'a [ReadyLookup<'a>],
     pub window: Option<&'a WindowBlock>,
     /// Whether the sum is no longer than the longest dent.
     pub deepest: bool,
@@ -540,8 +604,9 @@ pub(crate) unsafe fn displace<S: Simd, const NORMALS: bool>(
                             add_stored::<S>(changes, at, part.scale, 0.0, &mut sums.change);
                         }
                     }
-                    Source::Carried(c, stamp) => {
-                        add_carried::<S, NORMALS>(part, (c, stamp), block.window, &rest, &mut sums);
+                    Source::Carried(c, lookups) => {
+                        let lookups = &block.lookups[lookups.clone()];
+                        add_carried::<S, NORMALS>(part, (c, lookups), block.window, &rest, &mut sums);
                     }
                 }
                 if part.last {

@@ -49,7 +49,7 @@ pub(crate) fn threshold(set: &ExampleSet, dents: &[Dent], tolerance: f32) -> f32
     let mut lengths: Vec<(u32, f32)> = Vec::new();
     for dent in dents {
         for (lod, first) in set.lods().zip(&firsts) {
-            dent.lengths(set, lod, |block, longest| lengths.push(((first + block) as u32, longest)));
+            dent.lengths(lod, |block, longest| lengths.push(((first + block) as u32, longest)));
         }
     }
     let halves = if set.options().combine == Combine::Deepest { 0.5 } else { 1.0 };

@@ -67,69 +67,52 @@ pub(super) struct DentHead {
     pub padding: [u32; 3],
 }
 
-/// An example in a dent.
+/// What moves vertices in a dent.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct DentPart {
     pub scale: f32,
     pub normal_scale: f32,
     pub dropped_square: f32,
-    pub carried: u32,
+    pub lookups: u32,
     pub source: u32,
     pub padding: [u32; 3],
+}
+
+/// Carried examples at one contact. Their look-ups follow.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct CarriedWork {
+    pub contact: [f32; 3],
+    pub padding_contact: u32,
+    pub to_frame_x: [f32; 3],
+    pub padding_x: u32,
+    pub to_frame_y: [f32; 3],
+    pub padding_y: u32,
+    pub to_frame_z: [f32; 3],
+    pub padding_z: u32,
 }
 
 /// A carried example.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-pub(super) struct CarriedWork {
-    pub lookup: CarriedLookup,
-    pub displacement: CarriedDisplacement,
-    pub normals: CarriedNormals,
-}
-
-/// Finds a vertex's place in the stamp.
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-pub(super) struct CarriedLookup {
-    pub contact: [f32; 3],
+pub(super) struct LookupWork {
+    pub to_grid_x: [f32; 2],
+    pub to_grid_y: [f32; 2],
+    pub origin: [f32; 2],
+    pub last: [f32; 2],
     pub nodes: u32,
-    pub to_stamp_x: [f32; 3],
+    pub columns: u32,
+    pub stretch_square: f32,
     pub height: f32,
-    pub to_stamp_y: [f32; 3],
+    pub displacement_x: [f32; 2],
+    pub displacement_y: [f32; 2],
+    pub displacement_z: f32,
     pub fade: f32,
-    pub to_stamp_z: [f32; 3],
+    pub normal_z: f32,
     pub padding: u32,
-    pub per_cell: [f32; 2],
-    pub grid_origin: [f32; 2],
-    pub grid_top: [f32; 2],
-    pub grid_size: [u32; 2],
-}
-
-/// Columns of the matrix from weighted sums of the stamp's numbers to displacements.
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-pub(super) struct CarriedDisplacement {
-    pub x: [f32; 3],
-    pub padding_x: u32,
-    pub y: [f32; 3],
-    pub padding_y: u32,
-    pub z: [f32; 3],
-    pub padding_z: u32,
-}
-
-/// Columns of the matrix from weighted sums of the stamp's numbers to changes of normals, and the stamp's z in mesh space.
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-pub(super) struct CarriedNormals {
-    pub x: [f32; 3],
-    pub padding_x: u32,
-    pub y: [f32; 3],
-    pub padding_y: u32,
-    pub z: [f32; 3],
-    pub padding_z: u32,
-    pub up: [f32; 3],
-    pub padding_up: u32,
+    pub normal_x: [f32; 2],
+    pub normal_y: [f32; 2],
 }
 
 /// A hit on a body with a classic rule.

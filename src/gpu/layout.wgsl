@@ -87,54 +87,46 @@ struct DentHead {
     @size(16) parts: u32,
 }
 
-// An example in a dent.
+// What moves vertices in a dent: an anchored example, or carried examples at one contact.
 struct DentPart {
     scale: f32,
+    // For an anchored example.
     normal_scale: f32,
-    // Displacements with a length of this square or less are dropped, in the units of the example. -1 keeps all.
+    // Displacements with a length of this square or less are dropped, in the units of the examples. -1 keeps all.
     dropped_square: f32,
-    carried: u32,
-    // Anchored: the example's first word in the arena. Carried: the index of its `CarriedWork`.
+    // The number of carried examples; 0 stands for an anchored one.
+    lookups: u32,
+    // Anchored: the example's first word in the arena. Carried: the first row of its `CarriedWork` among those of the frame.
     @size(16) source: u32,
 }
 
-// A carried example: `Carried` in src/damage/dent.rs. Its parts are in the order in which a vertex needs them.
+// Carried examples at one contact: `Carried` in src/damage/carried.rs. Its `LookupWork`s follow.
 struct CarriedWork {
-    lookup: CarriedLookup,
-    displacement: CarriedDisplacement,
-    normals: CarriedNormals,
-}
-
-// Finds a vertex's place in the stamp.
-struct CarriedLookup {
     contact: vec3<f32>,
-    // First word of the stamp's nodes in the arena.
+    // Columns of the matrix into the shared frame.
+    to_frame_x: vec3<f32>,
+    to_frame_y: vec3<f32>,
+    to_frame_z: vec3<f32>,
+}
+
+// A carried example: `Lookup` in src/damage/carried.rs. Names that end in x and y are columns of matrices.
+struct LookupWork {
+    to_grid_x: vec2<f32>,
+    to_grid_y: vec2<f32>,
+    origin: vec2<f32>,
+    last: vec2<f32>,
+    // First word of the stamp's nodes in the arena, and nodes along x.
     nodes: u32,
-    // Columns of the matrix into the stamp's frame.
-    to_stamp_x: vec3<f32>,
+    columns: u32,
+    stretch_square: f32,
     height: f32,
-    to_stamp_y: vec3<f32>,
+    displacement_x: vec2<f32>,
+    displacement_y: vec2<f32>,
+    displacement_z: f32,
     fade: f32,
-    to_stamp_z: vec3<f32>,
-    per_cell: vec2<f32>,
-    grid_origin: vec2<f32>,
-    grid_top: vec2<f32>,
-    grid_size: vec2<u32>,
-}
-
-// Columns of the matrix from weighted sums of the stamp's numbers to displacements.
-struct CarriedDisplacement {
-    x: vec3<f32>,
-    y: vec3<f32>,
-    z: vec3<f32>,
-}
-
-// Columns of the matrix from weighted sums of the stamp's numbers to changes of normals, and the stamp's z in mesh space.
-struct CarriedNormals {
-    x: vec3<f32>,
-    y: vec3<f32>,
-    z: vec3<f32>,
-    up: vec3<f32>,
+    @size(8) normal_z: f32,
+    normal_x: vec2<f32>,
+    normal_y: vec2<f32>,
 }
 
 // A hit on a body with a classic rule.

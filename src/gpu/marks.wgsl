@@ -32,12 +32,16 @@ fn blend(at: u32, row: u32, weights: vec4<i32>) -> vec4<f32> {
     return vec4<f32>(add_half(sum, at + 4u * row + 4u, weights.w));
 }
 
-// The 3×3 matrix with these columns times `v`.
+// The 3×3 matrix with these columns times `v`, and the transpose of the matrix times `v`.
 fn turned(x: vec3<f32>, y: vec3<f32>, z: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
     return x * v.x + y * v.y + z * v.z;
 }
 
-// Adds a carried example whose `CarriedWork` begins at `row`.
+fn turned_back(x: vec3<f32>, y: vec3<f32>, z: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
+    return vec3(dot3(x, v), dot3(y, v), dot3(z, v));
+}
+
+// Adds carried examples at one contact: a `CarriedWork` and its `LookupWork`s, which begin at `row`.
 fn add_carried(
     row: u32,
     part: DentPart,
@@ -47,61 +51,72 @@ fn add_carried(
     normal: vec3<f32>,
     sums: ptr<function, Sums>,
 ) {
-    let stamp = load_carried_lookup(row + ROW_CARRIED_WORK_LOOKUP);
-    let p = turned(stamp.to_stamp_x, stamp.to_stamp_y, stamp.to_stamp_z, position - stamp.contact);
-    // `unrolled` in src/example/stamp.rs, in units of nodes.
-    let steep = minimum((p.z * p.z) / (p.x * p.x + p.y * p.y), 2.0);
-    let lift = 1.0 + steep * 0.5;
-    let gx = (p.x * lift) * stamp.per_cell.x - stamp.grid_origin.x;
-    let gy = (p.y * lift) * stamp.per_cell.y - stamp.grid_origin.y;
-    let hx = clamped(gx, 0.0, stamp.grid_top.x);
-    let hy = clamped(gy, 0.0, stamp.grid_top.y);
-    if !(gx == hx && gy == hy) {
-        return;
+    let at = load_carried_work(row);
+    let p = turned(at.to_frame_x, at.to_frame_y, at.to_frame_z, position - at.contact);
+    let steep = (p.z * p.z) / (p.x * p.x + p.y * p.y);
+    let facing = dot3(normal, vec3(at.to_frame_x.z, at.to_frame_y.z, at.to_frame_z.z));
+    var displacement = vec3(0.0);
+    var turns = vec3(0.0);
+    let first = row + ROWS_CARRIED_WORK;
+    let end = first + part.lookups * ROWS_LOOKUP_WORK;
+    for (var r = first; r < end; r += ROWS_LOOKUP_WORK) {
+        let look = load_lookup_work(r);
+        // `unrolled` in src/example/stamp.rs, in units of 1 / WEIGHTS cells.
+        let lift = 1.0 + minimum(steep * look.stretch_square, 2.0) * 0.5;
+        let g = look.to_grid_x * p.x + look.to_grid_y * p.y;
+        let gx = g.x * lift - look.origin.x;
+        let gy = g.y * lift - look.origin.y;
+        let hx = clamped(gx, 0.0, look.last.x);
+        let hy = clamped(gy, 0.0, look.last.y);
+        if !(gx == hx && gy == hy) {
+            continue;
+        }
+        let fx = u32(i32(hx));
+        let fy = u32(i32(hy));
+        let x = i32(fx & 0x3FFFu);
+        let y = i32(fy & 0x3FFFu);
+        let both = (x * y) >> 14u;
+        let weights = vec4(i32(WEIGHTS) - x - y + both, x - both, y - both, both);
+        let node = look.nodes + 4u * ((fx >> 14u) + (fy >> 14u) * look.columns);
+        let sums4 = blend(node, look.columns, weights);
+        let off = abs(p.z - sums4.w * look.height);
+        let keep = clamped(2.0 - off * look.fade, 0.0, 1.0);
+        if !(keep > 0.0) {
+            continue;
+        }
+        let flat = look.displacement_x * sums4.x + look.displacement_y * sums4.y;
+        let u = vec3(flat, sums4.z * look.displacement_z) * keep;
+        displacement = displacement + cut(u, part.dropped_square);
+        if NORMALS {
+            let turn = blend(node + 2u, look.columns, weights);
+            // A vertex that faces elsewhere than the example's surface does not turn with it.
+            let apart = abs(facing - turn.w * FACING);
+            let alike = clamped(2.0 - (apart + apart), 0.0, 1.0);
+            let bent = look.normal_x * turn.x + look.normal_y * turn.y;
+            turns = turns + vec3(bent, turn.z * look.normal_z) * (keep * alike);
+        }
     }
-    // A stamp has at least two nodes a side, and the coordinates are at least 0.
-    let dims = stamp.grid_size;
-    let first = min(vec2<u32>(vec2<i32>(vec2(hx, hy))), dims - 2u);
-    let x = hx - f32(first.x);
-    let y = hy - f32(first.y);
-    let both = i32((x * y) * WEIGHTS);
-    let wx = i32(x * WEIGHTS);
-    let wy = i32(y * WEIGHTS);
-    let neither = max(i32(WEIGHTS) - wx - wy + both, 0);
-    let weights = vec4(neither, wx - both, wy - both, both);
-    let at = stamp.nodes + 4u * (first.x + first.y * dims.x);
-    let sums4 = blend(at, dims.x, weights);
-    let off = abs(p.z - sums4.w * stamp.height);
-    let keep = clamped(2.0 - off * stamp.fade, 0.0, 1.0);
-    if !(keep > 0.0) {
-        return;
-    }
-    let onto = load_carried_displacement(row + ROW_CARRIED_WORK_DISPLACEMENT);
-    var u = cut(turned(onto.x, onto.y, onto.z, sums4.xyz) * keep, part.dropped_square);
+    var u = turned_back(at.to_frame_x, at.to_frame_y, at.to_frame_z, displacement) * part.scale;
     var factor = 1.0;
     if window != NONE {
         factor = arena_float(window + v);
     }
     if NORMALS {
-        let turn = blend(at + 2u, dims.x, weights);
-        let bend = load_carried_normals(row + ROW_CARRIED_WORK_NORMALS);
-        // A vertex that faces elsewhere than the example's surface does not turn with it.
-        let apart = abs(dot3(normal, bend.up) - turn.w * FACING);
-        let alike = clamped(2.0 - (apart + apart), 0.0, 1.0);
-        var change = turned(bend.x, bend.y, bend.z, turn.xyz) * (keep * alike);
+        var change = turned_back(at.to_frame_x, at.to_frame_y, at.to_frame_z, turns) * part.scale;
         if window != NONE {
             // The slope of the window tilts the surface too.
-            let at = window + BLOCK + v;
-            let slope = vec3(arena_float(at), arena_float(at + BLOCK), arena_float(at + 2u * BLOCK));
+            let slope_at = window + BLOCK + v;
+            let slope =
+                vec3(arena_float(slope_at), arena_float(slope_at + BLOCK), arena_float(slope_at + 2u * BLOCK));
             let along = slope - normal * dot3(normal, slope);
             change = change * factor - along * dot3(u, normal);
         }
-        (*sums).change = (*sums).change + change * part.scale;
+        (*sums).change = (*sums).change + change;
     }
     if window != NONE {
         u = u * factor;
     }
-    (*sums).dent = (*sums).dent + u * part.scale;
+    (*sums).dent = (*sums).dent + u;
 }
 
 // The unit vector along `n + change`; `n` itself if the `sum` of changes is zero.
@@ -164,9 +179,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         if dot3(off, off) <= dent.reach_square {
             for (var at = first; at < after; at += ROWS_DENT_PART) {
                 let part = load_dent_part(at);
-                if part.carried != 0u {
-                    let carried = call.carried + part.source * ROWS_CARRIED_WORK;
-                    add_carried(carried, part, window, vertex.v, base, base_normal, &sums);
+                if part.lookups != 0u {
+                    add_carried(call.carried + part.source, part, window, vertex.v, base, base_normal, &sums);
                 } else {
                     add_anchored(part, vertex.block, vertex.v, &sums);
                 }

@@ -4,8 +4,8 @@
 //! more dents than [`crate::deform`] does; a dent that does not reach a vertex adds zeros there.
 
 use super::layout::{
-    AT_REST, BlockWork, Call, CarriedDisplacement, CarriedLookup, CarriedNormals, CarriedWork, ClassicHit, DEEPEST,
-    DentHead, DentPart, LIMITED, NONE, Row, TargetWork,
+    AT_REST, BlockWork, Call, CarriedWork, ClassicHit, DEEPEST, DentHead, DentPart, LIMITED, LookupWork, NONE, Row,
+    TargetWork,
 };
 use super::target::TargetState;
 use super::vertices::VertexStream;
@@ -13,12 +13,12 @@ use super::{BLOCK_VERTICES, Encoding};
 use crate::base::error::Error;
 use crate::base::math::Aabb;
 use crate::classic::ClassicState;
-use crate::damage::dent::{Carried, PlacedExample, Reach};
+use crate::damage::carried::{Carried, Lookup};
+use crate::damage::dent::{Part, Reach};
 use crate::deform::view::DamageView;
 use crate::example::mesh_lod::MeshLod;
-use crate::example::stamp::Stamp;
 use bytemuck::{Pod, cast, cast_slice};
-use glam::{Mat3, Vec3};
+use glam::{Mat2, Vec3};
 use std::ops::Range;
 
 /// Dents reach a little further than exactly, for devices that round otherwise.
@@ -34,7 +34,8 @@ pub(super) struct FrameWork {
     targets: Vec<TargetWork>,
     /// For each target its dents: a [`DentHead`], then its [`DentPart`]s. For a classic rule [`ClassicHit`]s.
     parts: Vec<Row>,
-    carried: Vec<CarriedWork>,
+    /// [`CarriedWork`]s, each with its [`LookupWork`]s.
+    carried: Vec<Row>,
     /// States of vertices under a classic rule: position and, where a kernel writes normals, normal.
     states: Vec<[f32; 3]>,
     /// Parts that tolerances left out.
@@ -83,7 +84,7 @@ impl FrameWork {
         let targets = rows(size_of_val(&self.blocks[..]));
         let parts = targets + rows(size_of_val(&self.targets[..]));
         let carried = parts + self.parts.len();
-        let states = carried + rows(size_of_val(&self.carried[..]));
+        let states = carried + self.carried.len();
         let offsets =
             WorkOffsets { targets, parts, carried, states, rows: states + rows(size_of_val(&self.states[..])) };
         if offsets.bytes() > u64::from(u32::MAX) {
@@ -126,43 +127,51 @@ impl FrameWork {
     pub(super) fn add_marks(&mut self, shown: Shown<'_>) -> Aabb {
         let Shown { view, mesh, target } = shown;
         let begin = self.parts.len();
-        let (threshold, set) = (view.threshold, view.set);
+        let threshold = view.threshold;
         let (mut dents, mut longest) = (0, 0.0);
         for dent in view.damage.dents() {
             let reach = dent.reach();
             let head = self.parts.len();
             self.parts.extend_from_slice(&[[0; 4]; size_of::<DentHead>() / size_of::<Row>()]);
             let mut parts = 0;
-            for part in dent.parts.iter() {
-                if !dent.counts(set, mesh, part, threshold) {
-                    self.parts_skipped += 1;
-                    continue;
-                }
-                let scale = part.scale * dent.strength;
+            for part in &dent.parts {
+                let scale = dent.strength * if let Part::Anchored(_, scale) = part { *scale } else { 1.0 };
                 // A scale of 0 makes every displacement zero, whatever is dropped.
                 let dropped = if scale == 0.0 { 0.0 } else { threshold / scale.abs() };
                 let place = &target.mesh.place;
-                match (&part.carried, set.examples()[part.example].stamp()) {
-                    (Some(c), Some(stamp)) => {
+                let work = match part {
+                    Part::Carried(carried) => {
                         let source = self.carried.len() as u32;
-                        self.carried.push(carried_work(c, stamp, place.stamp(part.example)));
-                        self.add_part(DentPart {
-                            scale,
-                            normal_scale: 0.0,
-                            dropped_square: dropped_square(dropped),
-                            carried: 1,
-                            source,
-                            padding: [0; 3],
-                        });
-                        longest += stamp.longest * scale.abs();
+                        let mut lookups = 0;
+                        for lookup in carried.lookups.iter() {
+                            if !dent.shows_carried(lookup, threshold) {
+                                self.parts_skipped += 1;
+                                continue;
+                            }
+                            if lookups == 0 {
+                                self.carried.extend_from_slice(&cast::<_, [Row; 4]>(carried_work(carried)));
+                            }
+                            let nodes = place.stamp(lookup.example);
+                            self.carried.extend_from_slice(&cast::<_, [Row; 6]>(lookup_work(lookup, nodes)));
+                            lookups += 1;
+                            longest += lookup.longest * scale.abs();
+                        }
+                        if lookups == 0 {
+                            continue;
+                        }
+                        let dropped_square = dropped_square(dropped);
+                        DentPart { scale, normal_scale: 0.0, dropped_square, lookups, source, padding: [0; 3] }
                     }
-                    // Without a stamp a carried example moves nothing.
-                    (Some(_), None) => continue,
-                    (None, _) => {
-                        self.add_part(anchored_part(mesh, part, (scale, dropped), place.example(part.example)));
-                        longest += place.longest(part.example) * scale.abs();
+                    Part::Anchored(example, own) => {
+                        if !dent.shows_anchored(mesh, (*example, *own), threshold) {
+                            self.parts_skipped += 1;
+                            continue;
+                        }
+                        longest += place.longest(*example) * scale.abs();
+                        anchored_part(mesh, *example, (scale, dropped), place.example(*example))
                     }
-                }
+                };
+                self.parts.extend_from_slice(&cast::<_, [Row; 2]>(work));
                 parts += 1;
             }
             if parts == 0 {
@@ -267,11 +276,6 @@ impl FrameWork {
             given_state,
         });
     }
-
-    fn add_part(&mut self, part: DentPart) {
-        let rows: [Row; 2] = cast(part);
-        self.parts.extend_from_slice(&rows);
-    }
 }
 
 impl WorkOffsets {
@@ -310,40 +314,56 @@ fn bounds_within(reach: &Reach, all: &Aabb) -> Aabb {
     Aabb { min: all.min.max(reach.contact - radius), max: all.max.min(reach.contact + radius) }
 }
 
-fn anchored_part(mesh: &MeshLod, part: &PlacedExample, (scale, dropped): (f32, f32), source: u32) -> DentPart {
-    let steps = mesh.anchored[part.example].steps;
+fn anchored_part(mesh: &MeshLod, example: usize, (scale, dropped): (f32, f32), source: u32) -> DentPart {
+    let steps = mesh.anchored[example].steps;
     DentPart {
         scale: steps.position * scale,
         normal_scale: steps.normal * scale,
         dropped_square: dropped_square(dropped / steps.position),
-        carried: 0,
+        lookups: 0,
         source,
         padding: [0; 3],
     }
 }
 
-fn carried_work(c: &Carried, stamp: &Stamp, nodes: u32) -> CarriedWork {
-    let columns = |m: &Mat3| m.to_cols_array_2d();
-    let [to_stamp_x, to_stamp_y, to_stamp_z] = columns(&c.to_stamp);
-    let lookup = CarriedLookup {
+fn carried_work(c: &Carried) -> CarriedWork {
+    let [to_frame_x, to_frame_y, to_frame_z] = c.to_frame.to_cols_array_2d();
+    CarriedWork {
         contact: c.contact.to_array(),
+        padding_contact: 0,
+        to_frame_x,
+        padding_x: 0,
+        to_frame_y,
+        padding_y: 0,
+        to_frame_z,
+        padding_z: 0,
+    }
+}
+
+/// `nodes` is the first word of the stamp's nodes.
+fn lookup_work(l: &Lookup, nodes: u32) -> LookupWork {
+    let columns = |m: &Mat2| m.to_cols_array_2d();
+    let [to_grid_x, to_grid_y] = columns(&l.to_grid);
+    let [displacement_x, displacement_y] = columns(&l.displacement);
+    let [normal_x, normal_y] = columns(&l.normal_change);
+    LookupWork {
+        to_grid_x,
+        to_grid_y,
+        origin: l.origin.to_array(),
+        last: l.last.to_array(),
         nodes,
-        to_stamp_x,
-        height: c.height,
-        to_stamp_y,
-        fade: c.fade,
-        to_stamp_z,
+        columns: l.dims.x,
+        stretch_square: l.stretch_square,
+        height: l.height,
+        displacement_x,
+        displacement_y,
+        displacement_z: l.displacement_z,
+        fade: l.fade,
+        normal_z: l.normal_change_z,
         padding: 0,
-        per_cell: c.per_cell.to_array(),
-        grid_origin: c.grid_origin.to_array(),
-        grid_top: c.grid_top.to_array(),
-        grid_size: stamp.grid.dims.to_array(),
-    };
-    let [x, y, z] = columns(&c.displacement);
-    let displacement = CarriedDisplacement { x, padding_x: 0, y, padding_y: 0, z, padding_z: 0 };
-    let ([x, y, z], up) = (columns(&c.normal_change), c.up.to_array());
-    let normals = CarriedNormals { x, padding_x: 0, y, padding_y: 0, z, padding_z: 0, up, padding_up: 0 };
-    CarriedWork { lookup, displacement, normals }
+        normal_x,
+        normal_y,
+    }
 }
 
 /// The square for `DentPart`: displacements of this length or less are dropped; 0 keeps all.

@@ -154,9 +154,10 @@ pub(crate) trait Simd: Copy {
     unsafe fn float(a: Self::I) -> Self::F;
     unsafe fn add_int(a: Self::I, b: Self::I) -> Self::I;
     unsafe fn sub_int(a: Self::I, b: Self::I) -> Self::I;
-    unsafe fn mul_int(a: Self::I, b: Self::I) -> Self::I;
-    unsafe fn min_int(a: Self::I, b: Self::I) -> Self::I;
-    unsafe fn max_int(a: Self::I, b: Self::I) -> Self::I;
+    /// The product of numbers from 0 to 2^15 - 1.
+    unsafe fn mul_short(a: Self::I, b: Self::I) -> Self::I;
+    /// The bits above the lowest 14 of numbers that are not negative, and the lowest 14.
+    unsafe fn split(a: Self::I) -> [Self::I; 2];
 
     /// Loads `LANES` values as floats.
     unsafe fn load_i8(p: *const i8) -> Self::F;

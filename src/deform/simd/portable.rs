@@ -109,16 +109,12 @@ impl Simd for Portable {
         a - b
     }
     #[inline(always)]
-    unsafe fn mul_int(a: i32x8, b: i32x8) -> i32x8 {
+    unsafe fn mul_short(a: i32x8, b: i32x8) -> i32x8 {
         a * b
     }
     #[inline(always)]
-    unsafe fn min_int(a: i32x8, b: i32x8) -> i32x8 {
-        a.min(b)
-    }
-    #[inline(always)]
-    unsafe fn max_int(a: i32x8, b: i32x8) -> i32x8 {
-        a.max(b)
+    unsafe fn split(a: i32x8) -> [i32x8; 2] {
+        [a >> 14, a & i32x8::splat(0x3FFF)]
     }
     #[inline(always)]
     unsafe fn load_i8(p: *const i8) -> f32x8 {
