@@ -8,8 +8,8 @@ what a scene would have is added: normals, texture coordinates, materials.
 The drum is the tube of ../solver with eight dents. Its texture coordinates have a seam, and it gets lids of a second
 material. The lids stand on the drum's rings, which the solver held fixed, so no example moves them.
 
-The hood is the steel hood of ../../lab/data/steel with twelve dents and the blows that made them. Its two sides of the
-character line are refined alone, so the line stays sharp. hood.json has five of its held-out blows, as a rigid-body
+The hood is the steel hood of ../../lab/data/steel with twelve dents and the blows that made them. The two sides of its
+character line are refined separately, so the line stays sharp. hood.json has five of its held-out blows, as a rigid-body
 engine would report them."""
 import json, struct
 from pathlib import Path
