@@ -1,17 +1,25 @@
-"""Makes drum.glb and hood.glb, the demo's bodies, from the solver's meshes in ../solver (numpy, scipy).
+"""Makes the demo's bodies from solvers' meshes (numpy, scipy): drum.glb, hood.glb and the hood's hits, hood.json.
 
     python3 make_demo.py
 
-The solver's grid is refined three times (bicubic on its parameters), the first eight dents become sparse morph targets,
-and what a scene would have is added: texture coordinates with a seam, two materials, lids on the drum. The lids stand on
-the drum's rings, which the solver held fixed, so no example moves them."""
+The solver's grid is refined three times (bicubic on its parameters), its first dents become sparse morph targets, and
+what a scene would have is added: normals, texture coordinates, materials.
+
+The drum is the tube of ../solver with eight dents. Its texture coordinates have a seam, and it gets lids of a second
+material. The lids stand on the drum's rings, which the solver held fixed, so no example moves them.
+
+The hood is the steel hood of ../../lab/data/steel with twelve dents and the blows that made them. The two sides of its
+character line are refined separately, so the line stays sharp. hood.json has five of its held-out blows, as a rigid-body
+engine would report them."""
 import json, struct
 from pathlib import Path
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
 
 HERE = Path(__file__).parent
-FACTOR, EXAMPLES, KEEP = 3, 8, 1e-4  # refinement, morph targets, displacements dropped below (m)
+STEEL = HERE.parent.parent / "lab/data/steel/hood"
+FACTOR = 3  # refinement
+CREASE = 30  # row of the steel hood's character line
 
 
 def read(path):
@@ -38,10 +46,14 @@ def read(path):
     return accessor(p["attributes"]["POSITION"]), [accessor(t["POSITION"]) for t in p["targets"]], m["extras"]
 
 
-def refine(field, shape, wraps):
-    """A field over the solver's grid (n, 3) on the finer grid. A wrapping grid gets its first column again at the end."""
+def refine(field, shape, wraps, crease=None):
+    """A field over the solver's grid (n, 3) on the finer grid. A wrapping grid gets its first column again at the end.
+    No spline crosses the row `crease`."""
     nx, ny = shape
     f = field.reshape(nx, ny, 3).astype(float)
+    if crease is not None:
+        low, high = (refine(part, part.shape[:2], wraps) for part in (f[:, : crease + 1], f[:, crease:]))
+        return np.concatenate([low, high[:, 1:]], 1)
     pad = 8 if wraps else 0
     f = np.concatenate([f[-pad:], f, f[: pad + 1]]) if wraps else f
     u = np.arange(nx * FACTOR + 1 if wraps else (nx - 1) * FACTOR + 1) / FACTOR
@@ -97,21 +109,22 @@ class Glb:
         self.accessors.append(x)
         return len(self.accessors) - 1
 
-    def primitive(self, v, n, uv, t, material, dents):
+    def primitive(self, v, n, uv, t, material, dents, keep):
         targets = []
         for d, dn in dents:
-            at = np.nonzero(np.linalg.norm(d, axis=1) > KEEP)[0].astype(np.uint32)
+            at = np.nonzero(np.linalg.norm(d, axis=1) > keep)[0].astype(np.uint32)
             i = self.view(at) if len(at) else None
             targets.append({k: self.sparse(i, x[at].astype(np.float32), len(at), len(v)) for k, x in (("POSITION", d), ("NORMAL", dn))})
         attributes = dict(POSITION=self.accessor(v.astype(np.float32), bounds=True), NORMAL=self.accessor(n.astype(np.float32)), TEXCOORD_0=self.accessor(uv.astype(np.float32)))
         return dict(attributes=attributes, indices=self.accessor(t.astype(np.uint32).ravel(), 34963), material=material, targets=targets)
 
-    def write(self, path, name, primitives, materials, extras):
+    def write(self, name, primitives, materials, impacts):
+        path, names = HERE / f"{name}.glb", [i["name"] for i in impacts]
         up = [-(0.5**0.5), 0, 0, 0.5**0.5]  # the arrays are z up, glTF is y up
         g = dict(
             asset=dict(version="2.0", generator="crumple assets/demo/make_demo.py"), scene=0, scenes=[dict(nodes=[0])],
             nodes=[dict(name=name, rotation=up, children=[1]), dict(name=name + "_mesh", mesh=0)], materials=materials,
-            meshes=[dict(name=name, primitives=primitives, weights=[0.0] * EXAMPLES, extras=extras)],
+            meshes=[dict(name=name, primitives=primitives, weights=[0.0] * len(names), extras=dict(targetNames=names, impacts=impacts, units="m"))],
             accessors=self.accessors, bufferViews=self.views, buffers=[dict(byteLength=len(self.bin) + -len(self.bin) % 4)],
         )
         j = json.dumps(g, separators=(",", ":")).encode()
@@ -125,9 +138,9 @@ def material(name, colour, metallic, roughness):
     return dict(name=name, doubleSided=True, pbrMetallicRoughness=dict(baseColorFactor=[*colour, 1], metallicFactor=metallic, roughnessFactor=roughness))
 
 
-def body(name, source, shape, wraps, materials):
-    base, dents, extras = read(HERE.parent / "solver" / source)
-    fine = refine(base, shape, wraps)
+def body(name, base, dents, impacts, shape, materials, keep, wraps=False, crease=None):
+    """Writes one body. Displacements below `keep` (m) are dropped."""
+    fine = refine(base, shape, wraps, crease)
     nx, ny = fine.shape[:2]
     v = fine.reshape(-1, 3)
     if wraps:  # the refined ring is round, as the solver's was meant to be
@@ -143,8 +156,8 @@ def body(name, source, shape, wraps, materials):
         n = -n
     u = np.stack(np.meshgrid(np.linspace(0, 1, nx), np.linspace(0, 1, ny), indexing="ij"), -1).reshape(-1, 2)
     ready = []
-    for d in dents[:EXAMPLES]:
-        d = refine(d, shape, wraps).reshape(-1, 3)
+    for d in dents:
+        d = refine(d, shape, wraps, crease).reshape(-1, 3)
         rim = np.zeros((nx, ny), bool)
         rim[:, [0, -1]] = True
         if not wraps:
@@ -156,7 +169,7 @@ def body(name, source, shape, wraps, materials):
         d = d.astype(np.float32).astype(float)
         ready.append((d, normals(v + d, t, seam) - n))
     g = Glb()
-    primitives = [g.primitive(v, n, u, t, 0, ready)]
+    primitives = [g.primitive(v, n, u, t, 0, ready, keep)]
     if wraps:
         for end, sign in ((0, -1.0), (ny - 1, 1.0)):
             ring = v[np.arange(nx) * ny + end]
@@ -165,13 +178,58 @@ def body(name, source, shape, wraps, materials):
             fan = np.stack([np.full(nx - 1, nx), k, k + 1] if sign > 0 else [np.full(nx - 1, nx), k + 1, k], 1)
             if np.cross(lid[fan[0, 1]] - lid[nx], lid[fan[0, 2]] - lid[nx])[2] * sign < 0:
                 fan = fan[:, ::-1]
-            still = [(np.zeros_like(lid), np.zeros_like(lid))] * EXAMPLES
-            primitives.append(g.primitive(lid, np.tile([0, 0, sign], (nx + 1, 1)), 0.5 + lid[:, :2] / 0.6, fan, 1, still))
+            still = [(np.zeros_like(lid), np.zeros_like(lid))] * len(dents)
+            primitives.append(g.primitive(lid, np.tile([0, 0, sign], (nx + 1, 1)), 0.5 + lid[:, :2] / 0.6, fan, 1, still, keep))
+    g.write(name, primitives, materials, impacts)
+
+
+def drum(count=8):
+    base, dents, extras = read(HERE.parent / "solver/tube.glb")
+    impacts = [{k: i[k] for k in ("name", "point", "direction", "displacement")} for i in extras["impacts"][:count]]
+    materials = [material("wall", [0.05, 0.22, 0.42], 0.1, 0.45), material("lid", [0.35, 0.36, 0.38], 0.8, 0.4)]
+    body("drum", base, dents[:count], impacts, (68, 33), materials, keep=1e-4, wraps=True)
+
+
+def numbers(x):
+    return [float(f"{k:.5g}") for k in x]
+
+
+def striker(a, i):
+    mass, radius = numbers([a["mass"][i], a["radius"][i]])
+    return dict(mass=mass, radius=radius, velocity=numbers(a["velocity"][i]), shape=str(a["shape"][i]))
+
+
+def in_engine(a, i):
+    """The impulse that a rigid-body engine reports if the body is fixed: the normal momentum without restitution, and
+    friction that is at most 0.4 times as large and at most stops the striker."""
+    v, n = a["velocity"][i].astype(float), a["contact_normal"][i].astype(float)
+    along = -v @ n
+    across = v + along * n
+    return a["mass"][i] * (min(1, 0.4 * along / np.linalg.norm(across)) * across - along * n)
+
+
+def hood(count=12, hits=5):
+    base, train, heldout = (np.load(STEEL / f"{f}.npz") for f in ("base", "train", "heldout"))
+    dents = train["fields"][:count] * train["step"]
     impacts = []
-    for i in extras["impacts"][:EXAMPLES]:
-        impacts.append({k: i[k] for k in ("name", "point", "direction", "displacement")})
-    g.write(HERE / f"{name}.glb", name, primitives, materials, dict(targetNames=extras["targetNames"][:EXAMPLES], impacts=impacts, units="m"))
+    for i in range(count):
+        vectors = dict(point="contact_point", normal="contact_normal", displacement="contact_displacement", impulse="impulse")
+        impacts.append(dict(name=f"blow {i}", **{k: numbers(train[v][i]) for k, v in vectors.items()}, striker=striker(train, i)))
+    body("hood", base["vertices"], dents, impacts, tuple(base["grid"]), [material("paint", [0.55, 0.05, 0.05], 0.3, 0.3)], keep=3e-4, crease=CREASE)
+
+    # Held-out blows of middling depth, far apart: the deepest, then always the one that is farthest from those before.
+    depth, point = np.linalg.norm(heldout["contact_displacement"], axis=1), heldout["contact_point"]
+    left = np.nonzero((depth > 0.008) & (depth < 0.03))[0]
+    chosen = [left[np.argmax(depth[left])]]
+    while len(chosen) < hits:
+        away = np.linalg.norm(point[left, None] - point[chosen], axis=2).min(1)
+        chosen.append(left[np.argmax(away)])
+    lines = []
+    for i in chosen:
+        told = dict(point=numbers(point[i]), normal=numbers(heldout["contact_normal"][i]), impulse=numbers(in_engine(heldout, i)))
+        lines.append("  " + json.dumps(dict(name=f"held-out {i}", **told, striker=striker(heldout, i))))
+    (HERE / "hood.json").write_text("[\n" + ",\n".join(lines) + "\n]\n")
 
 
-body("drum", "tube.glb", (68, 33), True, [material("wall", [0.05, 0.22, 0.42], 0.1, 0.45), material("lid", [0.35, 0.36, 0.38], 0.8, 0.4)])
-body("hood", "panel.glb", (53, 41), False, [material("paint", [0.55, 0.05, 0.05], 0.3, 0.3)])
+drum()
+hood()

@@ -61,7 +61,7 @@ pub fn run(options: &Options) -> Result<()> {
         "inverted_triangles",
     ];
     let mut table = Table::new(&columns);
-    table.comment("what", format!("{HITS} random hits on the demo's bodies, 8 examples each, one sequence"));
+    table.comment("what", format!("{HITS} random hits on the demo's bodies, one sequence"));
     table.comment("seam", "largest edge jump over the largest in any example");
     table.comment("kept", "displacement at each contact after all hits over the deepest asked for there, at most 1");
     fs::create_dir_all(&options.out)?;

@@ -11,7 +11,7 @@ use crate::install::Profile;
 use crate::stage::Outcome;
 use crate::workspace::Workspace;
 
-/// A car's hood and a drum. An independent elasto-plastic solver computed their example dents.
+/// A car's hood of sheet steel and a drum. Independent elasto-plastic solvers computed their example dents.
 const BODIES: &[&str] = &["hood", "drum"];
 
 /// `gpu`: deform on the GPU whose name contains this.
@@ -21,7 +21,7 @@ pub fn run(workspace: &Workspace, out: &Path, gpu: Option<&str>) -> Result<()> {
 }
 
 fn show(workspace: &Workspace, command: &Command<'_>, out: &Path) -> Result<()> {
-    println!("\nA few hits each on a hood and a drum; their examples are dents that a physics solver computed.");
+    println!("\nFive hits each on a steel hood and a drum; their examples are dents that physics solvers computed.");
     for body in BODIES {
         let start = Instant::now();
         let out = workspace.path(out).join(body);
