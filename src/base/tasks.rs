@@ -2,8 +2,7 @@
 //! neither on the task system nor on the number of threads.
 
 use crate::base::error::Error;
-use rayon::prelude::*;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// A parallel-for. An implementation calls `task(i)` exactly once for every `i` in `0..count`, on any threads, and
@@ -28,7 +27,8 @@ impl TaskSystem for Serial {
     }
 }
 
-/// A private rayon pool. It does not use rayon's global pool. Dropping it waits until its threads have ended.
+/// The caller's thread and a private rayon pool. It does not use rayon's global pool. Dropping it waits until its
+/// threads have ended.
 #[derive(Debug)]
 pub struct ThreadPool(Option<Threads>);
 
@@ -53,8 +53,8 @@ impl Drop for Joined {
 }
 
 impl ThreadPool {
-    /// A pool of `threads` threads. 0 makes one for each core the process may use. 1 makes none: the caller does the
-    /// work.
+    /// A pool that works on `threads` threads, of which the caller's is one. 0 is one for each core the process may
+    /// use.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] above 1024 threads; [`Error::OutOfMemory`] if the system cannot start the threads.
@@ -69,7 +69,7 @@ impl ThreadPool {
         }
         let mut handles = Joined::default();
         let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
+            .num_threads(threads - 1)
             .spawn_handler(|thread| {
                 let name = format!("crumple {}", thread.index());
                 handles.0.push(std::thread::Builder::new().name(name).spawn(|| thread.run())?);
@@ -84,13 +84,24 @@ impl ThreadPool {
 impl TaskSystem for ThreadPool {
     fn parallel_for(&self, count: usize, task: &(dyn Fn(usize) + Sync)) {
         match &self.0 {
-            Some(threads) if count > 1 => threads.pool.install(|| (0..count).into_par_iter().for_each(task)),
+            // The caller begins at once. The others help as soon as they are awake.
+            Some(threads) if count > 1 => {
+                let next = AtomicUsize::new(0);
+                let work = || {
+                    let take = || Some(next.fetch_add(1, Ordering::Relaxed)).filter(|i| *i < count);
+                    std::iter::from_fn(take).for_each(task);
+                };
+                threads.pool.in_place_scope(|scope| {
+                    (1..count.min(self.workers())).for_each(|_| scope.spawn(|_| work()));
+                    work();
+                });
+            }
             _ => Serial.parallel_for(count, task),
         }
     }
 
     fn workers(&self) -> usize {
-        self.0.as_ref().map_or(1, |t| t.pool.current_num_threads())
+        self.0.as_ref().map_or(1, |t| t.pool.current_num_threads() + 1)
     }
 }
 
@@ -130,7 +141,6 @@ pub(crate) fn map<T: Send, U: Send>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::sync::atomic::AtomicUsize;
 
     struct Sloppy;
     impl TaskSystem for Sloppy {

@@ -154,7 +154,7 @@ pub unsafe extern "C" fn crumple_buffer_register_vulkan(
 /// whose pool no other thread uses. Submit it once, and submit recordings in the order in which they were recorded.
 /// frame is your frame number: it starts at 1 and never decreases; recordings may share one. out_report may be null.
 ///
-/// The commands change only the compute pipeline, compute descriptor sets 0 to 2 and the first 24 bytes of push
+/// The commands change only the compute pipeline, compute descriptor sets 0 to 2 and the first 28 bytes of push
 /// constants for compute. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (no device of crumple_vulkan_attach(), a buffer twice,
 /// a host buffer, a frame that is complete or below the last), CRUMPLE_ERROR_UNSUPPORTED (more work than the device can
 /// bind). Nothing was recorded.

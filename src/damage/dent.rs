@@ -15,8 +15,8 @@
 //! so that the contact gets the target depth. Anchored examples are never scaled above 1; in a strict set no example
 //! is. Carried examples fade to zero towards held rims ([`crate::mesh::rim`]).
 
-use super::mark::{MAX_PAIRS, Mark, Pair};
 use super::carried::{Carried, Lookup, Placement};
+use super::mark::{MAX_PAIRS, Mark, Pair};
 use crate::base::array_vec::ArrayVec;
 use crate::base::math::rotation_between;
 use crate::example::mesh_lod::MeshLod;
@@ -134,6 +134,11 @@ impl Dent {
         };
         let radius = self.parts.iter().map(radius).fold(0.0, f32::max);
         Reach { contact: self.contact, square: radius * radius }
+    }
+
+    /// Number of stamps that a vertex is looked up in.
+    pub(crate) fn lookups(&self) -> usize {
+        self.parts.iter().map(|p| if let Part::Carried(c) = p { c.lookups.len() } else { 0 }).sum()
     }
 
     /// Whether an anchored example with this scale is shown on a level of detail: whether any of its displacements may

@@ -99,9 +99,8 @@ fn active<'a>(job: BlockJob<'a>, normals: bool, scratch: &mut Scratch<'a>) -> To
                     let anchored = &lod.anchored[*example];
                     let Some(head) = anchored.block(job.block as u32) else { continue };
                     // The normals are applied in all blocks or in none, so that they agree where blocks meet.
-                    let shown = threshold == 0.0
-                        || head.longest > threshold
-                        || (normals && anchored.exceeds(threshold));
+                    let shown =
+                        threshold == 0.0 || head.longest > threshold || (normals && anchored.exceeds(threshold));
                     let changes = if normals { anchored.normals(head) } else { Stored::NOTHING };
                     *left_out += u32::from(!shown);
                     touched.longest += if shown { head.longest * scale.abs() } else { 0.0 };

@@ -17,8 +17,8 @@ pub(crate) use levels::longest;
 
 use crate::base::error::Error;
 use crate::base::math::Aabb;
-use crate::base::tasks::TaskSystem;
-use crate::base::tasks::run_each;
+use crate::base::tasks::{Serial, TaskSystem, run_each};
+use crate::damage::dent::Dent;
 use crate::example::mesh_lod::MeshLod;
 use crate::mesh::vertex_blocks::{BLOCK, block_range};
 use glam::Vec3;
@@ -30,6 +30,10 @@ use view::DamageView;
 const BLOCKS_A_TASK: usize = 64;
 /// The fewest tasks per worker, if there are enough blocks.
 const TASKS_A_WORKER: usize = 8;
+/// Work below this, about 25 microseconds, is done on the caller's thread: waking another takes as long. In units of
+/// one block that a single anchored example moves; a look-up in a stamp is `LOOKUP` units.
+const SMALL: usize = 128;
+const LOOKUP: usize = 2;
 
 /// What a deform did.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -76,10 +80,16 @@ impl Output<'_, '_> {
 pub(crate) fn write_outputs(outputs: &mut [Output<'_, '_>], tasks: &dyn TaskSystem) -> DeformReport {
     // (output, block) of each work item, in the order of outputs.
     let mut items: Vec<(u32, u32)> = Vec::new();
+    let mut work = 0;
     for (o, output) in outputs.iter().enumerate() {
+        let before = items.len();
         let dirty = output.tracker.dirty(output.view.changes, output.lod);
         items.extend(dirty.map(|block| (o as u32, block as u32)));
+        // As if one dent moved each block.
+        let lookups = output.view.damage.dents().iter().map(Dent::lookups).max().unwrap_or(0);
+        work += (items.len() - before) * (1 + LOOKUP * lookups);
     }
+    let tasks = if work < SMALL { &Serial } else { tasks };
     let total = items.len();
     let mut bounds = vec![Aabb::EMPTY; total];
     let parts_skipped = AtomicU64::new(0);

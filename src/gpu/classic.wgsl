@@ -35,8 +35,8 @@ fn set_state(at: u32, v: vec3<f32>) {
 }
 
 @compute @workgroup_size(128)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    let vertex = vertex_of(id);
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let vertex = vertex_of(group, local);
     if !vertex.wanted {
         return;
     }

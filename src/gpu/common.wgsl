@@ -139,15 +139,18 @@ struct Vertex {
     out: TargetWork,
 }
 
-fn vertex_of(id: vec3<u32>) -> Vertex {
-    let invocation = id.y * call.row + id.x;
-    // Invocations beyond the last vertex read the data of the first.
-    let slot = select(invocation / BLOCK, 0u, invocation >= call.count);
-    let listed = load_block_work(call.blocks + slot);
+// A workgroup lies within one block. So what is read of the block, its target and its dents depends on the workgroup alone, and
+// a device can read it once for all invocations.
+fn vertex_of(group: vec3<u32>, local: u32) -> Vertex {
+    let number = group.y * call.row + group.x;
+    // Workgroups beyond the last block read the data of the first.
+    let slot = number >> call.split;
+    let wanted = slot < call.count;
+    let listed = load_block_work(call.blocks + select(0u, slot, wanted));
     let out = load_target_work(call.targets + listed.target_index * ROWS_TARGET_WORK);
-    let v = invocation % BLOCK;
+    let v = (number & ((1u << call.split) - 1u)) * (BLOCK >> call.split) + local;
     let index = listed.block * BLOCK + v;
-    return Vertex(invocation < call.count && index < out.vertices, listed.block, v, index, out);
+    return Vertex(wanted && index < out.vertices, listed.block, v, index, out);
 }
 
 // ---------------------------------------------------------------------------------------------------- the host's formats

@@ -21,6 +21,7 @@ pub(crate) struct Call {
     pub carried: u32,
     pub row: u32,
     pub count: u32,
+    pub split: u32,
 }
 
 /// A block to write.

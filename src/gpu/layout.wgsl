@@ -34,9 +34,10 @@ struct Call {
     targets: u32,
     parts: u32,
     carried: u32,
-    // Invocations in a row of workgroups, and in all.
+    // Workgroups in a row, blocks in all, and the power of two of workgroups that share a block.
     row: u32,
     count: u32,
+    split: u32,
 }
 
 // A block to write.

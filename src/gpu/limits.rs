@@ -1,5 +1,6 @@
 //! Limits of a device: the bytes that it can bind, and the size of workgroups.
 
+use super::BLOCK_VERTICES;
 use crate::base::error::Error;
 
 /// A device's limits on bound storage buffers.
@@ -18,7 +19,8 @@ const SMALLEST_FRAME: u64 = 64 << 10;
 
 /// Checks the invocations a workgroup. `most` is the largest size that the device supports.
 pub(crate) fn check_workgroup_size(size: u32, most: u32) -> Result<(), Error> {
-    let most = most.min(256);
+    // A workgroup lies within one block.
+    let most = most.min(BLOCK_VERTICES);
     if !size.is_power_of_two() || !(32..=most).contains(&size) {
         return Err(Error::invalid("workgroup_size", size, &format!("a power of two, 32 to {most}")));
     }

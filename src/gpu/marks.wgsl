@@ -142,8 +142,8 @@ fn add_anchored(part: DentPart, block: u32, v: u32, sums: ptr<function, Sums>) {
 }
 
 @compute @workgroup_size(128)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    let vertex = vertex_of(id);
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let vertex = vertex_of(group, local);
     if !vertex.wanted {
         return;
     }

@@ -292,17 +292,17 @@ impl WorkOffsets {
     /// The call of a dispatch that writes these blocks, and its workgroups: how many in a row, at most `most`, and rows.
     pub(crate) fn call(&self, (blocks, classic): (&Range<usize>, bool), workgroup: u32, most: u32) -> (Call, [u32; 2]) {
         // The plan has checked that there are less than 2^32 invocations.
-        let count = blocks.len() as u32 * BLOCK_VERTICES;
-        let groups = count.div_ceil(workgroup);
+        let (count, split) = (blocks.len() as u32, (BLOCK_VERTICES / workgroup).ilog2());
+        let groups = count << split;
         let across = groups.min(most);
         let call = Call {
             blocks: blocks.start as u32,
             targets: self.targets as u32,
             parts: self.parts as u32,
             carried: if classic { self.states } else { self.carried } as u32,
-            // Where this saturates, there is one row, and no invocation reaches a second.
-            row: across.saturating_mul(workgroup),
+            row: across,
             count,
+            split,
         };
         (call, [across, groups.div_ceil(across)])
     }

@@ -28,7 +28,7 @@ impl Device {
     /// buffer, primary or secondary, is in the recording state, outside a render pass, and from a pool of the device's queue
     /// family. It is submitted once, before the command buffer of the next recording or together with it.
     ///
-    /// **Changed state of the command buffer**: the compute pipeline, the compute descriptor sets 0 to 2, and the first 24 bytes
+    /// **Changed state of the command buffer**: the compute pipeline, the compute descriptor sets 0 to 2, and the first 28 bytes
     /// of the push constants of stage compute. Nothing else.
     ///
     /// Buffers, memory and descriptor sets are only made when more recordings are in flight, or more changes in a frame, than

@@ -22,7 +22,7 @@ pub struct DeviceDef<'a> {
     pub queue_family: u32,
     /// Data from [`super::Device::pipeline_cache_data`] of an earlier run, or nothing. Data of another driver is ignored.
     pub pipeline_cache: &'a [u8],
-    /// Invocations a workgroup: a power of two from 32 to 256 that the device supports. The default is 128.
+    /// Invocations a workgroup: a power of two from 32 to 128 that the device supports. The default is 128.
     pub workgroup_size: u32,
 }
 

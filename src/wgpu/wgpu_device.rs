@@ -19,7 +19,7 @@ pub(super) struct DeviceEvents {
 /// How a device is used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DeviceDef {
-    /// Invocations a workgroup: a power of two from 32 to 256 that the device supports. The default is 128.
+    /// Invocations a workgroup: a power of two from 32 to 128 that the device supports. The default is 128.
     pub workgroup_size: u32,
 }
 

@@ -26,7 +26,7 @@ fn devices_that_will_not_do_are_refused() {
         refused(new(&DeviceDef { physical_device, ..def.clone() }), InvalidArgument, &["VkPhysicalDevice"]);
         refused(new(&DeviceDef { device: vk::Device::null(), ..def.clone() }), InvalidArgument, &["VkDevice"]);
         refused(new(&DeviceDef { queue_family: 7, ..def.clone() }), InvalidArgument, &["queue_family", "7", "0"]);
-        for workgroup_size in [0, 16, 100, 4096] {
+        for workgroup_size in [0, 16, 100, 256] {
             let size = workgroup_size.to_string();
             refused(new(&DeviceDef { workgroup_size, ..def.clone() }), InvalidArgument, &["workgroup_size", &size]);
         }

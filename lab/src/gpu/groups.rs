@@ -14,7 +14,7 @@ use crate::bench::reference::field;
 use crate::bench::report::Sense;
 use crate::bench::sheet::{Dent, own_marks};
 
-pub const SIZES: [u32; 4] = [32, 64, 128, 256];
+pub const SIZES: [u32; 3] = [32, 64, 128];
 
 pub fn run(bench: &Bench<'_>, sizes: &[usize]) -> Result<()> {
     for group in SIZES.into_iter().filter(|g| !bench.gpu.has_workgroup(*g)) {

@@ -105,7 +105,7 @@ const WORKLOADS: &[Workload] = &[
     },
     Workload {
         name: "groups",
-        about: "the same in workgroups of 32 to 256",
+        about: "the same in workgroups of 32 to 128",
         sizes: [&[10 * K, 100 * K, M, 10 * M], &[10 * K, 100 * K], &[10 * K], &[256]],
         run: groups::run,
     },
