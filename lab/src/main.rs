@@ -58,6 +58,9 @@ enum Part {
     /// The same on graphics devices
     #[cfg(feature = "gpu")]
     Gpu(gpu::Options),
+    /// What a graphics driver's compiler makes of the kernels, without a card
+    #[cfg(feature = "gpu")]
+    Compiled(gpu::compiled::Options),
     /// 200 dented bodies before a camera: levels of detail and run-time tolerances
     Scene(Options),
 }
@@ -88,6 +91,8 @@ fn main() -> Result<()> {
         Part::Bench(options) => bench::run(&options),
         #[cfg(feature = "gpu")]
         Part::Gpu(options) => gpu::run(&options),
+        #[cfg(feature = "gpu")]
+        Part::Compiled(options) => gpu::compiled::run(&options),
         Part::Scene(options) => scene200::run(&options),
     }
 }

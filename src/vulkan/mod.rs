@@ -56,3 +56,5 @@ pub use vulkan_device::DeviceDef;
 
 #[doc(hidden)]
 pub use crate::gpu::{Attribute, Encoding, encode};
+#[doc(hidden)]
+pub use pipelines::kernels;

@@ -23,6 +23,13 @@ const MODULES: [&[u8]; 6] = [
     spirv!("classic_tangents"),
 ];
 
+/// The kernels, for tools that compile them without a device of Crumple: name and SPIR-V.
+#[doc(hidden)]
+pub fn kernels() -> [(&'static str, Vec<u32>); 6] {
+    let names = ["positions", "normals", "tangents", "classic positions", "classic normals", "classic tangents"];
+    std::array::from_fn(|i| (names[i], with_workgroup(MODULES[i], 128)))
+}
+
 /// Layouts and pipelines.
 #[derive(Debug, Default)]
 pub(super) struct VulkanPipelines {

@@ -9,6 +9,9 @@ use xshell::cmd;
 use crate::lab;
 use crate::workspace::{Workspace, empty_directory};
 
+/// The part that needs no device.
+const COMPILED: &str = "compiled";
+
 #[derive(Args)]
 pub struct Options {
     /// Measure briefly, without the largest meshes; replaces no committed figure
@@ -50,13 +53,21 @@ fn devices(workspace: &Workspace, options: &Options) -> Result<()> {
     let program = lab::program(workspace, &["--features", "gpu"])?;
     let out = workspace.path("docs/bench");
     let quick = options.quick.then_some("--quick");
-    let only = options.only.iter().flat_map(|name| ["--only", name]);
+    let only = options.only.iter().filter(|name| *name != COMPILED).flat_map(|name| ["--only", name]);
     let device = options.device.iter().flat_map(|name| ["--device", name]);
     let asked = options.only.iter().any(|name| name == "library");
     let whole = !options.quick && options.only.is_empty();
     let library = if asked || whole { stripped_library(workspace)? } else { None };
     let library: Vec<PathBuf> = library.into_iter().flat_map(|file| [PathBuf::from("--library"), file]).collect();
     let sh = &workspace.shell;
+    let compiled = options.only.iter().any(|name| name == COMPILED);
+    if compiled || options.only.is_empty() {
+        let to = (!options.quick).then_some(["--out".into(), out.clone()]).into_iter().flatten();
+        cmd!(sh, "{program} compiled {to...}").quiet().run()?;
+    }
+    if compiled && options.only.len() == 1 {
+        return Ok(());
+    }
     cmd!(sh, "{program} gpu {quick...} {only...} {device...} {library...} --out {out}").quiet().run()?;
     if whole {
         let python = lab::python(workspace)?;

@@ -36,7 +36,7 @@ impl<'g> Kernel<'g> {
         };
         let bindings = [binding(0), binding(1), binding(2)];
         let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
-        let words = with_workgroup(include_bytes!(concat!(env!("OUT_DIR"), "/literature.spv")), group);
+        let words = words(group);
         let size = size_of::<Call>() as u32;
         let push = [vk::PushConstantRange::default().stage_flags(vk::ShaderStageFlags::COMPUTE).size(size)];
         // SAFETY: valid arguments; what is made is destroyed in `drop`.
@@ -208,4 +208,9 @@ fn with_workgroup(module: &[u8], invocations: u32) -> Vec<u32> {
     // LocalSize: entry point, mode, x, y, z.
     words[at + 3] = invocations;
     words
+}
+
+/// The kernel in SPIR-V, with so many invocations a workgroup.
+pub fn words(group: u32) -> Vec<u32> {
+    with_workgroup(include_bytes!(concat!(env!("OUT_DIR"), "/literature.spv")), group)
 }

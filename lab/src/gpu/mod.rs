@@ -8,6 +8,7 @@ mod aims;
 mod buffer;
 mod carried;
 mod check;
+pub mod compiled;
 mod copy;
 mod engine;
 mod findings;
