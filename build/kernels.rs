@@ -11,9 +11,12 @@ use std::{env, fs};
 
 /// Name, source and overrides of each kernel.
 const KERNELS: &[(&str, &str, &[&str])] = &[
-    ("marks_positions", "marks", &[]),
-    ("marks_normals", "marks", &["NORMALS"]),
-    ("marks_tangents", "marks", &["NORMALS", "TANGENTS"]),
+    ("anchored_positions", "marks", &[]),
+    ("anchored_normals", "marks", &["NORMALS"]),
+    ("anchored_tangents", "marks", &["NORMALS", "TANGENTS"]),
+    ("marks_positions", "marks", &["CARRIED"]),
+    ("marks_normals", "marks", &["CARRIED", "NORMALS"]),
+    ("marks_tangents", "marks", &["CARRIED", "NORMALS", "TANGENTS"]),
     ("classic_positions", "classic", &[]),
     ("classic_normals", "classic", &["NORMALS"]),
     ("classic_tangents", "classic", &["NORMALS", "TANGENTS"]),

@@ -1,4 +1,4 @@
-//! The kernels. Each comes for marks and for the classic rules.
+//! The kernels. Each comes in three cases.
 
 /// The attributes that a kernel writes. Each kernel writes those of the kernels before it too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -8,10 +8,23 @@ pub(crate) enum Kernel {
     Tangents,
 }
 
+/// What moves the vertices. Without look-ups in stamps a kernel needs fewer registers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Case {
+    /// Marks, none of them with a carried example.
+    Anchored,
+    /// Any marks.
+    Marks,
+    Classic,
+}
+
 impl Kernel {
-    /// Index among all kernels: three for marks, then three for the classic rules.
-    pub(crate) fn number(self, classic: bool) -> usize {
-        self as usize + if classic { 3 } else { 0 }
+    /// Number of kernels in all.
+    pub(crate) const COUNT: usize = 9;
+
+    /// Index among all kernels: three of each case.
+    pub(crate) fn number(self, case: Case) -> usize {
+        self as usize + 3 * case as usize
     }
 
     /// Bytes a vertex of a classic rule's state.

@@ -3,6 +3,8 @@
 
 override NORMALS: bool = false;
 override TANGENTS: bool = false;
+// Whether there are carried examples.
+override CARRIED: bool = false;
 
 // Sums at a vertex.
 struct Sums {
@@ -179,7 +181,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         if dot3(off, off) <= dent.reach_square {
             for (var at = first; at < after; at += ROWS_DENT_PART) {
                 let part = load_dent_part(at);
-                if part.lookups != 0u {
+                if CARRIED && part.lookups != 0u {
                     add_carried(call.carried + part.source, part, window, vertex.v, base, base_normal, &sums);
                 } else {
                     add_anchored(part, vertex.block, vertex.v, &sums);

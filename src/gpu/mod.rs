@@ -18,7 +18,7 @@ mod work;
 pub(crate) use arena::Upload;
 pub(crate) use arena::{Arena, ResidentMesh};
 pub use format::{Attribute, Encoding, encode};
-pub(crate) use kernel::Kernel;
+pub(crate) use kernel::{Case, Kernel};
 pub(crate) use layout::Call;
 pub(crate) use limits::{BindingLimits, check_workgroup_size};
 pub use plan::{FrameReport, Job};

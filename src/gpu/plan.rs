@@ -1,7 +1,7 @@
 //! A frame's plan: which jobs have something to write, in which dispatches, and with which data.
 
 use super::BLOCK_VERTICES;
-use super::kernel::Kernel;
+use super::kernel::{Case, Kernel};
 use super::target::TargetState;
 use super::work::{FrameWork, Shown, WorkOffsets};
 use crate::base::error::Error;
@@ -63,6 +63,7 @@ pub(crate) struct Dispatch<B> {
     /// The first of its jobs.
     pub job: usize,
     pub kernel: Kernel,
+    pub case: Case,
     pub blocks: Range<usize>,
 }
 
@@ -78,7 +79,7 @@ impl<B: Copy> Dispatch<B> {
     }
 
     pub(crate) fn classic(&self) -> bool {
-        self.key.classic.is_some()
+        self.case == Case::Classic
     }
 }
 
@@ -156,6 +157,7 @@ impl<B: Copy + Ord> Plan<B> {
             let mesh = instance.example_set().lod(target.lod)?;
             let view = instance.view();
             let shown = Shown { view, mesh, target };
+            let looked_up = self.work.lookups();
             planned.bounds = match instance.classic_state() {
                 Some(state) => {
                     let since = target.tracker.since(view.changes, target.lod);
@@ -168,6 +170,11 @@ impl<B: Copy + Ord> Plan<B> {
                 }
                 None => self.work.add_marks(shown),
             };
+            let case = match planned.key.classic {
+                Some(_) => Case::Classic,
+                None if self.work.lookups() > looked_up => Case::Marks,
+                None => Case::Anchored,
+            };
             planned.blocks = self.work.add_blocks(target.tracker.dirty(view.changes, target.lod));
             report.blocks_written += planned.blocks.len() as u64;
             report.blocks_skipped += (mesh.blocks() - planned.blocks.len()) as u64;
@@ -175,10 +182,11 @@ impl<B: Copy + Ord> Plan<B> {
                 Some(dispatch) => {
                     dispatch.blocks.end = planned.blocks.end;
                     dispatch.kernel = dispatch.kernel.max(target.kernel);
+                    dispatch.case = dispatch.case.max(case);
                 }
                 None => {
                     let (key, job, kernel) = (planned.key, planned.job, target.kernel);
-                    self.dispatches.push(Dispatch { key, job, kernel, blocks: planned.blocks.clone() });
+                    self.dispatches.push(Dispatch { key, job, kernel, case, blocks: planned.blocks.clone() });
                 }
             }
         }

@@ -75,6 +75,11 @@ impl FrameWork {
         self.blocks.len()
     }
 
+    /// Rows of carried examples so far.
+    pub(super) fn lookups(&self) -> usize {
+        self.carried.len()
+    }
+
     /// Where the lists will lie.
     ///
     /// # Errors

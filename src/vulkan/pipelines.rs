@@ -3,7 +3,7 @@
 use super::functions::checked;
 use super::vulkan_device::VulkanDevice;
 use crate::base::error::Error;
-use crate::gpu::{Call, Kernel, with_workgroup};
+use crate::gpu::{Call, Case, Kernel, with_workgroup};
 use ash::vk::{self, Handle};
 use std::ptr::{null, null_mut};
 
@@ -14,7 +14,10 @@ macro_rules! spirv {
 }
 
 /// SPIR-V, in the order of [`Kernel::number`].
-const MODULES: [&[u8]; 6] = [
+const MODULES: [&[u8]; Kernel::COUNT] = [
+    spirv!("anchored_positions"),
+    spirv!("anchored_normals"),
+    spirv!("anchored_tangents"),
     spirv!("marks_positions"),
     spirv!("marks_normals"),
     spirv!("marks_tangents"),
@@ -25,9 +28,9 @@ const MODULES: [&[u8]; 6] = [
 
 /// The kernels, for tools that compile them without a device of Crumple: name and SPIR-V.
 #[doc(hidden)]
-pub fn kernels() -> [(&'static str, Vec<u32>); 6] {
-    let names = ["positions", "normals", "tangents", "classic positions", "classic normals", "classic tangents"];
-    std::array::from_fn(|i| (names[i], with_workgroup(MODULES[i], 128)))
+pub fn kernels() -> [(String, Vec<u32>); Kernel::COUNT] {
+    let (cases, outputs) = (["anchored", "marks", "classic"], ["positions", "normals", "tangents"]);
+    std::array::from_fn(|i| (format!("{} {}", cases[i / 3], outputs[i % 3]), with_workgroup(MODULES[i], 128)))
 }
 
 /// Layouts and pipelines.
@@ -40,13 +43,13 @@ pub(super) struct VulkanPipelines {
     /// Invocations a workgroup.
     workgroup: u32,
     /// In the order of [`MODULES`]; null until needed.
-    pipelines: [vk::Pipeline; 6],
+    pipelines: [vk::Pipeline; Kernel::COUNT],
 }
 
 impl VulkanPipelines {
     /// A pipeline that was added.
-    pub(super) fn get(&self, kernel: Kernel, classic: bool) -> vk::Pipeline {
-        self.pipelines[kernel.number(classic)]
+    pub(super) fn get(&self, kernel: Kernel, case: Case) -> vk::Pipeline {
+        self.pipelines[kernel.number(case)]
     }
 }
 
@@ -99,8 +102,8 @@ impl VulkanDevice {
     }
 
     /// Adds the pipeline of a kernel, if it is not there yet.
-    pub(super) fn add_pipeline(&self, k: &mut VulkanPipelines, kernel: Kernel, classic: bool) -> Result<(), Error> {
-        let (f, device, number) = (&self.functions, self.device, kernel.number(classic));
+    pub(super) fn add_pipeline(&self, k: &mut VulkanPipelines, kernel: Kernel, case: Case) -> Result<(), Error> {
+        let (f, device, number) = (&self.functions, self.device, kernel.number(case));
         if !k.pipelines[number].is_null() {
             return Ok(());
         }

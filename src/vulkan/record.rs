@@ -6,7 +6,7 @@ use super::frames::{FrameSlot, free_slot};
 use super::recording::{COMPUTE, Recording, SHADER_WRITE, acquire_and_release, barrier, cmd_barrier};
 use super::target::{Target, TargetBinding};
 use crate::base::error::Error;
-use crate::gpu::{self, Call, FrameReport, Job, Plan, WorkOffsets, missing_state};
+use crate::gpu::{self, Call, Case, FrameReport, Job, Plan, WorkOffsets, missing_state};
 use ash::vk::{self, Handle};
 use std::ptr::null;
 use std::sync::Arc;
@@ -96,7 +96,7 @@ impl Device {
     /// Makes the state and the pipeline that a target of an instance with a classic rule lacks.
     fn add_state(&mut self, job: &mut RecordJob<'_>) -> Result<(), Error> {
         let Some(bytes) = missing_state(job, job.target.classic.is_some()) else { return Ok(()) };
-        self.gpu.add_pipeline(&mut self.pipelines, job.target.state.kernel, true)?;
+        self.gpu.add_pipeline(&mut self.pipelines, job.target.state.kernel, Case::Classic)?;
         let state = Arc::new(ClassicBuffer::new(&self.gpu, &self.pipelines, bytes)?);
         self.states.push(state.clone());
         job.target.classic = Some(state);
@@ -208,7 +208,7 @@ impl Device {
             let state = jobs[d.job].target.classic.as_ref().filter(|_| d.classic());
             let sets = [slot.set(d.chunk()).handle, window, state.map_or(window, |s| s.set())];
             let count = if d.classic() { 3 } else { 2 };
-            let pipeline = pipelines.get(d.kernel, d.classic());
+            let pipeline = pipelines.get(d.kernel, d.case);
             let (point, compute) = (vk::PipelineBindPoint::COMPUTE, vk::ShaderStageFlags::COMPUTE);
             // SAFETY: as above. The handles are alive until the frame is done.
             unsafe {

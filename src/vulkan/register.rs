@@ -6,7 +6,7 @@ use super::target::{Target, TargetDef};
 use crate::base::error::Error;
 use crate::deform::Tracker;
 use crate::example::set::ExampleSet;
-use crate::gpu::TargetState;
+use crate::gpu::{Case, TargetState};
 use ash::vk::{self, Handle};
 use std::sync::Arc;
 
@@ -75,7 +75,9 @@ impl Device {
         let host = self.hosts.get_mut(def.buffer)?;
         let window = host.window(&self.gpu, &self.pipelines, &written)?;
         let (handle, first) = (host.def.buffer, def.offset.wrapping_sub(host.windows[window].range.start));
-        self.gpu.add_pipeline(&mut self.pipelines, kernel, false)?;
+        for case in [Case::Anchored, Case::Marks] {
+            self.gpu.add_pipeline(&mut self.pipelines, kernel, case)?;
+        }
         let mesh = self.arena.mesh(&self.gpu, &limits, set, def.lod)?;
         let (device, set, tracker) = (self.id, Arc::downgrade(set), Tracker::new());
         let state = TargetState { device, set, lod: def.lod, kernel, layout, first, mesh, tracker };

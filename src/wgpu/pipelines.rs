@@ -2,7 +2,7 @@
 
 use super::wgpu_device::WgpuDevice;
 use crate::base::error::Error;
-use crate::gpu::{Call, Kernel, with_workgroup};
+use crate::gpu::{Call, Case, Kernel, with_workgroup};
 use std::num::NonZero;
 use std::sync::atomic::Ordering;
 
@@ -13,7 +13,10 @@ macro_rules! built {
 }
 
 /// SPIR-V, in the order of [`Kernel::number`].
-const MODULES: [&[u8]; 6] = [
+const MODULES: [&[u8]; Kernel::COUNT] = [
+    built!(include_bytes "anchored_positions_uniform.spv"),
+    built!(include_bytes "anchored_normals_uniform.spv"),
+    built!(include_bytes "anchored_tangents_uniform.spv"),
     built!(include_bytes "marks_positions_uniform.spv"),
     built!(include_bytes "marks_normals_uniform.spv"),
     built!(include_bytes "marks_tangents_uniform.spv"),
@@ -22,8 +25,8 @@ const MODULES: [&[u8]; 6] = [
     built!(include_bytes "classic_tangents_uniform.spv"),
 ];
 const SOURCES: [&str; 2] = [built!(include_str "marks_uniform.wgsl"), built!(include_str "classic_uniform.wgsl")];
-/// The overrides that each [`Kernel`] sets in a source.
-const ON: [&[(&str, f64)]; 3] = [&[], &[("NORMALS", 1.0)], &[("NORMALS", 1.0), ("TANGENTS", 1.0)]];
+/// The overrides that outputs set in a source, each with the first [`Kernel`] that sets it.
+const ON: [(&str, Kernel); 2] = [("NORMALS", Kernel::Normals), ("TANGENTS", Kernel::Tangents)];
 const NAMES: [&str; 2] = ["crumple: marks", "crumple: classic"];
 const WORKGROUP: &str = "@workgroup_size(128)";
 
@@ -38,7 +41,7 @@ pub(super) struct WgpuPipelines {
     /// Invocations a workgroup.
     workgroup: u32,
     /// In the order of [`MODULES`].
-    pipelines: [Option<wgpu::ComputePipeline>; 6],
+    pipelines: [Option<wgpu::ComputePipeline>; Kernel::COUNT],
 }
 
 impl WgpuPipelines {
@@ -74,17 +77,17 @@ impl WgpuPipelines {
     }
 
     /// Adds the pipeline of a kernel, if it is not there yet.
-    pub(super) fn add(&mut self, gpu: &WgpuDevice, kernel: Kernel, classic: bool) -> Result<(), Error> {
-        let pipeline = &mut self.pipelines[kernel.number(classic)];
+    pub(super) fn add(&mut self, gpu: &WgpuDevice, kernel: Kernel, case: Case) -> Result<(), Error> {
+        let pipeline = &mut self.pipelines[kernel.number(case)];
         if pipeline.is_some() {
             return Ok(());
         }
-        let (device, rule) = (&gpu.device, usize::from(classic));
+        let (device, rule) = (&gpu.device, usize::from(case == Case::Classic));
         let label = Some(NAMES[rule]);
         let exact = gpu.takes_spirv();
         let made = gpu.checked("making a compute pipeline", 0, || {
             let module = if exact {
-                let words = with_workgroup(MODULES[kernel.number(classic)], self.workgroup);
+                let words = with_workgroup(MODULES[kernel.number(case)], self.workgroup);
                 let spirv = Some(words.into());
                 let descriptor = wgpu::ShaderModuleDescriptorPassthrough {
                     label,
@@ -108,13 +111,16 @@ impl WgpuPipelines {
                 // makes them for every device, for layouts that were checked.
                 unsafe { device.create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked()) }
             };
-            let constants = if exact { &[][..] } else { ON[kernel as usize] };
+            let on = ON.into_iter().filter(|(_, first)| kernel >= *first).map(|(name, _)| name);
+            let on = on.chain((case == Case::Marks).then_some("CARRIED")).map(|name| (name, 1.0));
+            // The SPIR-V has its values already.
+            let constants: Vec<(&str, f64)> = on.filter(|_| !exact).collect();
             device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label,
                 layout: Some(&self.layouts[rule]),
                 module: &module,
                 entry_point: Some("main"),
-                compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
+                compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
                 cache: None,
             })
         })?;
@@ -123,8 +129,8 @@ impl WgpuPipelines {
     }
 
     /// A pipeline that was added.
-    pub(super) fn get(&self, (kernel, classic): (Kernel, bool)) -> Option<&wgpu::ComputePipeline> {
-        self.pipelines[kernel.number(classic)].as_ref()
+    pub(super) fn get(&self, (kernel, case): (Kernel, Case)) -> Option<&wgpu::ComputePipeline> {
+        self.pipelines[kernel.number(case)].as_ref()
     }
 }
 

@@ -96,8 +96,8 @@ fn compile(family: &str) -> Result<()> {
     let device = unsafe { instance.create_device(physical, &info, None) }?;
     let statistics = khr::pipeline_executable_properties::Device::new(&instance, &device);
     let layout = layout(&device)?;
-    let ours = kernels().into_iter().map(|(name, words)| (name.to_owned(), words));
-    for (name, words) in [("the literature's".to_owned(), literature::words(128))].into_iter().chain(ours) {
+    let theirs = ("the literature's".to_owned(), literature::words(128));
+    for (name, words) in [theirs].into_iter().chain(kernels()) {
         let info = vk::ShaderModuleCreateInfo::default().code(&words);
         // SAFETY: valid SPIR-V with the layout's bindings.
         let found = unsafe {
