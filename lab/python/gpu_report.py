@@ -3,6 +3,7 @@
 import sys
 from pathlib import Path
 
+import style
 from charts.gpu import device, tables
 from charts.speed import short
 from report import number, picture, table
@@ -178,11 +179,32 @@ tenth of its blocks.
 ## CPU against graphics device
 
 {picture(directory, "gpu_cpu", "CPU path and device against moved vertices")}
+{compiled(directory)}
 {"## Left out" + chr(10) + chr(10) + left_out if left_out else ""}"""
     while "\n\n\n" in text:
         text = text.replace("\n\n\n", "\n\n")
     (directory / "gpu.md").write_text(text.rstrip() + "\n")
     print(f"report: {directory / 'gpu.md'}")
+
+
+def compiled(directory):
+    """What RADV's compiler makes of each kernel, for each chip: a section, or nothing without compiled.csv."""
+    path = directory / "compiled.csv"
+    if not path.exists():
+        return ""
+    rows = style.Table(path).rows
+    chips = list(dict.fromkeys(r["chip"] for r in rows))
+    shown = ("instructions", "vgprs", "subgroups_per_simd", "inverse_throughput")
+    of = {(r["kernel"], r["chip"]): " / ".join(three(r[s]) for s in shown) for r in rows}
+    lines = [[kernel, *(of[kernel, chip] for chip in chips)] for kernel in dict.fromkeys(r["kernel"] for r in rows)]
+    return f"""## What a card's compiler makes of the kernels
+
+Mesa's RADV compiles for AMD chips that are not there (`cargo xtask bench --gpu --only compiled`; {rows[0]["driver"]}). Each cell has
+instructions / vector registers / subgroups that fit on a SIMD / inverse throughput, in which the compiler assumes how often loops run.
+"marks" is the kernel for frames with carried examples, "anchored" for frames without. ([CSV](compiled.csv))
+
+{table(["kernel", *chips], lines)}
+"""
 
 
 def names(directory, found):
