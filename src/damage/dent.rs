@@ -332,7 +332,8 @@ pub(crate) fn place(
         } else {
             let size = depth / e.depth();
             let carried = Carried::new(set, example, *rotation, c, size.sqrt(), 1.0);
-            let u = carried.at(set, example, c);
+            // The stamp at its own contact, whatever the stretch.
+            let u = e.stamp().map_or(Vec3::ZERO, |s| *rotation * s.centre);
             (size, Some(carried), u)
         };
         let scale = pair.share_fraction() * size;

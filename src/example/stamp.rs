@@ -54,6 +54,8 @@ pub struct Stamp {
     pub(crate) heights: (f32, f32),
     /// Upper bound of the length of displacements read from the stamp, m.
     pub(crate) longest: f32,
+    /// Displacement of the contact, in its frame, m.
+    pub(crate) centre: Vec3,
     /// Root of the integral of squared displacements over the unrolled surface, over π, m².
     pub(crate) spread: f32,
     /// Error at the vertices that the example moves.
@@ -170,7 +172,8 @@ impl Stamp {
         let squares = nodes.iter().map(|n| f64::from((of(n, 0) * steps.displacement).length_squared())).sum::<f64>();
         let cell = f64::from(grid.cell.x) * f64::from(grid.cell.y);
         let spread = (squares * cell / std::f64::consts::PI).sqrt() as f32;
-        Stamp { grid, nodes, steps, fade, heights, longest, spread, error }
+        let stamp = Stamp { grid, nodes, steps, fade, heights, longest, centre: Vec3::ZERO, spread, error };
+        Stamp { centre: stamp.displacement(Vec3::ZERO), ..stamp }
     }
 
     /// Returns the displacement (m), the change of the unit normal and the z of the base normal at `p` (m). Everything
