@@ -21,9 +21,12 @@ use crate::mesh::nearest::VertexIndex;
 use crate::mesh::rim::{self, Rim};
 use crate::mesh::{MAX_COORDINATE, Mesh, finite, normals};
 use glam::Vec3;
+use std::hash::Hasher;
 use std::sync::Arc;
-use xxhash_rust::xxh3::Xxh3;
+use twox_hash::XxHash3_64;
 
+/// Numbers that are hashed at once.
+const PIECE: usize = 4096;
 /// Vertices displaced by less than this share of an example's deepest displacement do not count for its support radius.
 const SUPPORT: f32 = 0.01;
 
@@ -106,8 +109,16 @@ fn seam_groups(weld: &[u32]) -> Vec<Vec<u32>> {
 }
 
 fn fingerprint(mesh: &Mesh, examples: &[Example], options: &SetOptions) -> u64 {
-    let mut h = Xxh3::new();
-    let mut vec = |v: Vec3| v.to_array().iter().for_each(|x| h.update(&x.to_bits().to_le_bytes()));
+    let mut h = XxHash3_64::default();
+    // In pieces, which the hash takes faster than single numbers.
+    let mut numbers: Vec<u32> = Vec::with_capacity(PIECE);
+    let mut vec = |v: Vec3| {
+        numbers.extend(v.to_array().map(|x| x.to_bits().to_le()));
+        if numbers.len() + 3 > PIECE {
+            h.write(bytemuck::cast_slice(&numbers));
+            numbers.clear();
+        }
+    };
     mesh.positions().iter().for_each(|p| vec(*p));
     for e in examples {
         vec(e.contact_point);
@@ -119,14 +130,15 @@ fn fingerprint(mesh: &Mesh, examples: &[Example], options: &SetOptions) -> u64 {
             vec(d);
         });
     }
+    h.write(bytemuck::cast_slice(&numbers));
     let combine = match options.combine {
         Combine::Sum => 0,
         Combine::Energies => 1,
         Combine::Deepest => 2,
     };
-    h.update(&[combine, u8::from(options.strict), options.stamp_resolution as u8]);
-    h.update(&[u8::from(options.mirror), u8::from(options.held_rims)]);
-    h.digest()
+    h.write(&[combine, u8::from(options.strict), options.stamp_resolution as u8]);
+    h.write(&[u8::from(options.mirror), u8::from(options.held_rims)]);
+    h.finish()
 }
 
 struct Built {
