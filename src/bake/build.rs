@@ -81,7 +81,7 @@ impl ExampleSet {
         }
         let planes =
             if options.mirror { mirror::planes(mesh.positions(), &index, &mesh.bounds()) } else { Mirror::NONE };
-        let rim = if options.held_rims { Rim::find(&mesh, &moves) } else { Rim::default() };
+        let rim = if options.held_rims { Rim::find(&mesh, &moves, tasks) } else { Rim::default() };
         let mut set = Self::assemble(Parts {
             fingerprint: fingerprint(&mesh, &ready, &options),
             learned: Learned::nothing(ready.len()),
