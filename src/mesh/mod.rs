@@ -1,6 +1,7 @@
 //! The checked base mesh with its seams, contact normals and bounds.
 
 pub(crate) mod data;
+pub(crate) mod field;
 pub(crate) mod mirror;
 pub(crate) mod nearest;
 pub(crate) mod normals;

@@ -7,6 +7,8 @@
 //! Anchored examples are not changed.
 
 use super::Mesh;
+use super::field::Field;
+use super::nearest::VertexIndex;
 use super::vertex_blocks::{BLOCK, block_range};
 use crate::base::array::Array;
 use crate::base::math::Aabb;
@@ -122,12 +124,22 @@ fn windows(held: &[Vec3], diagonal: f32, mesh: &Mesh, tasks: &dyn TaskSystem) ->
         return Default::default();
     }
     let width = WIDTH * diagonal;
-    let points = held.iter().map(|p| p.to_array()).collect();
-    let index: RTree<[f32; 3]> = RTree::bulk_load(points);
-    let nearest = |p: Vec3| index.nearest_neighbor_iter_with_distance_2(p.to_array()).next();
+    let mut points: Vec<[f32; 3]> = held.iter().map(|p| p.to_array()).collect();
+    let tree: RTree<[f32; 3]> = RTree::bulk_load(points.clone());
+    points.sort_unstable_by_key(|p| p.map(f32::to_bits));
+    points.dedup();
+    let points: Vec<Vec3> = points.into_iter().map(Vec3::from).collect();
+    let each: Vec<u32> = (0..points.len() as u32).collect();
+    let index = VertexIndex::new(&points, &each, tasks);
+    // The index is faster. The tree decides which of several points at the same distance is taken.
+    let nearest = |p: Vec3| match &index.four(p)[..] {
+        [one] => Some((points[one.1 as usize], one.0)),
+        [one, two, ..] if one.0 < two.0 => Some((points[one.1 as usize], one.0)),
+        _ => tree.nearest_neighbor_iter_with_distance_2(p.to_array()).next().map(|(p, d2)| (Vec3::from(*p), d2)),
+    };
     let window = |p: Vec3| {
         let Some((near, d2)) = nearest(p) else { return Window::OPEN };
-        let away = p - Vec3::from(*near);
+        let away = p - near;
         let s = d2.sqrt() / width;
         if s.is_nan() || s >= 1.0 {
             return Window::OPEN;
@@ -174,9 +186,11 @@ fn reach_of(b: &Aabb, width: f32) -> f32 {
 
 /// Whether an example moves each vertex. Pass the displacements as given: those that a tolerance drops still show that
 /// an edge is free.
-pub(crate) fn moves(deltas: &[Vec3]) -> Vec<bool> {
-    let deepest = deltas.iter().map(|d| d.length()).fold(0.0, f32::max);
-    deltas.iter().map(|d| d.length() > MOVED * deepest).collect()
+pub(crate) fn moves(deltas: &Field) -> Vec<bool> {
+    let deepest = deltas.longest();
+    let mut moves = vec![false; deltas.len()];
+    deltas.moved().for_each(|(v, d)| moves[v] = d.length() > MOVED * deepest);
+    moves
 }
 
 /// Returns the vertices of the held loops. Includes every vertex at each position, because an example may tear them
