@@ -332,3 +332,36 @@ impl Loops {
         v
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::tasks::Serial;
+    use crate::mesh::data::MeshData;
+
+    #[test]
+    fn windows_are_those_of_comparing_all_points() {
+        let at = |v: usize| [(v % 70) as f32 * 0.1, (v / 70) as f32 * 0.1, ((v * 37) % 11) as f32 * 0.01];
+        let mesh = MeshData { positions: (0..4900).map(at).collect(), ..Default::default() };
+        let (mesh, _) = Mesh::new(mesh).unwrap();
+        let held: Vec<Vec3> = (0..70).chain([2500, 2500, 4899]).map(|v| mesh.positions()[v]).collect();
+        let diagonal = 12.0;
+        let (blocks, windows) = windows(&held, diagonal, &mesh, &Serial);
+        assert!(blocks.contains(&Rim::CLEAR) && windows.len() > 3);
+        let rim = Rim { blocks: blocks.into(), windows: windows.into(), held: Array::default() };
+        for (p, v) in mesh.positions().iter().zip(0..) {
+            let off = |h: &Vec3| (p.x - h.x) * (p.x - h.x) + (p.y - h.y) * (p.y - h.y) + (p.z - h.z) * (p.z - h.z);
+            let s = held.iter().map(off).fold(f32::INFINITY, f32::min).sqrt() / (WIDTH * diagonal);
+            let factor = if s < 1.0 { s * s * (3.0 - 2.0 * s) } else { 1.0 };
+            assert_eq!(rim.at(v).factor, factor, "{v}");
+        }
+    }
+
+    #[test]
+    fn boundary_edges_have_one_triangle() {
+        let triangles = [[0, 1, 2], [2, 1, 3], [4, 4, 3]];
+        let found = boundary(triangles.into_iter(), 5);
+        assert_eq!(found, [(0, 1), (0, 2), (1, 3), (2, 3)]);
+        assert_eq!(boundary([[0, 1, 2], [2, 1, 0]].into_iter(), 3), []);
+    }
+}

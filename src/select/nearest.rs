@@ -141,3 +141,51 @@ pub(crate) fn report(placed: &PlacedMark, mark: Mark, out: &mut Outcome) -> Mark
     out.mark = Some(mark);
     mark
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::tasks::Serial;
+    use crate::example::data::{Contact, Deltas, ExampleData};
+    use crate::example::options::SetOptions;
+    use crate::mesh::data::MeshData;
+    use glam::Vec3;
+
+    /// A bumpy sheet of 50 x 50 vertices with small dents, each of another depth and lean.
+    fn set(dents: u32) -> ExampleSet {
+        let at = |v: u32| [(v % 50) as f32, (v / 50) as f32];
+        let positions = (0..2500).map(at).map(|[x, y]| [x, y, (0.3 * x).sin() + (0.2 * y).cos()]).collect();
+        let corner = (0..2450).filter(|v| v % 50 < 49);
+        let triangles = corner.flat_map(|v| [[v, v + 1, v + 50], [v + 50, v + 1, v + 51]]).collect();
+        let dent = |i: u32| {
+            let contact = 51 + 50 * (i * 7 % 47) + i * 11 % 47;
+            let d = [0.01 * (i % 5) as f32, 0.02 * (i % 3) as f32, -0.5 - 0.01 * i as f32];
+            let deltas = Deltas::Sparse { indices: vec![contact, contact + 1], values: vec![d, d.map(|x| 0.5 * x)] };
+            ExampleData { contact: Some(Contact::Vertex(contact)), ..ExampleData::new("dent", deltas) }
+        };
+        let mesh = MeshData { positions, triangles, ..Default::default() };
+        let options = SetOptions { stamp_resolution: 4, ..SetOptions::default() };
+        ExampleSet::build(mesh, (0..dents).map(dent).collect(), options, &Serial).unwrap()
+    }
+
+    #[test]
+    fn bounds_leave_out_no_candidate_that_counts() {
+        for dents in [5, 13, 300] {
+            let set = set(dents);
+            let all = set.candidates().all();
+            for contact in (0..2500).step_by(97) {
+                let direction = Vec3::new(0.03, 0.01 * (contact % 4) as f32, -1.0).normalize();
+                let normal = set.mesh().contact_normal(contact);
+                let target = HitTarget { contact, normal, direction, size: 0.7, strike: None };
+                let hit = HitQuery::new(&set, &target, 1.3);
+                let mut search = Search { set: &set, hit: &hit, shortlist: Shortlist::new(), alone: None };
+                all.iter().enumerate().for_each(|(i, c)| search.look_at(i, c));
+                let found = nearest_pairs(&set, 3, &hit);
+                assert!(!found[0].is_none());
+                if search.alone.is_none() {
+                    assert_eq!(found, search.shortlist.pairs(3, all), "{dents} {contact}");
+                }
+            }
+        }
+    }
+}
