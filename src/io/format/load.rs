@@ -3,6 +3,7 @@
 use super::check;
 use super::layout::{AnchoredRecord, BlowRecord, ExampleRecord, Id, MeshRecord, SetRecord, StampRecord, wrong};
 use super::read::{File, length_of};
+use super::scan::open;
 use crate::base::array::{Array, FileBytes};
 use crate::base::error::Error;
 use crate::base::tasks::TaskSystem;
@@ -27,7 +28,7 @@ use std::sync::Arc;
 
 /// Makes the set from a file's bytes.
 pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSet, Error> {
-    let (file, sound) = File::open(bytes, tasks)?;
+    let (file, sound) = open(bytes, tasks)?;
     let record = *one::<SetRecord>(&file.array(Id::Set, 0)?, Id::Set)?;
     if !(1..=MAX_MESHES as u32).contains(&record.meshes) {
         return Err(wrong("the number of meshes", record.meshes, format!("1 to {MAX_MESHES}")));

@@ -1,14 +1,12 @@
 //! Reads a file's header and table, and its sections as arrays.
 
 use super::layout::{ALIGN, Entry, Header, Id, MAGIC, VERSION, wrong};
-use super::scan::scan;
 use crate::base::array::{Array, FileBytes};
 use crate::base::error::Error;
-use crate::base::tasks::TaskSystem;
 use bytemuck::Pod;
 use std::ops::Range;
 
-/// A file with its sections found and its checksum verified.
+/// A file with its sections found.
 pub(super) struct File<'a> {
     pub bytes: &'a FileBytes,
     /// The known sections, by id and mesh.
@@ -16,9 +14,9 @@ pub(super) struct File<'a> {
 }
 
 impl<'a> File<'a> {
-    /// Reads the header and the table, and verifies the checksum. Also returns whether the large sections passed the
-    /// checks of [`super::scan`].
-    pub(super) fn open(bytes: &'a FileBytes, tasks: &dyn TaskSystem) -> Result<(Self, bool), Error> {
+    /// Reads the header and the table. Returns the checksum that the header states, and the file or what is wrong with
+    /// its table.
+    pub(super) fn read(bytes: &'a FileBytes) -> Result<(u64, Result<Self, Error>), Error> {
         let all = bytes.as_slice();
         let too_short = || wrong("its length", format!("{} bytes", all.len()), "at least the 64 of a header");
         let header: Header =
@@ -51,17 +49,7 @@ impl<'a> File<'a> {
         if all.get(table.clone()).is_none() {
             return Err(wrong("the number of sections", header.sections, "so few that their table fits into the file"));
         }
-        let file = File::table(bytes, &header, table);
-        let found = scan(all, file.as_ref().ok(), tasks);
-        // A damaged table is first of all damaged.
-        if header.checksum != found.checksum {
-            return Err(wrong(
-                "the checksum",
-                format!("{:#018x}", header.checksum),
-                format!("{:#018x}: the file was damaged", found.checksum),
-            ));
-        }
-        Ok((file?, found.sound))
+        Ok((header.checksum, File::table(bytes, &header, table)))
     }
 
     /// Reads the table of sections, which is at `table`.

@@ -2,8 +2,10 @@
 //! A file is read from memory once, whatever is checked.
 
 use super::check;
-use super::layout::{CHUNK, Id, MeshRecord, UNHASHED, checksum};
+use super::layout::{CHUNK, Id, MeshRecord, UNHASHED, checksum, wrong};
 use super::read::File;
+use crate::base::array::FileBytes;
+use crate::base::error::Error;
 use crate::base::tasks::{TaskSystem, map};
 use crate::mesh::MAX_COORDINATE;
 use crate::mesh::nearest::{Leaf, vertices_known};
@@ -12,23 +14,23 @@ use glam::Vec3;
 use std::ops::Range;
 use twox_hash::XxHash3_64;
 
-/// What the pass found.
-pub(super) struct Scan {
-    pub checksum: u64,
-    /// Whether all of the content that [`quick_checks`] looks at is right. If not, [`super::load`] finds out what is
-    /// wrong.
-    pub sound: bool,
-}
-
-/// Scans a file. `table` is the file with its table of sections, if that could be read; nothing in it needs to be true.
-pub(super) fn scan(file: &[u8], table: Option<&File<'_>>, tasks: &dyn TaskSystem) -> Scan {
-    let checks = table.map_or(Vec::new(), quick_checks);
-    let chunks = map(tasks, (UNHASHED..file.len()).step_by(CHUNK), |start| {
-        let chunk = start..file.len().min(start + CHUNK);
-        (XxHash3_64::oneshot(&file[chunk.clone()]), checks.iter().all(|check| check.holds(file, &chunk)))
+/// Reads a file's header and table, and verifies its checksum. Also returns whether all of the content that
+/// [`quick_checks`] looks at is right. If not, [`super::load`] finds out what is wrong.
+pub(super) fn open<'a>(bytes: &'a FileBytes, tasks: &dyn TaskSystem) -> Result<(File<'a>, bool), Error> {
+    let (stated, file) = File::read(bytes)?;
+    let all = bytes.as_slice();
+    // Nothing in the table needs to be true yet.
+    let checks = file.as_ref().map_or(Vec::new(), quick_checks);
+    let chunks = map(tasks, (UNHASHED..all.len()).step_by(CHUNK), |start| {
+        let chunk = start..all.len().min(start + CHUNK);
+        (XxHash3_64::oneshot(&all[chunk.clone()]), checks.iter().all(|check| check.holds(all, &chunk)))
     });
-    let hashes: Vec<u64> = chunks.iter().map(|c| c.0).collect();
-    Scan { checksum: checksum(&hashes), sound: table.is_some() && chunks.iter().all(|c| c.1) }
+    let found = checksum(&chunks.iter().map(|c| c.0).collect::<Vec<u64>>());
+    // A damaged table is first of all damaged.
+    if stated != found {
+        return Err(wrong("the checksum", format!("{stated:#018x}"), format!("{found:#018x}: the file was damaged")));
+    }
+    Ok((file?, chunks.iter().all(|c| c.1)))
 }
 
 /// A check of the elements of one section.
