@@ -184,8 +184,8 @@ impl VertexIndex {
         VertexIndex { inner: inner.into(), leaves: leaves.into() }
     }
 
-    /// Makes the tree from arrays of any origin whose leaves have [known](vertices_known) vertices. `None` if there is no
-    /// leaf, or the number of inner nodes does not match the leaves. Arrays that do not form a tree only give wrong
+    /// Makes the tree from arrays of any origin whose leaves have [known](vertices_known) vertices. `None` if there is
+    /// no leaf, or the number of inner nodes does not match the leaves. Arrays that do not form a tree only give wrong
     /// vertices.
     pub(crate) fn of(inner: Array<Inner>, leaves: Array<Leaf>) -> Option<Self> {
         let fits = (1..MAX_LEAVES).contains(&leaves.len()) && inner.len() == inner_nodes(leaves.len());

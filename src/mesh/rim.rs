@@ -117,8 +117,8 @@ impl Rim {
     }
 }
 
-/// Windows of a mesh's vertices around held points, for a body with this diagonal (m). Returns the index of each block's
-/// windows, and the windows.
+/// Windows of a mesh's vertices around held points, for a body with this diagonal (m). Returns the index of each
+/// block's windows, and the windows.
 fn windows(held: &[Vec3], diagonal: f32, mesh: &Mesh, tasks: &dyn TaskSystem) -> (Vec<u32>, Vec<WindowBlock>) {
     if held.is_empty() {
         return Default::default();
