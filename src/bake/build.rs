@@ -16,14 +16,20 @@ use crate::example::options::{Combine, Seams, SetOptions, check_options};
 use crate::example::set::{ExampleSet, Parts, deepest};
 use crate::example::stamp::{Source, Stamp};
 use crate::mesh::data::MeshData;
+use crate::mesh::field::{Field, zeros};
 use crate::mesh::mirror::{self, Mirror};
 use crate::mesh::nearest::VertexIndex;
+use crate::mesh::normals::{self, BlockTriangles};
 use crate::mesh::rim::{self, Rim};
-use crate::mesh::{MAX_COORDINATE, Mesh, finite, normals};
+use crate::mesh::vertex_blocks::BLOCK;
+use crate::mesh::{MAX_COORDINATE, Mesh, finite};
 use glam::Vec3;
+use std::hash::Hasher;
 use std::sync::Arc;
-use xxhash_rust::xxh3::Xxh3;
+use twox_hash::XxHash3_64;
 
+/// Numbers that are hashed at once.
+const PIECE: usize = 4096;
 /// Vertices displaced by less than this share of an example's deepest displacement do not count for its support radius.
 const SUPPORT: f32 = 0.01;
 
@@ -52,8 +58,10 @@ impl ExampleSet {
         let index = VertexIndex::new(mesh.positions(), mesh.weld(), tasks);
         let seams = seam_groups(mesh.weld());
         let steps = options.tolerance.map_or(Steps::EXACT, |t| Steps::new(t, options.normal_tolerance));
+        let around = BlockTriangles::new(mesh.triangles(), mesh.weld());
+        let (smooth, around) = (&smooth[..], &around);
         let builder =
-            ExampleBuilder { mesh: &mesh, index: &index, seams: &seams, smooth: &smooth, options: &options, steps };
+            ExampleBuilder { mesh: &mesh, index: &index, seams: &seams, smooth, around, options: &options, steps };
         let built = map(tasks, examples.iter().enumerate(), |(i, e)| builder.build(i, e));
         let (mut welded, mut widest_weld, mut given) = (0, 0.0f32, 0.0f32);
         let mut ready = reserve(examples.len(), "examples")?;
@@ -78,7 +86,7 @@ impl ExampleSet {
         }
         let planes =
             if options.mirror { mirror::planes(mesh.positions(), &index, &mesh.bounds()) } else { Mirror::NONE };
-        let rim = if options.held_rims { Rim::find(&mesh, &moves) } else { Rim::default() };
+        let rim = if options.held_rims { Rim::find(&mesh, &moves, tasks) } else { Rim::default() };
         let mut set = Self::assemble(Parts {
             fingerprint: fingerprint(&mesh, &ready, &options),
             learned: Learned::nothing(ready.len()),
@@ -106,8 +114,16 @@ fn seam_groups(weld: &[u32]) -> Vec<Vec<u32>> {
 }
 
 fn fingerprint(mesh: &Mesh, examples: &[Example], options: &SetOptions) -> u64 {
-    let mut h = Xxh3::new();
-    let mut vec = |v: Vec3| v.to_array().iter().for_each(|x| h.update(&x.to_bits().to_le_bytes()));
+    let mut h = XxHash3_64::default();
+    // In pieces, which the hash takes faster than single numbers.
+    let mut numbers: Vec<u32> = Vec::with_capacity(PIECE);
+    let mut vec = |v: Vec3| {
+        numbers.extend(v.to_array().map(|x| x.to_bits().to_le()));
+        if numbers.len() + 3 > PIECE {
+            h.write(bytemuck::cast_slice(&numbers));
+            numbers.clear();
+        }
+    };
     mesh.positions().iter().for_each(|p| vec(*p));
     for e in examples {
         vec(e.contact_point);
@@ -119,14 +135,15 @@ fn fingerprint(mesh: &Mesh, examples: &[Example], options: &SetOptions) -> u64 {
             vec(d);
         });
     }
+    h.write(bytemuck::cast_slice(&numbers));
     let combine = match options.combine {
         Combine::Sum => 0,
         Combine::Energies => 1,
         Combine::Deepest => 2,
     };
-    h.update(&[combine, u8::from(options.strict), options.stamp_resolution as u8]);
-    h.update(&[u8::from(options.mirror), u8::from(options.held_rims)]);
-    h.digest()
+    h.write(&[combine, u8::from(options.strict), options.stamp_resolution as u8]);
+    h.write(&[u8::from(options.mirror), u8::from(options.held_rims)]);
+    h.finish()
 }
 
 struct Built {
@@ -144,6 +161,7 @@ struct ExampleBuilder<'a> {
     index: &'a VertexIndex,
     seams: &'a [Vec<u32>],
     smooth: &'a [Vec3],
+    around: &'a BlockTriangles,
     options: &'a SetOptions,
     steps: Steps,
 }
@@ -152,25 +170,22 @@ impl ExampleBuilder<'_> {
     fn build(&self, i: usize, data: &ExampleData) -> Result<Built, Error> {
         let mismatch = |what: String| Error::ExampleMismatch { index: i, name: data.name.clone(), what };
         let mut deltas = self.dense(&data.positions, "displacement", &mismatch)?;
-        for d in &mut deltas {
-            if d.length() <= self.options.drop_below {
-                *d = Vec3::ZERO;
-            }
-        }
+        let small = |d: &Vec3| d.length() <= self.options.drop_below;
+        deltas = deltas.map("an example's displacements", |d| if small(&d) { Vec3::ZERO } else { d })?;
         let (welded, widest_weld) = match self.options.seams {
             Seams::Weld => self.weld(&mut deltas),
             Seams::Keep => (0, 0.0),
         };
+        deltas.prune();
         let normals = match (&data.normals, self.mesh.normals()) {
             (Some(n), Some(_)) => Some(self.dense(n, "normal change", &mismatch)?),
-            (None, Some(base)) => Some(self.computed_normals(&deltas, base)),
+            (None, Some(base)) => Some(self.computed_normals(&deltas, base)?),
             (_, None) => None,
         };
         let (given, given_normals) = (deltas, normals);
-        let (deltas, normals) = self.rounded(&given, given_normals.as_deref(), &mismatch)?;
-        let moved = deltas.iter().filter(|d| **d != Vec3::ZERO).count();
-        let longest = |deltas: &[Vec3]| deltas.iter().map(|d| d.length()).fold(0.0, f32::max);
-        let (max_depth, deepest) = (longest(&deltas), longest(&given));
+        let (deltas, normals) = self.rounded(&given, given_normals.as_ref(), &mismatch)?;
+        let moved = deltas.moved().count();
+        let (max_depth, deepest) = (deltas.longest(), given.longest());
         let contact_vertex = self.contact_vertex(data, &given, &mismatch)?;
         let contact_point = self.mesh.positions()[contact_vertex as usize];
         let contact_delta = if moved > 0 { given[contact_vertex as usize] } else { Vec3::ZERO };
@@ -200,14 +215,9 @@ impl ExampleBuilder<'_> {
             ));
         }
         let placement = if can_carry { data.placement } else { Placement::Anchored };
-        let support_radius = self
-            .mesh
-            .positions()
-            .iter()
-            .zip(&given)
-            .filter(|(_, d)| d.length() >= SUPPORT * deepest && **d != Vec3::ZERO)
-            .map(|(p, _)| (*p - contact_point).length())
-            .fold(0.0, f32::max);
+        let support = given.moved().filter(|(_, d)| d.length() >= SUPPORT * deepest);
+        let support_radius =
+            support.map(|(v, _)| (self.mesh.positions()[v] - contact_point).length()).fold(0.0, f32::max);
         let stamp = (placement != Placement::Anchored && moved > 0).then(|| {
             let source = Source {
                 positions: self.mesh.positions(),
@@ -221,6 +231,9 @@ impl ExampleBuilder<'_> {
             };
             Stamp::build(&source, self.options.stamp_resolution, self.options.tolerance)
         });
+        let mut blocks = [deltas.blocks(), normals.as_ref().map_or(&[], Field::blocks)].concat();
+        blocks.sort_unstable();
+        blocks.dedup();
         let example = Example {
             name: data.name.clone(),
             placement,
@@ -234,7 +247,7 @@ impl ExampleBuilder<'_> {
             max_depth,
             support_radius,
             moved,
-            anchored: Arc::new(DeltaBlocks::new(&deltas, normals.as_deref(), self.steps)),
+            anchored: Arc::new(DeltaBlocks::of_blocks(blocks, &deltas, normals.as_deref(), self.steps)),
             stamp,
         };
         let moves = if self.options.held_rims { rim::moves(&given) } else { Vec::new() };
@@ -244,26 +257,25 @@ impl ExampleBuilder<'_> {
     /// Rounds displacements and changes of normals as they will be stored.
     fn rounded(
         &self,
-        deltas: &[Vec3],
-        normals: Option<&[Vec3]>,
+        deltas: &Field,
+        normals: Option<&Field>,
         mismatch: &dyn Fn(String) -> Error,
-    ) -> Result<(Vec<Vec3>, Option<Vec<Vec3>>), Error> {
-        let mut kept = reserve(deltas.len(), "an example's displacements")?;
+    ) -> Result<(Field, Option<Field>), Error> {
         let least = self.options.tolerance.unwrap_or(0.0);
-        kept.extend(deltas.iter().map(|d| self.steps.displacement(*d, least)));
-        let longest = deltas.iter().map(|d| d.abs().max_element()).fold(0.0, f32::max);
+        let kept = deltas.map("an example's displacements", |d| self.steps.displacement(d, least))?;
+        let longest = deltas.moved().map(|(_, d)| d.abs().max_element()).fold(0.0, f32::max);
         if self.steps.whole && longest > self.steps.position * Steps::MOST {
             return Err(mismatch(format!(
                 "it moves a vertex by {longest} m, too far to be told to {least} m in a float; give a tolerance of at least {} m, or none",
                 longest / Steps::MOST
             )));
         }
-        let normals = normals.map(|n| n.iter().map(|n| self.steps.normal_change(*n)).collect());
-        Ok((kept, normals))
+        let change = |n: &Field| n.map("an example's normals", |n| self.steps.normal_change(n));
+        Ok((kept, normals.map(change).transpose()?))
     }
 
     /// Checks `deltas` and expands them to one vector per vertex.
-    fn dense(&self, deltas: &Deltas, what: &str, mismatch: &dyn Fn(String) -> Error) -> Result<Vec<Vec3>, Error> {
+    fn dense(&self, deltas: &Deltas, what: &str, mismatch: &dyn Fn(String) -> Error) -> Result<Field, Error> {
         let n = self.mesh.positions().len();
         let check = |v: u32, d: [f32; 3]| -> Result<Vec3, Error> {
             let x = Vec3::from_array(d);
@@ -275,7 +287,7 @@ impl ExampleBuilder<'_> {
             }
             Ok(x + Vec3::ZERO)
         };
-        let mut out = reserve(n, "an example's displacements")?;
+        let mut checked = Vec::new();
         match deltas {
             Deltas::Full(d) => {
                 if d.len() != n {
@@ -284,8 +296,8 @@ impl ExampleBuilder<'_> {
                         d.len()
                     )));
                 }
-                for (v, d) in d.iter().enumerate() {
-                    out.push(check(v as u32, *d)?);
+                for (v, d) in d.iter().enumerate().filter(|(_, d)| **d != [0.0; 3]) {
+                    checked.push((v, check(v as u32, *d)?));
                 }
             }
             Deltas::Sparse { indices, values } => {
@@ -296,7 +308,6 @@ impl ExampleBuilder<'_> {
                         values.len()
                     )));
                 }
-                out.resize(n, Vec3::ZERO);
                 let mut last = None;
                 for (v, d) in indices.iter().zip(values) {
                     if *v as usize >= n {
@@ -309,17 +320,20 @@ impl ExampleBuilder<'_> {
                         )));
                     }
                     last = Some(*v);
-                    out[*v as usize] = check(*v, *d)?;
+                    checked.push((*v as usize, check(*v, *d)?));
                 }
             }
         }
-        Ok(out)
+        let mut field = Field::zero(n, "an example's displacements")?;
+        field.set(checked);
+        Ok(field)
     }
 
     /// Gives coincident vertices the mean of their displacements. Returns the number of vertices whose displacements
     /// differed, and the widest gap (m).
-    fn weld(&self, deltas: &mut [Vec3]) -> (usize, f32) {
+    fn weld(&self, deltas: &mut Field) -> (usize, f32) {
         let (mut count, mut widest) = (0, 0.0f32);
+        let mut welded = Vec::new();
         for group in self.seams {
             let first = deltas[group[0] as usize];
             if group.iter().all(|v| deltas[*v as usize] == first) {
@@ -328,42 +342,58 @@ impl ExampleBuilder<'_> {
             let sum: glam::DVec3 = group.iter().map(|v| deltas[*v as usize].as_dvec3()).sum();
             let mean = (sum / group.len() as f64).as_vec3();
             for v in group {
-                let d = &mut deltas[*v as usize];
-                widest = widest.max((*d - first).length());
-                *d = mean;
+                widest = widest.max((deltas[*v as usize] - first).length());
+                welded.push((*v as usize, mean));
             }
             count += group.len();
         }
+        deltas.set(welded);
         (count, widest)
     }
 
-    /// Changes of the base normals. Each base normal turns like the smooth normal of the surface.
-    fn computed_normals(&self, deltas: &[Vec3], base: &[Vec3]) -> Vec<Vec3> {
+    /// Changes of the base normals. Each base normal turns like the smooth normal of the surface. Only the surroundings
+    /// of moved vertices are computed.
+    fn computed_normals(&self, deltas: &Field, base: &[Vec3]) -> Result<Field, Error> {
         let (triangles, weld) = (self.mesh.triangles(), self.mesh.weld());
-        let moved: Vec<Vec3> = self.mesh.positions().iter().zip(deltas).map(|(p, d)| *p + *d).collect();
-        // Computes only around moved vertices, so that many small examples on a large mesh stay cheap.
-        let mut near = vec![false; base.len()];
-        for t in triangles {
+        let triangle = |t: &u32| triangles[*t as usize];
+        // The positions whose normal may change, each as its lowest vertex.
+        let mut near: Vec<u32> = Vec::new();
+        for t in self.around.of(deltas.blocks()).iter().map(triangle) {
             if t.iter().any(|v| deltas[*v as usize] != Vec3::ZERO) {
-                t.iter().for_each(|v| near[weld[*v as usize] as usize] = true);
+                near.extend(t.map(|v| weld[v as usize]));
             }
         }
-        let after = normals::smooth_where(&moved, triangles, weld, |w| near[w as usize]);
-        (0..base.len())
-            .map(|v| {
-                let (a, b) = (self.smooth[v], after[v]);
-                if a == Vec3::ZERO || b == Vec3::ZERO || a == b {
-                    return Vec3::ZERO;
-                }
-                rotation_between(a, b) * base[v] - base[v]
-            })
-            .collect()
+        near.sort_unstable();
+        near.dedup();
+        let mut blocks: Vec<u32> = near.iter().map(|w| w / BLOCK as u32).collect();
+        blocks.dedup();
+        let mut wanted = zeros(base.len(), "an example's normals")?;
+        near.iter().for_each(|w| wanted[*w as usize] = true);
+        let mut sums = zeros(base.len(), "an example's normals")?;
+        let position = |v: u32| self.mesh.positions()[v as usize] + deltas[v as usize];
+        let around = self.around.of(&blocks);
+        normals::add_corners(&mut sums, position, around.iter().map(triangle), weld, |w| wanted[w as usize]);
+        let mut changed = Vec::new();
+        for w in &near {
+            let (a, b) = (self.smooth[*w as usize], normals::normal(sums[*w as usize]));
+            if a == Vec3::ZERO || b == Vec3::ZERO || a == b {
+                continue;
+            }
+            let turn = rotation_between(a, b);
+            let others = self.seams.binary_search_by_key(w, |group| group[0]).map_or(&[][..], |g| &self.seams[g][1..]);
+            let own = [*w].into_iter().chain(others.iter().copied()).map(|v| v as usize);
+            changed.extend(own.map(|v| (v, turn * base[v] - base[v])));
+        }
+        let mut changes = Field::zero(base.len(), "an example's normals")?;
+        changes.set(changed);
+        changes.prune();
+        Ok(changes)
     }
 
     fn contact_vertex(
         &self,
         data: &ExampleData,
-        deltas: &[Vec3],
+        deltas: &Field,
         mismatch: &dyn Fn(String) -> Error,
     ) -> Result<u32, Error> {
         match data.contact {
@@ -380,7 +410,7 @@ impl ExampleBuilder<'_> {
             }
             None => {
                 let mut best = 0;
-                for (v, d) in deltas.iter().enumerate() {
+                for (v, d) in deltas.moved() {
                     if d.length() > deltas[best].length() {
                         best = v;
                     }

@@ -12,7 +12,7 @@ use crate::example::learned::Learned;
 use crate::example::set::ExampleSet;
 use crate::select::placement::is_automatic;
 use crate::select::query::HitQuery;
-use crate::select::shortlist::{Scored, Shortlist};
+use crate::select::shortlist::Shortlist;
 use crate::select::target::HitTarget;
 use glam::Vec3;
 
@@ -101,15 +101,16 @@ fn left_out(set: &ExampleSet, q: usize) -> Errors {
     let all = set.candidates().all();
     let others = || all.iter().enumerate().filter(|(_, c)| c.example as usize != q && !copies[c.example as usize]);
     let predict = |width: f32, anchored: bool| {
-        let hit = HitQuery::new(set, &HitTarget { contact, direction, size, strike: None }, width);
+        let normal = set.mesh().contact_normal(contact);
+        let hit = HitQuery::new(set, &HitTarget { contact, normal, direction, size, strike: None }, width);
         let usable = |i: usize| anchored || examples[i].placement() != Placement::Anchored;
         let mut found = Shortlist::new();
         for (i, c) in others().filter(|(_, c)| usable(c.example as usize)) {
-            if let Some(scored) = Scored::new(i, c, anchored, &hit) {
+            if let Some(scored) = found.score(i, c, anchored, &hit) {
                 found.add(scored);
             }
         }
-        let pairs = found.pairs(EXAMPLES, all, &hit);
+        let pairs = found.pairs(EXAMPLES, all);
         (!pairs[0].is_none()).then(|| {
             let parts = place(set, contact, size, &pairs, &frame_rotations(set, contact, &pairs)).parts;
             let (mut wrong, mut all) = (0.0f64, 0.0f64);

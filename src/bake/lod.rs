@@ -59,7 +59,7 @@ impl ExampleSet {
         for ready in transferred {
             anchored.push(Arc::new(ready?));
         }
-        let rim = self.rim().on(self.mesh(), mesh.positions());
+        let rim = self.rim().on(self.mesh(), &mesh, tasks);
         let shown = MeshLod::new(mesh, rim, anchored);
         let report = LodReport { vertices: shown.vertex_count(), bytes: shown.bytes(), farthest };
         self.push_lod(shown, report);

@@ -1,7 +1,7 @@
 //! The vector math that marks depend on. It gives the same bits on every platform, because it uses only IEEE
 //! operations: glam's scalar `Vec3` and `Mat3`, square roots, and `libm` for the rest.
 
-use glam::{DVec3, Mat3, Vec3};
+use glam::{DVec3, Mat3, Vec3, Vec4};
 
 /// An axis-aligned box, m. Empty when `min > max`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,6 +21,26 @@ impl Aabb {
         let mut b = Aabb::EMPTY;
         for p in points {
             b.add(*p);
+        }
+        b
+    }
+
+    /// The smallest box around `points`: the same as [`Aabb::of`], but vectorized.
+    pub(crate) fn of_slice(points: &[Vec3]) -> Self {
+        // x y z x, y z x y, z x y z: four points.
+        let (fours, rest) = points.as_chunks::<4>();
+        let (mut low, mut high) = ([Vec4::INFINITY; 3], [Vec4::NEG_INFINITY; 3]);
+        for four in fours {
+            let numbers: &[f32; 12] = bytemuck::cast_ref(four);
+            for k in 0..3 {
+                let x = Vec4::from_slice(&numbers[4 * k..]);
+                (low[k], high[k]) = (low[k].min(x), high[k].max(x));
+            }
+        }
+        let mut b = Aabb::of(rest);
+        let (low, high): ([f32; 12], [f32; 12]) = (bytemuck::cast(low), bytemuck::cast(high));
+        for (low, high) in low.chunks_exact(3).zip(high.chunks_exact(3)) {
+            b.union(&Aabb { min: Vec3::from_slice(low), max: Vec3::from_slice(high) });
         }
         b
     }

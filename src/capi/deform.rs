@@ -12,7 +12,8 @@ use super::types::{CrumpleAabb, CrumpleBuffer, CrumpleInstance, CrumpleRange};
 use crate::base::error::reserve;
 use crate::base::math::Aabb;
 use crate::instance::deform::DeformJob;
-use xxhash_rust::xxh3::Xxh3;
+use std::hash::Hasher;
+use twox_hash::XxHash3_64;
 
 /// The work done by a deform. A block is a run of up to 128 consecutive vertices.
 #[repr(C)]
@@ -91,15 +92,15 @@ pub unsafe extern "C" fn crumple_context_deform(
 /// # Safety
 /// The host's memory is still there, and nobody else touches it.
 pub(super) unsafe fn vertices_digest<'a>(entries: impl Iterator<Item = &'a BufferEntry>) -> u64 {
-    let mut all = Xxh3::new();
+    let mut all = XxHash3_64::default();
     for entry in entries {
         let Memory::Host(memory, tracker) = &entry.memory else { continue };
         for range in tracker.changed() {
-            all.update(bytemuck::bytes_of(&[range.start, range.end]));
-            memory.read(range, |element| all.update(element));
+            all.write(bytemuck::bytes_of(&[range.start, range.end]));
+            memory.read(range, |element| all.write(element));
         }
     }
-    all.digest()
+    all.finish()
 }
 
 /// The buffers that a call names: those given, or all.

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use xxhash_rust::xxh3::xxh3_64_with_seed;
+use twox_hash::XxHash3_64;
 
 const MAGIC: [u8; 8] = *b"CRUMPREC";
 /// Grows when old readers could not read new files.
@@ -46,7 +46,7 @@ fn head(event: &[u8]) -> [u8; HEAD] {
     let length = event.len() as u64;
     let mut head = [0; HEAD];
     head[..8].copy_from_slice(&length.to_le_bytes());
-    head[8..].copy_from_slice(&xxh3_64_with_seed(event, length).to_le_bytes());
+    head[8..].copy_from_slice(&XxHash3_64::oneshot_with_seed(length, event).to_le_bytes());
     head
 }
 

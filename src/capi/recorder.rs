@@ -10,7 +10,7 @@ use super::types::CrumpleExampleSet;
 use crate::example::set::ExampleSet;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use xxhash_rust::xxh3::xxh3_64;
+use twox_hash::XxHash3_64;
 
 /// Of a context: its recording, where there is one.
 ///
@@ -169,5 +169,5 @@ fn write_last(mut guard: MutexGuard<'_, Option<Writer>>, event: &Event) -> Optio
 
 /// A number that stands for an array.
 pub(super) fn digest(bytes: &[u8]) -> u64 {
-    xxh3_64(bytes)
+    XxHash3_64::oneshot(bytes)
 }

@@ -252,8 +252,9 @@ pub(crate) fn place(
             (depth / u.length(), None, u)
         } else {
             let size = depth / e.depth();
+            // The stamp at its own contact, whatever the stretch.
+            let u = e.stamp().map_or(Vec3::ZERO, |s| *rotation * s.centre);
             let carried = Placement { contact: c, frame: *rotation, stretch: size.sqrt() };
-            let u = carried.alone(set, example, c);
             (size, Some(carried), u)
         };
         let scale = pair.share_fraction() * size;

@@ -155,9 +155,19 @@ impl Stored<'_> {
 impl DeltaBlocks {
     /// Stores one displacement (and one change of the normal) per vertex. Values must be as [`Steps`] rounds them.
     pub(crate) fn new(deltas: &[Vec3], normals: Option<&[Vec3]>, steps: Steps) -> Self {
+        Self::of_blocks(0..deltas.len().div_ceil(BLOCK) as u32, deltas, normals, steps)
+    }
+
+    /// The same if all values outside `blocks`, which increase, are zero.
+    pub(crate) fn of_blocks(
+        blocks: impl IntoIterator<Item = u32>,
+        deltas: &[Vec3],
+        normals: Option<&[Vec3]>,
+        steps: Steps,
+    ) -> Self {
         let (mut heads, mut words) = (Vec::new(), Vec::new());
-        for b in 0..deltas.len().div_ceil(BLOCK) {
-            let r = block_range(b, deltas.len());
+        for b in blocks {
+            let r = block_range(b as usize, deltas.len());
             let d = &deltas[r.clone()];
             let n = normals.map_or(&[][..], |n| &n[r.clone()]);
             let (groups, normal_groups) = (moved(d), moved(n));
@@ -168,7 +178,7 @@ impl DeltaBlocks {
             let width = store(d, groups, steps, steps.position, &mut words);
             let normal_width = store(n, normal_groups, steps, steps.normal, &mut words);
             heads.push(Head {
-                block: b as u32,
+                block: b,
                 at,
                 longest: d.iter().map(|d| d.length()).fold(0.0, f32::max),
                 groups,

@@ -31,7 +31,9 @@ pub(crate) struct Candidate {
     pub direction: Vec3,
     /// The tangential part of `direction`.
     pub lean: Vec3,
+    pub depth: f32,
     pub log_depth: f32,
+    pub placement: Placement,
     /// The tangential part of its blow, as [`super::response::Strike`] has it, and the logarithm of the striker's
     /// radius. `None` if unknown.
     pub tangent: Option<Vec3>,
@@ -56,7 +58,9 @@ impl Candidate {
             normal,
             direction,
             lean: direction - normal * normal.dot(direction),
+            depth: e.depth(),
             log_depth: e.log_depth(),
+            placement: e.placement(),
             tangent: None,
             log_radius: None,
             own_place_square,
@@ -94,7 +98,8 @@ pub(crate) struct CandidateLanes {
 
 impl CandidateLanes {
     /// A candidate that cannot be carried gets an infinite `log_depth`, so its distance when carried is infinite.
-    fn new(candidates: &[Candidate], cannot_move: &dyn Fn(&Candidate) -> bool) -> Self {
+    fn new(candidates: &[Candidate]) -> Self {
+        let cannot_move = |c: &Candidate| c.placement == Placement::Anchored;
         // Unused lanes repeat the last candidate. They are never read.
         let lane = |i: usize| &candidates[i.min(candidates.len() - 1)];
         let wide = |f: &dyn Fn(&Candidate) -> f32| Vec4::from_array(std::array::from_fn(|i| f(lane(i))));
@@ -162,13 +167,12 @@ impl Candidates {
     pub(crate) fn let_stay(&mut self, mesh: &Mesh, examples: &[Example], learned: &[bool]) {
         for c in self.all.iter_mut().filter(|c| c.mirror == Mirror::NONE) {
             let e = &examples[c.example as usize];
-            if e.placement() == Placement::Anchored || learned[c.example as usize] {
+            if c.placement == Placement::Anchored || learned[c.example as usize] {
                 let within = (OWN_PLACE * e.support_radius()).max(reach(mesh, e));
                 c.own_place_square = a_little_more(within * within);
             }
         }
-        let cannot_move = |c: &Candidate| examples[c.example as usize].placement() == Placement::Anchored;
-        self.lanes = self.all.chunks(LANES).map(|c| CandidateLanes::new(c, &cannot_move)).collect();
+        self.lanes = self.all.chunks(LANES).map(CandidateLanes::new).collect();
     }
 
     pub(crate) fn all(&self) -> &[Candidate] {

@@ -4,14 +4,13 @@ use super::blocks::DeltaBlocks;
 use crate::base::math::Aabb;
 use crate::mesh::Mesh;
 use crate::mesh::rim::Rim;
-use crate::mesh::vertex_blocks::{BLOCK, block_range};
 use std::sync::Arc;
 
 /// A mesh with the data needed to evaluate marks on it.
 #[derive(Debug)]
 pub(crate) struct MeshLod {
     pub mesh: Mesh,
-    pub block_bounds: Vec<Aabb>,
+    pub block_bounds: Arc<[Aabb]>,
     pub rim: Rim,
     /// One per example of the set.
     pub anchored: Vec<Arc<DeltaBlocks>>,
@@ -19,11 +18,7 @@ pub(crate) struct MeshLod {
 
 impl MeshLod {
     pub(crate) fn new(mesh: Mesh, rim: Rim, anchored: Vec<Arc<DeltaBlocks>>) -> Self {
-        let positions = mesh.positions();
-        let block_bounds = (0..positions.len().div_ceil(BLOCK))
-            .map(|b| Aabb::of(&positions[block_range(b, positions.len())]))
-            .collect();
-        MeshLod { mesh, block_bounds, rim, anchored }
+        MeshLod { block_bounds: mesh.block_bounds().clone(), mesh, rim, anchored }
     }
 
     /// Memory used, with its anchored examples, bytes.

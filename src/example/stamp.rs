@@ -21,6 +21,7 @@
 
 use crate::base::array::Array;
 use crate::base::math::Aabb;
+use crate::mesh::field::Field;
 use crate::mesh::nearest::VertexIndex;
 use glam::{Mat3, UVec2, Vec2, Vec3};
 use std::collections::VecDeque;
@@ -54,6 +55,8 @@ pub struct Stamp {
     pub(crate) heights: (f32, f32),
     /// Upper bound of the length of displacements read from the stamp, m.
     pub(crate) longest: f32,
+    /// Displacement of the contact, in its frame, m.
+    pub(crate) centre: Vec3,
     /// Root of the integral of squared displacements over the unrolled surface, over π, m².
     pub(crate) spread: f32,
     /// Error at the vertices that the example moves.
@@ -129,7 +132,7 @@ impl Grid {
 pub(crate) struct Source<'a> {
     pub positions: &'a [Vec3],
     pub index: &'a VertexIndex,
-    pub deltas: &'a [Vec3],
+    pub deltas: &'a Field,
     /// Changes of the unit normals, and the base normals.
     pub normals: Option<(&'a [Vec3], &'a [Vec3])>,
     /// Columns x, y, z of the contact frame.
@@ -170,7 +173,8 @@ impl Stamp {
         let squares = nodes.iter().map(|n| f64::from((of(n, 0) * steps.displacement).length_squared())).sum::<f64>();
         let cell = f64::from(grid.cell.x) * f64::from(grid.cell.y);
         let spread = (squares * cell / std::f64::consts::PI).sqrt() as f32;
-        Stamp { grid, nodes, steps, fade, heights, longest, spread, error }
+        let stamp = Stamp { grid, nodes, steps, fade, heights, longest, centre: Vec3::ZERO, spread, error };
+        Stamp { centre: stamp.displacement(Vec3::ZERO), ..stamp }
     }
 
     /// Returns the displacement (m), the change of the unit normal and the z of the base normal at `p` (m). Everything
@@ -319,9 +323,9 @@ impl Source<'_> {
         let limit = self.max_depth * EXTENT;
         let mut b = Aabb::EMPTY;
         b.add(Vec3::ZERO);
-        for (p, d) in self.positions.iter().zip(self.deltas) {
+        for (v, d) in self.deltas.moved() {
             if d.length() >= limit {
-                b.add(unrolled(self.to_frame(*p)).extend(0.0));
+                b.add(unrolled(self.to_frame(self.positions[v])).extend(0.0));
             }
         }
         let (lo, hi) = (b.min.truncate(), b.max.truncate());
@@ -417,8 +421,8 @@ impl Source<'_> {
     /// Error of a stamp against the field that it was made from, at the vertices that the field moves.
     fn error(&self, stamp: &Stamp) -> StampError {
         let (mut max, mut sum, mut count) = (0.0f32, 0.0f64, 0u32);
-        for (p, d) in self.positions.iter().zip(self.deltas).filter(|(_, d)| **d != Vec3::ZERO) {
-            let off = self.frame * stamp.displacement(self.to_frame(*p)) - *d;
+        for (v, d) in self.deltas.moved() {
+            let off = self.frame * stamp.displacement(self.to_frame(self.positions[v])) - d;
             max = max.max(off.length());
             sum += f64::from(off.length_squared());
             count += 1;

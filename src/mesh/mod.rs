@@ -1,6 +1,7 @@
 //! The checked base mesh with its seams, contact normals and bounds.
 
 pub(crate) mod data;
+pub(crate) mod field;
 pub(crate) mod mirror;
 pub(crate) mod nearest;
 pub(crate) mod normals;
@@ -15,6 +16,8 @@ use crate::base::math::{Aabb, unit};
 use data::MeshData;
 use glam::{Vec3, Vec4};
 use std::collections::HashMap;
+use std::sync::Arc;
+use vertex_blocks::{BLOCK, block_range};
 
 /// Largest coordinate accepted, m. Squares of larger ones could overflow f32.
 pub(crate) const MAX_COORDINATE: f32 = 1e9;
@@ -24,6 +27,7 @@ pub(crate) const MAX_COORDINATE: f32 = 1e9;
 pub struct Mesh {
     arrays: MeshArrays,
     bounds: Aabb,
+    block_bounds: Arc<[Aabb]>,
     seam_count: usize,
     repaired_normals: usize,
     degenerate_triangles: usize,
@@ -120,9 +124,16 @@ impl Mesh {
     /// Makes a mesh from arrays as [`Mesh::new`] makes them. `degenerate_triangles` is the number of triangles without
     /// area.
     pub(crate) fn of(arrays: MeshArrays, repaired_normals: usize, degenerate_triangles: usize) -> Self {
+        let positions = &arrays.positions[..];
+        let blocks = 0..positions.len().div_ceil(BLOCK);
+        let block_bounds: Arc<[Aabb]> =
+            blocks.map(|b| Aabb::of_slice(&positions[block_range(b, positions.len())])).collect();
+        let mut bounds = Aabb::EMPTY;
+        block_bounds.iter().for_each(|b| bounds.union(b));
         Self {
-            bounds: Aabb::of(arrays.positions.iter()),
-            seam_count: arrays.weld.iter().enumerate().filter(|(v, w)| **w as usize != *v).count(),
+            bounds,
+            block_bounds,
+            seam_count: arrays.weld.iter().zip(0u32..).filter(|(w, v)| **w != *v).count(),
             arrays,
             repaired_normals,
             degenerate_triangles,
@@ -170,6 +181,11 @@ impl Mesh {
     /// Bounds of the base positions.
     pub fn bounds(&self) -> Aabb {
         self.bounds
+    }
+
+    /// Bounds of the base positions of each block.
+    pub(crate) fn block_bounds(&self) -> &Arc<[Aabb]> {
+        &self.block_bounds
     }
 
     /// Number of vertices at the same position as a lower vertex (UV seams, hard edges).

@@ -113,6 +113,21 @@ impl Leaf {
     }
 }
 
+/// Whether all indices are below `len`. Vectorizes.
+#[inline]
+pub(crate) fn indices_below(all: &[u32], len: usize) -> bool {
+    let Some(last) = len.checked_sub(1).filter(|last| *last < 1 << 31) else {
+        return all.iter().all(|i| (*i as usize) < len);
+    };
+    // The highest bit is set if the index has it, or if the difference is negative.
+    all.iter().fold(0, |bits, i| bits | i | (last as u32).wrapping_sub(*i)) >> 31 == 0
+}
+
+/// Whether all vertices of the leaves are below `vertices`.
+pub(crate) fn vertices_known(leaves: &[Leaf], vertices: usize) -> bool {
+    leaves.iter().fold(true, |known, l| known & indices_below(&l.vertex, vertices))
+}
+
 /// The smallest of a leaf's distances. The comparisons form a tree, so that compilers vectorize them.
 #[inline]
 fn least(d: &[f32; LEAF]) -> f32 {
@@ -169,13 +184,12 @@ impl VertexIndex {
         VertexIndex { inner: inner.into(), leaves: leaves.into() }
     }
 
-    /// Makes the tree from arrays of any origin, for a mesh with `vertices` vertices. `None` if there is no leaf, the
-    /// number of inner nodes does not match the leaves, or a vertex is out of range. Arrays that do not form a tree
-    /// only give wrong vertices.
-    pub(crate) fn of(inner: Array<Inner>, leaves: Array<Leaf>, vertices: usize) -> Option<Self> {
+    /// Makes the tree from arrays of any origin whose leaves have [known](vertices_known) vertices. `None` if there is
+    /// no leaf, or the number of inner nodes does not match the leaves. Arrays that do not form a tree only give wrong
+    /// vertices.
+    pub(crate) fn of(inner: Array<Inner>, leaves: Array<Leaf>) -> Option<Self> {
         let fits = (1..MAX_LEAVES).contains(&leaves.len()) && inner.len() == inner_nodes(leaves.len());
-        let known = || leaves.iter().all(|l| l.vertex.iter().all(|v| (*v as usize) < vertices));
-        (fits && known()).then_some(VertexIndex { inner, leaves })
+        fits.then_some(VertexIndex { inner, leaves })
     }
 
     /// The arrays for [`VertexIndex::of`].
@@ -464,11 +478,12 @@ mod tests {
                     vertex: [0; LEAF].map(|_| word() % 7),
                 })
                 .collect();
-            let of = |leaves: &[Leaf], n: usize| VertexIndex::of(inner.clone().into(), leaves.to_vec().into(), n);
-            prop_assert!(of(&all, 6).is_none() || all.iter().all(|l| !l.vertex.contains(&6)));
-            prop_assert!(of(&all[1..], 7).is_none() || leaves % 3 != 2);
-            prop_assert!(of(&[], 7).is_none());
-            let tree = of(&all, 7).unwrap();
+            let of = |leaves: &[Leaf]| VertexIndex::of(inner.clone().into(), leaves.to_vec().into());
+            prop_assert_eq!(vertices_known(&all, 6), all.iter().all(|l| !l.vertex.contains(&6)));
+            prop_assert!(vertices_known(&all, 7));
+            prop_assert!(of(&all[1..]).is_none() || leaves % 3 != 2);
+            prop_assert!(of(&[]).is_none());
+            let tree = of(&all).unwrap();
             let q = Vec3::from_array(q);
             prop_assert!(tree.nearest(q, &[Vec3::ONE; 7]).is_none_or(|n| n.vertex < 7));
             prop_assert!(tree.four(q).iter().all(|f| f.1 < 7));

@@ -7,8 +7,12 @@
 //! Anchored examples are not changed.
 
 use super::Mesh;
+use super::field::Field;
+use super::nearest::VertexIndex;
 use super::vertex_blocks::{BLOCK, block_range};
 use crate::base::array::Array;
+use crate::base::math::Aabb;
+use crate::base::tasks::{TaskSystem, map};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use rstar::{RTree, primitives::GeomWithData};
@@ -17,6 +21,11 @@ use rstar::{RTree, primitives::GeomWithData};
 const WIDTH: f32 = 0.03;
 /// A vertex counts as moved above this share of the example's deepest displacement.
 const MOVED: f32 = 0.01;
+
+/// Blocks that one task looks at.
+const BLOCKS_A_TASK: usize = 64;
+/// Vertices of a block that are looked at only if their box is near a held rim.
+const PART: usize = 16;
 
 /// The window at one vertex.
 #[derive(Debug, Clone, Copy)]
@@ -71,18 +80,18 @@ impl Rim {
     pub(crate) const CLEAR: u32 = u32::MAX;
 
     /// Finds the held rims. `examples` says for each example which vertices it [moves](moves).
-    pub(crate) fn find(mesh: &Mesh, examples: &[Vec<bool>]) -> Self {
-        let held = held(mesh, examples);
+    pub(crate) fn find(mesh: &Mesh, examples: &[Vec<bool>], tasks: &dyn TaskSystem) -> Self {
+        let held = held(mesh, examples, tasks);
         let points: Vec<Vec3> = held.iter().map(|v| mesh.positions()[*v as usize]).collect();
-        let (blocks, windows) = windows(&points, mesh.bounds().diagonal(), mesh.positions());
+        let (blocks, windows) = windows(&points, mesh.bounds().diagonal(), mesh, tasks);
         Rim { blocks: blocks.into(), windows: windows.into(), held: held.into() }
     }
 
     /// The windows of the same rims for the vertices of another mesh of the same body. Its list of held vertices is
     /// empty.
-    pub(crate) fn on(&self, own: &Mesh, other: &[Vec3]) -> Self {
+    pub(crate) fn on(&self, own: &Mesh, other: &Mesh, tasks: &dyn TaskSystem) -> Self {
         let points: Vec<Vec3> = self.held.iter().map(|v| own.positions()[*v as usize]).collect();
-        let (blocks, windows) = windows(&points, own.bounds().diagonal(), other);
+        let (blocks, windows) = windows(&points, own.bounds().diagonal(), other, tasks);
         Rim { blocks: blocks.into(), windows: windows.into(), held: Array::default() }
     }
 
@@ -108,20 +117,29 @@ impl Rim {
     }
 }
 
-/// Windows around held points for a body with this diagonal (m). Returns the index of each block's windows, and the
-/// windows.
-fn windows(held: &[Vec3], diagonal: f32, positions: &[Vec3]) -> (Vec<u32>, Vec<WindowBlock>) {
+/// Windows of a mesh's vertices around held points, for a body with this diagonal (m). Returns the index of each
+/// block's windows, and the windows.
+fn windows(held: &[Vec3], diagonal: f32, mesh: &Mesh, tasks: &dyn TaskSystem) -> (Vec<u32>, Vec<WindowBlock>) {
     if held.is_empty() {
         return Default::default();
     }
     let width = WIDTH * diagonal;
-    let points = held.iter().map(|p| p.to_array()).collect();
-    let index: RTree<[f32; 3]> = RTree::bulk_load(points);
+    let mut points: Vec<[f32; 3]> = held.iter().map(|p| p.to_array()).collect();
+    let tree: RTree<[f32; 3]> = RTree::bulk_load(points.clone());
+    points.sort_unstable_by_key(|p| p.map(f32::to_bits));
+    points.dedup();
+    let points: Vec<Vec3> = points.into_iter().map(Vec3::from).collect();
+    let each: Vec<u32> = (0..points.len() as u32).collect();
+    let index = VertexIndex::new(&points, &each, tasks);
+    // The index is faster. The tree decides which of several points at the same distance is taken.
+    let nearest = |p: Vec3| match &index.four(p)[..] {
+        [one] => Some((points[one.1 as usize], one.0)),
+        [one, two, ..] if one.0 < two.0 => Some((points[one.1 as usize], one.0)),
+        _ => tree.nearest_neighbor_iter_with_distance_2(p.to_array()).next().map(|(p, d2)| (Vec3::from(*p), d2)),
+    };
     let window = |p: Vec3| {
-        let Some((near, d2)) = index.nearest_neighbor_iter_with_distance_2(p.to_array()).next() else {
-            return Window::OPEN;
-        };
-        let away = p - Vec3::from(*near);
+        let Some((near, d2)) = nearest(p) else { return Window::OPEN };
+        let away = p - near;
         let s = d2.sqrt() / width;
         if s.is_nan() || s >= 1.0 {
             return Window::OPEN;
@@ -129,39 +147,58 @@ fn windows(held: &[Vec3], diagonal: f32, positions: &[Vec3]) -> (Vec<u32>, Vec<W
         let slope = if d2 > 0.0 { away / d2.sqrt() * (6.0 * s * (1.0 - s) / width) } else { Vec3::ZERO };
         Window { factor: s * s * (3.0 - 2.0 * s), gradient: slope }
     };
+    let any_near = |b: &Aabb| nearest(middle(b)).is_some_and(|(_, d2)| d2.sqrt() <= reach_of(b, width));
+    let positions = mesh.positions();
+    let blocks = map(tasks, (0..mesh.block_bounds().len()).step_by(BLOCKS_A_TASK), |first| {
+        let blocks = first..mesh.block_bounds().len().min(first + BLOCKS_A_TASK);
+        let block = |b: usize| {
+            if !any_near(&mesh.block_bounds()[b]) {
+                return None;
+            }
+            let mut block = WindowBlock::OPEN;
+            for (part, points) in positions[block_range(b, positions.len())].chunks(PART).enumerate() {
+                if any_near(&Aabb::of(points)) {
+                    points.iter().enumerate().for_each(|(i, p)| block.set(part * PART + i, window(*p)));
+                }
+            }
+            block.factor.iter().any(|f| *f < 1.0).then_some(block)
+        };
+        blocks.map(block).collect::<Vec<_>>()
+    });
     let mut all: Vec<WindowBlock> = Vec::new();
-    let blocks = (0..positions.len().div_ceil(BLOCK)).map(|b| {
-        let mut block = WindowBlock::OPEN;
-        positions[block_range(b, positions.len())].iter().enumerate().for_each(|(i, p)| block.set(i, window(*p)));
-        if block.factor.iter().all(|f| *f >= 1.0) {
-            return Rim::CLEAR;
-        }
+    let blocks = blocks.into_iter().flatten().map(|block| {
+        let Some(block) = block else { return Rim::CLEAR };
         all.push(block);
         all.len() as u32 - 1
     });
     (blocks.collect(), all)
 }
 
+fn middle(b: &Aabb) -> Vec3 {
+    b.min + (b.max - b.min) * 0.5
+}
+
+/// The distance from a box's [`middle`] beyond which nothing is within `width` of any point of the box, m. More than
+/// rounding errors need.
+fn reach_of(b: &Aabb, width: f32) -> f32 {
+    (width + 0.5 * b.diagonal()) * 1.001 + f32::MIN_POSITIVE
+}
+
 /// Whether an example moves each vertex. Pass the displacements as given: those that a tolerance drops still show that
 /// an edge is free.
-pub(crate) fn moves(deltas: &[Vec3]) -> Vec<bool> {
-    let deepest = deltas.iter().map(|d| d.length()).fold(0.0, f32::max);
-    deltas.iter().map(|d| d.length() > MOVED * deepest).collect()
+pub(crate) fn moves(deltas: &Field) -> Vec<bool> {
+    let deepest = deltas.longest();
+    let mut moves = vec![false; deltas.len()];
+    deltas.moved().for_each(|(v, d)| moves[v] = d.length() > MOVED * deepest);
+    moves
 }
 
 /// Returns the vertices of the held loops. Includes every vertex at each position, because an example may tear them
 /// apart.
-fn held(mesh: &Mesh, examples: &[Vec<bool>]) -> Vec<u32> {
+fn held(mesh: &Mesh, examples: &[Vec<bool>], tasks: &dyn TaskSystem) -> Vec<u32> {
     let (triangles, weld) = (mesh.triangles(), mesh.weld());
     let welded = |t: &[u32; 3]| t.map(|v| weld[v as usize]);
-    let mut edges: Vec<(u32, u32)> = Vec::with_capacity(triangles.len() * 3);
-    for t in triangles.iter().map(welded) {
-        edges.extend(
-            [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])].map(|(a, b)| (a.min(b), a.max(b))).iter().filter(|e| e.0 != e.1),
-        );
-    }
-    edges.sort_unstable();
-    let boundary: Vec<(u32, u32)> = edges.chunk_by(|a, b| a == b).filter(|c| c.len() == 1).map(|c| c[0]).collect();
+    let boundary = boundary(triangles.iter().map(welded), weld.len());
     if boundary.is_empty() {
         return Vec::new();
     }
@@ -181,25 +218,37 @@ fn held(mesh: &Mesh, examples: &[Vec<bool>]) -> Vec<u32> {
     }
     // Next to a clamped edge of a fine mesh, vertices hardly move, so vertices within the window's width count too.
     let positions = mesh.positions();
-    let edge = (0..positions.len() as u32).filter(|v| weld[*v as usize] == *v && loops.has(*v));
-    let edge = RTree::bulk_load(edge.map(|v| GeomWithData::new(positions[v as usize].to_array(), v)).collect());
-    let near = (WIDTH * mesh.bounds().diagonal()).powi(2);
-    for v in 0..positions.len() as u32 {
-        if weld[v as usize] != v || loops.has(v) {
-            continue;
-        }
-        let mut last = None;
-        for r in edge.locate_within_distance(positions[v as usize].to_array(), near) {
-            let at = loops.of(r.data);
-            if at != last {
-                beside.extend(at.map(|l| (v, l)));
-                last = at;
+    let width = WIDTH * mesh.bounds().diagonal();
+    let loops = loops.all();
+    let edge = (0..positions.len() as u32).filter(|v| weld[*v as usize] == *v);
+    let edge = edge.filter_map(|v| Some(GeomWithData::new(positions[v as usize].to_array(), loops[v as usize]?)));
+    let edge: RTree<GeomWithData<[f32; 3], u32>> = RTree::bulk_load(edge.collect());
+    // Most bodies have one loop, so the first vertex found tells all.
+    let first = edge.iter().next().map(|r| r.data);
+    let single = edge.iter().all(|r| Some(r.data) == first);
+    let within = |p: Vec3, distance: f32| edge.locate_within_distance(p.to_array(), distance.powi(2));
+    let close = map(tasks, (0..mesh.block_bounds().len()).step_by(BLOCKS_A_TASK), |first| {
+        let mut beside: Vec<(u32, u32)> = Vec::new();
+        for b in first..mesh.block_bounds().len().min(first + BLOCKS_A_TASK) {
+            let bounds = &mesh.block_bounds()[b];
+            if within(middle(bounds), reach_of(bounds, width)).next().is_none() {
+                continue;
+            }
+            for v in block_range(b, positions.len()).filter(|v| weld[*v] as usize == *v && loops[*v].is_none()) {
+                let mut last = None;
+                for r in within(positions[v], width).take(if single { 1 } else { usize::MAX }) {
+                    if last.replace(r.data) != Some(r.data) {
+                        beside.push((v as u32, r.data));
+                    }
+                }
             }
         }
-    }
+        beside
+    });
+    beside.extend(close.into_iter().flatten());
     beside.sort_unstable();
     beside.dedup();
-    let rim: Vec<(u32, u32)> = (0..weld.len() as u32).filter_map(|v| loops.of(v).map(|l| (v, l))).collect();
+    let rim: Vec<(u32, u32)> = loops.iter().zip(0..).filter_map(|(l, v)| l.map(|l| (v, l))).collect();
     let (beside, rim) = (copies(weld, &beside), copies(weld, &rim));
     let moves = |near: &[(u32, u32)]| {
         let mut moved = vec![false; weld.len()];
@@ -210,6 +259,30 @@ fn held(mesh: &Mesh, examples: &[Vec<bool>]) -> Vec<u32> {
     };
     let (free, shown) = (moves(&rim), moves(&beside));
     rim.iter().filter(|(_, l)| !free[*l as usize] && shown[*l as usize]).map(|(v, _)| *v).collect()
+}
+
+/// The edges that belong to one triangle only, sorted, with the lower vertex first.
+fn boundary(triangles: impl Iterator<Item = [u32; 3]> + Clone, vertices: usize) -> Vec<(u32, u32)> {
+    let edges = triangles.flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]);
+    let edges = edges.map(|(a, b)| (a.min(b), a.max(b))).filter(|e| e.0 != e.1);
+    // Sorts by the lower vertex by counting, then each vertex's few edges by the higher one.
+    let mut ends = vec![0usize; vertices + 1];
+    edges.clone().for_each(|e| ends[e.0 as usize + 1] += 1);
+    (0..vertices).for_each(|v| ends[v + 1] += ends[v]);
+    let mut higher = vec![0u32; ends[vertices]];
+    for (a, b) in edges {
+        higher[ends[a as usize]] = b;
+        ends[a as usize] += 1;
+    }
+    let mut boundary = Vec::new();
+    let mut start = 0;
+    for (end, v) in ends[..vertices].iter().zip(0..) {
+        let own = &mut higher[start..*end];
+        own.sort_unstable();
+        boundary.extend(own.chunk_by(|a, b| a == b).filter(|c| c.len() == 1).map(|c| (v, c[0])));
+        start = *end;
+    }
+    boundary
 }
 
 /// Adds to `near` (sorted) all vertices at the positions of its vertices.
@@ -245,6 +318,11 @@ impl Loops {
         self.has(v).then(|| self.root(v))
     }
 
+    /// The loop of each vertex.
+    fn all(mut self) -> Vec<Option<u32>> {
+        (0..self.member.len() as u32).map(|v| self.of(v)).collect()
+    }
+
     fn root(&mut self, mut v: u32) -> u32 {
         while self.parent[v as usize] != v {
             let up = self.parent[self.parent[v as usize] as usize];
@@ -252,5 +330,38 @@ impl Loops {
             v = up;
         }
         v
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::tasks::Serial;
+    use crate::mesh::data::MeshData;
+
+    #[test]
+    fn windows_are_those_of_comparing_all_points() {
+        let at = |v: usize| [(v % 70) as f32 * 0.1, (v / 70) as f32 * 0.1, ((v * 37) % 11) as f32 * 0.01];
+        let mesh = MeshData { positions: (0..4900).map(at).collect(), ..Default::default() };
+        let (mesh, _) = Mesh::new(mesh).unwrap();
+        let held: Vec<Vec3> = (0..70).chain([2500, 2500, 4899]).map(|v| mesh.positions()[v]).collect();
+        let diagonal = 12.0;
+        let (blocks, windows) = windows(&held, diagonal, &mesh, &Serial);
+        assert!(blocks.contains(&Rim::CLEAR) && windows.len() > 3);
+        let rim = Rim { blocks: blocks.into(), windows: windows.into(), held: Array::default() };
+        for (p, v) in mesh.positions().iter().zip(0..) {
+            let off = |h: &Vec3| (p.x - h.x) * (p.x - h.x) + (p.y - h.y) * (p.y - h.y) + (p.z - h.z) * (p.z - h.z);
+            let s = held.iter().map(off).fold(f32::INFINITY, f32::min).sqrt() / (WIDTH * diagonal);
+            let factor = if s < 1.0 { s * s * (3.0 - 2.0 * s) } else { 1.0 };
+            assert_eq!(rim.at(v).factor, factor, "{v}");
+        }
+    }
+
+    #[test]
+    fn boundary_edges_have_one_triangle() {
+        let triangles = [[0, 1, 2], [2, 1, 3], [4, 4, 3]];
+        let found = boundary(triangles.into_iter(), 5);
+        assert_eq!(found, [(0, 1), (0, 2), (1, 3), (2, 3)]);
+        assert_eq!(boundary([[0, 1, 2], [2, 1, 0]].into_iter(), 3), []);
     }
 }

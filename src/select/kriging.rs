@@ -18,7 +18,10 @@ pub(crate) const CANDIDATES: usize = 12;
 const NUGGET: f64 = 0.03;
 
 /// Coordinates of an example relative to a hit.
-pub(crate) type Axes = [f32; 11];
+pub(crate) type Axes = [f32; AXES];
+const AXES: usize = 11;
+/// The first axes, which every hit has. The others are zero for a hit that is not a blow.
+const ALWAYS: usize = 7;
 
 /// Squared distance from the hit, which is the origin.
 pub(crate) fn distance(a: &Axes) -> f32 {
@@ -31,16 +34,18 @@ fn kernel(d: f64) -> f64 {
 
 /// Chooses up to `k` (at most [`MAX_PAIRS`]) examples from `near`, which is sorted with the nearest first. Only the
 /// first [`CANDIDATES`] are considered. Returns indices into `near` and weights. Weights sum to 1 up to rounding.
-pub(crate) fn choose(near: &[Axes], k: usize) -> ArrayVec<(usize, f64), MAX_PAIRS> {
-    let n = near.len().min(CANDIDATES);
-    let mut system = System::new(&near[..n]);
-    let mut picked: ArrayVec<Row, MAX_PAIRS> = ArrayVec::new();
-    while picked.len() < k.min(n).min(MAX_PAIRS) {
-        let Some(row) = system.best(&picked, n) else { break };
-        system.take(&picked, &row, near);
-        picked.push(row);
+pub(crate) fn choose<'a>(near: impl IntoIterator<Item = &'a Axes>, k: usize) -> ArrayVec<(usize, f64), MAX_PAIRS> {
+    let mut system = System::new(near);
+    let most = k.min(system.count).min(MAX_PAIRS);
+    while system.picked.len() < most {
+        let Some(row) = system.best() else { break };
+        system.picked.push(row);
+        // The rows of the others matter only if one more is picked.
+        if system.picked.len() < most {
+            system.extend(&row);
+        }
     }
-    weights(&picked)
+    weights(&system.picked)
 }
 
 /// One value per candidate. Loops also compute picked and unused candidates, so that they vectorize.
@@ -49,6 +54,12 @@ type Each = [f64; CANDIDATES];
 /// The Cholesky factor `L` of the picked examples' covariances, with the next row for each candidate that could be
 /// picked.
 struct System {
+    /// The candidates' coordinates, one array per axis.
+    axes: [[f32; CANDIDATES]; AXES],
+    /// Number of axes that are not zero for all candidates.
+    used: usize,
+    /// Number of candidates.
+    count: usize,
     /// Each candidate's covariance with the hit, `k`.
     to_hit: Each,
     /// Each candidate's row. `square` is the row's sum of squares; `hit` and `one` are its products with `L^-1 k` and
@@ -57,7 +68,7 @@ struct System {
     square: Each,
     hit: Each,
     one: Each,
-    picked: [bool; CANDIDATES],
+    picked: ArrayVec<Row, MAX_PAIRS>,
 }
 
 /// One row of the factor: `lower`, its diagonal, and its entries of `L^-1 k` (`hit`) and `L^-1 1` (`one`).
@@ -70,22 +81,58 @@ struct Row {
     one: f64,
 }
 
+/// The products of `L^-1 k` and `L^-1 1` with each other and themselves.
+fn products(rows: &[Row]) -> (f64, f64, f64) {
+    let (mut cross, mut ones, mut hits) = (0.0, 0.0, 0.0);
+    for r in rows {
+        cross += r.hit * r.one;
+        ones += r.one * r.one;
+        hits += r.hit * r.hit;
+    }
+    (cross, ones, hits)
+}
+
 impl System {
-    fn new(near: &[Axes]) -> Self {
-        let mut to_hit = [0.0; CANDIDATES];
-        for (k, a) in to_hit.iter_mut().zip(near) {
-            *k = kernel(a.iter().map(|x| f64::from(*x) * f64::from(*x)).sum());
-        }
+    fn new<'a>(near: impl IntoIterator<Item = &'a Axes>) -> Self {
         let zero = [0.0; CANDIDATES];
-        System { to_hit, lower: [zero; MAX_PAIRS], square: zero, hit: zero, one: zero, picked: [false; CANDIDATES] }
+        let mut system = System {
+            axes: [[0.0; CANDIDATES]; AXES],
+            used: ALWAYS,
+            count: 0,
+            to_hit: zero,
+            lower: [zero; MAX_PAIRS],
+            square: zero,
+            hit: zero,
+            one: zero,
+            picked: ArrayVec::new(),
+        };
+        for (i, near) in near.into_iter().take(CANDIDATES).enumerate() {
+            system.axes.iter_mut().zip(near).for_each(|(axis, x)| axis[i] = *x);
+            system.count += 1;
+            if near[ALWAYS..] != [0.0; AXES - ALWAYS] {
+                system.used = AXES;
+            }
+        }
+        system.to_hit = system.kernels(&[0.0; AXES]);
+        system
     }
 
-    /// The candidate among the first `n` that gives the smallest kriging variance.
-    fn best(&self, rows: &[Row], n: usize) -> Option<Row> {
-        let sum = |f: fn(&Row) -> f64| rows.iter().map(f).sum::<f64>();
-        let (cross, ones, hits) = (sum(|r| r.hit * r.one), sum(|r| r.one * r.one), sum(|r| r.hit * r.hit));
-        let (mut diagonal, mut hit, mut one, mut variance) =
-            ([0.0; CANDIDATES], [0.0; CANDIDATES], [0.0; CANDIDATES], [0.0; CANDIDATES]);
+    /// The kernel's values between each candidate and a point.
+    fn kernels(&self, point: &Axes) -> Each {
+        let mut squared = [0.0; CANDIDATES];
+        for (axis, x) in self.axes.iter().zip(point).take(self.used) {
+            for (sum, a) in squared.iter_mut().zip(axis) {
+                *sum += f64::from(a - x) * f64::from(a - x);
+            }
+        }
+        squared.map(kernel)
+    }
+
+    /// The candidate that gives the smallest kriging variance.
+    fn best(&self) -> Option<Row> {
+        let (cross, ones, hits) = products(&self.picked);
+        let zero = [0.0; CANDIDATES];
+        let (mut diagonal, mut hit, mut one, mut variance) = (zero, zero, zero, zero);
         for i in 0..CANDIDATES {
             diagonal[i] = (1.0 + NUGGET - self.square[i]).sqrt();
             hit[i] = (self.to_hit[i] - self.hit[i]) / diagonal[i];
@@ -96,31 +143,28 @@ impl System {
         }
         let mut best: Option<usize> = None;
         // Skips a diagonal of zero or NaN: such a candidate adds no information.
-        for i in (0..n).filter(|i| !self.picked[*i] && diagonal[*i] > 0.0) {
-            if best.is_none_or(|b| variance[i] < variance[b]) {
+        for i in (0..self.count).filter(|i| diagonal[*i] > 0.0) {
+            if best.is_none_or(|b| variance[i] < variance[b]) && self.picked.iter().all(|r| r.candidate != i) {
                 best = Some(i);
             }
         }
         best.map(|i| {
-            let lower = self.lower.map(|l| l[i]);
+            let lower = std::array::from_fn(|row| self.lower[row][i]);
             Row { candidate: i, lower, diagonal: diagonal[i], hit: hit[i], one: one[i] }
         })
     }
 
-    /// Picks `row` as the next after `rows`. Extends every candidate's row by one entry.
-    fn take(&mut self, rows: &[Row], row: &Row, near: &[Axes]) {
-        self.picked[row.candidate] = true;
-        let mut d = [0.0; CANDIDATES];
-        for (d, a) in d.iter_mut().zip(near) {
-            *d = a.iter().zip(&near[row.candidate]).map(|(a, b)| f64::from(a - b) * f64::from(a - b)).sum();
-        }
+    /// Extends every candidate's row by one entry, for `row`, the last that was picked.
+    fn extend(&mut self, row: &Row) {
+        let kernels = self.kernels(&std::array::from_fn(|axis| self.axes[axis][row.candidate]));
+        let last = self.picked.len() - 1;
         for i in 0..CANDIDATES {
             let mut known = 0.0;
-            for (lower, own) in self.lower.iter().zip(row.lower).take(rows.len()) {
+            for (lower, own) in self.lower.iter().zip(row.lower).take(last) {
                 known += own * lower[i];
             }
-            let l = (kernel(d[i]) - known) / row.diagonal;
-            self.lower[rows.len()][i] = l;
+            let l = (kernels[i] - known) / row.diagonal;
+            self.lower[last][i] = l;
             self.square[i] += l * l;
             self.hit[i] += l * row.hit;
             self.one[i] += l * row.one;
@@ -129,8 +173,8 @@ impl System {
 }
 
 fn weights(rows: &[Row]) -> ArrayVec<(usize, f64), MAX_PAIRS> {
-    let sum = |f: fn(&Row) -> f64| rows.iter().map(f).sum::<f64>();
-    let lift = (1.0 - sum(|r| r.hit * r.one)) / sum(|r| r.one * r.one);
+    let (cross, ones, _) = products(rows);
+    let lift = (1.0 - cross) / ones;
     let n = rows.len();
     // Back substitution: L^T w = L^-1 k + lift L^-1 1.
     let mut w = [0.0; MAX_PAIRS];

@@ -46,12 +46,12 @@ impl Choice {
 /// The rule that decides how a candidate may be used for a hit. There is no other.
 #[inline]
 pub(crate) fn placement_for(set: &ExampleSet, candidate: &Candidate, hit: &HitQuery) -> Choice {
-    let i = candidate.example as usize;
     let off = candidate.point - hit.point;
-    let e = &set.examples()[i];
     if off.length_squared() > candidate.own_place_square {
-        return if e.placement() == Placement::Anchored { Choice::Nowhere } else { Choice::Carried };
+        return if candidate.placement == Placement::Anchored { Choice::Nowhere } else { Choice::Carried };
     }
+    let i = candidate.example as usize;
+    let e = &set.examples()[i];
     let own_place = || off.length() <= OWN_PLACE * e.support_radius();
     let own_depth = || (1.0 - OWN_DEPTH..=1.001).contains(&(hit.size / e.depth()));
     let or_carried = is_automatic(e);

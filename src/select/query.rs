@@ -49,9 +49,8 @@ impl<'a> HitQuery<'a> {
     /// A hit with this target. `place_width` is the width of the place axes of carried examples, as a share of the
     /// diagonal.
     pub(crate) fn new(set: &'a ExampleSet, target: &HitTarget, place_width: f32) -> Self {
-        let HitTarget { contact, direction, size, strike } = *target;
-        let (mesh, candidates) = (set.mesh(), set.candidates());
-        let normal = mesh.contact_normal(contact);
+        let HitTarget { contact, normal, direction, size, strike } = *target;
+        let candidates = set.candidates();
         let lean = normal.map_or(Vec3::ZERO, |n| direction - n * n.dot(direction));
         // The direction of an impulse, or a displacement constructed along the normal, does not tell how a dent leans.
         let length = lean.length();
@@ -61,7 +60,7 @@ impl<'a> HitQuery<'a> {
         HitQuery {
             examples: set.examples(),
             contact,
-            point: mesh.positions()[contact as usize],
+            point: set.mesh().positions()[contact as usize],
             size,
             normal,
             direction,
@@ -78,14 +77,14 @@ impl<'a> HitQuery<'a> {
     /// Coordinates of a candidate relative to the hit. `None` if the candidate cannot be used for it.
     #[inline]
     pub(crate) fn axes(&self, candidate: &Candidate, anchored: bool) -> Option<Axes> {
-        let e = &self.examples[candidate.example as usize];
-        if e.depth() < self.negligible {
+        if candidate.depth < self.negligible {
             return None;
         }
         let (log_depth, lean, tangent, cos, width) = if anchored {
+            let e = &self.examples[candidate.example as usize];
             let u = e.displacement_at(self.contact, self.point);
             let depth = u.length();
-            if depth < REACH * e.depth() || candidate.mirror != Mirror::NONE {
+            if depth < REACH * candidate.depth || candidate.mirror != Mirror::NONE {
                 return None;
             }
             let u = u / depth;
@@ -110,9 +109,9 @@ impl<'a> HitQuery<'a> {
 
     /// Lower bounds of the squared distances of carried candidates. A bound is minus infinity if the candidate may be
     /// used anchored, or if only [`HitQuery::axes`] is precise enough. This function multiplies where `axes` divides,
-    /// so each bound is lowered by more than the rounding difference. `None` if all bounds are above `limit`.
+    /// so each bound is lowered by more than the rounding difference.
     #[inline]
-    pub(crate) fn bounds(&self, lanes: &CandidateLanes, limit: f32) -> Option<Vec4> {
+    pub(crate) fn bounds(&self, lanes: &CandidateLanes) -> Vec4 {
         const ROUNDING: f32 = 4e-6;
         #[inline]
         fn dot(a: [Vec4; 3], b: [Vec4; 3]) -> Vec4 {
@@ -124,17 +123,13 @@ impl<'a> HitQuery<'a> {
         let off_square = dot(off, off);
         let depth = (lanes.log_depth - Vec4::splat(self.log_size)) * (1.0 / SIZE_WIDTH);
         let mut distance = off_square * (1.0 / (self.carried_width * self.carried_width)) + depth * depth;
-        let may_stay = off_square.cmple(lanes.own_place_square);
-        if !(may_stay | (distance * (1.0 - ROUNDING)).cmple(Vec4::splat(limit))).any() {
-            return None;
-        }
         let k = Vec4::ONE + dot(lanes.normal, normal);
         if let Some(known) = self.lean {
             let t = dot(lanes.lean, normal) / k;
             let lean = [0, 1, 2].map(|i| lanes.lean[i] - (lanes.normal[i] + normal[i]) * t - Vec4::splat(known[i]));
             distance += dot(lean, lean) * (1.0 / (LEAN_WIDTH * LEAN_WIDTH));
         }
-        let unclear = may_stay | k.cmplt(Vec4::splat(OPPOSITE));
-        Some(Vec4::select(unclear, Vec4::NEG_INFINITY, distance * (1.0 - ROUNDING)))
+        let unclear = off_square.cmple(lanes.own_place_square) | k.cmplt(Vec4::splat(OPPOSITE));
+        Vec4::select(unclear, Vec4::NEG_INFINITY, distance * (1.0 - ROUNDING))
     }
 }

@@ -45,6 +45,8 @@ impl HitParams {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct HitTarget {
     pub contact: u32,
+    /// The contact's unit normal, if the mesh has normals.
+    pub normal: Option<Vec3>,
     /// Unit vector.
     pub direction: Vec3,
     /// Length, m. At most the depth limit, unless selection is unclamped.
@@ -58,6 +60,8 @@ pub(crate) struct HitTarget {
 pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Outcome, Option<HitTarget>), Error> {
     check(hit)?;
     let contact = contact(set, p, p.local(hit.point, hit.space))?;
+    // Read early: it waits for memory together with what the contact's distance needs.
+    let normal = set.mesh().contact_normal(contact.vertex);
     let mass = |given: Option<f32>| {
         given.or_else(|| set.mass(contact.vertex)).ok_or_else(|| Error::InvalidArgument {
             name: "mass".into(),
@@ -77,9 +81,8 @@ pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Out
             match set.response() {
                 Some(response) => {
                     let blow = p.local_blow(&blow, hit.space);
-                    let mesh = set.mesh();
-                    let at = mesh.positions()[contact.vertex as usize];
-                    let predicted = response.predict(&blow, at, mesh.contact_normal(contact.vertex));
+                    let at = set.mesh().positions()[contact.vertex as usize];
+                    let predicted = response.predict(&blow, at, normal);
                     predicted.map_or((DVec3::ZERO, None, weak), |p| (p.displacement, Some(p.strike), weak))
                 }
                 // Equation 4.4 of the paper.
@@ -105,7 +108,7 @@ pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Out
     outcome.clamped = length > f64::from(p.depth_limit) && p.selection != Selection::ClassicUnclamped;
     let size = if outcome.clamped { p.depth_limit } else { length.min(f64::from(f32::MAX)) as f32 };
     let direction = (target / length).as_vec3();
-    Ok((outcome, Some(HitTarget { contact: contact.vertex, direction, size, strike })))
+    Ok((outcome, Some(HitTarget { contact: contact.vertex, normal, direction, size, strike })))
 }
 
 fn check(hit: &Hit) -> Result<(), Error> {

@@ -93,7 +93,7 @@ pub fn load(bench: &Bench) -> Result<()> {
     ensure!(ExampleSet::load(file, bench.tasks(1))?.fingerprint() == fingerprint, "the loaded set is another one");
     for (name, time) in [("load_1m_24ex", &times[0]), ("load_1m_24ex_t2", &times[1])] {
         let row = Row::time(name, time, "ms").beside_time("memcpy", &times[2], Sense::Cost).hash(fingerprint);
-        bench.add(row.aim(Aim::AtMost(3.0)));
+        bench.add(row.aim(Aim::AtMost(1.2)));
     }
     bench.add(Row::new("load_1m_24ex_size", bytes as f64 / 1e6, "MB"));
     Ok(())

@@ -67,7 +67,7 @@ fn measure(bench: &Bench, name: String, sheet: &Sheet, set: Arc<ExampleSet>) -> 
         }),
     ];
     let times = interleaved(&bench.plan, &mut contenders);
-    let aim = name.ends_with("1m").then_some(Aim::Value(3.0));
+    let aim = name.ends_with("1m").then_some(Aim::Value(2.0));
     let row = Row::time(name, &times[0].per(BATCH as f64), "µs");
     let row = row.beside_time("nearest vertex", &times[1].per(BATCH as f64), Sense::Cost);
     bench.add(Row { aim, ..row.hash(hash.digest()) });

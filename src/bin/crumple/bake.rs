@@ -9,7 +9,8 @@ use crate::{
 };
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
-use crumple::{ExampleSet, SetOptions, Stamp, ThreadPool, VertexMass, glam::Vec3};
+use crumple::{ExampleData, ExampleSet, Placement, SetOptions, Stamp, TaskSystem, ThreadPool, VertexMass, glam::Vec3};
+use indicatif::ProgressBar;
 use std::{fmt::Write, path::PathBuf, time::Instant};
 
 /// Bytes per moved vertex in the plain sparse form: an index and three floats.
@@ -97,6 +98,26 @@ fn angle(text: &str) -> Result<f32, String> {
     if degrees > 0.0 && degrees <= 45.0 { Ok(degrees) } else { Err("it must be above 0 and at most 45 degrees".into()) }
 }
 
+/// A thread pool that counts the tasks on a progress bar.
+struct Shown<'a> {
+    pool: ThreadPool,
+    bar: &'a ProgressBar,
+}
+
+impl TaskSystem for Shown<'_> {
+    fn parallel_for(&self, count: usize, task: &(dyn Fn(usize) + Sync)) {
+        self.bar.inc_length(count as u64);
+        self.pool.parallel_for(count, &|i| {
+            task(i);
+            self.bar.inc(1);
+        });
+    }
+
+    fn workers(&self) -> usize {
+        self.pool.workers()
+    }
+}
+
 pub fn run(arguments: &Arguments) -> Result<String> {
     let shown = arguments.input.file.display();
     if arguments.input.is_baked()? {
@@ -109,8 +130,8 @@ pub fn run(arguments: &Arguments) -> Result<String> {
         "--permutation and --output both name {}; name two files",
         arguments.output.display()
     );
-    let pool = ThreadPool::new(arguments.threads as usize)?;
     let bar = progress(4);
+    let pool = Shown { pool: ThreadPool::new(arguments.threads as usize)?, bar: &bar };
     bar.set_message("reading");
     let (imported, _) = arguments.input.import()?;
     let (mut mesh, mut examples) = (imported.mesh, imported.examples);
@@ -127,8 +148,9 @@ pub fn run(arguments: &Arguments) -> Result<String> {
         ..defaults
     };
     // The reference for the errors below, which compare anchored examples only.
-    let exact = SetOptions { tolerance: None, stamp_resolution: 4, mirror: false, held_rims: false, ..options.clone() };
-    let exact = ExampleSet::build(mesh.clone(), examples.clone(), exact, &pool).with_context(|| shown.to_string())?;
+    let exact = SetOptions { tolerance: None, mirror: false, held_rims: false, ..options.clone() };
+    let anchored = examples.iter().cloned().map(|e| ExampleData { placement: Placement::Anchored, ..e }).collect();
+    let exact = ExampleSet::build(mesh.clone(), anchored, exact, &pool).with_context(|| shown.to_string())?;
     bar.inc(1);
     let start = Instant::now();
     let mut set = ExampleSet::build(mesh, examples, options, &pool).with_context(|| shown.to_string())?;

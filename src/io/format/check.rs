@@ -5,6 +5,7 @@ use crate::base::error::Error;
 use crate::deform::longest;
 use crate::example::blocks::{DeltaBlocks, GROUP, Head, Numbers, Stored, Width, words};
 use crate::mesh::MAX_COORDINATE;
+pub(super) use crate::mesh::nearest::indices_below;
 use crate::mesh::rim::{Rim, WindowBlock};
 use crate::mesh::vertex_blocks::{BLOCK, block_range};
 use glam::Vec3;
@@ -15,14 +16,19 @@ pub(super) const MAX_DISPLACEMENT: f32 = 4.0 * MAX_COORDINATE;
 
 /// Every number must be finite and at most `limit` in magnitude.
 pub(super) fn numbers(name: &str, all: &[f32], limit: f32) -> Result<(), Error> {
-    // Without the sign, the bits of floats sort as the floats do; infinities and NaN come last.
-    let size = |x: &f32| (x.to_bits() & 0x7FFF_FFFF) as i32;
-    let limit_bits = size(&limit);
-    if all.iter().fold(0, |m, x| size(x).max(m)) <= limit_bits {
+    if numbers_within(all, limit) {
         return Ok(());
     }
-    let at = all.iter().position(|x| size(x) > limit_bits).unwrap_or(0);
+    let at = all.iter().position(|x| !numbers_within(&[*x], limit)).unwrap_or(0);
     Err(wrong(format!("number {at} of {name}"), all[at], format!("finite and within {limit:e}")))
+}
+
+pub(super) fn numbers_within(all: &[f32], limit: f32) -> bool {
+    // Without the sign, the bits of floats sort as the floats do; infinities and NaN come last.
+    let size = |x: &f32| (x.to_bits() & 0x7FFF_FFFF) as i32;
+    let limit = size(&limit);
+    // The difference is negative for a larger number.
+    all.iter().fold(0, |m, x| m | (limit - size(x))) >= 0
 }
 
 /// The number must be finite, from `low` to `high`.
@@ -32,27 +38,29 @@ pub(super) fn between(name: &str, x: f32, low: f32, high: f32) -> Result<(), Err
 
 /// Every vector must have length 1, to a thousandth.
 pub(super) fn units(name: &str, all: &[Vec3]) -> Result<(), Error> {
-    // False for NaN too.
-    let unit = |v: &Vec3| (v.length_squared() - 1.0).abs() <= 2e-3;
-    if !all.iter().fold(true, |all, v| all & unit(v)) {
-        let at = all.iter().position(|v| !unit(v)).unwrap_or(0);
-        return Err(wrong(format!("vector {at} of {name}"), all[at], "of length 1"));
+    if all_units(all) {
+        return Ok(());
     }
-    Ok(())
+    let at = all.iter().position(|v| !all_units(&[*v])).unwrap_or(0);
+    Err(wrong(format!("vector {at} of {name}"), all[at], "of length 1"))
 }
 
-/// Every index must be below `len`.
+pub(super) fn all_units(all: &[Vec3]) -> bool {
+    // False for NaN too.
+    all.iter().fold(true, |all, v| all & ((v.length_squared() - 1.0).abs() <= 2e-3))
+}
+
+/// Every index must be below `len`, which is below 2^32.
 pub(super) fn indices(name: &str, all: &[u32], len: usize) -> Result<(), Error> {
-    if all.iter().fold(0, |m, x| m.max(*x)) < len as u32 || all.is_empty() {
+    if indices_below(all, len) {
         return Ok(());
     }
     let at = all.iter().position(|x| *x as usize >= len).unwrap_or(0);
     Err(wrong(format!("index {at} of {name}"), all[at], format!("below {len}")))
 }
 
-/// Each vertex must map to the lowest vertex at its position, and that vertex to itself.
+/// Each vertex must map to the lowest vertex at its position, and that vertex to itself. The indices are in range.
 pub(super) fn weld(weld: &[u32], positions: &[Vec3]) -> Result<(), Error> {
-    indices("section weld", weld, positions.len())?;
     let bits = |p: Vec3| p.to_array().map(f32::to_bits);
     for (v, w) in weld.iter().enumerate().filter(|(v, w)| *v != **w as usize) {
         let w = *w as usize;

@@ -4,7 +4,7 @@ use crate::base::error::Error;
 use crate::base::tasks::TaskSystem;
 use crate::base::tasks::map;
 use bytemuck::{Pod, Zeroable};
-use xxhash_rust::xxh3::xxh3_64;
+use twox_hash::XxHash3_64;
 
 /// The first bytes of every file. The last of them reveals a text conversion.
 pub(super) const MAGIC: [u8; 8] = *b"crumple\n";
@@ -280,13 +280,13 @@ const _: () =
 /// The checksum of a file: XXH3 of its chunks' XXH3 hashes.
 pub(super) fn checksum(hashes: &[u64]) -> u64 {
     let bytes: Vec<u8> = hashes.iter().flat_map(|h| h.to_le_bytes()).collect();
-    xxh3_64(&bytes)
+    XxHash3_64::oneshot(&bytes)
 }
 
 /// Returns the checksum that a file should have, whatever it says itself. For tests that damage files on purpose.
 #[doc(hidden)]
 pub fn file_checksum(file: &[u8], tasks: &dyn TaskSystem) -> u64 {
-    checksum(&map(tasks, file.get(UNHASHED..).unwrap_or_default().chunks(CHUNK), xxh3_64))
+    checksum(&map(tasks, file.get(UNHASHED..).unwrap_or_default().chunks(CHUNK), XxHash3_64::oneshot))
 }
 
 pub(super) fn little_endian() -> Result<(), Error> {

@@ -3,6 +3,7 @@
 use super::check;
 use super::layout::{AnchoredRecord, BlowRecord, ExampleRecord, Id, MeshRecord, SetRecord, StampRecord, wrong};
 use super::read::{File, length_of};
+use super::scan::open;
 use crate::base::array::{Array, FileBytes};
 use crate::base::error::Error;
 use crate::base::tasks::TaskSystem;
@@ -18,7 +19,7 @@ use crate::example::report::LodReport;
 use crate::example::set::{ExampleSet, MAX_MESHES, Parts, check_order, deepest};
 use crate::example::stamp::{Grid, Node, NodeSteps, Stamp, StampError};
 use crate::mesh::mirror::Mirror;
-use crate::mesh::nearest::{LEAF, VertexIndex};
+use crate::mesh::nearest::{LEAF, Leaf, VertexIndex, vertices_known};
 use crate::mesh::rim::Rim;
 use crate::mesh::{MAX_COORDINATE, Mesh, MeshArrays};
 use bytemuck::{Pod, cast_slice};
@@ -27,7 +28,7 @@ use std::sync::Arc;
 
 /// Makes the set from a file's bytes.
 pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSet, Error> {
-    let file = File::open(bytes, tasks)?;
+    let (file, sound) = open(bytes, tasks)?;
     let record = *one::<SetRecord>(&file.array(Id::Set, 0)?, Id::Set)?;
     if !(1..=MAX_MESHES as u32).contains(&record.meshes) {
         return Err(wrong("the number of meshes", record.meshes, format!("1 to {MAX_MESHES}")));
@@ -49,7 +50,7 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
         meshes.push(mesh_lod(&file, k, count, steps)?);
     }
     let stamps = stamps(&file, &records)?;
-    check_all(&meshes, tasks)?;
+    check_all(&meshes, sound, tasks)?;
     let mut meshes = meshes.into_iter();
     let Some(base) = meshes.next() else { return Err(wrong("the number of meshes", 0, "at least 1")) };
     let lods = (1..).zip(meshes).map(|(k, lod)| {
@@ -74,7 +75,7 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
     }
     check::between("the widest weld", record.widest_weld, 0.0, f32::INFINITY)?;
     Ok(ExampleSet::assemble(Parts {
-        index: index(&file, &base.mesh)?,
+        index: index(&file, &base.mesh, sound)?,
         base,
         lods,
         examples,
@@ -89,12 +90,14 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
 }
 
 /// The vertex index. Whatever its arrays hold, queries return vertices of the mesh.
-fn index(file: &File<'_>, mesh: &Mesh) -> Result<VertexIndex, Error> {
+fn index(file: &File<'_>, mesh: &Mesh, sound: bool) -> Result<VertexIndex, Error> {
     let vertices = mesh.positions().len();
     // Only one of the vertices at one position is in the tree.
     let leaves = (vertices - mesh.seam_count()).div_ceil(LEAF);
-    let leaves = file.array_of(Id::IndexLeaves, 0, leaves)?;
-    VertexIndex::of(file.array(Id::IndexInner, 0)?, leaves, vertices)
+    let leaves: Array<Leaf> = file.array_of(Id::IndexLeaves, 0, leaves)?;
+    let known = sound || vertices_known(&leaves, vertices);
+    VertexIndex::of(file.array(Id::IndexInner, 0)?, leaves)
+        .filter(|_| known)
         .ok_or_else(|| wrong("the spatial index", "no tree of the mesh's vertices", "one, with all its nodes"))
 }
 
@@ -247,24 +250,32 @@ fn stamps(file: &File<'_>, examples: &[ExampleRecord]) -> Result<Vec<Stamp>, Err
     Ok(out)
 }
 
-/// Checks, in tasks, everything whose size grows with the file.
-fn check_all(meshes: &[MeshLod], tasks: &dyn TaskSystem) -> Result<(), Error> {
+/// Checks, in tasks, everything whose size grows with the file. If the file is `sound`, this leaves out the checks of
+/// [`super::scan`].
+fn check_all(meshes: &[MeshLod], sound: bool, tasks: &dyn TaskSystem) -> Result<(), Error> {
     type Check<'a> = Box<dyn FnOnce() -> Result<(), Error> + Send + 'a>;
     let mut checks: Vec<Check<'_>> = Vec::new();
     let diagonal = meshes[0].mesh.bounds().diagonal();
     for lod in meshes {
         let a = lod.mesh.arrays();
         let n = lod.vertex_count();
-        checks.push(Box::new(|| {
-            check::numbers("section positions", cast_slice(&a.positions), MAX_COORDINATE)?;
+        checks.push(Box::new(move || {
+            if !sound {
+                check::numbers("section positions", cast_slice(&a.positions), MAX_COORDINATE)?;
+                check::indices("section weld", &a.weld, n)?;
+            }
             check::weld(&a.weld, &a.positions)
         }));
-        checks.push(Box::new(|| {
-            check::units("section normals", a.normals.as_deref().unwrap_or_default())?;
-            check::units("section contact normals", a.contact_normals.as_deref().unwrap_or_default())?;
+        checks.push(Box::new(move || {
+            if !sound {
+                check::units("section normals", a.normals.as_deref().unwrap_or_default())?;
+                check::units("section contact normals", a.contact_normals.as_deref().unwrap_or_default())?;
+            }
             check::numbers("section tangents", cast_slice(a.tangents.as_deref().unwrap_or_default()), f32::MAX)
         }));
-        checks.push(Box::new(move || check::indices("section triangles", a.triangles.as_flattened(), n)));
+        if !sound {
+            checks.push(Box::new(move || check::indices("section triangles", a.triangles.as_flattened(), n)));
+        }
         checks.push(Box::new(move || check::rim(&lod.rim, n, diagonal)));
         for (i, anchored) in lod.anchored.iter().enumerate() {
             checks.push(Box::new(move || check::anchored(anchored, n, &format!("example {i}"))));

@@ -1,13 +1,12 @@
 //! Reads a file's header and table, and its sections as arrays.
 
-use super::layout::{ALIGN, Entry, Header, Id, MAGIC, VERSION, file_checksum, wrong};
+use super::layout::{ALIGN, Entry, Header, Id, MAGIC, VERSION, wrong};
 use crate::base::array::{Array, FileBytes};
 use crate::base::error::Error;
-use crate::base::tasks::TaskSystem;
 use bytemuck::Pod;
 use std::ops::Range;
 
-/// A file with its sections found and its checksum verified.
+/// A file with its sections found.
 pub(super) struct File<'a> {
     pub bytes: &'a FileBytes,
     /// The known sections, by id and mesh.
@@ -15,7 +14,9 @@ pub(super) struct File<'a> {
 }
 
 impl<'a> File<'a> {
-    pub(super) fn open(bytes: &'a FileBytes, tasks: &dyn TaskSystem) -> Result<Self, Error> {
+    /// Reads the header and the table. Returns the checksum that the header states, and the file or what is wrong with
+    /// its table.
+    pub(super) fn read(bytes: &'a FileBytes) -> Result<(u64, Result<Self, Error>), Error> {
         let all = bytes.as_slice();
         let too_short = || wrong("its length", format!("{} bytes", all.len()), "at least the 64 of a header");
         let header: Header =
@@ -45,20 +46,16 @@ impl<'a> File<'a> {
         }
         let table = size_of::<Header>()
             ..(header.sections as usize).saturating_mul(size_of::<Entry>()).saturating_add(size_of::<Header>());
-        let table_end = table.end;
-        let Some(table) = all.get(table) else {
+        if all.get(table.clone()).is_none() {
             return Err(wrong("the number of sections", header.sections, "so few that their table fits into the file"));
-        };
-        let found = file_checksum(all, tasks);
-        if header.checksum != found {
-            return Err(wrong(
-                "the checksum",
-                format!("{:#018x}", header.checksum),
-                format!("{found:#018x}: the file was damaged"),
-            ));
         }
+        Ok((header.checksum, File::table(bytes, &header, table)))
+    }
+
+    /// Reads the table of sections, which is at `table`.
+    fn table(bytes: &'a FileBytes, header: &Header, table: Range<usize>) -> Result<Self, Error> {
+        let (mut end, table) = (table.end as u64, &bytes.as_slice()[table]);
         let mut file = File { bytes, sections: Vec::new() };
-        let mut end = table_end as u64;
         for (i, e) in table.chunks_exact(size_of::<Entry>()).enumerate() {
             let e: Entry = bytemuck::pod_read_unaligned(e);
             let name = |field: &str| format!("{field} of section {i} (id {})", e.id);

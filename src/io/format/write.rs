@@ -13,8 +13,9 @@ use crate::example::set::ExampleSet;
 use crate::example::stamp::{Node, Stamp};
 use bytemuck::{Pod, bytes_of, cast_slice};
 use std::borrow::Cow;
+use std::hash::Hasher;
 use std::io::{self, Write};
-use xxhash_rust::xxh3::Xxh3;
+use twox_hash::XxHash3_64;
 
 /// The content of one section, as consecutive pieces.
 struct Section<'a> {
@@ -254,7 +255,7 @@ fn record_of(s: &Stamp) -> StampRecord {
 #[derive(Default)]
 struct Chunks {
     skipped: usize,
-    current: Xxh3,
+    current: XxHash3_64,
     filled: usize,
     hashes: Vec<u64>,
 }
@@ -266,7 +267,7 @@ impl Chunks {
         let mut bytes = &bytes[skip..];
         while !bytes.is_empty() {
             let (now, later) = bytes.split_at(bytes.len().min(CHUNK - self.filled));
-            self.current.update(now);
+            self.current.write(now);
             self.filled += now.len();
             if self.filled == CHUNK {
                 self.next();
@@ -276,8 +277,7 @@ impl Chunks {
     }
 
     fn next(&mut self) {
-        self.hashes.push(self.current.digest());
-        self.current.reset();
+        self.hashes.push(std::mem::take(&mut self.current).finish());
         self.filled = 0;
     }
 
