@@ -1,5 +1,6 @@
 //! Link arguments of the shared C library: its name for the loader, and that it stays loaded, since its threads may still be
-//! ending when a host unloads it. With the feature `vulkan` or `wgpu` it compiles the kernels in `src/gpu`.
+//! ending when a host unloads it. On Windows the library does the latter itself (`capi/context.rs`). With the feature
+//! `vulkan` or `wgpu` it compiles the kernels in `src/gpu`.
 
 #[cfg(feature = "gpu")]
 #[path = "build/kernels.rs"]

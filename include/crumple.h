@@ -1005,7 +1005,7 @@ CrumpleResult crumple_example_set_load_obj(CrumpleContext *context, const Crumpl
 /// Loads an example set from the size bytes of a .crumple file at data, written by "crumple bake" or
 /// crumple_example_set_save_baked(). Loading builds nothing and is fast. All bytes are validated. The set has one
 /// primitive, no name and no node transform. Errors: CRUMPLE_ERROR_FORMAT (damaged, cut short, or not a baked set),
-/// CRUMPLE_ERROR_UNSUPPORTED (another format version, or a big-endian processor).
+/// CRUMPLE_ERROR_UNSUPPORTED (another format version).
 CrumpleResult crumple_example_set_load_baked_memory(CrumpleContext *context, const void *data, size_t size,
                                                     CrumpleBytes bytes, CrumpleExampleSet *out_set);
 
@@ -1014,7 +1014,7 @@ CrumpleResult crumple_example_set_load_baked_memory(CrumpleContext *context, con
 CrumpleResult crumple_example_set_load_baked(CrumpleContext *context, const char *path, CrumpleExampleSet *out_set);
 
 /// Writes an example set as the bytes of a .crumple file, equal on all machines. data has capacity bytes of any
-/// alignment; see "Arrays" at the top. CRUMPLE_ERROR_UNSUPPORTED: a big-endian processor.
+/// alignment; see "Arrays" at the top.
 CrumpleResult crumple_example_set_save_baked(CrumpleContext *context, CrumpleExampleSet set, void *data,
                                              size_t capacity, size_t *out_size);
 
@@ -1315,7 +1315,7 @@ CrumpleResult crumple_instance_get_attached_frame(CrumpleContext *context, Crump
 /// a crash loses nothing. The next deform writes every vertex of every buffer. Vulkan buffers are replayed on the CPU
 /// and not compared. Failed calls are recorded with their message. Hits may still come from any thread, but are
 /// serialised while recording, so leave it off in releases. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a recording is
-/// running, or an instance has open contacts), CRUMPLE_ERROR_IO, CRUMPLE_ERROR_UNSUPPORTED (a big-endian processor).
+/// running, or an instance has open contacts), CRUMPLE_ERROR_IO.
 CrumpleResult crumple_recording_begin(CrumpleContext *context, const char *path);
 
 /// Ends the recording and completes the file. crumple_context_destroy() does so too. CRUMPLE_ERROR_IO: the file could

@@ -25,6 +25,9 @@
 //! - `host-allocator` lets a C host provide memory.
 #![deny(missing_docs)]
 
+#[cfg(target_endian = "big")]
+compile_error!("Crumple supports little-endian processors only: its files and packed numbers are little-endian");
+
 mod bake;
 mod base;
 #[cfg(feature = "capi")]

@@ -191,6 +191,20 @@ pub(super) fn concurrent(
     boundary(call, || body(&*find(context)?))
 }
 
+/// Keeps the module that holds this function loaded until the process ends: a destroyed context's threads may still be
+/// ending when the host unloads the library. On Linux a flag of the file does this (build.rs).
+#[cfg(windows)]
+fn stay_loaded() {
+    unsafe extern "system" {
+        fn GetModuleHandleExW(flags: u32, inside: *const u16, module: *mut *mut c_void) -> i32;
+    }
+    const PIN: u32 = 1;
+    const FROM_ADDRESS: u32 = 4;
+    let mut module = std::ptr::null_mut();
+    // SAFETY: with FROM_ADDRESS the second argument is any address in the module.
+    unsafe { GetModuleHandleExW(PIN | FROM_ADDRESS, stay_loaded as *const u16, &mut module) };
+}
+
 /// Returns the default options: one thread per core, no log.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_context_def_default() -> CrumpleContextDef {
@@ -207,6 +221,8 @@ pub unsafe extern "C" fn crumple_context_create(
 ) -> CrumpleResult {
     boundary("crumple_context_create", || {
         let (def, out) = (self::def(def, "def")?, Out::new(out_context, "out_context")?);
+        #[cfg(windows)]
+        stay_loaded();
         let tasks: Box<dyn TaskSystem + Send + Sync> = match def.tasks.parallel_for {
             Some(call) => Box::new(HostTasks::new(call, def.tasks.user, def.tasks.workers)),
             None => Box::new(ThreadPool::new(def.threads as usize)?),

@@ -163,7 +163,7 @@ c_enums!(CrumpleBytes::Keep);
 /// Loads an example set from the size bytes of a .crumple file at data, written by "crumple bake" or
 /// crumple_example_set_save_baked(). Loading builds nothing and is fast. All bytes are validated. The set has one
 /// primitive, no name and no node transform. Errors: CRUMPLE_ERROR_FORMAT (damaged, cut short, or not a baked set),
-/// CRUMPLE_ERROR_UNSUPPORTED (another format version, or a big-endian processor).
+/// CRUMPLE_ERROR_UNSUPPORTED (another format version).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_load_baked_memory(
     context: *mut CrumpleContext,
@@ -203,7 +203,7 @@ pub unsafe extern "C" fn crumple_example_set_load_baked(
 }
 
 /// Writes an example set as the bytes of a .crumple file, equal on all machines. data has capacity bytes of any
-/// alignment; see "Arrays" at the top. CRUMPLE_ERROR_UNSUPPORTED: a big-endian processor.
+/// alignment; see "Arrays" at the top.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_save_baked(
     context: *mut CrumpleContext,

@@ -64,12 +64,8 @@ pub(super) struct Writer {
 
 impl Writer {
     /// # Errors
-    /// [`Error::Io`]; [`Error::Unsupported`] on a big-endian processor.
+    /// [`Error::Io`].
     pub(super) fn create(path: &Path, version: u32) -> Result<Self, Error> {
-        if cfg!(target_endian = "big") {
-            let what = "recording on a big-endian processor; recordings hold little-endian numbers";
-            return Err(Error::Unsupported { what: what.into() });
-        }
         let io = |e: std::io::Error| Error::Io { path: path.display().to_string(), message: e.to_string() };
         let mut file = File::create(path).map_err(io)?;
         let header = [&MAGIC[..], &FORMAT.to_le_bytes(), &version.to_le_bytes()].concat();

@@ -17,7 +17,7 @@ use super::set::*;
 use super::tasks::{CrumpleTask, CrumpleTaskSystem};
 use super::types::*;
 use proptest::prelude::*;
-use std::ffi::{CStr, CString, c_char, c_void};
+use std::ffi::{CStr, CString, c_void};
 use std::mem::MaybeUninit;
 use std::path::{Path, PathBuf};
 use std::ptr::{null, null_mut};
@@ -529,7 +529,8 @@ fn a_transform_may_be_set_while_the_context_is_in_use_and_is_recorded() {
 }
 
 /// Gathers warnings.
-extern "C" fn note(level: MaybeUninit<CrumpleLogLevel>, message: *const c_char, user: *mut c_void) {
+#[cfg(target_os = "linux")]
+extern "C" fn note(level: MaybeUninit<CrumpleLogLevel>, message: *const std::ffi::c_char, user: *mut c_void) {
     // SAFETY: one of the enumerators, a text, and what was given with the context.
     let (level, text, all) =
         unsafe { (level.assume_init(), CStr::from_ptr(message), &*user.cast::<Mutex<Vec<String>>>()) };

@@ -62,6 +62,9 @@ pub(crate) fn turn_stored(base: &Flat, stored: &Stored<'_>, scale: f32, to: &mut
 /// [`kernel::displace`]. `narrow` selects as many lanes as a group has vertices, which stored parts need.
 #[inline]
 pub(crate) fn displace(block: &Block<'_>, narrow: bool, positions: &mut Flat, normals: &mut Flat) -> Bounds {
+    // Other processors have one number of lanes.
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = narrow;
     // SAFETY: as above.
     unsafe {
         match (SimdLevel::current(), block.base_normals.is_some()) {

@@ -235,6 +235,7 @@ impl<'a> Engine<'a> {
         unsafe { Device::new(&self.def()) }.unwrap()
     }
 
+    #[cfg(target_os = "linux")]
     pub fn instance(&self) -> &ash::Instance {
         &self.instance.instance
     }

@@ -62,15 +62,19 @@ fn stand_in(workspace: &Workspace, header: &str, at: &Path) -> Result<()> {
     Ok(cmd!(workspace.shell, "cc -g -fPIC -shared {source} -o {library}").quiet().run()?)
 }
 
-/// A shared library exports the functions that a header declares, all of them and nothing else.
-pub fn exported(header: &Path, shared: &Path) -> Result<()> {
+/// The names that a shared library exports.
+pub fn exports(shared: &Path) -> Result<Vec<String>> {
     let bytes = fs::read(shared).with_context(|| format!("reading {}", shared.display()))?;
     let file = object::File::parse(&*bytes)?;
     // Apple's format puts an underscore before every C name.
-    let bare = if cfg!(target_os = "macos") { 1 } else { 0 };
-    let exports = file.exports()?;
-    let names: BTreeSet<String> =
-        exports.iter().map(|export| String::from_utf8_lossy(&export.name()[bare..]).into_owned()).collect();
+    let bare = usize::from(file.format() == object::BinaryFormat::MachO);
+    let name = |export: &object::Export<'_>| String::from_utf8_lossy(&export.name()[bare..]).into_owned();
+    Ok(file.exports()?.iter().map(name).collect())
+}
+
+/// A shared library exports the functions that a header declares, all of them and nothing else.
+pub fn exported(header: &Path, shared: &Path) -> Result<()> {
+    let names: BTreeSet<String> = exports(shared)?.into_iter().collect();
     let text = fs::read_to_string(header).with_context(|| format!("reading {}", header.display()))?;
     let functions = declarations::header(&text)?.into_iter().filter(|item| matches!(item.form, Form::Function { .. }));
     let declared: BTreeSet<String> = functions.map(|item| item.name).collect();

@@ -6,6 +6,7 @@ use anyhow::Result;
 use xshell::cmd;
 
 use crate::install::Profile;
+use crate::target::Target;
 use crate::workspace::Workspace;
 
 /// The features of the released command, beside the default ones.
@@ -24,15 +25,20 @@ impl<'a> Command<'a> {
         let release = ["--package", "crumple", "--features", if gpu.is_some() { FEATURES } else { "cli" }];
         match profile {
             Profile::Debug => workspace.build_as_tested(&["--bin", "crumple"]).run()?,
-            Profile::Dist => {
-                let dist = ["build", "--profile", "dist", "--bin", "crumple", "--package", "crumple"];
-                workspace.cargo_anywhere(&dist)?.args(["--features", FEATURES]).run()?;
-            }
+            Profile::Dist => return Self::handed_out(workspace, &Target::host(workspace)?),
             Profile::Release => workspace.cargo(&["build", "--release", "--bin", "crumple"]).args(release).run()?,
         }
         let program = workspace.target.join(profile.directory()).join("crumple");
         let program = program.with_extension(std::env::consts::EXE_EXTENSION);
         Ok(Self { workspace, program, gpu: gpu.map(str::to_owned) })
+    }
+
+    /// The command of a release archive.
+    pub fn handed_out(workspace: &'a Workspace, target: &Target) -> Result<Self> {
+        let dist = ["build", "--profile", "dist", "--bin", "crumple", "--package", "crumple"];
+        target.cargo(workspace, &dist)?.args(["--features", FEATURES]).run()?;
+        let program = target.directory(workspace, Profile::Dist.directory()).join(target.program("crumple"));
+        Ok(Self { workspace, program, gpu: None })
     }
 
     pub fn program(&self) -> &Path {

@@ -7,15 +7,20 @@
 //! PREFIX/lib/pkgconfig/crumple.pc
 //! PREFIX/share/licenses/crumple/
 //! ```
+//!
+//! On Windows the shared library is PREFIX/bin/crumple.dll, and programs link PREFIX/lib/crumple.dll.lib.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
-use object::Endianness;
 use object::elf::{DF_1_NODELETE, DT_FLAGS_1, DT_SONAME, FileHeader64};
 use object::read::elf::{Dynamic, FileHeader};
+use object::{Endianness, Object};
 
+use crate::abi;
+use crate::target::Target;
 use crate::workspace::Workspace;
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -42,10 +47,8 @@ pub const FEATURES: &[&str] = &["gltf", "obj", "vulkan", "host-allocator"];
 
 /// The library as Cargo left it.
 pub struct Built {
+    pub target: Target,
     pub shared: PathBuf,
-    /// The import library, which programs link on Windows.
-    #[cfg_attr(not(windows), expect(dead_code, reason = "read where there are DLLs"))]
-    import: Option<PathBuf>,
     static_library: PathBuf,
     /// Linker arguments that a program needs beside `static_library`, such as `-lpthread`.
     static_needs: Vec<String>,
@@ -55,7 +58,12 @@ pub struct Built {
 
 /// Builds the C library. Only `Profile::Dist` builds with just `features`. A debug build is the one that the tests use, with all
 /// features.
-pub fn build(workspace: &Workspace, profile: Profile, features: &'static [&'static str]) -> Result<Built> {
+pub fn build(
+    workspace: &Workspace,
+    target: Target,
+    profile: Profile,
+    features: &'static [&'static str],
+) -> Result<Built> {
     match profile {
         Profile::Debug => workspace.build_as_tested(&["--lib"]).run()?,
         Profile::Release => {
@@ -67,36 +75,46 @@ pub fn build(workspace: &Workspace, profile: Profile, features: &'static [&'stat
             // Cargo skips link-time optimization if the Rust library is built along.
             let dist =
                 ["rustc", "--profile", "dist", "--lib", "--crate-type", "cdylib,staticlib", "--package", "crumple"];
-            workspace.cargo_anywhere(&dist)?.args(["--no-default-features", "--features", &features]).run()?;
+            target.cargo(workspace, &dist)?.args(["--no-default-features", "--features", &features]).run()?;
         }
     }
-    let directory = workspace.target.join(profile.directory());
-    let (shared, import, static_library) = if cfg!(windows) {
-        ("crumple.dll", Some("crumple.dll.lib"), "crumple.lib")
-    } else if cfg!(target_os = "macos") {
-        ("libcrumple.dylib", None, "libcrumple.a")
-    } else {
-        ("libcrumple.so", None, "libcrumple.a")
-    };
+    built(workspace, target, profile, features)
+}
+
+/// What was built for a system.
+pub fn built(
+    workspace: &Workspace,
+    target: Target,
+    profile: Profile,
+    features: &'static [&'static str],
+) -> Result<Built> {
+    let directory = target.directory(workspace, profile.directory());
     Ok(Built {
-        shared: directory.join(shared),
-        import: import.map(|name| directory.join(name)),
-        static_library: directory.join(static_library),
-        static_needs: static_needs(workspace)?,
+        shared: directory.join(target.shared()),
+        static_library: directory.join(target.static_library()),
+        static_needs: static_needs(workspace, &target)?,
         features,
+        target,
     })
 }
 
 /// The system libraries that Rust's standard library links, as `rustc` prints them for an empty static library.
-fn static_needs(workspace: &Workspace) -> Result<Vec<String>> {
+fn static_needs(workspace: &Workspace, target: &Target) -> Result<Vec<String>> {
+    if !target.has_standard_library(workspace) {
+        // Compiling it for the question takes minutes.
+        return Ok(target.static_needs().iter().map(|flag| (*flag).to_owned()).collect());
+    }
     let scratch = tempfile::tempdir()?;
     let source = scratch.path().join("empty.rs");
     fs::write(&source, "")?;
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-    let output = xshell::cmd!(workspace.shell, "{rustc} --crate-type staticlib --print native-static-libs {source} -o")
-        .arg(scratch.path().join("empty.a"))
-        .quiet()
-        .read_stderr()?;
+    let (sh, triple) = (&workspace.shell, &target.triple);
+    let output =
+        xshell::cmd!(sh, "{rustc} --target {triple} --crate-type staticlib --print native-static-libs {source}")
+            .arg("-o")
+            .arg(scratch.path().join("empty.a"))
+            .quiet()
+            .read_stderr()?;
     let marker = "native-static-libs: ";
     let line = output.lines().find_map(|line| line.split(marker).nth(1));
     let line = line.with_context(|| format!("rustc printed no line with {marker:?}, but: {output}"))?;
@@ -105,7 +123,7 @@ fn static_needs(workspace: &Workspace) -> Result<Vec<String>> {
 
 /// Builds and installs.
 pub fn run(workspace: &Workspace, prefix: &Path, profile: Profile) -> Result<()> {
-    let built = build(workspace, profile, FEATURES)?;
+    let built = build(workspace, Target::host(workspace)?, profile, FEATURES)?;
     let prefix = workspace.path(prefix);
     lay_out(workspace, &built, &prefix)?;
     println!("installed Crumple {} ({}) in {}", workspace.version, profile.directory(), prefix.display());
@@ -134,10 +152,13 @@ pub fn lay_out(workspace: &Workspace, built: &Built, prefix: &Path) -> Result<()
     Ok(())
 }
 
-#[cfg(unix)]
 fn copy_shared(workspace: &Workspace, built: &Built, prefix: &Path) -> Result<()> {
     let lib = prefix.join("lib");
-    if cfg!(target_os = "macos") {
+    if built.target.is_windows() {
+        let shared = copy(&built.shared, &prefix.join("bin"))?;
+        return import_library(workspace, built, &shared, &lib);
+    }
+    if built.target.is_macos() {
         return copy(&built.shared, &lib).map(drop);
     }
     let real = format!("libcrumple.so.{}", workspace.version);
@@ -147,16 +168,30 @@ fn copy_shared(workspace: &Workspace, built: &Built, prefix: &Path) -> Result<()
         if link.symlink_metadata().is_ok() {
             fs::remove_file(&link)?;
         }
-        std::os::unix::fs::symlink(&real, &link).with_context(|| format!("linking {}", link.display()))?;
+        symlink(&real, &link).with_context(|| format!("linking {}", link.display()))?;
     }
     Ok(())
 }
 
+#[cfg(unix)]
+use std::os::unix::fs::symlink;
 #[cfg(windows)]
-fn copy_shared(_: &Workspace, built: &Built, prefix: &Path) -> Result<()> {
-    copy(&built.shared, &prefix.join("bin"))?;
-    let import = built.import.as_ref().context("a DLL has an import library")?;
-    copy(import, &prefix.join("lib")).map(drop)
+use std::os::windows::fs::symlink_file as symlink;
+
+/// Puts the import library of a DLL into `lib`. MinGW's compiler and Microsoft's link the same file.
+fn import_library(workspace: &Workspace, built: &Built, shared: &Path, lib: &Path) -> Result<()> {
+    let name = "crumple.dll.lib";
+    if !built.target.is_mingw() {
+        return copy(&built.shared.with_file_name(name), lib).map(drop);
+    }
+    fs::create_dir_all(lib)?;
+    let exports = lib.join("crumple.def");
+    fs::write(&exports, format!("LIBRARY crumple.dll\nEXPORTS\n{}\n", abi::exports(shared)?.join("\n")))?;
+    let import = lib.join(name);
+    xshell::cmd!(workspace.shell, "llvm-dlltool -m i386:x86-64 -d {exports} -l {import}").quiet().run()?;
+    // The name that MinGW's linker finds for -lcrumple before the static library's.
+    copy_as(&import, lib, "libcrumple.dll.a")?;
+    fs::remove_file(&exports).with_context(|| format!("removing {}", exports.display()))
 }
 
 /// The name under which programs load the library; `build.rs` sets it.
@@ -165,11 +200,30 @@ pub fn soname(library: &Path) -> Result<String> {
     name.with_context(|| format!("{} has no SONAME; build.rs gives it one", library.display()))
 }
 
+/// Where the shared library is in a prefix.
+pub fn shared(target: &Target, prefix: &Path) -> PathBuf {
+    prefix.join(if target.is_windows() { "bin" } else { "lib" }).join(target.shared())
+}
+
 /// Checks that a host cannot unload the library while its threads are still ending; `build.rs` sets the flag.
 pub fn stays_loaded(library: &Path) -> Result<()> {
     let flags = dynamic(library)?.into_iter().find(|(entry, _)| entry.tag == DT_FLAGS_1);
     let flags = flags.map_or(0, |(entry, _)| entry.val);
     ensure!(flags & u64::from(DF_1_NODELETE) != 0, "{} is not NODELETE; build.rs makes it so", library.display());
+    Ok(())
+}
+
+/// Checks that a DLL needs only libraries that Windows has.
+pub fn needs_windows_alone(library: &Path) -> Result<()> {
+    const WINDOWS: &[&str] =
+        &["bcryptprimitives.dll", "kernel32.dll", "msvcrt.dll", "ntdll.dll", "userenv.dll", "ws2_32.dll"];
+    let bytes = fs::read(library).with_context(|| format!("reading {}", library.display()))?;
+    let imports = object::File::parse(&*bytes)?.imports()?;
+    let names: BTreeSet<String> =
+        imports.iter().map(|import| String::from_utf8_lossy(import.library()).to_lowercase()).collect();
+    let known = |name: &String| WINDOWS.contains(&name.as_str()) || name.starts_with("api-ms-win-");
+    let foreign: Vec<_> = names.iter().filter(|name| !known(name)).collect();
+    ensure!(foreign.is_empty() && !names.is_empty(), "{} needs {foreign:?}", library.display());
     Ok(())
 }
 
@@ -189,7 +243,8 @@ fn fill(workspace: &Workspace, built: &Built, template: &str, directory: &Path) 
     let libraries: Vec<&str> = built.static_needs.iter().map(|flag| flag.strip_prefix("-l").unwrap_or(flag)).collect();
     let values = [
         ("@CRUMPLE_VERSION@", workspace.version.clone()),
-        ("@CRUMPLE_SONAME@", if cfg!(target_os = "linux") { soname(&built.shared)? } else { String::new() }),
+        ("@CRUMPLE_SONAME@", if built.target.is_linux() { soname(&built.shared)? } else { String::new() }),
+        ("@CRUMPLE_STATIC@", built.target.static_library().to_owned()),
         ("@CRUMPLE_STATIC_LIBS@", built.static_needs.join(" ")),
         ("@CRUMPLE_STATIC_LIBS_CMAKE@", libraries.join(";")),
         ("@CRUMPLE_FEATURES@", built.features.join(" ")),

@@ -15,15 +15,18 @@ mod messages;
 mod native;
 mod package;
 mod peers;
+mod platforms;
 mod reference;
 mod repo;
 mod rooms;
 mod stage;
+mod target;
 mod test;
 mod tools;
 mod unity;
 mod valgrind;
 mod vulkan;
+mod wine;
 mod workspace;
 
 use std::path::PathBuf;

@@ -9,6 +9,7 @@ use crate::abi;
 use crate::header::HEADER;
 use crate::install::{self, Profile};
 use crate::stage::{Outcome, all_passed};
+use crate::target::Target;
 use crate::tools::Tool;
 use crate::vulkan;
 use crate::workspace::{Workspace, empty_directory};
@@ -21,12 +22,7 @@ const ALL: &[(&str, &str)] =
 
 pub fn install_release(workspace: &Workspace) -> Result<Outcome> {
     let prefix = release_prefix(workspace)?;
-    let shared = match std::env::consts::OS {
-        "windows" => "bin/crumple.dll",
-        "macos" => "lib/libcrumple.dylib",
-        _ => "lib/libcrumple.so",
-    };
-    abi::exported(&workspace.path(HEADER), &prefix.join(shared))?;
+    abi::exported(&workspace.path(HEADER), &install::shared(&Target::host(workspace)?, &prefix))?;
     Ok(Outcome::Passed)
 }
 
@@ -52,6 +48,8 @@ pub struct Build<'a> {
     pub validation: bool,
     /// Further arguments for CMake.
     pub options: &'a [&'a str],
+    /// Whether the programs are for another system. They then use no library of this one.
+    pub cross: bool,
     /// The program that runs each test program, with its arguments, separated by semicolons; empty for none.
     pub launcher: &'a str,
     /// Manifests of the Vulkan drivers that programs run on; may be empty.
@@ -63,7 +61,8 @@ pub struct Build<'a> {
 impl<'a> Build<'a> {
     /// All projects, without launcher and without Vulkan drivers.
     pub fn new(kind: &'a str, prefix: &'a Path) -> Self {
-        Self { projects: ALL, kind, prefix, validation: true, options: &[], launcher: "", drivers: &[], left_out: "" }
+        let (options, launcher, drivers, left_out) = (&[][..], "", &[][..], "");
+        Self { projects: ALL, kind, prefix, validation: true, options, cross: false, launcher, drivers, left_out }
     }
 }
 
@@ -93,10 +92,10 @@ pub fn compile(workspace: &Workspace, build: &Build<'_>, source: &Path, director
     let &Build { prefix, options, launcher, validation, .. } = build;
     let sh = &workspace.shell;
     // A program must not be left out if what it needs is installed.
-    let ode = Tool::Ode.here(workspace).then_some("-DCRUMPLE_REQUIRE_ODE=ON");
-    let vulkan = Tool::VulkanHeaders.here(workspace) && Tool::Png.here(workspace);
-    let vulkan = vulkan.then_some("-DCRUMPLE_REQUIRE_VULKAN=ON");
-    let mono = Tool::Mono.here(workspace).then_some("-DCRUMPLE_REQUIRE_MONO=ON");
+    let here = |tool: Tool| !build.cross && tool.here(workspace);
+    let ode = here(Tool::Ode).then_some("-DCRUMPLE_REQUIRE_ODE=ON");
+    let vulkan = (here(Tool::VulkanHeaders) && here(Tool::Png)).then_some("-DCRUMPLE_REQUIRE_VULKAN=ON");
+    let mono = here(Tool::Mono).then_some("-DCRUMPLE_REQUIRE_MONO=ON");
     let drivers: Vec<String> = build.drivers.iter().map(|manifest| manifest.display().to_string()).collect();
     let drivers = format!("-DCRUMPLE_VULKAN_DRIVERS={}", drivers.join(";"));
     let validation = format!("-DCRUMPLE_VULKAN_VALIDATION={}", if validation { "ON" } else { "OFF" });

@@ -10,6 +10,7 @@ mod markdown;
 mod paths;
 mod symbols;
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -19,9 +20,13 @@ use xshell::cmd;
 
 use crate::command::Command;
 use crate::install::{self, Built, Profile};
+use crate::platforms;
+use crate::target::{self, Target};
+use crate::tools::{self, Tool};
+use crate::wine::Wine;
 use crate::workspace::{Workspace, empty_directory, files};
 
-pub use check::stage;
+pub use check::{stage, windows};
 
 #[derive(Args)]
 pub struct Options {
@@ -34,6 +39,9 @@ pub struct Options {
     /// Unpack each archive elsewhere, and build and run its examples
     #[arg(long)]
     check: bool,
+    /// Make the archives for Windows on Linux, with MinGW
+    #[arg(long)]
+    windows: bool,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -61,7 +69,6 @@ const FULL: Flavour = Flavour { name: "full", suffix: "", library: install::FEAT
 /// The builds that an archive is made of.
 struct Parts {
     flavour: &'static Flavour,
-    target: String,
     library: Built,
     command: Option<PathBuf>,
     /// Whether this is a release. Otherwise the command is the tests' debug build, which is slow and may name folders of this machine.
@@ -74,40 +81,52 @@ struct Packed {
     archive: PathBuf,
     /// As in `Parts`.
     handed_out: bool,
+    target: Target,
 }
 
 pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     let out = workspace.path(&options.out);
+    let target = if options.windows { Target::other(target::WINDOWS) } else { Target::host(workspace)? };
+    let missing = tools::provide(workspace, &tools_for(&target))?;
+    ensure!(missing.is_empty(), "{}", tools::advice(&missing));
     for flavour in [&SLIM, &FULL] {
         if ![Choice::All, if flavour.suffix.is_empty() { Choice::Full } else { Choice::Slim }]
             .contains(&options.flavour)
         {
             continue;
         }
-        let packed = pack(workspace, &build(workspace, flavour)?, &out)?;
-        if options.check {
+        let packed = pack(workspace, &build(workspace, flavour, &target)?, &out)?;
+        if options.check && target.cross {
+            check::under_wine(workspace, flavour, &packed, &Wine::start(workspace)?)?;
+        } else if options.check {
             check::check(workspace, flavour, &packed)?;
         }
     }
     Ok(())
 }
 
-fn build(workspace: &Workspace, flavour: &'static Flavour) -> Result<Parts> {
+/// The programs that make archives for another system.
+fn tools_for(target: &Target) -> BTreeSet<Tool> {
+    if target.cross { platforms::WINDOWS_TOOLS.iter().copied().collect() } else { BTreeSet::new() }
+}
+
+fn build(workspace: &Workspace, flavour: &'static Flavour, target: &Target) -> Result<Parts> {
     println!("Building the {} flavour; it is optimized as a whole, which takes minutes.", flavour.name);
     let mut command = None;
     if flavour.command {
-        command = Some(Command::build(workspace, Profile::Dist, None)?.program().to_owned());
+        command = Some(Command::handed_out(workspace, target)?.program().to_owned());
     }
     // Built after the command, because building the command overwrites the library.
-    let library = install::build(workspace, Profile::Dist, flavour.library)?;
-    Ok(Parts { flavour, target: workspace.rustc("host")?, library, command, handed_out: true })
+    let library = install::build(workspace, target.clone(), Profile::Dist, flavour.library)?;
+    Ok(Parts { flavour, library, command, handed_out: true })
 }
 
 /// Lays out the folder and writes the archives to `out`.
 fn pack(workspace: &Workspace, parts: &Parts, out: &Path) -> Result<Packed> {
-    let Parts { flavour, target, .. } = parts;
-    let name = format!("crumple-{}-{target}{}", workspace.version, flavour.suffix);
-    let stage = workspace.target.join("package").join(flavour.name);
+    let flavour = parts.flavour;
+    let (target, triple) = (&parts.library.target, &parts.library.target.triple);
+    let name = format!("crumple-{}-{triple}{}", workspace.version, flavour.suffix);
+    let stage = workspace.target.join("package").join(triple).join(flavour.name);
     empty_directory(&stage)?;
     let (folder, debug) = (stage.join(&name), stage.join(format!("{name}-symbols")));
 
@@ -118,7 +137,7 @@ fn pack(workspace: &Workspace, parts: &Parts, out: &Path) -> Result<Packed> {
     }
     symbols::separate(workspace, parts, &folder, &debug)?;
     let linked = licenses::linked(workspace, parts)?;
-    paths::nothing_unlicensed(&folder, &linked)?;
+    paths::nothing_unlicensed(parts, &folder, &linked, &target.standard_packages(workspace)?)?;
     licenses::write(workspace, &linked, &folder.join(licenses::FILE))?;
     contents::copy(workspace, parts, &folder)?;
     paths::nothing_of_this_machine(workspace, parts, &folder)?;
@@ -126,12 +145,12 @@ fn pack(workspace: &Workspace, parts: &Parts, out: &Path) -> Result<Packed> {
 
     fs::create_dir_all(out).with_context(|| format!("creating {}", out.display()))?;
     let time = time(workspace)?;
-    let archive = archive::pack(&folder, out, time)?;
-    let debug = archive::pack(&debug, out, time)?;
+    let archive = archive::pack(&folder, out, time, target)?;
+    let debug = archive::pack(&debug, out, time, target)?;
     for file in [&archive, &debug] {
         println!("{} ({:.1} MB)", file.display(), fs::metadata(file)?.len() as f64 / 1e6);
     }
-    Ok(Packed { name, archive, handed_out: parts.handed_out })
+    Ok(Packed { name, archive, handed_out: parts.handed_out, target: target.clone() })
 }
 
 /// The modification time of every entry: `SOURCE_DATE_EPOCH`, or the time of the commit.

@@ -7,7 +7,7 @@ use crate::ci::CHECKS;
 use crate::stage::{self, Outcome, Rules, Stage};
 use crate::tools::Tool;
 use crate::workspace::Workspace;
-use crate::{abi, csharp, demo, native, package, peers, valgrind, vulkan};
+use crate::{abi, csharp, demo, native, package, peers, platforms, valgrind, vulkan};
 
 #[derive(Args, Default)]
 pub struct Options {
@@ -75,6 +75,20 @@ const STAGES: &[Stage] = &[
         needs: &[Tool::Valgrind],
         wants: &[],
         run: valgrind::rust,
+    },
+    Stage {
+        name: "windows",
+        shows: "the library, the command and the archive for Windows work under Wine, and write the same bytes as here",
+        needs: platforms::WINDOWS_TOOLS,
+        wants: &[],
+        run: platforms::windows,
+    },
+    Stage {
+        name: "aarch64",
+        shows: "the library and the command for 64-bit ARM work under qemu, and write the same bytes as here",
+        needs: platforms::AARCH64_TOOLS,
+        wants: &[],
+        run: platforms::aarch64,
     },
     Stage {
         name: "demo",

@@ -6,6 +6,8 @@ use std::fmt;
 use anyhow::Result;
 use xshell::cmd;
 
+use crate::target::{self, Target};
+use crate::wine;
 use crate::workspace::Workspace;
 
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
@@ -35,6 +37,22 @@ pub enum Tool {
     Png,
     /// A compiler and a runtime for C#, similar to Unity's.
     Mono,
+    /// Rust's standard library for Windows, or its source.
+    WindowsRust,
+    /// GNU's compilers for Windows.
+    Mingw,
+    /// Runs programs for Windows.
+    Wine,
+    /// A display without a screen: Wine's Vulkan needs one.
+    Xvfb,
+    /// clang, and the linker and tools that behave as Microsoft's.
+    Llvm,
+    /// Rust's standard library for 64-bit ARM, or its source.
+    AarchRust,
+    /// GNU's compilers for 64-bit ARM.
+    AarchCompiler,
+    /// Runs programs for 64-bit ARM.
+    Qemu,
 }
 
 /// This file shows that the validation layers are installed.
@@ -56,7 +74,18 @@ const BLENDER_LIBRARIES: &[(&str, &str)] = &[
 impl Tool {
     pub fn here(self, workspace: &Workspace) -> bool {
         let sh = &workspace.shell;
+        let answers = |program: &str| cmd!(sh, "{program} --version").quiet().ignore_stderr().read().is_ok();
         match self {
+            Self::WindowsRust | Self::AarchRust => {
+                self.rust_target().is_some_and(|triple| Target::other(triple).has_rust(workspace))
+            }
+            Self::Mingw => ["gcc", "g++"].iter().all(|name| answers(&format!("x86_64-w64-mingw32-{name}-posix"))),
+            Self::Wine => wine::program().is_some(),
+            // It has no option that answers and succeeds.
+            Self::Xvfb => std::path::Path::new("/usr/bin/Xvfb").exists(),
+            Self::Llvm => ["clang", "lld-link"].iter().all(|name| answers(name)) && answers("llvm-strip"),
+            Self::AarchCompiler => ["gcc", "g++"].iter().all(|name| answers(&format!("aarch64-linux-gnu-{name}"))),
+            Self::Qemu => answers("qemu-aarch64"),
             Self::CMake => cmd!(sh, "cmake --version").quiet().ignore_stderr().read().is_ok(),
             Self::CCompiler => cmd!(sh, "cc --version").quiet().ignore_stderr().read().is_ok(),
             Self::CppCompiler => cmd!(sh, "c++ --version").quiet().ignore_stderr().read().is_ok(),
@@ -88,6 +117,15 @@ impl Tool {
         }
     }
 
+    /// The system whose standard library this is.
+    fn rust_target(self) -> Option<&'static str> {
+        match self {
+            Self::WindowsRust => Some(target::WINDOWS),
+            Self::AarchRust => Some(target::AARCH64),
+            _ => None,
+        }
+    }
+
     fn debian_packages(self) -> Vec<&'static str> {
         let packages: &[&str] = match self {
             Self::BlenderLibraries => return BLENDER_LIBRARIES.iter().map(|(_, package)| *package).collect(),
@@ -103,6 +141,13 @@ impl Tool {
             Self::VulkanHeaders => &["pkg-config", "libvulkan-dev"],
             Self::Png => &["pkg-config", "libpng-dev"],
             Self::Mono => &["mono-mcs", "mono-runtime"],
+            Self::WindowsRust | Self::AarchRust => &["rustc-web", "cargo-web", "rust-web-src"],
+            Self::Mingw => &["g++-mingw-w64-x86-64-posix", "mingw-w64-x86-64-dev"],
+            Self::Wine => &["wine64"],
+            Self::Xvfb => &["xvfb"],
+            Self::Llvm => &["clang", "lld", "llvm"],
+            Self::AarchCompiler => &["g++-aarch64-linux-gnu"],
+            Self::Qemu => &["qemu-user"],
             Self::Abigail => &["abigail-tools"],
             Self::Vulkan => &["libvulkan1", "mesa-vulkan-drivers", "vulkan-validationlayers"],
         };
@@ -133,12 +178,24 @@ impl fmt::Display for Tool {
             Self::Png => "libpng's headers",
             Self::Mono => "Mono with its C# compiler",
             Self::Abigail => "libabigail's abidiff",
+            Self::WindowsRust => "Rust for Windows (or: rustup target add x86_64-pc-windows-gnu)",
+            Self::Mingw => "MinGW's compilers",
+            Self::Wine => "Wine",
+            Self::Xvfb => "Xvfb",
+            Self::Llvm => "LLVM's clang, lld-link and llvm-dlltool",
+            Self::AarchRust => "Rust for 64-bit ARM (or: rustup target add aarch64-unknown-linux-gnu)",
+            Self::AarchCompiler => "GNU's compilers for 64-bit ARM",
+            Self::Qemu => "qemu-aarch64",
         })
     }
 }
 
 /// Installs the missing tools of `wanted` on Debian and its derivatives, as root or by sudo. Returns the tools that are still missing.
 pub fn provide(workspace: &Workspace, wanted: &BTreeSet<Tool>) -> Result<BTreeSet<Tool>> {
+    for triple in still_missing(workspace, wanted).iter().filter_map(|tool| tool.rust_target()) {
+        // Where there is no rustup, or it reaches nothing, a package of the distribution follows.
+        let _ = cmd!(workspace.shell, "rustup target add {triple}").ignore_stderr().run();
+    }
     let missing = still_missing(workspace, wanted);
     if missing.is_empty() {
         return Ok(missing);

@@ -50,6 +50,11 @@ impl Workspace {
 
     /// `cargo` for release builds: the binaries contain no path of this machine.
     pub fn cargo_anywhere(&self, arguments: &[&str]) -> Result<xshell::Cmd<'_>> {
+        Ok(self.cargo(arguments).env("CARGO_ENCODED_RUSTFLAGS", self.anywhere()?.join("\u{1f}")))
+    }
+
+    /// The flags of such a build for the compiler.
+    pub fn anywhere(&self) -> Result<Vec<String>> {
         // Each registry has a folder, which exists once a package came from it.
         self.cargo(&["fetch", "--quiet"]).quiet().run()?;
         let from = |path: PathBuf, to: &str| format!("--remap-path-prefix={}={to}", path.display());
@@ -63,7 +68,7 @@ impl Workspace {
             flags.push(from(registry?.path(), SOURCES));
         }
         flags.splice(0..0, std::env::var("RUSTFLAGS").iter().flat_map(|f| f.split_whitespace().map(str::to_owned)));
-        Ok(self.cargo(arguments).env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}")))
+        Ok(flags)
     }
 
     /// The toolchain's directory.

@@ -289,14 +289,6 @@ pub fn file_checksum(file: &[u8], tasks: &dyn TaskSystem) -> u64 {
     checksum(&map(tasks, file.get(UNHASHED..).unwrap_or_default().chunks(CHUNK), XxHash3_64::oneshot))
 }
 
-pub(super) fn little_endian() -> Result<(), Error> {
-    if cfg!(target_endian = "little") {
-        Ok(())
-    } else {
-        Err(Error::Unsupported { what: "baked sets on a big-endian processor: their numbers are little-endian".into() })
-    }
-}
-
 /// "malformed: `name` is `value`; it must be `expected`".
 pub(super) fn wrong(
     name: impl std::fmt::Display,

@@ -19,7 +19,7 @@ use crate::base::error::Error;
 use crate::base::tasks::TaskSystem;
 use crate::example::set::ExampleSet;
 use bytemuck::{Pod, Zeroable};
-use layout::{ALIGN, IN_PLACE, MAGIC, little_endian};
+use layout::{ALIGN, IN_PLACE, MAGIC};
 use std::io::{Read, Write};
 use std::path::Path;
 use std::sync::Arc;
@@ -58,9 +58,8 @@ impl ExampleSet {
     /// set always gives the same bytes, also after it was saved and loaded.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`]; [`Error::Unsupported`] on a big-endian processor.
+    /// [`Error::OutOfMemory`].
     pub fn save(&self) -> Result<Vec<u8>, Error> {
-        little_endian()?;
         let file = write::File::new(self);
         let mut out = crate::base::error::reserve(file.length(), "a baked set")?;
         // Writing to reserved memory cannot fail.
@@ -71,9 +70,8 @@ impl ExampleSet {
     /// Writes what [`ExampleSet::save`] returns, without holding it in memory.
     ///
     /// # Errors
-    /// Those of `out`; `Unsupported` on a big-endian processor.
+    /// Those of `out`.
     pub fn save_to(&self, out: &mut impl Write) -> std::io::Result<()> {
-        little_endian().map_err(|e| std::io::Error::new(std::io::ErrorKind::Unsupported, e.to_string()))?;
         write::File::new(self).write(out)
     }
 
@@ -93,13 +91,12 @@ impl ExampleSet {
     /// not intend. `tasks` runs the checks.
     ///
     /// # Errors
-    /// [`Error::Format`] naming what is wrong; [`Error::Unsupported`] for a file of another version, and on a big-endian
-    /// processor; [`Error::OutOfMemory`].
+    /// [`Error::Format`] naming what is wrong; [`Error::Unsupported`] for a file of another version;
+    /// [`Error::OutOfMemory`].
     pub fn load<B>(bytes: B, tasks: &dyn TaskSystem) -> Result<Self, Error>
     where
         B: AsRef<[u8]> + Send + Sync + 'static,
     {
-        little_endian()?;
         let file = FileBytes::new(Arc::new(bytes));
         if !file.as_slice().as_ptr().addr().is_multiple_of(IN_PLACE) {
             return Self::load_copy(file.as_slice(), tasks);
@@ -112,7 +109,6 @@ impl ExampleSet {
     /// # Errors
     /// Those of [`ExampleSet::load`].
     pub fn load_copy(bytes: &[u8], tasks: &dyn TaskSystem) -> Result<Self, Error> {
-        little_endian()?;
         let mut copy = Aligned::new(bytes.len())?;
         copy.as_mut().copy_from_slice(bytes);
         load::set(&FileBytes::new(Arc::new(copy)), tasks)

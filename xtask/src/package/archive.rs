@@ -10,13 +10,14 @@ use tar::{EntryType, Header};
 use zip::write::SimpleFileOptions;
 
 use super::within;
+use crate::target::Target;
 
 /// Packs `folder` under its own name into `out/NAME.tar.gz`, or `.zip` on Windows.
-pub fn pack(folder: &Path, out: &Path, time: u64) -> Result<PathBuf> {
+pub fn pack(folder: &Path, out: &Path, time: u64, target: &Target) -> Result<PathBuf> {
     let name = folder.file_name().context("folders have names")?.to_string_lossy();
-    let path = out.join(format!("{name}.{}", if cfg!(windows) { "zip" } else { "tar.gz" }));
+    let path = out.join(format!("{name}.{}", if target.is_windows() { "zip" } else { "tar.gz" }));
     let file = File::create(&path).with_context(|| format!("creating {}", path.display()))?;
-    let written = if cfg!(windows) { zip(folder, file) } else { tar_gz(folder, file, time) };
+    let written = if target.is_windows() { zip(folder, file) } else { tar_gz(folder, file, time) };
     written.with_context(|| format!("packing {}", path.display()))?;
     Ok(path)
 }

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
@@ -12,9 +12,12 @@ use xshell::cmd;
 use super::{FULL, Flavour, Packed, Parts, archive, files, manifest, markdown, pack, time, within};
 use crate::abi;
 use crate::command::Command;
-use crate::install::{self, Profile};
+use crate::install::{self, Built, Profile};
 use crate::native::{self, Build};
+use crate::platforms;
 use crate::stage::Outcome;
+use crate::target::{Target, launch};
+use crate::wine::Wine;
 use crate::workspace::Workspace;
 
 /// A project of a user, beside the archive's examples.
@@ -45,8 +48,7 @@ pub fn stage(workspace: &Workspace) -> Result<Outcome> {
     }
     let parts = Parts {
         flavour: &FULL,
-        target: workspace.rustc("host")?,
-        library: install::build(workspace, Profile::Release, install::FEATURES)?,
+        library: install::build(workspace, Target::host(workspace)?, Profile::Release, install::FEATURES)?,
         command: Some(Command::build(workspace, Profile::Debug, None)?.program().to_owned()),
         handed_out: false,
     };
@@ -56,14 +58,77 @@ pub fn stage(workspace: &Workspace) -> Result<Outcome> {
     Ok(Outcome::Passed)
 }
 
+/// Packs and checks the full flavour for Windows with a library and a command that other tests use too.
+pub fn windows(workspace: &Workspace, wine: &Wine<'_>, library: Built, command: PathBuf) -> Result<()> {
+    let parts = Parts { flavour: &FULL, library, command: Some(command), handed_out: false };
+    let out = tempfile::tempdir()?;
+    let packed = pack(workspace, &parts, out.path())?;
+    under_wine(workspace, &FULL, &packed, wine)
+}
+
 pub fn check(workspace: &Workspace, flavour: &Flavour, packed: &Packed) -> Result<()> {
     if cfg!(windows) {
         println!("an archive for Windows is not unpacked and tried here");
         return Ok(());
     }
     let scratch = tempfile::tempdir()?;
-    let (root, packed_file) = (scratch.path(), &packed.archive);
-    cmd!(workspace.shell, "tar -xzf {packed_file} -C {root} --no-same-owner -m").quiet().run()?;
+    let root = scratch.path();
+    let folder = unpack(workspace, flavour, packed, root)?;
+    if packed.target.is_linux() {
+        install::stays_loaded(&install::shared(&packed.target, &folder))?;
+    }
+    command(workspace, flavour, &folder, &folder.join("bin/crumple"), &[])?;
+    println!("by the first page:");
+    first_page(workspace, packed, &folder)?;
+    println!("by CMake:");
+    by_cmake(workspace, root, &folder)?;
+    println!("by pkg-config:");
+    by_pkg_config(workspace, flavour, root, &folder)?;
+    println!("{} is what it says, and its examples run", packed.name);
+    Ok(())
+}
+
+/// Builds the user's project with MinGW against an archive for Windows, and runs it and the command under Wine. Stage
+/// "windows" runs the examples.
+pub fn under_wine(workspace: &Workspace, flavour: &Flavour, packed: &Packed, wine: &Wine<'_>) -> Result<()> {
+    let (scratch, sh) = (tempfile::tempdir()?, &workspace.shell);
+    let root = scratch.path();
+    let folder = unpack(workspace, flavour, packed, root)?;
+    install::needs_windows_alone(&install::shared(&packed.target, &folder))?;
+    install::needs_windows_alone(&folder.join("bindings/unity/Plugins/x86_64/crumple_unity.dll"))?;
+    let _found = wine.libraries(&[&folder.join("bin")]);
+    command(workspace, flavour, &folder, &folder.join("bin/crumple.exe"), &[wine.program])?;
+    let options = platforms::cmake(workspace, &packed.target)?;
+    let options: Vec<&str> = options.iter().map(String::as_str).collect();
+    let (source, build) = (root.join("client"), root.join("client-build"));
+    client(workspace, &source)?;
+    native::compile(
+        workspace,
+        &Build { options: &options, cross: true, ..Build::new("client", &folder) },
+        &source,
+        &build,
+    )?;
+    let _only = sh.push_env("PKG_CONFIG_LIBDIR", folder.join("lib/pkgconfig"));
+    let flags = cmd!(sh, "pkg-config --cflags --libs crumple").quiet().read()?;
+    let (flags, program) = (flags.split_whitespace(), build.join("quickstart.exe"));
+    let (compiler, file) = (packed.target.gnu("gcc"), folder.join("examples-c/quickstart.c"));
+    cmd!(sh, "{compiler} {file} -o {program} {flags...}").quiet().run()?;
+    for name in ["client-shared.exe", "client-static.exe", "quickstart.exe"] {
+        let (wine, program) = (wine.program, build.join(name));
+        cmd!(sh, "{wine} {program}").quiet().run().with_context(|| format!("{name} under Wine"))?;
+    }
+    println!("{} is what it says, and programs run with it", packed.name);
+    Ok(())
+}
+
+/// Unpacks an archive, compares it with its manifest, and returns its folder.
+fn unpack(workspace: &Workspace, flavour: &Flavour, packed: &Packed, root: &Path) -> Result<PathBuf> {
+    let packed_file = &packed.archive;
+    if packed.target.is_windows() {
+        zip::ZipArchive::new(fs::File::open(packed_file)?)?.extract(root)?;
+    } else {
+        cmd!(workspace.shell, "tar -xzf {packed_file} -C {root} --no-same-owner -m").quiet().run()?;
+    }
     let inside: Vec<_> = fs::read_dir(root)?.collect::<Result<_, _>>()?;
     ensure!(
         inside.len() == 1 && inside[0].file_name() == *packed.name,
@@ -75,25 +140,13 @@ pub fn check(workspace: &Workspace, flavour: &Flavour, packed: &Packed) -> Resul
     // Packing the unpacked files again gives the same bytes.
     let again = root.join("again");
     fs::create_dir(&again)?;
-    let same = fs::read(archive::pack(&folder, &again, time(workspace)?)?)? == fs::read(packed_file)?;
+    let same = fs::read(archive::pack(&folder, &again, time(workspace)?, &packed.target)?)? == fs::read(packed_file)?;
     ensure!(same, "what {} holds, packed again, makes another archive", packed_file.display());
 
     said(workspace, flavour, packed, &folder)?;
     pages(&folder)?;
-    let shared = folder.join("lib").join(if cfg!(target_os = "macos") { "libcrumple.dylib" } else { "libcrumple.so" });
-    abi::exported(&folder.join("include/crumple.h"), &shared)?;
-    if cfg!(target_os = "linux") {
-        install::stays_loaded(&shared)?;
-    }
-    command(workspace, flavour, &folder)?;
-    println!("by the first page:");
-    first_page(workspace, packed, &folder)?;
-    println!("by CMake:");
-    by_cmake(workspace, root, &folder)?;
-    println!("by pkg-config:");
-    by_pkg_config(workspace, flavour, root, &folder)?;
-    println!("{} is what it says, and its examples run", packed.name);
-    Ok(())
+    abi::exported(&folder.join("include/crumple.h"), &install::shared(&packed.target, &folder))?;
+    Ok(folder)
 }
 
 /// The manifest lists every file with its size and digest, and no other file.
@@ -131,12 +184,12 @@ fn pages(folder: &Path) -> Result<()> {
     Ok(())
 }
 
-fn command(workspace: &Workspace, flavour: &Flavour, folder: &Path) -> Result<()> {
-    let program = folder.join("bin/crumple");
+/// `runner` runs the command, if it is for another system.
+fn command(workspace: &Workspace, flavour: &Flavour, folder: &Path, program: &Path, runner: &[&str]) -> Result<()> {
     ensure!(program.exists() == flavour.command, "the {} flavour and its command do not fit", flavour.name);
     if program.exists() {
         let hood = folder.join("assets/demo/hood.glb");
-        let said = cmd!(workspace.shell, "{program} info {hood}").quiet().read()?;
+        let said = launch(&workspace.shell, runner, program).arg("info").arg(hood).read()?;
         ensure!(said.contains("24616 vertices"), "crumple info says: {said}");
     }
     Ok(())
@@ -170,15 +223,21 @@ fn by_cmake(workspace: &Workspace, root: &Path, folder: &Path) -> Result<()> {
     cmd!(sh, "cmake --build {build} --parallel 2").ignore_stdout().run()?;
     cmd!(sh, "ctest --test-dir {build} --parallel 2 --output-on-failure --no-tests=error").run()?;
     let (source, build) = (root.join("client"), root.join("client-build"));
-    fs::create_dir(&source)?;
-    for file in CLIENT {
-        let name = Path::new(file).file_name().context("files have names")?;
-        fs::copy(workspace.path(file), source.join(name)).with_context(|| format!("copying {file}"))?;
-    }
+    client(workspace, &source)?;
     native::compile(workspace, &Build::new("client", folder), &source, &build)?;
     for name in ["client-shared", "client-static"] {
         let program = build.join(name);
         cmd!(sh, "{program}").quiet().run().with_context(|| format!("{name}, built by CMake"))?;
+    }
+    Ok(())
+}
+
+/// Copies the user's project.
+fn client(workspace: &Workspace, to: &Path) -> Result<()> {
+    fs::create_dir(to)?;
+    for file in CLIENT {
+        let name = Path::new(file).file_name().context("files have names")?;
+        fs::copy(workspace.path(file), to.join(name)).with_context(|| format!("copying {file}"))?;
     }
     Ok(())
 }

@@ -10,6 +10,7 @@ use super::{Parts, files, git, markdown};
 use crate::header::HEADER;
 use crate::install;
 use crate::native::{self, Build};
+use crate::platforms;
 use crate::reference;
 use crate::tools::Tool;
 use crate::workspace::Workspace;
@@ -36,7 +37,8 @@ const UNREAL: &str = "bindings/unreal";
 /// Unity's renderer plugin in C++. Unity ignores folders that end in ~.
 const UNITY_NATIVE: &str = "bindings/unity/native~";
 
-/// Files that engines get too: operating system (empty for all), file, the engine's folder, and the place in it.
+/// Files that engines get too: a part of the target's name (empty for all), file, the engine's folder, and the place
+/// in it.
 const ENGINES: &[(&str, &str, &str, &str)] = &[
     ("linux", "lib/libcrumple.so.@VERSION@", UNITY, "Plugins/x86_64/libcrumple.so"),
     ("linux", "lib/@SONAME@", UNREAL, "Source/ThirdParty/CrumpleLibrary/Lib/Linux/@SONAME@"),
@@ -44,8 +46,8 @@ const ENGINES: &[(&str, &str, &str, &str)] = &[
     ("windows", "bin/crumple.dll", UNITY, "Plugins/x86_64/crumple.dll"),
     ("windows", "bin/crumple.dll", UNREAL, "Source/ThirdParty/CrumpleLibrary/Lib/Win64/crumple.dll"),
     ("windows", "lib/crumple.dll.lib", UNREAL, "Source/ThirdParty/CrumpleLibrary/Lib/Win64/crumple.dll.lib"),
-    ("macos", "lib/libcrumple.dylib", UNITY, "Plugins/x86_64/libcrumple.dylib"),
-    ("macos", "lib/libcrumple.a", UNREAL, "Source/ThirdParty/CrumpleLibrary/Lib/Mac/libcrumple.a"),
+    ("apple", "lib/libcrumple.dylib", UNITY, "Plugins/x86_64/libcrumple.dylib"),
+    ("apple", "lib/libcrumple.a", UNREAL, "Source/ThirdParty/CrumpleLibrary/Lib/Mac/libcrumple.a"),
     ("", "include/crumple.h", UNREAL, "Source/ThirdParty/CrumpleLibrary/Public/crumple.h"),
     ("", "include/crumple.hpp", UNREAL, "Source/ThirdParty/CrumpleLibrary/Public/crumple.hpp"),
     ("", LICENSES, UNITY, "Documentation~/THIRD-PARTY-LICENSES.txt"),
@@ -97,7 +99,9 @@ fn readme(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
         text.push('\n');
     }
     let features = parts.flavour.library.join(", ");
-    for (key, value) in [("@VERSION@", &workspace.version), ("@TARGET@", &parts.target), ("@FEATURES@", &features)] {
+    for (key, value) in
+        [("@VERSION@", &workspace.version), ("@TARGET@", &parts.library.target.triple), ("@FEATURES@", &features)]
+    {
         text = text.replace(key, value);
     }
     fs::write(folder.join("README.md"), text).context("writing the first page")
@@ -105,9 +109,10 @@ fn readme(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
 
 /// Compiles Unity's renderer plugin against the packed library.
 fn unity_plugin(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
+    let target = &parts.library.target;
     let source = folder.join(UNITY_NATIVE);
     // There is no plugin for macOS, where Unity draws with Metal.
-    if !source.join("CMakeLists.txt").exists() || cfg!(target_os = "macos") {
+    if !source.join("CMakeLists.txt").exists() || target.is_macos() {
         return Ok(());
     }
     if !Tool::VulkanHeaders.here(workspace) && cfg!(target_os = "linux") {
@@ -115,14 +120,23 @@ fn unity_plugin(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<(
         println!("Unity's plugin is left out");
         return Ok(());
     }
-    let directory = workspace.target.join("package").join(format!("{}-unity", parts.flavour.name));
-    let build = Build { options: &["-DCRUMPLE_TESTS=OFF"], ..Build::new("package", folder) };
+    let directory = workspace.target.join("package").join(&target.triple).join(format!("{}-unity", parts.flavour.name));
+    let cross = if target.cross { platforms::cmake(workspace, target)? } else { Vec::new() };
+    let options: Vec<&str> = cross.iter().map(String::as_str).chain(["-DCRUMPLE_TESTS=OFF"]).collect();
+    let build = Build { options: &options, cross: target.cross, ..Build::new("package", folder) };
     native::compile(workspace, &build, &source, &directory)?;
-    let built = directory.join(if cfg!(windows) { "RelWithDebInfo/crumple_unity.dll" } else { "libcrumple_unity.so" });
+    let built = match () {
+        // Microsoft's builds have a folder for each configuration.
+        () if target.is_windows() && !target.cross => "RelWithDebInfo/crumple_unity.dll",
+        () if target.is_windows() => "crumple_unity.dll",
+        () => "libcrumple_unity.so",
+    };
+    let built = directory.join(built);
     let to = folder.join(UNITY).join("Plugins/x86_64").join(built.file_name().context("plugins have names")?);
     put(&built, &to)?;
-    if cfg!(target_os = "linux") {
-        xshell::cmd!(workspace.shell, "strip --strip-unneeded {to}").quiet().run()?;
+    if target.is_linux() || target.is_mingw() {
+        let strip = target.gnu("strip");
+        xshell::cmd!(workspace.shell, "{strip} --strip-unneeded {to}").quiet().run()?;
     }
     Ok(())
 }
@@ -141,15 +155,16 @@ fn unreal_has_what_it_links(plugin: &Path) -> Result<()> {
 }
 
 fn engines(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
-    let soname = if cfg!(target_os = "linux") { install::soname(&parts.library.shared)? } else { String::new() };
+    let target = &parts.library.target;
+    let soname = if target.is_linux() { install::soname(&parts.library.shared)? } else { String::new() };
     let fill = |path: &str| path.replace("@VERSION@", &workspace.version).replace("@SONAME@", &soname);
     for &(system, from, engine, to) in ENGINES {
         let engine = folder.join(engine);
-        if engine.exists() && ["", std::env::consts::OS].contains(&system) {
+        if engine.exists() && (system.is_empty() || target.triple.contains(system)) {
             put(&folder.join(fill(from)), &engine.join(fill(to)))?;
         }
     }
-    if cfg!(target_os = "linux") {
+    if target.is_linux() {
         unreal_has_what_it_links(&folder.join(UNREAL))?;
     }
     // Unity warns about .meta files without a file: those of other systems' libraries.

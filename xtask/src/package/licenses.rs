@@ -35,9 +35,9 @@ pub struct Linked {
 pub fn linked(workspace: &Workspace, parts: &Parts) -> Result<Vec<Linked>> {
     let flavour = parts.flavour;
     let library = flavour.library.join(",");
-    let mut lines = tree(workspace, &parts.target, &["--no-default-features", "--features", &library])?;
+    let mut lines = tree(workspace, &parts.library.target.triple, &["--no-default-features", "--features", &library])?;
     if flavour.command {
-        lines.extend(tree(workspace, &parts.target, &["--features", command::FEATURES])?);
+        lines.extend(tree(workspace, &parts.library.target.triple, &["--features", command::FEATURES])?);
     }
     lines.sort();
     lines.dedup();

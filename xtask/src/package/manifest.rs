@@ -16,7 +16,7 @@ pub const FILE: &str = "manifest.json";
 
 /// Called last: the manifest lists every file but itself. Symbolic links are not listed.
 pub fn write(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
-    let flavour = parts.flavour;
+    let (flavour, linux) = (parts.flavour, parts.library.target.is_linux());
     let mut entries = Vec::new();
     for path in files(folder)? {
         let bytes = fs::read(&path).with_context(|| format!("reading {}", path.display()))?;
@@ -25,12 +25,12 @@ pub fn write(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> 
     let manifest = json!({
         "name": "crumple",
         "version": workspace.version,
-        "target": parts.target,
+        "target": parts.library.target.triple,
         "flavour": flavour.name,
         "features": flavour.library,
         "command": flavour.command,
-        "soname": if cfg!(target_os = "linux") { Value::from(install::soname(&parts.library.shared)?) } else { Value::Null },
-        "glibc": glibc(folder)?,
+        "soname": if linux { Value::from(install::soname(&parts.library.shared)?) } else { Value::Null },
+        "glibc": if linux { glibc(folder)? } else { None },
         "rustc": workspace.rustc("release")?,
         "commit": git(workspace, &["rev-parse", "HEAD"])?.trim(),
         "files": entries,
@@ -41,9 +41,6 @@ pub fn write(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> 
 
 /// The oldest glibc that the shared library runs with: the newest version among its symbol versions.
 fn glibc(folder: &Path) -> Result<Option<String>> {
-    if !cfg!(target_os = "linux") {
-        return Ok(None);
-    }
     Ok(newest(&fs::read(folder.join("lib/libcrumple.so"))?).map(|minor| format!("2.{minor}")))
 }
 

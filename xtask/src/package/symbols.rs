@@ -16,31 +16,42 @@ folder `.debug` there. On macOS put `NAME.dSYM` beside it, on Windows `NAME.pdb`
 
 /// Strips the libraries and programs in `folder`, and leaves their symbols in `debug`.
 pub fn separate(workspace: &Workspace, parts: &Parts, folder: &Path, debug: &Path) -> Result<()> {
-    let sh = &workspace.shell;
+    let (sh, target) = (&workspace.shell, &parts.library.target);
+    let (strip, objcopy) = (target.gnu("strip"), target.gnu("objcopy"));
     fs::create_dir_all(debug).with_context(|| format!("creating {}", debug.display()))?;
     fs::write(debug.join("README.txt"), README)?;
     for file in files(folder)? {
         let name = file.file_name().context("files have names")?.to_string_lossy().into_owned();
         let program = file.parent().is_some_and(|parent| parent.ends_with("bin"));
-        if cfg!(windows) {
+        if target.is_windows() && !target.is_mingw() {
             // The compiler puts symbols into a file beside the library or program.
             let built = parts.library.shared.with_file_name(&name).with_extension("pdb");
             if program && built.exists() {
                 fs::copy(&built, debug.join(built.file_name().context("files have names")?))?;
             }
-        } else if name.ends_with(".a") {
+        } else if name.ends_with(".a") && !name.ends_with(".dll.a") {
             // A static library keeps its symbols and loses its line tables, which are ten times the rest.
-            let flag = if cfg!(target_os = "macos") { "-S" } else { "--strip-debug" };
-            cmd!(sh, "strip {flag} {file}").quiet().run()?;
-        } else if cfg!(target_os = "macos") && (program || name.ends_with(".dylib")) {
+            let flag = if target.is_macos() { "-S" } else { "--strip-debug" };
+            let mut strip = strip.as_str();
+            if target.is_mingw() {
+                // rustup's standard library has empty members, which strip refuses.
+                let members = cmd!(sh, "llvm-ar t {file}").quiet().read()?;
+                let empty: Vec<&str> = members.lines().filter(|member| member.ends_with(".dwo")).collect();
+                if !empty.is_empty() {
+                    cmd!(sh, "llvm-ar d {file} {empty...}").quiet().run()?;
+                }
+                strip = "llvm-strip";
+            }
+            cmd!(sh, "{strip} {flag} {file}").quiet().run()?;
+        } else if target.is_macos() && (program || name.ends_with(".dylib")) {
             let symbols = debug.join(format!("{name}.dSYM"));
             cmd!(sh, "dsymutil {file} -o {symbols}").quiet().run()?;
             cmd!(sh, "strip -x {file}").quiet().run()?;
         } else if program || name.contains(".so") {
             let symbols = debug.join(format!("{name}.debug"));
-            cmd!(sh, "objcopy --only-keep-debug {file} {symbols}").quiet().run()?;
-            cmd!(sh, "strip --strip-unneeded {file}").quiet().run()?;
-            cmd!(sh, "objcopy --add-gnu-debuglink={symbols} {file}").quiet().run()?;
+            cmd!(sh, "{objcopy} --only-keep-debug {file} {symbols}").quiet().run()?;
+            cmd!(sh, "{strip} --strip-unneeded {file}").quiet().run()?;
+            cmd!(sh, "{objcopy} --add-gnu-debuglink={symbols} {file}").quiet().run()?;
         }
     }
     Ok(())

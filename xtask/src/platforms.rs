@@ -1,0 +1,312 @@
+//! Tests of the builds for other systems: Windows under Wine, Linux on 64-bit ARM under qemu. What their programs write
+//! must equal, byte for byte, what the programs of this machine write. Vulkan under Wine uses this machine's drivers.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail, ensure};
+use xshell::cmd;
+
+use crate::command::Command;
+use crate::declarations::{self, Form};
+use crate::header::HEADER;
+use crate::install::{self, Built, Profile};
+use crate::native::{self, Build};
+use crate::package;
+use crate::stage::{Outcome, all_passed};
+use crate::target::{AARCH64, Target, WINDOWS, launch};
+use crate::tools::Tool;
+use crate::vulkan;
+use crate::wine::Wine;
+use crate::workspace::{Workspace, empty_directory, files};
+
+pub const WINDOWS_TOOLS: &[Tool] = &[
+    Tool::CCompiler,
+    Tool::CMake,
+    Tool::WindowsRust,
+    Tool::Mingw,
+    Tool::Wine,
+    Tool::Xvfb,
+    Tool::Llvm,
+    Tool::Vulkan,
+    Tool::VulkanHeaders,
+];
+pub const AARCH64_TOOLS: &[Tool] = &[Tool::CCompiler, Tool::CMake, Tool::AarchRust, Tool::AarchCompiler, Tool::Qemu];
+
+/// Features of the build whose library, command and tests are all used.
+const FEATURES: &str = "cli,host-allocator";
+/// The command's input, below the repository's root.
+const INPUT: &[&str] = &["assets/demo/drum.glb", "assets/demo/drum.json", "tests/fixtures/sheet.crumplerec"];
+/// The name of the file that gets the command's answer, and the command's arguments.
+type Question = (&'static str, &'static [&'static str]);
+/// The last one draws, which takes minutes under qemu.
+const QUESTIONS: &[Question] = &[
+    ("info.txt", &["info", "drum.glb"]),
+    ("apply.txt", &["apply", "drum.glb", "--impacts", "drum.json", "-o", "dented.glb"]),
+    ("bake.txt", &["bake", "drum.glb", "-o", "drum.crumple", "--tolerance", "0.1mm"]),
+    ("sample.txt", &["sample", "drum.glb", "--count", "20", "-o", "sample.json"]),
+    ("replay.txt", &["replay", "sheet.crumplerec"]),
+    ("draw.txt", &["apply", "drum.glb", "--impacts", "drum.json", "-o", "drawn.glb", "--png", "pictures"]),
+];
+
+/// A system and the program that runs its programs here, with arguments.
+struct Platform<'a> {
+    workspace: &'a Workspace,
+    target: Target,
+    runner: Vec<&'static str>,
+}
+
+pub fn windows(workspace: &Workspace) -> Result<Outcome> {
+    let wine = Wine::start(workspace)?;
+    let platform = Platform { workspace, target: Target::other(WINDOWS), runner: vec![wine.program] };
+    platform.build()?;
+    let prefix = platform.install()?;
+    let _found = wine.libraries(&[&prefix.join("bin")]);
+    all_passed(vec![
+        ("the archive", package::windows(workspace, &wine, platform.built()?, platform.command())),
+        ("Microsoft's linker", platform.microsoft(&prefix)),
+        ("the C and C++ tests", platform.c(&prefix)),
+        (
+            "the Rust tests",
+            platform.rust(
+                &["--lib", "--test=cli", "--test=format", "--test=promises", "--test=stability", "--test=tolerance"],
+                &[],
+            ),
+        ),
+        ("the Vulkan tests", {
+            let _driver = workspace.shell.push_env("VK_DRIVER_FILES", vulkan::lavapipe()?);
+            platform.rust(&["--test=vulkan"], &[])
+        }),
+        ("the same files", platform.same_files()),
+    ])?;
+    Ok(Outcome::Passed)
+}
+
+pub fn aarch64(workspace: &Workspace) -> Result<Outcome> {
+    let runner = ["qemu-aarch64", "-L", "/usr/aarch64-linux-gnu"].to_vec();
+    let platform = Platform { workspace, target: Target::other(AARCH64), runner };
+    platform.build()?;
+    let prefix = platform.install()?;
+    all_passed(vec![
+        ("the C and C++ tests", platform.c(&prefix)),
+        ("the Rust tests", platform.rust(&["--lib", "--test=format", "--test=tolerance"], &[])),
+        // The others take many minutes under qemu.
+        (
+            "the promises",
+            platform.rust(&["--test=promises", "--test=stability"], &["quick_", "a_millionth", "far_from"]),
+        ),
+        ("the same files", platform.same_files()),
+    ])?;
+    Ok(Outcome::Passed)
+}
+
+/// What tells CMake to compile for another system. Programs for Windows find Vulkan's headers and loader.
+pub fn cmake(workspace: &Workspace, target: &Target) -> Result<Vec<String>> {
+    let file = workspace.path(format!("xtask/platforms/{}.cmake", target.triple));
+    let mut options = vec![format!("-DCMAKE_TOOLCHAIN_FILE={}", file.display())];
+    if target.is_windows() {
+        let (include, library) = vulkan_for_windows(workspace)?;
+        options.push(format!("-DVulkan_INCLUDE_DIR={}", include.display()));
+        options.push(format!("-DVulkan_LIBRARY={}", library.display()));
+    }
+    Ok(options)
+}
+
+impl Platform<'_> {
+    /// Builds the library, the command and, so that the next test finds what it needs, a test.
+    fn build(&self) -> Result<()> {
+        let what = ["build", "--package", "crumple", "--features", FEATURES];
+        let what = [&what[..], &["--lib", "--bin", "crumple", "--test", "format"]].concat();
+        Ok(self.target.cargo(self.workspace, &what)?.run()?)
+    }
+
+    fn built(&self) -> Result<Built> {
+        install::built(self.workspace, self.target.clone(), Profile::Debug, install::FEATURES)
+    }
+
+    fn command(&self) -> PathBuf {
+        self.target.directory(self.workspace, Profile::Debug.directory()).join(self.target.program("crumple"))
+    }
+
+    fn install(&self) -> Result<PathBuf> {
+        let prefix = self.workspace.target.join("prefix").with_file_name(format!("prefix-{}", self.target.triple));
+        empty_directory(&prefix)?;
+        install::lay_out(self.workspace, &self.built()?, &prefix)?;
+        abi_of(self.workspace, &self.target, &prefix)?;
+        Ok(prefix)
+    }
+
+    /// Runs C and C++ programs, and compares the files that they leave.
+    fn c(&self, prefix: &Path) -> Result<()> {
+        let options = cmake(self.workspace, &self.target)?;
+        let options: Vec<&str> = options.iter().map(String::as_str).collect();
+        let (kind, launcher) = (self.target.triple.as_str(), self.runner.join(";"));
+        let build = Build {
+            projects: native::OURS,
+            options: &options,
+            launcher: &launcher,
+            cross: true,
+            // Wine has no validation layer.
+            validation: false,
+            drivers: &if self.target.is_windows() { native::one_driver(self.workspace)? } else { Vec::new() },
+            ..Build::new(kind, prefix)
+        };
+        native::test_projects(self.workspace, &build)?;
+        let there = self.workspace.target.join("ctest").join(kind);
+        let made = fs::read(there.join("tests-c/sheet.crumplerec"))?;
+        let fixture = fs::read(self.workspace.path("tests/fixtures/sheet.crumplerec"))?;
+        ensure!(made == fixture, "the recording that {kind} makes is not tests/fixtures/sheet.crumplerec");
+
+        // The same two examples on this machine.
+        let release = native::release_prefix(self.workspace)?;
+        let here = self.workspace.target.join("ctest/plain");
+        native::compile(self.workspace, &Build::new("plain", &release), &self.workspace.path("examples-c"), &here)?;
+        let (dent, hood) = (here.join("dent_gltf"), self.workspace.path("assets/demo/hood.glb"));
+        let (ours, theirs) = (here.join("out/hood.obj"), there.join("examples-c/out/hood.obj"));
+        cmd!(self.workspace.shell, "{dent} {hood} {ours}").quiet().ignore_stdout().run()?;
+        // A program in C writes text with the system's ends of lines.
+        let same = fs::read_to_string(&ours)? == fs::read_to_string(&theirs)?.replace("\r\n", "\n");
+        ensure!(same, "{} and {} differ", ours.display(), theirs.display());
+        Ok(())
+    }
+
+    /// Runs Rust tests: `programs`, and of these the tests whose names contain one of `names`, if there are any.
+    fn rust(&self, programs: &[&str], names: &[&str]) -> Result<()> {
+        let runner = format!("CARGO_TARGET_{}_RUNNER", self.target.triple.to_uppercase().replace('-', "_"));
+        let what = ["test", "--no-fail-fast", "--package", "crumple", "--features", FEATURES];
+        let tests = self.target.cargo(self.workspace, &[&what[..], programs, &["--"], names].concat())?;
+        Ok(tests.env(runner, self.runner.join(" ")).env("PROPTEST_CASES", "4").run()?)
+    }
+
+    /// The command writes the same files and prints the same reports.
+    fn same_files(&self) -> Result<()> {
+        let questions = if self.target.is_windows() { QUESTIONS } else { &QUESTIONS[..QUESTIONS.len() - 1] };
+        let native = Command::build(self.workspace, Profile::Debug, None)?;
+        let ours = answers(self.workspace, &self.workspace.target.join("same/host"), &[], native.program(), questions)?;
+        let folder = self.workspace.target.join("same").join(&self.target.triple);
+        let theirs = answers(self.workspace, &folder, &self.runner, &self.command(), questions)?;
+        let names = |all: &BTreeMap<String, Vec<u8>>| all.keys().cloned().collect::<Vec<_>>();
+        ensure!(names(&ours) == names(&theirs), "files here: {:?}, there: {:?}", names(&ours), names(&theirs));
+        ensure!(ours.len() > INPUT.len() + questions.len(), "the command wrote only {:?}", names(&ours));
+        let differ: Vec<&String> = ours.keys().filter(|name| ours[*name] != theirs[*name]).collect();
+        ensure!(differ.is_empty(), "{differ:?} in {} are other than this machine's", folder.display());
+        println!("{} files of the command are the same bytes as this machine's", ours.len() - INPUT.len());
+        Ok(())
+    }
+
+    /// Compiles and links a program as for Microsoft's tools, with every function of the header, and runs it.
+    fn microsoft(&self, prefix: &Path) -> Result<()> {
+        let sh = &self.workspace.shell;
+        let folder = self.workspace.target.join("msvc");
+        empty_directory(&folder)?;
+        let (include, import) = (prefix.join("include"), prefix.join("lib/crumple.dll.lib"));
+        let (source, object) = (self.workspace.path("xtask/platforms/msvc.c"), folder.join("client.obj"));
+        let functions = functions(&fs::read_to_string(self.workspace.path(HEADER))?)?;
+        let all = format!("-DALL={}", functions.join(","));
+        let microsoft = ["--target=x86_64-pc-windows-msvc", "-ffreestanding", "-Wall", "-Wextra", "-Werror"];
+        for (language, standard) in [("c", "-std=c99"), ("c++", "-std=c++17")] {
+            let header = include.join("crumple.h");
+            cmd!(sh, "clang {microsoft...} -x {language} {standard} -fsyntax-only {header}").quiet().run()?;
+        }
+        cmd!(sh, "clang {microsoft...} -std=c99 -I {include} {all} -c {source} -o {object}").quiet().run()?;
+        let program = folder.join("client.exe");
+        let out = format!("/out:{}", program.display());
+        let options = ["/nologo", "/nodefaultlib", "/entry:start", "/subsystem:console"];
+        cmd!(sh, "lld-link {options...} {object} {import} {out}").quiet().run()?;
+        let ended = launch(sh, &self.runner, &program).ignore_status().output()?.status;
+        ensure!(ended.code() == Some(42), "{} ends with {ended}", program.display());
+        println!("a program of lld-link uses all {} functions through crumple.dll.lib", functions.len());
+        Ok(())
+    }
+}
+
+/// The installed library exports what the header declares. A DLL needs nothing but Windows beside it.
+fn abi_of(workspace: &Workspace, target: &Target, prefix: &Path) -> Result<()> {
+    let shared = install::shared(target, prefix);
+    crate::abi::exported(&workspace.path(HEADER), &shared)?;
+    if target.is_windows() { install::needs_windows_alone(&shared) } else { install::stays_loaded(&shared) }
+}
+
+fn functions(header: &str) -> Result<Vec<String>> {
+    let items = declarations::header(header)?.into_iter();
+    Ok(items.filter(|item| matches!(item.form, Form::Function { .. })).map(|item| item.name).collect())
+}
+
+/// Asks the command everything in an empty folder, and returns the files there.
+fn answers(
+    workspace: &Workspace,
+    folder: &Path,
+    runner: &[&str],
+    program: &Path,
+    questions: &[Question],
+) -> Result<BTreeMap<String, Vec<u8>>> {
+    empty_directory(folder)?;
+    for file in INPUT {
+        let name = Path::new(file).file_name().context("files have names")?;
+        fs::copy(workspace.path(file), folder.join(name)).with_context(|| format!("copying {file}"))?;
+    }
+    let sh = workspace.shell.clone();
+    sh.change_dir(folder);
+    for (file, question) in questions {
+        let answer = launch(&sh, runner, program).args(*question).read()?;
+        // Windows' separator.
+        fs::write(folder.join(file), without_times(&answer).replace('\\', "/"))?;
+    }
+    let file = |path: PathBuf| {
+        let name = path.strip_prefix(folder)?.to_string_lossy().replace('\\', "/");
+        Ok((name, fs::read(path)?))
+    };
+    files(folder)?.into_iter().map(file).collect()
+}
+
+/// A report with `_` in place of each number of milliseconds.
+fn without_times(report: &str) -> String {
+    let line = |line: &str| {
+        let words: Vec<&str> = line.split(' ').collect();
+        let time = |next: Option<&&str>| next.is_some_and(|next| next.trim_end_matches(['.', ';', ',']) == "ms");
+        let words = words.iter().enumerate().map(|(i, word)| if time(words.get(i + 1)) { "_" } else { word });
+        words.collect::<Vec<_>>().join(" ")
+    };
+    report.lines().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// Vulkan's headers, which are the same everywhere, and an import library of Windows' loader.
+fn vulkan_for_windows(workspace: &Workspace) -> Result<(PathBuf, PathBuf)> {
+    let sh = &workspace.shell;
+    let folder = workspace.target.join("windows-vulkan");
+    let (include, library) = (folder.join("include"), folder.join("libvulkan-1.a"));
+    empty_directory(&folder)?;
+    let found = cmd!(sh, "pkg-config --variable=includedir vulkan").quiet().read()?;
+    let mut names = Vec::new();
+    for part in ["vulkan", "vk_video"] {
+        for file in files(&Path::new(&found).join(part))? {
+            let text = fs::read_to_string(&file).unwrap_or_default();
+            let declared = text.split("VKAPI_CALL ").skip(1).filter_map(|rest| rest.split_once('('));
+            names.extend(declared.map(|(name, _)| name.trim().to_owned()).filter(|name| name.starts_with("vk")));
+            let name = file.file_name().context("files have names")?;
+            install::copy_as(&file, &include.join(part), &name.to_string_lossy())?;
+        }
+    }
+    if names.len() < 100 {
+        bail!("{found}/vulkan declares {} functions; that cannot be all", names.len());
+    }
+    names.sort();
+    names.dedup();
+    let exports = folder.join("vulkan-1.def");
+    fs::write(&exports, format!("LIBRARY vulkan-1.dll\nEXPORTS\n{}\n", names.join("\n")))?;
+    cmd!(sh, "llvm-dlltool -m i386:x86-64 -d {exports} -l {library}").quiet().run()?;
+    Ok((include, library))
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn reports_are_compared_without_their_times() {
+        let report = "Deformed 20 vertices in 1.58 ms on all cores.\r\n  Built in 168 ms; loads in 1.69 ms.";
+        assert_eq!(
+            super::without_times(report),
+            "Deformed 20 vertices in _ ms on all cores.\n  Built in _ ms; loads in _ ms."
+        );
+    }
+}

@@ -1,0 +1,171 @@
+//! The system that a library is built for: this machine's, or one of those that this machine only compiles for.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use xshell::{Cmd, Shell, cmd};
+
+use crate::workspace::Workspace;
+
+pub const WINDOWS: &str = "x86_64-pc-windows-gnu";
+pub const AARCH64: &str = "aarch64-unknown-linux-gnu";
+
+/// Rust as Debian packages it. With the source of the standard library (rust-web-src) it compiles for any system.
+const DEBIAN_CARGO: &str = "/usr/bin/cargo";
+const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
+const DEBIAN_SOURCE: &str = "/usr/lib/rustlib/src/rust/library";
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Target {
+    pub triple: String,
+    /// Whether it is another system than this machine's.
+    pub cross: bool,
+}
+
+impl Target {
+    /// This machine's system.
+    pub fn host(workspace: &Workspace) -> Result<Self> {
+        Ok(Self { triple: workspace.rustc("host")?, cross: false })
+    }
+
+    /// Another system.
+    pub fn other(triple: &str) -> Self {
+        Self { triple: triple.to_owned(), cross: true }
+    }
+
+    pub fn is_windows(&self) -> bool {
+        self.triple.contains("-windows")
+    }
+
+    /// Windows with the tools of MinGW instead of Microsoft's.
+    pub fn is_mingw(&self) -> bool {
+        self.triple.ends_with("-windows-gnu")
+    }
+
+    pub fn is_macos(&self) -> bool {
+        self.triple.contains("-apple-darwin")
+    }
+
+    pub fn is_linux(&self) -> bool {
+        self.triple.contains("-linux")
+    }
+
+    /// The file of the shared library, as Cargo names it.
+    pub fn shared(&self) -> &'static str {
+        match () {
+            () if self.is_windows() => "crumple.dll",
+            () if self.is_macos() => "libcrumple.dylib",
+            () => "libcrumple.so",
+        }
+    }
+
+    /// The file of the static library, as Cargo names it.
+    pub fn static_library(&self) -> &'static str {
+        if self.is_windows() && !self.is_mingw() { "crumple.lib" } else { "libcrumple.a" }
+    }
+
+    /// The file of a program.
+    pub fn program(&self, name: &str) -> String {
+        if self.is_windows() { format!("{name}.exe") } else { name.to_owned() }
+    }
+
+    /// The folder below Cargo's target directory that holds the builds of a profile.
+    pub fn directory(&self, workspace: &Workspace, profile: &str) -> PathBuf {
+        let target = &workspace.target;
+        if self.cross { target.join(&self.triple).join(profile) } else { target.join(profile) }
+    }
+
+    /// A program of GNU's compiler or binutils for this system: `gcc`, `strip`.
+    pub fn gnu(&self, program: &str) -> String {
+        match self.triple.as_str() {
+            WINDOWS if self.cross => format!("x86_64-w64-mingw32-{program}"),
+            AARCH64 if self.cross => format!("aarch64-linux-gnu-{program}"),
+            _ => program.to_owned(),
+        }
+    }
+
+    /// Whether Rust can compile for it.
+    pub fn has_rust(&self, workspace: &Workspace) -> bool {
+        self.has_standard_library(workspace) || Self::has_source()
+    }
+
+    /// Whether the toolchain that runs this program has the standard library for it: rustup installs that.
+    pub fn has_standard_library(&self, workspace: &Workspace) -> bool {
+        !self.cross
+            || workspace.sysroot().is_ok_and(|root| root.join("lib/rustlib").join(&self.triple).join("lib").is_dir())
+    }
+
+    /// Whether Debian's Rust is here with the source of the standard library.
+    fn has_source() -> bool {
+        [DEBIAN_CARGO, DEBIAN_RUSTC, DEBIAN_SOURCE].iter().all(|path| Path::new(path).exists())
+    }
+
+    /// `NAME-VERSION` of the packages that the standard library is compiled from, if it is compiled here.
+    pub fn standard_packages(&self, workspace: &Workspace) -> Result<Vec<String>> {
+        if self.has_standard_library(workspace) {
+            return Ok(Vec::new());
+        }
+        let lock = Path::new(DEBIAN_SOURCE).join("Cargo.lock");
+        let text = std::fs::read_to_string(&lock).with_context(|| format!("reading {}", lock.display()))?;
+        let value = |line: &str, key: &str| Some(line.strip_prefix(key)?.trim_matches(['"', ' ', '=']).to_owned());
+        let lines: Vec<&str> = text.lines().collect();
+        let package = |pair: &[&str]| Some(format!("{}-{}", value(pair[0], "name")?, value(pair[1], "version")?));
+        Ok(lines.windows(2).filter_map(package).collect())
+    }
+
+    /// The system libraries that Rust's standard library links there.
+    pub fn static_needs(&self) -> &'static [&'static str] {
+        if self.is_windows() {
+            &["-lkernel32", "-lntdll", "-luserenv", "-lws2_32", "-ldbghelp"]
+        } else {
+            &["-lgcc_s", "-lutil", "-lrt", "-lpthread", "-lm", "-ldl", "-lc"]
+        }
+    }
+
+    /// Cargo with these arguments, building for this system with no path of this machine in the binaries.
+    pub fn cargo<'a>(&self, workspace: &'a Workspace, arguments: &[&str]) -> Result<Cmd<'a>> {
+        if !self.cross {
+            return workspace.cargo_anywhere(arguments);
+        }
+        let flags = workspace.anywhere()?;
+        let (first, rest) = arguments.split_first().unwrap_or((&"", &[]));
+        let triple = &self.triple;
+        let cargo = if self.has_standard_library(workspace) {
+            workspace.cargo(&[first, "--target", triple])
+        } else {
+            // Cargo calls this unstable. Debian's Rust has no compiled standard library for other systems.
+            let source = "-Zbuild-std=std,panic_unwind,test";
+            let cargo = cmd!(workspace.shell, "{DEBIAN_CARGO} {first} {source} --target {triple}");
+            cargo.env("RUSTC", DEBIAN_RUSTC).env("RUSTC_BOOTSTRAP", "1")
+        };
+        let linker = format!("CARGO_TARGET_{}_LINKER", triple.to_uppercase().replace('-', "_"));
+        // A warning here is one that the lints of this machine's system do not see.
+        let flags = [flags, vec!["--deny=warnings".to_owned()]].concat();
+        Ok(cargo.env(linker, self.gnu("gcc")).env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}")).args(rest))
+    }
+}
+
+/// Runs a program in the shell's folder. `runner` is a program that runs it, with arguments, or empty.
+pub fn launch<'a>(sh: &'a Shell, runner: &[&str], program: &Path) -> Cmd<'a> {
+    match runner.split_first() {
+        Some((first, rest)) => cmd!(sh, "{first} {rest...} {program}").quiet(),
+        None => cmd!(sh, "{program}").quiet(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_named_as_each_system_names_them() {
+        let files = |triple: &str| {
+            let target = Target::other(triple);
+            (target.shared(), target.static_library(), target.program("crumple"))
+        };
+        assert_eq!(files(WINDOWS), ("crumple.dll", "libcrumple.a", "crumple.exe".to_owned()));
+        assert_eq!(files("x86_64-pc-windows-msvc"), ("crumple.dll", "crumple.lib", "crumple.exe".to_owned()));
+        assert_eq!(files(AARCH64), ("libcrumple.so", "libcrumple.a", "crumple".to_owned()));
+        assert_eq!(files("aarch64-apple-darwin"), ("libcrumple.dylib", "libcrumple.a", "crumple".to_owned()));
+    }
+}
