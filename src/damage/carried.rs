@@ -2,8 +2,6 @@
 //! rotations in the surface. So a vertex is turned into the frame once, unrolled with one division, and looked up in
 //! each example's stamp; what the look-ups find is added and turned back once.
 
-use super::mark::MAX_PAIRS;
-use crate::base::array_vec::ArrayVec;
 use crate::base::math::Aabb;
 use crate::example::set::ExampleSet;
 use crate::example::stamp::{Stamp, WEIGHTS, lift};
@@ -43,7 +41,7 @@ pub(crate) struct Carried {
     pub contact: Vec3,
     /// From mesh space, relative to the contact, to the shared frame.
     pub to_frame: Mat3,
-    pub lookups: ArrayVec<Lookup, MAX_PAIRS>,
+    pub lookups: Vec<Lookup>,
 }
 
 /// How an example is read from its stamp, and what becomes of the numbers found there.
@@ -84,7 +82,7 @@ impl Carried {
         for (example, scale, at) in examples {
             let Some(stamp) = set.examples()[*example].stamp() else { continue };
             let (contact, to_frame) = (at.contact, at.frame.transpose());
-            let carried = carried.get_or_insert(Carried { contact, to_frame, lookups: ArrayVec::new() });
+            let carried = carried.get_or_insert(Carried { contact, to_frame, lookups: Vec::new() });
             carried.lookups.push(Lookup::new(*example, *scale, stamp, carried.to_frame * at.frame, at.stretch));
         }
         carried

@@ -184,7 +184,8 @@ impl Dent {
 
     /// Memory that the dent holds, bytes.
     pub(crate) fn memory_bytes(&self) -> usize {
-        size_of::<Self>() + self.parts.capacity() * size_of::<Part>()
+        let lookups = |p: &Part| if let Part::Carried(c) = p { c.lookups.capacity() * size_of::<Lookup>() } else { 0 };
+        size_of::<Self>() + self.parts.capacity() * size_of::<Part>() + self.parts.iter().map(lookups).sum::<usize>()
     }
 }
 

@@ -93,7 +93,7 @@ fn active<'a>(job: BlockJob<'a>, normals: bool, scratch: &mut Scratch<'a>) -> To
                             *left_out += 1;
                         }
                     }
-                    (lookups.len() > first).then(|| Source::Carried(carried, first..lookups.len()))
+                    (lookups.len() > first).then_some(Source::Carried(carried, first..lookups.len()))
                 }
                 Part::Anchored(example, _) => {
                     let anchored = &lod.anchored[*example];
