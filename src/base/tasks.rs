@@ -15,6 +15,12 @@ pub trait TaskSystem: Sync {
     fn workers(&self) -> usize {
         1
     }
+
+    /// Whether the other threads sleep until there is work. Then work that takes no longer than waking them stays on
+    /// the caller's thread. A host's job system decides for itself.
+    fn sleeps(&self) -> bool {
+        false
+    }
 }
 
 /// Runs everything on the caller's thread.
@@ -102,6 +108,10 @@ impl TaskSystem for ThreadPool {
 
     fn workers(&self) -> usize {
         self.0.as_ref().map_or(1, |t| t.pool.current_num_threads() + 1)
+    }
+
+    fn sleeps(&self) -> bool {
+        true
     }
 }
 

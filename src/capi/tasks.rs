@@ -151,6 +151,10 @@ impl TaskSystem for Quiet<'_> {
     fn workers(&self) -> usize {
         self.0.workers()
     }
+
+    fn sleeps(&self) -> bool {
+        self.0.sleeps()
+    }
 }
 
 #[cfg(test)]

@@ -89,7 +89,7 @@ pub(crate) fn write_outputs(outputs: &mut [Output<'_, '_>], tasks: &dyn TaskSyst
         let lookups = output.view.damage.dents().iter().map(Dent::lookups).max().unwrap_or(0);
         work += (items.len() - before) * (1 + LOOKUP * lookups);
     }
-    let tasks = if work < SMALL { &Serial } else { tasks };
+    let tasks = if work < SMALL && tasks.sleeps() { &Serial } else { tasks };
     let total = items.len();
     let mut bounds = vec![Aabb::EMPTY; total];
     let parts_skipped = AtomicU64::new(0);
