@@ -12,7 +12,7 @@ use crumple::{
     Mirror, Pair, Placement, Rule, Serial, SetOptions, SimdLevel, Space, TaskSystem, ThreadPool, Tracker, VertexMemory,
 };
 use proptest::prelude::*;
-use scenes::{Body, Dice, Output, POISON, fnv, new, push, random_hit, random_hits};
+use scenes::{Body, Dice, Eager, Output, POISON, fnv, new, push, random_hit, random_hits};
 
 /// All bodies, built once.
 fn bodies() -> &'static [Body] {
@@ -415,7 +415,7 @@ proptest! {
 fn task_systems() -> &'static [Box<dyn TaskSystem + Send>] {
     static SYSTEMS: std::sync::OnceLock<Vec<Box<dyn TaskSystem + Send>>> = std::sync::OnceLock::new();
     SYSTEMS.get_or_init(|| {
-        let pool = |n| -> Box<dyn TaskSystem + Send> { Box::new(ThreadPool::new(n).unwrap()) };
+        let pool = |n| -> Box<dyn TaskSystem + Send> { Box::new(Eager(ThreadPool::new(n).unwrap())) };
         vec![Box::new(Serial), pool(1), pool(2), pool(8)]
     })
 }

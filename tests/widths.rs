@@ -24,7 +24,7 @@ fn written(instance: &mut Instance, normals: bool, tasks: &dyn TaskSystem) -> Ve
 /// Positions must not depend on whether normals are also written, which uses other kernels.
 #[test]
 fn levels_widths_and_threads_give_the_same_bits() {
-    let pool = ThreadPool::new(3).unwrap();
+    let pool = scenes::Eager(ThreadPool::new(3).unwrap());
     for body in ["panel", "tube"] {
         for tolerance in [None, Some(1e-6), Some(1e-5), Some(1e-4), Some(1e-3), Some(1e-2)] {
             let (mesh, mut examples) = scenes::solver(body);

@@ -30,9 +30,9 @@ use view::DamageView;
 const BLOCKS_A_TASK: usize = 64;
 /// The fewest tasks per worker, if there are enough blocks.
 const TASKS_A_WORKER: usize = 8;
-/// Work below this, about 25 microseconds, is done on the caller's thread: waking another takes as long. In units of
+/// Work below this, about 60 microseconds, is done on the caller's thread: waking another can take as long. In units of
 /// one block that a single anchored example moves; a look-up in a stamp is `LOOKUP` units.
-const SMALL: usize = 128;
+const SMALL: usize = 512;
 const LOOKUP: usize = 2;
 
 /// What a deform did.

@@ -12,7 +12,7 @@ use proptest::test_runner::RngSeed;
 use crumple::glam::Vec3;
 use crumple::{
     Cause, Contact, DeformReport, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Placement,
-    Serial, SetOptions, Space, TaskSystem, Tracker, VertexMemory,
+    Serial, SetOptions, Space, TaskSystem, ThreadPool, Tracker, VertexMemory,
 };
 
 pub use solver::solver;
@@ -25,6 +25,19 @@ pub fn cases(count: u32) -> ProptestConfig {
     let rng_seed = if soak == 1 { RngSeed::Fixed(0x00C0_FFEE) } else { RngSeed::Random };
     let quiet = ProptestConfig { max_shrink_iters: 24, failure_persistence: None, ..ProptestConfig::default() };
     ProptestConfig { cases: count * soak, rng_seed, ..quiet }
+}
+
+/// Threads that share even the little work that a [`ThreadPool`] leaves to its caller.
+pub struct Eager(pub ThreadPool);
+
+impl TaskSystem for Eager {
+    fn parallel_for(&self, count: usize, task: &(dyn Fn(usize) + Sync)) {
+        self.0.parallel_for(count, task);
+    }
+
+    fn workers(&self) -> usize {
+        self.0.workers()
+    }
 }
 
 /// A small generator (SplitMix64). A seed gives the same numbers on every platform.
