@@ -4,7 +4,7 @@ use anyhow::Result;
 use crumple::InstanceOptions;
 
 use super::Bench;
-use super::check::Agreement;
+use super::check::{ANCHORED_ULPS, Agreement, CARRIED_ULPS};
 use super::copy::Copy;
 use super::findings::Finding;
 use super::literature::{self, Literature, on_the_cpu};
@@ -60,7 +60,7 @@ fn one(bench: &Bench<'_>, size: usize, largest: bool) -> Result<()> {
     for (i, (marks, k, output, aim)) in CASES.into_iter().enumerate() {
         let what = format!("{marks} carried marks of {k}");
         let wanted = ours[i].expected(tasks)?;
-        let agreement = Agreement::of(gpu, &what, &ours[i].written()?, &wanted)?;
+        let agreement = Agreement::of(gpu, &what, (&ours[i].written()?, &wanted), CARRIED_ULPS)?;
         let method = match (k, output) {
             (_, Output::Normals) => "with normals",
             (1, _) => "marks",
@@ -77,7 +77,7 @@ fn one(bench: &Bench<'_>, size: usize, largest: bool) -> Result<()> {
         });
     }
     let wanted = on_the_cpu(base, &fields, WEIGHT);
-    let agreement = Agreement::of(gpu, "the classic kernel", &classic.vertices()?, &wanted)?;
+    let agreement = Agreement::of(gpu, "the classic kernel", (&classic.vertices()?, &wanted), ANCHORED_ULPS)?;
     bench.add(found("classic", "", of_classic).bytes(literature::BYTES).checked(agreement));
     copy.check()?;
     Ok(())

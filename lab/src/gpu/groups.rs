@@ -4,7 +4,7 @@ use anyhow::Result;
 use crumple::InstanceOptions;
 
 use super::Bench;
-use super::check::Agreement;
+use super::check::{ANCHORED_ULPS, Agreement};
 use super::findings::Finding;
 use super::literature::{self, Literature, on_the_cpu};
 use super::recorded::{Output, Recorded, WORKGROUP, marked};
@@ -54,10 +54,10 @@ fn one(bench: &Bench<'_>, size: usize) -> Result<()> {
     };
     for (i, group) in groups.iter().enumerate() {
         let what = format!("groups of {group}");
-        let agreement = Agreement::of(gpu, &what, &ours[i].written()?, &wanted)?;
+        let agreement = Agreement::of(gpu, &what, (&ours[i].written()?, &wanted), ANCHORED_ULPS)?;
         let finding = found("positions", *group, &of_ours[i], &of_ours[standard]).checked(agreement);
         bench.add(finding.bytes(bytes(&set, false)));
-        let agreement = Agreement::of(gpu, &what, &classic[i].vertices()?, &expected)?;
+        let agreement = Agreement::of(gpu, &what, (&classic[i].vertices()?, &expected), ANCHORED_ULPS)?;
         let finding = found("classic", *group, &of_classic[i], &of_classic[standard]).checked(agreement);
         bench.add(finding.bytes(literature::BYTES));
     }

@@ -5,7 +5,7 @@ use crumple::{Instance, InstanceOptions, Mark};
 use glam::Vec3;
 
 use super::Bench;
-use super::check::Agreement;
+use super::check::{ANCHORED_ULPS, Agreement};
 use super::findings::Finding;
 use super::literature::{Literature, on_the_cpu};
 use super::recorded::{Output, Recorded, WORKGROUP};
@@ -64,19 +64,20 @@ fn one(bench: &Bench<'_>, size: usize, largest: bool) -> Result<()> {
     };
     for (i, count) in COUNTS.into_iter().enumerate() {
         let (got, wanted) = ours[i].vertices(tasks)?;
-        let agreement = Agreement::of(gpu, &format!("{count} impulses"), &got, &wanted)?;
+        let agreement = Agreement::of(gpu, &format!("{count} impulses"), (&got, &wanted), ANCHORED_ULPS)?;
         bench.add(found("fresh", count, &times[i]).beside("classic", &times[5 + i], Sense::Speed).checked(agreement));
         if count == 10 {
             let finding = found("fresh against one", count, &times[i]).checked(agreement);
             bench.add(finding.beside("one", &times[0], Sense::Cost).aim_if(largest, "impulses"));
         }
         let expected = on_the_cpu(base, &fields[..count], WEIGHT);
-        let agreement = Agreement::of(gpu, &format!("{count} classic"), &classic[i].vertices()?, &expected)?;
+        let agreement =
+            Agreement::of(gpu, &format!("{count} classic"), (&classic[i].vertices()?, &expected), ANCHORED_ULPS)?;
         bench.add(found("classic", count, &times[5 + i]).checked(agreement));
     }
     for (i, body) in again.iter_mut().enumerate() {
         let (got, wanted) = body.vertices(tasks)?;
-        let agreement = Agreement::of(gpu, "repeated impulses", &got, &wanted)?;
+        let agreement = Agreement::of(gpu, "repeated impulses", (&got, &wanted), ANCHORED_ULPS)?;
         let finding = found("repeated", [1, 10][i], &times[3 + i]).checked(agreement);
         let against_one = i == 1;
         let finding = if against_one { finding.beside("one", &times[3], Sense::Cost) } else { finding };

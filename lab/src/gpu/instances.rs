@@ -3,7 +3,7 @@
 use anyhow::Result;
 use crumple::{Instance, InstanceOptions};
 
-use super::check::Agreement;
+use super::check::{ANCHORED_ULPS, Agreement};
 use super::findings::Finding;
 use super::recorded::{Output, Recorded, WORKGROUP};
 use super::scene::{Toggled, anchored};
@@ -42,7 +42,7 @@ fn one(bench: &Bench<'_>, size: usize) -> Result<()> {
         let vertices = changing * size;
         let add = |method: &str, body: &mut Toggled<'_>, times, beside| -> Result<()> {
             let (got, wanted) = body.vertices(tasks)?;
-            let agreement = Agreement::of(gpu, method, &got, &wanted)?;
+            let agreement = Agreement::of(gpu, method, (&got, &wanted), ANCHORED_ULPS)?;
             let finding = Finding::time("instances", method, &changing.to_string(), vertices, times, "ms");
             let finding = finding.checked(agreement);
             bench.add(match beside {

@@ -7,7 +7,7 @@ use ash::vk;
 use crumple::{ExampleSet, Instance, InstanceOptions, Mark, Placement};
 
 use super::buffer::{Buffer, Place};
-use super::check::Agreement;
+use super::check::{Agreement, CARRIED_ULPS};
 use super::findings::Finding;
 use super::literature::Literature;
 use super::recorded::{Output, Recorded, WORKGROUP};
@@ -69,7 +69,7 @@ fn one(
     let idle = Contender::new(|| bodies.recorded.frame().unwrap_or_else(|e| panic!("{e:#}")).record);
     let [idle] = bench.measure([idle]);
     let (got, wanted) = bodies.vertices(&bench.tasks)?;
-    let agreement = Agreement::of(bench.gpu, &format!("{count} instances"), &got, &wanted)?;
+    let agreement = Agreement::of(bench.gpu, &format!("{count} instances"), (&got, &wanted), CARRIED_ULPS)?;
     let found = |method: &str, times| Finding::time("record", method, &count.to_string(), 0, times, "µs");
     let finding = found(method, &changed).beside("by hand", by_hand, Sense::Cost).checked(agreement);
     bench.add(match aim {

@@ -9,7 +9,7 @@ use crumple::{ExampleSet, InstanceOptions};
 
 use super::Bench;
 use super::buffer::{Buffer, Place};
-use super::check::Agreement;
+use super::check::{ANCHORED_ULPS, Agreement};
 use super::copy::Copy;
 use super::findings::Finding;
 use super::recorded::{Output, Recorded, marked};
@@ -50,7 +50,7 @@ fn upload(bench: &Bench<'_>, set: &Arc<ExampleSet>) -> Result<()> {
         bytes = cost.report.bytes_copied;
         if agreement.is_none() {
             let wanted = uploaded.expected(tasks)?;
-            agreement = Some(Agreement::of(gpu, "what was uploaded", &uploaded.written()?, &wanted)?);
+            agreement = Some(Agreement::of(gpu, "what was uploaded", (&uploaded.written()?, &wanted), ANCHORED_ULPS)?);
         }
     }
     // The same bytes from memory of the same kind, and on the CPU.
@@ -107,7 +107,7 @@ fn read_back(bench: &Bench<'_>, set: &Arc<ExampleSet>) -> Result<()> {
     ]);
     copy.check()?;
     let wanted = body.expected(&bench.tasks)?;
-    let agreement = Agreement::of(gpu, "what was read back", bytemuck::cast_slice(&result), &wanted)?;
+    let agreement = Agreement::of(gpu, "what was read back", (bytemuck::cast_slice(&result), &wanted), ANCHORED_ULPS)?;
     let [deformed] = bench.measure([Contender::new(|| body.run_all())]);
     let found = |method: &str, times| {
         Finding::time("transfer", method, "", vertices, times, "ms").bytes(12.0).checked(agreement)

@@ -5,7 +5,7 @@ use anyhow::Result;
 use crumple::{Hit, Instance, InstanceOptions, Rule};
 
 use super::Bench;
-use super::check::Agreement;
+use super::check::{ANCHORED_ULPS, Agreement};
 use super::copy::Copy;
 use super::findings::Finding;
 use super::literature::{self, Literature, on_the_cpu};
@@ -66,10 +66,11 @@ fn one(bench: &Bench<'_>, size: usize, largest: bool) -> Result<()> {
         Contender::new(|| gpu.timed(|_| ()).unwrap_or_else(|e| panic!("{e:#}"))),
     ]);
 
-    let agreement = |what: &str, got: Vec<f32>, wanted: Vec<f32>| Agreement::of(gpu, what, &got, &wanted);
+    let agreement =
+        |what: &str, got: Vec<f32>, wanted: Vec<f32>| Agreement::of(gpu, what, (&got, &wanted), ANCHORED_ULPS);
     let wanted = positions.expected(tasks)?;
     cpu.hash();
-    let of_cpu = Agreement::of(gpu, "the CPU path", cpu.positions().as_flattened(), &wanted)?;
+    let of_cpu = Agreement::of(gpu, "the CPU path", (cpu.positions().as_flattened(), &wanted), ANCHORED_ULPS)?;
     let of_positions = agreement("positions", positions.written()?, wanted)?;
     let of_normals = agreement("normals", normals.written()?, normals.expected(tasks)?)?;
     let of_classic = agreement("the classic kernel", classic.vertices()?, on_the_cpu(base, &fields, WEIGHT))?;
