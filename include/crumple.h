@@ -743,7 +743,9 @@ typedef struct {
     uint64_t blocks_skipped;
     /// Examples of marks skipped by tolerances; see crumple_instance_set_tolerance().
     uint64_t parts_skipped;
-    uint64_t reserved[4];
+    /// Vertices that wait for a later call; see crumple_context_set_vertex_budget().
+    uint64_t vertices_waiting;
+    uint64_t reserved[3];
 } CrumpleDeformReport;
 
 /// A range of vertices.
@@ -842,7 +844,8 @@ typedef struct {
     /// Dispatches: one per VkBuffer, and one per buffer of an instance with a classic rule.
     uint32_t dispatches;
     uint32_t reserved0;
-    uint64_t reserved[4];
+    uint64_t vertices_waiting;
+    uint64_t reserved[3];
 } CrumpleRecordReport;
 
 /// A Vulkan device that Crumple creates beside yours, on the same physical device. Fields without a comment are as in
@@ -1075,6 +1078,13 @@ CrumpleResult crumple_instance_set_depth_limit(CrumpleContext *context, CrumpleI
 /// deform writes every dented block. Classic rules ignore it.
 CrumpleResult crumple_instance_set_tolerance(CrumpleContext *context, CrumpleInstance instance, float tolerance);
 
+/// Chooses how finely to show an instance: sets the tolerance that errors of pixels pixels allow on the screen, and
+/// returns the level of detail to show: the coarsest whose edges cover at most 16 times as many pixels in the mean.
+/// distance, m, in the mesh's space: from the camera to the nearest point of the instance. fov_y, radians: the vertical
+/// field of view. viewport_height: pixels. Half a pixel cannot be seen. Cheap; call it every frame. out_lod may be null.
+CrumpleResult crumple_instance_set_view(CrumpleContext *context, CrumpleInstance instance, float pixels, float distance,
+                                        float fov_y, float viewport_height, uint32_t *out_lod);
+
 /// Returns the length, m, that covers a number of pixels at a distance, m, for a camera with this vertical field of
 /// view, radians, and viewport height, pixels. Use it as the tolerance of an instance whose nearest vertex is at that
 /// distance. Returns 0 for invalid arguments: negative or NaN, a field of view of 0 or at least pi, a height of 0.
@@ -1177,6 +1187,13 @@ CrumpleResult crumple_buffer_invalidate(CrumpleContext *context, CrumpleBuffer b
 /// keeps its memory. Errors: those of crumple_buffer_register_host(), and CRUMPLE_ERROR_INVALID_ARGUMENT (a Vulkan
 /// buffer).
 CrumpleResult crumple_buffer_set_memory(CrumpleContext *context, CrumpleBuffer buffer, const CrumpleHostBufferDef *def);
+
+/// Limits how many vertices one crumple_context_deform(), crumple_vulkan_record() or crumple_vulkan_submit() writes, for
+/// frames with more hits than time. 0, as at first: no limit. A buffer is written whole or not at all. The buffers whose
+/// waiting would be seen most come first, by the vertices to write, the calls that they have waited, and how near they
+/// are as their tolerances tell; see crumple_instance_set_view(). The others follow in later calls, with the same
+/// vertices. A buffer that does not show its instance yet never waits, and every call writes at least one buffer.
+CrumpleResult crumple_context_set_vertex_budget(CrumpleContext *context, uint64_t vertices);
 
 /// Writes the deformed vertices of count host buffers, or of all host buffers of the context if buffers is null and
 /// count 0. It writes only what changed since the last write of each buffer, in parallel over all of them, and is cheap

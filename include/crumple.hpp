@@ -272,6 +272,12 @@ public:
         return detail::done(crumple_instance_set_depth_limit(context(), id(), limit));
     }
     /// tolerance in m; 0: nothing is skipped. See crumple_pixel_tolerance().
+    /// Chooses how finely to show the instance, and returns the level of detail to show.
+    Result<uint32_t> set_view(float pixels, float distance, float fov_y, float viewport_height) {
+        return detail::get<uint32_t>([&](uint32_t *lod) {
+            return crumple_instance_set_view(context(), id(), pixels, distance, fov_y, viewport_height, lod);
+        });
+    }
     Result<void> set_tolerance(float tolerance) {
         return detail::done(crumple_instance_set_tolerance(context(), id(), tolerance));
     }
@@ -522,6 +528,11 @@ public:
         return detail::get<CrumpleDeformReport>([&](CrumpleDeformReport *report) {
             return crumple_context_deform(context_, buffers, static_cast<uint32_t>(count), report);
         });
+    }
+
+    /// Limits how many vertices a call writes; 0: no limit.
+    Result<void> set_vertex_budget(uint64_t vertices) {
+        return detail::done(crumple_context_set_vertex_budget(context_, vertices));
     }
 
     Result<void> attach_vulkan(const CrumpleVulkanAttachDef &def) {

@@ -69,7 +69,7 @@ pub use example::stamp::{Stamp, StampError, StampSample};
 pub use glam;
 pub use instance::Instance;
 pub use instance::attach::{Attachment, Frame};
-pub use instance::deform::{DeformJob, deform};
+pub use instance::deform::{DeformJob, deform, deform_within};
 pub use instance::inbox::Inbox;
 pub use instance::options::{InstanceOptions, Rule};
 #[cfg(feature = "gltf")]

@@ -317,3 +317,37 @@ fn what_cannot_be_a_level_is_refused_and_leaves_nothing() {
     assert_eq!(job(0, Rule::MostDisplaced, 81).unwrap().vertices_written, 81);
     assert_eq!(job(1, Rule::Marks, 25).unwrap().vertices_written, 25);
 }
+
+#[test]
+fn a_view_chooses_the_coarsest_level_whose_edges_are_short_on_the_screen() {
+    // Right triangles over cells of 1/16, 1/8 and 1/4 m: the root mean square edge is the cell times the root of 4/3.
+    let mesh = scenes::sheet(16);
+    let examples = bowls(&mesh, 3, 0.3, 1);
+    let levels = [scenes::sheet(8), scenes::sheet(4)];
+    let set = with_lods(mesh, examples, options(None), &levels);
+    let mut body = new(&set);
+    // At 90 degrees and 1000 pixels, a pixel covers 1/500 of the distance. Edges may cover 16 pixels for each pixel of error.
+    let edge = |cell: f32| cell * (4.0f32 / 3.0).sqrt();
+    let (fov, rest) = (std::f32::consts::FRAC_PI_2, 0.999);
+    for (pixels, level) in [(0.5, 0), (1.0, 0), (0.5, 1), (1.0, 1), (0.25, 2)] {
+        let cell = [1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0][level];
+        // Just below the distance at which the next level's edges are short enough.
+        let distance = rest * edge(cell) / (16.0 * pixels) * 500.0;
+        assert_eq!(body.set_view(pixels, distance, fov, 1000.0).unwrap(), level, "{pixels} {level}");
+        let next = (level + 1).min(2);
+        assert_eq!(body.set_view(pixels, distance * 1.01 / rest, fov, 1000.0).unwrap(), next);
+    }
+    assert_eq!((body.set_view(0.0, 1e6, fov, 1000.0).unwrap(), body.tolerance()), (0, 0.0));
+    // Without levels it sets the tolerance: 2 pixels at 10 m cover 40 mm, rounded down to a power of two.
+    let mut alone = new(&scenes::sheet_set());
+    assert_eq!((alone.set_view(2.0, 10.0, fov, 1000.0).unwrap(), alone.tolerance()), (0, 1.0 / 32.0));
+    for (bad, name) in [
+        ([-1.0, 1.0, 1.0, 1.0], "pixels is -1"),
+        ([1.0, f32::NAN, 1.0, 1.0], "distance is NaN"),
+        ([1.0, 1.0, 3.2, 1.0], "fov_y is 3.2"),
+        ([1.0, 1.0, 1.0, 0.0], "viewport_height is 0"),
+    ] {
+        let error = body.set_view(bad[0], bad[1], bad[2], bad[3]).unwrap_err();
+        assert!(error.to_string().starts_with(name), "{error}");
+    }
+}

@@ -363,26 +363,30 @@ Time of one deformation by one example, on one thread / on two:
 
 
 def scene(directory):
-    t = read(directory, "scene.csv")
-    if t is None:
+    t, budget = read(directory, "scene.csv"), read(directory, "scene_budget.csv")
+    if t is None or budget is None:
         return ""
 
     def line(r):
-        level = "base mesh" if r["lod_edge_px"] == 0 else f"edges up to {r['lod_edge_px']:.0f} px"
-        return [level, f"{r['tolerance_px']:g}", f"{number(r['ms_per_frame'])} ms", f"{r['vertices_per_frame']:.0f}", f"{r['blocks_per_frame']:.0f}",
-                f"{r['parts_skipped']:.0f}", size(r["bytes_bodies"]), number(r["error_px_p99"], 3), number(r["error_px_max"]), number(r["tolerance_error_px_p99"], 3),
-                number(r["tolerance_error_px_max"], 3), number(r["lod_error_px_p99"], 3), number(r["lod_dent_error_px_p99"], 3)]
+        shown = "base mesh, tolerance" if r["shown"] == "base mesh" else "`set_view`"
+        return [f"{shown} {r['pixels']:g} px", f"{number(r['ms_per_frame'])} ms", f"{r['vertices_per_frame']:.0f}", f"{r['parts_skipped']:.0f}", size(r["bytes_bodies"]),
+                number(r["error_px_p99"], 3), number(r["error_px_max"]), number(r["dent_error_px_p99"], 3), number(r["dent_error_px_max"])]
 
-    head = ["shown", "tolerance, px", "a frame", "vertices", "blocks", "parts left out", "bodies", "error p99", "max", "tolerance's p99", "max", "level's p99", "its dents' p99"]
-    rows = [line(r) for r in t.where(outputs="positions and normals")]
+    head = ["shown", "a frame", "vertices", "parts left out", "bodies", "error p99", "max", "its dents' p99", "max"]
+    limit = lambda r: r["budget"] if r["budget"] == "none" else f"{float(r['budget']):.0f}"
+    rows = [[limit(r), f"{number(r['hits_ms'])} ms", f"{number(r['deform_ms'])} ms", f"{number(r['deform_ms_max'])} ms", f"{r['vertices_per_frame']:.0f}",
+             f"{r['waiting_per_frame']:.0f}", f"{r['frames_after']:.0f}", "yes" if r["same_bits"] in (True, "true") else "no"] for r in budget.rows]
+    heads = ["vertices a frame at most", "hits", "deform", "worst", "written", "waiting", "frames until all is shown", "same bits as without"]
     return f"""## 7. A scene
 
 {picture(directory, "scene", "Cost of a frame against the error on the screen, by tolerance and level of detail")}
-{t.said("what")}; cost is {t.said("cost")}. Levels: {t.said("levels")}; the sets take {size(t.rows[0]["bytes_sets"])} together. Errors are in pixels,
-of the surface point that covers a pixel: all of it over the {t.rows[0]["covered_pixels"]:.0f} covered pixels; the tolerance's own, and that of the level's dents
-alone (without what its shape is off at rest), over the {t.rows[0]["dented_pixels"]:.0f} that dents move by a tenth of a pixel or more.
+{t.said("what")}; cost is {t.said("cost")}. Levels: {t.said("levels")}. Errors are in pixels, of the surface point that covers a pixel, against the base mesh
+without tolerance; those of dents are without what a level's shape is off at rest.
 
-{table(head, rows)}
+{table(head, [line(r) for r in t.rows])}
+More hits than time: {budget.said("what")}; {budget.said("cost")}. Shown by `set_view` of half a pixel.
+
+{table(heads, rows)}
 {own_text("scene")}"""
 
 

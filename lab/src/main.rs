@@ -15,8 +15,8 @@ mod metric;
 mod peers;
 mod pictures;
 mod scene;
-mod scene200;
 mod stability;
+mod street;
 mod table;
 mod timing;
 mod truth;
@@ -61,7 +61,7 @@ enum Part {
     /// What a graphics driver's compiler makes of the kernels, without a card
     #[cfg(feature = "gpu")]
     Compiled(gpu::compiled::Options),
-    /// 200 dented bodies before a camera: levels of detail and run-time tolerances
+    /// 1000 dented bodies before a camera: levels of detail, tolerances, vertex budgets
     Scene(Options),
 }
 
@@ -93,6 +93,6 @@ fn main() -> Result<()> {
         Part::Gpu(options) => gpu::run(&options),
         #[cfg(feature = "gpu")]
         Part::Compiled(options) => gpu::compiled::run(&options),
-        Part::Scene(options) => scene200::run(&options),
+        Part::Scene(options) => street::run(&options),
     }
 }

@@ -11,7 +11,7 @@ use super::tasks::Quiet;
 use super::types::{CrumpleAabb, CrumpleBuffer, CrumpleInstance, CrumpleRange};
 use crate::base::error::reserve;
 use crate::base::math::Aabb;
-use crate::instance::deform::DeformJob;
+use crate::instance::deform::{DeformJob, deform_within};
 use std::hash::Hasher;
 use twox_hash::XxHash3_64;
 
@@ -25,7 +25,26 @@ pub struct CrumpleDeformReport {
     pub blocks_skipped: u64,
     /// Examples of marks skipped by tolerances; see crumple_instance_set_tolerance().
     pub parts_skipped: u64,
-    pub reserved: [u64; 4],
+    /// Vertices that wait for a later call; see crumple_context_set_vertex_budget().
+    pub vertices_waiting: u64,
+    pub reserved: [u64; 3],
+}
+
+/// Limits how many vertices one crumple_context_deform(), crumple_vulkan_record() or crumple_vulkan_submit() writes, for
+/// frames with more hits than time. 0, as at first: no limit. A buffer is written whole or not at all. The buffers whose
+/// waiting would be seen most come first, by the vertices to write, the calls that they have waited, and how near they
+/// are as their tolerances tell; see crumple_instance_set_view(). The others follow in later calls, with the same
+/// vertices. A buffer that does not show its instance yet never waits, and every call writes at least one buffer.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_context_set_vertex_budget(
+    context: *mut CrumpleContext,
+    vertices: u64,
+) -> CrumpleResult {
+    recorded("crumple_context_set_vertex_budget", context, |_, state, log| {
+        log.call(|| Call::SetVertexBudget { vertices });
+        state.vertex_budget = vertices;
+        Ok(())
+    })
 }
 
 /// Writes the deformed vertices of count host buffers, or of all host buffers of the context if buffers is null and
@@ -43,6 +62,7 @@ pub unsafe extern "C" fn crumple_context_deform(
 ) -> CrumpleResult {
     recorded("crumple_context_deform", context, |context, state, log| {
         let (out, given) = (Out::optional(out_report, "out_report")?, array(buffers, count as usize, "buffers")?);
+        let budget = state.vertex_budget();
         let State { instances, buffers: entries, .. } = state;
         let mut sorted = Vec::new();
         let chosen = Chosen::new(buffers, given, &mut sorted, |id, name| match entries.get(id, name)?.memory {
@@ -71,7 +91,7 @@ pub unsafe extern "C" fn crumple_context_deform(
                 memory: memory.vertices()?,
             });
         }
-        let report = crate::instance::deform::deform(&mut jobs, &Quiet(context.tasks()))?;
+        let report = deform_within(&mut jobs, budget, &Quiet(context.tasks()))?;
         log.gave(|| {
             let written = entries.iter().filter(of_host);
             vertices_digest(written.map(|(_, entry)| entry))
@@ -81,7 +101,8 @@ pub unsafe extern "C" fn crumple_context_deform(
             blocks_written: report.blocks_written,
             blocks_skipped: report.blocks_skipped,
             parts_skipped: report.parts_skipped,
-            reserved: [0; 4],
+            vertices_waiting: report.vertices_waiting,
+            reserved: [0; 3],
         });
         Ok(())
     })

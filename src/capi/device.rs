@@ -34,7 +34,7 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    fn device(&mut self) -> &mut Device {
+    pub(super) fn device(&mut self) -> &mut Device {
         match self {
             Kind::Hosts(device) => device,
             Kind::Own(own) => own.device(),

@@ -248,6 +248,32 @@ pub unsafe extern "C" fn crumple_instance_set_tolerance(
     })
 }
 
+/// Chooses how finely to show an instance where errors of so many pixels do not matter, such as 0.5. out_lod receives
+/// the level of detail to show: the coarsest whose edges cover at most 16 times as many pixels in the mean. For a set
+/// without levels of detail it sets the tolerance to as many pixels; with levels, a tolerance saves nothing more, and is
+/// set to 0. distance, m, in the mesh's space: from the camera to the nearest point of the instance. fov_y, radians: the
+/// vertical field of view. viewport_height: pixels. Cheap; call it every frame. out_lod may be null.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_instance_set_view(
+    context: *mut CrumpleContext,
+    instance: CrumpleInstance,
+    pixels: f32,
+    distance: f32,
+    fov_y: f32,
+    viewport_height: f32,
+    out_lod: *mut u32,
+) -> CrumpleResult {
+    recorded("crumple_instance_set_view", context, |_, state, log| {
+        let out = Out::optional(out_lod, "out_lod")?;
+        let id = instance;
+        let instance = &mut state.instances.get_mut(instance, "instance")?.instance;
+        let lod = instance.set_view(pixels, distance, fov_y, viewport_height)?;
+        log.call(|| Call::SetTolerance { instance: Number::of(id), tolerance: instance.tolerance() });
+        out.write(lod as u32);
+        Ok(())
+    })
+}
+
 /// Returns the length, m, that covers a number of pixels at a distance, m, for a camera with this vertical field of
 /// view, radians, and viewport height, pixels. Use it as the tolerance of an instance whose nearest vertex is at that
 /// distance. Returns 0 for invalid arguments: negative or NaN, a field of view of 0 or at least pi, a height of 0.

@@ -65,6 +65,7 @@ calls! {
     "crumple_instance_destroy" DestroyInstance { instance: Number }
     "crumple_instance_set_transform" SetTransform { instance: Number, local_to_world: [f32; 16] }
     "crumple_instance_set_depth_limit" SetDepthLimit { instance: Number, depth_limit: f32 }
+    /// Also `crumple_instance_set_view`, with the tolerance that it sets.
     "crumple_instance_set_tolerance" SetTolerance { instance: Number, tolerance: f32 }
     "crumple_instance_submit_impulse" SubmitImpulse { instance: Number, hit: ImpulseHit }
     "crumple_instance_preview_impulse" PreviewImpulse { instance: Number, hit: ImpulseHit }
@@ -89,6 +90,7 @@ calls! {
     "crumple_instance_get_attached_frame" AttachedFrame { instance: Number, vertices: [u32; 3], weights: [f32; 3], point: [f32; 3] }
     "crumple_instance_get_info" InstanceInfo { instance: Number }
     "crumple_instance_get_contact" GetContact { instance: Number, contact_id: u64 }
+    "crumple_context_set_vertex_budget" SetVertexBudget { vertices: u64 }
 }
 
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]

@@ -4,7 +4,9 @@ use super::attach::*;
 use super::buffer::*;
 use super::context::*;
 use super::damage::*;
-use super::deform::{CrumpleDeformReport, crumple_context_deform, fold_all, vertices_digest};
+use super::deform::{
+    CrumpleDeformReport, crumple_context_deform, crumple_context_set_vertex_budget, fold_all, vertices_digest,
+};
 use super::hit::*;
 use super::host_memory::CrumpleHostBufferDef;
 use super::instance::*;
@@ -282,6 +284,7 @@ impl Player {
             Call::SetTolerance { instance, tolerance } => {
                 crumple_instance_set_tolerance(context, self.instance(instance), tolerance)
             }
+            Call::SetVertexBudget { vertices } => crumple_context_set_vertex_budget(context, vertices),
             Call::SubmitImpulse { instance, hit } => {
                 let (id, def) = (self.instance(instance), impulse_def(hit));
                 answered(value, |out| crumple_instance_submit_impulse(context, id, &def, out))

@@ -33,6 +33,9 @@ pub(super) fn write(state: &mut State, writer: &mut Writer) -> Result<(), Failur
         writer.write(&Event::Call(call));
         writer.write(&Event::Ended(Ended { result: 0, value: made.0 }));
     };
+    if state.vertex_budget > 0 {
+        call(Call::SetVertexBudget { vertices: state.vertex_budget }, none);
+    }
     let mut known = HashSet::new();
     for (id, entry) in state.sets.iter::<CrumpleExampleSet>() {
         known.insert(Number::of(id));

@@ -91,6 +91,8 @@ pub(super) struct State {
     pub(super) sets: Slots<SetEntry>,
     pub(super) instances: Slots<InstanceEntry>,
     pub(super) buffers: Slots<BufferEntry>,
+    /// 0: none.
+    pub(super) vertex_budget: u64,
     #[cfg(feature = "vulkan")]
     pub(super) vulkan: Option<Attached>,
 }
@@ -102,9 +104,15 @@ impl State {
             sets: Slots::new(tag),
             instances: Slots::new(tag),
             buffers: Slots::new(tag),
+            vertex_budget: 0,
             #[cfg(feature = "vulkan")]
             vulkan: None,
         }
+    }
+
+    /// The most vertices that a call writes.
+    pub(super) fn vertex_budget(&self) -> u64 {
+        if self.vertex_budget == 0 { u64::MAX } else { self.vertex_budget }
     }
 
     /// Removes a buffer, but not from those of its owner.

@@ -359,6 +359,7 @@ fn with_jobs<T>(
     log: &mut Log<'_>,
     f: impl FnOnce(&mut Kind, &mut [RecordJob<'_>]) -> Result<T, Failure>,
 ) -> Result<T, Failure> {
+    let budget = state.vertex_budget();
     let State { instances, buffers: entries, vulkan, .. } = state;
     let Attached { device, chosen: room, jobs: kept, .. } = vulkan.as_mut().ok_or_else(not_attached)?;
     let chosen = Chosen::new(pointer, given, room, |id, name| match entries.get(id, name)?.memory {
@@ -382,6 +383,7 @@ fn with_jobs<T>(
             jobs.push(RecordJob { instance, target: &mut memory.target });
         }
     }
+    device.device().set_vertex_budget(budget);
     let result = f(device, &mut jobs);
     *kept = recycled(jobs);
     result
@@ -396,6 +398,7 @@ fn c_report(report: RecordReport) -> CrumpleRecordReport {
         parts_skipped: report.parts_skipped,
         bytes_copied: report.bytes_copied,
         dispatches: report.dispatches,
+        vertices_waiting: report.vertices_waiting,
         ..CrumpleRecordReport::default()
     }
 }

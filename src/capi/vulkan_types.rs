@@ -107,7 +107,8 @@ pub struct CrumpleRecordReport {
     /// Dispatches: one per VkBuffer, and one per buffer of an instance with a classic rule.
     pub dispatches: u32,
     pub reserved0: u32,
-    pub reserved: [u64; 4],
+    pub vertices_waiting: u64,
+    pub reserved: [u64; 3],
 }
 
 /// A Vulkan device that Crumple creates beside yours, on the same physical device. Fields without a comment are as in

@@ -1,6 +1,7 @@
 //! Deformation on the CPU: computes vertices from marks. Evaluates the dirty blocks of any number of outputs in
 //! parallel and writes them into the caller's memory. Knows neither instances nor hits.
 
+pub(crate) mod budget;
 pub(crate) mod evaluate;
 pub(crate) mod kernel;
 mod levels;
@@ -46,6 +47,8 @@ pub struct DeformReport {
     pub blocks_skipped: u64,
     /// Parts (one example of one mark) that the tolerance left out, summed over the blocks written.
     pub parts_skipped: u64,
+    /// Vertices that wait for a later call because of the budget.
+    pub vertices_waiting: u64,
 }
 
 /// One output to bring up to date.
@@ -75,13 +78,15 @@ impl Output<'_, '_> {
     }
 }
 
-/// Evaluates the blocks that changed since each output was last written, and writes only those. [`Output::check`] must
-/// have passed for each output.
-pub(crate) fn write_outputs(outputs: &mut [Output<'_, '_>], tasks: &dyn TaskSystem) -> DeformReport {
+/// Evaluates the blocks that changed since each output was last written, and writes only those, of as many outputs as the
+/// budget allows. [`Output::check`] must have passed for each output.
+pub(crate) fn write_outputs(outputs: &mut [Output<'_, '_>], budget: u64, tasks: &dyn TaskSystem) -> DeformReport {
+    let waiting = budget::waiting(budget, outputs.iter().map(|o| (&*o.tracker, &o.view, o.lod)));
+    let waits = |output: usize| waiting.binary_search_by_key(&output, |due| due.output).is_ok();
     // (output, block) of each work item, in the order of outputs.
     let mut items: Vec<(u32, u32)> = Vec::new();
     let mut work = 0;
-    for (o, output) in outputs.iter().enumerate() {
+    for (o, output) in outputs.iter().enumerate().filter(|(o, _)| !waits(*o)) {
         let before = items.len();
         let dirty = output.tracker.dirty(output.view.changes, output.lod);
         items.extend(dirty.map(|block| (o as u32, block as u32)));
@@ -110,8 +115,12 @@ pub(crate) fn write_outputs(outputs: &mut [Output<'_, '_>], tasks: &dyn TaskSyst
         });
     }
     let mut report = DeformReport { parts_skipped: parts_skipped.into_inner(), ..DeformReport::default() };
+    for due in &waiting {
+        outputs[due.output].tracker.waits();
+        report.vertices_waiting += due.vertices;
+    }
     let mut at = 0;
-    for (o, output) in outputs.iter_mut().enumerate() {
+    for (o, output) in outputs.iter_mut().enumerate().filter(|(o, _)| !waits(*o)) {
         let count = items[at..].iter().take_while(|(item, _)| *item as usize == o).count();
         let written = at..at + count;
         at += count;

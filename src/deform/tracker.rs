@@ -17,6 +17,8 @@ pub struct Tracker {
     block_bounds: Vec<Aabb>,
     changed: Vec<Range<u32>>,
     bounds: Option<Aabb>,
+    /// Calls in a row that had to leave it out.
+    pub(crate) calls_waited: u32,
 }
 
 impl Tracker {
@@ -79,6 +81,12 @@ impl Tracker {
         self.changed.clear();
     }
 
+    /// Records that there was no time to write it.
+    pub(crate) fn waits(&mut self) {
+        self.changed.clear();
+        self.calls_waited = self.calls_waited.saturating_add(1);
+    }
+
     /// Records that these dirty blocks will be written elsewhere than on the CPU, and that `bounds` will hold all
     /// vertices. Returns the number of vertices written.
     #[cfg(feature = "gpu")]
@@ -96,6 +104,7 @@ impl Tracker {
     }
 
     fn holds(&mut self, changes: &Changes, lod: usize) {
+        self.calls_waited = 0;
         self.instance = changes.instance;
         self.lod = lod;
         self.epoch = changes.epoch;

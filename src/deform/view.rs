@@ -15,6 +15,8 @@ pub(crate) struct DamageView<'a> {
     pub depth_limit: f32,
     /// Scaled displacements no longer than this are left out, m.
     pub threshold: f32,
+    /// No vertex is wrong by more than this, m; 0 if nothing is left out.
+    pub tolerance: f32,
     pub changes: &'a Changes,
     /// Displaced vertices of the base mesh, if the rule stores these instead of marks.
     pub vertices: Option<DisplacedVertices<'a>>,

@@ -4,7 +4,7 @@ use super::blocks::DeltaBlocks;
 use crate::base::math::Aabb;
 use crate::mesh::Mesh;
 use crate::mesh::rim::Rim;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A mesh with the data needed to evaluate marks on it.
 #[derive(Debug)]
@@ -14,11 +14,12 @@ pub(crate) struct MeshLod {
     pub rim: Rim,
     /// One per example of the set.
     pub anchored: Vec<Arc<DeltaBlocks>>,
+    edge: OnceLock<f32>,
 }
 
 impl MeshLod {
     pub(crate) fn new(mesh: Mesh, rim: Rim, anchored: Vec<Arc<DeltaBlocks>>) -> Self {
-        MeshLod { block_bounds: mesh.block_bounds().clone(), mesh, rim, anchored }
+        MeshLod { block_bounds: mesh.block_bounds().clone(), mesh, rim, anchored, edge: OnceLock::new() }
     }
 
     /// Memory used, with its anchored examples, bytes.
@@ -27,6 +28,17 @@ impl MeshLod {
             + self.blocks() * size_of::<Aabb>()
             + self.rim.bytes()
             + self.anchored.iter().map(|a| a.bytes().total()).sum::<usize>()
+    }
+
+    /// Root mean square length of the triangles' edges, m; infinite without triangles.
+    pub(crate) fn edge(&self) -> f32 {
+        *self.edge.get_or_init(|| {
+            let (positions, triangles) = (self.mesh.positions(), self.mesh.triangles());
+            let sides = triangles.iter().flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]);
+            let square = |[a, b]: [u32; 2]| (positions[a as usize] - positions[b as usize]).as_dvec3().length_squared();
+            let mean = sides.map(square).sum::<f64>() / (3 * triangles.len()) as f64;
+            if mean.is_nan() { f32::INFINITY } else { mean.sqrt() as f32 }
+        })
     }
 
     pub(crate) fn vertex_count(&self) -> usize {

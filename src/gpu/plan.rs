@@ -6,6 +6,8 @@ use super::target::TargetState;
 use super::work::{FrameWork, Shown, WorkOffsets};
 use crate::base::error::Error;
 use crate::base::math::Aabb;
+use crate::deform::budget::{Due, waiting};
+use crate::deform::view::DamageView;
 use crate::instance::Instance;
 use std::ops::Range;
 use std::sync::Arc;
@@ -35,6 +37,8 @@ pub struct FrameReport {
     pub dispatches: u32,
     /// Bytes that are copied to the device for this frame. Recording also counts those of new meshes.
     pub bytes_copied: u64,
+    /// Vertices that wait for a later frame because of the device's vertex budget.
+    pub vertices_waiting: u64,
 }
 
 /// A backend's target, as the plan sees it.
@@ -97,14 +101,18 @@ struct PlannedJob<B> {
 /// The plan of a frame. Its lists are reused from frame to frame.
 #[derive(Debug)]
 pub(crate) struct Plan<B> {
+    /// The most vertices to write in a frame; see [`crate::deform_within`].
+    pub budget: u64,
     work: FrameWork,
+    waiting: Vec<Due>,
     jobs: Vec<PlannedJob<B>>,
     dispatches: Vec<Dispatch<B>>,
 }
 
 impl<B> Default for Plan<B> {
     fn default() -> Self {
-        Plan { work: FrameWork::default(), jobs: Vec::new(), dispatches: Vec::new() }
+        let work = FrameWork::default();
+        Plan { budget: u64::MAX, work, waiting: Vec::new(), jobs: Vec::new(), dispatches: Vec::new() }
     }
 }
 
@@ -140,7 +148,10 @@ impl<B: Copy + Ord> Plan<B> {
         self.work.clear();
         self.jobs.clear();
         self.dispatches.clear();
-        for (job, Job { instance, target }) in jobs.iter().enumerate() {
+        self.find_waiting(jobs);
+        report.vertices_waiting = self.waiting.iter().map(|due| due.vertices).sum();
+        let waits = |job: usize| self.waiting.binary_search_by_key(&job, |due| due.output).is_ok();
+        for (job, Job { instance, target }) in jobs.iter().enumerate().filter(|(job, _)| !waits(*job)) {
             let (state, changes) = (target.state(), instance.view().changes);
             if state.tracker.dirty(changes, state.lod).next().is_some() {
                 let classic = instance.classic_state().map(|_| job as u32);
@@ -200,6 +211,14 @@ impl<B: Copy + Ord> Plan<B> {
         Ok(report)
     }
 
+    /// Finds the jobs that wait, if there are more vertices to write than the budget has.
+    fn find_waiting<T: PlanTarget<Binding = B>>(&mut self, jobs: &[Job<'_, T>]) {
+        let views: Vec<DamageView<'_>> =
+            if self.budget == u64::MAX { Vec::new() } else { jobs.iter().map(|j| j.instance.view()).collect() };
+        let states = jobs.iter().map(|j| j.target.state());
+        self.waiting = waiting(self.budget, states.zip(&views).map(|(state, view)| (&state.tracker, view, state.lod)));
+    }
+
     /// The dispatches. Those with one binding lie side by side.
     pub(crate) fn dispatches(&self) -> &[Dispatch<B>] {
         &self.dispatches
@@ -224,6 +243,9 @@ impl<B: Copy + Ord> Plan<B> {
         let mut vertices = 0;
         for job in jobs.iter_mut() {
             job.target.state_mut().tracker.unchanged();
+        }
+        for due in &self.waiting {
+            jobs[due.output].target.state_mut().tracker.waits();
         }
         for planned in &self.jobs {
             let Job { instance, target } = &mut jobs[planned.job];

@@ -30,6 +30,21 @@ pub struct DeformJob<'a, 'm> {
 /// [`Error::Unsupported`] for normals or tangents that the mesh does not have. Errors name the output. After an error
 /// nothing has been written.
 pub fn deform(jobs: &mut [DeformJob<'_, '_>], tasks: &dyn TaskSystem) -> Result<DeformReport, Error> {
+    deform_within(jobs, u64::MAX, tasks)
+}
+
+/// The same as [`deform`] for a frame that has time for `budget` vertices. Outputs are written whole or not at all: first
+/// those whose waiting would be seen most, by the vertices to write, the calls that they have waited, and how near they
+/// are as their tolerances tell ([`Instance::set_view`]). Others wait for later calls and get the same vertices then. Does
+/// not let wait what holds nothing of its instance yet, and always writes at least one output.
+///
+/// # Errors
+/// Those of [`deform`].
+pub fn deform_within(
+    jobs: &mut [DeformJob<'_, '_>],
+    budget: u64,
+    tasks: &dyn TaskSystem,
+) -> Result<DeformReport, Error> {
     let mut outputs = Vec::with_capacity(jobs.len());
     for job in jobs.iter_mut() {
         let mesh = job.instance.example_set().lod(job.lod)?;
@@ -41,7 +56,7 @@ pub fn deform(jobs: &mut [DeformJob<'_, '_>], tasks: &dyn TaskSystem) -> Result<
         output.check()?;
         outputs.push(output);
     }
-    Ok(write_outputs(&mut outputs, tasks))
+    Ok(write_outputs(&mut outputs, budget, tasks))
 }
 
 impl Instance {
@@ -84,6 +99,7 @@ impl Instance {
             damage: &self.damage,
             depth_limit: self.limit,
             threshold: self.threshold,
+            tolerance: self.tolerance,
             changes: &self.changes,
             vertices: self.classic.as_ref().map(|state| state.vertices()),
         }

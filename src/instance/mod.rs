@@ -14,7 +14,8 @@ use crate::damage::dent::Dent;
 use crate::damage::list::Damage;
 use crate::damage::mark::Mark;
 use crate::damage::saved;
-use crate::deform::tolerance::{rounded, threshold};
+use crate::deform::tolerance::{EDGES, pixel_tolerance, rounded, threshold};
+use crate::example::mesh_lod::MeshLod;
 use crate::example::set::ExampleSet;
 use crate::select::hit::{Hit, Outcome};
 use crate::select::target::HitParams;
@@ -210,6 +211,36 @@ impl Instance {
             self.update_threshold();
         }
         Ok(())
+    }
+
+    /// Chooses how finely to show the instance where errors of `pixels` pixels do not matter, and returns the level of
+    /// detail to show: the coarsest whose edges cover at most 16 times as many pixels in the mean. For a set without levels
+    /// of detail it sets the tolerance to as many pixels; with levels, a tolerance saves nothing more (docs/lab, "A scene"),
+    /// and is set to 0. `distance` (m, in the mesh's space) is that of the instance's nearest point to the camera; `fov_y`
+    /// (radians) and `viewport_height` (pixels) are the camera's. It is cheap; call it every frame.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] naming the value.
+    pub fn set_view(&mut self, pixels: f32, distance: f32, fov_y: f32, viewport_height: f32) -> Result<usize, Error> {
+        at_least_zero("pixels", pixels, "pixels")?;
+        at_least_zero("distance", distance, "m")?;
+        if !(fov_y > 0.0 && fov_y < std::f32::consts::PI) {
+            return Err(Error::invalid("fov_y", fov_y, "between 0 and pi radians"));
+        }
+        if !(viewport_height > 0.0 && viewport_height.is_finite()) {
+            return Err(Error::invalid("viewport_height", viewport_height, "above 0 pixels"));
+        }
+        let tolerance = pixel_tolerance(pixels, distance, fov_y, viewport_height);
+        if self.set.lod_count() == 1 {
+            self.set_tolerance(tolerance)?;
+            return Ok(0);
+        }
+        self.set_tolerance(0.0)?;
+        if self.classic.is_some() {
+            return Ok(0);
+        }
+        let fits = |(_, lod): &(usize, &MeshLod)| lod.edge() <= EDGES * tolerance;
+        Ok(self.set.lods().enumerate().skip(1).filter(fits).last().map_or(0, |(l, _)| l))
     }
 
     /// Call this after every change of damage or tolerance.

@@ -110,6 +110,11 @@ impl Device {
         self.arena.discard(frame);
     }
 
+    /// Sets the most vertices that a recording writes; see [`crate::deform_within`]. At first there is no limit (`u64::MAX`).
+    pub fn set_vertex_budget(&mut self, vertices: u64) {
+        self.recording.plan.budget = vertices;
+    }
+
     /// The last frame that was recorded. Frames above [`Device::last_completed`] are in flight.
     pub fn recorded(&self) -> u64 {
         self.recorded

@@ -86,6 +86,11 @@ impl Device {
         self.gpu.reported_error()
     }
 
+    /// Sets the most vertices that a frame writes; see [`crate::deform_within`]. At first there is no limit (`u64::MAX`).
+    pub fn set_vertex_budget(&mut self, vertices: u64) {
+        self.encoding.plan.budget = vertices;
+    }
+
     /// Frees meshes that no target shows.
     pub(super) fn free_meshes(&mut self) {
         self.arena.collect(0, |chunk, _| self.belt.remove_group(chunk));

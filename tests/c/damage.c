@@ -85,6 +85,17 @@ static void interleaved(void) {
     OK(crumple_buffer_set_memory(context, other, &def));
     OK(crumple_context_deform(context, NULL, 0, &report));
     FACT(report.vertices_written == VERTICES && memcmp(vertices[5].position, third[5].position, 12) == 0);
+
+    // Within a budget of one vertex, one buffer is written at a time.
+    OK(crumple_context_deform(context, NULL, 0, NULL));
+    OK(crumple_context_set_vertex_budget(context, 1));
+    OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
+    OK(crumple_context_deform(context, NULL, 0, &report));
+    FACT(report.vertices_written > 0 && report.vertices_waiting > 0);
+    OK(crumple_context_deform(context, NULL, 0, &report));
+    FACT(report.vertices_written > 0 && report.vertices_waiting == 0);
+    for (int v = 0; v < VERTICES; ++v) FACT(memcmp(vertices[v].position, third[v].position, 12) == 0);
+    OK(crumple_context_set_vertex_budget(context, 0));
     OK(crumple_buffer_unregister(context, other));
     OK(crumple_instance_destroy(context, body));
     FAILS(CRUMPLE_ERROR_INVALID_ID, "stale", crumple_context_deform(context, &buffer, 1, NULL));

@@ -49,6 +49,33 @@ fn many_instances_in_one_buffer_are_one_dispatch() {
     });
 }
 
+#[test]
+fn targets_beyond_the_budget_wait_whole() {
+    let set = scenes::cube_set();
+    on_each_device(|gpu| {
+        let mut instances: Vec<Instance> = (0..3).map(|i| folded(&set, 2, i)).collect();
+        let size = TestLayout::everything(&set, 0, 0).size;
+        let layouts: Vec<TestLayout> = (0..3).map(|i| TestLayout::everything(&set, 0, i * size)).collect();
+        let buffer = gpu.buffer(3 * size);
+        let mut targets: Vec<Target> = layouts.iter().map(|l| gpu.add_target(&set, l, &buffer).unwrap()).collect();
+        let all = 3 * set.vertex_count() as u64;
+        gpu.crumple.set_vertex_budget(1);
+        let report = gpu.run(&mut jobs(&instances, &mut targets)).unwrap();
+        assert_eq!((report.vertices_written, report.vertices_waiting), (all, 0), "what holds nothing does not wait");
+        let mut expected = Expected::poison(buffer.words());
+        instances.iter_mut().zip(&layouts).for_each(|(i, l)| l.expect(i, &mut expected));
+        instances.iter_mut().for_each(|i| hit(i, 1, 9));
+        for round in 0..4 {
+            let report = gpu.run(&mut jobs(&instances, &mut targets)).unwrap();
+            let written: Vec<usize> = (0..3).filter(|t| !targets[*t].changed().is_empty()).collect();
+            assert_eq!(written.len(), usize::from(round < 3));
+            assert_eq!(report.vertices_waiting > 0, round < 2);
+            written.iter().for_each(|t| layouts[*t].expect(&mut instances[*t], &mut expected));
+            expected.compare(&gpu.read(&buffer), &gpu.device, &format!("round {round}"));
+        }
+    });
+}
+
 /// Writes a dozen meshes in one buffer. Returns the number of dispatches.
 pub fn dozen(gpu: &mut Gpu) -> u32 {
     let mesh = scenes::sheet(24);

@@ -200,6 +200,16 @@ namespace Crumple.Native
             float tolerance);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_instance_set_view(
+            IntPtr context,
+            CrumpleInstance instance,
+            float pixels,
+            float distance,
+            float fovY,
+            float viewportHeight,
+            uint* outLod);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern float crumple_pixel_tolerance(float pixels, float distance, float fovY, float viewportHeight);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
@@ -315,6 +325,9 @@ namespace Crumple.Native
             IntPtr context,
             CrumpleBuffer buffer,
             CrumpleHostBufferDef* def);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_context_set_vertex_budget(IntPtr context, ulong vertices);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_context_deform(

@@ -636,7 +636,8 @@ namespace Crumple
         public ulong BlocksWritten;
         public ulong BlocksSkipped;
         public ulong PartsSkipped;
-        public fixed ulong Reserved[4];
+        public ulong VerticesWaiting;
+        public fixed ulong Reserved[3];
     }
 
     /// <summary>The struct of crumple.h.</summary>
@@ -727,7 +728,8 @@ namespace Crumple
         public ulong BytesCopied;
         public uint Dispatches;
         public uint Reserved0;
-        public fixed ulong Reserved[4];
+        public ulong VerticesWaiting;
+        public fixed ulong Reserved[3];
     }
 
     /// <summary>The struct of crumple.h.</summary>
