@@ -8,7 +8,8 @@ use glam::Vec3;
 
 use super::Bench;
 use super::deformed::Deformed;
-use super::measure::{Contender, Plan, Times, interleaved};
+use super::measure::{Contender, Plan, Times, interleaved, timed};
+use super::radial::RadialDent;
 use super::real::{EXAMPLES, bodies, finer, name};
 use super::reference::Classic;
 use super::report::{Aim, Row, Sense};
@@ -48,7 +49,7 @@ fn measure(bench: &Bench, name: &str, set: Arc<ExampleSet>, impacts: &[&Impact],
     let plan = Plan { budget: bench.plan.budget / impacts.len().max(1) as u32, ..bench.plan };
     let options = InstanceOptions { examples_per_hit: 3, depth_limit: Some(DEEP), ..Default::default() };
     let mut ours = Deformed::new(&set, options, &[], true, bench.tasks(1))?;
-    let (mut whole, mut classics, mut counts) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut whole, mut classics, mut radials, mut counts) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let (mut a_vertex, mut classic_a_vertex) = (Vec::new(), Vec::new());
     let mut hash = 0u64;
     for impact in impacts {
@@ -62,13 +63,23 @@ fn measure(bench: &Bench, name: &str, set: Arc<ExampleSet>, impacts: &[&Impact],
         });
         let field: Vec<(u32, Vec3)> = field.collect();
         let moved = field.len().max(1) as f64;
+        let contact = Vec3::from_array(hit.point);
+        let furthest = |(v, _): &(u32, Vec3)| base[*v as usize].distance(contact);
+        let radius = field.iter().map(furthest).fold(f32::MIN_POSITIVE, f32::max);
+        let push = field.iter().map(|(_, d)| *d).max_by(|a, b| a.length().total_cmp(&b.length())).unwrap_or(Vec3::Z);
+        let mut radial = RadialDent::new(base, set.mesh().triangles());
         // The classic kernel, told which example and where: no selection, no normals, no bounds.
         let mut classic = Classic::new(base, &[field], bench.tasks(1));
-        let mut contenders = [Contender::new(|| ours.hit(&[], &[hit])), Contender::new(|| classic.run())];
+        let mut contenders = [
+            Contender::new(|| ours.hit(&[], &[hit])),
+            Contender::new(|| classic.run()),
+            Contender::new(|| timed(|| radial.run(contact, push, radius))),
+        ];
         let times: Vec<f64> = interleaved(&plan, &mut contenders).iter().map(Times::median).collect();
         counts.push(moved);
         whole.push(times[0]);
         classics.push(times[1]);
+        radials.push(times[2]);
         a_vertex.push(times[0] / moved);
         classic_a_vertex.push(times[1] / moved);
     }
@@ -76,6 +87,8 @@ fn measure(bench: &Bench, name: &str, set: Arc<ExampleSet>, impacts: &[&Impact],
         let row = Row::time(format!("{name}{suffix}"), &Times::new(ours), unit);
         row.beside_time("classic", &Times::new(classic.to_vec()), Sense::Cost).hash(hash)
     };
+    let beside_radial = Row::time(format!("{name}_radial"), &Times::new(whole.clone()), "µs");
+    bench.add(beside_radial.beside_time("radial dent", &Times::new(radials), Sense::Speed));
     bench.add(row("", whole, &classics, "µs").aim(Aim::Value(aim)));
     bench.add(row("_vertex", a_vertex, &classic_a_vertex, "ns/vertex"));
     let all = set.vertex_count() as f64;

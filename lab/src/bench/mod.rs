@@ -12,6 +12,7 @@ pub mod marks;
 pub mod measure;
 mod memory;
 mod normals;
+mod radial;
 mod real;
 pub mod reference;
 pub mod report;
