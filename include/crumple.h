@@ -597,6 +597,9 @@ typedef struct {
     float blend_constant;
     /// Largest position error, m; see crumple_instance_set_tolerance(). Default 0: none.
     float tolerance;
+    /// How far a blow of 1 N s moves its contact, m per N s, if no example of the set knows its blow. duration and mass of
+    /// impulses are then unused. Default 0: duration / mass.
+    float compliance;
     /// Transform; see crumple_instance_set_transform(). Default the identity.
     float local_to_world[16];
 } CrumpleInstanceDef;
@@ -620,7 +623,10 @@ typedef struct {
     float depth_limit;
     /// Number of open contacts; see crumple_instance_end_contact().
     uint32_t contact_count;
-    uint32_t reserved[4];
+    /// Number for the marks: equal marks have equal revisions, on all machines. 0 without marks. See
+    /// crumple_instance_save_changes().
+    uint64_t revision;
+    uint32_t reserved[2];
 } CrumpleInstanceInfo;
 
 /// A hit given as a blow. point and vectors are in the given space (default CRUMPLE_SPACE_LOCAL). Give impulse, or mass
@@ -973,6 +979,12 @@ CrumpleLodDef crumple_lod_def_default(void);
 CrumpleResult crumple_example_set_add_lod(CrumpleContext *context, CrumpleExampleSet set, const CrumpleLodDef *def,
                                           uint32_t *out_lod);
 
+/// Gives a set to another context too, without a copy, such as for levels that load on a thread of their own. The
+/// contexts are then as independent as before. Destroying the set in one of them does not affect the others. Both
+/// contexts are in use during the call. Add levels of detail before. CRUMPLE_ERROR_INVALID_ARGUMENT: other is context.
+CrumpleResult crumple_example_set_share(CrumpleContext *context, CrumpleExampleSet set, CrumpleContext *other,
+                                        CrumpleExampleSet *out_set);
+
 /// Destroys a set. Its id and the strings of its infos become invalid. Instances keep the set's memory and still work.
 CrumpleResult crumple_example_set_destroy(CrumpleContext *context, CrumpleExampleSet set);
 
@@ -1099,6 +1111,18 @@ CrumpleResult crumple_instance_submit_impulse(CrumpleContext *context, CrumpleIn
 CrumpleResult crumple_instance_submit_displacement(CrumpleContext *context, CrumpleInstance instance,
                                                    const CrumpleDisplacementDef *def, CrumpleHitResult *out_result);
 
+/// Submits count hits, each to the instance at the same index. Either all are submitted, or none and the message names
+/// the first wrong one. out_results is null, or has room for count results. Otherwise like
+/// crumple_instance_submit_impulse(), and a little cheaper.
+CrumpleResult crumple_context_submit_impulses(CrumpleContext *context, const CrumpleInstance *instances,
+                                              const CrumpleImpulseDef *defs, uint32_t count,
+                                              CrumpleHitResult *out_results);
+
+/// Like crumple_context_submit_impulses(), but for displacements.
+CrumpleResult crumple_context_submit_displacements(CrumpleContext *context, const CrumpleInstance *instances,
+                                                   const CrumpleDisplacementDef *defs, uint32_t count,
+                                                   CrumpleHitResult *out_results);
+
 /// Computes the result of crumple_instance_submit_impulse() without leaving a mark. out_result is required. May be
 /// called from any thread at any time.
 CrumpleResult crumple_instance_preview_impulse(CrumpleContext *context, CrumpleInstance instance,
@@ -1119,8 +1143,9 @@ CrumpleResult crumple_instance_preview_displacement(CrumpleContext *context, Cru
 /// any thread at any time. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
 CrumpleResult crumple_instance_end_contact(CrumpleContext *context, CrumpleInstance instance, uint64_t contact_id);
 
-/// Returns the result of an open contact, all its hits taken as one. Its status is CRUMPLE_HIT_STATUS_BELOW_YIELD if no
-/// such contact is open or the sum is too weak. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
+/// Returns the result of a contact, all its hits taken as one. The contact is open, or among the 256 of the instance
+/// that ended last. The status is CRUMPLE_HIT_STATUS_BELOW_YIELD if there is no such contact or the sum is too weak.
+/// CRUMPLE_ERROR_WRONG_RULE: a classic rule.
 CrumpleResult crumple_instance_get_contact(CrumpleContext *context, CrumpleInstance instance, uint64_t contact_id,
                                            CrumpleHitResult *out_result);
 
@@ -1139,11 +1164,31 @@ CrumpleResult crumple_instance_set_marks(CrumpleContext *context, CrumpleInstanc
 CrumpleResult crumple_instance_save_damage(CrumpleContext *context, CrumpleInstance instance, void *data,
                                            size_t capacity, size_t *out_size);
 
-/// Replaces an instance's damage with saved damage: size bytes at data, of any alignment. Discards pending hits and
-/// ends contacts. Errors: CRUMPLE_ERROR_DAMAGE_MISMATCH (another set, version or rule, or cut short),
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that the set cannot have).
+/// Saves what changed since a revision of an instance's marks (see CrumpleInstanceInfo), to send it over the network.
+/// crumple_instance_load_damage() applies it to an instance with that revision, which then has the same marks as this
+/// one. The bytes are as those of crumple_instance_save_damage(), which fit any revision, if these are fewer or the
+/// revision is not among the last ones. From the first call on, the instance remembers its last 256 changes of a mark.
+/// CRUMPLE_ERROR_WRONG_RULE: a classic rule.
+CrumpleResult crumple_instance_save_changes(CrumpleContext *context, CrumpleInstance instance, uint64_t since,
+                                            void *data, size_t capacity, size_t *out_size);
+
+/// Replaces an instance's damage with saved damage, or applies saved changes: size bytes at data, of any alignment.
+/// Discards pending hits and ends contacts; changes are applied after pending hits. Errors:
+/// CRUMPLE_ERROR_DAMAGE_MISMATCH (another set, version, rule or revision, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT
+/// (a mark that the set cannot have).
 CrumpleResult crumple_instance_load_damage(CrumpleContext *context, CrumpleInstance instance, const void *data,
                                            size_t size);
+
+/// Saves the damage of count instances, or of all instances of the context by increasing index if instances is null and
+/// count 0, as one piece of bytes. data has capacity bytes of any alignment; see "Arrays" at the top.
+CrumpleResult crumple_context_save_damage(CrumpleContext *context, const CrumpleInstance *instances, uint32_t count,
+                                          void *data, size_t capacity, size_t *out_size);
+
+/// Replaces the damage of count instances, or of all, with that of crumple_context_save_damage(), which was given
+/// instances of the same sets in the same order. Otherwise like crumple_instance_load_damage() for each of them; after
+/// an error no instance has changed. CRUMPLE_ERROR_DAMAGE_MISMATCH: also another number of instances.
+CrumpleResult crumple_context_load_damage(CrumpleContext *context, const CrumpleInstance *instances, uint32_t count,
+                                          const void *data, size_t size);
 
 /// Repairs an instance. Every dent keeps this share of its depth: 0 (as new) to 1 (unchanged). Ends contacts.
 CrumpleResult crumple_instance_repair_damage(CrumpleContext *context, CrumpleInstance instance, float keep);
@@ -1186,6 +1231,11 @@ CrumpleResult crumple_buffer_set_memory(CrumpleContext *context, CrumpleBuffer b
 /// in debug builds.
 CrumpleResult crumple_context_deform(CrumpleContext *context, const CrumpleBuffer *buffers, uint32_t count,
                                      CrumpleDeformReport *out_report);
+
+/// Returns the buffers that the last crumple_context_deform() and the last recording or submit wrote to, by increasing
+/// index, so that you need not ask each. buffers has room for capacity ids; see "Arrays" at the top.
+CrumpleResult crumple_context_get_changed_buffers(CrumpleContext *context, CrumpleBuffer *buffers, uint32_t capacity,
+                                                  uint32_t *out_count);
 
 /// Returns the vertices written by the last deform or recording that included the buffer, by id or with null and 0.
 /// They are increasing ranges that do not overlap. Also returns the bounds of all its vertices, m, which may be too

@@ -68,6 +68,7 @@ pub use example::set::ExampleSet;
 pub use example::stamp::{Stamp, StampError, StampSample};
 pub use glam;
 pub use instance::Instance;
+pub use instance::archive::{load_all, save_all};
 pub use instance::attach::{Attachment, Frame};
 pub use instance::deform::{DeformJob, deform};
 pub use instance::inbox::Inbox;

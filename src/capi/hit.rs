@@ -1,15 +1,17 @@
 //! Hits: what the physics engine reports.
 
 use super::c_enum::number;
-use super::check::{Out, def, defs, enumerator, finite, positive_or, striker, zeroed};
+use super::check::{Out, array, def, defs, enumerator, finite, positive_or, striker, zeroed};
 use super::context::{Arrivals, CrumpleContext, concurrent, recorded};
 use super::record_call::{Call, DisplacementHit, ImpulseHit, Number};
 use super::recorder::digest;
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleInstance, CrumpleStriker, CrumpleVec3};
+use crate::base::error::reserve;
 use crate::damage::mark::Mark;
 use crate::example::blow::Blow;
 use crate::select::hit::{Cause, Hit, HitStatus, Outcome, Space};
+use std::ffi::c_void;
 use std::mem::MaybeUninit;
 use std::num::NonZeroU64;
 
@@ -184,6 +186,34 @@ pub unsafe extern "C" fn crumple_instance_submit_displacement(
     )
 }
 
+/// Submits count hits, each to the instance at the same index. Either all are submitted, or none and the message names
+/// the first wrong one. out_results is null, or has room for count results. Otherwise like
+/// crumple_instance_submit_impulse(), and a little cheaper.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_context_submit_impulses(
+    context: *mut CrumpleContext,
+    instances: *const CrumpleInstance,
+    defs: *const CrumpleImpulseDef,
+    count: u32,
+    out_results: *mut CrumpleHitResult,
+) -> CrumpleResult {
+    let read = |i| read_impulse(defs.wrapping_add(i));
+    submit_all("crumple_context_submit_impulses", context, instances, (defs.cast(), count), read, out_results)
+}
+
+/// Like crumple_context_submit_impulses(), but for displacements.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_context_submit_displacements(
+    context: *mut CrumpleContext,
+    instances: *const CrumpleInstance,
+    defs: *const CrumpleDisplacementDef,
+    count: u32,
+    out_results: *mut CrumpleHitResult,
+) -> CrumpleResult {
+    let read = |i| read_displacement(defs.wrapping_add(i));
+    submit_all("crumple_context_submit_displacements", context, instances, (defs.cast(), count), read, out_results)
+}
+
 /// Computes the result of crumple_instance_submit_impulse() without leaving a mark. out_result is required. May be
 /// called from any thread at any time.
 #[unsafe(no_mangle)]
@@ -236,8 +266,9 @@ pub unsafe extern "C" fn crumple_instance_end_contact(
     })
 }
 
-/// Returns the result of an open contact, all its hits taken as one. Its status is CRUMPLE_HIT_STATUS_BELOW_YIELD if no
-/// such contact is open or the sum is too weak. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
+/// Returns the result of a contact, all its hits taken as one. The contact is open, or among the 256 of the instance
+/// that ended last. The status is CRUMPLE_HIT_STATUS_BELOW_YIELD if there is no such contact or the sum is too weak.
+/// CRUMPLE_ERROR_WRONG_RULE: a classic rule.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_get_contact(
     context: *mut CrumpleContext,
@@ -315,6 +346,42 @@ unsafe fn submit(
         let bring = |to: &Arrivals| if preview { to.inbox.preview(&hit) } else { to.inbox.submit(&hit) };
         let outcome = context.deliver(instance, call, bring, |o| hit_digest(&o.into()))?;
         out.write((&outcome).into());
+        Ok(())
+    })
+}
+
+unsafe fn submit_all(
+    call: &'static str,
+    context: *const CrumpleContext,
+    instances: *const CrumpleInstance,
+    (defs, count): (*const c_void, u32),
+    read: impl Fn(usize) -> Result<Hit, Failure>,
+    out: *mut CrumpleHitResult,
+) -> CrumpleResult {
+    concurrent(call, context, |context| {
+        let count = count as usize;
+        if count == 0 {
+            return Ok(());
+        }
+        let instances = array(instances, count, "instances")?;
+        if defs.is_null() {
+            return Err(Failure::null("defs"));
+        }
+        let _ = Out::optional(out, "out_results")?;
+        let mut hits = Vec::new();
+        for (i, instance) in instances.iter().enumerate() {
+            let hit = read(i).map_err(|failure| failure.of_hit(i))?;
+            if i == 0 {
+                // The first hit was read before, so that a wrong count asks for no memory.
+                hits = reserve(count, "hits")?;
+            }
+            hits.push((*instance, hit));
+        }
+        let recorded = |(instance, hit): &(CrumpleInstance, Hit)| recorded_hit(*instance, hit, Effect::Submit);
+        let outcomes = context.deliver_all(call, &hits, recorded, |outcome| hit_digest(&outcome.into()))?;
+        if !out.is_null() {
+            outcomes.iter().enumerate().for_each(|(i, outcome)| out.add(i).write(outcome.into()));
+        }
         Ok(())
     })
 }

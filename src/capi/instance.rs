@@ -39,6 +39,9 @@ pub struct CrumpleInstanceDef {
     pub blend_constant: f32,
     /// Largest position error, m; see crumple_instance_set_tolerance(). Default 0: none.
     pub tolerance: f32,
+    /// How far a blow of 1 N s moves its contact, m per N s, if no example of the set knows its blow. duration and mass of
+    /// impulses are then unused. Default 0: duration / mass.
+    pub compliance: f32,
     /// Transform; see crumple_instance_set_transform(). Default the identity.
     pub local_to_world: [f32; 16],
 }
@@ -59,7 +62,10 @@ pub struct CrumpleInstanceInfo {
     pub depth_limit: f32,
     /// Number of open contacts; see crumple_instance_end_contact().
     pub contact_count: u32,
-    pub reserved: [u32; 4],
+    /// Number for the marks: equal marks have equal revisions, on all machines. 0 without marks. See
+    /// crumple_instance_save_changes().
+    pub revision: u64,
+    pub reserved: [u32; 2],
 }
 
 /// Returns the default options. Set the example set.
@@ -136,6 +142,7 @@ fn options(def: &CrumpleInstanceDef) -> Result<InstanceOptions, Failure> {
             "the body's diagonal",
         )?,
         tolerance: finite([def.tolerance], "def.tolerance")?[0],
+        compliance: positive_or(def.compliance, "def.compliance", "m per N s", "duration / mass of each impulse")?,
     })
 }
 
@@ -178,7 +185,8 @@ pub unsafe extern "C" fn crumple_instance_get_info(
             buffer_count: entry.buffers.len() as u32,
             depth_limit: entry.instance.depth_limit(),
             contact_count,
-            reserved: [0; 4],
+            revision: entry.instance.revision(),
+            reserved: [0; 2],
         };
         log.gave(|| info_number(&info));
         out.write(info);

@@ -84,6 +84,7 @@ pub(super) fn create(entry: &InstanceEntry) -> Call {
         max_contact_distance: o.max_contact_distance.unwrap_or(0.0),
         blend_constant,
         tolerance: o.tolerance,
+        compliance: o.compliance.unwrap_or(0.0),
         local_to_world: *entry.local_to_world.lock().unwrap_or_else(PoisonError::into_inner),
     }
 }

@@ -3,7 +3,6 @@
 use super::dent::{Dent, Reach};
 use super::mark::Mark;
 use super::overlap::{change, dent_alone, energy_factor, is_gone, overlap, settle, strength_alone};
-use crate::base::error::{Error, reserve};
 use crate::base::math::Aabb;
 use crate::example::options::Combine;
 use crate::example::set::ExampleSet;
@@ -78,20 +77,15 @@ impl Damage {
         self.differences(&before, changed);
     }
 
-    /// Replaces all marks. On an error nothing changes.
-    pub(crate) fn replace(
-        &mut self,
-        set: &ExampleSet,
-        marks: &[Mark],
-        capacity: usize,
-        changed: Changed<'_>,
-    ) -> Result<(), Error> {
-        marks.iter().enumerate().try_for_each(|(i, m)| m.check(set, i))?;
-        let mut copy = reserve(marks.len(), "marks")?;
-        copy.extend_from_slice(marks);
+    /// Replaces all marks, which must be valid.
+    pub(crate) fn replace(&mut self, set: &ExampleSet, marks: Vec<Mark>, capacity: usize, changed: Changed<'_>) {
         self.clear(changed);
-        self.add(set, copy, capacity, changed);
-        Ok(())
+        self.add(set, marks, capacity, changed);
+    }
+
+    /// Replaces all marks by valid and sorted ones within the capacity. Only dents that differ change.
+    pub(crate) fn replace_sorted(&mut self, set: &ExampleSet, marks: Vec<Mark>, changed: Changed<'_>) {
+        self.become_marks(set, marks, changed);
     }
 
     /// Multiplies the strength of every dent by `keep`. Removes marks whose strength alone falls below a ten-thousandth.
@@ -140,7 +134,7 @@ struct Entry {
 }
 
 /// Calls `f` for every mark that is in either sorted list, in order, with its index in each.
-fn walk(a: &[Mark], b: &[Mark], mut f: impl FnMut(Option<usize>, Option<usize>)) {
+pub(super) fn walk(a: &[Mark], b: &[Mark], mut f: impl FnMut(Option<usize>, Option<usize>)) {
     let (mut i, mut j) = (0, 0);
     while i < a.len() || j < b.len() {
         let order = match (a.get(i), b.get(j)) {

@@ -1,5 +1,6 @@
 //! One dented copy of a mesh: its inbox of hits, its damage, and the epoch of each block's last change.
 
+pub(crate) mod archive;
 pub(crate) mod attach;
 mod contacts;
 pub(crate) mod deform;
@@ -7,10 +8,11 @@ pub(crate) mod inbox;
 pub(crate) mod options;
 mod selection;
 
-use crate::base::error::{Error, at_least_zero};
+use crate::base::error::{Error, at_least_zero, reserve};
 use crate::classic::{Blend, ClassicState};
 use crate::damage::changes::{ChangeRecorder, Changes};
 use crate::damage::dent::Dent;
+use crate::damage::history::{History, applied, revision};
 use crate::damage::list::Damage;
 use crate::damage::mark::Mark;
 use crate::damage::saved;
@@ -52,6 +54,8 @@ pub struct Instance {
     /// The damage shown: settled marks and those of open contacts.
     damage: Damage,
     contacts: Contacts,
+    /// Kept from the first [`Instance::save_changes`] on.
+    history: Option<History>,
     classic: Option<ClassicState>,
     limit: f32,
     /// The tolerance in use: a power of two times 1 m, or 0.
@@ -80,6 +84,7 @@ impl Instance {
             depth_limit: limit,
             yield_impulse: options.yield_impulse,
             yield_displacement: options.yield_displacement,
+            compliance: options.compliance,
             max_distance: options.max_contact_distance.unwrap_or(diagonal.max(limit)),
             world_to_local: DMat3::IDENTITY,
             local_origin_in_world: DVec3::ZERO,
@@ -94,6 +99,7 @@ impl Instance {
             options,
             damage: Damage::default(),
             contacts: Contacts::default(),
+            history: None,
             classic,
             limit,
             tolerance,
@@ -147,16 +153,16 @@ impl Instance {
         self.inbox.preview(hit)
     }
 
-    /// Returns what an open contact does so far, after folding the hits that have arrived: its mark, and how much of
-    /// the whole contact's displacement the mark achieves. `None` if no contact of this id is open, or if its sum is
-    /// too weak to leave a mark.
+    /// Returns the outcome of a contact, all its hits taken as one, after folding the hits that have arrived. The
+    /// contact is open, or among the [`Instance::MAX_CONTACTS`] that ended last. `None` if there is no such contact, or
+    /// if its sum is too weak to leave a mark.
     ///
     /// # Errors
     /// [`Error::WrongRule`] with a classic rule.
     pub fn contact(&mut self, id: NonZeroU64) -> Result<Option<Outcome>, Error> {
         self.only_marks("contact")?;
         self.fold();
-        Ok(self.contacts.outcome(id, &self.set, &self.inbox.params()).flatten())
+        Ok(self.contacts.outcome(id))
     }
 
     /// Calls [`Inbox::set_transform`].
@@ -214,6 +220,9 @@ impl Instance {
 
     /// Call this after every change of damage or tolerance.
     fn update_threshold(&mut self) {
+        if let Some(history) = &mut self.history {
+            history.record(self.damage.marks());
+        }
         let threshold = threshold(&self.set, self.damage.dents(), self.tolerance);
         if threshold != self.threshold {
             // Displacements below both thresholds are not shown before or after.
@@ -279,12 +288,42 @@ impl Instance {
     /// changed.
     pub fn set_marks(&mut self, marks: &[Mark]) -> Result<(), Error> {
         self.only_marks("set_marks")?;
-        let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
-        self.damage.replace(&self.set, marks, self.options.capacity as usize, &mut |d: &Dent| touch.dent(d))?;
-        self.contacts.close_all();
-        self.inbox.queue().clear();
-        self.update_threshold();
+        let marks = self.checked(marks)?;
+        self.become_saved(Saved::Marks(marks));
         Ok(())
+    }
+
+    /// A copy of marks that the set can have.
+    fn checked(&self, marks: &[Mark]) -> Result<Vec<Mark>, Error> {
+        marks.iter().enumerate().try_for_each(|(i, m)| m.check(&self.set, i))?;
+        let mut copy = reserve(marks.len(), "marks")?;
+        copy.extend_from_slice(marks);
+        Ok(copy)
+    }
+
+    /// Returns a number for the marks, after folding the hits that have arrived. Equal marks have equal revisions, on
+    /// every machine and whatever led to them; other marks have others, up to an accident of 1 in 2^64. 0 without marks
+    /// and with a classic rule.
+    pub fn revision(&mut self) -> u64 {
+        self.fold();
+        revision(self.damage.marks())
+    }
+
+    /// Returns what changed since a [`revision`](Instance::revision), as bytes for [`Instance::load`] of another instance
+    /// that has that revision: 40 bytes and 32 for each mark that changed. These are the bytes of [`Instance::save`],
+    /// which fit any revision, if they are shorter, or if the revision is not among the last ones. The instance remembers
+    /// the last 256 changes of marks from the first call on.
+    ///
+    /// # Errors
+    /// [`Error::WrongRule`] with a classic rule.
+    pub fn save_changes(&mut self, since: u64) -> Result<Vec<u8>, Error> {
+        self.only_marks("save_changes")?;
+        self.fold();
+        let marks = self.damage.marks();
+        let history = self.history.get_or_insert_with(|| History::new(marks));
+        let changed = history.since(since).map(|c| saved::changes(&self.set, (since, revision(marks)), &c));
+        let whole = self.save();
+        Ok(changed.filter(|changed| changed.len() < whole.len()).unwrap_or(whole))
     }
 
     /// Returns the damage as bytes, with a version and the set's fingerprint. The same damage gives the same bytes on
@@ -301,23 +340,71 @@ impl Instance {
         }
     }
 
-    /// Replaces the damage by saved bytes. Discards hits that have not been folded yet, and ends all contacts.
+    /// Replaces the damage by saved bytes, or applies the bytes of [`Instance::save_changes`], which leave the same marks
+    /// as there. Discards hits that have not been folded yet, and ends all contacts.
     ///
     /// # Errors
-    /// [`Error::DamageMismatch`] for bytes that are cut short or belong to another version, set or rule;
+    /// [`Error::DamageMismatch`] for bytes that are cut short or belong to another version, set, rule or revision;
     /// [`Error::InvalidArgument`] for a mark that the set cannot have. After an error nothing has changed.
     pub fn load(&mut self, bytes: &[u8]) -> Result<(), Error> {
-        if self.classic.is_some() {
-            let mut state = ClassicState::load(&self.set, bytes)?;
-            self.inbox.queue().clear();
-            ChangeRecorder::new(&self.set, &mut self.changes, 0.0).everything();
-            state.replaced(self.changes.epoch);
-            self.classic = Some(state);
+        if !saved::are_changes(bytes) || self.classic.is_some() {
+            let saved = self.read(bytes)?;
+            self.become_saved(saved);
             return Ok(());
+        }
+        let ((from, to), changes) = saved::read_changes(&self.set, bytes)?;
+        let bad = |what: String| Err(Error::DamageMismatch { what });
+        let now = self.revision();
+        if now != from {
+            return bad(format!(
+                "the changes lead from revision {from:016x} to {to:016x}; this instance has revision {now:016x}"
+            ));
+        }
+        if !changes.is_sorted_by(|a, b| a.key() < b.key()) {
+            return bad("the changes are not sorted, or hold a mark twice".into());
+        }
+        let marks = self.checked(&applied(self.damage.marks(), &changes))?;
+        if revision(&marks) != to {
+            return bad(format!("the changes lead to revision {:016x} instead of {to:016x}", revision(&marks)));
+        }
+        if marks.len() > self.options.capacity as usize {
+            let capacity = self.options.capacity;
+            return bad(format!("the changes lead to {} marks; this instance keeps {capacity}", marks.len()));
+        }
+        let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
+        self.damage.replace_sorted(&self.set, marks, &mut |d: &Dent| touch.dent(d));
+        self.contacts.close_all();
+        self.update_threshold();
+        Ok(())
+    }
+
+    /// Reads the bytes of [`Instance::save`].
+    pub(crate) fn read(&self, bytes: &[u8]) -> Result<Saved, Error> {
+        if self.classic.is_some() {
+            return Ok(Saved::Classic(ClassicState::load(&self.set, bytes)?));
         }
         let entries = saved::entries(&self.set, bytes, saved::MARKS, size_of::<Mark>())?;
         let marks: Vec<Mark> = entries.chunks_exact(size_of::<Mark>()).map(saved::read_mark).collect();
-        self.set_marks(&marks)
+        Ok(Saved::Marks(self.checked(&marks)?))
+    }
+
+    /// Replaces the damage. Discards hits that have not been folded yet, and ends all contacts.
+    pub(crate) fn become_saved(&mut self, saved: Saved) {
+        self.contacts.close_all();
+        self.inbox.queue().clear();
+        let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
+        match saved {
+            Saved::Marks(marks) => {
+                let capacity = self.options.capacity as usize;
+                self.damage.replace(&self.set, marks, capacity, &mut |d: &Dent| touch.dent(d));
+            }
+            Saved::Classic(mut state) => {
+                touch.everything();
+                state.replaced(touch.changes.epoch);
+                self.classic = Some(state);
+            }
+        }
+        self.update_threshold();
     }
 
     /// Repairs: scales the depth of every dent by `keep`, 0 to 1. Dents of several hits also get narrower. Ends all
@@ -372,6 +459,7 @@ impl Instance {
             + self.changes.blocks.iter().map(|b| b.len() * 8).sum::<usize>()
             + self.damage.memory_bytes()
             + self.contacts.memory_bytes()
+            + self.history.as_ref().map_or(0, History::memory_bytes)
     }
 
     /// The blend constant of a classic rule; 0 keeps the most displaced candidate.
@@ -390,4 +478,10 @@ impl Instance {
     pub(crate) fn needs_marks(&self, call: &str) -> Error {
         needs_marks(call, self.options.rule)
     }
+}
+
+/// Damage that was read and checked.
+pub(crate) enum Saved {
+    Marks(Vec<Mark>),
+    Classic(ClassicState),
 }

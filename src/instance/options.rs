@@ -1,7 +1,6 @@
 //! The options of an instance.
 
-use crate::base::error::Error;
-use crate::base::error::at_least_zero;
+use crate::base::error::{Error, at_least_zero, positive};
 use crate::select::hit::Selection;
 
 /// What an impulse leaves on an instance.
@@ -43,6 +42,9 @@ pub struct InstanceOptions {
     pub yield_impulse: f32,
     /// Target displacements shorter than this leave no mark, m.
     pub yield_displacement: f32,
+    /// How far a blow of 1 N·s moves its contact, m per N·s, if no example of the set knows its blow; above 0. The
+    /// duration and mass of impulses are then unused. `None`: `duration / mass` of each impulse.
+    pub compliance: Option<f32>,
     /// The largest distance from a contact to the nearest vertex, m; contacts further away are refused. `None`: the
     /// body's diagonal.
     pub max_contact_distance: Option<f32>,
@@ -60,6 +62,7 @@ impl Default for InstanceOptions {
             capacity: 64,
             yield_impulse: 0.0,
             yield_displacement: 0.0,
+            compliance: None,
             max_contact_distance: None,
             tolerance: 0.0,
         }
@@ -75,6 +78,9 @@ impl InstanceOptions {
     pub(super) fn check(&self) -> Result<(), Error> {
         at_least_zero("yield_impulse", self.yield_impulse, "N·s")?;
         at_least_zero("yield_displacement", self.yield_displacement, "m")?;
+        if let Some(c) = self.compliance {
+            positive("compliance", c, "m per N·s")?;
+        }
         if let Some(d) = self.max_contact_distance {
             at_least_zero("max_contact_distance", d, "m")?;
         }

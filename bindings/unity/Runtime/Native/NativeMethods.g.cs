@@ -76,6 +76,13 @@ namespace Crumple.Native
             uint* outLod);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_example_set_share(
+            IntPtr context,
+            CrumpleExampleSet set,
+            IntPtr other,
+            CrumpleExampleSet* outSet);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_example_set_destroy(IntPtr context, CrumpleExampleSet set);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
@@ -223,6 +230,22 @@ namespace Crumple.Native
             CrumpleHitResult* outResult);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_context_submit_impulses(
+            IntPtr context,
+            CrumpleInstance* instances,
+            CrumpleImpulseDef* defs,
+            uint count,
+            CrumpleHitResult* outResults);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_context_submit_displacements(
+            IntPtr context,
+            CrumpleInstance* instances,
+            CrumpleDisplacementDef* defs,
+            uint count,
+            CrumpleHitResult* outResults);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_instance_preview_impulse(
             IntPtr context,
             CrumpleInstance instance,
@@ -273,9 +296,35 @@ namespace Crumple.Native
             UIntPtr* outSize);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_instance_save_changes(
+            IntPtr context,
+            CrumpleInstance instance,
+            ulong since,
+            IntPtr data,
+            UIntPtr capacity,
+            UIntPtr* outSize);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_instance_load_damage(
             IntPtr context,
             CrumpleInstance instance,
+            IntPtr data,
+            UIntPtr size);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_context_save_damage(
+            IntPtr context,
+            CrumpleInstance* instances,
+            uint count,
+            IntPtr data,
+            UIntPtr capacity,
+            UIntPtr* outSize);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_context_load_damage(
+            IntPtr context,
+            CrumpleInstance* instances,
+            uint count,
             IntPtr data,
             UIntPtr size);
 
@@ -322,6 +371,13 @@ namespace Crumple.Native
             CrumpleBuffer* buffers,
             uint count,
             CrumpleDeformReport* outReport);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_context_get_changed_buffers(
+            IntPtr context,
+            CrumpleBuffer* buffers,
+            uint capacity,
+            uint* outCount);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_buffer_get_changes(

@@ -469,6 +469,7 @@ namespace Crumple
         public float MaxContactDistance;
         public float BlendConstant;
         public float Tolerance;
+        public float Compliance;
         public fixed float LocalToWorld[16];
 
         public static CrumpleInstanceDef Default
@@ -500,7 +501,8 @@ namespace Crumple
         public uint BufferCount;
         public float DepthLimit;
         public uint ContactCount;
-        public fixed uint Reserved[4];
+        public ulong Revision;
+        public fixed uint Reserved[2];
     }
 
     /// <summary>The struct of crumple.h.</summary>
