@@ -155,6 +155,12 @@ impl Context {
 }
 
 impl Context {
+    /// What takes an instance's hits.
+    pub(super) fn inbox(&self, instance: CrumpleInstance) -> Result<Arc<Inbox>, Failure> {
+        let inboxes = self.inboxes.read().unwrap_or_else(PoisonError::into_inner);
+        Ok(inboxes.get(instance, "instance")?.inbox.clone())
+    }
+
     /// Brings hits to their instances, all or none. A recording gets them as if each had been submitted alone.
     pub(super) fn deliver_all(
         &self,

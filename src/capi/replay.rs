@@ -343,6 +343,10 @@ impl Player {
             Call::RepairDamage { instance, keep } => {
                 crumple_instance_repair_damage(context, self.instance(instance), keep)
             }
+            Call::RepairAround { instance, point, radius, keep } => {
+                crumple_instance_repair_around(context, self.instance(instance), point.into(), radius, keep)
+            }
+            Call::SetTime { time } => crumple_context_set_time(context, time),
             Call::ResetDamage { instance } => crumple_instance_reset_damage(context, self.instance(instance)),
             Call::CopyDamage { instance, source } => {
                 crumple_instance_copy_damage(context, self.instance(instance), self.instance(source))
@@ -413,6 +417,7 @@ impl Player {
             blend_constant,
             tolerance,
             compliance,
+            grow_time,
             local_to_world,
         } = call
         {
@@ -429,6 +434,7 @@ impl Player {
                 blend_constant,
                 tolerance,
                 compliance,
+                grow_time,
                 local_to_world,
                 ..def
             };

@@ -112,6 +112,8 @@ pub(super) struct State {
     pub(super) sets: Slots<SetEntry>,
     pub(super) instances: Slots<InstanceEntry>,
     pub(super) buffers: Slots<BufferEntry>,
+    /// The time for dents that grow, s.
+    pub(super) time: f64,
     #[cfg(feature = "vulkan")]
     pub(super) vulkan: Option<Attached>,
 }
@@ -123,6 +125,7 @@ impl State {
             sets: Slots::new(tag),
             instances: Slots::new(tag),
             buffers: Slots::new(tag),
+            time: 0.0,
             #[cfg(feature = "vulkan")]
             vulkan: None,
         }

@@ -81,7 +81,7 @@ impl Instance {
     pub(crate) fn view(&self) -> DamageView<'_> {
         DamageView {
             set: &self.set,
-            damage: &self.damage,
+            damage: self.growth.shown(&self.damage),
             depth_limit: self.limit,
             threshold: self.threshold,
             changes: &self.changes,

@@ -4,11 +4,13 @@ pub(crate) mod archive;
 pub(crate) mod attach;
 mod contacts;
 pub(crate) mod deform;
+mod growth;
 pub(crate) mod inbox;
 pub(crate) mod options;
 mod selection;
+pub(crate) mod skin;
 
-use crate::base::error::{Error, at_least_zero, reserve};
+use crate::base::error::{Error, at_least_zero, positive, reserve};
 use crate::classic::{Blend, ClassicState};
 use crate::damage::changes::{ChangeRecorder, Changes};
 use crate::damage::dent::Dent;
@@ -18,10 +20,12 @@ use crate::damage::mark::Mark;
 use crate::damage::saved;
 use crate::deform::tolerance::{rounded, threshold};
 use crate::example::set::ExampleSet;
+use crate::mesh::finite;
 use crate::select::hit::{Hit, Outcome};
 use crate::select::target::HitParams;
 use contacts::{Contacts, NewHits};
 use glam::{DMat3, DVec3, Mat4};
+use growth::Growth;
 use inbox::{Inbox, Pending};
 use options::{InstanceOptions, Rule, check_limit, needs_marks};
 use std::num::NonZeroU64;
@@ -56,6 +60,7 @@ pub struct Instance {
     contacts: Contacts,
     /// Kept from the first [`Instance::save_changes`] on.
     history: Option<History>,
+    growth: Growth,
     classic: Option<ClassicState>,
     limit: f32,
     /// The tolerance in use: a power of two times 1 m, or 0.
@@ -100,6 +105,7 @@ impl Instance {
             damage: Damage::default(),
             contacts: Contacts::default(),
             history: None,
+            growth: Growth::new(options.grow_time),
             classic,
             limit,
             tolerance,
@@ -187,7 +193,7 @@ impl Instance {
         self.limit = limit.unwrap_or(self.set.depth_limit());
         self.inbox.params_mut().depth_limit = self.limit;
         let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
-        self.damage.touch_all(&mut |d: &Dent| touch.dent(d));
+        self.growth.shown(&self.damage).touch_all(&mut |d: &Dent| touch.dent(d));
         Ok(())
     }
 
@@ -223,12 +229,13 @@ impl Instance {
         if let Some(history) = &mut self.history {
             history.record(self.damage.marks());
         }
-        let threshold = threshold(&self.set, self.damage.dents(), self.tolerance);
+        let shown = self.growth.shown(&self.damage);
+        let threshold = threshold(&self.set, shown.dents(), self.tolerance);
         if threshold != self.threshold {
             // Displacements below both thresholds are not shown before or after.
             let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, threshold.min(self.threshold));
             self.threshold = threshold;
-            self.damage.touch_all(&mut |d: &Dent| touch.dent(d));
+            shown.touch_all(&mut |d: &Dent| touch.dent(d));
         }
     }
 
@@ -251,12 +258,16 @@ impl Instance {
             }
         }
         let capacity = self.options.capacity as usize;
+        let before = self.growth.is_on().then(|| self.damage.clone());
         let mut touched = |d: &Dent| touch.dent(d);
         if self.contacts.len() > 0 || !new.contacts.is_empty() {
             let params = self.inbox.params();
             self.contacts.fold(&self.set, &params, capacity, new, &mut self.damage, &mut touched);
         } else if !new.marks.is_empty() {
             self.damage.add(&self.set, new.marks, capacity, &mut touched);
+        }
+        if let Some(before) = before {
+            self.growth.begin(&self.set, before, &self.damage);
         }
         classic.sort_unstable();
         if let Some(state) = &mut self.classic {
@@ -310,9 +321,9 @@ impl Instance {
     }
 
     /// Returns what changed since a [`revision`](Instance::revision), as bytes for [`Instance::load`] of another instance
-    /// that has that revision: 40 bytes and 32 for each mark that changed. These are the bytes of [`Instance::save`],
-    /// which fit any revision, if they are shorter, or if the revision is not among the last ones. The instance remembers
-    /// the last 256 changes of marks from the first call on.
+    /// that has that revision: 40 bytes and 32 for each mark that changed. From the first call on, the instance remembers
+    /// the last 256 changes of a mark. For a revision that it does not remember, the bytes are those of
+    /// [`Instance::save`], which fit any revision.
     ///
     /// # Errors
     /// [`Error::WrongRule`] with a classic rule.
@@ -321,9 +332,10 @@ impl Instance {
         self.fold();
         let marks = self.damage.marks();
         let history = self.history.get_or_insert_with(|| History::new(marks));
-        let changed = history.since(since).map(|c| saved::changes(&self.set, (since, revision(marks)), &c));
-        let whole = self.save();
-        Ok(changed.filter(|changed| changed.len() < whole.len()).unwrap_or(whole))
+        match history.since(since) {
+            Some(changed) => Ok(saved::changes(&self.set, (since, revision(marks)), &changed)),
+            None => Ok(self.save()),
+        }
     }
 
     /// Returns the damage as bytes, with a version and the set's fingerprint. The same damage gives the same bytes on
@@ -371,8 +383,12 @@ impl Instance {
             let capacity = self.options.capacity;
             return bad(format!("the changes lead to {} marks; this instance keeps {capacity}", marks.len()));
         }
+        let before = self.growth.is_on().then(|| self.damage.clone());
         let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
         self.damage.replace_sorted(&self.set, marks, &mut |d: &Dent| touch.dent(d));
+        if let Some(before) = before {
+            self.growth.begin(&self.set, before, &self.damage);
+        }
         self.contacts.close_all();
         self.update_threshold();
         Ok(())
@@ -392,6 +408,7 @@ impl Instance {
     pub(crate) fn become_saved(&mut self, saved: Saved) {
         self.contacts.close_all();
         self.inbox.queue().clear();
+        self.finish_growth();
         let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
         match saved {
             Saved::Marks(marks) => {
@@ -416,23 +433,83 @@ impl Instance {
         if !(0.0..=1.0).contains(&keep) {
             return Err(Error::invalid("keep", keep, "0 (as new) to 1 (nothing repaired)"));
         }
-        self.fold();
-        self.contacts.close_all();
-        let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
-        self.damage.scale(&self.set, keep, &mut |d: &Dent| touch.dent(d));
+        self.scale(|_| keep.into());
         if let Some(state) = &mut self.classic {
+            let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
             state.scale(&self.set, keep);
             state.replaced(touch.changes.epoch);
             touch.everything();
         }
+        Ok(())
+    }
+
+    /// Repairs around a point, as with a hammer: scales the depth of the dents whose contact is nearer than `radius` (m)
+    /// to `point` (m, in the mesh's space). A dent at the point keeps `keep` of its depth, 0 to 1. Dents further away
+    /// keep more, by the factor `(1 - (distance / radius)^2)^2` of what the one at the point loses. Ends all contacts.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`], [`Error::NotFinite`]; [`Error::WrongRule`] with a classic rule.
+    pub fn repair_around(&mut self, point: [f32; 3], radius: f32, keep: f32) -> Result<(), Error> {
+        self.only_marks("repair_around")?;
+        let point = finite(point, || "point".into())?.as_dvec3();
+        positive("radius", radius, "m")?;
+        if !(0.0..=1.0).contains(&keep) {
+            return Err(Error::invalid("keep", keep, "0 (as new) to 1 (nothing repaired)"));
+        }
+        let set = self.set.clone();
+        self.scale(|mark| {
+            let contact = set.mesh().positions()[mark.contact as usize].as_dvec3();
+            let inside = 1.0 - (contact - point).length_squared() / (f64::from(radius) * f64::from(radius));
+            if inside > 0.0 { 1.0 - (1.0 - f64::from(keep)) * inside * inside } else { 1.0 }
+        });
+        Ok(())
+    }
+
+    /// Scales the depth that each mark's dent has alone. Ends all contacts.
+    fn scale(&mut self, keep: impl Fn(&Mark) -> f64) {
+        self.fold();
+        self.contacts.close_all();
+        let before = self.growth.is_on().then(|| self.damage.clone());
+        let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
+        self.damage.scale(&self.set, keep, &mut |d: &Dent| touch.dent(d));
+        if let Some(before) = before {
+            self.growth.begin(&self.set, before, &self.damage);
+        }
+        self.update_threshold();
+    }
+
+    /// Sets the time, s, for the options' [`grow_time`](InstanceOptions::grow_time). A dent that appears, changes or is
+    /// repaired goes evenly from where it was at the last time given before the fold, to where its mark puts it. Dents
+    /// that are read, saved and sent are complete at once; vertices and attached points follow the time. Costs nothing
+    /// if no dent grows. Replaced and reset damage is shown at once.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`].
+    pub fn set_time(&mut self, time: f64) -> Result<(), Error> {
+        if !time.is_finite() {
+            return Err(Error::NotFinite { name: "time".into(), value: time.to_string() });
+        }
+        if !self.growth.is_growing_at_other_than(time) {
+            self.growth.set_time(time);
+            return Ok(());
+        }
+        let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
+        self.growth.advance(&self.set, &self.damage, time, &mut |d: &Dent| touch.dent(d));
         self.update_threshold();
         Ok(())
+    }
+
+    /// Shows all dents as their marks are.
+    pub(crate) fn finish_growth(&mut self) {
+        let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
+        self.growth.finish(&self.damage, &mut |d: &Dent| touch.dent(d));
     }
 
     /// Removes all damage. Discards hits that have not been folded yet, and ends all contacts.
     pub fn reset(&mut self) {
         self.contacts.close_all();
         self.inbox.queue().clear();
+        self.finish_growth();
         let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
         self.damage.clear(&mut |d: &Dent| touch.dent(d));
         if let Some(state) = &mut self.classic {
@@ -459,6 +536,7 @@ impl Instance {
             + self.changes.blocks.iter().map(|b| b.len() * 8).sum::<usize>()
             + self.damage.memory_bytes()
             + self.contacts.memory_bytes()
+            + self.growth.memory_bytes()
             + self.history.as_ref().map_or(0, History::memory_bytes)
     }
 

@@ -48,6 +48,8 @@ pub struct InstanceOptions {
     /// The largest distance from a contact to the nearest vertex, m; contacts further away are refused. `None`: the
     /// body's diagonal.
     pub max_contact_distance: Option<f32>,
+    /// How long a dent takes to appear, to deepen or to be repaired, s; 0: no time. See [`crate::Instance::set_time`].
+    pub grow_time: f32,
     /// The most that any vertex may be wrong, m; 0 leaves nothing out. See [`crate::Instance::set_tolerance`].
     pub tolerance: f32,
 }
@@ -64,6 +66,7 @@ impl Default for InstanceOptions {
             yield_displacement: 0.0,
             compliance: None,
             max_contact_distance: None,
+            grow_time: 0.0,
             tolerance: 0.0,
         }
     }
@@ -86,6 +89,10 @@ impl InstanceOptions {
         }
         check_limit(self.depth_limit)?;
         at_least_zero("tolerance", self.tolerance, "m")?;
+        at_least_zero("grow_time", self.grow_time, "s")?;
+        if self.grow_time > 0.0 && self.rule != Rule::Marks {
+            return Err(Error::invalid("grow_time", self.grow_time, "0 with a classic rule"));
+        }
         if !(1..=4).contains(&self.examples_per_hit) {
             return Err(Error::invalid("examples_per_hit", self.examples_per_hit, "1 to 4"));
         }
