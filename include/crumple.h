@@ -600,6 +600,8 @@ typedef struct {
     /// How far a blow of 1 N s moves its contact, m per N s, if no example of the set knows its blow. duration and mass of
     /// impulses are then unused. Default 0: duration / mass.
     float compliance;
+    /// How long a dent takes to appear, to deepen or to be repaired, s; see crumple_context_set_time(). Default 0: none.
+    float grow_time;
     /// Transform; see crumple_instance_set_transform(). Default the identity.
     float local_to_world[16];
 } CrumpleInstanceDef;
@@ -662,6 +664,19 @@ typedef struct {
     CrumpleVec3 displacement;
     uint64_t contact_id;
 } CrumpleDisplacementDef;
+
+/// How you skin the base mesh, as in glTF: a vertex is shown at the sum of weight * (matrix * position) over its joints.
+typedef struct {
+    uint32_t struct_size;
+    /// Number of matrices.
+    uint32_t matrix_count;
+    /// For each vertex, 4 uint16_t: indices of its joints' matrices.
+    CrumpleInput joints;
+    /// For each vertex, 4 floats: the weights of its joints, which sum to 1. A joint of weight 0 is unused.
+    CrumpleInput weights;
+    /// For each joint, 16 floats, column-major: its transform from the bind pose to the pose, affine.
+    CrumpleInput matrices;
+} CrumpleSkinDef;
 
 /// An example that a hit uses.
 typedef struct {
@@ -1081,6 +1096,12 @@ CrumpleResult crumple_instance_set_transform(CrumpleContext *context, CrumpleIns
 /// their full depth returns when the limit is raised.
 CrumpleResult crumple_instance_set_depth_limit(CrumpleContext *context, CrumpleInstance instance, float depth_limit);
 
+/// Sets the time, s, for instances with a grow_time. Call it once a frame before deforming. What is shown of a dent that
+/// appears, changes or is repaired goes evenly to where its mark puts it, from the time that was set when the change was
+/// read (see "Reads" at the top). Marks change at once; vertices and attached points follow. Damage that is set, loaded,
+/// copied or reset is shown at once, but saved changes grow. Costs nothing if no dent grows.
+CrumpleResult crumple_context_set_time(CrumpleContext *context, double time);
+
 /// Allows an error of up to tolerance in vertex positions, m, in the mesh's space. Deforming then skips small
 /// displacements and is cheaper. 0: none are skipped. Seams stay closed. The value is rounded down to a power of two in
 /// metres, so that you may set it from crumple_pixel_tolerance() every frame. When the rounded value changes, the next
@@ -1097,6 +1118,9 @@ CrumpleImpulseDef crumple_impulse_def_default(void);
 
 /// Returns a zero displacement in the mesh's space. Set point and displacement.
 CrumpleDisplacementDef crumple_displacement_def_default(void);
+
+/// Returns a def without arrays. Set them.
+CrumpleSkinDef crumple_skin_def_default(void);
 
 /// Submits a hit. The call selects the examples. The next read of the damage applies the mark (see "Reads" at the top).
 /// A hit that is too weak, or that no example fits, is not an error; see out_result->status. out_result may be null.
@@ -1132,6 +1156,18 @@ CrumpleResult crumple_instance_preview_impulse(CrumpleContext *context, CrumpleI
 CrumpleResult crumple_instance_preview_displacement(CrumpleContext *context, CrumpleInstance instance,
                                                     const CrumpleDisplacementDef *def, CrumpleHitResult *out_result);
 
+/// Takes a hit on a skinned mesh in its pose to the bind pose, in which Crumple dents: dent, then skin the deformed
+/// vertices. Changes def, for a submit. The vertex nearest to the hit decides, by the inverse of its skin matrix; dents
+/// do not count. def's space may be CRUMPLE_SPACE_WORLD, and is CRUMPLE_SPACE_LOCAL afterwards. Takes some nanoseconds
+/// per vertex. May be called from any thread at any time. CRUMPLE_ERROR_INVALID_ARGUMENT: also weights that do not sum
+/// to 1, or a skin matrix without inverse.
+CrumpleResult crumple_instance_unpose_impulse(CrumpleContext *context, CrumpleInstance instance,
+                                              const CrumpleSkinDef *skin, CrumpleImpulseDef *def);
+
+/// Like crumple_instance_unpose_impulse(), but for a displacement.
+CrumpleResult crumple_instance_unpose_displacement(CrumpleContext *context, CrumpleInstance instance,
+                                                   const CrumpleSkinDef *skin, CrumpleDisplacementDef *def);
+
 /// Ends a contact. Its dent stays; later hits with the same id begin a new contact. Use contacts if your physics engine
 /// reports one contact as many small impulses. Give each of these hits the same contact_id, any number but 0, and end
 /// the contact when the bodies separate. Together they make the dent of the whole impulse, at any frame rate: their
@@ -1164,10 +1200,10 @@ CrumpleResult crumple_instance_set_marks(CrumpleContext *context, CrumpleInstanc
 CrumpleResult crumple_instance_save_damage(CrumpleContext *context, CrumpleInstance instance, void *data,
                                            size_t capacity, size_t *out_size);
 
-/// Saves what changed since a revision of an instance's marks (see CrumpleInstanceInfo), to send it over the network.
-/// crumple_instance_load_damage() applies it to an instance with that revision, which then has the same marks as this
-/// one. The bytes are as those of crumple_instance_save_damage(), which fit any revision, if these are fewer or the
-/// revision is not among the last ones. From the first call on, the instance remembers its last 256 changes of a mark.
+/// Saves what changed since a revision of an instance's marks (see CrumpleInstanceInfo), to send it over the network: 40
+/// bytes and 32 per changed mark. crumple_instance_load_damage() applies it to an instance with that revision, which then
+/// has the same marks as this one. From the first call on, the instance remembers its last 256 changes of a mark. For a
+/// revision that it does not remember, the bytes are those of crumple_instance_save_damage(), which fit any revision.
 /// CRUMPLE_ERROR_WRONG_RULE: a classic rule.
 CrumpleResult crumple_instance_save_changes(CrumpleContext *context, CrumpleInstance instance, uint64_t since,
                                             void *data, size_t capacity, size_t *out_size);
@@ -1192,6 +1228,13 @@ CrumpleResult crumple_context_load_damage(CrumpleContext *context, const Crumple
 
 /// Repairs an instance. Every dent keeps this share of its depth: 0 (as new) to 1 (unchanged). Ends contacts.
 CrumpleResult crumple_instance_repair_damage(CrumpleContext *context, CrumpleInstance instance, float keep);
+
+/// Repairs an instance around a point, as with a hammer. A dent whose contact is at the point keeps this share of its
+/// depth, 0 to 1. The share rises smoothly to 1 for contacts at radius. point and radius are in the mesh's space, m. A
+/// dent is repaired as a whole, also where it reaches beyond the radius. Ends contacts. CRUMPLE_ERROR_WRONG_RULE: a
+/// classic rule.
+CrumpleResult crumple_instance_repair_around(CrumpleContext *context, CrumpleInstance instance, CrumpleVec3 point,
+                                             float radius, float keep);
 
 /// Removes all damage of an instance. Discards pending hits and ends contacts.
 CrumpleResult crumple_instance_reset_damage(CrumpleContext *context, CrumpleInstance instance);

@@ -230,7 +230,7 @@ pub unsafe extern "C" fn crumple_example_set_add_lod(
         let id = set;
         let entry = state.sets.get_mut(id, "set")?;
         let set = Arc::get_mut(&mut entry.set).ok_or_else(|| {
-            Failure::invalid("set has instances or is shared with another context; add its levels of detail before")
+            Failure::invalid("set has instances, or is shared with another context; add its levels of detail before the first instance is made")
         })?;
         let mesh = read_mesh(&def.mesh)?;
         let lod = set.add_lod(mesh, &Quiet(context.tasks()))?;

@@ -201,6 +201,9 @@ namespace Crumple.Native
             float depthLimit);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_context_set_time(IntPtr context, double time);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_instance_set_tolerance(
             IntPtr context,
             CrumpleInstance instance,
@@ -214,6 +217,9 @@ namespace Crumple.Native
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleDisplacementDef crumple_displacement_def_default();
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleSkinDef crumple_skin_def_default();
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_instance_submit_impulse(
@@ -258,6 +264,20 @@ namespace Crumple.Native
             CrumpleInstance instance,
             CrumpleDisplacementDef* def,
             CrumpleHitResult* outResult);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_instance_unpose_impulse(
+            IntPtr context,
+            CrumpleInstance instance,
+            CrumpleSkinDef* skin,
+            CrumpleImpulseDef* def);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_instance_unpose_displacement(
+            IntPtr context,
+            CrumpleInstance instance,
+            CrumpleSkinDef* skin,
+            CrumpleDisplacementDef* def);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_instance_end_contact(
@@ -332,6 +352,14 @@ namespace Crumple.Native
         public static extern CrumpleResult crumple_instance_repair_damage(
             IntPtr context,
             CrumpleInstance instance,
+            float keep);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_instance_repair_around(
+            IntPtr context,
+            CrumpleInstance instance,
+            CrumpleVec3 point,
+            float radius,
             float keep);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]

@@ -470,6 +470,7 @@ namespace Crumple
         public float BlendConstant;
         public float Tolerance;
         public float Compliance;
+        public float GrowTime;
         public fixed float LocalToWorld[16];
 
         public static CrumpleInstanceDef Default
@@ -545,6 +546,26 @@ namespace Crumple
             {
                 CrumpleRuntime.EnsureLoaded();
                 return Native.NativeMethods.crumple_displacement_def_default();
+            }
+        }
+    }
+
+    /// <summary>The struct of crumple.h.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleSkinDef
+    {
+        public uint StructSize;
+        public uint MatrixCount;
+        public CrumpleInput Joints;
+        public CrumpleInput Weights;
+        public CrumpleInput Matrices;
+
+        public static CrumpleSkinDef Default
+        {
+            get
+            {
+                CrumpleRuntime.EnsureLoaded();
+                return Native.NativeMethods.crumple_skin_def_default();
             }
         }
     }
