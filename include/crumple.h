@@ -597,6 +597,11 @@ typedef struct {
     float blend_constant;
     /// Largest position error, m; see crumple_instance_set_tolerance(). Default 0: none.
     float tolerance;
+    /// How far a blow of 1 N s moves its contact, m per N s, if no example of the set knows its blow. duration and mass of
+    /// impulses are then unused. Default 0: duration / mass.
+    float compliance;
+    /// How long a dent takes to appear, to deepen or to be repaired, s; see crumple_context_set_time(). Default 0: none.
+    float grow_time;
     /// Transform; see crumple_instance_set_transform(). Default the identity.
     float local_to_world[16];
 } CrumpleInstanceDef;
@@ -620,7 +625,10 @@ typedef struct {
     float depth_limit;
     /// Number of open contacts; see crumple_instance_end_contact().
     uint32_t contact_count;
-    uint32_t reserved[4];
+    /// Number for the marks: equal marks have equal revisions, on all machines. 0 without marks. See
+    /// crumple_instance_save_changes().
+    uint64_t revision;
+    uint32_t reserved[2];
 } CrumpleInstanceInfo;
 
 /// A hit given as a blow. point and vectors are in the given space (default CRUMPLE_SPACE_LOCAL). Give impulse, or mass
@@ -656,6 +664,19 @@ typedef struct {
     CrumpleVec3 displacement;
     uint64_t contact_id;
 } CrumpleDisplacementDef;
+
+/// How you skin the base mesh, as in glTF: a vertex is shown at the sum of weight * (matrix * position) over its joints.
+typedef struct {
+    uint32_t struct_size;
+    /// Number of matrices.
+    uint32_t matrix_count;
+    /// For each vertex, 4 uint16_t: indices of its joints' matrices.
+    CrumpleInput joints;
+    /// For each vertex, 4 floats: the weights of its joints, which sum to 1. A joint of weight 0 is unused.
+    CrumpleInput weights;
+    /// For each joint, 16 floats, column-major: its transform from the bind pose to the pose, affine.
+    CrumpleInput matrices;
+} CrumpleSkinDef;
 
 /// An example that a hit uses.
 typedef struct {
@@ -976,6 +997,12 @@ CrumpleLodDef crumple_lod_def_default(void);
 CrumpleResult crumple_example_set_add_lod(CrumpleContext *context, CrumpleExampleSet set, const CrumpleLodDef *def,
                                           uint32_t *out_lod);
 
+/// Gives a set to another context too, without a copy, such as for levels that load on a thread of their own. The
+/// contexts are then as independent as before. Destroying the set in one of them does not affect the others. Both
+/// contexts are in use during the call. Add levels of detail before. CRUMPLE_ERROR_INVALID_ARGUMENT: other is context.
+CrumpleResult crumple_example_set_share(CrumpleContext *context, CrumpleExampleSet set, CrumpleContext *other,
+                                        CrumpleExampleSet *out_set);
+
 /// Destroys a set. Its id and the strings of its infos become invalid. Instances keep the set's memory and still work.
 CrumpleResult crumple_example_set_destroy(CrumpleContext *context, CrumpleExampleSet set);
 
@@ -1072,16 +1099,23 @@ CrumpleResult crumple_instance_set_transform(CrumpleContext *context, CrumpleIns
 /// their full depth returns when the limit is raised.
 CrumpleResult crumple_instance_set_depth_limit(CrumpleContext *context, CrumpleInstance instance, float depth_limit);
 
+/// Sets the time, s, for instances with a grow_time. Call it once a frame before deforming. What is shown of a dent that
+/// appears, changes or is repaired goes evenly to where its mark puts it, from the time that was set when the change was
+/// read (see "Reads" at the top). Marks change at once; vertices and attached points follow. Damage that is set, loaded,
+/// copied or reset is shown at once, but saved changes grow. Costs nothing if no dent grows.
+CrumpleResult crumple_context_set_time(CrumpleContext *context, double time);
+
 /// Allows an error of up to tolerance in vertex positions, m, in the mesh's space. Deforming then skips small
 /// displacements and is cheaper. 0: none are skipped. Seams stay closed. The value is rounded down to a power of two in
 /// metres, so that you may set it from crumple_pixel_tolerance() every frame. When the rounded value changes, the next
 /// deform writes every dented block. Classic rules ignore it.
 CrumpleResult crumple_instance_set_tolerance(CrumpleContext *context, CrumpleInstance instance, float tolerance);
 
-/// Chooses how finely to show an instance: sets the tolerance that errors of pixels pixels allow on the screen, and
-/// returns the level of detail to show: the coarsest whose edges cover at most 16 times as many pixels in the mean.
-/// distance, m, in the mesh's space: from the camera to the nearest point of the instance. fov_y, radians: the vertical
-/// field of view. viewport_height: pixels. Half a pixel cannot be seen. Cheap; call it every frame. out_lod may be null.
+/// Chooses how finely to show an instance where errors of so many pixels do not matter, such as 0.5. out_lod receives
+/// the level of detail to show: the coarsest whose edges cover at most 16 times as many pixels in the mean. For a set
+/// without levels of detail it sets the tolerance to as many pixels; with levels, a tolerance saves nothing more, and is
+/// set to 0. distance, m, in the mesh's space: from the camera to the nearest point of the instance. fov_y, radians: the
+/// vertical field of view. viewport_height: pixels. Cheap; call it every frame. out_lod may be null.
 CrumpleResult crumple_instance_set_view(CrumpleContext *context, CrumpleInstance instance, float pixels, float distance,
                                         float fov_y, float viewport_height, uint32_t *out_lod);
 
@@ -1096,6 +1130,9 @@ CrumpleImpulseDef crumple_impulse_def_default(void);
 /// Returns a zero displacement in the mesh's space. Set point and displacement.
 CrumpleDisplacementDef crumple_displacement_def_default(void);
 
+/// Returns a def without arrays. Set them.
+CrumpleSkinDef crumple_skin_def_default(void);
+
 /// Submits a hit. The call selects the examples. The next read of the damage applies the mark (see "Reads" at the top).
 /// A hit that is too weak, or that no example fits, is not an error; see out_result->status. out_result may be null.
 /// With a contact_id, it describes this hit alone. May be called from any thread at any time, except while the instance
@@ -1109,6 +1146,18 @@ CrumpleResult crumple_instance_submit_impulse(CrumpleContext *context, CrumpleIn
 CrumpleResult crumple_instance_submit_displacement(CrumpleContext *context, CrumpleInstance instance,
                                                    const CrumpleDisplacementDef *def, CrumpleHitResult *out_result);
 
+/// Submits count hits, each to the instance at the same index. Either all are submitted, or none and the message names
+/// the first wrong one. out_results is null, or has room for count results. Otherwise like
+/// crumple_instance_submit_impulse(), and a little cheaper.
+CrumpleResult crumple_context_submit_impulses(CrumpleContext *context, const CrumpleInstance *instances,
+                                              const CrumpleImpulseDef *defs, uint32_t count,
+                                              CrumpleHitResult *out_results);
+
+/// Like crumple_context_submit_impulses(), but for displacements.
+CrumpleResult crumple_context_submit_displacements(CrumpleContext *context, const CrumpleInstance *instances,
+                                                   const CrumpleDisplacementDef *defs, uint32_t count,
+                                                   CrumpleHitResult *out_results);
+
 /// Computes the result of crumple_instance_submit_impulse() without leaving a mark. out_result is required. May be
 /// called from any thread at any time.
 CrumpleResult crumple_instance_preview_impulse(CrumpleContext *context, CrumpleInstance instance,
@@ -1117,6 +1166,18 @@ CrumpleResult crumple_instance_preview_impulse(CrumpleContext *context, CrumpleI
 /// Like crumple_instance_preview_impulse(), but for a displacement.
 CrumpleResult crumple_instance_preview_displacement(CrumpleContext *context, CrumpleInstance instance,
                                                     const CrumpleDisplacementDef *def, CrumpleHitResult *out_result);
+
+/// Takes a hit on a skinned mesh in its pose to the bind pose, in which Crumple dents: dent, then skin the deformed
+/// vertices. Changes def, for a submit. The vertex nearest to the hit decides, by the inverse of its skin matrix; dents
+/// do not count. def's space may be CRUMPLE_SPACE_WORLD, and is CRUMPLE_SPACE_LOCAL afterwards. Takes some nanoseconds
+/// per vertex. May be called from any thread at any time. CRUMPLE_ERROR_INVALID_ARGUMENT: also weights that do not sum
+/// to 1, or a skin matrix without inverse.
+CrumpleResult crumple_instance_unpose_impulse(CrumpleContext *context, CrumpleInstance instance,
+                                              const CrumpleSkinDef *skin, CrumpleImpulseDef *def);
+
+/// Like crumple_instance_unpose_impulse(), but for a displacement.
+CrumpleResult crumple_instance_unpose_displacement(CrumpleContext *context, CrumpleInstance instance,
+                                                   const CrumpleSkinDef *skin, CrumpleDisplacementDef *def);
 
 /// Ends a contact. Its dent stays; later hits with the same id begin a new contact. Use contacts if your physics engine
 /// reports one contact as many small impulses. Give each of these hits the same contact_id, any number but 0, and end
@@ -1129,8 +1190,9 @@ CrumpleResult crumple_instance_preview_displacement(CrumpleContext *context, Cru
 /// any thread at any time. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
 CrumpleResult crumple_instance_end_contact(CrumpleContext *context, CrumpleInstance instance, uint64_t contact_id);
 
-/// Returns the result of an open contact, all its hits taken as one. Its status is CRUMPLE_HIT_STATUS_BELOW_YIELD if no
-/// such contact is open or the sum is too weak. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
+/// Returns the result of a contact, all its hits taken as one. The contact is open, or among the 256 of the instance
+/// that ended last. The status is CRUMPLE_HIT_STATUS_BELOW_YIELD if there is no such contact or the sum is too weak.
+/// CRUMPLE_ERROR_WRONG_RULE: a classic rule.
 CrumpleResult crumple_instance_get_contact(CrumpleContext *context, CrumpleInstance instance, uint64_t contact_id,
                                            CrumpleHitResult *out_result);
 
@@ -1149,14 +1211,41 @@ CrumpleResult crumple_instance_set_marks(CrumpleContext *context, CrumpleInstanc
 CrumpleResult crumple_instance_save_damage(CrumpleContext *context, CrumpleInstance instance, void *data,
                                            size_t capacity, size_t *out_size);
 
-/// Replaces an instance's damage with saved damage: size bytes at data, of any alignment. Discards pending hits and
-/// ends contacts. Errors: CRUMPLE_ERROR_DAMAGE_MISMATCH (another set, version or rule, or cut short),
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that the set cannot have).
+/// Saves what changed since a revision of an instance's marks (see CrumpleInstanceInfo), to send it over the network: 40
+/// bytes and 32 per changed mark. crumple_instance_load_damage() applies it to an instance with that revision, which then
+/// has the same marks as this one. From the first call on, the instance remembers its last 256 changes of a mark. For a
+/// revision that it does not remember, the bytes are those of crumple_instance_save_damage(), which fit any revision.
+/// CRUMPLE_ERROR_WRONG_RULE: a classic rule.
+CrumpleResult crumple_instance_save_changes(CrumpleContext *context, CrumpleInstance instance, uint64_t since,
+                                            void *data, size_t capacity, size_t *out_size);
+
+/// Replaces an instance's damage with saved damage, or applies saved changes: size bytes at data, of any alignment.
+/// Discards pending hits and ends contacts; changes are applied after pending hits. Errors:
+/// CRUMPLE_ERROR_DAMAGE_MISMATCH (another set, version, rule or revision, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT
+/// (a mark that the set cannot have).
 CrumpleResult crumple_instance_load_damage(CrumpleContext *context, CrumpleInstance instance, const void *data,
                                            size_t size);
 
+/// Saves the damage of count instances, or of all instances of the context by increasing index if instances is null and
+/// count 0, as one piece of bytes. data has capacity bytes of any alignment; see "Arrays" at the top.
+CrumpleResult crumple_context_save_damage(CrumpleContext *context, const CrumpleInstance *instances, uint32_t count,
+                                          void *data, size_t capacity, size_t *out_size);
+
+/// Replaces the damage of count instances, or of all, with that of crumple_context_save_damage(), which was given
+/// instances of the same sets in the same order. Otherwise like crumple_instance_load_damage() for each of them; after
+/// an error no instance has changed. CRUMPLE_ERROR_DAMAGE_MISMATCH: also another number of instances.
+CrumpleResult crumple_context_load_damage(CrumpleContext *context, const CrumpleInstance *instances, uint32_t count,
+                                          const void *data, size_t size);
+
 /// Repairs an instance. Every dent keeps this share of its depth: 0 (as new) to 1 (unchanged). Ends contacts.
 CrumpleResult crumple_instance_repair_damage(CrumpleContext *context, CrumpleInstance instance, float keep);
+
+/// Repairs an instance around a point, as with a hammer. A dent whose contact is at the point keeps this share of its
+/// depth, 0 to 1. The share rises smoothly to 1 for contacts at radius. point and radius are in the mesh's space, m. A
+/// dent is repaired as a whole, also where it reaches beyond the radius. Ends contacts. CRUMPLE_ERROR_WRONG_RULE: a
+/// classic rule.
+CrumpleResult crumple_instance_repair_around(CrumpleContext *context, CrumpleInstance instance, CrumpleVec3 point,
+                                             float radius, float keep);
 
 /// Removes all damage of an instance. Discards pending hits and ends contacts.
 CrumpleResult crumple_instance_reset_damage(CrumpleContext *context, CrumpleInstance instance);
@@ -1203,6 +1292,11 @@ CrumpleResult crumple_context_set_vertex_budget(CrumpleContext *context, uint64_
 /// in debug builds.
 CrumpleResult crumple_context_deform(CrumpleContext *context, const CrumpleBuffer *buffers, uint32_t count,
                                      CrumpleDeformReport *out_report);
+
+/// Returns the buffers that the last crumple_context_deform() and the last recording or submit wrote to, by increasing
+/// index, so that you need not ask each. buffers has room for capacity ids; see "Arrays" at the top.
+CrumpleResult crumple_context_get_changed_buffers(CrumpleContext *context, CrumpleBuffer *buffers, uint32_t capacity,
+                                                  uint32_t *out_count);
 
 /// Returns the vertices written by the last deform or recording that included the buffer, by id or with null and 0.
 /// They are increasing ranges that do not overlap. Also returns the bounds of all its vertices, m, which may be too

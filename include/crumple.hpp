@@ -326,13 +326,24 @@ public:
         return submit(def);
     }
 
+    /// Returns a hit on the posed mesh as one in the bind pose, for submit(). See crumple_instance_unpose_impulse(). May
+    /// be called from any thread at any time.
+    Result<CrumpleImpulseDef> unpose(const CrumpleSkinDef &skin, CrumpleImpulseDef def) const {
+        const CrumpleResult result = crumple_instance_unpose_impulse(context(), id(), &skin, &def);
+        return result == CRUMPLE_OK ? Result<CrumpleImpulseDef>(def) : Result<CrumpleImpulseDef>::failed(result);
+    }
+    Result<CrumpleDisplacementDef> unpose(const CrumpleSkinDef &skin, CrumpleDisplacementDef def) const {
+        const CrumpleResult result = crumple_instance_unpose_displacement(context(), id(), &skin, &def);
+        return result == CRUMPLE_OK ? Result<CrumpleDisplacementDef>(def) : Result<CrumpleDisplacementDef>::failed(result);
+    }
+
     /// Ends a contact. Until then, hits with its contact_id make one dent. May be called from any thread at any time.
     Result<void> end_contact(uint64_t contact_id) {
         return detail::done(crumple_instance_end_contact(context(), id(), contact_id));
     }
 
-    /// The result of an open contact, all its hits taken as one. Its status is CRUMPLE_HIT_STATUS_BELOW_YIELD if no
-    /// such contact is open.
+    /// The result of a contact, all its hits taken as one. The contact is open or among the 256 that ended last.
+    /// Otherwise the status is CRUMPLE_HIT_STATUS_BELOW_YIELD.
     Result<CrumpleHitResult> contact(uint64_t contact_id) {
         return detail::get<CrumpleHitResult>(
             [&](CrumpleHitResult *out) { return crumple_instance_get_contact(context(), id(), contact_id, out); });
@@ -351,12 +362,22 @@ public:
             return crumple_instance_save_damage(context(), id(), data, capacity, size);
         });
     }
+    /// What changed since a revision of the marks; see CrumpleInstanceInfo. load() applies it elsewhere.
+    Result<std::vector<unsigned char>> save_changes(uint64_t since) const {
+        return detail::fill<unsigned char, std::size_t>([&](unsigned char *data, std::size_t capacity, std::size_t *size) {
+            return crumple_instance_save_changes(context(), id(), since, data, capacity, size);
+        });
+    }
     Result<void> load(const void *data, std::size_t size) {
         return detail::done(crumple_instance_load_damage(context(), id(), data, size));
     }
     Result<void> load(const std::vector<unsigned char> &saved) { return load(saved.data(), saved.size()); }
     /// keep is the share of its depth that every dent keeps: 0 (as new) to 1 (unchanged).
     Result<void> repair(float keep) { return detail::done(crumple_instance_repair_damage(context(), id(), keep)); }
+    /// Repairs dents near a point, m: one there keeps this share of its depth, those radius away keep all of it.
+    Result<void> repair_around(CrumpleVec3 point, float radius, float keep) {
+        return detail::done(crumple_instance_repair_around(context(), id(), point, radius, keep));
+    }
     Result<void> reset_damage() { return detail::done(crumple_instance_reset_damage(context(), id())); }
     Result<void> copy_damage(CrumpleInstance source) { return detail::done(crumple_instance_copy_damage(context(), id(), source)); }
 
@@ -418,6 +439,12 @@ public:
         return detail::fill<unsigned char, std::size_t>([&](unsigned char *data, std::size_t capacity, std::size_t *size) {
             return crumple_example_set_save_baked(context(), id(), data, capacity, size);
         });
+    }
+    /// Gives the set to another context too, without a copy.
+    Result<ExampleSet> share(CrumpleContext *other) const {
+        CrumpleExampleSet shared{};
+        const CrumpleResult result = crumple_example_set_share(context(), id(), other, &shared);
+        return result == CRUMPLE_OK ? Result<ExampleSet>(ExampleSet(other, shared)) : Result<ExampleSet>::failed(result);
     }
     Result<void> copy_mesh(const CrumpleMeshCopyDef &def) const {
         return detail::done(crumple_example_set_copy_mesh(context(), id(), &def));
@@ -534,6 +561,41 @@ public:
     Result<void> set_vertex_budget(uint64_t vertices) {
         return detail::done(crumple_context_set_vertex_budget(context_, vertices));
     }
+    /// The buffers that the last deform, and the last recording, wrote to.
+    Result<std::vector<CrumpleBuffer>> changed_buffers() const {
+        return detail::fill<CrumpleBuffer, uint32_t>([&](CrumpleBuffer *buffers, uint32_t capacity, uint32_t *count) {
+            return crumple_context_get_changed_buffers(context_, buffers, capacity, count);
+        });
+    }
+    /// Submits each hit to the instance at the same index: all or none. May be called from any thread at any time.
+    Result<std::vector<CrumpleHitResult>> submit(const CrumpleInstance *instances, const CrumpleImpulseDef *defs,
+                                                 std::size_t count) {
+        std::vector<CrumpleHitResult> results(count);
+        const CrumpleResult result =
+            crumple_context_submit_impulses(context_, instances, defs, static_cast<uint32_t>(count), results.data());
+        return submitted(result, std::move(results));
+    }
+    Result<std::vector<CrumpleHitResult>> submit(const CrumpleInstance *instances, const CrumpleDisplacementDef *defs,
+                                                 std::size_t count) {
+        std::vector<CrumpleHitResult> results(count);
+        const CrumpleResult result =
+            crumple_context_submit_displacements(context_, instances, defs, static_cast<uint32_t>(count), results.data());
+        return submitted(result, std::move(results));
+    }
+    /// Saves the damage of these instances, or of all, as one piece of bytes.
+    Result<std::vector<unsigned char>> save_damage(const CrumpleInstance *instances = nullptr, std::size_t count = 0) const {
+        return detail::fill<unsigned char, std::size_t>([&](unsigned char *data, std::size_t capacity, std::size_t *size) {
+            return crumple_context_save_damage(context_, instances, static_cast<uint32_t>(count), data, capacity, size);
+        });
+    }
+    /// Replaces the damage of as many instances of the same sets, in the same order.
+    Result<void> load_damage(const std::vector<unsigned char> &saved, const CrumpleInstance *instances = nullptr,
+                             std::size_t count = 0) {
+        return detail::done(crumple_context_load_damage(context_, instances, static_cast<uint32_t>(count), saved.data(),
+                                                        saved.size()));
+    }
+    /// Sets the time, s, for instances with a grow_time. Call it once a frame before deform().
+    Result<void> set_time(double time) { return detail::done(crumple_context_set_time(context_, time)); }
 
     Result<void> attach_vulkan(const CrumpleVulkanAttachDef &def) {
         return detail::done(crumple_vulkan_attach(context_, &def));
@@ -589,6 +651,11 @@ public:
     }
 
 private:
+    static Result<std::vector<CrumpleHitResult>> submitted(CrumpleResult result, std::vector<CrumpleHitResult> &&results) {
+        using Results = Result<std::vector<CrumpleHitResult>>;
+        return result == CRUMPLE_OK ? Results(std::move(results)) : Results::failed(result);
+    }
+
     template <class Handle, class Id, class Call>
     Result<Handle> own(Call &&call) {
         Id id{};

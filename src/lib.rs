@@ -68,10 +68,12 @@ pub use example::set::ExampleSet;
 pub use example::stamp::{Stamp, StampError, StampSample};
 pub use glam;
 pub use instance::Instance;
+pub use instance::archive::{load_all, save_all};
 pub use instance::attach::{Attachment, Frame};
 pub use instance::deform::{DeformJob, deform, deform_within};
 pub use instance::inbox::Inbox;
 pub use instance::options::{InstanceOptions, Rule};
+pub use instance::skin::Skin;
 #[cfg(feature = "gltf")]
 pub use io::export;
 #[doc(hidden)]

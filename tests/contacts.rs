@@ -173,6 +173,53 @@ fn quick_hits_that_merge_away_within_a_fold_change_nothing_else() {
 }
 
 #[test]
+fn quick_the_result_of_a_contact_outlives_it() {
+    let set = scenes::sheet_set();
+    let mut body = with(&set, InstanceOptions { yield_displacement: 0.005, ..InstanceOptions::default() });
+    let part = |depth: f32| push([0.1, 0.1, 0.0], [0.0, 0.0, -depth]).of_contact(id(1));
+    for depth in [0.01, 0.02] {
+        body.submit(&part(depth)).unwrap();
+    }
+    body.end_contact(id(1)).unwrap();
+    let whole = body.contact(id(1)).unwrap().expect("it ended just now");
+    let alone = body.preview(&push([0.1, 0.1, 0.0], [0.0, 0.0, -0.03])).unwrap();
+    assert!((whole.target[2] + 0.03).abs() < 1e-6 && whole.status == HitStatus::Marked);
+    assert_eq!(whole.chosen.map(|c| c.map(|c| c.example)), alone.chosen.map(|c| c.map(|c| c.example)));
+    assert_eq!(whole.mark, Some(body.marks().unwrap()[0]));
+    // The id is used again: first the open contact counts, then the one that ended last.
+    body.submit(&part(0.001)).unwrap();
+    assert_eq!(body.contact(id(1)).unwrap().map(|o| o.status), Some(HitStatus::BelowYield));
+    body.reset();
+    assert_eq!(body.contact(id(1)).unwrap().map(|o| o.status), Some(HitStatus::BelowYield));
+    // So many are remembered.
+    body.submit(&part(0.02)).unwrap();
+    body.end_contact(id(1)).unwrap();
+    for n in 2..=Instance::MAX_CONTACTS as u64 {
+        body.submit(&Hit { contact: Some(id(n)), ..part(0.01) }).unwrap();
+        body.end_contact(id(n)).unwrap();
+    }
+    assert_eq!(body.contact(id(1)).unwrap().map(|o| o.status), Some(HitStatus::Marked));
+    body.submit(&Hit { contact: Some(id(999)), ..part(0.01) }).unwrap();
+    body.end_contact(id(999)).unwrap();
+    assert_eq!(body.contact(id(1)).unwrap(), None);
+}
+
+#[test]
+fn quick_compliance_replaces_mass_and_duration() {
+    let set = scenes::sheet_set();
+    let soft = with(&set, InstanceOptions { compliance: Some(0.02), ..InstanceOptions::default() });
+    let hit = Hit::blow([0.1, 0.1, 0.0], Blow { impulse: Some([0.0, 0.0, -1.5]), ..Blow::default() });
+    assert!((soft.preview(&hit).unwrap().target[2] + 0.03).abs() < 1e-7);
+    let by_mass = Hit::impulse([0.1, 0.1, 0.0], [0.0, 0.0, -1.5], 0.01, Some(0.5));
+    let hard = with(&set, InstanceOptions::default());
+    assert!((hard.preview(&by_mass).unwrap().target[2] + 0.03).abs() < 1e-7);
+    assert_eq!(soft.preview(&by_mass).unwrap().mark, soft.preview(&hit).unwrap().mark);
+    assert!(hard.preview(&hit).unwrap_err().to_string().contains("duration"));
+    let bad = Instance::new(set, InstanceOptions { compliance: Some(-1.0), ..InstanceOptions::default() });
+    assert_eq!(bad.unwrap_err().to_string(), "compliance is -1; it must be above 0 and finite, m per N·s");
+}
+
+#[test]
 fn quick_transforms_may_be_set_while_another_thread_deforms() {
     let set = scenes::sheet_set();
     let mut body = with(&set, InstanceOptions::default());

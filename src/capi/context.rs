@@ -4,7 +4,7 @@ use super::boundary::boundary;
 use super::check::{Out, def, defs, zeroed};
 use super::ids::Slots;
 use super::record_call::Call;
-use super::recorder::{Log, Recorder};
+use super::recorder::{HitLog, Log, Recorder};
 use super::result::{CrumpleResult, Failure};
 use super::store::State;
 use super::tasks::{CrumpleTaskSystem, HostTasks};
@@ -12,6 +12,7 @@ use super::types::CrumpleInstance;
 use crate::base::error::Error;
 use crate::base::tasks::{TaskSystem, ThreadPool};
 use crate::instance::inbox::Inbox;
+use crate::select::hit::{Hit, Outcome};
 use std::ffi::{CString, c_char, c_void};
 use std::mem::MaybeUninit;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock, TryLockError};
@@ -151,6 +152,68 @@ impl Context {
             return given;
         }
     }
+}
+
+impl Context {
+    /// What takes an instance's hits.
+    pub(super) fn inbox(&self, instance: CrumpleInstance) -> Result<Arc<Inbox>, Failure> {
+        let inboxes = self.inboxes.read().unwrap_or_else(PoisonError::into_inner);
+        Ok(inboxes.get(instance, "instance")?.inbox.clone())
+    }
+
+    /// Brings hits to their instances, all or none. A recording gets them as if each had been submitted alone.
+    pub(super) fn deliver_all(
+        &self,
+        function: &str,
+        hits: &[(CrumpleInstance, Hit)],
+        call: impl Fn(&(CrumpleInstance, Hit)) -> Call,
+        number: impl Fn(&Outcome) -> u64,
+    ) -> Result<Vec<Outcome>, Failure> {
+        loop {
+            let mut log = self.recorder.hit();
+            let inboxes = self.inboxes.read().unwrap_or_else(PoisonError::into_inner);
+            if log.is_none() && self.recorder.is_on() {
+                continue; // it began just now
+            }
+            let prepare = |(i, (instance, hit)): (usize, &(CrumpleInstance, Hit))| {
+                let inbox = &inboxes.get(*instance, &format!("instances[{i}]"))?.inbox;
+                Ok((inbox, inbox.prepare(hit).map_err(|error| Failure::from(error).of_hit(i))?))
+            };
+            let prepared: Vec<_> = match hits.iter().enumerate().map(prepare).collect::<Result<_, Failure>>() {
+                Ok(prepared) => prepared,
+                Err(failure) => {
+                    if let Some(log) = log {
+                        log.refused(function, &failure);
+                    }
+                    return Err(failure);
+                }
+            };
+            let mut outcomes = Vec::with_capacity(hits.len());
+            for (hit, (inbox, (outcome, pending))) in hits.iter().zip(prepared) {
+                if let Some(log) = &mut log {
+                    log.call(call(hit));
+                    log.taken(number(&outcome));
+                }
+                inbox.queue_prepared(pending);
+                outcomes.push(outcome);
+            }
+            drop(inboxes);
+            if let Some(trouble) = log.and_then(HitLog::trouble) {
+                self.log(CrumpleLogLevel::Warning, &trouble);
+            }
+            return Ok(outcomes);
+        }
+    }
+}
+
+/// Looks into another context than the one that a call is inside.
+pub(super) fn look_into<T>(
+    context: *const CrumpleContext,
+    look: impl FnOnce(&State) -> Result<T, Failure>,
+) -> Result<T, Failure> {
+    let context = find(context)?;
+    let state = context.enter()?;
+    look(&state)
 }
 
 /// Runs an entry point that needs the context for itself.

@@ -5,8 +5,10 @@ use super::context::{CrumpleContext, recorded};
 use super::record_call::{Bytes, Call, Number};
 use super::recorder::digest;
 use super::result::{CrumpleResult, Failure};
-use super::types::CrumpleInstance;
+use super::store::State;
+use super::types::{CrumpleInstance, CrumpleVec3};
 use crate::damage::mark::Mark;
+use crate::instance::archive::{of, pack, unpack};
 use std::ffi::c_void;
 
 /// Copies an instance's marks to an array of capacity marks; see "Arrays" at the top. The marks are sorted, so that the
@@ -66,9 +68,32 @@ pub unsafe extern "C" fn crumple_instance_save_damage(
     })
 }
 
-/// Replaces an instance's damage with saved damage: size bytes at data, of any alignment. Discards pending hits and
-/// ends contacts. Errors: CRUMPLE_ERROR_DAMAGE_MISMATCH (another set, version or rule, or cut short),
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that the set cannot have).
+/// Saves what changed since a revision of an instance's marks (see CrumpleInstanceInfo), to send it over the network: 40
+/// bytes and 32 per changed mark. crumple_instance_load_damage() applies it to an instance with that revision, which then
+/// has the same marks as this one. From the first call on, the instance remembers its last 256 changes of a mark. For a
+/// revision that it does not remember, the bytes are those of crumple_instance_save_damage(), which fit any revision.
+/// CRUMPLE_ERROR_WRONG_RULE: a classic rule.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_instance_save_changes(
+    context: *mut CrumpleContext,
+    instance: CrumpleInstance,
+    since: u64,
+    data: *mut c_void,
+    capacity: usize,
+    out_size: *mut usize,
+) -> CrumpleResult {
+    recorded("crumple_instance_save_changes", context, |_, state, log| {
+        let out = Out::new(out_size, "out_size")?;
+        log.call(|| Call::SaveChanges { instance: Number::of(instance), since });
+        let bytes = state.instances.get_mut(instance, "instance")?.instance.save_changes(since)?;
+        write_array(&bytes, data.cast::<u8>(), capacity, "data", out)
+    })
+}
+
+/// Replaces an instance's damage with saved damage, or applies saved changes: size bytes at data, of any alignment.
+/// Discards pending hits and ends contacts; changes are applied after pending hits. Errors:
+/// CRUMPLE_ERROR_DAMAGE_MISMATCH (another set, version, rule or revision, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT
+/// (a mark that the set cannot have).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_load_damage(
     context: *mut CrumpleContext,
@@ -83,6 +108,74 @@ pub unsafe extern "C" fn crumple_instance_load_damage(
     })
 }
 
+/// Saves the damage of count instances, or of all instances of the context by increasing index if instances is null and
+/// count 0, as one piece of bytes. data has capacity bytes of any alignment; see "Arrays" at the top.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_context_save_damage(
+    context: *mut CrumpleContext,
+    instances: *const CrumpleInstance,
+    count: u32,
+    data: *mut c_void,
+    capacity: usize,
+    out_size: *mut usize,
+) -> CrumpleResult {
+    recorded("crumple_context_save_damage", context, |_, state, log| {
+        let out = Out::new(out_size, "out_size")?;
+        let ids = listed(state, instances, count)?;
+        log.call(|| Call::SaveAll { instances: ids.iter().map(|id| Number::of(*id)).collect() });
+        let mut each = Vec::with_capacity(ids.len());
+        for (i, id) in ids.into_iter().enumerate() {
+            each.push(state.instances.get_mut(id, &format!("instances[{i}]"))?.instance.save());
+        }
+        let bytes = pack(each.into_iter());
+        write_array(&bytes, data.cast::<u8>(), capacity, "data", out)?;
+        log.gave(|| digest(&bytes));
+        Ok(())
+    })
+}
+
+/// Replaces the damage of count instances, or of all, with that of crumple_context_save_damage(), which was given
+/// instances of the same sets in the same order. Otherwise like crumple_instance_load_damage() for each of them; after
+/// an error no instance has changed. CRUMPLE_ERROR_DAMAGE_MISMATCH: also another number of instances.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_context_load_damage(
+    context: *mut CrumpleContext,
+    instances: *const CrumpleInstance,
+    count: u32,
+    data: *const c_void,
+    size: usize,
+) -> CrumpleResult {
+    recorded("crumple_context_load_damage", context, |_, state, log| {
+        let bytes = array(data.cast::<u8>(), size, "data")?;
+        let ids = listed(state, instances, count)?;
+        let numbers = || ids.iter().map(|id| Number::of(*id)).collect();
+        log.call(|| Call::LoadAll { instances: numbers(), bytes: Bytes(bytes.to_vec()) });
+        let mut read = Vec::with_capacity(ids.len());
+        for (i, (id, bytes)) in ids.iter().zip(unpack(bytes, ids.len())?).enumerate() {
+            let instance = &state.instances.get(*id, &format!("instances[{i}]"))?.instance;
+            read.push(instance.read(bytes).map_err(|error| of(i, error))?);
+        }
+        for (id, saved) in ids.into_iter().zip(read) {
+            state.instances.get_mut(id, "instances")?.instance.become_saved(saved);
+        }
+        Ok(())
+    })
+}
+
+/// The instances that a call names: those given, or all.
+unsafe fn listed(
+    state: &State,
+    instances: *const CrumpleInstance,
+    count: u32,
+) -> Result<Vec<CrumpleInstance>, Failure> {
+    let given = array(instances, count as usize, "instances")?;
+    for (i, id) in given.iter().enumerate() {
+        state.instances.get(*id, &format!("instances[{i}]"))?;
+    }
+    let all = instances.is_null();
+    Ok(if all { state.instances.iter().map(|(id, _)| id).collect() } else { given.to_vec() })
+}
+
 /// Repairs an instance. Every dent keeps this share of its depth: 0 (as new) to 1 (unchanged). Ends contacts.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_repair_damage(
@@ -94,6 +187,27 @@ pub unsafe extern "C" fn crumple_instance_repair_damage(
         let [keep] = finite([keep], "keep")?;
         log.call(|| Call::RepairDamage { instance: Number::of(instance), keep });
         Ok(state.instances.get_mut(instance, "instance")?.instance.repair(keep)?)
+    })
+}
+
+/// Repairs an instance around a point, as with a hammer. A dent whose contact is at the point keeps this share of its
+/// depth, 0 to 1. The share rises smoothly to 1 for contacts at radius. point and radius are in the mesh's space, m. A
+/// dent is repaired as a whole, also where it reaches beyond the radius. Ends contacts. CRUMPLE_ERROR_WRONG_RULE: a
+/// classic rule.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_instance_repair_around(
+    context: *mut CrumpleContext,
+    instance: CrumpleInstance,
+    point: CrumpleVec3,
+    radius: f32,
+    keep: f32,
+) -> CrumpleResult {
+    recorded("crumple_instance_repair_around", context, |_, state, log| {
+        let (point, [radius, keep]) = (finite(point.array(), "point")?, [radius, keep]);
+        finite([radius], "radius")?;
+        finite([keep], "keep")?;
+        log.call(|| Call::RepairAround { instance: Number::of(instance), point, radius, keep });
+        Ok(state.instances.get_mut(instance, "instance")?.instance.repair_around(point, radius, keep)?)
     })
 }
 

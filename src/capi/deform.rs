@@ -92,6 +92,11 @@ pub unsafe extern "C" fn crumple_context_deform(
             });
         }
         let report = deform_within(&mut jobs, budget, &Quiet(context.tasks()))?;
+        for (id, entry) in entries.iter_mut::<CrumpleBuffer>() {
+            if matches!(entry.memory, Memory::Host(..)) {
+                entry.included = chosen.names(id);
+            }
+        }
         log.gave(|| {
             let written = entries.iter().filter(of_host);
             vertices_digest(written.map(|(_, entry)| entry))
@@ -205,6 +210,23 @@ fn apart<'a>(entries: impl Iterator<Item = (CrumpleBuffer, &'a BufferEntry)>) ->
         }
     }
     Ok(())
+}
+
+/// Returns the buffers that the last crumple_context_deform() and the last recording or submit wrote to, by increasing
+/// index, so that you need not ask each. buffers has room for capacity ids; see "Arrays" at the top.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_context_get_changed_buffers(
+    context: *mut CrumpleContext,
+    buffers: *mut CrumpleBuffer,
+    capacity: u32,
+    out_count: *mut u32,
+) -> CrumpleResult {
+    exclusive("crumple_context_get_changed_buffers", context, |_, state| {
+        let out = Out::new(out_count, "out_count")?;
+        let changed = |entry: &BufferEntry| entry.included && !entry.changed().is_empty();
+        let found: Vec<_> = state.buffers.iter().filter(|(_, entry)| changed(entry)).map(|(id, _)| id).collect();
+        write_array(&found, buffers, capacity as usize, "buffers", out)
+    })
 }
 
 /// Returns the vertices written by the last deform or recording that included the buffer, by id or with null and 0.

@@ -1,15 +1,20 @@
 //! Hits: what the physics engine reports.
 
 use super::c_enum::number;
-use super::check::{Out, def, defs, enumerator, finite, positive_or, striker, zeroed};
-use super::context::{Arrivals, CrumpleContext, concurrent, recorded};
+use super::check::{Out, array, def, defs, enumerator, finite, positive_or, striker, zeroed};
+use super::context::{Arrivals, Context, CrumpleContext, concurrent, recorded};
+use super::memory::read_in_place;
 use super::record_call::{Call, DisplacementHit, ImpulseHit, Number};
 use super::recorder::digest;
 use super::result::{CrumpleResult, Failure};
-use super::types::{CrumpleInstance, CrumpleStriker, CrumpleVec3};
+use super::types::{CrumpleInput, CrumpleInstance, CrumpleStriker, CrumpleVec3};
+use crate::base::error::reserve;
 use crate::damage::mark::Mark;
 use crate::example::blow::Blow;
+use crate::instance::skin::Skin;
 use crate::select::hit::{Cause, Hit, HitStatus, Outcome, Space};
+use glam::Mat4;
+use std::ffi::c_void;
 use std::mem::MaybeUninit;
 use std::num::NonZeroU64;
 
@@ -51,7 +56,22 @@ pub struct CrumpleDisplacementDef {
     pub contact_id: u64,
 }
 
-defs!(CrumpleImpulseDef, CrumpleDisplacementDef);
+/// How you skin the base mesh, as in glTF: a vertex is shown at the sum of weight * (matrix * position) over its joints.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CrumpleSkinDef {
+    pub struct_size: u32,
+    /// Number of matrices.
+    pub matrix_count: u32,
+    /// For each vertex, 4 uint16_t: indices of its joints' matrices.
+    pub joints: CrumpleInput,
+    /// For each vertex, 4 floats: the weights of its joints, which sum to 1. A joint of weight 0 is unused.
+    pub weights: CrumpleInput,
+    /// For each joint, 16 floats, column-major: its transform from the bind pose to the pose, affine.
+    pub matrices: CrumpleInput,
+}
+
+defs!(CrumpleImpulseDef, CrumpleDisplacementDef, CrumpleSkinDef);
 
 /// An example that a hit uses.
 #[repr(C)]
@@ -150,6 +170,12 @@ pub extern "C" fn crumple_displacement_def_default() -> CrumpleDisplacementDef {
     zeroed()
 }
 
+/// Returns a def without arrays. Set them.
+#[unsafe(no_mangle)]
+pub extern "C" fn crumple_skin_def_default() -> CrumpleSkinDef {
+    zeroed()
+}
+
 /// Submits a hit. The call selects the examples. The next read of the damage applies the mark (see "Reads" at the top).
 /// A hit that is too weak, or that no example fits, is not an error; see out_result->status. out_result may be null.
 /// With a contact_id, it describes this hit alone. May be called from any thread at any time, except while the instance
@@ -184,6 +210,34 @@ pub unsafe extern "C" fn crumple_instance_submit_displacement(
     )
 }
 
+/// Submits count hits, each to the instance at the same index. Either all are submitted, or none and the message names
+/// the first wrong one. out_results is null, or has room for count results. Otherwise like
+/// crumple_instance_submit_impulse(), and a little cheaper.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_context_submit_impulses(
+    context: *mut CrumpleContext,
+    instances: *const CrumpleInstance,
+    defs: *const CrumpleImpulseDef,
+    count: u32,
+    out_results: *mut CrumpleHitResult,
+) -> CrumpleResult {
+    let read = |i| read_impulse(defs.wrapping_add(i));
+    submit_all("crumple_context_submit_impulses", context, instances, (defs.cast(), count), read, out_results)
+}
+
+/// Like crumple_context_submit_impulses(), but for displacements.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_context_submit_displacements(
+    context: *mut CrumpleContext,
+    instances: *const CrumpleInstance,
+    defs: *const CrumpleDisplacementDef,
+    count: u32,
+    out_results: *mut CrumpleHitResult,
+) -> CrumpleResult {
+    let read = |i| read_displacement(defs.wrapping_add(i));
+    submit_all("crumple_context_submit_displacements", context, instances, (defs.cast(), count), read, out_results)
+}
+
 /// Computes the result of crumple_instance_submit_impulse() without leaving a mark. out_result is required. May be
 /// called from any thread at any time.
 #[unsafe(no_mangle)]
@@ -214,6 +268,66 @@ pub unsafe extern "C" fn crumple_instance_preview_displacement(
     )
 }
 
+/// Takes a hit on a skinned mesh in its pose to the bind pose, in which Crumple dents: dent, then skin the deformed
+/// vertices. Changes def, for a submit. The vertex nearest to the hit decides, by the inverse of its skin matrix; dents
+/// do not count. def's space may be CRUMPLE_SPACE_WORLD, and is CRUMPLE_SPACE_LOCAL afterwards. Takes some nanoseconds
+/// per vertex. May be called from any thread at any time. CRUMPLE_ERROR_INVALID_ARGUMENT: also weights that do not sum
+/// to 1, or a skin matrix without inverse.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_instance_unpose_impulse(
+    context: *mut CrumpleContext,
+    instance: CrumpleInstance,
+    skin: *const CrumpleSkinDef,
+    def: *mut CrumpleImpulseDef,
+) -> CrumpleResult {
+    concurrent("crumple_instance_unpose_impulse", context, |context| {
+        let hit = unposed(context, instance, skin, &read_impulse(def)?)?;
+        if let Cause::Impulse { blow, .. } = hit.cause {
+            let to = &mut *def;
+            (to.point, to.space) = (hit.point.into(), MaybeUninit::new(Space::Local));
+            to.impulse = blow.impulse.unwrap_or_default().into();
+            to.normal = blow.normal.unwrap_or_default().into();
+            to.striker.velocity = blow.striker.velocity.unwrap_or_default().into();
+        }
+        Ok(())
+    })
+}
+
+/// Like crumple_instance_unpose_impulse(), but for a displacement.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_instance_unpose_displacement(
+    context: *mut CrumpleContext,
+    instance: CrumpleInstance,
+    skin: *const CrumpleSkinDef,
+    def: *mut CrumpleDisplacementDef,
+) -> CrumpleResult {
+    concurrent("crumple_instance_unpose_displacement", context, |context| {
+        let hit = unposed(context, instance, skin, &read_displacement(def)?)?;
+        if let Cause::Displacement(displacement) = hit.cause {
+            let to = &mut *def;
+            (to.point, to.space) = (hit.point.into(), MaybeUninit::new(Space::Local));
+            to.displacement = displacement.into();
+        }
+        Ok(())
+    })
+}
+
+unsafe fn unposed(
+    context: &Context,
+    instance: CrumpleInstance,
+    skin: *const CrumpleSkinDef,
+    hit: &Hit,
+) -> Result<Hit, Failure> {
+    let skin = self::def(skin, "skin")?;
+    let inbox = context.inbox(instance)?;
+    let vertices = inbox.example_set().vertex_count();
+    let joints = read_in_place(skin.joints, vertices, "skin.joints")?;
+    let weights = read_in_place(skin.weights, vertices, "skin.weights")?;
+    let matrices = read_in_place::<[f32; 16]>(skin.matrices, skin.matrix_count as usize, "skin.matrices")?;
+    let matrices: Vec<Mat4> = matrices.iter().map(Mat4::from_cols_array).collect();
+    Ok(inbox.to_bind_pose(&Skin { joints: &joints, weights: &weights, matrices: &matrices }, hit)?)
+}
+
 /// Ends a contact. Its dent stays; later hits with the same id begin a new contact. Use contacts if your physics engine
 /// reports one contact as many small impulses. Give each of these hits the same contact_id, any number but 0, and end
 /// the contact when the bodies separate. Together they make the dent of the whole impulse, at any frame rate: their
@@ -236,8 +350,9 @@ pub unsafe extern "C" fn crumple_instance_end_contact(
     })
 }
 
-/// Returns the result of an open contact, all its hits taken as one. Its status is CRUMPLE_HIT_STATUS_BELOW_YIELD if no
-/// such contact is open or the sum is too weak. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
+/// Returns the result of a contact, all its hits taken as one. The contact is open, or among the 256 of the instance
+/// that ended last. The status is CRUMPLE_HIT_STATUS_BELOW_YIELD if there is no such contact or the sum is too weak.
+/// CRUMPLE_ERROR_WRONG_RULE: a classic rule.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_get_contact(
     context: *mut CrumpleContext,
@@ -315,6 +430,42 @@ unsafe fn submit(
         let bring = |to: &Arrivals| if preview { to.inbox.preview(&hit) } else { to.inbox.submit(&hit) };
         let outcome = context.deliver(instance, call, bring, |o| hit_digest(&o.into()))?;
         out.write((&outcome).into());
+        Ok(())
+    })
+}
+
+unsafe fn submit_all(
+    call: &'static str,
+    context: *const CrumpleContext,
+    instances: *const CrumpleInstance,
+    (defs, count): (*const c_void, u32),
+    read: impl Fn(usize) -> Result<Hit, Failure>,
+    out: *mut CrumpleHitResult,
+) -> CrumpleResult {
+    concurrent(call, context, |context| {
+        let count = count as usize;
+        if count == 0 {
+            return Ok(());
+        }
+        let instances = array(instances, count, "instances")?;
+        if defs.is_null() {
+            return Err(Failure::null("defs"));
+        }
+        let _ = Out::optional(out, "out_results")?;
+        let mut hits = Vec::new();
+        for (i, instance) in instances.iter().enumerate() {
+            let hit = read(i).map_err(|failure| failure.of_hit(i))?;
+            if i == 0 {
+                // The first hit was read before, so that a wrong count asks for no memory.
+                hits = reserve(count, "hits")?;
+            }
+            hits.push((*instance, hit));
+        }
+        let recorded = |(instance, hit): &(CrumpleInstance, Hit)| recorded_hit(*instance, hit, Effect::Submit);
+        let outcomes = context.deliver_all(call, &hits, recorded, |outcome| hit_digest(&outcome.into()))?;
+        if !out.is_null() {
+            outcomes.iter().enumerate().for_each(|(i, outcome)| out.add(i).write(outcome.into()));
+        }
         Ok(())
     })
 }

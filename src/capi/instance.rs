@@ -39,6 +39,11 @@ pub struct CrumpleInstanceDef {
     pub blend_constant: f32,
     /// Largest position error, m; see crumple_instance_set_tolerance(). Default 0: none.
     pub tolerance: f32,
+    /// How far a blow of 1 N s moves its contact, m per N s, if no example of the set knows its blow. duration and mass of
+    /// impulses are then unused. Default 0: duration / mass.
+    pub compliance: f32,
+    /// How long a dent takes to appear, to deepen or to be repaired, s; see crumple_context_set_time(). Default 0: none.
+    pub grow_time: f32,
     /// Transform; see crumple_instance_set_transform(). Default the identity.
     pub local_to_world: [f32; 16],
 }
@@ -59,7 +64,10 @@ pub struct CrumpleInstanceInfo {
     pub depth_limit: f32,
     /// Number of open contacts; see crumple_instance_end_contact().
     pub contact_count: u32,
-    pub reserved: [u32; 4],
+    /// Number for the marks: equal marks have equal revisions, on all machines. 0 without marks. See
+    /// crumple_instance_save_changes().
+    pub revision: u64,
+    pub reserved: [u32; 2],
 }
 
 /// Returns the default options. Set the example set.
@@ -87,7 +95,8 @@ pub unsafe extern "C" fn crumple_instance_create(
     recorded("crumple_instance_create", context, |context, state, log| {
         let (def, out) = (self::def(def, "def")?, Out::new(out_instance, "out_instance")?);
         let set = state.sets.get(def.set, "def.set")?.set.clone();
-        let instance = Instance::new(set, options(&def)?)?;
+        let mut instance = Instance::new(set, options(&def)?)?;
+        instance.set_time(state.time)?;
         instance.set_transform(Mat4::from_cols_array(&finite(def.local_to_world, "def.local_to_world")?))?;
         let local_to_world = Arc::new(Mutex::new(def.local_to_world));
         let mut inboxes = context.inboxes.write().unwrap_or_else(PoisonError::into_inner);
@@ -136,6 +145,8 @@ fn options(def: &CrumpleInstanceDef) -> Result<InstanceOptions, Failure> {
             "the body's diagonal",
         )?,
         tolerance: finite([def.tolerance], "def.tolerance")?[0],
+        grow_time: finite([def.grow_time], "def.grow_time")?[0],
+        compliance: positive_or(def.compliance, "def.compliance", "m per N s", "duration / mass of each impulse")?,
     })
 }
 
@@ -178,7 +189,8 @@ pub unsafe extern "C" fn crumple_instance_get_info(
             buffer_count: entry.buffers.len() as u32,
             depth_limit: entry.instance.depth_limit(),
             contact_count,
-            reserved: [0; 4],
+            revision: entry.instance.revision(),
+            reserved: [0; 2],
         };
         log.gave(|| info_number(&info));
         out.write(info);
@@ -228,6 +240,25 @@ pub unsafe extern "C" fn crumple_instance_set_depth_limit(
         log.call(|| Call::SetDepthLimit { instance: Number::of(instance), depth_limit });
         let limit = positive_or(depth_limit, "depth_limit", "m", SET_LIMIT)?;
         Ok(state.instances.get_mut(instance, "instance")?.instance.set_depth_limit(limit)?)
+    })
+}
+
+/// Sets the time, s, for instances with a grow_time. Call it once a frame before deforming. What is shown of a dent that
+/// appears, changes or is repaired goes evenly to where its mark puts it, from the time that was set when the change was
+/// read (see "Reads" at the top). Marks change at once; vertices and attached points follow. Damage that is set, loaded,
+/// copied or reset is shown at once, but saved changes grow. Costs nothing if no dent grows.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_context_set_time(context: *mut CrumpleContext, time: f64) -> CrumpleResult {
+    recorded("crumple_context_set_time", context, |_, state, log| {
+        log.call(|| Call::SetTime { time });
+        if !time.is_finite() {
+            return Err(crate::base::error::Error::NotFinite { name: "time".into(), value: time.to_string() }.into());
+        }
+        state.time = time;
+        for (_, entry) in state.instances.iter_mut::<CrumpleInstance>() {
+            entry.instance.set_time(time)?;
+        }
+        Ok(())
     })
 }
 

@@ -60,7 +60,7 @@ calls! {
     "crumple_example_set_destroy" DestroySet { set: Number }
     "crumple_instance_create" CreateInstance {
         set: Number, rule: u32, selection: u32, examples_per_hit: u32, mark_capacity: u32, depth_limit: f32, yield_impulse: f32,
-        yield_displacement: f32, max_contact_distance: f32, blend_constant: f32, tolerance: f32, local_to_world: [f32; 16],
+        yield_displacement: f32, max_contact_distance: f32, blend_constant: f32, tolerance: f32, compliance: f32, grow_time: f32, local_to_world: [f32; 16],
     }
     "crumple_instance_destroy" DestroyInstance { instance: Number }
     "crumple_instance_set_transform" SetTransform { instance: Number, local_to_world: [f32; 16] }
@@ -90,6 +90,11 @@ calls! {
     "crumple_instance_get_attached_frame" AttachedFrame { instance: Number, vertices: [u32; 3], weights: [f32; 3], point: [f32; 3] }
     "crumple_instance_get_info" InstanceInfo { instance: Number }
     "crumple_instance_get_contact" GetContact { instance: Number, contact_id: u64 }
+    "crumple_instance_repair_around" RepairAround { instance: Number, point: [f32; 3], radius: f32, keep: f32 }
+    "crumple_context_set_time" SetTime { time: f64 }
+    "crumple_instance_save_changes" SaveChanges { instance: Number, since: u64 }
+    "crumple_context_save_damage" SaveAll { instances: Vec<Number> }
+    "crumple_context_load_damage" LoadAll { instances: Vec<Number>, bytes: Bytes }
     "crumple_context_set_vertex_budget" SetVertexBudget { vertices: u64 }
 }
 

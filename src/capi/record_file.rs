@@ -11,7 +11,7 @@ use twox_hash::XxHash3_64;
 
 const MAGIC: [u8; 8] = *b"CRUMPREC";
 /// Grows when old readers could not read new files.
-const FORMAT: u32 = 3;
+const FORMAT: u32 = 4;
 /// The magic bytes, the format and the library's version.
 const HEADER: usize = 16;
 /// Before an event: its length and its checksum, 8 bytes each.

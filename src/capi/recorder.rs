@@ -155,13 +155,39 @@ impl HitLog<'_> {
     pub(super) fn ended(self, result: CrumpleResult, value: u64) -> Option<String> {
         write_last(self.0, &Event::HitEnded(Ended { result: result as u32, value }))
     }
+
+    /// One hit of several was taken.
+    pub(super) fn taken(&mut self, value: u64) {
+        if let Some(writer) = &mut *self.0 {
+            writer.write(&Event::HitEnded(Ended { result: 0, value }));
+        }
+    }
+
+    /// Hits were refused before any was taken.
+    pub(super) fn refused(mut self, function: &str, failure: &Failure) {
+        let Failure { result, message, .. } = failure;
+        let event = Event::Refused { function: function.into(), result: *result as u32, message: message.clone() };
+        if let Some(writer) = &mut *self.0 {
+            writer.write(&event);
+        }
+    }
+
+    /// What the writer ran into; told once.
+    pub(super) fn trouble(self) -> Option<String> {
+        trouble(self.0)
+    }
 }
 
 /// Writes a call's last event. Answers with the failure that this, or what came before it in the call, ran into.
 fn write_last(mut guard: MutexGuard<'_, Option<Writer>>, event: &Event) -> Option<String> {
+    guard.as_mut()?.write(event);
+    trouble(guard)
+}
+
+/// Why nothing more is recorded, the first time that this is so.
+fn trouble(mut guard: MutexGuard<'_, Option<Writer>>) -> Option<String> {
     let writer = guard.as_mut()?;
     let told = writer.told;
-    writer.write(event);
     let failed = writer.failed.as_ref()?;
     writer.told = true;
     (!told).then(|| format!("the recording ends here: {failed}"))

@@ -20,7 +20,7 @@ use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance, CrumpleStr
 use crate::base::error::Error;
 use crate::damage::mark::Mark;
 use std::collections::HashMap;
-use std::ffi::CStr;
+use std::ffi::{CStr, c_void};
 use std::fmt;
 use std::mem::MaybeUninit;
 use std::ptr::null_mut;
@@ -233,9 +233,10 @@ impl Player {
         each(number, format_args!("{}: {call:?}", call.function()));
         let function = call.function();
         let compared = match call {
-            Call::Record { .. } => Compared::No,
+            // What the device writes is not read. How far changes go back depends on calls before the recording.
+            Call::Record { .. } | Call::SaveChanges { .. } => Compared::No,
             // Whether it fits depends on memory of the host's, in whose place there is enough.
-            Call::GetMarks { .. } | Call::SaveDamage { .. } => Compared::WhereItWasGiven,
+            Call::GetMarks { .. } | Call::SaveDamage { .. } | Call::SaveAll { .. } => Compared::WhereItWasGiven,
             _ => Compared::Yes,
         };
         let mut played =
@@ -319,14 +320,25 @@ impl Player {
                 crumple_instance_set_marks(context, self.instance(instance), marks.as_ptr(), marks.len() as u32)
             }
             Call::SaveDamage { instance } => {
-                let (id, mut size) = (self.instance(instance), 0);
-                let mut result = crumple_instance_save_damage(context, id, null_mut(), 0, &mut size);
-                if result == CrumpleResult::CrumpleOk {
-                    let mut bytes = vec![0u8; size];
-                    result = crumple_instance_save_damage(context, id, bytes.as_mut_ptr().cast(), size, &mut size);
-                    *value = digest(&bytes);
-                }
-                result
+                let id = self.instance(instance);
+                filled(value, |data, capacity, size| crumple_instance_save_damage(context, id, data, capacity, size))
+            }
+            Call::SaveChanges { instance, since } => {
+                let id = self.instance(instance);
+                filled(value, |data, capacity, size| {
+                    crumple_instance_save_changes(context, id, since, data, capacity, size)
+                })
+            }
+            Call::SaveAll { instances } => {
+                let ids: Vec<_> = instances.iter().map(|&number| self.instance(number)).collect();
+                filled(value, |data, capacity, size| {
+                    crumple_context_save_damage(context, ids.as_ptr(), ids.len() as u32, data, capacity, size)
+                })
+            }
+            Call::LoadAll { instances, bytes: Bytes(bytes) } => {
+                let ids: Vec<_> = instances.iter().map(|&number| self.instance(number)).collect();
+                let (data, size) = (bytes.as_ptr().cast(), bytes.len());
+                crumple_context_load_damage(context, ids.as_ptr(), ids.len() as u32, data, size)
             }
             Call::LoadDamage { instance, bytes: Bytes(bytes) } => {
                 crumple_instance_load_damage(context, self.instance(instance), bytes.as_ptr().cast(), bytes.len())
@@ -334,6 +346,10 @@ impl Player {
             Call::RepairDamage { instance, keep } => {
                 crumple_instance_repair_damage(context, self.instance(instance), keep)
             }
+            Call::RepairAround { instance, point, radius, keep } => {
+                crumple_instance_repair_around(context, self.instance(instance), point.into(), radius, keep)
+            }
+            Call::SetTime { time } => crumple_context_set_time(context, time),
             Call::ResetDamage { instance } => crumple_instance_reset_damage(context, self.instance(instance)),
             Call::CopyDamage { instance, source } => {
                 crumple_instance_copy_damage(context, self.instance(instance), self.instance(source))
@@ -403,6 +419,8 @@ impl Player {
             max_contact_distance,
             blend_constant,
             tolerance,
+            compliance,
+            grow_time,
             local_to_world,
         } = call
         {
@@ -418,6 +436,8 @@ impl Player {
                 max_contact_distance,
                 blend_constant,
                 tolerance,
+                compliance,
+                grow_time,
                 local_to_world,
                 ..def
             };
@@ -516,6 +536,18 @@ fn answered(value: &mut u64, report: impl FnOnce(*mut CrumpleHitResult) -> Crump
     if result == CrumpleResult::CrumpleOk {
         // SAFETY: written, since the call succeeded.
         *value = hit_digest(unsafe { out.assume_init_ref() });
+    }
+    result
+}
+
+/// Asks a call for bytes, first for their number. What stands for them goes into `value`.
+fn filled(value: &mut u64, mut save: impl FnMut(*mut c_void, usize, *mut usize) -> CrumpleResult) -> CrumpleResult {
+    let mut size = 0;
+    let mut result = save(null_mut(), 0, &mut size);
+    if result == CrumpleResult::CrumpleOk {
+        let mut bytes = vec![0u8; size];
+        result = save(bytes.as_mut_ptr().cast(), size, &mut size);
+        *value = digest(&bytes);
     }
     result
 }

@@ -2,7 +2,7 @@
 
 use super::c_enum::c_enums;
 use super::check::{Out, boolean, def, defs, enumerator, finite, positive_or, striker, string, zeroed};
-use super::context::{Context, CrumpleContext, CrumpleLogLevel, recorded};
+use super::context::{Context, CrumpleContext, CrumpleLogLevel, look_into, recorded};
 use super::memory::{read, read_required};
 use super::record_call::{Call, Number};
 use super::recorder::Log;
@@ -230,7 +230,7 @@ pub unsafe extern "C" fn crumple_example_set_add_lod(
         let id = set;
         let entry = state.sets.get_mut(id, "set")?;
         let set = Arc::get_mut(&mut entry.set).ok_or_else(|| {
-            Failure::invalid("set has instances; add its levels of detail before the first instance is made")
+            Failure::invalid("set has instances, or is shared with another context; add its levels of detail before the first instance is made")
         })?;
         let mesh = read_mesh(&def.mesh)?;
         let lod = set.add_lod(mesh, &Quiet(context.tasks()))?;
@@ -283,7 +283,7 @@ pub(super) fn insert_set(
             set.memory_bytes()
         ),
     );
-    let entry = SetEntry { set: Arc::new(set), name, names, primitives, _materials: materials, node_transform };
+    let entry = SetEntry { set: Arc::new(set), name, names, primitives, materials, node_transform };
     let set = entry.set.clone();
     let id = state.sets.insert(entry);
     log.set(id, &set);
@@ -468,6 +468,31 @@ pub(super) unsafe fn read_options(options: &CrumpleExampleSetOptions, vertices: 
         stamp_resolution: options.stamp_resolution,
         tolerance: positive_or(options.bake_tolerance, "def.options.bake_tolerance", "m", "exact floats")?,
         normal_tolerance: options.bake_normal_tolerance,
+    })
+}
+
+/// Gives a set to another context too, without a copy, such as for levels that load on a thread of their own. The
+/// contexts are then as independent as before. Destroying the set in one of them does not affect the others. Both
+/// contexts are in use during the call. Add levels of detail before. CRUMPLE_ERROR_INVALID_ARGUMENT: other is context.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_example_set_share(
+    context: *mut CrumpleContext,
+    set: CrumpleExampleSet,
+    other: *mut CrumpleContext,
+    out_set: *mut CrumpleExampleSet,
+) -> CrumpleResult {
+    recorded("crumple_example_set_share", other, |_, state, log| {
+        let out = Out::new(out_set, "out_set")?;
+        if context == other {
+            return Err(Failure::invalid("other is context itself; its ids of the set already work there"));
+        }
+        let entry = look_into(context, |state| Ok(state.sets.get(set, "set")?.shared()))?;
+        state.sets.reserve::<CrumpleExampleSet>()?;
+        let set = entry.set.clone();
+        let id = state.sets.insert(entry);
+        log.set(id, &set);
+        out.write(id);
+        Ok(())
     })
 }
 

@@ -36,6 +36,7 @@ pub(super) fn write(state: &mut State, writer: &mut Writer) -> Result<(), Failur
     if state.vertex_budget > 0 {
         call(Call::SetVertexBudget { vertices: state.vertex_budget }, none);
     }
+    call(Call::SetTime { time: state.time }, none);
     let mut known = HashSet::new();
     for (id, entry) in state.sets.iter::<CrumpleExampleSet>() {
         known.insert(Number::of(id));
@@ -52,6 +53,7 @@ pub(super) fn write(state: &mut State, writer: &mut Writer) -> Result<(), Failur
     }
     for (id, entry) in state.instances.iter_mut::<CrumpleInstance>() {
         let instance = Number::of(id);
+        entry.instance.finish_growth();
         call(create(entry), instance);
         call(Call::SetDepthLimit { instance, depth_limit: entry.instance.depth_limit() }, none);
         call(Call::SetTolerance { instance, tolerance: entry.instance.tolerance() }, none);
@@ -87,6 +89,8 @@ pub(super) fn create(entry: &InstanceEntry) -> Call {
         max_contact_distance: o.max_contact_distance.unwrap_or(0.0),
         blend_constant,
         tolerance: o.tolerance,
+        grow_time: o.grow_time,
+        compliance: o.compliance.unwrap_or(0.0),
         local_to_world: *entry.local_to_world.lock().unwrap_or_else(PoisonError::into_inner),
     }
 }

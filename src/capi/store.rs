@@ -23,8 +23,27 @@ pub(super) struct SetEntry {
     pub(super) names: Vec<CString>,
     pub(super) primitives: Vec<CrumplePrimitive>,
     /// What `primitives` points to.
-    pub(super) _materials: Vec<CString>,
+    pub(super) materials: Vec<CString>,
     pub(super) node_transform: Option<[f32; 16]>,
+}
+
+impl SetEntry {
+    /// The same set for another context.
+    pub(super) fn shared(&self) -> Self {
+        let materials = self.materials.clone();
+        let moved = |primitive: &CrumplePrimitive| {
+            let at = self.materials.iter().position(|material| material.as_ptr() == primitive.material);
+            CrumplePrimitive { material: at.map_or(std::ptr::null(), |at| materials[at].as_ptr()), ..*primitive }
+        };
+        SetEntry {
+            set: self.set.clone(),
+            name: self.name.clone(),
+            names: self.names.clone(),
+            primitives: self.primitives.iter().map(moved).collect(),
+            materials,
+            node_transform: self.node_transform,
+        }
+    }
 }
 
 /// What a context keeps of an instance.
@@ -41,6 +60,8 @@ pub(super) struct BufferEntry {
     pub(super) owner: CrumpleInstance,
     pub(super) lod: usize,
     pub(super) memory: Memory,
+    /// Whether the last deform, or recording, of any buffer included this one.
+    pub(super) included: bool,
 }
 
 /// Where a buffer's vertices are.
@@ -93,6 +114,8 @@ pub(super) struct State {
     pub(super) buffers: Slots<BufferEntry>,
     /// 0: none.
     pub(super) vertex_budget: u64,
+    /// The time for dents that grow, s.
+    pub(super) time: f64,
     #[cfg(feature = "vulkan")]
     pub(super) vulkan: Option<Attached>,
 }
@@ -105,6 +128,7 @@ impl State {
             instances: Slots::new(tag),
             buffers: Slots::new(tag),
             vertex_budget: 0,
+            time: 0.0,
             #[cfg(feature = "vulkan")]
             vulkan: None,
         }

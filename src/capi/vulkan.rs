@@ -140,7 +140,7 @@ pub unsafe extern "C" fn crumple_buffer_register_vulkan(
             let owner = &state.instances.get(instance, "instance")?.instance;
             let vulkan = state.vulkan.as_mut().ok_or_else(not_attached)?;
             let memory = Memory::Vulkan(vulkan.register(owner, &def)?);
-            add_buffer(state, log, BufferEntry { owner: instance, lod: def.lod as usize, memory }, out)
+            add_buffer(state, log, BufferEntry { owner: instance, lod: def.lod as usize, memory, included: false }, out)
         })
     })
 }
@@ -386,6 +386,13 @@ fn with_jobs<T>(
     device.device().set_vertex_budget(budget);
     let result = f(device, &mut jobs);
     *kept = recycled(jobs);
+    if result.is_ok() {
+        for (id, entry) in entries.iter_mut::<CrumpleBuffer>() {
+            if matches!(entry.memory, Memory::Vulkan(_)) {
+                entry.included = chosen.names(id);
+            }
+        }
+    }
     result
 }
 

@@ -3,7 +3,6 @@
 use super::dent::{Dent, Reach};
 use super::mark::Mark;
 use super::overlap::{change, dent_alone, energy_factor, is_gone, overlap, settle, strength_alone};
-use crate::base::error::{Error, reserve};
 use crate::base::math::Aabb;
 use crate::example::options::Combine;
 use crate::example::set::ExampleSet;
@@ -78,28 +77,27 @@ impl Damage {
         self.differences(&before, changed);
     }
 
-    /// Replaces all marks. On an error nothing changes.
-    pub(crate) fn replace(
-        &mut self,
-        set: &ExampleSet,
-        marks: &[Mark],
-        capacity: usize,
-        changed: Changed<'_>,
-    ) -> Result<(), Error> {
-        marks.iter().enumerate().try_for_each(|(i, m)| m.check(set, i))?;
-        let mut copy = reserve(marks.len(), "marks")?;
-        copy.extend_from_slice(marks);
+    /// Replaces all marks, which must be valid.
+    pub(crate) fn replace(&mut self, set: &ExampleSet, marks: Vec<Mark>, capacity: usize, changed: Changed<'_>) {
         self.clear(changed);
-        self.add(set, copy, capacity, changed);
-        Ok(())
+        self.add(set, marks, capacity, changed);
     }
 
-    /// Multiplies the strength of every dent by `keep`. Removes marks whose strength alone falls below a ten-thousandth.
-    pub(crate) fn scale(&mut self, set: &ExampleSet, keep: f32, changed: Changed<'_>) {
+    /// Replaces all marks by valid and sorted ones within the capacity. Only dents that differ change.
+    pub(crate) fn replace_sorted(&mut self, set: &ExampleSet, marks: Vec<Mark>, changed: Changed<'_>) {
+        self.become_marks(set, marks, changed);
+    }
+
+    /// Multiplies the strength that each dent has alone by `keep` of its mark, 0 to 1. Removes marks whose strength alone
+    /// falls below a ten-thousandth. Marks that keep 1 do not change.
+    pub(crate) fn scale(&mut self, set: &ExampleSet, keep: impl Fn(&Mark) -> f64, changed: Changed<'_>) {
         let combine = set.options().combine;
-        let factor = energy_factor(f64::from(keep), combine);
-        let scaled = |m: &Mark| Mark { energy: (m.energy as f64 * factor) as u64, ..*m };
-        let marks = self.marks.iter().map(scaled).filter(|m| !is_gone(m.energy, combine)).collect();
+        let scaled = |m: &Mark| {
+            let keep = keep(m);
+            let energy = (m.energy as f64 * energy_factor(keep, combine)) as u64;
+            if keep >= 1.0 { Some(*m) } else { (!is_gone(energy, combine)).then_some(Mark { energy, ..*m }) }
+        };
+        let marks = self.marks.iter().filter_map(scaled).collect();
         self.become_marks(set, marks, changed);
     }
 
@@ -122,6 +120,42 @@ impl Damage {
         });
     }
 
+    /// Calls `f` for every mark that is in this list or the other, in order, with what each shows of its dent.
+    pub(crate) fn compare(&self, other: &Damage, mut f: impl FnMut(&Mark, Shown, Shown)) {
+        walk(&self.marks, &other.marks, |a, b| {
+            let shown = |list: &Damage, at: Option<usize>| at.map(|at| Shown::of(&list.dents[at]));
+            let (from, to) = (shown(self, a), shown(other, b));
+            let (width, mark) = (from.or(to), b.map(|b| other.marks[b]).or(a.map(|a| self.marks[a])));
+            let nothing = width.map(|shown| Shown { strength: 0.0, ..shown }).unwrap_or_default();
+            if let Some(mark) = mark {
+                let nothing_there = to.map_or(nothing, |to| Shown { strength: 0.0, ..to });
+                f(&mark, from.unwrap_or(nothing_there), to.unwrap_or(nothing));
+            }
+        });
+    }
+
+    /// These dents, with others shown in place of some of them, or beside them. `others` are sorted by mark.
+    pub(crate) fn shown_as(&self, set: &ExampleSet, others: &[(Mark, Shown)]) -> Damage {
+        let marks: Vec<Mark> = others.iter().map(|(mark, _)| *mark).collect();
+        let mut all = Damage::default();
+        walk(&self.marks, &marks, |own, other| {
+            let mark = own.map_or_else(|| marks[other.unwrap_or(0)], |own| self.marks[own]);
+            let mut dent = own.map_or_else(|| dent_alone(set, &mark), |own| self.dents[own].clone());
+            if let Some(other) = other {
+                let Shown { strength, wide } = others[other].1;
+                if strength == 0.0 {
+                    return;
+                }
+                dent.strength = strength;
+                dent.widen(set, wide);
+            }
+            all.marks.push(mark);
+            all.reaches.push(dent.reach());
+            all.dents.push(dent);
+        });
+        all
+    }
+
     pub(crate) fn memory_bytes(&self) -> usize {
         self.marks.len() * (size_of::<Mark>() + size_of::<Reach>())
             + self.dents.iter().map(Dent::memory_bytes).sum::<usize>()
@@ -129,6 +163,25 @@ impl Damage {
 
     pub(crate) fn touch_all(&self, changed: Changed<'_>) {
         self.dents.iter().for_each(changed);
+    }
+}
+
+/// How strong and how wide a dent is shown.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Shown {
+    strength: f32,
+    wide: f32,
+}
+
+impl Shown {
+    fn of(dent: &Dent) -> Self {
+        Shown { strength: dent.strength, wide: dent.wide }
+    }
+
+    /// What lies at this share of the way to another, 0 to 1.
+    pub(crate) fn towards(self, to: Shown, share: f32) -> Shown {
+        let between = |a: f32, b: f32| a + (b - a) * share;
+        Shown { strength: between(self.strength, to.strength), wide: between(self.wide, to.wide) }
     }
 }
 
@@ -140,7 +193,7 @@ struct Entry {
 }
 
 /// Calls `f` for every mark that is in either sorted list, in order, with its index in each.
-fn walk(a: &[Mark], b: &[Mark], mut f: impl FnMut(Option<usize>, Option<usize>)) {
+pub(super) fn walk(a: &[Mark], b: &[Mark], mut f: impl FnMut(Option<usize>, Option<usize>)) {
     let (mut i, mut j) = (0, 0);
     while i < a.len() || j < b.len() {
         let order = match (a.get(i), b.get(j)) {

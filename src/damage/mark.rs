@@ -109,11 +109,11 @@ impl Mark {
     }
 
     /// Contact, depth and pairs. Marks with equal keys are merged. Marks are sorted by key.
-    pub(super) fn key(&self) -> (u32, u32, [Pair; MAX_PAIRS]) {
+    pub(crate) fn key(&self) -> (u32, u32, [Pair; MAX_PAIRS]) {
         (self.contact, self.depth.to_bits(), self.pairs)
     }
 
-    pub(super) fn check(&self, set: &ExampleSet, at: usize) -> Result<(), Error> {
+    pub(crate) fn check(&self, set: &ExampleSet, at: usize) -> Result<(), Error> {
         let bad = |name: &str, value: String, expected: String| Error::InvalidArgument {
             name: format!("{name} of mark {at}"),
             value,

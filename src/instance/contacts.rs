@@ -6,7 +6,7 @@
 //! as a whole, and marks that have merged never need to be taken apart.
 
 use super::options::Rule;
-use super::selection::{Effect, select};
+use super::selection::select;
 use crate::base::math::to_f32;
 use crate::damage::dent::Dent;
 use crate::damage::list::Damage;
@@ -16,6 +16,7 @@ use crate::example::set::ExampleSet;
 use crate::select::hit::{Hit, Outcome};
 use crate::select::target::HitParams;
 use glam::DVec3;
+use std::collections::VecDeque;
 use std::num::NonZeroU64;
 
 /// One hit's part of a contact, in the mesh's space.
@@ -83,7 +84,8 @@ struct OpenContact {
     normal: DVec3,
     /// The blows together, without their impulses and normals. `None` if there is none.
     blow: Option<Blow>,
-    mark: Option<Mark>,
+    /// The effect of the sum of its hits; `None` if it is too weak.
+    outcome: Option<Outcome>,
 }
 
 impl OpenContact {
@@ -99,8 +101,12 @@ impl OpenContact {
             displaced: false,
             normal: zero,
             blow: None,
-            mark: None,
+            outcome: None,
         }
+    }
+
+    fn mark(&self) -> Option<Mark> {
+        self.outcome.and_then(|outcome| outcome.mark)
     }
 
     fn add(&mut self, part: &ContactPart) {
@@ -130,7 +136,7 @@ impl OpenContact {
     }
 
     /// The effect of the sum of its hits; `None` if the sum is below the yield impulse or moves nothing.
-    fn outcome(&self, set: &ExampleSet, params: &HitParams) -> Option<(Outcome, Effect)> {
+    fn select(&self, set: &ExampleSet, params: &HitParams) -> Option<Outcome> {
         let by_target = self.blow.is_none();
         let weak = by_target && !self.displaced && self.impulse.length() < f64::from(params.yield_impulse);
         if weak || self.weight <= 0.0 {
@@ -144,20 +150,13 @@ impl OpenContact {
             let normal = blow.normal.and_then(|_| self.normal.try_normalize()).map(to_f32);
             let whole = Blow { impulse: blow.impulse.map(|_| to_f32(self.impulse)), normal, ..blow };
             let whole = Hit::blow(point, whole);
-            let (outcome, effect) = select(set, Rule::Marks, &params, &whole).ok()?;
+            let (outcome, _) = select(set, Rule::Marks, &params, &whole).ok()?;
             if !self.displaced {
-                return Some((outcome, effect));
+                return Some(outcome);
             }
             target += DVec3::from_array(outcome.target.map(f64::from));
         }
-        select(set, Rule::Marks, &params, &Hit::displacement(point, to_f32(target))).ok()
-    }
-
-    fn selected(&self, set: &ExampleSet, params: &HitParams) -> Option<Mark> {
-        match self.outcome(set, params) {
-            Some((_, Effect::Mark(mark))) => Some(mark),
-            _ => None,
-        }
+        select(set, Rule::Marks, &params, &Hit::displacement(point, to_f32(target))).ok().map(|(outcome, _)| outcome)
     }
 }
 
@@ -198,13 +197,16 @@ pub(crate) struct NewHits {
 pub(crate) struct Contacts {
     /// Sorted by id.
     open: Vec<OpenContact>,
+    /// The contacts that ended last and their outcomes, the latest at the end.
+    ended: VecDeque<(NonZeroU64, Option<Outcome>)>,
     /// The damage without the open contacts; kept only while there are any.
     settled: Damage,
     folds: u64,
 }
 
 impl Contacts {
-    /// The most contacts that are open at a time. Beyond it, the contact hit longest ago ends first.
+    /// The most contacts that are open at a time. Beyond it, the contact hit longest ago ends first. Also the number of
+    /// ended contacts whose outcomes are kept.
     pub(crate) const MAX: usize = 256;
 
     pub(crate) fn len(&self) -> usize {
@@ -213,18 +215,35 @@ impl Contacts {
 
     /// Ends all open contacts. `damage` stays as shown.
     pub(crate) fn close_all(&mut self) {
-        self.open.clear();
+        while !self.open.is_empty() {
+            self.end(0);
+        }
         self.settled = Damage::default();
     }
 
-    pub(crate) fn memory_bytes(&self) -> usize {
-        self.open.len() * size_of::<OpenContact>() + self.settled.memory_bytes()
+    /// Ends an open contact and returns its mark.
+    fn end(&mut self, at: usize) -> Option<Mark> {
+        let open = self.open.remove(at);
+        if self.ended.len() == Self::MAX {
+            self.ended.pop_front();
+        }
+        self.ended.push_back((open.id, open.outcome));
+        open.mark()
     }
 
-    /// The outcome of an open contact so far. The outer `None`: not open. The inner `None`: too weak to leave a mark.
-    pub(crate) fn outcome(&self, id: NonZeroU64, set: &ExampleSet, params: &HitParams) -> Option<Option<Outcome>> {
-        let at = self.open.binary_search_by_key(&id, |o| o.id).ok()?;
-        Some(self.open[at].outcome(set, params).map(|(outcome, _)| outcome))
+    pub(crate) fn memory_bytes(&self) -> usize {
+        self.open.len() * size_of::<OpenContact>()
+            + self.ended.len() * size_of::<(NonZeroU64, Option<Outcome>)>()
+            + self.settled.memory_bytes()
+    }
+
+    /// The outcome of a contact: an open one so far, or that of the last one with this id that ended. `None` if it is too
+    /// weak to leave a mark, or unknown.
+    pub(crate) fn outcome(&self, id: NonZeroU64) -> Option<Outcome> {
+        match self.open.binary_search_by_key(&id, |o| o.id) {
+            Ok(at) => self.open[at].outcome,
+            Err(_) => self.ended.iter().rev().find(|(ended, _)| *ended == id).and_then(|(_, outcome)| *outcome),
+        }
     }
 
     /// Updates `damage`, which holds the settled marks and those of open contacts.
@@ -243,10 +262,10 @@ impl Contacts {
         self.apply(new.contacts, set, params, &mut marks);
         while self.open.len() > Self::MAX {
             let stalest = (0..self.open.len()).min_by_key(|i| (self.open[*i].last_fold, self.open[*i].id));
-            marks.extend(stalest.and_then(|i| self.open.remove(i).mark));
+            marks.extend(stalest.and_then(|i| self.end(i)));
         }
         settled.add(set, marks, capacity, &mut |_| {});
-        let open: Vec<Mark> = self.open.iter().filter_map(|o| o.mark).collect();
+        let open: Vec<Mark> = self.open.iter().filter_map(OpenContact::mark).collect();
         if self.open.is_empty() {
             *damage = settled;
         } else {
@@ -274,7 +293,7 @@ impl Contacts {
                     ContactEvent::End(_) => {
                         self.add_parts(id, &mut parts, set, params);
                         if let Ok(at) = self.open.binary_search_by_key(&id, |o| o.id) {
-                            ended.extend(self.open.remove(at).mark);
+                            ended.extend(self.end(at));
                         }
                     }
                 }
@@ -296,6 +315,6 @@ impl Contacts {
         let open = &mut self.open[at];
         parts.drain(..).for_each(|p| open.add(&p));
         open.last_fold = self.folds;
-        open.mark = open.selected(set, params);
+        open.outcome = open.select(set, params);
     }
 }

@@ -96,7 +96,7 @@ impl Instance {
     pub(crate) fn view(&self) -> DamageView<'_> {
         DamageView {
             set: &self.set,
-            damage: &self.damage,
+            damage: self.growth.shown(&self.damage),
             depth_limit: self.limit,
             threshold: self.threshold,
             tolerance: self.tolerance,

@@ -14,7 +14,7 @@ use std::sync::{Arc, Mutex, MutexGuard, RwLock, RwLockWriteGuard};
 
 /// A hit that waits for the next fold.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Pending {
+pub(crate) enum Pending {
     Mark(Mark),
     /// Contact vertex, example, bits of the weight. The weight is positive, so its bits sort as the number does.
     Classic(u32, u32, u32),
@@ -54,6 +54,13 @@ impl Inbox {
     /// [`Error::ContactTooFar`]; [`Error::WrongRule`] for a contact with a classic rule, which cannot replace what it
     /// has deformed. After an error nothing has been queued.
     pub fn submit(&self, hit: &Hit) -> Result<Outcome, Error> {
+        let (outcome, pending) = self.prepare(hit)?;
+        pending.map_or(Ok(()), |pending| self.push(pending))?;
+        Ok(outcome)
+    }
+
+    /// Selects examples for a hit without queuing it.
+    pub(crate) fn prepare(&self, hit: &Hit) -> Result<(Outcome, Option<Pending>), Error> {
         let params = self.params();
         let (mut outcome, effect) = self.select(&params, hit)?;
         let pending = match (hit.contact, effect) {
@@ -74,14 +81,18 @@ impl Inbox {
                 };
                 Pending::Contact(ContactEvent::Part(ContactPart { id, point, push }))
             }
-            (None, Effect::None) => return Ok(outcome),
+            (None, Effect::None) => return Ok((outcome, None)),
             (None, Effect::Mark(m)) => Pending::Mark(m),
             (None, Effect::Classic { example, weight }) => {
                 Pending::Classic(outcome.contact_vertex, example, weight.to_bits())
             }
         };
-        self.push(pending)?;
-        Ok(outcome)
+        Ok((outcome, Some(pending)))
+    }
+
+    /// Queues what was prepared.
+    pub(crate) fn queue_prepared(&self, pending: Option<Pending>) {
+        self.queue().extend(pending);
     }
 
     /// Ends a contact: its dent stays as it is. The dent is the sum of the hits of this id that arrived before this
@@ -130,6 +141,10 @@ impl Inbox {
         params.world_to_local = inverse;
         params.local_origin_in_world = m.w_axis.truncate();
         Ok(())
+    }
+
+    pub(crate) fn example_set(&self) -> &ExampleSet {
+        &self.set
     }
 
     fn select(&self, params: &HitParams, hit: &Hit) -> Result<(Outcome, Effect), Error> {

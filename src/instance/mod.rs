@@ -1,26 +1,32 @@
 //! One dented copy of a mesh: its inbox of hits, its damage, and the epoch of each block's last change.
 
+pub(crate) mod archive;
 pub(crate) mod attach;
 mod contacts;
 pub(crate) mod deform;
+mod growth;
 pub(crate) mod inbox;
 pub(crate) mod options;
 mod selection;
+pub(crate) mod skin;
 
-use crate::base::error::{Error, at_least_zero};
+use crate::base::error::{Error, at_least_zero, positive, reserve};
 use crate::classic::{Blend, ClassicState};
 use crate::damage::changes::{ChangeRecorder, Changes};
 use crate::damage::dent::Dent;
+use crate::damage::history::{History, applied, revision};
 use crate::damage::list::Damage;
 use crate::damage::mark::Mark;
 use crate::damage::saved;
 use crate::deform::tolerance::{EDGES, pixel_tolerance, rounded, threshold};
 use crate::example::mesh_lod::MeshLod;
 use crate::example::set::ExampleSet;
+use crate::mesh::finite;
 use crate::select::hit::{Hit, Outcome};
 use crate::select::target::HitParams;
 use contacts::{Contacts, NewHits};
 use glam::{DMat3, DVec3, Mat4};
+use growth::Growth;
 use inbox::{Inbox, Pending};
 use options::{InstanceOptions, Rule, check_limit, needs_marks};
 use std::num::NonZeroU64;
@@ -53,6 +59,9 @@ pub struct Instance {
     /// The damage shown: settled marks and those of open contacts.
     damage: Damage,
     contacts: Contacts,
+    /// Kept from the first [`Instance::save_changes`] on.
+    history: Option<History>,
+    growth: Growth,
     classic: Option<ClassicState>,
     limit: f32,
     /// The tolerance in use: a power of two times 1 m, or 0.
@@ -81,6 +90,7 @@ impl Instance {
             depth_limit: limit,
             yield_impulse: options.yield_impulse,
             yield_displacement: options.yield_displacement,
+            compliance: options.compliance,
             max_distance: options.max_contact_distance.unwrap_or(diagonal.max(limit)),
             world_to_local: DMat3::IDENTITY,
             local_origin_in_world: DVec3::ZERO,
@@ -95,6 +105,8 @@ impl Instance {
             options,
             damage: Damage::default(),
             contacts: Contacts::default(),
+            history: None,
+            growth: Growth::new(options.grow_time),
             classic,
             limit,
             tolerance,
@@ -148,16 +160,16 @@ impl Instance {
         self.inbox.preview(hit)
     }
 
-    /// Returns what an open contact does so far, after folding the hits that have arrived: its mark, and how much of
-    /// the whole contact's displacement the mark achieves. `None` if no contact of this id is open, or if its sum is
-    /// too weak to leave a mark.
+    /// Returns the outcome of a contact, all its hits taken as one, after folding the hits that have arrived. The
+    /// contact is open, or among the [`Instance::MAX_CONTACTS`] that ended last. `None` if there is no such contact, or
+    /// if its sum is too weak to leave a mark.
     ///
     /// # Errors
     /// [`Error::WrongRule`] with a classic rule.
     pub fn contact(&mut self, id: NonZeroU64) -> Result<Option<Outcome>, Error> {
         self.only_marks("contact")?;
         self.fold();
-        Ok(self.contacts.outcome(id, &self.set, &self.inbox.params()).flatten())
+        Ok(self.contacts.outcome(id))
     }
 
     /// Calls [`Inbox::set_transform`].
@@ -182,7 +194,7 @@ impl Instance {
         self.limit = limit.unwrap_or(self.set.depth_limit());
         self.inbox.params_mut().depth_limit = self.limit;
         let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
-        self.damage.touch_all(&mut |d: &Dent| touch.dent(d));
+        self.growth.shown(&self.damage).touch_all(&mut |d: &Dent| touch.dent(d));
         Ok(())
     }
 
@@ -245,12 +257,16 @@ impl Instance {
 
     /// Call this after every change of damage or tolerance.
     fn update_threshold(&mut self) {
-        let threshold = threshold(&self.set, self.damage.dents(), self.tolerance);
+        if let Some(history) = &mut self.history {
+            history.record(self.damage.marks());
+        }
+        let shown = self.growth.shown(&self.damage);
+        let threshold = threshold(&self.set, shown.dents(), self.tolerance);
         if threshold != self.threshold {
             // Displacements below both thresholds are not shown before or after.
             let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, threshold.min(self.threshold));
             self.threshold = threshold;
-            self.damage.touch_all(&mut |d: &Dent| touch.dent(d));
+            shown.touch_all(&mut |d: &Dent| touch.dent(d));
         }
     }
 
@@ -273,12 +289,16 @@ impl Instance {
             }
         }
         let capacity = self.options.capacity as usize;
+        let before = self.growth.is_on().then(|| self.damage.clone());
         let mut touched = |d: &Dent| touch.dent(d);
         if self.contacts.len() > 0 || !new.contacts.is_empty() {
             let params = self.inbox.params();
             self.contacts.fold(&self.set, &params, capacity, new, &mut self.damage, &mut touched);
         } else if !new.marks.is_empty() {
             self.damage.add(&self.set, new.marks, capacity, &mut touched);
+        }
+        if let Some(before) = before {
+            self.growth.begin(&self.set, before, &self.damage);
         }
         classic.sort_unstable();
         if let Some(state) = &mut self.classic {
@@ -310,12 +330,43 @@ impl Instance {
     /// changed.
     pub fn set_marks(&mut self, marks: &[Mark]) -> Result<(), Error> {
         self.only_marks("set_marks")?;
-        let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
-        self.damage.replace(&self.set, marks, self.options.capacity as usize, &mut |d: &Dent| touch.dent(d))?;
-        self.contacts.close_all();
-        self.inbox.queue().clear();
-        self.update_threshold();
+        let marks = self.checked(marks)?;
+        self.become_saved(Saved::Marks(marks));
         Ok(())
+    }
+
+    /// A copy of marks that the set can have.
+    fn checked(&self, marks: &[Mark]) -> Result<Vec<Mark>, Error> {
+        marks.iter().enumerate().try_for_each(|(i, m)| m.check(&self.set, i))?;
+        let mut copy = reserve(marks.len(), "marks")?;
+        copy.extend_from_slice(marks);
+        Ok(copy)
+    }
+
+    /// Returns a number for the marks, after folding the hits that have arrived. Equal marks have equal revisions, on
+    /// every machine and whatever led to them; other marks have others, up to an accident of 1 in 2^64. 0 without marks
+    /// and with a classic rule.
+    pub fn revision(&mut self) -> u64 {
+        self.fold();
+        revision(self.damage.marks())
+    }
+
+    /// Returns what changed since a [`revision`](Instance::revision), as bytes for [`Instance::load`] of another instance
+    /// that has that revision: 40 bytes and 32 for each mark that changed. From the first call on, the instance remembers
+    /// the last 256 changes of a mark. For a revision that it does not remember, the bytes are those of
+    /// [`Instance::save`], which fit any revision.
+    ///
+    /// # Errors
+    /// [`Error::WrongRule`] with a classic rule.
+    pub fn save_changes(&mut self, since: u64) -> Result<Vec<u8>, Error> {
+        self.only_marks("save_changes")?;
+        self.fold();
+        let marks = self.damage.marks();
+        let history = self.history.get_or_insert_with(|| History::new(marks));
+        match history.since(since) {
+            Some(changed) => Ok(saved::changes(&self.set, (since, revision(marks)), &changed)),
+            None => Ok(self.save()),
+        }
     }
 
     /// Returns the damage as bytes, with a version and the set's fingerprint. The same damage gives the same bytes on
@@ -332,23 +383,76 @@ impl Instance {
         }
     }
 
-    /// Replaces the damage by saved bytes. Discards hits that have not been folded yet, and ends all contacts.
+    /// Replaces the damage by saved bytes, or applies the bytes of [`Instance::save_changes`], which leave the same marks
+    /// as there. Discards hits that have not been folded yet, and ends all contacts.
     ///
     /// # Errors
-    /// [`Error::DamageMismatch`] for bytes that are cut short or belong to another version, set or rule;
+    /// [`Error::DamageMismatch`] for bytes that are cut short or belong to another version, set, rule or revision;
     /// [`Error::InvalidArgument`] for a mark that the set cannot have. After an error nothing has changed.
     pub fn load(&mut self, bytes: &[u8]) -> Result<(), Error> {
-        if self.classic.is_some() {
-            let mut state = ClassicState::load(&self.set, bytes)?;
-            self.inbox.queue().clear();
-            ChangeRecorder::new(&self.set, &mut self.changes, 0.0).everything();
-            state.replaced(self.changes.epoch);
-            self.classic = Some(state);
+        if !saved::are_changes(bytes) || self.classic.is_some() {
+            let saved = self.read(bytes)?;
+            self.become_saved(saved);
             return Ok(());
+        }
+        let ((from, to), changes) = saved::read_changes(&self.set, bytes)?;
+        let bad = |what: String| Err(Error::DamageMismatch { what });
+        let now = self.revision();
+        if now != from {
+            return bad(format!(
+                "the changes lead from revision {from:016x} to {to:016x}; this instance has revision {now:016x}"
+            ));
+        }
+        if !changes.is_sorted_by(|a, b| a.key() < b.key()) {
+            return bad("the changes are not sorted, or hold a mark twice".into());
+        }
+        let marks = self.checked(&applied(self.damage.marks(), &changes))?;
+        if revision(&marks) != to {
+            return bad(format!("the changes lead to revision {:016x} instead of {to:016x}", revision(&marks)));
+        }
+        if marks.len() > self.options.capacity as usize {
+            let capacity = self.options.capacity;
+            return bad(format!("the changes lead to {} marks; this instance keeps {capacity}", marks.len()));
+        }
+        let before = self.growth.is_on().then(|| self.damage.clone());
+        let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
+        self.damage.replace_sorted(&self.set, marks, &mut |d: &Dent| touch.dent(d));
+        if let Some(before) = before {
+            self.growth.begin(&self.set, before, &self.damage);
+        }
+        self.contacts.close_all();
+        self.update_threshold();
+        Ok(())
+    }
+
+    /// Reads the bytes of [`Instance::save`].
+    pub(crate) fn read(&self, bytes: &[u8]) -> Result<Saved, Error> {
+        if self.classic.is_some() {
+            return Ok(Saved::Classic(ClassicState::load(&self.set, bytes)?));
         }
         let entries = saved::entries(&self.set, bytes, saved::MARKS, size_of::<Mark>())?;
         let marks: Vec<Mark> = entries.chunks_exact(size_of::<Mark>()).map(saved::read_mark).collect();
-        self.set_marks(&marks)
+        Ok(Saved::Marks(self.checked(&marks)?))
+    }
+
+    /// Replaces the damage. Discards hits that have not been folded yet, and ends all contacts.
+    pub(crate) fn become_saved(&mut self, saved: Saved) {
+        self.contacts.close_all();
+        self.inbox.queue().clear();
+        self.finish_growth();
+        let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
+        match saved {
+            Saved::Marks(marks) => {
+                let capacity = self.options.capacity as usize;
+                self.damage.replace(&self.set, marks, capacity, &mut |d: &Dent| touch.dent(d));
+            }
+            Saved::Classic(mut state) => {
+                touch.everything();
+                state.replaced(touch.changes.epoch);
+                self.classic = Some(state);
+            }
+        }
+        self.update_threshold();
     }
 
     /// Repairs: scales the depth of every dent by `keep`, 0 to 1. Dents of several hits also get narrower. Ends all
@@ -360,23 +464,83 @@ impl Instance {
         if !(0.0..=1.0).contains(&keep) {
             return Err(Error::invalid("keep", keep, "0 (as new) to 1 (nothing repaired)"));
         }
-        self.fold();
-        self.contacts.close_all();
-        let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
-        self.damage.scale(&self.set, keep, &mut |d: &Dent| touch.dent(d));
+        self.scale(|_| keep.into());
         if let Some(state) = &mut self.classic {
+            let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
             state.scale(&self.set, keep);
             state.replaced(touch.changes.epoch);
             touch.everything();
         }
+        Ok(())
+    }
+
+    /// Repairs around a point, as with a hammer: scales the depth of the dents whose contact is nearer than `radius` (m)
+    /// to `point` (m, in the mesh's space). A dent at the point keeps `keep` of its depth, 0 to 1. Dents further away
+    /// keep more, by the factor `(1 - (distance / radius)^2)^2` of what the one at the point loses. Ends all contacts.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`], [`Error::NotFinite`]; [`Error::WrongRule`] with a classic rule.
+    pub fn repair_around(&mut self, point: [f32; 3], radius: f32, keep: f32) -> Result<(), Error> {
+        self.only_marks("repair_around")?;
+        let point = finite(point, || "point".into())?.as_dvec3();
+        positive("radius", radius, "m")?;
+        if !(0.0..=1.0).contains(&keep) {
+            return Err(Error::invalid("keep", keep, "0 (as new) to 1 (nothing repaired)"));
+        }
+        let set = self.set.clone();
+        self.scale(|mark| {
+            let contact = set.mesh().positions()[mark.contact as usize].as_dvec3();
+            let inside = 1.0 - (contact - point).length_squared() / (f64::from(radius) * f64::from(radius));
+            if inside > 0.0 { 1.0 - (1.0 - f64::from(keep)) * inside * inside } else { 1.0 }
+        });
+        Ok(())
+    }
+
+    /// Scales the depth that each mark's dent has alone. Ends all contacts.
+    fn scale(&mut self, keep: impl Fn(&Mark) -> f64) {
+        self.fold();
+        self.contacts.close_all();
+        let before = self.growth.is_on().then(|| self.damage.clone());
+        let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
+        self.damage.scale(&self.set, keep, &mut |d: &Dent| touch.dent(d));
+        if let Some(before) = before {
+            self.growth.begin(&self.set, before, &self.damage);
+        }
+        self.update_threshold();
+    }
+
+    /// Sets the time, s, for the options' [`grow_time`](InstanceOptions::grow_time). A dent that appears, changes or is
+    /// repaired goes evenly from where it was at the last time given before the fold, to where its mark puts it. Dents
+    /// that are read, saved and sent are complete at once; vertices and attached points follow the time. Costs nothing
+    /// if no dent grows. Replaced and reset damage is shown at once.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`].
+    pub fn set_time(&mut self, time: f64) -> Result<(), Error> {
+        if !time.is_finite() {
+            return Err(Error::NotFinite { name: "time".into(), value: time.to_string() });
+        }
+        if !self.growth.is_growing_at_other_than(time) {
+            self.growth.set_time(time);
+            return Ok(());
+        }
+        let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
+        self.growth.advance(&self.set, &self.damage, time, &mut |d: &Dent| touch.dent(d));
         self.update_threshold();
         Ok(())
+    }
+
+    /// Shows all dents as their marks are.
+    pub(crate) fn finish_growth(&mut self) {
+        let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
+        self.growth.finish(&self.damage, &mut |d: &Dent| touch.dent(d));
     }
 
     /// Removes all damage. Discards hits that have not been folded yet, and ends all contacts.
     pub fn reset(&mut self) {
         self.contacts.close_all();
         self.inbox.queue().clear();
+        self.finish_growth();
         let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
         self.damage.clear(&mut |d: &Dent| touch.dent(d));
         if let Some(state) = &mut self.classic {
@@ -403,6 +567,8 @@ impl Instance {
             + self.changes.blocks.iter().map(|b| b.len() * 8).sum::<usize>()
             + self.damage.memory_bytes()
             + self.contacts.memory_bytes()
+            + self.growth.memory_bytes()
+            + self.history.as_ref().map_or(0, History::memory_bytes)
     }
 
     /// The blend constant of a classic rule; 0 keeps the most displaced candidate.
@@ -421,4 +587,10 @@ impl Instance {
     pub(crate) fn needs_marks(&self, call: &str) -> Error {
         needs_marks(call, self.options.rule)
     }
+}
+
+/// Damage that was read and checked.
+pub(crate) enum Saved {
+    Marks(Vec<Mark>),
+    Classic(ClassicState),
 }

@@ -1,7 +1,6 @@
 //! The options of an instance.
 
-use crate::base::error::Error;
-use crate::base::error::at_least_zero;
+use crate::base::error::{Error, at_least_zero, positive};
 use crate::select::hit::Selection;
 
 /// What an impulse leaves on an instance.
@@ -43,9 +42,14 @@ pub struct InstanceOptions {
     pub yield_impulse: f32,
     /// Target displacements shorter than this leave no mark, m.
     pub yield_displacement: f32,
+    /// How far a blow of 1 N·s moves its contact, m per N·s, if no example of the set knows its blow; above 0. The
+    /// duration and mass of impulses are then unused. `None`: `duration / mass` of each impulse.
+    pub compliance: Option<f32>,
     /// The largest distance from a contact to the nearest vertex, m; contacts further away are refused. `None`: the
     /// body's diagonal.
     pub max_contact_distance: Option<f32>,
+    /// How long a dent takes to appear, to deepen or to be repaired, s; 0: no time. See [`crate::Instance::set_time`].
+    pub grow_time: f32,
     /// The most that any vertex may be wrong, m; 0 leaves nothing out. See [`crate::Instance::set_tolerance`].
     pub tolerance: f32,
 }
@@ -60,7 +64,9 @@ impl Default for InstanceOptions {
             capacity: 64,
             yield_impulse: 0.0,
             yield_displacement: 0.0,
+            compliance: None,
             max_contact_distance: None,
+            grow_time: 0.0,
             tolerance: 0.0,
         }
     }
@@ -75,11 +81,18 @@ impl InstanceOptions {
     pub(super) fn check(&self) -> Result<(), Error> {
         at_least_zero("yield_impulse", self.yield_impulse, "N·s")?;
         at_least_zero("yield_displacement", self.yield_displacement, "m")?;
+        if let Some(c) = self.compliance {
+            positive("compliance", c, "m per N·s")?;
+        }
         if let Some(d) = self.max_contact_distance {
             at_least_zero("max_contact_distance", d, "m")?;
         }
         check_limit(self.depth_limit)?;
         at_least_zero("tolerance", self.tolerance, "m")?;
+        at_least_zero("grow_time", self.grow_time, "s")?;
+        if self.grow_time > 0.0 && self.rule != Rule::Marks {
+            return Err(Error::invalid("grow_time", self.grow_time, "0 with a classic rule"));
+        }
         if !(1..=4).contains(&self.examples_per_hit) {
             return Err(Error::invalid("examples_per_hit", self.examples_per_hit, "1 to 4"));
         }

@@ -22,6 +22,8 @@ pub(crate) struct HitParams {
     pub depth_limit: f32,
     pub yield_impulse: f32,
     pub yield_displacement: f32,
+    /// How far an impulse of 1 N·s moves its contact if no example knows its blow, m. `None`: by the paper's formula.
+    pub compliance: Option<f32>,
     pub max_distance: f32,
     /// Linear part of the transform from world to mesh space, and the mesh origin in world space, m.
     pub world_to_local: DMat3,
@@ -85,6 +87,7 @@ pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Out
                     let predicted = response.predict(&blow, at, normal);
                     predicted.map_or((DVec3::ZERO, None, weak), |p| (p.displacement, Some(p.strike), weak))
                 }
+                None if let Some(compliance) = p.compliance => (vector(impulse) * f64::from(compliance), None, weak),
                 // Equation 4.4 of the paper.
                 None => (vector(impulse) * (f64::from(duration_of(&blow)?) / f64::from(mass(m)?)), None, weak),
             }

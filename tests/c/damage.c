@@ -345,6 +345,8 @@ static void visibility(void) {
         OK(crumple_context_deform(context, NULL, 0, NULL));
     }
     OK(crumple_instance_get_contact(context, body[0], 11, &whole));
+    FACT(whole.status == CRUMPLE_HIT_STATUS_MARKED && fabsf(whole.target.z + 0.02f) < 1e-6f); // it ended
+    OK(crumple_instance_get_contact(context, body[0], 12, &whole));
     FACT(whole.status == CRUMPLE_HIT_STATUS_BELOW_YIELD && whole.mark.energy == 0);
     for (int i = 0; i < 2; ++i) OK(crumple_instance_save_damage(context, body[i], saved[i], sizeof saved[i], &size[i]));
     FACT(size[0] == size[1] && memcmp(saved[0], saved[1], size[0]) == 0);

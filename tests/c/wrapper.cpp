@@ -59,6 +59,34 @@ int main() {
     const auto lamp = set.attach(vec3(0.1f, 0.1f, 0.2f)).value();
     FACT(body.attached_frame(lamp).value().position.z < lamp.point.z - 0.01f);
 
+    // Many at once.
+    const CrumpleInstance both[] = {body.id(), other.id()};
+    CrumpleDisplacementDef hits[] = {crumple_displacement_def_default(), crumple_displacement_def_default()};
+    hits[0].point = hits[1].point = vec3(0.2f, 0, 0.07f);
+    hits[0].displacement = hits[1].displacement = vec3(0, 0, -0.02f);
+    const uint64_t before = body.info().value().revision;
+    body.save_changes(before).value();
+    FACT(context.submit(both, hits, 2).value()[1].status == CRUMPLE_HIT_STATUS_MARKED);
+    impulse.impulse = vec3(0, 0, -0.001f);
+    FACT(context.submit(both, &impulse, 1).value().size() == 1);
+    context.deform().value();
+    FACT(context.changed_buffers().value().size() == 1 && context.changed_buffers().value()[0].index == buffer.id().index);
+    const auto all = context.save_damage().value();
+    const auto changes = body.save_changes(before).value();
+    other.load(saved).value();
+    other.load(changes).value();
+    FACT(other.info().value().revision == body.info().value().revision);
+    other.repair_around(vec3(0.2f, 0, 0.07f), 0.1f, 0).value();
+    FACT(other.info().value().revision != body.info().value().revision);
+    context.load_damage(all).value();
+    FACT(other.info().value().revision == body.info().value().revision);
+    FACT(!context.load_damage(all, both, 1).ok());
+    context.set_time(1).value();
+    crumple::Context elsewhere = crumple::Context::create().value();
+    crumple::ExampleSet there = set.share(elsewhere.get()).value();
+    FACT(there.info().value().fingerprint == set.info().value().fingerprint);
+    FACT(set.share(context.get()).result() == CRUMPLE_ERROR_INVALID_ARGUMENT);
+
     // Streams of interleaved vertices.
     struct Vertex {
         float position[3];

@@ -53,6 +53,94 @@ static class DentTests
         }
     }
 
+    /// <summary>Hits, changed buffers and bytes of many; changes since a revision; a set in two contexts.</summary>
+    public static void ManyAtOnce()
+    {
+        using (CrumpleContext context = Sheet.Context(), other = Sheet.Context())
+        {
+            ExampleSet set = context.CreateExampleSet(Sheet.Def());
+            Instance[] bodies = { context.CreateInstance(set), context.CreateInstance(set) };
+            CrumpleInstance[] ids = { bodies[0].Id, bodies[1].Id };
+            CrumpleVec3[] vertices = new CrumpleVec3[Sheet.Vertices], seen = new CrumpleVec3[Sheet.Vertices];
+            bodies[0].RegisterHostBuffer(StridedArray.Of(vertices));
+            HostBuffer second = bodies[1].RegisterHostBuffer(StridedArray.Of(seen));
+            context.Deform();
+            CrumpleBuffer[] changed = new CrumpleBuffer[2];
+            Check.Same(2, context.GetChangedBuffers(changed), "all are written first");
+            Check.Fails(CrumpleResult.ErrorBufferTooSmall, "room for 0", () => context.GetChangedBuffers(default(Span<CrumpleBuffer>)));
+            bodies[1].SubmitDisplacement(Sheet.Hit(0, 0, 0.02f));
+            context.Deform();
+            Check.Same(1, context.GetChangedBuffers(changed), "one is hit");
+            Check.Same(second.Id.Index, changed[0].Index, "the second");
+
+            ulong before = bodies[0].Revision;
+            bodies[0].SaveChanges(before);
+            CrumpleHitResult[] results = new CrumpleHitResult[2];
+            CrumpleDisplacementDef[] hits = { Sheet.Hit(0.2f, 0, 0.03f), Sheet.Hit(0.2f, 0.1f, 0.03f) };
+            context.SubmitDisplacements(ids, hits, results);
+            Check.Same(CrumpleHitStatus.Marked, results[1].Status, "status");
+            Check.Throws<ArgumentException>(() => context.SubmitDisplacements(ids, hits.Take(1).ToArray(), results));
+            CrumpleImpulseDef blow = CrumpleImpulseDef.Default;
+            Check.Fails(CrumpleResult.ErrorInvalidArgument, "hit 0: ", () => context.SubmitImpulses(ids.Take(1).ToArray(), new[] { blow }, default(Span<CrumpleHitResult>)));
+            byte[] all = context.SaveDamage();
+            Check.That(all.SequenceEqual(context.SaveDamage(ids)), "all are both");
+            byte[] changes = bodies[0].SaveChanges(before);
+            Check.Same(72, changes.Length, "one mark changed");
+            bodies[1].ResetDamage();
+            bodies[1].LoadDamage(changes);
+            Check.Same(bodies[0].Revision, bodies[1].Revision, "the same marks");
+            Check.Fails(CrumpleResult.ErrorDamageMismatch, "revision", () => bodies[1].LoadDamage(changes));
+            context.LoadDamage(all, ids);
+            Check.That(all.SequenceEqual(context.SaveDamage()), "bytes come back");
+            Check.Fails(CrumpleResult.ErrorDamageMismatch, "2 instances; 1", () => context.LoadDamage(all, ids.Take(1).ToArray()));
+
+            ExampleSet there = set.ShareWith(other);
+            Check.Same(set.GetInfo().Fingerprint, there.GetInfo().Fingerprint, "shared");
+            set.Dispose();
+            other.CreateInstance(there).SubmitDisplacement(hits[0]);
+        }
+    }
+
+    /// <summary>Growth, repair around a point, results of contacts, hits in a pose.</summary>
+    public static void TimeAndPoses()
+    {
+        using (CrumpleContext context = Sheet.Context())
+        {
+            CrumpleInstanceDef def = CrumpleInstanceDef.Default;
+            def.GrowTime = 0.1f;
+            def.Compliance = 0.01f;
+            Instance body = context.CreateInstance(context.CreateExampleSet(Sheet.Def()), in def);
+            CrumpleVec3[] vertices = new CrumpleVec3[Sheet.Vertices];
+            body.RegisterHostBuffer(StridedArray.Of(vertices));
+            context.SetTime(1);
+            CrumpleDisplacementDef hit = Sheet.Hit(0, 0, 0.04f);
+            hit.ContactId = 3;
+            body.SubmitDisplacement(in hit);
+            body.EndContact(3);
+            Check.Near(-0.04f, body.GetContact(3).Target.Z, 1e-6f, "of a contact that ended");
+            context.SetTime(1.05);
+            context.Deform();
+            Check.Near(0.02f, Sheet.Deepest(vertices), 1e-3f, "half grown");
+            context.SetTime(2);
+            CrumpleVec3 at = Sheet.Point((int)body.GetContact(3).ContactVertex, -1);
+            body.RepairAround(at, 0.1f, 0.25f);
+            context.SetTime(3);
+            context.Deform();
+            Check.Near(0.01f, Sheet.Deepest(vertices), 1e-3f, "repaired");
+            Check.Near(-0.02f, body.SubmitImpulse(at, new CrumpleVec3(0, 0, -2), 0).Target.Z, 1e-6f, "compliance");
+
+            ushort[] joints = new ushort[4 * Sheet.Vertices];
+            float[] weights = Enumerable.Range(0, 4 * Sheet.Vertices).Select(i => i % 4 == 0 ? 1f : 0).ToArray();
+            float[] turned = { 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 1, 0, 0, 1 };
+            CrumpleImpulseDef blow = CrumpleImpulseDef.Default;
+            blow.Point = hit.Point = new CrumpleVec3(1, 0.3f, 0);
+            blow.Impulse = hit.Displacement = new CrumpleVec3(0, 0.5f, -1);
+            Check.Near(0.3f, body.Unpose(joints, weights, turned, hit).Point.X, 1e-6f, "the bind pose");
+            Check.Near(0.5f, body.Unpose(joints, weights, turned, blow).Impulse.X, 1e-6f, "turned back");
+            Check.Fails(CrumpleResult.ErrorBufferTooSmall, "skin.joints", () => body.Unpose(new ushort[3], weights, turned, hit));
+        }
+    }
+
     /// <summary>What changed, in ranges that cover what differs, and a box around everything.</summary>
     public static void ChangesAndBounds()
     {

@@ -14,6 +14,8 @@ static class Tests
             DentTests.DamageRoundTrips,
             DentTests.ChangesAndBounds,
             DentTests.ContactsAndSpaces,
+            DentTests.ManyAtOnce,
+            DentTests.TimeAndPoses,
             DentTests.TheRest,
             DentTests.Recordings,
             LoadingTests.Gltf,

@@ -150,6 +150,17 @@ namespace Crumple
             GC.SuppressFinalize(this);
         }
 
+        /// <summary>Gives it to another context too, without a copy. Each context's ends on its own.</summary>
+        public unsafe ExampleSet ShareWith(CrumpleContext other)
+        {
+            if (other == null) throw new ArgumentNullException("other");
+            CrumpleExampleSet shared;
+            using (Call call = Context.EnterAlone(this))
+            using (Call there = other.EnterAlone(other))
+                call.Check(NativeMethods.crumple_example_set_share(call.Context, Id, there.Context, &shared), "crumple_example_set_share");
+            return new ExampleSet(other, shared);
+        }
+
         /// <summary>What it holds.</summary>
         public unsafe ExampleSetInfo GetInfo()
         {

@@ -94,7 +94,10 @@ namespace Crumple
             return bytes;
         }
 
-        /// <summary>Replaces the damage by saved bytes, forgets hits that wait and ends contacts.</summary>
+        /// <summary>
+        /// Replaces the damage by saved bytes, or applies those of <see cref="SaveChanges"/>; forgets hits that wait and ends
+        /// contacts.
+        /// </summary>
         public unsafe void LoadDamage(ReadOnlySpan<byte> bytes)
         {
             byte none;
@@ -112,6 +115,44 @@ namespace Crumple
         {
             using (Call call = Context.EnterAlone(this))
                 call.Check(NativeMethods.crumple_instance_repair_damage(call.Context, Id, keep), "crumple_instance_repair_damage");
+        }
+
+        /// <summary>
+        /// Repairs dents near a point, m, in the mesh's space: one there keeps this share of its depth, 0 to 1, those radius
+        /// away, m, keep all of it. Ends contacts.
+        /// </summary>
+        public void RepairAround(CrumpleVec3 point, float radius, float keep)
+        {
+            using (Call call = Context.EnterAlone(this))
+                call.Check(NativeMethods.crumple_instance_repair_around(call.Context, Id, point, radius, keep),
+                    "crumple_instance_repair_around");
+        }
+
+        /// <summary>
+        /// A number for the marks, hits that wait among them: equal marks have equal revisions, on every machine. 0 without marks.
+        /// </summary>
+        public ulong Revision
+        {
+            get { return GetInfo().Revision; }
+        }
+
+        /// <summary>
+        /// Saves what changed since a revision. <see cref="LoadDamage"/> of another instance that has that revision applies it.
+        /// All damage where the revision is not among the last ones.
+        /// </summary>
+        public unsafe byte[] SaveChanges(ulong since)
+        {
+            using (Call call = Context.EnterAlone(this))
+            {
+                UIntPtr size;
+                call.Check(NativeMethods.crumple_instance_save_changes(call.Context, Id, since, IntPtr.Zero, UIntPtr.Zero, &size),
+                    "crumple_instance_save_changes");
+                byte[] saved = new byte[(int)size];
+                fixed (byte* bytes = saved)
+                    call.Check(NativeMethods.crumple_instance_save_changes(call.Context, Id, since, (IntPtr)bytes, size, &size),
+                        "crumple_instance_save_changes");
+                return saved;
+            }
         }
 
         /// <summary>Makes it as new, forgets hits that wait and ends contacts.</summary>

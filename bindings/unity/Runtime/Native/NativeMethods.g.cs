@@ -76,6 +76,13 @@ namespace Crumple.Native
             uint* outLod);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_example_set_share(
+            IntPtr context,
+            CrumpleExampleSet set,
+            IntPtr other,
+            CrumpleExampleSet* outSet);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_example_set_destroy(IntPtr context, CrumpleExampleSet set);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
@@ -194,6 +201,9 @@ namespace Crumple.Native
             float depthLimit);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_context_set_time(IntPtr context, double time);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_instance_set_tolerance(
             IntPtr context,
             CrumpleInstance instance,
@@ -219,6 +229,9 @@ namespace Crumple.Native
         public static extern CrumpleDisplacementDef crumple_displacement_def_default();
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleSkinDef crumple_skin_def_default();
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_instance_submit_impulse(
             IntPtr context,
             CrumpleInstance instance,
@@ -233,6 +246,22 @@ namespace Crumple.Native
             CrumpleHitResult* outResult);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_context_submit_impulses(
+            IntPtr context,
+            CrumpleInstance* instances,
+            CrumpleImpulseDef* defs,
+            uint count,
+            CrumpleHitResult* outResults);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_context_submit_displacements(
+            IntPtr context,
+            CrumpleInstance* instances,
+            CrumpleDisplacementDef* defs,
+            uint count,
+            CrumpleHitResult* outResults);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_instance_preview_impulse(
             IntPtr context,
             CrumpleInstance instance,
@@ -245,6 +274,20 @@ namespace Crumple.Native
             CrumpleInstance instance,
             CrumpleDisplacementDef* def,
             CrumpleHitResult* outResult);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_instance_unpose_impulse(
+            IntPtr context,
+            CrumpleInstance instance,
+            CrumpleSkinDef* skin,
+            CrumpleImpulseDef* def);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_instance_unpose_displacement(
+            IntPtr context,
+            CrumpleInstance instance,
+            CrumpleSkinDef* skin,
+            CrumpleDisplacementDef* def);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_instance_end_contact(
@@ -283,6 +326,15 @@ namespace Crumple.Native
             UIntPtr* outSize);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_instance_save_changes(
+            IntPtr context,
+            CrumpleInstance instance,
+            ulong since,
+            IntPtr data,
+            UIntPtr capacity,
+            UIntPtr* outSize);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_instance_load_damage(
             IntPtr context,
             CrumpleInstance instance,
@@ -290,9 +342,34 @@ namespace Crumple.Native
             UIntPtr size);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_context_save_damage(
+            IntPtr context,
+            CrumpleInstance* instances,
+            uint count,
+            IntPtr data,
+            UIntPtr capacity,
+            UIntPtr* outSize);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_context_load_damage(
+            IntPtr context,
+            CrumpleInstance* instances,
+            uint count,
+            IntPtr data,
+            UIntPtr size);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_instance_repair_damage(
             IntPtr context,
             CrumpleInstance instance,
+            float keep);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_instance_repair_around(
+            IntPtr context,
+            CrumpleInstance instance,
+            CrumpleVec3 point,
+            float radius,
             float keep);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
@@ -335,6 +412,13 @@ namespace Crumple.Native
             CrumpleBuffer* buffers,
             uint count,
             CrumpleDeformReport* outReport);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_context_get_changed_buffers(
+            IntPtr context,
+            CrumpleBuffer* buffers,
+            uint capacity,
+            uint* outCount);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_buffer_get_changes(

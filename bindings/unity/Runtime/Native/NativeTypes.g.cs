@@ -469,6 +469,8 @@ namespace Crumple
         public float MaxContactDistance;
         public float BlendConstant;
         public float Tolerance;
+        public float Compliance;
+        public float GrowTime;
         public fixed float LocalToWorld[16];
 
         public static CrumpleInstanceDef Default
@@ -500,7 +502,8 @@ namespace Crumple
         public uint BufferCount;
         public float DepthLimit;
         public uint ContactCount;
-        public fixed uint Reserved[4];
+        public ulong Revision;
+        public fixed uint Reserved[2];
     }
 
     /// <summary>The struct of crumple.h.</summary>
@@ -543,6 +546,26 @@ namespace Crumple
             {
                 CrumpleRuntime.EnsureLoaded();
                 return Native.NativeMethods.crumple_displacement_def_default();
+            }
+        }
+    }
+
+    /// <summary>The struct of crumple.h.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleSkinDef
+    {
+        public uint StructSize;
+        public uint MatrixCount;
+        public CrumpleInput Joints;
+        public CrumpleInput Weights;
+        public CrumpleInput Matrices;
+
+        public static CrumpleSkinDef Default
+        {
+            get
+            {
+                CrumpleRuntime.EnsureLoaded();
+                return Native.NativeMethods.crumple_skin_def_default();
             }
         }
     }

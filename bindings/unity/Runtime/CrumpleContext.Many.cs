@@ -1,0 +1,108 @@
+using System;
+using System.Runtime.InteropServices;
+using Crumple.Native;
+
+namespace Crumple
+{
+    public sealed partial class CrumpleContext
+    {
+        /// <summary>
+        /// The buffers that the last deform, and the last recording, wrote to. Allocates nothing.
+        /// </summary>
+        /// <returns>How many there are.</returns>
+        /// <exception cref="CrumpleException">Among others: there are more than the destination has room for.</exception>
+        public unsafe int GetChangedBuffers(Span<CrumpleBuffer> destination)
+        {
+            CrumpleBuffer none;
+            uint count;
+            using (Call call = EnterAlone(this))
+            fixed (CrumpleBuffer* buffers = &MemoryMarshal.GetReference(destination))
+            {
+                // No room is not the same as asking for the number.
+                CrumpleBuffer* room = buffers == null ? &none : buffers;
+                call.Check(NativeMethods.crumple_context_get_changed_buffers(call.Context, room, (uint)destination.Length, &count),
+                    "crumple_context_get_changed_buffers");
+            }
+            return (int)count;
+        }
+
+        /// <summary>
+        /// Reports hits, each on the instance at the same index: all or none. Results may be empty. Any thread, at any time.
+        /// Allocates nothing.
+        /// </summary>
+        public unsafe void SubmitImpulses(ReadOnlySpan<CrumpleInstance> instances, ReadOnlySpan<CrumpleImpulseDef> defs,
+            Span<CrumpleHitResult> results)
+        {
+            uint count = Together(instances.Length, defs.Length, results.Length);
+            using (Call call = Enter(this))
+            fixed (CrumpleInstance* ids = &MemoryMarshal.GetReference(instances))
+            fixed (CrumpleImpulseDef* first = &MemoryMarshal.GetReference(defs))
+            fixed (CrumpleHitResult* told = &MemoryMarshal.GetReference(results))
+                call.Check(NativeMethods.crumple_context_submit_impulses(call.Context, ids, first, count, told),
+                    "crumple_context_submit_impulses");
+        }
+
+        /// <summary>The same for displacements.</summary>
+        public unsafe void SubmitDisplacements(ReadOnlySpan<CrumpleInstance> instances, ReadOnlySpan<CrumpleDisplacementDef> defs,
+            Span<CrumpleHitResult> results)
+        {
+            uint count = Together(instances.Length, defs.Length, results.Length);
+            using (Call call = Enter(this))
+            fixed (CrumpleInstance* ids = &MemoryMarshal.GetReference(instances))
+            fixed (CrumpleDisplacementDef* first = &MemoryMarshal.GetReference(defs))
+            fixed (CrumpleHitResult* told = &MemoryMarshal.GetReference(results))
+                call.Check(NativeMethods.crumple_context_submit_displacements(call.Context, ids, first, count, told),
+                    "crumple_context_submit_displacements");
+        }
+
+        private static uint Together(int instances, int defs, int results)
+        {
+            if (instances != defs) throw new ArgumentException(defs + " hits for " + instances + " instances", "defs");
+            if (results != 0 && results < defs) throw new ArgumentException("room for " + results + " results of " + defs + " hits", "results");
+            return (uint)defs;
+        }
+
+        /// <summary>Saves the damage of these instances as one array of bytes; of all instances for none.</summary>
+        public unsafe byte[] SaveDamage(ReadOnlySpan<CrumpleInstance> instances = default(ReadOnlySpan<CrumpleInstance>))
+        {
+            using (Call call = EnterAlone(this))
+            fixed (CrumpleInstance* ids = &MemoryMarshal.GetReference(instances))
+            {
+                UIntPtr size;
+                uint count = (uint)instances.Length;
+                call.Check(NativeMethods.crumple_context_save_damage(call.Context, ids, count, IntPtr.Zero, UIntPtr.Zero, &size),
+                    "crumple_context_save_damage");
+                byte[] saved = new byte[(int)size];
+                fixed (byte* bytes = saved)
+                    call.Check(NativeMethods.crumple_context_save_damage(call.Context, ids, count, (IntPtr)bytes, size, &size),
+                        "crumple_context_save_damage");
+                return saved;
+            }
+        }
+
+        /// <summary>
+        /// Replaces the damage of as many instances of the same sets, in the same order: of all of them, or of none.
+        /// </summary>
+        public unsafe void LoadDamage(ReadOnlySpan<byte> saved, ReadOnlySpan<CrumpleInstance> instances = default(ReadOnlySpan<CrumpleInstance>))
+        {
+            byte none;
+            using (Call call = EnterAlone(this))
+            fixed (CrumpleInstance* ids = &MemoryMarshal.GetReference(instances))
+            fixed (byte* bytes = &MemoryMarshal.GetReference(saved))
+            {
+                byte* data = bytes == null ? &none : bytes;
+                call.Check(NativeMethods.crumple_context_load_damage(call.Context, ids, (uint)instances.Length, (IntPtr)data,
+                    (UIntPtr)(uint)saved.Length), "crumple_context_load_damage");
+            }
+        }
+
+        /// <summary>
+        /// Sets the time, s, for instances with a GrowTime. Call it once a frame before <see cref="Deform()"/>.
+        /// </summary>
+        public void SetTime(double time)
+        {
+            using (Call call = EnterAlone(this))
+                call.Check(NativeMethods.crumple_context_set_time(call.Context, time), "crumple_context_set_time");
+        }
+    }
+}

@@ -1,0 +1,263 @@
+// Many things in one call, sets in two contexts, revisions, growth, repair around a point and skins through the C interface.
+#include "support.h"
+
+static Sheet sheet;
+static CrumpleContext *context;
+static CrumpleExampleSet set;
+
+static CrumpleInstance growing(float grow_time) {
+    CrumpleInstanceDef def = crumple_instance_def_default();
+    CrumpleInstance body;
+    def.set = set;
+    def.grow_time = grow_time;
+    def.compliance = 0.01f;
+    OK(crumple_instance_create(context, &def, &body));
+    return body;
+}
+
+static CrumpleBuffer positions_of(CrumpleInstance body, float (*vertices)[3]) {
+    CrumpleHostBufferDef def = crumple_host_buffer_def_default();
+    CrumpleBuffer buffer;
+    def.positions = stream_of(vertices, VERTICES * sizeof vertices[0], 0, sizeof vertices[0]);
+    OK(crumple_buffer_register_host(context, body, &def, &buffer));
+    return buffer;
+}
+
+static uint64_t revision_of(CrumpleInstance body) {
+    CrumpleInstanceInfo info;
+    OK(crumple_instance_get_info(context, body, &info));
+    return info.revision;
+}
+
+static void hits_and_buffers(void) {
+    static float vertices[4][VERTICES][3];
+    CrumpleInstance bodies[4], stale;
+    CrumpleBuffer buffers[4], changed[4];
+    CrumpleDisplacementDef hits[3];
+    CrumpleImpulseDef blow = crumple_impulse_def_default();
+    CrumpleHitResult results[3], alone;
+    uint32_t count = 9;
+    for (int i = 0; i < 4; ++i) {
+        bodies[i] = growing(0);
+        buffers[i] = positions_of(bodies[i], vertices[i]);
+    }
+    OK(crumple_context_get_changed_buffers(context, NULL, 0, &count));
+    FACT(count == 0);
+    OK(crumple_context_deform(context, NULL, 0, NULL));
+    OK(crumple_context_get_changed_buffers(context, changed, 4, &count));
+    FACT(count == 4 && changed[2].index == buffers[2].index && changed[2].generation == buffers[2].generation);
+
+    for (int i = 0; i < 3; ++i) hits[i] = displacement_at(0.1f * (float)i, 0, 0.02f);
+    OK(crumple_instance_preview_displacement(context, bodies[3], &hits[2], &alone));
+    // Two hits on one body; none on two.
+    CrumpleInstance targets[3];
+    targets[0] = targets[1] = bodies[1];
+    targets[2] = bodies[3];
+    OK(crumple_context_submit_displacements(context, targets, hits, 3, results));
+    FACT(memcmp(&results[2].mark, &alone.mark, sizeof alone.mark) == 0 && results[0].status == CRUMPLE_HIT_STATUS_MARKED);
+    OK(crumple_context_deform(context, NULL, 0, NULL));
+    FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "buffers", crumple_context_get_changed_buffers(context, changed, 1, &count));
+    OK(crumple_context_get_changed_buffers(context, changed, 4, &count));
+    FACT(count == 2 && changed[0].index == buffers[1].index && changed[1].index == buffers[3].index);
+    OK(crumple_context_deform(context, NULL, 0, NULL));
+    OK(crumple_context_get_changed_buffers(context, changed, 4, &count));
+    FACT(count == 0);
+
+    // All or none.
+    uint64_t before = revision_of(bodies[1]);
+    hits[2].displacement.z = NAN;
+    memset(results, 0xAB, sizeof results);
+    FAILS(CRUMPLE_ERROR_NOT_FINITE, "hit 2: def.displacement", crumple_context_submit_displacements(context, targets, hits, 3, results));
+    hits[2] = displacement_at(50, 50, 0.02f);
+    FAILS(CRUMPLE_ERROR_CONTACT_TOO_FAR, "hit 2: ", crumple_context_submit_displacements(context, targets, hits, 3, results));
+    hits[2].struct_size = 3;
+    FAILS(CRUMPLE_ERROR_STRUCT_SIZE, "hit 2: ", crumple_context_submit_displacements(context, targets, hits, 3, results));
+    hits[2] = hits[1];
+    stale = growing(0);
+    OK(crumple_instance_destroy(context, stale));
+    targets[2] = stale;
+    FAILS(CRUMPLE_ERROR_INVALID_ID, "instances[2]", crumple_context_submit_displacements(context, targets, hits, 3, results));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "instances", crumple_context_submit_displacements(context, NULL, hits, 3, results));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "defs", crumple_context_submit_impulses(context, targets, NULL, 3, results));
+    FACT(keeps(results, sizeof results) && revision_of(bodies[1]) == before);
+    OK(crumple_context_submit_impulses(context, NULL, NULL, 0, NULL));
+
+    // Compliance: 2 N s by 0.01 m per N s, without mass and duration.
+    blow.point = vec3(0.3f, 0.3f, 0.02f);
+    blow.impulse = vec3(0, 0, -2);
+    OK(crumple_context_submit_impulses(context, bodies, &blow, 1, results));
+    FACT(fabsf(results[0].target.z + 0.02f) < 1e-6f);
+    for (int i = 0; i < 4; ++i) OK(crumple_instance_destroy(context, bodies[i]));
+}
+
+static void bytes_of_all(void) {
+    CrumpleInstance bodies[3], reversed[3];
+    unsigned char bytes[4096];
+    size_t size = 0, again = 0;
+    uint64_t revisions[3];
+    for (int i = 0; i < 3; ++i) {
+        CrumpleDisplacementDef hit = displacement_at(0.1f * (float)i, 0.1f, 0.01f * (float)(i + 1));
+        bodies[i] = growing(0);
+        OK(crumple_instance_submit_displacement(context, bodies[i], &hit, NULL));
+        revisions[i] = revision_of(bodies[i]);
+        reversed[2 - i] = bodies[i];
+    }
+    OK(crumple_context_save_damage(context, NULL, 0, NULL, 0, &size));
+    FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "data", crumple_context_save_damage(context, bodies, 3, bytes, 16, &again));
+    OK(crumple_context_save_damage(context, bodies, 3, bytes, sizeof bytes, &again));
+    FACT(size == again && size == 16 + 3 * (8 + 24 + 32));
+    OK(crumple_context_load_damage(context, reversed, 3, bytes, size));
+    for (int i = 0; i < 3; ++i) FACT(revision_of(bodies[i]) == revisions[2 - i]);
+    FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "3 instances; 2", crumple_context_load_damage(context, bodies, 2, bytes, size));
+    FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "cut short", crumple_context_load_damage(context, bodies, 3, bytes, size - 1));
+    bytes[16 + 8 + 32 + 32 + 8] ^= 1; // the version of the second
+    FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "of instance 1", crumple_context_load_damage(context, bodies, 3, bytes, size));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "data", crumple_context_load_damage(context, bodies, 3, NULL, size));
+    for (int i = 0; i < 3; ++i) FACT(revision_of(bodies[i]) == revisions[2 - i]);
+    for (int i = 0; i < 3; ++i) OK(crumple_instance_destroy(context, bodies[i]));
+}
+
+static void changes(void) {
+    CrumpleInstance server = growing(0), client = growing(0);
+    CrumpleDisplacementDef hit = displacement_at(0, 0.1f, 0.03f);
+    unsigned char bytes[256];
+    size_t size = 0;
+    OK(crumple_instance_save_changes(context, server, 0, bytes, sizeof bytes, &size));
+    FACT(size == 40 && revision_of(server) == 0);
+    OK(crumple_instance_submit_displacement(context, server, &hit, NULL));
+    OK(crumple_instance_save_changes(context, server, 0, bytes, sizeof bytes, &size));
+    FACT(size == 40 + 32);
+    OK(crumple_instance_load_damage(context, client, bytes, size));
+    FACT(revision_of(client) == revision_of(server) && revision_of(client) != 0);
+    FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "revision", crumple_instance_load_damage(context, client, bytes, size));
+    OK(crumple_instance_save_changes(context, server, 77, bytes, sizeof bytes, &size));
+    FACT(size == 24 + 32); // all marks
+    OK(crumple_instance_destroy(context, client));
+    OK(crumple_instance_destroy(context, server));
+}
+
+static void two_contexts(void) {
+    CrumpleContextDef def = crumple_context_def_default();
+    CrumpleContext *other;
+    CrumpleExampleSet there, own;
+    CrumpleExampleSetInfo info, same;
+    CrumpleInstanceDef instance_def = crumple_instance_def_default();
+    CrumpleInstance body;
+    CrumpleLodDef lod = crumple_lod_def_default();
+    uint32_t number;
+    def.threads = 1;
+    OK(crumple_context_create(&def, &other));
+    OK(crumple_example_set_create(context, &sheet.def, &own));
+    OK(crumple_example_set_share(context, own, other, &there));
+    OK(crumple_example_set_get_info(other, there, &info));
+    OK(crumple_example_set_get_info(context, own, &same));
+    FACT(info.fingerprint == same.fingerprint && info.name != same.name);
+    lod.mesh = sheet.def.mesh;
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "shared", crumple_example_set_add_lod(context, own, &lod, &number));
+    FAILS(CRUMPLE_ERROR_INVALID_ID, "another context", crumple_example_set_share(context, there, other, &there));
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "context itself", crumple_example_set_share(context, own, context, &there));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "context", crumple_example_set_share(context, own, NULL, &there));
+    OK(crumple_example_set_destroy(context, own));
+    instance_def.set = there;
+    OK(crumple_instance_create(other, &instance_def, &body));
+    CrumpleDisplacementDef hit = displacement_at(0, 0.1f, 0.03f);
+    OK(crumple_instance_submit_displacement(other, body, &hit, NULL));
+    OK(crumple_context_destroy(other));
+}
+
+static void repair_and_growth(void) {
+    static float vertices[VERTICES][3];
+    CrumpleInstance body = growing(0.05f);
+    CrumpleBuffer buffer = positions_of(body, vertices);
+    CrumpleDisplacementDef hit = displacement_at(0, 0, 0.04f);
+    CrumpleDeformReport report;
+    CrumpleHitResult told;
+    CrumpleInstanceInfo info;
+    OK(crumple_context_set_time(context, 3));
+    OK(crumple_instance_submit_displacement(context, body, &hit, &told));
+    const float *z = &vertices[told.contact_vertex][2], rest = sheet.positions[told.contact_vertex][2];
+    for (int i = 0; i <= 4; ++i) {
+        OK(crumple_context_set_time(context, 3 + 0.0125 * i));
+        OK(crumple_context_deform(context, &buffer, 1, NULL));
+        FACT(fabsf(rest - *z - 0.01f * (float)i) < 1e-4f);
+    }
+    OK(crumple_context_set_time(context, 4));
+    OK(crumple_context_deform(context, &buffer, 1, &report));
+    FACT(report.blocks_written == 0);
+    FAILS(CRUMPLE_ERROR_NOT_FINITE, "time", crumple_context_set_time(context, INFINITY));
+
+    CrumpleVec3 at = vec3(sheet.positions[told.contact_vertex][0], sheet.positions[told.contact_vertex][1], rest);
+    OK(crumple_instance_repair_around(context, body, at, 0.1f, 0.5f));
+    OK(crumple_context_set_time(context, 5));
+    OK(crumple_context_deform(context, &buffer, 1, NULL));
+    FACT(fabsf(rest - *z - 0.02f) < 1e-4f);
+    at.x += 0.2f;
+    OK(crumple_instance_repair_around(context, body, at, 0.1f, 0));
+    OK(crumple_instance_get_info(context, body, &info));
+    FACT(info.mark_count == 1);
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "radius", crumple_instance_repair_around(context, body, at, 0, 0));
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "keep", crumple_instance_repair_around(context, body, at, 1, -0.1f));
+    FAILS(CRUMPLE_ERROR_NOT_FINITE, "radius", crumple_instance_repair_around(context, body, at, NAN, 0));
+    at.x = NAN;
+    FAILS(CRUMPLE_ERROR_NOT_FINITE, "point", crumple_instance_repair_around(context, body, at, 1, 0));
+    OK(crumple_instance_destroy(context, body));
+}
+
+static void skins(void) {
+    static uint16_t joints[VERTICES][4];
+    static float weights[VERTICES][4];
+    // A quarter turn about z, then 1 m along x.
+    float matrix[16] = {0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 1, 0, 0, 1};
+    CrumpleInstance body = growing(0);
+    CrumpleSkinDef skin = crumple_skin_def_default();
+    CrumpleDisplacementDef hit = crumple_displacement_def_default(), before;
+    CrumpleImpulseDef blow = crumple_impulse_def_default();
+    for (int v = 0; v < VERTICES; ++v) weights[v][0] = 1;
+    skin.joints = input_of(joints, sizeof joints, sizeof joints[0]);
+    skin.weights = input_of(weights, sizeof weights, sizeof weights[0]);
+    skin.matrices = input_of(matrix, sizeof matrix, sizeof matrix);
+    skin.matrix_count = 1;
+    hit.point = vec3(1, 0.3f, 0); // x of the bind pose is y of the pose
+    hit.displacement = vec3(0, 0.01f, -0.02f);
+    OK(crumple_instance_unpose_displacement(context, body, &skin, &hit));
+    FACT(fabsf(hit.point.x - 0.3f) < 1e-6f && fabsf(hit.point.y) < 1e-6f);
+    FACT(fabsf(hit.displacement.x - 0.01f) < 1e-7f && fabsf(hit.displacement.z + 0.02f) < 1e-7f);
+    blow.point = vec3(1, 0.3f, 0);
+    blow.impulse = vec3(1, 0, -2);
+    blow.normal = vec3(0, 0, 2);
+    blow.striker.mass = 3;
+    blow.contact_id = 5;
+    OK(crumple_instance_unpose_impulse(context, body, &skin, &blow));
+    FACT(fabsf(blow.impulse.y + 1) < 1e-6f && blow.normal.z == 1 && blow.striker.mass == 3 && blow.contact_id == 5);
+    OK(crumple_instance_submit_impulse(context, body, &blow, NULL));
+
+    before = hit;
+    joints[7][0] = 1;
+    FAILS(CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, "vertex 7", crumple_instance_unpose_displacement(context, body, &skin, &hit));
+    joints[7][0] = 0;
+    skin.weights.size -= 1;
+    FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "skin.weights", crumple_instance_unpose_displacement(context, body, &skin, &hit));
+    skin.weights.data = NULL;
+    skin.weights.size = 0;
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "skin.weights", crumple_instance_unpose_displacement(context, body, &skin, &hit));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "skin", crumple_instance_unpose_displacement(context, body, NULL, &hit));
+    FACT(memcmp(&before, &hit, sizeof hit) == 0);
+    OK(crumple_instance_destroy(context, body));
+}
+
+int main(void) {
+    CrumpleContextDef def = crumple_context_def_default();
+    def.threads = 2;
+    make_sheet(&sheet);
+    OK(crumple_context_create(&def, &context));
+    OK(crumple_example_set_create(context, &sheet.def, &set));
+    hits_and_buffers();
+    bytes_of_all();
+    changes();
+    two_contexts();
+    repair_and_growth();
+    skins();
+    OK(crumple_context_destroy(context));
+    printf("%u checks\n", checks);
+    return 0;
+}
