@@ -102,7 +102,7 @@ fn wheel(workspace: &Workspace, python: &Path, folder: &Path, out: &Path) -> Res
     }
     let binaries = source.join("src/crumple/_bin");
     let target = crate::target::Target::host(workspace)?;
-    install::copy_as(&install::shared(&target, folder), &binaries, &target.shared())?;
+    install::copy_as(&install::shared(&target, folder), &binaries, target.shared())?;
     let command = target.program("crumple");
     install::copy_as(&folder.join("bin").join(&command), &binaries, &command)?;
     let build = ["wheel", "--no-build-isolation", "--no-deps", "--no-index", "--wheel-dir"];
