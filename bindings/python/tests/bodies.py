@@ -2,7 +2,21 @@
 
 import numpy as np
 import trimesh
-from pygltflib import ARRAY_BUFFER, FLOAT, GLTF2, UNSIGNED_INT, Accessor, Attributes, Buffer, BufferView, Material, Mesh, Node, Primitive, Scene
+from pygltflib import (
+    ARRAY_BUFFER,
+    FLOAT,
+    GLTF2,
+    UNSIGNED_INT,
+    Accessor,
+    Attributes,
+    Buffer,
+    BufferView,
+    Material,
+    Mesh,
+    Node,
+    Primitive,
+    Scene,
+)
 
 
 def write(path, parts, scale=None, name="body", colours=None):

@@ -3,11 +3,11 @@ import numpy as np
 import pytest
 import trimesh
 from conftest import command
+
+import crumple
 from crumple.examples import profile, run, shell
 from crumple.examples.body import Body
 from crumple.examples.command import main
-
-import crumple
 
 
 def check(path, out, count):
@@ -100,9 +100,7 @@ def test_the_solver_makes_examples_that_the_command_uses(tmp_path):
     with crumple.Context(threads=1) as context:
         loaded = context.load(out)
         body = loaded.instance()
-        told = body.hit(
-            examples[0].contact_point, (0, -1, 0), striker=crumple.Striker(1.0, 0.05, (0, -8, 0)), normal=(0, 1, 0)
-        )
+        told = body.hit(examples[0].contact_point, (0, -1, 0), striker=crumple.Striker(1.0, 0.05, (0, -8, 0)), normal=(0, 1, 0))
         assert told.status == crumple.HitStatus.MARKED
         moved = np.linalg.norm(body.deformed().positions - loaded.mesh().positions, axis=1)
         rim = np.abs(loaded.mesh().positions[:, [0, 2]]).max(1) > 0.4999

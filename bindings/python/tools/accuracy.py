@@ -1,6 +1,6 @@
 """How well a set that `crumple examples` makes predicts a finer simulation of impacts that it has not seen.
 
-    python bindings/python/tools/accuracy.py [BODY.glb] [--count 12] [--unseen 8] [--out FOLDER]
+    python bindings/python/tools/accuracy.py [BODY.glb] [--count 12] [--unseen 8] [--detail 1200] [--out FOLDER]
 
 The unseen impacts are drawn with another seed, with depths and places of their own, and are simulated on a shell with four times as many
 points and half the time step. The error is the relative L2 norm of the displacement over the body's points; no dent at all has error 1.
@@ -22,11 +22,10 @@ import crumple
 from crumple.examples import profile, run, shell
 from crumple.examples.body import Body, Made
 from crumple.examples.materials import MATERIALS
-from crumple.examples.places import MARGIN, Places
+from crumple.examples.places import MARGIN, Places, as_example
 from crumple.examples.solver import Solver
 
 REPOSITORY = Path(__file__).resolve().parents[3]
-DETAIL = 2500
 COLUMNS = ("set_told_blow", "set_told_displacement", "profile_told_displacement", "coarse_solver")
 
 
@@ -35,17 +34,23 @@ def main() -> None:
     parser.add_argument("body", nargs="?", type=Path, default=REPOSITORY / "assets/demo/hood.glb")
     parser.add_argument("--count", type=int, default=12)
     parser.add_argument("--unseen", type=int, default=8)
+    parser.add_argument("--detail", type=int, default=1200, help="points of the shell; the truth's has four times as many")
     parser.add_argument("--out", type=Path, default=REPOSITORY / "out/accuracy")
     options = parser.parse_args()
     body = Body(options.body, replace=True)
     depth = (0.005 * body.size, 0.03 * body.size)
-    settings = run.Settings("steel", MATERIALS["steel"].thickness, "auto", ("ball",), depth, 30.0, DETAIL, 1)
+    settings = run.Settings("steel", MATERIALS["steel"].thickness, "auto", ("ball",), depth, 30.0, options.detail, 1)
     folder = options.out / options.body.stem
-    coarse = shell.make(body, DETAIL, "auto")
+    coarse = shell.make(body, options.detail, "auto")
     done = run.run(
-        body, coarse, settings, run.Store(folder / "set", body, settings), options.count, progress=lambda n, e, t: print(n, t, e, flush=True)
+        body,
+        coarse,
+        settings,
+        run.Store(folder / "set", body, coarse, settings),
+        options.count,
+        progress=lambda n, e, t: print(n, t, e, flush=True),
     )
-    unseen = truth(body, replace(settings, seed=2), folder / "unseen", options.unseen)
+    unseen = truth(body, replace(settings, seed=2), folder / "unseen", options.unseen, lambda p: run.stiffness(done.results, coarse, p))
     carrier = shell.Carrier(coarse, body.points)
     examples = [replace(made, field=carrier.field(made.field)) for made in done.made]
     solver = Solver(coarse, MATERIALS[settings.material], settings.thickness)
@@ -73,23 +78,22 @@ def main() -> None:
         print(f"  {name:26} {np.median(values):.2f} / {np.quantile(values, 0.9):.2f}")
 
 
-def truth(body: Body, settings: run.Settings, folder: Path, count: int):
+def truth(body: Body, settings: run.Settings, folder: Path, count: int, stiffness):
     """The unseen impacts with their fields at the body's points, and their blows."""
-    settings = replace(settings, detail=4 * DETAIL)
+    settings = replace(settings, detail=4 * settings.detail)
     fine = shell.make(body, settings.detail, "auto")
     carrier = shell.Carrier(fine, body.points)
-    store = run.Store(folder, body, settings)
-    maker = run.Maker(fine, settings)
-    maker.solver = Solver(fine, maker.material, settings.thickness, step=0.5)
+    store = run.Store(folder, body, fine, settings)
+    # Any dent is as good as the wanted one here.
+    maker = run.Maker(fine, settings, step=0.5, near_enough=10)
     results = list(store.read())
     rng = np.random.default_rng(settings.seed)
     places = rng.choice(Places(fine, MARGIN).open, 10 * count)
     depths = np.exp(rng.uniform(*np.log(settings.depth), 10 * count))
     while sum(result.made is not None for result in results) < count and len(results) < 3 * count:
         index = len(results)
-        known = [result.stiffness for result in results if result.stiffness is not None]
-        guess = float(np.median(known)) if known else run.TYPICAL
-        result = maker.do(run.Task(index, int(places[index]), float(depths[index]), guess))
+        vertex = int(places[index])
+        result = maker.do(run.Task(index, vertex, float(depths[index]), stiffness(fine.points[vertex])))
         store.write(index, result)
         results.append(result)
         print("unseen", index, result.tries, flush=True)
@@ -104,12 +108,7 @@ def truth(body: Body, settings: run.Settings, folder: Path, count: int):
 
 
 def built(context: crumple.Context, body: Body, examples: list[Made]) -> crumple.Instance:
-    from crumple.examples.places import as_example
-
-    class Whole:
-        points = body.points
-
-    return context.example_set(body.points, body.triangles, [as_example(Whole, made) for made in examples]).instance()
+    return context.example_set(body.points, body.triangles, [as_example(body.points, made) for made in examples]).instance()
 
 
 def told(instance: crumple.Instance, made: Made, displacement) -> np.ndarray:

@@ -92,9 +92,7 @@ class Context:
         check(library.crumple_example_set_create(self.handle, ctypes.byref(definition), ctypes.byref(out)))
         return ExampleSet(self, out)
 
-    def load(
-        self, path: str | os.PathLike[str], mesh: str | int | None = None, options: SetOptions | None = None
-    ) -> ExampleSet:
+    def load(self, path: str | os.PathLike[str], mesh: str | int | None = None, options: SetOptions | None = None) -> ExampleSet:
         """Loads a .glb, .gltf or .crumple file. `mesh` is the name or index of a glTF mesh; None is the first with examples."""
         name = os.fsdecode(path)
         out = native.CrumpleExampleSet()

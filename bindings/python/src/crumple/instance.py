@@ -228,9 +228,7 @@ class Buffer:
 
 
 def _hit_result(raw: native.CrumpleHitResult) -> HitResult:
-    chosen = tuple(
-        Chosen(one.example, one.share, one.scale, one.anchored, one.mirror) for one in raw.chosen[: raw.chosen_count]
-    )
+    chosen = tuple(Chosen(one.example, one.share, one.scale, one.anchored, one.mirror) for one in raw.chosen[: raw.chosen_count])
     mark = np.frombuffer(bytes(raw.mark), MARK)
     return HitResult(
         HitStatus(raw.status), raw.contact_vertex, raw.contact_distance, vector3(raw.target), vector3(raw.achieved), raw.clamped,

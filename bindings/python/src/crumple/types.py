@@ -10,12 +10,26 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._native import (
     CrumpleCombine as Combine,
+)
+from ._native import (
     CrumpleHitStatus as HitStatus,
+)
+from ._native import (
     CrumplePlacement as Placement,
+)
+from ._native import (
     CrumpleResult as Result,
+)
+from ._native import (
     CrumpleRule as Rule,
+)
+from ._native import (
     CrumpleSeams as Seams,
+)
+from ._native import (
     CrumpleSelection as Selection,
+)
+from ._native import (
     CrumpleSpace as Space,
 )
 
@@ -27,9 +41,7 @@ __all__ = [
 
 Floats = NDArray[np.float32]
 
-MARK = np.dtype(
-    [("contact", "<u4"), ("depth", "<f4"), ("energy", "<u8"), ("pairs", [("example", "<u2"), ("share", "<u2")], 4)]
-)
+MARK = np.dtype([("contact", "<u4"), ("depth", "<f4"), ("energy", "<u8"), ("pairs", [("example", "<u2"), ("share", "<u2")], 4)])
 """A mark, 32 bytes. Arrays of marks have this type; save or send them as they are."""
 
 

@@ -58,7 +58,9 @@ class Body:
         for primitive in self.mesh.primitives:
             points = self._accessor(primitive.attributes.POSITION).astype(np.float32)
             if not np.isfinite(points).all():
-                raise Failure(f"vertex {start + int(np.argwhere(~np.isfinite(points))[0, 0])} of {self.name} is not finite; export it again")
+                raise Failure(
+                    f"vertex {start + int(np.argwhere(~np.isfinite(points))[0, 0])} of {self.name} is not finite; export it again"
+                )
             self._parts.append((primitive, slice(start, start + len(points))))
             positions.append(points)
             if primitive.mode in (None, _TRIANGLES):
@@ -160,7 +162,7 @@ class Body:
         self.gltf.save_binary(str(temporary))
         temporary.replace(path)
 
-    def _normal_change(self, normals: NDArray[np.float32], turn: Floats) -> NDArray[np.float32]:
+    def _normal_change(self, normals: NDArray[Any], turn: Floats) -> NDArray[np.float32]:
         """Turns the render normals, which may differ at a seam, like the surface around their point."""
         cofactor = np.linalg.inv(self.world)
         world = normals @ cofactor
@@ -192,7 +194,7 @@ class Body:
         self.gltf.accessors.append(accessor)
         return len(self.gltf.accessors) - 1
 
-    def _impact(self, made: Made, back: Floats) -> dict[str, Any]:
+    def _impact(self, made: Made, back: NDArray[Any]) -> dict[str, Any]:
         """The entry of extras.impacts, in the mesh's own space, as docs/impacts.md describes it."""
         normal = self.world.T @ made.normal
         entry: dict[str, Any] = {
@@ -206,7 +208,7 @@ class Body:
         return entry
 
 
-def _numbers(values: Floats) -> list[float]:
+def _numbers(values: NDArray[Any]) -> list[float]:
     return [float(f"{value:.7g}") for value in values]
 
 

@@ -29,7 +29,9 @@ def _parser() -> argparse.ArgumentParser:
     add("-o", "--output", type=Path, metavar="OUT.glb", help="default: BODY_examples.glb")
     add("--mesh", metavar="NAME", help="which mesh of the file; default: the one with the most triangles")
     add("--count", type=_whole, default=12, help="number of examples (default 12)")
-    add("--until-error", type=_positive, metavar="E", help="stop earlier, when the examples predict each other with this median error (0.2)")
+    add(
+        "--until-error", type=_positive, metavar="E", help="stop earlier, when the examples predict each other with this median error (0.2)"
+    )
     add("--material", choices=sorted(MATERIALS), default="steel", help="default steel")
     add("--thickness", type=_positive, metavar="MM", help="of the sheet, mm; default: the material's own (steel 0.8)")
     add(
@@ -100,7 +102,9 @@ def _run(options: argparse.Namespace) -> None:
     with crumple.Context() as context:
         loaded = context.load(out, body.mesh.name)
         info, each = loaded.info, loaded.examples
-    print(f"{out}: {info.example_count} examples, {1000 * min(one.depth for one in each):.1f} to {1000 * max(one.depth for one in each):.1f} mm deep")
+    print(
+        f"{out}: {info.example_count} examples, {1000 * min(one.depth for one in each):.1f} to {1000 * max(one.depth for one in each):.1f} mm deep"
+    )
     print(f"expected error, told the depth: {'unknown' if info.field_error is None else f'{info.field_error:.2f}'} (1 is no dent)")
     print(f"{time.monotonic() - began:.1f} s")
     if not options.no_report:
@@ -137,11 +141,13 @@ def _simulated(body: Body, options: argparse.Namespace, depth: tuple[float, floa
     words += [note[0].upper() + note[1:] + "." for note in solid.notes]
     print("\n".join(words[1:]))
     if thickness > 2 * solid.edge:
-        raise Failure(f"the sheet is {1000 * thickness:.3g} mm thick, more than twice an edge of the shell; the unit may be wrong (--unit), or lower --detail")
+        raise Failure(
+            f"the sheet is {1000 * thickness:.3g} mm thick, more than twice an edge of the shell; the unit may be wrong (--unit), or lower --detail"
+        )
     settings = run.Settings(
         options.material, thickness, options.hold, tuple(options.strikers), depth, options.tilt, options.detail, options.seed
     )
-    store = run.Store(out.with_name(f"{out.stem}_work"), body, settings)
+    store = run.Store(out.with_name(f"{out.stem}_work"), body, solid, settings)
     with tqdm(total=options.count, unit="example", disable=None) as bar:
 
         def progress(done: int, error: float | None, text: str) -> None:

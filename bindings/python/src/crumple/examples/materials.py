@@ -50,4 +50,4 @@ STRIKERS = {
 }
 SPEEDS = (2.0, 10.0)
 """m/s"""
-MOST_SPEED = 25.0
+LEAST_SPEED, MOST_SPEED = 1.0, 20.0

@@ -56,13 +56,13 @@ class Places:
 def errors(shell: Shell, examples: Sequence[Made]) -> tuple[float | None, list[float | None]]:
     """How well the examples predict each other on the shell: the median, and each one's, as the library measures them."""
     with crumple.Context(threads=1) as context:
-        found = context.example_set(shell.points, shell.triangles, [as_example(shell, made) for made in examples])
+        found = context.example_set(shell.points, shell.triangles, [as_example(shell.points, made) for made in examples])
         return found.info.field_error, [one.field_error for one in found.examples]
 
 
-def as_example(shell: Shell, made: Made) -> crumple.Example:
-    """An example of the library, on the shell."""
-    example = crumple.Example(shell.points + made.field, name=made.name, contact=made.point, normal=made.normal)
+def as_example(points: Floats, made: Made) -> crumple.Example:
+    """An example of the library, on the points that it displaces."""
+    example = crumple.Example(points + made.field, name=made.name, contact=made.point, normal=made.normal)
     if made.impulse is not None and made.velocity is not None:
         example.impulse, example.duration = made.impulse, made.duration
         example.striker = crumple.Striker(made.mass, made.radius, made.velocity)

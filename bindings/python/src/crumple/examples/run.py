@@ -14,10 +14,10 @@ import numpy as np
 
 from . import Failure
 from .body import Body, Floats, Made
-from .materials import MATERIALS, MOST_SPEED, SPEEDS, STRIKERS
+from .materials import LEAST_SPEED, MATERIALS, MOST_SPEED, SPEEDS, STRIKERS
 from .places import Places, errors
 from .shell import Shell
-from .solver import BLOCKED, MISSED, Blow, Outcome, Solver
+from .solver import BLOCKED, HELD, MISSED, Blow, Outcome, Solver
 
 TRIES = 5
 EXPONENT = 1.2
@@ -67,11 +67,13 @@ class Result:
 class Maker:
     """Does tasks, in this process or in another."""
 
-    def __init__(self, shell: Shell, settings: Settings) -> None:
-        self.shell, self.settings = shell, settings
+    def __init__(self, shell: Shell, settings: Settings, step: float = 1.0, near_enough: float = NEAR_ENOUGH) -> None:
+        """`step` scales the solver's time step."""
+        self.shell, self.settings, self.near_enough = shell, settings, near_enough
         self.material = MATERIALS[settings.material]
         self.strength = self.material.strength(settings.thickness)
-        self.solver = Solver(shell, self.material, settings.thickness)
+        self.most_mass = max(STRIKERS[name].mass[1] for name in settings.strikers)
+        self.solver = Solver(shell, self.material, settings.thickness, step)
 
     def do(self, task: Task) -> Result:
         rng = np.random.default_rng([self.settings.seed, task.index])
@@ -82,7 +84,7 @@ class Maker:
         for _ in range(TRIES):
             outcome = self.solver.strike(blow)
             tries.append(f"{blow.speed:.1f} m/s, {blow.mass:.3g} kg: {outcome.trouble or f'{1000 * outcome.depth:.3g} mm'}")
-            if outcome.trouble in (BLOCKED, MISSED):
+            if outcome.trouble in (BLOCKED, MISSED, HELD):
                 return Result(task, None, tries, place_is_bad=True)
             if outcome.trouble is not None:
                 blow = replace(blow, speed=0.8 * blow.speed)
@@ -93,14 +95,16 @@ class Maker:
             off = abs(np.log(depth / task.wanted))
             if best is None or off < best[0]:
                 best = off, blow, outcome
-            if off <= np.log(NEAR_ENOUGH):
+            if off <= np.log(self.near_enough):
                 break
-            faster = blow.speed * float(np.clip((task.wanted / depth) ** (EXPONENT / 2), 0.5, 2.5))
-            if faster > MOST_SPEED:
-                blow = replace(blow, mass=blow.mass * (faster / MOST_SPEED) ** 2, speed=MOST_SPEED)
-            else:
-                blow = replace(blow, speed=faster)
-        if best is None or best[0] > np.log(4):
+            # Mass and speed share the change of the energy, so that both stay usual.
+            factor = float(np.clip((task.wanted / depth) ** EXPONENT, 0.2, 8.0))
+            speed = float(np.clip(blow.speed * factor**0.25, LEAST_SPEED, MOST_SPEED))
+            mass = blow.mass * factor * (blow.speed / speed) ** 2
+            if mass > self.most_mass:
+                break
+            blow = replace(blow, mass=mass, speed=speed)
+        if best is None or best[0] > np.log(max(4, self.near_enough)):
             return Result(task, None, tries, stiffness, place_is_bad=True)
         return Result(task, self._made(task, best[1], best[2]), tries, stiffness)
 
@@ -124,7 +128,7 @@ class Maker:
         speed = float(np.exp(rng.uniform(*np.log(SPEEDS))))
         mass = float(np.clip(2 * energy / speed**2, *striker.mass))
         radius = float(np.exp(rng.uniform(*np.log(striker.radius)))) * shell.size
-        speed = min(float(np.sqrt(2 * energy / mass)), MOST_SPEED)
+        speed = float(np.clip(np.sqrt(2 * energy / mass), LEAST_SPEED, MOST_SPEED))
         return Blow(shell.points[task.vertex], normal, direction, speed, mass, radius, shape)
 
     def _made(self, task: Task, blow: Blow, outcome: Outcome) -> Made:
@@ -144,16 +148,18 @@ def quiet(field: Floats) -> Floats:
 class Store:
     """A folder with one file per example, for going on with a run that was interrupted."""
 
-    def __init__(self, folder: Path, body: Body, settings: Settings) -> None:
+    def __init__(self, folder: Path, body: Body, shell: Shell, settings: Settings) -> None:
         self.folder = folder
-        points = hashlib.sha256(body.points.tobytes() + body.triangles.tobytes()).hexdigest()
-        now = {"format": FORMAT, "body": points} | json.loads(json.dumps(asdict(settings)))
+        arrays = (body.points, body.triangles, shell.points, shell.triangles, shell.held)
+        now = {"format": FORMAT, "body": hashlib.sha256(b"".join(one.tobytes() for one in arrays)).hexdigest()} | json.loads(
+            json.dumps(asdict(settings))
+        )
         note = folder / "settings.json"
         if note.exists():
             before = json.loads(note.read_text())
             for key in now:
                 if before.get(key) != now[key]:
-                    changed = "the body" if key == "body" else f"--{key} ({before.get(key)}, now {now[key]})"
+                    changed = "body, or another remesher" if key in ("body", "format") else f"--{key} ({before.get(key)}, now {now[key]})"
                     raise Failure(f"{folder} has examples of an earlier run with another {changed}; delete it, or choose another -o")
         folder.mkdir(parents=True, exist_ok=True)
         note.write_text(json.dumps(now, indent=1))
@@ -217,7 +223,10 @@ def run(
             places.drop(result.task.vertex, 0.05 * shell.size)
         if result.made is not None:
             made.append(result.made)
-            error, each = errors(shell, made) if len(made) > 1 else (None, [None])
+            if len(made) > 1:
+                error, each = errors(shell, made)
+            else:
+                each = [None]
         progress(len(made), error, result.tries[-1])
 
     def enough() -> bool:
@@ -243,7 +252,7 @@ def run(
                 index = number + len(batch)
                 low, high = settings.depth
                 wanted = low * (high / low) ** _even(index)
-                batch.append(Task(index, vertex, wanted, _stiffness(results, shell, shell.points[vertex])))
+                batch.append(Task(index, vertex, wanted, stiffness(results, shell, shell.points[vertex])))
             if not batch:
                 break
             for future in [workers.submit(_do, task) for task in batch]:
@@ -265,11 +274,14 @@ def advice(results: Sequence[Result]) -> str:
         "did not leave": "strikers were caught by the body: choose a smaller --depth, or --strikers ball",
         "turned over": "the shell folded: choose a smaller --depth or a finer --detail",
         "in the striker's way": "strikers could not reach the body: choose smaller ones (--strikers stone), or turn its normals outward",
+        "is held": "strikers touched parts that are held: hold less (--hold), or choose smaller strikers (--strikers ball)",
         "did not touch": "strikers missed the body: turn its normals outward",
     }
     found = [text for key, text in hints.items() if key in said]
     last = f"; the last tries: {'; '.join(results[-1].tries)}" if results else ""
-    return f"{'; '.join(found) or 'no dent of the wanted depth was found: choose another --depth, or another --material or --thickness'}{last}"
+    return (
+        f"{'; '.join(found) or 'no dent of the wanted depth was found: choose another --depth, or another --material or --thickness'}{last}"
+    )
 
 
 def _even(index: int) -> float:
@@ -283,7 +295,7 @@ def _even(index: int) -> float:
     return value
 
 
-def _stiffness(results: Sequence[Result], shell: Shell, point: Floats) -> float:
+def stiffness(results: Sequence[Result], shell: Shell, point: Floats) -> float:
     """What the nearest places needed."""
     known = [result for result in results if result.stiffness is not None]
     if not known:

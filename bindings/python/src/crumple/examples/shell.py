@@ -67,7 +67,9 @@ def make(body: Body, detail: int, hold: str) -> Shell:
         hold = "marked" if body.marked.any() else "edges" if len(rim) else "lowest"
     if hold == "marked":
         if not body.marked.any():
-            raise Failure(f"nothing of {body.name} is marked as held; paint it red (COLOR_0) or give it an attribute _HELD, or use --hold edges")
+            raise Failure(
+                f"nothing of {body.name} is marked as held; paint it red (COLOR_0) or give it an attribute _HELD, or use --hold edges"
+            )
         marked = np.zeros(len(body.points), bool)
         marked[body.of_vertex[body.marked]] = True
         held = marked[cKDTree(body.points).query(points)[1]]
@@ -136,7 +138,9 @@ def _remesh(body: Body, surface: Ints, edge: float) -> tuple[Floats, Ints]:
         wanted = int(8 * _area(body.points, surface) / edge**2)
         if len(surface) > 2 * wanted:
             # The remesher alone takes minutes for a million triangles.
-            meshes.meshing_decimation_quadric_edge_collapse(targetfacenum=wanted, preserveboundary=True, boundaryweight=4, preservenormal=True)
+            meshes.meshing_decimation_quadric_edge_collapse(
+                targetfacenum=wanted, preserveboundary=True, boundaryweight=4, preservenormal=True
+            )
         length = pymeshlab.PureValue(edge * scale)
         meshes.meshing_isotropic_explicit_remeshing(iterations=8, targetlen=length, featuredeg=40)
         meshes.meshing_remove_unreferenced_vertices()

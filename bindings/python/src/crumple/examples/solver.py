@@ -11,9 +11,11 @@ import os
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 from dataclasses import dataclass  # noqa: E402
+from typing import Any  # noqa: E402
 
 import mujoco  # noqa: E402
 import numpy as np  # noqa: E402
+from numpy.typing import NDArray  # noqa: E402
 
 from . import Failure  # noqa: E402
 from .body import Floats, face_normals  # noqa: E402
@@ -65,6 +67,7 @@ class Outcome:
 
 
 BLOCKED = "the body is in the striker's way"
+HELD = "the striker touched a part that is held"
 MISSED = "the striker did not touch the body"
 UNSTABLE = "the solver became unstable"
 STUCK = "the striker did not leave"
@@ -99,7 +102,9 @@ class Solver:
         try:
             self.model = mujoco.MjModel.from_xml_string(xml)
         except ValueError as error:
-            raise Failure(f"MuJoCo refuses the shell: {error}; raise --detail, or merge vertices by distance in the modelling program") from error
+            raise Failure(
+                f"MuJoCo refuses the shell: {error}; raise --detail, or merge vertices by distance in the modelling program"
+            ) from error
         self.data = mujoco.MjData(self.model)
         model = self.model
         self.geoms = {name: model.geom(name).id for name in ("ball", "pole")}
@@ -129,6 +134,8 @@ class Solver:
         velocity = blow.direction * blow.speed
         data.qpos[self.q], data.qvel[self.v] = centre - 0.05 * self.shell.edge * blow.direction, velocity
         vertex = int(np.linalg.norm(self.shell.points - point, axis=1).argmin())
+        if self.shell.held[vertex]:
+            return Outcome(HELD)
         geom, first, last, gone, energy, speed = self.geoms[blow.shape], None, None, None, 0.0, 0.0
         free, after, left = 0, velocity, True
         while True:
@@ -250,5 +257,5 @@ class Solver:
         self.data.qacc_warmstart[:] = 0
 
 
-def _text(values: Floats) -> str:
+def _text(values: NDArray[Any]) -> str:
     return " ".join(f"{value:.9g}" for value in np.asarray(values).ravel())
