@@ -1,3 +1,5 @@
+import json
+
 import bodies
 import numpy as np
 import pytest
@@ -14,6 +16,9 @@ def check(path, out, count):
     """What holds for every output: `count` examples on the mesh as it was, with closed seams."""
     before, after = Body(path), Body(out, replace=True)
     assert after.vertices.tobytes() == before.vertices.tobytes()
+    text = out.read_bytes()
+    gltf = json.loads(text[20 : 20 + int.from_bytes(text[12:16], "little")])
+    assert all("bufferView" in accessor or "byteOffset" not in accessor for accessor in gltf["accessors"])
     with crumple.Context(threads=1) as context:
         loaded = context.load(out)
         assert loaded.info.example_count == count and loaded.info.vertex_count == len(before.vertices)
@@ -69,8 +74,8 @@ def test_bodies_become_shells(name, tmp_path):
 
 
 def test_many_triangles(tmp_path):
-    sphere = trimesh.creation.icosphere(7)
-    path, out = bodies.write(tmp_path / "body.glb", [(sphere.vertices, sphere.faces)]), tmp_path / "out.glb"
+    torus = trimesh.creation.torus(0.5, 0.2, 330, 320)
+    path, out = bodies.write(tmp_path / "body.glb", [(torus.vertices, torus.faces)]), tmp_path / "out.glb"
     body = Body(path)
     assert len(body.triangles) > 200_000
     made = shell.make(body, 600, "auto")
@@ -111,10 +116,16 @@ def test_the_solver_makes_examples_that_the_command_uses(tmp_path):
     assert "2 examples know their blow" in command("info", out).stdout or "blows" in command("info", out).stdout
     page = (tmp_path / "out_report/index.html").read_text()
     assert "example_02.png" in page and (tmp_path / "out_report/example_02.png").stat().st_size > 3000
-    # What is made is kept: the same file again, without a simulation, and a third example on top.
+    # What is made is kept: the same file again, without a simulation, and two more examples on top.
     first = out.read_bytes()
     assert command(*asked).returncode == 0
     assert out.read_bytes() == first
+    kept = {path.name: path.read_bytes() for path in (tmp_path / "out_work").glob("*.npz")}
+    asked[asked.index("--count") + 1] = "4"
+    assert command(*asked, "--jobs", "2").returncode == 0
+    _, more = check(path, out, 4)
+    assert [one.name for one in more[:2]] == [one.name for one in examples]
+    assert all((tmp_path / "out_work" / name).read_bytes() == data for name, data in kept.items())
     changed = command(*asked, "--thickness", "1.5")
     assert changed.returncode == 1 and "--thickness (0.0008, now 0.0015)" in changed.stderr
 
@@ -162,7 +173,8 @@ def test_messages(tmp_path, capsys):
         ([closed, "--hold", "edges"], "no open edges"),
         ([panel, "--hold", "marked"], "paint it red"),
         ([dust], "join them"),
-        ([panel, "--unit", "0.0001"], "the unit may be wrong"),
+        ([panel, "--unit", "0.0001", "--thickness", "0.8"], "the unit may be wrong"),
+        ([panel, "--unit", "0.0001"], "MuJoCo refuses the shell"),
     ]:
         assert main([str(argument) for argument in arguments]) == 1, arguments
         said = capsys.readouterr().err

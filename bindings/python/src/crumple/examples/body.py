@@ -156,6 +156,10 @@ class Body:
         extras["targetNames"] = [made.name for made in examples]
         extras["impacts"] = [self._impact(made, back) for made in examples]
         self.mesh.extras = extras | {"crumple": notes}
+        for accessor in self.gltf.accessors:
+            if accessor.bufferView is None:
+                # pygltflib writes 0, which the format allows only beside a buffer view.
+                accessor.byteOffset = None
         self.gltf.buffers[0].byteLength = len(blob)
         self.gltf.set_binary_blob(bytes(blob))
         temporary = path.with_name(path.name + ".part")

@@ -33,7 +33,12 @@ def _parser() -> argparse.ArgumentParser:
         "--until-error", type=_positive, metavar="E", help="stop earlier, when the examples predict each other with this median error (0.2)"
     )
     add("--material", choices=sorted(MATERIALS), default="steel", help="default steel")
-    add("--thickness", type=_positive, metavar="MM", help="of the sheet, mm; default: the material's own (steel 0.8)")
+    add(
+        "--thickness",
+        type=_positive,
+        metavar="MM",
+        help="of the sheet, mm; default: the material's own (steel 0.8), within 1/5000 and 1/500 of the diagonal",
+    )
     add(
         "--hold",
         choices=("auto", "edges", "marked", "lowest"),
@@ -132,7 +137,11 @@ def _simulated(body: Body, options: argparse.Namespace, depth: tuple[float, floa
 
     from . import run, shell
 
-    thickness = 1e-3 * options.thickness if options.thickness else MATERIALS[options.material].thickness
+    usual = MATERIALS[options.material].thickness
+    # A toy is not made of a car's sheet, nor a hall.
+    thickness = 1e-3 * options.thickness if options.thickness else float(np.clip(usual, body.size / 5000, body.size / 500))
+    if not options.thickness and thickness != usual:
+        words.append(f"For a body of this size the sheet is {1000 * thickness:.3g} mm thick; --thickness changes it.")
     solid = shell.make(body, options.detail, options.hold)
     words.append(
         f"Shell: {len(solid.points)} points, edges of {1000 * solid.edge:.3g} mm, {solid.held.sum()} held. "

@@ -6,6 +6,7 @@ import hashlib
 import json
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass, replace
 from multiprocessing import get_context
 from pathlib import Path
@@ -256,7 +257,12 @@ def run(
             if not batch:
                 break
             for future in [workers.submit(_do, task) for task in batch]:
-                result = future.result()
+                try:
+                    result = future.result()
+                except BrokenProcessPool as error:
+                    raise Failure(
+                        "a simulation's process ended, perhaps for lack of memory; use --jobs 1, or a smaller --detail"
+                    ) from error
                 store.write(number, result)
                 number += 1
                 take(result)

@@ -110,10 +110,6 @@ def _parts(body: Body) -> tuple[Ints, Ints]:
     return csgraph.connected_components(graph, directed=False)[1][body.triangles[:, 0]], body.triangles
 
 
-def _area(points: Floats, triangles: Ints) -> float:
-    return float(0.5 * np.linalg.norm(face_normals(points, triangles), axis=1).sum())
-
-
 def _graph(triangles: Ints, count: int) -> coo_matrix:
     a, b = triangles.reshape(-1), triangles[:, [1, 2, 0]].reshape(-1)
     return coo_matrix((np.ones(len(a), bool), (a, b)), (count, count))
@@ -135,12 +131,6 @@ def _remesh(body: Body, surface: Ints, edge: float) -> tuple[Floats, Ints]:
     meshes.add_mesh(pymeshlab.Mesh(body.points[used] * scale, corners.reshape(-1, 3)))
     try:
         meshes.meshing_remove_null_faces()
-        wanted = int(8 * _area(body.points, surface) / edge**2)
-        if len(surface) > 2 * wanted:
-            # The remesher alone takes minutes for a million triangles.
-            meshes.meshing_decimation_quadric_edge_collapse(
-                targetfacenum=wanted, preserveboundary=True, boundaryweight=4, preservenormal=True
-            )
         length = pymeshlab.PureValue(edge * scale)
         meshes.meshing_isotropic_explicit_remeshing(iterations=8, targetlen=length, featuredeg=40)
         meshes.meshing_remove_unreferenced_vertices()

@@ -33,7 +33,7 @@ FREE, SLOW, CONTACT, SETTLE = 0.008, 0.060, 0.30, 0.12
 """Seconds at a step of 0.5 ms: the striker is gone after FREE without touch if it moves away, after SLOW if not; the contact and the
 settling last at most this long."""
 REST, UNSETTLED = 3e-3, 0.04
-"""m/s: the shell rests below the first, and has not settled above the second."""
+"""m/s with edges of 20 mm: the shell rests below the first, and has not settled above the second."""
 _BAD = (mujoco.mjtWarning.mjWARN_BADQACC, mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL)
 mujoco.set_mju_user_warning(lambda message: None)
 
@@ -83,6 +83,7 @@ class Solver:
         self.shell = shell
         self.time = min(max(shell.edge / EDGE, 0.02), 4.0)
         self.dt = STEP * self.time * step
+        self.pace = shell.edge / EDGE / self.time
         self.skin = SKIN * shell.edge
         self.half = 0.75 * shell.size
         contact = f'condim="3" friction="{FRICTION}" solref="{6 * STEP * self.time:.9g} 2"'
@@ -102,8 +103,9 @@ class Solver:
         try:
             self.model = mujoco.MjModel.from_xml_string(xml)
         except ValueError as error:
+            said = " ".join(str(error).split())
             raise Failure(
-                f"MuJoCo refuses the shell: {error}; raise --detail, or merge vertices by distance in the modelling program"
+                f"MuJoCo refuses the shell: {said}; a body may be too small (--unit), or have vertices to be merged by distance"
             ) from error
         self.data = mujoco.MjData(self.model)
         model = self.model
@@ -160,7 +162,7 @@ class Solver:
                     speed = float(np.abs(data.qvel[self.shell_v]).max())
                     data.qvel[self.shell_v] = 0
                     now = 0.0
-                    if speed < REST or data.time - gone > SETTLE * time:
+                    if speed < REST * self.pace or data.time - gone > SETTLE * time:
                         break
                 energy = now
                 if data.time - gone > 2 * SETTLE * time:
@@ -178,7 +180,7 @@ class Solver:
         found = dict(
             field=field, point=point, normal=normal, impulse=impulse, duration=last - first + self.dt, depth=float(length[vertex]), speed_at_rest=speed
         )  # fmt: skip
-        trouble = STUCK if not left else RESTLESS if speed > UNSETTLED else FOLDED if self._folded(field) else None
+        trouble = STUCK if not left else RESTLESS if speed > UNSETTLED * self.pace else FOLDED if self._folded(field) else None
         return Outcome(trouble, **found)
 
     def _folded(self, field: Floats) -> bool:
