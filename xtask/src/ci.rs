@@ -11,7 +11,7 @@ pub const CHECKS: &[Stage] = &[
         repo::run(workspace, false).map(passed)
     }),
     check("rooms", "the imports of src keep the order of its rooms", |workspace| rooms::run(workspace).map(passed)),
-    check("header", "the committed header and C# declarations match the sources", |workspace| {
+    check("header", "the committed header and the C# and Python declarations match the sources", |workspace| {
         header::run(workspace, true).map(passed)
     }),
     check("format", "rustfmt changes nothing", |workspace| {

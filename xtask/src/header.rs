@@ -1,5 +1,5 @@
-//! `include/crumple.h`, which cbindgen writes from the sources of `src/capi`, and the C# declarations made from it: committed, and
-//! compared in CI.
+//! `include/crumple.h`, which cbindgen writes from the sources of `src/capi`, and the C# and Python declarations made from it:
+//! committed, and compared in CI.
 
 use std::fs;
 
@@ -7,6 +7,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use similar::TextDiff;
 
 use crate::csharp;
+use crate::python;
 use crate::workspace::Workspace;
 
 /// Characters in a line of the header.
@@ -16,7 +17,9 @@ pub const HEADER: &str = "include/crumple.h";
 pub fn run(workspace: &Workspace, check: bool) -> Result<()> {
     let header = generate(workspace)?;
     let (types, functions) = csharp::declarations(&header)?;
-    let files = [(HEADER, header), (csharp::TYPES, types), (csharp::FUNCTIONS, functions)];
+    let python = python::declarations(&header)?;
+    let files =
+        [(HEADER, header), (csharp::TYPES, types), (csharp::FUNCTIONS, functions), (python::DECLARATIONS, python)];
     for (name, fresh) in &files {
         if check { compare(workspace, name, fresh)? } else { write(workspace, name, fresh)? }
     }

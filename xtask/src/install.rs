@@ -261,7 +261,7 @@ fn fill(workspace: &Workspace, built: &Built, template: &str, directory: &Path) 
     fs::write(&path, text).with_context(|| format!("writing {}", path.display()))
 }
 
-fn copy(file: &Path, directory: &Path) -> Result<PathBuf> {
+pub fn copy(file: &Path, directory: &Path) -> Result<PathBuf> {
     let name = file.file_name().with_context(|| format!("{} has no file name", file.display()))?;
     copy_as(file, directory, &name.to_string_lossy())
 }

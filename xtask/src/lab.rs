@@ -1,14 +1,14 @@
 //! `cargo xtask lab`: runs the lab's parts one after the other, draws their charts and writes docs/lab/README.md.
 
-use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 use xshell::cmd;
 
-use crate::tools::{self, Tool};
+use crate::python;
+use crate::tools::Tool;
 use crate::workspace::{Workspace, empty_directory};
 
 #[derive(Args)]
@@ -112,25 +112,7 @@ fn script_path(workspace: &Workspace, script: &str) -> PathBuf {
     workspace.path("lab/python").join(script)
 }
 
-/// A Python with the pinned packages that the scripts need, in an environment below the target directory.
+/// A Python with the pinned packages that the scripts need.
 pub fn python(workspace: &Workspace) -> Result<PathBuf> {
-    let sh = &workspace.shell;
-    let environment = workspace.target.join("lab-venv");
-    let python = if cfg!(windows) { environment.join("Scripts/python.exe") } else { environment.join("bin/python") };
-    let requirements = workspace.path("lab/python/requirements.txt");
-    let wanted = std::fs::read_to_string(&requirements).context("reading lab/python/requirements.txt")?;
-    let installed = environment.join("installed.txt");
-    let works = |python: &Path| cmd!(sh, "{python} --version").quiet().ignore_stdout().ignore_stderr().run().is_ok();
-    if std::fs::read_to_string(&installed).is_ok_and(|have| have == wanted) && works(&python) {
-        return Ok(python);
-    }
-    let missing = tools::provide(workspace, &BTreeSet::from([Tool::Python3]))?;
-    ensure!(missing.is_empty(), "the lab's charts need Python. {}", tools::advice(&missing));
-    println!("installing into {}: {}", environment.display(), wanted.split_whitespace().collect::<Vec<_>>().join(" "));
-    empty_directory(&environment)?;
-    cmd!(sh, "python3 -m venv {environment}").quiet().run()?;
-    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--only-binary", ":all:", "-r"];
-    cmd!(sh, "{python} {pip...} {requirements}").quiet().run()?;
-    std::fs::write(&installed, wanted).context("noting what is installed")?;
-    Ok(python)
+    python::environment(workspace, Tool::Python3, "lab-venv", "lab/python/requirements.txt")
 }

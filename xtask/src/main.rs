@@ -16,6 +16,7 @@ mod native;
 mod package;
 mod peers;
 mod platforms;
+mod python;
 mod reference;
 mod repo;
 mod rooms;
@@ -55,7 +56,7 @@ enum Command {
     },
     /// Run every test stage and print a table of the results
     Test(test::Options),
-    /// Write include/crumple.h from the Rust sources, and the C# declarations from the header
+    /// Write include/crumple.h from the Rust sources, and the C# and Python declarations from the header
     Header {
         /// Write nothing; fail with a diff if a committed file does not match the sources
         #[arg(long)]
@@ -72,6 +73,8 @@ enum Command {
     },
     /// Make the release archives, for users without Rust
     Package(package::Options),
+    /// Make the Python wheel for this system, with the library and the command inside
+    Wheel(python::Options),
     /// Fuzz the readers of files, guided by coverage
     Fuzz(fuzz::Options),
     /// Measure accuracy, cost, stability and peers; write docs/lab with its tables, charts and report
@@ -113,6 +116,7 @@ fn run(command: Command) -> Result<()> {
             install::run(&workspace, &prefix, profile)
         }
         Command::Package(options) => package::run(&workspace, &options),
+        Command::Wheel(options) => python::run(&workspace, &options),
         Command::Fuzz(options) => fuzz::run(&workspace, &options),
         Command::Lab(options) => lab::run(&workspace, &options),
         Command::Bench(options) => bench::run(&workspace, &options),

@@ -121,8 +121,26 @@ fn build(workspace: &Workspace, flavour: &'static Flavour, target: &Target) -> R
     Ok(Parts { flavour, library, command, handed_out: true })
 }
 
-/// Lays out the folder and writes the archives to `out`.
-fn pack(workspace: &Workspace, parts: &Parts, out: &Path) -> Result<Packed> {
+/// The folder of the full flavour for this system. For handing out, everything in it is optimized as a whole, which takes minutes.
+/// Otherwise it has the release library and the tests' command, which other stages build too.
+pub fn full(workspace: &Workspace, handed_out: bool) -> Result<PathBuf> {
+    let target = Target::host(workspace)?;
+    let parts = if handed_out { build(workspace, &FULL, &target)? } else { tested(workspace, target)? };
+    Ok(lay_out(workspace, &parts)?.0)
+}
+
+/// The parts of the full flavour that tests have.
+fn tested(workspace: &Workspace, target: Target) -> Result<Parts> {
+    Ok(Parts {
+        flavour: &FULL,
+        library: install::build(workspace, target, Profile::Release, install::FEATURES)?,
+        command: Some(Command::build(workspace, Profile::Debug, None)?.program().to_owned()),
+        handed_out: false,
+    })
+}
+
+/// Lays out the folder and the folder with its debug symbols, both named like their archives.
+fn lay_out(workspace: &Workspace, parts: &Parts) -> Result<(PathBuf, PathBuf)> {
     let flavour = parts.flavour;
     let (target, triple) = (&parts.library.target, &parts.library.target.triple);
     let name = format!("crumple-{}-{triple}{}", workspace.version, flavour.suffix);
@@ -142,7 +160,14 @@ fn pack(workspace: &Workspace, parts: &Parts, out: &Path) -> Result<Packed> {
     contents::copy(workspace, parts, &folder)?;
     paths::nothing_of_this_machine(workspace, parts, &folder)?;
     manifest::write(workspace, parts, &folder)?;
+    Ok((folder, debug))
+}
 
+/// Lays out the folder and writes the archives to `out`.
+fn pack(workspace: &Workspace, parts: &Parts, out: &Path) -> Result<Packed> {
+    let (folder, debug) = lay_out(workspace, parts)?;
+    let target = &parts.library.target;
+    let name = folder.file_name().context("the folder has a name")?.to_string_lossy().into_owned();
     fs::create_dir_all(out).with_context(|| format!("creating {}", out.display()))?;
     let time = time(workspace)?;
     let archive = archive::pack(&folder, out, time, target)?;

@@ -17,8 +17,11 @@ const TRUTHS_LIMIT: u64 = 14_000_000;
 const QUICKSTART: &str = "examples-c/quickstart.c";
 const QUICKSTART_LINES: usize = 80;
 /// Programs that a page shows whole: the program, the page and the language.
-const SHOWN: &[(&str, &str, &str)] =
-    &[(QUICKSTART, "README.md", "c"), ("tests/csharp/Quickstart.cs", "bindings/unity/Runtime/README.md", "csharp")];
+const SHOWN: &[(&str, &str, &str)] = &[
+    (QUICKSTART, "README.md", "c"),
+    ("tests/csharp/Quickstart.cs", "bindings/unity/Runtime/README.md", "csharp"),
+    ("bindings/python/examples/plot_dent.py", "bindings/python/README.md", "python"),
+];
 
 pub fn run(workspace: &Workspace, fix: bool) -> Result<()> {
     assets(workspace)?;

@@ -7,7 +7,7 @@ use crate::ci::CHECKS;
 use crate::stage::{self, Outcome, Rules, Stage};
 use crate::tools::Tool;
 use crate::workspace::Workspace;
-use crate::{abi, csharp, demo, native, package, peers, platforms, valgrind, vulkan};
+use crate::{abi, csharp, demo, native, package, peers, platforms, python, valgrind, vulkan};
 
 #[derive(Args, Default)]
 pub struct Options {
@@ -54,6 +54,13 @@ const STAGES: &[Stage] = &[
         needs: &[Tool::CCompiler, Tool::Mono],
         wants: &[Tool::Vulkan, Tool::VulkanHeaders],
         run: csharp::run,
+    },
+    Stage {
+        name: "python",
+        shows: "the Python package works as a wheel in an environment of its own, and makes examples for bare meshes",
+        needs: &[Tool::CCompiler, Tool::Python311],
+        wants: &[],
+        run: python::stage,
     },
     Stage {
         name: "sanitizers",

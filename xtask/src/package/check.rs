@@ -9,10 +9,9 @@ use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 use xshell::cmd;
 
-use super::{FULL, Flavour, Packed, Parts, archive, files, manifest, markdown, pack, time, within};
+use super::{FULL, Flavour, Packed, Parts, archive, files, manifest, markdown, pack, tested, time, within};
 use crate::abi;
-use crate::command::Command;
-use crate::install::{self, Built, Profile};
+use crate::install::{self, Built};
 use crate::native::{self, Build};
 use crate::platforms;
 use crate::stage::Outcome;
@@ -46,12 +45,7 @@ pub fn stage(workspace: &Workspace) -> Result<Outcome> {
     if cfg!(windows) {
         return Ok(Outcome::NotApplicable("not done on Windows, where pkg-config is rare".into()));
     }
-    let parts = Parts {
-        flavour: &FULL,
-        library: install::build(workspace, Target::host(workspace)?, Profile::Release, install::FEATURES)?,
-        command: Some(Command::build(workspace, Profile::Debug, None)?.program().to_owned()),
-        handed_out: false,
-    };
+    let parts = tested(workspace, Target::host(workspace)?)?;
     let out = tempfile::tempdir()?;
     let packed = pack(workspace, &parts, out.path())?;
     check(workspace, &FULL, &packed)?;

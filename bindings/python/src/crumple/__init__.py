@@ -1,0 +1,47 @@
+"""Crumple dents meshes by example.
+
+A ``Context`` loads or builds an ``ExampleSet``; the set makes ``Instance``s; hits dent them; ``Context.deform`` writes the deformed
+vertices into your numpy arrays. Metres, seconds, kilograms, newton seconds. The names follow include/crumple.h, which says more
+about each; what the package does not wrap (Vulkan, allocators, an engine's job system) is there as ``crumple.native`` and
+``crumple.library``.
+"""
+
+from . import _native as native
+from ._library import CrumpleError, library
+from .context import Context, Recording
+from .example_set import ExampleSet
+from .instance import Buffer, Instance
+from .types import (
+    MARK,
+    Attachment,
+    Changes,
+    Chosen,
+    Combine,
+    DeformReport,
+    Example,
+    ExampleInfo,
+    Frame,
+    HitResult,
+    HitStatus,
+    InstanceInfo,
+    Mesh,
+    Placement,
+    Primitive,
+    Result,
+    Rule,
+    Seams,
+    Selection,
+    SetInfo,
+    SetOptions,
+    Space,
+    Striker,
+)
+
+__version__: str = library.crumple_version_string().decode()
+"""The version of the library."""
+
+__all__ = [
+    "MARK", "Attachment", "Buffer", "Changes", "Chosen", "Combine", "Context", "CrumpleError", "DeformReport", "Example", "ExampleInfo",
+    "ExampleSet", "Frame", "HitResult", "HitStatus", "Instance", "InstanceInfo", "Mesh", "Placement", "Primitive", "Recording", "Result",
+    "Rule", "Seams", "Selection", "SetInfo", "SetOptions", "Space", "Striker", "library", "native",
+]  # fmt: skip

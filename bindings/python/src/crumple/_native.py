@@ -1,0 +1,716 @@
+# Generated from include/crumple.h by `cargo xtask header`; do not edit it. That header documents what is declared here.
+import ctypes as c
+from enum import IntEnum
+from typing import Any
+
+VERSION_MAJOR = 0
+VERSION_MINOR = 1
+VERSION_PATCH = 0
+VERSION = (((VERSION_MAJOR * 1000000) + (VERSION_MINOR * 1000)) + VERSION_PATCH)
+FEATURE_GLTF = 1
+FEATURE_OBJ = 2
+FEATURE_HOST_ALLOCATOR = 4
+FEATURE_VULKAN = 8
+
+
+class CrumpleResult(IntEnum):
+    """The result of a call. See "Results" at the top."""
+
+    OK = 0
+    ERROR_INVALID_ARGUMENT = 1
+    ERROR_NOT_FINITE = 2
+    ERROR_INDEX_OUT_OF_RANGE = 3
+    ERROR_MESH = 4
+    ERROR_EXAMPLE_MISMATCH = 5
+    ERROR_BUFFER_TOO_SMALL = 6
+    ERROR_MISALIGNED = 7
+    ERROR_CONTACT_TOO_FAR = 8
+    ERROR_UNSUPPORTED = 9
+    ERROR_FORMAT = 10
+    ERROR_IO = 11
+    ERROR_DAMAGE_MISMATCH = 12
+    ERROR_OUT_OF_MEMORY = 13
+    ERROR_WRONG_RULE = 14
+    ERROR_VULKAN = 15
+    ERROR_DEVICE_LOST = 16
+    ERROR_NULL_POINTER = 64
+    ERROR_STRUCT_SIZE = 65
+    ERROR_INVALID_ID = 66
+    ERROR_CONCURRENT_USE = 67
+    ERROR_INTERNAL = 68
+    ERROR_FRAMES_IN_FLIGHT = 69
+
+
+class CrumpleLogLevel(IntEnum):
+    """The severity of a log message."""
+
+    INFO = 0
+    WARNING = 1
+
+
+class CrumpleContactKind(IntEnum):
+    """How an example's contact (the place where it was hit) is given."""
+
+    NONE = 0
+    VERTEX = 1
+    POINT = 2
+
+
+class CrumplePlacement(IntEnum):
+    """Whether an example stays where it was made (anchored) or moves to where the body was hit (carried)."""
+
+    AUTOMATIC = 0
+    ANCHORED = 1
+    CARRIED = 2
+
+
+class CrumpleIndexType(IntEnum):
+    """The type of triangle indices. CRUMPLE_INDEX_TYPE_U32 is the default."""
+
+    U32 = 0
+    U16 = 1
+
+
+class CrumpleCombine(IntEnum):
+    """How several marks act together. Each vertex moves along the sum of their displacements, up to the depth limit."""
+
+    SUM = 1
+    ENERGIES = 0
+    DEEPEST = 2
+
+
+class CrumpleSeams(IntEnum):
+    """What happens when an example moves apart vertices that share a base position."""
+
+    WELD = 0
+    KEEP = 1
+
+
+class CrumpleBytes(IntEnum):
+    """Whether the bytes of a baked set are copied."""
+
+    COPY = 0
+    KEEP = 1
+
+
+class CrumpleRule(IntEnum):
+    """How hits damage an instance."""
+
+    MARKS = 0
+    MOST_DISPLACED = 1
+    BLEND = 2
+
+
+class CrumpleSelection(IntEnum):
+    """How the examples for a hit are selected."""
+
+    OF_RULE = 0
+    NEAREST = 1
+    CLASSIC = 2
+    CLASSIC_UNCLAMPED = 3
+
+
+class CrumpleSpace(IntEnum):
+    """The space that a hit is given in."""
+
+    LOCAL = 0
+    WORLD = 1
+
+
+class CrumpleHitStatus(IntEnum):
+    """What became of a hit."""
+
+    MARKED = 0
+    BELOW_YIELD = 1
+    NOTHING_REACHES = 2
+    ACCUMULATED = 3
+
+
+class CrumpleHandleType(IntEnum):
+    """The type of a handle to shared memory or to a semaphore."""
+
+    OPAQUE_FD = 0
+    OPAQUE_WIN32 = 1
+
+
+CrumpleAlloc = c.CFUNCTYPE(c.c_void_p, c.c_size_t, c.c_size_t, c.c_void_p)
+
+
+CrumpleFree = c.CFUNCTYPE(None, c.c_void_p, c.c_size_t, c.c_size_t, c.c_void_p)
+
+
+class CrumpleAllocatorDef(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("alloc", CrumpleAlloc),
+        ("free", CrumpleFree),
+        ("user", c.c_void_p),
+    ]
+
+
+CrumpleLog = c.CFUNCTYPE(None, c.c_uint32, c.c_char_p, c.c_void_p)
+
+
+CrumpleTask = c.CFUNCTYPE(None, c.c_uint32, c.c_void_p)
+
+
+CrumpleParallelFor = c.CFUNCTYPE(None, c.c_uint32, CrumpleTask, c.c_void_p, c.c_void_p)
+
+
+class CrumpleTaskSystem(c.Structure):
+    _fields_ = [
+        ("parallel_for", CrumpleParallelFor),
+        ("user", c.c_void_p),
+        ("workers", c.c_uint32),
+    ]
+
+
+class CrumpleContextDef(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("threads", c.c_uint32),
+        ("log", CrumpleLog),
+        ("log_user", c.c_void_p),
+        ("tasks", CrumpleTaskSystem),
+    ]
+
+
+class CrumpleInput(c.Structure):
+    _fields_ = [
+        ("data", c.c_void_p),
+        ("size", c.c_size_t),
+        ("stride", c.c_size_t),
+    ]
+
+
+class CrumpleVec3(c.Structure):
+    _fields_ = [
+        ("x", c.c_float),
+        ("y", c.c_float),
+        ("z", c.c_float),
+    ]
+
+
+class CrumpleStriker(c.Structure):
+    _fields_ = [
+        ("mass", c.c_float),
+        ("radius", c.c_float),
+        ("velocity", CrumpleVec3),
+    ]
+
+
+class CrumpleExampleDef(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("delta_count", c.c_uint32),
+        ("name", c.c_char_p),
+        ("target_positions", CrumpleInput),
+        ("target_normals", CrumpleInput),
+        ("delta_indices", CrumpleInput),
+        ("position_deltas", CrumpleInput),
+        ("normal_deltas", CrumpleInput),
+        ("contact_kind", c.c_uint32),
+        ("contact_vertex", c.c_uint32),
+        ("contact_point", CrumpleVec3),
+        ("contact_normal", CrumpleVec3),
+        ("impulse", CrumpleVec3),
+        ("duration", c.c_float),
+        ("striker", CrumpleStriker),
+        ("has_contact_normal", c.c_bool),
+        ("placement", c.c_uint32),
+    ]
+
+
+class CrumpleMeshDef(c.Structure):
+    _fields_ = [
+        ("vertex_count", c.c_uint32),
+        ("index_count", c.c_uint32),
+        ("positions", CrumpleInput),
+        ("normals", CrumpleInput),
+        ("tangents", CrumpleInput),
+        ("indices", CrumpleInput),
+        ("index_type", c.c_uint32),
+    ]
+
+
+class CrumpleExampleSetOptions(c.Structure):
+    _fields_ = [
+        ("depth_limit", c.c_float),
+        ("drop_below", c.c_float),
+        ("vertex_mass", c.c_float),
+        ("stamp_resolution", c.c_uint32),
+        ("bake_tolerance", c.c_float),
+        ("bake_normal_tolerance", c.c_float),
+        ("vertex_masses", CrumpleInput),
+        ("combine", c.c_uint32),
+        ("seams", c.c_uint32),
+        ("strict", c.c_bool),
+        ("mirror", c.c_bool),
+        ("held_rims", c.c_bool),
+    ]
+
+
+class CrumpleExampleSetDef(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("example_count", c.c_uint32),
+        ("mesh", CrumpleMeshDef),
+        ("examples", c.POINTER(CrumpleExampleDef)),
+        ("options", CrumpleExampleSetOptions),
+    ]
+
+
+class CrumpleExampleSet(c.Structure):
+    _fields_ = [
+        ("index", c.c_uint32),
+        ("generation", c.c_uint16),
+        ("context", c.c_uint16),
+    ]
+
+
+class CrumpleLodDef(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("mesh", CrumpleMeshDef),
+    ]
+
+
+class CrumpleGltfDef(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("mesh_index", c.c_uint32),
+        ("mesh_name", c.c_char_p),
+        ("path", c.c_char_p),
+        ("options", CrumpleExampleSetOptions),
+    ]
+
+
+class CrumpleObjDef(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("example_count", c.c_uint32),
+        ("base_path", c.c_char_p),
+        ("example_paths", c.POINTER(c.c_char_p)),
+        ("options", CrumpleExampleSetOptions),
+    ]
+
+
+class CrumpleStream(c.Structure):
+    _fields_ = [
+        ("data", c.c_void_p),
+        ("size", c.c_size_t),
+        ("offset", c.c_size_t),
+        ("stride", c.c_size_t),
+    ]
+
+
+class CrumpleMeshCopyDef(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("lod", c.c_uint32),
+        ("positions", CrumpleStream),
+        ("normals", CrumpleStream),
+        ("tangents", CrumpleStream),
+        ("indices", CrumpleStream),
+    ]
+
+
+class CrumpleAabb(c.Structure):
+    _fields_ = [
+        ("min", CrumpleVec3),
+        ("max", CrumpleVec3),
+    ]
+
+
+class CrumpleExampleSetInfo(c.Structure):
+    _fields_ = [
+        ("name", c.c_char_p),
+        ("fingerprint", c.c_uint64),
+        ("memory_bytes", c.c_uint64),
+        ("vertex_count", c.c_uint32),
+        ("triangle_count", c.c_uint32),
+        ("example_count", c.c_uint32),
+        ("primitive_count", c.c_uint32),
+        ("seam_count", c.c_uint32),
+        ("depth_limit", c.c_float),
+        ("bounds", CrumpleAabb),
+        ("node_transform", c.c_float * 16),
+        ("has_tangents", c.c_bool),
+        ("lod_count", c.c_uint32),
+        ("blow_count", c.c_uint32),
+        ("field_error", c.c_float),
+        ("depth_error", c.c_float),
+        ("reserved", c.c_uint64 * 2),
+    ]
+
+
+class CrumpleExampleInfo(c.Structure):
+    _fields_ = [
+        ("name", c.c_char_p),
+        ("contact_vertex", c.c_uint32),
+        ("moved_vertices", c.c_uint32),
+        ("contact_point", CrumpleVec3),
+        ("contact_normal", CrumpleVec3),
+        ("depth", c.c_float),
+        ("max_depth", c.c_float),
+        ("support_radius", c.c_float),
+        ("placement", c.c_uint32),
+        ("field_error", c.c_float),
+        ("depth_error", c.c_float),
+        ("reserved", c.c_uint64),
+    ]
+
+
+class CrumplePrimitive(c.Structure):
+    _fields_ = [
+        ("material", c.c_char_p),
+        ("first_vertex", c.c_uint32),
+        ("vertex_count", c.c_uint32),
+        ("first_triangle", c.c_uint32),
+        ("triangle_count", c.c_uint32),
+        ("reserved", c.c_uint32 * 2),
+    ]
+
+
+class CrumpleInstanceDef(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("examples_per_hit", c.c_uint32),
+        ("set", CrumpleExampleSet),
+        ("rule", c.c_uint32),
+        ("selection", c.c_uint32),
+        ("mark_capacity", c.c_uint32),
+        ("depth_limit", c.c_float),
+        ("yield_impulse", c.c_float),
+        ("yield_displacement", c.c_float),
+        ("max_contact_distance", c.c_float),
+        ("blend_constant", c.c_float),
+        ("tolerance", c.c_float),
+        ("local_to_world", c.c_float * 16),
+    ]
+
+
+class CrumpleInstance(c.Structure):
+    _fields_ = [
+        ("index", c.c_uint32),
+        ("generation", c.c_uint16),
+        ("context", c.c_uint16),
+    ]
+
+
+class CrumpleInstanceInfo(c.Structure):
+    _fields_ = [
+        ("set", CrumpleExampleSet),
+        ("memory_bytes", c.c_uint64),
+        ("mark_count", c.c_uint32),
+        ("buffer_count", c.c_uint32),
+        ("depth_limit", c.c_float),
+        ("contact_count", c.c_uint32),
+        ("reserved", c.c_uint32 * 4),
+    ]
+
+
+class CrumpleImpulseDef(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("space", c.c_uint32),
+        ("point", CrumpleVec3),
+        ("impulse", CrumpleVec3),
+        ("duration", c.c_float),
+        ("mass", c.c_float),
+        ("normal", CrumpleVec3),
+        ("striker", CrumpleStriker),
+        ("contact_id", c.c_uint64),
+    ]
+
+
+class CrumpleDisplacementDef(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("space", c.c_uint32),
+        ("point", CrumpleVec3),
+        ("displacement", CrumpleVec3),
+        ("contact_id", c.c_uint64),
+    ]
+
+
+class CrumpleChosen(c.Structure):
+    _fields_ = [
+        ("example", c.c_uint32),
+        ("share", c.c_float),
+        ("scale", c.c_float),
+        ("anchored", c.c_bool),
+        ("mirror", c.c_uint8),
+        ("reserved", c.c_uint16),
+    ]
+
+
+class CrumplePair(c.Structure):
+    _fields_ = [
+        ("example", c.c_uint16),
+        ("share", c.c_uint16),
+    ]
+
+
+class CrumpleMark(c.Structure):
+    _fields_ = [
+        ("contact", c.c_uint32),
+        ("depth", c.c_float),
+        ("energy", c.c_uint64),
+        ("pairs", CrumplePair * 4),
+    ]
+
+
+class CrumpleHitResult(c.Structure):
+    _fields_ = [
+        ("status", c.c_uint32),
+        ("contact_vertex", c.c_uint32),
+        ("contact_distance", c.c_float),
+        ("target", CrumpleVec3),
+        ("achieved", CrumpleVec3),
+        ("chosen_count", c.c_uint32),
+        ("clamped", c.c_bool),
+        ("chosen", CrumpleChosen * 4),
+        ("mark", CrumpleMark),
+        ("reserved", c.c_uint64 * 4),
+    ]
+
+
+class CrumpleHostBufferDef(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("lod", c.c_uint32),
+        ("positions", CrumpleStream),
+        ("normals", CrumpleStream),
+        ("tangents", CrumpleStream),
+    ]
+
+
+class CrumpleBuffer(c.Structure):
+    _fields_ = [
+        ("index", c.c_uint32),
+        ("generation", c.c_uint16),
+        ("context", c.c_uint16),
+    ]
+
+
+class CrumpleDeformReport(c.Structure):
+    _fields_ = [
+        ("vertices_written", c.c_uint64),
+        ("blocks_written", c.c_uint64),
+        ("blocks_skipped", c.c_uint64),
+        ("parts_skipped", c.c_uint64),
+        ("reserved", c.c_uint64 * 4),
+    ]
+
+
+class CrumpleRange(c.Structure):
+    _fields_ = [
+        ("first", c.c_uint32),
+        ("count", c.c_uint32),
+    ]
+
+
+CrumpleVulkanFunction = c.CFUNCTYPE(None)
+
+
+class CrumpleVulkanAttachDef(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("queue_family", c.c_uint32),
+        ("get_instance_proc_addr", CrumpleVulkanFunction),
+        ("instance", c.c_void_p),
+        ("physical_device", c.c_void_p),
+        ("device", c.c_void_p),
+        ("pipeline_cache", c.c_void_p),
+        ("pipeline_cache_size", c.c_size_t),
+        ("workgroup_size", c.c_uint32),
+    ]
+
+
+class CrumpleVulkanStream(c.Structure):
+    _fields_ = [
+        ("offset", c.c_uint64),
+        ("stride", c.c_uint64),
+        ("format", c.c_uint32),
+        ("reserved", c.c_uint32),
+    ]
+
+
+class CrumpleVulkanBufferDef(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("lod", c.c_uint32),
+        ("buffer", c.c_uint64),
+        ("buffer_size", c.c_uint64),
+        ("usage", c.c_uint32),
+        ("queue_family", c.c_uint32),
+        ("before_stages", c.c_uint32),
+        ("before_access", c.c_uint32),
+        ("after_stages", c.c_uint32),
+        ("after_access", c.c_uint32),
+        ("offset", c.c_uint64),
+        ("size", c.c_uint64),
+        ("positions", CrumpleVulkanStream),
+        ("normals", CrumpleVulkanStream),
+        ("tangents", CrumpleVulkanStream),
+        ("scale", CrumpleVec3),
+        ("bias", CrumpleVec3),
+    ]
+
+
+class CrumpleRecordReport(c.Structure):
+    _fields_ = [
+        ("vertices_written", c.c_uint64),
+        ("blocks_written", c.c_uint64),
+        ("blocks_skipped", c.c_uint64),
+        ("parts_skipped", c.c_uint64),
+        ("bytes_copied", c.c_uint64),
+        ("dispatches", c.c_uint32),
+        ("reserved0", c.c_uint32),
+        ("reserved", c.c_uint64 * 4),
+    ]
+
+
+class CrumpleVulkanOpenDef(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("workgroup_size", c.c_uint32),
+        ("get_instance_proc_addr", CrumpleVulkanFunction),
+        ("device_uuid", c.c_uint8 * 16),
+        ("pipeline_cache", c.c_void_p),
+        ("pipeline_cache_size", c.c_size_t),
+    ]
+
+
+class CrumpleVulkanImportDef(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("handle_type", c.c_uint32),
+        ("handle", c.c_int64),
+        ("memory_size", c.c_uint64),
+        ("memory_type", c.c_uint32),
+        ("usage", c.c_uint32),
+        ("offset", c.c_uint64),
+        ("size", c.c_uint64),
+        ("dedicated", c.c_bool),
+    ]
+
+
+class CrumpleAttachment(c.Structure):
+    _fields_ = [
+        ("vertices", c.c_uint32 * 3),
+        ("weights", c.c_float * 3),
+        ("point", CrumpleVec3),
+        ("reserved", c.c_uint32 * 3),
+    ]
+
+
+class CrumpleQuat(c.Structure):
+    _fields_ = [
+        ("x", c.c_float),
+        ("y", c.c_float),
+        ("z", c.c_float),
+        ("w", c.c_float),
+    ]
+
+
+class CrumpleFrame(c.Structure):
+    _fields_ = [
+        ("position", CrumpleVec3),
+        ("rotation", CrumpleQuat),
+        ("reserved", c.c_uint32 * 5),
+    ]
+
+
+FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
+    "crumple_version": (c.c_uint32, []),
+    "crumple_version_string": (c.c_char_p, []),
+    "crumple_features": (c.c_uint64, []),
+    "crumple_last_error": (c.c_char_p, []),
+    "crumple_result_name": (c.c_char_p, [c.c_uint32]),
+    "crumple_allocator_def_default": (CrumpleAllocatorDef, []),
+    "crumple_allocator_set": (c.c_uint32, [c.POINTER(CrumpleAllocatorDef)]),
+    "crumple_context_def_default": (CrumpleContextDef, []),
+    "crumple_context_create": (c.c_uint32, [c.POINTER(CrumpleContextDef), c.POINTER(c.c_void_p)]),
+    "crumple_context_destroy": (c.c_uint32, [c.c_void_p]),
+    "crumple_example_def_default": (CrumpleExampleDef, []),
+    "crumple_example_set_def_default": (CrumpleExampleSetDef, []),
+    "crumple_example_set_create": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleExampleSetDef), c.POINTER(CrumpleExampleSet)]),
+    "crumple_lod_def_default": (CrumpleLodDef, []),
+    "crumple_example_set_add_lod": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.POINTER(CrumpleLodDef), c.POINTER(c.c_uint32)]),
+    "crumple_example_set_destroy": (c.c_uint32, [c.c_void_p, CrumpleExampleSet]),
+    "crumple_gltf_def_default": (CrumpleGltfDef, []),
+    "crumple_obj_def_default": (CrumpleObjDef, []),
+    "crumple_example_set_load_gltf": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleGltfDef), c.POINTER(CrumpleExampleSet)]),
+    "crumple_example_set_load_gltf_memory": (c.c_uint32, [c.c_void_p, c.c_void_p, c.c_size_t, c.POINTER(CrumpleGltfDef), c.POINTER(CrumpleExampleSet)]),
+    "crumple_example_set_load_obj": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleObjDef), c.POINTER(CrumpleExampleSet)]),
+    "crumple_example_set_load_baked_memory": (c.c_uint32, [c.c_void_p, c.c_void_p, c.c_size_t, c.c_uint32, c.POINTER(CrumpleExampleSet)]),
+    "crumple_example_set_load_baked": (c.c_uint32, [c.c_void_p, c.c_char_p, c.POINTER(CrumpleExampleSet)]),
+    "crumple_example_set_save_baked": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_void_p, c.c_size_t, c.POINTER(c.c_size_t)]),
+    "crumple_mesh_copy_def_default": (CrumpleMeshCopyDef, []),
+    "crumple_example_set_get_info": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.POINTER(CrumpleExampleSetInfo)]),
+    "crumple_example_set_get_example": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_uint32, c.POINTER(CrumpleExampleInfo)]),
+    "crumple_example_set_get_primitive": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_uint32, c.POINTER(CrumplePrimitive)]),
+    "crumple_example_set_copy_mesh": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.POINTER(CrumpleMeshCopyDef)]),
+    "crumple_example_set_find_nearest_vertex": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, CrumpleVec3, c.POINTER(c.c_uint32), c.POINTER(c.c_float)]),
+    "crumple_instance_def_default": (CrumpleInstanceDef, []),
+    "crumple_instance_create": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleInstanceDef), c.POINTER(CrumpleInstance)]),
+    "crumple_instance_destroy": (c.c_uint32, [c.c_void_p, CrumpleInstance]),
+    "crumple_instance_get_info": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleInstanceInfo)]),
+    "crumple_instance_set_transform": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(c.c_float)]),
+    "crumple_instance_set_depth_limit": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_float]),
+    "crumple_instance_set_tolerance": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_float]),
+    "crumple_pixel_tolerance": (c.c_float, [c.c_float, c.c_float, c.c_float, c.c_float]),
+    "crumple_impulse_def_default": (CrumpleImpulseDef, []),
+    "crumple_displacement_def_default": (CrumpleDisplacementDef, []),
+    "crumple_instance_submit_impulse": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleImpulseDef), c.POINTER(CrumpleHitResult)]),
+    "crumple_instance_submit_displacement": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleDisplacementDef), c.POINTER(CrumpleHitResult)]),
+    "crumple_instance_preview_impulse": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleImpulseDef), c.POINTER(CrumpleHitResult)]),
+    "crumple_instance_preview_displacement": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleDisplacementDef), c.POINTER(CrumpleHitResult)]),
+    "crumple_instance_end_contact": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint64]),
+    "crumple_instance_get_contact": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint64, c.POINTER(CrumpleHitResult)]),
+    "crumple_instance_get_marks": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleMark), c.c_uint32, c.POINTER(c.c_uint32)]),
+    "crumple_instance_set_marks": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleMark), c.c_uint32]),
+    "crumple_instance_save_damage": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_void_p, c.c_size_t, c.POINTER(c.c_size_t)]),
+    "crumple_instance_load_damage": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_void_p, c.c_size_t]),
+    "crumple_instance_repair_damage": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_float]),
+    "crumple_instance_reset_damage": (c.c_uint32, [c.c_void_p, CrumpleInstance]),
+    "crumple_instance_copy_damage": (c.c_uint32, [c.c_void_p, CrumpleInstance, CrumpleInstance]),
+    "crumple_host_buffer_def_default": (CrumpleHostBufferDef, []),
+    "crumple_buffer_register_host": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleHostBufferDef), c.POINTER(CrumpleBuffer)]),
+    "crumple_buffer_unregister": (c.c_uint32, [c.c_void_p, CrumpleBuffer]),
+    "crumple_buffer_invalidate": (c.c_uint32, [c.c_void_p, CrumpleBuffer]),
+    "crumple_buffer_set_memory": (c.c_uint32, [c.c_void_p, CrumpleBuffer, c.POINTER(CrumpleHostBufferDef)]),
+    "crumple_context_deform": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleBuffer), c.c_uint32, c.POINTER(CrumpleDeformReport)]),
+    "crumple_buffer_get_changes": (c.c_uint32, [c.c_void_p, CrumpleBuffer, c.POINTER(CrumpleRange), c.c_uint32, c.POINTER(c.c_uint32), c.POINTER(CrumpleAabb)]),
+    "crumple_vulkan_attach_def_default": (CrumpleVulkanAttachDef, []),
+    "crumple_vulkan_buffer_def_default": (CrumpleVulkanBufferDef, []),
+    "crumple_vulkan_attach": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleVulkanAttachDef)]),
+    "crumple_vulkan_detach": (c.c_uint32, [c.c_void_p]),
+    "crumple_vulkan_get_pipeline_cache": (c.c_uint32, [c.c_void_p, c.c_void_p, c.c_size_t, c.POINTER(c.c_size_t)]),
+    "crumple_buffer_register_vulkan": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleVulkanBufferDef), c.POINTER(CrumpleBuffer)]),
+    "crumple_vulkan_record": (c.c_uint32, [c.c_void_p, c.c_void_p, c.c_uint64, c.POINTER(CrumpleBuffer), c.c_uint32, c.POINTER(CrumpleRecordReport)]),
+    "crumple_vulkan_complete_frames": (c.c_uint32, [c.c_void_p, c.c_uint64]),
+    "crumple_vulkan_discard_frames": (c.c_uint32, [c.c_void_p, c.c_uint64]),
+    "crumple_vulkan_open_def_default": (CrumpleVulkanOpenDef, []),
+    "crumple_vulkan_import_def_default": (CrumpleVulkanImportDef, []),
+    "crumple_vulkan_open": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleVulkanOpenDef)]),
+    "crumple_vulkan_import_buffer": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleVulkanImportDef), c.POINTER(c.c_uint64)]),
+    "crumple_vulkan_unimport_buffer": (c.c_uint32, [c.c_void_p, c.c_uint64]),
+    "crumple_vulkan_import_semaphore": (c.c_uint32, [c.c_void_p, c.c_uint32, c.c_int64, c.POINTER(c.c_uint64)]),
+    "crumple_vulkan_submit": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleBuffer), c.c_uint32, c.POINTER(c.c_uint64), c.c_uint32, c.POINTER(c.c_uint64), c.c_uint32, c.POINTER(c.c_uint64), c.POINTER(CrumpleRecordReport)]),
+    "crumple_vulkan_wait_frame": (c.c_uint32, [c.c_void_p, c.c_uint64, c.c_uint64, c.POINTER(c.c_bool)]),
+    "crumple_example_set_attach_point": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, CrumpleVec3, c.POINTER(CrumpleAttachment)]),
+    "crumple_instance_get_attached_frame": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleAttachment), c.POINTER(CrumpleFrame)]),
+    "crumple_recording_begin": (c.c_uint32, [c.c_void_p, c.c_char_p]),
+    "crumple_recording_end": (c.c_uint32, [c.c_void_p]),
+}
+
+
+def declare(library: Any) -> None:
+    """Tells ctypes the results and parameters of every function of the library."""
+    for name, (result, parameters) in FUNCTIONS.items():
+        function = getattr(library, name)
+        function.restype = result
+        function.argtypes = parameters

@@ -1,0 +1,242 @@
+"""The context: the start of everything."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from collections.abc import Callable, Iterable
+from types import TracebackType
+from typing import Any, Self
+
+from numpy.typing import ArrayLike
+
+from . import _native as native
+from ._arrays import elements, given
+from ._library import check, library
+from .example_set import ExampleSet
+from .instance import Buffer
+from .types import DeformReport, Example, SetOptions
+
+_OPTIONS = (
+    "depth_limit", "drop_below", "vertex_mass", "stamp_resolution", "bake_tolerance", "bake_normal_tolerance", "combine", "seams",
+    "strict", "mirror", "held_rims",
+)  # fmt: skip
+
+
+class Context:
+    """Holds example sets, instances and buffers. Use it in a ``with`` statement, or call ``close()``.
+
+    Only one thread at a time may use a context and what belongs to it, except for the hits and the transform of instances,
+    which any thread may give at any time.
+    """
+
+    def __init__(self, threads: int = 0, log: Callable[[str, bool], None] | None = None) -> None:
+        """`threads` deform; 0 is one per core. `log` gets each message and whether it is a warning."""
+        self._handle: ctypes.c_void_p | None = None
+        definition = library.crumple_context_def_default()
+        definition.threads = _natural(threads, "threads")
+        self._log = native.CrumpleLog()
+        if log is not None:
+            self._log = native.CrumpleLog(lambda level, text, _: log(text.decode(), level == native.CrumpleLogLevel.WARNING))
+        definition.log = self._log
+        handle = ctypes.c_void_p()
+        check(library.crumple_context_create(ctypes.byref(definition), ctypes.byref(handle)))
+        self._handle = handle
+        # Memory that the library writes, by buffer: it must live as long as the buffer.
+        self._memory: dict[tuple[int, int], tuple[Any, ...]] = {}
+
+    def close(self) -> None:
+        """Destroys everything in the context. Calling it again does nothing."""
+        if self._handle is not None:
+            check(library.crumple_context_destroy(self._handle))
+            self._handle = None
+            self._memory.clear()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+    def __del__(self) -> None:
+        if getattr(self, "_handle", None) is not None:
+            library.crumple_context_destroy(self._handle)
+
+    @property
+    def handle(self) -> ctypes.c_void_p:
+        """The CrumpleContext pointer, for functions of crumple.h that this package does not wrap."""
+        if self._handle is None:
+            raise ValueError("the context is closed")
+        return self._handle
+
+    def example_set(
+        self,
+        positions: ArrayLike,
+        triangles: ArrayLike,
+        examples: Iterable[Example],
+        normals: ArrayLike | None = None,
+        tangents: ArrayLike | None = None,
+        options: SetOptions | None = None,
+    ) -> ExampleSet:
+        """Builds a set from arrays: `positions` (vertices, 3) in m, `triangles` (n, 3), unit `normals`, glTF `tangents`."""
+        definition = library.crumple_example_set_def_default()
+        alive = fill_mesh(definition.mesh, positions, triangles, normals, tangents)
+        count = definition.mesh.vertex_count
+        examples = list(examples)
+        array = (native.CrumpleExampleDef * len(examples))()
+        for one, example in zip(array, examples, strict=True):
+            alive += _fill_example(one, example, count)
+        definition.examples, definition.example_count = array, len(examples)
+        _fill_options(definition.options, options)
+        out = native.CrumpleExampleSet()
+        check(library.crumple_example_set_create(self.handle, ctypes.byref(definition), ctypes.byref(out)))
+        return ExampleSet(self, out)
+
+    def load(self, path: str | os.PathLike[str], mesh: str | int | None = None, options: SetOptions | None = None) -> ExampleSet:
+        """Loads a .glb, .gltf or .crumple file. `mesh` is the name or index of a glTF mesh; None is the first with examples."""
+        name = os.fsdecode(path)
+        out = native.CrumpleExampleSet()
+        if name.endswith(".crumple"):
+            if mesh is not None or options is not None:
+                raise ValueError(f"{name} is a baked set, which has one mesh and its own options; leave out mesh and options")
+            check(library.crumple_example_set_load_baked(self.handle, name.encode(), ctypes.byref(out)))
+            return ExampleSet(self, out)
+        definition = library.crumple_gltf_def_default()
+        definition.path = name.encode()
+        if isinstance(mesh, str):
+            definition.mesh_name = mesh.encode()
+        elif mesh is not None:
+            definition.mesh_index = _natural(mesh, "mesh")
+        _fill_options(definition.options, options)
+        check(library.crumple_example_set_load_gltf(self.handle, ctypes.byref(definition), ctypes.byref(out)))
+        return ExampleSet(self, out)
+
+    def load_baked(self, data: bytes | bytearray | memoryview) -> ExampleSet:
+        """Loads the bytes of a .crumple file, which are copied."""
+        out = native.CrumpleExampleSet()
+        data = bytes(data)
+        copy = native.CrumpleBytes.COPY
+        check(library.crumple_example_set_load_baked_memory(self.handle, data, len(data), copy, ctypes.byref(out)))
+        return ExampleSet(self, out)
+
+    def load_obj(
+        self, base: str | os.PathLike[str], examples: Iterable[str | os.PathLike[str]], options: SetOptions | None = None
+    ) -> ExampleSet:
+        """Builds a set from a base OBJ file and one OBJ file per example."""
+        definition = library.crumple_obj_def_default()
+        paths = [os.fsencode(path) for path in examples]
+        definition.base_path, definition.example_count = os.fsencode(base), len(paths)
+        definition.example_paths = (ctypes.c_char_p * len(paths))(*paths)
+        _fill_options(definition.options, options)
+        out = native.CrumpleExampleSet()
+        check(library.crumple_example_set_load_obj(self.handle, ctypes.byref(definition), ctypes.byref(out)))
+        return ExampleSet(self, out)
+
+    def deform(self, buffers: Iterable[Buffer] | None = None) -> DeformReport:
+        """Writes the deformed vertices of `buffers`, or of all buffers of the context, as far as they changed."""
+        report = native.CrumpleDeformReport()
+        if buffers is None:
+            check(library.crumple_context_deform(self.handle, None, 0, ctypes.byref(report)))
+        else:
+            ids = [buffer.id for buffer in buffers]
+            array = (native.CrumpleBuffer * len(ids))(*ids)
+            if ids:
+                check(library.crumple_context_deform(self.handle, array, len(ids), ctypes.byref(report)))
+        return DeformReport(report.vertices_written, report.blocks_written, report.blocks_skipped, report.parts_skipped)
+
+    def recording(self, path: str | os.PathLike[str]) -> Recording:
+        """Records the context's calls until the ``with`` block ends, for ``crumple replay``."""
+        return Recording(self, path)
+
+
+class Recording:
+    """A file of calls that ``crumple replay`` repeats. Made by Context.recording."""
+
+    def __init__(self, context: Context, path: str | os.PathLike[str]) -> None:
+        self._context = context
+        check(library.crumple_recording_begin(context.handle, os.fsencode(path)))
+
+    def end(self) -> None:
+        check(library.crumple_recording_end(self._context.handle))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.end()
+
+
+def fill_mesh(
+    mesh: Any, positions: ArrayLike, triangles: ArrayLike | None, normals: ArrayLike | None, tangents: ArrayLike | None
+) -> list[Any]:
+    """Fills a CrumpleMeshDef and returns the arrays that must live during the call."""
+    points = elements(positions, "positions", 3)
+    mesh.vertex_count, mesh.positions = len(points), given(points)
+    alive = [points]
+    for name, values, components in (("normals", normals, 3), ("tangents", tangents, 4)):
+        if values is not None:
+            array = elements(values, name, components)
+            setattr(mesh, name, given(array))
+            alive.append(array)
+    if triangles is not None:
+        import numpy as np
+
+        array = np.asarray(triangles)
+        if array.size and (array.dtype.kind not in "iu" or array.min() < 0 or array.max() > 0xFFFFFFFF):
+            raise ValueError("triangles must be whole numbers, each the index of a vertex")
+        array = np.ascontiguousarray(elements(array, "triangles", 3, np.uint32)).reshape(-1)
+        mesh.index_count, mesh.indices = array.size, given(array)
+        alive.append(array)
+    return alive
+
+
+def _fill_example(one: Any, example: Example, count: int) -> list[Any]:
+    from ._arrays import vector
+
+    default = library.crumple_example_def_default()
+    ctypes.memmove(ctypes.byref(one), ctypes.byref(default), ctypes.sizeof(default))
+    name = example.name.encode()
+    one.name = name
+    positions = elements(example.positions, "positions of an example", 3)
+    normals = None if example.normals is None else elements(example.normals, "normals of an example", 3)
+    alive = [name, positions, normals]
+    if example.indices is None:
+        one.target_positions, one.target_normals = given(positions), given(normals)
+    else:
+        import numpy as np
+
+        indices = np.ascontiguousarray(elements(example.indices, "indices of an example", 1, np.uint32))
+        if len(indices) != len(positions):
+            raise ValueError(f"an example has {len(indices)} indices and {len(positions)} displacements; they must be as many")
+        one.delta_count, one.delta_indices = len(indices), given(indices)
+        one.position_deltas, one.normal_deltas = given(positions), given(normals)
+        alive.append(indices)
+    if example.contact is not None:
+        if isinstance(example.contact, int):
+            one.contact_kind, one.contact_vertex = native.CrumpleContactKind.VERTEX, _natural(example.contact, "contact")
+        else:
+            one.contact_kind, one.contact_point = native.CrumpleContactKind.POINT, vector(example.contact, "contact")
+    if example.normal is not None:
+        one.has_contact_normal, one.contact_normal = True, vector(example.normal, "normal")
+    one.impulse, one.duration = vector(example.impulse, "impulse"), example.duration
+    fill_striker(one.striker, example.striker)
+    one.placement = int(example.placement)
+    return alive
+
+
+def fill_striker(striker: Any, values: Any) -> None:
+    from ._arrays import vector
+
+    striker.mass, striker.radius, striker.velocity = values.mass, values.radius, vector(values.velocity, "striker.velocity")
+
+
+def _fill_options(definition: Any, options: SetOptions | None) -> None:
+    if options is not None:
+        for name in _OPTIONS:
+            setattr(definition, name, getattr(options, name))
+
+
+def _natural(value: int, name: str) -> int:
+    if not 0 <= value <= 0xFFFFFFFF:
+        raise ValueError(f"{name} is {value}; it must be a whole number from 0 to 4294967295")
+    return value

@@ -1,0 +1,320 @@
+"""The body of a glTF file: read with its welded surface, and written with its examples."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import Failure
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+_TYPES = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+_COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
+_TRIANGLES = 4
+_COMPRESSED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_mesh_quantization")
+
+
+@dataclass
+class Made:
+    """An example: displacements of the body's points, and the blow, all in metres and the world's axes."""
+
+    name: str
+    field: Floats
+    """(points, 3), m."""
+    point: Floats
+    normal: Floats
+    impulse: Floats | None = None
+    """On the body, N s. None: the blow is unknown."""
+    duration: float = 0.0
+    mass: float = 0.0
+    radius: float = 0.0
+    velocity: Floats | None = None
+    shape: str = ""
+
+
+class Body:
+    """One mesh of a glTF file. `points` are its distinct positions, in metres, in the axes of the world (y up)."""
+
+    def __init__(self, path: Path, mesh: str | None = None, unit: float = 1.0, replace: bool = False) -> None:
+        self.path = path
+        self.gltf = _read(path)
+        self.index = _choose(self.gltf, mesh, path)
+        self.mesh = self.gltf.meshes[self.index]
+        self.name = self.mesh.name or path.stem
+        if any(primitive.targets for primitive in self.mesh.primitives):
+            if not replace:
+                raise Failure(f"the mesh {self.name} has morph targets already; choose another mesh with --mesh, or add --replace")
+            for primitive in self.mesh.primitives:
+                primitive.targets = []
+        positions, triangles, normals, held, start = [], [], [], [], 0
+        self._parts: list[tuple[Any, slice]] = []
+        for primitive in self.mesh.primitives:
+            points = self._accessor(primitive.attributes.POSITION).astype(np.float32)
+            if not np.isfinite(points).all():
+                raise Failure(
+                    f"vertex {start + int(np.argwhere(~np.isfinite(points))[0, 0])} of {self.name} is not finite; export it again"
+                )
+            self._parts.append((primitive, slice(start, start + len(points))))
+            positions.append(points)
+            if primitive.mode in (None, _TRIANGLES):
+                indices = primitive.indices
+                corners = np.arange(len(points)) if indices is None else self._accessor(indices)[:, 0].astype(np.int64)
+                if corners.size and corners.max() >= len(points):
+                    raise Failure(f"a triangle of {self.name} uses vertex {corners.max()} of {len(points)}; export it again")
+                triangles.append(start + corners[: len(corners) // 3 * 3].reshape(-1, 3))
+            normal = primitive.attributes.NORMAL
+            normals.append(np.zeros((0, 3)) if normal is None else self._accessor(normal).astype(np.float32))
+            held.append(self._held(primitive, len(points)))
+            start += len(points)
+        self.vertices = np.concatenate(positions)
+        if not triangles:
+            raise Failure(f"the mesh {self.name} has no triangles; only points or lines")
+        self.normals = np.concatenate(normals) if all(map(len, normals)) else None
+        self.marked = np.concatenate(held)
+        """Vertices whose colour is red or whose attribute _HELD is above a half: those that the body is held by."""
+        self.world = _world(self.gltf, self.index)[:3, :3] * unit
+        scales = np.linalg.svd(self.world, compute_uv=False)
+        if scales[-1] <= 1e-9 * scales[0]:
+            raise Failure(f"the node of {self.name} scales it to nothing; apply its scale and export it again")
+        distinct, inverse = np.unique(self.vertices, axis=0, return_inverse=True)
+        self.of_vertex: Ints = inverse.reshape(-1)
+        self.points: Floats = distinct.astype(np.float64) @ self.world.T
+        corners = self.of_vertex[np.concatenate(triangles)]
+        whole = (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 2] != corners[:, 0])
+        corners = corners[whole]
+        if np.linalg.det(self.world) < 0:
+            corners = corners[:, ::-1]
+        # Of triangles on the same corners, one: two-sided faces are often exported twice.
+        _, first = np.unique(np.sort(corners, axis=1), axis=0, return_index=True)
+        self.triangles: Ints = corners[np.sort(first)]
+        if len(self.triangles) == 0:
+            raise Failure(f"all triangles of {self.name} have no area")
+        used = self.points[np.unique(self.triangles)]
+        self.size = float(np.linalg.norm(used.max(0) - used.min(0)))
+        """Diagonal of the bounds, m."""
+
+    def _accessor(self, index: int) -> NDArray[Any]:
+        """The elements of an accessor, one a row."""
+        accessor = self.gltf.accessors[index]
+        kind, components = np.dtype(_TYPES[accessor.componentType]), _COMPONENTS[accessor.type]
+        rows = np.zeros((accessor.count, components), kind)
+        if accessor.bufferView is not None:
+            rows = self._view(accessor.bufferView, accessor.byteOffset or 0, kind, components, accessor.count).copy()
+        if accessor.sparse is not None:
+            sparse = accessor.sparse
+            where = np.dtype(_TYPES[sparse.indices.componentType])
+            at = self._view(sparse.indices.bufferView, sparse.indices.byteOffset or 0, where, 1, sparse.count)[:, 0]
+            rows[at] = self._view(sparse.values.bufferView, sparse.values.byteOffset or 0, kind, components, sparse.count)
+        return rows
+
+    def _view(self, index: int, offset: int, kind: np.dtype, components: int, count: int) -> NDArray[Any]:
+        view = self.gltf.bufferViews[index]
+        blob = self.gltf.binary_blob()
+        start, packed = (view.byteOffset or 0) + offset, kind.itemsize * components
+        step = view.byteStride or packed
+        if count and start + (count - 1) * step + packed > len(blob):
+            raise Failure(f"{self.path}: an accessor reaches beyond its buffer; export the file again")
+        return np.ndarray((count, components), kind, blob, start, (step, kind.itemsize)) if count else np.zeros((0, components), kind)
+
+    def _held(self, primitive: Any, count: int) -> NDArray[np.bool_]:
+        marked = np.zeros(count, bool)
+        colour, own = primitive.attributes.COLOR_0, getattr(primitive.attributes, "_HELD", None)
+        if colour is not None:
+            values = self._accessor(colour).astype(float)
+            full = {5121: 255.0, 5123: 65535.0}.get(self.gltf.accessors[colour].componentType, 1.0)
+            marked |= (values[:, 0] > 0.5 * full) & (values[:, 1] < 0.5 * full) & (values[:, 2] < 0.5 * full)
+        if own is not None:
+            marked |= self._accessor(own)[:, 0].astype(float) > 0.5
+        return marked
+
+    def write(self, path: Path, examples: list[Made], notes: dict[str, Any]) -> None:
+        """Writes the file with these examples as morph targets; everything else of it is kept."""
+        back = np.linalg.inv(self.world)
+        blob = bytearray(self.gltf.binary_blob())
+        turned = _point_normals(self.points, self.triangles)
+        for primitive, _ in self._parts:
+            primitive.targets = []
+        for made in examples:
+            local = (made.field @ back.T).astype(np.float32)
+            turn = _rotations(turned, _point_normals(self.points + made.field, self.triangles))
+            for primitive, part in self._parts:
+                of = self.of_vertex[part]
+                target = {"POSITION": self._target(blob, local[of])}
+                if self.normals is not None:
+                    target["NORMAL"] = self._target(blob, self._normal_change(self.normals[part], turn[of]))
+                primitive.targets.append(target)
+        self.mesh.weights = [0.0] * len(examples)
+        extras = dict(self.mesh.extras or {})
+        extras.pop("placements", None)
+        extras["targetNames"] = [made.name for made in examples]
+        extras["impacts"] = [self._impact(made, back) for made in examples]
+        self.mesh.extras = extras | {"crumple": notes}
+        for accessor in self.gltf.accessors:
+            if accessor.bufferView is None:
+                # pygltflib writes 0, which the format allows only beside a buffer view.
+                accessor.byteOffset = None
+        self.gltf.buffers[0].byteLength = len(blob)
+        self.gltf.set_binary_blob(bytes(blob))
+        temporary = path.with_name(path.name + ".part")
+        self.gltf.save_binary(str(temporary))
+        temporary.replace(path)
+
+    def _normal_change(self, normals: NDArray[Any], turn: Floats) -> NDArray[np.float32]:
+        """Turns the render normals, which may differ at a seam, like the surface around their point."""
+        cofactor = np.linalg.inv(self.world)
+        world = normals @ cofactor
+        back = np.einsum("nij,nj->ni", turn, world) @ self.world
+        back /= np.maximum(np.linalg.norm(back, axis=1, keepdims=True), 1e-30)
+        return np.where(np.abs(turn - np.eye(3)).max((1, 2))[:, None] > 0, back - normals, 0).astype(np.float32)
+
+    def _target(self, blob: bytearray, values: NDArray[np.float32]) -> int:
+        """Appends displacements of vertices as a sparse accessor and returns its index."""
+        from pygltflib import Accessor, AccessorSparseIndices, AccessorSparseValues, BufferView, Sparse
+
+        def view(array: NDArray[Any]) -> int:
+            blob.extend(b"\0" * (-len(blob) % 4))
+            self.gltf.bufferViews.append(BufferView(buffer=0, byteOffset=len(blob), byteLength=array.nbytes))
+            blob.extend(array.tobytes())
+            return len(self.gltf.bufferViews) - 1
+
+        moved = np.flatnonzero(values.any(1)).astype(np.uint32)
+        if len(moved) == 0:
+            moved = np.zeros(1, np.uint32)
+        some = values[moved]
+        least, most = values.min(0), values.max(0)
+        sparse = Sparse(
+            count=len(moved),
+            indices=AccessorSparseIndices(bufferView=view(moved), componentType=5125),
+            values=AccessorSparseValues(bufferView=view(some)),
+        )
+        accessor = Accessor(componentType=5126, count=len(values), type="VEC3", min=least.tolist(), max=most.tolist(), sparse=sparse)
+        self.gltf.accessors.append(accessor)
+        return len(self.gltf.accessors) - 1
+
+    def _impact(self, made: Made, back: NDArray[Any]) -> dict[str, Any]:
+        """The entry of extras.impacts, in the mesh's own space, as docs/impacts.md describes it."""
+        normal = self.world.T @ made.normal
+        entry: dict[str, Any] = {
+            "name": made.name,
+            "point": _numbers(back @ made.point),
+            "normal": _numbers(normal / np.linalg.norm(normal)),
+        }
+        if made.impulse is not None and made.velocity is not None:
+            striker = {"mass": made.mass, "radius": made.radius, "velocity": _numbers(back @ made.velocity), "shape": made.shape}
+            entry |= {"impulse": _numbers(back @ made.impulse), "duration": made.duration, "striker": striker}
+        return entry
+
+
+def _numbers(values: NDArray[Any]) -> list[float]:
+    return [float(f"{value:.7g}") for value in values]
+
+
+def _read(path: Path) -> Any:
+    from pygltflib import GLTF2, BufferFormat, ImageFormat
+
+    if not path.is_file():
+        raise Failure(f"there is no file {path}")
+    if path.suffix.lower() not in (".glb", ".gltf"):
+        raise Failure(f"{path} is no .glb or .gltf file; export the mesh as glTF 2.0")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            gltf = GLTF2().load(str(path))
+            if gltf is None:
+                raise ValueError("it is no glTF 2.0")
+            compressed = [name for name in gltf.extensionsRequired or [] if name in _COMPRESSED]
+            if compressed:
+                raise Failure(f"{path} needs {compressed[0]}; export it without compression and quantisation")
+            if path.suffix.lower() == ".gltf":
+                gltf.convert_images(ImageFormat.DATAURI)
+            gltf.convert_buffers(BufferFormat.BINARYBLOB)
+    except Failure:
+        raise
+    except Exception as error:
+        raise Failure(f"{path} cannot be read as glTF 2.0: {error}") from error
+    if not gltf.meshes or gltf.binary_blob() is None:
+        raise Failure(f"{path} has no mesh")
+    return gltf
+
+
+def _choose(gltf: Any, name: str | None, path: Path) -> int:
+    if name is not None:
+        named = [i for i, mesh in enumerate(gltf.meshes) if mesh.name == name]
+        if not named:
+            names = ", ".join(str(mesh.name) for mesh in gltf.meshes)
+            raise Failure(f"{path} has no mesh {name}; it has: {names}")
+        return named[0]
+
+    def triangles(mesh: Any) -> int:
+        which = [p.attributes.POSITION if p.indices is None else p.indices for p in mesh.primitives]
+        return sum(gltf.accessors[index].count for index in which if index is not None)
+
+    counts = [triangles(mesh) for mesh in gltf.meshes]
+    return int(np.argmax(counts))
+
+
+def _world(gltf: Any, mesh: int) -> Floats:
+    """The matrix of the first node that shows the mesh."""
+
+    def local(node: Any) -> Floats:
+        if node.matrix is not None:
+            return np.array(node.matrix, float).reshape(4, 4).T
+        out = np.eye(4)
+        x, y, z, w = node.rotation or (0, 0, 0, 1)
+        out[:3, :3] = [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+        out[:3, :3] *= np.array(node.scale or (1, 1, 1), float)
+        out[:3, 3] = node.translation or (0, 0, 0)
+        return out
+
+    nodes = gltf.nodes or []
+    parent = {child: index for index, node in enumerate(nodes) for child in node.children or []}
+    for index, node in enumerate(nodes):
+        if node.mesh == mesh:
+            matrix, at, seen = local(node), index, {index}
+            while at in parent and parent[at] not in seen:
+                at = parent[at]
+                seen.add(at)
+                matrix = local(nodes[at]) @ matrix
+            return matrix
+    return np.eye(4)
+
+
+def face_normals(points: Floats, triangles: Ints) -> Floats:
+    """Normals of triangles, as long as twice their area."""
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    return np.cross(b - a, c - a)
+
+
+def _point_normals(points: Floats, triangles: Ints) -> Floats:
+    faces = face_normals(points, triangles)
+    out = np.zeros_like(points)
+    for corner in range(3):
+        for axis in range(3):
+            out[:, axis] += np.bincount(triangles[:, corner], faces[:, axis], len(points))
+    return out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-30)
+
+
+point_normals = _point_normals
+
+
+def _rotations(a: Floats, b: Floats) -> Floats:
+    """The shortest turns from the unit vectors `a` to `b`."""
+    v, c = np.cross(a, b), (a * b).sum(1)
+    cross = np.zeros((len(a), 3, 3))
+    cross[:, 0, 1], cross[:, 0, 2], cross[:, 1, 2] = -v[:, 2], v[:, 1], -v[:, 0]
+    cross -= cross.transpose(0, 2, 1)
+    turn = np.eye(3) + cross + cross @ cross / np.maximum(1 + c, 1e-6)[:, None, None]
+    # Vectors that did not move, and opposite ones, which have no shortest turn.
+    turn[(np.abs(v).max(1) < 1e-12) | (c < -0.999)] = np.eye(3)
+    return turn

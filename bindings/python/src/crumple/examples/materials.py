@@ -1,0 +1,53 @@
+"""Presets in a designer's words: what the body is made of, and what strikes it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Material:
+    """SI units; the yields are strains."""
+
+    young: float
+    poisson: float
+    density: float
+    thickness: float
+    """Default, m."""
+    yield_stretch: float
+    yield_bend: float
+
+    def strength(self, thickness: float) -> float:
+        """The force scale of a dent: yield stress times thickness squared, N."""
+        return self.young * self.yield_stretch * thickness**2
+
+
+MATERIALS = {
+    # Yields are half of the metals' own: a shell of finite triangles springs back further than metal does.
+    "steel": Material(2.1e11, 0.30, 7850.0, 0.0008, 0.0006, 0.0006),
+    "aluminium": Material(7.0e10, 0.33, 2700.0, 0.0010, 0.0010, 0.0010),
+    "tin": Material(2.0e11, 0.30, 7300.0, 0.0003, 0.0005, 0.0005),
+    "plastic": Material(1.5e9, 0.38, 950.0, 0.0030, 0.0060, 0.0060),
+}
+
+
+@dataclass(frozen=True)
+class Striker:
+    shape: str
+    """ball, or pole: a vertical cylinder that moves in the horizontal plane."""
+    radius: tuple[float, float]
+    """As shares of the body's diagonal."""
+    mass: tuple[float, float]
+    """kg. Within these, the mass that gives the wanted energy at a speed of 2 to 10 m/s."""
+
+
+STRIKERS = {
+    "ball": Striker("ball", (0.03, 0.10), (0.1, 1000.0)),
+    "stone": Striker("ball", (0.01, 0.025), (0.02, 20.0)),
+    "pole": Striker("pole", (0.03, 0.10), (1.0, 5000.0)),
+    "wall": Striker("ball", (1.5, 3.0), (1.0, 20000.0)),
+    "corner": Striker("ball", (0.015, 0.04), (50.0, 2000.0)),
+}
+SPEEDS = (2.0, 10.0)
+"""m/s"""
+LEAST_SPEED, MOST_SPEED = 1.0, 20.0

@@ -1,0 +1,243 @@
+"""The shell that the solver deforms: the body's surface with triangles of one size, and the way back to the body's points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_matrix, csgraph
+from scipy.spatial import cKDTree
+
+from . import Failure
+from .body import Body, Floats, Ints, face_normals, point_normals
+
+_SMALL_PART = 0.05
+"""Parts of the body with less than this share of its surface are carried along and not simulated."""
+_LOWEST = 0.05
+"""Share of the height that a closed body stands on."""
+_NEIGHBOURS = 8
+"""Triangles near a point among which the nearest is searched."""
+
+HOLDS = ("auto", "edges", "marked", "lowest")
+
+
+@dataclass
+class Shell:
+    points: Floats
+    triangles: Ints
+    held: NDArray[np.bool_]
+    """Points that do not move."""
+    edge: float
+    """Length of an edge, m."""
+    notes: list[str]
+    """What the user should know of how the body became a shell."""
+
+    def __post_init__(self) -> None:
+        self.normals = point_normals(self.points, self.triangles)
+        faces = face_normals(self.points, self.triangles)
+        self.area = float(0.5 * np.linalg.norm(faces, axis=1).sum())
+        self.size = float(np.linalg.norm(self.points.max(0) - self.points.min(0)))
+        self.to_held = cKDTree(self.points[self.held]).query(self.points)[0] if self.held.any() else np.full(len(self.points), np.inf)
+
+
+def make(body: Body, detail: int, hold: str) -> Shell:
+    """Remeshes the body's surface to about `detail` points."""
+    notes: list[str] = []
+    parts, triangles = _parts(body)
+    areas = np.bincount(parts, 0.5 * np.linalg.norm(face_normals(body.points, triangles), axis=1))
+    kept = np.flatnonzero(areas >= _SMALL_PART * areas.sum())
+    if len(kept) < len(areas):
+        notes.append(f"{len(areas) - len(kept)} small parts of {len(areas)} follow the surface near them and are not simulated")
+    if len(kept) == 0:
+        raise Failure(
+            f"{body.name} consists of {len(areas)} parts, none with {_SMALL_PART:.0%} of its surface; join them, or export the skin alone"
+        )
+    surface = triangles[np.isin(parts, kept)]
+    edges, uses = _edges(surface)
+    if (uses > 2).any():
+        notes.append(f"{(uses > 2).sum()} edges belong to more than two triangles")
+    rim = edges[uses == 1]
+    edge = float(np.sqrt(areas[kept].sum() / (0.866 * detail)))
+    points, corners = _remesh(body, surface, edge)
+    shell_edges, shell_uses = _edges(corners)
+    border = np.unique(shell_edges[shell_uses == 1])
+    held = np.zeros(len(points), bool)
+    if hold == "auto":
+        hold = "marked" if body.marked.any() else "edges" if len(rim) else "lowest"
+    if hold == "marked":
+        if not body.marked.any():
+            raise Failure(
+                f"nothing of {body.name} is marked as held; paint it red (COLOR_0) or give it an attribute _HELD, or use --hold edges"
+            )
+        marked = np.zeros(len(body.points), bool)
+        marked[body.of_vertex[body.marked]] = True
+        held = marked[cKDTree(body.points).query(points)[1]]
+    elif hold == "edges":
+        if len(rim) == 0:
+            raise Failure(f"{body.name} has no open edges to be held by; use --hold lowest or --hold marked")
+        held[border] = _near_rim(points[border], body.points[rim], 0.75 * edge)
+    # Whatever has no hold of its own stands on its lowest points.
+    group = csgraph.connected_components(_graph(corners, len(points)), directed=False)[1]
+    loose = [one for one in range(group.max() + 1) if not held[group == one].any()]
+    for one in loose:
+        of = group == one
+        low, high = points[of, 1].min(), points[of, 1].max()
+        held |= of & (points[:, 1] <= low + max(_LOWEST * (high - low), edge))
+    if loose:
+        notes.append(f"{len(loose)} of {group.max() + 1} parts are held by their lowest points (y is up)")
+    if held.mean() > 0.9:
+        raise Failure(f"{held.mean():.0%} of {body.name} is held, so nothing can dent; use another --hold")
+    return Shell(points, corners, held, edge, notes)
+
+
+def still(body: Body, shell: Shell, hold: str) -> NDArray[np.bool_]:
+    """The points of the body that do not move: those that are marked, or those on open edges beside held points of the shell."""
+    out = np.zeros(len(body.points), bool)
+    if hold in ("auto", "marked") and body.marked.any():
+        out[body.of_vertex[body.marked]] = True
+    elif hold in ("auto", "edges"):
+        edges, uses = _edges(body.triangles)
+        rim = np.unique(edges[uses == 1])
+        if len(rim) and shell.held.any():
+            out[rim] = cKDTree(shell.points[shell.held]).query(body.points[rim])[0] < shell.edge
+    return out
+
+
+def _parts(body: Body) -> tuple[Ints, Ints]:
+    """The connected part of each triangle, and the triangles."""
+    graph = _graph(body.triangles, len(body.points))
+    return csgraph.connected_components(graph, directed=False)[1][body.triangles[:, 0]], body.triangles
+
+
+def _graph(triangles: Ints, count: int) -> coo_matrix:
+    a, b = triangles.reshape(-1), triangles[:, [1, 2, 0]].reshape(-1)
+    return coo_matrix((np.ones(len(a), bool), (a, b)), (count, count))
+
+
+def _edges(triangles: Ints) -> tuple[Ints, Ints]:
+    """The edges, and how many triangles have each."""
+    pairs = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    return np.unique(pairs, axis=0, return_counts=True)
+
+
+def _remesh(body: Body, surface: Ints, edge: float) -> tuple[Floats, Ints]:
+    import pymeshlab
+
+    used, corners = np.unique(surface, return_inverse=True)
+    # MeshLab's own limits are absolute: the body gets the size of 1.
+    scale = 1.0 / body.size
+    meshes = pymeshlab.MeshSet(verbose=False)
+    meshes.add_mesh(pymeshlab.Mesh(body.points[used] * scale, corners.reshape(-1, 3)))
+    try:
+        meshes.meshing_remove_null_faces()
+        length = pymeshlab.PureValue(edge * scale)
+        meshes.meshing_isotropic_explicit_remeshing(iterations=8, targetlen=length, featuredeg=40)
+        meshes.meshing_remove_unreferenced_vertices()
+    except pymeshlab.PyMeshLabException as error:
+        raise Failure(f"{body.name} cannot be remeshed: {error}; merge its vertices by distance and export it again") from error
+    mesh = meshes.current_mesh()
+    points, triangles = mesh.vertex_matrix() / scale, mesh.face_matrix().astype(np.int64)
+    # Surfaces that were apart only because three of them meet in one edge become one again.
+    near = cKDTree(points).query_pairs(0.05 * edge, output_type="ndarray")
+    if len(near):
+        link = coo_matrix((np.ones(len(near), bool), (near[:, 0], near[:, 1])), (len(points),) * 2)
+        count, label = csgraph.connected_components(link, directed=False)
+        first = np.full(count, len(points))
+        np.minimum.at(first, label, np.arange(len(points)))
+        points, triangles = points[first], label[triangles]
+    a, b, c = triangles.T
+    whole = (a != b) & (b != c) & (c != a)
+    whole &= np.linalg.norm(face_normals(points, triangles), axis=1) > 1e-4 * edge**2
+    used, corners = np.unique(triangles[whole], return_inverse=True)
+    if len(used) < 50:
+        raise Failure(f"{body.name} became a shell of only {len(used)} points; raise --detail")
+    return points[used], corners.reshape(-1, 3)
+
+
+def _near_rim(points: Floats, segments: Floats, reach: float) -> NDArray[np.bool_]:
+    """Which points lie within `reach` of a segment."""
+    a, d = segments[:, 0], segments[:, 1] - segments[:, 0]
+    steps = max(1, int(np.ceil(np.linalg.norm(d, axis=1).max() / (0.5 * reach))))
+    along = np.linspace(0, 1, min(steps, 200) + 1)
+    samples = (a[:, None] + along[None, :, None] * d[:, None]).reshape(-1, 3)
+    return cKDTree(samples).query(points)[0] <= reach
+
+
+class Carrier:
+    """Carries a field of the shell to the body's points. Equal points move equally, so seams stay closed."""
+
+    def __init__(self, shell: Shell, points: Floats) -> None:
+        self.shell = shell
+        centres = shell.points[shell.triangles].mean(1)
+        near = cKDTree(centres).query(points, k=min(_NEIGHBOURS, len(centres)))[1]
+        near = near.reshape(len(points), -1)
+        best = np.full(len(points), np.inf)
+        self.triangle, self.weights = np.zeros(len(points), np.int64), np.zeros((len(points), 3))
+        for column in near.T:
+            weights = _barycentric(points, shell.points[shell.triangles[column]])
+            at = np.einsum("nk,nkj->nj", weights, shell.points[shell.triangles[column]])
+            distance = ((at - points) ** 2).sum(1)
+            closer = distance < best
+            best[closer], self.triangle[closer], self.weights[closer] = distance[closer], column[closer], weights[closer]
+        self.corners = shell.triangles[self.triangle]
+        foot = np.einsum("nk,nkj->nj", self.weights, shell.points[self.corners])
+        self.inside = foot[:, None] - shell.points[self.corners]
+        self.off = points - foot
+
+    def field(self, field: Floats) -> Floats:
+        """Of (shell points, 3) to (body points, 3). Exact for quadratic fields along the surface, and turns what lies off it."""
+        gradients = self._gradients(field)[self.corners]
+        bent = 0.5 * np.einsum("nkij,nkj->nki", gradients, self.inside)
+        turned = np.einsum("nkij,nj->nki", gradients, self.off)
+        return np.einsum("nk,nki->ni", self.weights, field[self.corners] + bent + turned)
+
+    def _gradients(self, field: Floats) -> Floats:
+        """At each shell point the mean, by area, of the gradients of its triangles; along the normal, that of a turning surface."""
+        shell = self.shell
+        a, b, c = (shell.points[shell.triangles[:, k]] for k in range(3))
+        before = np.stack([b - a, c - a], -1)
+        normal = np.cross(b - a, c - a)
+        area = np.linalg.norm(normal, axis=1, keepdims=True)
+        unit = normal / np.maximum(area, 1e-300)
+        u, v, w = (field[shell.triangles[:, k]] for k in range(3))
+        moved = before + np.stack([v - u, w - u], -1)
+        after = np.cross(moved[:, :, 0], moved[:, :, 1])
+        after /= np.maximum(np.linalg.norm(after, axis=1, keepdims=True), 1e-300)
+        rest = np.concatenate([before, unit[:, :, None]], 2)
+        now = np.concatenate([moved, after[:, :, None]], 2)
+        gradient = now @ np.linalg.inv(rest) - np.eye(3)
+        total, out = np.zeros(len(shell.points)), np.zeros((len(shell.points), 3, 3))
+        for corner in range(3):
+            np.add.at(total, shell.triangles[:, corner], area[:, 0])
+            np.add.at(out, shell.triangles[:, corner], gradient * area[:, :, None])
+        return out / np.maximum(total, 1e-300)[:, None, None]
+
+
+def _barycentric(p: Floats, corners: Floats) -> Floats:
+    """Weights of the point of each triangle that is closest to p (Ericson, Real-Time Collision Detection, 5.1.5)."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    dot = lambda x, y: (x * y).sum(-1)  # noqa: E731
+    ab, ac = b - a, c - a
+    d1, d2 = dot(ab, p - a), dot(ac, p - a)
+    d3, d4 = dot(ab, p - b), dot(ac, p - b)
+    d5, d6 = dot(ab, p - c), dot(ac, p - c)
+    va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
+    total = np.maximum(va + vb + vc, 1e-300)
+    out = np.stack([va, vb, vc], 1) / total[:, None]
+    tiny = 1e-300
+
+    def put(where: NDArray[np.bool_], first: Floats, second: Floats, third: Floats) -> None:
+        out[where] = np.stack([first, second, third], 1)[where]
+
+    zero, one = np.zeros(len(p)), np.ones(len(p))
+    t = (d4 - d3) / np.maximum((d4 - d3) + (d5 - d6), tiny)
+    put((va <= 0) & (d4 >= d3) & (d5 >= d6), zero, 1 - t, t)
+    t = d2 / np.maximum(d2 - d6, tiny)
+    put((vb <= 0) & (d2 >= 0) & (d6 <= 0), 1 - t, zero, t)
+    t = d1 / np.maximum(d1 - d3, tiny)
+    put((vc <= 0) & (d1 >= 0) & (d3 <= 0), 1 - t, t, zero)
+    put((d6 >= 0) & (d5 <= d6), zero, zero, one)
+    put((d3 >= 0) & (d4 <= d3), zero, one, zero)
+    put((d1 <= 0) & (d2 <= 0), one, zero, zero)
+    return out

@@ -1,0 +1,263 @@
+"""An elasto-plastic shell in MuJoCo, struck by a free rigid ball or pole.
+
+The set-up is that of the data in lab/data/structure: J2 plasticity without hardening, integrator `discrete`, and kinetic damping after the
+contact. Lengths and times scale with the edges of the shell, so that small and large bodies behave alike.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+from dataclasses import dataclass  # noqa: E402
+from typing import Any  # noqa: E402
+
+import mujoco  # noqa: E402
+import numpy as np  # noqa: E402
+from numpy.typing import NDArray  # noqa: E402
+
+from . import Failure  # noqa: E402
+from .body import Floats, face_normals  # noqa: E402
+from .materials import Material  # noqa: E402
+from .shell import Shell, _barycentric  # noqa: E402
+
+EDGE, STEP = 0.020, 5e-4
+"""A shell with edges of 20 mm is stepped by 0.5 ms."""
+SKIN = 0.1
+"""Half the thickness of the contact surface, as a share of an edge."""
+FRICTION = 0.4
+DAMPING = 5.0
+"""Mass damping of the shell, 1/s at a step of 0.5 ms."""
+FREE, SLOW, CONTACT, SETTLE = 0.008, 0.060, 0.30, 0.12
+"""Seconds at a step of 0.5 ms: the striker is gone after FREE without touch if it moves away, after SLOW if not; the contact and the
+settling last at most this long."""
+REST, UNSETTLED = 3e-3, 0.04
+"""m/s with edges of 20 mm: the shell rests below the first, and has not settled above the second."""
+_BAD = (mujoco.mjtWarning.mjWARN_BADQACC, mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL)
+mujoco.set_mju_user_warning(lambda message: None)
+
+
+@dataclass(frozen=True)
+class Blow:
+    point: Floats
+    """Where the striker is aimed at."""
+    normal: Floats
+    direction: Floats
+    """Of flight, unit."""
+    speed: float
+    mass: float
+    radius: float
+    shape: str
+
+
+@dataclass(frozen=True)
+class Outcome:
+    trouble: str | None
+    """Why the blow is no example; None if it is one."""
+    field: Floats | None = None
+    point: Floats | None = None
+    normal: Floats | None = None
+    impulse: Floats | None = None
+    """On the body, N s."""
+    duration: float = 0.0
+    depth: float = 0.0
+    """Displacement of the contact, m."""
+    speed_at_rest: float = 0.0
+
+
+BLOCKED = "the body is in the striker's way"
+HELD = "the striker touched a part that is held"
+MISSED = "the striker did not touch the body"
+UNSTABLE = "the solver became unstable"
+STUCK = "the striker did not leave"
+RESTLESS = "the shell did not come to rest"
+FOLDED = "triangles turned over"
+
+
+class Solver:
+    """One shell of one material. Every blow starts from the undamaged shell."""
+
+    def __init__(self, shell: Shell, material: Material, thickness: float, step: float = 1.0) -> None:
+        """`step` scales the time step."""
+        self.shell = shell
+        self.time = min(max(shell.edge / EDGE, 0.02), 4.0)
+        self.dt = STEP * self.time * step
+        self.pace = shell.edge / EDGE / self.time
+        self.skin = SKIN * shell.edge
+        self.half = 0.75 * shell.size
+        contact = f'condim="3" friction="{FRICTION}" solref="{6 * STEP * self.time:.9g} 2"'
+        slides = "".join(f'<joint name="j{a}" type="slide" axis="{v}"/>' for a, v in zip("xyz", ("1 0 0", "0 1 0", "0 0 1"), strict=True))
+        self.away = shell.points.mean(0) + [0.0, 0.0, 20 * shell.size]
+        xml = (
+            f'<mujoco><option timestep="{self.dt:.9g}" integrator="discrete" gravity="0 0 0" solver="CG"/><size memory="1G"/><worldbody>'
+            f'<body name="striker">{slides}<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
+            f'<geom name="ball" type="sphere" size="{0.1 * shell.size:.9g}" {contact}/>'
+            f'<geom name="pole" type="capsule" zaxis="0 1 0" size="{0.1 * shell.size:.9g} {self.half:.9g}" {contact}/></body>'
+            f'<flexcomp type="direct" dim="2" radius="{self.skin:.9g}" name="s" mass="{material.density * thickness * shell.area:.9g}"'
+            f' point="{_text(shell.points)}" element="{_text(shell.triangles)}">'
+            f'<elasticity young="{material.young:.9g}" poisson="{material.poisson}" damping="{0.2 * STEP * self.time:.9g}"'
+            f' thickness="{thickness:.9g}" elastic2d="both" yield="{material.yield_stretch} {material.yield_bend}"/>'
+            f'<contact selfcollide="none" {contact}/><pin id="{_text(np.flatnonzero(shell.held))}"/></flexcomp></worldbody></mujoco>'
+        )
+        try:
+            self.model = mujoco.MjModel.from_xml_string(xml)
+        except ValueError as error:
+            said = " ".join(str(error).split())
+            raise Failure(
+                f"MuJoCo refuses the shell: {said}; a body may be too small (--unit), or have vertices to be merged by distance"
+            ) from error
+        self.data = mujoco.MjData(self.model)
+        model = self.model
+        self.geoms = {name: model.geom(name).id for name in ("ball", "pole")}
+        self.body = model.body("striker").id
+        self.q = [model.joint(f"j{a}").qposadr[0] for a in "xyz"]
+        self.v = [model.joint(f"j{a}").dofadr[0] for a in "xyz"]
+        self.shell_v = np.setdiff1d(np.arange(model.nv), self.v)
+        self._inverse_weight, self._dof_inverse = model.body_invweight0[self.body].copy(), model.dof_invweight0[self.v].copy()
+        self._corners = shell.points[shell.triangles]
+        self._middles = self._corners.mean(1)
+        self._reach = float(np.linalg.norm(self._corners - self._middles[:, None], axis=2).max())
+        self._reset()
+        self._base = self.data.flexvert_xpos.copy()
+
+    def strike(self, blow: Blow) -> Outcome:
+        """Runs a blow to rest."""
+        start = self._start(blow)
+        if start is None:
+            return Outcome(BLOCKED)
+        touch = self._fly(blow, start)
+        if touch is None:
+            return Outcome(MISSED)
+        centre, point, normal = touch
+        model, data, time = self.model, self.data, self.time
+        self._striker(blow)
+        self._reset()
+        velocity = blow.direction * blow.speed
+        data.qpos[self.q], data.qvel[self.v] = centre - 0.05 * self.shell.edge * blow.direction, velocity
+        vertex = int(np.linalg.norm(self.shell.points - point, axis=1).argmin())
+        if self.shell.held[vertex]:
+            return Outcome(HELD)
+        geom, first, last, gone, energy, speed = self.geoms[blow.shape], None, None, None, 0.0, 0.0
+        free, after, left = 0, velocity, True
+        while True:
+            mujoco.mj_step(model, data)
+            if any(data.warning[one].number for one in _BAD):
+                return Outcome(UNSTABLE)
+            if gone is None:
+                touching = bool((data.contact.geom == geom).any())
+                if touching:
+                    first, last = data.time if first is None else first, data.time
+                free = 0 if touching else free + 1
+                after = data.qvel[self.v].copy()
+                rest = free * self.dt
+                leaves = after @ normal >= 0
+                left = first is not None and ((rest > FREE * time and leaves) or rest > SLOW * time)
+                if left or data.time > CONTACT * time:
+                    gone = data.time
+                    self._park()
+            else:
+                now = float((data.qvel[self.shell_v] ** 2).sum())
+                if now < energy:
+                    speed = float(np.abs(data.qvel[self.shell_v]).max())
+                    data.qvel[self.shell_v] = 0
+                    now = 0.0
+                    if speed < REST * self.pace or data.time - gone > SETTLE * time:
+                        break
+                energy = now
+                if data.time - gone > 2 * SETTLE * time:
+                    break
+            data.qvel[self.shell_v] *= 1 - DAMPING / time * self.dt
+        if first is None or last is None:
+            return Outcome(MISSED)
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_flex(model, data)
+        field = data.flexvert_xpos - self._base
+        length = np.linalg.norm(field, axis=1)
+        if not np.isfinite(field).all() or length.max() > self.shell.size:
+            return Outcome(UNSTABLE)
+        impulse = -blow.mass * (after - velocity)
+        found = dict(
+            field=field, point=point, normal=normal, impulse=impulse, duration=last - first + self.dt, depth=float(length[vertex]), speed_at_rest=speed
+        )  # fmt: skip
+        trouble = STUCK if not left else RESTLESS if speed > UNSETTLED * self.pace else FOLDED if self._folded(field) else None
+        return Outcome(trouble, **found)
+
+    def _folded(self, field: Floats) -> bool:
+        """Whether more triangles than one in 500 turned by more than 90 degrees."""
+        before, after = face_normals(self.shell.points, self.shell.triangles), face_normals(self.shell.points + field, self.shell.triangles)
+        return bool(((before * after).sum(1) < 0).mean() > 0.002)
+
+    def _axis(self, blow: Blow) -> Floats:
+        """Points on the axis of a pole, relative to its middle, or the one point of a ball."""
+        if blow.shape == "ball":
+            return np.zeros((1, 3))
+        along = np.arange(-self.half, self.half + 1e-9, 0.5 * self.shell.edge)
+        return along[:, None] * np.array([0.0, 1.0, 0.0])
+
+    def _near(self, centre: Floats, axis: Floats) -> tuple[float, Floats, Floats]:
+        """The distance from the striker's axis to the shell, the shell's point, and the axis' point."""
+        places = centre + axis
+        distances = [np.linalg.norm(self._middles - p, axis=1) for p in places]
+        least = min(one.min() for one in distances)
+        best = (np.inf, centre, centre)
+        for place, distance in zip(places, distances, strict=True):
+            if distance.min() > least + 2 * self._reach:
+                continue
+            corners = self._corners[distance <= least + 2 * self._reach]
+            at = np.einsum("nk,nkj->nj", _barycentric(np.broadcast_to(place, (len(corners), 3)), corners), corners)
+            gaps = np.linalg.norm(at - place, axis=1)
+            k = int(gaps.argmin())
+            if gaps[k] < best[0]:
+                best = (float(gaps[k]), at[k], place)
+        return best
+
+    def _start(self, blow: Blow) -> Floats | None:
+        """A place of the striker, on its line of flight, where it is clear of the shell; not further away than the shell is large."""
+        axis, aim = self._axis(blow), blow.point + blow.normal * (blow.radius + self.skin)
+        if blow.shape == "pole":
+            aim = aim * [1, 0, 1] + self.shell.points.mean(0) * [0, 1, 0]
+        for back in np.linspace(0, self.shell.size, 21):
+            centre = aim - blow.direction * back
+            if self._near(centre, axis)[0] >= blow.radius + self.skin - 1e-3 * self.shell.edge:
+                return centre
+        return None
+
+    def _fly(self, blow: Blow, centre: Floats) -> tuple[Floats, Floats, Floats] | None:
+        """Where the striker first touches: its centre, the shell's point, and the outward normal there."""
+        axis, flown = self._axis(blow), 0.0
+        while flown < 2.5 * self.shell.size:
+            distance, at, place = self._near(centre, axis)
+            gap = distance - blow.radius - self.skin
+            if gap < 1e-3 * self.shell.edge:
+                return centre, at, (place - at) / max(distance, 1e-12)
+            centre = centre + blow.direction * gap
+            flown += gap
+        return None
+
+    def _striker(self, blow: Blow) -> None:
+        model, body, mass, radius = self.model, self.body, blow.mass, blow.radius
+        for name, geom in self.geoms.items():
+            model.geom_contype[geom] = model.geom_conaffinity[geom] = int(name == blow.shape)
+            half = self.half if name == "pole" else 0.0
+            # The compiled bounds stay otherwise, and contacts outside of them are not seen.
+            model.geom_size[geom, 0], model.geom_rbound[geom] = radius, radius + half
+            model.geom_aabb[geom] = [0, 0, 0, radius, radius, radius + half]
+        model.body_subtreemass[0] += mass - model.body_mass[body]
+        model.body_mass[body] = model.body_subtreemass[body] = mass
+        model.dof_M0[self.v] = mass
+        model.body_invweight0[body] = self._inverse_weight / [mass, 1]
+        model.dof_invweight0[self.v] = self._dof_inverse / mass
+
+    def _park(self) -> None:
+        self.data.qpos[self.q], self.data.qvel[self.v] = self.away, 0
+
+    def _reset(self) -> None:
+        mujoco.mj_resetData(self.model, self.data)
+        self._park()
+        mujoco.mj_forward(self.model, self.data)
+        self.data.qacc_warmstart[:] = 0
+
+
+def _text(values: NDArray[Any]) -> str:
+    return " ".join(f"{value:.9g}" for value in np.asarray(values).ravel())

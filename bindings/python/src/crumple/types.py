@@ -1,0 +1,243 @@
+"""What goes into the library and what comes out: plain data."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._native import (
+    CrumpleCombine as Combine,
+)
+from ._native import (
+    CrumpleHitStatus as HitStatus,
+)
+from ._native import (
+    CrumplePlacement as Placement,
+)
+from ._native import (
+    CrumpleResult as Result,
+)
+from ._native import (
+    CrumpleRule as Rule,
+)
+from ._native import (
+    CrumpleSeams as Seams,
+)
+from ._native import (
+    CrumpleSelection as Selection,
+)
+from ._native import (
+    CrumpleSpace as Space,
+)
+
+__all__ = [
+    "Attachment", "Changes", "Chosen", "Combine", "DeformReport", "Example", "ExampleInfo", "Frame", "HitResult", "HitStatus",
+    "InstanceInfo", "MARK", "Mesh", "Placement", "Primitive", "Result", "Rule", "Seams", "Selection", "SetInfo", "SetOptions", "Space",
+    "Striker",
+]  # fmt: skip
+
+Floats = NDArray[np.float32]
+
+MARK = np.dtype([("contact", "<u4"), ("depth", "<f4"), ("energy", "<u8"), ("pairs", [("example", "<u2"), ("share", "<u2")], 4)])
+"""A mark, 32 bytes. Arrays of marks have this type; save or send them as they are."""
+
+
+@dataclass
+class Striker:
+    """What struck a body, as far as it is known. 0 is unknown, which costs accuracy."""
+
+    mass: float = 0.0
+    """kg."""
+    radius: float = 0.0
+    """Radius of its surface at the contact, m: small for a corner, large for a flat face."""
+    velocity: ArrayLike = (0.0, 0.0, 0.0)
+    """Relative to the struck body before the touch, m/s."""
+
+
+@dataclass
+class Example:
+    """The base mesh after a collision."""
+
+    positions: ArrayLike
+    """The new position of every vertex, (vertices, 3), m; or with `indices` the displacements of these vertices."""
+    indices: ArrayLike | None = None
+    """The vertices that moved, strictly increasing."""
+    normals: ArrayLike | None = None
+    """The new unit normals, (vertices, 3); or with `indices` the changes of the normals. None: computed."""
+    name: str = ""
+    contact: int | ArrayLike | None = None
+    """The vertex or the point (three numbers, m) that was hit. None: the deepest vertex."""
+    normal: ArrayLike | None = None
+    """The outward direction of the surface at the contact. None: the mesh's normal."""
+    impulse: ArrayLike = (0.0, 0.0, 0.0)
+    """On the body, N s. 0: unknown."""
+    duration: float = 0.0
+    """How long the impulse acted, s. 0: unknown."""
+    striker: Striker = field(default_factory=Striker)
+    placement: Placement = Placement.AUTOMATIC
+
+
+@dataclass
+class SetOptions:
+    """How an example set is built. CrumpleExampleSetOptions in crumple.h says more about each."""
+
+    depth_limit: float = 0.0
+    """No vertex moves further than this, m. 0: the depth of the deepest example."""
+    drop_below: float = 0.0
+    """Displacements of an example up to this length are dropped, m."""
+    vertex_mass: float = 0.0
+    """The calibration mass in impulse * duration / mass, kg. 0: unknown."""
+    stamp_resolution: int = 32
+    """Nodes along each side of the grid that stores a carried example: 4 to 128."""
+    bake_tolerance: float = 0.0
+    """Largest position error from quantisation, m. 0: exact floats."""
+    bake_normal_tolerance: float = 1.0
+    """Largest error of a normal, degrees. Unused if bake_tolerance is 0."""
+    combine: Combine = Combine.ENERGIES
+    seams: Seams = Seams.WELD
+    strict: bool = False
+    """Never scale carried examples above their own depth."""
+    mirror: bool = True
+    """Also use mirrored copies of the examples if the body is symmetric."""
+    held_rims: bool = True
+    """Fade carried dents to zero at boundary edges that no example moves."""
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """A copy of a set's mesh."""
+
+    positions: Floats
+    normals: Floats
+    tangents: Floats | None
+    triangles: NDArray[np.uint32]
+
+
+@dataclass(frozen=True)
+class SetInfo:
+    """Facts about an example set; CrumpleExampleSetInfo in crumple.h."""
+
+    name: str
+    fingerprint: int
+    memory_bytes: int
+    vertex_count: int
+    triangle_count: int
+    example_count: int
+    primitive_count: int
+    seam_count: int
+    depth_limit: float
+    bounds: Floats
+    """Two rows: the smallest and the largest coordinates, m."""
+    node_transform: Floats
+    """(4, 4), transforms columns."""
+    has_tangents: bool
+    lod_count: int
+    blow_count: int
+    """Number of examples that know their blow."""
+    field_error: float | None
+    """Median relative error of the displacements around an example when the other examples predict them. None: unknown."""
+    depth_error: float | None
+
+
+@dataclass(frozen=True)
+class ExampleInfo:
+    """Facts about an example; CrumpleExampleInfo in crumple.h."""
+
+    name: str
+    contact_vertex: int
+    moved_vertices: int
+    contact_point: Floats
+    contact_normal: Floats
+    depth: float
+    max_depth: float
+    support_radius: float
+    placement: Placement
+    field_error: float | None
+    """As in SetInfo, for this example. Where it is large, one more example helps most."""
+    depth_error: float | None
+
+
+@dataclass(frozen=True)
+class Primitive:
+    """A part of the mesh with its own material."""
+
+    material: str | None
+    first_vertex: int
+    vertex_count: int
+    first_triangle: int
+    triangle_count: int
+
+
+@dataclass(frozen=True)
+class InstanceInfo:
+    memory_bytes: int
+    mark_count: int
+    buffer_count: int
+    depth_limit: float
+    contact_count: int
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """An example that a hit uses."""
+
+    example: int
+    share: float
+    scale: float
+    anchored: bool
+    mirror: int
+
+
+@dataclass(frozen=True)
+class HitResult:
+    """The effect of a hit. Unless its status is HitStatus.MARKED, `achieved` is zero and `chosen` empty."""
+
+    status: HitStatus
+    contact_vertex: int
+    contact_distance: float
+    target: Floats
+    """Target displacement of the contact before it is clamped, m, in the mesh's space."""
+    achieved: Floats
+    clamped: bool
+    chosen: tuple[Chosen, ...]
+    mark: NDArray[Any]
+    """One element of type MARK."""
+
+
+@dataclass(frozen=True)
+class DeformReport:
+    vertices_written: int
+    blocks_written: int
+    blocks_skipped: int
+    parts_skipped: int
+
+
+@dataclass(frozen=True)
+class Changes:
+    """What the last deform wrote."""
+
+    ranges: NDArray[np.uint32]
+    """Rows of first vertex and count."""
+    bounds: Floats
+    """Of all vertices: two rows, the smallest and the largest coordinates, m."""
+
+
+@dataclass(frozen=True)
+class Attachment:
+    """A point that follows the surface. It works with every instance of its set."""
+
+    vertices: tuple[int, int, int]
+    weights: tuple[float, float, float]
+    point: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Where an attached point is."""
+
+    position: Floats
+    rotation: Floats
+    """A unit quaternion, x y z w, relative to the undamaged mesh."""
