@@ -2,7 +2,9 @@
 //! unpacked below the target directory beside the system. Another engine may be named by `CRUMPLE_GODOT`.
 
 use std::fs;
+use std::net::UdpSocket;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
 use xshell::{PushEnv, cmd};
@@ -20,7 +22,11 @@ const PACKAGES: &[&str] = &["godot", "mesa-vulkan-drivers"];
 const KEYS: &str = "/usr/share/keyrings/debian-archive-keyring.gpg";
 /// Default threads hang on two cores under Vulkan (godotengine/godot#102877).
 const THREADS: &str = "[threading]\n\nworker_pool/max_threads=8\n";
-const PHYSICS: &[&str] = &["Jolt Physics", "GodotPhysics3D"];
+/// The physics engines, and whether each has a thread of its own.
+const PHYSICS: &[(&str, bool)] =
+    &[("Jolt Physics", false), ("GodotPhysics3D", false), ("Jolt Physics", true), ("GodotPhysics3D", true)];
+/// Where the engine writes.
+const HOME: [&str; 3] = ["XDG_DATA_HOME", "XDG_CONFIG_HOME", "XDG_CACHE_HOME"];
 /// What an engine's output must not contain: errors in scripts, panics, and reports of leaks.
 const BAD: &[&str] = &["SCRIPT ERROR", "panicked", "leaked", "still in use at exit", "Parse Error"];
 /// Seconds after which a run is ended.
@@ -57,10 +63,12 @@ pub fn run(workspace: &Workspace) -> Result<Outcome> {
         ("the classes", unit),
         ("the editor's import", imported),
     ];
-    for physics in PHYSICS {
-        let settings = format!("{THREADS}\n[physics]\n\n3d/physics_engine=\"{physics}\"\n");
+    for (physics, apart) in PHYSICS {
+        let settings = format!("3d/physics_engine=\"{physics}\"\n3d/run_on_separate_thread={apart}\n");
+        let settings = format!("{THREADS}\n[physics]\n\n{settings}");
         results.push((physics, tests.headless("physics", &["--fixed-fps", "60"], &settings)));
     }
+    results.push(("two processes", tests.network()));
     results.push(("the picture", tests.rendered()));
     results.push(("the demo", tests.run(&["--headless", "--fixed-fps", "60", "--quit-after", "300"], &[])));
     all_passed(results)?;
@@ -168,9 +176,11 @@ struct Tests<'a> {
 impl<'a> Tests<'a> {
     /// Keeps what the engine writes beside the project, out of the user's folders.
     fn home(&self) -> [PushEnv<'a>; 3] {
-        let home = self.project.with_file_name("home");
-        ["XDG_DATA_HOME", "XDG_CONFIG_HOME", "XDG_CACHE_HOME"]
-            .map(|name| self.workspace.shell.push_env(name, home.join(name)))
+        HOME.map(|name| self.workspace.shell.push_env(name, self.home_of(name)))
+    }
+
+    fn home_of(&self, name: &str) -> PathBuf {
+        self.project.with_file_name("home").join(name)
     }
 
     fn headless(&self, suite: &str, options: &[&str], settings: &str) -> Result<()> {
@@ -179,8 +189,7 @@ impl<'a> Tests<'a> {
     }
 
     fn import(&self) -> Result<()> {
-        let written =
-            self.project.with_file_name("home").join("XDG_DATA_HOME/godot/app_userdata/Crumple/sheet.crumple");
+        let written = self.home_of(HOME[0]).join("godot/app_userdata/Crumple/sheet.crumple");
         let sheet = self.project.join("assets/sheet.crumple");
         fs::copy(&written, sheet).with_context(|| format!("the unit tests did not write {}", written.display()))?;
         self.run(&["--headless", "--import"], &[])
@@ -201,6 +210,32 @@ impl<'a> Tests<'a> {
         let _ = display.kill();
         let _ = display.wait();
         result
+    }
+
+    /// A server and a client. The server compares, and ends with an error if the client's damage is not its own.
+    fn network(&self) -> Result<()> {
+        fs::write(self.project.join("override.cfg"), THREADS)?;
+        // A port that nobody uses now.
+        let port = UdpSocket::bind("127.0.0.1:0")?.local_addr()?.port().to_string();
+        let scene = ["--headless", "res://tests/network.tscn"];
+        let server = Command::new("timeout")
+            .arg(PATIENCE)
+            .arg(self.engine)
+            .arg("--path")
+            .arg(self.project)
+            .args(scene)
+            .args(["--", "server", &port])
+            .envs(HOME.map(|name| (name, self.home_of(name))))
+            .spawn();
+        let mut server = server.context("starting the server")?;
+        let client = self.run(&scene, &["--", "client", &port]);
+        if client.is_err() {
+            let _ = server.kill();
+        }
+        let ended = server.wait()?;
+        client?;
+        ensure!(ended.success(), "the server ends with {ended}");
+        Ok(())
     }
 
     /// Runs the engine and looks through its output.

@@ -79,8 +79,7 @@ pub struct CrumpleMeshInstance3D {
 
     /// The damage as bytes, the same as [method save_damage] and [method load_damage]. It is stored with the scene and
     /// copied by [method Node.duplicate]. A [MultiplayerSynchronizer] may replicate it.
-    #[export(storage)]
-    #[var(get, set)]
+    #[var(get, set, usage_flags = [STORAGE])]
     damage: PhantomVar<PackedByteArray>,
 
     /// Reading damage folds the hits that have arrived.
@@ -120,7 +119,7 @@ impl IMeshInstance3D for CrumpleMeshInstance3D {
 
     fn on_validate_property(&self, property: &mut PropertyInfo) {
         // The mesh comes from the set. A scene that is packed at run time must not hold a copy of it.
-        if property.property_name.to_string() == "mesh" && self.example_set.is_some() {
+        if property.property_name == "mesh" && self.example_set.is_some() {
             property.usage = PropertyUsageFlags::from_ord(property.usage.ord() & !PropertyUsageFlags::STORAGE.ord());
         }
     }
@@ -283,16 +282,16 @@ impl CrumpleMeshInstance3D {
 
     /// The hit dented the mesh.
     #[constant]
-    const MARKED: i64 = HitStatus::Marked as i64;
+    const MARKED: i64 = 0;
     /// The hit was too weak.
     #[constant]
-    const BELOW_YIELD: i64 = HitStatus::BelowYield as i64;
+    const BELOW_YIELD: i64 = 1;
     /// No example moves the contact towards the hit.
     #[constant]
-    const NOTHING_REACHES: i64 = HitStatus::NothingReaches as i64;
+    const NOTHING_REACHES: i64 = 2;
     /// Alone the hit is too weak, but it adds to its collision.
     #[constant]
-    const ACCUMULATED: i64 = HitStatus::Accumulated as i64;
+    const ACCUMULATED: i64 = 3;
 
     #[func]
     fn set_example_set(&mut self, set: Option<Gd<CrumpleExampleSet>>) {
@@ -507,6 +506,14 @@ impl CrumpleMeshInstance3D {
         }
     }
 }
+
+// The class documentation shows the constants as they are written.
+const _: () = assert!(
+    CrumpleMeshInstance3D::MARKED == HitStatus::Marked as i64
+        && CrumpleMeshInstance3D::BELOW_YIELD == HitStatus::BelowYield as i64
+        && CrumpleMeshInstance3D::NOTHING_REACHES == HitStatus::NothingReaches as i64
+        && CrumpleMeshInstance3D::ACCUMULATED == HitStatus::Accumulated as i64
+);
 
 /// The nearest physics body above a node.
 fn body_above(node: &Gd<CrumpleMeshInstance3D>) -> Option<Gd<PhysicsBody3D>> {

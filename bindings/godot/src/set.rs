@@ -32,8 +32,7 @@ pub struct CrumpleExampleSet {
     #[var(set)]
     mesh: Option<Gd<ArrayMesh>>,
     /// The bytes of a `.crumple` file. If it is empty, the set is built from [member mesh].
-    #[export(storage)]
-    #[var(set)]
+    #[var(set, usage_flags = [STORAGE])]
     data: PackedByteArray,
     /// The furthest that any vertex moves, m. 0 takes the longest displacement of all examples.
     #[export(range = (0.0, 1.0, 0.001, or_greater, suffix = "m"))]
