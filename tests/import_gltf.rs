@@ -3,7 +3,7 @@
 
 mod import_glb;
 
-use crumple::import::{Imported, MeshChoice, gltf_file, gltf_slice};
+use crumple::import::{Imported, MeshChoice, apply_extras, gltf_file, gltf_slice};
 use crumple::{Blow, Contact, Deltas, Error, ErrorKind, ExampleData, Placement, Striker};
 use import_glb::{Glb, SQUARE, UP, bytes, fixture, square};
 use serde_json::{Value, json};
@@ -483,6 +483,26 @@ fn malformed_impacts_and_placements_are_named() {
         assert_eq!(format!("{:?}", error.kind()), kind, "{line}: {error}");
         assert!(error.to_string().contains(part), "{line}: {error}");
     }
+}
+
+#[test]
+fn an_engine_that_imported_the_file_can_apply_its_extras() {
+    let extras = json!({
+        "targetNames": ["p", "q"], "placements": { "p": "anchored" },
+        "impacts": [{ "name": "q", "contact_vertex": 2, "normal": [0, 1, 0], "striker": { "mass": 2 } }],
+    });
+    let expected = with_extras(extras.clone()).unwrap();
+    let mut examples = with_extras(json!({})).unwrap().examples;
+    let vertices = expected.mesh.positions.len();
+    apply_extras(&extras.to_string(), vertices, &mut examples).unwrap();
+    assert_eq!(examples, expected.examples);
+    for (bad, part) in [("[]", "must be an object"), ("{", "not JSON"), (r#"{"placements": "none"}"#, "'none'")] {
+        let error = apply_extras(bad, vertices, &mut examples).unwrap_err().to_string();
+        assert!(error.contains(part), "{error}");
+        assert_eq!(examples, expected.examples, "an error changes nothing");
+    }
+    apply_extras("{}", vertices, &mut examples).unwrap();
+    assert_eq!(examples, expected.examples, "what extras do not say stays");
 }
 
 #[test]

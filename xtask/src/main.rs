@@ -8,6 +8,7 @@ mod csharp;
 mod declarations;
 mod demo;
 mod fuzz;
+mod godot;
 mod header;
 mod install;
 mod lab;

@@ -7,7 +7,7 @@ use crate::ci::CHECKS;
 use crate::stage::{self, Outcome, Rules, Stage};
 use crate::tools::Tool;
 use crate::workspace::Workspace;
-use crate::{abi, csharp, demo, native, package, peers, platforms, python, valgrind, vulkan};
+use crate::{abi, csharp, demo, godot, native, package, peers, platforms, python, valgrind, vulkan};
 
 #[derive(Args, Default)]
 pub struct Options {
@@ -124,6 +124,13 @@ const STAGES: &[Stage] = &[
         needs: &[Tool::Vulkan],
         wants: &[],
         run: vulkan::run,
+    },
+    Stage {
+        name: "godot",
+        shows: "the extension dents meshes in Godot itself: its classes, both physics engines, the editor's import, a picture",
+        needs: &[Tool::CCompiler, Tool::Xvfb],
+        wants: &[],
+        run: godot::run,
     },
     Stage { name: "rust", shows: "the Rust tests and documentation examples pass", needs: &[], wants: &[], run: rust },
     Stage {

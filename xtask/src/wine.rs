@@ -74,7 +74,7 @@ impl Drop for Wine<'_> {
 }
 
 /// Starts a display, and returns its number.
-fn display() -> Result<(Child, String)> {
+pub fn display() -> Result<(Child, String)> {
     let mut server = Command::new("Xvfb");
     let server = server.args(["-displayfd", "1", "-nolisten", "tcp"]).stdin(Stdio::null()).stderr(Stdio::null());
     let mut child = server.stdout(Stdio::piped()).spawn().context("starting Xvfb")?;

@@ -4,10 +4,59 @@ use super::document::out_of_range;
 use super::{finite, malformed};
 use crate::base::error::Error;
 use crate::example::blow::{Blow, Striker};
-use crate::example::data::{Contact, Placement};
+use crate::example::data::{Contact, ExampleData, Placement};
 use serde_json::{Map, Value};
 use std::borrow::Cow;
 use std::collections::HashMap;
+
+/// Describes examples by the `extras` of their glTF mesh, for engines that import glTF themselves and keep the extras.
+///
+/// `extras` is a JSON object with the keys `targetNames`, `impacts` and `placements`, as the [module](super) says. All
+/// are optional. `examples` are the mesh's targets in order, and `vertices` is the number of vertices that
+/// `contact_vertex` may refer to. Names, contacts, contact normals, blows and placements that the object knows replace
+/// the examples' own.
+///
+/// ```
+/// use crumple::{Contact, Deltas, ExampleData, import};
+/// let mut examples = [ExampleData::new("", Deltas::Full(vec![[0.0, 0.0, -0.1]; 3]))];
+/// let text = r#"{"targetNames": ["ball"], "impacts": [{"name": "ball", "contact_vertex": 2}]}"#;
+/// import::apply_extras(text, 3, &mut examples)?;
+/// assert_eq!((&*examples[0].name, examples[0].contact), ("ball", Some(Contact::Vertex(2))));
+/// # Ok::<(), crumple::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Format`], [`Error::IndexOutOfRange`] and [`Error::NotFinite`], which name what is wrong. After an error
+/// nothing has changed.
+pub fn apply_extras(extras: &str, vertices: usize, examples: &mut [ExampleData]) -> Result<(), Error> {
+    let value: Value =
+        serde_json::from_str(extras).map_err(|e| malformed(format!("the mesh's extras are not JSON: {e}")))?;
+    if !value.is_object() {
+        return Err(malformed(format!("the mesh's extras are {}; they must be an object", brief(&value))));
+    }
+    let named = !value["targetNames"].is_null();
+    let mesh = Value::Object([("extras".to_owned(), value)].into_iter().collect());
+    let names = if named {
+        names(&mesh, examples.len())?
+    } else {
+        examples.iter().map(|example| example.name.clone()).collect()
+    };
+    let impacts = impacts(&mesh, &names, vertices)?;
+    let placements = placements(&mesh, &names)?;
+    let placed = !mesh["extras"]["placements"].is_null();
+    for (example, ((name, impact), placement)) in
+        examples.iter_mut().zip(names.into_iter().zip(impacts).zip(placements))
+    {
+        example.name = name;
+        if impact.contact.is_some() {
+            (example.contact, example.contact_normal, example.blow) = (impact.contact, impact.normal, impact.blow);
+        }
+        if placed {
+            example.placement = placement;
+        }
+    }
+    Ok(())
+}
 
 /// What is known of how an example was made.
 #[derive(Debug, Clone, Copy, Default)]

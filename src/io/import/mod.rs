@@ -59,6 +59,8 @@ mod obj;
 pub(crate) mod uri;
 
 #[cfg(feature = "gltf")]
+pub use self::extras::apply_extras;
+#[cfg(feature = "gltf")]
 pub use self::gltf::{gltf_file, gltf_slice};
 #[cfg(feature = "obj")]
 pub use self::obj::{obj_files, obj_slices};

@@ -1,0 +1,256 @@
+//! Tests of the Godot extension in the engine itself. The engine, its own C library and Mesa's driver are packages of Debian sid,
+//! unpacked below the target directory beside the system. Another engine may be named by `CRUMPLE_GODOT`.
+
+use std::fs;
+use std::net::UdpSocket;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, ensure};
+use xshell::{PushEnv, cmd};
+
+use crate::stage::{Outcome, all_passed};
+use crate::vulkan;
+use crate::wine;
+use crate::workspace::{Workspace, empty_directory, files};
+
+const BINDING: &str = "bindings/godot";
+/// Names the program of a Godot of version 4.6 or later.
+const ENGINE: &str = "CRUMPLE_GODOT";
+const PACKAGES: &[&str] = &["godot", "mesa-vulkan-drivers"];
+/// Signs the packages.
+const KEYS: &str = "/usr/share/keyrings/debian-archive-keyring.gpg";
+/// Default threads hang on two cores under Vulkan (godotengine/godot#102877).
+const THREADS: &str = "[threading]\n\nworker_pool/max_threads=8\n";
+/// The physics engines, and whether each has a thread of its own.
+const PHYSICS: &[(&str, bool)] =
+    &[("Jolt Physics", false), ("GodotPhysics3D", false), ("Jolt Physics", true), ("GodotPhysics3D", true)];
+/// Where the engine writes.
+const HOME: [&str; 3] = ["XDG_DATA_HOME", "XDG_CONFIG_HOME", "XDG_CACHE_HOME"];
+/// What an engine's output must not contain: errors in scripts, panics, and reports of leaks.
+const BAD: &[&str] = &["SCRIPT ERROR", "panicked", "leaked", "still in use at exit", "Parse Error"];
+/// Seconds after which a run is ended.
+const PATIENCE: &str = "240";
+
+pub fn run(workspace: &Workspace) -> Result<Outcome> {
+    if cfg!(not(all(target_os = "linux", target_arch = "x86_64"))) {
+        return Ok(Outcome::NotApplicable("the engine is fetched for Linux on x86-64 only".into()));
+    }
+    let engine = match engine(workspace) {
+        Ok(engine) => engine,
+        Err(error) => {
+            return Ok(Outcome::LeftOut(format!(
+                "Godot cannot be fetched: {error:#}. Type: {ENGINE}=/path/to/godot4.6 cargo xtask test --only godot"
+            )));
+        }
+    };
+    let sh = &workspace.shell;
+    let (manifest, target) = (workspace.path(BINDING).join("Cargo.toml"), workspace.target.join("godot"));
+    let cargo = |command: &str| {
+        let cargo = cmd!(sh, "cargo {command} --locked --manifest-path {manifest} --target-dir {target}");
+        // The binding's own profile has no debug information: its bindings of the whole engine are large.
+        cargo.env_remove("CARGO_PROFILE_DEV_DEBUG").run()
+    };
+    cargo("build")?;
+    let project = lay_out(workspace, &target.join("debug/libcrumple_godot.so"))?;
+    let tests = Tests { workspace, engine: &engine, project: &project };
+    let _home = tests.home();
+    let unit = tests.headless("unit", &["--fixed-fps", "60"], THREADS);
+    // The editor imports what the unit tests wrote.
+    let imported = tests.import().and_then(|()| tests.headless("imported", &[], THREADS));
+    let mut results = vec![
+        ("the extension's own tests", cargo("test").map_err(Into::into)),
+        ("the classes", unit),
+        ("the editor's import", imported),
+    ];
+    for (physics, apart) in PHYSICS {
+        let settings = format!("3d/physics_engine=\"{physics}\"\n3d/run_on_separate_thread={apart}\n");
+        let settings = format!("{THREADS}\n[physics]\n\n{settings}");
+        results.push((physics, tests.headless("physics", &["--fixed-fps", "60"], &settings)));
+    }
+    results.push(("two processes", tests.network()));
+    results.push(("the picture", tests.rendered()));
+    results.push(("the demo", tests.run(&["--headless", "--fixed-fps", "60", "--quit-after", "300"], &[])));
+    all_passed(results)?;
+    Ok(Outcome::Passed)
+}
+
+/// The program of the engine, fetched on the first call.
+fn engine(workspace: &Workspace) -> Result<PathBuf> {
+    if let Some(engine) = std::env::var_os(ENGINE) {
+        return Ok(engine.into());
+    }
+    let folder = workspace.target.join("godot-engine");
+    let program = folder.join("godot");
+    if program.exists() {
+        return Ok(program);
+    }
+    let mirror = mirror()?;
+    println!("fetching Godot from Debian sid, about 170 MB, into {}", folder.display());
+    empty_directory(&folder)?;
+    for part in ["lists/partial", "debs/partial", "root"] {
+        fs::create_dir_all(folder.join(part))?;
+    }
+    fs::write(folder.join("sources.list"), format!("deb [signed-by={KEYS}] {mirror} sid main\n"))?;
+    fs::write(folder.join("status"), "")?;
+    let set = |key: &str, path: &str| format!("-o{key}={}", folder.join(path).display());
+    let options = [
+        set("Dir::Etc::sourcelist", "sources.list"),
+        set("Dir::State::lists", "lists"),
+        set("Dir::State::status", "status"),
+        set("Dir::Cache::archives", "debs"),
+        "-oDir::Etc::sourceparts=/dev/null".into(),
+        "-oDir::Cache::pkgcache=".into(),
+        "-oDir::Cache::srcpkgcache=".into(),
+        "-oAcquire::Languages=none".into(),
+        "-oAcquire::IndexTargets::deb::DEP-11::DefaultEnabled=false".into(),
+        "-oAcquire::Retries=3".into(),
+        "-oAPT::Sandbox::User=root".into(),
+        "-oDebug::NoLocking=1".into(),
+    ];
+    let sh = &workspace.shell;
+    let options = &options;
+    cmd!(sh, "apt-get {options...} -qq update").run()?;
+    let download = ["-qq", "-y", "--no-install-recommends", "--download-only", "install"];
+    cmd!(sh, "apt-get {options...} {download...} {PACKAGES...}").ignore_stdout().run()?;
+    let root = folder.join("root");
+    for package in files(&folder.join("debs"))?.iter().filter(|file| file.extension().is_some_and(|e| e == "deb")) {
+        cmd!(sh, "dpkg-deb -x {package} {root}").quiet().run()?;
+    }
+    fs::remove_dir_all(folder.join("debs"))?;
+    let script = format!(
+        "#!/bin/sh\nR={}; L=$R/usr/lib/x86_64-linux-gnu\nexport VK_DRIVER_FILES=$R/usr/share/vulkan/icd.d/lvp_icd.json\nexec \
+         $L/ld-linux-x86-64.so.2 --library-path $L:$L/pulseaudio --argv0 $R/usr/bin/godot $R/usr/bin/godot \"$@\"\n",
+        root.display()
+    );
+    // Written last, and under another name first: a broken fetch leaves no program.
+    let unfinished = folder.join("godot.part");
+    fs::write(&unfinished, script)?;
+    cmd!(sh, "chmod +x {unfinished}").quiet().run()?;
+    let version = cmd!(sh, "{unfinished} --headless --version").quiet().read()?;
+    println!("Godot {version}");
+    fs::rename(&unfinished, &program)?;
+    Ok(program)
+}
+
+/// The Debian mirror that this machine uses.
+fn mirror() -> Result<String> {
+    let mut sources = vec![PathBuf::from("/etc/apt/sources.list")];
+    sources.extend(files(Path::new("/etc/apt/sources.list.d")).unwrap_or_default());
+    let text: String = sources.iter().filter_map(|file| fs::read_to_string(file).ok()).collect();
+    let mut words = text.lines().filter(|line| !line.trim_start().starts_with('#')).flat_map(str::split_whitespace);
+    let found = words.find(|word| word.starts_with("http") && word.trim_end_matches('/').ends_with("/debian"));
+    found.map(str::to_owned).context("this machine's sources of apt-get name no mirror of Debian")
+}
+
+/// Copies the example project with the extension and the hood. Returns the copy's folder.
+fn lay_out(workspace: &Workspace, library: &Path) -> Result<PathBuf> {
+    let (from, project) = (workspace.path(BINDING).join("project"), workspace.target.join("godot/project"));
+    empty_directory(&project)?;
+    let copy = |from: &Path, to: PathBuf| -> Result<()> {
+        fs::create_dir_all(to.parent().context("files lie in folders")?)?;
+        fs::copy(from, &to).with_context(|| format!("copying {} to {}", from.display(), to.display()))?;
+        Ok(())
+    };
+    for file in files(&from)? {
+        let name = file.strip_prefix(&from)?;
+        // What the editor or a build left there is not part of the project.
+        if !name.starts_with(".godot") && !name.starts_with("addons/crumple/bin") && !name.starts_with("assets") {
+            copy(&file, project.join(name))?;
+        }
+    }
+    copy(library, project.join("addons/crumple/bin/libcrumple_godot.so"))?;
+    copy(&workspace.path("assets/demo/hood.glb"), project.join("assets/hood.glb"))?;
+    // The editor writes this list when it finds an extension.
+    fs::create_dir_all(project.join(".godot"))?;
+    fs::write(project.join(".godot/extension_list.cfg"), "res://addons/crumple/crumple.gdextension\n")?;
+    Ok(project)
+}
+
+struct Tests<'a> {
+    workspace: &'a Workspace,
+    engine: &'a Path,
+    project: &'a Path,
+}
+
+impl<'a> Tests<'a> {
+    /// Keeps what the engine writes beside the project, out of the user's folders.
+    fn home(&self) -> [PushEnv<'a>; 3] {
+        HOME.map(|name| self.workspace.shell.push_env(name, self.home_of(name)))
+    }
+
+    fn home_of(&self, name: &str) -> PathBuf {
+        self.project.with_file_name("home").join(name)
+    }
+
+    fn headless(&self, suite: &str, options: &[&str], settings: &str) -> Result<()> {
+        fs::write(self.project.join("override.cfg"), settings)?;
+        self.run(&[&["--headless"], options, &["res://tests/tests.tscn"]].concat(), &["--", suite])
+    }
+
+    fn import(&self) -> Result<()> {
+        let written = self.home_of(HOME[0]).join("godot/app_userdata/Crumple/sheet.crumple");
+        let sheet = self.project.join("assets/sheet.crumple");
+        fs::copy(&written, sheet).with_context(|| format!("the unit tests did not write {}", written.display()))?;
+        self.run(&["--headless", "--import"], &[])
+    }
+
+    /// Draws on Mesa's software driver, on a display without a screen.
+    fn rendered(&self) -> Result<()> {
+        fs::write(self.project.join("override.cfg"), THREADS)?;
+        let (mut display, number) = wine::display()?;
+        let sh = &self.workspace.shell;
+        let result = {
+            let _display = sh.push_env("DISPLAY", format!(":{number}"));
+            // The fetched engine sets its own.
+            let _driver = vulkan::lavapipe().ok().map(|driver| sh.push_env("VK_DRIVER_FILES", driver));
+            let options = ["--rendering-driver", "vulkan", "--audio-driver", "Dummy", "--fixed-fps", "60"];
+            self.run(&[&options[..], &["res://tests/tests.tscn"]].concat(), &["--", "rendered"])
+        };
+        let _ = display.kill();
+        let _ = display.wait();
+        result
+    }
+
+    /// A server and a client. The server compares, and ends with an error if the client's damage is not its own.
+    fn network(&self) -> Result<()> {
+        fs::write(self.project.join("override.cfg"), THREADS)?;
+        // A port that nobody uses now.
+        let port = UdpSocket::bind("127.0.0.1:0")?.local_addr()?.port().to_string();
+        let scene = ["--headless", "res://tests/network.tscn"];
+        let server = Command::new("timeout")
+            .arg(PATIENCE)
+            .arg(self.engine)
+            .arg("--path")
+            .arg(self.project)
+            .args(scene)
+            .args(["--", "server", &port])
+            .envs(HOME.map(|name| (name, self.home_of(name))))
+            .spawn();
+        let mut server = server.context("starting the server")?;
+        let client = self.run(&scene, &["--", "client", &port]);
+        if client.is_err() {
+            let _ = server.kill();
+        }
+        let ended = server.wait()?;
+        client?;
+        ensure!(ended.success(), "the server ends with {ended}");
+        Ok(())
+    }
+
+    /// Runs the engine and looks through its output.
+    fn run(&self, options: &[&str], arguments: &[&str]) -> Result<()> {
+        let Self { workspace, engine, project } = self;
+        let run = cmd!(workspace.shell, "timeout {PATIENCE} {engine} --path {project} {options...} {arguments...}");
+        let output = run.ignore_status().output()?;
+        let text = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
+        let bad: Vec<&str> = text.lines().filter(|line| BAD.iter().any(|bad| line.contains(bad))).collect();
+        if !output.status.success() || !bad.is_empty() {
+            println!("{text}");
+        }
+        ensure!(output.status.success(), "Godot ends with {}", output.status);
+        ensure!(bad.is_empty(), "Godot reports: {}", bad.join("; "));
+        text.lines().filter(|line| line.ends_with(" failed")).for_each(|line| println!("{line}"));
+        Ok(())
+    }
+}
