@@ -103,6 +103,7 @@ impl Writer<'_> {
             ("char", stars @ 1..) => ("c.c_char_p", stars - 1),
             ("bool", stars) => ("c.c_bool", stars),
             ("float", stars) => ("c.c_float", stars),
+            ("double", stars) => ("c.c_double", stars),
             ("size_t", stars) => ("c.c_size_t", stars),
             ("uint8_t", stars) => ("c.c_uint8", stars),
             ("uint16_t", stars) => ("c.c_uint16", stars),

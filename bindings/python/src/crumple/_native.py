@@ -386,6 +386,8 @@ class CrumpleInstanceDef(c.Structure):
         ("max_contact_distance", c.c_float),
         ("blend_constant", c.c_float),
         ("tolerance", c.c_float),
+        ("compliance", c.c_float),
+        ("grow_time", c.c_float),
         ("local_to_world", c.c_float * 16),
     ]
 
@@ -406,7 +408,8 @@ class CrumpleInstanceInfo(c.Structure):
         ("buffer_count", c.c_uint32),
         ("depth_limit", c.c_float),
         ("contact_count", c.c_uint32),
-        ("reserved", c.c_uint32 * 4),
+        ("revision", c.c_uint64),
+        ("reserved", c.c_uint32 * 2),
     ]
 
 
@@ -431,6 +434,16 @@ class CrumpleDisplacementDef(c.Structure):
         ("point", CrumpleVec3),
         ("displacement", CrumpleVec3),
         ("contact_id", c.c_uint64),
+    ]
+
+
+class CrumpleSkinDef(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("matrix_count", c.c_uint32),
+        ("joints", CrumpleInput),
+        ("weights", CrumpleInput),
+        ("matrices", CrumpleInput),
     ]
 
 
@@ -500,7 +513,8 @@ class CrumpleDeformReport(c.Structure):
         ("blocks_written", c.c_uint64),
         ("blocks_skipped", c.c_uint64),
         ("parts_skipped", c.c_uint64),
-        ("reserved", c.c_uint64 * 4),
+        ("vertices_waiting", c.c_uint64),
+        ("reserved", c.c_uint64 * 3),
     ]
 
 
@@ -568,7 +582,8 @@ class CrumpleRecordReport(c.Structure):
         ("bytes_copied", c.c_uint64),
         ("dispatches", c.c_uint32),
         ("reserved0", c.c_uint32),
-        ("reserved", c.c_uint64 * 4),
+        ("vertices_waiting", c.c_uint64),
+        ("reserved", c.c_uint64 * 3),
     ]
 
 
@@ -639,6 +654,7 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_example_set_create": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleExampleSetDef), c.POINTER(CrumpleExampleSet)]),
     "crumple_lod_def_default": (CrumpleLodDef, []),
     "crumple_example_set_add_lod": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.POINTER(CrumpleLodDef), c.POINTER(c.c_uint32)]),
+    "crumple_example_set_share": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_void_p, c.POINTER(CrumpleExampleSet)]),
     "crumple_example_set_destroy": (c.c_uint32, [c.c_void_p, CrumpleExampleSet]),
     "crumple_gltf_def_default": (CrumpleGltfDef, []),
     "crumple_obj_def_default": (CrumpleObjDef, []),
@@ -660,21 +676,32 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_instance_get_info": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleInstanceInfo)]),
     "crumple_instance_set_transform": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(c.c_float)]),
     "crumple_instance_set_depth_limit": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_float]),
+    "crumple_context_set_time": (c.c_uint32, [c.c_void_p, c.c_double]),
     "crumple_instance_set_tolerance": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_float]),
+    "crumple_instance_set_view": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_float, c.c_float, c.c_float, c.c_float, c.POINTER(c.c_uint32)]),
     "crumple_pixel_tolerance": (c.c_float, [c.c_float, c.c_float, c.c_float, c.c_float]),
     "crumple_impulse_def_default": (CrumpleImpulseDef, []),
     "crumple_displacement_def_default": (CrumpleDisplacementDef, []),
+    "crumple_skin_def_default": (CrumpleSkinDef, []),
     "crumple_instance_submit_impulse": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleImpulseDef), c.POINTER(CrumpleHitResult)]),
     "crumple_instance_submit_displacement": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleDisplacementDef), c.POINTER(CrumpleHitResult)]),
+    "crumple_context_submit_impulses": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleInstance), c.POINTER(CrumpleImpulseDef), c.c_uint32, c.POINTER(CrumpleHitResult)]),
+    "crumple_context_submit_displacements": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleInstance), c.POINTER(CrumpleDisplacementDef), c.c_uint32, c.POINTER(CrumpleHitResult)]),
     "crumple_instance_preview_impulse": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleImpulseDef), c.POINTER(CrumpleHitResult)]),
     "crumple_instance_preview_displacement": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleDisplacementDef), c.POINTER(CrumpleHitResult)]),
+    "crumple_instance_unpose_impulse": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleSkinDef), c.POINTER(CrumpleImpulseDef)]),
+    "crumple_instance_unpose_displacement": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleSkinDef), c.POINTER(CrumpleDisplacementDef)]),
     "crumple_instance_end_contact": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint64]),
     "crumple_instance_get_contact": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint64, c.POINTER(CrumpleHitResult)]),
     "crumple_instance_get_marks": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleMark), c.c_uint32, c.POINTER(c.c_uint32)]),
     "crumple_instance_set_marks": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleMark), c.c_uint32]),
     "crumple_instance_save_damage": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_void_p, c.c_size_t, c.POINTER(c.c_size_t)]),
+    "crumple_instance_save_changes": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint64, c.c_void_p, c.c_size_t, c.POINTER(c.c_size_t)]),
     "crumple_instance_load_damage": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_void_p, c.c_size_t]),
+    "crumple_context_save_damage": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleInstance), c.c_uint32, c.c_void_p, c.c_size_t, c.POINTER(c.c_size_t)]),
+    "crumple_context_load_damage": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleInstance), c.c_uint32, c.c_void_p, c.c_size_t]),
     "crumple_instance_repair_damage": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_float]),
+    "crumple_instance_repair_around": (c.c_uint32, [c.c_void_p, CrumpleInstance, CrumpleVec3, c.c_float, c.c_float]),
     "crumple_instance_reset_damage": (c.c_uint32, [c.c_void_p, CrumpleInstance]),
     "crumple_instance_copy_damage": (c.c_uint32, [c.c_void_p, CrumpleInstance, CrumpleInstance]),
     "crumple_host_buffer_def_default": (CrumpleHostBufferDef, []),
@@ -682,7 +709,9 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_buffer_unregister": (c.c_uint32, [c.c_void_p, CrumpleBuffer]),
     "crumple_buffer_invalidate": (c.c_uint32, [c.c_void_p, CrumpleBuffer]),
     "crumple_buffer_set_memory": (c.c_uint32, [c.c_void_p, CrumpleBuffer, c.POINTER(CrumpleHostBufferDef)]),
+    "crumple_context_set_vertex_budget": (c.c_uint32, [c.c_void_p, c.c_uint64]),
     "crumple_context_deform": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleBuffer), c.c_uint32, c.POINTER(CrumpleDeformReport)]),
+    "crumple_context_get_changed_buffers": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleBuffer), c.c_uint32, c.POINTER(c.c_uint32)]),
     "crumple_buffer_get_changes": (c.c_uint32, [c.c_void_p, CrumpleBuffer, c.POINTER(CrumpleRange), c.c_uint32, c.POINTER(c.c_uint32), c.POINTER(CrumpleAabb)]),
     "crumple_vulkan_attach_def_default": (CrumpleVulkanAttachDef, []),
     "crumple_vulkan_buffer_def_default": (CrumpleVulkanBufferDef, []),

@@ -142,7 +142,9 @@ class Context:
             array = (native.CrumpleBuffer * len(ids))(*ids)
             if ids:
                 check(library.crumple_context_deform(self.handle, array, len(ids), ctypes.byref(report)))
-        return DeformReport(report.vertices_written, report.blocks_written, report.blocks_skipped, report.parts_skipped)
+        return DeformReport(
+            report.vertices_written, report.blocks_written, report.blocks_skipped, report.parts_skipped, report.vertices_waiting
+        )
 
     def recording(self, path: str | os.PathLike[str]) -> Recording:
         """Records the context's calls until the ``with`` block ends, for ``crumple replay``."""

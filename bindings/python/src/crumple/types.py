@@ -213,6 +213,7 @@ class DeformReport:
     blocks_written: int
     blocks_skipped: int
     parts_skipped: int
+    vertices_waiting: int
 
 
 @dataclass(frozen=True)
