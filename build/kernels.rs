@@ -9,18 +9,9 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use std::path::Path;
 use std::{env, fs};
 
-/// Name, source and overrides of each kernel.
-const KERNELS: &[(&str, &str, &[&str])] = &[
-    ("anchored_positions", "marks", &[]),
-    ("anchored_normals", "marks", &["NORMALS"]),
-    ("anchored_tangents", "marks", &["NORMALS", "TANGENTS"]),
-    ("marks_positions", "marks", &["CARRIED"]),
-    ("marks_normals", "marks", &["CARRIED", "NORMALS"]),
-    ("marks_tangents", "marks", &["CARRIED", "NORMALS", "TANGENTS"]),
-    ("classic_positions", "classic", &[]),
-    ("classic_normals", "classic", &["NORMALS"]),
-    ("classic_tangents", "classic", &["NORMALS", "TANGENTS"]),
-];
+/// Each source, and its overrides: what some variants of the kernel cannot do.
+const SOURCES: [(&str, &[&str]); 2] =
+    [("marks", &["CARRIED", "NORMALS", "TANGENTS", "PACKED"]), ("classic", &["NORMALS", "TANGENTS", "PACKED"])];
 
 const IMMEDIATE: &str = "var<immediate> call: Call;";
 const UNIFORM: &str = "@group(0) @binding(2) var<uniform> call: Call;";
@@ -41,21 +32,46 @@ pub fn build() {
     write("layout.rs".into(), layout::rust(&module).as_bytes());
     let common = declared + &read("common");
     assert!(common.contains(IMMEDIATE), "src/gpu/common.wgsl does not declare: {IMMEDIATE}");
-    for (name, source, on) in KERNELS {
+    let (mut vulkan, mut wgpu) = (String::new(), String::new());
+    for (source, overrides) in SOURCES {
         let text = common.clone() + &read(source);
         let text = layout::loaders(&module, &text) + &text;
+        let built = |text: &str, name: &str| {
+            let (bytes, constant) = variants(text, name, overrides);
+            write(format!("{name}.spv"), &bytes);
+            constant
+        };
         if cfg!(feature = "vulkan") {
-            write(format!("{name}.spv"), &compile(&text, on));
+            vulkan += &built(&text, source);
         }
         if cfg!(feature = "wgpu") {
             let text = text.replacen(IMMEDIATE, UNIFORM, 1);
-            write(format!("{name}_uniform.spv"), &compile(&text, on));
+            wgpu += &built(&text, &format!("{source}_uniform"));
             write(format!("{source}_uniform.wgsl"), text.as_bytes());
         }
     }
+    for (name, modules) in [("vulkan", vulkan), ("wgpu", wgpu)] {
+        write(format!("{name}_modules.rs"), format!("[{modules}]").as_bytes());
+    }
 }
 
-fn compile(text: &str, on: &[&str]) -> Vec<u8> {
+/// The SPIR-V with all overrides on, and a `Module` in Rust: the file, and for each override the words that differ without it.
+fn variants(text: &str, name: &str, overrides: &[&str]) -> (Vec<u8>, String) {
+    let all = compile(text, overrides);
+    let mut off = String::new();
+    for one in overrides {
+        let others: Vec<&str> = overrides.iter().copied().filter(|o| o != one).collect();
+        let without = compile(text, &others);
+        assert_eq!(all.len(), without.len(), "{name}: {one} changes more than the values of words");
+        let changed = all.iter().zip(&without).enumerate().filter(|(_, (a, b))| a != b);
+        let changed: Vec<String> = changed.map(|(at, (_, word))| format!("({at}, {word})")).collect();
+        off += &format!("(\"{one}\", &[{}]), ", changed.join(", "));
+    }
+    let file = format!("include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{name}.spv\"))");
+    (all.iter().flat_map(|w| w.to_le_bytes()).collect(), format!("Module {{ words: {file}, off: &[{off}] }}, "))
+}
+
+fn compile(text: &str, on: &[&str]) -> Vec<u32> {
     let module = naga::front::wgsl::parse_str(text).unwrap_or_else(|e| panic!("{}", e.emit_to_string(text)));
     let info = Validator::new(ValidationFlags::all(), Capabilities::IMMEDIATES)
         .validate(&module)
@@ -77,6 +93,5 @@ fn compile(text: &str, on: &[&str]) -> Vec<u8> {
     };
     let pipeline = spv::PipelineOptions { shader_stage: entry.0, entry_point: entry.1.into() };
     let words = spv::write_vec(&module, &info, &options, Some(&pipeline)).expect("SPIR-V is written");
-    let words = spirv::without_contraction(&spirv::with_folded_chains(&words));
-    words.iter().flat_map(|w| w.to_le_bytes()).collect()
+    spirv::without_contraction(&spirv::with_folded_chains(&words))
 }

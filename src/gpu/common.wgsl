@@ -3,6 +3,9 @@
 // Every operation is written out, in the order of src/deform/kernel.rs. Built-ins whose result differs between devices (dot, mix,
 // normalize, min, max, pack…) are not used.
 
+// Whether an output has another format than 32-bit floats.
+override PACKED: bool = false;
+
 var<immediate> call: Call;
 
 // Meshes, examples and stamps. They do not change.
@@ -196,7 +199,7 @@ fn write3(at: u32, v: vec3<f32>) {
 fn write_position(t: TargetWork, vertex: u32, p: vec3<f32>) {
     let at = t.position_at + vertex * t.position_stride;
     let format = t.formats & 0xFFu;
-    if format == 0u {
+    if !(PACKED && format != 0u) {
         write3(at, p);
     } else if format == F16X4 {
         write4(at, format, vec4(p, 1.0));
@@ -211,7 +214,7 @@ fn write_normal(t: TargetWork, vertex: u32, n: vec3<f32>) {
     }
     let at = t.normal_at + vertex * t.normal_stride;
     let format = (t.formats >> 8u) & 0xFFu;
-    if format == 0u {
+    if !(PACKED && format != 0u) {
         write3(at, n);
     } else {
         write4(at, format, vec4(n, 0.0));
@@ -221,7 +224,7 @@ fn write_normal(t: TargetWork, vertex: u32, n: vec3<f32>) {
 fn write_tangent(t: TargetWork, vertex: u32, v: vec4<f32>) {
     let at = t.tangent_at + vertex * t.tangent_stride;
     let format = (t.formats >> 16u) & 0xFFu;
-    if format == 0u {
+    if !(PACKED && format != 0u) {
         write3(at, v.xyz);
         vertices[at + 3u] = bitcast<u32>(v.w);
     } else {

@@ -1,4 +1,4 @@
-//! The kernels. Each comes in three cases.
+//! The kernels, and the variants in which they are compiled.
 
 /// The attributes that a kernel writes. Each kernel writes those of the kernels before it too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -8,7 +8,7 @@ pub(crate) enum Kernel {
     Tangents,
 }
 
-/// What moves the vertices. Without look-ups in stamps a kernel needs fewer registers.
+/// What moves the vertices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Case {
     /// Marks, none of them with a carried example.
@@ -19,16 +19,56 @@ pub(crate) enum Case {
 }
 
 impl Kernel {
-    /// Number of kernels in all.
-    pub(crate) const COUNT: usize = 9;
-
-    /// Index among all kernels: three of each case.
-    pub(crate) fn number(self, case: Case) -> usize {
-        self as usize + 3 * case as usize
-    }
-
     /// Bytes a vertex of a classic rule's state.
     pub(crate) fn state_bytes(self) -> u64 {
         if self > Kernel::Positions { 24 } else { 12 }
+    }
+}
+
+/// What a kernel is compiled for. What it cannot do takes no instructions and no registers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Variant {
+    pub kernel: Kernel,
+    pub case: Case,
+    /// Whether an output has another format than 32-bit floats.
+    pub packed: bool,
+}
+
+impl Variant {
+    /// Number of variants in all.
+    pub(crate) const COUNT: usize = 18;
+
+    /// All variants, in the order of their numbers.
+    #[cfg(feature = "vulkan")]
+    pub(crate) fn all() -> impl Iterator<Item = Variant> {
+        let cases = [Case::Anchored, Case::Marks, Case::Classic].into_iter();
+        let both = [false, true].into_iter().flat_map(move |packed| cases.clone().map(move |case| (packed, case)));
+        let kernels = [Kernel::Positions, Kernel::Normals, Kernel::Tangents];
+        both.flat_map(move |(packed, case)| kernels.map(|kernel| Variant { kernel, case, packed }))
+    }
+
+    /// Index among all variants.
+    pub(crate) fn number(self) -> usize {
+        self.kernel as usize + 3 * self.case as usize + 9 * usize::from(self.packed)
+    }
+
+    /// Whether an override of the sources is on.
+    pub(crate) fn on(self, name: &str) -> bool {
+        match name {
+            "CARRIED" => self.case == Case::Marks,
+            "NORMALS" => self.kernel >= Kernel::Normals,
+            "TANGENTS" => self.kernel == Kernel::Tangents,
+            _ => self.packed,
+        }
+    }
+}
+
+#[cfg(all(test, feature = "vulkan"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_count_the_variants() {
+        assert!(Variant::all().map(Variant::number).eq(0..Variant::COUNT));
     }
 }

@@ -1,7 +1,7 @@
 //! A frame's plan: which jobs have something to write, in which dispatches, and with which data.
 
 use super::BLOCK_VERTICES;
-use super::kernel::{Case, Kernel};
+use super::kernel::{Case, Kernel, Variant};
 use super::target::TargetState;
 use super::work::{FrameWork, Shown, WorkOffsets};
 use crate::base::error::Error;
@@ -50,12 +50,14 @@ pub(crate) trait PlanTarget {
     fn state_mut(&mut self) -> &mut TargetState;
 }
 
-/// What the targets of one dispatch have in common.
+/// What the targets of one dispatch have in common. (A dispatch for targets with packed and unpacked outputs would need a
+/// variant that none of them has.)
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct DispatchKey<B> {
     binding: B,
     /// The arena's chunk.
     chunk: u32,
+    packed: bool,
     /// The job, for an instance with a classic rule: no other has its state.
     classic: Option<u32>,
 }
@@ -66,8 +68,7 @@ pub(crate) struct Dispatch<B> {
     key: DispatchKey<B>,
     /// The first of its jobs.
     pub job: usize,
-    pub kernel: Kernel,
-    pub case: Case,
+    pub variant: Variant,
     pub blocks: Range<usize>,
 }
 
@@ -83,7 +84,7 @@ impl<B: Copy> Dispatch<B> {
     }
 
     pub(crate) fn classic(&self) -> bool {
-        self.case == Case::Classic
+        self.variant.case == Case::Classic
     }
 }
 
@@ -155,7 +156,8 @@ impl<B: Copy + Ord> Plan<B> {
             let (state, changes) = (target.state(), instance.view().changes);
             if state.tracker.dirty(changes, state.lod).next().is_some() {
                 let classic = instance.classic_state().map(|_| job as u32);
-                let key = DispatchKey { binding: target.binding(), chunk: state.mesh.chunk, classic };
+                let (chunk, packed) = (state.mesh.chunk, state.layout.packed());
+                let key = DispatchKey { binding: target.binding(), chunk, packed, classic };
                 self.jobs.push(PlannedJob { key, job, bounds: Aabb::EMPTY, blocks: 0..0 });
             } else {
                 report.blocks_skipped += changes.blocks[state.lod].len() as u64;
@@ -192,12 +194,13 @@ impl<B: Copy + Ord> Plan<B> {
             match self.dispatches.last_mut().filter(|d| d.key == planned.key) {
                 Some(dispatch) => {
                     dispatch.blocks.end = planned.blocks.end;
-                    dispatch.kernel = dispatch.kernel.max(target.kernel);
-                    dispatch.case = dispatch.case.max(case);
+                    dispatch.variant.kernel = dispatch.variant.kernel.max(target.kernel);
+                    dispatch.variant.case = dispatch.variant.case.max(case);
                 }
                 None => {
-                    let (key, job, kernel) = (planned.key, planned.job, target.kernel);
-                    self.dispatches.push(Dispatch { key, job, kernel, case, blocks: planned.blocks.clone() });
+                    let (key, job) = (planned.key, planned.job);
+                    let variant = Variant { kernel: target.kernel, case, packed: key.packed };
+                    self.dispatches.push(Dispatch { key, job, variant, blocks: planned.blocks.clone() });
                 }
             }
         }

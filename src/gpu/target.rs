@@ -1,7 +1,7 @@
 //! What every backend keeps of a target.
 
 use super::arena::ResidentMesh;
-use super::kernel::Kernel;
+use super::kernel::{Case, Kernel, Variant};
 use super::vertices::VertexLayout;
 use crate::deform::Tracker;
 use crate::example::set::ExampleSet;
@@ -20,4 +20,11 @@ pub(crate) struct TargetState {
     pub first: u64,
     pub mesh: Arc<ResidentMesh>,
     pub tracker: Tracker,
+}
+
+impl TargetState {
+    /// The variant that writes it.
+    pub(crate) fn variant(&self, case: Case) -> Variant {
+        Variant { kernel: self.kernel, case, packed: self.layout.packed() }
+    }
 }

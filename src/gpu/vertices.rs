@@ -129,6 +129,11 @@ impl VertexLayout {
         [Some((Attribute::Position, self.positions)), normals, tangents].into_iter().flatten()
     }
 
+    /// Whether an output has another format than 32-bit floats.
+    pub(crate) fn packed(&self) -> bool {
+        self.streams().any(|(_, s)| s.format != Encoding::F32)
+    }
+
     /// The kernel that writes this layout. Fails if the mesh lacks an attribute.
     fn kernel(&self, mesh: &Mesh) -> Result<Kernel, Error> {
         let kernel = match (self.normals, self.tangents) {

@@ -3,34 +3,24 @@
 use super::functions::checked;
 use super::vulkan_device::VulkanDevice;
 use crate::base::error::Error;
-use crate::gpu::{Call, Case, Kernel, with_workgroup};
+use crate::gpu::{Call, Case, Module, Variant};
 use ash::vk::{self, Handle};
 use std::ptr::{null, null_mut};
 
-macro_rules! spirv {
-    ($name:literal) => {
-        include_bytes!(concat!(env!("OUT_DIR"), "/", $name, ".spv"))
-    };
-}
+/// Of the marks, and of the classic rules.
+const MODULES: [Module; 2] = include!(concat!(env!("OUT_DIR"), "/vulkan_modules.rs"));
 
-/// SPIR-V, in the order of [`Kernel::number`].
-const MODULES: [&[u8]; Kernel::COUNT] = [
-    spirv!("anchored_positions"),
-    spirv!("anchored_normals"),
-    spirv!("anchored_tangents"),
-    spirv!("marks_positions"),
-    spirv!("marks_normals"),
-    spirv!("marks_tangents"),
-    spirv!("classic_positions"),
-    spirv!("classic_normals"),
-    spirv!("classic_tangents"),
-];
+fn words(variant: Variant, invocations: u32) -> Vec<u32> {
+    MODULES[usize::from(variant.case == Case::Classic)].compiled(variant, invocations)
+}
 
 /// The kernels, for tools that compile them without a device of Crumple: name and SPIR-V.
 #[doc(hidden)]
-pub fn kernels() -> [(String, Vec<u32>); Kernel::COUNT] {
-    let (cases, outputs) = (["anchored", "marks", "classic"], ["positions", "normals", "tangents"]);
-    std::array::from_fn(|i| (format!("{} {}", cases[i / 3], outputs[i % 3]), with_workgroup(MODULES[i], 128)))
+pub fn kernels() -> impl Iterator<Item = (String, Vec<u32>)> {
+    Variant::all().map(|v| {
+        let name = format!("{:?} {:?}{}", v.case, v.kernel, if v.packed { " packed" } else { "" });
+        (name.to_lowercase(), words(v, 128))
+    })
 }
 
 /// Layouts and pipelines.
@@ -42,14 +32,14 @@ pub(super) struct VulkanPipelines {
     cache: vk::PipelineCache,
     /// Invocations a workgroup.
     workgroup: u32,
-    /// In the order of [`MODULES`]; null until needed.
-    pipelines: [vk::Pipeline; Kernel::COUNT],
+    /// In the order of [`Variant::number`]; null until needed.
+    pipelines: [vk::Pipeline; Variant::COUNT],
 }
 
 impl VulkanPipelines {
     /// A pipeline that was added.
-    pub(super) fn get(&self, kernel: Kernel, case: Case) -> vk::Pipeline {
-        self.pipelines[kernel.number(case)]
+    pub(super) fn get(&self, variant: Variant) -> vk::Pipeline {
+        self.pipelines[variant.number()]
     }
 }
 
@@ -101,13 +91,13 @@ impl VulkanDevice {
         checked("vkCreatePipelineCache", unsafe { (f.create_pipeline_cache)(device, &info, null(), &mut k.cache) })
     }
 
-    /// Adds the pipeline of a kernel, if it is not there yet.
-    pub(super) fn add_pipeline(&self, k: &mut VulkanPipelines, kernel: Kernel, case: Case) -> Result<(), Error> {
-        let (f, device, number) = (&self.functions, self.device, kernel.number(case));
+    /// Adds the pipeline of a variant, if it is not there yet.
+    pub(super) fn add_pipeline(&self, k: &mut VulkanPipelines, variant: Variant) -> Result<(), Error> {
+        let (f, device, number) = (&self.functions, self.device, variant.number());
         if !k.pipelines[number].is_null() {
             return Ok(());
         }
-        let words = with_workgroup(MODULES[number], k.workgroup);
+        let words = words(variant, k.workgroup);
         let info = vk::ShaderModuleCreateInfo::default().code(&words);
         let mut module = vk::ShaderModule::null();
         // SAFETY: as above. The SPIR-V is valid.

@@ -96,7 +96,7 @@ impl Device {
     /// Makes the state and the pipeline that a target of an instance with a classic rule lacks.
     fn add_state(&mut self, job: &mut RecordJob<'_>) -> Result<(), Error> {
         let Some(bytes) = missing_state(job, job.target.classic.is_some()) else { return Ok(()) };
-        self.gpu.add_pipeline(&mut self.pipelines, job.target.state.kernel, Case::Classic)?;
+        self.gpu.add_pipeline(&mut self.pipelines, job.target.state.variant(Case::Classic))?;
         let state = Arc::new(ClassicBuffer::new(&self.gpu, &self.pipelines, bytes)?);
         self.states.push(state.clone());
         job.target.classic = Some(state);
@@ -208,7 +208,7 @@ impl Device {
             let state = jobs[d.job].target.classic.as_ref().filter(|_| d.classic());
             let sets = [slot.set(d.chunk()).handle, window, state.map_or(window, |s| s.set())];
             let count = if d.classic() { 3 } else { 2 };
-            let pipeline = pipelines.get(d.kernel, d.case);
+            let pipeline = pipelines.get(d.variant);
             let (point, compute) = (vk::PipelineBindPoint::COMPUTE, vk::ShaderStageFlags::COMPUTE);
             // SAFETY: as above. The handles are alive until the frame is done.
             unsafe {

@@ -6,7 +6,7 @@ use super::target::{Target, TargetDef};
 use crate::base::error::Error;
 use crate::deform::Tracker;
 use crate::example::set::ExampleSet;
-use crate::gpu::{Case, TargetState};
+use crate::gpu::{Case, TargetState, Variant};
 use ash::vk::{self, Handle};
 use std::sync::Arc;
 
@@ -76,7 +76,7 @@ impl Device {
         let window = host.window(&self.gpu, &self.pipelines, &written)?;
         let (handle, first) = (host.def.buffer, def.offset.wrapping_sub(host.windows[window].range.start));
         for case in [Case::Anchored, Case::Marks] {
-            self.gpu.add_pipeline(&mut self.pipelines, kernel, case)?;
+            self.gpu.add_pipeline(&mut self.pipelines, Variant { kernel, case, packed: layout.packed() })?;
         }
         let mesh = self.arena.mesh(&self.gpu, &limits, set, def.lod)?;
         let (device, set, tracker) = (self.id, Arc::downgrade(set), Tracker::new());

@@ -4,7 +4,7 @@ use super::device::Device;
 use super::frame_encoding::FrameEncoding;
 use super::target::Target;
 use crate::base::error::Error;
-use crate::gpu::{self, Case, FrameReport, Job, Kernel, missing_state};
+use crate::gpu::{self, FrameReport, Job, Variant, missing_state};
 
 /// A target to bring up to date.
 /// <!--
@@ -79,7 +79,7 @@ impl Device {
             e.write(&self.gpu, self.workgroup)?;
             self.belt.reserve(&self.gpu, 4 * e.words.len() as u64)?;
             for dispatch in e.plan.dispatches() {
-                self.pipelines.add(&self.gpu, dispatch.kernel, dispatch.case)?;
+                self.pipelines.add(&self.gpu, dispatch.variant)?;
                 let chunk = dispatch.chunk();
                 self.belt.add_group((&self.gpu, &self.pipelines), chunk, self.arena.buffer(chunk))?;
             }
@@ -107,10 +107,10 @@ impl Device {
     fn dispatch(&self, encoder: &mut wgpu::CommandEncoder, e: &FrameEncoding, jobs: &[EncodeJob<'_>]) {
         let descriptor = wgpu::ComputePassDescriptor { label: Some("crumple"), timestamp_writes: None };
         let mut pass = encoder.begin_compute_pass(&descriptor);
-        let mut bound: Option<(Kernel, Case)> = None;
+        let mut bound: Option<Variant> = None;
         for (d, call) in e.plan.dispatches().iter().zip(&e.calls) {
             let target = &*jobs[d.job].target;
-            let wanted = (d.kernel, d.case);
+            let wanted = d.variant;
             let (Some(pipeline), Some(group)) = (self.pipelines.get(wanted), self.belt.group(d.chunk())) else {
                 continue;
             };

@@ -2,7 +2,7 @@
 
 use super::wgpu_device::WgpuDevice;
 use crate::base::error::Error;
-use crate::gpu::{Call, Case, Kernel, with_workgroup};
+use crate::gpu::{Call, Case, Module, Variant};
 use std::num::NonZero;
 use std::sync::atomic::Ordering;
 
@@ -12,21 +12,9 @@ macro_rules! built {
     };
 }
 
-/// SPIR-V, in the order of [`Kernel::number`].
-const MODULES: [&[u8]; Kernel::COUNT] = [
-    built!(include_bytes "anchored_positions_uniform.spv"),
-    built!(include_bytes "anchored_normals_uniform.spv"),
-    built!(include_bytes "anchored_tangents_uniform.spv"),
-    built!(include_bytes "marks_positions_uniform.spv"),
-    built!(include_bytes "marks_normals_uniform.spv"),
-    built!(include_bytes "marks_tangents_uniform.spv"),
-    built!(include_bytes "classic_positions_uniform.spv"),
-    built!(include_bytes "classic_normals_uniform.spv"),
-    built!(include_bytes "classic_tangents_uniform.spv"),
-];
+/// Of the marks, and of the classic rules.
+const MODULES: [Module; 2] = built!(include "wgpu_modules.rs");
 const SOURCES: [&str; 2] = [built!(include_str "marks_uniform.wgsl"), built!(include_str "classic_uniform.wgsl")];
-/// The overrides that outputs set in a source, each with the first [`Kernel`] that sets it.
-const ON: [(&str, Kernel); 2] = [("NORMALS", Kernel::Normals), ("TANGENTS", Kernel::Tangents)];
 const NAMES: [&str; 2] = ["crumple: marks", "crumple: classic"];
 const WORKGROUP: &str = "@workgroup_size(128)";
 
@@ -40,8 +28,8 @@ pub(super) struct WgpuPipelines {
     layouts: [wgpu::PipelineLayout; 2],
     /// Invocations a workgroup.
     workgroup: u32,
-    /// In the order of [`MODULES`].
-    pipelines: [Option<wgpu::ComputePipeline>; Kernel::COUNT],
+    /// In the order of [`Variant::number`].
+    pipelines: [Option<wgpu::ComputePipeline>; Variant::COUNT],
 }
 
 impl WgpuPipelines {
@@ -76,18 +64,18 @@ impl WgpuPipelines {
         WgpuPipelines { work, one, layouts, workgroup, pipelines: Default::default() }
     }
 
-    /// Adds the pipeline of a kernel, if it is not there yet.
-    pub(super) fn add(&mut self, gpu: &WgpuDevice, kernel: Kernel, case: Case) -> Result<(), Error> {
-        let pipeline = &mut self.pipelines[kernel.number(case)];
+    /// Adds the pipeline of a variant, if it is not there yet.
+    pub(super) fn add(&mut self, gpu: &WgpuDevice, variant: Variant) -> Result<(), Error> {
+        let pipeline = &mut self.pipelines[variant.number()];
         if pipeline.is_some() {
             return Ok(());
         }
-        let (device, rule) = (&gpu.device, usize::from(case == Case::Classic));
+        let (device, rule) = (&gpu.device, usize::from(variant.case == Case::Classic));
         let label = Some(NAMES[rule]);
         let exact = gpu.takes_spirv();
         let made = gpu.checked("making a compute pipeline", 0, || {
             let module = if exact {
-                let words = with_workgroup(MODULES[kernel.number(case)], self.workgroup);
+                let words = MODULES[rule].compiled(variant, self.workgroup);
                 let spirv = Some(words.into());
                 let descriptor = wgpu::ShaderModuleDescriptorPassthrough {
                     label,
@@ -111,10 +99,9 @@ impl WgpuPipelines {
                 // makes them for every device, for layouts that were checked.
                 unsafe { device.create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked()) }
             };
-            let on = ON.into_iter().filter(|(_, first)| kernel >= *first).map(|(name, _)| name);
-            let on = on.chain((case == Case::Marks).then_some("CARRIED")).map(|name| (name, 1.0));
             // The SPIR-V has its values already.
-            let constants: Vec<(&str, f64)> = on.filter(|_| !exact).collect();
+            let overrides = MODULES[rule].off.iter().map(|(name, _)| *name).filter(|name| !exact && variant.on(name));
+            let constants: Vec<(&str, f64)> = overrides.map(|name| (name, 1.0)).collect();
             device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label,
                 layout: Some(&self.layouts[rule]),
@@ -129,8 +116,8 @@ impl WgpuPipelines {
     }
 
     /// A pipeline that was added.
-    pub(super) fn get(&self, (kernel, case): (Kernel, Case)) -> Option<&wgpu::ComputePipeline> {
-        self.pipelines[kernel.number(case)].as_ref()
+    pub(super) fn get(&self, variant: Variant) -> Option<&wgpu::ComputePipeline> {
+        self.pipelines[variant.number()].as_ref()
     }
 }
 
