@@ -14,9 +14,10 @@
 //   4. Hits             crumple_instance_submit_impulse, ..._submit_displacement, ..._end_contact
 //                       from any thread, whenever the physics engine reports a contact
 //   5. Damage           crumple_instance_get_marks, ..._set_marks, ..._save_damage, ..._load_damage, ..._repair_damage
-//                       a short list of marks of 32 bytes; save it, send it over the network
+//                       a short list of marks of 32 bytes; save it, or send ..._save_changes over the network
 //   6. Deformation      crumple_buffer_register_host for your vertex memory, with any strides; once a frame
-//                       crumple_context_deform, then crumple_buffer_get_changes for uploads and bounds
+//                       crumple_context_deform, then crumple_context_get_changed_buffers, and
+//                       crumple_buffer_get_changes of each for uploads and bounds
 //   7. On the GPU       instead of 6: crumple_vulkan_attach, crumple_buffer_register_vulkan, and once a frame
 //                       crumple_vulkan_record into your VkCommandBuffer and crumple_vulkan_complete_frames;
 //                       to share memory instead of a command buffer: crumple_vulkan_open, ..._import_buffer, ..._submit
@@ -43,7 +44,7 @@
 //
 // Ownership. Crumple owns what it creates; you hold an id, a small struct by value. An id of zeros is null. Compare ids
 // field by field. An id is invalid after its destroy or unregister call; using it is an error, never a crash. An id
-// belongs to one context. Destroying an instance unregisters its buffers. Instances keep their destroyed example set
+// belongs to one context; crumple_example_set_share() gives a set to another. Destroying an instance unregisters its buffers. Instances keep their destroyed example set
 // alive. Destroying a context destroys everything in it. You own what you pass in: defs, strings and arrays are read
 // during the call and may be freed after it. Four things must live longer: memory of registered buffers, data that a
 // context's callbacks use, bytes passed with CRUMPLE_BYTES_KEEP, and an attached Vulkan device or imported memory.
@@ -57,12 +58,13 @@
 //
 // Threads. Calls are externally synchronised per context: two threads must not use one context at the same time, and
 // callbacks must not call back into it. Either returns CRUMPLE_ERROR_CONCURRENT_USE, in every build. Two kinds of
-// functions may be called from any thread at any time: those without a context argument, and
-// crumple_instance_submit_..., ..._preview_..., ..._end_contact and ..._set_transform. Contexts are independent.
+// functions may be called from any thread at any time: those without a context argument, and crumple_context_submit_...,
+// crumple_instance_submit_..., ..._preview_..., ..._unpose_..., ..._end_contact and ..._set_transform. Contexts are
+// independent.
 //
 // Reads. Hits are pending until the instance's damage is next read. These calls read it: a deform, record or submit of
 // one of its buffers or of all buffers; ..._get_info(), ..._get_marks(), ..._get_contact(), ..._save_damage(),
-// ..._repair_damage(), ..._copy_damage() for its source, and ..._get_attached_frame(). The result does not depend on
+// ..._save_changes(), ..._repair_...(), a ..._load_damage() of changes, ..._copy_damage() for its source, and ..._get_attached_frame(). The result does not depend on
 // the number of threads or on the order of hits between two reads. With CRUMPLE_RULE_MARKS it does not depend on when
 // reads happen, with three exceptions: marks merge above mark_capacity, contacts end when more than 256 are open, and
 // the hits of one contact are summed with rounding.
@@ -253,6 +255,8 @@ typedef enum {
     CRUMPLE_HIT_STATUS_NOTHING_REACHES = 2,
     /// Alone it would leave no mark, but it adds to its contact.
     CRUMPLE_HIT_STATUS_ACCUMULATED = 3,
+    /// Its contact is in a rigid part, such as glass. It leaves no mark.
+    CRUMPLE_HIT_STATUS_RIGID = 4,
 } CrumpleHitStatus;
 
 /// The type of a handle to shared memory or to a semaphore.
@@ -1108,6 +1112,32 @@ CrumpleResult crumple_context_set_time(CrumpleContext *context, double time);
 /// deform writes every dented block. Classic rules ignore it.
 CrumpleResult crumple_instance_set_tolerance(CrumpleContext *context, CrumpleInstance instance, float tolerance);
 
+/// Takes a part off a body: mesh part of the set, a number from crumple_example_set_add_lod(). The base mesh is then the
+/// whole body, and each part has vertices at the positions of base vertices. out_part receives an instance of its own
+/// with the same options, transform and damage, and the body's buffers of the mesh become that instance's. Hits on it
+/// land only on the part. Hits on the body land only on what is left. Takes some milliseconds. Errors:
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (0, a part that is off already, the last part, a mesh without base vertices of its own),
+/// CRUMPLE_ERROR_WRONG_RULE.
+CrumpleResult crumple_instance_release_part(CrumpleContext *context, CrumpleInstance instance, uint32_t part,
+                                            CrumpleInstance *out_part);
+
+/// Puts a released part on its body again, or with false takes it off. It keeps its damage, instance and buffers. Hits on
+/// the body, and the ends of their contacts, also reach the parts that are on it; other changes of damage do not. Takes
+/// some milliseconds. CRUMPLE_ERROR_INVALID_ARGUMENT: not a part of this body, or one that is on, or off, already.
+CrumpleResult crumple_instance_mount_part(CrumpleContext *context, CrumpleInstance instance, CrumpleInstance part,
+                                          bool mounted);
+
+/// Makes a part rigid, such as glass, or no longer. Hits on it leave no mark; their status is CRUMPLE_HIT_STATUS_RIGID. To
+/// keep its vertices in place too, register no buffer for it. Errors as for crumple_instance_release_part().
+CrumpleResult crumple_instance_set_part_rigid(CrumpleContext *context, CrumpleInstance instance, uint32_t part,
+                                              bool rigid);
+
+/// Measures how far the vertices of mesh lod have moved, m: the furthest, and their mean, to compare with thresholds such
+/// as "the bumper falls off". Equal on all machines. Takes about as long as a deform of the whole mesh. Either output
+/// may be null.
+CrumpleResult crumple_instance_measure_part(CrumpleContext *context, CrumpleInstance instance, uint32_t lod,
+                                            float *out_deepest, float *out_mean);
+
 /// Returns the length, m, that covers a number of pixels at a distance, m, for a camera with this vertical field of
 /// view, radians, and viewport height, pixels. Use it as the tolerance of an instance whose nearest vertex is at that
 /// distance. Returns 0 for invalid arguments: negative or NaN, a field of view of 0 or at least pi, a height of 0.
@@ -1408,7 +1438,7 @@ CrumpleResult crumple_instance_get_attached_frame(CrumpleContext *context, Crump
 /// a crash loses nothing. The next deform writes every vertex of every buffer. Vulkan buffers are replayed on the CPU
 /// and not compared. Failed calls are recorded with their message. Hits may still come from any thread, but are
 /// serialised while recording, so leave it off in releases. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a recording is
-/// running, or an instance has open contacts), CRUMPLE_ERROR_IO.
+/// running, or an instance has open contacts or parts), CRUMPLE_ERROR_IO.
 CrumpleResult crumple_recording_begin(CrumpleContext *context, const char *path);
 
 /// Ends the recording and completes the file. crumple_context_destroy() does so too. CRUMPLE_ERROR_IO: the file could

@@ -7,6 +7,8 @@ pub(crate) mod deform;
 mod growth;
 pub(crate) mod inbox;
 pub(crate) mod options;
+mod part_state;
+pub(crate) mod parts;
 mod selection;
 pub(crate) mod skin;
 
@@ -28,6 +30,7 @@ use glam::{DMat3, DVec3, Mat4};
 use growth::Growth;
 use inbox::{Inbox, Pending};
 use options::{InstanceOptions, Rule, check_limit, needs_marks};
+use part_state::PartState;
 use std::num::NonZeroU64;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -61,6 +64,7 @@ pub struct Instance {
     /// Kept from the first [`Instance::save_changes`] on.
     history: Option<History>,
     growth: Growth,
+    parts: PartState,
     classic: Option<ClassicState>,
     limit: f32,
     /// The tolerance in use: a power of two times 1 m, or 0.
@@ -93,6 +97,7 @@ impl Instance {
             max_distance: options.max_contact_distance.unwrap_or(diagonal.max(limit)),
             world_to_local: DMat3::IDENTITY,
             local_origin_in_world: DVec3::ZERO,
+            landing: None,
         };
         let classic = if options.rule == Rule::Marks { None } else { Some(ClassicState::new(&set)?) };
         let blocks = set.lods().map(|s| vec![0; s.blocks()]).collect();
@@ -106,6 +111,7 @@ impl Instance {
             contacts: Contacts::default(),
             history: None,
             growth: Growth::new(options.grow_time),
+            parts: PartState::default(),
             classic,
             limit,
             tolerance,
