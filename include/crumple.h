@@ -638,7 +638,7 @@ typedef struct {
 /// A hit given as a blow. point and vectors are in the given space (default CRUMPLE_SPACE_LOCAL). Give impulse, or mass
 /// and velocity of the striker. Report a contact once with its whole impulse, or in parts with a contact_id. If any
 /// example of the set knows its blow, the set predicts the displacement of the contact: give as much of the blow as the
-/// engine knows. Otherwise the displacement is impulse * duration / mass.
+/// engine knows. Otherwise the displacement is impulse * the instance's compliance, or impulse * duration / mass.
 typedef struct {
     uint32_t struct_size;
     CrumpleSpace space;
@@ -647,7 +647,7 @@ typedef struct {
     /// The impulse on the body, N s. Default 0: striker.mass * striker.velocity. If that is 0 too, there is no mark.
     CrumpleVec3 impulse;
     /// How long the impulse acted, s: a constant of the material such as 0.01, not the time step. Required if no example
-    /// knows its blow.
+    /// knows its blow and the instance has no compliance.
     float duration;
     /// Mass of the contact vertex, kg, for impulse * duration / mass. Default 0: the set's mass for that vertex.
     float mass;

@@ -217,6 +217,22 @@ fn quick_a_bumper_falls_off_and_is_put_on_again() {
 }
 
 #[test]
+fn quick_what_is_measured_depends_on_the_marks_alone() {
+    let mut plain = new();
+    let options = InstanceOptions { grow_time: 1.0, tolerance: 0.01, ..InstanceOptions::default() };
+    let mut slow = Instance::new(body_set(), options).unwrap();
+    for body in [&plain, &slow] {
+        body.submit(&dent(5, 0.03)).unwrap();
+        body.submit(&dent(3, 0.002)).unwrap();
+    }
+    for part in 0..=PARTS {
+        assert_eq!(slow.measure(part).unwrap(), plain.measure(part).unwrap());
+    }
+    assert_eq!(slow.measure(5).unwrap().deepest, plain.measure(0).unwrap().deepest);
+    assert!(vertices(&mut slow, 5) == piece(4).positions, "nothing is shown yet");
+}
+
+#[test]
 fn quick_glass_reports_and_does_not_dent() {
     let mut body = new();
     body.set_rigid(5, true).unwrap();

@@ -212,7 +212,7 @@ pub unsafe extern "C" fn crumple_instance_submit_displacement(
 
 /// Submits count hits, each to the instance at the same index. Either all are submitted, or none and the message names
 /// the first wrong one. out_results is null, or has room for count results. Otherwise like
-/// crumple_instance_submit_impulse(), and a little cheaper.
+/// crumple_instance_submit_impulse().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_submit_impulses(
     context: *mut CrumpleContext,
@@ -270,8 +270,8 @@ pub unsafe extern "C" fn crumple_instance_preview_displacement(
 
 /// Takes a hit on a skinned mesh in its pose to the bind pose, in which Crumple dents: dent, then skin the deformed
 /// vertices. Changes def, for a submit. The vertex nearest to the hit decides, by the inverse of its skin matrix; dents
-/// do not count. def's space may be CRUMPLE_SPACE_WORLD, and is CRUMPLE_SPACE_LOCAL afterwards. Takes some nanoseconds
-/// per vertex. May be called from any thread at any time. CRUMPLE_ERROR_INVALID_ARGUMENT: also weights that do not sum
+/// do not count. def's space may be CRUMPLE_SPACE_WORLD, and is CRUMPLE_SPACE_LOCAL afterwards. Each call visits every
+/// vertex. May be called from any thread at any time. CRUMPLE_ERROR_INVALID_ARGUMENT: also weights that do not sum
 /// to 1, or a skin matrix without inverse.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_unpose_impulse(

@@ -282,7 +282,7 @@ pub unsafe extern "C" fn crumple_instance_set_tolerance(
 /// Takes a part off a body: mesh part of the set, a number from crumple_example_set_add_lod(). The base mesh is then the
 /// whole body, and each part has vertices at the positions of base vertices. out_part receives an instance of its own
 /// with the same options, transform and damage, and the body's buffers of the mesh become that instance's. Hits on it
-/// land only on the part. Hits on the body land only on what is left. Takes some milliseconds. Errors:
+/// land only on the part. Hits on the body land only on what is left. The call indexes the base mesh. Errors:
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (0, a part that is off already, the last part, a mesh without base vertices of its own),
 /// CRUMPLE_ERROR_WRONG_RULE.
 #[unsafe(no_mangle)]
@@ -321,8 +321,8 @@ pub unsafe extern "C" fn crumple_instance_release_part(
 }
 
 /// Puts a released part on its body again, or with false takes it off. It keeps its damage, instance and buffers. Hits on
-/// the body, and the ends of their contacts, also reach the parts that are on it; other changes of damage do not. Takes
-/// some milliseconds. CRUMPLE_ERROR_INVALID_ARGUMENT: not a part of this body, or one that is on, or off, already.
+/// the body, and the ends of their contacts, also reach the parts that are on it; other changes of damage do not. The call
+/// indexes the base mesh. CRUMPLE_ERROR_INVALID_ARGUMENT: not a part of this body, or one that is on, or off, already.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_mount_part(
     context: *mut CrumpleContext,
@@ -356,8 +356,8 @@ pub unsafe extern "C" fn crumple_instance_set_part_rigid(
 }
 
 /// Measures how far the vertices of mesh lod have moved, m: the furthest, and their mean, to compare with thresholds such
-/// as "the bumper falls off". Equal on all machines. Takes about as long as a deform of the whole mesh. Either output
-/// may be null.
+/// as "the bumper falls off". Dents count in full while they grow, and tolerance leaves out nothing, so it is equal on all
+/// machines. Takes about as long as a deform of the whole mesh. Either output may be null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_measure_part(
     context: *mut CrumpleContext,

@@ -93,6 +93,7 @@ impl Inbox {
     }
 
     /// Queues what was prepared.
+    #[cfg(feature = "capi")]
     pub(crate) fn queue_prepared(&self, pending: Option<Pending>) {
         if let Some(pending) = pending {
             self.queue().push(pending);

@@ -13,6 +13,7 @@ use crate::base::error::Error;
 use crate::base::math::Aabb;
 use crate::base::tasks::Serial;
 use crate::deform::evaluate::{BlockJob, Scratch, block};
+use crate::deform::view::DamageView;
 use crate::example::set::ExampleSet;
 use crate::mesh::vertex_blocks::{BLOCK, block_range};
 use crate::select::landing::Landing;
@@ -125,8 +126,8 @@ impl Instance {
     }
 
     /// Measures how far the vertices of a mesh of the set have moved, after folding the hits that have arrived: to compare
-    /// with thresholds. Takes about as long as a deform of the whole mesh. The same damage gives the same numbers on every
-    /// platform.
+    /// with thresholds. Dents count in full while they grow, and the tolerance leaves out nothing. So the same damage gives
+    /// the same numbers on every platform. Takes about as long as a deform of the whole mesh.
     ///
     /// # Errors
     /// [`Error::IndexOutOfRange`]; [`Error::WrongRule`] for a mesh other than 0 with a classic rule.
@@ -136,7 +137,8 @@ impl Instance {
         if lod > 0 {
             self.only_marks("measure of another mesh than 0")?;
         }
-        let (view, mut scratch, mut positions) = (self.view(), Scratch::new(), [0.0; 3 * BLOCK]);
+        let view = DamageView { damage: &self.damage, threshold: 0.0, ..self.view() };
+        let (mut scratch, mut positions) = (Scratch::new(), [0.0; 3 * BLOCK]);
         let (mut deepest, mut sum) = (0.0f64, 0.0f64);
         for at in 0..mesh.blocks() {
             let range = block_range(at, mesh.vertex_count());
@@ -206,6 +208,7 @@ impl Instance {
     }
 
     /// Whether parts of it were released or made rigid, or it is a part.
+    #[cfg(feature = "capi")]
     pub(crate) fn has_parts(&self) -> bool {
         let PartState { of, released, rigid } = self.parts;
         of != 0 || released | rigid != 0 || !self.inbox.followers_mut().is_empty()
