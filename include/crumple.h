@@ -14,9 +14,10 @@
 //   4. Hits             crumple_instance_submit_impulse, ..._submit_displacement, ..._end_contact
 //                       from any thread, whenever the physics engine reports a contact
 //   5. Damage           crumple_instance_get_marks, ..._set_marks, ..._save_damage, ..._load_damage, ..._repair_damage
-//                       a short list of marks of 32 bytes; save it, send it over the network
+//                       a short list of marks of 32 bytes; save it, or send ..._save_changes over the network
 //   6. Deformation      crumple_buffer_register_host for your vertex memory, with any strides; once a frame
-//                       crumple_context_deform, then crumple_buffer_get_changes for uploads and bounds
+//                       crumple_context_deform, then crumple_context_get_changed_buffers, and
+//                       crumple_buffer_get_changes of each for uploads and bounds
 //   7. On the GPU       instead of 6: crumple_vulkan_attach, crumple_buffer_register_vulkan, and once a frame
 //                       crumple_vulkan_record into your VkCommandBuffer and crumple_vulkan_complete_frames;
 //                       to share memory instead of a command buffer: crumple_vulkan_open, ..._import_buffer, ..._submit
@@ -43,10 +44,11 @@
 //
 // Ownership. Crumple owns what it creates; you hold an id, a small struct by value. An id of zeros is null. Compare ids
 // field by field. An id is invalid after its destroy or unregister call; using it is an error, never a crash. An id
-// belongs to one context. Destroying an instance unregisters its buffers. Instances keep their destroyed example set
-// alive. Destroying a context destroys everything in it. You own what you pass in: defs, strings and arrays are read
-// during the call and may be freed after it. Four things must live longer: memory of registered buffers, data that a
-// context's callbacks use, bytes passed with CRUMPLE_BYTES_KEEP, and an attached Vulkan device or imported memory.
+// belongs to one context; crumple_example_set_share() gives a set to another. Destroying an instance unregisters its
+// buffers. Instances keep their destroyed example set alive. Destroying a context destroys everything in it. You own
+// what you pass in: defs, strings and arrays are read during the call and may be freed after it. Four things must live
+// longer: memory of registered buffers, data that a context's callbacks use, bytes passed with CRUMPLE_BYTES_KEEP, and
+// an attached Vulkan device or imported memory.
 //
 // Defs. A struct whose name ends in Def comes from its crumple_..._def_default function, which sets struct_size and the
 // defaults. Then set the fields that you need. struct_size identifies your header version; a size other than the
@@ -57,13 +59,15 @@
 //
 // Threads. Calls are externally synchronised per context: two threads must not use one context at the same time, and
 // callbacks must not call back into it. Either returns CRUMPLE_ERROR_CONCURRENT_USE, in every build. Two kinds of
-// functions may be called from any thread at any time: those without a context argument, and
-// crumple_instance_submit_..., ..._preview_..., ..._end_contact and ..._set_transform. Contexts are independent.
+// functions may be called from any thread at any time: those without a context argument, and crumple_context_submit_...,
+// crumple_instance_submit_..., ..._preview_..., ..._unpose_..., ..._end_contact and ..._set_transform. Contexts are
+// independent.
 //
 // Reads. Hits are pending until the instance's damage is next read. These calls read it: a deform, record or submit of
 // one of its buffers or of all buffers; ..._get_info(), ..._get_marks(), ..._get_contact(), ..._save_damage(),
-// ..._repair_damage(), ..._copy_damage() for its source, and ..._get_attached_frame(). The result does not depend on
-// the number of threads or on the order of hits between two reads. With CRUMPLE_RULE_MARKS it does not depend on when
+// ..._save_changes(), a ..._load_damage() of changes, ..._repair_...(), ..._copy_damage() for its source,
+// ..._get_attached_frame(), and ..._release_part(), ..._mount_part() and ..._measure_part(). The result does not depend
+// on the number of threads or on the order of hits between two reads. With CRUMPLE_RULE_MARKS it does not depend on when
 // reads happen, with three exceptions: marks merge above mark_capacity, contacts end when more than 256 are open, and
 // the hits of one contact are summed with rounding.
 //
@@ -207,7 +211,8 @@ typedef enum {
     /// The bytes are copied. Free them after the call.
     CRUMPLE_BYTES_COPY = 0,
     /// The bytes are used in place. They must stay readable and unchanged until the set and all its instances are
-    /// destroyed, or the context is. Bytes whose address is not a multiple of 16 are copied.
+    /// destroyed, or the context is; if the set is shared, in all its contexts. Bytes whose address is not a multiple of
+    /// 16 are copied.
     CRUMPLE_BYTES_KEEP = 1,
 } CrumpleBytes;
 
@@ -253,6 +258,8 @@ typedef enum {
     CRUMPLE_HIT_STATUS_NOTHING_REACHES = 2,
     /// Alone it would leave no mark, but it adds to its contact.
     CRUMPLE_HIT_STATUS_ACCUMULATED = 3,
+    /// Its contact is in a rigid part, such as glass. It leaves no mark.
+    CRUMPLE_HIT_STATUS_RIGID = 4,
 } CrumpleHitStatus;
 
 /// The type of a handle to shared memory or to a semaphore.
@@ -634,7 +641,7 @@ typedef struct {
 /// A hit given as a blow. point and vectors are in the given space (default CRUMPLE_SPACE_LOCAL). Give impulse, or mass
 /// and velocity of the striker. Report a contact once with its whole impulse, or in parts with a contact_id. If any
 /// example of the set knows its blow, the set predicts the displacement of the contact: give as much of the blow as the
-/// engine knows. Otherwise the displacement is impulse * duration / mass.
+/// engine knows. Otherwise the displacement is impulse * the instance's compliance, or impulse * duration / mass.
 typedef struct {
     uint32_t struct_size;
     CrumpleSpace space;
@@ -643,7 +650,7 @@ typedef struct {
     /// The impulse on the body, N s. Default 0: striker.mass * striker.velocity. If that is 0 too, there is no mark.
     CrumpleVec3 impulse;
     /// How long the impulse acted, s: a constant of the material such as 0.01, not the time step. Required if no example
-    /// knows its blow.
+    /// knows its blow and the instance has no compliance.
     float duration;
     /// Mass of the contact vertex, kg, for impulse * duration / mass. Default 0: the set's mass for that vertex.
     float mass;
@@ -997,8 +1004,8 @@ CrumpleLodDef crumple_lod_def_default(void);
 CrumpleResult crumple_example_set_add_lod(CrumpleContext *context, CrumpleExampleSet set, const CrumpleLodDef *def,
                                           uint32_t *out_lod);
 
-/// Gives a set to another context too, without a copy, such as for levels that load on a thread of their own. The
-/// contexts are then as independent as before. Destroying the set in one of them does not affect the others. Both
+/// Gives a set to another context too, without a copy, such as one that loads levels on another thread. The contexts stay
+/// as independent as they were. Destroying the set in one of them does not affect the others. Both
 /// contexts are in use during the call. Add levels of detail before. CRUMPLE_ERROR_INVALID_ARGUMENT: other is context.
 CrumpleResult crumple_example_set_share(CrumpleContext *context, CrumpleExampleSet set, CrumpleContext *other,
                                         CrumpleExampleSet *out_set);
@@ -1115,9 +1122,36 @@ CrumpleResult crumple_instance_set_tolerance(CrumpleContext *context, CrumpleIns
 /// the level of detail to show: the coarsest whose edges cover at most 16 times as many pixels in the mean. For a set
 /// without levels of detail it sets the tolerance to as many pixels; with levels, a tolerance saves nothing more, and is
 /// set to 0. distance, m, in the mesh's space: from the camera to the nearest point of the instance. fov_y, radians: the
-/// vertical field of view. viewport_height: pixels. Cheap; call it every frame. out_lod may be null.
+/// vertical field of view. viewport_height: pixels. Cheap; call it every frame. out_lod may be null. Not for sets whose
+/// further meshes are parts of the body.
 CrumpleResult crumple_instance_set_view(CrumpleContext *context, CrumpleInstance instance, float pixels, float distance,
                                         float fov_y, float viewport_height, uint32_t *out_lod);
+
+/// Takes a part off a body: mesh part of the set, a number from crumple_example_set_add_lod(). The base mesh is then the
+/// whole body, and each part has vertices at the positions of base vertices. out_part receives an instance of its own
+/// with the same options, transform and damage, and the body's buffers of the mesh become that instance's. Hits on it
+/// land only on the part. Hits on the body land only on what is left. The call indexes the base mesh. Errors:
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (0, a part that is off already, the last part, a mesh without base vertices of its own),
+/// CRUMPLE_ERROR_WRONG_RULE.
+CrumpleResult crumple_instance_release_part(CrumpleContext *context, CrumpleInstance instance, uint32_t part,
+                                            CrumpleInstance *out_part);
+
+/// Puts a released part on its body again, or with false takes it off. It keeps its damage, instance and buffers. Hits on
+/// the body, and the ends of their contacts, also reach the parts that are on it; other changes of damage do not. The call
+/// indexes the base mesh. CRUMPLE_ERROR_INVALID_ARGUMENT: not a part of this body, or one that is on, or off, already.
+CrumpleResult crumple_instance_mount_part(CrumpleContext *context, CrumpleInstance instance, CrumpleInstance part,
+                                          bool mounted);
+
+/// Makes a part rigid, such as glass, or no longer. Hits on it leave no mark; their status is CRUMPLE_HIT_STATUS_RIGID. To
+/// keep its vertices in place too, register no buffer for it. Errors as for crumple_instance_release_part().
+CrumpleResult crumple_instance_set_part_rigid(CrumpleContext *context, CrumpleInstance instance, uint32_t part,
+                                              bool rigid);
+
+/// Measures how far the vertices of mesh lod have moved, m: the furthest, and their mean, to compare with thresholds such
+/// as "the bumper falls off". Dents count in full while they grow, and tolerance leaves out nothing, so it is equal on all
+/// machines. Takes about as long as a deform of the whole mesh. Either output may be null.
+CrumpleResult crumple_instance_measure_part(CrumpleContext *context, CrumpleInstance instance, uint32_t lod,
+                                            float *out_deepest, float *out_mean);
 
 /// Returns the length, m, that covers a number of pixels at a distance, m, for a camera with this vertical field of
 /// view, radians, and viewport height, pixels. Use it as the tolerance of an instance whose nearest vertex is at that
@@ -1148,7 +1182,7 @@ CrumpleResult crumple_instance_submit_displacement(CrumpleContext *context, Crum
 
 /// Submits count hits, each to the instance at the same index. Either all are submitted, or none and the message names
 /// the first wrong one. out_results is null, or has room for count results. Otherwise like
-/// crumple_instance_submit_impulse(), and a little cheaper.
+/// crumple_instance_submit_impulse().
 CrumpleResult crumple_context_submit_impulses(CrumpleContext *context, const CrumpleInstance *instances,
                                               const CrumpleImpulseDef *defs, uint32_t count,
                                               CrumpleHitResult *out_results);
@@ -1169,8 +1203,8 @@ CrumpleResult crumple_instance_preview_displacement(CrumpleContext *context, Cru
 
 /// Takes a hit on a skinned mesh in its pose to the bind pose, in which Crumple dents: dent, then skin the deformed
 /// vertices. Changes def, for a submit. The vertex nearest to the hit decides, by the inverse of its skin matrix; dents
-/// do not count. def's space may be CRUMPLE_SPACE_WORLD, and is CRUMPLE_SPACE_LOCAL afterwards. Takes some nanoseconds
-/// per vertex. May be called from any thread at any time. CRUMPLE_ERROR_INVALID_ARGUMENT: also weights that do not sum
+/// do not count. def's space may be CRUMPLE_SPACE_WORLD, and is CRUMPLE_SPACE_LOCAL afterwards. Each call visits every
+/// vertex. May be called from any thread at any time. CRUMPLE_ERROR_INVALID_ARGUMENT: also weights that do not sum
 /// to 1, or a skin matrix without inverse.
 CrumpleResult crumple_instance_unpose_impulse(CrumpleContext *context, CrumpleInstance instance,
                                               const CrumpleSkinDef *skin, CrumpleImpulseDef *def);
@@ -1426,7 +1460,7 @@ CrumpleResult crumple_instance_get_attached_frame(CrumpleContext *context, Crump
 /// a crash loses nothing. The next deform writes every vertex of every buffer. Vulkan buffers are replayed on the CPU
 /// and not compared. Failed calls are recorded with their message. Hits may still come from any thread, but are
 /// serialised while recording, so leave it off in releases. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a recording is
-/// running, or an instance has open contacts), CRUMPLE_ERROR_IO.
+/// running, or an instance has open contacts or parts), CRUMPLE_ERROR_IO.
 CrumpleResult crumple_recording_begin(CrumpleContext *context, const char *path);
 
 /// Ends the recording and completes the file. crumple_context_destroy() does so too. CRUMPLE_ERROR_IO: the file could

@@ -381,6 +381,31 @@ public:
     Result<void> reset_damage() { return detail::done(crumple_instance_reset_damage(context(), id())); }
     Result<void> copy_damage(CrumpleInstance source) { return detail::done(crumple_instance_copy_damage(context(), id(), source)); }
 
+    /// Takes a part off the body: mesh part of the set. See crumple_instance_release_part().
+    Result<Instance> release_part(uint32_t part) {
+        CrumpleInstance released{};
+        const CrumpleResult result = crumple_instance_release_part(context(), id(), part, &released);
+        return result == CRUMPLE_OK ? Result<Instance>(Instance(context(), released)) : Result<Instance>::failed(result);
+    }
+    /// Puts a released part on the body again, or with false takes it off.
+    Result<void> mount_part(const Instance &part, bool mounted = true) {
+        return detail::done(crumple_instance_mount_part(context(), id(), part.id(), mounted));
+    }
+    /// Makes a part rigid, such as glass, or no longer.
+    Result<void> set_part_rigid(uint32_t part, bool rigid) {
+        return detail::done(crumple_instance_set_part_rigid(context(), id(), part, rigid));
+    }
+    struct PartDamage {
+        float deepest; ///< m
+        float mean;    ///< m
+    };
+    /// How far the vertices of mesh lod have moved.
+    Result<PartDamage> measure_part(uint32_t lod) const {
+        return detail::get<PartDamage>([&](PartDamage *damage) {
+            return crumple_instance_measure_part(context(), id(), lod, &damage->deepest, &damage->mean);
+        });
+    }
+
     Result<CrumpleFrame> attached_frame(const CrumpleAttachment &attachment) const {
         return detail::get<CrumpleFrame>(
             [&](CrumpleFrame *frame) { return crumple_instance_get_attached_frame(context(), id(), &attachment, frame); });

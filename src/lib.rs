@@ -73,6 +73,7 @@ pub use instance::attach::{Attachment, Frame};
 pub use instance::deform::{DeformJob, deform, deform_within};
 pub use instance::inbox::Inbox;
 pub use instance::options::{InstanceOptions, Rule};
+pub use instance::parts::PartDamage;
 pub use instance::skin::Skin;
 #[cfg(feature = "gltf")]
 pub use io::export;

@@ -21,7 +21,7 @@ use std::num::NonZeroU64;
 /// A hit given as a blow. point and vectors are in the given space (default CRUMPLE_SPACE_LOCAL). Give impulse, or mass
 /// and velocity of the striker. Report a contact once with its whole impulse, or in parts with a contact_id. If any
 /// example of the set knows its blow, the set predicts the displacement of the contact: give as much of the blow as the
-/// engine knows. Otherwise the displacement is impulse * duration / mass.
+/// engine knows. Otherwise the displacement is impulse * the instance's compliance, or impulse * duration / mass.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleImpulseDef {
@@ -32,7 +32,7 @@ pub struct CrumpleImpulseDef {
     /// The impulse on the body, N s. Default 0: striker.mass * striker.velocity. If that is 0 too, there is no mark.
     pub impulse: CrumpleVec3,
     /// How long the impulse acted, s: a constant of the material such as 0.01, not the time step. Required if no example
-    /// knows its blow.
+    /// knows its blow and the instance has no compliance.
     pub duration: f32,
     /// Mass of the contact vertex, kg, for impulse * duration / mass. Default 0: the set's mass for that vertex.
     pub mass: f32,
@@ -212,7 +212,7 @@ pub unsafe extern "C" fn crumple_instance_submit_displacement(
 
 /// Submits count hits, each to the instance at the same index. Either all are submitted, or none and the message names
 /// the first wrong one. out_results is null, or has room for count results. Otherwise like
-/// crumple_instance_submit_impulse(), and a little cheaper.
+/// crumple_instance_submit_impulse().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_submit_impulses(
     context: *mut CrumpleContext,
@@ -270,8 +270,8 @@ pub unsafe extern "C" fn crumple_instance_preview_displacement(
 
 /// Takes a hit on a skinned mesh in its pose to the bind pose, in which Crumple dents: dent, then skin the deformed
 /// vertices. Changes def, for a submit. The vertex nearest to the hit decides, by the inverse of its skin matrix; dents
-/// do not count. def's space may be CRUMPLE_SPACE_WORLD, and is CRUMPLE_SPACE_LOCAL afterwards. Takes some nanoseconds
-/// per vertex. May be called from any thread at any time. CRUMPLE_ERROR_INVALID_ARGUMENT: also weights that do not sum
+/// do not count. def's space may be CRUMPLE_SPACE_WORLD, and is CRUMPLE_SPACE_LOCAL afterwards. Each call visits every
+/// vertex. May be called from any thread at any time. CRUMPLE_ERROR_INVALID_ARGUMENT: also weights that do not sum
 /// to 1, or a skin matrix without inverse.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_unpose_impulse(

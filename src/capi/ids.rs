@@ -105,6 +105,18 @@ impl<T> Slots<T> {
         Ok(self.slots[place].value.as_mut().expect("place() checked it"))
     }
 
+    /// Two different things.
+    pub(super) fn get_two_mut<I: Id>(
+        &mut self,
+        (a, a_name): (I, &str),
+        (b, b_name): (I, &str),
+    ) -> Result<(&mut T, &mut T), Failure> {
+        let places = [self.place(a, a_name)?, self.place(b, b_name)?];
+        let same = |_| Failure::invalid(format!("{a_name} and {b_name} are the same {}", I::NOUN));
+        let [a, b] = self.slots.get_disjoint_mut(places).map_err(same)?;
+        Ok((a.value.as_mut().expect("place() checked it"), b.value.as_mut().expect("place() checked it")))
+    }
+
     pub(super) fn remove<I: Id>(&mut self, id: I, name: &str) -> Result<T, Failure> {
         let place = self.place(id, name)?;
         let slot = &mut self.slots[place];

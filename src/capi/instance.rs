@@ -1,11 +1,11 @@
 //! Instances: bodies in the scene.
 
-use super::check::{Out, def, defs, enumerator, finite, positive_or, read, zeroed};
+use super::check::{Out, boolean, def, defs, enumerator, finite, positive_or, read, zeroed};
 use super::context::{Arrivals, CrumpleContext, concurrent, recorded};
 use super::record_call::{Call, Number};
 use super::result::{CrumpleResult, Failure};
 use super::store::InstanceEntry;
-use super::types::{CrumpleExampleSet, CrumpleInstance, CrumpleRule, CrumpleSelection};
+use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance, CrumpleRule, CrumpleSelection};
 use crate::instance::Instance;
 use crate::instance::options::{InstanceOptions, Rule};
 use crate::select::hit::Selection;
@@ -283,7 +283,8 @@ pub unsafe extern "C" fn crumple_instance_set_tolerance(
 /// the level of detail to show: the coarsest whose edges cover at most 16 times as many pixels in the mean. For a set
 /// without levels of detail it sets the tolerance to as many pixels; with levels, a tolerance saves nothing more, and is
 /// set to 0. distance, m, in the mesh's space: from the camera to the nearest point of the instance. fov_y, radians: the
-/// vertical field of view. viewport_height: pixels. Cheap; call it every frame. out_lod may be null.
+/// vertical field of view. viewport_height: pixels. Cheap; call it every frame. out_lod may be null. Not for sets whose
+/// further meshes are parts of the body.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_set_view(
     context: *mut CrumpleContext,
@@ -303,6 +304,109 @@ pub unsafe extern "C" fn crumple_instance_set_view(
         out.write(lod as u32);
         Ok(())
     })
+}
+
+/// Takes a part off a body: mesh part of the set, a number from crumple_example_set_add_lod(). The base mesh is then the
+/// whole body, and each part has vertices at the positions of base vertices. out_part receives an instance of its own
+/// with the same options, transform and damage, and the body's buffers of the mesh become that instance's. Hits on it
+/// land only on the part. Hits on the body land only on what is left. The call indexes the base mesh. Errors:
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (0, a part that is off already, the last part, a mesh without base vertices of its own),
+/// CRUMPLE_ERROR_WRONG_RULE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_instance_release_part(
+    context: *mut CrumpleContext,
+    instance: CrumpleInstance,
+    part: u32,
+    out_part: *mut CrumpleInstance,
+) -> CrumpleResult {
+    recorded("crumple_instance_release_part", context, |context, state, log| {
+        let out = Out::new(out_part, "out_part")?;
+        log.call(|| Call::ReleasePart { instance: Number::of(instance), part });
+        let mut inboxes = context.inboxes.write().unwrap_or_else(PoisonError::into_inner);
+        state.instances.reserve::<CrumpleInstance>()?;
+        inboxes.reserve::<CrumpleInstance>()?;
+        let body = state.instances.get_mut(instance, "instance")?;
+        let released = body.instance.release(part as usize)?;
+        let transform = *body.local_to_world.lock().unwrap_or_else(PoisonError::into_inner);
+        let local_to_world = Arc::new(Mutex::new(transform));
+        let is_of_part =
+            |buffer: &CrumpleBuffer| state.buffers.get(*buffer, "buffer").is_ok_and(|entry| entry.lod == part as usize);
+        let (moved, kept) = body.buffers.iter().partition(|buffer| is_of_part(buffer));
+        body.buffers = kept;
+        let set = body.set;
+        let arrivals = Arrivals { inbox: released.inbox().clone(), local_to_world: local_to_world.clone() };
+        let inbox: CrumpleInstance = inboxes.insert(arrivals);
+        let id = state.instances.insert(InstanceEntry { instance: released, set, local_to_world, buffers: moved });
+        assert_eq!(inbox, id, "the two lists of instances went apart");
+        for buffer in &state.instances.get(id, "part")?.buffers {
+            state.buffers.get_mut(*buffer, "buffer")?.owner = id;
+        }
+        log.gave_id(id);
+        out.write(id);
+        Ok(())
+    })
+}
+
+/// Puts a released part on its body again, or with false takes it off. It keeps its damage, instance and buffers. Hits on
+/// the body, and the ends of their contacts, also reach the parts that are on it; other changes of damage do not. The call
+/// indexes the base mesh. CRUMPLE_ERROR_INVALID_ARGUMENT: not a part of this body, or one that is on, or off, already.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_instance_mount_part(
+    context: *mut CrumpleContext,
+    instance: CrumpleInstance,
+    part: CrumpleInstance,
+    mounted: MaybeUninit<bool>,
+) -> CrumpleResult {
+    recorded("crumple_instance_mount_part", context, |_, state, log| {
+        let mounted = boolean(mounted);
+        log.call(|| Call::MountPart { instance: Number::of(instance), part: Number::of(part), mounted });
+        let (body, part) = state.instances.get_two_mut((instance, "instance"), (part, "part"))?;
+        let (body, part) = (&mut body.instance, &mut part.instance);
+        Ok(if mounted { body.mount(part) } else { body.unmount(part) }?)
+    })
+}
+
+/// Makes a part rigid, such as glass, or no longer. Hits on it leave no mark; their status is CRUMPLE_HIT_STATUS_RIGID. To
+/// keep its vertices in place too, register no buffer for it. Errors as for crumple_instance_release_part().
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_instance_set_part_rigid(
+    context: *mut CrumpleContext,
+    instance: CrumpleInstance,
+    part: u32,
+    rigid: MaybeUninit<bool>,
+) -> CrumpleResult {
+    recorded("crumple_instance_set_part_rigid", context, |_, state, log| {
+        let rigid = boolean(rigid);
+        log.call(|| Call::SetPartRigid { instance: Number::of(instance), part, rigid });
+        Ok(state.instances.get_mut(instance, "instance")?.instance.set_rigid(part as usize, rigid)?)
+    })
+}
+
+/// Measures how far the vertices of mesh lod have moved, m: the furthest, and their mean, to compare with thresholds such
+/// as "the bumper falls off". Dents count in full while they grow, and tolerance leaves out nothing, so it is equal on all
+/// machines. Takes about as long as a deform of the whole mesh. Either output may be null.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_instance_measure_part(
+    context: *mut CrumpleContext,
+    instance: CrumpleInstance,
+    lod: u32,
+    out_deepest: *mut f32,
+    out_mean: *mut f32,
+) -> CrumpleResult {
+    recorded("crumple_instance_measure_part", context, |_, state, log| {
+        let outs = (Out::optional(out_deepest, "out_deepest")?, Out::optional(out_mean, "out_mean")?);
+        log.call(|| Call::MeasurePart { instance: Number::of(instance), lod });
+        let damage = state.instances.get_mut(instance, "instance")?.instance.measure(lod as usize)?;
+        log.gave(|| measured_number(damage.deepest, damage.mean));
+        outs.0.write(damage.deepest);
+        outs.1.write(damage.mean);
+        Ok(())
+    })
+}
+
+/// A number that stands for what was measured.
+pub(super) fn measured_number(deepest: f32, mean: f32) -> u64 {
+    u64::from(deepest.to_bits()) | u64::from(mean.to_bits()) << 32
 }
 
 /// Returns the length, m, that covers a number of pixels at a distance, m, for a camera with this vertical field of

@@ -154,7 +154,8 @@ pub enum CrumpleBytes {
     /// The bytes are copied. Free them after the call.
     Copy = 0,
     /// The bytes are used in place. They must stay readable and unchanged until the set and all its instances are
-    /// destroyed, or the context is. Bytes whose address is not a multiple of 16 are copied.
+    /// destroyed, or the context is; if the set is shared, in all its contexts. Bytes whose address is not a multiple of
+    /// 16 are copied.
     Keep = 1,
 }
 

@@ -90,6 +90,10 @@ calls! {
     "crumple_instance_get_attached_frame" AttachedFrame { instance: Number, vertices: [u32; 3], weights: [f32; 3], point: [f32; 3] }
     "crumple_instance_get_info" InstanceInfo { instance: Number }
     "crumple_instance_get_contact" GetContact { instance: Number, contact_id: u64 }
+    "crumple_instance_release_part" ReleasePart { instance: Number, part: u32 }
+    "crumple_instance_mount_part" MountPart { instance: Number, part: Number, mounted: bool }
+    "crumple_instance_set_part_rigid" SetPartRigid { instance: Number, part: u32, rigid: bool }
+    "crumple_instance_measure_part" MeasurePart { instance: Number, lod: u32 }
     "crumple_instance_repair_around" RepairAround { instance: Number, point: [f32; 3], radius: f32, keep: f32 }
     "crumple_context_set_time" SetTime { time: f64 }
     "crumple_instance_save_changes" SaveChanges { instance: Number, since: u64 }

@@ -16,7 +16,7 @@ use std::sync::PoisonError;
 /// a crash loses nothing. The next deform writes every vertex of every buffer. Vulkan buffers are replayed on the CPU
 /// and not compared. Failed calls are recorded with their message. Hits may still come from any thread, but are
 /// serialised while recording, so leave it off in releases. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a recording is
-/// running, or an instance has open contacts), CRUMPLE_ERROR_IO.
+/// running, or an instance has open contacts or parts), CRUMPLE_ERROR_IO.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_recording_begin(context: *mut CrumpleContext, path: *const c_char) -> CrumpleResult {
     exclusive("crumple_recording_begin", context, |context, state| {

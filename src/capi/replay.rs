@@ -346,6 +346,26 @@ impl Player {
             Call::RepairDamage { instance, keep } => {
                 crumple_instance_repair_damage(context, self.instance(instance), keep)
             }
+            Call::ReleasePart { instance, part } => {
+                let mut new = CrumpleInstance::default();
+                let result = crumple_instance_release_part(context, self.instance(instance), part, &mut new);
+                *made = (result == CrumpleResult::CrumpleOk).then_some(Made::Instance(new));
+                result
+            }
+            Call::MountPart { instance, part, mounted } => {
+                let (id, part) = (self.instance(instance), self.instance(part));
+                crumple_instance_mount_part(context, id, part, MaybeUninit::new(mounted))
+            }
+            Call::SetPartRigid { instance, part, rigid } => {
+                crumple_instance_set_part_rigid(context, self.instance(instance), part, MaybeUninit::new(rigid))
+            }
+            Call::MeasurePart { instance, lod } => {
+                let (mut deepest, mut mean) = (0.0, 0.0);
+                let id = self.instance(instance);
+                let result = crumple_instance_measure_part(context, id, lod, &mut deepest, &mut mean);
+                *value = measured_number(deepest, mean);
+                result
+            }
             Call::RepairAround { instance, point, radius, keep } => {
                 crumple_instance_repair_around(context, self.instance(instance), point.into(), radius, keep)
             }

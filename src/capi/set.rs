@@ -471,8 +471,8 @@ pub(super) unsafe fn read_options(options: &CrumpleExampleSetOptions, vertices: 
     })
 }
 
-/// Gives a set to another context too, without a copy, such as for levels that load on a thread of their own. The
-/// contexts are then as independent as before. Destroying the set in one of them does not affect the others. Both
+/// Gives a set to another context too, without a copy, such as one that loads levels on another thread. The contexts stay
+/// as independent as they were. Destroying the set in one of them does not affect the others. Both
 /// contexts are in use during the call. Add levels of detail before. CRUMPLE_ERROR_INVALID_ARGUMENT: other is context.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_share(

@@ -15,6 +15,12 @@ use std::sync::PoisonError;
 pub(super) fn check(state: &mut State) -> Result<(), Failure> {
     for (id, entry) in state.instances.iter_mut::<CrumpleInstance>() {
         let open = if entry.instance.options().rule == Rule::Marks { entry.instance.contact_count() } else { 0 };
+        if entry.instance.has_parts() {
+            return Err(Failure::invalid(format!(
+                "instance {} has parts that were released or made rigid, or is one; begin the recording before that",
+                id.index
+            )));
+        }
         if open > 0 {
             return Err(Failure::invalid(format!(
                 "instance {} has {open} open contacts, of which a recording would know only what is yet to come; begin while no \
@@ -36,7 +42,9 @@ pub(super) fn write(state: &mut State, writer: &mut Writer) -> Result<(), Failur
     if state.vertex_budget > 0 {
         call(Call::SetVertexBudget { vertices: state.vertex_budget }, none);
     }
-    call(Call::SetTime { time: state.time }, none);
+    if state.time != 0.0 {
+        call(Call::SetTime { time: state.time }, none);
+    }
     let mut known = HashSet::new();
     for (id, entry) in state.sets.iter::<CrumpleExampleSet>() {
         known.insert(Number::of(id));

@@ -15,7 +15,7 @@ c_enums!(
     Combine::Deepest,
     CrumpleRule::Blend,
     CrumpleSelection::ClassicUnclamped,
-    HitStatus::Accumulated,
+    HitStatus::Rigid,
     Placement::Carried,
     Seams::Keep,
     Space::World,

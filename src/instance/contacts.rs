@@ -143,7 +143,7 @@ impl OpenContact {
             return None;
         }
         // Each point was near enough, but their mean may lie inside the body.
-        let params = HitParams { max_distance: f32::INFINITY, ..*params };
+        let params = HitParams { max_distance: f32::INFINITY, ..params.clone() };
         let point = to_f32(self.point / self.weight);
         let mut target = self.target;
         if let Some(blow) = self.blow {

@@ -94,6 +94,10 @@ impl Growth {
         self.shown.is_some() && now != self.now
     }
 
+    pub(crate) fn time(&self) -> f64 {
+        self.now
+    }
+
     pub(crate) fn set_time(&mut self, now: f64) {
         self.now = now;
     }

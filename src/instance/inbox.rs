@@ -10,7 +10,7 @@ use crate::select::hit::{Cause, Hit, HitStatus, Outcome};
 use crate::select::target::HitParams;
 use glam::{DMat3, DVec3, Mat4};
 use std::num::NonZeroU64;
-use std::sync::{Arc, Mutex, MutexGuard, RwLock, RwLockWriteGuard};
+use std::sync::{Arc, Mutex, MutexGuard, RwLock, RwLockWriteGuard, Weak};
 
 /// A hit that waits for the next fold.
 #[derive(Debug, Clone, Copy)]
@@ -28,11 +28,13 @@ pub struct Inbox {
     rule: Rule,
     params: RwLock<HitParams>,
     pending: Mutex<Vec<Pending>>,
+    /// Parts that are mounted on the body: what arrives here also arrives there.
+    followers: RwLock<Vec<Weak<Inbox>>>,
 }
 
 impl Inbox {
     pub(super) fn new(set: Arc<ExampleSet>, rule: Rule, params: HitParams) -> Self {
-        Inbox { set, rule, params: RwLock::new(params), pending: Mutex::default() }
+        Inbox { set, rule, params: RwLock::new(params), pending: Mutex::default(), followers: RwLock::default() }
     }
 
     /// Selects examples for a hit in the calling thread and queues the mark for the instance's next fold.
@@ -65,7 +67,7 @@ impl Inbox {
         let (mut outcome, effect) = self.select(&params, hit)?;
         let pending = match (hit.contact, effect) {
             (Some(id), _) => {
-                if outcome.status != HitStatus::Marked {
+                if !matches!(outcome.status, HitStatus::Marked | HitStatus::Rigid) {
                     outcome.status = HitStatus::Accumulated;
                 }
                 let point = params.local(hit.point, hit.space);
@@ -91,8 +93,12 @@ impl Inbox {
     }
 
     /// Queues what was prepared.
+    #[cfg(feature = "capi")]
     pub(crate) fn queue_prepared(&self, pending: Option<Pending>) {
-        self.queue().extend(pending);
+        if let Some(pending) = pending {
+            self.queue().push(pending);
+            self.forward(pending);
+        }
     }
 
     /// Ends a contact: its dent stays as it is. The dent is the sum of the hits of this id that arrived before this
@@ -159,7 +165,7 @@ impl Inbox {
     }
 
     pub(super) fn params(&self) -> HitParams {
-        *self.params.read().unwrap_or_else(|e| e.into_inner())
+        self.params.read().unwrap_or_else(|e| e.into_inner()).clone()
     }
 
     pub(super) fn params_mut(&self) -> RwLockWriteGuard<'_, HitParams> {
@@ -171,7 +177,18 @@ impl Inbox {
         let bytes = (queue.len() as u64 + 1) * size_of::<Pending>() as u64;
         queue.try_reserve(1).map_err(|_| Error::OutOfMemory { what: "hits".into(), bytes })?;
         queue.push(pending);
+        drop(queue);
+        self.forward(pending);
         Ok(())
+    }
+
+    fn forward(&self, pending: Pending) {
+        let followers = self.followers.read().unwrap_or_else(|e| e.into_inner());
+        followers.iter().filter_map(Weak::upgrade).for_each(|inbox| inbox.queue().push(pending));
+    }
+
+    pub(super) fn followers_mut(&self) -> RwLockWriteGuard<'_, Vec<Weak<Inbox>>> {
+        self.followers.write().unwrap_or_else(|e| e.into_inner())
     }
 
     /// The queued hits, in order of arrival.

@@ -7,6 +7,8 @@ pub(crate) mod deform;
 mod growth;
 pub(crate) mod inbox;
 pub(crate) mod options;
+mod part_state;
+pub(crate) mod parts;
 mod selection;
 pub(crate) mod skin;
 
@@ -29,6 +31,7 @@ use glam::{DMat3, DVec3, Mat4};
 use growth::Growth;
 use inbox::{Inbox, Pending};
 use options::{InstanceOptions, Rule, check_limit, needs_marks};
+use part_state::PartState;
 use std::num::NonZeroU64;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -62,6 +65,7 @@ pub struct Instance {
     /// Kept from the first [`Instance::save_changes`] on.
     history: Option<History>,
     growth: Growth,
+    parts: PartState,
     classic: Option<ClassicState>,
     limit: f32,
     /// The tolerance in use: a power of two times 1 m, or 0.
@@ -94,6 +98,7 @@ impl Instance {
             max_distance: options.max_contact_distance.unwrap_or(diagonal.max(limit)),
             world_to_local: DMat3::IDENTITY,
             local_origin_in_world: DVec3::ZERO,
+            landing: None,
         };
         let classic = if options.rule == Rule::Marks { None } else { Some(ClassicState::new(&set)?) };
         let blocks = set.lods().map(|s| vec![0; s.blocks()]).collect();
@@ -107,6 +112,7 @@ impl Instance {
             contacts: Contacts::default(),
             history: None,
             growth: Growth::new(options.grow_time),
+            parts: PartState::default(),
             classic,
             limit,
             tolerance,
@@ -230,6 +236,8 @@ impl Instance {
     /// of detail it sets the tolerance to as many pixels; with levels, a tolerance saves nothing more (docs/lab, "A scene"),
     /// and is set to 0. `distance` (m, in the mesh's space) is that of the instance's nearest point to the camera; `fov_y`
     /// (radians) and `viewport_height` (pixels) are the camera's. It is cheap; call it every frame.
+    ///
+    /// Not for sets whose further meshes are parts of the body.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] naming the value.

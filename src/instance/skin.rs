@@ -24,7 +24,7 @@ impl Inbox {
     /// Takes a hit on the posed mesh to the bind pose, for [`Inbox::submit`]. The vertex of the undented mesh that is
     /// nearest to the hit in the pose decides: its skin matrix maps the bind pose to the pose, and the inverse maps the
     /// hit. The result is in [`Space::Local`]. A hit in [`Space::World`] is on the posed mesh at the instance's
-    /// transform. Takes a few nanoseconds per vertex.
+    /// transform. Each call visits every vertex.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for arrays of other lengths than the mesh has vertices, or a vertex whose skin matrix

@@ -104,6 +104,8 @@ pub enum HitStatus {
     NothingReaches = 2,
     /// Alone it would leave no mark, but it adds to its contact.
     Accumulated = 3,
+    /// Its contact is in a rigid part, such as glass. It leaves no mark.
+    Rigid = 4,
 }
 
 /// An example chosen for a hit.

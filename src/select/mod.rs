@@ -8,6 +8,7 @@
 
 pub(crate) mod hit;
 pub(crate) mod kriging;
+pub(crate) mod landing;
 pub(crate) mod nearest;
 pub(crate) mod placement;
 pub(crate) mod query;

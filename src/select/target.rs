@@ -1,6 +1,7 @@
 //! The target of a hit: which vertex is displaced, in which direction and how far.
 
 use super::hit::{Cause, Hit, HitStatus, Outcome, Selection, Space};
+use super::landing::Landing;
 use crate::base::error::Error;
 use crate::base::error::positive;
 use crate::base::math::to_f32;
@@ -10,12 +11,13 @@ use crate::example::response::Strike;
 use crate::example::set::ExampleSet;
 use crate::mesh::{finite, nearest::Nearest};
 use glam::{DMat3, DVec3, Vec3};
+use std::sync::Arc;
 
 /// Targets below this share of the depth limit leave no mark.
 const NEGLIGIBLE: f64 = 1e-6;
 
 /// The settings of an instance that selection needs.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(crate) struct HitParams {
     pub selection: Selection,
     pub examples_per_hit: usize,
@@ -28,6 +30,8 @@ pub(crate) struct HitParams {
     /// Linear part of the transform from world to mesh space, and the mesh origin in world space, m.
     pub world_to_local: DMat3,
     pub local_origin_in_world: DVec3,
+    /// Where hits land. `None`: on the whole base mesh.
+    pub landing: Option<Arc<Landing>>,
 }
 
 impl HitParams {
@@ -104,6 +108,10 @@ pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Out
         chosen: [None; MAX_PAIRS],
         mark: None,
     };
+    if p.landing.as_ref().is_some_and(|landing| landing.is_rigid(contact.vertex)) {
+        outcome.status = HitStatus::Rigid;
+        return Ok((outcome, None));
+    }
     if weak || length < f64::from(p.yield_displacement) || length <= NEGLIGIBLE * f64::from(p.depth_limit) {
         return Ok((outcome, None));
     }
@@ -149,6 +157,9 @@ fn contact(set: &ExampleSet, p: &HitParams, point: DVec3) -> Result<Nearest, Err
     if off > f64::from(p.max_distance) {
         return Err(too_far(off));
     }
-    let near = set.nearest_vertex(to_f32(point))?;
+    let near = match &p.landing {
+        Some(landing) => landing.nearest(set, to_f32(point)),
+        None => set.nearest_vertex(to_f32(point)),
+    }?;
     if near.distance > p.max_distance { Err(too_far(near.distance.into())) } else { Ok(near) }
 }

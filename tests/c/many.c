@@ -1,4 +1,5 @@
-// Many things in one call, sets in two contexts, revisions, growth, repair around a point and skins through the C interface.
+// Many things in one call, sets in two contexts, revisions, growth, repair around a point, skins and parts through the C
+// interface.
 #include "support.h"
 
 static Sheet sheet;
@@ -245,6 +246,104 @@ static void skins(void) {
     OK(crumple_instance_destroy(context, body));
 }
 
+// The sheet as a body of two parts, its lower and its upper half, which share a row of vertices.
+static void parts(void) {
+    enum { ROWS = SIDE / 2 + 1, PART = ROWS * SIDE };
+    static float whole[2 * PART][3], target[2 * PART][3], vertices[2][PART][3], mine[2 * PART][3];
+    static uint32_t indices[2 * (ROWS - 1) * (SIDE - 1) * 6];
+    CrumpleExampleDef example = crumple_example_def_default();
+    CrumpleExampleSetDef def = crumple_example_set_def_default();
+    CrumpleExampleSet body_set;
+    CrumpleInstanceDef instance_def = crumple_instance_def_default();
+    CrumpleInstance body, bumper = {0, 0, 0};
+    CrumpleHostBufferDef buffer_def = crumple_host_buffer_def_default();
+    CrumpleBuffer buffers[3];
+    CrumpleHitResult told;
+    uint32_t n = 0, lod, count;
+    float deepest, mean, before;
+    for (int part = 0; part < 2; ++part)
+        for (int v = 0; v < PART; ++v) {
+            int from = part * (SIDE / 2) * SIDE + v;
+            memcpy(whole[part * PART + v], sheet.positions[from], sizeof whole[0]);
+            memcpy(target[part * PART + v], sheet.targets[0][from], sizeof target[0]);
+            if (v % SIDE < SIDE - 1 && v / SIDE < ROWS - 1) {
+                uint32_t a = (uint32_t)(part * PART + v), quad[6] = {a, a + 1, a + SIDE, a + SIDE, a + 1, a + SIDE + 1};
+                for (int k = 0; k < 6; ++k) indices[n++] = quad[k];
+            }
+        }
+    example.target_positions = input_of(target, sizeof target, sizeof target[0]);
+    def.mesh.vertex_count = 2 * PART;
+    def.mesh.positions = input_of(whole, sizeof whole, sizeof whole[0]);
+    def.mesh.index_count = n;
+    def.mesh.indices = input_of(indices, n * sizeof indices[0], sizeof indices[0]);
+    def.examples = &example;
+    def.example_count = 1;
+    OK(crumple_example_set_create(context, &def, &body_set));
+    for (int part = 0; part < 2; ++part) {
+        CrumpleLodDef lod_def = crumple_lod_def_default();
+        lod_def.mesh.vertex_count = PART;
+        lod_def.mesh.positions = input_of(whole[part * PART], PART * sizeof whole[0], sizeof whole[0]);
+        lod_def.mesh.index_count = n / 2;
+        lod_def.mesh.indices = input_of(indices, n / 2 * sizeof indices[0], sizeof indices[0]);
+        OK(crumple_example_set_add_lod(context, body_set, &lod_def, &lod));
+        FACT(lod == (uint32_t)part + 1);
+    }
+    instance_def.set = body_set;
+    OK(crumple_instance_create(context, &instance_def, &body));
+    buffer_def.positions = stream_of(mine, sizeof mine, 0, sizeof mine[0]);
+    OK(crumple_buffer_register_host(context, body, &buffer_def, &buffers[0]));
+    for (uint32_t part = 1; part <= 2; ++part) {
+        buffer_def.lod = part;
+        buffer_def.positions = stream_of(vertices[part - 1], sizeof vertices[0], 0, sizeof vertices[0][0]);
+        OK(crumple_buffer_register_host(context, body, &buffer_def, &buffers[part]));
+    }
+
+    // One hit on the seam dents both; the seam stays closed.
+    CrumpleDisplacementDef hit = displacement_at(0, 0, 0.04f);
+    OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
+    OK(crumple_context_deform(context, NULL, 0, NULL));
+    for (int v = 0; v < SIDE; ++v) FACT(memcmp(vertices[0][PART - SIDE + v], vertices[1][v], sizeof vertices[0][0]) == 0);
+    FACT(memcmp(mine, vertices, sizeof mine) == 0);
+    OK(crumple_instance_measure_part(context, body, 2, &before, &mean));
+    FACT(fabsf(before - 0.04f) < 1e-3f && mean > 0 && mean < before);
+
+    // The second part comes off with its buffer: it is dented alone.
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "part is 0", crumple_instance_release_part(context, body, 0, &bumper));
+    FAILS(CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, "3", crumple_instance_release_part(context, body, 3, &bumper));
+    FACT(bumper.index == 0);
+    OK(crumple_instance_release_part(context, body, 2, &bumper));
+    hit = displacement_at(0, 0.3f, 0.03f);
+    OK(crumple_instance_submit_displacement(context, bumper, &hit, &told));
+    FACT(told.contact_vertex >= PART);
+    OK(crumple_instance_submit_displacement(context, body, &hit, &told));
+    FACT(told.contact_vertex < PART && fabsf(whole[told.contact_vertex][1]) < 1e-6f); // on the seam, the nearest of what is left
+    OK(crumple_context_deform(context, NULL, 0, NULL));
+    OK(crumple_instance_measure_part(context, bumper, 2, &deepest, NULL));
+    float found = 0;
+    for (int v = 0; v < PART; ++v) found = fmaxf(found, whole[PART + v][2] - vertices[1][v][2]);
+    FACT(deepest >= before && fabsf(found - deepest) < 1e-4f);
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "off", crumple_instance_release_part(context, body, 2, &bumper));
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "has parts", crumple_recording_begin(context, "never.crumplerec"));
+
+    // On again, off again, glass.
+    OK(crumple_instance_mount_part(context, body, bumper, true));
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "off the body", crumple_instance_mount_part(context, body, bumper, true));
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "same instance", crumple_instance_mount_part(context, body, body, true));
+    uint64_t revision = revision_of(bumper);
+    OK(crumple_instance_submit_displacement(context, body, &hit, &told));
+    FACT(told.contact_vertex >= PART && revision_of(bumper) != revision);
+    OK(crumple_instance_mount_part(context, body, bumper, false));
+    OK(crumple_instance_destroy(context, bumper));
+    OK(crumple_instance_set_part_rigid(context, body, 1, true));
+    hit = displacement_at(0, -0.3f, 0.03f);
+    OK(crumple_instance_submit_displacement(context, body, &hit, &told));
+    FACT(told.status == CRUMPLE_HIT_STATUS_RIGID && told.mark.energy == 0);
+    OK(crumple_instance_get_marks(context, body, NULL, 0, &count));
+    FAILS(CRUMPLE_ERROR_INVALID_ID, "stale", crumple_buffer_invalidate(context, buffers[2]));
+    OK(crumple_instance_destroy(context, body));
+    OK(crumple_example_set_destroy(context, body_set));
+}
+
 int main(void) {
     CrumpleContextDef def = crumple_context_def_default();
     def.threads = 2;
@@ -257,6 +356,7 @@ int main(void) {
     two_contexts();
     repair_and_growth();
     skins();
+    parts();
     OK(crumple_context_destroy(context));
     printf("%u checks\n", checks);
     return 0;

@@ -5,6 +5,7 @@
 
 static Sheet sheet;
 static float vertices[VERTICES][6], elsewhere[VERTICES][3];
+static float slow[VERTICES][3];
 
 static long size_of_file(const char *path) {
     FILE *file = fopen(path, "rb");
@@ -33,6 +34,8 @@ int main(int argc, char **argv) {
     CrumpleHostBufferDef def = crumple_host_buffer_def_default();
     CrumpleMark marks[8];
     uint32_t count;
+    unsigned char bytes[1024], changes[1024];
+    size_t size, changes_size;
     long empty, begun, hit_size;
     remove(path);
 
@@ -109,6 +112,27 @@ int main(int argc, char **argv) {
         OK(crumple_instance_submit_impulse(context, body, &hit, NULL));
         OK(crumple_context_deform(context, NULL, 0, NULL));
     }
+    // Calls about many things, and a dent that is half grown.
+    CrumpleInstanceDef slow_def = crumple_instance_def_default();
+    slow_def.set = set;
+    slow_def.grow_time = 1;
+    CrumpleInstance many[2] = {body, body};
+    OK(crumple_context_set_time(context, 2));
+    OK(crumple_instance_create(context, &slow_def, &many[1]));
+    def.positions = stream_of(slow, sizeof slow, 0, sizeof slow[0]);
+    OK(crumple_buffer_register_host(context, many[1], &def, &second));
+    CrumpleImpulseDef hits[2] = {impulse_at(0.3f, 0.3f, 1), impulse_at(-0.3f, 0.3f, 1)};
+    OK(crumple_context_submit_impulses(context, many, hits, 2, NULL));
+    hits[1].point.x = 90;
+    FAILS(CRUMPLE_ERROR_CONTACT_TOO_FAR, "hit 1", crumple_context_submit_impulses(context, many, hits, 2, NULL));
+    OK(crumple_context_save_damage(context, many, 2, bytes, sizeof bytes, &size));
+    OK(crumple_context_set_time(context, 2.5));
+    OK(crumple_context_deform(context, NULL, 0, NULL));
+    OK(crumple_instance_save_changes(context, body, 0, changes, sizeof changes, &changes_size));
+    OK(crumple_instance_repair_around(context, body, vec3(0.3f, 0.3f, 0.07f), 0.2f, 0.5f));
+    OK(crumple_context_deform(context, NULL, 0, NULL));
+    OK(crumple_context_load_damage(context, many, 2, bytes, size));
+    OK(crumple_context_deform(context, NULL, 0, NULL));
     FAILS(CRUMPLE_ERROR_NOT_FINITE, "keep", crumple_instance_repair_damage(context, body, NAN));
     OK(crumple_instance_get_marks(context, body, marks, 8, &count));
     OK(crumple_context_destroy(context));

@@ -72,6 +72,7 @@ int main() {
     context.deform().value();
     FACT(context.changed_buffers().value().size() == 1 && context.changed_buffers().value()[0].index == buffer.id().index);
     const auto all = context.save_damage().value();
+    const uint64_t others = other.info().value().revision;
     const auto changes = body.save_changes(before).value();
     other.load(saved).value();
     other.load(changes).value();
@@ -79,13 +80,28 @@ int main() {
     other.repair_around(vec3(0.2f, 0, 0.07f), 0.1f, 0).value();
     FACT(other.info().value().revision != body.info().value().revision);
     context.load_damage(all).value();
-    FACT(other.info().value().revision == body.info().value().revision);
+    FACT(other.info().value().revision == others);
     FACT(!context.load_damage(all, both, 1).ok());
     context.set_time(1).value();
     crumple::Context elsewhere = crumple::Context::create().value();
     crumple::ExampleSet there = set.share(elsewhere.get()).value();
     FACT(there.info().value().fingerprint == set.info().value().fingerprint);
     FACT(set.share(context.get()).result() == CRUMPLE_ERROR_INVALID_ARGUMENT);
+
+    // Parts.
+    crumple::ExampleSet sheets = context.create_example_set(sheet->def).value();
+    CrumpleLodDef half = crumple_lod_def_default();
+    half.mesh = sheet->def.mesh;
+    half.mesh.vertex_count = SIDE * 2;
+    half.mesh.index_count = (SIDE - 1) * 6;
+    half.mesh.tangents = CrumpleInput{};
+    const uint32_t part = sheets.add_lod(half).value();
+    crumple::Instance whole = context.create_instance(sheets).value(), off = whole.release_part(part).value();
+    FACT(off.submit_displacement(vec3(0, 0, 0.07f), vec3(0, 0, -0.04f)).value().contact_vertex < SIDE * 2);
+    FACT(off.measure_part(part).value().deepest > off.measure_part(part).value().mean);
+    whole.mount_part(off).value();
+    FACT(!whole.mount_part(off).ok());
+    whole.set_part_rigid(part, true).value();
 
     // Streams of interleaved vertices.
     struct Vertex {

@@ -246,15 +246,15 @@ fn bake_writes_a_set_that_the_other_commands_take() {
 #[test]
 fn replay_repeats_the_calls_of_a_recording() {
     let report = crumple(&["replay", RECORDING]).report();
-    has(&report, &["recorded by 0.1.0", "53 calls (21 hits among them) match the recording"]);
+    has(&report, &["recorded by 0.1.0", "66 calls (23 hits among them) match the recording"]);
     has(
         &report,
-        &["20 deforms wrote 6973 vertices", "crumple_instance_repair_damage: CRUMPLE_ERROR_NOT_FINITE: keep is NaN"],
+        &["23 deforms wrote 9202 vertices", "crumple_instance_repair_damage: CRUMPLE_ERROR_NOT_FINITE: keep is NaN"],
     );
     assert!(!report.contains("no end"), "{report}");
     let listed = crumple(&["replay", "--list", "--threads", "1", RECORDING]).report();
     has(&listed, &["    14  crumple_context_deform: Deform { all: true, buffers: [1, 2] }\n"]);
-    assert_eq!(listed.lines().count(), 53 + report.lines().count());
+    assert_eq!(listed.lines().count(), 66 + report.lines().count());
 
     // a recording cut short by a crash is replayed as far as it goes
     let bytes = std::fs::read(asset(RECORDING)).expect("readable");

@@ -141,6 +141,39 @@ static class DentTests
         }
     }
 
+    /// <summary>Half of the sheet comes off, is dented alone, and goes on again.</summary>
+    public static void Parts()
+    {
+        using (CrumpleContext context = Sheet.Context())
+        {
+            ExampleSet set = context.CreateExampleSet(Sheet.Def());
+            const int Rows = Sheet.Side / 2;
+            LodDef half = new LodDef();
+            half.SetPositions(Sheet.Points().Take(Rows * Sheet.Side).ToArray());
+            half.SetTriangles(Sheet.Triangles().Take((Rows - 1) * (Sheet.Side - 1) * 6).ToArray());
+            int part = set.AddLod(half);
+            Instance body = context.CreateInstance(set);
+            body.SubmitDisplacement(Sheet.Hit(0, -0.1f, 0.03f));
+            Instance bumper = body.ReleasePart(part);
+            Check.Same(body.Revision, bumper.Revision, "it keeps its dents");
+            CrumpleHitResult told = body.SubmitDisplacement(Sheet.Hit(0, -0.4f, 0.03f));
+            Check.That(told.ContactVertex >= Rows * Sheet.Side, "on what is left");
+            told = bumper.SubmitDisplacement(Sheet.Hit(0, 0.4f, 0.03f));
+            Check.That(told.ContactVertex < Rows * Sheet.Side, "on the part");
+            float deepest = bumper.MeasurePart(part, out float mean);
+            Check.That(mean > 0 && mean < deepest && deepest < 0.05f, "measured");
+            body.MountPart(bumper);
+            ulong before = bumper.Revision;
+            body.SubmitDisplacement(Sheet.Hit(0, -0.3f, 0.03f));
+            Check.That(bumper.Revision != before, "dented with the body");
+            body.MountPart(bumper, false);
+            Check.Fails(CrumpleResult.ErrorInvalidArgument, "on this body", () => body.MountPart(bumper, false));
+            body.SetPartRigid(part, true);
+            body.MountPart(bumper);
+            Check.Same(CrumpleHitStatus.Rigid, body.SubmitDisplacement(Sheet.Hit(0, -0.3f, 0.03f)).Status, "glass");
+        }
+    }
+
     /// <summary>What changed, in ranges that cover what differs, and a box around everything.</summary>
     public static void ChangesAndBounds()
     {

@@ -16,6 +16,7 @@ static class Tests
             DentTests.ContactsAndSpaces,
             DentTests.ManyAtOnce,
             DentTests.TimeAndPoses,
+            DentTests.Parts,
             DentTests.TheRest,
             DentTests.Recordings,
             LoadingTests.Gltf,

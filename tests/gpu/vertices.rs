@@ -120,6 +120,27 @@ fn vertices_are_those_of_the_cpu() {
 }
 
 #[test]
+fn dents_grow_as_on_the_cpu() {
+    let options = InstanceOptions { grow_time: 1.0, ..InstanceOptions::default() };
+    on_each_device(|gpu| {
+        for (name, set) in scenes::small_bodies() {
+            let mut instance = Instance::new(set.clone(), options).unwrap();
+            let layout = TestLayout::everything(&set, 0, 20);
+            compare(gpu, name, &mut instance, &layout, |instance, frame| {
+                instance.set_time(0.3 * frame as f64).unwrap();
+                match frame {
+                    1 | 3 => hit(instance, 5, frame),
+                    5 => instance.repair(0.4).unwrap(),
+                    7 => instance.set_tolerance(set.depth_limit() * 0.1).unwrap(),
+                    _ => {}
+                }
+                frame < 10
+            });
+        }
+    });
+}
+
+#[test]
 fn positions_alone_and_normals_alone_are_the_same() {
     let set = scenes::cube_set();
     let float = Some(Encoding::F32);

@@ -262,6 +262,46 @@ namespace Crumple
                 call.Check(NativeMethods.crumple_instance_end_contact(call.Context, Id, contactId), "crumple_instance_end_contact");
         }
 
+        /// <summary>
+        /// Takes a part off the body: a mesh of the set, a number of <see cref="ExampleSet.AddLod"/>. It has the same damage, and
+        /// from now on its own. Register its buffer anew.
+        /// </summary>
+        public unsafe Instance ReleasePart(int part)
+        {
+            CrumpleInstance released;
+            using (Call call = Context.EnterAlone(this))
+                call.Check(NativeMethods.crumple_instance_release_part(call.Context, Id, MeshDef.Count(part, "part"), &released),
+                    "crumple_instance_release_part");
+            return new Instance(Context, Set, released);
+        }
+
+        /// <summary>Puts a released part on the body again, or with false takes it off. Hits on the body reach it too.</summary>
+        public void MountPart(Instance part, bool mounted = true)
+        {
+            if (part == null) throw new ArgumentNullException("part");
+            using (Call call = Context.EnterAlone(this))
+                call.Check(NativeMethods.crumple_instance_mount_part(call.Context, Id, part.Id, mounted), "crumple_instance_mount_part");
+        }
+
+        /// <summary>Makes a part rigid, such as glass, or no longer: hits on it leave no mark.</summary>
+        public void SetPartRigid(int part, bool rigid)
+        {
+            using (Call call = Context.EnterAlone(this))
+                call.Check(NativeMethods.crumple_instance_set_part_rigid(call.Context, Id, MeshDef.Count(part, "part"), rigid),
+                    "crumple_instance_set_part_rigid");
+        }
+
+        /// <summary>How far the vertices of a mesh of the set have moved, m: the furthest, and their mean.</summary>
+        public unsafe float MeasurePart(int lod, out float mean)
+        {
+            float deepest, all;
+            using (Call call = Context.EnterAlone(this))
+                call.Check(NativeMethods.crumple_instance_measure_part(call.Context, Id, MeshDef.Count(lod, "lod"), &deepest, &all),
+                    "crumple_instance_measure_part");
+            mean = all;
+            return deepest;
+        }
+
         /// <summary>Where an attached point is, hits that wait among them.</summary>
         public unsafe CrumpleFrame GetAttachedFrame(in CrumpleAttachment attachment)
         {

@@ -344,6 +344,7 @@ fn warnings(
 fn chosen(source: &Source, outcome: &Outcome) -> String {
     match outcome.status {
         HitStatus::BelowYield => return "below yield: no mark".into(),
+        HitStatus::Rigid => return "the part is rigid: no mark".into(),
         HitStatus::NothingReaches => return "no example moves the contact in that direction".into(),
         _ => {}
     }

@@ -124,6 +124,7 @@ class CrumpleHitStatus(IntEnum):
     BELOW_YIELD = 1
     NOTHING_REACHES = 2
     ACCUMULATED = 3
+    RIGID = 4
 
 
 class CrumpleHandleType(IntEnum):
@@ -679,6 +680,10 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_context_set_time": (c.c_uint32, [c.c_void_p, c.c_double]),
     "crumple_instance_set_tolerance": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_float]),
     "crumple_instance_set_view": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_float, c.c_float, c.c_float, c.c_float, c.POINTER(c.c_uint32)]),
+    "crumple_instance_release_part": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint32, c.POINTER(CrumpleInstance)]),
+    "crumple_instance_mount_part": (c.c_uint32, [c.c_void_p, CrumpleInstance, CrumpleInstance, c.c_bool]),
+    "crumple_instance_set_part_rigid": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint32, c.c_bool]),
+    "crumple_instance_measure_part": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint32, c.POINTER(c.c_float), c.POINTER(c.c_float)]),
     "crumple_pixel_tolerance": (c.c_float, [c.c_float, c.c_float, c.c_float, c.c_float]),
     "crumple_impulse_def_default": (CrumpleImpulseDef, []),
     "crumple_displacement_def_default": (CrumpleDisplacementDef, []),

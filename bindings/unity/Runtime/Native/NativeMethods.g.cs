@@ -220,6 +220,35 @@ namespace Crumple.Native
             uint* outLod);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_instance_release_part(
+            IntPtr context,
+            CrumpleInstance instance,
+            uint part,
+            CrumpleInstance* outPart);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_instance_mount_part(
+            IntPtr context,
+            CrumpleInstance instance,
+            CrumpleInstance part,
+            CrumpleBool mounted);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_instance_set_part_rigid(
+            IntPtr context,
+            CrumpleInstance instance,
+            uint part,
+            CrumpleBool rigid);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_instance_measure_part(
+            IntPtr context,
+            CrumpleInstance instance,
+            uint lod,
+            float* outDeepest,
+            float* outMean);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern float crumple_pixel_tolerance(float pixels, float distance, float fovY, float viewportHeight);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]

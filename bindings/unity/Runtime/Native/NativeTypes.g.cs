@@ -114,6 +114,7 @@ namespace Crumple
         BelowYield = 1,
         NothingReaches = 2,
         Accumulated = 3,
+        Rigid = 4,
     }
 
     public enum CrumpleHandleType

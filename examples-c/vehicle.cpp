@@ -1,0 +1,396 @@
+// A car of eleven parts drives into a pole, and another car into its tail (rigid bodies: ODE). All parts share one list of marks.
+// The bumper falls off when it is dented deep enough, the windshield breaks when it is hit, and a wheel gets out of line.
+//
+//     vehicle FOLDER        writes FOLDER/frame_00.obj …
+#include <crumple.hpp>
+
+#include <ode/ode.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace {
+
+constexpr double STEP = 1.0 / 240, SECONDS = 1.6; // s
+constexpr int FRAMES = 5, ACROSS = 24, ALONG = 12;
+constexpr float HALF_WIDTH = 0.9f, SILL = 0.3f, FALLS_OFF = 0.08f; // m
+constexpr float DOWN = -0.35f;                                     // from the centre of mass to the mesh's origin, m
+
+void fact(bool holds, const char *what) {
+    if (holds) return;
+    std::fprintf(stderr, "this is not so: %s\n", what);
+    std::exit(1);
+}
+
+// Parts of the car. Lods of the set have these numbers plus 1.
+enum Part { BUMPER, GRILLE, HOOD, WINDSHIELD, ROOF, REAR_WINDOW, TRUNK, TAIL, REAR_BUMPER, LEFT, RIGHT, PARTS };
+
+struct Mesh {
+    std::vector<CrumpleVec3> positions;
+    std::vector<uint32_t> indices;
+
+    // A grid of rows by columns vertices, facing (b - a) x (c - a) of its first square.
+    void grid(size_t rows, size_t columns, const std::vector<CrumpleVec3> &points) {
+        positions = points;
+        for (uint32_t r = 0; r + 1 < rows; ++r)
+            for (uint32_t c = 0; c + 1 < columns; ++c) {
+                const uint32_t a = r * uint32_t(columns) + c, b = a + uint32_t(columns);
+                indices.insert(indices.end(), {a, b, b + 1, a, b + 1, a + 1});
+            }
+    }
+};
+
+// The car's outline from the front's lower edge over the roof to the rear's lower edge: x forward, z up, m.
+constexpr std::array<std::array<float, 2>, 10> OUTLINE = {{{2.0f, SILL}, {2.05f, 0.6f}, {1.95f, 0.85f}, {0.9f, 0.95f}, {0.3f, 1.4f},
+                                                           {-1.0f, 1.4f}, {-1.5f, 0.95f}, {-2.0f, 0.9f}, {-2.05f, 0.6f}, {-2.0f, SILL}}};
+
+std::vector<Mesh> make_parts() {
+    std::vector<Mesh> parts(PARTS);
+    std::vector<std::array<float, 2>> top; // the outline above the sides
+    for (size_t part = BUMPER; part <= REAR_BUMPER; ++part) {
+        std::vector<CrumpleVec3> points;
+        for (int i = 0; i <= ALONG; ++i) {
+            const float t = float(i) / ALONG;
+            const float x = OUTLINE[part][0] * (1 - t) + OUTLINE[part + 1][0] * t, z = OUTLINE[part][1] * (1 - t) + OUTLINE[part + 1][1] * t;
+            for (int j = 0; j <= ACROSS; ++j) points.push_back({x, HALF_WIDTH * (2.0f * float(j) / ACROSS - 1), z});
+            if (part >= HOOD && part <= TRUNK && (i > 0 || part == HOOD)) top.push_back({x, z});
+        }
+        parts[part].grid(ALONG + 1, ACROSS + 1, points);
+    }
+    for (const Part side : {LEFT, RIGHT}) {
+        std::vector<CrumpleVec3> points;
+        const float y = side == LEFT ? HALF_WIDTH : -HALF_WIDTH;
+        for (const auto &column : top)
+            for (int j = 0; j <= ALONG; ++j) {
+                // The last row has the outline's own bits, so that it lies on the seam.
+                const float t = float(side == LEFT ? ALONG - j : j) / ALONG;
+                points.push_back({column[0], y, t == 1 ? column[1] : SILL + (column[1] - SILL) * t});
+            }
+        parts[side].grid(top.size(), ALONG + 1, points);
+    }
+    return parts;
+}
+
+// One set for all cars: the base mesh is all parts joined, and each part is a mesh of its own with the same positions.
+crumple::ExampleSet make_set(crumple::Context &context, const std::vector<Mesh> &parts) {
+    Mesh whole;
+    for (const Mesh &part : parts) {
+        const auto first = uint32_t(whole.positions.size());
+        whole.positions.insert(whole.positions.end(), part.positions.begin(), part.positions.end());
+        for (const uint32_t index : part.indices) whole.indices.push_back(first + index);
+    }
+    // Dents that an artist would make: front, hood, side, tail.
+    struct Dent {
+        CrumpleVec3 at, push;
+        float radius;
+    };
+    const Dent dents[] = {{{2.05f, 0, 0.6f}, {-0.3f, 0, 0}, 0.8f},       {{2.05f, 0.5f, 0.6f}, {-0.2f, 0, 0}, 0.6f},
+                          {{1.4f, 0, 0.9f}, {-0.03f, 0, -0.12f}, 0.5f},  {{0, HALF_WIDTH, 0.7f}, {0, -0.15f, 0}, 0.5f},
+                          {{-2.05f, 0, 0.6f}, {0.25f, 0, 0.02f}, 0.7f}};
+    std::vector<std::vector<CrumpleVec3>> targets;
+    std::vector<CrumpleExampleDef> examples;
+    for (const Dent &dent : dents) {
+        targets.push_back(whole.positions);
+        for (CrumpleVec3 &p : targets.back()) {
+            const float x = p.x - dent.at.x, y = p.y - dent.at.y, z = p.z - dent.at.z;
+            const float q = (x * x + y * y + z * z) / (dent.radius * dent.radius);
+            if (q >= 1) continue;
+            const float share = (1 - q) * (1 - q);
+            p = {p.x + share * dent.push.x, p.y + share * dent.push.y, p.z + share * dent.push.z};
+        }
+    }
+    for (size_t i = 0; i < targets.size(); ++i) {
+        CrumpleExampleDef example = crumple_example_def_default();
+        example.target_positions = crumple::input(targets[i]);
+        example.contact_kind = CRUMPLE_CONTACT_KIND_POINT;
+        example.contact_point = dents[i].at;
+        examples.push_back(example);
+    }
+    const auto mesh = [](CrumpleMeshDef &to, const Mesh &from) {
+        to.vertex_count = uint32_t(from.positions.size());
+        to.positions = crumple::input(from.positions);
+        to.index_count = uint32_t(from.indices.size());
+        to.indices = crumple::input(from.indices);
+    };
+    CrumpleExampleSetDef def = crumple_example_set_def_default();
+    mesh(def.mesh, whole);
+    def.examples = examples.data();
+    def.example_count = uint32_t(examples.size());
+    crumple::ExampleSet set = context.create_example_set(def).value();
+    for (size_t part = 0; part < parts.size(); ++part) {
+        CrumpleLodDef lod = crumple_lod_def_default();
+        mesh(lod.mesh, parts[part]);
+        fact(set.add_lod(lod).value() == part + 1, "parts are numbered in order");
+    }
+    return set;
+}
+
+// A part with its vertices and what shows them: the car or, once it has come off, the part itself.
+struct Shown {
+    std::vector<CrumpleVec3> vertices;
+    crumple::Buffer buffer;
+    dBodyID body = nullptr;
+    bool gone = false;
+};
+
+struct Car {
+    const char *name;
+    const std::vector<Mesh> &meshes;
+    dWorldID world;
+    dSpaceID space;
+    dBodyID body;
+    crumple::Instance instance, bumper;
+    CrumpleAttachment wheel{};
+    std::vector<Shown> shown{PARTS};
+    std::map<dGeomID, bool> touching; // by what; whether in this step
+
+    Car(crumple::Context &context, dWorldID world_, dSpaceID space_, const char *name_, const crumple::ExampleSet &set,
+        const std::vector<Mesh> &meshes_, double x, double angle, double speed)
+        : name(name_), meshes(meshes_), world(world_), space(space_), body(make_body(1200, 4.1, 1.8, 0.7)) {
+        dMatrix3 rotation;
+        dRFromAxisAndAngle(rotation, 0, 0, 1, angle);
+        dBodySetRotation(body, rotation);
+        dBodySetPosition(body, x, 0, 0.36);
+        dBodySetLinearVel(body, speed * std::cos(angle), speed * std::sin(angle), 0);
+        dBodySetData(body, this);
+        CrumpleInstanceDef def = crumple_instance_def_default();
+        def.set = set.id();
+        def.compliance = 2e-5f;   // m per N s: 10 000 N s leave 20 cm
+        def.yield_impulse = 400;  // N s: standing on the road leaves no dents
+        def.grow_time = 0.05f;    // s
+        instance = context.create_instance(def).value();
+        for (const Part glass : {WINDSHIELD, REAR_WINDOW}) instance.set_part_rigid(glass + 1, true).value();
+        for (uint32_t part = 0; part < PARTS; ++part) {
+            shown[part].vertices.resize(meshes[part].positions.size());
+            CrumpleHostBufferDef buffer = crumple_host_buffer_def_default();
+            buffer.lod = part + 1;
+            buffer.positions = crumple::stream(shown[part].vertices);
+            shown[part].buffer = instance.register_buffer(buffer).value();
+            shown[part].body = body;
+        }
+        wheel = set.attach({1.75f, HALF_WIDTH, 0.35f}).value();
+    }
+
+    dBodyID make_body(double kg, double length, double width, double height) const {
+        const dBodyID made = dBodyCreate(world);
+        dMass mass;
+        dMassSetBoxTotal(&mass, kg, length, width, height);
+        dBodySetMass(made, &mass);
+        dGeomSetBody(dCreateBox(space, length, width, height), made);
+        return made;
+    }
+
+    // A contact's impulse, in parts of one step each: they make one dent.
+    void pushed(dGeomID by, const dReal *at, const dReal *force) {
+        dVector3 point, local;
+        dBodyGetPosRelPoint(body, at[0], at[1], at[2], point);
+        dBodyVectorFromWorld(body, force[0], force[1], force[2], local);
+        touching[by] = true;
+        CrumpleImpulseDef hit = crumple_impulse_def_default();
+        hit.point = {float(point[0]), float(point[1]), float(point[2]) - DOWN};
+        hit.impulse = {float(local[0] * STEP), float(local[1] * STEP), float(local[2] * STEP)};
+        hit.contact_id = reinterpret_cast<uintptr_t>(by);
+        const CrumpleHitResult told = instance.submit(hit).value();
+        if (told.status == CRUMPLE_HIT_STATUS_RIGID && !shown[WINDSHIELD].gone && hit.impulse.z < -5) {
+            std::printf("%-6s  the windshield breaks\n", name);
+            shown[WINDSHIELD].gone = true;
+        }
+    }
+
+    // Ends contacts that are over, and looks whether the bumper still holds.
+    void settle(double time) {
+        for (auto at = touching.begin(); at != touching.end();) {
+            if (std::exchange(at->second, false)) {
+                ++at;
+                continue;
+            }
+            const uint64_t id = reinterpret_cast<uintptr_t>(at->first);
+            instance.end_contact(id).value();
+            const CrumpleHitResult whole = instance.contact(id).value();
+            if (whole.status == CRUMPLE_HIT_STATUS_MARKED)
+                std::printf("%-6s  %.2f s: a contact is over, %3.0f mm deep at vertex %u, by %u examples\n", name, time,
+                            1000 * double(whole.mark.depth), whole.contact_vertex, whole.chosen_count);
+            at = touching.erase(at);
+        }
+        if (bumper || instance.measure_part(BUMPER + 1).value().deepest < FALLS_OFF) return;
+        // Off it comes, with its buffer and its dents, as a body of its own.
+        bumper = instance.release_part(BUMPER + 1).value();
+        const dBodyID off = make_body(12, 0.1, 1.8, 0.3);
+        dVector3 at, speed;
+        dBodyGetRelPointPos(body, 2.2, 0, 0.45 + DOWN, at);
+        dBodyGetRelPointVel(body, 2.2, 0, 0.45 + DOWN, speed);
+        dBodySetPosition(off, at[0], at[1], at[2] + 0.2);
+        dBodySetQuaternion(off, dBodyGetQuaternion(body));
+        dBodySetLinearVel(off, -0.5 * speed[0], 1.5, 2);
+        shown[BUMPER].body = off;
+        std::printf("%-6s  %.2f s: the bumper falls off\n", name, time);
+    }
+
+    void write(std::ofstream &file, size_t &written) const {
+        for (size_t part = 0; part < PARTS; ++part) {
+            if (shown[part].gone) continue;
+            file << "o " << name << '_' << part << '\n';
+            const bool off = shown[part].body != body;
+            for (const CrumpleVec3 &v : shown[part].vertices) {
+                dVector3 p;
+                dBodyGetRelPointPos(shown[part].body, off ? v.x - 2.0f : v.x, v.y, off ? v.z - 0.45f : v.z + DOWN, p);
+                file << "v " << p[0] << ' ' << p[1] << ' ' << p[2] << '\n';
+            }
+            for (size_t i = 0; i < meshes[part].indices.size(); i += 3) {
+                file << 'f';
+                for (size_t k = 0; k < 3; ++k) file << ' ' << written + meshes[part].indices[i + k] + 1;
+                file << '\n';
+            }
+            written += shown[part].vertices.size();
+        }
+    }
+};
+
+struct Contact {
+    dGeomID a, b;
+    dContact contact;
+    dJointFeedback feedback;
+};
+
+struct Scene {
+    dWorldID world = dWorldCreate();
+    dSpaceID space = dHashSpaceCreate(nullptr);
+    dJointGroupID joints = dJointGroupCreate(0);
+    dGeomID ground = dCreatePlane(space, 0, 0, 1, 0);
+    std::vector<std::unique_ptr<Contact>> contacts;
+
+    Scene() { dWorldSetGravity(world, 0, 0, -9.81); }
+    ~Scene() {
+        dJointGroupDestroy(joints);
+        dSpaceDestroy(space);
+        dWorldDestroy(world);
+    }
+
+    static void near(void *user, dGeomID a, dGeomID b) {
+        auto &scene = *static_cast<Scene *>(user);
+        if (dGeomGetBody(a) == dGeomGetBody(b)) return;
+        std::array<dContactGeom, 8> found;
+        const int count = dCollide(a, b, int(found.size()), found.data(), sizeof found[0]);
+        for (int i = 0; i < count; ++i) {
+            scene.contacts.push_back(std::make_unique<Contact>());
+            Contact &contact = *scene.contacts.back();
+            contact = {a, b, {}, {}};
+            contact.contact.geom = found[size_t(i)];
+            contact.contact.surface.mode = dContactBounce;
+            contact.contact.surface.mu = a == scene.ground || b == scene.ground ? 0.05 : 0.4; // wheels roll
+            contact.contact.surface.bounce = 0.1;
+            contact.contact.surface.bounce_vel = 0.5;
+            const dJointID joint = dJointCreateContact(scene.world, scene.joints, &contact.contact);
+            dJointAttach(joint, dGeomGetBody(a), dGeomGetBody(b));
+            dJointSetFeedback(joint, &contact.feedback);
+        }
+    }
+
+    void step() {
+        dSpaceCollide(space, this, near);
+        dWorldStep(world, STEP);
+        for (const auto &contact : contacts) {
+            const auto tell = [&](dGeomID hit, dGeomID by, const dReal *force) {
+                const dBodyID body = dGeomGetBody(hit);
+                auto *car = body ? static_cast<Car *>(dBodyGetData(body)) : nullptr;
+                if (car && by != ground) car->pushed(by, contact->contact.geom.pos, force);
+            };
+            tell(contact->a, contact->b, contact->feedback.f1);
+            // ODE counts the only body of a joint as its first.
+            tell(contact->b, contact->a, dGeomGetBody(contact->a) ? contact->feedback.f2 : contact->feedback.f1);
+        }
+        contacts.clear();
+        dJointGroupEmpty(joints);
+    }
+};
+
+void run(const std::string &folder) {
+    crumple::Context context;
+    const std::vector<Mesh> meshes = make_parts();
+    const crumple::ExampleSet set = make_set(context, meshes);
+    Scene scene;
+    const dGeomID pole = dCreateCylinder(scene.space, 0.15, 3);
+    dGeomSetPosition(pole, 4, 0.65, 1.5);
+    std::vector<std::unique_ptr<Car>> cars;
+    cars.push_back(std::make_unique<Car>(context, scene.world, scene.space, "first", set, meshes, 0.0, 0.0, 12.0));
+    cars.push_back(std::make_unique<Car>(context, scene.world, scene.space, "second", set, meshes, -12.0, 0.0, 14.0));
+    // A stone falls onto the first car's windshield. ODE's box is lower than the glass, so it is told here.
+    int frame = 0;
+    for (int step = 0; step * STEP <= SECONDS; ++step) {
+        const double time = step * STEP;
+        context.set_time(time).value();
+        scene.step();
+        if (step == 200) {
+            const dReal force[] = {0, 0, -20 / STEP};
+            dVector3 glass;
+            dBodyGetRelPointPos(cars[0]->body, 0.6, 0, 1.2 + DOWN, glass);
+            cars[0]->pushed(scene.ground, glass, force);
+        }
+        for (auto &car : cars) car->settle(time);
+        context.deform().value();
+        if (time >= frame * SECONDS / (FRAMES - 1) - 1e-9) {
+            char name[32];
+            std::snprintf(name, sizeof name, "/frame_%02d.obj", frame++);
+            std::ofstream file(folder + name);
+            size_t written = 0;
+            for (const auto &car : cars) car->write(file, written);
+            fact(bool(file.flush()), "every frame was written");
+        }
+    }
+    fact(frame == FRAMES, "there are as many frames as asked for");
+
+    const Car &first = *cars[0], &second = *cars[1];
+    fact(bool(first.bumper), "the first car lost its bumper on the pole");
+    fact(first.shown[WINDSHIELD].gone, "its windshield broke");
+    const auto deepest = [](const Car &car, uint32_t from, uint32_t to) {
+        float deepest = 0;
+        for (uint32_t part = from; part <= to; ++part)
+            deepest = std::fmax(deepest, car.instance.measure_part(part + 1).value().deepest);
+        return deepest;
+    };
+    fact(deepest(first, TRUNK, RIGHT) > 0.05f, "its rear or side is dented by the second car");
+    fact(deepest(second, BUMPER, HOOD) > 0.05f, "and the second car's front by the first");
+    // Seams between parts that are on the car are closed: the last row of the grille is the first of the hood.
+    for (size_t v = 0; v <= ACROSS; ++v) {
+        const CrumpleVec3 a = first.shown[GRILLE].vertices[ALONG * (ACROSS + 1) + v], b = first.shown[HOOD].vertices[v];
+        fact(a.x == b.x && a.y == b.y && a.z == b.z, "the seam is closed");
+    }
+    // How far the front wheel's mount moved, and how far it is turned about the vertical.
+    const CrumpleFrame frame_of_wheel = first.instance.attached_frame(first.wheel).value();
+    const CrumpleQuat q = frame_of_wheel.rotation;
+    const double toe = 2 * std::atan2(q.z, q.w) * 180 / 3.14159265358979;
+    const double back = double(first.wheel.point.x - frame_of_wheel.position.x);
+    std::printf("the wheel moved by %.1f mm back and turned by %.2f degrees\n", 1000 * back, toe);
+    fact(back > 0.001 && std::fabs(toe) > 0.1, "the wheel is out of line");
+    const auto saved = context.save_damage().value();
+    std::printf("the damage of both cars takes %zu bytes\n", saved.size());
+    fact(saved.size() < 6000, "damage is small");
+}
+
+} // namespace
+
+int main(int argc, char **argv) {
+    if (argc != 2) {
+        std::fprintf(stderr, "usage: vehicle FOLDER\n");
+        return 2;
+    }
+    dInitODE2(0);
+    int status = 0;
+    try {
+        run(argv[1]);
+    } catch (const crumple::Error &error) {
+        std::fprintf(stderr, "%s: %s\n", crumple_result_name(error.result()), error.what());
+        status = 1;
+    }
+    dCloseODE();
+    return status;
+}
