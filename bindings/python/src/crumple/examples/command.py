@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import time
 from pathlib import Path
@@ -73,6 +74,10 @@ def main(arguments: list[str] | None = None) -> int:
     except ModuleNotFoundError as error:
         print(f"error: {error.name} is missing; type: pip install 'crumple[examples]', which brings {_NEEDED}", file=sys.stderr)
         return 1
+    except BrokenPipeError:
+        # Whoever read the output has ended.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
     except KeyboardInterrupt:
         print("interrupted; repeat the command to go on with the examples that are made, or add --count for fewer", file=sys.stderr)
         return 130
@@ -110,7 +115,9 @@ def _run(options: argparse.Namespace) -> None:
     print(
         f"{out}: {info.example_count} examples, {1000 * min(one.depth for one in each):.1f} to {1000 * max(one.depth for one in each):.1f} mm deep"
     )
-    print(f"expected error, told the depth: {'unknown' if info.field_error is None else f'{info.field_error:.2f}'} (1 is no dent)")
+    print(
+        f"expected error of a dent, told its depth: {_known(info.field_error)} (1 is no dent); of the depth, told the blow: {_known(info.depth_error)}"
+    )
     print(f"{time.monotonic() - began:.1f} s")
     if not options.no_report:
         from . import report
@@ -180,6 +187,10 @@ def _simulated(body: Body, options: argparse.Namespace, depth: tuple[float, floa
         field[still] = 0
         carried.append(Made(**{**made.__dict__, "field": run.quiet(field)}))
     return carried
+
+
+def _known(error: float | None) -> str:
+    return "unknown" if error is None else f"{error:.2f}"
 
 
 def _metres(length: float) -> str:

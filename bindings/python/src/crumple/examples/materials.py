@@ -42,10 +42,9 @@ class Striker:
 
 
 STRIKERS = {
-    "ball": Striker("ball", (0.03, 0.10), (0.1, 1000.0)),
-    "stone": Striker("ball", (0.01, 0.025), (0.02, 20.0)),
-    "pole": Striker("pole", (0.03, 0.10), (1.0, 5000.0)),
-    "wall": Striker("ball", (1.5, 3.0), (1.0, 20000.0)),
+    "ball": Striker("ball", (0.03, 0.10), (0.001, 10000.0)),
+    "stone": Striker("ball", (0.01, 0.025), (0.001, 50.0)),
+    "pole": Striker("pole", (0.03, 0.10), (0.001, 10000.0)),
     "corner": Striker("ball", (0.015, 0.04), (50.0, 2000.0)),
 }
 SPEEDS = (2.0, 10.0)

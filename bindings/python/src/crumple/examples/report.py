@@ -48,10 +48,11 @@ def write(
     middle = examples[0].normal
     picture(folder / "coverage.png", body.points, body.triangles, np.zeros_like(body.points), None, middle, reached)
     share = _share(body.points, body.triangles, reached > 1e-3 * body.size)
-    error = "unknown" if info.field_error is None else f"{info.field_error:.2f}"
+    field, depth = ("unknown" if error is None else f"{error:.2f}" for error in (info.field_error, info.depth_error))
     words = [
         *words,
-        f"Expected error, told the depth: {error} (median relative L2 norm around an example when the other examples predict it; 1 is no dent).",
+        f"Expected error of a dent, told its depth: {field} (relative L2 norm around an example when the other examples predict it, median; 1 "
+        f"is no dent). Expected error of the depth, told the blow: {depth}.",
         f"Some example moves {share:.0%} of the surface by more than {body.size:.3g} mm. Hits elsewhere use carried examples.",
     ]
     cells = lambda row, tag: "<tr>" + "".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in row) + "</tr>"  # noqa: E731

@@ -57,6 +57,11 @@ def make(body: Body, detail: int, hold: str) -> Shell:
     edges, uses = _edges(surface)
     if (uses > 2).any():
         notes.append(f"{(uses > 2).sum()} edges belong to more than two triangles")
+    own = float(np.linalg.norm(body.points[edges[:, 0]] - body.points[edges[:, 1]], axis=1).mean())
+    if own > 0.06 * body.size:
+        notes.append(
+            f"the mesh is coarse: its edges are {1000 * own:.0f} mm long on average, so dents will be; subdivide it first for better ones"
+        )
     rim = edges[uses == 1]
     edge = float(np.sqrt(areas[kept].sum() / (0.866 * detail)))
     points, corners = _remesh(body, surface, edge)
