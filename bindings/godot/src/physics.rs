@@ -23,7 +23,9 @@ const NEAR: f32 = 0.15;
 const POINTS: i32 = 16;
 /// A body that does not move sees others within this distance of its mesh, m. A striker must be seen one step before it
 /// touches.
-const SIGHT: f32 = 2.0;
+const SIGHT: f32 = 4.0;
+/// It looks around once in so many steps.
+const PAUSE: u64 = 4;
 /// The most bodies seen near one that does not move.
 const MOST_SEEN: i32 = 64;
 /// Seconds that a moving body is watched after it was near.
@@ -60,6 +62,7 @@ struct Physics {
     characters: HashMap<Rid, Touches>,
     /// Time of the physics, s.
     now: f64,
+    steps: u64,
     last_contact: u64,
 }
 
@@ -145,6 +148,7 @@ impl Physics {
         }
         let step = 1.0 / godot::classes::Engine::singleton().get_physics_ticks_per_second().max(1) as f64;
         self.now += step;
+        self.steps += 1;
         let mut report = Report::default();
         let bodies: Vec<(Rid, InstanceId)> = self.owners.iter().map(|(rid, owner)| (*rid, owner.body)).collect();
         for (rid, body) in bodies {
@@ -153,7 +157,7 @@ impl Physics {
                 self.character(rid, &character, step as f32, &mut report);
             } else if matches!(server.body_get_mode(rid), BodyMode::RIGID | BodyMode::RIGID_LINEAR) {
                 self.follow(rid, body.instance_id(), f64::INFINITY);
-            } else {
+            } else if (self.steps + rid.to_u64()).is_multiple_of(PAUSE) {
                 self.look_around(rid, &body);
             }
         }

@@ -95,6 +95,33 @@ func test_damage_is_saved_loaded_copied_and_repaired() -> void:
 	node.free()
 
 
+func test_options_may_change() -> void:
+	var node := Sheet.node(self, Sheet.mesh())
+	var contact: int = dented(node).contact_vertex
+	node.depth_limit = 0.01
+	t.near(node.get_vertex(contact).y, -0.01, 1e-6, "cut to the limit")
+	node.depth_limit = 0
+	t.near(node.get_vertex(contact).y, -0.04, 1e-4, "the whole depth")
+	node.yield_impulse = 3
+	t.same(dented(node).status, CrumpleMeshInstance3D.BELOW_YIELD, "a weak hit")
+	node.error_tolerance = -1
+	t.same(node.error_tolerance, 0.0, "a bad tolerance is refused")
+	node.free()
+
+
+func test_another_set_begins_anew() -> void:
+	var mesh := Sheet.mesh()
+	var node := Sheet.node(self, mesh)
+	dented(node)
+	node.update_now()
+	node.example_set = CrumpleExampleSet.from_mesh(Sheet.mesh(Mesh.BLEND_SHAPE_MODE_RELATIVE, 1, false, 31))
+	t.same(node.get_mark_count(), 0, "dents")
+	t.same(node.mesh.surface_get_array_len(0), 31 * 31, "vertices")
+	node.example_set = null
+	t.same(node.example_set.mesh, mesh, "without a set it takes its own mesh again")
+	node.free()
+
+
 func test_bounds_follow_the_dents() -> void:
 	var node := Sheet.node(self, Sheet.mesh())
 	dented(node)
