@@ -324,8 +324,8 @@ impl Physics {
             if !nodes.is_empty() {
                 report.hits.push(deliver(nodes.to_vec(), blow(impulse, -point.normal, -relative)));
             }
-            // A struck body that moves reports its own contacts.
-            if !self.movers.contains_key(&other) && self.owners.contains_key(&other) {
+            // A struck body that moves reports its own contacts, also a character.
+            if other_mass.is_none() && self.owners.contains_key(&other) && !self.characters.contains_key(&other) {
                 let struck = self.nodes_of(other);
                 report.hits.push(deliver(struck, blow(-impulse, point.normal, relative)));
             }
