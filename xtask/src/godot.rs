@@ -14,7 +14,7 @@ use crate::vulkan;
 use crate::wine;
 use crate::workspace::{Workspace, empty_directory, files};
 
-const BINDING: &str = "bindings/godot";
+pub const BINDING: &str = "bindings/godot";
 /// Names the program of a Godot of version 4.6 or later.
 const ENGINE: &str = "CRUMPLE_GODOT";
 const PACKAGES: &[&str] = &["godot", "mesa-vulkan-drivers"];
@@ -44,6 +44,7 @@ pub fn run(workspace: &Workspace) -> Result<Outcome> {
             )));
         }
     };
+    version(workspace)?;
     let sh = &workspace.shell;
     let (manifest, target) = (workspace.path(BINDING).join("Cargo.toml"), workspace.target.join("godot"));
     let cargo = |command: &str| {
@@ -73,6 +74,15 @@ pub fn run(workspace: &Workspace) -> Result<Outcome> {
     results.push(("the demo", tests.run(&["--headless", "--fixed-fps", "60", "--quit-after", "300"], &[])));
     all_passed(results)?;
     Ok(Outcome::Passed)
+}
+
+/// The addon says which version it is.
+fn version(workspace: &Workspace) -> Result<()> {
+    let file = "project/addons/crumple/plugin.cfg";
+    let text = fs::read_to_string(workspace.path(BINDING).join(file)).with_context(|| format!("reading {file}"))?;
+    let line = format!("version=\"{}\"", workspace.version);
+    ensure!(text.contains(&line), "{BINDING}/{file} lacks {line}, the workspace's");
+    Ok(())
 }
 
 /// The program of the engine, fetched on the first call.

@@ -1,6 +1,7 @@
 //! `cargo xtask`: one command for each thing that developers and CI do with this repository, the same on every platform.
 
 mod abi;
+mod addon;
 mod bench;
 mod ci;
 mod command;
@@ -76,6 +77,8 @@ enum Command {
     Package(package::Options),
     /// Make the Python wheel for this system, with the library and the command inside
     Wheel(python::Options),
+    /// Make the archive of the Godot extension
+    Addon(addon::Options),
     /// Fuzz the readers of files, guided by coverage
     Fuzz(fuzz::Options),
     /// Measure accuracy, cost, stability and peers; write docs/lab with its tables, charts and report
@@ -118,6 +121,7 @@ fn run(command: Command) -> Result<()> {
         }
         Command::Package(options) => package::run(&workspace, &options),
         Command::Wheel(options) => python::run(&workspace, &options),
+        Command::Addon(options) => addon::run(&workspace, &options),
         Command::Fuzz(options) => fuzz::run(&workspace, &options),
         Command::Lab(options) => lab::run(&workspace, &options),
         Command::Bench(options) => bench::run(&workspace, &options),

@@ -1,10 +1,10 @@
 //! `cargo xtask package`: release archives, `crumple-VERSION-TARGET[-slim].tar.gz` (`.zip` on Windows), each with its debug symbols
 //! in an archive beside it. The same libraries give the same bytes.
 
-mod archive;
+pub mod archive;
 mod check;
 mod contents;
-mod licenses;
+pub mod licenses;
 mod manifest;
 mod markdown;
 mod paths;
@@ -67,7 +67,7 @@ const SLIM: Flavour = Flavour { name: "slim", suffix: "-slim", library: &["vulka
 const FULL: Flavour = Flavour { name: "full", suffix: "", library: install::FEATURES, command: true };
 
 /// The builds that an archive is made of.
-struct Parts {
+pub struct Parts {
     flavour: &'static Flavour,
     library: Built,
     command: Option<PathBuf>,

@@ -43,6 +43,14 @@ impl Body {
         Ok(Self { built, instance, shown: None })
     }
 
+    /// Takes other options. The damage stays, and contacts end. After an error nothing has changed.
+    pub fn renew(&mut self, options: InstanceOptions) -> Result<(), crumple::Error> {
+        let mut instance = Instance::new(self.built.set.clone(), options)?;
+        instance.copy_damage_from(&mut self.instance)?;
+        self.instance = instance;
+        Ok(())
+    }
+
     /// The mesh that shows the body: the set's until it is dented.
     pub fn mesh(&self) -> Gd<ArrayMesh> {
         self.shown.as_ref().map_or_else(|| self.built.pristine.clone(), |shown| shown.mesh.clone())

@@ -43,19 +43,17 @@ pub struct CrumpleMeshInstance3D {
     #[export(range = (0.001, 100.0, 0.001, or_greater, suffix = "kg"))]
     #[var(pub)]
     vertex_mass: f32,
-    /// Impulses below this leave no dent, N s. A change takes effect when the node enters the tree again.
+    /// Impulses below this leave no dent, N s.
     #[export(range = (0.0, 1000.0, 0.1, or_greater, suffix = "N s"))]
-    #[var(pub)]
+    #[var(set)]
     yield_impulse: f32,
-    /// The furthest that any vertex moves, m. 0 takes the set's. A change takes effect when the node enters the tree
-    /// again.
+    /// The furthest that any vertex moves, m. 0 takes the set's.
     #[export(range = (0.0, 1.0, 0.001, or_greater, suffix = "m"))]
-    #[var(pub)]
+    #[var(set)]
     depth_limit: f32,
-    /// How far any vertex may be wrong, m, so that many dents cost less. A change takes effect when the node enters the
-    /// tree again.
+    /// How far any vertex may be wrong, m, so that many dents cost less.
     #[export(range = (0.0, 0.01, 0.0001, or_greater, suffix = "m"))]
-    #[var(pub)]
+    #[var(set)]
     error_tolerance: f32,
 
     /// If `true`, collisions of [member contact_body] dent the mesh. It is read when the node enters the tree.
@@ -301,12 +299,40 @@ impl CrumpleMeshInstance3D {
         self.example_set = set;
         self.body.take();
         self.warned = false;
+        let original = self.original.take();
         let mut this = self.to_gd();
         // From here on others may call the node.
         let _apart = self.base_mut();
+        if let Some(original) = original {
+            this.set_mesh(&original);
+        }
         this.notify_property_list_changed();
         if this.is_inside_tree() {
             Self::open(&this);
+        }
+    }
+
+    #[func]
+    fn set_yield_impulse(&mut self, yield_impulse: f32) {
+        let before = std::mem::replace(&mut self.yield_impulse, yield_impulse);
+        if !self.renew() {
+            self.yield_impulse = before;
+        }
+    }
+
+    #[func]
+    fn set_depth_limit(&mut self, depth_limit: f32) {
+        let before = std::mem::replace(&mut self.depth_limit, depth_limit);
+        if !self.renew() {
+            self.depth_limit = before;
+        }
+    }
+
+    #[func]
+    fn set_error_tolerance(&mut self, error_tolerance: f32) {
+        let before = std::mem::replace(&mut self.error_tolerance, error_tolerance);
+        if !self.renew() {
+            self.error_tolerance = before;
         }
     }
 
@@ -381,6 +407,18 @@ impl CrumpleMeshInstance3D {
     /// Whether hits can dent it.
     pub fn is_open(&self) -> bool {
         self.body.borrow().is_some()
+    }
+
+    /// Gives the body the present options. Returns whether they are right; an error is printed.
+    fn renew(&mut self) -> bool {
+        let options = self.options();
+        let result = self.body.borrow_mut().as_mut().map_or(Ok(()), |body| body.renew(options));
+        match &result {
+            Ok(()) if self.is_open() => world::mark(&self.to_gd()),
+            Ok(()) => (),
+            Err(error) => godot_error!("CrumpleMeshInstance3D: {error}"),
+        }
+        result.is_ok()
     }
 
     fn options(&self) -> InstanceOptions {

@@ -23,7 +23,9 @@ const NEAR: f32 = 0.15;
 const POINTS: i32 = 16;
 /// A body that does not move sees others within this distance of its mesh, m. A striker must be seen one step before it
 /// touches.
-const SIGHT: f32 = 2.0;
+const SIGHT: f32 = 4.0;
+/// It looks around once in so many steps.
+const PAUSE: u64 = 4;
 /// The most bodies seen near one that does not move.
 const MOST_SEEN: i32 = 64;
 /// Seconds that a moving body is watched after it was near.
@@ -60,6 +62,9 @@ struct Physics {
     characters: HashMap<Rid, Touches>,
     /// Time of the physics, s.
     now: f64,
+    steps: u64,
+    /// The nodes that know an open contact.
+    contacts: HashMap<NonZeroU64, Vec<InstanceId>>,
     last_contact: u64,
 }
 
@@ -79,8 +84,8 @@ struct Delivery {
 #[derive(Default)]
 struct Report {
     hits: Vec<Delivery>,
-    /// Contacts that end, with the nodes that may know them.
-    ended: Vec<(Vec<InstanceId>, NonZeroU64)>,
+    /// Contacts that end.
+    ended: Vec<NonZeroU64>,
 }
 
 /// Lets collisions of a body dent a node.
@@ -118,21 +123,35 @@ fn stepped() {
     let report = PHYSICS.with_borrow_mut(Physics::step);
     let Some(report) = report else { return };
     for hit in report.hits {
-        let nodes = hit.nodes.iter().filter_map(|id| Gd::<CrumpleMeshInstance3D>::try_from_instance_id(*id).ok());
-        // A body may have several meshes; the nearest was hit.
-        let nearest = nodes
-            .filter_map(|node| Some((CrumpleMeshInstance3D::distance(&node, hit.point)?, node)))
-            .min_by(|a, b| a.0.total_cmp(&b.0));
-        if let Some((_, node)) = nearest {
+        if let Some(node) = struck(&hit) {
+            let known = |physics: &mut Physics| {
+                let nodes = physics.contacts.entry(hit.contact).or_default();
+                if !nodes.contains(&node.instance_id()) {
+                    nodes.push(node.instance_id());
+                }
+            };
+            PHYSICS.with_borrow_mut(known);
             CrumpleMeshInstance3D::strike(&node, array(hit.point), hit.blow, Some(hit.contact));
         }
     }
-    for (nodes, contact) in report.ended {
+    for contact in report.ended {
+        let nodes = PHYSICS.with_borrow_mut(|physics| physics.contacts.remove(&contact)).unwrap_or_default();
         let nodes = nodes.iter().filter_map(|id| Gd::<CrumpleMeshInstance3D>::try_from_instance_id(*id).ok());
         nodes.for_each(|node| CrumpleMeshInstance3D::end_contact(&node, contact));
     }
     // Runs after every `_physics_process` of this step.
     Callable::from_fn("crumple_note", |_| PHYSICS.with_borrow_mut(Physics::note)).call_deferred(&[]);
+}
+
+/// The node that was hit: of a body with several meshes, the nearest.
+fn struck(hit: &Delivery) -> Option<Gd<CrumpleMeshInstance3D>> {
+    let mut nodes: Vec<_> = hit.nodes.iter().filter_map(|id| Gd::try_from_instance_id(*id).ok()).collect();
+    if nodes.len() < 2 {
+        return nodes.pop();
+    }
+    let distance =
+        |node: &Gd<CrumpleMeshInstance3D>| CrumpleMeshInstance3D::distance(node, hit.point).unwrap_or(f32::INFINITY);
+    nodes.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
 impl Physics {
@@ -145,6 +164,7 @@ impl Physics {
         }
         let step = 1.0 / godot::classes::Engine::singleton().get_physics_ticks_per_second().max(1) as f64;
         self.now += step;
+        self.steps += 1;
         let mut report = Report::default();
         let bodies: Vec<(Rid, InstanceId)> = self.owners.iter().map(|(rid, owner)| (*rid, owner.body)).collect();
         for (rid, body) in bodies {
@@ -153,7 +173,7 @@ impl Physics {
                 self.character(rid, &character, step as f32, &mut report);
             } else if matches!(server.body_get_mode(rid), BodyMode::RIGID | BodyMode::RIGID_LINEAR) {
                 self.follow(rid, body.instance_id(), f64::INFINITY);
-            } else {
+            } else if (self.steps + rid.to_u64()).is_multiple_of(PAUSE) {
                 self.look_around(rid, &body);
             }
         }
@@ -182,6 +202,7 @@ impl Physics {
             unfollow(rid, &mover);
         }
         self.characters.clear();
+        self.contacts.clear();
     }
 
     /// Watches the moving bodies near one that does not move.
@@ -233,12 +254,7 @@ impl Physics {
         let now = self.now;
         let time = nodes.iter().find_map(|id| settings(*id)).map_or(0.1, |s| s.0);
         let Some(mover) = self.movers.get_mut(&rid) else { return };
-        let mut ended = Vec::new();
-        mover.touches.pass(now, f64::from(time), |id| ended.push(id));
-        if !ended.is_empty() {
-            let everyone = self.everyone();
-            report.ended.extend(ended.into_iter().map(|id| (everyone.clone(), id)));
-        }
+        mover.touches.pass(now, f64::from(time), |id| report.ended.push(id));
     }
 
     fn contacts(
@@ -285,21 +301,32 @@ impl Physics {
                 arm: state.get_contact_local_position(i) - centre,
             })
             .collect();
-        let impulses = share::impulses(&points, linear, angular, gyration);
         let into = transform.affine_inverse();
-        for (i, (point, impulse)) in points.iter().zip(impulses).enumerate() {
+        let now = self.now;
+        let spots: Vec<(Rid, Vector3, f32)> = (0..count)
+            .map(|i| {
+                let other = state.get_contact_collider(i);
+                (other, into * state.get_contact_local_position(i), self.near(rid, other))
+            })
+            .collect();
+        let Some(mover) = self.movers.get_mut(&rid) else { return };
+        // Most bodies that touch something rest.
+        let resting =
+            spots.iter().filter(|(other, local, near)| mover.touches.rests(*other, *local, *near, now)).count();
+        if resting == spots.len() {
+            return;
+        }
+        let impulses = share::impulses(&points, linear, angular, gyration);
+        for (i, ((point, impulse), (other, local, near))) in points.iter().zip(impulses).zip(spots).enumerate() {
             let i = i as i32;
-            let other = state.get_contact_collider(i);
             let place = state.get_contact_local_position(i);
             let other_mass = mass_of(other, state.get_contact_collider_object(i));
             // The other's velocity before the step: what it is now, less what this contact did.
             let gained = other_mass.map_or(Vector3::ZERO, |m| impulse / -m);
             let others = state.get_contact_collider_velocity_at_position(i) - gained;
             let relative = velocity + spin.cross(point.arm) - others;
-            let near = self.near(rid, other);
-            let seen = Seen { other, local: into * place, near, closing: -relative.dot(point.normal) };
+            let seen = Seen { other, local, near, closing: -relative.dot(point.normal) };
             let rest = gravity.length() * dt;
-            let now = self.now;
             let Some(mover) = self.movers.get_mut(&rid) else { return };
             let touch = mover.touches.see(seen, now, rest, &mut self.last_contact);
             let Some((contact, struck)) = touch else { continue };
@@ -320,8 +347,8 @@ impl Physics {
             if !nodes.is_empty() {
                 report.hits.push(deliver(nodes.to_vec(), blow(impulse, -point.normal, -relative)));
             }
-            // A struck body that moves reports its own contacts.
-            if !self.movers.contains_key(&other) && self.owners.contains_key(&other) {
+            // A struck body that moves reports its own contacts, also a character.
+            if other_mass.is_none() && self.owners.contains_key(&other) && !self.characters.contains_key(&other) {
                 let struck = self.nodes_of(other);
                 report.hits.push(deliver(struck, blow(-impulse, point.normal, relative)));
             }
@@ -353,7 +380,7 @@ impl Physics {
             report.hits.push(Delivery { nodes: nodes.clone(), point: place, blow, contact });
         }
         // The next step repeats the same push.
-        touches.pass(self.now, -1.0, |id| report.ended.push((nodes.clone(), id)));
+        touches.pass(self.now, -1.0, |id| report.ended.push(id));
     }
 
     /// How near points of a body and another are that make one dent, m.
@@ -363,10 +390,6 @@ impl Physics {
 
     fn nodes_of(&self, rid: Rid) -> Vec<InstanceId> {
         self.owners.get(&rid).map_or_else(Vec::new, |owner| owner.nodes.clone())
-    }
-
-    fn everyone(&self) -> Vec<InstanceId> {
-        self.owners.values().flat_map(|owner| owner.nodes.iter().copied()).collect()
     }
 
     /// Before a step: velocities.

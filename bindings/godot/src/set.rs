@@ -38,6 +38,11 @@ pub struct CrumpleExampleSet {
     #[export(range = (0.0, 1.0, 0.001, or_greater, suffix = "m"))]
     #[var(set)]
     depth_limit: f32,
+    /// Edges of [member mesh] that are longer than this are divided, m, so that a coarse mesh dents smoothly. 0 divides none.
+    /// Baked [member data] must have been baked with the same value.
+    #[export(range = (0.0, 1.0, 0.001, or_greater, suffix = "m"))]
+    #[var(set)]
+    edge_length: f32,
     /// The position error that compression may cause, m. 0 stores exact floats.
     #[export(range = (0.0, 0.01, 0.0001, or_greater, suffix = "m"))]
     #[var(set)]
@@ -61,6 +66,7 @@ impl IResource for CrumpleExampleSet {
             mesh: None,
             data: PackedByteArray::new(),
             depth_limit: 0.0,
+            edge_length: 0.0,
             tolerance: 0.0,
             mirror: true,
             combine: 0,
@@ -93,6 +99,19 @@ impl CrumpleExampleSet {
         let mut set = Self::new_gd();
         set.bind_mut().data = data;
         Self::built(&set).is_ok().then_some(set)
+    }
+
+    /// Returns a copy of a mesh in which no edge is longer than `edge_length`, m, with its blend shapes, materials and extras.
+    /// Returns `null` after an error, which is printed. It is for meshes that get their examples from a script; for others
+    /// set [member edge_length].
+    #[func]
+    fn divide_mesh(mesh: Option<Gd<ArrayMesh>>, edge_length: f32) -> Option<Gd<ArrayMesh>> {
+        let divided = match mesh {
+            Some(mesh) if edge_length > 0.0 && edge_length.is_finite() => surfaces::divided(&mesh, edge_length),
+            Some(_) => Err(format!("edge_length is {edge_length}; it must be above 0 and finite, m")),
+            None => Err("there is no mesh".into()),
+        };
+        divided.inspect_err(|error| godot_error!("CrumpleExampleSet.divide_mesh: {error}")).ok()
     }
 
     /// Builds the set now. Returns [constant OK], or [constant ERR_INVALID_DATA] with an error that is printed.
@@ -212,6 +231,12 @@ impl CrumpleExampleSet {
     }
 
     #[func]
+    fn set_edge_length(&mut self, edge_length: f32) {
+        self.edge_length = edge_length;
+        self.changed();
+    }
+
+    #[func]
     fn set_tolerance(&mut self, tolerance: f32) {
         self.tolerance = tolerance;
         self.changed();
@@ -252,11 +277,11 @@ impl CrumpleExampleSet {
         if let Some(built) = &this.bind().built {
             return built.clone();
         }
-        let (mesh, data, options) = {
+        let (mesh, edge, data, options) = {
             let set = this.bind();
-            (set.mesh.clone(), set.data.clone(), set.options())
+            (set.mesh.clone(), set.edge_length, set.data.clone(), set.options())
         };
-        let built = make(mesh, &data, options).map(Arc::new);
+        let built = make(mesh, edge, &data, options).map(Arc::new);
         if let Err(error) = &built {
             godot_error!("{}: {error}", this.bind().name());
         }
@@ -281,17 +306,20 @@ impl CrumpleExampleSet {
     }
 }
 
-fn make(mesh: Option<Gd<ArrayMesh>>, data: &PackedByteArray, options: SetOptions) -> Result<Built, String> {
+fn make(mesh: Option<Gd<ArrayMesh>>, edge: f32, data: &PackedByteArray, options: SetOptions) -> Result<Built, String> {
+    if !(edge >= 0.0 && edge.is_finite()) {
+        return Err(format!("edge_length is {edge}; it must be at least 0 and finite, m"));
+    }
     let (set, surfaces) = if data.is_empty() {
         let mesh = mesh.ok_or("it has neither a mesh nor the bytes of a .crumple file")?;
-        let source = surfaces::read(&mesh)?;
+        let source = surfaces::read(&mesh, edge)?;
         let set = tasks::with(|tasks| ExampleSet::build(source.mesh, source.examples, options, tasks));
         (set.map_err(|e| e.to_string())?, source.surfaces)
     } else {
         let set = tasks::with(|tasks| ExampleSet::load_copy(data.as_slice(), tasks)).map_err(|e| e.to_string())?;
         let surfaces = match mesh {
             None => surfaces::of_set(&set),
-            Some(mesh) => fitting(&mesh, &set)?,
+            Some(mesh) => fitting(&mesh, edge, &set)?,
         };
         (set, surfaces)
     };
@@ -300,8 +328,8 @@ fn make(mesh: Option<Gd<ArrayMesh>>, data: &PackedByteArray, options: SetOptions
 }
 
 /// The surfaces of a mesh, which must be the one that the set was baked from.
-fn fitting(mesh: &Gd<ArrayMesh>, set: &ExampleSet) -> Result<Vec<Surface>, String> {
-    let (surfaces, positions) = surfaces::shown(mesh)?;
+fn fitting(mesh: &Gd<ArrayMesh>, edge: f32, set: &ExampleSet) -> Result<Vec<Surface>, String> {
+    let (surfaces, positions) = surfaces::shown(mesh, edge)?;
     let baked = set.mesh().positions();
     if positions.len() != baked.len() {
         return Err(format!(

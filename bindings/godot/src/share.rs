@@ -13,7 +13,9 @@
 
 use godot::builtin::Vector3;
 
-const STEPS: usize = 150;
+/// The most steps, and the change, as a share of the whole, that ends them.
+const STEPS: usize = 400;
+const ENOUGH: f32 = 1e-4;
 /// The most friction that counts, as a share of the push along the normal.
 const FRICTION: f32 = 1.0;
 
@@ -35,14 +37,20 @@ pub fn impulses(points: &[Point], linear: Vector3, angular: Option<Vector3>, gyr
     // The trace is no less than the largest eigenvalue, so no step overshoots.
     let trace: f32 = turns.iter().map(|t| 1.0 + weight * t.length_squared()).sum();
     let mut push = vec![0.0f32; points.len()];
-    for _ in 0..STEPS * points.len().min(4) {
+    for _ in 0..STEPS {
         let (mut j, mut l) = (linear, angular);
         for ((a, p), t) in push.iter().zip(points).zip(&turns) {
             j -= p.normal * *a;
             l -= *t * *a;
         }
+        let mut change = 0.0;
         for ((a, p), t) in push.iter_mut().zip(points).zip(&turns) {
-            *a = (*a + (p.normal.dot(j) + weight * t.dot(l)) / trace).max(0.0);
+            let next = (*a + (p.normal.dot(j) + weight * t.dot(l)) / trace).max(0.0);
+            change += (next - *a).abs();
+            *a = next;
+        }
+        if change <= ENOUGH * linear.length() {
+            break;
         }
     }
     let sum: f32 = push.iter().sum();

@@ -1,5 +1,6 @@
 //! The surfaces of Godot's meshes: read as one Crumple mesh with its examples, and made again without blend shapes.
 
+use crate::divide::divide;
 use crumple::{Deltas, ExampleData, ExampleSet, MeshData, import};
 use godot::classes::mesh::{ArrayFormat, ArrayType, BlendShapeMode, PrimitiveType};
 use godot::classes::{ArrayMesh, Json, Material, RenderingServer};
@@ -15,6 +16,9 @@ const NO_TANGENT: [f32; 4] = [1.0, 0.0, 0.0, 1.0];
 pub struct Surface {
     primitive: PrimitiveType,
     arrays: VarArray,
+    /// The blend shapes, until they are examples.
+    shapes: Vec<VarArray>,
+    flags: u64,
     lods: VarDictionary,
     material: Option<Gd<Material>>,
     name: GString,
@@ -34,14 +38,15 @@ pub struct Source {
 }
 
 /// Reads a mesh. Its blend shapes become the examples, and its extras say how they were made. Surfaces of points and
-/// lines are shown and do not dent.
-pub fn read(mesh: &Gd<ArrayMesh>) -> Result<Source, String> {
-    let (surfaces, parts) = joined(mesh)?;
+/// lines are shown and do not dent. Edges longer than `edge`, m, are divided; 0 divides none.
+pub fn read(mesh: &Gd<ArrayMesh>, edge: f32) -> Result<Source, String> {
+    let (mut surfaces, parts) = joined(mesh, edge)?;
     let vertices = parts.positions.len();
     let mut examples = examples(mesh, &surfaces)?;
     if let Some(extras) = extras(mesh)? {
         import::apply_extras(&extras, vertices, &mut examples).map_err(|e| e.to_string())?;
     }
+    surfaces.iter_mut().for_each(|surface| surface.shapes.clear());
     let any = |has: fn(&Surface) -> bool| surfaces.iter().any(|s| s.count > 0 && has(s));
     let mesh = MeshData {
         positions: parts.positions,
@@ -52,16 +57,34 @@ pub fn read(mesh: &Gd<ArrayMesh>) -> Result<Source, String> {
     Ok(Source { surfaces, mesh, examples })
 }
 
+/// The mesh with its blend shapes and divided edges.
+pub fn divided(mesh: &Gd<ArrayMesh>, edge: f32) -> Result<Gd<ArrayMesh>, String> {
+    let (surfaces, _) = joined(mesh, edge)?;
+    let mut made = ArrayMesh::new_gd();
+    for i in 0..mesh.get_blend_shape_count() {
+        made.add_blend_shape(&mesh.get_blend_shape_name(i));
+    }
+    made.set_blend_shape_mode(mesh.get_blend_shape_mode());
+    for surface in &surfaces {
+        let shapes: Array<AnyArray> = surface.shapes.iter().map(|shape| shape.clone().upcast_any_array()).collect();
+        add(&mut made, surface, &shapes, 0);
+    }
+    if mesh.has_meta(EXTRAS) {
+        made.set_meta(EXTRAS, &mesh.get_meta(EXTRAS));
+    }
+    Ok(made)
+}
+
 /// The surfaces of a mesh and the positions of the vertices that dent.
-pub fn shown(mesh: &Gd<ArrayMesh>) -> Result<(Vec<Surface>, Vec<[f32; 3]>), String> {
-    let (surfaces, parts) = joined(mesh)?;
+pub fn shown(mesh: &Gd<ArrayMesh>, edge: f32) -> Result<(Vec<Surface>, Vec<[f32; 3]>), String> {
+    let (surfaces, parts) = joined(mesh, edge)?;
     Ok((surfaces, parts.positions))
 }
 
-fn joined(mesh: &Gd<ArrayMesh>) -> Result<(Vec<Surface>, Parts), String> {
-    let (mut surfaces, mut parts) = (Vec::new(), Parts::default());
+fn joined(mesh: &Gd<ArrayMesh>, edge: f32) -> Result<(Vec<Surface>, Parts), String> {
+    let (mut surfaces, mut parts) = (Vec::<Surface>::new(), Parts::default());
     for i in 0..mesh.get_surface_count() {
-        let surface = surface(mesh, i, parts.positions.len())?;
+        let surface = surface(mesh, i, parts.positions.len(), edge)?;
         if surface.count > 0 {
             parts.add(&surface, i)?;
         }
@@ -98,6 +121,8 @@ pub fn of_set(set: &ExampleSet) -> Vec<Surface> {
     vec![Surface {
         primitive: if mesh.triangles().is_empty() { PrimitiveType::POINTS } else { PrimitiveType::TRIANGLES },
         arrays,
+        shapes: Vec::new(),
+        flags: 0,
         lods: VarDictionary::new(),
         material: None,
         name: GString::new(),
@@ -111,41 +136,34 @@ pub fn of_set(set: &ExampleSet) -> Vec<Surface> {
 /// Makes a mesh of the surfaces. Its positions are floats, and its vertices may be updated.
 pub fn make(surfaces: &[Surface]) -> Gd<ArrayMesh> {
     let mut mesh = ArrayMesh::new_gd();
-    for (i, surface) in surfaces.iter().enumerate() {
-        let custom = custom_format(&surface.arrays);
-        mesh.add_surface_from_arrays_ex(surface.primitive, &surface.arrays)
-            .lods(&surface.lods)
-            .flags(ArrayFormat::from_ord(ArrayFormat::FLAG_USE_DYNAMIC_UPDATE.ord() | custom))
-            .done();
-        mesh.surface_set_material(i as i32, surface.material.as_ref());
-        mesh.surface_set_name(i as i32, &surface.name);
+    for surface in surfaces {
+        add(&mut mesh, surface, &Array::new(), ArrayFormat::FLAG_USE_DYNAMIC_UPDATE.ord());
     }
     mesh
 }
 
-/// The format of the custom channels, which Godot asks for beside the arrays: eight bytes a vertex or floats.
-fn custom_format(arrays: &VarArray) -> u64 {
-    let vertices = vectors(arrays, ArrayType::VERTEX).map_or(0, |v| v.len());
-    let channels = [
-        (ArrayType::CUSTOM0, ArrayFormat::CUSTOM0_SHIFT),
-        (ArrayType::CUSTOM1, ArrayFormat::CUSTOM1_SHIFT),
-        (ArrayType::CUSTOM2, ArrayFormat::CUSTOM2_SHIFT),
-        (ArrayType::CUSTOM3, ArrayFormat::CUSTOM3_SHIFT),
+fn add(mesh: &mut Gd<ArrayMesh>, surface: &Surface, shapes: &Array<AnyArray>, flags: u64) {
+    mesh.add_surface_from_arrays_ex(surface.primitive, &surface.arrays)
+        .blend_shapes(shapes)
+        .lods(&surface.lods)
+        .flags(ArrayFormat::from_ord(flags | surface.flags))
+        .done();
+    let last = mesh.get_surface_count() - 1;
+    mesh.surface_set_material(last, surface.material.as_ref());
+    mesh.surface_set_name(last, &surface.name);
+}
+
+/// What arrays do not say: the format of the custom channels, and the number of bones a vertex.
+fn flags_of(format: ArrayFormat) -> u64 {
+    let shifts = [
+        ArrayFormat::CUSTOM0_SHIFT,
+        ArrayFormat::CUSTOM1_SHIFT,
+        ArrayFormat::CUSTOM2_SHIFT,
+        ArrayFormat::CUSTOM3_SHIFT,
     ];
-    let mut format = 0;
-    for (channel, shift) in channels {
-        let value = arrays.at(channel.ord() as usize);
-        // Of the enum Mesh.ArrayCustomFormat: RGBA8_UNORM 0, RGBA_HALF 3, R_FLOAT 4 to RGBA_FLOAT 7.
-        let kind = if let Ok(floats) = value.try_to::<PackedFloat32Array>() {
-            3 + floats.len().checked_div(vertices).unwrap_or(0).clamp(1, 4) as u64
-        } else if let Ok(bytes) = value.try_to::<PackedByteArray>() {
-            if bytes.len() == 8 * vertices { 3 } else { 0 }
-        } else {
-            0
-        };
-        format |= kind << shift.ord();
-    }
-    format
+    let custom =
+        shifts.iter().map(|shift| ArrayFormat::CUSTOM_MASK.ord() << shift.ord()).fold(0, |all, mask| all | mask);
+    format.ord() & (custom | ArrayFormat::FLAG_USE_8_BONE_WEIGHTS.ord())
 }
 
 fn vectors(arrays: &VarArray, kind: ArrayType) -> Option<PackedVector3Array> {
@@ -160,18 +178,25 @@ fn three(v: &Vector3) -> [f32; 3] {
     [v.x, v.y, v.z]
 }
 
-fn surface(mesh: &Gd<ArrayMesh>, i: i32, first: usize) -> Result<Surface, String> {
-    let arrays = mesh.surface_get_arrays(i);
+fn surface(mesh: &Gd<ArrayMesh>, i: i32, first: usize, edge: f32) -> Result<Surface, String> {
+    let mut arrays = mesh.surface_get_arrays(i);
     let vertices = vectors(&arrays, ArrayType::VERTEX);
     let vertices = vertices.filter(|v| !v.is_empty()).ok_or_else(|| format!("surface {i} has no vertices"))?;
     let primitive = mesh.surface_get_primitive_type(i);
     if primitive == PrimitiveType::TRIANGLE_STRIP {
         return Err(format!("surface {i} is a triangle strip; make it of triangles"));
     }
+    let mut shapes: Vec<VarArray> = mesh.surface_get_blend_shape_arrays(i).iter_shared().collect();
+    let old = vertices.len();
+    if edge > 0.0 && primitive == PrimitiveType::TRIANGLES {
+        divide(&mut arrays, &mut shapes, edge).map_err(|e| format!("surface {i} cannot be divided: {e}"))?;
+    }
+    let vertices = vectors(&arrays, ArrayType::VERTEX).unwrap_or_default();
     let has = |kind: ArrayType| arrays.get(kind.ord() as usize).is_some_and(|v| !v.is_nil());
     Ok(Surface {
         primitive,
-        lods: lods(mesh, i, vertices.len()),
+        flags: flags_of(mesh.surface_get_format(i)),
+        lods: lods(mesh, i, old),
         material: mesh.surface_get_material(i),
         name: mesh.surface_get_name(i),
         first,
@@ -179,6 +204,7 @@ fn surface(mesh: &Gd<ArrayMesh>, i: i32, first: usize) -> Result<Surface, String
         has_normals: has(ArrayType::NORMAL),
         has_tangents: has(ArrayType::TANGENT),
         arrays,
+        shapes,
     })
 }
 
@@ -251,13 +277,13 @@ fn examples(mesh: &Gd<ArrayMesh>, surfaces: &[Surface]) -> Result<Vec<ExampleDat
     let mut normals: Vec<Vec<(u32, [f32; 3])>> = vec![Vec::new(); count as usize];
     let every_normal = surfaces.iter().all(|s| s.count == 0 || s.has_normals);
     for (i, surface) in surfaces.iter().enumerate().filter(|(_, s)| s.count > 0) {
-        let shapes = mesh.surface_get_blend_shape_arrays(i as i32);
+        let shapes = &surface.shapes;
         if shapes.len() != count as usize {
             return Err(format!("surface {i} has {} blend shapes; the mesh has {count}", shapes.len()));
         }
-        for (e, shape) in shapes.iter_shared().enumerate() {
+        for (e, shape) in shapes.iter().enumerate() {
             for (kind, out) in [(ArrayType::VERTEX, &mut positions[e]), (ArrayType::NORMAL, &mut normals[e])] {
-                let (Some(shape), Some(base)) = (vectors(&shape, kind), vectors(&surface.arrays, kind)) else {
+                let (Some(shape), Some(base)) = (vectors(shape, kind), vectors(&surface.arrays, kind)) else {
                     continue;
                 };
                 if shape.len() != surface.count {

@@ -40,6 +40,18 @@ pub struct Touches {
 }
 
 impl Touches {
+    /// Whether a point belongs to a touch that does not dent any more.
+    pub fn rests(&mut self, other: Rid, local: Vector3, near: f32, now: f64) -> bool {
+        let same = |t: &&mut Touch| t.seen.other == other && t.seen.local.distance_to(local) < near;
+        match self.list.iter_mut().find(same) {
+            Some(touch) if !touch.open => {
+                touch.last = now;
+                true
+            }
+            _ => false,
+        }
+    }
+
     /// Finds the touch that a point belongs to, or begins one. `rest` is the speed that gravity adds in a step, m/s.
     /// Returns the contact's id while the touch dents, and whether it has struck before.
     pub fn see(&mut self, seen: Seen, now: f64, rest: f32, last: &mut u64) -> Option<(NonZeroU64, bool)> {

@@ -5,13 +5,13 @@ use crate::set::CrumpleExampleSet;
 use godot::classes::ArrayMesh;
 use godot::prelude::*;
 use std::cell::RefCell;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 #[derive(Default)]
 struct World {
     /// The set made of a mesh. Nodes keep it alive.
     sets: HashMap<InstanceId, InstanceId>,
-    stale: Vec<InstanceId>,
+    stale: HashSet<InstanceId>,
 }
 
 thread_local! {
@@ -35,11 +35,9 @@ pub fn set_of(mesh: &Gd<ArrayMesh>) -> Gd<CrumpleExampleSet> {
 /// Notes that a node's mesh is out of date. It is brought up to date when the running process or physics step ends.
 pub fn mark(node: &Gd<CrumpleMeshInstance3D>) {
     let first = WORLD.with_borrow_mut(|world| {
-        let id = node.instance_id();
-        if !world.stale.contains(&id) {
-            world.stale.push(id);
-        }
-        world.stale.len() == 1
+        let first = world.stale.is_empty();
+        world.stale.insert(node.instance_id());
+        first
     });
     if first {
         Callable::from_fn("crumple_show", |_| show()).call_deferred(&[]);

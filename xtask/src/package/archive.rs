@@ -95,7 +95,7 @@ fn tar_gz(folder: &Path, file: File, time: u64) -> Result<()> {
 }
 
 /// Every entry has the format's first time, in 1980: the format has no time zones.
-fn zip(folder: &Path, file: File) -> Result<()> {
+pub fn zip(folder: &Path, file: File) -> Result<()> {
     let above = folder.parent().context("the folder lies somewhere")?;
     let mut archive = zip::ZipWriter::new(BufWriter::new(file));
     for (path, kind) in entries(folder)? {

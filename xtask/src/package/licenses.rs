@@ -10,15 +10,18 @@ use serde_json::Value;
 
 use super::Parts;
 use crate::command;
+use crate::target::Target;
 use crate::workspace::Workspace;
 
 pub const FILE: &str = "THIRD-PARTY-LICENSES.txt";
 /// The licenses of Rust's standard library, from Rust's distribution.
 pub const STANDARD_LIBRARY: &str = "RUST-STANDARD-LIBRARY-LICENSES.html";
-/// `NAME.txt`: license texts from the repositories of packages that were published without one.
+/// `NAME.txt`: license texts from the repositories of packages that were published without one, and `LICENSE.txt`: texts that are
+/// the same for everyone.
 const SUPPLIED: &str = "xtask/package/licenses";
 /// The names of files with license texts begin with these.
 const BEGINNINGS: &[&str] = &["license", "licence", "copying", "unlicense", "notice", "copyright"];
+const TREE: &[&str] = &["tree", "--edges", "normal,no-proc-macro", "--prefix", "none", "--format", "{p}"];
 const RULE: &str = "================================================================================";
 
 /// A package whose code is in the archive.
@@ -39,9 +42,26 @@ pub fn linked(workspace: &Workspace, parts: &Parts) -> Result<Vec<Linked>> {
     if flavour.command {
         lines.extend(tree(workspace, &parts.library.target.triple, &["--features", command::FEATURES])?);
     }
+    known(lines, workspace.cargo(&["metadata", "--format-version", "1", "--all-features"]))
+}
+
+/// The packages that a binding of its own workspace links, for any of the targets.
+pub fn linked_of(workspace: &Workspace, manifest: &Path, targets: &[Target]) -> Result<Vec<Linked>> {
+    let manifest = manifest.display().to_string();
+    let manifest = ["--manifest-path", &manifest];
+    let mut lines = Vec::new();
+    for target in targets {
+        let printed = workspace.cargo(TREE).args(manifest).args(["--target", &target.triple]).quiet().read()?;
+        lines.extend(printed.lines().map(without_mark));
+    }
+    known(lines, workspace.cargo(&["metadata", "--format-version", "1"]).args(manifest))
+}
+
+/// The packages of lines of `cargo tree`, with what `cargo metadata` knows of them. Ours are left out.
+fn known(mut lines: Vec<String>, metadata: xshell::Cmd<'_>) -> Result<Vec<Linked>> {
     lines.sort();
     lines.dedup();
-    let metadata = workspace.cargo(&["metadata", "--format-version", "1", "--all-features"]).quiet().read()?;
+    let metadata = metadata.quiet().read()?;
     let metadata: Value = serde_json::from_str(&metadata).context("reading what cargo metadata says")?;
     let packages = metadata["packages"].as_array().context("cargo metadata lists packages")?;
     let mut linked = Vec::new();
@@ -49,7 +69,7 @@ pub fn linked(workspace: &Workspace, parts: &Parts) -> Result<Vec<Linked>> {
         let mut words = line.split_whitespace();
         let (name, version) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
         let version = version.strip_prefix('v').with_context(|| format!("cargo tree says {line:?}"))?;
-        if name == "crumple" {
+        if name == "crumple" || name == "crumple-godot" {
             continue;
         }
         let package = packages.iter().find(|package| package["name"] == name && package["version"] == version);
@@ -67,11 +87,14 @@ pub fn linked(workspace: &Workspace, parts: &Parts) -> Result<Vec<Linked>> {
 }
 
 fn tree(workspace: &Workspace, target: &str, features: &[&str]) -> Result<Vec<String>> {
-    let what =
-        ["tree", "--package", "crumple", "--edges", "normal,no-proc-macro", "--prefix", "none", "--format", "{p}"];
-    let printed = workspace.cargo(&what).args(["--target", target]).args(features).quiet().read()?;
-    // Cargo marks packages that it has printed before.
-    Ok(printed.lines().map(|line| line.trim_end_matches(" (*)").to_owned()).collect())
+    let printed =
+        workspace.cargo(TREE).args(["--package", "crumple", "--target", target]).args(features).quiet().read()?;
+    Ok(printed.lines().map(without_mark).collect())
+}
+
+/// Cargo marks packages that it has printed before.
+fn without_mark(line: &str) -> String {
+    line.trim_end_matches(" (*)").to_owned()
 }
 
 /// Writes the file, and the licenses of Rust's standard library beside it.
@@ -133,9 +156,10 @@ fn texts_of(package: &Linked, supplied: &Path, apache: &str) -> Result<Vec<Strin
     if !texts.is_empty() {
         return Ok(texts);
     }
-    let text = supplied.join(format!("{name}.txt"));
-    if text.exists() {
-        return Ok(vec![read(&text)?]);
+    for supplied in [format!("{name}.txt"), format!("{license}.txt")].map(|file| supplied.join(file)) {
+        if supplied.exists() {
+            return Ok(vec![read(&supplied)?]);
+        }
     }
     let offered: Vec<&str> = license.split(" OR ").flat_map(|part| part.split('/')).map(str::trim).collect();
     if offered.contains(&"Apache-2.0") {

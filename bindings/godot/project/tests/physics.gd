@@ -73,6 +73,17 @@ func test_a_ball_dents_a_body_that_does_not_move() -> void:
 	await clear()
 
 
+func test_a_frozen_body_is_dented_as_one_that_does_not_move() -> void:
+	var body := RigidBody3D.new()
+	var sheet := plate(body, Vector3.ZERO)
+	await ticks(1)
+	body.freeze = true
+	ball(2, Vector3(0.25, 0.6, 0), Vector3(0, -1, 0))
+	await ticks(60)
+	t.near(deepest(sheet), Vector3(0.25, -0.01 * sqrt(1 + 9.8), 0), 0.0035, "the deepest point")
+	await clear()
+
+
 func test_a_body_that_runs_into_a_wall_is_dented() -> void:
 	var wall := StaticBody3D.new()
 	box(wall, Vector3(0.1, 0.2, 0.1), Vector3(0.1, -0.1, 0.2))

@@ -54,6 +54,67 @@ func test_surfaces_are_one_body() -> void:
 	node.free()
 
 
+func test_a_coarse_mesh_is_divided() -> void:
+	# 0.25 m between vertices, and the same sheet with 0.125 m.
+	for surfaces: int in [1, 2]:
+		var coarse := CrumpleExampleSet.from_mesh(Sheet.mesh(Mesh.BLEND_SHAPE_MODE_NORMALIZED, surfaces, true, 5))
+		t.same(coarse.get_vertex_count(), 25 if surfaces == 1 else 30, "vertices")
+		coarse.edge_length = 0.2
+		t.same(coarse.get_vertex_count(), 81 if surfaces == 1 else 90, "vertices after division")
+		t.near(coarse.get_deepest(), 0.05, 1e-6, "the deepest")
+		var node := CrumpleMeshInstance3D.new()
+		node.example_set = coarse
+		add_child(node)
+		node.add_displacement(Vector3.ZERO, Vector3(0, -0.05, 0))
+		var points := PackedVector3Array()
+		for v in coarse.get_vertex_count():
+			points.append(node.get_vertex(v))
+		for p in points:
+			if p.x == 0.125 and p.z == 0:
+				t.near(p.y, -0.025, 1e-3, "half way between a dented and an undented vertex")
+		t.ok(Vector3(0.125, -0.025, 0) in points or points.size() > 80, "a new vertex is there")
+		t.same(node.mesh.surface_get_array_len(0), 81 if surfaces == 1 else 45, "vertices shown")
+		node.free()
+
+
+func test_a_mesh_without_examples_gets_round_ones() -> void:
+	var box := ArrayMesh.new()
+	box.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, BoxMesh.new().get_mesh_arrays())
+	var mesh: ArrayMesh = load("res://addons/crumple/round_dents.gd").add_to(box, 0.1, 6, 0.3, 0.1)
+	t.same(mesh.get_blend_shape_count(), 6, "examples")
+	var node := Sheet.node(self, mesh)
+	t.same(node.get_problem(), "", "problem")
+	var hit := node.add_displacement(Vector3(0.1, 0.5, 0.1), Vector3(0, -0.08, 0))
+	t.near(node.get_vertex(hit.contact_vertex).y, 0.42, 0.01, "the top")
+	t.ok(CrumpleExampleSet.divide_mesh(box, 0) == null, "a length of 0 is refused")
+	node.free()
+
+
+func test_other_channels_are_kept() -> void:
+	var arrays := Sheet.arrays(0, 1, false, false, 5)
+	var custom := PackedFloat32Array()
+	var bytes := PackedByteArray()
+	for i in 50:
+		custom.append(i)
+	for i in 100:
+		bytes.append(i)
+	arrays[Mesh.ARRAY_CUSTOM0] = custom
+	arrays[Mesh.ARRAY_CUSTOM1] = bytes
+	var dent := Sheet.arrays(0, 1, true, false, 5)
+	dent[Mesh.ARRAY_INDEX] = null
+	dent[Mesh.ARRAY_TEX_UV] = null
+	var mesh := ArrayMesh.new()
+	mesh.add_blend_shape("dent")
+	mesh.blend_shape_mode = Mesh.BLEND_SHAPE_MODE_NORMALIZED
+	var format := (Mesh.ARRAY_CUSTOM_RG_FLOAT << Mesh.ARRAY_FORMAT_CUSTOM0_SHIFT) \
+		| (Mesh.ARRAY_CUSTOM_RG_HALF << Mesh.ARRAY_FORMAT_CUSTOM1_SHIFT)
+	mesh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays, [dent], {}, format)
+	var shown := CrumpleExampleSet.from_mesh(mesh).get_pristine_mesh()
+	var kept := shown.surface_get_arrays(0)
+	for channel: int in [Mesh.ARRAY_CUSTOM0, Mesh.ARRAY_CUSTOM1, Mesh.ARRAY_TEX_UV]:
+		t.same(kept[channel], mesh.surface_get_arrays(0)[channel], "channel %d" % channel)
+
+
 func test_nodes_share_a_set_and_the_undamaged_mesh() -> void:
 	var mesh := Sheet.mesh()
 	var one := Sheet.node(self, mesh)
@@ -92,6 +153,33 @@ func test_damage_is_saved_loaded_copied_and_repaired() -> void:
 	t.same(node.save_damage().size(), 0, "bytes without damage")
 	t.same(node.load_damage(bytes), OK, "loading")
 	t.same(node.get_vertex(contact), there, "loaded")
+	node.free()
+
+
+func test_options_may_change() -> void:
+	var node := Sheet.node(self, Sheet.mesh())
+	var contact: int = dented(node).contact_vertex
+	node.depth_limit = 0.01
+	t.near(node.get_vertex(contact).y, -0.01, 1e-6, "cut to the limit")
+	node.depth_limit = 0
+	t.near(node.get_vertex(contact).y, -0.04, 1e-4, "the whole depth")
+	node.yield_impulse = 3
+	t.same(dented(node).status, CrumpleMeshInstance3D.BELOW_YIELD, "a weak hit")
+	node.error_tolerance = -1
+	t.same(node.error_tolerance, 0.0, "a bad tolerance is refused")
+	node.free()
+
+
+func test_another_set_begins_anew() -> void:
+	var mesh := Sheet.mesh()
+	var node := Sheet.node(self, mesh)
+	dented(node)
+	node.update_now()
+	node.example_set = CrumpleExampleSet.from_mesh(Sheet.mesh(Mesh.BLEND_SHAPE_MODE_RELATIVE, 1, false, 31))
+	t.same(node.get_mark_count(), 0, "dents")
+	t.same(node.mesh.surface_get_array_len(0), 31 * 31, "vertices")
+	node.example_set = null
+	t.same(node.example_set.mesh, mesh, "without a set it takes its own mesh again")
 	node.free()
 
 
