@@ -44,10 +44,11 @@
 //
 // Ownership. Crumple owns what it creates; you hold an id, a small struct by value. An id of zeros is null. Compare ids
 // field by field. An id is invalid after its destroy or unregister call; using it is an error, never a crash. An id
-// belongs to one context; crumple_example_set_share() gives a set to another. Destroying an instance unregisters its buffers. Instances keep their destroyed example set
-// alive. Destroying a context destroys everything in it. You own what you pass in: defs, strings and arrays are read
-// during the call and may be freed after it. Four things must live longer: memory of registered buffers, data that a
-// context's callbacks use, bytes passed with CRUMPLE_BYTES_KEEP, and an attached Vulkan device or imported memory.
+// belongs to one context; crumple_example_set_share() gives a set to another. Destroying an instance unregisters its
+// buffers. Instances keep their destroyed example set alive. Destroying a context destroys everything in it. You own
+// what you pass in: defs, strings and arrays are read during the call and may be freed after it. Four things must live
+// longer: memory of registered buffers, data that a context's callbacks use, bytes passed with CRUMPLE_BYTES_KEEP, and
+// an attached Vulkan device or imported memory.
 //
 // Defs. A struct whose name ends in Def comes from its crumple_..._def_default function, which sets struct_size and the
 // defaults. Then set the fields that you need. struct_size identifies your header version; a size other than the
@@ -64,8 +65,9 @@
 //
 // Reads. Hits are pending until the instance's damage is next read. These calls read it: a deform, record or submit of
 // one of its buffers or of all buffers; ..._get_info(), ..._get_marks(), ..._get_contact(), ..._save_damage(),
-// ..._save_changes(), ..._repair_...(), a ..._load_damage() of changes, ..._copy_damage() for its source, and ..._get_attached_frame(). The result does not depend on
-// the number of threads or on the order of hits between two reads. With CRUMPLE_RULE_MARKS it does not depend on when
+// ..._save_changes(), a ..._load_damage() of changes, ..._repair_...(), ..._copy_damage() for its source,
+// ..._get_attached_frame(), and ..._release_part(), ..._mount_part() and ..._measure_part(). The result does not depend
+// on the number of threads or on the order of hits between two reads. With CRUMPLE_RULE_MARKS it does not depend on when
 // reads happen, with three exceptions: marks merge above mark_capacity, contacts end when more than 256 are open, and
 // the hits of one contact are summed with rounding.
 //
@@ -209,7 +211,8 @@ typedef enum {
     /// The bytes are copied. Free them after the call.
     CRUMPLE_BYTES_COPY = 0,
     /// The bytes are used in place. They must stay readable and unchanged until the set and all its instances are
-    /// destroyed, or the context is. Bytes whose address is not a multiple of 16 are copied.
+    /// destroyed, or the context is; if the set is shared, in all its contexts. Bytes whose address is not a multiple of
+    /// 16 are copied.
     CRUMPLE_BYTES_KEEP = 1,
 } CrumpleBytes;
 
@@ -998,8 +1001,8 @@ CrumpleLodDef crumple_lod_def_default(void);
 CrumpleResult crumple_example_set_add_lod(CrumpleContext *context, CrumpleExampleSet set, const CrumpleLodDef *def,
                                           uint32_t *out_lod);
 
-/// Gives a set to another context too, without a copy, such as for levels that load on a thread of their own. The
-/// contexts are then as independent as before. Destroying the set in one of them does not affect the others. Both
+/// Gives a set to another context too, without a copy, such as one that loads levels on another thread. The contexts stay
+/// as independent as they were. Destroying the set in one of them does not affect the others. Both
 /// contexts are in use during the call. Add levels of detail before. CRUMPLE_ERROR_INVALID_ARGUMENT: other is context.
 CrumpleResult crumple_example_set_share(CrumpleContext *context, CrumpleExampleSet set, CrumpleContext *other,
                                         CrumpleExampleSet *out_set);
@@ -1115,15 +1118,15 @@ CrumpleResult crumple_instance_set_tolerance(CrumpleContext *context, CrumpleIns
 /// Takes a part off a body: mesh part of the set, a number from crumple_example_set_add_lod(). The base mesh is then the
 /// whole body, and each part has vertices at the positions of base vertices. out_part receives an instance of its own
 /// with the same options, transform and damage, and the body's buffers of the mesh become that instance's. Hits on it
-/// land only on the part. Hits on the body land only on what is left. Takes some milliseconds. Errors:
+/// land only on the part. Hits on the body land only on what is left. The call indexes the base mesh. Errors:
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (0, a part that is off already, the last part, a mesh without base vertices of its own),
 /// CRUMPLE_ERROR_WRONG_RULE.
 CrumpleResult crumple_instance_release_part(CrumpleContext *context, CrumpleInstance instance, uint32_t part,
                                             CrumpleInstance *out_part);
 
 /// Puts a released part on its body again, or with false takes it off. It keeps its damage, instance and buffers. Hits on
-/// the body, and the ends of their contacts, also reach the parts that are on it; other changes of damage do not. Takes
-/// some milliseconds. CRUMPLE_ERROR_INVALID_ARGUMENT: not a part of this body, or one that is on, or off, already.
+/// the body, and the ends of their contacts, also reach the parts that are on it; other changes of damage do not. The call
+/// indexes the base mesh. CRUMPLE_ERROR_INVALID_ARGUMENT: not a part of this body, or one that is on, or off, already.
 CrumpleResult crumple_instance_mount_part(CrumpleContext *context, CrumpleInstance instance, CrumpleInstance part,
                                           bool mounted);
 
@@ -1133,8 +1136,8 @@ CrumpleResult crumple_instance_set_part_rigid(CrumpleContext *context, CrumpleIn
                                               bool rigid);
 
 /// Measures how far the vertices of mesh lod have moved, m: the furthest, and their mean, to compare with thresholds such
-/// as "the bumper falls off". Equal on all machines. Takes about as long as a deform of the whole mesh. Either output
-/// may be null.
+/// as "the bumper falls off". Dents count in full while they grow, and tolerance leaves out nothing, so it is equal on all
+/// machines. Takes about as long as a deform of the whole mesh. Either output may be null.
 CrumpleResult crumple_instance_measure_part(CrumpleContext *context, CrumpleInstance instance, uint32_t lod,
                                             float *out_deepest, float *out_mean);
 
@@ -1167,7 +1170,7 @@ CrumpleResult crumple_instance_submit_displacement(CrumpleContext *context, Crum
 
 /// Submits count hits, each to the instance at the same index. Either all are submitted, or none and the message names
 /// the first wrong one. out_results is null, or has room for count results. Otherwise like
-/// crumple_instance_submit_impulse(), and a little cheaper.
+/// crumple_instance_submit_impulse().
 CrumpleResult crumple_context_submit_impulses(CrumpleContext *context, const CrumpleInstance *instances,
                                               const CrumpleImpulseDef *defs, uint32_t count,
                                               CrumpleHitResult *out_results);
@@ -1188,8 +1191,8 @@ CrumpleResult crumple_instance_preview_displacement(CrumpleContext *context, Cru
 
 /// Takes a hit on a skinned mesh in its pose to the bind pose, in which Crumple dents: dent, then skin the deformed
 /// vertices. Changes def, for a submit. The vertex nearest to the hit decides, by the inverse of its skin matrix; dents
-/// do not count. def's space may be CRUMPLE_SPACE_WORLD, and is CRUMPLE_SPACE_LOCAL afterwards. Takes some nanoseconds
-/// per vertex. May be called from any thread at any time. CRUMPLE_ERROR_INVALID_ARGUMENT: also weights that do not sum
+/// do not count. def's space may be CRUMPLE_SPACE_WORLD, and is CRUMPLE_SPACE_LOCAL afterwards. Each call visits every
+/// vertex. May be called from any thread at any time. CRUMPLE_ERROR_INVALID_ARGUMENT: also weights that do not sum
 /// to 1, or a skin matrix without inverse.
 CrumpleResult crumple_instance_unpose_impulse(CrumpleContext *context, CrumpleInstance instance,
                                               const CrumpleSkinDef *skin, CrumpleImpulseDef *def);
