@@ -141,6 +141,31 @@ fn quick_a_dent_grows_evenly_and_pops_out_again() {
 }
 
 #[test]
+fn quick_more_dents_than_can_grow_are_complete_at_once() {
+    let set = scenes::sheet_set();
+    let options = InstanceOptions { grow_time: 1.0, capacity: 1000, ..InstanceOptions::default() };
+    let mut body = Instance::new(set.clone(), options).unwrap();
+    let mut plain = Instance::new(set.clone(), InstanceOptions { grow_time: 0.0, ..options }).unwrap();
+    let mut out = Output::new(&set);
+    out.update(&mut body);
+    let mut dice = Dice::new(3);
+    for (frame, count) in [200, 200, 0, 50].into_iter().enumerate() {
+        body.set_time(0.2 * frame as f64).unwrap();
+        for _ in 0..count {
+            let hit = random_hit(&set, &mut dice);
+            for instance in [&body, &plain] {
+                instance.submit(&hit).unwrap();
+            }
+        }
+        out.update(&mut body);
+        assert!(out.all_bits() == Output::fresh(&mut body).all_bits(), "frame {frame}");
+    }
+    body.set_time(9.0).unwrap();
+    out.update(&mut body);
+    assert!(out.all_bits() == Output::fresh(&mut plain).all_bits());
+}
+
+#[test]
 fn quick_bad_repairs_and_times_are_refused() {
     let set = scenes::sheet_set();
     let mut body = new(&set);

@@ -512,6 +512,44 @@ fn a_recording_says_why_it_cannot_begin_or_go_on() {
 }
 
 #[test]
+fn parts_come_off_and_go_on_again_as_recorded() {
+    let mut host = Host::with_set();
+    host.add_lod();
+    host.instance(CrumpleRule::Marks);
+    let body = host.instances[0];
+    host.buffer(body, 0);
+    host.buffer(body, 1);
+    ok(host.begin());
+    ok(host.hit(0, (0.1, 0.1), 1.0, 0));
+    host.deform();
+    let mut part = CrumpleInstance::default();
+    // SAFETY: all outputs live across the calls.
+    unsafe {
+        ok(crumple_instance_release_part(host.context, body, 1, &mut part));
+        assert_eq!(crumple_instance_release_part(host.context, body, 1, &mut part), R::CrumpleErrorInvalidArgument);
+        host.instances.push(part);
+        ok(host.hit(1, (-0.2, 0.1), 1.0, 0));
+        host.deform();
+        ok(crumple_instance_mount_part(host.context, body, part, MaybeUninit::new(true)));
+        ok(host.hit(0, (0.0, -0.2), 1.0, 3));
+        host.deform();
+        let (mut deepest, mut mean) = (0.0, 0.0);
+        ok(crumple_instance_measure_part(host.context, part, 1, &mut deepest, &mut mean));
+        assert!(mean > 0.0 && mean < deepest);
+        ok(crumple_instance_mount_part(host.context, body, part, MaybeUninit::new(false)));
+        let off = MaybeUninit::new(false);
+        assert_eq!(crumple_instance_set_part_rigid(host.context, part, 1, off), R::CrumpleErrorInvalidArgument);
+        ok(crumple_instance_set_part_rigid(host.context, body, 1, MaybeUninit::new(true)));
+    }
+    ok(host.hit(0, (0.3, 0.3), 1.0, 0));
+    host.deform();
+    let report = same(&host.end());
+    assert_eq!((report.hits, report.deforms), (4, 4));
+    assert_eq!(host.begin(), R::CrumpleErrorInvalidArgument);
+    assert!(said().contains("instance 1 has parts"), "{}", said());
+}
+
+#[test]
 fn a_transform_may_be_set_while_the_context_is_in_use_and_is_recorded() {
     let mut host = Host::with_set();
     host.instance(CrumpleRule::Marks);

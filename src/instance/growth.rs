@@ -47,8 +47,9 @@ impl Growth {
         self.shown.as_ref().unwrap_or(damage)
     }
 
-    /// Dents go from what was shown, `before` if nothing grew, to `damage`.
-    pub(crate) fn begin(&mut self, set: &ExampleSet, before: Damage, damage: &Damage) {
+    /// Dents go from what was shown, `before` if nothing grew, to `damage`. Calls `changed` with the dents that are shown
+    /// otherwise at once, as they were and as they are.
+    pub(crate) fn begin(&mut self, set: &ExampleSet, before: Damage, damage: &Damage, changed: &mut dyn FnMut(&Dent)) {
         let shown = self.shown.take().unwrap_or(before);
         let old = std::mem::take(&mut self.growing);
         shown.compare(damage, |mark, from, to| {
@@ -65,6 +66,7 @@ impl Growth {
             first.map(|at| self.growing.remove(at));
         }
         self.show(set, damage);
+        self.shown(damage).differences(&shown, changed);
     }
 
     fn began(&self, at: usize) -> f64 {

@@ -306,7 +306,7 @@ impl Instance {
             self.damage.add(&self.set, new.marks, capacity, &mut touched);
         }
         if let Some(before) = before {
-            self.growth.begin(&self.set, before, &self.damage);
+            self.growth.begin(&self.set, before, &self.damage, &mut touched);
         }
         classic.sort_unstable();
         if let Some(state) = &mut self.classic {
@@ -426,7 +426,7 @@ impl Instance {
         let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
         self.damage.replace_sorted(&self.set, marks, &mut |d: &Dent| touch.dent(d));
         if let Some(before) = before {
-            self.growth.begin(&self.set, before, &self.damage);
+            self.growth.begin(&self.set, before, &self.damage, &mut |d: &Dent| touch.dent(d));
         }
         self.contacts.close_all();
         self.update_threshold();
@@ -512,7 +512,7 @@ impl Instance {
         let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
         self.damage.scale(&self.set, keep, &mut |d: &Dent| touch.dent(d));
         if let Some(before) = before {
-            self.growth.begin(&self.set, before, &self.damage);
+            self.growth.begin(&self.set, before, &self.damage, &mut |d: &Dent| touch.dent(d));
         }
         self.update_threshold();
     }
