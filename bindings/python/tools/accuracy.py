@@ -3,7 +3,7 @@
     python bindings/python/tools/accuracy.py [BODY.glb] [--count 12] [--unseen 8] [--detail 1200] [--out FOLDER]
 
 The unseen impacts are drawn with another seed, with depths and places of their own, and are simulated on a shell with four times as many
-points and half the time step. The error is the relative L2 norm of the displacement over the body's points; no dent at all has error 1.
+points, and so with half the time step. The error is the relative L2 norm of the displacement over the body's points; no dent at all has error 1.
 Told the blow: contact point and normal, the striker's mass, velocity and radius, and the normal momentum as the impulse, as a rigid-body
 engine reports it. With one factor: the predicted displacement of the contact is multiplied by the median of true over predicted depths of the
 other unseen impacts, as one calibrates a game's impulses. The run can be interrupted and repeated.
@@ -88,7 +88,7 @@ def truth(body: Body, settings: run.Settings, folder: Path, count: int, stiffnes
     carrier = shell.Carrier(fine, body.points)
     store = run.Store(folder, body, fine, settings)
     # Any dent is as good as the wanted one here.
-    maker = run.Maker(fine, settings, step=0.5, near_enough=10)
+    maker = run.Maker(fine, settings, near_enough=10)
     results = list(store.read())
     rng = np.random.default_rng(settings.seed)
     places = rng.choice(Places(fine, MARGIN).open, 10 * count)
