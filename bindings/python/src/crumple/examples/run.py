@@ -23,11 +23,12 @@ from .solver import BLOCKED, HELD, MISSED, Blow, Outcome, Solver
 TRIES = 5
 EXPONENT = 1.2
 """Energy grows with this power of the depth."""
-TYPICAL = 90.0
+TYPICAL = 45.0
 """Energy of a dent by depth ** EXPONENT and by the material's strength, before any is known."""
 NEAR_ENOUGH = 1.8
 """A dent may be this many times deeper or shallower than wanted."""
-FORMAT = 1
+FORMAT = 2
+"""Another number for every change of what the solver leaves."""
 
 
 @dataclass(frozen=True)
@@ -68,13 +69,12 @@ class Result:
 class Maker:
     """Does tasks, in this process or in another."""
 
-    def __init__(self, shell: Shell, settings: Settings, step: float = 1.0, near_enough: float = NEAR_ENOUGH) -> None:
-        """`step` scales the solver's time step."""
+    def __init__(self, shell: Shell, settings: Settings, near_enough: float = NEAR_ENOUGH) -> None:
         self.shell, self.settings, self.near_enough = shell, settings, near_enough
         self.material = MATERIALS[settings.material]
         self.strength = self.material.strength(settings.thickness)
         self.most_mass = max(STRIKERS[name].mass[1] for name in settings.strikers)
-        self.solver = Solver(shell, self.material, settings.thickness, step)
+        self.solver = Solver(shell, self.material, settings.thickness)
 
     def do(self, task: Task) -> Result:
         rng = np.random.default_rng([self.settings.seed, task.index])
