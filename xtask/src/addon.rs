@@ -7,7 +7,7 @@ use anyhow::{Context, Result, ensure};
 use clap::Args;
 
 use crate::godot::BINDING;
-use crate::package::{archive, licenses};
+use crate::package::{archive, licenses, markdown};
 use crate::target::{self, Target};
 use crate::tools::{self, Tool};
 use crate::workspace::{Workspace, cargo_home, empty_directory, files};
@@ -49,6 +49,9 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
         let name = library.file_name().context("libraries have names")?;
         copy(&library, &addon.join("bin").join(name))?;
     }
+    let page = workspace.path(BINDING).join("README.md");
+    let page = fs::read_to_string(&page).with_context(|| format!("reading {}", page.display()))?;
+    fs::write(addon.join("README.md"), markdown::without_dead_links(&page, &addon))?;
     for license in ["LICENSE-MIT", "LICENSE-APACHE"] {
         copy(&workspace.path(license), &addon.join(license))?;
     }

@@ -6,7 +6,7 @@ mod check;
 mod contents;
 pub mod licenses;
 mod manifest;
-mod markdown;
+pub mod markdown;
 mod paths;
 mod symbols;
 

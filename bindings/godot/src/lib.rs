@@ -7,6 +7,7 @@ mod node;
 mod physics;
 mod set;
 mod share;
+mod sight;
 mod surfaces;
 mod tasks;
 mod touches;

@@ -4,30 +4,30 @@
 
 use crate::node::{CrumpleMeshInstance3D, array};
 use crate::share::{self, Point};
+use crate::sight::Sight;
 use crate::touches::{Seen, Touches};
 use crumple::{Blow, Striker};
 use godot::builtin::Rid;
 use godot::classes::physics_server_3d::BodyMode;
 use godot::classes::{
-    BoxShape3D, CharacterBody3D, PhysicsBody3D, PhysicsDirectBodyState3D, PhysicsServer3D,
-    PhysicsShapeQueryParameters3D, SceneTree,
+    CharacterBody3D, PhysicsBody3D, PhysicsDirectBodyState3D, PhysicsServer3D, RigidBody3D, SceneTree,
 };
 use godot::prelude::*;
 use std::cell::RefCell;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::num::NonZeroU64;
 
 /// Points that touch nearer to each other than this share of the mesh's diagonal make one dent.
 const NEAR: f32 = 0.15;
 /// Points of contact that watched bodies report.
 const POINTS: i32 = 16;
-/// A body that does not move sees others within this distance of its mesh, m. A striker must be seen one step before it
+/// A body that does not move sees others within this distance of its mesh, m. A striker must be seen two steps before it
 /// touches.
 const SIGHT: f32 = 4.0;
-/// It looks around once in so many steps.
-const PAUSE: u64 = 4;
-/// The most bodies seen near one that does not move.
-const MOST_SEEN: i32 = 64;
+/// Each body is looked at once in so many steps, for whether and where it moves.
+const PAUSE: u64 = 8;
+/// Bodies that are gone are forgotten once in so many steps.
+const CLEANED: u64 = 64;
 /// Seconds that a moving body is watched after it was near.
 const WATCHED: f64 = 0.5;
 
@@ -37,7 +37,11 @@ struct Owner {
     nodes: Vec<InstanceId>,
     /// The longest diagonal of its meshes, m.
     size: f32,
-    query: Option<Gd<PhysicsShapeQueryParameters3D>>,
+    /// Whether no step has looked at it yet.
+    new: bool,
+    character: bool,
+    /// Where it looks for strikers, if it does not move.
+    sight: Option<Sight>,
 }
 
 /// A rigid body whose momentum is watched.
@@ -49,6 +53,8 @@ struct Mover {
     touches: Touches,
     /// Until when it is watched, s. Bodies with nodes of their own are watched always.
     until: f64,
+    /// The bodies that see it, each with the part that it sees.
+    near: HashSet<(Rid, i64)>,
     /// What it reported before it was watched.
     reported: i32,
 }
@@ -92,7 +98,8 @@ struct Report {
 pub fn watch(node: &Gd<CrumpleMeshInstance3D>, body: &Gd<PhysicsBody3D>) {
     let Some(mut tree) = node.get_tree_or_null() else { return };
     let new = PHYSICS.with_borrow_mut(|physics| {
-        let new = Owner { body: body.instance_id(), nodes: Vec::new(), size: 0.0, query: None };
+        let character = body.clone().try_cast::<CharacterBody3D>().is_ok();
+        let new = Owner { body: body.instance_id(), nodes: Vec::new(), size: 0.0, new: true, character, sight: None };
         let owner = physics.owners.entry(body.get_rid()).or_insert(new);
         owner.nodes.push(node.instance_id());
         owner.size = owner.size.max((node.get_global_transform() * node.get_aabb()).size.length());
@@ -107,7 +114,26 @@ pub fn watch(node: &Gd<CrumpleMeshInstance3D>, body: &Gd<PhysicsBody3D>) {
 pub fn forget(node: InstanceId) {
     PHYSICS.with_borrow_mut(|physics| {
         physics.owners.values_mut().for_each(|owner| owner.nodes.retain(|id| *id != node));
-        physics.owners.retain(|_, owner| !owner.nodes.is_empty());
+        physics.clean();
+    });
+}
+
+/// A body that does not move sees a part of another body come or go.
+pub fn seen(by: (Rid, i64), rid: Rid, id: i64, entered: bool) {
+    let body = InstanceId::try_from_i64(id).filter(|id| Gd::<RigidBody3D>::try_from_instance_id(*id).is_ok());
+    PHYSICS.with_borrow_mut(|physics| {
+        if let (true, Some(body)) = (entered, body) {
+            let until = physics.now + WATCHED;
+            physics.follow(rid, body, until);
+        }
+        if let Some(mover) = physics.movers.get_mut(&rid) {
+            if entered {
+                mover.near.insert(by);
+            } else {
+                mover.near.remove(&by);
+                mover.until = mover.until.max(physics.now + WATCHED);
+            }
+        }
     });
 }
 
@@ -157,24 +183,33 @@ fn struck(hit: &Delivery) -> Option<Gd<CrumpleMeshInstance3D>> {
 impl Physics {
     fn step(&mut self) -> Option<Report> {
         let mut server = PhysicsServer3D::singleton();
-        self.owners.retain(|_, owner| Gd::<PhysicsBody3D>::try_from_instance_id(owner.body).is_ok());
+        if self.steps.is_multiple_of(CLEANED) {
+            self.clean();
+        }
         if self.owners.is_empty() {
             self.release();
             return None;
         }
         let step = 1.0 / godot::classes::Engine::singleton().get_physics_ticks_per_second().max(1) as f64;
         self.now += step;
-        self.steps += 1;
         let mut report = Report::default();
-        let bodies: Vec<(Rid, InstanceId)> = self.owners.iter().map(|(rid, owner)| (*rid, owner.body)).collect();
-        for (rid, body) in bodies {
-            let Ok(body) = Gd::<PhysicsBody3D>::try_from_instance_id(body) else { continue };
-            if let Ok(character) = body.clone().try_cast::<CharacterBody3D>() {
-                self.character(rid, &character, step as f32, &mut report);
+        self.steps += 1;
+        let turn = self.steps % PAUSE;
+        let due = self.owners.iter_mut().filter_map(|(rid, owner)| {
+            let due = std::mem::take(&mut owner.new) || owner.character || rid.to_u64() % PAUSE == turn;
+            due.then_some((*rid, owner.body, owner.character))
+        });
+        for (rid, body, character) in due.collect::<Vec<_>>() {
+            if character {
+                if let Ok(character) = Gd::<CharacterBody3D>::try_from_instance_id(body) {
+                    self.character(rid, &character, step as f32, &mut report);
+                }
+            } else if Gd::<PhysicsBody3D>::try_from_instance_id(body).is_err() {
+                // It is gone; the next cleaning finds that.
             } else if matches!(server.body_get_mode(rid), BodyMode::RIGID | BodyMode::RIGID_LINEAR) {
-                self.follow(rid, body.instance_id(), f64::INFINITY);
-            } else if (self.steps + rid.to_u64()).is_multiple_of(PAUSE) {
-                self.look_around(rid, &body);
+                self.follow(rid, body, f64::INFINITY);
+            } else {
+                self.look_around(rid, &server);
             }
         }
         let movers: Vec<Rid> = self.movers.keys().copied().collect();
@@ -192,7 +227,7 @@ impl Physics {
             if reported < POINTS {
                 server.body_set_max_contacts_reported(rid, POINTS);
             }
-            Mover { body, before: None, touches: Touches::default(), until, reported }
+            Mover { body, before: None, touches: Touches::default(), until, near: HashSet::new(), reported }
         });
     }
 
@@ -205,34 +240,26 @@ impl Physics {
         self.contacts.clear();
     }
 
-    /// Watches the moving bodies near one that does not move.
-    fn look_around(&mut self, rid: Rid, body: &Gd<PhysicsBody3D>) {
+    /// Keeps the area around a body that does not move where the body is.
+    fn look_around(&mut self, rid: Rid, server: &Gd<PhysicsServer3D>) {
         let Some(owner) = self.owners.get_mut(&rid) else { return };
         let nodes = owner.nodes.iter().filter_map(|id| Gd::<CrumpleMeshInstance3D>::try_from_instance_id(*id).ok());
         let Some(bounds) = nodes.map(|n| n.get_global_transform() * n.get_aabb()).reduce(|a, b| a.merge(b)) else {
             return;
         };
-        let bounds = bounds.grow(SIGHT);
-        let query = owner.query.get_or_insert_with(|| {
-            let mut query = PhysicsShapeQueryParameters3D::new_gd();
-            query.set_shape(&BoxShape3D::new_gd());
-            query.set_exclude(&array![rid]);
-            query
-        });
-        query.set_transform(Transform3D::new(Basis::IDENTITY, bounds.center()));
-        if let Some(mut shape) = query.get_shape().and_then(|shape| shape.try_cast::<BoxShape3D>().ok()) {
-            shape.set_size(bounds.size);
-        }
-        let query = query.clone();
-        let space = body.get_world_3d().and_then(|world| world.get_direct_space_state());
-        let Some(mut space) = space else { return };
-        let server = PhysicsServer3D::singleton();
-        for found in space.intersect_shape_ex(&query).max_results(MOST_SEEN).done().iter_shared() {
-            let Some(body) = found.get("collider").and_then(|v| v.try_to::<Gd<PhysicsBody3D>>().ok()) else { continue };
-            let other = body.get_rid();
-            let moves = matches!(server.body_get_mode(other), BodyMode::RIGID | BodyMode::RIGID_LINEAR);
-            if moves && !self.owners.contains_key(&other) {
-                self.follow(other, body.instance_id(), self.now + WATCHED);
+        let sight = owner.sight.get_or_insert_with(|| Sight::new(rid));
+        sight.follow(bounds.grow(SIGHT), server.body_get_space(rid));
+    }
+
+    /// Forgets bodies whose nodes are gone.
+    fn clean(&mut self) {
+        let here =
+            |owner: &Owner| !owner.nodes.is_empty() && Gd::<PhysicsBody3D>::try_from_instance_id(owner.body).is_ok();
+        let gone: Vec<Rid> = self.owners.iter().filter(|(_, owner)| !here(owner)).map(|(rid, _)| *rid).collect();
+        for rid in gone {
+            if let Some(sight) = self.owners.remove(&rid).and_then(|owner| owner.sight) {
+                sight.end();
+                self.movers.values_mut().for_each(|mover| mover.near.retain(|(owner, _)| *owner != rid));
             }
         }
     }
@@ -241,12 +268,18 @@ impl Physics {
     fn mover(&mut self, rid: Rid, server: &mut Gd<PhysicsServer3D>, report: &mut Report) {
         let Some(mover) = self.movers.get_mut(&rid) else { return };
         let owned = self.owners.contains_key(&rid);
-        let Some(state) = state_of(rid, mover.body, server).filter(|_| owned || mover.until > self.now) else {
-            if let Some(mover) = self.movers.remove(&rid) {
+        let Some(state) =
+            state_of(rid, mover.body, server).filter(|_| owned || !mover.near.is_empty() || mover.until > self.now)
+        else {
+            if let Some(mut mover) = self.movers.remove(&rid) {
+                mover.touches.pass(f64::INFINITY, 0.0, |id| report.ended.push(id));
                 unfollow(rid, &mover);
             }
             return;
         };
+        if state.is_sleeping() || mover.touches.is_empty() && state.get_contact_count() == 0 {
+            return;
+        }
         let nodes = self.nodes_of(rid);
         if let Some(before) = mover_before(&self.movers, rid) {
             self.contacts(rid, &state, before, &nodes, report);
@@ -267,7 +300,7 @@ impl Physics {
     ) {
         let count = state.get_contact_count();
         let inverse = state.get_inverse_mass();
-        if count == 0 || inverse <= 0.0 || state.is_sleeping() {
+        if count == 0 || inverse <= 0.0 {
             return;
         }
         let (mass, dt) = (1.0 / inverse, state.get_step());

@@ -40,6 +40,10 @@ pub struct Touches {
 }
 
 impl Touches {
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
     /// Whether a point belongs to a touch that does not dent any more.
     pub fn rests(&mut self, other: Rid, local: Vector3, near: f32, now: f64) -> bool {
         let same = |t: &&mut Touch| t.seen.other == other && t.seen.local.distance_to(local) < near;
@@ -106,6 +110,6 @@ mod tests {
         assert!(ended.contains(&id));
         assert_eq!(touches.see(seen(0.0, 3.0), 0.12, 0.16, &mut last), None, "what lasts holds the body up");
         touches.pass(1.0, 0.1, |_| ());
-        assert!(touches.list.is_empty());
+        assert!(touches.is_empty());
     }
 }
