@@ -104,11 +104,11 @@ static void levels(CrumpleContext *context) {
     OK(crumple_context_deform(context, NULL, 0, NULL));
     FACT(memcmp(few, coarse, sizeof few) != 0);
     FACT(crumple_pixel_tolerance(-1, 10, 1, 1080) == 0 && crumple_pixel_tolerance(1, 10, 1, 1080) > 0);
-    uint32_t lod = 7;
-    OK(crumple_instance_set_view(context, body, 1, 1e4f, 1, 1080, &lod));
-    FACT(lod == 1);
-    OK(crumple_instance_set_view(context, body, 0, 1, 1, 1080, &lod));
-    FACT(lod == 0);
+    uint32_t shown = 7;
+    OK(crumple_instance_set_view(context, body, 1, 1e4f, 1, 1080, &shown));
+    FACT(shown == 1);
+    OK(crumple_instance_set_view(context, body, 0, 1, 1, 1080, &shown));
+    FACT(shown == 0);
     FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "fov_y", crumple_instance_set_view(context, body, 1, 1, 4, 1080, NULL));
 }
 
