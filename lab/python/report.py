@@ -368,7 +368,7 @@ def scene(directory):
         return ""
 
     def line(r):
-        shown = "base mesh, tolerance" if r["shown"] == "base mesh" else "`set_view`"
+        shown = {"base mesh": "base mesh, tolerance", "view": "`set_view`", "view and tolerance": "`set_view` and tolerance"}[r["shown"]]
         return [f"{shown} {r['pixels']:g} px", f"{number(r['ms_per_frame'])} ms", f"{r['vertices_per_frame']:.0f}", f"{r['parts_skipped']:.0f}", size(r["bytes_bodies"]),
                 number(r["error_px_p99"], 3), number(r["error_px_max"]), number(r["dent_error_px_p99"], 3), number(r["dent_error_px_max"])]
 

@@ -29,6 +29,7 @@ mod tools;
 mod unity;
 mod valgrind;
 mod vulkan;
+mod web;
 mod wine;
 mod workspace;
 
@@ -79,6 +80,8 @@ enum Command {
     Wheel(python::Options),
     /// Make the archive of the Godot extension
     Addon(addon::Options),
+    /// Make the npm package and its page
+    Web(web::Options),
     /// Fuzz the readers of files, guided by coverage
     Fuzz(fuzz::Options),
     /// Measure accuracy, cost, stability and peers; write docs/lab with its tables, charts and report
@@ -122,6 +125,7 @@ fn run(command: Command) -> Result<()> {
         Command::Package(options) => package::run(&workspace, &options),
         Command::Wheel(options) => python::run(&workspace, &options),
         Command::Addon(options) => addon::run(&workspace, &options),
+        Command::Web(options) => web::run(&workspace, &options),
         Command::Fuzz(options) => fuzz::run(&workspace, &options),
         Command::Lab(options) => lab::run(&workspace, &options),
         Command::Bench(options) => bench::run(&workspace, &options),

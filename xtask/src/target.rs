@@ -9,6 +9,7 @@ use crate::workspace::Workspace;
 
 pub const WINDOWS: &str = "x86_64-pc-windows-gnu";
 pub const AARCH64: &str = "aarch64-unknown-linux-gnu";
+pub const WEB: &str = "wasm32-unknown-unknown";
 
 /// Rust as Debian packages it. With the source of the standard library (rust-web-src) it compiles for any system.
 const DEBIAN_CARGO: &str = "/usr/bin/cargo";
@@ -139,9 +140,15 @@ impl Target {
             cargo.env("RUSTC", DEBIAN_RUSTC).env("RUSTC_BOOTSTRAP", "1")
         };
         let linker = format!("CARGO_TARGET_{}_LINKER", triple.to_uppercase().replace('-', "_"));
+        // Rust brings the linker for WebAssembly. Every browser of the last years has vectors.
+        let (linker, flags) = match triple.as_str() {
+            WEB => (None, [flags, vec!["-Ctarget-feature=+simd128".to_owned()]].concat()),
+            _ => (Some(linker), flags),
+        };
         // A warning here is one that the lints of this machine's system do not see.
         let flags = [flags, vec!["--deny=warnings".to_owned()]].concat();
-        Ok(cargo.env(linker, self.gnu("gcc")).env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}")).args(rest))
+        let cargo = cargo.envs(linker.map(|name| (name, self.gnu("gcc"))));
+        Ok(cargo.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}")).args(rest))
     }
 }
 

@@ -7,7 +7,7 @@ use crate::ci::CHECKS;
 use crate::stage::{self, Outcome, Rules, Stage};
 use crate::tools::Tool;
 use crate::workspace::Workspace;
-use crate::{abi, csharp, demo, godot, native, package, peers, platforms, python, valgrind, vulkan};
+use crate::{abi, csharp, demo, godot, native, package, peers, platforms, python, valgrind, vulkan, web};
 
 #[derive(Args, Default)]
 pub struct Options {
@@ -131,6 +131,13 @@ const STAGES: &[Stage] = &[
         needs: &[Tool::CCompiler, Tool::Xvfb],
         wants: &[],
         run: godot::run,
+    },
+    Stage {
+        name: "web",
+        shows: "the WebAssembly module gives the same bits under Node, and its page dents a hood in Chromium",
+        needs: &[Tool::WebRust, Tool::Npm, Tool::Chromium],
+        wants: &[],
+        run: web::stage,
     },
     Stage { name: "rust", shows: "the Rust tests and documentation examples pass", needs: &[], wants: &[], run: rust },
     Stage {

@@ -51,6 +51,10 @@ pub enum Tool {
     AarchRust,
     /// GNU's compilers for 64-bit ARM.
     AarchCompiler,
+    /// Rust's standard library for WebAssembly, or its source.
+    WebRust,
+    /// The browser that the page is tested in.
+    Chromium,
     /// Runs programs for 64-bit ARM.
     Qemu,
 }
@@ -76,7 +80,7 @@ impl Tool {
         let sh = &workspace.shell;
         let answers = |program: &str| cmd!(sh, "{program} --version").quiet().ignore_stderr().read().is_ok();
         match self {
-            Self::WindowsRust | Self::AarchRust => {
+            Self::WindowsRust | Self::AarchRust | Self::WebRust => {
                 self.rust_target().is_some_and(|triple| Target::other(triple).has_rust(workspace))
             }
             Self::Mingw => ["gcc", "g++"].iter().all(|name| answers(&format!("x86_64-w64-mingw32-{name}-posix"))),
@@ -86,6 +90,7 @@ impl Tool {
             Self::Llvm => ["clang", "lld-link"].iter().all(|name| answers(name)) && answers("llvm-strip"),
             Self::AarchCompiler => ["gcc", "g++"].iter().all(|name| answers(&format!("aarch64-linux-gnu-{name}"))),
             Self::Qemu => answers("qemu-aarch64"),
+            Self::Chromium => answers("/usr/bin/chromium"),
             Self::CMake => cmd!(sh, "cmake --version").quiet().ignore_stderr().read().is_ok(),
             Self::CCompiler => cmd!(sh, "cc --version").quiet().ignore_stderr().read().is_ok(),
             Self::CppCompiler => cmd!(sh, "c++ --version").quiet().ignore_stderr().read().is_ok(),
@@ -122,6 +127,7 @@ impl Tool {
         match self {
             Self::WindowsRust => Some(target::WINDOWS),
             Self::AarchRust => Some(target::AARCH64),
+            Self::WebRust => Some(target::WEB),
             _ => None,
         }
     }
@@ -141,13 +147,14 @@ impl Tool {
             Self::VulkanHeaders => &["pkg-config", "libvulkan-dev"],
             Self::Png => &["pkg-config", "libpng-dev"],
             Self::Mono => &["mono-mcs", "mono-runtime"],
-            Self::WindowsRust | Self::AarchRust => &["rustc-web", "cargo-web", "rust-web-src"],
+            Self::WindowsRust | Self::AarchRust | Self::WebRust => &["rustc-web", "cargo-web", "rust-web-src"],
             Self::Mingw => &["g++-mingw-w64-x86-64-posix", "mingw-w64-x86-64-dev"],
             Self::Wine => &["wine64"],
             Self::Xvfb => &["xvfb"],
             Self::Llvm => &["clang", "lld", "llvm"],
             Self::AarchCompiler => &["g++-aarch64-linux-gnu"],
             Self::Qemu => &["qemu-user"],
+            Self::Chromium => &["chromium"],
             Self::Abigail => &["abigail-tools"],
             Self::Vulkan => &["libvulkan1", "mesa-vulkan-drivers", "vulkan-validationlayers"],
         };
@@ -186,6 +193,8 @@ impl fmt::Display for Tool {
             Self::AarchRust => "Rust for 64-bit ARM (or: rustup target add aarch64-unknown-linux-gnu)",
             Self::AarchCompiler => "GNU's compilers for 64-bit ARM",
             Self::Qemu => "qemu-aarch64",
+            Self::WebRust => "Rust for WebAssembly (or: rustup target add wasm32-unknown-unknown)",
+            Self::Chromium => "Chromium",
         })
     }
 }

@@ -25,6 +25,7 @@ use crate::table::{Table, num};
 /// What is off on the screen may be so many pixels: as tolerance of the base mesh, and of `Instance::set_view`.
 const TOLERANCES: [f32; 5] = [0.0, 0.25, 0.5, 1.0, 2.0];
 const VIEWS: [f32; 6] = [0.125, 0.25, 0.5, 1.0, 2.0, 4.0];
+const BOTH: [f32; 2] = [0.5, 1.0];
 /// Cells of the levels of detail, in edges of the base mesh.
 const CELLS: [f32; 4] = [2.0, 4.0, 8.0, 16.0];
 /// A pixel is dented where its surface point has moved by as many pixels.
@@ -41,8 +42,10 @@ const BUDGETS: [u64; 4] = [50_000, 100_000, 200_000, u64::MAX];
 enum Shown {
     /// The base mesh, with a tolerance in pixels.
     Base(f32),
-    /// The level and the tolerance that [`Instance::set_view`] chooses for so many pixels.
+    /// The level that [`Instance::set_view`] chooses for so many pixels.
     View(f32),
+    /// The same, and a tolerance of so many pixels too.
+    Both(f32),
 }
 
 /// A body of which several stand in the scene.
@@ -125,13 +128,14 @@ fn seen(options: &Options, kinds: &[Kind], bodies: &[Body], frames: usize) -> Re
     for (b, body) in bodies.iter().enumerate() {
         raster.draw(b as u32, &body.place, &exact.positions[b], kinds[body.kind].set.mesh().triangles());
     }
-    for shown in TOLERANCES.map(Shown::Base).into_iter().chain(VIEWS.map(Shown::View)) {
+    for shown in TOLERANCES.map(Shown::Base).into_iter().chain(VIEWS.map(Shown::View)).chain(BOTH.map(Shown::Both)) {
         let got = play(kinds, bodies, &hits, shown)?;
         let e = Errors::measure(kinds, bodies, &raster, &exact, &got);
         let per_frame = |n: u64| num(n as f64 / frames as f64);
         let (name, pixels) = match shown {
             Shown::Base(pixels) => ("base mesh", pixels),
             Shown::View(pixels) => ("view", pixels),
+            Shown::Both(pixels) => ("view and tolerance", pixels),
         };
         table.row([
             name.to_owned(),
@@ -301,13 +305,14 @@ impl Street {
         for body in bodies {
             let set = &kinds[body.kind].set;
             let mut instance = Instance::new(set.clone(), InstanceOptions::default())?;
+            let (Shown::Base(pixels) | Shown::View(pixels) | Shown::Both(pixels)) = shown;
             let lod = match shown {
-                Shown::Base(pixels) => {
-                    instance.set_tolerance(pixel_tolerance(pixels, body.distance, FOV, HEIGHT as f32))?;
-                    0
-                }
-                Shown::View(pixels) => instance.set_view(pixels, body.distance, FOV, HEIGHT as f32)?,
+                Shown::Base(_) => 0,
+                _ => instance.set_view(pixels, body.distance, FOV, HEIGHT as f32)?,
             };
+            if !matches!(shown, Shown::View(_)) {
+                instance.set_tolerance(pixel_tolerance(pixels, body.distance, FOV, HEIGHT as f32))?;
+            }
             instances.push(instance);
             positions.push(vec![[0.0; 3]; set.lod_mesh(lod)?.positions().len()]);
             lods.push(lod);

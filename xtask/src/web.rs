@@ -1,0 +1,123 @@
+//! The npm package for browsers and Node: the library as WebAssembly, its interface in JavaScript, and a page that dents a hood.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use clap::Args;
+use xshell::cmd;
+
+use crate::command::Command;
+use crate::install::{Profile, copy};
+use crate::package::licenses;
+use crate::stage::Outcome;
+use crate::target::{self, Target};
+use crate::tools::{self, Tool};
+use crate::workspace::{Workspace, empty_directory, files};
+
+const PACKAGE: &str = "bindings/web";
+/// The parts of the package's folder that users get.
+const INTERFACE: &[&str] = &["package.json", "README.md", "crumple.js", "crumple.d.ts"];
+/// What the page draws with, and what drives the browser in its test.
+const THREE: &str = "three@0.180.0";
+const DRIVER: &str = "playwright-core@1.56.1";
+/// The parts of three.js that the page loads.
+const DRAWN_WITH: &[&str] = &[
+    "LICENSE",
+    "build/three.module.js",
+    "build/three.core.js",
+    "examples/jsm/controls/OrbitControls.js",
+    "examples/jsm/environments/RoomEnvironment.js",
+];
+const BROWSER: &str = "chromium";
+
+#[derive(Args)]
+pub struct Options {
+    /// Folder for the package and the page
+    #[arg(long, value_name = "DIR", default_value = "out/web")]
+    out: PathBuf,
+}
+
+/// `cargo xtask web`: the package in DIR/crumple, and the page around it.
+pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
+    let missing = tools::provide(workspace, &[Tool::WebRust, Tool::Npm].into())?;
+    ensure!(missing.is_empty(), "{}", tools::advice(&missing));
+    let out = workspace.path(&options.out);
+    lay_out(workspace, &node(workspace, &[THREE])?, &out)?;
+    println!(
+        "{0}/crumple is the package. Serve {0} and open it: python3 -m http.server --directory {0}",
+        out.display()
+    );
+    Ok(())
+}
+
+/// The module gives the native library's bits under Node, and the page works in Chromium.
+pub fn stage(workspace: &Workspace) -> Result<Outcome> {
+    let modules = match node(workspace, &[THREE, DRIVER]) {
+        Ok(modules) => modules,
+        Err(error) => {
+            let line = format!("npm install {THREE} {DRIVER}");
+            return Ok(Outcome::LeftOut(format!("packages of the page cannot be had; to see why: {line} ({error})")));
+        }
+    };
+    let folder = workspace.target.join("web/page");
+    lay_out(workspace, &modules, &folder)?;
+    let (sh, set) = (&workspace.shell, folder.join("hood.crumple"));
+    let (impacts, dented) = (workspace.path("assets/demo/hood.json"), workspace.target.join("web/dented.glb"));
+    Command::build(workspace, Profile::Debug, None)?.apply(&set, &impacts, &dented, None)?;
+    let tests = workspace.path(PACKAGE).join("test");
+    let (bits, page, module) = (tests.join("node.mjs"), tests.join("page.mjs"), folder.join("crumple/crumple.wasm"));
+    cmd!(sh, "node {bits} {module} {set} {impacts} {dented}").run()?;
+    let _there = sh.push_dir(modules.parent().context("the modules are in a folder")?);
+    let picture = workspace.target.join("web/page.png");
+    cmd!(sh, "node {page} {folder} /usr/bin/{BROWSER} {picture}").run()?;
+    Ok(Outcome::Passed)
+}
+
+/// The folder of Node's modules, with these packages.
+fn node(workspace: &Workspace, packages: &[&str]) -> Result<PathBuf> {
+    let directory = workspace.target.join("web/node");
+    let modules = directory.join("node_modules");
+    let name = |package: &str| package.split('@').next().unwrap_or_default().to_owned();
+    if !packages.iter().all(|package| modules.join(name(package)).is_dir()) {
+        empty_directory(&directory)?;
+        let npm = ["install", "--loglevel=error", "--no-audit", "--no-fund", "--prefix"];
+        cmd!(workspace.shell, "npm {npm...} {directory} {packages...}").run()?;
+    }
+    Ok(modules)
+}
+
+fn lay_out(workspace: &Workspace, modules: &Path, out: &Path) -> Result<()> {
+    empty_directory(out)?;
+    let package = out.join("crumple");
+    for file in INTERFACE {
+        copy(&workspace.path(PACKAGE).join(file), &package)?;
+    }
+    for license in ["LICENSE-MIT", "LICENSE-APACHE"] {
+        copy(&workspace.path(license), &package)?;
+    }
+    let web = Target::other(target::WEB);
+    let manifest = workspace.path(PACKAGE).join("Cargo.toml");
+    let built = workspace.target.join("web/built");
+    web.cargo(workspace, &["build", "--release", "--locked"])?
+        .arg("--manifest-path")
+        .arg(&manifest)
+        .arg("--target-dir")
+        .arg(&built)
+        .run()?;
+    let module = built.join(target::WEB).join("release/crumple_web.wasm");
+    fs::copy(&module, package.join("crumple.wasm")).with_context(|| format!("copying {}", module.display()))?;
+    licenses::write(workspace, &licenses::linked_of(workspace, &manifest, &[web])?, &package.join(licenses::FILE))?;
+    for file in files(&workspace.path(PACKAGE).join("demo"))? {
+        copy(&file, out)?;
+    }
+    for file in DRAWN_WITH {
+        let to = out.join("three").join(file);
+        copy(&modules.join("three").join(file), to.parent().context("the file is in a folder")?)?;
+    }
+    let (hood, set) = (workspace.path("assets/demo/hood.glb"), out.join("hood.crumple"));
+    let command = Command::build(workspace, Profile::Debug, None)?;
+    let program = command.program();
+    cmd!(workspace.shell, "{program} bake {hood} -o {set} --tolerance 0.1mm").quiet().ignore_stdout().run()?;
+    Ok(())
+}
