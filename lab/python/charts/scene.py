@@ -17,7 +17,7 @@ def draw(directory):
     panel(axes[0], table, "error_px_p99", "error of 99 % of covered pixels, pixels", "all that is off")
     panel(axes[1], table, "dent_error_px_max", "error of the worst dented pixel, pixels", "dents alone, without the level's shape at rest")
     axes[0].set_ylabel("ms a frame, one thread, logarithmic")
-    axes[0].legend(loc="upper right")
+    axes[1].legend(loc="lower left")
     what = table.said("what")
     style.title(figure, f"{what.split(' from')[0]} on a street: cost of a frame against what is off on the screen")
     style.footer(figure, table, None, f"Submitting and deforming, positions and normals. Dotted: half a pixel. {what}")
