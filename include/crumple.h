@@ -22,7 +22,10 @@
 //                       crumple_vulkan_record into your VkCommandBuffer and crumple_vulkan_complete_frames;
 //                       to share memory instead of a command buffer: crumple_vulkan_open, ..._import_buffer, ..._submit
 //   8. Attached points  crumple_example_set_attach_point, crumple_instance_get_attached_frame: lamps, collision vertices
-//   9. Recordings       crumple_recording_begin, ..._end: a file of calls that "crumple replay" repeats
+//   9. No more than     crumple_instance_set_view: the level of detail, or the tolerance, that a distance allows;
+//      a scene needs    crumple_context_set_vertex_budget: the most vertices to write in a frame
+//  10. Bodies of parts  crumple_example_set_add_lod for each part; crumple_instance_release_part, ..._mount_part
+//  11. Recordings       crumple_recording_begin, ..._end: a file of calls that "crumple replay" repeats
 //
 // Results. Calls that can fail return a CrumpleResult, and crumple_last_error() returns the message. Calls that return
 // something else cannot fail. A failed call changes nothing, and everything stays usable. Outputs are written only on
