@@ -135,20 +135,20 @@ impl Target {
             workspace.cargo(&[first, "--target", triple])
         } else {
             // Cargo calls this unstable. Debian's Rust has no compiled standard library for other systems.
-            let source = "-Zbuild-std=std,panic_unwind,test";
+            let panic = if triple == WEB { "panic_abort" } else { "panic_unwind" };
+            let source = format!("-Zbuild-std=std,{panic},test");
             let cargo = cmd!(workspace.shell, "{DEBIAN_CARGO} {first} {source} --target {triple}");
             cargo.env("RUSTC", DEBIAN_RUSTC).env("RUSTC_BOOTSTRAP", "1")
         };
         let linker = format!("CARGO_TARGET_{}_LINKER", triple.to_uppercase().replace('-', "_"));
-        // Rust brings the linker for WebAssembly. Every browser of the last years has vectors.
-        let (linker, flags) = match triple.as_str() {
-            WEB => (None, [flags, vec!["-Ctarget-feature=+simd128".to_owned()]].concat()),
-            _ => (Some(linker), flags),
+        let (program, flags) = match triple.as_str() {
+            // Every browser of the last years has vectors.
+            WEB => ("wasm-ld".to_owned(), [flags, vec!["-Ctarget-feature=+simd128".to_owned()]].concat()),
+            _ => (self.gnu("gcc"), flags),
         };
         // A warning here is one that the lints of this machine's system do not see.
         let flags = [flags, vec!["--deny=warnings".to_owned()]].concat();
-        let cargo = cargo.envs(linker.map(|name| (name, self.gnu("gcc"))));
-        Ok(cargo.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}")).args(rest))
+        Ok(cargo.env(linker, program).env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}")).args(rest))
     }
 }
 

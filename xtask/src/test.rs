@@ -135,7 +135,7 @@ const STAGES: &[Stage] = &[
     Stage {
         name: "web",
         shows: "the WebAssembly module gives the same bits under Node, and its page dents a hood in Chromium",
-        needs: &[Tool::WebRust, Tool::Npm, Tool::Chromium],
+        needs: &[Tool::WebRust, Tool::Llvm, Tool::Npm, Tool::Chromium],
         wants: &[],
         run: web::stage,
     },

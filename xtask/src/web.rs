@@ -40,7 +40,7 @@ pub struct Options {
 
 /// `cargo xtask web`: the package in DIR/crumple, and the page around it.
 pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
-    let missing = tools::provide(workspace, &[Tool::WebRust, Tool::Npm].into())?;
+    let missing = tools::provide(workspace, &[Tool::WebRust, Tool::Llvm, Tool::Npm].into())?;
     ensure!(missing.is_empty(), "{}", tools::advice(&missing));
     let out = workspace.path(&options.out);
     lay_out(workspace, &node(workspace, &[THREE])?, &out)?;
