@@ -67,7 +67,7 @@ pub(crate) fn threshold(set: &ExampleSet, dents: &[Dent], tolerance: f32) -> f32
 }
 
 /// How much longer than the error that is allowed the edges of a level of detail may be. Measured in the lab's scene
-/// (docs/lab, "A scene"): there the dents of 99 in 100 pixels are then wrong by less than a fifth of that error.
+/// (docs/lab, "A scene"): there, for up to two pixels, the dents of 99 in 100 pixels are wrong by less than a fifth of that.
 pub(crate) const EDGES: f32 = 16.0;
 
 /// Returns the length (m) that covers `pixels` pixels at `distance` (m) from a camera with this vertical field of view

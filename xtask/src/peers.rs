@@ -9,6 +9,7 @@ use xshell::cmd;
 use crate::command::Command;
 use crate::install::Profile;
 use crate::stage::Outcome;
+use crate::tools;
 use crate::workspace::{Workspace, empty_directory};
 
 const BLENDER: &str = "bpy==5.0.1";
@@ -43,12 +44,8 @@ pub fn gltf_validator(workspace: &Workspace) -> Result<Outcome> {
     let sh = &workspace.shell;
     // Where tests/validate_gltf.js looks for it.
     let directory = workspace.path("target/validator");
-    if !directory.join("node_modules/gltf-validator").is_dir() {
-        empty_directory(&directory)?;
-        let npm = ["install", "--loglevel=error", "--no-audit", "--no-fund", "--prefix"];
-        if let Err(error) = cmd!(sh, "npm {npm...} {directory} {VALIDATOR}").run() {
-            return Ok(Outcome::LeftOut(format!("{VALIDATOR} cannot be installed: {error}")));
-        }
+    if let Err(error) = tools::npm(workspace, &directory, &[VALIDATOR]) {
+        return Ok(Outcome::LeftOut(format!("{VALIDATOR} cannot be installed: {error}")));
     }
     let _required = sh.push_env("CRUMPLE_REQUIRE_VALIDATOR", "1");
     exporter_tests(workspace)?;

@@ -2,13 +2,14 @@
 
 use std::collections::BTreeSet;
 use std::fmt;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use xshell::cmd;
 
 use crate::target::{self, Target};
 use crate::wine;
-use crate::workspace::Workspace;
+use crate::workspace::{Workspace, empty_directory};
 
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum Tool {
@@ -245,6 +246,18 @@ fn packages_of(tools: &BTreeSet<Tool>) -> Vec<&'static str> {
 
 fn still_missing(workspace: &Workspace, wanted: &BTreeSet<Tool>) -> BTreeSet<Tool> {
     wanted.iter().copied().filter(|tool| !tool.here(workspace)).collect()
+}
+
+/// Installs packages of npm, `NAME@VERSION`, below a folder that has nothing else, if they are not there. Returns their folder.
+pub fn npm(workspace: &Workspace, directory: &Path, packages: &[&str]) -> Result<PathBuf> {
+    let modules = directory.join("node_modules");
+    let name = |package: &str| package.split('@').next().unwrap_or_default().to_owned();
+    if !packages.iter().all(|package| modules.join(name(package)).is_dir()) {
+        empty_directory(directory)?;
+        let install = ["install", "--loglevel=error", "--no-audit", "--no-fund", "--prefix"];
+        cmd!(workspace.shell, "npm {install...} {directory} {packages...}").run()?;
+    }
+    Ok(modules)
 }
 
 /// Updates the list of packages if we may.

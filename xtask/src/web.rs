@@ -76,15 +76,7 @@ pub fn stage(workspace: &Workspace) -> Result<Outcome> {
 
 /// The folder of Node's modules, with these packages.
 fn node(workspace: &Workspace, packages: &[&str]) -> Result<PathBuf> {
-    let directory = workspace.target.join("web/node");
-    let modules = directory.join("node_modules");
-    let name = |package: &str| package.split('@').next().unwrap_or_default().to_owned();
-    if !packages.iter().all(|package| modules.join(name(package)).is_dir()) {
-        empty_directory(&directory)?;
-        let npm = ["install", "--loglevel=error", "--no-audit", "--no-fund", "--prefix"];
-        cmd!(workspace.shell, "npm {npm...} {directory} {packages...}").run()?;
-    }
-    Ok(modules)
+    tools::npm(workspace, &workspace.target.join("web/node"), packages)
 }
 
 fn lay_out(workspace: &Workspace, modules: &Path, out: &Path) -> Result<()> {

@@ -3,6 +3,7 @@
 import ctypes
 import os
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -52,3 +53,19 @@ def check(code: int) -> None:
     """Raises the library's message unless the call succeeded."""
     if code != native.CrumpleResult.OK:
         raise CrumpleError(library.crumple_last_error().decode(), native.CrumpleResult(code))
+
+
+def needed(call: Callable[..., int], *arguments: Any, size: Any) -> int:
+    """Asks a call that fills an array how many elements it has. `size` is the number that the call writes."""
+    code = call(*arguments, None, 0, ctypes.byref(size))
+    if code != native.CrumpleResult.ERROR_BUFFER_TOO_SMALL:
+        check(code)
+    return size.value
+
+
+def filled(call: Callable[..., int], *arguments: Any) -> bytes:
+    """The bytes that a call writes."""
+    size = ctypes.c_size_t()
+    data = ctypes.create_string_buffer(needed(call, *arguments, size=size))
+    check(call(*arguments, data, len(data), ctypes.byref(size)))
+    return data.raw[: size.value]

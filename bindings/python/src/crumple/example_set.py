@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from . import _native as native
 from ._arrays import matrix, stream, vector, vector3
-from ._library import check, library
+from ._library import check, filled, library
 from .types import Attachment, ExampleInfo, Mesh, Placement, Primitive, Rule, Selection, SetInfo
 
 if TYPE_CHECKING:
@@ -94,14 +94,7 @@ class ExampleSet:
 
     def bake(self) -> bytes:
         """The set as the bytes of a .crumple file."""
-        size = ctypes.c_size_t()
-        save = library.crumple_example_set_save_baked
-        result = save(self._context.handle, self.id, None, 0, ctypes.byref(size))
-        if result != native.CrumpleResult.ERROR_BUFFER_TOO_SMALL:
-            check(result)
-        data = ctypes.create_string_buffer(size.value)
-        check(save(self._context.handle, self.id, data, size.value, ctypes.byref(size)))
-        return data.raw
+        return filled(library.crumple_example_set_save_baked, self._context.handle, self.id)
 
     def nearest_vertex(self, point: ArrayLike) -> tuple[int, float]:
         """The vertex of the base mesh nearest to a point, and its distance, m."""

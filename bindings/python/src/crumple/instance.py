@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _native as native
 from ._arrays import matrix, stream, vector, vector3
-from ._library import check, library
+from ._library import check, filled, library, needed
 from .types import MARK, Attachment, Changes, Chosen, Frame, HitResult, HitStatus, InstanceInfo, Mesh, Space, Striker
 
 if TYPE_CHECKING:
@@ -113,10 +113,7 @@ class Instance:
         """The marks, an array of type MARK. Assigning to it replaces the damage."""
         count = ctypes.c_uint32()
         get, pointer = library.crumple_instance_get_marks, ctypes.POINTER(native.CrumpleMark)
-        result = get(self._context.handle, self.id, None, 0, ctypes.byref(count))
-        if result != native.CrumpleResult.ERROR_BUFFER_TOO_SMALL:
-            check(result)
-        marks = np.zeros(count.value, MARK)
+        marks = np.zeros(needed(get, self._context.handle, self.id, size=count), MARK)
         check(get(self._context.handle, self.id, marks.ctypes.data_as(pointer), len(marks), ctypes.byref(count)))
         return marks[: count.value]
 
@@ -130,14 +127,7 @@ class Instance:
 
     def save_damage(self) -> bytes:
         """The damage as bytes that are equal on all machines."""
-        size = ctypes.c_size_t()
-        save = library.crumple_instance_save_damage
-        result = save(self._context.handle, self.id, None, 0, ctypes.byref(size))
-        if result != native.CrumpleResult.ERROR_BUFFER_TOO_SMALL:
-            check(result)
-        data = ctypes.create_string_buffer(size.value)
-        check(save(self._context.handle, self.id, data, size.value, ctypes.byref(size)))
-        return data.raw[: size.value]
+        return filled(library.crumple_instance_save_damage, self._context.handle, self.id)
 
     def load_damage(self, data: bytes | bytearray | memoryview) -> None:
         """Replaces the damage with saved damage of an instance of an equal set."""

@@ -6,6 +6,7 @@ import argparse
 import os
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -29,7 +30,7 @@ def _parser() -> argparse.ArgumentParser:
     add("body", type=Path, metavar="BODY.glb", help="the mesh, as .glb or .gltf")
     add("-o", "--output", type=Path, metavar="OUT.glb", help="default: BODY_examples.glb")
     add("--mesh", metavar="NAME", help="which mesh of the file; default: the one with the most triangles")
-    add("--count", type=_whole, default=12, help="number of examples (default 12)")
+    add("--count", type=_between(int, 1, 1000), default=12, help="number of examples (default 12)")
     add(
         "--until-error", type=_positive, metavar="E", help="stop earlier, when the examples predict each other with this median error (0.2)"
     )
@@ -49,10 +50,10 @@ def _parser() -> argparse.ArgumentParser:
     )
     add("--strikers", nargs="+", choices=sorted(STRIKERS), default=["ball"], help="default ball")
     add("--depth", nargs=2, type=_positive, metavar=("MIN", "MAX"), help="depths of the dents, mm; default 0.5 %% and 3 %% of the diagonal")
-    add("--tilt", type=_angle, default=30.0, help="largest angle between flight and surface normal, degrees (default 30)")
+    add("--tilt", type=_between(float, 0, 60), default=30.0, help="largest angle between flight and surface normal, degrees (default 30)")
     add("--unit", type=_positive, default=1.0, metavar="M", help="metres in one unit of the scene (0.01 for centimetres; default 1)")
-    add("--detail", type=_detail, default=2500, metavar="N", help="points of the simulated shell, 200 to 50000 (default 2500)")
-    add("--jobs", type=_whole, default=1, help="simulations at a time (default 1)")
+    add("--detail", type=_between(int, 200, 50000), default=2500, metavar="N", help="points of the simulated shell, 200 to 50000 (default 2500)")
+    add("--jobs", type=_between(int, 1, 1000), default=1, help="simulations at a time (default 1)")
     add("--seed", type=int, default=1, help="of the random blows (default 1)")
     add("--profile", action="store_true", help="no solver: generic round dents, which do not know their blows")
     add("--replace", action="store_true", help="replace morph targets that the mesh has")
@@ -204,22 +205,13 @@ def _positive(text: str) -> float:
     return value
 
 
-def _whole(text: str) -> int:
-    value = int(text)
-    if not 1 <= value <= 1000:
-        raise argparse.ArgumentTypeError(f"{text} must be from 1 to 1000")
-    return value
+def _between(number: Callable[[str], float], low: float, high: float) -> Callable[[str], float]:
+    def read(text: str) -> float:
+        value = number(text)
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(f"{text} must be from {low} to {high}")
+        return value
 
-
-def _detail(text: str) -> int:
-    value = int(text)
-    if not 200 <= value <= 50000:
-        raise argparse.ArgumentTypeError(f"{text} must be from 200 to 50000")
-    return value
-
-
-def _angle(text: str) -> float:
-    value = float(text)
-    if not 0 <= value <= 60:
-        raise argparse.ArgumentTypeError(f"{text} must be from 0 to 60")
-    return value
+    # argparse names it when the text is no number.
+    read.__name__ = number.__name__
+    return read
