@@ -307,10 +307,10 @@ def report(info: crumple.SetInfo, examples: list[crumple.ExampleInfo]) -> list[s
     known = lambda error: "unknown" if error is None else f"{error:.2f}"  # noqa: E731
     lines = [
         f"{info.vertex_count} vertices, {info.triangle_count} triangles, {info.example_count} examples",
-        f"Memory: {info.memory_bytes / 1e6:.1f} MB, shared by all copies of the body",
-        f"No vertex moves further than {1000 * info.depth_limit:.1f} mm",
-        f"Expected error of a dent: {known(info.field_error)} (no dent at all is 1)",
-        f"{info.blow_count} examples know their blow; error of the depth: {known(info.depth_error)}",
+        f"Memory: {info.memory_bytes / 1e6:.1f} MB for all copies",
+        f"Depth limit: {1000 * info.depth_limit:.1f} mm",
+        f"Error of a dent: {known(info.field_error)} (no dent: 1)",
+        f"{info.blow_count} know their blow; depth error: {known(info.depth_error)}",
     ]
     for one in examples:
         place = one.placement.name.lower()
