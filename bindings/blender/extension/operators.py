@@ -524,7 +524,7 @@ class CRUMPLE_OT_coverage(MeshOperator, bpy.types.Operator):
             line = f"Some example moves {(deepest > 0).mean():.0%} of the vertices"
         else:
             bad = expected_errors(model)
-            line = f"Expected error: {np.median(bad):.2f}, median over the places; {bad.max():.2f} at the 3D cursor, where an example helps most"
+            line = f"Expected error: {np.median(bad):.2f}; {bad.max():.2f} at cursor"
         paint(obj.data, np.clip(bad, 0, 1))
         context.scene.cursor.location = obj.matrix_world @ Vector(model.base[int(bad.argmax())])
         for area in context.screen.areas if context.screen else ():

@@ -41,12 +41,13 @@ def prepare():
         key.value = 0
     space = view()["area"].spaces.active
     space.show_region_ui = True
-    space.overlay.show_relationship_lines = False
+    space.overlay.show_floor = space.overlay.show_axis_x = space.overlay.show_axis_y = False
+    space.shading.show_cavity = True
     space.region_3d.view_perspective = "PERSP"
     space.region_3d.view_rotation = Euler((0.8, 0, 0.5)).to_quaternion()
     corners = [body.matrix_world @ Vector(corner) for corner in body.bound_box]
     space.region_3d.view_location = sum(corners, Vector()) / 8
-    space.region_3d.view_distance = 1.7 * max((a - b).length for a in corners for b in corners)
+    space.region_3d.view_distance = 1.3 * max((a - b).length for a in corners for b in corners)
     return body
 
 
