@@ -222,7 +222,8 @@ def remove_damage(obj: bpy.types.Object, keep_live: bool = False) -> None:
     for key in list(obj.data.shape_keys.key_blocks if obj.data.shape_keys else ()):
         if key.name.startswith(DAMAGE) and not (keep_live and key.name == DAMAGE):
             frame = key.name[len(DAMAGE) :].strip()
-            if frame.lstrip("-").isdigit() and obj.data.shape_keys.animation_data:
+            animation = obj.data.shape_keys.animation_data
+            if frame.lstrip("-").isdigit() and animation is not None and animation.action is not None:
                 for at in (int(frame) - 1, int(frame)):
                     key.keyframe_delete("value", frame=at)
             obj.shape_key_remove(key)

@@ -1,12 +1,12 @@
-"""Drives the packed extension in Blender's own window and photographs it: blender --python window.py -- EXTENSION.zip HOOD.glb PICTURE.png
+"""Drives the packed extension in Blender's own window and photographs it: blender --enable-event-simulate --python window.py -- EXTENSION.zip HOOD.glb PICTURE.png
 
 It exits with 1 if anything fails.
 """
 
+import os
 import sys
 import traceback
 import zipfile
-from types import SimpleNamespace
 
 import addon_utils
 import bpy
@@ -52,30 +52,54 @@ def prepare():
 
 
 def act(body):
-    from bl_ext.user_default.crumple import operators
-
     bpy.ops.crumple.check()
     bpy.ops.crumple.coverage(kind="ERROR")
     bpy.ops.wm.tool_set_by_id(name="crumple.hit_tool")
-    centre = view()["area"].spaces.active.region_3d.view_location
-    # A click on the surface: the operator's own way from the mouse to the mesh, which is not dented yet, and then dented.
-    region, data = view()["region"], view()["area"].spaces.active.region_3d
-    for shift in ((0, 0, 0), (0.2, 0.15, 0), (0.2, 0.15, 0)):
-        spot = location_3d_to_region_2d(region, data, centre + Vector(shift))
-        context = SimpleNamespace(
-            active_object=body, region=region, region_data=data, evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get
-        )
-        event = SimpleNamespace(mouse_region_x=spot.x, mouse_region_y=spot.y)
-        place = operators.under_mouse(context, event)
-        assert place is not None, f"nothing is under the mouse at {spot}"
-        found = location_3d_to_region_2d(region, data, place)
-        print("off the mouse:", (found - spot).length, "pixels")
-        bpy.ops.crumple.hit(location=place, by="BLOW", mass=20, speed=8, radius=0.1)
-    assert len(body.crumple_hits) == 3 and "Crumple damage" in body.data.shape_keys.key_blocks
-    # The sidebar's tab.
     for region in view()["area"].regions:
         if region.type == "UI":
             region.active_panel_category = "Crumple"
+
+
+def mouse(shift, type, value, drag=0):
+    """One event of the mouse, at a place of the view beside its centre."""
+    window, region = view()["window"], view()["region"]
+    data = view()["area"].spaces.active.region_3d
+    spot = location_3d_to_region_2d(region, data, data.view_location + Vector(shift))
+    window.event_simulate(type, value, x=round(region.x + spot.x) + drag, y=round(region.y + spot.y))
+
+
+def depth(body):
+    keys = body.data.shape_keys.key_blocks
+    return max((keys["Crumple damage"].points[v].co - keys[0].points[v].co).length for v in range(len(keys[0].points)))
+
+
+def dragged(body):
+    """A click and a drag to the right by 30 pixels: 2 cm times 2 ** 0.3."""
+    assert len(body.crumple_hits) == 1, len(body.crumple_hits)
+    assert abs(depth(body) - 0.02 * 2**0.3) < 0.002, depth(body)
+
+
+def escaped(body):
+    assert len(body.crumple_hits) == 1, len(body.crumple_hits)
+
+
+LEFT, RIGHT = (-0.2, -0.1, 0), (0.2, 0.15, 0)
+STEPS = [
+    act,
+    lambda body: mouse(LEFT, "MOUSEMOVE", "NOTHING"),
+    lambda body: mouse(LEFT, "LEFTMOUSE", "PRESS"),
+    lambda body: mouse(LEFT, "MOUSEMOVE", "NOTHING", drag=30),
+    lambda body: mouse(LEFT, "LEFTMOUSE", "RELEASE", drag=30),
+    dragged,
+    lambda body: mouse(RIGHT, "MOUSEMOVE", "NOTHING"),
+    lambda body: mouse(RIGHT, "LEFTMOUSE", "PRESS"),
+    lambda body: mouse(RIGHT, "ESC", "PRESS"),
+    lambda body: mouse(RIGHT, "ESC", "RELEASE"),
+    lambda body: mouse(RIGHT, "LEFTMOUSE", "RELEASE"),
+    escaped,
+    lambda body: bpy.ops.crumple.hit(location=body.matrix_world @ body.data.vertices[9000].co, by="BLOW", mass=20, speed=8, radius=0.1),
+    lambda body: photograph(),
+]
 
 
 def photograph():
@@ -84,32 +108,27 @@ def photograph():
         bpy.ops.screen.screenshot(filepath=picture)
 
 
-state = {}
 bpy.context.preferences.view.show_splash = False
+state = {"at": 0, "body": None}
 
 
 def step():
-    at = state.setdefault("at", 0)
     try:
         with bpy.context.temp_override(**view()):
-            if at == 0:
+            if state["body"] is None:
                 state["body"] = prepare()
-            elif at == 1:
-                act(state["body"])
-            elif at == 3:
-                photograph()
+            elif state["at"] < len(STEPS):
+                STEPS[state["at"]](state["body"])
+                state["at"] += 1
+            else:
                 print("the window works")
                 bpy.ops.wm.quit_blender()
                 return None
     except Exception:
         traceback.print_exc()
-        sys.stdout.flush()
         sys.stderr.flush()
-        import os
-
         os._exit(1)
-    state["at"] += 1
-    return 1.0
+    return 0.5
 
 
 bpy.app.timers.register(step, first_interval=1.0)
