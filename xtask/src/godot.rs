@@ -9,6 +9,7 @@ use std::process::Command;
 use anyhow::{Context, Result, ensure};
 use xshell::{PushEnv, cmd};
 
+use crate::debian;
 use crate::stage::{Outcome, all_passed};
 use crate::vulkan;
 use crate::wine;
@@ -18,8 +19,6 @@ pub const BINDING: &str = "bindings/godot";
 /// Names the program of a Godot of version 4.6 or later.
 const ENGINE: &str = "CRUMPLE_GODOT";
 const PACKAGES: &[&str] = &["godot", "mesa-vulkan-drivers"];
-/// Signs the packages.
-const KEYS: &str = "/usr/share/keyrings/debian-archive-keyring.gpg";
 /// Default threads hang on two cores under Vulkan (godotengine/godot#102877).
 const THREADS: &str = "[threading]\n\nworker_pool/max_threads=8\n";
 /// The physics engines, and whether each has a thread of its own.
@@ -95,62 +94,11 @@ fn engine(workspace: &Workspace) -> Result<PathBuf> {
     if program.exists() {
         return Ok(program);
     }
-    let mirror = mirror()?;
     println!("fetching Godot from Debian sid, about 170 MB, into {}", folder.display());
-    empty_directory(&folder)?;
-    for part in ["lists/partial", "debs/partial", "root"] {
-        fs::create_dir_all(folder.join(part))?;
-    }
-    fs::write(folder.join("sources.list"), format!("deb [signed-by={KEYS}] {mirror} sid main\n"))?;
-    fs::write(folder.join("status"), "")?;
-    let set = |key: &str, path: &str| format!("-o{key}={}", folder.join(path).display());
-    let options = [
-        set("Dir::Etc::sourcelist", "sources.list"),
-        set("Dir::State::lists", "lists"),
-        set("Dir::State::status", "status"),
-        set("Dir::Cache::archives", "debs"),
-        "-oDir::Etc::sourceparts=/dev/null".into(),
-        "-oDir::Cache::pkgcache=".into(),
-        "-oDir::Cache::srcpkgcache=".into(),
-        "-oAcquire::Languages=none".into(),
-        "-oAcquire::IndexTargets::deb::DEP-11::DefaultEnabled=false".into(),
-        "-oAcquire::Retries=3".into(),
-        "-oAPT::Sandbox::User=root".into(),
-        "-oDebug::NoLocking=1".into(),
-    ];
-    let sh = &workspace.shell;
-    let options = &options;
-    cmd!(sh, "apt-get {options...} -qq update").run()?;
-    let download = ["-qq", "-y", "--no-install-recommends", "--download-only", "install"];
-    cmd!(sh, "apt-get {options...} {download...} {PACKAGES...}").ignore_stdout().run()?;
-    let root = folder.join("root");
-    for package in files(&folder.join("debs"))?.iter().filter(|file| file.extension().is_some_and(|e| e == "deb")) {
-        cmd!(sh, "dpkg-deb -x {package} {root}").quiet().run()?;
-    }
-    fs::remove_dir_all(folder.join("debs"))?;
-    let script = format!(
-        "#!/bin/sh\nR={}; L=$R/usr/lib/x86_64-linux-gnu\nexport VK_DRIVER_FILES=$R/usr/share/vulkan/icd.d/lvp_icd.json\nexec \
-         $L/ld-linux-x86-64.so.2 --library-path $L:$L/pulseaudio --argv0 $R/usr/bin/godot $R/usr/bin/godot \"$@\"\n",
-        root.display()
-    );
-    // Written last, and under another name first: a broken fetch leaves no program.
-    let unfinished = folder.join("godot.part");
-    fs::write(&unfinished, script)?;
-    cmd!(sh, "chmod +x {unfinished}").quiet().run()?;
-    let version = cmd!(sh, "{unfinished} --headless --version").quiet().read()?;
+    debian::fetch(workspace, &folder, PACKAGES, "godot", "")?;
+    let version = cmd!(workspace.shell, "{program} --headless --version").quiet().read()?;
     println!("Godot {version}");
-    fs::rename(&unfinished, &program)?;
     Ok(program)
-}
-
-/// The Debian mirror that this machine uses.
-fn mirror() -> Result<String> {
-    let mut sources = vec![PathBuf::from("/etc/apt/sources.list")];
-    sources.extend(files(Path::new("/etc/apt/sources.list.d")).unwrap_or_default());
-    let text: String = sources.iter().filter_map(|file| fs::read_to_string(file).ok()).collect();
-    let mut words = text.lines().filter(|line| !line.trim_start().starts_with('#')).flat_map(str::split_whitespace);
-    let found = words.find(|word| word.starts_with("http") && word.trim_end_matches('/').ends_with("/debian"));
-    found.map(str::to_owned).context("this machine's sources of apt-get name no mirror of Debian")
 }
 
 /// Copies the example project with the extension and the hood. Returns the copy's folder.

@@ -3,9 +3,11 @@
 mod abi;
 mod addon;
 mod bench;
+mod blender;
 mod ci;
 mod command;
 mod csharp;
+mod debian;
 mod declarations;
 mod demo;
 mod fuzz;
@@ -80,6 +82,8 @@ enum Command {
     Wheel(python::Options),
     /// Make the archive of the Godot extension
     Addon(addon::Options),
+    /// Make the archive of the Blender extension, for this system
+    Extension(blender::Options),
     /// Make the npm package and its page
     Web(web::Options),
     /// Fuzz the readers of files, guided by coverage
@@ -125,6 +129,7 @@ fn run(command: Command) -> Result<()> {
         Command::Package(options) => package::run(&workspace, &options),
         Command::Wheel(options) => python::run(&workspace, &options),
         Command::Addon(options) => addon::run(&workspace, &options),
+        Command::Extension(options) => blender::run(&workspace, &options),
         Command::Web(options) => web::run(&workspace, &options),
         Command::Fuzz(options) => fuzz::run(&workspace, &options),
         Command::Lab(options) => lab::run(&workspace, &options),

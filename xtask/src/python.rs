@@ -45,11 +45,15 @@ pub fn declarations(header: &str) -> Result<String> {
 
 /// `cargo xtask wheel`: the wheel for this system, with the release library and command.
 pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
-    let folder = package::full(workspace, true)?;
-    let python = tested_environment(workspace)?;
-    let wheel = wheel(workspace, &python, &folder, &workspace.path(&options.out))?;
+    let wheel = build(workspace, true, &workspace.path(&options.out))?;
     println!("{} ({:.1} MB)", wheel.display(), fs::metadata(&wheel)?.len() as f64 / 1e6);
     Ok(())
+}
+
+/// The wheel, in an emptied folder: of the library and command that users get, or of those that tests have.
+pub fn build(workspace: &Workspace, handed_out: bool, out: &Path) -> Result<PathBuf> {
+    let folder = package::full(workspace, handed_out)?;
+    wheel(workspace, &tested_environment(workspace)?, &folder, out)
 }
 
 /// Builds the wheel, installs it beside the packages that its tests need and nothing else, and runs the tests.
@@ -66,9 +70,7 @@ pub fn stage(workspace: &Workspace) -> Result<Outcome> {
             )));
         }
     };
-    let folder = package::full(workspace, false)?;
-    let scratch = workspace.target.join("python");
-    let wheel = wheel(workspace, &python, &folder, &scratch.join("dist"))?;
+    let wheel = build(workspace, false, &workspace.target.join("python/dist"))?;
     let sh = &workspace.shell;
     cmd!(sh, "{python} {PIP...} install --no-index --no-deps --force-reinstall {wheel}").quiet().run()?;
     let tests = workspace.path(PACKAGE).join("tests");
@@ -78,7 +80,8 @@ pub fn stage(workspace: &Workspace) -> Result<Outcome> {
     Ok(Outcome::Passed)
 }
 
-fn tested_environment(workspace: &Workspace) -> Result<PathBuf> {
+/// The Python with what the package's tests need.
+pub fn tested_environment(workspace: &Workspace) -> Result<PathBuf> {
     environment(workspace, Tool::Python311, "python-venv", REQUIREMENTS)
 }
 

@@ -7,7 +7,7 @@ use crate::ci::CHECKS;
 use crate::stage::{self, Outcome, Rules, Stage};
 use crate::tools::Tool;
 use crate::workspace::Workspace;
-use crate::{abi, csharp, demo, godot, native, package, peers, platforms, python, valgrind, vulkan, web};
+use crate::{abi, blender, csharp, demo, godot, native, package, peers, platforms, python, valgrind, vulkan, web};
 
 #[derive(Args, Default)]
 pub struct Options {
@@ -110,6 +110,13 @@ const STAGES: &[Stage] = &[
         needs: &[Tool::Python311, Tool::BlenderLibraries],
         wants: &[],
         run: peers::blender,
+    },
+    Stage {
+        name: "extension",
+        shows: "the packed Blender extension works in two Blenders without a window and in one with a window",
+        needs: &[Tool::CCompiler, Tool::Python311, Tool::BlenderLibraries],
+        wants: &[Tool::Xvfb],
+        run: blender::stage,
     },
     Stage {
         name: "gltf-validator",

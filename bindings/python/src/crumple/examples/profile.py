@@ -61,6 +61,9 @@ def _held(body: Body) -> np.ndarray:
 
 
 def _distances(points: Floats, others: Floats) -> Floats:
-    from scipy.spatial import cKDTree
-
-    return cKDTree(others).query(points)[0]
+    """From each point to the nearest of the others. Without SciPy, which Blender's Python lacks."""
+    nearest = np.full(len(points), np.inf)
+    for other in others:
+        offset = points - other
+        np.minimum(nearest, np.einsum("ij,ij->i", offset, offset), out=nearest)
+    return np.sqrt(nearest)

@@ -1,0 +1,319 @@
+"""Between Blender and the library: a mesh as an example set, its custom properties, its dents as shape keys, its files.
+
+Everything is in the object's own space, with z up as in Blender. Only the custom properties have y up, as the glTF file has.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+import crumple
+
+DAMAGE = "Crumple damage"
+"""The shape key of the dents. Keys whose names begin so are dents, not examples."""
+REPORT = "Crumple report"
+"""The text that shows what the library last said."""
+
+Floats = NDArray[np.float32]
+
+
+class Trouble(Exception):
+    """What is wrong, for the artist."""
+
+
+def y_up(v: Iterable[float]) -> list[float]:
+    x, y, z = (float(f"{value:.7g}") for value in v)
+    return [x, z, -y]
+
+
+def z_up(v: Iterable[float]) -> list[float]:
+    x, y, z = v
+    return [x, -z, y]
+
+
+def say(lines: Iterable[str]) -> None:
+    text = bpy.data.texts.get(REPORT) or bpy.data.texts.new(REPORT)
+    text.from_string("\n".join(lines))
+
+
+def coordinates(key: bpy.types.ShapeKey) -> Floats:
+    out = np.empty(3 * len(key.points), np.float32)
+    key.points.foreach_get("co", out)
+    return out.reshape(-1, 3)
+
+
+def triangles(mesh: bpy.types.Mesh) -> NDArray[np.uint32]:
+    mesh.calc_loop_triangles()
+    out = np.empty(3 * len(mesh.loop_triangles), np.int32)
+    mesh.loop_triangles.foreach_get("vertices", out)
+    return out.reshape(-1, 3).astype(np.uint32)
+
+
+def example_keys(obj: bpy.types.Object) -> list[bpy.types.ShapeKey]:
+    """The keys that are examples: all but the basis, the dents and those that are switched off."""
+    keys = obj.data.shape_keys
+    return [] if keys is None else [key for key in keys.key_blocks[1:] if not key.mute and not key.name.startswith(DAMAGE)]
+
+
+def _property(mesh: bpy.types.Mesh, name: str) -> Any:
+    """A custom property as plain data. It may be a JSON text, or what the glTF importer made of it."""
+    value = mesh.get(name)
+    if isinstance(value, str) and value.lstrip()[:1] in ("[", "{"):
+        try:
+            return json.loads(value)
+        except ValueError as error:
+            raise Trouble(f"the custom property {name} of {mesh.name} is no JSON: {error}") from error
+    if hasattr(value, "to_dict"):
+        return value.to_dict()
+    if isinstance(value, list) or hasattr(value, "to_list"):
+        return [one.to_dict() if hasattr(one, "to_dict") else one for one in value]
+    return value
+
+
+def impacts(obj: bpy.types.Object) -> dict[str, dict[str, Any]]:
+    """The custom property `impacts`, by the names of the examples. An entry without a name belongs to the example at its place."""
+    entries = _property(obj.data, "impacts") or []
+    if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
+        raise Trouble(f"the custom property impacts of {obj.data.name} must be a list of objects")
+    names = [entry.get("name") for entry in entries]
+    if None in names or len(set(names)) < len(names):
+        names = [key.name for key in example_keys(obj)]
+        if len(entries) > len(names):
+            raise Trouble(f"the custom property impacts has {len(entries)} entries for {len(names)} examples")
+    return {name: {**entry, "name": name} for name, entry in zip(names, entries, strict=False)}
+
+
+def placements(obj: bpy.types.Object) -> dict[str, str]:
+    """The custom property `placements`, by the names of the examples."""
+    value = _property(obj.data, "placements") or {}
+    if isinstance(value, dict):
+        return value
+    names = [key.name for key in example_keys(obj)]
+    words = [word.strip() for word in value.split(",")] if isinstance(value, str) else value
+    if len(words) not in (1, len(names)):
+        raise Trouble(f"the custom property placements has {len(words)} words for {len(names)} examples")
+    return dict(zip(names, words * len(names) if len(words) == 1 else words, strict=False))
+
+
+def describe(obj: bpy.types.Object, told: dict[str, dict[str, Any]], placed: dict[str, str]) -> None:
+    """Writes the custom properties. Entries of shape keys that are gone are dropped."""
+    keys = obj.data.shape_keys.key_blocks
+    values = {
+        "impacts": json.dumps([entry for entry in told.values() if entry["name"] in keys]) if told else None,
+        "placements": {name: word for name, word in placed.items() if name in keys},
+    }
+    for name, value in values.items():
+        if value:
+            obj.data[name] = value
+        elif name in obj.data:
+            del obj.data[name]
+
+
+@dataclass
+class Model:
+    """An object's example set, and the arrays that it was made from."""
+
+    set: crumple.ExampleSet
+    base: Floats
+    names: list[str]
+    fields: list[Floats]
+    """The displacements of each example."""
+
+
+_context: crumple.Context | None = None
+_models: dict[bytes, Model] = {}
+
+
+def close() -> None:
+    """Frees the library's memory."""
+    global _context
+    _models.clear()
+    if _context is not None:
+        _context.close()
+        _context = None
+
+
+def model(obj: bpy.types.Object) -> Model:
+    """The object's example set. It is built again if the mesh, a shape key or a custom property changed."""
+    global _context
+    keys = example_keys(obj)
+    if not keys:
+        raise Trouble(f"{obj.name} has no examples; sculpt some as shape keys, or press Make Examples")
+    told, placed = impacts(obj), placements(obj)
+    base, faces = coordinates(obj.data.shape_keys.reference_key), triangles(obj.data)
+    fields = [coordinates(key) - coordinates(key.relative_key) for key in keys]
+    names = [key.name for key in keys]
+    about = json.dumps([names, told, placed], default=str).encode()
+    digest = hashlib.blake2b(b"".join([about, base.tobytes(), faces.tobytes(), *(field.tobytes() for field in fields)])).digest()
+    if digest not in _models:
+        examples = [_example(name, base + field, told.get(name), placed.get(name)) for name, field in zip(names, fields, strict=True)]
+        close()
+        _context = crumple.Context()
+        _models[digest] = Model(_context.example_set(base, faces, examples), base, names, fields)
+    return _models[digest]
+
+
+def _example(name: str, positions: Floats, told: dict[str, Any] | None, placed: str | None) -> crumple.Example:
+    example = crumple.Example(positions, name=name)
+    if told is not None:
+        if "point" not in told:
+            raise Trouble(f"the entry of {name} in the custom property impacts has no point; mark the example again")
+        vector = {key: z_up(told[key]) for key in ("point", "normal", "impulse") if told.get(key) is not None}
+        striker = told.get("striker") or {}
+        example.contact, example.normal, example.impulse = vector["point"], vector.get("normal"), vector.get("impulse", (0, 0, 0))
+        example.duration = told.get("duration") or 0.0
+        velocity = z_up(striker.get("velocity") or (0, 0, 0))
+        example.striker = crumple.Striker(striker.get("mass") or 0.0, striker.get("radius") or 0.0, velocity)
+    try:
+        example.placement = crumple.Placement[(placed or "automatic").strip().upper()]
+    except KeyError as error:
+        raise Trouble(f"the placement of {name} is {placed}; it must be automatic, anchored or carried") from error
+    return example
+
+
+def submit(body: crumple.Instance, hit: Any, preview: bool = False) -> crumple.HitResult:
+    """Gives a stored hit to an instance."""
+    if hit.by == "DEPTH":
+        return body.hit_displacement(tuple(hit.point), tuple(hit.vector), preview=preview)
+    striker = crumple.Striker(hit.mass, hit.radius, tuple(hit.vector))
+    return body.hit(tuple(hit.point), striker=striker, preview=preview)
+
+
+def dented(obj: bpy.types.Object, hits: Iterable[Any]) -> Iterator[tuple[crumple.HitResult, Floats]]:
+    """The result of each hit, and the positions after it and those before."""
+    hits = list(hits)
+    body = model(obj).set.instance(mark_capacity=max(64, len(hits)))
+    try:
+        for hit in hits:
+            result = submit(body, hit)
+            yield result, body.deformed().positions
+    finally:
+        body.destroy()
+
+
+def show(obj: bpy.types.Object) -> crumple.HitResult | None:
+    """Writes the dents of all hits into the shape key. Returns the result of the last hit."""
+    result = None
+    positions = None
+    for result, positions in dented(obj, obj.crumple_hits):  # noqa: B007
+        pass
+    remove_damage(obj, keep_live=positions is not None)
+    if positions is not None:
+        key = obj.data.shape_keys.key_blocks.get(DAMAGE) or obj.shape_key_add(name=DAMAGE, from_mix=False)
+        key.value, key.mute = 1.0, False
+        key.points.foreach_set("co", positions.ravel())
+    obj.data.update()
+    return result
+
+
+def remove_damage(obj: bpy.types.Object, keep_live: bool = False) -> None:
+    """Removes the shape keys of dents, with their animation."""
+    active = obj.active_shape_key.name if obj.active_shape_key else ""
+    for key in list(obj.data.shape_keys.key_blocks if obj.data.shape_keys else ()):
+        if key.name.startswith(DAMAGE) and not (keep_live and key.name == DAMAGE):
+            frame = key.name[len(DAMAGE) :].strip()
+            animation = obj.data.shape_keys.animation_data
+            if frame.lstrip("-").isdigit() and animation is not None and animation.action is not None:
+                for at in (int(frame) - 1, int(frame)):
+                    key.keyframe_delete("value", frame=at)
+            obj.shape_key_remove(key)
+    if obj.data.shape_keys:
+        obj.active_shape_key_index = max(obj.data.shape_keys.key_blocks.find(active), 0)
+
+
+def bake(obj: bpy.types.Object) -> int:
+    """Makes one keyed shape key for each frame with hits, which moves the mesh from the dents before it. Returns how many."""
+    hits = sorted(obj.crumple_hits, key=lambda hit: hit.frame)
+    base = model(obj).base
+    steps: dict[int, Floats] = {}
+    before = base
+    for hit, (_, positions) in zip(hits, dented(obj, hits), strict=True):
+        steps[hit.frame] = positions.copy()
+    remove_damage(obj)
+    for frame, after in steps.items():
+        key = obj.shape_key_add(name=f"{DAMAGE} {frame}", from_mix=False)
+        key.points.foreach_set("co", (base + (after - before)).ravel())
+        for value, at in ((0.0, frame - 1), (1.0, frame)):
+            key.value = value
+            key.keyframe_insert("value", frame=at)
+        before = after
+    obj.data.update()
+    return len(steps)
+
+
+@contextmanager
+def _copy(obj: bpy.types.Object, examples: bool) -> Iterator[bpy.types.Object]:
+    """A copy for the exporter: at its place, selected alone, without dents, modifiers and what is switched off."""
+    scene, layer, name = bpy.context.scene, bpy.context.view_layer, obj.data.name
+    selected, active = [one for one in layer.objects if one.select_get()], layer.objects.active
+    keep = {key.name for key in example_keys(obj)} if examples else set()
+    told, placed = impacts(obj), placements(obj)
+    copy = obj.copy()
+    copy.data = mesh = obj.data.copy()
+    try:
+        obj.data.name, mesh.name = f"{name}.original", name
+        copy.parent, copy.matrix_world = None, obj.matrix_world
+        copy.modifiers.clear()
+        copy.animation_data_clear()
+        if mesh.shape_keys:
+            mesh.shape_keys.animation_data_clear()
+        for key in list(mesh.shape_keys.key_blocks[1:] if mesh.shape_keys else ()):
+            if key.name not in keep:
+                copy.shape_key_remove(key)
+            else:
+                key.value = 0.0
+        if mesh.shape_keys:
+            describe(copy, {k: v for k, v in told.items() if k in keep}, {k: v for k, v in placed.items() if k in keep})
+            if not keep:
+                copy.shape_key_clear()
+        scene.collection.objects.link(copy)
+        for one in selected:
+            one.select_set(False)
+        copy.hide_set(False)
+        copy.select_set(True)
+        layer.objects.active = copy
+        yield copy
+    finally:
+        bpy.data.objects.remove(copy)
+        bpy.data.meshes.remove(mesh)
+        obj.data.name = name
+        for one in selected:
+            one.select_set(True)
+        layer.objects.active = active
+
+
+def export_gltf(obj: bpy.types.Object, path: Path, examples: bool = True) -> None:
+    """Writes the object as .glb with its examples and their custom properties; without them for the solver, and without materials."""
+    with _copy(obj, examples):
+        bpy.ops.export_scene.gltf(
+            filepath=str(path), export_format="GLB", use_selection=True, export_extras=True, export_apply=False, export_yup=True,
+            export_normals=True, export_morph=examples, export_morph_normal=True, export_morph_tangent=False,
+            export_try_sparse_sk=True, export_try_omit_sparse_sk=False, export_animations=False, export_skins=False,
+            export_draco_mesh_compression_enable=False, export_materials="EXPORT" if examples else "NONE",
+        )  # fmt: skip
+
+
+def report(info: crumple.SetInfo, examples: list[crumple.ExampleInfo]) -> list[str]:
+    """What the library says of a set, as `crumple info` does."""
+    known = lambda error: "unknown" if error is None else f"{error:.2f}"  # noqa: E731
+    lines = [
+        f"{info.vertex_count} vertices, {info.triangle_count} triangles, {info.example_count} examples",
+        f"Memory: {info.memory_bytes / 1e6:.1f} MB for all copies",
+        f"Depth limit: {1000 * info.depth_limit:.1f} mm",
+        f"Error of a dent: {known(info.field_error)} (no dent: 1)",
+        f"{info.blow_count} know their blow; depth error: {known(info.depth_error)}",
+    ]
+    for one in examples:
+        place = one.placement.name.lower()
+        lines.append(f"  {one.name}: {1000 * one.depth:.1f} mm, moves {one.moved_vertices}, error {known(one.field_error)}, {place}")
+    return lines

@@ -1,0 +1,629 @@
+"""What the artist does. Every operator also works from scripts, without a window."""
+
+from __future__ import annotations
+
+import os
+import queue
+import re
+import shutil
+import subprocess
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import bpy
+import numpy as np
+from bpy.props import CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
+from bpy_extras.io_utils import ExportHelper
+from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
+from mathutils import Vector
+from mathutils.interpolate import poly_3d_calc
+from mathutils.kdtree import KDTree
+
+import crumple
+
+from . import bridge
+from .bridge import Trouble
+
+COVERAGE = "Crumple coverage"
+"""The colour attribute of the heat map."""
+SAMPLES = 5000
+"""Most vertices at which the library is asked for an expected error; the others take that of the nearest."""
+BY = [
+    ("DEPTH", "Depth", "The contact moves by this depth"),
+    ("BLOW", "Blow", "A striker of this mass, speed and radius. The examples must know their blows"),
+]
+
+
+class Hit(bpy.types.PropertyGroup):
+    """A stored hit, in the object's own space."""
+
+    by: EnumProperty(items=BY)
+    point: FloatVectorProperty()
+    vector: FloatVectorProperty(description="The displacement of the contact, m, or the velocity of the striker, m/s")
+    mass: FloatProperty(unit="MASS")
+    radius: FloatProperty(unit="LENGTH")
+    frame: IntProperty(name="Frame", description="The frame in which the dent appears when the hits are baked")
+
+
+class Preferences(bpy.types.AddonPreferences):
+    bl_idname = __package__
+    program: StringProperty(
+        name="Solver", subtype="FILE_PATH",
+        description="The program `crumple` of a Python environment with crumple[examples]. If empty, the one on PATH",
+    )  # fmt: skip
+
+    def draw(self, context: bpy.types.Context) -> None:
+        self.layout.prop(self, "program")
+
+
+class MeshOperator:
+    """An operator of the active mesh in Object Mode. Its troubles become messages."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        obj = context.active_object
+        if obj is None or obj.type != "MESH" or obj.mode != "OBJECT":
+            cls.poll_message_set("Select a mesh in Object Mode")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        return self.safely(lambda: self.run(context, context.active_object))
+
+    def safely(self, work: Callable[[], None]) -> set[str]:
+        try:
+            work()
+        except (Trouble, crumple.CrumpleError, OSError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+    def tell(self, lines: list[str]) -> None:
+        bridge.say(lines)
+        self.report({"INFO"}, lines[0])
+
+
+class CRUMPLE_OT_hit(MeshOperator, bpy.types.Operator):
+    """Dent the mesh. In the viewport: click the place, and drag to the right for a deeper dent"""
+
+    bl_idname = "crumple.hit"
+    bl_label = "Hit"
+
+    location: FloatVectorProperty(name="Location", subtype="XYZ_LENGTH", description="In the scene. The nearest vertex is the contact")
+    direction: FloatVectorProperty(name="Direction", subtype="XYZ", description="In the scene. Zero: against the surface")
+    by: EnumProperty(name="Told", items=BY)
+    depth: FloatProperty(name="Depth", default=0.02, min=0, unit="LENGTH", description="How far the contact moves")
+    mass: FloatProperty(name="Mass", default=5, min=0, unit="MASS", description="Of the striker")
+    speed: FloatProperty(name="Speed", default=5, min=0, unit="VELOCITY", description="Of the striker")
+    radius: FloatProperty(name="Radius", default=0.1, min=0, unit="LENGTH", description="Of the striker at the contact. 0: unknown")
+
+    def draw(self, context: bpy.types.Context) -> None:
+        draw_hit(self.layout, self)
+        self.layout.prop(self, "location")
+        self.layout.prop(self, "direction")
+
+    def run(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        hit = obj.crumple_hits.add()
+        hit.frame = context.scene.frame_current
+        try:
+            self.fill(hit, obj)
+            result = bridge.show(obj)
+            assert result is not None
+            if result.status != crumple.HitStatus.MARKED:
+                raise Trouble(f"the hit leaves no dent: {result.status.name.lower().replace('_', ' ')}")
+        except Exception:
+            obj.crumple_hits.remove(len(obj.crumple_hits) - 1)
+            if bridge.example_keys(obj):
+                bridge.show(obj)
+            raise
+        names = bridge.model(obj).names
+        used = dict.fromkeys((names[one.example] for one in result.chosen), 0.0)
+        for one in result.chosen:
+            used[names[one.example]] += one.share
+        shares = ", ".join(f"{name} {share:.0%}" for name, share in used.items())
+        cut = ", cut to the depth limit" if result.clamped else ""
+        self.report({"INFO"}, f"Dented by {1000 * np.linalg.norm(result.achieved):.1f} mm{cut}, from {shares}")
+
+    def fill(self, hit: Hit, obj: bpy.types.Object) -> None:
+        if abs(obj.matrix_world.determinant()) < 1e-12:
+            raise Trouble(f"{obj.name} is scaled to nothing")
+        back = obj.matrix_world.inverted()
+        model = bridge.model(obj)
+        hit.by, hit.mass, hit.radius = self.by, self.mass, self.radius
+        hit.point = back @ Vector(self.location)
+        towards = Vector(self.direction)
+        if towards.length == 0:
+            vertex, _ = model.set.nearest_vertex(tuple(hit.point))
+            towards = -(back.to_3x3().transposed() @ Vector(model.set.mesh().normals[vertex]))
+        hit.vector = back.to_3x3() @ (towards.normalized() * (self.depth if self.by == "DEPTH" else self.speed))
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        place = under_mouse(context, event)
+        if place is None:
+            return {"PASS_THROUGH"}
+        self.location, self.direction = place, (0, 0, 0)
+        self.began = event.mouse_x
+        self.first = (self.depth, self.speed)
+        if self.execute(context) == {"CANCELLED"}:
+            return {"CANCELLED"}
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        obj = context.active_object
+        if event.type == "MOUSEMOVE":
+            factor = 2 ** ((event.mouse_x - self.began) / 100)
+            self.depth, self.speed = (factor * value for value in self.first)
+            self.safely(lambda: (self.fill(obj.crumple_hits[-1], obj), bridge.show(obj)))
+        elif event.type in {"LEFTMOUSE", "RET"} and event.value in {"RELEASE", "PRESS"}:
+            return {"FINISHED"}
+        elif event.type in {"ESC", "RIGHTMOUSE"}:
+            obj.crumple_hits.remove(len(obj.crumple_hits) - 1)
+            self.safely(lambda: bridge.show(obj))
+            return {"CANCELLED"}
+        return {"RUNNING_MODAL"}
+
+
+def draw_hit(layout: bpy.types.UILayout, hit: Any) -> None:
+    layout.row().prop(hit, "by", expand=True)
+    for name in ("depth",) if hit.by == "DEPTH" else ("mass", "speed", "radius"):
+        layout.prop(hit, name)
+
+
+def under_mouse(context: bpy.types.Context, event: bpy.types.Event) -> Vector | None:
+    """Where the mouse points at the active object: the place on the undamaged mesh, in the scene."""
+    obj, at = context.active_object, (event.mouse_region_x, event.mouse_region_y)
+    view = context.region, context.region_data, at
+    shown = obj.evaluated_get(context.evaluated_depsgraph_get())
+    back = obj.matrix_world.inverted()
+    origin = back @ region_2d_to_origin_3d(*view)
+    found, place, _, face = shown.ray_cast(origin, back.to_3x3() @ region_2d_to_vector_3d(*view))
+    if not found:
+        return None
+    polygons = obj.data.polygons
+    if len(shown.data.polygons) == len(polygons) and obj.data.shape_keys:
+        corners = polygons[face].vertices
+        weights = poly_3d_calc([shown.data.vertices[v].co for v in corners], place)
+        base = obj.data.shape_keys.reference_key.points
+        place = sum((weight * base[v].co for weight, v in zip(weights, corners, strict=True)), Vector())
+    return obj.matrix_world @ place
+
+
+class CRUMPLE_OT_clear(MeshOperator, bpy.types.Operator):
+    """Remove one hit, or all hits with their dents"""
+
+    bl_idname = "crumple.clear"
+    bl_label = "Clear Hits"
+    index: IntProperty(default=-1, min=-1, description="The hit to remove. -1: all")
+
+    def run(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        if self.index >= len(obj.crumple_hits):
+            raise Trouble(f"there is no hit {self.index}; {obj.name} has {len(obj.crumple_hits)}")
+        if self.index < 0:
+            obj.crumple_hits.clear()
+            bridge.remove_damage(obj)
+        else:
+            obj.crumple_hits.remove(self.index)
+            bridge.show(obj)
+
+
+class CRUMPLE_OT_bake(MeshOperator, bpy.types.Operator):
+    """Make keyed shape keys of the hits: each dent appears in its hit's frame, and any exporter writes the animation"""
+
+    bl_idname = "crumple.bake"
+    bl_label = "Bake Hits to Frames"
+
+    def run(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        if not obj.crumple_hits:
+            raise Trouble(f"{obj.name} has no hits")
+        self.report({"INFO"}, f"{bridge.bake(obj)} keyed shape keys")
+
+
+class CRUMPLE_OT_mark(MeshOperator, bpy.types.Operator):
+    """Say where the active shape key was hit, and by what. It is stored in the mesh's custom properties, and exported"""
+
+    bl_idname = "crumple.mark"
+    bl_label = "Mark Example"
+
+    at: EnumProperty(
+        name="Contact",
+        items=[("DEEPEST", "Deepest Vertex", "The vertex that moves furthest"), ("CURSOR", "3D Cursor", "The vertex nearest to the 3D cursor")],
+    )
+    placement: EnumProperty(
+        name="Placement",
+        items=[
+            ("automatic", "Automatic", "Crumple decides for each hit"),
+            ("anchored", "Anchored", "It stays where it was made"),
+            ("carried", "Carried", "It moves to the place that was hit"),
+        ],
+    )
+    impulse: FloatProperty(name="Impulse (N s)", min=0, description="Of the blow, on the body. 0: mass times speed, or unknown")
+    mass: FloatProperty(name="Mass", min=0, unit="MASS", description="Of the striker. 0: unknown")
+    speed: FloatProperty(name="Speed", min=0, unit="VELOCITY", description="Of the striker. 0: unknown")
+    radius: FloatProperty(name="Radius", min=0, unit="LENGTH", description="Of the striker at the contact. 0: unknown")
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        return context.window_manager.invoke_props_dialog(self)
+
+    def run(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        key = obj.active_shape_key
+        if key is None or key not in bridge.example_keys(obj):
+            raise Trouble("choose a shape key that is an example: not the basis, not a dent, and not switched off")
+        base = bridge.coordinates(obj.data.shape_keys.reference_key)
+        moved = np.linalg.norm(bridge.coordinates(key) - bridge.coordinates(key.relative_key), axis=1)
+        if moved.max() == 0:
+            raise Trouble(f"{key.name} moves no vertex; sculpt its dent first")
+        if self.at == "DEEPEST":
+            vertex = int(moved.argmax())
+        else:
+            cursor = obj.matrix_world.inverted() @ context.scene.cursor.location
+            vertex = int(np.linalg.norm(base - np.array(cursor, np.float32), axis=1).argmin())
+            if moved[vertex] < 0.01 * moved.max():
+                raise Trouble(f"{key.name} does not move the vertex at the 3D cursor; put the cursor into the dent (Shift + right click)")
+        normal = np.array(obj.data.shape_keys.reference_key.normals_vertex_get()[3 * vertex : 3 * vertex + 3])
+        entry: dict[str, Any] = {"name": key.name, "point": bridge.y_up(base[vertex]), "normal": bridge.y_up(normal)}
+        impulse = self.impulse or self.mass * self.speed
+        if impulse:
+            entry["impulse"] = bridge.y_up(-impulse * normal)
+        told = {"mass": self.mass, "radius": self.radius}
+        striker: dict[str, Any] = {name: value for name, value in told.items() if value}
+        if self.speed:
+            striker["velocity"] = bridge.y_up(-self.speed * normal)
+        if striker:
+            entry["striker"] = striker
+        impacts, placements = bridge.impacts(obj), bridge.placements(obj)
+        impacts[key.name], placements[key.name] = entry, self.placement
+        bridge.describe(obj, impacts, {name: word for name, word in placements.items() if word != "automatic"})
+        self.report({"INFO"}, f"{key.name} was hit at vertex {vertex}, {1000 * moved[vertex]:.1f} mm deep")
+
+
+class CRUMPLE_OT_make_examples(MeshOperator, bpy.types.Operator):
+    """Add examples to a bare mesh: round dents at once, or simulated ones in the background. Escape stops the simulation"""
+
+    bl_idname = "crumple.make_examples"
+    bl_label = "Make Examples"
+
+    method: EnumProperty(
+        name="Method",
+        items=[
+            ("PROFILE", "Round Dents", "At once. They do not know their blows"),
+            ("SOLVER", "Simulated Dents", "By MuJoCo, minutes. Needs the Python package crumple[examples]"),
+        ],
+    )
+    count: IntProperty(name="Count", default=8, min=1, max=100)
+    shallowest: FloatProperty(name="Shallowest", min=0, unit="LENGTH", description="0: 0.5 % of the diagonal")
+    deepest: FloatProperty(name="Deepest", min=0, unit="LENGTH", description="0: 3 % of the diagonal")
+    detail: IntProperty(name="Detail", default=2500, min=200, max=50000, description="Points of the simulated shell")
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        self.window = True
+        return context.window_manager.invoke_props_dialog(self)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        for name in ("method", "count", "shallowest", "deepest") + (("detail",) if self.method == "SOLVER" else ()):
+            self.layout.prop(self, name)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        obj = context.active_object
+        if self.method == "PROFILE":
+            return self.safely(lambda: self.round(obj))
+        if self.safely(lambda: self.start(context, obj)) == {"CANCELLED"}:
+            return {"CANCELLED"}
+        if getattr(self, "window", False):
+            self.timer = context.window_manager.event_timer_add(0.2, window=context.window)
+            context.window_manager.progress_begin(0, self.count)
+            context.window_manager.modal_handler_add(self)
+            return {"RUNNING_MODAL"}
+        self.process.wait()
+        self.reader.join()
+        return self.safely(lambda: self.finish(obj))
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        if event.type == "ESC":
+            self.process.terminate()
+            self.process.wait()
+            self.end(context)
+            self.report({"WARNING"}, "Stopped. Repeat it in this session to go on with the examples that are made")
+            return {"CANCELLED"}
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        while not self.lines.empty():
+            self.said.append(self.lines.get())
+            done = re.match(r"(\d+) of \d+: ", self.said[-1])
+            if done:
+                context.window_manager.progress_update(int(done[1]))
+                context.workspace.status_text_set(f"Crumple's solver: {self.said[-1]}. Escape stops it")
+        if self.process.poll() is None or self.reader.is_alive():
+            return {"PASS_THROUGH"}
+        self.end(context)
+        obj = bpy.data.objects.get(self.of)
+        if obj is None:
+            self.report({"ERROR"}, f"{self.of} is gone; its examples are in {self.out}")
+            return {"CANCELLED"}
+        return self.safely(lambda: self.finish(obj))
+
+    def end(self, context: bpy.types.Context) -> None:
+        context.window_manager.event_timer_remove(self.timer)
+        context.window_manager.progress_end()
+        context.workspace.status_text_set(None)
+
+    def depths(self, size: float) -> tuple[float, float]:
+        low, high = self.shallowest or 0.005 * size, self.deepest or 0.03 * size
+        if not 0 < low < high <= 0.3 * size:
+            raise Trouble(f"depths are {low:.3g} to {high:.3g} m; they must rise, up to {0.3 * size:.3g} m, 0.3 of the diagonal")
+        return low, high
+
+    def round(self, obj: bpy.types.Object) -> None:
+        from crumple.examples import Failure, profile
+
+        points = base_of(obj)
+        corners = bridge.triangles(obj.data).astype(np.int64)
+        if len(corners) == 0:
+            raise Trouble(f"{obj.name} has no faces")
+        distinct, of_vertex = np.unique(points, axis=0, return_inverse=True)
+        of_vertex = of_vertex.reshape(-1)
+        size = float(np.linalg.norm(np.ptp(points, axis=0)))
+        body = SimpleNamespace(
+            name=obj.name, points=distinct.astype(float), triangles=of_vertex[corners], of_vertex=of_vertex, size=size,
+            marked=np.zeros(len(points), bool),
+        )  # fmt: skip
+        try:
+            made = profile.make(body, self.count, self.depths(size))
+        except Failure as failure:
+            raise Trouble(str(failure)) from failure
+        entries = {one.name: {"name": one.name, "point": bridge.y_up(one.point), "normal": bridge.y_up(one.normal)} for one in made}
+        self.add(obj, {one.name: points + one.field[of_vertex] for one in made}, entries)
+
+    def add(self, obj: bpy.types.Object, positions: dict[str, np.ndarray], entries: dict[str, Any]) -> None:
+        told, placed = bridge.impacts(obj), bridge.placements(obj)
+        if obj.data.shape_keys is None:
+            obj.shape_key_add(name="Basis", from_mix=False)
+        for name, moved in positions.items():
+            key = obj.shape_key_add(name=name, from_mix=False)
+            key.value = 0.0
+            key.points.foreach_set("co", np.ascontiguousarray(moved, np.float32).ravel())
+            if name in entries:
+                told[key.name] = {**entries[name], "name": key.name}
+        bridge.describe(obj, told, placed)
+        model = bridge.model(obj)
+        self.tell([f"{len(positions)} examples made", *bridge.report(model.set.info, model.set.examples)])
+
+    def start(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        named = context.preferences.addons[__package__].preferences.program
+        program = bpy.path.abspath(named) if named else shutil.which("crumple")
+        if not program or not Path(program).is_file():
+            raise Trouble(
+                "the solver is not installed: type pip install 'crumple[examples]' in a Python environment, and name its program `crumple` in the preferences"
+            )
+        if not obj.data.polygons:
+            raise Trouble(f"{obj.name} has no faces")
+        folder = Path(bpy.app.tempdir) / bpy.path.clean_name(obj.name)
+        folder.mkdir(exist_ok=True)
+        self.of, self.out, body = obj.name, folder / "examples.glb", folder / "body.glb"
+        bridge.export_gltf(obj, body, examples=False)
+        scale = obj.matrix_world.to_scale().length / 3**0.5
+        low, high = self.depths(scale * float(np.linalg.norm(np.ptp(base_of(obj), axis=0))))
+        command = [program, "examples", str(body), "-o", str(self.out), "--count", str(self.count), "--no-report", "--detail", str(self.detail)]
+        command += ["--depth", f"{1000 * low}", f"{1000 * high}"]
+        # The solver's Python is another than Blender's.
+        clean = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
+        self.out.unlink(missing_ok=True)
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=clean)
+        self.lines: queue.Queue[str] = queue.Queue()
+        self.said: list[str] = []
+        self.reader = threading.Thread(target=lambda: [self.lines.put(line.strip()) for line in self.process.stdout], daemon=True)
+        self.reader.start()
+
+    def finish(self, obj: bpy.types.Object) -> None:
+        while not self.lines.empty():
+            self.said.append(self.lines.get())
+        if self.process.returncode != 0:
+            raise Trouble(next((line for line in reversed(self.said) if "error: " in line), f"the solver ends with {self.process.returncode}"))
+        points = base_of(obj)
+        before = {kind: set(getattr(bpy.data, kind)) for kind in ("objects", "meshes", "collections")}
+        active, selected = bpy.context.view_layer.objects.active, bpy.context.selected_objects
+        bpy.ops.import_scene.gltf(filepath=str(self.out))
+        try:
+            new = next(one for one in set(bpy.data.objects) - before["objects"] if one.type == "MESH" and one.data.shape_keys)
+            keys = new.data.shape_keys.key_blocks
+            # The file has vertices of its own, at the same positions. Adding 0 makes -0 and 0 equal.
+            place = {row.tobytes(): index for index, row in enumerate(bridge.coordinates(keys[0]) + np.float32(0))}
+            try:
+                vertices = [place[row.tobytes()] for row in points + np.float32(0)]
+            except KeyError as error:
+                raise Trouble(f"{obj.name} changed while its examples were made; make them again") from error
+            positions = {key.name: bridge.coordinates(key)[vertices] for key in keys[1:]}
+            entries = bridge.impacts(new)
+        finally:
+            for kind in before:
+                for one in set(getattr(bpy.data, kind)) - before[kind]:
+                    getattr(bpy.data, kind).remove(one)
+            for one in selected:
+                one.select_set(True)
+            bpy.context.view_layer.objects.active = active
+        self.add(obj, positions, entries)
+
+
+def base_of(obj: bpy.types.Object) -> bridge.Floats:
+    """The undamaged positions, also of a mesh without shape keys."""
+    if obj.data.shape_keys:
+        return bridge.coordinates(obj.data.shape_keys.reference_key)
+    out = np.empty(3 * len(obj.data.vertices), np.float32)
+    obj.data.vertices.foreach_get("co", out)
+    return out.reshape(-1, 3)
+
+
+class CRUMPLE_OT_check(MeshOperator, bpy.types.Operator):
+    """Look for what makes examples bad, and show what the library says of them"""
+
+    bl_idname = "crumple.check"
+    bl_label = "Check Examples"
+    bl_options = {"REGISTER"}
+
+    def run(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        found = troubles(obj)
+        model = bridge.model(obj)
+        lines = [f"{len(found)} things to look at" if found else "Nothing wrong was found", *found, *bridge.report(model.set.info, model.set.examples)]
+        bridge.say(lines)
+        self.report({"WARNING"} if found else {"INFO"}, "; ".join([lines[0], *found]))
+
+
+def troubles(obj: bpy.types.Object) -> list[str]:
+    """What an artist should change."""
+    model, told = bridge.model(obj), bridge.impacts(obj)
+    found = []
+    if (obj.matrix_world.to_scale() - Vector((1, 1, 1))).length > 1e-4:
+        found.append("the object is scaled: apply its scale, or depths are not in metres")
+    found += [f"modifier {one.name}: apply it first, the exporter leaves it out" for one in obj.modifiers if one.type != "ARMATURE"]
+    found += [f"the custom property impacts names {name}, which is no example" for name in told if name not in model.names]
+    for number, (one, field) in enumerate(zip(model.set.examples, model.fields, strict=True)):
+        if one.moved_vertices == 0:
+            found.append(f"{one.name} moves no vertex: sculpt it, or delete it")
+            continue
+        if one.name not in told:
+            found.append(f"{one.name} has no contact: mark it, or its deepest vertex counts")
+        if one.moved_vertices > 0.75 * len(model.base):
+            share = one.moved_vertices / len(model.base)
+            found.append(f"{one.name} reaches beyond its dent, over {share:.0%} of the mesh: undo what its blow would not reach")
+        if one.depth < 0.1 * one.max_depth:
+            found.append(f"{one.name} hardly moves its contact: mark it again, inside the dent")
+        elif field[one.contact_vertex] @ one.contact_normal > 0:
+            found.append(f"{one.name} moves its contact outwards: flip the mesh's normals, or sculpt inwards")
+        for name, other in zip(model.names[:number], model.fields, strict=False):
+            if np.linalg.norm(field - other) < 0.01 * np.linalg.norm(field):
+                found.append(f"{one.name} repeats {name}: delete one")
+        if one.field_error is not None and one.field_error > 1:
+            found.append(f"{one.name} is unlike the others (error {one.field_error:.2f}): one more example near it helps most")
+    return found
+
+
+class CRUMPLE_OT_coverage(MeshOperator, bpy.types.Operator):
+    """Paint a heat map: blue is good, red needs an example. The 3D cursor goes to the worst place"""
+
+    bl_idname = "crumple.coverage"
+    bl_label = "Show Coverage"
+
+    kind: EnumProperty(
+        name="Show",
+        items=[
+            ("ERROR", "Expected Error", "Of a dent at each place, from the errors of the examples that the library would use. Red: 1, as bad as no dent"),
+            ("REACH", "Reach", "How deep some example moves each place. Red: not at all. Blue: as deep as the deepest"),
+        ],
+    )
+
+    def run(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        model = bridge.model(obj)
+        if self.kind == "REACH":
+            deepest = np.max([np.linalg.norm(field, axis=1) for field in model.fields], axis=0)
+            bad = 1 - deepest / max(float(deepest.max()), 1e-30)
+            line = f"Some example moves {(deepest > 0).mean():.0%} of the vertices"
+        else:
+            bad = expected_errors(model)
+            line = f"Expected error: {np.median(bad):.2f}; {bad.max():.2f} at cursor"
+        paint(obj.data, np.clip(bad, 0, 1))
+        context.scene.cursor.location = obj.matrix_world @ Vector(model.base[int(bad.argmax())])
+        for area in context.screen.areas if context.screen else ():
+            if area.type == "VIEW_3D" and area.spaces.active.shading.type == "SOLID":
+                area.spaces.active.shading.color_type = "VERTEX"
+        self.tell([line, *bridge.report(model.set.info, model.set.examples)])
+
+
+def expected_errors(model: bridge.Model) -> np.ndarray:
+    """For each vertex: the mean error of the examples that a dent of middling depth would use there, by their shares; 1 where none serves."""
+    examples, mesh = model.set.examples, model.set.mesh()
+    usual = model.set.info.field_error
+    if usual is None:
+        raise Trouble("the errors of the examples are unknown: two or more examples that can be carried are needed")
+    depth = float(np.median([one.depth for one in examples]))
+    body = model.set.instance()
+    try:
+        asked = np.unique(np.linspace(0, len(model.base) - 1, SAMPLES).astype(int))
+        errors, tree = [], KDTree(len(asked))
+        for index, vertex in enumerate(asked):
+            tree.insert(model.base[vertex], index)
+            result = body.hit_displacement(model.base[vertex], -depth * mesh.normals[vertex], preview=True)
+            known = [examples[one.example].field_error for one in result.chosen]
+            shares = np.abs([one.share for one in result.chosen])
+            values = [usual if error is None else error for error in known]
+            errors.append(float(shares @ values / shares.sum()) if result.status == crumple.HitStatus.MARKED else 1.0)
+    finally:
+        body.destroy()
+    tree.balance()
+    return np.array(errors)[[tree.find(point)[1] for point in model.base]]
+
+
+def paint(mesh: bpy.types.Mesh, bad: np.ndarray) -> None:
+    """Colours from blue (0) over green to red (1)."""
+    colours = np.ones((len(bad), 4), np.float32)
+    colours[:, :3] = np.clip(np.stack([2 * bad - 0.5, 1.2 - 2 * np.abs(bad - 0.5), 1.5 - 2 * bad], -1), 0.03, 1)
+    layer = mesh.color_attributes.get(COVERAGE)
+    if layer is not None:
+        mesh.color_attributes.remove(layer)
+    layer = mesh.color_attributes.new(COVERAGE, "FLOAT_COLOR", "POINT")
+    layer.data.foreach_set("color", colours.ravel())
+    mesh.color_attributes.active_color = layer
+
+
+class CRUMPLE_OT_export(MeshOperator, ExportHelper, bpy.types.Operator):
+    """Write the mesh with its examples: a .glb file, or a .crumple file, which loads without being built again"""
+
+    bl_idname = "crumple.export"
+    bl_label = "Export for Crumple"
+    bl_options = {"REGISTER"}
+    filename_ext = ".glb"
+    check_extension = None
+    filter_glob: StringProperty(default="*.glb;*.crumple", options={"HIDDEN"})
+    tolerance: FloatProperty(
+        name="Tolerance (mm)", default=0.1, min=0, description="Largest position error of a .crumple file, in millimetres. 0: exact floats"
+    )
+
+    def run(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        path = Path(bpy.path.abspath(self.filepath))
+        if path.suffix not in (".glb", ".crumple"):
+            raise Trouble(f"the file is {path.name}; its name must end in .glb or .crumple")
+        model = bridge.model(obj)
+        written = path if path.suffix == ".glb" else Path(bpy.app.tempdir) / "crumple_bake.glb"
+        part = written.with_name(f"{written.stem}.part.glb")
+        bridge.export_gltf(obj, part)
+        with crumple.Context() as library:
+            try:
+                options = crumple.SetOptions(bake_tolerance=1e-3 * self.tolerance) if path.suffix == ".crumple" else None
+                loaded = library.load(part, obj.data.name, options)
+                if [one.name for one in loaded.examples] != model.names:
+                    raise Trouble(f"the exporter wrote {loaded.info.example_count} examples of {len(model.names)}; nothing was kept")
+                if path.suffix == ".crumple":
+                    # A file of the old name is replaced when the new one is whole.
+                    whole = path.with_name(f"{path.name}.part")
+                    whole.write_bytes(loaded.bake())
+                    whole.replace(path)
+                    loaded = library.load(path)
+                else:
+                    part.replace(path)
+            finally:
+                part.unlink(missing_ok=True)
+            self.tell([f"{path.name}: {path.stat().st_size / 1e6:.2f} MB", *bridge.report(loaded.info, loaded.examples)])
+
+
+CLASSES = (
+    Hit, Preferences, CRUMPLE_OT_hit, CRUMPLE_OT_clear, CRUMPLE_OT_bake, CRUMPLE_OT_mark, CRUMPLE_OT_make_examples, CRUMPLE_OT_check,
+    CRUMPLE_OT_coverage, CRUMPLE_OT_export,
+)  # fmt: skip
+
+
+def register() -> None:
+    for one in CLASSES:
+        bpy.utils.register_class(one)
+    bpy.types.Object.crumple_hits = CollectionProperty(type=Hit)
+    bpy.types.Object.crumple_hit = IntProperty(description="The hit that is chosen in the list")
+
+
+def unregister() -> None:
+    del bpy.types.Object.crumple_hits, bpy.types.Object.crumple_hit
+    for one in reversed(CLASSES):
+        bpy.utils.unregister_class(one)
+    bridge.close()

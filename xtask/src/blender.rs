@@ -1,0 +1,180 @@
+//! The Blender extension: packs it with the wheel, and tests the packed file in Blender.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use clap::Args;
+use xshell::cmd;
+
+use crate::debian;
+use crate::install::{copy, copy_as};
+use crate::package::{archive, markdown};
+use crate::python;
+use crate::stage::Outcome;
+use crate::tools::Tool;
+use crate::wine;
+use crate::workspace::{Workspace, empty_directory, files};
+
+const BINDING: &str = "bindings/blender";
+const MANIFEST: &str = "blender_manifest.toml";
+/// Blender as a Python module, in two versions.
+const REQUIREMENTS: &[&str] = &["bindings/blender/tests/bpy42.txt", "bindings/blender/tests/bpy50.txt"];
+/// Blender with a window.
+const PACKAGES: &[&str] =
+    &["blender", "mesa-vulkan-drivers", "python3-numpy", "python3-cattr", "python3-requests", "python3-zstandard"];
+/// Where that Blender finds its files and its Python.
+const FOLDERS: &str = "PYTHONHOME=$R/usr BLENDER_SYSTEM_RESOURCES=$R/usr/share/blender \
+                       BLENDER_SYSTEM_SCRIPTS=$R/usr/share/blender/scripts \
+                       BLENDER_SYSTEM_DATAFILES=$R/usr/share/blender/datafiles";
+
+#[derive(Args)]
+pub struct Options {
+    /// Folder for the archive
+    #[arg(long, value_name = "DIR", default_value = "out/extension")]
+    out: PathBuf,
+}
+
+/// `cargo xtask extension`: the archive for this system, which Blender installs.
+pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
+    let wheel = python::build(workspace, true, &workspace.target.join("package/blender-wheel"))?;
+    let archive = pack(workspace, &wheel, &workspace.path(&options.out))?;
+    println!("{} ({:.1} MB)", archive.display(), fs::metadata(&archive)?.len() as f64 / 1e6);
+    Ok(())
+}
+
+/// Runs the extension's tests on the packed file, in the `bpy` of each of two Blenders and in a third one's window.
+pub fn stage(workspace: &Workspace) -> Result<Outcome> {
+    if cfg!(not(all(target_os = "linux", target_arch = "x86_64"))) {
+        return Ok(Outcome::NotApplicable("Blender is fetched for Linux on x86-64 only".into()));
+    }
+    let mut pythons = Vec::new();
+    for requirements in REQUIREMENTS {
+        let name = Path::new(requirements).file_stem().context("files have names")?.to_string_lossy();
+        match python::environment(workspace, Tool::Python311, &format!("blender-{name}"), requirements) {
+            Ok(python) => pythons.push(python),
+            Err(error) => {
+                let line = format!("python3.11 -m pip install -r {requirements}");
+                return Ok(Outcome::LeftOut(format!("bpy cannot be had; to see why: {line} ({error})")));
+            }
+        }
+    }
+    let (sh, folder) = (&workspace.shell, workspace.target.join("blender-extension"));
+    let wheel = python::build(workspace, false, &folder.join("wheel"))?;
+    let archive = pack(workspace, &wheel, &folder)?;
+    let examples = python::tested_environment(workspace)?;
+    let install = ["-m", "pip", "install", "--quiet", "--no-index", "--no-deps", "--force-reinstall"];
+    cmd!(sh, "{examples} {install...} {wheel}").quiet().run()?;
+    let _environment = [
+        sh.push_env("BLENDER_USER_RESOURCES", folder.join("home")),
+        sh.push_env("CRUMPLE_EXTENSION", &archive),
+        sh.push_env("CRUMPLE_EXAMPLES_PYTHON", &examples),
+        sh.push_env("PYTHONDONTWRITEBYTECODE", "1"),
+    ];
+    let tests = workspace.path(BINDING).join("tests/test_extension.py");
+    for python in &pythons {
+        empty_directory(&folder.join("home"))?;
+        cmd!(sh, "{python} {tests}").quiet().run()?;
+    }
+    if !Tool::Xvfb.here(workspace) {
+        return Ok(Outcome::InPart("Xvfb is missing, on which Blender's window is shown".into()));
+    }
+    match program(workspace) {
+        Ok(program) => window(workspace, &program, &folder, &archive).map(|()| Outcome::Passed),
+        Err(error) => {
+            let how = "Type: CRUMPLE_BLENDER=/path/to/blender cargo xtask test --only extension";
+            Ok(Outcome::InPart(format!("Blender with a window cannot be fetched: {error:#}. {how}")))
+        }
+    }
+}
+
+/// The program with a window, fetched on the first call.
+fn program(workspace: &Workspace) -> Result<PathBuf> {
+    if let Some(program) = std::env::var_os("CRUMPLE_BLENDER") {
+        return Ok(program.into());
+    }
+    let folder = workspace.target.join("blender-window");
+    let program = folder.join("blender");
+    if !program.exists() {
+        println!("fetching Blender from Debian sid, about 290 MB, into {}", folder.display());
+        debian::fetch(workspace, &folder, PACKAGES, "blender", FOLDERS)?;
+    }
+    Ok(program)
+}
+
+/// Drives the panel, the hits and the heat map on a display without a screen. The picture lies beside the archive.
+fn window(workspace: &Workspace, program: &Path, folder: &Path, archive: &Path) -> Result<()> {
+    empty_directory(&folder.join("home"))?;
+    let (script, hood) = (workspace.path(BINDING).join("tests/window.py"), workspace.path("assets/demo/hood.glb"));
+    let picture = folder.join("window.png");
+    let (mut display, number) = wine::display()?;
+    let sh = &workspace.shell;
+    let options = [
+        "--gpu-backend",
+        "vulkan",
+        "--enable-event-simulate",
+        "--factory-startup",
+        "--python-use-system-env",
+        "--python-exit-code",
+        "1",
+    ];
+    let shown = cmd!(sh, "timeout 150 {program} {options...} --python {script} -- {archive} {hood} {picture}")
+        .env("DISPLAY", format!(":{number}"))
+        .env("XDG_RUNTIME_DIR", folder.join("home"))
+        .ignore_status()
+        .output();
+    let _ = display.kill();
+    let _ = display.wait();
+    let shown = shown?;
+    let text = [shown.stdout, shown.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
+    let good = shown.status.success() && text.contains("the window works") && !text.contains("Traceback");
+    if !good {
+        println!("{text}");
+    }
+    ensure!(good, "Blender's window does not work; it ends with {}", shown.status);
+    println!("{}", picture.display());
+    Ok(())
+}
+
+/// Packs the extension with the wheel into `out`.
+fn pack(workspace: &Workspace, wheel: &Path, out: &Path) -> Result<PathBuf> {
+    let source = workspace.path(BINDING).join("extension");
+    // The archive has the folder that Blender gives the extension.
+    let stage = workspace.target.join("package/blender/crumple");
+    empty_directory(&stage)?;
+    for file in files(&source)?.iter().filter(|file| file.extension().is_some_and(|kind| kind == "py")) {
+        copy(file, &stage)?;
+    }
+    for license in ["LICENSE-MIT", "LICENSE-APACHE"] {
+        copy(&workspace.path(license), &stage)?;
+    }
+    let page = fs::read_to_string(workspace.path(BINDING).join("README.md")).context("reading the extension's page")?;
+    fs::write(stage.join("README.md"), markdown::without_dead_links(&page, &stage))?;
+    let name = wheel.file_name().context("wheels have names")?.to_string_lossy().into_owned();
+    copy_as(wheel, &stage.join("wheels"), &name)?;
+    let manifest = fs::read_to_string(source.join(MANIFEST)).with_context(|| format!("reading {MANIFEST}"))?;
+    let version = format!("version = \"{}\"", workspace.version);
+    ensure!(manifest.contains(&version), "{BINDING}/extension/{MANIFEST} lacks {version}, the workspace's");
+    let (before, after) = manifest.split_once("\n[permissions]").context("the manifest lacks [permissions]")?;
+    let system = system(&name).with_context(|| format!("Blender has no name for the system of {name}"))?;
+    let lines = format!("platforms = [\"{system}\"]\nwheels = [\"./wheels/{name}\"]\n");
+    fs::write(stage.join(MANIFEST), format!("{before}{lines}\n[permissions]{after}"))?;
+    fs::create_dir_all(out).with_context(|| format!("creating {}", out.display()))?;
+    let path = out.join(format!("crumple-blender-{}-{system}.zip", workspace.version));
+    let file = fs::File::create(&path).with_context(|| format!("creating {}", path.display()))?;
+    archive::zip(&stage, file).with_context(|| format!("packing {}", path.display()))?;
+    Ok(path)
+}
+
+/// Blender's name for the system that a wheel is for.
+fn system(wheel: &str) -> Option<&'static str> {
+    let arm = wheel.contains("arm64") || wheel.contains("aarch64");
+    match () {
+        () if wheel.contains("linux") && !arm => Some("linux-x64"),
+        () if wheel.contains("win") && !wheel.contains("darwin") => {
+            Some(if arm { "windows-arm64" } else { "windows-x64" })
+        }
+        () if wheel.contains("macosx") => Some(if arm { "macos-arm64" } else { "macos-x64" }),
+        () => None,
+    }
+}
