@@ -471,6 +471,7 @@ const MALFORMED_EXTRAS: &str = r#"
 {"placements": ["carried"]} | Format | 1 words for 2 targets
 {"placements": ["carried", 1]} | Format | extras.placements[1] is 1
 {"placements": 1} | Format | extras.placements is 1
+{"placements": "{\"p\"}"} | Format | extras.placements is a text that is not JSON
 {"placements": {"r": "carried"}, "targetNames": ["p", "q"]} | Format | names 'r'
 {"placements": {"p": 1}, "targetNames": ["p", "q"]} | Format | extras.placements['p'] is 1
 "#;
@@ -516,6 +517,7 @@ fn placements_by_word_list_and_name() {
     assert_eq!(placed(json!("anchored, carried")), [A, C]);
     assert_eq!(placed(json!(["carried", "automatic"])), [C, U]);
     assert_eq!(placed(json!({ "q": "anchored" })), [U, A]);
+    assert_eq!(placed(json!("{\"q\": \"anchored\"}")), [U, A], "a text, as Blender's interface makes them");
     assert_eq!(placed(Value::Null), [U, U]);
 }
 

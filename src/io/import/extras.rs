@@ -209,7 +209,10 @@ fn unit(n: [f32; 3], i: usize) -> Result<[f32; 3], Error> {
 
 /// The placement of each target, from `extras.placements`.
 pub(super) fn placements(mesh: &Value, names: &[String]) -> Result<Vec<Placement>, Error> {
-    let words: Vec<Value> = match &mesh["extras"]["placements"] {
+    let value = &mesh["extras"]["placements"];
+    let json = value.as_str().is_some_and(|text| text.trim_start().starts_with(['{', '[']));
+    let value = if json { parsed(value, "placements")? } else { Cow::Borrowed(value) };
+    let words: Vec<Value> = match &*value {
         Value::Null => return Ok(vec![Placement::Automatic; names.len()]),
         Value::String(text) if !text.contains(',') => return Ok(vec![placement(text, "")?; names.len()]),
         Value::String(text) => text.split(',').map(Value::from).collect(),

@@ -31,7 +31,7 @@
 //!   deepest vertex.
 //! - `placements`: whether an example is `anchored` (stays where it was made), `carried` (moves to the hit) or
 //!   `automatic`. It is one word for all (`"anchored"`), words in target order (`"anchored, carried"` or a list), or a
-//!   map `{"target name": "anchored"}`. Targets that a map omits are automatic.
+//!   map `{"target name": "anchored"}`. Targets that a map omits are automatic. A list or a map may be a text of JSON.
 //!
 //! # OBJ
 //!
