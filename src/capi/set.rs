@@ -302,7 +302,7 @@ unsafe fn read_mesh(def: &CrumpleMeshDef) -> Result<MeshData, Failure> {
     let normals = read(def.normals, vertices, "def.mesh.normals")?;
     let tangents = read(def.tangents, vertices, "def.mesh.tangents")?;
     let triangles = read_triangles(def)?;
-    Ok(MeshData { positions, normals, tangents, triangles })
+    Ok(MeshData { positions, normals, tangents, triangles, ..MeshData::default() })
 }
 
 unsafe fn read_triangles(def: &CrumpleMeshDef) -> Result<Vec<[u32; 3]>, Failure> {

@@ -86,6 +86,11 @@ impl<'d> Accessor<'d> {
         Ok(values)
     }
 
+    /// Reads numbers. They need not be finite.
+    pub fn scalars(&self) -> Result<Vec<f32>, Error> {
+        self.read::<f32>()
+    }
+
     /// Reads the elements that are not zero, with their indices in increasing order. Elements that a sparse accessor
     /// omits cost nothing.
     pub fn nonzero(&self) -> Result<(Vec<u32>, Vec<[f32; 3]>), Error> {

@@ -61,7 +61,7 @@ pub(crate) mod uri;
 #[cfg(feature = "gltf")]
 pub use self::extras::apply_extras;
 #[cfg(feature = "gltf")]
-pub use self::gltf::{gltf_file, gltf_slice};
+pub use self::gltf::{gltf_file, gltf_slice, gltf_solids};
 #[cfg(feature = "obj")]
 pub use self::obj::{obj_files, obj_slices};
 
