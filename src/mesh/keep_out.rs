@@ -83,7 +83,7 @@ impl MeshData {
 /// A solid that was checked.
 enum Ready {
     Capsule { a: DVec3, b: DVec3, radius: f64 },
-    Mesh(Mesh, SurfaceIndex),
+    Mesh(Box<Mesh>, SurfaceIndex),
 }
 
 impl Ready {
@@ -107,7 +107,7 @@ impl Ready {
                     return Err(Error::Mesh { what });
                 }
                 let index = SurfaceIndex::new(&mesh);
-                Ok(Ready::Mesh(mesh, index))
+                Ok(Ready::Mesh(Box::new(mesh), index))
             }
         }
     }

@@ -131,8 +131,8 @@ fn at(of: &Array<Halves>, v: u32, other: f32) -> f32 {
     of.get(v as usize / BLOCK).map_or(other, |b| whole(b[v as usize % BLOCK]))
 }
 
-fn check<'a>(
-    values: Option<&'a [f32]>,
+fn check(
+    values: Option<&[f32]>,
     name: &str,
     most: f32,
     expected: &str,

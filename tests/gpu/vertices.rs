@@ -46,7 +46,7 @@ pub fn sets() -> Vec<(String, Arc<ExampleSet>)> {
 fn limited(combine: Combine) -> Arc<ExampleSet> {
     let mut mesh = scenes::sheet(30);
     let examples = scenes::bowls(&mesh, 5, 0.3, 3);
-    let limit = |v: usize| if v % 5 == 0 { f32::INFINITY } else { 0.001 * (v % 60) as f32 };
+    let limit = |v: usize| if v.is_multiple_of(5) { f32::INFINITY } else { 0.001 * (v % 60) as f32 };
     mesh.depth_limits = Some((0..mesh.positions.len()).map(limit).collect());
     mesh.stiffness = Some((0..mesh.positions.len()).map(|v| 0.1 * (v % 7) as f32).collect());
     scenes::build(mesh, examples, SetOptions { combine, ..SetOptions::default() })
