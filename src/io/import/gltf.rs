@@ -276,7 +276,7 @@ fn custom(doc: &Document<'_>, parts: &[Part<'_>], name: &str) -> Result<Option<V
     for part in parts.iter().filter(|p| p.owns_vertices) {
         let Some(index) = part.attribute(Semantic::Extras(name.into())) else { return Ok(None) };
         let name = format!("{} _{name}", part.name);
-        let accessor = Accessor::new(doc, index, &name, Type::Scalar)?;
+        let accessor = Accessor::of_numbers(doc, index, &name)?;
         same_count(&accessor, part, &name)?;
         values.extend(accessor.scalars()?);
     }
