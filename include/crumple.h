@@ -261,7 +261,8 @@ typedef enum {
     CRUMPLE_HIT_STATUS_NOTHING_REACHES = 2,
     /// Alone it would leave no mark, but it adds to its contact.
     CRUMPLE_HIT_STATUS_ACCUMULATED = 3,
-    /// Its contact is in a rigid part, such as glass. It leaves no mark.
+    /// Its contact cannot move: it is in a rigid part, such as glass, or its own depth limit is 0 or its stiffness 1. It
+    /// leaves no mark.
     CRUMPLE_HIT_STATUS_RIGID = 4,
 } CrumpleHitStatus;
 
@@ -403,6 +404,13 @@ typedef struct {
     /// Triangles: index_count indices, counter-clockwise seen from outside. Absent: a point cloud, which needs normals.
     CrumpleInput indices;
     CrumpleIndexType index_type;
+    /// How far each vertex may move: vertex_count floats, m, at least 0, INFINITY for no limit of its own. Rounded down by up to
+    /// 1 in 128. The depth limits of the set and of the instance hold too. Absent: none; for a further mesh of a set, those
+    /// of the nearest base vertices.
+    CrumpleInput depth_limits;
+    /// How much less than its dents each vertex moves: vertex_count floats, 0 (as the dents say) to 1 (not at all). Absent: 0;
+    /// for a further mesh of a set, as the nearest base vertices.
+    CrumpleInput stiffness;
 } CrumpleMeshDef;
 
 /// How an example set is built. The def that contains it sets its defaults.

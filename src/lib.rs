@@ -83,6 +83,7 @@ pub use io::format::file_checksum;
 pub use io::import;
 pub use mesh::Mesh;
 pub use mesh::data::MeshData;
+pub use mesh::keep_out::{KeepOutReport, Solid};
 pub use mesh::mirror::Mirror;
 pub use mesh::nearest::Nearest;
 pub use select::hit::{Cause, Chosen, Hit, HitStatus, Outcome, Selection, Space};

@@ -83,6 +83,7 @@ fn triangle() -> MeshData {
         normals: Some(vec![[0.0, 0.0, 1.0]; 3]),
         tangents: Some(vec![[1.0, 0.0, 0.0, 1.0]; 3]),
         triangles: vec![[0, 1, 2]],
+        ..MeshData::default()
     }
 }
 

@@ -559,3 +559,17 @@ fn the_solver_bodies() {
         }
     }
 }
+
+#[test]
+fn limits_of_vertices_are_custom_attributes() {
+    let mut glb = square();
+    let limits = glb.floats("SCALAR", &[0.0, 0.5, f32::MAX, 1.0]);
+    let stiffness = glb.floats("SCALAR", &[0.0, 0.25, 0.5, 1.0]);
+    let attributes = &mut glb.json["meshes"][0]["primitives"][0]["attributes"];
+    (attributes["_DEPTH_LIMIT"], attributes["_STIFFNESS"]) = (limits.into(), stiffness.into());
+    let mesh = gltf_slice(&glb.bytes(), None, MeshChoice::First).unwrap().mesh;
+    assert_eq!(mesh.depth_limits.as_deref(), Some(&[0.0, 0.5, f32::MAX, 1.0][..]));
+    assert_eq!(mesh.stiffness.as_deref(), Some(&[0.0, 0.25, 0.5, 1.0][..]));
+    let solids = crumple::import::gltf_solids(&glb.bytes(), None).unwrap();
+    assert_eq!(solids, [crumple::Solid::Mesh { positions: mesh.positions, triangles: mesh.triangles }]);
+}

@@ -19,6 +19,7 @@ fn row() -> MeshData {
         normals: None,
         tangents: None,
         triangles: vec![[0, 1, 3], [1, 2, 3]],
+        ..MeshData::default()
     }
 }
 

@@ -16,6 +16,7 @@ pub fn mesh(body: &Body) -> MeshData {
         normals: Some(body.normals.clone()),
         tangents: None,
         triangles: body.triangles.clone(),
+        ..MeshData::default()
     }
 }
 

@@ -143,6 +143,8 @@ fn fingerprint(mesh: &Mesh, examples: &[Example], options: &SetOptions) -> u64 {
     };
     h.write(&[combine, u8::from(options.strict), options.stamp_resolution as u8]);
     h.write(&[u8::from(options.mirror), u8::from(options.held_rims)]);
+    // Nothing where there are none, so that sets without limits keep their fingerprints.
+    mesh.limits().parts().iter().for_each(|halves| h.write(bytemuck::cast_slice(halves)));
     h.finish()
 }
 

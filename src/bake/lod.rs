@@ -59,6 +59,13 @@ impl ExampleSet {
         for ready in transferred {
             anchored.push(Arc::new(ready?));
         }
+        let nearest = |p: &Vec3| self.nearest_vertex(p.to_array()).map(|n| n.vertex);
+        let mesh = if self.mesh().limits().is_empty() {
+            mesh
+        } else {
+            let nearest = mesh.positions().iter().map(nearest).collect::<Result<Vec<_>, Error>>()?;
+            mesh.with_limits_of(self.mesh(), &nearest)
+        };
         let rim = self.rim().on(self.mesh(), &mesh, tasks);
         let shown = MeshLod::new(mesh, rim, anchored);
         let report = LodReport { vertices: shown.vertex_count(), bytes: shown.bytes(), farthest };

@@ -27,6 +27,7 @@ pub fn reorder(mesh: &mut MeshData, examples: &mut [ExampleData]) -> Vec<u32> {
     permute(&mut mesh.positions, &order);
     mesh.normals.iter_mut().for_each(|n| permute(n, &order));
     mesh.tangents.iter_mut().for_each(|t| permute(t, &order));
+    [&mut mesh.depth_limits, &mut mesh.stiffness].into_iter().flatten().for_each(|x| permute(x, &order));
     mesh.triangles.iter_mut().flatten().for_each(renumber);
     for e in examples {
         for deltas in [Some(&mut e.positions), e.normals.as_mut()].into_iter().flatten() {

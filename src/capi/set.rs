@@ -131,6 +131,13 @@ pub struct CrumpleMeshDef {
     /// Triangles: index_count indices, counter-clockwise seen from outside. Absent: a point cloud, which needs normals.
     pub indices: CrumpleInput,
     pub index_type: MaybeUninit<CrumpleIndexType>,
+    /// How far each vertex may move: vertex_count floats, m, at least 0, INFINITY for no limit of its own. Rounded down by up to
+    /// 1 in 128. The depth limits of the set and of the instance hold too. Absent: none; for a further mesh of a set, those
+    /// of the nearest base vertices.
+    pub depth_limits: CrumpleInput,
+    /// How much less than its dents each vertex moves: vertex_count floats, 0 (as the dents say) to 1 (not at all). Absent: 0;
+    /// for a further mesh of a set, as the nearest base vertices.
+    pub stiffness: CrumpleInput,
 }
 
 /// A base mesh, at least one example, and the options of the set.
@@ -302,7 +309,9 @@ unsafe fn read_mesh(def: &CrumpleMeshDef) -> Result<MeshData, Failure> {
     let normals = read(def.normals, vertices, "def.mesh.normals")?;
     let tangents = read(def.tangents, vertices, "def.mesh.tangents")?;
     let triangles = read_triangles(def)?;
-    Ok(MeshData { positions, normals, tangents, triangles })
+    let depth_limits = read(def.depth_limits, vertices, "def.mesh.depth_limits")?;
+    let stiffness = read(def.stiffness, vertices, "def.mesh.stiffness")?;
+    Ok(MeshData { positions, normals, tangents, triangles, depth_limits, stiffness })
 }
 
 unsafe fn read_triangles(def: &CrumpleMeshDef) -> Result<Vec<[u32; 3]>, Failure> {

@@ -16,6 +16,7 @@ use crate::base::math::{Aabb, tangent_basis, turned_as, unit};
 use crate::damage::dent::Part;
 use crate::example::blocks::Stored;
 use crate::example::mesh_lod::MeshLod;
+use crate::mesh::Mesh;
 use crate::mesh::vertex_blocks::{BLOCK, block_range};
 use glam::{Vec3, Vec4};
 
@@ -143,7 +144,7 @@ pub(crate) fn block<'a>(
     let base_normals: Option<&[f32]> = mesh.normals().map(|n| bytemuck::cast_slice(&n[range.clone()]));
     let normals = normals.zip(base_normals);
     if let Some(state) = job.view.vertices {
-        *bounds = given(state, range.start, positions, normals);
+        *bounds = given(state, mesh, range.start, positions, normals);
         return;
     }
     let mut normals = normals;
@@ -168,6 +169,7 @@ pub(crate) fn block<'a>(
         window: job.lod.rim.block(job.block),
         deepest: job.view.keeps_deepest(touched.dents),
         limit: job.view.limit(touched.longest),
+        own: DamageView::own_limits(mesh, job.block, touched.longest),
     };
     // The last block of a mesh may be short.
     let short = range.len() < BLOCK;
@@ -202,7 +204,11 @@ fn lone(
     let [Part::Anchored(example, scale)] = &dent.parts[..] else { return false };
     let anchored = &job.lod.anchored[*example];
     let (Some(head), scale) = (anchored.block(job.block as u32), scale * dent.strength) else { return false };
-    if job.view.threshold > 0.0 || may_reach(head.longest * scale.abs(), job.view.depth_limit) {
+    let longest = head.longest * scale.abs();
+    if job.view.threshold > 0.0
+        || may_reach(longest, job.view.depth_limit)
+        || DamageView::own_limits(&job.lod.mesh, job.block, longest).is_some()
+    {
         return false;
     }
     if let Some((to, base)) = normals {
@@ -234,25 +240,37 @@ fn into<'b>(to: &'b mut [f32], scratch: &'b mut Flat) -> &'b mut Flat {
 
 fn given(
     state: DisplacedVertices<'_>,
+    mesh: &Mesh,
     first: usize,
     positions: &mut [f32],
     normals: Option<(&mut [f32], &[f32])>,
 ) -> Aabb {
     let mut bounds = Aabb::EMPTY;
     for (i, p) in positions.chunks_exact_mut(3).enumerate() {
-        let at = state.positions[first + i];
+        let (at, _) = shortened(state, mesh, first + i);
         bounds.add(at);
         p.copy_from_slice(&at.to_array());
     }
     if let Some((normals, base)) = normals {
         for (i, (n, base)) in normals.chunks_exact_mut(3).zip(base.chunks_exact(3)).enumerate() {
             let base = Vec3::from_slice(base);
-            let now = state.normals.get(first + i).copied().unwrap_or(base);
+            let mut now = state.normals.get(first + i).copied().unwrap_or(base);
+            let (_, factor) = shortened(state, mesh, first + i);
+            if factor < 1.0 {
+                now = base + (now - base) * factor;
+            }
             let now = if now == base { now } else { unit(now).unwrap_or(base) };
             n.copy_from_slice(&now.to_array());
         }
     }
     bounds
+}
+
+/// The position of a vertex that a classic rule displaced, with its own limits, and their factor for the displacement.
+fn shortened(state: DisplacedVertices<'_>, mesh: &Mesh, v: usize) -> (Vec3, f32) {
+    let (base, at) = (mesh.positions()[v], state.positions[v]);
+    let factor = mesh.limits().factor(v as u32, at - base);
+    (if factor < 1.0 { base + (at - base) * factor } else { at }, factor)
 }
 
 /// The base tangent, rotated as the normal was and made orthogonal to the new normal. Keeps w.

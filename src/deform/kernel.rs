@@ -13,6 +13,7 @@ use super::simd::Simd;
 use crate::damage::carried::{Carried, Lookup};
 use crate::example::blocks::{GROUP, GROUPS, Numbers, Stored};
 use crate::example::stamp::{FACING, Node, WEIGHTS};
+use crate::mesh::limits::BlockLimits;
 use crate::mesh::rim::WindowBlock;
 use crate::mesh::vertex_blocks::BLOCK;
 use glam::Vec3;
@@ -572,6 +573,8 @@ pub(crate) struct Block<'a> {
     pub deepest: bool,
     /// The depth limit, m; `None` if nothing reaches it.
     pub limit: Option<f32>,
+    /// The limits of the vertices; `None` if nothing reaches them.
+    pub own: Option<BlockLimits<'a>>,
 }
 
 /// Writes deformed positions, and unit normals if `NORMALS`. Returns the bounds of the first `len` positions. If there
@@ -620,14 +623,20 @@ pub(crate) unsafe fn displace<S: Simd, const NORMALS: bool>(
             }
             let s = sums.all;
             let (mut u, mut change) = (s, sums.change);
-            if block.deepest || block.limit.is_some() {
+            if block.deepest || block.limit.is_some() || block.own.is_some() {
                 let length = S::sqrt(dot::<S>(s, s));
                 let mut allowed = length;
                 if block.deepest {
                     allowed = S::min(S::sqrt(sums.longest), allowed);
                 }
+                if let Some(gives) = block.own.and_then(|own| own.gives) {
+                    allowed = S::mul(allowed, S::load_halves(gives.as_ptr().add(at)));
+                }
                 if let Some(limit) = block.limit {
                     allowed = S::min(S::splat(limit), allowed);
+                }
+                if let Some(depths) = block.own.and_then(|own| own.depths) {
+                    allowed = S::min(S::load_halves(depths.as_ptr().add(at)), allowed);
                 }
                 // Exactly 1 where nothing is shortened, also where the length is 0.
                 let factor = S::select(S::greater(length, allowed), S::div(allowed, length), S::splat(1.0));

@@ -4,6 +4,8 @@ use crate::damage::changes::Changes;
 use crate::damage::list::Damage;
 use crate::example::options::Combine;
 use crate::example::set::ExampleSet;
+use crate::mesh::Mesh;
+use crate::mesh::limits::BlockLimits;
 use glam::Vec3;
 
 /// One instance's damage, for any of the set's meshes.
@@ -35,6 +37,12 @@ impl DamageView<'_> {
     /// Whether the sum of this many dents is no longer than the longest of them.
     pub(crate) fn keeps_deepest(&self, dents: usize) -> bool {
         self.set.options().combine == Combine::Deepest && dents > 1
+    }
+
+    /// The limits of a block's own vertices, if dents whose lengths sum to `longest` (m) may reach them.
+    pub(crate) fn own_limits(mesh: &Mesh, block: usize, longest: f32) -> Option<BlockLimits<'_>> {
+        let least = *mesh.limits().least().get(block)?;
+        may_reach(longest, least).then(|| mesh.limits().block(block))
     }
 
     /// The depth limit, m, if dents whose lengths sum to `longest` (m) may reach it.

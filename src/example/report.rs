@@ -29,6 +29,10 @@ pub struct SetReport {
     pub mirror_planes: Mirror,
     /// Number of vertices on held edges. Each vertex of a seam counts.
     pub held_vertices: usize,
+    /// Number of vertices with a depth limit of their own.
+    pub limited_vertices: usize,
+    /// Number of vertices with a stiffness above 0.
+    pub stiff_vertices: usize,
     /// One report per level of detail added. The other fields describe the base mesh only.
     pub lods: Vec<LodReport>,
 }

@@ -101,12 +101,24 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
 
     set_state(words * vertex.index, position);
-    write_position(out, vertex.index, position);
+    // `factor` in src/mesh/limits.rs.
+    let u = position - base;
+    let length = sqrt(dot3(u, u));
+    var allowed = length;
+    if out.gives != NONE {
+        allowed = allowed * half_float(out.gives, vertex.index);
+    }
+    if out.depths != NONE {
+        allowed = minimum(half_float(out.depths, vertex.index), allowed);
+    }
+    let shortened = length > allowed;
+    let factor = allowed / length;
+    write_position(out, vertex.index, select(position, base + u * factor, shortened));
     if NORMALS {
         set_state(words * vertex.index + 3u, normal);
-        var shown = normal;
-        if any(normal != base_normal) {
-            shown = unit(normal, base_normal);
+        var shown = select(normal, base_normal + (normal - base_normal) * factor, shortened);
+        if any(shown != base_normal) {
+            shown = unit(shown, base_normal);
         }
         write_normal(out, vertex.index, shown);
         if TANGENTS && out.tangent_stride != 0u {

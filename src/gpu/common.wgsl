@@ -44,6 +44,11 @@ fn clamped(x: f32, low: f32, high: f32) -> f32 {
     return minimum(maximum(x, low), high);
 }
 
+// A vertex's number among floats of which the arena holds the upper halves.
+fn half_float(at: u32, vertex: u32) -> f32 {
+    return bitcast<f32>((arena[at + (vertex >> 1u)] >> ((vertex & 1u) * 16u)) << 16u);
+}
+
 // `v` of unit length, or `other` where it has no length.
 fn unit(v: vec3<f32>, other: vec3<f32>) -> vec3<f32> {
     let m = maximum(maximum(abs(v.x), abs(v.y)), abs(v.z));

@@ -56,6 +56,9 @@ pub(super) struct TargetWork {
     pub parts_end: u32,
     pub windows: u32,
     pub given_state: u32,
+    pub depths: u32,
+    pub gives: u32,
+    pub padding: [u32; 2],
 }
 
 /// A dent. Its parts follow.

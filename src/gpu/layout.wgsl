@@ -78,6 +78,9 @@ struct TargetWork {
     windows: u32,
     // For a classic rule: first word of the state that the CPU copies, or NONE.
     given_state: u32,
+    // First words of the vertices' depth limits and of 1 - stiffness in the arena, or NONE: the upper halves of floats.
+    depths: u32,
+    @size(12) gives: u32,
 }
 
 // A dent. Its parts follow.

@@ -198,14 +198,20 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 
     var u = sums.all;
     var change = sums.change;
-    if (flags & (DEEPEST | LIMITED)) != 0u {
+    if (flags & (DEEPEST | LIMITED)) != 0u || out.depths != NONE || out.gives != NONE {
         let length = sqrt(dot3(u, u));
         var allowed = length;
         if (flags & DEEPEST) != 0u {
             allowed = minimum(sqrt(sums.longest), allowed);
         }
+        if out.gives != NONE {
+            allowed = allowed * half_float(out.gives, vertex.index);
+        }
         if (flags & LIMITED) != 0u {
             allowed = minimum(out.limit, allowed);
+        }
+        if out.depths != NONE {
+            allowed = minimum(half_float(out.depths, vertex.index), allowed);
         }
         if length > allowed {
             let factor = allowed / length;

@@ -28,6 +28,8 @@ pub(crate) struct MeshWords {
     longest: Vec<f32>,
     /// A word a block: the offset of the block's window from here, or [`NONE`]. The windows follow. `None` if no rim is held.
     windows: Option<u32>,
+    /// Depth limits, and 1 - stiffness: two vertices a word.
+    limits: [Option<u32>; 2],
     total: u64,
 }
 
@@ -44,6 +46,7 @@ impl MeshWords {
             longest: lod.anchored.iter().map(|a| a.heads.iter().map(|h| h.longest).fold(0.0, f32::max)).collect(),
             windows: (!lod.rim.windows.is_empty())
                 .then(|| at.take(lod.blocks() + lod.rim.windows.len() * WINDOW_WORDS)),
+            limits: lod.mesh.limits().parts().map(|l| (!l.is_empty()).then(|| at.take(l.as_flattened().len() / 2))),
             total: at.0,
         }
     }
@@ -90,6 +93,13 @@ impl MeshWords {
             let table: Vec<u32> = lod.rim.blocks.iter().map(place).collect();
             put(at, &table);
             put(at + blocks as u32, cast_slice(&lod.rim.windows));
+        }
+        for (at, halves) in self.limits.iter().zip(lod.mesh.limits().parts()) {
+            if let Some(at) = at {
+                // A file's arrays are aligned for their elements only.
+                let words: Vec<u32> = bytemuck::pod_collect_to_vec(&halves[..]);
+                put(*at, &words);
+            }
         }
     }
 }
@@ -166,6 +176,11 @@ impl MeshPlacement {
     /// The first word of the windows, if a rim is held.
     pub(crate) fn windows(&self) -> Option<u32> {
         self.mesh.windows.map(|at| self.mesh_at + at)
+    }
+
+    /// The first words of the vertices' depth limits and of 1 - stiffness, where there are any.
+    pub(crate) fn limits(&self) -> [Option<u32>; 2] {
+        self.mesh.limits.map(|at| at.map(|at| self.mesh_at + at))
     }
 
     /// The first word of an example's stamp.

@@ -15,7 +15,7 @@ use crate::base::math::Aabb;
 use crate::classic::ClassicState;
 use crate::damage::carried::{Carried, Lookup};
 use crate::damage::dent::{Part, Reach};
-use crate::deform::view::DamageView;
+use crate::deform::view::{DamageView, may_reach};
 use crate::example::mesh_lod::MeshLod;
 use bytemuck::{Pod, cast, cast_slice};
 use glam::{Mat2, Vec3};
@@ -191,7 +191,7 @@ impl FrameWork {
         }
         let limit = view.limit(longest);
         let flags = if view.keeps_deepest(dents) { DEEPEST } else { 0 } | if limit.is_some() { LIMITED } else { 0 };
-        self.add_target(shown, begin, (flags, limit.unwrap_or(0.0), NONE));
+        self.add_target(shown, (begin, longest), (flags, limit.unwrap_or(0.0), NONE));
         let grown = Vec3::splat(longest.min(view.depth_limit) * ROUNDING);
         let mut bounds = mesh.mesh.bounds();
         if dents > 0 {
@@ -239,14 +239,20 @@ impl FrameWork {
                 }
             }
         }
-        self.add_target(shown, begin, (flags, blend_constant, given));
-        let mut bounds = Aabb::EMPTY;
+        self.add_target(shown, (begin, f32::INFINITY), (flags, blend_constant, given));
+        // A vertex with a limit lies between its base position and that of its state.
+        let mut bounds = if mesh.mesh.limits().is_empty() { Aabb::EMPTY } else { mesh.mesh.bounds() };
         all.for_each(|v| bounds.add(state.vertices().positions[v]));
         bounds
     }
 
-    /// Adds a target whose parts were added from `begin` on.
-    fn add_target(&mut self, shown: Shown<'_>, begin: usize, (flags, limit, given_state): (u32, f32, u32)) {
+    /// Adds a target whose parts were added from `begin` on. They move no vertex further than `longest`, m.
+    fn add_target(
+        &mut self,
+        shown: Shown<'_>,
+        (begin, longest): (usize, f32),
+        (flags, limit, given_state): (u32, f32, u32),
+    ) {
         let TargetState { mesh, layout, first, .. } = shown.target;
         let place = &mesh.place;
         let word = |bytes: u64| (bytes / 4) as u32;
@@ -258,6 +264,8 @@ impl FrameWork {
         let (tangent_at, tangent_stride, tangent_format) = stream(layout.tangents);
         // A kernel may read an attribute that the target does not have; it writes none of it.
         let base_positions = place.positions();
+        let reached = shown.mesh.mesh.limits().least().iter().any(|least| may_reach(longest, *least));
+        let [depths, gives] = place.limits().map(|at| at.filter(|_| reached).unwrap_or(NONE));
         self.targets.push(TargetWork {
             base_positions,
             base_normals: place.normals().unwrap_or(base_positions),
@@ -279,6 +287,9 @@ impl FrameWork {
             parts_end: self.parts.len() as u32,
             windows: place.windows().unwrap_or(NONE),
             given_state,
+            depths,
+            gives,
+            padding: [0; 2],
         });
     }
 }

@@ -40,12 +40,13 @@ fn classic(set: &ExampleSet, rule: Rule, target: &HitTarget, clamp: bool, out: &
     let (example, weight) = (chosen.example, chosen.weight);
     if rule != Rule::Marks {
         out.chosen[0] = Some(Chosen { example, share: 1.0, scale: weight, anchored: true, mirror: Mirror::NONE });
-        out.achieved = (chosen.delta * weight).to_array();
+        let moved = chosen.delta * weight;
+        out.achieved = (moved * set.mesh().limits().factor(target.contact, moved)).to_array();
         out.status = HitStatus::Marked;
         return Some(Effect::Classic { example, weight });
     }
     let mut pairs = [Pair::NONE; MAX_PAIRS];
     pairs[0] = Pair::anchored(example as u16, Pair::WHOLE);
     let placed = place(set, target.contact, target.size, &pairs, &frame_rotations(set, target.contact, &pairs));
-    Some(Effect::Mark(report(&placed, Mark::new(target.contact, target.size, pairs), out)))
+    Some(Effect::Mark(report(set, &placed, Mark::new(target.contact, target.size, pairs), out)))
 }

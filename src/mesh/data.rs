@@ -11,4 +11,11 @@ pub struct MeshData {
     pub tangents: Option<Vec<[f32; 4]>>,
     /// Three vertex indices per triangle, counter-clockwise seen from outside. May be empty.
     pub triangles: Vec<[u32; 3]>,
+    /// For each vertex the furthest that it may move, m: at least 0, infinity for no limit of its own. Rounded down by up to
+    /// 1 in 128. The limits of the set and of the instance hold too. Vertices at one position take the least.
+    /// [`MeshData::keep_out`] computes limits from solids. `None`: no vertex has one.
+    pub depth_limits: Option<Vec<f32>>,
+    /// For each vertex how much less than its dents it moves: 0 (as the dents say) to 1 (not at all). Displacements are
+    /// multiplied by 1 - stiffness before the limits apply. Vertices at one position take the greatest. `None`: 0.
+    pub stiffness: Option<Vec<f32>>,
 }

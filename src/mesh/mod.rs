@@ -2,6 +2,8 @@
 
 pub(crate) mod data;
 pub(crate) mod field;
+pub(crate) mod keep_out;
+pub(crate) mod limits;
 pub(crate) mod mirror;
 pub(crate) mod nearest;
 pub(crate) mod normals;
@@ -15,6 +17,7 @@ use crate::base::error::reserve;
 use crate::base::math::{Aabb, unit};
 use data::MeshData;
 use glam::{Vec3, Vec4};
+use limits::Limits;
 use std::collections::HashMap;
 use std::sync::Arc;
 use vertex_blocks::{BLOCK, block_range};
@@ -26,6 +29,7 @@ pub(crate) const MAX_COORDINATE: f32 = 1e9;
 #[derive(Debug, Clone)]
 pub struct Mesh {
     arrays: MeshArrays,
+    limits: Limits,
     bounds: Aabb,
     block_bounds: Arc<[Aabb]>,
     seam_count: usize,
@@ -78,6 +82,7 @@ impl Mesh {
             }
         }
         let weld = weld(&positions)?;
+        let limits = Limits::new(&data, &weld)?;
         let smooth = normals::smooth(&positions, &data.triangles, &weld);
         let mut repaired = 0;
         let vertex_normals = match data.normals {
@@ -118,12 +123,12 @@ impl Mesh {
             weld: weld.into(),
             contact_normals: contact_normals.map(Array::from),
         };
-        Ok((Self::of(arrays, repaired, degenerate), smooth))
+        Ok((Self::of(arrays, limits, repaired, degenerate), smooth))
     }
 
     /// Makes a mesh from arrays as [`Mesh::new`] makes them. `degenerate_triangles` is the number of triangles without
     /// area.
-    pub(crate) fn of(arrays: MeshArrays, repaired_normals: usize, degenerate_triangles: usize) -> Self {
+    pub(crate) fn of(arrays: MeshArrays, limits: Limits, repaired_normals: usize, degenerate_triangles: usize) -> Self {
         let positions = &arrays.positions[..];
         let blocks = 0..positions.len().div_ceil(BLOCK);
         let block_bounds: Arc<[Aabb]> =
@@ -135,6 +140,7 @@ impl Mesh {
             block_bounds,
             seam_count: arrays.weld.iter().zip(0u32..).filter(|(w, v)| **w != *v).count(),
             arrays,
+            limits,
             repaired_normals,
             degenerate_triangles,
         }
@@ -150,12 +156,23 @@ impl Mesh {
         Mesh { arrays, ..self }
     }
 
+    /// How far each vertex may move.
+    pub(crate) fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    /// Takes from another mesh the limits that this one lacks. `nearest` is a vertex of that mesh for each vertex.
+    pub(crate) fn with_limits_of(mut self, from: &Mesh, nearest: &[u32]) -> Self {
+        self.limits = self.limits.completed(&from.limits, nearest, &self.arrays.weld);
+        self
+    }
+
     /// Memory used, bytes.
     pub(crate) fn bytes(&self) -> usize {
         let a = &self.arrays;
         let normals = a.normals.iter().chain(&a.contact_normals).map(Array::bytes).sum::<usize>();
         let tangents = a.tangents.as_ref().map_or(0, Array::bytes);
-        a.positions.bytes() + a.weld.bytes() + normals + tangents + a.triangles.bytes()
+        a.positions.bytes() + a.weld.bytes() + normals + tangents + a.triangles.bytes() + self.limits.bytes()
     }
 
     /// Positions, m.

@@ -262,7 +262,7 @@ fn held(mesh: &Mesh, examples: &[Vec<bool>], tasks: &dyn TaskSystem) -> Vec<u32>
 }
 
 /// The edges that belong to one triangle only, sorted, with the lower vertex first.
-fn boundary(triangles: impl Iterator<Item = [u32; 3]> + Clone, vertices: usize) -> Vec<(u32, u32)> {
+pub(super) fn boundary(triangles: impl Iterator<Item = [u32; 3]> + Clone, vertices: usize) -> Vec<(u32, u32)> {
     let edges = triangles.flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]);
     let edges = edges.map(|(a, b)| (a.min(b), a.max(b))).filter(|e| e.0 != e.1);
     // Sorts by the lower vertex by counting, then each vertex's few edges by the higher one.

@@ -104,7 +104,8 @@ pub enum HitStatus {
     NothingReaches = 2,
     /// Alone it would leave no mark, but it adds to its contact.
     Accumulated = 3,
-    /// Its contact is in a rigid part, such as glass. It leaves no mark.
+    /// Its contact cannot move: it is in a rigid part, such as glass, or its own depth limit is 0 or its stiffness 1. It
+    /// leaves no mark.
     Rigid = 4,
 }
 
@@ -136,7 +137,7 @@ pub struct Outcome {
     pub target: [f32; 3],
     /// The displacement of the contact vertex by this hit alone, in the mesh's space, m.
     pub achieved: [f32; 3],
-    /// Whether the target was longer than the depth limit and was shortened to it.
+    /// Whether the target was longer than the depth limit, of the instance or of the contact vertex, and was shortened to it.
     pub clamped: bool,
     /// The examples chosen, the largest share first.
     pub chosen: [Option<Chosen>; 4],

@@ -32,7 +32,7 @@ pub(crate) fn select_nearest(set: &ExampleSet, k: usize, target: &HitTarget, out
         return None;
     }
     let placed = if depth == size { placed } else { place(set, contact, depth, &pairs, &rotations) };
-    Some(report(&placed, Mark::new(contact, depth, pairs), out))
+    Some(report(set, &placed, Mark::new(contact, depth, pairs), out))
 }
 
 /// Groups of candidates whose bounds are computed before any candidate is looked at closely.
@@ -125,7 +125,7 @@ impl Search<'_> {
 }
 
 /// Writes the mark, its examples and the displacement it achieves at its contact to the outcome.
-pub(crate) fn report(placed: &PlacedMark, mark: Mark, out: &mut Outcome) -> Mark {
+pub(crate) fn report(set: &ExampleSet, placed: &PlacedMark, mark: Mark, out: &mut Outcome) -> Mark {
     let used = mark.pairs.iter().filter(|p| !p.is_none());
     for (slot, (pair, part)) in out.chosen.iter_mut().zip(used.zip(&placed.parts)) {
         *slot = Some(Chosen {
@@ -136,7 +136,7 @@ pub(crate) fn report(placed: &PlacedMark, mark: Mark, out: &mut Outcome) -> Mark
             mirror: pair.mirror(),
         });
     }
-    out.achieved = placed.achieved.to_array();
+    out.achieved = (placed.achieved * set.mesh().limits().factor(mark.contact, placed.achieved)).to_array();
     out.status = HitStatus::Marked;
     out.mark = Some(mark);
     mark

@@ -112,12 +112,18 @@ pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Out
         outcome.status = HitStatus::Rigid;
         return Ok((outcome, None));
     }
+    let limits = set.mesh().limits();
+    let limit = p.depth_limit.min(limits.depth(contact.vertex));
+    if f64::from(limit) <= NEGLIGIBLE * f64::from(p.depth_limit) || limits.give(contact.vertex) == 0.0 {
+        outcome.status = HitStatus::Rigid;
+        return Ok((outcome, None));
+    }
     if weak || length < f64::from(p.yield_displacement) || length <= NEGLIGIBLE * f64::from(p.depth_limit) {
         return Ok((outcome, None));
     }
     outcome.status = HitStatus::NothingReaches;
-    outcome.clamped = length > f64::from(p.depth_limit) && p.selection != Selection::ClassicUnclamped;
-    let size = if outcome.clamped { p.depth_limit } else { length.min(f64::from(f32::MAX)) as f32 };
+    outcome.clamped = length > f64::from(limit) && p.selection != Selection::ClassicUnclamped;
+    let size = if outcome.clamped { limit } else { length.min(f64::from(f32::MAX)) as f32 };
     let direction = (target / length).as_vec3();
     Ok((outcome, Some(HitTarget { contact: contact.vertex, normal, direction, size, strike })))
 }

@@ -35,8 +35,21 @@ pub fn sets() -> Vec<(String, Arc<ExampleSet>)> {
         examples.iter_mut().for_each(|e| e.placement = placement);
         all.push((format!("{placement:?} cube"), scenes::build(mesh, examples, SetOptions::default())));
     }
+    for combine in [Combine::Energies, Combine::Deepest] {
+        all.push((format!("limits, {combine:?}"), limited(combine)));
+    }
     all.push(("panel".into(), scenes::solver_set("panel", 6, Placement::Automatic)));
     all
+}
+
+/// A sheet with a limit and a stiffness for each vertex.
+fn limited(combine: Combine) -> Arc<ExampleSet> {
+    let mut mesh = scenes::sheet(30);
+    let examples = scenes::bowls(&mesh, 5, 0.3, 3);
+    let limit = |v: usize| if v.is_multiple_of(5) { f32::INFINITY } else { 0.001 * (v % 60) as f32 };
+    mesh.depth_limits = Some((0..mesh.positions.len()).map(limit).collect());
+    mesh.stiffness = Some((0..mesh.positions.len()).map(|v| 0.1 * (v % 7) as f32).collect());
+    scenes::build(mesh, examples, SetOptions { combine, ..SetOptions::default() })
 }
 
 /// Marks that no selection would make.
@@ -178,8 +191,8 @@ fn classic_rules_are_those_of_the_cpu() {
         let examples = scenes::bowls(&mesh, 5, 0.3, 3);
         scenes::build(mesh, examples, SetOptions { tolerance: Some(tolerance), ..SetOptions::default() })
     };
-    let sets = [scenes::cube_set(), scenes::ball_set(), baked(3e-3), baked(1e-5)];
-    let rules = [Rule::MostDisplaced, Rule::Blend(0.3), Rule::Blend(0.0), Rule::Blend(1.0)];
+    let sets = [scenes::cube_set(), scenes::ball_set(), baked(3e-3), baked(1e-5), limited(Combine::Energies)];
+    let rules = [Rule::MostDisplaced, Rule::Blend(0.3), Rule::Blend(0.0), Rule::Blend(1.0), Rule::Blend(0.5)];
     let positions = [Some(Encoding::F32), None, None];
     on_each_device(|gpu| {
         for (set, rule) in sets.iter().zip(rules) {

@@ -108,6 +108,7 @@ pub fn sheet(n: usize) -> MeshData {
         normals: Some(vec![[0.0, 0.0, 1.0]; count]),
         tangents: Some(vec![[1.0, 0.0, 0.0, 1.0]; count]),
         triangles: grid_triangles(n, 0),
+        ..MeshData::default()
     }
 }
 
@@ -162,6 +163,7 @@ pub fn ball(splits: usize) -> MeshData {
         positions: points.iter().map(|p| [0.5 * p[0], 0.5 * p[1], 0.5 * p[2]]).collect(),
         tangents: None,
         triangles,
+        ..MeshData::default()
     }
 }
 

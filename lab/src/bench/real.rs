@@ -106,6 +106,7 @@ impl Finer {
             normals: Some(normals),
             tangents: None,
             triangles: self.triangles.clone(),
+            ..MeshData::default()
         };
         let example = |i: &crate::truth::Impact| ExampleData {
             contact: Some(Contact::Vertex(self.place[i.contact_vertex as usize])),

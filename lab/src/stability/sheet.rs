@@ -20,6 +20,7 @@ pub fn sheet(n: usize) -> MeshData {
         tangents: None,
         triangles: (0..n).flat_map(|i| (0..n).flat_map(move |j| square(i, j))).collect(),
         positions,
+        ..MeshData::default()
     }
 }
 

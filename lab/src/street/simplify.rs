@@ -39,6 +39,7 @@ pub fn clustered(mesh: &MeshData, cell: f32) -> MeshData {
         normals: mesh.normals.as_ref().map(|n| heads.iter().map(|(h, _)| n[*h as usize]).collect()),
         tangents: None,
         triangles,
+        ..MeshData::default()
     }
 }
 

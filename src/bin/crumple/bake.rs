@@ -9,7 +9,10 @@ use crate::{
 };
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
-use crumple::{ExampleData, ExampleSet, Placement, SetOptions, Stamp, TaskSystem, ThreadPool, VertexMass, glam::Vec3};
+use crumple::{
+    ExampleData, ExampleSet, MeshData, Placement, SetOptions, Stamp, TaskSystem, ThreadPool, VertexMass, glam::Vec3,
+    import,
+};
 use indicatif::ProgressBar;
 use std::{fmt::Write, path::PathBuf, time::Instant};
 
@@ -36,6 +39,10 @@ pub struct Arguments {
     /// No vertex moves further than this [default: the depth of the deepest example]
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     depth_limit: Option<f32>,
+    /// File with closed solids that dents must not enter, such as a roll cage: every mesh of a glTF or GLB file, each in the
+    /// space of the body's mesh, m; repeat the option for more files
+    #[arg(long, value_name = "SOLID.glb")]
+    keep_out: Vec<PathBuf>,
     /// Calibration mass of impulses that have none of their own, such as 0.5kg (g, kg, lb; a bare number is kilograms). An impulse
     /// moves its contact by impulse * duration / mass
     #[arg(long, value_name = "MASS", value_parser = mass)]
@@ -135,6 +142,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     bar.set_message("reading");
     let (imported, _) = arguments.input.import()?;
     let (mut mesh, mut examples) = (imported.mesh, imported.examples);
+    let kept_out = keep_out(&mut mesh, &arguments.keep_out, &pool)?;
     let order = arguments.reorder.then(|| crumple::reorder(&mut mesh, &mut examples));
     bar.inc(1);
     bar.set_message("baking");
@@ -174,6 +182,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     bar.finish_and_clear();
 
     let mut text = format!("{}: {}\n\n", arguments.output.display(), megabytes(length));
+    text.push_str(&kept_out);
     sizes(&mut text, &set, &exact, length);
     errors(&mut text, &set, &exact)?;
     stamps(&mut text, &set)?;
@@ -184,6 +193,25 @@ pub fn run(arguments: &Arguments) -> Result<String> {
         writeln!(text, "  Wrote {}: the source index of each vertex.", path.display())?;
     } else if arguments.reorder {
         writeln!(text, "  The order of the vertices differs from the source's; --permutation FILE writes it.")?;
+    }
+    Ok(text)
+}
+
+/// Keeps dents out of the solids of these files. Returns what was done.
+fn keep_out(mesh: &mut MeshData, files: &[PathBuf], tasks: &dyn TaskSystem) -> Result<String> {
+    let mut text = String::new();
+    for path in files {
+        let shown = path.display();
+        let bytes = std::fs::read(path).with_context(|| format!("cannot read {shown}"))?;
+        let solids = import::gltf_solids(&bytes, path.parent()).with_context(|| shown.to_string())?;
+        let report = mesh.keep_out(&solids, tasks).with_context(|| shown.to_string())?;
+        writeln!(
+            text,
+            "  {shown}: keeps {} out of {}; {} begin inside and do not move",
+            count(report.limited, "vertex", "vertices"),
+            count(solids.len(), "solid", "solids"),
+            report.inside
+        )?;
     }
     Ok(text)
 }

@@ -44,6 +44,8 @@ impl Simd for Avx2 {
             [_mm256_srli_epi32::<14>(a), _mm256_and_si256(a, _mm256_set1_epi32(0x3FFF))];
         fn load_i8(p: *const i8) -> __m256 = _mm256_cvtepi32_ps(_mm256_cvtepi8_epi32(_mm_loadl_epi64(p.cast())));
         fn load_i16(p: *const i16) -> __m256 = _mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(_mm_loadu_si128(p.cast())));
+        fn load_halves(p: *const u16) -> __m256 =
+            _mm256_castsi256_ps(_mm256_slli_epi32::<16>(_mm256_cvtepu16_epi32(_mm_loadu_si128(p.cast()))));
         fn packed(low: __m256i, high: __m256i) -> __m256i =
             _mm256_blend_epi16::<0xAA>(low, _mm256_slli_epi32::<16>(high));
     }

@@ -56,6 +56,8 @@ impl Simd for Avx512 {
             [_mm512_srli_epi32::<14>(a), _mm512_and_si512(a, _mm512_set1_epi32(0x3FFF))];
         fn load_i8(p: *const i8) -> __m512 = _mm512_cvtepi32_ps(_mm512_cvtepi8_epi32(_mm_loadu_si128(p.cast())));
         fn load_i16(p: *const i16) -> __m512 = _mm512_cvtepi32_ps(_mm512_cvtepi16_epi32(_mm256_loadu_si256(p.cast())));
+        fn load_halves(p: *const u16) -> __m512 =
+            _mm512_castsi512_ps(_mm512_slli_epi32::<16>(_mm512_cvtepu16_epi32(_mm256_loadu_si256(p.cast()))));
         fn packed(low: __m512i, high: __m512i) -> __m512i =
             _mm512_mask_blend_epi16(0xAAAA_AAAA, low, _mm512_slli_epi32::<16>(high));
     }

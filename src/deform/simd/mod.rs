@@ -163,6 +163,8 @@ pub(crate) trait Simd: Copy {
     unsafe fn load_i8(p: *const i8) -> Self::F;
     /// Loads `LANES` values as floats.
     unsafe fn load_i16(p: *const i16) -> Self::F;
+    /// Loads the upper halves of floats whose lower halves are 0.
+    unsafe fn load_halves(p: *const u16) -> Self::F;
     /// Separates `3 * LANES` values x y z x y z … into three vectors.
     unsafe fn deinterleave(v: [Self::F; 3]) -> [Self::F; 3];
     /// The inverse of `deinterleave`.

@@ -127,6 +127,11 @@ impl Simd for Portable {
         f32x8::from(unsafe { p.cast::<[i16; 8]>().read_unaligned() }.map(f32::from))
     }
     #[inline(always)]
+    unsafe fn load_halves(p: *const u16) -> f32x8 {
+        // SAFETY: eight values are there, as the trait requires.
+        f32x8::from(unsafe { p.cast::<[u16; 8]>().read_unaligned() }.map(|h| f32::from_bits(u32::from(h) << 16)))
+    }
+    #[inline(always)]
     unsafe fn deinterleave([a, b, c]: [f32x8; 3]) -> [f32x8; 3] {
         let (a, b, c) = (a.to_array(), b.to_array(), c.to_array());
         [

@@ -78,11 +78,13 @@ pub(super) enum Id {
     Words = 28,
     IndexInner = 29,
     IndexLeaves = 30,
+    DepthLimits = 31,
+    Gives = 32,
     SourceOrder = 64,
 }
 
 impl Id {
-    pub(super) const ALL: [Id; 22] = [
+    pub(super) const ALL: [Id; 24] = [
         Id::Set,
         Id::Examples,
         Id::Names,
@@ -104,6 +106,8 @@ impl Id {
         Id::Words,
         Id::IndexInner,
         Id::IndexLeaves,
+        Id::DepthLimits,
+        Id::Gives,
         Id::SourceOrder,
     ];
 
@@ -139,6 +143,8 @@ impl Id {
             Id::Words => "words",
             Id::IndexInner => "index inner",
             Id::IndexLeaves => "index leaves",
+            Id::DepthLimits => "depth limits",
+            Id::Gives => "gives",
             Id::SourceOrder => "source order",
         }
     }

@@ -18,9 +18,11 @@ use crate::example::options::{Combine, Seams, SetOptions, VertexMass, check_opti
 use crate::example::report::LodReport;
 use crate::example::set::{ExampleSet, MAX_MESHES, Parts, check_order, deepest};
 use crate::example::stamp::{Grid, Node, NodeSteps, Stamp, StampError};
+use crate::mesh::limits::{Halves, Limits, whole};
 use crate::mesh::mirror::Mirror;
 use crate::mesh::nearest::{LEAF, Leaf, VertexIndex, vertices_known};
 use crate::mesh::rim::Rim;
+use crate::mesh::vertex_blocks::BLOCK;
 use crate::mesh::{MAX_COORDINATE, Mesh, MeshArrays};
 use bytemuck::{Pod, cast_slice};
 use glam::{UVec2, Vec2, Vec3};
@@ -176,13 +178,28 @@ fn mesh_lod(file: &File<'_>, k: u32, examples: usize, steps: Steps) -> Result<Me
         weld: file.array_of(Id::Weld, k, n)?,
         contact_normals: some(contact_normals),
     };
-    let mesh = Mesh::of(arrays, record.repaired_normals as usize, record.degenerate_triangles as usize);
+    let limits =
+        Limits::of(limits(file, (Id::DepthLimits, k), (n, f32::INFINITY))?, limits(file, (Id::Gives, k), (n, 1.0))?);
+    let mesh = Mesh::of(arrays, limits, record.repaired_normals as usize, record.degenerate_triangles as usize);
     let rim = Rim {
         blocks: file.array(Id::RimBlocks, k)?,
         windows: file.array(Id::RimWindows, k)?,
         held: file.array(Id::RimHeld, k)?,
     };
     Ok(MeshLod::new(mesh, rim, anchored(file, k, examples, steps)?))
+}
+
+/// The numbers of a mesh with `n` vertices, each 0 to `most`.
+fn limits(file: &File<'_>, (id, k): (Id, u32), (n, most): (usize, f32)) -> Result<Array<Halves>, Error> {
+    let all: Array<Halves> = file.array(id, k)?;
+    if !all.is_empty() && all.len() != n.div_ceil(BLOCK) {
+        return Err(length_of(id, all.len(), n.div_ceil(BLOCK)));
+    }
+    // Of numbers that are not negative, the bits sort as the numbers do.
+    match all.as_flattened().iter().find(|h| **h > (most.to_bits() >> 16) as u16) {
+        Some(h) => Err(wrong(format!("a number of section {}", id.name()), whole(*h), format!("0 to {most}"))),
+        None => Ok(all),
+    }
 }
 
 /// The blocks of each example.
@@ -264,7 +281,20 @@ fn check_all(meshes: &[MeshLod], sound: bool, tasks: &dyn TaskSystem) -> Result<
                 check::numbers("section positions", cast_slice(&a.positions), MAX_COORDINATE)?;
                 check::indices("section weld", &a.weld, n)?;
             }
-            check::weld(&a.weld, &a.positions)
+            check::weld(&a.weld, &a.positions)?;
+            let limits = lod.mesh.limits();
+            let differ = |(v, w): &(usize, &u32)| {
+                let (v, w) = (*v as u32, **w);
+                limits.depth(v) != limits.depth(w) || limits.give(v) != limits.give(w)
+            };
+            match a.weld.iter().enumerate().filter(|_| !limits.is_empty()).find(differ) {
+                Some((v, w)) => Err(wrong(
+                    format!("the limits of vertex {v}"),
+                    limits.depth(v as u32),
+                    format!("those of vertex {w}"),
+                )),
+                None => Ok(()),
+            }
         }));
         checks.push(Box::new(move || {
             if !sound {

@@ -211,6 +211,9 @@ impl<'a> File<'a> {
         self.array(Id::RimBlocks, k, &lod.rim.blocks);
         self.array(Id::RimWindows, k, &lod.rim.windows);
         self.array(Id::RimHeld, k, &lod.rim.held);
+        let [depths, gives] = mesh.limits().parts();
+        self.array(Id::DepthLimits, k, depths);
+        self.array(Id::Gives, k, gives);
         let records: Vec<AnchoredRecord> = lod
             .anchored
             .iter()

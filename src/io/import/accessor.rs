@@ -28,13 +28,28 @@ pub(crate) struct Accessor<'d> {
 
 impl<'d> Accessor<'d> {
     /// Checks accessor `index`, which must be of type `kind` and have at least one element.
+    /// Scalars are indices.
     pub fn new(doc: &'d Document<'_>, index: Index<json::Accessor>, name: &str, kind: Type) -> Result<Self, Error> {
+        Self::of(doc, index, name, (kind, kind == Type::Scalar))
+    }
+
+    /// Checks an accessor of one 32-bit float an element.
+    pub fn of_numbers(doc: &'d Document<'_>, index: Index<json::Accessor>, name: &str) -> Result<Self, Error> {
+        Self::of(doc, index, name, (Type::Scalar, false))
+    }
+
+    fn of(
+        doc: &'d Document<'_>,
+        index: Index<json::Accessor>,
+        name: &str,
+        (kind, indices): (Type, bool),
+    ) -> Result<Self, Error> {
         let accessors = &doc.root.accessors;
         let index = index.value();
         let json =
             accessors.get(index).ok_or_else(|| out_of_range(&format!("{name}: accessor"), index, accessors.len()))?;
         let name = format!("{name} (accessor {index})");
-        let component = component(json, &name, kind)?;
+        let component = component(json, &name, (kind, indices))?;
         // The crate's sparse iterator counts in 32 bits, and so do vertex indices.
         let count =
             usize::try_from(json.count.0).ok().filter(|n| (1..u32::MAX as usize).contains(n)).ok_or_else(|| {
@@ -86,6 +101,11 @@ impl<'d> Accessor<'d> {
         Ok(values)
     }
 
+    /// Reads numbers. They need not be finite.
+    pub fn scalars(&self) -> Result<Vec<f32>, Error> {
+        self.read::<f32>()
+    }
+
     /// Reads the elements that are not zero, with their indices in increasing order. Elements that a sparse accessor
     /// omits cost nothing.
     pub fn nonzero(&self) -> Result<(Vec<u32>, Vec<[f32; 3]>), Error> {
@@ -121,16 +141,16 @@ impl<'d> Accessor<'d> {
     }
 }
 
-fn component(json: &Json, name: &str, kind: Type) -> Result<ComponentType, Error> {
+fn component(json: &Json, name: &str, (kind, indices): (Type, bool)) -> Result<ComponentType, Error> {
     let (Checked::Valid(component), Checked::Valid(actual)) = (json.component_type, json.type_) else {
         return Err(malformed(format!("{name} has an unknown componentType or type")));
     };
     if actual != kind {
         return Err(malformed(format!("{name} is of type {}; it must be {}", type_name(actual), type_name(kind))));
     }
-    match (kind, component.0) {
-        (Type::Scalar, c @ (ComponentType::U8 | ComponentType::U16 | ComponentType::U32)) => Ok(c),
-        (Type::Scalar, c) => {
+    match (indices, component.0) {
+        (true, c @ (ComponentType::U8 | ComponentType::U16 | ComponentType::U32)) => Ok(c),
+        (true, c) => {
             Err(malformed(format!("{name} has components of {}; indices must be unsigned integers", component_name(c))))
         }
         (_, ComponentType::F32) => Ok(ComponentType::F32),

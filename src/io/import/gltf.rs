@@ -6,6 +6,7 @@ use super::{Imported, MeshChoice, PrimitiveRange, extras, malformed, unsupported
 use crate::base::error::Error;
 use crate::example::data::{Deltas, ExampleData};
 use crate::mesh::data::MeshData;
+use crate::mesh::keep_out::Solid;
 use ::gltf::json::accessor::Type;
 use ::gltf::json::mesh::{Mode, MorphTarget, Primitive, Semantic};
 use ::gltf::json::validation::Checked;
@@ -68,6 +69,23 @@ pub fn gltf_slice(bytes: &[u8], base_dir: Option<&Path>, mesh: MeshChoice<'_>) -
     })
 }
 
+/// Reads every mesh of a glTF file as a solid, in its own space; transforms of nodes are ignored. Relative paths of external
+/// buffers start at `base_dir`; without it they are an error.
+///
+/// # Errors
+/// Those of [`gltf_file`]; [`Error::NoSuchMesh`] for a file without meshes.
+pub fn gltf_solids(bytes: &[u8], base_dir: Option<&Path>) -> Result<Vec<Solid>, Error> {
+    let doc = Document::parse(bytes, base_dir)?;
+    if doc.root.meshes.is_empty() {
+        return Err(Error::NoSuchMesh { wanted: "a solid".into(), available: all_meshes(&doc) });
+    }
+    let solid = |mesh| {
+        let MeshData { positions, triangles, .. } = base(&doc, &parts(&doc, mesh)?)?;
+        Ok(Solid::Mesh { positions, triangles })
+    };
+    (0..doc.root.meshes.len()).map(solid).collect()
+}
+
 /// One triangle primitive and its place in the joined mesh. The exporter also uses it, to write vertices back.
 pub(crate) struct Part<'d> {
     pub index: usize,
@@ -89,7 +107,14 @@ impl Part<'_> {
     /// Parts with equal keys have the same vertices.
     fn key(&self) -> (Vec<Option<usize>>, Vec<[Option<usize>; 2]>) {
         let value = |i: Option<Index<json::Accessor>>| i.map(|i| i.value());
-        let base = [Semantic::Positions, Semantic::Normals, Semantic::Tangents].map(|s| value(self.attribute(s)));
+        let base = [
+            Semantic::Positions,
+            Semantic::Normals,
+            Semantic::Tangents,
+            Semantic::Extras("DEPTH_LIMIT".into()),
+            Semantic::Extras("STIFFNESS".into()),
+        ]
+        .map(|s| value(self.attribute(s)));
         let targets = self.primitive.targets.iter().flatten().map(|t| [value(t.positions), value(t.normals)]);
         (base.to_vec(), targets.collect())
     }
@@ -240,7 +265,22 @@ fn base(doc: &Document<'_>, parts: &[Part<'_>]) -> Result<MeshData, Error> {
         normals: attribute::<3>(doc, parts, Semantic::Normals, "NORMAL", Type::Vec3)?,
         tangents: attribute::<4>(doc, parts, Semantic::Tangents, "TANGENT", Type::Vec4)?,
         triangles: parts.iter().flat_map(|p| p.triangles.iter().copied()).collect(),
+        depth_limits: custom(doc, parts, "DEPTH_LIMIT")?,
+        stiffness: custom(doc, parts, "STIFFNESS")?,
     })
+}
+
+/// A custom attribute with one number a vertex, whose name in the file begins with `_`.
+fn custom(doc: &Document<'_>, parts: &[Part<'_>], name: &str) -> Result<Option<Vec<f32>>, Error> {
+    let mut values = Vec::new();
+    for part in parts.iter().filter(|p| p.owns_vertices) {
+        let Some(index) = part.attribute(Semantic::Extras(name.into())) else { return Ok(None) };
+        let name = format!("{} _{name}", part.name);
+        let accessor = Accessor::of_numbers(doc, index, &name)?;
+        same_count(&accessor, part, &name)?;
+        values.extend(accessor.scalars()?);
+    }
+    Ok(Some(values))
 }
 
 /// An attribute of all vertices; `None` if a part lacks it.

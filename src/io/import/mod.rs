@@ -10,6 +10,8 @@
 //!   lines are left out.
 //! - Normals and tangents are kept if every primitive has them. Otherwise they are `None` and computed later. The same
 //!   holds for the normal deltas of a target. Tangent deltas are not read: tangents follow the normals.
+//! - The custom attributes `_DEPTH_LIMIT` (m) and `_STIFFNESS` (0 to 1), one number a vertex, are read if every primitive has them
+//!   ([`MeshData::depth_limits`](crate::MeshData::depth_limits)). Blender exports vertex attributes of these names.
 //! - Names come from `mesh.extras.targetNames` and may be empty or repeat. A target without a name is called
 //!   `target N`, counted from 0.
 //! - Only geometry is read: images, materials, skins, cameras and animations may be missing or broken. Other files may
@@ -61,7 +63,7 @@ pub(crate) mod uri;
 #[cfg(feature = "gltf")]
 pub use self::extras::apply_extras;
 #[cfg(feature = "gltf")]
-pub use self::gltf::{gltf_file, gltf_slice};
+pub use self::gltf::{gltf_file, gltf_slice, gltf_solids};
 #[cfg(feature = "obj")]
 pub use self::obj::{obj_files, obj_slices};
 

@@ -255,7 +255,7 @@ fn unified(base: &Parsed) -> Result<(Vec<u32>, Imported), Error> {
     let sources = corners.iter().map(|c| c.0 as u32).collect();
     let imported = Imported {
         name: base.name.clone(),
-        mesh: MeshData { positions, normals, tangents: None, triangles },
+        mesh: MeshData { positions, normals, triangles, ..MeshData::default() },
         texcoords,
         examples: Vec::new(),
         primitives: vec![primitive],

@@ -231,6 +231,8 @@ class CrumpleMeshDef(c.Structure):
         ("tangents", CrumpleInput),
         ("indices", CrumpleInput),
         ("index_type", c.c_uint32),
+        ("depth_limits", CrumpleInput),
+        ("stiffness", CrumpleInput),
     ]
 
 

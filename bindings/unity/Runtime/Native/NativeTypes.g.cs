@@ -256,6 +256,8 @@ namespace Crumple
         public CrumpleInput Tangents;
         public CrumpleInput Indices;
         public CrumpleIndexType IndexType;
+        public CrumpleInput DepthLimits;
+        public CrumpleInput Stiffness;
     }
 
     /// <summary>The struct of crumple.h.</summary>

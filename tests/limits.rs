@@ -1,0 +1,263 @@
+//! Depth limits and stiffness of single vertices.
+
+mod scenes;
+
+use crumple::glam::Vec3;
+use crumple::*;
+use scenes::cube;
+
+/// A sheet of `n` by `n` vertices on 1 m² from the origin on, facing +z.
+fn sheet(n: usize) -> MeshData {
+    let mut mesh = MeshData { tangents: None, ..scenes::sheet(n - 1) };
+    mesh.positions.iter_mut().for_each(|p| *p = [p[0] + 0.5, p[1] + 0.5, 0.0]);
+    mesh
+}
+
+/// The examples of the sheet: two dents of 0.2 m.
+fn examples(mesh: &MeshData) -> Vec<ExampleData> {
+    let dent = |x: f32, y: f32| {
+        let depth = |p: &[f32; 3]| 0.2 * (1.0 - ((p[0] - x).hypot(p[1] - y) / 0.4).powi(2)).max(0.0);
+        let d = mesh.positions.iter().map(|p| [0.3 * depth(p), 0.0, -depth(p)]);
+        ExampleData::new("dent", Deltas::Full(d.collect()))
+    };
+    vec![dent(0.3, 0.4), dent(0.7, 0.6)]
+}
+
+fn body(mesh: MeshData, combine: Combine) -> std::sync::Arc<ExampleSet> {
+    let options = SetOptions { combine, ..SetOptions::default() };
+    std::sync::Arc::new(ExampleSet::build(mesh.clone(), examples(&mesh), options, &Serial).unwrap())
+}
+
+fn shown(body: &mut Instance) -> Vec<Vec3> {
+    let n = body.example_set().vertex_count();
+    let (mut positions, mut normals) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
+    let memory = VertexMemory::separate(&mut positions, Some(&mut normals), None).unwrap();
+    body.deform(&mut Tracker::new(), memory, &Serial).unwrap();
+    assert!(normals.iter().all(|n| (Vec3::from(*n).length() - 1.0).abs() < 1e-5));
+    positions.into_iter().map(Vec3::from).collect()
+}
+
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 40) as f32 / (1u64 << 24) as f32
+    }
+
+    fn hit(&mut self) -> Hit {
+        let mut side = |size: f32| size * (2.0 * self.next() - 1.0);
+        let d = [side(0.3), side(0.3), side(0.6)];
+        Hit::displacement([self.next(), self.next(), 0.0], d)
+    }
+}
+
+const CAPSULE: ([f32; 3], [f32; 3], f32) = ([0.1, 0.2, -0.12], [0.9, 0.7, -0.06], 0.05);
+
+/// Distance from the capsule's surface, m; negative inside.
+fn outside(p: Vec3) -> f64 {
+    let (a, b) = (Vec3::from(CAPSULE.0).as_dvec3(), Vec3::from(CAPSULE.1).as_dvec3());
+    let t = ((p.as_dvec3() - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+    p.as_dvec3().distance(a + (b - a) * t) - f64::from(CAPSULE.2)
+}
+
+fn kept_out() -> MeshData {
+    let mut mesh = sheet(33);
+    let solid = Solid::Capsule { a: CAPSULE.0, b: CAPSULE.1, radius: CAPSULE.2 };
+    let report = mesh.keep_out(&[solid], &Serial).unwrap();
+    assert_eq!((report.limited, report.inside), (33 * 33, 0));
+    mesh
+}
+
+#[test]
+fn no_vertex_enters_a_solid() {
+    let mesh = kept_out();
+    let mut random = Random(1);
+    let mut entered_without = false;
+    for (rule, combine) in [
+        (Rule::Marks, Combine::Energies),
+        (Rule::Marks, Combine::Sum),
+        (Rule::Marks, Combine::Deepest),
+        (Rule::MostDisplaced, Combine::Energies),
+        (Rule::Blend(0.3), Combine::Energies),
+    ] {
+        let options = match rule {
+            Rule::Marks => InstanceOptions { depth_limit: Some(1.0), ..InstanceOptions::default() },
+            rule => InstanceOptions { depth_limit: Some(1.0), ..InstanceOptions::classic(rule) },
+        };
+        let mut free = Instance::new(body(sheet(33), combine), options).unwrap();
+        let mut held = Instance::new(body(mesh.clone(), combine), options).unwrap();
+        for _ in 0..100 {
+            for _ in 0..200 {
+                let hit = random.hit();
+                free.submit(&hit).unwrap();
+                held.submit(&hit).unwrap();
+            }
+            let least = shown(&mut held).into_iter().map(outside).fold(f64::INFINITY, f64::min);
+            assert!(least >= 0.0, "{rule:?} {combine:?}: {least}");
+            entered_without |= shown(&mut free).into_iter().any(|p| outside(p) < 0.0);
+        }
+    }
+    assert!(entered_without);
+}
+
+#[test]
+fn a_closed_mesh_keeps_out_as_its_solid() {
+    let cube = cube(4);
+    let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    cube.positions.iter().for_each(|p| (low, high) = (low.min(Vec3::from(*p)), high.max(Vec3::from(*p))));
+    let solid = Solid::Mesh { positions: cube.positions, triangles: cube.triangles };
+    let mut random = Random(7);
+    let points: Vec<Vec3> = (0..500)
+        .map(|_| low + (high - low) * (2.0 * Vec3::new(random.next(), random.next(), random.next()) - 0.5))
+        .collect();
+    let mut mesh = MeshData { positions: points.iter().map(|p| p.to_array()).collect(), ..MeshData::default() };
+    let report = mesh.keep_out(std::slice::from_ref(&solid), &Serial).unwrap();
+    let mut inside = 0;
+    for (p, limit) in points.iter().zip(mesh.depth_limits.unwrap()) {
+        let distance = (low - *p).max(*p - high).max(Vec3::ZERO).length();
+        assert!(limit <= distance && limit >= distance - 1e-5, "{p}: {limit} {distance}");
+        inside += usize::from(distance == 0.0);
+    }
+    assert!(inside > 20 && report.inside == inside);
+    let Solid::Mesh { positions, mut triangles } = solid else { panic!() };
+    triangles.pop();
+    let open = mesh_error(sheet(3).keep_out(&[Solid::Mesh { positions, triangles }], &Serial));
+    assert!(open.contains("3 open edges"), "{open}");
+}
+
+fn mesh_error<T: std::fmt::Debug>(result: Result<T, Error>) -> String {
+    result.unwrap_err().to_string()
+}
+
+#[test]
+fn stiffness_scales_and_limits_cut() {
+    let mut mesh = sheet(33);
+    let free = body(mesh.clone(), Combine::Energies);
+    mesh.stiffness = Some(mesh.positions.iter().map(|p| if p[0] < 0.5 { 0.25 } else { 0.0 }).collect());
+    mesh.depth_limits = Some(mesh.positions.iter().map(|p| if p[1] < 0.5 { 0.0625 } else { f32::INFINITY }).collect());
+    let held = body(mesh.clone(), Combine::Energies);
+    assert_ne!(free.fingerprint(), held.fingerprint());
+    let base: Vec<Vec3> = mesh.positions.iter().map(|p| Vec3::from(*p)).collect();
+    let hit = Hit::displacement([0.7, 0.6, 0.0], [0.06, 0.0, -0.2]);
+    let (mut free, mut held) = (
+        Instance::new(free, InstanceOptions::default()).unwrap(),
+        Instance::new(held, InstanceOptions::default()).unwrap(),
+    );
+    free.submit(&hit).unwrap();
+    held.submit(&hit).unwrap();
+    let (free, now) = (shown(&mut free), shown(&mut held));
+    let mut cut = 0;
+    for v in 0..base.len() {
+        let u = free[v] - base[v];
+        let give = if base[v].x < 0.5 { 0.75 } else { 1.0 };
+        let limit = if base[v].y < 0.5 { 0.0625 } else { f32::INFINITY };
+        let expected = if u.length() * give > limit { u * (limit / u.length()) } else { u * give };
+        cut += usize::from(u.length() * give > limit);
+        assert!((now[v] - base[v]).distance(expected) < 1e-6, "{v}");
+    }
+    assert!(cut > 10);
+    let limited = held.preview(&Hit::displacement([0.7, 0.3, 0.0], [0.0, 0.0, -0.2])).unwrap();
+    assert!(limited.clamped && Vec3::from(limited.achieved).length() <= 0.0626, "{limited:?}");
+}
+
+#[test]
+fn a_vertex_that_cannot_move_is_rigid() {
+    for stiff in [false, true] {
+        let mut mesh = sheet(33);
+        let n = mesh.positions.len();
+        (mesh.depth_limits, mesh.stiffness) =
+            if stiff { (None, Some(vec![1.0; n])) } else { (Some(vec![0.0; n]), None) };
+        let mut body = Instance::new(body(mesh.clone(), Combine::Energies), InstanceOptions::default()).unwrap();
+        let outcome = body.submit(&Hit::displacement([0.5, 0.5, 0.0], [0.0, 0.0, -0.1])).unwrap();
+        assert_eq!(outcome.status, HitStatus::Rigid);
+        assert!(shown(&mut body).iter().zip(&mesh.positions).all(|(a, b)| a.to_array() == *b));
+    }
+}
+
+#[test]
+fn files_seams_levels_and_simd_keep_the_bits() {
+    let mut mesh = kept_out();
+    let n = mesh.positions.len();
+    // A copy of every vertex, with weaker values, which those of the first must overrule.
+    mesh.positions.extend_from_within(..);
+    mesh.normals = None;
+    let mut limits = mesh.depth_limits.take().unwrap();
+    limits.extend(vec![f32::INFINITY; n]);
+    mesh.depth_limits = Some(limits);
+    mesh.stiffness = Some((0..2 * n).map(|v| if v < n { 0.0 } else { 0.3 * mesh.positions[v][0] }).collect());
+    let mut set = ExampleSet::build(mesh.clone(), examples(&mesh), SetOptions::default(), &Serial).unwrap();
+    let lod = MeshData { depth_limits: None, stiffness: None, ..mesh.clone() };
+    set.add_lod(lod, &Serial).unwrap();
+    let bytes = set.save().unwrap();
+    let loaded = ExampleSet::load(bytes.clone(), &Serial).unwrap();
+    assert_eq!(loaded.save().unwrap(), bytes);
+    let mut all: Vec<Vec<u32>> = Vec::new();
+    for set in [std::sync::Arc::new(set), std::sync::Arc::new(loaded)] {
+        for level in SimdLevel::available() {
+            level.force().unwrap();
+            for lod in 0..2 {
+                let body = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+                let mut random = Random(3);
+                for _ in 0..50 {
+                    body.submit(&random.hit()).unwrap();
+                }
+                let mut positions = vec![[0.0; 3]; 2 * n];
+                let memory = VertexMemory::separate(&mut positions, None, None).unwrap();
+                let (mut tracker, mut bodies) = (Tracker::new(), [body]);
+                let [body] = &mut bodies;
+                deform(&mut [DeformJob { instance: body, lod, tracker: &mut tracker, memory }], &Serial).unwrap();
+                assert_eq!(positions[..n], positions[n..]);
+                all.push(positions.as_flattened().iter().map(|x| x.to_bits()).collect());
+            }
+        }
+        SimdLevel::best().force().unwrap();
+    }
+    assert!(all.iter().all(|bits| *bits == all[0]));
+}
+
+#[test]
+fn wrong_values_are_named() {
+    let build = |change: &dyn Fn(&mut MeshData)| {
+        let mut mesh = sheet(5);
+        change(&mut mesh);
+        mesh_error(ExampleSet::build(mesh.clone(), examples(&mesh), SetOptions::default(), &Serial))
+    };
+    let with = |x: f32| (0..25).map(|v| if v == 7 { x } else { 0.5 }).collect::<Vec<f32>>();
+    for x in [-1.0, f32::NAN, f32::NEG_INFINITY] {
+        let error = build(&|m| m.depth_limits = Some(with(x)));
+        assert!(error.contains("depth_limits[7]") && error.contains("at least 0 m"), "{error}");
+    }
+    for x in [-0.1, 1.1, f32::NAN, f32::INFINITY] {
+        let error = build(&|m| m.stiffness = Some(with(x)));
+        assert!(error.contains("stiffness[7]") && error.contains("0 to 1"), "{error}");
+    }
+    assert!(build(&|m| m.depth_limits = Some(vec![1.0; 24])).contains("24 depth_limits for 25 positions"));
+    let capsule = Solid::Capsule { a: [0.0; 3], b: [0.0; 3], radius: -1.0 };
+    assert!(mesh_error(sheet(3).keep_out(&[capsule], &Serial)).contains("radius of solid 0"));
+}
+
+#[test]
+fn skins_that_move_alike_do_not_cross() {
+    // Two sheets, 1 mm apart, with the limits of one: both take the same displacements and the same limits.
+    let mut mesh = kept_out();
+    let n = mesh.positions.len();
+    let second: Vec<[f32; 3]> = mesh.positions.iter().map(|p| [p[0], p[1], p[2] - 0.001]).collect();
+    let second_triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|t| t.map(|v| v + n as u32)).collect();
+    mesh.positions.extend(second);
+    mesh.triangles.extend(second_triangles);
+    mesh.normals = None;
+    let limits = mesh.depth_limits.clone().unwrap();
+    mesh.depth_limits.as_mut().unwrap().extend(limits);
+    let anchored = examples(&mesh).into_iter().map(|e| ExampleData { placement: Placement::Anchored, ..e }).collect();
+    let set = ExampleSet::build(mesh, anchored, SetOptions::default(), &Serial).unwrap();
+    let mut body = Instance::new(std::sync::Arc::new(set), InstanceOptions::default()).unwrap();
+    let mut random = Random(5);
+    for _ in 0..100 {
+        for _ in 0..20 {
+            body.submit(&random.hit()).unwrap();
+        }
+        let all = shown(&mut body);
+        assert!((0..n).all(|v| (all[v] - all[n + v]).distance(Vec3::new(0.0, 0.0, 0.001)) < 1e-6));
+    }
+}
