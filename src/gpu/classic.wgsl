@@ -3,6 +3,7 @@
 
 override NORMALS: bool = false;
 override TANGENTS: bool = false;
+override WEAR: bool = false;
 
 // The position of each vertex and, with NORMALS, its normal, which is not of unit length.
 @group(2) @binding(0) var<storage, read_write> state: array<u32>;
@@ -102,9 +103,9 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 
     set_state(words * vertex.index, position);
     write_position(out, vertex.index, position);
+    var shown = normal;
     if NORMALS {
         set_state(words * vertex.index + 3u, normal);
-        var shown = normal;
         if any(normal != base_normal) {
             shown = unit(normal, base_normal);
         }
@@ -114,5 +115,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             let tangent = vec4(arena_vector(at), arena_float(at + 3u));
             write_tangent(out, vertex.index, tangent_of(tangent, base_normal, shown));
         }
+    }
+    if WEAR {
+        write_wear(out, vertex.index, wear_of(out, base, position, base_normal, shown));
     }
 }

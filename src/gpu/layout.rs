@@ -56,6 +56,10 @@ pub(super) struct TargetWork {
     pub parts_end: u32,
     pub windows: u32,
     pub given_state: u32,
+    pub wear_at: u32,
+    pub wear_stride: u32,
+    pub wear_scale: f32,
+    pub padding: u32,
 }
 
 /// A dent. Its parts follow.

@@ -256,6 +256,7 @@ impl FrameWork {
         let (position_at, position_stride, position_format) = stream(Some(layout.positions));
         let (normal_at, normal_stride, normal_format) = stream(layout.normals);
         let (tangent_at, tangent_stride, tangent_format) = stream(layout.tangents);
+        let (wear_at, wear_stride, wear_format) = stream(layout.wear);
         // A kernel may read an attribute that the target does not have; it writes none of it.
         let base_positions = place.positions();
         self.targets.push(TargetWork {
@@ -269,7 +270,7 @@ impl FrameWork {
             normal_stride,
             tangent_at,
             tangent_stride,
-            formats: position_format | normal_format << 8 | tangent_format << 16,
+            formats: position_format | normal_format << 8 | tangent_format << 16 | wear_format << 24,
             vertices: shown.mesh.vertex_count() as u32,
             bias: layout.bias,
             limit,
@@ -279,6 +280,10 @@ impl FrameWork {
             parts_end: self.parts.len() as u32,
             windows: place.windows().unwrap_or(NONE),
             given_state,
+            wear_at,
+            wear_stride,
+            wear_scale: shown.view.set.depth_limit(),
+            padding: 0,
         });
     }
 }

@@ -497,6 +497,7 @@ class CrumpleHostBufferDef(c.Structure):
         ("positions", CrumpleStream),
         ("normals", CrumpleStream),
         ("tangents", CrumpleStream),
+        ("wear", CrumpleStream),
     ]
 
 
@@ -569,6 +570,7 @@ class CrumpleVulkanBufferDef(c.Structure):
         ("positions", CrumpleVulkanStream),
         ("normals", CrumpleVulkanStream),
         ("tangents", CrumpleVulkanStream),
+        ("wear", CrumpleVulkanStream),
         ("scale", CrumpleVec3),
         ("bias", CrumpleVec3),
     ]

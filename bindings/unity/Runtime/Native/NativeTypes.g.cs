@@ -632,6 +632,7 @@ namespace Crumple
         public CrumpleStream Positions;
         public CrumpleStream Normals;
         public CrumpleStream Tangents;
+        public CrumpleStream Wear;
 
         public static CrumpleHostBufferDef Default
         {
@@ -728,6 +729,7 @@ namespace Crumple
         public CrumpleVulkanStream Positions;
         public CrumpleVulkanStream Normals;
         public CrumpleVulkanStream Tangents;
+        public CrumpleVulkanStream Wear;
         public CrumpleVec3 Scale;
         public CrumpleVec3 Bias;
 
