@@ -393,7 +393,7 @@ proptest! {
         let (_, set) = body;
         let hits = random_hits(set, count, seed);
         let alone = save_after(set, &InstanceOptions::default(), std::slice::from_ref(&hits));
-        let mut reference: Option<Vec<[u32; 10]>> = None;
+        let mut reference: Option<Vec<[u32; 14]>> = None;
         for tasks in task_systems() {
             let mut instance = new(set);
             let inbox = instance.inbox().clone();
