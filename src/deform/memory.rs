@@ -234,6 +234,13 @@ impl<'a> VertexMemory<'a> {
     /// As [`VertexMemory::write_positions`].
     pub(crate) unsafe fn write_wear(&self, first: usize, wear: &[[f32; 4]]) {
         if let Some(s) = &self.wear {
+            if s.layout.stride == 16 {
+                // SAFETY: the values are contiguous, so all lie within the stream; bytes need no alignment.
+                return unsafe {
+                    let to = s.data.add(s.layout.offset + first * s.layout.stride);
+                    wear.as_ptr().cast::<u8>().copy_to_nonoverlapping(to, size_of_val(wear));
+                };
+            }
             for (i, w) in wear.iter().enumerate() {
                 // SAFETY: guaranteed by the caller.
                 unsafe { put(s, first + i, *w) }
