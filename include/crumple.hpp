@@ -416,12 +416,14 @@ public:
         const CrumpleResult result = crumple_buffer_register_host(context(), id(), &def, &buffer);
         return result == CRUMPLE_OK ? Result<Buffer>(Buffer(context(), buffer)) : Result<Buffer>::failed(result);
     }
-    /// Writes normals and tangents only if their streams are given.
-    Result<Buffer> register_buffer(CrumpleStream positions, CrumpleStream normals = {}, CrumpleStream tangents = {}) {
+    /// Writes normals, tangents and wear only if their streams are given.
+    Result<Buffer> register_buffer(CrumpleStream positions, CrumpleStream normals = {}, CrumpleStream tangents = {},
+                                   CrumpleStream wear = {}) {
         CrumpleHostBufferDef def = crumple_host_buffer_def_default();
         def.positions = positions;
         def.normals = normals;
         def.tangents = tangents;
+        def.wear = wear;
         return register_buffer(def);
     }
     /// Registers a range of a VkBuffer. Context::record_deform() or submit_deform() writes it.

@@ -814,7 +814,7 @@ fn check_within(instance: &mut Instance) {
 fn quick_memory_that_is_laid_out_wrong() {
     let mut bytes = vec![0u8; 4096];
     let at = |offset, stride| Attribute { offset, stride };
-    let mut positions = |p, normal, tangent| VertexMemory::interleaved(&mut bytes, p, normal, tangent).map(drop);
+    let mut positions = |p, normal, tangent| VertexMemory::interleaved(&mut bytes, p, normal, tangent, None).map(drop);
     for stride in [0, 4, 8] {
         let found = positions(at(0, stride), None, None);
         refused!(found, InvalidArgument, "position", stride.to_string().as_str(), "at least the 12 bytes");
@@ -843,13 +843,13 @@ fn quick_memory_that_is_too_small() {
         let needed: usize = offset + 2 * stride + 12;
         for size in [0, 11, needed - 4, needed - 1] {
             let mut bytes = vec![0xA5u8; size];
-            let memory = VertexMemory::interleaved(&mut bytes, at(offset, stride), None, None).unwrap();
+            let memory = VertexMemory::interleaved(&mut bytes, at(offset, stride), None, None, None).unwrap();
             let found = instance.deform(&mut tracker, memory, &Serial);
             refused!(found, BufferTooSmall, "position", size.to_string().as_str(), needed.to_string().as_str());
             assert!(bytes.iter().all(|b| *b == 0xA5), "something was written");
         }
         let mut bytes = vec![0u8; needed];
-        let memory = VertexMemory::interleaved(&mut bytes, at(offset, stride), None, None).unwrap();
+        let memory = VertexMemory::interleaved(&mut bytes, at(offset, stride), None, None, None).unwrap();
         tracker.invalidate();
         assert_eq!(instance.deform(&mut tracker, memory, &Serial).unwrap().vertices_written, 3);
     }
@@ -857,10 +857,13 @@ fn quick_memory_that_is_too_small() {
     let memory = VertexMemory::separate(&mut positions, Some(&mut normals), None).unwrap();
     refused!(instance.deform(&mut tracker, memory, &Serial), BufferTooSmall, "normal", "24", "36");
     assert_eq!(positions, [[0.0; 3]; 3]);
+    let (mut wear, memory) = ([[0.0; 4]; 2], VertexMemory::separate(&mut positions, None, None).unwrap());
+    let memory = memory.with_wear(&mut wear);
+    refused!(instance.deform(&mut tracker, memory, &Serial), BufferTooSmall, "wear", "32", "48");
     for huge in [usize::MAX & !3, 1 << 62] {
-        let memory = VertexMemory::interleaved(bytemuck_bytes(&mut positions), at(0, huge), None, None).unwrap();
+        let memory = VertexMemory::interleaved(bytemuck_bytes(&mut positions), at(0, huge), None, None, None).unwrap();
         refused!(instance.deform(&mut tracker, memory, &Serial), BufferTooSmall, "36");
-        let memory = VertexMemory::interleaved(bytemuck_bytes(&mut positions), at(huge, 12), None, None).unwrap();
+        let memory = VertexMemory::interleaved(bytemuck_bytes(&mut positions), at(huge, 12), None, None, None).unwrap();
         refused!(instance.deform(&mut tracker, memory, &Serial), BufferTooSmall, "36");
     }
 }

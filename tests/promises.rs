@@ -393,7 +393,7 @@ proptest! {
         let (_, set) = body;
         let hits = random_hits(set, count, seed);
         let alone = save_after(set, &InstanceOptions::default(), std::slice::from_ref(&hits));
-        let mut reference: Option<Vec<[u32; 10]>> = None;
+        let mut reference: Option<Vec<[u32; 14]>> = None;
         for tasks in task_systems() {
             let mut instance = new(set);
             let inbox = instance.inbox().clone();
@@ -552,11 +552,11 @@ fn check_guards(set: &Arc<ExampleSet>, seed: u64) -> Result<(), TestCaseError> {
     let position = gap(&mut dice);
     let normal = position + 12 + gap(&mut dice);
     let tangent = normal + 12 + gap(&mut dice);
-    let stride = tangent + 16 + gap(&mut dice);
+    let wear = tangent + 16 + gap(&mut dice);
+    let stride = wear + 16 + gap(&mut dice);
     let count = set.vertex_count();
     // the memory ends with the last value; deform needs no byte beyond it
-    let last = if has_tangents { tangent + 16 } else { normal + 12 };
-    let size = (count - 1) * stride + last;
+    let size = (count - 1) * stride + wear + 16;
     let before = dice.index(9);
     let mut bytes = vec![GUARD; before + size + 64];
     let attribute = |offset| Attribute { offset, stride };
@@ -570,6 +570,7 @@ fn check_guards(set: &Arc<ExampleSet>, seed: u64) -> Result<(), TestCaseError> {
             attribute(position),
             Some(attribute(normal)),
             has_tangents.then_some(attribute(tangent)),
+            Some(attribute(wear)),
         )
         .unwrap();
         instance.deform(&mut tracker, memory, &Serial).unwrap();
@@ -584,6 +585,7 @@ fn check_guards(set: &Arc<ExampleSet>, seed: u64) -> Result<(), TestCaseError> {
         };
         prop_assert_eq!(take(position, 3), plain.positions[v].map(f32::to_bits).to_vec());
         prop_assert_eq!(take(normal, 3), plain.normals[v].map(f32::to_bits).to_vec());
+        prop_assert_eq!(take(wear, 4), plain.wear[v].map(f32::to_bits).to_vec());
         if has_tangents {
             prop_assert_eq!(take(tangent, 4), plain.tangents[v].map(f32::to_bits).to_vec());
         }
@@ -615,8 +617,8 @@ fn check_changes(instance: &mut Instance, out: &mut Output) -> Result<(), TestCa
     for (v, before) in before.iter().enumerate() {
         if poisoned(out, v) {
             prop_assert_eq!(*before, fresh.bits(v), "vertex {} changed and was not written", v);
-            (out.positions[v], out.normals[v], out.tangents[v]) =
-                (fresh.positions[v], fresh.normals[v], fresh.tangents[v]);
+            (out.positions[v], out.normals[v], out.tangents[v], out.wear[v]) =
+                (fresh.positions[v], fresh.normals[v], fresh.tangents[v], fresh.wear[v]);
         } else {
             prop_assert_eq!(out.bits(v), fresh.bits(v), "vertex {}", v);
         }

@@ -97,9 +97,15 @@ pub unsafe extern "C" fn crumple_buffer_set_memory(
             return Err(Failure::invalid("buffer is a Vulkan buffer; register another one with the new VkBuffer"));
         };
         *memory = HostMemory::new(&def, &state.instances.get(entry.owner, "instance")?.instance)?;
-        let (normals, tangents) = memory.written();
+        let [normals, tangents, wear] = memory.written();
         let vertices = memory.vertex_count();
-        log.call(|| Call::SetBufferMemory { buffer: Number::of(buffer), lod: def.lod, vertices, normals, tangents });
+        log.call(|| {
+            let (buffer, lod) = (Number::of(buffer), def.lod);
+            if wear {
+                return Call::SetWornBufferMemory { buffer, lod, vertices, normals, tangents };
+            }
+            Call::SetBufferMemory { buffer, lod, vertices, normals, tangents }
+        });
         entry.lod = def.lod as usize;
         tracker.invalidate();
         Ok(())

@@ -145,6 +145,7 @@ impl Attached {
         let positions = stream(&def.positions, "positions")?
             .ok_or_else(|| Failure::invalid("def.positions is absent (format 0); a buffer needs positions"))?;
         let (normals, tangents) = (stream(&def.normals, "normals")?, stream(&def.tangents, "tangents")?);
+        let wear = stream(&def.wear, "wear")?;
         let access = |stages, access| Access {
             stages: vk::PipelineStageFlags::from_raw(stages),
             access: vk::AccessFlags::from_raw(access),
@@ -177,6 +178,7 @@ impl Attached {
             positions,
             normals,
             tangents,
+            wear,
             scale: def.scale.array(),
             bias: def.bias.array(),
         };
@@ -286,8 +288,8 @@ fn stream(s: &CrumpleVulkanStream, name: &str) -> Result<Option<Stream>, Failure
 }
 
 impl VulkanMemory {
-    /// Whether normals and tangents are written.
-    pub(super) fn written(&self) -> (bool, bool) {
+    /// Whether normals, tangents and wear are written.
+    pub(super) fn written(&self) -> [bool; 3] {
         self.target.written()
     }
 

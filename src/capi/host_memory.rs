@@ -22,6 +22,11 @@ pub struct CrumpleHostBufferDef {
     pub normals: CrumpleStream,
     /// Tangents: xyz of unit length and orthogonal to the normal, w as in the mesh. Absent: not written.
     pub tangents: CrumpleStream,
+    /// Wear, 4 floats for shaders of paint, glass and dirt. All are 0 exactly where nothing is dented, none is negative:
+    /// dent (length of the displacement, m), bend (1 - cosine of the angle by which the normal turned, 0 to 2), press
+    /// (distance moved against the base normal, m, 0 if outwards), scrape (length of the part of the displacement in the
+    /// undeformed surface, m). A mesh without normals has only dent. Absent: not written.
+    pub wear: CrumpleStream,
 }
 
 defs!(CrumpleHostBufferDef);
@@ -32,6 +37,7 @@ pub(super) struct HostMemory {
     positions: Stream,
     normals: Option<Stream>,
     tangents: Option<Stream>,
+    wear: Option<Stream>,
 }
 
 impl HostMemory {
@@ -44,7 +50,13 @@ impl HostMemory {
         let positions = Stream::new(def.positions, 12, n, "def.positions")?;
         let normals = Stream::new(def.normals, 12, n, "def.normals")?;
         let tangents = Stream::new(def.tangents, 16, n, "def.tangents")?;
-        disjoint(&[("def.positions", positions), ("def.normals", normals), ("def.tangents", tangents)])?;
+        let wear = Stream::new(def.wear, 16, n, "def.wear")?;
+        disjoint(&[
+            ("def.positions", positions),
+            ("def.normals", normals),
+            ("def.tangents", tangents),
+            ("def.wear", wear),
+        ])?;
         let lacks = |what: &str, why: &str| -> Failure {
             crate::base::error::Error::Mesh { what: format!("it has no {what} to deform{why}") }.into()
         };
@@ -57,7 +69,7 @@ impl HostMemory {
         let positions = positions.ok_or_else(|| {
             Failure::new(CrumpleResult::CrumpleErrorNullPointer, "def.positions.data is null; a buffer needs positions")
         })?;
-        Ok(Self { positions, normals, tangents })
+        Ok(Self { positions, normals, tangents, wear })
     }
 
     /// The memory as the deformer sees it.
@@ -70,18 +82,18 @@ impl HostMemory {
             size: (s.layout.span().end - s.layout.first) as usize,
             layout: Attribute { offset: 0, stride: s.layout.stride as usize },
         };
-        let (normals, tangents) = (self.normals.as_ref().map(raw), self.tangents.as_ref().map(raw));
+        let [normals, tangents, wear] = [&self.normals, &self.tangents, &self.wear].map(|s| s.as_ref().map(raw));
         // SAFETY: the caller's; `new` checked sizes, alignment, strides and that the streams are disjoint.
-        Ok(unsafe { VertexMemory::from_raw(raw(&self.positions), normals, tangents) }?)
+        Ok(unsafe { VertexMemory::from_raw(raw(&self.positions), normals, tangents, wear) }?)
     }
 
     pub(super) fn vertex_count(&self) -> u32 {
         self.positions.layout.count as u32
     }
 
-    /// Whether normals and tangents are written.
-    pub(super) fn written(&self) -> (bool, bool) {
-        (self.normals.is_some(), self.tangents.is_some())
+    /// Whether normals, tangents and wear are written.
+    pub(super) fn written(&self) -> [bool; 3] {
+        [self.normals, self.tangents, self.wear].map(|s| s.is_some())
     }
 
     /// Hands over what vertices were given.
@@ -103,6 +115,6 @@ impl HostMemory {
     }
 
     pub(super) fn streams(&self) -> impl Iterator<Item = Stream> {
-        [Some(self.positions), self.normals, self.tangents].into_iter().flatten()
+        [Some(self.positions), self.normals, self.tangents, self.wear].into_iter().flatten()
     }
 }

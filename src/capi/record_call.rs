@@ -100,6 +100,9 @@ calls! {
     "crumple_context_save_damage" SaveAll { instances: Vec<Number> }
     "crumple_context_load_damage" LoadAll { instances: Vec<Number>, bytes: Bytes }
     "crumple_context_set_vertex_budget" SetVertexBudget { vertices: u64 }
+    /// `RegisterBuffer` and `SetBufferMemory` with wear.
+    "crumple_buffer_register_host" RegisterWornBuffer { instance: Number, lod: u32, vertices: u32, normals: bool, tangents: bool }
+    "crumple_buffer_set_memory" SetWornBufferMemory { buffer: Number, lod: u32, vertices: u32, normals: bool, tangents: bool }
 }
 
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]

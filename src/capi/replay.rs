@@ -160,15 +160,17 @@ struct Memory {
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
     tangents: Vec<[f32; 4]>,
+    wear: Vec<[f32; 4]>,
 }
 
 impl Memory {
-    fn new(vertices: u32, normals: bool, tangents: bool) -> Self {
+    fn new(vertices: u32, [normals, tangents, wear]: [bool; 3]) -> Self {
         let n = vertices as usize;
         Self {
             positions: vec![[0.0; 3]; n],
             normals: vec![[0.0; 3]; if normals { n } else { 0 }],
             tangents: vec![[0.0; 4]; if tangents { n } else { 0 }],
+            wear: vec![[0.0; 4]; if wear { n } else { 0 }],
         }
     }
 
@@ -185,6 +187,7 @@ impl Memory {
             positions: stream(&mut self.positions),
             normals: stream(&mut self.normals),
             tangents: stream(&mut self.tangents),
+            wear: stream(&mut self.wear),
             ..crumple_host_buffer_def_default()
         }
     }
@@ -374,8 +377,10 @@ impl Player {
             Call::CopyDamage { instance, source } => {
                 crumple_instance_copy_damage(context, self.instance(instance), self.instance(source))
             }
-            Call::RegisterBuffer { instance, lod, vertices, normals, tangents } => {
-                let mut memory = Memory::new(vertices, normals, tangents);
+            Call::RegisterBuffer { instance, lod, vertices, normals, tangents }
+            | Call::RegisterWornBuffer { instance, lod, vertices, normals, tangents } => {
+                let wear = matches!(call, Call::RegisterWornBuffer { .. });
+                let mut memory = Memory::new(vertices, [normals, tangents, wear]);
                 let (id, mut new) = (self.instance(instance), CrumpleBuffer::default());
                 let result = crumple_buffer_register_host(context, id, &memory.def(lod), &mut new);
                 *made = (result == CrumpleResult::CrumpleOk).then_some(Made::Buffer(new, memory));
@@ -387,8 +392,10 @@ impl Player {
                 result
             }
             Call::InvalidateBuffer { buffer } => crumple_buffer_invalidate(context, self.buffer(buffer)),
-            Call::SetBufferMemory { buffer, lod, vertices, normals, tangents } => {
-                let mut memory = Memory::new(vertices, normals, tangents);
+            Call::SetBufferMemory { buffer, lod, vertices, normals, tangents }
+            | Call::SetWornBufferMemory { buffer, lod, vertices, normals, tangents } => {
+                let wear = matches!(call, Call::SetWornBufferMemory { .. });
+                let mut memory = Memory::new(vertices, [normals, tangents, wear]);
                 let result = crumple_buffer_set_memory(context, self.buffer(buffer), &memory.def(lod));
                 if let (CrumpleResult::CrumpleOk, Some(entry)) = (result, self.buffers.get_mut(&buffer)) {
                     entry.1 = memory;

@@ -105,8 +105,12 @@ pub(super) fn create(entry: &InstanceEntry) -> Call {
 
 /// A buffer's registration.
 pub(super) fn register(entry: &BufferEntry, set: &ExampleSet) -> Call {
-    let (normals, tangents) = entry.written();
+    let [normals, tangents, wear] = entry.written();
     // Its level of detail was found when it was registered.
     let vertices = set.lod_mesh(entry.lod).map_or(0, |mesh| mesh.positions().len() as u32);
-    Call::RegisterBuffer { instance: Number::of(entry.owner), lod: entry.lod as u32, vertices, normals, tangents }
+    let (instance, lod) = (Number::of(entry.owner), entry.lod as u32);
+    if wear {
+        return Call::RegisterWornBuffer { instance, lod, vertices, normals, tangents };
+    }
+    Call::RegisterBuffer { instance, lod, vertices, normals, tangents }
 }

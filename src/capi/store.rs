@@ -89,8 +89,8 @@ impl BufferEntry {
         }
     }
 
-    /// Whether normals and tangents are written.
-    pub(super) fn written(&self) -> (bool, bool) {
+    /// Whether normals, tangents and wear are written.
+    pub(super) fn written(&self) -> [bool; 3] {
         match &self.memory {
             Memory::Host(memory, _) => memory.written(),
             #[cfg(feature = "vulkan")]

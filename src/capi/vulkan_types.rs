@@ -45,7 +45,8 @@ pub struct CrumpleVulkanStream {
     pub stride: u64,
     /// A VkFormat. Positions: R32G32B32_SFLOAT, R16G16B16A16_SFLOAT (w is 1), R16G16B16A16_SNORM (see
     /// CrumpleVulkanBufferDef.scale). Normals: R32G32B32_SFLOAT, R16G16B16A16_SNORM, R8G8B8A8_SNORM (w is 0). Tangents:
-    /// R32G32B32A32_SFLOAT, R16G16B16A16_SNORM, R8G8B8A8_SNORM.
+    /// R32G32B32A32_SFLOAT, R16G16B16A16_SNORM, R8G8B8A8_SNORM. Wear: R32G32B32A32_SFLOAT, R8G8B8A8_UNORM (1 means the
+    /// depth_limit of the set's info, and for bend a quarter turn; more is stored as 1).
     pub format: u32,
     pub reserved: u32,
 }
@@ -87,6 +88,7 @@ pub struct CrumpleVulkanBufferDef {
     pub positions: CrumpleVulkanStream,
     pub normals: CrumpleVulkanStream,
     pub tangents: CrumpleVulkanStream,
+    pub wear: CrumpleVulkanStream,
     /// For positions in R16G16B16A16_SNORM: a stored value s in -1 to 1 means s * scale + bias, m. Positions outside
     /// that range are clamped, so it must cover the mesh's bounds grown by the depth limit. Above 0. Default 1, 1, 1.
     pub scale: CrumpleVec3,

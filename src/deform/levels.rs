@@ -5,6 +5,7 @@ use super::kernel::{self, Block, Flat};
 use super::simd::{Avx2, Avx512};
 use super::simd::{Portable, SimdLevel};
 use crate::example::blocks::Stored;
+use crate::mesh::vertex_blocks::BLOCK;
 use glam::Vec3;
 
 type Bounds = (Vec3, Vec3);
@@ -25,6 +26,8 @@ compiled!(stored_avx2, "avx2", kernel::displace_stored::<Avx2>,
     (base: &[f32], stored: &Stored<'_>, scale: f32, to: &mut [f32]) -> Bounds);
 compiled!(turn_avx2, "avx2", kernel::turn_stored::<Avx2>,
     (base: &Flat, stored: &Stored<'_>, scale: f32, to: &mut Flat) -> ());
+compiled!(wear_avx2, "avx2", kernel::wear::<Avx2>,
+    (positions: (&Flat, &Flat), normals: Option<(&Flat, &Flat)>, to: &mut [[f32; 4]; BLOCK]) -> ());
 compiled!(longest_avx2, "avx2", kernel::longest::<Avx2>, (stored: &Stored<'_>) -> f32);
 compiled!(positions_avx2, "avx2", kernel::displace::<Avx2, false>,
     (block: &Block<'_>, positions: &mut Flat, normals: &mut Flat) -> Bounds);
@@ -56,6 +59,18 @@ pub(crate) fn turn_stored(base: &Flat, stored: &Stored<'_>, scale: f32, to: &mut
         SimdLevel::Avx2 | SimdLevel::Avx512 => unsafe { turn_avx2(base, stored, scale, to) },
         // SAFETY: as above.
         _ => unsafe { kernel::turn_stored::<Portable>(base, stored, scale, to) },
+    }
+}
+
+/// [`kernel::wear`].
+#[inline]
+pub(crate) fn wear(positions: (&Flat, &Flat), normals: Option<(&Flat, &Flat)>, to: &mut [[f32; 4]; BLOCK]) {
+    match SimdLevel::current() {
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: as above.
+        SimdLevel::Avx2 | SimdLevel::Avx512 => unsafe { wear_avx2(positions, normals, to) },
+        // SAFETY: as above.
+        _ => unsafe { kernel::wear::<Portable>(positions, normals, to) },
     }
 }
 

@@ -33,13 +33,15 @@ pub struct RawStream {
     pub layout: Attribute,
 }
 
-/// The caller's memory for one output: positions (3 × f32, m) and optional normals (3 × f32) and tangents (4 × f32).
+/// The caller's memory for one output: positions (3 × f32, m) and optional normals (3 × f32), tangents (4 × f32) and
+/// [wear](VertexMemory::with_wear) (4 × f32).
 /// Bytes between values are never touched.
 #[derive(Debug)]
 pub struct VertexMemory<'a> {
     position: RawStream,
     normal: Option<RawStream>,
     tangent: Option<RawStream>,
+    wear: Option<RawStream>,
     owner: PhantomData<&'a mut [u8]>,
 }
 
@@ -59,8 +61,10 @@ impl<'a> VertexMemory<'a> {
         position: Attribute,
         normal: Option<Attribute>,
         tangent: Option<Attribute>,
+        wear: Option<Attribute>,
     ) -> Result<Self, Error> {
-        let streams = [("position", Some(position), 12), ("normal", normal, 12), ("tangent", tangent, 16)];
+        let streams =
+            [("position", Some(position), 12), ("normal", normal, 12), ("tangent", tangent, 16), ("wear", wear, 16)];
         let present: Vec<_> = streams.iter().filter_map(|(name, a, bytes)| Some((name, (*a)?, *bytes))).collect();
         for (i, (name, a, bytes)) in present.iter().enumerate() {
             for (other, b, other_bytes) in &present[i + 1..] {
@@ -76,7 +80,7 @@ impl<'a> VertexMemory<'a> {
         }
         let (data, size) = (data.as_mut_ptr(), data.len());
         let raw = |layout| RawStream { data, size, layout };
-        Self::checked(raw(position), normal.map(raw), tangent.map(raw))
+        Self::checked(raw(position), normal.map(raw), tangent.map(raw), wear.map(raw))
     }
 
     /// Attributes in separate arrays.
@@ -97,7 +101,25 @@ impl<'a> VertexMemory<'a> {
             raw(positions.as_mut_ptr().cast(), size_of_val(positions), 12),
             normals.map(|n| raw(n.as_mut_ptr().cast(), size_of_val(n), 12)),
             tangents.map(|t| raw(t.as_mut_ptr().cast(), size_of_val(t), 16)),
+            None,
         )
+    }
+
+    /// Adds an array for the wear of each vertex, four numbers for shaders of paint, glass and dirt. All are 0 exactly
+    /// where nothing is dented, and none is negative:
+    ///
+    /// - dent: length of the displacement, m;
+    /// - bend: 1 - cosine of the angle by which the normal turned, 0 to 2;
+    /// - press: how far the vertex moved against its base normal, m, and 0 if it moved outwards;
+    /// - scrape: length of the part of the displacement that lies in the undeformed surface, m.
+    ///
+    /// Without normals in the mesh only dent is computed; the others are 0. Vertices that share a position have the same
+    /// dent. `deform` checks the size.
+    #[must_use]
+    pub fn with_wear(mut self, wear: &'a mut [[f32; 4]]) -> Self {
+        let (data, size) = (wear.as_mut_ptr().cast(), size_of_val(wear));
+        self.wear = Some(RawStream { data, size, layout: Attribute { offset: 0, stride: 16 } });
+        self
     }
 
     /// Raw memory, for the C interface and for mapped graphics buffers.
@@ -113,11 +135,17 @@ impl<'a> VertexMemory<'a> {
         position: RawStream,
         normal: Option<RawStream>,
         tangent: Option<RawStream>,
+        wear: Option<RawStream>,
     ) -> Result<Self, Error> {
-        Self::checked(position, normal, tangent)
+        Self::checked(position, normal, tangent, wear)
     }
 
-    fn checked(position: RawStream, normal: Option<RawStream>, tangent: Option<RawStream>) -> Result<Self, Error> {
+    fn checked(
+        position: RawStream,
+        normal: Option<RawStream>,
+        tangent: Option<RawStream>,
+        wear: Option<RawStream>,
+    ) -> Result<Self, Error> {
         let check = |name: &str, s: &RawStream, bytes: u64| {
             for (what, value) in [("offset", s.layout.offset), ("stride", s.layout.stride)] {
                 Strided::check_aligned(format!("{name} {what}"), value as u64, 4)?;
@@ -127,7 +155,8 @@ impl<'a> VertexMemory<'a> {
         check("position", &position, 12)?;
         normal.iter().try_for_each(|s| check("normal", s, 12))?;
         tangent.iter().try_for_each(|s| check("tangent", s, 16))?;
-        Ok(Self { position, normal, tangent, owner: PhantomData })
+        wear.iter().try_for_each(|s| check("wear", s, 16))?;
+        Ok(Self { position, normal, tangent, wear, owner: PhantomData })
     }
 
     /// Returns an error if `count` vertices do not fit.
@@ -137,7 +166,8 @@ impl<'a> VertexMemory<'a> {
         };
         check("position", &self.position, 12)?;
         self.normal.iter().try_for_each(|s| check("normal", s, 12))?;
-        self.tangent.iter().try_for_each(|s| check("tangent", s, 16))
+        self.tangent.iter().try_for_each(|s| check("tangent", s, 16))?;
+        self.wear.iter().try_for_each(|s| check("wear", s, 16))
     }
 
     pub(crate) fn has_normals(&self) -> bool {
@@ -146,6 +176,10 @@ impl<'a> VertexMemory<'a> {
 
     pub(crate) fn has_tangents(&self) -> bool {
         self.tangent.is_some()
+    }
+
+    pub(crate) fn has_wear(&self) -> bool {
+        self.wear.is_some()
     }
 
     /// The positions of vertices `r` as a slice of floats; `None` if they are not contiguous or not aligned.
@@ -191,6 +225,26 @@ impl<'a> VertexMemory<'a> {
         if let Some(s) = &self.tangent {
             // SAFETY: guaranteed by the caller.
             unsafe { put(s, v, tangent.to_array()) }
+        }
+    }
+
+    /// Writes the wear of vertices starting at `first`. Does nothing if the memory has none.
+    ///
+    /// # Safety
+    /// As [`VertexMemory::write_positions`].
+    pub(crate) unsafe fn write_wear(&self, first: usize, wear: &[[f32; 4]]) {
+        if let Some(s) = &self.wear {
+            if s.layout.stride == 16 {
+                // SAFETY: the values are contiguous, so all lie within the stream; bytes need no alignment.
+                return unsafe {
+                    let to = s.data.add(s.layout.offset + first * s.layout.stride);
+                    wear.as_ptr().cast::<u8>().copy_to_nonoverlapping(to, size_of_val(wear));
+                };
+            }
+            for (i, w) in wear.iter().enumerate() {
+                // SAFETY: guaranteed by the caller.
+                unsafe { put(s, first + i, *w) }
+            }
         }
     }
 }

@@ -148,17 +148,27 @@ fn write_block<'a>(output: &'a Output<'_, '_>, block: usize, scratch: &mut Scrat
     let with_tangents = memory.has_tangents() && mesh.mesh.normals().is_some();
     let n = 3 * range.len();
     let Scratch { evaluate: scratch, positions, normals } = scratch;
-    let (positions, normals) = (&mut positions[..n], &mut normals[..n]);
-    let wanted = (memory.has_normals() || with_tangents).then_some(&mut *normals);
-    // SAFETY: `check` passed for all vertices; the blocks of an output are distinct and outputs do not overlap.
-    match unsafe { memory.positions(range.clone()) } {
+    let with_wear = memory.has_wear();
+    let with_normals = memory.has_normals() || with_tangents || with_wear && mesh.mesh.normals().is_some();
+    let wanted = with_normals.then_some(&mut normals[..n]);
+    // SAFETY: `check` passed for all vertices; the blocks of an output are distinct and outputs do not overlap. Wear is
+    // computed from the positions, and the caller's memory may be slow to read.
+    match unsafe { memory.positions(range.clone()) }.filter(|_| !with_wear) {
         Some(positions) => evaluate::block(job, scratch, positions, wanted, bounds),
         None => {
+            let positions = &mut positions[..n];
             evaluate::block(job, scratch, positions, wanted, bounds);
             // SAFETY: the same.
             unsafe { memory.write_positions(range.start, positions) };
         }
     }
+    if with_wear {
+        let mut wear = [[0.0; 4]; BLOCK];
+        evaluate::wear(mesh, block, (&*positions, &*normals), &mut wear);
+        // SAFETY: the same.
+        unsafe { memory.write_wear(range.start, &wear[..range.len()]) };
+    }
+    let normals = &normals[..n];
     if memory.has_normals() {
         // SAFETY: the same.
         unsafe { memory.write_normals(range.start, normals) };

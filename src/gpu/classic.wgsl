@@ -3,6 +3,7 @@
 
 override NORMALS: bool = false;
 override TANGENTS: bool = false;
+override WEAR: bool = false;
 
 // The position of each vertex and, with NORMALS, its normal, which is not of unit length.
 @group(2) @binding(0) var<storage, read_write> state: array<u32>;
@@ -113,10 +114,12 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let shortened = length > allowed;
     let factor = allowed / length;
-    write_position(out, vertex.index, select(position, base + u * factor, shortened));
+    let shown_position = select(position, base + u * factor, shortened);
+    write_position(out, vertex.index, shown_position);
+    var shown = normal;
     if NORMALS {
         set_state(words * vertex.index + 3u, normal);
-        var shown = select(normal, base_normal + (normal - base_normal) * factor, shortened);
+        shown = select(normal, base_normal + (normal - base_normal) * factor, shortened);
         if any(shown != base_normal) {
             shown = unit(shown, base_normal);
         }
@@ -126,5 +129,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             let tangent = vec4(arena_vector(at), arena_float(at + 3u));
             write_tangent(out, vertex.index, tangent_of(tangent, base_normal, shown));
         }
+    }
+    if WEAR {
+        write_wear(out, vertex.index, wear_of(out, base, shown_position, base_normal, shown));
     }
 }

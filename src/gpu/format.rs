@@ -12,6 +12,8 @@ pub enum Encoding {
     Snorm16x4 = 2,
     /// Four 8-bit integers; -127 to 127 stand for -1 to 1.
     Snorm8x4 = 3,
+    /// Four 8-bit integers; 0 to 255 stand for 0 to 1.
+    Unorm8x4 = 4,
 }
 
 /// A vertex attribute.
@@ -23,16 +25,18 @@ pub enum Attribute {
     Normal,
     /// A unit vector. The fourth number is the base tangent's.
     Tangent,
+    /// Dent, bend, press and scrape: see [`crate::VertexMemory::with_wear`].
+    Wear,
 }
 
 impl Encoding {
     /// The size of a value in bytes.
     pub(crate) fn bytes(self, attribute: Attribute) -> u64 {
         match (self, attribute) {
-            (Encoding::F32, Attribute::Tangent) => 16,
+            (Encoding::F32, Attribute::Tangent | Attribute::Wear) => 16,
             (Encoding::F32, _) => 12,
             (Encoding::F16x4 | Encoding::Snorm16x4, _) => 8,
-            (Encoding::Snorm8x4, _) => 4,
+            (Encoding::Snorm8x4 | Encoding::Unorm8x4, _) => 4,
         }
     }
 }
@@ -43,6 +47,16 @@ impl Attribute {
             Attribute::Position => "position",
             Attribute::Normal => "normal",
             Attribute::Tangent => "tangent",
+            Attribute::Wear => "wear",
+        }
+    }
+
+    pub(crate) fn plural(self) -> &'static str {
+        match self {
+            Attribute::Position => "positions",
+            Attribute::Normal => "normals",
+            Attribute::Tangent => "tangents",
+            Attribute::Wear => "wear",
         }
     }
 }
@@ -62,6 +76,10 @@ pub fn encode(encoding: Encoding, v: [f32; 4]) -> [u32; 4] {
         }
         Encoding::Snorm8x4 => {
             let v = v.map(|x| snorm_bits(x, 127.0) & 0xFF);
+            [v[0] | v[1] << 8 | v[2] << 16 | v[3] << 24, 0, 0, 0]
+        }
+        Encoding::Unorm8x4 => {
+            let v = v.map(|x| if x > 0.0 { (if x < 1.0 { x } else { 1.0 } * 255.0 + 0.5) as u32 } else { 0 });
             [v[0] | v[1] << 8 | v[2] << 16 | v[3] << 24, 0, 0, 0]
         }
     }

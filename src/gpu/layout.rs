@@ -58,7 +58,10 @@ pub(super) struct TargetWork {
     pub given_state: u32,
     pub depths: u32,
     pub gives: u32,
-    pub padding: [u32; 2],
+    pub wear_at: u32,
+    pub wear_stride: u32,
+    pub wear_scale: f32,
+    pub padding: [u32; 3],
 }
 
 /// A dent. Its parts follow.

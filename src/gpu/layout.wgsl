@@ -12,6 +12,7 @@ const NONE = 0xFFFFFFFFu;
 const F16X4 = 1u;
 const SNORM16X4 = 2u;
 const SNORM8X4 = 3u;
+const UNORM8X4 = 4u;
 
 // Flags of a target with marks.
 // The sum is no longer than the longest dent.
@@ -62,7 +63,7 @@ struct TargetWork {
     normal_stride: u32,
     tangent_at: u32,
     tangent_stride: u32,
-    // Number formats, a byte each: positions, normals, tangents.
+    // Number formats, a byte each: positions, normals, tangents, wear.
     formats: u32,
     vertices: u32,
     // Positions in normalised integers are stored as (p - bias) / scale.
@@ -80,7 +81,11 @@ struct TargetWork {
     given_state: u32,
     // First words of the vertices' depth limits and of 1 - stiffness in the arena, or NONE: the upper halves of floats.
     depths: u32,
-    @size(12) gives: u32,
+    gives: u32,
+    // Of wear, as of the other outputs; and the length that a normalised integer of 1 stands for, m.
+    wear_at: u32,
+    wear_stride: u32,
+    @size(16) wear_scale: f32,
 }
 
 // A dent. Its parts follow.

@@ -50,14 +50,15 @@ pub(crate) trait PlanTarget {
     fn state_mut(&mut self) -> &mut TargetState;
 }
 
-/// What the targets of one dispatch have in common. (A dispatch for targets with packed and unpacked outputs would need a
-/// variant that none of them has.)
+/// What the targets of one dispatch have in common. (A dispatch for targets with packed and unpacked outputs, or with and
+/// without wear, would need a variant that none of them has.)
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct DispatchKey<B> {
     binding: B,
     /// The arena's chunk.
     chunk: u32,
     packed: bool,
+    wear: bool,
     /// The job, for an instance with a classic rule: no other has its state.
     classic: Option<u32>,
 }
@@ -156,8 +157,8 @@ impl<B: Copy + Ord> Plan<B> {
             let (state, changes) = (target.state(), instance.view().changes);
             if state.tracker.dirty(changes, state.lod).next().is_some() {
                 let classic = instance.classic_state().map(|_| job as u32);
-                let (chunk, packed) = (state.mesh.chunk, state.layout.packed());
-                let key = DispatchKey { binding: target.binding(), chunk, packed, classic };
+                let (chunk, packed, wear) = (state.mesh.chunk, state.layout.packed(), state.layout.wear.is_some());
+                let key = DispatchKey { binding: target.binding(), chunk, packed, wear, classic };
                 self.jobs.push(PlannedJob { key, job, bounds: Aabb::EMPTY, blocks: 0..0 });
             } else {
                 report.blocks_skipped += changes.blocks[state.lod].len() as u64;
@@ -199,7 +200,7 @@ impl<B: Copy + Ord> Plan<B> {
                 }
                 None => {
                     let (key, job) = (planned.key, planned.job);
-                    let variant = Variant { kernel: target.kernel, case, packed: key.packed };
+                    let variant = target.variant(case);
                     self.dispatches.push(Dispatch { key, job, variant, blocks: planned.blocks.clone() });
                 }
             }

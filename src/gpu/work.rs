@@ -262,6 +262,7 @@ impl FrameWork {
         let (position_at, position_stride, position_format) = stream(Some(layout.positions));
         let (normal_at, normal_stride, normal_format) = stream(layout.normals);
         let (tangent_at, tangent_stride, tangent_format) = stream(layout.tangents);
+        let (wear_at, wear_stride, wear_format) = stream(layout.wear);
         // A kernel may read an attribute that the target does not have; it writes none of it.
         let base_positions = place.positions();
         let reached = shown.mesh.mesh.limits().least().iter().any(|least| may_reach(longest, *least));
@@ -277,7 +278,7 @@ impl FrameWork {
             normal_stride,
             tangent_at,
             tangent_stride,
-            formats: position_format | normal_format << 8 | tangent_format << 16,
+            formats: position_format | normal_format << 8 | tangent_format << 16 | wear_format << 24,
             vertices: shown.mesh.vertex_count() as u32,
             bias: layout.bias,
             limit,
@@ -289,7 +290,10 @@ impl FrameWork {
             given_state,
             depths,
             gives,
-            padding: [0; 2],
+            wear_at,
+            wear_stride,
+            wear_scale: shown.view.set.depth_limit(),
+            padding: [0; 3],
         });
     }
 }

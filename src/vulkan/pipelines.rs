@@ -18,7 +18,8 @@ fn words(variant: Variant, invocations: u32) -> Vec<u32> {
 #[doc(hidden)]
 pub fn kernels() -> impl Iterator<Item = (String, Vec<u32>)> {
     Variant::all().map(|v| {
-        let name = format!("{:?} {:?}{}", v.case, v.kernel, if v.packed { " packed" } else { "" });
+        let name = format!("{:?} {:?}{}", v.case, v.kernel, if v.packed { " packed" } else { "" })
+            + if v.wear { " wear" } else { "" };
         (name.to_lowercase(), words(v, 128))
     })
 }
@@ -33,7 +34,7 @@ pub(super) struct VulkanPipelines {
     /// Invocations a workgroup.
     workgroup: u32,
     /// In the order of [`Variant::number`]; null until needed.
-    pipelines: [vk::Pipeline; Variant::COUNT],
+    pipelines: Vec<vk::Pipeline>,
 }
 
 impl VulkanPipelines {
@@ -53,7 +54,8 @@ pub(super) struct DescriptorSet {
 impl VulkanDevice {
     /// Makes the layouts. Pipelines are added later, with `workgroup` invocations a workgroup, from the cache data if it has them.
     pub(super) fn pipelines(&self, workgroup: u32, cache: &[u8]) -> Result<VulkanPipelines, Error> {
-        let mut pipelines = VulkanPipelines { workgroup, ..VulkanPipelines::default() };
+        let pipelines = vec![vk::Pipeline::null(); Variant::COUNT];
+        let mut pipelines = VulkanPipelines { workgroup, pipelines, ..VulkanPipelines::default() };
         let made = self.make_layouts(&mut pipelines, cache);
         if made.is_err() {
             // SAFETY: nothing uses them yet.

@@ -24,6 +24,8 @@ impl HostFormat for vk::Format {
         (vk::Format::R16G16B16A16_SNORM, Encoding::Snorm16x4),
         (vk::Format::R8G8B8A8_SNORM, Encoding::Snorm8x4),
     ];
+    const WEAR: [(Self, Encoding); 2] =
+        [(vk::Format::R32G32B32A32_SFLOAT, Encoding::F32), (vk::Format::R8G8B8A8_UNORM, Encoding::Unorm8x4)];
 }
 
 /// Where a buffer stores one attribute of the vertices.
@@ -53,10 +55,11 @@ impl Target {
         self.state.tracker.invalidate();
     }
 
-    /// Whether normals and tangents are written.
+    /// Whether normals, tangents and wear are written.
     #[cfg(feature = "capi")]
-    pub(crate) fn written(&self) -> (bool, bool) {
-        (self.state.layout.normals.is_some(), self.state.layout.tangents.is_some())
+    pub(crate) fn written(&self) -> [bool; 3] {
+        let layout = &self.state.layout;
+        [layout.normals, layout.tangents, layout.wear].map(|s| s.is_some())
     }
 
     /// A box around all vertices as of the last recording, m; `None` before the first. It may be too large, since the CPU only knows

@@ -61,7 +61,7 @@ impl WgpuPipelines {
                 immediate_size: 0,
             })
         });
-        WgpuPipelines { work, one, layouts, workgroup, pipelines: Default::default() }
+        WgpuPipelines { work, one, layouts, workgroup, pipelines: [const { None }; Variant::COUNT] }
     }
 
     /// Adds the pipeline of a variant, if it is not there yet.

@@ -32,8 +32,8 @@ impl Device {
         if bytes > 0 { self.reader.read(&self.gpu, (buffer, offset), to) } else { Ok(()) }
     }
 
-    /// Waits for everything that was submitted, and reads a target's vertices into memory of the CPU: those of positions, normals
-    /// and tangents that the memory has.
+    /// Waits for everything that was submitted, and reads a target's vertices into memory of the CPU: those of positions, normals,
+    /// tangents and wear that the memory has.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for a target of another device or set, and a buffer without `COPY_SRC`;
@@ -56,12 +56,13 @@ impl Device {
         let stream = |name: &str, s: Option<VertexStream<Encoding>>, wanted: bool| match s {
             _ if !wanted => Ok(None),
             Some(s) if s.format == Encoding::F32 => Ok(Some(s)),
-            Some(s) => Err(Error::Unsupported { what: format!("reading {name}s from {:?}: only floats", s.format) }),
-            None => Err(Error::Unsupported { what: format!("reading {name}s, which the target does not have") }),
+            Some(s) => Err(Error::Unsupported { what: format!("reading {name} from {:?}: only floats", s.format) }),
+            None => Err(Error::Unsupported { what: format!("reading {name}, which the target does not have") }),
         };
-        let positions = stream("position", Some(target.state.layout.positions), true)?;
-        let normals = stream("normal", target.state.layout.normals, memory.has_normals())?;
-        let tangents = stream("tangent", target.state.layout.tangents, memory.has_tangents())?;
+        let positions = stream("positions", Some(target.state.layout.positions), true)?;
+        let normals = stream("normals", target.state.layout.normals, memory.has_normals())?;
+        let tangents = stream("tangents", target.state.layout.tangents, memory.has_tangents())?;
+        let wear = stream("wear", target.state.layout.wear, memory.has_wear())?;
         let mut all = crate::base::error::reserve::<u32>(target.size.div_ceil(4) as usize, "a target's vertices")?;
         all.resize((target.size / 4) as usize, 0);
         self.read(target.buffer(), target.offset, bytemuck::cast_slice_mut(&mut all))?;
@@ -69,6 +70,7 @@ impl Device {
             f32::from_bits(all[((s.offset + v as u64 * s.stride) / 4 + i) as usize])
         };
         for v in 0..count {
+            let four = |s| [0, 1, 2, 3].map(|i| value(s, v, i));
             let three = |s| [0, 1, 2].map(|i| value(s, v, i));
             // SAFETY: the memory has room for all vertices, and only this function borrows it.
             unsafe {
@@ -79,7 +81,10 @@ impl Device {
                     memory.write_normals(v, &three(s));
                 }
                 if let Some(s) = tangents {
-                    memory.write_tangent(v, [0, 1, 2, 3].map(|i| value(s, v, i)).into());
+                    memory.write_tangent(v, four(s).into());
+                }
+                if let Some(s) = wear {
+                    memory.write_wear(v, &[four(s)]);
                 }
             }
         }

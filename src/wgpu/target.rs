@@ -23,6 +23,8 @@ impl HostFormat for VertexFormat {
         (VertexFormat::Snorm16x4, Encoding::Snorm16x4),
         (VertexFormat::Snorm8x4, Encoding::Snorm8x4),
     ];
+    const WEAR: [(Self, Encoding); 2] =
+        [(VertexFormat::Float32x4, Encoding::F32), (VertexFormat::Unorm8x4, Encoding::Unorm8x4)];
 }
 
 /// Where a buffer stores one attribute of the vertices.

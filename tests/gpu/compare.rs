@@ -87,7 +87,12 @@ impl Bounds {
     }
 
     fn of_attribute(self, attribute: Attribute) -> f32 {
-        if attribute == Attribute::Position { self.position } else { self.direction }
+        match attribute {
+            Attribute::Position => self.position,
+            Attribute::Normal | Attribute::Tangent => self.direction,
+            // Lengths in m, and half the square of a difference of unit vectors, which is at most 2 long.
+            Attribute::Wear => 2.0 * self.position.max(2.0 * self.direction),
+        }
     }
 }
 
@@ -135,7 +140,7 @@ impl Expected {
             let of = match encoding {
                 Encoding::F32 => [all[i]; 4],
                 Encoding::F16x4 | Encoding::Snorm16x4 => [all[2 * i], all[2 * i + 1], 0.0, 0.0],
-                Encoding::Snorm8x4 => all,
+                Encoding::Snorm8x4 | Encoding::Unorm8x4 => all,
             };
             self.allowed[at + i] = Allowed::Numbers(encoding, of);
         }
@@ -177,6 +182,7 @@ fn agree(got: u32, wanted: u32, allowed: Allowed, exact: bool) -> bool {
                 Encoding::F16x4 => w.abs().max(6.2e-5) / 1024.0,
                 Encoding::Snorm16x4 => 1.0 / 32767.0,
                 Encoding::Snorm8x4 => 1.0 / 127.0,
+                Encoding::Unorm8x4 => 1.0 / 255.0,
             };
             (g - w).abs() <= bound + step * 1.0001
         })
@@ -192,6 +198,7 @@ fn numbers(encoding: Encoding, word: u32) -> [f32; 4] {
             let [x, y] = halves.map(|h| f32::from(h as i16) / 32767.0);
             [x, y, 0.0, 0.0]
         }
+        Encoding::Unorm8x4 => word.to_le_bytes().map(|b| f32::from(b) / 255.0),
         Encoding::Snorm8x4 => word.to_le_bytes().map(|b| f32::from(b as i8) / 127.0),
     }
 }

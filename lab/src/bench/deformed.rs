@@ -14,12 +14,13 @@ pub fn hash(positions: &[[f32; 3]]) -> u64 {
     xxh3_64(bytemuck::cast_slice(positions))
 }
 
-/// An instance with an output of contiguous positions, and normals where wanted.
+/// An instance with an output of contiguous positions, and normals and wear where wanted.
 pub struct Deformed<'t> {
     instance: Instance,
     tracker: Tracker,
     positions: Vec<[f32; 3]>,
     normals: Option<Vec<[f32; 3]>>,
+    wear: Option<Vec<[f32; 4]>>,
     tasks: &'t dyn TaskSystem,
     /// Two damages of the same reach, taken in turn: each run evaluates all vertices that the marks touch.
     damages: [Vec<Mark>; 2],
@@ -46,6 +47,7 @@ impl<'t> Deformed<'t> {
             tracker: Tracker::new(),
             positions: vec![[0.0; 3]; count],
             normals: normals.then(|| vec![[0.0; 3]; count]),
+            wear: None,
             tasks,
             damages: [damage(0.9), damage(0.8)],
             turn: 0,
@@ -53,6 +55,14 @@ impl<'t> Deformed<'t> {
         // What no mark touches is written once, here.
         it.deform()?;
         Ok(it)
+    }
+
+    /// The same with an output of wear too.
+    pub fn with_wear(mut self) -> Result<Self> {
+        self.wear = Some(vec![[0.0; 4]; self.positions.len()]);
+        self.tracker.invalidate();
+        self.deform()?;
+        Ok(self)
     }
 
     /// Changes the damage, then times what brings the output up to date.
@@ -76,7 +86,10 @@ impl<'t> Deformed<'t> {
     }
 
     fn deform(&mut self) -> Result<(), crumple::Error> {
-        let memory = VertexMemory::separate(&mut self.positions, self.normals.as_deref_mut(), None)?;
+        let mut memory = VertexMemory::separate(&mut self.positions, self.normals.as_deref_mut(), None)?;
+        if let Some(wear) = &mut self.wear {
+            memory = memory.with_wear(wear);
+        }
         let job = DeformJob { lod: 0, instance: &self.instance, tracker: &mut self.tracker, memory };
         crumple::deform(&mut [job], self.tasks).map(drop)
     }

@@ -1,4 +1,4 @@
-//! What normals cost on top of positions.
+//! What normals cost on top of positions, and wear on top of both.
 
 use anyhow::Result;
 use crumple::{InstanceOptions, Placement};
@@ -33,12 +33,16 @@ pub fn run(bench: &Bench) -> Result<()> {
     }
     for (name, set, marks) in cases {
         let make = |normals| Deformed::new(&set, InstanceOptions::default(), &marks, normals, bench.tasks(1));
-        let (mut with, mut without) = (make(true)?, make(false)?);
-        let mut contenders = [Contender::new(|| with.run()), Contender::new(|| without.run())];
+        let (mut with, mut without, mut worn) = (make(true)?, make(false)?, make(true)?.with_wear()?);
+        let mut contenders =
+            [Contender::new(|| with.run()), Contender::new(|| without.run()), Contender::new(|| worn.run())];
         let times = interleaved(&bench.plan, &mut contenders);
         drop(contenders);
+        let worn_name = format!("{name}_wear");
         let row = Row::time(name, &times[0], "ms").beside_time("positions", &times[1], Sense::Cost);
         bench.add(row.aim(Aim::AtMost(1.9)).hash(with.hash()));
+        let row = Row::time(worn_name, &times[2], "ms").beside_time("normals", &times[0], Sense::Cost);
+        bench.add(row.aim(Aim::AtMost(1.15)).hash(worn.hash()));
     }
     Ok(())
 }

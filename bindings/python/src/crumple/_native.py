@@ -499,6 +499,7 @@ class CrumpleHostBufferDef(c.Structure):
         ("positions", CrumpleStream),
         ("normals", CrumpleStream),
         ("tangents", CrumpleStream),
+        ("wear", CrumpleStream),
     ]
 
 
@@ -571,6 +572,7 @@ class CrumpleVulkanBufferDef(c.Structure):
         ("positions", CrumpleVulkanStream),
         ("normals", CrumpleVulkanStream),
         ("tangents", CrumpleVulkanStream),
+        ("wear", CrumpleVulkanStream),
         ("scale", CrumpleVec3),
         ("bias", CrumpleVec3),
     ]

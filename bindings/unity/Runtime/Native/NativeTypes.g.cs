@@ -634,6 +634,7 @@ namespace Crumple
         public CrumpleStream Positions;
         public CrumpleStream Normals;
         public CrumpleStream Tangents;
+        public CrumpleStream Wear;
 
         public static CrumpleHostBufferDef Default
         {
@@ -730,6 +731,7 @@ namespace Crumple
         public CrumpleVulkanStream Positions;
         public CrumpleVulkanStream Normals;
         public CrumpleVulkanStream Tangents;
+        public CrumpleVulkanStream Wear;
         public CrumpleVec3 Scale;
         public CrumpleVec3 Bias;
 
