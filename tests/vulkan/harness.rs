@@ -42,7 +42,8 @@ pub fn on_each_device_with(extensions: &[&CStr], test: impl Fn(&Engine)) {
         let properties = unsafe { instance.instance.get_physical_device_properties(physical) };
         let name = properties.device_name_as_c_str().unwrap().to_string_lossy().into_owned();
         seen.push(name.clone());
-        let tested = TestedDevice { name: name.clone(), driver: driver(&instance.instance, physical) };
+        let tested =
+            TestedDevice { name: name.clone(), driver: driver(&instance.instance, physical), translated: false };
         tested.announce();
         let engine = Engine::new(&entry, &instance, physical, tested, extensions);
         test(&engine);

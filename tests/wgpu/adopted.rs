@@ -216,7 +216,7 @@ fn on_each_engine(test: impl Fn(&Engine, &VulkanDef<'_>, &ash::Device, &TestedDe
         let properties = unsafe { engine.instance.get_physical_device_properties(physical) };
         let name = properties.device_name_as_c_str().unwrap().to_string_lossy().into_owned();
         let driver = format!("version {:#x}", properties.driver_version);
-        let tested = TestedDevice { name: name.clone(), driver };
+        let tested = TestedDevice { name: name.clone(), driver, translated: false };
         tested.announce();
         seen.push(name);
         let def = engine.def(physical);

@@ -45,7 +45,8 @@ pub fn on_each_device(test: impl Fn(&mut Gpu)) {
 
 impl TestedDevice {
     fn of(adapter: &wgpu::AdapterInfo) -> Self {
-        TestedDevice { name: adapter.name.clone(), driver: format!("{} {}", adapter.driver, adapter.driver_info) }
+        let driver = format!("{} {}", adapter.driver, adapter.driver_info);
+        TestedDevice { name: adapter.name.clone(), driver, translated: false }
     }
 }
 
@@ -93,7 +94,8 @@ impl Gpu {
     /// A host's device with these limits.
     pub fn hosted(&self, change: impl Fn(&mut wgpu::Limits), def: &DeviceDef) -> Result<Gpu, Error> {
         let [(device, queue), _] = self.hosts(change);
-        Ok(Gpu { device: self.device.clone(), crumple: Device::new(&device, &queue, def)? })
+        let tested = TestedDevice { translated: true, ..self.device.clone() };
+        Ok(Gpu { device: tested, crumple: Device::new(&device, &queue, def)? })
     }
 
     /// A host's device with lower limits.
