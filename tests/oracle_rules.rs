@@ -10,6 +10,7 @@ use crumple::{
     Blow, Combine, Contact, Deltas, ExampleData, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Mark, MeshData,
     Mirror, Outcome, Pair, Placement, Rule, Seams, Selection, SetOptions, Striker,
 };
+use oracle::marks::Limit;
 use oracle::response::{Known, Strike};
 use oracle::vector::{self, V, add, from_f32, length, scale, sub};
 use oracle::{Model, classic, damage::Ledger, learn, marks, select};
@@ -19,6 +20,11 @@ use scenes::{Dice, Output, build, new, push};
 /// A random set: a bumpy sheet, ball or cube, with smooth and ragged examples. Some are anchored, some carried, some
 /// without a given contact.
 fn random_set(dice: &mut Dice, combine: Combine, seams: Seams) -> Arc<ExampleSet> {
+    let (mesh, examples, options) = random_data(dice, combine, seams);
+    build(mesh, examples, options)
+}
+
+fn random_data(dice: &mut Dice, combine: Combine, seams: Seams) -> (MeshData, Vec<ExampleData>, SetOptions) {
     let mut mesh = match dice.index(3) {
         0 => scenes::sheet(6 + dice.index(8)),
         1 => scenes::ball(2),
@@ -57,7 +63,7 @@ fn random_set(dice: &mut Dice, combine: Combine, seams: Seams) -> Arc<ExampleSet
     let (mirror, held_rims) = (dice.index(4) != 0, dice.index(6) != 0);
     let options =
         SetOptions { combine, seams, depth_limit, strict, stamp_resolution, mirror, held_rims, ..Default::default() };
-    build(mesh, examples, options)
+    (mesh, examples, options)
 }
 
 /// A random set of up to 140 examples whose blows are known in part.
@@ -214,6 +220,11 @@ fn random_marks(set: &Arc<ExampleSet>, dice: &mut Dice, options: &InstanceOption
 
 /// Compares every vertex of the instance between the library and the oracle.
 fn check_evaluation(instance: &mut Instance, limit: f64) -> Result<(), TestCaseError> {
+    check_limited(instance, &vec![Limit { depth: limit, give: 1.0 }; instance.example_set().vertex_count()])
+}
+
+/// The same for a set whose vertices have these limits.
+fn check_limited(instance: &mut Instance, limits: &[Limit]) -> Result<(), TestCaseError> {
     let set = instance.example_set().clone();
     let model = Model::of(&set);
     let combine = set.options().combine;
@@ -222,23 +233,26 @@ fn check_evaluation(instance: &mut Instance, limit: f64) -> Result<(), TestCaseE
     let sizes: Vec<(f64, f64)> = scaled.iter().map(|m| marks::size(&model, m)).collect();
     let (size, turn) = sizes.iter().fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
     let out = Output::fresh(instance);
-    for v in 0..set.vertex_count() {
+    for (v, limit) in limits.iter().enumerate() {
         if list.iter().any(|m| marks::on_a_border(&model, m, v)) {
             continue;
         }
-        let (u, _) = marks::displacement(&model, &scaled, v, combine, limit);
+        let (u, _) = marks::displacement(&model, &scaled, v, combine, *limit);
         let base = model.positions[v];
         agree(from_f32(out.positions[v]), add(base, u), size, &format!("position of vertex {v}"))?;
         let clear = model.windows[v].clear;
         if set.mesh().normals().is_some() && clear {
-            let n = marks::normal(&model, &scaled, v, combine, limit);
+            let n = marks::normal(&model, &scaled, v, combine, *limit);
             let off = length(sub(from_f32(out.normals[v]), n));
-            let change = marks::normal_sum(&model, &scaled, v, combine, limit);
+            let change = marks::normal_sum(&model, &scaled, v, combine, *limit);
             // near a vanishing sum the direction is undefined
             if length(change) > 0.05 {
                 // changes of normals are shortened as the displacement is; if the displacement is less than its
                 // rounding, by any factor up to 1
-                let shortened = (WEIGHTS * size / length(u)).min(1.0) * length(sub(change, model.normals[v]));
+                let free = Limit { depth: f64::INFINITY, give: 1.0 };
+                let (plain, _) = marks::displacement(&model, &scaled, v, Combine::Sum, free);
+                let turned = sub(marks::normal_sum(&model, &scaled, v, Combine::Sum, free), model.normals[v]);
+                let shortened = (WEIGHTS * size / length(plain)).min(1.0) * length(turned);
                 let allowed = (2.0 * WEIGHTS * (1.0 + turn) + shortened) / length(change);
                 prop_assert!(off <= allowed, "normal of vertex {v}: {:?} is {off:e} from {n:?}", out.normals[v]);
             }
@@ -354,6 +368,43 @@ proptest! {
         let options = InstanceOptions { examples_per_hit: k, depth_limit, ..InstanceOptions::default() };
         let mut instance = random_marks(&set, &mut dice, &options, hits);
         check_evaluation(&mut instance, f64::from(depth_limit.unwrap_or(set.depth_limit())))?;
+    }
+
+    #[test]
+    fn limits_of_vertices_shorten_as_the_design_says(seed in any::<u64>(), combine in combines(), hits in 1usize..=6) {
+        let mut dice = Dice::new(seed);
+        let seams = [Seams::Weld, Seams::Keep][dice.index(2)];
+        let (mut mesh, examples, options) = random_data(&mut dice, combine, seams);
+        // numbers that are stored exactly
+        let count = mesh.positions.len();
+        let depths: Vec<f32> =
+            (0..count).map(|_| [f32::INFINITY, dice.index(100) as f32 / 512.0][dice.index(2)]).collect();
+        let stiffness: Vec<f32> = (0..count).map(|_| dice.index(9) as f32 / 8.0).collect();
+        let given = dice.index(3);
+        mesh.depth_limits = (given != 0).then(|| depths.clone());
+        mesh.stiffness = (given != 1).then(|| stiffness.clone());
+        let set = build(mesh, examples, options);
+        // vertices at one position take the least
+        let least = |v: usize, values: &dyn Fn(usize) -> f32| {
+            let (positions, all) = (set.mesh().positions(), (0..count));
+            all.filter(|w| positions[*w] == positions[v]).map(values).fold(f32::INFINITY, f32::min)
+        };
+        let limits: Vec<Limit> = (0..count)
+            .map(|v| Limit {
+                depth: f64::from(if given != 0 { least(v, &|w| depths[w]) } else { f32::INFINITY }.min(set.depth_limit())),
+                give: f64::from(if given != 1 { least(v, &|w| 1.0 - stiffness[w]) } else { 1.0 }),
+            })
+            .collect();
+        let mut instance = random_marks(&set, &mut dice, &InstanceOptions::default(), hits);
+        check_limited(&mut instance, &limits)?;
+        for _ in 0..8 {
+            let outcome = instance.preview(&scenes::random_hit(&set, &mut dice)).unwrap();
+            let limit = limits[outcome.contact_vertex as usize];
+            let rigid = limit.depth == 0.0 || limit.give == 0.0;
+            prop_assert_eq!(outcome.status == HitStatus::Rigid, rigid, "{:?}", outcome);
+            let over = length(from_f32(outcome.target)) / limit.depth - 1.0;
+            prop_assert!(rigid || over.abs() < 1e-6 || outcome.clamped == (over > 0.0), "{outcome:?}, {limit:?}");
+        }
     }
 
     #[test]

@@ -4,7 +4,6 @@ use crumple::{Deltas, ExampleData, Hit, Placement, SetOptions};
 use glam::Vec3;
 use scenes::Output;
 
-#[allow(dead_code)]
 mod scenes;
 
 /// The four numbers by their definition, in double precision.

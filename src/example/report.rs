@@ -33,6 +33,8 @@ pub struct SetReport {
     pub limited_vertices: usize,
     /// Number of vertices with a stiffness above 0.
     pub stiff_vertices: usize,
+    /// Number of vertices that cannot move: their depth limit is 0 or their stiffness 1, as stored.
+    pub rigid_vertices: usize,
     /// One report per level of detail added. The other fields describe the base mesh only.
     pub lods: Vec<LodReport>,
 }

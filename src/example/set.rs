@@ -80,10 +80,11 @@ impl ExampleSet {
     /// Makes a set from parts as [`ExampleSet::build`] makes them.
     pub(crate) fn assemble(p: Parts) -> Self {
         let mesh = &p.base.mesh;
-        let [limited_vertices, stiff_vertices] = mesh.limits().count();
+        let [limited_vertices, stiff_vertices, rigid_vertices] = mesh.limits().count();
         let mut report = SetReport {
             limited_vertices,
             stiff_vertices,
+            rigid_vertices,
             welded: p.welded,
             widest_weld: p.widest_weld,
             repaired_normals: mesh.repaired_normals(),

@@ -120,10 +120,13 @@ impl Limits {
         self.depths.bytes() + self.gives.bytes() + size_of_val(&self.least[..])
     }
 
-    /// Number of vertices with a depth limit, and with a stiffness above 0.
-    pub(crate) fn count(&self) -> [usize; 2] {
-        let below = |of: &Array<Halves>, x: f32| of.as_flattened().iter().filter(|h| **h < half(x)).count();
-        [below(&self.depths, f32::INFINITY), below(&self.gives, 1.0)]
+    /// Number of vertices with a depth limit, with a stiffness above 0, and with a limit of 0 or a stiffness of 1.
+    pub(crate) fn count(&self) -> [usize; 3] {
+        let of = |counts: fn(f32, f32) -> bool| {
+            let vertices = 0..(self.least.len() * BLOCK) as u32;
+            vertices.filter(|&v| counts(self.depth(v), self.give(v))).count()
+        };
+        [of(|depth, _| depth < f32::INFINITY), of(|_, give| give < 1.0), of(|depth, give| depth.min(give) == 0.0)]
     }
 }
 

@@ -105,6 +105,21 @@ static void meshes(void) {
     BAD_SET(BUFFER_TOO_SMALL, "def.mesh.positions", def.mesh.vertex_count = UINT32_MAX);
     BAD_SET(BUFFER_TOO_SMALL, "def.mesh.positions", def.mesh.positions.stride = SIZE_MAX & ~(size_t)3);
     BAD_SET(INVALID_ARGUMENT, "past the end of memory", def.mesh.positions.size = SIZE_MAX);
+    // How far each vertex may move.
+    static float limits[VERTICES];
+    static const struct { float depth_limit; const char *depth_text; float stiffness; const char *stiffness_text; } wrong[] = {
+        {NAN, "depth_limits[9] is NaN", NAN, "stiffness[9] is NaN"},
+        {-0.5f, "depth_limits[9] is -0.5", -0.5f, "stiffness[9] is -0.5"},
+        {-INFINITY, "depth_limits[9] is -inf", 1.5f, "stiffness[9] is 1.5"},
+    };
+    for (int i = 0; i < 3; ++i) {
+        limits[9] = wrong[i].depth_limit;
+        BAD_SET(INVALID_ARGUMENT, wrong[i].depth_text, def.mesh.depth_limits = input_of(limits, sizeof limits, 4));
+        limits[9] = wrong[i].stiffness;
+        BAD_SET(INVALID_ARGUMENT, wrong[i].stiffness_text, def.mesh.stiffness = input_of(limits, sizeof limits, 4));
+    }
+    BAD_SET(BUFFER_TOO_SMALL, "def.mesh.depth_limits", def.mesh.depth_limits = input_of(limits, sizeof limits - 4, 4));
+    BAD_SET(BUFFER_TOO_SMALL, "def.mesh.stiffness", def.mesh.stiffness = input_of(limits, sizeof limits - 4, 4));
     // Triangles.
     BAD_SET(INVALID_ARGUMENT, "multiple of 3", def.mesh.index_count -= 1);
     BAD_SET(BUFFER_TOO_SMALL, "def.mesh.indices", def.mesh.index_count += 3);

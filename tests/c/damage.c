@@ -170,6 +170,41 @@ static void marks_and_bytes(void) {
     OK(crumple_instance_destroy(context, copy));
 }
 
+// Vertices with limits of their own: no dent is deeper there than they allow, whatever hits them.
+static void vertex_limits(void) {
+    static Vertex vertices[VERTICES];
+    static float own[VERTICES][2]; // depth limit, stiffness
+    CrumpleExampleSetDef def = sheet.def;
+    CrumpleExampleSet limited;
+    CrumpleHitResult told;
+    for (int v = 0; v < VERTICES; ++v) {
+        own[v][0] = sheet.positions[v][0] < 0 ? 0.01f : INFINITY;
+        own[v][1] = sheet.positions[v][1] > 0.2f ? 1.0f : 0.0f;
+    }
+    def.mesh.depth_limits = input_of(own, sizeof own, sizeof own[0]);
+    def.mesh.stiffness = input_of(&own[0][1], sizeof own - sizeof(float), sizeof own[0]);
+    OK(crumple_example_set_create(context, &def, &limited));
+    CrumpleInstance body = make_instance(context, limited);
+    CrumpleBuffer buffer = register_all(body, vertices);
+    for (int i = 0; i < 81; ++i) {
+        float x = 0.1f * (float)(i % 9) - 0.4f, y = 0.1f * (float)(i / 9) - 0.4f;
+        CrumpleDisplacementDef hit = displacement_at(x, y, 0.05f);
+        OK(crumple_instance_submit_displacement(context, body, &hit, &told));
+        const float *contact = own[told.contact_vertex];
+        FACT((told.status == CRUMPLE_HIT_STATUS_RIGID) == (contact[1] == 1));
+        if (contact[1] == 0) FACT(told.status == CRUMPLE_HIT_STATUS_MARKED && told.clamped == (contact[0] < 0.05f));
+    }
+    OK(crumple_context_deform(context, &buffer, 1, NULL));
+    for (int v = 0; v < VERTICES; ++v) {
+        const float *p = vertices[v].position, *q = sheet.positions[v];
+        float moved = sqrtf((p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) + (p[2] - q[2]) * (p[2] - q[2]));
+        FACT(moved <= own[v][0] + 1e-7f && (own[v][1] == 0 || moved == 0));
+    }
+    FACT(deepest(vertices) > 0.04f);
+    OK(crumple_instance_destroy(context, body));
+    OK(crumple_example_set_destroy(context, limited));
+}
+
 // A hit in the world's space is the hit in the mesh's that the transform makes of it.
 static void spaces(void) {
     CrumpleInstance local = make_instance(context, set), world = make_instance(context, set);
@@ -439,6 +474,7 @@ int main(void) {
     OK(crumple_example_set_create(context, &sheet.def, &set));
     interleaved();
     marks_and_bytes();
+    vertex_limits();
     spaces();
     strikers();
     blows();

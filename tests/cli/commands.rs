@@ -244,6 +244,48 @@ fn bake_writes_a_set_that_the_other_commands_take() {
 }
 
 #[test]
+fn bake_keeps_dents_out_of_solids() {
+    let folder = Folder::empty();
+    let (low, high) = (Vec3::new(-0.2, -0.3, -1.0), Vec3::new(0.5, 0.2, 0.08));
+    let corner = |k: usize| Vec3::from([0, 1, 2].map(|axis| if k >> axis & 1 == 1 { high[axis] } else { low[axis] }));
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let indices = quads.into_iter().flat_map(|[a, b, c, d]| [a, b, c, a, c, d]).flat_map(u16::to_le_bytes);
+    let corners = (0..8).flat_map(|k| corner(k).to_array()).flat_map(f32::to_le_bytes);
+    folder.write("cage.bin", corners.chain(indices).collect::<Vec<u8>>());
+    let cage = serde_json::json!({
+        "asset": {"version": "2.0"},
+        "buffers": [{"uri": "cage.bin", "byteLength": 168}],
+        "bufferViews": [{"buffer": 0, "byteLength": 96}, {"buffer": 0, "byteOffset": 96, "byteLength": 72}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3",
+                "min": low.to_array(), "max": high.to_array()},
+            {"bufferView": 1, "componentType": 5123, "count": 36, "type": "SCALAR"}
+        ],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}]
+    });
+    let cage = folder.write("cage.gltf", cage.to_string());
+    let (free, kept) = (folder.at("free.crumple"), folder.at("kept.crumple"));
+    crumple(&["bake", PANEL, "-o", &free]).report();
+    let report = crumple(&["bake", PANEL, "-o", &kept, "--keep-out", &cage]).report();
+
+    let inside = |p: &[f32; 3]| Vec3::from(*p).cmpge(low).all() && Vec3::from(*p).cmple(high).all();
+    let source = import(PANEL);
+    let n = source.mesh.positions.iter().filter(|p| inside(p)).count();
+    assert!(n > 0 && n < 2173);
+    has(&report, &[&format!("cage.gltf: keeps 2173 vertices out of 1 solid; {n} begin inside and do not move")]);
+    let limits = format!("limits    2173 vertices with a depth limit, 0 with a stiffness; {n} cannot move");
+    has(&crumple(&["info", &kept]).report(), &[&limits]);
+    assert!(!crumple(&["info", &free]).report().contains("limits"));
+
+    let entered = |baked: &str| {
+        apply(&folder, &[baked], r#"[{"point": [0, 0, 0.09], "displacement": [0, 0, -0.03]}]"#, &[]);
+        dented(&folder.at("out.glb")).iter().filter(|p| inside(p)).count()
+    };
+    assert!(entered(&free) > n);
+    assert_eq!(entered(&kept), n);
+}
+
+#[test]
 fn replay_repeats_the_calls_of_a_recording() {
     let report = crumple(&["replay", RECORDING]).report();
     has(&report, &["recorded by 0.1.0", "66 calls (23 hits among them) match the recording"]);

@@ -353,8 +353,15 @@ pub fn size(model: &Model, Scaled(mark, scales): &Scaled<'_>) -> (f64, f64) {
     sum
 }
 
+/// How far a vertex may move: the least of its depth limits, m, and 1 - stiffness.
+#[derive(Debug, Clone, Copy)]
+pub struct Limit {
+    pub depth: f64,
+    pub give: f64,
+}
+
 /// Displacement of `vertex` by all marks, and the factor that shortened their plain sum.
-pub fn displacement(model: &Model, marks: &[Scaled<'_>], vertex: usize, combine: Combine, limit: f64) -> (V, f64) {
+pub fn displacement(model: &Model, marks: &[Scaled<'_>], vertex: usize, combine: Combine, limit: Limit) -> (V, f64) {
     let (mut sum, mut deepest) = ([0.0; 3], 0.0f64);
     for mark in marks {
         let (u, _) = mark_at(model, mark, vertex);
@@ -366,18 +373,18 @@ pub fn displacement(model: &Model, marks: &[Scaled<'_>], vertex: usize, combine:
         return ([0.0; 3], 1.0);
     }
     let factor: f64 = if combine == Combine::Deepest { (deepest / s).min(1.0) } else { 1.0 };
-    let factor = factor.min(limit / s);
+    let factor = (limit.give * factor).min(limit.depth / s);
     (scale(factor, sum), factor)
 }
 
 /// Unit normal of `vertex` after all marks: the base normal plus the marks' changes, shortened by the same factor as
 /// the displacement.
-pub fn normal(model: &Model, marks: &[Scaled<'_>], vertex: usize, combine: Combine, limit: f64) -> V {
+pub fn normal(model: &Model, marks: &[Scaled<'_>], vertex: usize, combine: Combine, limit: Limit) -> V {
     unit(normal_sum(model, marks, vertex, combine, limit))
 }
 
 /// The same before normalisation.
-pub fn normal_sum(model: &Model, marks: &[Scaled<'_>], vertex: usize, combine: Combine, limit: f64) -> V {
+pub fn normal_sum(model: &Model, marks: &[Scaled<'_>], vertex: usize, combine: Combine, limit: Limit) -> V {
     let (_, factor) = displacement(model, marks, vertex, combine, limit);
     let mut change = [0.0; 3];
     for mark in marks {

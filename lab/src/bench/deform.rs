@@ -1,11 +1,14 @@
 //! Anchored examples of a sheet, against the classic kernel and against a copy.
 
 use anyhow::Result;
+use crumple::{ExampleSet, InstanceOptions, MeshData, Placement, SetOptions};
 
+use super::deformed::Deformed;
+use super::measure::{Contender, interleaved};
 use super::report::{Aim, Row, Sense};
-use super::sheet::{Dent, Reach};
+use super::sheet::{Dent, Reach, Sheet, own_marks};
 use super::sheets::{Measured, Sheets, of};
-use super::width::Width;
+use super::width::{Width, options};
 use super::{Bench, Size};
 
 /// Sizes, and on how many threads.
@@ -57,6 +60,35 @@ pub fn four_examples(bench: &Bench) -> Result<()> {
         let row = Row::time(format!("deform_4ex_{}_1m_t1", m.method), &m.times, "ms");
         let row = row.beside_time("classic x 4", of(&measured, "classic", 1), Sense::Speed).hash(m.hash);
         bench.add(Row { aim: (m.method != "f32").then_some(Aim::AtLeast(3.0)), ..row });
+    }
+    Ok(())
+}
+
+/// One example with limits of every vertex, against the same without: limits that no dent meets, limits that dents meet, and
+/// a stiffness.
+pub fn limits(bench: &Bench) -> Result<()> {
+    let size = if bench.quick { Size::K64 } else { Size::M1 };
+    let (sheet, dent) = (Sheet::new(size.vertices()), Dent::whole([0.5; 2]));
+    let all = |x: f32| Some(vec![x; sheet.len()]);
+    let meshes = [
+        ("none", sheet.points()),
+        ("unmet", MeshData { depth_limits: all(2.0 * dent.depth), ..sheet.points() }),
+        ("met", MeshData { depth_limits: all(0.2 * dent.depth), ..sheet.points() }),
+        ("stiffness", MeshData { stiffness: all(0.5), ..sheet.points() }),
+    ];
+    let mut methods = Vec::new();
+    for (name, mesh) in meshes {
+        let examples = vec![sheet.example(&dent, Placement::Anchored)];
+        let options = SetOptions { mirror: false, ..options(Width::I16, dent.depth) };
+        let set = ExampleSet::build(mesh, examples, options, bench.tasks(2))?.into();
+        methods.push((name, Deformed::new(&set, InstanceOptions::default(), &own_marks(&set), false, bench.tasks(1))?));
+    }
+    let mut contenders: Vec<Contender> = methods.iter_mut().map(|(_, m)| Contender::new(|| m.run())).collect();
+    let times = interleaved(&bench.plan, &mut contenders);
+    drop(contenders);
+    for ((name, method), own) in methods.iter_mut().zip(&times).skip(1) {
+        let row = Row::time(format!("limits_{name}_i16_{}_t1", size.name()), own, "ms");
+        bench.add(row.beside_time("no limits", &times[0], Sense::Cost).hash(method.hash()));
     }
     Ok(())
 }

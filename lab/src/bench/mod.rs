@@ -126,6 +126,11 @@ const WORKLOADS: &[Workload] = &[
         run: deform::four_examples,
     },
     Workload {
+        name: "limits",
+        about: "a depth limit, or a stiffness, for every vertex against none: one anchored example, positions only",
+        run: deform::limits,
+    },
+    Workload {
         name: "batch_10",
         about: "a frame of ten impulses against one: repeating a body's ten marks, and on a fresh body",
         run: marks::batch,

@@ -56,6 +56,15 @@ fn body(text: &mut String, source: &Source) -> Result<()> {
             "  rim       {held} on edges that the examples show to be held; carried dents do not move them"
         )?;
     }
+    if report.limited_vertices + report.stiff_vertices > 0 {
+        writeln!(
+            text,
+            "  limits    {} with a depth limit, {} with a stiffness; {} cannot move",
+            count(report.limited_vertices, "vertex", "vertices"),
+            report.stiff_vertices,
+            report.rigid_vertices
+        )?;
+    }
     if report.welded > 0 {
         let widest = millimetres(report.widest_weld);
         writeln!(
