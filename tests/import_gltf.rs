@@ -570,6 +570,11 @@ fn limits_of_vertices_are_custom_attributes() {
     let mesh = gltf_slice(&glb.bytes(), None, MeshChoice::First).unwrap().mesh;
     assert_eq!(mesh.depth_limits.as_deref(), Some(&[0.0, 0.5, f32::MAX, 1.0][..]));
     assert_eq!(mesh.stiffness.as_deref(), Some(&[0.0, 0.25, 0.5, 1.0][..]));
-    let solids = crumple::import::gltf_solids(&glb.bytes(), None).unwrap();
-    assert_eq!(solids, [crumple::Solid::Mesh { positions: mesh.positions, triangles: mesh.triangles }]);
+    // Both stand in one scene: the solid 2 m along x, the body 3 m along x and half as large.
+    glb.json["nodes"] = json!([{ "mesh": 0, "translation": [2, 0, 0] }]);
+    let body = [[0.5, 0.0, 0.0, 0.0], [0.0, 0.5, 0.0, 0.0], [0.0, 0.0, 0.5, 0.0], [3.0, 0.0, 0.0, 1.0]];
+    let solids = crumple::import::gltf_solids(&glb.bytes(), None, Some(body)).unwrap();
+    let positions = mesh.positions.iter().map(|p| [2.0 * (p[0] - 1.0), 2.0 * p[1], 2.0 * p[2]]).collect();
+    assert_eq!(solids, [crumple::Solid::Mesh { positions, triangles: mesh.triangles }]);
+    assert!(crumple::import::gltf_solids(&glb.bytes(), None, Some([[0.0; 4]; 4])).is_err());
 }

@@ -39,8 +39,8 @@ pub struct Arguments {
     /// No vertex moves further than this [default: the depth of the deepest example]
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     depth_limit: Option<f32>,
-    /// File with closed solids that dents must not enter, such as a roll cage: every mesh of a glTF or GLB file, each in the
-    /// space of the body's mesh, m; repeat the option for more files
+    /// File with closed solids that dents must not enter, such as a roll cage: every mesh of a glTF or GLB file, where its
+    /// node places it in the scene of the body, m; repeat the option for more files
     #[arg(long, value_name = "SOLID.glb")]
     keep_out: Vec<PathBuf>,
     /// Calibration mass of impulses that have none of their own, such as 0.5kg (g, kg, lb; a bare number is kilograms). An impulse
@@ -142,7 +142,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     bar.set_message("reading");
     let (imported, _) = arguments.input.import()?;
     let (mut mesh, mut examples) = (imported.mesh, imported.examples);
-    let kept_out = keep_out(&mut mesh, &arguments.keep_out, &pool)?;
+    let kept_out = keep_out((&mut mesh, imported.node_transform), &arguments.keep_out, &pool)?;
     let order = arguments.reorder.then(|| crumple::reorder(&mut mesh, &mut examples));
     bar.inc(1);
     bar.set_message("baking");
@@ -198,12 +198,16 @@ pub fn run(arguments: &Arguments) -> Result<String> {
 }
 
 /// Keeps dents out of the solids of these files. Returns what was done.
-fn keep_out(mesh: &mut MeshData, files: &[PathBuf], tasks: &dyn TaskSystem) -> Result<String> {
+fn keep_out(
+    (mesh, transform): (&mut MeshData, Option<[[f32; 4]; 4]>),
+    files: &[PathBuf],
+    tasks: &dyn TaskSystem,
+) -> Result<String> {
     let mut text = String::new();
     for path in files {
         let shown = path.display();
         let bytes = std::fs::read(path).with_context(|| format!("cannot read {shown}"))?;
-        let solids = import::gltf_solids(&bytes, path.parent()).with_context(|| shown.to_string())?;
+        let solids = import::gltf_solids(&bytes, path.parent(), transform).with_context(|| shown.to_string())?;
         let report = mesh.keep_out(&solids, tasks).with_context(|| shown.to_string())?;
         writeln!(
             text,

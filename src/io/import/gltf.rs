@@ -11,6 +11,7 @@ use ::gltf::json::accessor::Type;
 use ::gltf::json::mesh::{Mode, MorphTarget, Primitive, Semantic};
 use ::gltf::json::validation::Checked;
 use ::gltf::json::{self, Index};
+use glam::{Mat4, Vec3};
 use std::path::Path;
 
 /// Reads a mesh and its morph targets from a `.gltf` or `.glb` file. The [module](super) describes what is read.
@@ -69,18 +70,31 @@ pub fn gltf_slice(bytes: &[u8], base_dir: Option<&Path>, mesh: MeshChoice<'_>) -
     })
 }
 
-/// Reads every mesh of a glTF file as a solid, in its own space; transforms of nodes are ignored. Relative paths of external
-/// buffers start at `base_dir`; without it they are an error.
+/// Reads every mesh of a glTF file as a solid in the space of a body's mesh. `body` is the [`Imported::node_transform`] of the
+/// body, whose file shares its scene with this one: each solid is taken to where the lowest-numbered node that shows it
+/// places it, and from there into the body's space. Relative paths of external buffers start at `base_dir`; without it they
+/// are an error.
 ///
 /// # Errors
-/// Those of [`gltf_file`]; [`Error::NoSuchMesh`] for a file without meshes.
-pub fn gltf_solids(bytes: &[u8], base_dir: Option<&Path>) -> Result<Vec<Solid>, Error> {
+/// Those of [`gltf_file`]; [`Error::NoSuchMesh`] for a file without meshes; [`Error::InvalidArgument`] for a `body` that has no
+/// inverse.
+pub fn gltf_solids(bytes: &[u8], base_dir: Option<&Path>, body: Option<[[f32; 4]; 4]>) -> Result<Vec<Solid>, Error> {
+    let body = body.map_or(Mat4::IDENTITY, |columns| Mat4::from_cols_array_2d(&columns));
+    let into_body = body.inverse();
+    if !into_body.is_finite() {
+        return Err(Error::invalid("the body's node transform", body, "a matrix with an inverse"));
+    }
     let doc = Document::parse(bytes, base_dir)?;
     if doc.root.meshes.is_empty() {
         return Err(Error::NoSuchMesh { wanted: "a solid".into(), available: all_meshes(&doc) });
     }
     let solid = |mesh| {
-        let MeshData { positions, triangles, .. } = base(&doc, &parts(&doc, mesh)?)?;
+        let MeshData { mut positions, triangles, .. } = base(&doc, &parts(&doc, mesh)?)?;
+        let placed = node_transform(&doc, mesh)?.map_or(Mat4::IDENTITY, |columns| Mat4::from_cols_array_2d(&columns));
+        let to_body = into_body * placed;
+        for p in positions.iter_mut().filter(|_| to_body != Mat4::IDENTITY) {
+            *p = to_body.transform_point3(Vec3::from(*p)).to_array();
+        }
         Ok(Solid::Mesh { positions, triangles })
     };
     (0..doc.root.meshes.len()).map(solid).collect()
