@@ -38,6 +38,9 @@ pub struct Arguments {
     /// Directory for base.png, after.png, heat.png and before_after.png; it is created if needed
     #[arg(long, value_name = "DIR")]
     png: Option<PathBuf>,
+    /// Write the wear of each vertex as the attribute _WEAR: dent, bend, press and scrape, as docs/model.md defines them
+    #[arg(long)]
+    wear: bool,
     /// How impacts add up: marks, or one of the paper's classic rules, most-displaced or blend=K (K from 0 to 1)
     #[arg(long, default_value = "marks", value_parser = rule)]
     rule: Rule,
@@ -118,9 +121,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     let deformed = deform(arguments, &mut instance, &source, &pool)?;
     bar.inc(1);
     bar.set_message("writing");
-    let Vertices { positions, normals, tangents } = &deformed.vertices;
-    let glb = source.deformed_glb(positions, normals.as_deref(), tangents.as_deref())?;
-    file.fill(&glb)?;
+    file.fill(&source.deformed_glb(&deformed.vertices)?)?;
     bar.inc(1);
 
     let mut files = vec![file];
@@ -166,7 +167,7 @@ fn same_file(a: &std::path::Path, b: &std::path::Path) -> bool {
 }
 
 fn deform(arguments: &Arguments, instance: &mut Instance, source: &Source, pool: &ThreadPool) -> Result<Deformed> {
-    let mut vertices = Vertices::at_rest(source.set.mesh());
+    let mut vertices = Vertices::at_rest(source.set.mesh(), arguments.wear);
     let mut tracker = Tracker::new();
     let start = Instant::now();
     instance.deform(&mut tracker, vertices.memory()?, pool)?;
@@ -178,7 +179,7 @@ fn deform(arguments: &Arguments, instance: &mut Instance, source: &Source, pool:
         };
         return Ok(Deformed { vertices, time, by });
     };
-    let mut seen = Vertices::at_rest(source.set.mesh());
+    let mut seen = Vertices::at_rest(source.set.mesh(), arguments.wear);
     let done = gpu::deform(instance, &source.set, adapter, &mut seen)?;
     let compared = compared(&seen, &vertices);
     let by = format!("{}, including the upload of the mesh and its examples; {compared}", done.adapter);
@@ -187,7 +188,10 @@ fn deform(arguments: &Arguments, instance: &mut Instance, source: &Source, pool:
 
 /// Describes how the GPU's vertices compare with the CPU's.
 fn compared(gpu: &Vertices, cpu: &Vertices) -> String {
-    let same = gpu.positions == cpu.positions && gpu.normals == cpu.normals && gpu.tangents == cpu.tangents;
+    let same = gpu.positions == cpu.positions
+        && gpu.normals == cpu.normals
+        && gpu.tangents == cpu.tangents
+        && gpu.wear == cpu.wear;
     if same {
         return "the CPU's are the same".into();
     }
