@@ -99,7 +99,7 @@ fn apply_dents_the_body_where_it_was_hit() {
     let png = folder.at("a/b");
     let point = Vec3::new(-0.2, 0.1, 0.078);
     let json = r#"[{"name": "here", "point": [-0.2, 0.1, 0.078], "displacement": [0, 0, -0.025]}]"#;
-    let report = apply(&folder, &[PANEL], json, &["--png", &png]);
+    let report = apply(&folder, &[PANEL], json, &["--wear", "--png", &png]);
     has(&report, &["here", "1 of 1 impact left a dent; the damage is 1 mark"]);
 
     let out = folder.at("out.glb");
@@ -116,13 +116,14 @@ fn apply_dents_the_body_where_it_was_hit() {
 
     assert_eq!(folder.names(), ["a", "i.json", "out.glb"], "nothing temporary stays");
     let png = Path::new(&png);
-    assert_eq!(names(png), ["after.png", "base.png", "before_after.png", "heat.png"]);
-    let pictures = ["base", "after", "heat", "before_after"].map(|n| picture(&png.join(format!("{n}.png"))));
+    assert_eq!(names(png), ["after.png", "base.png", "before_after.png", "heat.png", "wear.png"]);
+    let pictures = ["base", "after", "heat", "before_after", "wear"].map(|n| picture(&png.join(format!("{n}.png"))));
     for (pixels, _) in &pictures {
         let colours: std::collections::HashSet<&[u8]> = pixels.chunks(3).collect();
         assert!(colours.len() > 500, "{} colours", colours.len());
     }
     assert_ne!(pictures[0].0, pictures[1].0, "the dent shows");
+    assert_ne!(pictures[1].0, pictures[4].0, "the scratched paint shows");
     let maximum = pictures[2].1.strip_prefix("displacement, 0 to ").and_then(|t| t.strip_suffix(" mm"));
     let maximum: f32 = maximum.expect("the legend's range").parse().expect("a number");
     assert!((maximum - depth * 1e3).abs() <= 1e-4 * maximum, "{maximum} {depth}");

@@ -35,7 +35,7 @@ pub struct Arguments {
     /// File for the dented mesh; everything else of a glTF file is kept
     #[arg(short, long, value_name = "OUT.glb")]
     output: PathBuf,
-    /// Directory for base.png, after.png, heat.png and before_after.png; it is created if needed
+    /// Directory for base.png, after.png, heat.png, before_after.png and, with --wear, wear.png; it is created if needed
     #[arg(long, value_name = "DIR")]
     png: Option<PathBuf>,
     /// Write the wear of each vertex as the attribute _WEAR: dent, bend, press and scrape, as docs/model.md defines them
@@ -94,7 +94,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
         bail!("{} is the input; writing it would delete its examples; name another file", arguments.output.display());
     }
     let pool = ThreadPool::new(arguments.threads as usize)?;
-    let pictures: &[Kind] = if arguments.png.is_some() { &Kind::ALL } else { &[] };
+    let pictures = pictures(arguments);
     let bar = progress(impacts.len() + 3 + pictures.len());
     bar.set_message("reading");
     let source = arguments.input.load(&pool)?;
@@ -128,7 +128,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     if let Some(folder) = &arguments.png {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot make the directory {}", folder.display()))?;
         let mut outputs = Vec::new();
-        for kind in pictures {
+        for kind in &pictures {
             outputs.push(Output::create(&folder.join(kind.file_name()))?);
         }
         let workers = rayon::ThreadPoolBuilder::new().num_threads(arguments.threads as usize).build()?;
@@ -144,6 +144,12 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     }
     bar.finish_and_clear();
     report(arguments, &source, &mut instance, &impacts, &outcomes, &deformed)
+}
+
+/// The pictures to draw.
+fn pictures(arguments: &Arguments) -> Vec<Kind> {
+    let wanted = |kind: &Kind| arguments.png.is_some() && (arguments.wear || *kind != Kind::Wear);
+    Kind::ALL.into_iter().filter(wanted).collect()
 }
 
 fn options(arguments: &Arguments) -> InstanceOptions {
@@ -213,12 +219,14 @@ fn draw(kind: Kind, source: &Source, deformed: &Deformed, outcomes: &[Outcome]) 
         after: &after,
         after_normals: &after_normals,
         contacts: &marked.map(|o| o.contact_vertex).collect::<Vec<_>>(),
+        wear: deformed.vertices.wear.as_deref().unwrap_or_default(),
         up: source.up(),
     };
     let description = match kind {
         Kind::Base => "before".to_owned(),
         Kind::After => "after".to_owned(),
         Kind::BeforeAfter => "before and after".to_owned(),
+        Kind::Wear => "paint scratched by wear".to_owned(),
         Kind::Heat => format!("displacement, 0 to {} mm", subject.deepest().1 * 1e3),
     };
     Ok(subject.draw(kind).to_png(&description)?)
@@ -294,7 +302,7 @@ fn report(
     )?;
     writeln!(text, "  Wrote {}", arguments.output.display())?;
     if let Some(folder) = &arguments.png {
-        let names = Kind::ALL.map(Kind::file_name).join(", ");
+        let names = pictures(arguments).into_iter().map(Kind::file_name).collect::<Vec<_>>().join(", ");
         writeln!(text, "  Wrote {names} in {}", folder.display())?;
     }
     Ok(text)
