@@ -1,5 +1,6 @@
 //! Reads a mesh and its examples from a file.
 
+use crate::vertices::Vertices;
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use crumple::{
@@ -110,18 +111,16 @@ impl Input {
 
 impl Source {
     /// The file as a GLB, with the mesh replaced by its deformed vertices.
-    pub fn deformed_glb(
-        &self,
-        positions: &[[f32; 3]],
-        normals: Option<&[[f32; 3]]>,
-        tangents: Option<&[[f32; 4]]>,
-    ) -> Result<Vec<u8>, crumple::Error> {
+    pub fn deformed_glb(&self, vertices: &Vertices) -> Result<Vec<u8>, crumple::Error> {
+        let positions = &vertices.positions;
+        let (normals, tangents) = (vertices.normals.as_deref(), vertices.tangents.as_deref());
+        let wear = vertices.wear.as_deref();
         match &self.kind {
             Kind::Gltf { bytes, base_dir, mesh } => {
-                crumple::export::deformed_glb(bytes, Some(base_dir), choice(mesh), positions, normals, tangents)
+                crumple::export::deformed_glb(bytes, Some(base_dir), choice(mesh), positions, normals, tangents, wear)
             }
-            Kind::Obj(imported) => crumple::export::mesh_glb(imported, positions, normals, tangents),
-            Kind::Baked => crumple::export::mesh_glb(&self.as_imported(), positions, normals, tangents),
+            Kind::Obj(imported) => crumple::export::mesh_glb(imported, positions, normals, tangents, wear),
+            Kind::Baked => crumple::export::mesh_glb(&self.as_imported(), positions, normals, tangents, wear),
         }
     }
 
