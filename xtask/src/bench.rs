@@ -80,10 +80,10 @@ fn devices(workspace: &Workspace, options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// The shared library with its default features, stripped: the smallest that an engine links. `None` without a `strip` program.
+/// The shared C library with its default features, stripped: the smallest that an engine links. `None` without a `strip` program.
 fn stripped_library(workspace: &Workspace) -> Result<Option<PathBuf>> {
     use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
-    workspace.cargo(&["build", "--release", "--package", "crumple", "--lib"]).run()?;
+    workspace.cargo(&["build", "--release", "--package", "crumple", "--lib", "--features", "capi"]).run()?;
     let name = format!("{DLL_PREFIX}crumple{DLL_SUFFIX}");
     let (library, stripped) =
         (workspace.target.join("release").join(&name), workspace.target.join("stripped").join(&name));
