@@ -146,28 +146,32 @@ impl<'a> VertexMemory<'a> {
         tangent: Option<RawStream>,
         wear: Option<RawStream>,
     ) -> Result<Self, Error> {
-        let check = |name: &str, s: &RawStream, bytes: u64| {
+        let memory = Self { position, normal, tangent, wear, owner: PhantomData };
+        for (name, s, bytes) in memory.streams() {
             for (what, value) in [("offset", s.layout.offset), ("stride", s.layout.stride)] {
                 Strided::check_aligned(format!("{name} {what}"), value as u64, 4)?;
             }
-            s.layout.strided(bytes, 1).check_stride(&format!("{name} stride"))
-        };
-        check("position", &position, 12)?;
-        normal.iter().try_for_each(|s| check("normal", s, 12))?;
-        tangent.iter().try_for_each(|s| check("tangent", s, 16))?;
-        wear.iter().try_for_each(|s| check("wear", s, 16))?;
-        Ok(Self { position, normal, tangent, wear, owner: PhantomData })
+            s.layout.strided(bytes, 1).check_stride(&format!("{name} stride"))?;
+        }
+        Ok(memory)
+    }
+
+    /// The streams that there are, with their names and the bytes of a value.
+    fn streams(&self) -> impl Iterator<Item = (&'static str, &RawStream, u64)> {
+        let all = [
+            ("position", Some(&self.position), 12),
+            ("normal", self.normal.as_ref(), 12),
+            ("tangent", self.tangent.as_ref(), 16),
+            ("wear", self.wear.as_ref(), 16),
+        ];
+        all.into_iter().filter_map(|(name, stream, bytes)| Some((name, stream?, bytes)))
     }
 
     /// Returns an error if `count` vertices do not fit.
     pub(crate) fn check_size(&self, count: usize) -> Result<(), Error> {
-        let check = |name: &str, s: &RawStream, bytes: u64| {
+        self.streams().try_for_each(|(name, s, bytes)| {
             s.layout.strided(bytes, count as u64).check_size(&format!("{name} memory"), s.size as u64)
-        };
-        check("position", &self.position, 12)?;
-        self.normal.iter().try_for_each(|s| check("normal", s, 12))?;
-        self.tangent.iter().try_for_each(|s| check("tangent", s, 16))?;
-        self.wear.iter().try_for_each(|s| check("wear", s, 16))
+        })
     }
 
     pub(crate) fn has_normals(&self) -> bool {
@@ -203,7 +207,7 @@ impl<'a> VertexMemory<'a> {
     /// `check_size` has passed for all these vertices, and no other thread accesses them at the same time.
     pub(crate) unsafe fn write_positions(&self, first: usize, positions: &[f32]) {
         // SAFETY: guaranteed by the caller.
-        unsafe { put_all(&self.position, first, positions) }
+        unsafe { put_all::<3>(&self.position, first, positions) }
     }
 
     /// Writes normals, three floats each, starting at vertex `first`. Does nothing if the memory has no normals.
@@ -213,7 +217,7 @@ impl<'a> VertexMemory<'a> {
     pub(crate) unsafe fn write_normals(&self, first: usize, normals: &[f32]) {
         if let Some(s) = &self.normal {
             // SAFETY: guaranteed by the caller.
-            unsafe { put_all(s, first, normals) }
+            unsafe { put_all::<3>(s, first, normals) }
         }
     }
 
@@ -234,34 +238,27 @@ impl<'a> VertexMemory<'a> {
     /// As [`VertexMemory::write_positions`].
     pub(crate) unsafe fn write_wear(&self, first: usize, wear: &[[f32; 4]]) {
         if let Some(s) = &self.wear {
-            if s.layout.stride == 16 {
-                // SAFETY: the values are contiguous, so all lie within the stream; bytes need no alignment.
-                return unsafe {
-                    let to = s.data.add(s.layout.offset + first * s.layout.stride);
-                    wear.as_ptr().cast::<u8>().copy_to_nonoverlapping(to, size_of_val(wear));
-                };
-            }
-            for (i, w) in wear.iter().enumerate() {
-                // SAFETY: guaranteed by the caller.
-                unsafe { put(s, first + i, *w) }
-            }
+            // SAFETY: guaranteed by the caller.
+            unsafe { put_all::<4>(s, first, wear.as_flattened()) }
         }
     }
 }
 
+/// Writes `N` numbers a vertex.
+///
 /// # Safety
 /// The values of all these vertices lie within the stream, and no other thread accesses them.
-unsafe fn put_all(s: &RawStream, first: usize, values: &[f32]) {
-    if s.layout.stride == 12 {
+unsafe fn put_all<const N: usize>(s: &RawStream, first: usize, values: &[f32]) {
+    if s.layout.stride == size_of::<[f32; N]>() {
         // SAFETY: the values are contiguous, so all lie within the stream; bytes need no alignment.
         return unsafe {
             let to = s.data.add(s.layout.offset + first * s.layout.stride);
             values.as_ptr().cast::<u8>().copy_to_nonoverlapping(to, size_of_val(values));
         };
     }
-    for (i, v) in values.chunks_exact(3).enumerate() {
+    for (i, v) in values.as_chunks::<N>().0.iter().enumerate() {
         // SAFETY: guaranteed by the caller.
-        unsafe { put(s, first + i, [v[0], v[1], v[2]]) }
+        unsafe { put(s, first + i, *v) }
     }
 }
 

@@ -105,13 +105,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     // `factor` in src/mesh/limits.rs.
     let u = position - base;
     let length = sqrt(dot3(u, u));
-    var allowed = length;
-    if out.gives != NONE {
-        allowed = allowed * half_float(out.gives, vertex.index);
-    }
-    if out.depths != NONE {
-        allowed = minimum(half_float(out.depths, vertex.index), allowed);
-    }
+    let allowed = within_own_limits(out, vertex.index, length);
     let shortened = length > allowed;
     let factor = allowed / length;
     let shown_position = select(position, base + u * factor, shortened);

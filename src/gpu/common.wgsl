@@ -49,6 +49,18 @@ fn half_float(at: u32, vertex: u32) -> f32 {
     return bitcast<f32>((arena[at + (vertex >> 1u)] >> ((vertex & 1u) * 16u)) << 16u);
 }
 
+// How far a vertex moves that would move by `length`, by its own stiffness and depth limit.
+fn within_own_limits(t: TargetWork, vertex: u32, length: f32) -> f32 {
+    var allowed = length;
+    if t.gives != NONE {
+        allowed = allowed * half_float(t.gives, vertex);
+    }
+    if t.depths != NONE {
+        allowed = minimum(half_float(t.depths, vertex), allowed);
+    }
+    return allowed;
+}
+
 // `v` of unit length, or `other` where it has no length.
 fn unit(v: vec3<f32>, other: vec3<f32>) -> vec3<f32> {
     let m = maximum(maximum(abs(v.x), abs(v.y)), abs(v.z));

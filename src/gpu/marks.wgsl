@@ -205,14 +205,9 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         if (flags & DEEPEST) != 0u {
             allowed = minimum(sqrt(sums.longest), allowed);
         }
-        if out.gives != NONE {
-            allowed = allowed * half_float(out.gives, vertex.index);
-        }
+        allowed = within_own_limits(out, vertex.index, allowed);
         if (flags & LIMITED) != 0u {
             allowed = minimum(out.limit, allowed);
-        }
-        if out.depths != NONE {
-            allowed = minimum(half_float(out.depths, vertex.index), allowed);
         }
         if length > allowed {
             let factor = allowed / length;

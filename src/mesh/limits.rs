@@ -19,7 +19,7 @@ pub(crate) fn whole(half: u16) -> f32 {
 }
 
 /// The upper half of a number that is not negative: the number rounded down.
-fn half(x: f32) -> u16 {
+pub(crate) fn half(x: f32) -> u16 {
     (x.to_bits() >> 16) as u16
 }
 

@@ -18,7 +18,7 @@ use crate::example::options::{Combine, Seams, SetOptions, VertexMass, check_opti
 use crate::example::report::LodReport;
 use crate::example::set::{ExampleSet, MAX_MESHES, Parts, check_order, deepest};
 use crate::example::stamp::{Grid, Node, NodeSteps, Stamp, StampError};
-use crate::mesh::limits::{Halves, Limits, whole};
+use crate::mesh::limits::{Halves, Limits, half, whole};
 use crate::mesh::mirror::Mirror;
 use crate::mesh::nearest::{LEAF, Leaf, VertexIndex, vertices_known};
 use crate::mesh::rim::Rim;
@@ -196,7 +196,7 @@ fn limits(file: &File<'_>, (id, k): (Id, u32), (n, most): (usize, f32)) -> Resul
         return Err(length_of(id, all.len(), n.div_ceil(BLOCK)));
     }
     // Of numbers that are not negative, the bits sort as the numbers do.
-    match all.as_flattened().iter().find(|h| **h > (most.to_bits() >> 16) as u16) {
+    match all.as_flattened().iter().find(|h| **h > half(most)) {
         Some(h) => Err(wrong(format!("a number of section {}", id.name()), whole(*h), format!("0 to {most}"))),
         None => Ok(all),
     }
