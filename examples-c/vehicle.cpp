@@ -1,7 +1,7 @@
 // A car of eleven parts drives into a pole, and another car into its tail (rigid bodies: ODE). All parts share one list of marks.
 // The bumper falls off when it is dented deep enough, the windshield breaks when it is hit, and a wheel gets out of line.
 //
-//     vehicle FOLDER        writes FOLDER/frame_00.obj …
+//     vehicle FOLDER [FRAMES]     writes FOLDER/frame_00.obj …, 5 frames or as many as you say
 #include <crumple.hpp>
 
 #include <ode/ode.h>
@@ -21,9 +21,9 @@
 namespace {
 
 constexpr double STEP = 1.0 / 240, SECONDS = 1.6; // s
-constexpr int FRAMES = 5, ACROSS = 24, ALONG = 12;
-constexpr float HALF_WIDTH = 0.9f, SILL = 0.3f, FALLS_OFF = 0.08f; // m
-constexpr float DOWN = -0.35f;                                     // from the centre of mass to the mesh's origin, m
+constexpr int ACROSS = 24, ALONG = 12, SPOKES = 24;
+constexpr float HALF_WIDTH = 0.9f, SILL = 0.3f, WHEEL = 0.29f; // m
+constexpr float DOWN = -0.35f;                     // from the centre of mass to the mesh's origin, m
 
 void fact(bool holds, const char *what) {
     if (holds) return;
@@ -34,9 +34,26 @@ void fact(bool holds, const char *what) {
 // Parts of the car. Lods of the set have these numbers plus 1.
 enum Part { BUMPER, GRILLE, HOOD, WINDSHIELD, ROOF, REAR_WINDOW, TRUNK, TAIL, REAR_BUMPER, LEFT, RIGHT, PARTS };
 
+// Thresholds of a car.
+enum { BUMPER_FALLS_OFF, WHEEL_OUT_OF_LINE };
+
 struct Mesh {
     std::vector<CrumpleVec3> positions;
     std::vector<uint32_t> indices;
+
+    // A cylinder along y or z, with its centre at the origin.
+    static Mesh cylinder(float radius, float length, bool upright) {
+        Mesh made;
+        for (uint32_t i = 0; i < 2 * SPOKES; ++i) {
+            const float angle = 6.2831853f * float(i / 2) / SPOKES, along = i % 2 ? length / 2 : -length / 2;
+            const float x = radius * std::cos(angle), y = radius * std::sin(angle);
+            made.positions.push_back(upright ? CrumpleVec3{x, y, along} : CrumpleVec3{x, along, y});
+            const uint32_t next = (i + 2) % (2 * SPOKES);
+            if (i % 2 == 0) made.indices.insert(made.indices.end(), {i, next, i + 1, i + 1, next, next + 1});
+            if (i >= 4) made.indices.insert(made.indices.end(), {i % 2, i - 2, i}); // the two ends
+        }
+        return made;
+    }
 
     // A grid of rows by columns vertices, facing (b - a) x (c - a) of its first square.
     void grid(size_t rows, size_t columns, const std::vector<CrumpleVec3> &points) {
@@ -134,6 +151,20 @@ crumple::ExampleSet make_set(crumple::Context &context, const std::vector<Mesh> 
     return set;
 }
 
+// Writes Wavefront OBJ.
+struct File {
+    std::ofstream out;
+    size_t written = 0; // vertices
+
+    void object(const std::string &name, const char *material, const Mesh &mesh, const std::vector<CrumpleVec3> &world) {
+        out << "o " << name << "\nusemtl " << material << '\n';
+        for (const CrumpleVec3 &v : world) out << "v " << v.x << ' ' << v.y << ' ' << v.z << '\n';
+        for (size_t i = 0; i < mesh.indices.size(); ++i)
+            out << (i % 3 == 0 ? "f " : " ") << written + mesh.indices[i] + 1 << (i % 3 == 2 ? "\n" : "");
+        written += world.size();
+    }
+};
+
 // A part with its vertices and what shows them: the car or, once it has come off, the part itself.
 struct Shown {
     std::vector<CrumpleVec3> vertices;
@@ -143,19 +174,19 @@ struct Shown {
 };
 
 struct Car {
-    const char *name;
+    const char *name, *paint;
     const std::vector<Mesh> &meshes;
     dWorldID world;
     dSpaceID space;
     dBodyID body;
     crumple::Instance instance, bumper;
-    CrumpleAttachment wheel{};
+    std::array<CrumpleAttachment, 4> wheels{}; // the first is the front left one
     std::vector<Shown> shown{PARTS};
     std::map<dGeomID, bool> touching; // by what; whether in this step
 
-    Car(crumple::Context &context, dWorldID world_, dSpaceID space_, const char *name_, const crumple::ExampleSet &set,
+    Car(crumple::Context &context, dWorldID world_, dSpaceID space_, const char *name_, const char *paint_, const crumple::ExampleSet &set,
         const std::vector<Mesh> &meshes_, double x, double angle, double speed)
-        : name(name_), meshes(meshes_), world(world_), space(space_), body(make_body(1200, 4.1, 1.8, 0.7)) {
+        : name(name_), paint(paint_), meshes(meshes_), world(world_), space(space_), body(make_body(1200, 4.1, 1.8, 0.7)) {
         dMatrix3 rotation;
         dRFromAxisAndAngle(rotation, 0, 0, 1, angle);
         dBodySetRotation(body, rotation);
@@ -177,7 +208,18 @@ struct Car {
             shown[part].buffer = instance.register_buffer(buffer).value();
             shown[part].body = body;
         }
-        wheel = set.attach({1.75f, HALF_WIDTH, 0.35f}).value();
+        for (size_t i = 0; i < wheels.size(); ++i) // where they are mounted
+            wheels[i] = set.attach({i < 2 ? 1.5f : -1.4f, i % 2 ? -HALF_WIDTH : HALF_WIDTH, WHEEL}).value();
+        CrumpleThresholdDef threshold = crumple_threshold_def_default();
+        threshold.number = BUMPER_FALLS_OFF;
+        threshold.lod = BUMPER + 1;
+        threshold.limit = 0.08f;
+        instance.set_threshold(threshold).value();
+        threshold.number = WHEEL_OUT_OF_LINE;
+        threshold.measure = CRUMPLE_MEASURE_DISPLACEMENT;
+        threshold.attachment = wheels[0];
+        threshold.limit = 0.002f;
+        instance.set_threshold(threshold).value();
     }
 
     dBodyID make_body(double kg, double length, double width, double height) const {
@@ -206,7 +248,7 @@ struct Car {
         }
     }
 
-    // Ends contacts that are over, and looks whether the bumper still holds.
+    // Ends contacts that are over.
     void settle(double time) {
         for (auto at = touching.begin(); at != touching.end();) {
             if (std::exchange(at->second, false)) {
@@ -221,7 +263,15 @@ struct Car {
                             1000 * double(whole.mark.depth), whole.contact_vertex, whole.chosen_count);
             at = touching.erase(at);
         }
-        if (bumper || instance.measure_part(BUMPER + 1).value().deepest < FALLS_OFF) return;
+    }
+
+    // A threshold was passed.
+    void passed(const CrumplePassed &threshold, double time) {
+        if (threshold.number == WHEEL_OUT_OF_LINE) {
+            std::printf("%-6s  %.2f s: the wheel is %.1f mm out of line\n", name, time, 1000 * double(threshold.value));
+            return;
+        }
+        if (bumper) return;
         // Off it comes, with its buffer and its dents, as a body of its own.
         bumper = instance.release_part(BUMPER + 1).value();
         const dBodyID off = make_body(12, 0.1, 1.8, 0.3);
@@ -235,23 +285,39 @@ struct Car {
         std::printf("%-6s  %.2f s: the bumper falls off\n", name, time);
     }
 
-    void write(std::ofstream &file, size_t &written) const {
+    void write(File &file) const {
         for (size_t part = 0; part < PARTS; ++part) {
             if (shown[part].gone) continue;
-            file << "o " << name << '_' << part << '\n';
-            const bool off = shown[part].body != body;
-            for (const CrumpleVec3 &v : shown[part].vertices) {
-                dVector3 p;
-                dBodyGetRelPointPos(shown[part].body, off ? v.x - 2.0f : v.x, v.y, off ? v.z - 0.45f : v.z + DOWN, p);
-                file << "v " << p[0] << ' ' << p[1] << ' ' << p[2] << '\n';
-            }
-            for (size_t i = 0; i < meshes[part].indices.size(); i += 3) {
-                file << 'f';
-                for (size_t k = 0; k < 3; ++k) file << ' ' << written + meshes[part].indices[i + k] + 1;
-                file << '\n';
-            }
-            written += shown[part].vertices.size();
+            const bool off = shown[part].body != body, glass = part == WINDSHIELD || part == REAR_WINDOW;
+            std::vector<CrumpleVec3> points;
+            for (const CrumpleVec3 &v : shown[part].vertices)
+                points.push_back(placed(shown[part].body, off ? CrumpleVec3{v.x - 2.0f, v.y, v.z - 0.45f} : v, off ? 0 : DOWN));
+            const bool plastic = part == BUMPER || part == REAR_BUMPER;
+            file.object(name + ('_' + std::to_string(part)), glass ? "glass" : plastic ? "plastic" : paint, meshes[part], points);
         }
+        static const Mesh tyre = Mesh::cylinder(WHEEL, 0.2f, false);
+        for (size_t i = 0; i < wheels.size(); ++i) {
+            // The wheel moves and turns as the place where it is mounted.
+            const CrumpleFrame frame = instance.attached_frame(wheels[i]).value();
+            std::vector<CrumpleVec3> points;
+            for (const CrumpleVec3 &v : tyre.positions) {
+                const CrumpleVec3 turned = rotated(frame.rotation, v), at = frame.position;
+                points.push_back(placed(body, {at.x + turned.x, at.y + turned.y, at.z + turned.z}, DOWN));
+            }
+            file.object(name + ("_wheel_" + std::to_string(i)), "tyre", tyre, points);
+        }
+    }
+
+    static CrumpleVec3 placed(dBodyID on, CrumpleVec3 v, float up) {
+        dVector3 p;
+        dBodyGetRelPointPos(on, v.x, v.y, v.z + up, p);
+        return {float(p[0]), float(p[1]), float(p[2])};
+    }
+
+    static CrumpleVec3 rotated(CrumpleQuat q, CrumpleVec3 v) {
+        const CrumpleVec3 t{2 * (q.y * v.z - q.z * v.y), 2 * (q.z * v.x - q.x * v.z), 2 * (q.x * v.y - q.y * v.x)};
+        return {v.x + q.w * t.x + q.y * t.z - q.z * t.y, v.y + q.w * t.y + q.z * t.x - q.x * t.z,
+                v.z + q.w * t.z + q.x * t.y - q.y * t.x};
     }
 };
 
@@ -313,16 +379,17 @@ struct Scene {
     }
 };
 
-void run(const std::string &folder) {
+void run(const std::string &folder, int frames) {
     crumple::Context context;
     const std::vector<Mesh> meshes = make_parts();
     const crumple::ExampleSet set = make_set(context, meshes);
     Scene scene;
     const dGeomID pole = dCreateCylinder(scene.space, 0.15, 3);
     dGeomSetPosition(pole, 4, 0.65, 1.5);
+    const Mesh shown_pole = Mesh::cylinder(0.15f, 1.8f, true);
     std::vector<std::unique_ptr<Car>> cars;
-    cars.push_back(std::make_unique<Car>(context, scene.world, scene.space, "first", set, meshes, 0.0, 0.0, 12.0));
-    cars.push_back(std::make_unique<Car>(context, scene.world, scene.space, "second", set, meshes, -12.0, 0.0, 14.0));
+    cars.push_back(std::make_unique<Car>(context, scene.world, scene.space, "first", "blue", set, meshes, 0.0, 0.0, 12.0));
+    cars.push_back(std::make_unique<Car>(context, scene.world, scene.space, "second", "red", set, meshes, -12.0, 0.0, 14.0));
     // A stone falls onto the first car's windshield. ODE's box is lower than the glass, so it is told here.
     int frame = 0;
     for (int step = 0; step * STEP <= SECONDS; ++step) {
@@ -336,17 +403,22 @@ void run(const std::string &folder) {
             cars[0]->pushed(scene.ground, glass, force);
         }
         for (auto &car : cars) car->settle(time);
+        for (const CrumplePassed &threshold : context.passed().value())
+            for (auto &car : cars)
+                if (threshold.instance.index == car->instance.id().index) car->passed(threshold, time);
         context.deform().value();
-        if (time >= frame * SECONDS / (FRAMES - 1) - 1e-9) {
+        if (time >= frame * SECONDS / (frames - 1) - 1e-9) {
             char name[32];
             std::snprintf(name, sizeof name, "/frame_%02d.obj", frame++);
-            std::ofstream file(folder + name);
-            size_t written = 0;
-            for (const auto &car : cars) car->write(file, written);
-            fact(bool(file.flush()), "every frame was written");
+            File file{std::ofstream(folder + name)};
+            for (const auto &car : cars) car->write(file);
+            std::vector<CrumpleVec3> world;
+            for (const CrumpleVec3 &v : shown_pole.positions) world.push_back({v.x + 4, v.y + 0.65f, v.z + 0.9f});
+            file.object("pole", "steel", shown_pole, world);
+            fact(bool(file.out.flush()), "every frame was written");
         }
     }
-    fact(frame == FRAMES, "there are as many frames as asked for");
+    fact(frame == frames, "there are as many frames as asked for");
 
     const Car &first = *cars[0], &second = *cars[1];
     fact(bool(first.bumper), "the first car lost its bumper on the pole");
@@ -365,12 +437,13 @@ void run(const std::string &folder) {
         fact(a.x == b.x && a.y == b.y && a.z == b.z, "the seam is closed");
     }
     // How far the front wheel's mount moved, and how far it is turned about the vertical.
-    const CrumpleFrame frame_of_wheel = first.instance.attached_frame(first.wheel).value();
+    const CrumpleFrame frame_of_wheel = first.instance.attached_frame(first.wheels[0]).value();
     const CrumpleQuat q = frame_of_wheel.rotation;
     const double toe = 2 * std::atan2(q.z, q.w) * 180 / 3.14159265358979;
-    const double back = double(first.wheel.point.x - frame_of_wheel.position.x);
-    std::printf("the wheel moved by %.1f mm back and turned by %.2f degrees\n", 1000 * back, toe);
-    fact(back > 0.001 && std::fabs(toe) > 0.1, "the wheel is out of line");
+    const CrumpleVec3 to = frame_of_wheel.position, from = first.wheels[0].point;
+    const double moved = std::hypot(std::hypot(to.x - from.x, to.y - from.y), to.z - from.z);
+    std::printf("the wheel moved by %.1f mm and turned by %.2f degrees\n", 1000 * moved, toe);
+    fact(moved > 0.001 && std::fabs(toe) > 0.1, "the wheel is out of line");
     const auto saved = context.save_damage().value();
     std::printf("the damage of both cars takes %zu bytes\n", saved.size());
     fact(saved.size() < 6000, "damage is small");
@@ -379,14 +452,15 @@ void run(const std::string &folder) {
 } // namespace
 
 int main(int argc, char **argv) {
-    if (argc != 2) {
-        std::fprintf(stderr, "usage: vehicle FOLDER\n");
+    const int frames = argc == 3 ? std::atoi(argv[2]) : 5;
+    if (argc < 2 || argc > 3 || frames < 2 || frames > 99) {
+        std::fprintf(stderr, "usage: vehicle FOLDER [2 to 99 FRAMES]\n");
         return 2;
     }
     dInitODE2(0);
     int status = 0;
     try {
-        run(argv[1]);
+        run(argv[1], frames);
     } catch (const crumple::Error &error) {
         std::fprintf(stderr, "%s: %s\n", crumple_result_name(error.result()), error.what());
         status = 1;

@@ -20,7 +20,8 @@
 //                       crumple_buffer_get_changes of each for uploads and bounds
 //   7. On the GPU       instead of 6: crumple_vulkan_attach, crumple_buffer_register_vulkan, and once a frame
 //                       crumple_vulkan_record into your VkCommandBuffer and crumple_vulkan_complete_frames;
-//                       to share memory instead of a command buffer: crumple_vulkan_open, ..._import_buffer, ..._submit
+//                       to share memory instead of a command buffer: crumple_vulkan_open, ..._import_buffer, ..._submit;
+//                       in passes of your own render graph: crumple_buffer_register_graph, crumple_graph_plan
 //   8. Attached points  crumple_example_set_attach_point, crumple_instance_get_attached_frame: lamps, collision vertices
 //   9. No more than     crumple_instance_set_view: the level of detail, or the tolerance, that a distance allows;
 //      a scene needs    crumple_context_set_vertex_budget: the most vertices to write in a frame
@@ -66,19 +67,20 @@
 // crumple_instance_submit_..., ..._preview_..., ..._unpose_..., ..._end_contact and ..._set_transform. Contexts are
 // independent.
 //
-// Reads. Hits are pending until the instance's damage is next read. These calls read it: a deform, record or submit of
+// Reads. Hits are pending until the instance's damage is next read. These calls read it: a deform, record, submit or plan of
 // one of its buffers or of all buffers; ..._get_info(), ..._get_marks(), ..._get_contact(), ..._save_damage(),
 // ..._save_changes(), a ..._load_damage() of changes, ..._repair_...(), ..._copy_damage() for its source,
-// ..._get_attached_frame(), and ..._release_part(), ..._mount_part() and ..._measure_part(). The result does not depend
-// on the number of threads or on the order of hits between two reads. With CRUMPLE_RULE_MARKS it does not depend on when
-// reads happen, with three exceptions: marks merge above mark_capacity, contacts end when more than 256 are open, and
-// the hits of one contact are summed with rounding.
+// ..._get_attached_frame(), ..._get_passed(), and ..._release_part(), ..._mount_part() and ..._measure_part(). The result
+// does not depend on the number of threads or on the order of hits between two reads. With CRUMPLE_RULE_MARKS it does
+// not depend on when reads happen, with three exceptions: marks merge above mark_capacity, contacts end when more than
+// 256 are open, and the hits of one contact are summed with rounding.
 //
 // Units. Metres, seconds, kilograms, newton seconds. Any handedness and any up axis. Host vertices are 32-bit floats,
 // indices start at 0, enums are 32 bits wide (do not compile with -fshort-enums).
 //
-// Memory. CRUMPLE_ERROR_OUT_OF_MEMORY covers copies of your arrays and the objects that you create. If other working
-// memory runs out, the process aborts.
+// Memory. A call without enough memory returns CRUMPLE_ERROR_OUT_OF_MEMORY and changes nothing: before it allocates, it
+// asks for as much as it may need, in one piece, and gives that back. The process aborts only if another thread takes
+// the memory meanwhile, or if less than 1 KiB is left. Calls that free need none, and frames without hits allocate none.
 //
 // Do not fork() a process with a live context and use the context in the child.
 //
@@ -275,6 +277,15 @@ typedef enum {
     CRUMPLE_HANDLE_TYPE_OPAQUE_WIN32 = 1,
 } CrumpleHandleType;
 
+/// What a threshold is compared with; see crumple_instance_measure_part().
+typedef enum {
+    CRUMPLE_MEASURE_DEEPEST = 0,
+    CRUMPLE_MEASURE_MEAN = 1,
+    CRUMPLE_MEASURE_ENERGY = 2,
+    /// Distance of an attached point from its place at rest.
+    CRUMPLE_MEASURE_DISPLACEMENT = 3,
+} CrumpleMeasure;
+
 /// A context holds example sets, instances and buffers. Opaque.
 typedef struct CrumpleContext CrumpleContext;
 
@@ -467,6 +478,13 @@ typedef struct {
     CrumpleMeshDef mesh;
 } CrumpleLodDef;
 
+/// Everything within radius, m, of the segment between two points, m. Equal points make a ball.
+typedef struct {
+    CrumpleVec3 a;
+    CrumpleVec3 b;
+    float radius;
+} CrumpleCapsule;
+
 /// Which mesh of a glTF file to load, and the options of the set.
 typedef struct {
     uint32_t struct_size;
@@ -478,6 +496,10 @@ typedef struct {
     /// that the glTF refers to. If it is null there, a glTF that refers to files is an error.
     const char *path;
     CrumpleExampleSetOptions options;
+    /// Whether to join the meshes of all nodes to one body, each where its node places it. Default false. Each node with a
+    /// mesh then is a part: lods 1 and up, in the order of the nodes; see crumple_example_set_find_part(). Morph targets of
+    /// the same name are one example. mesh_index and mesh_name are not used.
+    bool join_nodes;
 } CrumpleGltfDef;
 
 /// A base OBJ file, its example files, and the options of the set.
@@ -792,7 +814,7 @@ typedef struct {
     uint64_t reserved[3];
 } CrumpleDeformReport;
 
-/// A range of vertices.
+/// A range of vertices or triangles.
 typedef struct {
     uint32_t first;
     uint32_t count;
@@ -928,6 +950,52 @@ typedef struct {
     bool dedicated;
 } CrumpleVulkanImportDef;
 
+/// Bytes to copy into a storage of the render graph.
+typedef struct {
+    /// Number of the storage. Create a storage buffer of storage_size bytes for a number that is new to you.
+    uint32_t storage;
+    uint32_t reserved;
+    uint64_t storage_size;
+    /// Where the bytes go, from the start of the storage.
+    uint64_t offset;
+    const void *data;
+    /// Bytes at data.
+    size_t size;
+} CrumpleGraphUpload;
+
+/// A compute dispatch of the render graph.
+typedef struct {
+    /// Number of the kernel; see crumple_graph_get_kernel().
+    uint32_t kernel;
+    /// Number of the storage to bind.
+    uint32_t storage;
+    /// The vertex buffer to bind: the buffer field of its CrumpleVulkanBufferDef.
+    uint64_t buffer;
+    /// Workgroups along x and y. Use 1 along z.
+    uint32_t groups[2];
+    /// The push constants, 28 bytes.
+    uint32_t constants[7];
+    uint32_t reserved;
+} CrumpleGraphDispatch;
+
+/// The passes of a frame. All pointers are valid until the next crumple_graph_plan() of the context.
+typedef struct {
+    /// Numbers of storages that you may destroy once earlier frames are complete. Ignore those that you do not know.
+    const uint32_t *freed;
+    /// Copies that you do before the dispatches, in any case.
+    const CrumpleGraphUpload *uploads;
+    /// Dispatches in any order; they write different vertices.
+    const CrumpleGraphDispatch *dispatches;
+    /// The work of the frame, for all dispatches.
+    const void *work;
+    /// Bytes at work. 0 if there are no dispatches.
+    size_t work_size;
+    uint32_t freed_count;
+    uint32_t upload_count;
+    uint32_t dispatch_count;
+    uint32_t reserved;
+} CrumpleGraphPlan;
+
 /// A point bound to the nearest surface. Plain data: you may copy or save it. It works with every instance of its set.
 typedef struct {
     /// Vertices of the triangle. All three are equal if the mesh has no triangles.
@@ -954,6 +1022,28 @@ typedef struct {
     CrumpleQuat rotation;
     uint32_t reserved[5];
 } CrumpleFrame;
+
+/// A threshold on a mesh of the set, or on an attached point.
+typedef struct {
+    uint32_t struct_size;
+    /// Your number for it. It replaces the instance's threshold of this number.
+    uint32_t number;
+    CrumpleMeasure measure;
+    /// The mesh; a part's number from crumple_example_set_add_lod(). Default 0.
+    uint32_t lod;
+    /// The point of CRUMPLE_MEASURE_DISPLACEMENT, which has no lod.
+    CrumpleAttachment attachment;
+    /// m, above 0. Infinity is never reached and costs nothing. Required.
+    float limit;
+} CrumpleThresholdDef;
+
+/// A threshold that an instance's damage passed.
+typedef struct {
+    CrumpleInstance instance;
+    uint32_t number;
+    /// What was measured, m: the limit or more.
+    float value;
+} CrumplePassed;
 
 #ifdef __cplusplus
 extern "C" {
@@ -1031,6 +1121,14 @@ CrumpleResult crumple_example_set_share(CrumpleContext *context, CrumpleExampleS
 /// Destroys a set. Its id and the strings of its infos become invalid. Instances keep the set's memory and still work.
 CrumpleResult crumple_example_set_destroy(CrumpleContext *context, CrumpleExampleSet set);
 
+/// Computes depth limits for a mesh, so that no dent moves a vertex into a solid, such as a roll cage or an engine: the
+/// distance from the nearest of the capsules and closed meshes, 0 inside one, and at most the mesh's own limits. Of solids
+/// the positions and indices are read. out_limits receives vertex_count floats, m; give them to the def as depth_limits.
+/// Call it for each level of detail too. Error messages number the capsules before the meshes. CRUMPLE_ERROR_MESH: a solid
+/// is not closed.
+CrumpleResult crumple_mesh_keep_out(const CrumpleMeshDef *mesh, const CrumpleCapsule *capsules, uint32_t capsule_count,
+                                    const CrumpleMeshDef *meshes, uint32_t mesh_count, float *out_limits);
+
 /// Returns a def for the first mesh with morph targets, with default options. Set the path.
 CrumpleGltfDef crumple_gltf_def_default(void);
 
@@ -1039,10 +1137,10 @@ CrumpleObjDef crumple_obj_def_default(void);
 
 /// Builds an example set from a glTF 2.0 or GLB file: a mesh with its morph targets. Primitives are joined in their
 /// order; see crumple_example_set_get_primitive(). mesh.extras has the examples' names (targetNames), contacts
-/// (impacts) and placements. Coordinates are in the mesh's own space: node transforms are not applied. Errors:
-/// CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT (malformed, or no such mesh), CRUMPLE_ERROR_UNSUPPORTED (Draco or meshopt
-/// compression, or a build without CRUMPLE_FEATURE_GLTF), CRUMPLE_ERROR_EXAMPLE_MISMATCH (no morph targets), and those
-/// of crumple_example_set_create().
+/// (impacts) and placements. Coordinates are in the mesh's own space, and node transforms are not applied, unless
+/// join_nodes is set. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT (malformed, or no such mesh),
+/// CRUMPLE_ERROR_UNSUPPORTED (Draco or meshopt compression, more than 63 parts, or a build without
+/// CRUMPLE_FEATURE_GLTF), CRUMPLE_ERROR_EXAMPLE_MISMATCH (no morph targets), and those of crumple_example_set_create().
 CrumpleResult crumple_example_set_load_gltf(CrumpleContext *context, const CrumpleGltfDef *def,
                                             CrumpleExampleSet *out_set);
 
@@ -1087,6 +1185,12 @@ CrumpleResult crumple_example_set_get_example(CrumpleContext *context, CrumpleEx
 /// Returns the vertices and triangles of the part with an index below primitive_count.
 CrumpleResult crumple_example_set_get_primitive(CrumpleContext *context, CrumpleExampleSet set, uint32_t primitive,
                                                 CrumplePrimitive *out_primitive);
+
+/// Returns the number of a part by the name of its node, or of the node's mesh if the node has none: a lod, 1 and up. The
+/// first of that name. Only for sets that were loaded with join_nodes; baked sets keep the numbers, not the names.
+/// CRUMPLE_ERROR_INVALID_ARGUMENT: no such part.
+CrumpleResult crumple_example_set_find_part(CrumpleContext *context, CrumpleExampleSet set, const char *name,
+                                            uint32_t *out_lod);
 
 /// Copies the base mesh or a level of detail into your memory, for your vertex and index buffers. If the set was built
 /// without normals, they are the computed ones. CRUMPLE_ERROR_MESH: the mesh lacks the requested normals or tangents.
@@ -1165,11 +1269,12 @@ CrumpleResult crumple_instance_mount_part(CrumpleContext *context, CrumpleInstan
 CrumpleResult crumple_instance_set_part_rigid(CrumpleContext *context, CrumpleInstance instance, uint32_t part,
                                               bool rigid);
 
-/// Measures how far the vertices of mesh lod have moved, m: the furthest, and their mean, to compare with thresholds such
-/// as "the bumper falls off". Dents count in full while they grow, and tolerance leaves out nothing, so it is equal on all
-/// machines. Takes about as long as a deform of the whole mesh. Either output may be null.
+/// Measures how far the vertices of mesh lod have moved, m: the furthest, and their mean. out_energy receives the depth of
+/// one hit that has the energy of all marks whose contact is on the mesh, m; it grows with every hit. Dents count in full
+/// while they grow, and tolerance leaves out nothing, so all are equal on all machines. Takes about as long as a deform of
+/// the whole mesh. Any output may be null.
 CrumpleResult crumple_instance_measure_part(CrumpleContext *context, CrumpleInstance instance, uint32_t lod,
-                                            float *out_deepest, float *out_mean);
+                                            float *out_deepest, float *out_mean, float *out_energy);
 
 /// Returns the length, m, that covers a number of pixels at a distance, m, for a camera with this vertical field of
 /// view, radians, and viewport height, pixels. Use it as the tolerance of an instance whose nearest vertex is at that
@@ -1325,23 +1430,24 @@ CrumpleResult crumple_buffer_unregister(CrumpleContext *context, CrumpleBuffer b
 CrumpleResult crumple_buffer_invalidate(CrumpleContext *context, CrumpleBuffer buffer);
 
 /// Gives a host buffer other memory, perhaps for another level of detail, and invalidates it. After an error the buffer
-/// keeps its memory. Errors: those of crumple_buffer_register_host(), and CRUMPLE_ERROR_INVALID_ARGUMENT (a Vulkan
-/// buffer).
+/// keeps its memory. Errors: those of crumple_buffer_register_host(), and CRUMPLE_ERROR_INVALID_ARGUMENT (not a
+/// host buffer).
 CrumpleResult crumple_buffer_set_memory(CrumpleContext *context, CrumpleBuffer buffer, const CrumpleHostBufferDef *def);
 
-/// Limits how many vertices one crumple_context_deform(), crumple_vulkan_record() or crumple_vulkan_submit() writes, for
-/// frames with more hits than time. 0, as at first: no limit. A buffer is written whole or not at all. The buffers whose
-/// waiting would be seen most come first, by the vertices to write, the calls that they have waited, and how near they
-/// are as their tolerances tell; see crumple_instance_set_view(). The others follow in later calls, with the same
-/// vertices. A buffer that does not show its instance yet never waits, and every call writes at least one buffer.
+/// Limits how many vertices one crumple_context_deform(), crumple_vulkan_record(), ..._submit() or crumple_graph_plan()
+/// writes, for frames with more hits than time. 0, as at first: no limit. A buffer is written whole or not at all. The
+/// buffers whose waiting would be seen most come first, by the vertices to write, the calls that they have waited, and
+/// how near they are as their tolerances tell; see crumple_instance_set_view(). The others follow in later calls, with
+/// the same vertices. A buffer that does not show its instance yet never waits, and every call writes at least one
+/// buffer.
 CrumpleResult crumple_context_set_vertex_budget(CrumpleContext *context, uint64_t vertices);
 
 /// Writes the deformed vertices of count host buffers, or of all host buffers of the context if buffers is null and
 /// count 0. It writes only what changed since the last write of each buffer, in parallel over all of them, and is cheap
 /// without changes. With null and 0 it also applies the pending hits of instances without a buffer, so that damage does
 /// not depend on which bodies are visible. Nobody else may read or write the memory during the call. out_report may be
-/// null. CRUMPLE_ERROR_INVALID_ARGUMENT (no vertex was written): a buffer twice, a Vulkan buffer, or overlapping memory
-/// in debug builds.
+/// null. CRUMPLE_ERROR_INVALID_ARGUMENT (no vertex was written): a buffer twice, not a host buffer, or overlapping
+/// memory in debug builds.
 CrumpleResult crumple_context_deform(CrumpleContext *context, const CrumpleBuffer *buffers, uint32_t count,
                                      CrumpleDeformReport *out_report);
 
@@ -1352,10 +1458,18 @@ CrumpleResult crumple_context_get_changed_buffers(CrumpleContext *context, Crump
 
 /// Returns the vertices written by the last deform or recording that included the buffer, by id or with null and 0.
 /// They are increasing ranges that do not overlap. Also returns the bounds of all its vertices, m, which may be too
-/// large for a Vulkan buffer. Use them for uploads, refits and culling. ranges has room for capacity ranges; see
+/// large for a buffer on a device. Use them for uploads, refits and culling. ranges has room for capacity ranges; see
 /// "Arrays" at the top. out_bounds may be null.
 CrumpleResult crumple_buffer_get_changes(CrumpleContext *context, CrumpleBuffer buffer, CrumpleRange *ranges,
                                          uint32_t capacity, uint32_t *out_count, CrumpleAabb *out_bounds);
+
+/// Returns the triangles with a vertex that crumple_buffer_get_changes() returns, in the order of the indices of the
+/// buffer's mesh, as increasing ranges that do not overlap. out_bounds receives a box around those vertices as they were
+/// before and as they are now, m, for the partial refit of a collider; zeros without changes. It may be null. ranges has
+/// room for capacity ranges; see "Arrays" at the top. The time is linear in the triangles. Errors:
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (not a host buffer), CRUMPLE_ERROR_MESH (a mesh without indices).
+CrumpleResult crumple_buffer_get_changed_triangles(CrumpleContext *context, CrumpleBuffer buffer, CrumpleRange *ranges,
+                                                   uint32_t capacity, uint32_t *out_count, CrumpleAabb *out_bounds);
 
 /// Returns a def without handles. Set them and the queue family.
 CrumpleVulkanAttachDef crumple_vulkan_attach_def_default(void);
@@ -1461,6 +1575,30 @@ CrumpleResult crumple_vulkan_submit(CrumpleContext *context, const CrumpleBuffer
 /// CRUMPLE_ERROR_INVALID_ARGUMENT: the frame was not submitted.
 CrumpleResult crumple_vulkan_wait_frame(CrumpleContext *context, uint64_t frame, uint64_t timeout, bool *out_done);
 
+/// Returns a compute shader for a render graph that takes SPIR-V, such as Godot's RenderingDevice. It is SPIR-V 1.3 with
+/// the entry point "main". Make a pipeline of it when a dispatch first names its number. data has capacity bytes of any
+/// alignment; see "Arrays" at the top.
+///
+/// All kernels have 28 bytes of push constants and three storage buffers: a storage (set 0, binding 0, read), the work
+/// (set 0, binding 1, read) and your vertex buffer from its first byte on (set 1, binding 0, read and written). Errors:
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (a kernel that no dispatch names), CRUMPLE_ERROR_UNSUPPORTED (a build without
+/// CRUMPLE_FEATURE_VULKAN).
+CrumpleResult crumple_graph_get_kernel(uint32_t kernel, void *data, size_t capacity, size_t *out_size);
+
+/// Registers a range of a vertex buffer of your render graph, like crumple_buffer_register_vulkan() but without a Vulkan
+/// device. def->buffer is any number of yours, which dispatches name. usage, queue_family, stages and accesses are
+/// ignored. The first range of a mesh adds uploads to the next plan. Errors: those of crumple_buffer_register_vulkan(),
+/// and CRUMPLE_ERROR_WRONG_RULE (a classic rule).
+CrumpleResult crumple_buffer_register_graph(CrumpleContext *context, CrumpleInstance instance,
+                                            const CrumpleVulkanBufferDef *def, CrumpleBuffer *out_buffer);
+
+/// Plans the passes that write the deformed vertices of count buffers of crumple_buffer_register_graph(), or of all of
+/// them if buffers is null and count 0: for the blocks that changed, one dispatch per vertex buffer. Call it once a
+/// frame, do the uploads, bind and dispatch. If you drop the dispatches, call crumple_buffer_invalidate() for their
+/// buffers. out_report may be null. CRUMPLE_ERROR_INVALID_ARGUMENT: a buffer twice, or another kind of buffer.
+CrumpleResult crumple_graph_plan(CrumpleContext *context, const CrumpleBuffer *buffers, uint32_t count,
+                                 CrumpleGraphPlan *out_plan, CrumpleRecordReport *out_report);
+
 /// Binds a point in the mesh's space, m, to the nearest surface. The point keeps its distance from the surface and
 /// rotates with it. CRUMPLE_ERROR_INVALID_ARGUMENT: the point is further away than 1e9 m.
 CrumpleResult crumple_example_set_attach_point(CrumpleContext *context, CrumpleExampleSet set, CrumpleVec3 point,
@@ -1471,6 +1609,23 @@ CrumpleResult crumple_example_set_attach_point(CrumpleContext *context, CrumpleE
 /// crumple_example_set_attach_point()).
 CrumpleResult crumple_instance_get_attached_frame(CrumpleContext *context, CrumpleInstance instance,
                                                   const CrumpleAttachment *attachment, CrumpleFrame *out_frame);
+
+/// Returns a def for the deepest dent of the base mesh. Set number and limit.
+CrumpleThresholdDef crumple_threshold_def_default(void);
+
+/// Sets a threshold. Thresholds are not saved, loaded or repaired. Those on a part, or on points of its surface, go with it
+/// when it is released. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (the limit), CRUMPLE_ERROR_INDEX_OUT_OF_RANGE,
+/// CRUMPLE_ERROR_WRONG_RULE (a classic rule, which has only base meshes and no energies).
+CrumpleResult crumple_instance_set_threshold(CrumpleContext *context, CrumpleInstance instance,
+                                             const CrumpleThresholdDef *def);
+
+/// Returns the thresholds that were passed since the last call, by increasing index of the instance, then by number. The
+/// same damage and calls give the same on every machine. A threshold is returned again only after a call that found its
+/// measure below the limit, as after a repair. If there are more than capacity, the next calls return the rest; no more
+/// wait once *out_count is below capacity. Cheap if no damage changed; otherwise it measures the meshes that have
+/// thresholds.
+CrumpleResult crumple_context_get_passed(CrumpleContext *context, CrumplePassed *passed, uint32_t capacity,
+                                         uint32_t *out_count);
 
 /// Records the context's calls to a file. path is UTF-8. "crumple replay FILE" repeats the calls without your engine
 /// and checks that every result and vertex is equal, so that a bug becomes a test. The file starts with the existing

@@ -231,6 +231,15 @@ CrumpleStream stream(Container &vertices, Member Vertex::*member) {
     return stream(vertices.data(), vertices.size(), member);
 }
 
+/// Depth limits for a mesh whose dents must not enter these solids. See crumple_mesh_keep_out().
+inline Result<std::vector<float>> keep_out(const CrumpleMeshDef &mesh, const std::vector<CrumpleCapsule> &capsules,
+                                           const std::vector<CrumpleMeshDef> &meshes = {}) {
+    std::vector<float> limits(mesh.vertex_count);
+    const CrumpleResult result = crumple_mesh_keep_out(&mesh, capsules.data(), uint32_t(capsules.size()), meshes.data(),
+                                                       uint32_t(meshes.size()), limits.data());
+    return result == CRUMPLE_OK ? Result<std::vector<float>>(std::move(limits)) : Result<std::vector<float>>::failed(result);
+}
+
 /// Memory that receives an instance's vertices. Unregisters itself. See crumple_buffer_register_host().
 class Buffer : public detail::Owner<CrumpleBuffer, crumple_buffer_unregister> {
 public:
@@ -244,6 +253,12 @@ public:
     Result<std::vector<CrumpleRange>> changes() const {
         return detail::fill<CrumpleRange, uint32_t>([&](CrumpleRange *ranges, uint32_t capacity, uint32_t *count) {
             return crumple_buffer_get_changes(context(), id(), ranges, capacity, count, nullptr);
+        });
+    }
+    /// The triangles with such a vertex. bounds, unless null, receives a box around these vertices before and now, m.
+    Result<std::vector<CrumpleRange>> changed_triangles(CrumpleAabb *bounds = nullptr) const {
+        return detail::fill<CrumpleRange, uint32_t>([&](CrumpleRange *ranges, uint32_t capacity, uint32_t *count) {
+            return crumple_buffer_get_changed_triangles(context(), id(), ranges, capacity, count, bounds);
         });
     }
     /// The bounds of all its vertices, m.
@@ -398,12 +413,17 @@ public:
     struct PartDamage {
         float deepest; ///< m
         float mean;    ///< m
+        float energy;  ///< depth of one hit that has the energy of all, m
     };
-    /// How far the vertices of mesh lod have moved.
+    /// How far the vertices of mesh lod have moved, and what hit it.
     Result<PartDamage> measure_part(uint32_t lod) const {
         return detail::get<PartDamage>([&](PartDamage *damage) {
-            return crumple_instance_measure_part(context(), id(), lod, &damage->deepest, &damage->mean);
+            return crumple_instance_measure_part(context(), id(), lod, &damage->deepest, &damage->mean, &damage->energy);
         });
+    }
+    /// Sets a threshold; see Context::passed().
+    Result<void> set_threshold(const CrumpleThresholdDef &def) {
+        return detail::done(crumple_instance_set_threshold(context(), id(), &def));
     }
 
     Result<CrumpleFrame> attached_frame(const CrumpleAttachment &attachment) const {
@@ -425,6 +445,12 @@ public:
         def.tangents = tangents;
         def.wear = wear;
         return register_buffer(def);
+    }
+    /// Registers a range of a buffer of your render graph. Context::plan_graph() plans its passes.
+    Result<Buffer> register_graph_buffer(const CrumpleVulkanBufferDef &def) {
+        CrumpleBuffer buffer{};
+        const CrumpleResult result = crumple_buffer_register_graph(context(), id(), &def, &buffer);
+        return result == CRUMPLE_OK ? Result<Buffer>(Buffer(context(), buffer)) : Result<Buffer>::failed(result);
     }
     /// Registers a range of a VkBuffer. Context::record_deform() or submit_deform() writes it.
     Result<Buffer> register_buffer(const CrumpleVulkanBufferDef &def) {
@@ -484,6 +510,10 @@ public:
         return detail::get<Nearest>([&](Nearest *nearest) {
             return crumple_example_set_find_nearest_vertex(context(), id(), point, &nearest->vertex, &nearest->distance);
         });
+    }
+    /// The number of a part by its name, for sets that were loaded with join_nodes.
+    Result<uint32_t> find_part(const char *name) const {
+        return detail::get<uint32_t>([&](uint32_t *lod) { return crumple_example_set_find_part(context(), id(), name, lod); });
     }
     Result<CrumpleAttachment> attach(CrumpleVec3 point) const {
         return detail::get<CrumpleAttachment>(
@@ -594,6 +624,18 @@ public:
             return crumple_context_get_changed_buffers(context_, buffers, capacity, count);
         });
     }
+    /// The thresholds that were passed since the last call, of all instances.
+    Result<std::vector<CrumplePassed>> passed() {
+        std::vector<CrumplePassed> all;
+        for (;;) {
+            CrumplePassed some[16];
+            uint32_t count = 0;
+            const CrumpleResult result = crumple_context_get_passed(context_, some, 16, &count);
+            if (result != CRUMPLE_OK) return Result<std::vector<CrumplePassed>>::failed(result);
+            all.insert(all.end(), some, some + count);
+            if (count < 16) return Result<std::vector<CrumplePassed>>(std::move(all));
+        }
+    }
     /// Submits each hit to the instance at the same index: all or none. May be called from any thread at any time.
     Result<std::vector<CrumpleHitResult>> submit(const CrumpleInstance *instances, const CrumpleImpulseDef *defs,
                                                  std::size_t count) {
@@ -648,6 +690,18 @@ public:
     }
     Result<void> complete_frames(uint64_t frame) { return detail::done(crumple_vulkan_complete_frames(context_, frame)); }
     Result<void> discard_frames(uint64_t frame) { return detail::done(crumple_vulkan_discard_frames(context_, frame)); }
+
+    /// Plans the passes of all graph buffers.
+    Result<CrumpleGraphPlan> plan_graph(CrumpleRecordReport *report = nullptr) {
+        return detail::get<CrumpleGraphPlan>(
+            [&](CrumpleGraphPlan *plan) { return crumple_graph_plan(context_, nullptr, 0, plan, report); });
+    }
+    /// Returns the SPIR-V of a kernel that a dispatch names.
+    static Result<std::vector<unsigned char>> graph_kernel(uint32_t kernel) {
+        return detail::fill<unsigned char, std::size_t>([&](unsigned char *data, std::size_t capacity, std::size_t *size) {
+            return crumple_graph_get_kernel(kernel, data, capacity, size);
+        });
+    }
 
     /// Records calls to a file for "crumple replay".
     Result<void> recording_begin(const char *path) { return detail::done(crumple_recording_begin(context_, path)); }

@@ -23,7 +23,7 @@
 //! - `cli` builds the `crumple` command.
 //! - `capi` exports the C functions.
 //! - `host-allocator` lets a C host provide memory.
-#![deny(missing_docs)]
+#![cfg_attr(not(fuzzing), deny(missing_docs))]
 
 #[cfg(target_endian = "big")]
 compile_error!("Crumple supports little-endian processors only: its files and packed numbers are little-endian");
@@ -38,6 +38,8 @@ mod deform;
 mod example;
 #[cfg(feature = "gpu")]
 mod gpu;
+#[cfg(feature = "vulkan")]
+pub mod graph;
 mod instance;
 mod io;
 mod mesh;
@@ -51,6 +53,9 @@ pub use bake::reorder::reorder;
 pub use base::error::{Error, ErrorKind};
 pub use base::math::Aabb;
 pub use base::tasks::{Serial, TaskSystem, ThreadPool};
+#[cfg(all(fuzzing, feature = "capi"))]
+#[doc(hidden)]
+pub use capi::entry_points;
 #[cfg(feature = "capi")]
 pub use capi::replay::{Difference, Replay, replay};
 pub use damage::mark::{Mark, Pair};
@@ -69,12 +74,13 @@ pub use example::stamp::{Stamp, StampError, StampSample};
 pub use glam;
 pub use instance::Instance;
 pub use instance::archive::{load_all, save_all};
-pub use instance::attach::{Attachment, Frame};
+pub use instance::attachment::{Attachment, Frame};
 pub use instance::deform::{DeformJob, deform, deform_within};
 pub use instance::inbox::Inbox;
 pub use instance::options::{InstanceOptions, Rule};
 pub use instance::parts::PartDamage;
 pub use instance::skin::Skin;
+pub use instance::threshold_state::{Measure, Passed};
 #[cfg(feature = "gltf")]
 pub use io::export;
 #[doc(hidden)]

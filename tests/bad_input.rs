@@ -184,6 +184,17 @@ fn quick_a_mesh_of_nothing_but_degenerate_triangles_works() {
     assert!(out.positions.iter().all(|p| *p == [1.0, 1.0, 0.9]), "{:?}", out.positions);
 }
 
+/// The squares of its distances are 0 in f32. The search for the surface's height never ended.
+#[test]
+fn quick_a_body_too_small_for_f32_squares_is_built() {
+    let mut mesh = scenes::sheet(4);
+    mesh.positions.iter_mut().for_each(|p| *p = p.map(|x| x * 1e-22));
+    let dent = ExampleData::new("dent", Deltas::Sparse { indices: vec![0, 7], values: vec![[2.0, 0.0, 0.0]; 2] });
+    let set = build(mesh, vec![dent]).unwrap();
+    let again = ExampleSet::load(set.save().unwrap(), &Serial).unwrap();
+    assert_eq!(again.fingerprint(), set.fingerprint());
+}
+
 #[test]
 fn quick_one_vertex_is_a_mesh() {
     let mesh = MeshData { positions: vec![[0.0; 3]], ..MeshData::default() };

@@ -3,18 +3,18 @@
 
 mod scenes;
 
-#[path = "../fuzz/target.rs"]
-mod target;
+#[path = "../fuzz/src/baked.rs"]
+mod baked;
 
 use std::sync::Arc;
 
+use baked::{load_and_use, repair};
 use crumple::{
     Blow, Combine, DeformJob, Deltas, Error, ErrorKind, ExampleData, ExampleSet, Hit, MeshData, Placement, Seams,
     Serial, SetOptions, Striker, ThreadPool, Tracker, VertexMass, VertexMemory,
 };
 use proptest::prelude::*;
 use scenes::{Dice, Output, cases, random_hits};
-use target::{load_and_use, repair};
 
 const HEADER: usize = 64;
 const ENTRY: usize = 32;

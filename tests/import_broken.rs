@@ -50,6 +50,8 @@ buffers:
 ! | "file:///etc/hostname" | Unsupported | only relative paths
 ! | "C:\\a.bin" | Unsupported | only relative paths
 ! | "/etc/hostname" | Unsupported | absolute path '/etc/hostname'
+! | "../a.bin" | Unsupported | '../a.bin', outside the file's folder
+! | "a/%2e%2e/..\\a.bin" | Unsupported | outside the file's folder
 ! | "%2Fetc/hostname" | Unsupported | absolute path '%2Fetc/hostname'
 ! | "" | Format | buffer 0 has an empty uri
 ! | "a.bin" | Io | a.bin
@@ -285,6 +287,24 @@ fn counts_and_types_that_lie() {
     strip.json["meshes"][0]["primitives"][0]["mode"] = 5.into();
     strip.json["accessors"][2]["count"] = 2.into();
     expect(&strip.bytes(), Format, "has 2 triangle corners; there must be at least 3");
+}
+
+/// Each primitive repeats the names of its mesh and of its material.
+#[test]
+fn a_long_name_costs_no_memory_for_each_primitive() {
+    let long = "é".repeat(50_000);
+    let mut glb = square();
+    let primitive = glb.json["meshes"][0]["primitives"][0].clone();
+    glb.json["meshes"][0]["name"] = long.clone().into();
+    glb.json["accessors"][0]["count"] = 0.into();
+    let message = refuse(&glb.bytes()).to_string();
+    assert!(message.len() < 300 && message.contains("ééé…'"), "{message}");
+    let mut glb = square();
+    let mut made_of = primitive;
+    made_of["material"] = 0.into();
+    glb.json["materials"] = json!([{ "name": long }]);
+    glb.json["meshes"][0]["primitives"] = vec![made_of; 1000].into();
+    expect(&glb.bytes(), Format, "the material of mesh 0 'Square', primitive");
 }
 
 #[test]

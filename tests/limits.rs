@@ -29,12 +29,16 @@ fn body(mesh: MeshData, combine: Combine) -> std::sync::Arc<ExampleSet> {
 }
 
 fn shown(body: &mut Instance) -> Vec<Vec3> {
+    shown_with_normals(body).0
+}
+
+fn shown_with_normals(body: &mut Instance) -> (Vec<Vec3>, Vec<Vec3>) {
     let n = body.example_set().vertex_count();
     let (mut positions, mut normals) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
     let memory = VertexMemory::separate(&mut positions, Some(&mut normals), None).unwrap();
     body.deform(&mut Tracker::new(), memory, &Serial).unwrap();
     assert!(normals.iter().all(|n| (Vec3::from(*n).length() - 1.0).abs() < 1e-5));
-    positions.into_iter().map(Vec3::from).collect()
+    (positions.into_iter().map(Vec3::from).collect(), normals.into_iter().map(Vec3::from).collect())
 }
 
 struct Random(u64);
@@ -172,6 +176,51 @@ fn a_vertex_that_cannot_move_is_rigid() {
         let outcome = body.submit(&Hit::displacement([0.5, 0.5, 0.0], [0.0, 0.0, -0.1])).unwrap();
         assert_eq!(outcome.status, HitStatus::Rigid);
         assert!(shown(&mut body).iter().zip(&mesh.positions).all(|(a, b)| a.to_array() == *b));
+    }
+}
+
+#[test]
+fn normals_of_vertices_that_cannot_move_stay() {
+    // Around each dent lie vertices whose displacement is 0 and whose normal turns, since their triangles tilt.
+    for (rule, combine) in
+        [(Rule::Marks, Combine::Sum), (Rule::Marks, Combine::Deepest), (Rule::MostDisplaced, Combine::Energies)]
+    {
+        let options = match rule {
+            Rule::Marks => InstanceOptions::default(),
+            rule => InstanceOptions::classic(rule),
+        };
+        let mut turned_at_rest = 0;
+        for held in [None, Some(true), Some(false)] {
+            let mut mesh = sheet(33);
+            let n = mesh.positions.len();
+            match held {
+                None => {}
+                Some(true) => mesh.stiffness = Some((0..n).map(|v| ((v + 1) % 2) as f32).collect()),
+                Some(false) => {
+                    let limits = (0..n).map(|v| if v % 2 == 0 { 0.0 } else { f32::INFINITY });
+                    mesh.depth_limits = Some(limits.collect());
+                }
+            }
+            let anchored =
+                examples(&mesh).into_iter().map(|e| ExampleData { placement: Placement::Anchored, ..e }).collect();
+            let set_options = SetOptions { combine, ..SetOptions::default() };
+            let set = ExampleSet::build(mesh.clone(), anchored, set_options, &Serial).unwrap();
+            let mut body = Instance::new(std::sync::Arc::new(set), options).unwrap();
+            for (x, y) in [(0.3, 0.4), (0.7, 0.6)] {
+                let outcome = body.submit(&Hit::displacement([x, y, 0.0], [0.06, 0.0, -0.2])).unwrap();
+                assert_eq!(outcome.status, HitStatus::Marked);
+            }
+            let (positions, normals) = shown_with_normals(&mut body);
+            for v in (0..n).step_by(2) {
+                let at_rest = positions[v] == Vec3::from(mesh.positions[v]);
+                if held.is_none() {
+                    turned_at_rest += usize::from(at_rest && normals[v] != Vec3::Z);
+                } else {
+                    assert!(at_rest && normals[v] == Vec3::Z, "{rule:?} {combine:?}: {v} {}", normals[v]);
+                }
+            }
+        }
+        assert!(turned_at_rest > 10, "{turned_at_rest}");
     }
 }
 

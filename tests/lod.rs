@@ -351,3 +351,19 @@ fn a_view_chooses_the_coarsest_level_whose_edges_are_short_on_the_screen() {
         assert!(error.to_string().starts_with(name), "{error}");
     }
 }
+
+#[test]
+fn thousands_of_vertices_at_one_place_bind_in_linear_time() {
+    // Comparing each with each would take minutes.
+    let count = 100_000;
+    let mesh = MeshData { positions: vec![[0.0; 3]; count], triangles: vec![[0, 1, 2]; count], ..MeshData::default() };
+    let dent = ExampleData::new("dent", crumple::Deltas::Full(vec![[0.0, 0.0, -0.1]; count]));
+    let beside = MeshData { positions: vec![[0.0, 0.0, 0.1]; 1000], triangles: vec![[0, 1, 2]], ..MeshData::default() };
+    let set = with_lods(mesh.clone(), vec![dent], options(None), &[mesh, beside]);
+    let mut body = Instance::new(set, InstanceOptions::default()).unwrap();
+    body.inbox().submit(&push([0.0; 3], [0.0, 0.0, -0.1])).unwrap();
+    let levels = [0, 1, 2].map(|lod| Level::of(&mut body, lod));
+    assert!(levels[0].positions[0][2] < -0.05);
+    assert_eq!(levels[0].bits(), levels[1].bits());
+    assert!(levels[2].positions.iter().all(|p| *p == levels[2].positions[0]));
+}

@@ -196,14 +196,11 @@ fn combines() -> impl Strategy<Value = Combine> {
     prop_oneof![Just(Combine::Energies), Just(Combine::Sum), Just(Combine::Deepest)]
 }
 
-/// Resolution of the weights of a stamp's bilinear mean, with a margin: integers of 14 bits, rounded down.
-const WEIGHTS: f64 = 2.0 / 16384.0;
-
 /// Asserts that two points agree within the resolution of f32 and of the weights. `size` is the size of the
 /// displacements summed.
 fn agree(is: V, ought: V, size: f64, what: &str) -> Result<(), TestCaseError> {
     let off = length(sub(is, ought));
-    let allowed = WEIGHTS * size + 4e-7 * length(ought);
+    let allowed = marks::rounding(ought, size);
     prop_assert!(off <= allowed, "{what}: {is:?} is {off:e} from {ought:?}; {allowed:e} is allowed");
     Ok(())
 }
@@ -252,8 +249,8 @@ fn check_limited(instance: &mut Instance, limits: &[Limit]) -> Result<(), TestCa
                 let free = Limit { depth: f64::INFINITY, give: 1.0 };
                 let (plain, _) = marks::displacement(&model, &scaled, v, Combine::Sum, free);
                 let turned = sub(marks::normal_sum(&model, &scaled, v, Combine::Sum, free), model.normals[v]);
-                let shortened = (WEIGHTS * size / length(plain)).min(1.0) * length(turned);
-                let allowed = (2.0 * WEIGHTS * (1.0 + turn) + shortened) / length(change);
+                let shortened = (marks::WEIGHTS * size / length(plain)).min(1.0) * length(turned);
+                let allowed = (2.0 * marks::WEIGHTS * (1.0 + turn) + shortened) / length(change);
                 prop_assert!(off <= allowed, "normal of vertex {v}: {:?} is {off:e} from {n:?}", out.normals[v]);
             }
         }

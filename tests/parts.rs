@@ -3,10 +3,10 @@
 
 mod scenes;
 
-use crumple::glam::Vec3;
+use crumple::glam::{Mat4, Vec3};
 use crumple::{
-    DeformJob, Error, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, MeshData, Rule, Serial, SetOptions,
-    Tracker, VertexMemory, deform,
+    Cause, DeformJob, Error, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Measure, MeshData, Passed, Rule,
+    Serial, SetOptions, Skin, Space, Tracker, VertexMemory, deform,
 };
 use proptest::prelude::*;
 use scenes::{Dice, bowls, push, random_hit};
@@ -230,6 +230,165 @@ fn quick_what_is_measured_depends_on_the_marks_alone() {
     }
     assert_eq!(slow.measure(5).unwrap().deepest, plain.measure(0).unwrap().deepest);
     assert!(vertices(&mut slow, 5) == piece(4).positions, "nothing is shown yet");
+}
+
+fn numbers(body: &mut Instance) -> Vec<u32> {
+    body.passed().unwrap().iter().map(|passed| passed.number).collect()
+}
+
+#[test]
+fn quick_a_threshold_is_returned_once_until_a_repair() {
+    let mut body = new();
+    let lamp = body.example_set().attach([centre(5)[0], centre(5)[1], centre(5)[2] + 0.01]).unwrap();
+    body.set_threshold(40, Measure::Deepest(5), 0.02).unwrap();
+    body.set_threshold(10, Measure::Mean(5), 0.001).unwrap();
+    body.set_threshold(30, Measure::Displacement(lamp), 0.02).unwrap();
+    body.set_threshold(20, Measure::Energy(5), 0.04).unwrap();
+    body.set_threshold(50, Measure::Deepest(0), f32::INFINITY).unwrap();
+    assert!(numbers(&mut body).is_empty());
+    body.submit(&dent(5, 0.03)).unwrap();
+    let damage = body.measure(5).unwrap();
+    let passed = body.passed().unwrap();
+    assert_eq!(passed.iter().map(|p| p.number).collect::<Vec<_>>(), [10, 30, 40]);
+    assert_eq!(passed[2], Passed { number: 40, value: damage.deepest });
+    assert_eq!(passed[0].value, damage.mean);
+    assert!(numbers(&mut body).is_empty(), "each once");
+    // Five equal hits have the energy of one that is 5^(1/2.4) times as deep.
+    for _ in 0..4 {
+        body.submit(&dent(5, 0.03)).unwrap();
+    }
+    assert_eq!(numbers(&mut body), [20]);
+    let energy = body.measure(5).unwrap().energy;
+    assert!((energy / (0.03 * 5f32.powf(1.0 / 2.4)) - 1.0).abs() < 1e-3, "{energy}");
+    // A repair that nobody looked at changes nothing. One that a call found lets them pass again.
+    let saved = body.save();
+    body.repair(0.0).unwrap();
+    body.load(&saved).unwrap();
+    assert!(numbers(&mut body).is_empty());
+    body.repair(0.01).unwrap();
+    assert!(numbers(&mut body).is_empty());
+    body.load(&saved).unwrap();
+    assert_eq!(numbers(&mut body), [10, 20, 30, 40]);
+    // One that is set again is compared again.
+    body.set_threshold(30, Measure::Deepest(5), 0.02).unwrap();
+    assert_eq!(numbers(&mut body), [30]);
+}
+
+#[test]
+fn quick_energy_lies_where_the_contacts_are() {
+    let mut body = new();
+    body.submit(&dent(1, 0.02)).unwrap();
+    body.submit(&dent(9, 0.02)).unwrap();
+    let energy = |body: &mut Instance, lod| body.measure(lod).unwrap().energy;
+    let one = energy(&mut body, 1);
+    assert!((one - 0.02).abs() < 1e-4);
+    assert!((energy(&mut body, 0) / one - 2f32.powf(1.0 / 2.4)).abs() < 1e-4);
+    assert_eq!((energy(&mut body, 5), energy(&mut body, 9)), (0.0, one));
+    // A contact on the seam is on both parts.
+    body.submit(&push(piece(4).positions[EDGE / 2], [0.0, 0.0, -0.01])).unwrap();
+    assert!((energy(&mut body, 4) - 0.01).abs() < 1e-4 && (energy(&mut body, 5) - 0.01).abs() < 1e-4);
+}
+
+#[test]
+fn quick_thresholds_of_a_part_go_with_it() {
+    let mut body = new();
+    let lamp = body.example_set().attach(centre(5)).unwrap();
+    let beside = body.example_set().attach(centre(4)).unwrap();
+    body.set_threshold(1, Measure::Deepest(5), 0.01).unwrap();
+    body.set_threshold(2, Measure::Displacement(lamp), 0.01).unwrap();
+    body.set_threshold(3, Measure::Displacement(beside), 0.01).unwrap();
+    body.set_threshold(4, Measure::Deepest(0), 0.02).unwrap();
+    body.submit(&dent(5, 0.015)).unwrap();
+    assert_eq!(numbers(&mut body), [1, 2]);
+    let mut part = body.release(5).unwrap();
+    assert!(numbers(&mut part).is_empty(), "they were returned by the body");
+    part.repair(0.0).unwrap();
+    assert!(numbers(&mut part).is_empty());
+    part.submit(&dent(5, 0.03)).unwrap();
+    assert_eq!(numbers(&mut part), [1, 2]);
+    body.submit(&dent(4, 0.03)).unwrap();
+    assert_eq!(numbers(&mut body), [3, 4]);
+}
+
+#[test]
+fn quick_thresholds_count_dents_in_full_and_refuse_what_cannot_be() {
+    let options = InstanceOptions { grow_time: 1.0, tolerance: 0.01, ..InstanceOptions::default() };
+    let mut slow = Instance::new(body_set(), options).unwrap();
+    let lamp = slow.example_set().attach(centre(5)).unwrap();
+    slow.set_threshold(1, Measure::Displacement(lamp), 0.0299).unwrap();
+    slow.submit(&dent(5, 0.03)).unwrap();
+    assert_eq!(numbers(&mut slow), [1]);
+    let refused = |r: Result<(), Error>| r.unwrap_err().to_string();
+    for limit in [0.0, -1.0, f32::NAN] {
+        assert!(refused(slow.set_threshold(1, Measure::Deepest(0), limit)).contains("above 0 m"));
+    }
+    assert!(refused(slow.set_threshold(1, Measure::Mean(99), 1.0)).contains("is 99; it must be below 10"));
+    let mut foreign = lamp;
+    foreign.vertices[1] = 9999;
+    assert!(refused(slow.set_threshold(1, Measure::Displacement(foreign), 1.0)).contains("9999"));
+    let mut classic = Instance::new(body_set(), InstanceOptions::classic(Rule::MostDisplaced)).unwrap();
+    assert!(matches!(classic.set_threshold(1, Measure::Energy(0), 1.0), Err(Error::WrongRule { .. })));
+    assert!(matches!(classic.set_threshold(1, Measure::Mean(1), 1.0), Err(Error::WrongRule { .. })));
+    classic.set_threshold(1, Measure::Deepest(0), 0.001).unwrap();
+    classic.submit(&dent(5, 0.03)).unwrap();
+    assert_eq!(numbers(&mut classic), [1]);
+}
+
+/// A pose that moves one part as a whole is a skin with one joint for it, which takes hits to the door's place at rest.
+#[test]
+fn quick_a_hit_on_an_opened_door_lands_on_the_door() {
+    let set = body_set();
+    let hinge = Vec3::from(piece(5).positions[0]);
+    let opened = Mat4::from_translation(hinge) * Mat4::from_rotation_y(-1.2) * Mat4::from_translation(-hinge);
+    let place = Mat4::from_translation(Vec3::new(3.0, 0.0, 1.0));
+    let vertices = set.vertex_count() as u32;
+    let joints: Vec<[u16; 4]> = (0..vertices).map(|v| [u16::from(part_of(v) == 6), 0, 0, 0]).collect();
+    let weights = vec![[1.0, 0.0, 0.0, 0.0]; joints.len()];
+    let skin = Skin { joints: &joints, weights: &weights, matrices: &[Mat4::IDENTITY, opened] };
+    let (mut shut, mut open) = (new(), new());
+    open.set_transform(place).unwrap();
+    let rest = dent(6, 0.03);
+    let Cause::Displacement(displacement) = rest.cause else { panic!("a displacement") };
+    let in_world = place * opened;
+    let point = in_world.transform_point3(rest.point.into()).to_array();
+    let displacement = in_world.transform_vector3(displacement.into()).to_array();
+    let hit = Hit { space: Space::World, ..Hit::displacement(point, displacement) };
+    let told = open.submit(&open.inbox().to_bind_pose(&skin, &hit).unwrap()).unwrap();
+    let expected = shut.submit(&rest).unwrap();
+    assert_eq!((told.contact_vertex, part_of(told.contact_vertex)), (expected.contact_vertex, 6));
+    let (there, here) = (open.measure(6).unwrap().deepest, shut.measure(6).unwrap().deepest);
+    assert!((there - here).abs() < 1e-5, "{there} {here}");
+}
+
+/// Limits and stiffness of vertices are those of the parts that they are in.
+#[test]
+fn quick_a_part_has_a_limit_and_a_stiffness_of_its_own() {
+    let set = body_set();
+    let of = |value: f32, part: usize, other: f32| {
+        (0..set.vertex_count() as u32).map(|v| if part_of(v) == part { value } else { other }).collect()
+    };
+    let mesh = MeshData {
+        positions: set.mesh().positions().iter().map(|p| p.to_array()).collect(),
+        triangles: set.mesh().triangles().to_vec(),
+        depth_limits: Some(of(0.01, 5, 1.0)),
+        stiffness: Some(of(0.5, 9, 0.0)),
+        ..MeshData::default()
+    };
+    let with_normals = MeshData { normals: Some(vec![[0.0, 0.0, 1.0]; mesh.positions.len()]), ..mesh.clone() };
+    let mut limited = ExampleSet::build(mesh, bowls(&with_normals, 5, 0.3, 3), SetOptions::default(), &Serial).unwrap();
+    for n in 0..PARTS {
+        limited.add_lod(piece(n), &Serial).unwrap();
+    }
+    let (mut limited, mut free) = (scenes::new(&Arc::new(limited)), new());
+    for part in [1, 5, 9] {
+        let hit = dent(part, 0.03);
+        limited.submit(&hit).unwrap();
+        free.submit(&hit).unwrap();
+    }
+    let deepest = |body: &mut Instance, part| body.measure(part).unwrap().deepest;
+    assert_eq!(deepest(&mut limited, 1), deepest(&mut free, 1));
+    assert!(deepest(&mut limited, 5) <= 0.010001 && deepest(&mut free, 5) > 0.029);
+    assert!(deepest(&mut limited, 9) < 0.6 * deepest(&mut free, 9));
 }
 
 #[test]

@@ -1,4 +1,5 @@
-"""Makes the demo's bodies from solvers' meshes (numpy, scipy): drum.glb, hood.glb and the hood's hits, hood.json.
+"""Makes the demo's bodies from solvers' meshes (numpy, scipy): drum.glb, hood.glb, the hood's hits, hood.json, and engine.glb, a
+box under the hood that dents must not enter.
 
     python3 make_demo.py
 
@@ -231,5 +232,25 @@ def hood(count=12, hits=5):
     (HERE / "hood.json").write_text("[\n" + ",\n".join(lines) + "\n]\n")
 
 
+def engine(low, high):
+    """A closed box, m, y up."""
+    corners = [[(high if i >> k & 1 else low)[k] for k in range(3)] for i in range(8)]
+    sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
+    indices = [i for a, b, c, d in sides for i in (a, b, c, a, c, d)]
+    data = struct.pack("<24f", *sum(corners, [])) + struct.pack("<36H", *indices)
+    views = [dict(buffer=0, byteOffset=0, byteLength=96), dict(buffer=0, byteOffset=96, byteLength=72)]
+    positions = dict(bufferView=0, componentType=5126, count=8, type="VEC3", min=low, max=high)
+    triangles = dict(bufferView=1, componentType=5123, count=36, type="SCALAR")
+    primitive = dict(attributes=dict(POSITION=0), indices=1)
+    gltf = dict(asset=dict(version="2.0"), scene=0, scenes=[dict(nodes=[0])], nodes=[dict(name="engine", mesh=0)],
+                meshes=[dict(name="engine", primitives=[primitive])], accessors=[positions, triangles], bufferViews=views,
+                buffers=[dict(byteLength=len(data))])
+    text = json.dumps(gltf, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    chunks = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(data), b"BIN\0") + data
+    (HERE / "engine.glb").write_bytes(struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks)
+
+
 drum()
 hood()
+engine([-0.12, -0.2, -0.12], [0.22, 0.062, 0.14])

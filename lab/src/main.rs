@@ -20,6 +20,7 @@ mod street;
 mod table;
 mod timing;
 mod truth;
+mod vehicle;
 
 use std::path::PathBuf;
 
@@ -63,6 +64,8 @@ enum Part {
     Compiled(gpu::compiled::Options),
     /// 1000 dented bodies before a camera: levels of detail, tolerances, vertex budgets
     Scene(Options),
+    /// The frames of examples-c/vehicle.cpp as an animation
+    Vehicle(vehicle::Options),
 }
 
 /// What every part is told.
@@ -94,5 +97,6 @@ fn main() -> Result<()> {
         #[cfg(feature = "gpu")]
         Part::Compiled(options) => gpu::compiled::run(&options),
         Part::Scene(options) => street::run(&options),
+        Part::Vehicle(options) => vehicle::run(&options),
     }
 }

@@ -22,7 +22,7 @@ use crate::{Options, metric};
 // The renderer of the `crumple` command.
 #[allow(dead_code)]
 #[path = "../../src/bin/crumple/picture/mod.rs"]
-mod picture;
+pub mod picture;
 
 use picture::{Body, Camera, Finish, Image, Margins, View, legend, millimetres, photograph};
 

@@ -3,7 +3,7 @@
 //! Carried examples work on any mesh. Anchored examples belong to the base mesh: each vertex of another mesh is bound
 //! once to the nearest point of the base surface. It moves like that point, by linear interpolation.
 
-use crate::base::error::{Error, reserve};
+use crate::base::error::{Error, headroom, reserve};
 use crate::base::math::{rotation_between, unit};
 use crate::base::tasks::{TaskSystem, map};
 use crate::example::blocks::{DeltaBlocks, Steps};
@@ -41,6 +41,11 @@ impl ExampleSet {
         if lod >= MAX_MESHES {
             return Err(Error::invalid("the number of levels of detail", lod, &format!("at most {}", MAX_MESHES - 1)));
         }
+        // As much again for the base mesh's vertices, which are sorted by position.
+        let [vertices, base, triangles, examples] =
+            [mesh.positions.len(), self.vertex_count(), mesh.triangles.len(), self.examples().len()].map(|n| n as u64);
+        let bytes = (320 + 24 * examples) * vertices + 16 * base + 48 * triangles + (64 << 10);
+        headroom(usize::try_from(bytes).unwrap_or(usize::MAX), "a level of detail")?;
         let (mesh, _) = Mesh::new(mesh).map_err(|e| match e {
             Error::Mesh { what } => Error::Mesh { what: format!("level of detail {lod}: {what}") },
             other => other,
@@ -102,10 +107,14 @@ struct Bound {
     distance: f32,
 }
 
+/// At most as many equally near candidates are compared, so that the time does not grow with the square of the vertices where
+/// thousands lie at one place.
+const MOST: usize = 256;
+
 /// Binds every vertex. Also returns the greatest distance, m.
 fn bind(set: &ExampleSet, mesh: &Mesh, tasks: &dyn TaskSystem) -> Result<(Vec<Bound>, f32), Error> {
     let positions = mesh.positions();
-    let surface = set.surface();
+    let surface = set.surface()?;
     let mut copies: Vec<(u32, u32)> = set.mesh().weld().iter().copied().zip(0..).collect();
     copies.sort_unstable();
     let chunks = map(tasks, (0..positions.len()).step_by(CHUNK), |from| {
@@ -141,7 +150,7 @@ fn bind_one(
     if base.positions()[near.vertex as usize] == p || surface.is_empty() {
         let at = Corners::vertex(near.vertex);
         let from = copies.partition_point(|c| c.0 < near.vertex);
-        let here = copies[from..].iter().take_while(|c| c.0 == near.vertex).map(|c| Corners::vertex(c.1));
+        let here = copies[from..].iter().take_while(|c| c.0 == near.vertex).take(MOST).map(|c| Corners::vertex(c.1));
         return Ok(Bound { at, facing: here.fold(at, best), distance: near.distance });
     }
     let mut nearest: Vec<(f32, &IndexedTriangle)> = Vec::new();
@@ -151,6 +160,9 @@ fn bind_one(
             break;
         }
         nearest.push((d, t));
+        if nearest.len() == MOST {
+            break;
+        }
     }
     nearest.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.vertices.cmp(&b.1.vertices)));
     let corners = |t: &IndexedTriangle| Corners { vertices: t.vertices, weights: closest(t.corners(), p) };

@@ -1,6 +1,7 @@
 //! Strided arrays in the caller's memory. Offsets, strides and sizes are checked only here.
 
 use super::error::Error;
+use std::fmt;
 use std::ops::Range;
 
 /// `count` elements of `element` bytes each. The first is at `first`; each next one is `stride` bytes further.
@@ -15,24 +16,28 @@ pub(crate) struct Strided {
 
 impl Strided {
     /// Fails if `value` is not a multiple of `align` bytes. The error calls it `name`.
-    pub(crate) fn check_aligned(name: String, value: u64, align: u64) -> Result<(), Error> {
-        if value.is_multiple_of(align) { Ok(()) } else { Err(Error::Misaligned { name, value, align }) }
+    pub(crate) fn check_aligned(name: impl fmt::Display, value: u64, align: u64) -> Result<(), Error> {
+        if value.is_multiple_of(align) {
+            Ok(())
+        } else {
+            Err(Error::Misaligned { name: name.to_string(), value, align })
+        }
     }
 
     /// Fails if consecutive elements overlap.
-    pub(crate) fn check_stride(&self, name: &str) -> Result<(), Error> {
+    pub(crate) fn check_stride(&self, name: impl fmt::Display) -> Result<(), Error> {
         if self.stride >= self.element {
             return Ok(());
         }
         let zero = if self.stride == 0 { "; 0 never means tightly packed" } else { "" };
         let expected = format!("at least the {} bytes of an element{zero}", self.element);
-        Err(Error::invalid(name, format!("{} bytes", self.stride), &expected))
+        Err(Error::invalid(&name.to_string(), format!("{} bytes", self.stride), &expected))
     }
 
     /// Fails if the elements do not fit into bytes `0..size`.
-    pub(crate) fn check_size(&self, name: &str, size: u64) -> Result<(), Error> {
+    pub(crate) fn check_size(&self, name: impl fmt::Display, size: u64) -> Result<(), Error> {
         let needed = self.span().end;
-        if needed <= size { Ok(()) } else { Err(Error::BufferTooSmall { name: name.into(), size, needed }) }
+        if needed <= size { Ok(()) } else { Err(Error::BufferTooSmall { name: name.to_string(), size, needed }) }
     }
 
     /// The byte range from the first element to the end of the last. Saturates at `u64::MAX`.

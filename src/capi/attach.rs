@@ -6,7 +6,7 @@ use super::record_call::{Call, Number};
 use super::recorder::digest;
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleExampleSet, CrumpleInstance, CrumpleQuat, CrumpleVec3};
-use crate::instance::attach::Attachment;
+use crate::instance::attachment::Attachment;
 use bytemuck::{Pod, Zeroable};
 
 /// A point bound to the nearest surface. Plain data: you may copy or save it. It works with every instance of its set.
@@ -61,18 +61,13 @@ pub unsafe extern "C" fn crumple_instance_get_attached_frame(
     out_frame: *mut CrumpleFrame,
 ) -> CrumpleResult {
     recorded("crumple_instance_get_attached_frame", context, |_, state, log| {
-        let (attachment, out) = (read(attachment, "attachment")?, Out::new(out_frame, "out_frame")?);
-        let CrumpleAttachment { vertices, weights, point, .. } = attachment;
-        let point = point.array();
+        let (given, out) = (read(attachment, "attachment")?, Out::new(out_frame, "out_frame")?);
+        let (vertices, weights, point) = (given.vertices, given.weights, given.point.array());
         log.call(|| Call::AttachedFrame { instance: Number::of(instance), vertices, weights, point });
-        let instance = &mut state.instances.get_mut(instance, "instance")?.instance;
-        let sum: f32 = finite(weights, "attachment.weights")?.iter().sum();
-        if (sum - 1.0).abs() > 1e-3 {
-            let made_by = "take attachments from crumple_example_set_attach_point()";
-            return Err(Failure::invalid(format!("attachment.weights sum to {sum}; they must sum to 1: {made_by}")));
-        }
+        let instance = state.instances.get_mut(instance, "instance")?.folding(0)?;
+        let attachment = self::attachment(given, "attachment")?;
         instance.fold();
-        let frame = instance.attached_frame(&Attachment { vertices, weights, point })?;
+        let frame = instance.attached_frame(&attachment)?;
         let [x, y, z, w] = frame.rotation;
         let rotation = CrumpleQuat { x, y, z, w };
         let frame = CrumpleFrame { position: frame.position.into(), rotation, reserved: [0; 5] };
@@ -80,6 +75,17 @@ pub unsafe extern "C" fn crumple_instance_get_attached_frame(
         out.write(frame);
         Ok(())
     })
+}
+
+/// Checks what the library's own attachments have.
+pub(super) fn attachment(given: CrumpleAttachment, name: &str) -> Result<Attachment, Failure> {
+    let CrumpleAttachment { vertices, weights, point, .. } = given;
+    let sum: f32 = finite(weights, &format!("{name}.weights"))?.iter().sum();
+    if (sum - 1.0).abs() > 1e-3 {
+        let made_by = "take attachments from crumple_example_set_attach_point()";
+        return Err(Failure::invalid(format!("{name}.weights sum to {sum}; they must sum to 1: {made_by}")));
+    }
+    Ok(Attachment { vertices, weights, point: point.array() })
 }
 
 /// A number that stands for a frame.

@@ -1,7 +1,7 @@
 //! Buffers: memory of the host that deformed vertices are written to.
 
 use super::check::{Out, def, zeroed};
-use super::context::{CrumpleContext, recorded};
+use super::context::{CrumpleContext, lean_recorded, recorded};
 use super::host_memory::{CrumpleHostBufferDef, HostMemory};
 use super::record_call::{Call, Number};
 use super::recorder::Log;
@@ -60,7 +60,7 @@ pub unsafe extern "C" fn crumple_buffer_unregister(
     context: *mut CrumpleContext,
     buffer: CrumpleBuffer,
 ) -> CrumpleResult {
-    recorded("crumple_buffer_unregister", context, |_, state, log| {
+    lean_recorded("crumple_buffer_unregister", context, |_, state, log| {
         log.call(|| Call::UnregisterBuffer { buffer: Number::of(buffer) });
         let owner = state.remove_buffer(buffer)?;
         state.instances.get_mut(owner, "instance")?.buffers.retain(|b| *b != buffer);
@@ -74,7 +74,7 @@ pub unsafe extern "C" fn crumple_buffer_invalidate(
     context: *mut CrumpleContext,
     buffer: CrumpleBuffer,
 ) -> CrumpleResult {
-    recorded("crumple_buffer_invalidate", context, |_, state, log| {
+    lean_recorded("crumple_buffer_invalidate", context, |_, state, log| {
         log.call(|| Call::InvalidateBuffer { buffer: Number::of(buffer) });
         state.buffers.get_mut(buffer, "buffer")?.invalidate();
         Ok(())
@@ -82,8 +82,8 @@ pub unsafe extern "C" fn crumple_buffer_invalidate(
 }
 
 /// Gives a host buffer other memory, perhaps for another level of detail, and invalidates it. After an error the buffer
-/// keeps its memory. Errors: those of crumple_buffer_register_host(), and CRUMPLE_ERROR_INVALID_ARGUMENT (a Vulkan
-/// buffer).
+/// keeps its memory. Errors: those of crumple_buffer_register_host(), and CRUMPLE_ERROR_INVALID_ARGUMENT (not a
+/// host buffer).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_buffer_set_memory(
     context: *mut CrumpleContext,
@@ -94,7 +94,9 @@ pub unsafe extern "C" fn crumple_buffer_set_memory(
         let def = self::def(def, "def")?;
         let entry = state.buffers.get_mut(buffer, "buffer")?;
         let Memory::Host(memory, tracker) = &mut entry.memory else {
-            return Err(Failure::invalid("buffer is a Vulkan buffer; register another one with the new VkBuffer"));
+            return Err(Failure::invalid(
+                "buffer is not a host buffer; register another one with the new vertex buffer",
+            ));
         };
         *memory = HostMemory::new(&def, &state.instances.get(entry.owner, "instance")?.instance)?;
         let [normals, tangents, wear] = memory.written();

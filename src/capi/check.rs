@@ -23,7 +23,7 @@ pub(super) fn boolean(value: MaybeUninit<bool>) -> bool {
 }
 
 /// Checks that a pointer may be read or written as a `T`.
-fn usable<T>(pointer: *const T, name: &str) -> Result<(), Failure> {
+pub(super) fn usable<T>(pointer: *const T, name: &str) -> Result<(), Failure> {
     if pointer.is_null() {
         return Err(Failure::null(name));
     }

@@ -6,10 +6,10 @@ use super::ids::Slots;
 use super::record_call::Call;
 use super::recorder::{HitLog, Log, Recorder};
 use super::result::{CrumpleResult, Failure};
-use super::store::State;
+use super::store::{CALL, State};
 use super::tasks::{CrumpleTaskSystem, HostTasks};
 use super::types::CrumpleInstance;
-use crate::base::error::Error;
+use crate::base::error::{Error, headroom};
 use crate::base::tasks::{TaskSystem, ThreadPool};
 use crate::instance::inbox::Inbox;
 use crate::select::hit::{Hit, Outcome};
@@ -77,6 +77,9 @@ struct Contexts {
 /// Keeps context pointers looking like pointers: never small, always aligned.
 const STEP: usize = 64;
 
+/// A bound of what one hit allocates while a recording runs, bytes.
+const HIT: usize = 1 << 10;
+
 fn find(context: *const CrumpleContext) -> Result<Arc<Context>, Failure> {
     if context.is_null() {
         return Err(Failure::new(CrumpleResult::CrumpleErrorNullPointer, "context is null"));
@@ -139,6 +142,7 @@ impl Context {
             }
             let to = inboxes.get(instance, "instance")?;
             let Some(mut log) = log else { return Ok(bring(to)?) };
+            headroom(HIT, "a recorded hit")?;
             log.call(call());
             let given = bring(to).map_err(Failure::from);
             let trouble = match &given {
@@ -175,6 +179,7 @@ impl Context {
             if log.is_none() && self.recorder.is_on() {
                 continue; // it began just now
             }
+            headroom(hits.len().saturating_mul(HIT), "the hits")?;
             let prepare = |(i, (instance, hit)): (usize, &(CrumpleInstance, Hit))| {
                 let inbox = &inboxes.get(*instance, &format!("instances[{i}]"))?.inbox;
                 Ok((inbox, inbox.prepare(hit).map_err(|error| Failure::from(error).of_hit(i))?))
@@ -216,8 +221,20 @@ pub(super) fn look_into<T>(
     look(&state)
 }
 
-/// Runs an entry point that needs the context for itself.
+/// Runs an entry point that needs the context for itself, if there is memory for a call.
 pub(super) fn exclusive(
+    call: &'static str,
+    context: *const CrumpleContext,
+    body: impl FnOnce(&Context, &mut State) -> Result<(), Failure>,
+) -> CrumpleResult {
+    lean(call, context, |context, state| {
+        headroom(CALL, "the call")?;
+        body(context, state)
+    })
+}
+
+/// The same for one that frees memory, or that runs every frame and does not allocate unless something changed.
+pub(super) fn lean(
     call: &'static str,
     context: *const CrumpleContext,
     body: impl FnOnce(&Context, &mut State) -> Result<(), Failure>,
@@ -229,20 +246,41 @@ pub(super) fn exclusive(
     })
 }
 
-/// The same for one that a recording holds: which says so once its arguments are read, and what it gave.
+/// As [`exclusive`], for one that a recording holds: which says so once its arguments are read, and what it gave.
 pub(super) fn recorded(
     call: &'static str,
     context: *const CrumpleContext,
     body: impl FnOnce(&Context, &mut State, &mut Log<'_>) -> Result<(), Failure>,
 ) -> CrumpleResult {
-    exclusive(call, context, |context, state| {
+    exclusive(call, context, logged(call, body))
+}
+
+/// As [`lean`], for one that a recording holds.
+pub(super) fn lean_recorded(
+    call: &'static str,
+    context: *const CrumpleContext,
+    body: impl FnOnce(&Context, &mut State, &mut Log<'_>) -> Result<(), Failure>,
+) -> CrumpleResult {
+    lean(call, context, |context, state| {
+        if context.recorder.is_on() {
+            headroom(CALL, "the recording")?;
+        }
+        logged(call, body)(context, state)
+    })
+}
+
+fn logged(
+    call: &'static str,
+    body: impl FnOnce(&Context, &mut State, &mut Log<'_>) -> Result<(), Failure>,
+) -> impl FnOnce(&Context, &mut State) -> Result<(), Failure> {
+    move |context, state| {
         let mut log = context.recorder.log();
         let result = body(context, state, &mut log);
         if let Some(trouble) = log.ended(call, &result) {
             context.log(CrumpleLogLevel::Warning, &trouble);
         }
         result
-    })
+    }
 }
 
 /// Runs an entry point that any number of threads may be inside at once.
@@ -284,6 +322,7 @@ pub unsafe extern "C" fn crumple_context_create(
 ) -> CrumpleResult {
     boundary("crumple_context_create", || {
         let (def, out) = (self::def(def, "def")?, Out::new(out_context, "out_context")?);
+        headroom(CALL, "a context")?;
         #[cfg(windows)]
         stay_loaded();
         let tasks: Box<dyn TaskSystem + Send + Sync> = match def.tasks.parallel_for {

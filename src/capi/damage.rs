@@ -1,12 +1,13 @@
 //! Damage: read, replaced, saved, repaired, copied.
 
 use super::check::{Out, array, finite, write_array};
-use super::context::{CrumpleContext, recorded};
+use super::context::{CrumpleContext, lean_recorded, recorded};
 use super::record_call::{Bytes, Call, Number};
 use super::recorder::digest;
 use super::result::{CrumpleResult, Failure};
-use super::store::State;
+use super::store::{MARK, State};
 use super::types::{CrumpleInstance, CrumpleVec3};
+use crate::base::error::{headroom, reserve};
 use crate::damage::mark::Mark;
 use crate::instance::archive::{of, pack, unpack};
 use std::ffi::c_void;
@@ -24,7 +25,7 @@ pub unsafe extern "C" fn crumple_instance_get_marks(
     recorded("crumple_instance_get_marks", context, |_, state, log| {
         let out = Out::new(out_count, "out_count")?;
         log.call(|| Call::GetMarks { instance: Number::of(instance) });
-        let found = state.instances.get_mut(instance, "instance")?.instance.marks()?;
+        let found = state.instances.get_mut(instance, "instance")?.folding(0)?.marks()?;
         write_array(found, marks, capacity as usize, "marks", out)?;
         log.gave(|| digest(bytemuck::cast_slice(found)));
         Ok(())
@@ -44,7 +45,7 @@ pub unsafe extern "C" fn crumple_instance_set_marks(
         let marks = array(marks, count as usize, "marks")?;
         let bytes = || Bytes(bytemuck::cast_slice(marks).to_vec());
         log.call(|| Call::SetMarks { instance: Number::of(instance), marks: bytes() });
-        Ok(state.instances.get_mut(instance, "instance")?.instance.set_marks(marks)?)
+        Ok(state.instances.get_mut(instance, "instance")?.folding(marks.len())?.set_marks(marks)?)
     })
 }
 
@@ -61,7 +62,7 @@ pub unsafe extern "C" fn crumple_instance_save_damage(
     recorded("crumple_instance_save_damage", context, |_, state, log| {
         let out = Out::new(out_size, "out_size")?;
         log.call(|| Call::SaveDamage { instance: Number::of(instance) });
-        let bytes = state.instances.get_mut(instance, "instance")?.instance.save();
+        let bytes = state.instances.get_mut(instance, "instance")?.folding(0)?.save();
         write_array(&bytes, data.cast::<u8>(), capacity, "data", out)?;
         log.gave(|| digest(&bytes));
         Ok(())
@@ -85,7 +86,7 @@ pub unsafe extern "C" fn crumple_instance_save_changes(
     recorded("crumple_instance_save_changes", context, |_, state, log| {
         let out = Out::new(out_size, "out_size")?;
         log.call(|| Call::SaveChanges { instance: Number::of(instance), since });
-        let bytes = state.instances.get_mut(instance, "instance")?.instance.save_changes(since)?;
+        let bytes = state.instances.get_mut(instance, "instance")?.folding(0)?.save_changes(since)?;
         write_array(&bytes, data.cast::<u8>(), capacity, "data", out)
     })
 }
@@ -104,7 +105,7 @@ pub unsafe extern "C" fn crumple_instance_load_damage(
     recorded("crumple_instance_load_damage", context, |_, state, log| {
         let bytes = array(data.cast::<u8>(), size, "data")?;
         log.call(|| Call::LoadDamage { instance: Number::of(instance), bytes: Bytes(bytes.to_vec()) });
-        Ok(state.instances.get_mut(instance, "instance")?.instance.load(bytes)?)
+        Ok(state.instances.get_mut(instance, "instance")?.folding(marks_in(bytes))?.load(bytes)?)
     })
 }
 
@@ -123,9 +124,9 @@ pub unsafe extern "C" fn crumple_context_save_damage(
         let out = Out::new(out_size, "out_size")?;
         let ids = listed(state, instances, count)?;
         log.call(|| Call::SaveAll { instances: ids.iter().map(|id| Number::of(*id)).collect() });
-        let mut each = Vec::with_capacity(ids.len());
+        let mut each = reserve(ids.len(), "the instances")?;
         for (i, id) in ids.into_iter().enumerate() {
-            each.push(state.instances.get_mut(id, &format!("instances[{i}]"))?.instance.save());
+            each.push(state.instances.get_mut(id, &format!("instances[{i}]"))?.folding(0)?.save());
         }
         let bytes = pack(each.into_iter());
         write_array(&bytes, data.cast::<u8>(), capacity, "data", out)?;
@@ -150,6 +151,8 @@ pub unsafe extern "C" fn crumple_context_load_damage(
         let ids = listed(state, instances, count)?;
         let numbers = || ids.iter().map(|id| Number::of(*id)).collect();
         log.call(|| Call::LoadAll { instances: numbers(), bytes: Bytes(bytes.to_vec()) });
+        // Everything that the saved bytes can become.
+        headroom(marks_in(bytes).saturating_mul(MARK), "the damage")?;
         let mut read = Vec::with_capacity(ids.len());
         for (i, (id, bytes)) in ids.iter().zip(unpack(bytes, ids.len())?).enumerate() {
             let instance = &state.instances.get(*id, &format!("instances[{i}]"))?.instance;
@@ -163,6 +166,11 @@ pub unsafe extern "C" fn crumple_context_load_damage(
 }
 
 /// The instances that a call names: those given, or all.
+/// As many marks as saved damage can have.
+fn marks_in(bytes: &[u8]) -> usize {
+    bytes.len() / size_of::<Mark>()
+}
+
 unsafe fn listed(
     state: &State,
     instances: *const CrumpleInstance,
@@ -186,7 +194,7 @@ pub unsafe extern "C" fn crumple_instance_repair_damage(
     recorded("crumple_instance_repair_damage", context, |_, state, log| {
         let [keep] = finite([keep], "keep")?;
         log.call(|| Call::RepairDamage { instance: Number::of(instance), keep });
-        Ok(state.instances.get_mut(instance, "instance")?.instance.repair(keep)?)
+        Ok(state.instances.get_mut(instance, "instance")?.folding(1)?.repair(keep)?)
     })
 }
 
@@ -207,7 +215,7 @@ pub unsafe extern "C" fn crumple_instance_repair_around(
         finite([radius], "radius")?;
         finite([keep], "keep")?;
         log.call(|| Call::RepairAround { instance: Number::of(instance), point, radius, keep });
-        Ok(state.instances.get_mut(instance, "instance")?.instance.repair_around(point, radius, keep)?)
+        Ok(state.instances.get_mut(instance, "instance")?.folding(1)?.repair_around(point, radius, keep)?)
     })
 }
 
@@ -217,7 +225,7 @@ pub unsafe extern "C" fn crumple_instance_reset_damage(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
 ) -> CrumpleResult {
-    recorded("crumple_instance_reset_damage", context, |_, state, log| {
+    lean_recorded("crumple_instance_reset_damage", context, |_, state, log| {
         log.call(|| Call::ResetDamage { instance: Number::of(instance) });
         state.instances.get_mut(instance, "instance")?.instance.reset();
         Ok(())
@@ -236,10 +244,10 @@ pub unsafe extern "C" fn crumple_instance_copy_damage(
     recorded("crumple_instance_copy_damage", context, |_, state, log| -> Result<(), Failure> {
         log.call(|| Call::CopyDamage { instance: Number::of(instance), source: Number::of(source) });
         state.instances.get(instance, "instance")?;
-        let bytes = state.instances.get_mut(source, "source")?.instance.save();
+        let bytes = state.instances.get_mut(source, "source")?.folding(0)?.save();
         if instance == source {
             return Ok(());
         }
-        Ok(state.instances.get_mut(instance, "instance")?.instance.load(&bytes)?)
+        Ok(state.instances.get_mut(instance, "instance")?.folding(marks_in(&bytes))?.load(&bytes)?)
     })
 }

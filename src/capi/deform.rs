@@ -1,9 +1,10 @@
 //! Deformation: marks become vertices.
 
 use super::check::{Out, array, write_array};
-use super::context::{CrumpleContext, exclusive, recorded};
+use super::context::{CrumpleContext, lean, lean_recorded, recorded};
 use super::host_memory::HostMemory;
 use super::ids::Slots;
+use super::job_lists::recycled;
 use super::record_call::{Call, Number};
 use super::result::{CrumpleResult, Failure};
 use super::store::{BufferEntry, InstanceEntry, Memory, State};
@@ -30,11 +31,12 @@ pub struct CrumpleDeformReport {
     pub reserved: [u64; 3],
 }
 
-/// Limits how many vertices one crumple_context_deform(), crumple_vulkan_record() or crumple_vulkan_submit() writes, for
-/// frames with more hits than time. 0, as at first: no limit. A buffer is written whole or not at all. The buffers whose
-/// waiting would be seen most come first, by the vertices to write, the calls that they have waited, and how near they
-/// are as their tolerances tell; see crumple_instance_set_view(). The others follow in later calls, with the same
-/// vertices. A buffer that does not show its instance yet never waits, and every call writes at least one buffer.
+/// Limits how many vertices one crumple_context_deform(), crumple_vulkan_record(), ..._submit() or crumple_graph_plan()
+/// writes, for frames with more hits than time. 0, as at first: no limit. A buffer is written whole or not at all. The
+/// buffers whose waiting would be seen most come first, by the vertices to write, the calls that they have waited, and
+/// how near they are as their tolerances tell; see crumple_instance_set_view(). The others follow in later calls, with
+/// the same vertices. A buffer that does not show its instance yet never waits, and every call writes at least one
+/// buffer.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_set_vertex_budget(
     context: *mut CrumpleContext,
@@ -51,8 +53,8 @@ pub unsafe extern "C" fn crumple_context_set_vertex_budget(
 /// count 0. It writes only what changed since the last write of each buffer, in parallel over all of them, and is cheap
 /// without changes. With null and 0 it also applies the pending hits of instances without a buffer, so that damage does
 /// not depend on which bodies are visible. Nobody else may read or write the memory during the call. out_report may be
-/// null. CRUMPLE_ERROR_INVALID_ARGUMENT (no vertex was written): a buffer twice, a Vulkan buffer, or overlapping memory
-/// in debug builds.
+/// null. CRUMPLE_ERROR_INVALID_ARGUMENT (no vertex was written): a buffer twice, not a host buffer, or overlapping
+/// memory in debug builds.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_deform(
     context: *mut CrumpleContext,
@@ -60,17 +62,14 @@ pub unsafe extern "C" fn crumple_context_deform(
     count: u32,
     out_report: *mut CrumpleDeformReport,
 ) -> CrumpleResult {
-    recorded("crumple_context_deform", context, |context, state, log| {
+    lean_recorded("crumple_context_deform", context, |context, state, log| {
         let (out, given) = (Out::optional(out_report, "out_report")?, array(buffers, count as usize, "buffers")?);
         let budget = state.vertex_budget();
-        let State { instances, buffers: entries, .. } = state;
+        let State { instances, buffers: entries, jobs: kept, .. } = state;
         let mut sorted = Vec::new();
-        let chosen = Chosen::new(buffers, given, &mut sorted, |id, name| match entries.get(id, name)?.memory {
-            Memory::Host(..) => Ok(()),
-            #[cfg(feature = "vulkan")]
-            Memory::Vulkan(_) => {
-                Err(Failure::invalid(format!("{name} is a Vulkan buffer; crumple_vulkan_record() writes those")))
-            }
+        let chosen = Chosen::new(buffers, given, &mut sorted, |id, name| {
+            let memory = &entries.get(id, name)?.memory;
+            if matches!(memory, Memory::Host(..)) { Ok(()) } else { Err(memory.written_elsewhere(name)) }
         })?;
         let of_host =
             |(id, entry): &(CrumpleBuffer, &BufferEntry)| chosen.names(*id) && matches!(entry.memory, Memory::Host(..));
@@ -81,7 +80,8 @@ pub unsafe extern "C" fn crumple_context_deform(
         log.call(|| Call::Deform { all: chosen.all, buffers: numbers() });
         chosen.fold(instances, entries.iter::<CrumpleBuffer>().filter(of_host))?;
         log.open();
-        let mut jobs = reserve(chosen.most(entries.len()), "deform jobs")?;
+        let mut jobs = recycled(std::mem::take(kept));
+        jobs.try_reserve(chosen.most(entries.len())).map_err(|_| Failure::out_of_memory("the list of jobs"))?;
         for (_, entry) in entries.iter_mut::<CrumpleBuffer>().filter(|(id, _)| chosen.names(*id)) {
             let Memory::Host(memory, tracker) = &mut entry.memory else { continue };
             jobs.push(DeformJob {
@@ -91,7 +91,9 @@ pub unsafe extern "C" fn crumple_context_deform(
                 memory: memory.vertices()?,
             });
         }
-        let report = deform_within(&mut jobs, budget, &Quiet(context.tasks()))?;
+        let report = deform_within(&mut jobs, budget, &Quiet(context.tasks()));
+        *kept = recycled(jobs);
+        let report = report?;
         for (id, entry) in entries.iter_mut::<CrumpleBuffer>() {
             if matches!(entry.memory, Memory::Host(..)) {
                 entry.included = chosen.names(id);
@@ -165,11 +167,10 @@ impl<'a> Chosen<'a> {
         named: impl Iterator<Item = (CrumpleBuffer, &'b BufferEntry)>,
     ) -> Result<(), Failure> {
         if self.all {
-            fold_all(instances);
-            return Ok(());
+            return fold_all(instances);
         }
         for (_, entry) in named {
-            instances.get_mut(entry.owner, "instance")?.instance.fold();
+            instances.get_mut(entry.owner, "instance")?.folding(0)?.fold();
         }
         Ok(())
     }
@@ -186,17 +187,19 @@ impl<'a> Chosen<'a> {
 }
 
 /// Turns the waiting hits of every instance into damage.
-pub(super) fn fold_all(instances: &mut Slots<InstanceEntry>) {
-    instances.iter_mut::<CrumpleInstance>().for_each(|(_, entry)| entry.instance.fold());
+pub(super) fn fold_all(instances: &mut Slots<InstanceEntry>) -> Result<(), Failure> {
+    instances.iter_mut::<CrumpleInstance>().try_for_each(|(_, entry)| {
+        entry.folding(0)?.fold();
+        Ok(())
+    })
 }
 
 /// Refuses buffers that share memory.
 fn apart<'a>(entries: impl Iterator<Item = (CrumpleBuffer, &'a BufferEntry)>) -> Result<(), Failure> {
-    let hosts = entries.filter_map(|(id, entry)| match &entry.memory {
-        Memory::Host(memory, _) => Some((id, memory)),
-        #[cfg(feature = "vulkan")]
-        Memory::Vulkan(_) => None,
-    });
+    let of_host = |(id, entry): (CrumpleBuffer, &'a BufferEntry)| {
+        if let Memory::Host(memory, _) = &entry.memory { Some((id, memory)) } else { None }
+    };
+    let hosts = entries.filter_map(of_host);
     let streams = |(id, memory): (CrumpleBuffer, &'a HostMemory)| memory.streams().map(move |s| (s.layout, id.index));
     let mut layouts: Vec<_> = hosts.flat_map(streams).collect();
     layouts.sort_unstable_by_key(|(layout, _)| layout.first);
@@ -221,7 +224,7 @@ pub unsafe extern "C" fn crumple_context_get_changed_buffers(
     capacity: u32,
     out_count: *mut u32,
 ) -> CrumpleResult {
-    exclusive("crumple_context_get_changed_buffers", context, |_, state| {
+    lean("crumple_context_get_changed_buffers", context, |_, state| {
         let out = Out::new(out_count, "out_count")?;
         let changed = |entry: &BufferEntry| entry.included && !entry.changed().is_empty();
         let found: Vec<_> = state.buffers.iter().filter(|(_, entry)| changed(entry)).map(|(id, _)| id).collect();
@@ -231,7 +234,7 @@ pub unsafe extern "C" fn crumple_context_get_changed_buffers(
 
 /// Returns the vertices written by the last deform or recording that included the buffer, by id or with null and 0.
 /// They are increasing ranges that do not overlap. Also returns the bounds of all its vertices, m, which may be too
-/// large for a Vulkan buffer. Use them for uploads, refits and culling. ranges has room for capacity ranges; see
+/// large for a buffer on a device. Use them for uploads, refits and culling. ranges has room for capacity ranges; see
 /// "Arrays" at the top. out_bounds may be null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_buffer_get_changes(
@@ -242,7 +245,7 @@ pub unsafe extern "C" fn crumple_buffer_get_changes(
     out_count: *mut u32,
     out_bounds: *mut CrumpleAabb,
 ) -> CrumpleResult {
-    exclusive("crumple_buffer_get_changes", context, |_, state| {
+    lean("crumple_buffer_get_changes", context, |_, state| {
         let outs = (Out::new(out_count, "out_count")?, Out::optional(out_bounds, "out_bounds")?);
         let entry = state.buffers.get(buffer, "buffer")?;
         let changed = entry.changed();
@@ -255,6 +258,41 @@ pub unsafe extern "C" fn crumple_buffer_get_changes(
         let bounds = entry.bounds().map_or_else(at_rest, Ok)?;
         write_array(&found, ranges, capacity as usize, "ranges", outs.0)?;
         outs.1.write(bounds.into());
+        Ok(())
+    })
+}
+
+/// Returns the triangles with a vertex that crumple_buffer_get_changes() returns, in the order of the indices of the
+/// buffer's mesh, as increasing ranges that do not overlap. out_bounds receives a box around those vertices as they were
+/// before and as they are now, m, for the partial refit of a collider; zeros without changes. It may be null. ranges has
+/// room for capacity ranges; see "Arrays" at the top. The time is linear in the triangles. Errors:
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (not a host buffer), CRUMPLE_ERROR_MESH (a mesh without indices).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_buffer_get_changed_triangles(
+    context: *mut CrumpleContext,
+    buffer: CrumpleBuffer,
+    ranges: *mut CrumpleRange,
+    capacity: u32,
+    out_count: *mut u32,
+    out_bounds: *mut CrumpleAabb,
+) -> CrumpleResult {
+    lean("crumple_buffer_get_changed_triangles", context, |_, state| {
+        let outs = (Out::new(out_count, "out_count")?, Out::optional(out_bounds, "out_bounds")?);
+        let entry = state.buffers.get(buffer, "buffer")?;
+        let Memory::Host(_, tracker) = &entry.memory else {
+            let what = "buffer is not a host buffer; register one of the collider's level of detail";
+            return Err(Failure::invalid(what));
+        };
+        let set = state.instances.get(entry.owner, "instance")?.instance.example_set();
+        let triangles = set.lod_mesh(entry.lod)?.triangles();
+        if triangles.is_empty() {
+            let what = format!("the mesh of level of detail {} has no triangles; give it indices", entry.lod);
+            return Err(Failure::new(CrumpleResult::CrumpleErrorMesh, what));
+        }
+        let found = tracker.changed_triangles(triangles);
+        let found: Vec<_> = found.iter().map(|r| CrumpleRange { first: r.start, count: r.end - r.start }).collect();
+        write_array(&found, ranges, capacity as usize, "ranges", outs.0)?;
+        outs.1.write(tracker.changed_bounds().map_or_else(CrumpleAabb::default, CrumpleAabb::from));
         Ok(())
     })
 }

@@ -1,19 +1,19 @@
 //! What a context keeps of the host's Vulkan device and buffers.
 
-use super::check::{boolean, enumerator};
+use super::check::{boolean, enumerator, finite};
+use super::job_lists::JobLists;
 use super::result::{CrumpleResult, Failure};
-use super::types::CrumpleBuffer;
 use super::vulkan_types::{
     CrumpleHandleType, CrumpleVulkanAttachDef, CrumpleVulkanBufferDef, CrumpleVulkanFunction, CrumpleVulkanImportDef,
     CrumpleVulkanOpenDef, CrumpleVulkanStream,
 };
 use crate::base::math::Aabb;
+use crate::gpu::TargetDef;
 use crate::instance::Instance;
 use crate::instance::options::Rule;
 use crate::vulkan::vk::{self, Handle};
 use crate::vulkan::{
-    Access, BufferDef, BufferId, Device, DeviceDef, ImportDef, OwnDevice, OwnDeviceDef, RecordJob, Shared, Stream,
-    Target, TargetDef,
+    Access, BufferDef, BufferId, Device, DeviceDef, ImportDef, OwnDevice, OwnDeviceDef, Shared, Stream, Target,
 };
 use std::collections::HashMap;
 use std::ops::Range;
@@ -23,9 +23,7 @@ pub(super) struct Attached {
     pub(super) device: Kind,
     /// By handle.
     hosts: HashMap<u64, HostBuffer>,
-    /// The lists of a recording, kept between frames.
-    pub(super) chosen: Vec<CrumpleBuffer>,
-    pub(super) jobs: Vec<RecordJob<'static>>,
+    pub(super) lists: JobLists<Target>,
 }
 
 pub(super) enum Kind {
@@ -111,7 +109,7 @@ impl Attached {
     }
 
     fn with(device: Kind) -> Self {
-        Self { device, hosts: HashMap::new(), chosen: Vec::new(), jobs: Vec::new() }
+        Self { device, hosts: HashMap::new(), lists: JobLists::default() }
     }
 
     /// Fails while a frame is in flight that will not be waited for.
@@ -142,10 +140,8 @@ impl Attached {
         if def.lod > 0 && instance.options().rule != Rule::Marks {
             return Err(instance.needs_marks("a buffer of another level of detail than 0").into());
         }
-        let positions = stream(&def.positions, "positions")?
-            .ok_or_else(|| Failure::invalid("def.positions is absent (format 0); a buffer needs positions"))?;
-        let (normals, tangents) = (stream(&def.normals, "normals")?, stream(&def.tangents, "tangents")?);
-        let wear = stream(&def.wear, "wear")?;
+        // Checked before the buffer is added.
+        def.target(())?;
         let access = |stages, access| Access {
             stages: vk::PipelineStageFlags::from_raw(stages),
             access: vk::AccessFlags::from_raw(access),
@@ -170,18 +166,7 @@ impl Attached {
                 id
             }
         };
-        let target = TargetDef {
-            lod: def.lod as usize,
-            buffer: id,
-            offset: def.offset,
-            size: def.size,
-            positions,
-            normals,
-            tangents,
-            wear,
-            scale: def.scale.array(),
-            bias: def.bias.array(),
-        };
+        let target = def.target(id)?;
         let target = self.device.device().add_target(instance.example_set(), &target);
         let host = self.hosts.get_mut(&def.buffer).expect("it was found or inserted");
         host.ranges += usize::from(target.is_ok());
@@ -275,6 +260,28 @@ fn shared(kind: CrumpleHandleType, handle: i64) -> Shared {
         // What is no file descriptor becomes one that is refused.
         CrumpleHandleType::OpaqueFd => Shared::OpaqueFd(i32::try_from(handle).unwrap_or(-1)),
         CrumpleHandleType::OpaqueWin32 => Shared::OpaqueWin32(handle as isize),
+    }
+}
+
+impl CrumpleVulkanBufferDef {
+    /// Where the vertices lie in a buffer.
+    pub(super) fn target<B>(&self, buffer: B) -> Result<TargetDef<B, vk::Format>, Failure> {
+        finite(self.scale.array(), "def.scale")?;
+        finite(self.bias.array(), "def.bias")?;
+        let positions = stream(&self.positions, "positions")?
+            .ok_or_else(|| Failure::invalid("def.positions is absent (format 0); a buffer needs positions"))?;
+        Ok(TargetDef {
+            lod: self.lod as usize,
+            buffer,
+            offset: self.offset,
+            size: self.size,
+            positions,
+            normals: stream(&self.normals, "normals")?,
+            tangents: stream(&self.tangents, "tangents")?,
+            wear: stream(&self.wear, "wear")?,
+            scale: self.scale.array(),
+            bias: self.bias.array(),
+        })
     }
 }
 

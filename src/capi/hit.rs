@@ -363,7 +363,7 @@ pub unsafe extern "C" fn crumple_instance_get_contact(
     recorded("crumple_instance_get_contact", context, |_, state, log| {
         let (out, id) = (Out::new(out_result, "out_result")?, contact(contact_id)?);
         log.call(|| Call::GetContact { instance: Number::of(instance), contact_id });
-        let found = state.instances.get_mut(instance, "instance")?.instance.contact(id)?;
+        let found = state.instances.get_mut(instance, "instance")?.folding(0)?.contact(id)?;
         let result = found.as_ref().map_or_else(CrumpleHitResult::nothing, CrumpleHitResult::from);
         log.gave(|| hit_digest(&result));
         out.write(result);

@@ -1,7 +1,7 @@
 //! Instances: bodies in the scene.
 
 use super::check::{Out, boolean, def, defs, enumerator, finite, positive_or, read, zeroed};
-use super::context::{Arrivals, CrumpleContext, concurrent, recorded};
+use super::context::{Arrivals, CrumpleContext, concurrent, lean_recorded, recorded};
 use super::record_call::{Call, Number};
 use super::result::{CrumpleResult, Failure};
 use super::store::InstanceEntry;
@@ -99,13 +99,14 @@ pub unsafe extern "C" fn crumple_instance_create(
         instance.set_time(state.time)?;
         instance.set_transform(Mat4::from_cols_array(&finite(def.local_to_world, "def.local_to_world")?))?;
         let local_to_world = Arc::new(Mutex::new(def.local_to_world));
-        let mut inboxes = context.inboxes.write().unwrap_or_else(PoisonError::into_inner);
+        let inboxes = || context.inboxes.write().unwrap_or_else(PoisonError::into_inner);
         state.instances.reserve::<CrumpleInstance>()?;
-        inboxes.reserve::<CrumpleInstance>()?;
-        let inbox: CrumpleInstance =
-            inboxes.insert(Arrivals { inbox: instance.inbox().clone(), local_to_world: local_to_world.clone() });
+        inboxes().reserve::<CrumpleInstance>()?;
+        let arrivals = Arrivals { inbox: instance.inbox().clone(), local_to_world: local_to_world.clone() };
         let entry = InstanceEntry { instance, set: def.set, local_to_world, buffers: Vec::new() };
+        // The recording is locked before the inboxes, as a hit does. The other order would be a deadlock.
         log.instance(&entry);
+        let inbox: CrumpleInstance = inboxes().insert(arrivals);
         let id = state.instances.insert(entry);
         assert_eq!(inbox, id, "the two lists of instances went apart");
         log.gave_id(id);
@@ -156,7 +157,7 @@ pub unsafe extern "C" fn crumple_instance_destroy(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
 ) -> CrumpleResult {
-    recorded("crumple_instance_destroy", context, |context, state, log| {
+    lean_recorded("crumple_instance_destroy", context, |context, state, log| {
         log.call(|| Call::DestroyInstance { instance: Number::of(instance) });
         let entry = state.instances.remove(instance, "instance")?;
         context.inboxes.write().unwrap_or_else(PoisonError::into_inner).remove(instance, "instance")?;
@@ -179,7 +180,7 @@ pub unsafe extern "C" fn crumple_instance_get_info(
         log.call(|| Call::InstanceInfo { instance: Number::of(instance) });
         let entry = state.instances.get_mut(instance, "instance")?;
         let (mark_count, contact_count) = match entry.instance.options().rule {
-            Rule::Marks => (entry.instance.marks()?.len() as u32, entry.instance.contact_count() as u32),
+            Rule::Marks => (entry.folding(0)?.marks()?.len() as u32, entry.instance.contact_count() as u32),
             _ => (0, 0),
         };
         let info = CrumpleInstanceInfo {
@@ -326,7 +327,7 @@ pub unsafe extern "C" fn crumple_instance_release_part(
         state.instances.reserve::<CrumpleInstance>()?;
         inboxes.reserve::<CrumpleInstance>()?;
         let body = state.instances.get_mut(instance, "instance")?;
-        let released = body.instance.release(part as usize)?;
+        let released = body.folding(0)?.release(part as usize)?;
         let transform = *body.local_to_world.lock().unwrap_or_else(PoisonError::into_inner);
         let local_to_world = Arc::new(Mutex::new(transform));
         let is_of_part =
@@ -382,9 +383,10 @@ pub unsafe extern "C" fn crumple_instance_set_part_rigid(
     })
 }
 
-/// Measures how far the vertices of mesh lod have moved, m: the furthest, and their mean, to compare with thresholds such
-/// as "the bumper falls off". Dents count in full while they grow, and tolerance leaves out nothing, so it is equal on all
-/// machines. Takes about as long as a deform of the whole mesh. Either output may be null.
+/// Measures how far the vertices of mesh lod have moved, m: the furthest, and their mean. out_energy receives the depth of
+/// one hit that has the energy of all marks whose contact is on the mesh, m; it grows with every hit. Dents count in full
+/// while they grow, and tolerance leaves out nothing, so all are equal on all machines. Takes about as long as a deform of
+/// the whole mesh. Any output may be null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_measure_part(
     context: *mut CrumpleContext,
@@ -392,14 +394,17 @@ pub unsafe extern "C" fn crumple_instance_measure_part(
     lod: u32,
     out_deepest: *mut f32,
     out_mean: *mut f32,
+    out_energy: *mut f32,
 ) -> CrumpleResult {
     recorded("crumple_instance_measure_part", context, |_, state, log| {
         let outs = (Out::optional(out_deepest, "out_deepest")?, Out::optional(out_mean, "out_mean")?);
+        let energy = Out::optional(out_energy, "out_energy")?;
         log.call(|| Call::MeasurePart { instance: Number::of(instance), lod });
-        let damage = state.instances.get_mut(instance, "instance")?.instance.measure(lod as usize)?;
+        let damage = state.instances.get_mut(instance, "instance")?.folding(0)?.measure(lod as usize)?;
         log.gave(|| measured_number(damage.deepest, damage.mean));
         outs.0.write(damage.deepest);
         outs.1.write(damage.mean);
+        energy.write(damage.energy);
         Ok(())
     })
 }

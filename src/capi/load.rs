@@ -1,15 +1,15 @@
 //! Example sets from files.
 
 use super::c_enum::c_enums;
-#[cfg(feature = "gltf")]
-use super::check::string;
 use super::check::{Out, array, def, defs, enumerator, required_string, write_array, zeroed};
+#[cfg(feature = "gltf")]
+use super::check::{boolean, string};
 use super::context::{Context, CrumpleContext, exclusive, recorded};
 use super::recorder::Log;
 use super::result::{CrumpleResult, Failure};
 use super::set::{CrumpleExampleSetOptions, default_options, insert_set};
 #[cfg(any(feature = "gltf", feature = "obj"))]
-use super::set::{add_set, c_string, read_options};
+use super::set::{c_string, read_options};
 use super::store::State;
 use super::tasks::Quiet;
 use super::types::{CrumpleExampleSet, CrumplePrimitive};
@@ -30,6 +30,10 @@ pub struct CrumpleGltfDef {
     /// that the glTF refers to. If it is null there, a glTF that refers to files is an error.
     pub path: *const c_char,
     pub options: CrumpleExampleSetOptions,
+    /// Whether to join the meshes of all nodes to one body, each where its node places it. Default false. Each node with a
+    /// mesh then is a part: lods 1 and up, in the order of the nodes; see crumple_example_set_find_part(). Morph targets of
+    /// the same name are one example. mesh_index and mesh_name are not used.
+    pub join_nodes: MaybeUninit<bool>,
 }
 
 /// A base OBJ file, its example files, and the options of the set.
@@ -62,10 +66,10 @@ pub extern "C" fn crumple_obj_def_default() -> CrumpleObjDef {
 
 /// Builds an example set from a glTF 2.0 or GLB file: a mesh with its morph targets. Primitives are joined in their
 /// order; see crumple_example_set_get_primitive(). mesh.extras has the examples' names (targetNames), contacts
-/// (impacts) and placements. Coordinates are in the mesh's own space: node transforms are not applied. Errors:
-/// CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT (malformed, or no such mesh), CRUMPLE_ERROR_UNSUPPORTED (Draco or meshopt
-/// compression, or a build without CRUMPLE_FEATURE_GLTF), CRUMPLE_ERROR_EXAMPLE_MISMATCH (no morph targets), and those
-/// of crumple_example_set_create().
+/// (impacts) and placements. Coordinates are in the mesh's own space, and node transforms are not applied, unless
+/// join_nodes is set. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT (malformed, or no such mesh),
+/// CRUMPLE_ERROR_UNSUPPORTED (Draco or meshopt compression, more than 63 parts, or a build without
+/// CRUMPLE_FEATURE_GLTF), CRUMPLE_ERROR_EXAMPLE_MISMATCH (no morph targets), and those of crumple_example_set_create().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_load_gltf(
     context: *mut CrumpleContext,
@@ -77,8 +81,10 @@ pub unsafe extern "C" fn crumple_example_set_load_gltf(
         let path = required_string(def.path, "def.path")?;
         #[cfg(feature = "gltf")]
         {
+            use crate::io::import::{gltf_body_file, gltf_file};
             let choice = mesh_choice(&def)?;
-            let imported = crate::io::import::gltf_file(path.as_ref(), choice)?;
+            let imported =
+                if boolean(def.join_nodes) { gltf_body_file(path.as_ref()) } else { gltf_file(path.as_ref(), choice) }?;
             add_imported((context, state, log), imported, &def.options, out)
         }
         #[cfg(not(feature = "gltf"))]
@@ -103,8 +109,10 @@ pub unsafe extern "C" fn crumple_example_set_load_gltf_memory(
         let bytes = array(data.cast::<u8>(), size, "data")?;
         #[cfg(feature = "gltf")]
         {
-            let (choice, folder) = (mesh_choice(&def)?, string(def.path, "def.path")?);
-            let imported = crate::io::import::gltf_slice(bytes, folder.map(std::path::Path::new), choice)?;
+            use crate::io::import::{gltf_body, gltf_slice};
+            let (choice, folder) = (mesh_choice(&def)?, string(def.path, "def.path")?.map(std::path::Path::new));
+            let imported =
+                if boolean(def.join_nodes) { gltf_body(bytes, folder) } else { gltf_slice(bytes, folder, choice) }?;
             add_imported((context, state, log), imported, &def.options, out)
         }
         #[cfg(not(feature = "gltf"))]
@@ -247,6 +255,7 @@ unsafe fn add_imported(
     out: Out<CrumpleExampleSet>,
 ) -> Result<(), Failure> {
     let options = read_options(options, imported.mesh.positions.len())?;
+    let (parts, meshes) = (imported.parts.clone(), imported.part_meshes());
     let text = |name: &Option<String>| name.as_deref().map(c_string);
     let materials: Vec<_> = imported.primitives.iter().map(|p| text(&p.material)).collect();
     let primitives = imported.primitives.iter().zip(&materials).map(|(p, material)| CrumplePrimitive {
@@ -260,5 +269,14 @@ unsafe fn add_imported(
     let materials = materials.into_iter().flatten().collect();
     let transform = imported.node_transform.map(|m| *bytemuck::cast_ref(&m));
     let file = (c_string(&imported.name), primitives, materials, transform);
-    add_set(of, (imported.mesh, imported.examples, options), file, out)
+    let (context, state, log) = of;
+    state.sets.reserve::<CrumpleExampleSet>()?;
+    let tasks = Quiet(context.tasks());
+    let mut set = ExampleSet::build(imported.mesh, imported.examples, options, &tasks)?;
+    for mesh in meshes {
+        set.add_lod(mesh, &tasks)?;
+    }
+    let id = insert_set((context, state, log), set, file, out);
+    state.sets.get_mut(id, "set")?.parts = parts.into_iter().map(|part| part.name).collect();
+    Ok(())
 }

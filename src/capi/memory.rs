@@ -14,7 +14,7 @@ fn checked(
     name: &str,
 ) -> Result<Strided, Failure> {
     for (what, value) in [("data", data), ("offset", offset), ("stride", stride)] {
-        Strided::check_aligned(format!("{name}.{what}"), value as u64, align as u64)?;
+        Strided::check_aligned(format_args!("{name}.{what}"), value as u64, align as u64)?;
     }
     let at = |first: usize| Strided {
         first: first as u64,
@@ -22,7 +22,7 @@ fn checked(
         element: element as u64,
         count: count as u64,
     };
-    at(offset).check_stride(&format!("{name}.stride"))?;
+    at(offset).check_stride(format_args!("{name}.stride"))?;
     at(offset).check_size(name, size as u64)?;
     if size > isize::MAX as usize || data.checked_add(size).is_none() {
         return Err(Failure::invalid(format!("{name}.size is {size} bytes, which reaches past the end of memory")));

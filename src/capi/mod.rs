@@ -6,10 +6,10 @@
 //!
 //! Layers, each of which uses only those before it:
 //! 1. `result`, `c_enum`, `boundary`, `check`, `types`, `memory`, `ids`, `tasks`: what every call needs;
-//! 2. `host_memory`, `vulkan_types`, `device`, `store`: what a context holds;
+//! 2. `host_memory`, `vulkan_types`, `job_lists`, `graph_types`, `device`, `store`: what a context holds;
 //! 3. `record_call`, `record_file`, `snapshot`, `recorder`: what a recording writes;
 //! 4. `context`: who may be inside when;
-//! 5. the entry points: `set`, `load`, `instance`, `hit` and so on;
+//! 5. `jobs`, and the entry points: `set`, `load`, `instance`, `hit` and so on;
 //! 6. `replay`: a host in Rust that calls the entry points.
 //!
 //! # Safety
@@ -35,6 +35,8 @@ mod context;
 
 mod set;
 
+mod keep_out;
+
 mod load;
 
 mod set_info;
@@ -55,7 +57,13 @@ mod vulkan_types;
 
 mod vulkan;
 
+mod graph_types;
+
+mod graph;
+
 mod attach;
+
+mod threshold;
 
 mod recording;
 
@@ -66,6 +74,9 @@ mod check;
 #[cfg(feature = "vulkan")]
 mod device;
 mod ids;
+mod job_lists;
+#[cfg(feature = "vulkan")]
+mod jobs;
 mod memory;
 mod record_call;
 mod record_file;
@@ -76,3 +87,15 @@ mod store;
 
 #[cfg(test)]
 mod recording_tests;
+#[cfg(test)]
+mod thread_tests;
+
+/// The entry points and what they take, for the fuzzer.
+#[cfg(fuzzing)]
+#[doc(hidden)]
+pub mod entry_points {
+    pub use super::{
+        attach::*, buffer::*, context::*, damage::*, deform::*, hit::*, host_memory::*, instance::*, load::*,
+        recording::*, result::*, set::*, set_info::*, tasks::*, threshold::*, types::*,
+    };
+}

@@ -103,6 +103,10 @@ calls! {
     /// `RegisterBuffer` and `SetBufferMemory` with wear.
     "crumple_buffer_register_host" RegisterWornBuffer { instance: Number, lod: u32, vertices: u32, normals: bool, tangents: bool }
     "crumple_buffer_set_memory" SetWornBufferMemory { buffer: Number, lod: u32, vertices: u32, normals: bool, tangents: bool }
+    "crumple_instance_set_threshold" SetThreshold {
+        instance: Number, number: u32, measure: u32, lod: u32, vertices: [u32; 3], weights: [f32; 3], point: [f32; 3], limit: f32,
+    }
+    "crumple_context_get_passed" GetPassed { capacity: u32 }
 }
 
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]

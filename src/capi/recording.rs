@@ -1,7 +1,7 @@
 //! Recordings: the calls of a context written to a file, from which `crumple replay` makes the same dents again.
 
 use super::check::required_string;
-use super::context::{CrumpleContext, exclusive};
+use super::context::{CrumpleContext, exclusive, lean};
 use super::record_file::{Event, Writer};
 use super::result::{CrumpleResult, Failure};
 use super::snapshot;
@@ -44,7 +44,7 @@ pub unsafe extern "C" fn crumple_recording_begin(context: *mut CrumpleContext, p
 /// not be completed. Its content can still be replayed, and the recording has ended.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_recording_end(context: *mut CrumpleContext) -> CrumpleResult {
-    exclusive("crumple_recording_end", context, |context, _| {
+    lean("crumple_recording_end", context, |context, _| {
         let mut writer = context
             .recorder
             .end()

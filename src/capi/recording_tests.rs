@@ -15,6 +15,7 @@ use super::replay::{Replay, replay};
 use super::result::{CrumpleResult as R, crumple_last_error};
 use super::set::*;
 use super::tasks::{CrumpleTask, CrumpleTaskSystem};
+use super::threshold::*;
 use super::types::*;
 use proptest::prelude::*;
 use std::ffi::{CStr, CString, c_void};
@@ -534,7 +535,7 @@ fn parts_come_off_and_go_on_again_as_recorded() {
         ok(host.hit(0, (0.0, -0.2), 1.0, 3));
         host.deform();
         let (mut deepest, mut mean) = (0.0, 0.0);
-        ok(crumple_instance_measure_part(host.context, part, 1, &mut deepest, &mut mean));
+        ok(crumple_instance_measure_part(host.context, part, 1, &mut deepest, &mut mean, null_mut()));
         assert!(mean > 0.0 && mean < deepest);
         ok(crumple_instance_mount_part(host.context, body, part, MaybeUninit::new(false)));
         let off = MaybeUninit::new(false);
@@ -547,6 +548,46 @@ fn parts_come_off_and_go_on_again_as_recorded() {
     assert_eq!((report.hits, report.deforms), (4, 4));
     assert_eq!(host.begin(), R::CrumpleErrorInvalidArgument);
     assert!(said().contains("instance 1 has parts"), "{}", said());
+}
+
+#[test]
+fn thresholds_are_passed_as_recorded() {
+    let mut host = Host::with_set();
+    host.instance(CrumpleRule::Marks);
+    host.instance(CrumpleRule::Marks);
+    ok(host.begin());
+    let mut passed = [CrumplePassed::default(); 2];
+    let mut count = 0;
+    let mut point = CrumpleAttachment::default();
+    // SAFETY: all pointers are to what lives across the calls.
+    unsafe {
+        let at = CrumpleVec3 { x: 0.1, y: 0.1, z: 0.0 };
+        ok(crumple_example_set_attach_point(host.context, host.set, at, &mut point));
+        for (number, of) in [(7, 1), (5, 0), (6, 1)] {
+            let measure = if number == 6 { CrumpleMeasure::Displacement } else { CrumpleMeasure::Deepest };
+            let default = crumple_threshold_def_default();
+            let measure = MaybeUninit::new(measure);
+            let def = CrumpleThresholdDef { number, measure, attachment: point, limit: 1e-4, ..default };
+            ok(crumple_instance_set_threshold(host.context, host.instances[of], &def));
+        }
+        for hit in 0..2 {
+            ok(host.hit(hit, (0.1, 0.1), 1.0, 0));
+        }
+        // No room is no loss.
+        ok(crumple_context_get_passed(host.context, null_mut(), 0, &mut count));
+        assert_eq!(count, 0);
+        let null = crumple_context_get_passed(host.context, null_mut(), 2, &mut count);
+        assert_eq!(null, R::CrumpleErrorNullPointer);
+        for expected in [&[5u32, 6][..], &[7]] {
+            ok(crumple_context_get_passed(host.context, passed.as_mut_ptr(), 2, &mut count));
+            let numbers: Vec<u32> = passed[..count as usize].iter().map(|p| p.number).collect();
+            assert_eq!(numbers, expected);
+        }
+        assert!(passed[0].instance == host.instances[1] && passed[0].value > 1e-4);
+    }
+    same(&host.end());
+    assert_eq!(host.begin(), R::CrumpleErrorInvalidArgument);
+    assert!(said().contains("instance 1 has thresholds"), "{}", said());
 }
 
 #[test]

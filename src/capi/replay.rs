@@ -16,6 +16,7 @@ use super::record_file::{Ended, Event, Reader};
 use super::recorder::digest;
 use super::result::{CrumpleResult, crumple_last_error, crumple_result_name};
 use super::set::crumple_example_set_destroy;
+use super::threshold::*;
 use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance, CrumpleStream, CrumpleStriker};
 use crate::base::error::Error;
 use crate::damage::mark::Mark;
@@ -309,12 +310,12 @@ impl Player {
                 crumple_instance_end_contact(context, self.instance(instance), contact_id)
             }
             Call::GetMarks { instance } => {
-                let mut marks: Vec<Mark> = vec![bytemuck::Zeroable::zeroed(); 1 << 16];
-                let mut count = 0;
-                let id = self.instance(instance);
-                let result = crumple_instance_get_marks(context, id, marks.as_mut_ptr(), 1 << 16, &mut count);
+                let (id, mut count) = (self.instance(instance), 0);
+                let mut result = crumple_instance_get_marks(context, id, null_mut(), 0, &mut count);
                 if result == CrumpleResult::CrumpleOk {
-                    *value = digest(bytemuck::cast_slice(&marks[..count as usize]));
+                    let mut marks: Vec<Mark> = vec![bytemuck::Zeroable::zeroed(); count as usize];
+                    result = crumple_instance_get_marks(context, id, marks.as_mut_ptr(), count, &mut count);
+                    *value = digest(bytemuck::cast_slice(&marks));
                 }
                 result
             }
@@ -365,8 +366,23 @@ impl Player {
             Call::MeasurePart { instance, lod } => {
                 let (mut deepest, mut mean) = (0.0, 0.0);
                 let id = self.instance(instance);
-                let result = crumple_instance_measure_part(context, id, lod, &mut deepest, &mut mean);
+                let result = crumple_instance_measure_part(context, id, lod, &mut deepest, &mut mean, null_mut());
                 *value = measured_number(deepest, mean);
+                result
+            }
+            Call::SetThreshold { instance, number, measure, lod, vertices, weights, point, limit } => {
+                let attachment = CrumpleAttachment { vertices, weights, point: point.into(), reserved: [0; 3] };
+                let measure = enumerator(measure);
+                let default = crumple_threshold_def_default();
+                let def = CrumpleThresholdDef { number, measure, lod, attachment, limit, ..default };
+                crumple_instance_set_threshold(context, self.instance(instance), &def)
+            }
+            Call::GetPassed { capacity } => {
+                // A recording is not trusted, and no host has room for a million.
+                let mut passed = vec![CrumplePassed::default(); capacity.min(1 << 20) as usize];
+                let (room, mut count) = (passed.len() as u32, 0);
+                let result = crumple_context_get_passed(context, passed.as_mut_ptr(), room, &mut count);
+                *value = passed_digest(&passed[..count as usize]);
                 result
             }
             Call::RepairAround { instance, point, radius, keep } => {
@@ -475,10 +491,7 @@ impl Player {
     unsafe fn deform(&mut self, all: bool, buffers: &[Number], value: &mut u64, report: &mut Replay) -> CrumpleResult {
         if all {
             // The buffers that the recording names may be fewer than there are by now; its instances are all.
-            let folded = exclusive("crumple_context_deform", self.context, |_, state| {
-                fold_all(&mut state.instances);
-                Ok(())
-            });
+            let folded = exclusive("crumple_context_deform", self.context, |_, state| fold_all(&mut state.instances));
             if folded != CrumpleResult::CrumpleOk {
                 return folded;
             }

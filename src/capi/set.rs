@@ -2,7 +2,7 @@
 
 use super::c_enum::c_enums;
 use super::check::{Out, boolean, def, defs, enumerator, finite, positive_or, striker, string, zeroed};
-use super::context::{Context, CrumpleContext, CrumpleLogLevel, look_into, recorded};
+use super::context::{Context, CrumpleContext, CrumpleLogLevel, lean_recorded, look_into, recorded};
 use super::memory::{read, read_required};
 use super::record_call::{Call, Number};
 use super::recorder::Log;
@@ -202,7 +202,7 @@ pub unsafe extern "C" fn crumple_example_set_create(
     recorded("crumple_example_set_create", context, |context, state, log| {
         let (def, out) = (self::def(def, "def")?, Out::new(out_set, "out_set")?);
         let (mesh, examples) = {
-            let mesh = read_mesh(&def.mesh)?;
+            let mesh = read_mesh(&def.mesh, "def.mesh")?;
             let examples = read_examples(&def, &mesh)?;
             (mesh, examples)
         };
@@ -239,7 +239,7 @@ pub unsafe extern "C" fn crumple_example_set_add_lod(
         let set = Arc::get_mut(&mut entry.set).ok_or_else(|| {
             Failure::invalid("set has instances, or is shared with another context; add its levels of detail before the first instance is made")
         })?;
-        let mesh = read_mesh(&def.mesh)?;
+        let mesh = read_mesh(&def.mesh, "def.mesh")?;
         let lod = set.add_lod(mesh, &Quiet(context.tasks()))?;
         log.set(id, set);
         let report = set.report().lods[lod - 1];
@@ -276,7 +276,7 @@ pub(super) fn insert_set(
     set: ExampleSet,
     (name, primitives, materials, node_transform): (CString, Vec<CrumplePrimitive>, Vec<CString>, Option<[f32; 16]>),
     out: Out<CrumpleExampleSet>,
-) {
+) -> CrumpleExampleSet {
     let names = set.examples().iter().map(|e| c_string(e.name())).collect();
     for example in set.examples().iter().filter(|e| e.is_empty()) {
         context.log(CrumpleLogLevel::Warning, &format!("example '{}' moves no vertex", example.name()));
@@ -290,42 +290,45 @@ pub(super) fn insert_set(
             set.memory_bytes()
         ),
     );
-    let entry = SetEntry { set: Arc::new(set), name, names, primitives, materials, node_transform };
+    let parts = Vec::new();
+    let entry = SetEntry { set: Arc::new(set), name, names, primitives, materials, node_transform, parts };
     let set = entry.set.clone();
     let id = state.sets.insert(entry);
     log.set(id, &set);
     out.write(id);
+    id
 }
 
-unsafe fn read_mesh(def: &CrumpleMeshDef) -> Result<MeshData, Failure> {
+pub(super) unsafe fn read_mesh(def: &CrumpleMeshDef, name: &str) -> Result<MeshData, Failure> {
     let vertices = def.vertex_count as usize;
     if vertices == 0 {
         return Err(crate::base::error::Error::Mesh {
-            what: "def.mesh.vertex_count is 0; a mesh needs at least one vertex".into(),
+            what: format!("{name}.vertex_count is 0; a mesh needs at least one vertex"),
         }
         .into());
     }
-    let positions = read_required(def.positions, vertices, "def.mesh.positions")?;
-    let normals = read(def.normals, vertices, "def.mesh.normals")?;
-    let tangents = read(def.tangents, vertices, "def.mesh.tangents")?;
-    let triangles = read_triangles(def)?;
-    let depth_limits = read(def.depth_limits, vertices, "def.mesh.depth_limits")?;
-    let stiffness = read(def.stiffness, vertices, "def.mesh.stiffness")?;
+    let positions = read_required(def.positions, vertices, &format!("{name}.positions"))?;
+    let normals = read(def.normals, vertices, &format!("{name}.normals"))?;
+    let tangents = read(def.tangents, vertices, &format!("{name}.tangents"))?;
+    let triangles = read_triangles(def, name)?;
+    let depth_limits = read(def.depth_limits, vertices, &format!("{name}.depth_limits"))?;
+    let stiffness = read(def.stiffness, vertices, &format!("{name}.stiffness"))?;
     Ok(MeshData { positions, normals, tangents, triangles, depth_limits, stiffness })
 }
 
-unsafe fn read_triangles(def: &CrumpleMeshDef) -> Result<Vec<[u32; 3]>, Failure> {
+unsafe fn read_triangles(def: &CrumpleMeshDef, name: &str) -> Result<Vec<[u32; 3]>, Failure> {
     let count = def.index_count as usize;
     if !count.is_multiple_of(3) {
-        return Err(Failure::invalid(format!("def.mesh.index_count is {count}; it must be a multiple of 3")));
+        return Err(Failure::invalid(format!("{name}.index_count is {count}; it must be a multiple of 3")));
     }
-    let wide: Option<Vec<u32>> = match enumerator(def.index_type, "def.mesh.index_type")? {
-        CrumpleIndexType::U32 => read(def.indices, count, "def.mesh.indices")?,
+    let indices = &format!("{name}.indices");
+    let wide: Option<Vec<u32>> = match enumerator(def.index_type, &format!("{name}.index_type"))? {
+        CrumpleIndexType::U32 => read(def.indices, count, indices)?,
         CrumpleIndexType::U16 => {
-            let narrow: Option<Vec<u16>> = read(def.indices, count, "def.mesh.indices")?;
+            let narrow: Option<Vec<u16>> = read(def.indices, count, indices)?;
             match narrow {
                 Some(narrow) => {
-                    let mut wide = reserve(count, "def.mesh.indices")?;
+                    let mut wide = reserve(count, indices)?;
                     wide.extend(narrow.into_iter().map(u32::from));
                     Some(wide)
                 }
@@ -337,11 +340,11 @@ unsafe fn read_triangles(def: &CrumpleMeshDef) -> Result<Vec<[u32; 3]>, Failure>
         return if count == 0 {
             Ok(Vec::new())
         } else {
-            let message = format!("def.mesh.indices.data is null but def.mesh.index_count is {count}");
+            let message = format!("{indices}.data is null but {name}.index_count is {count}");
             Err(Failure::new(CrumpleResult::CrumpleErrorNullPointer, message))
         };
     };
-    let mut triangles = reserve(count / 3, "def.mesh.indices")?;
+    let mut triangles = reserve(count / 3, indices)?;
     triangles.extend(wide.as_chunks::<3>().0);
     Ok(triangles)
 }
@@ -511,7 +514,7 @@ pub unsafe extern "C" fn crumple_example_set_destroy(
     context: *mut CrumpleContext,
     set: CrumpleExampleSet,
 ) -> CrumpleResult {
-    recorded("crumple_example_set_destroy", context, |_, state, log| {
+    lean_recorded("crumple_example_set_destroy", context, |_, state, log| {
         log.call(|| Call::DestroySet { set: Number::of(set) });
         state.sets.remove(set, "set")?;
         Ok(())

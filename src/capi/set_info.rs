@@ -1,6 +1,6 @@
 //! What an example set holds.
 
-use super::check::{Out, def, defs, finite, zeroed};
+use super::check::{Out, def, defs, finite, required_string, zeroed};
 use super::context::{CrumpleContext, exclusive};
 use super::memory::{Stream, disjoint};
 use super::result::{CrumpleResult, Failure};
@@ -171,6 +171,27 @@ pub unsafe extern "C" fn crumple_example_set_get_primitive(
     exclusive("crumple_example_set_get_primitive", context, |_, state| {
         let out = Out::new(out_primitive, "out_primitive")?;
         out.write(*item(&state.sets.get(set, "set")?.primitives, primitive, "primitive")?);
+        Ok(())
+    })
+}
+
+/// Returns the number of a part by the name of its node, or of the node's mesh if the node has none: a lod, 1 and up. The
+/// first of that name. Only for sets that were loaded with join_nodes; baked sets keep the numbers, not the names.
+/// CRUMPLE_ERROR_INVALID_ARGUMENT: no such part.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_example_set_find_part(
+    context: *mut CrumpleContext,
+    set: CrumpleExampleSet,
+    name: *const c_char,
+    out_lod: *mut u32,
+) -> CrumpleResult {
+    exclusive("crumple_example_set_find_part", context, |_, state| {
+        let (name, out) = (required_string(name, "name")?, Out::new(out_lod, "out_lod")?);
+        let parts = &state.sets.get(set, "set")?.parts;
+        let at = parts.iter().position(|part| part == name).ok_or_else(|| {
+            Failure::invalid(format!("name is '{name}'; it must be one of the set's {} parts: {parts:?}", parts.len()))
+        })?;
+        out.write(at as u32 + 1);
         Ok(())
     })
 }

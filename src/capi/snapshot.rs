@@ -5,7 +5,7 @@ use super::record_file::{Ended, Event, Writer};
 use super::result::Failure;
 use super::store::{BufferEntry, InstanceEntry, State};
 use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance, CrumpleRule, CrumpleSelection};
-use crate::base::error::Error;
+use crate::base::error::{Error, headroom};
 use crate::example::set::ExampleSet;
 use crate::instance::options::Rule;
 use std::collections::HashSet;
@@ -18,6 +18,12 @@ pub(super) fn check(state: &mut State) -> Result<(), Failure> {
         if entry.instance.has_parts() {
             return Err(Failure::invalid(format!(
                 "instance {} has parts that were released or made rigid, or is one; begin the recording before that",
+                id.index
+            )));
+        }
+        if entry.instance.has_thresholds() {
+            return Err(Failure::invalid(format!(
+                "instance {} has thresholds, of which a recording would not know which were passed; begin the recording before",
                 id.index
             )));
         }
@@ -78,7 +84,10 @@ pub(super) fn write(state: &mut State, writer: &mut Writer) -> Result<(), Failur
 
 /// A set as it is now.
 pub(super) fn set(id: CrumpleExampleSet, set: &ExampleSet) -> Result<Call, Error> {
-    Ok(Call::Set { set: Number::of(id), bytes: Bytes(set.save()?) })
+    let bytes = Bytes(set.save()?);
+    // The message that the recording writes doubles its memory until the bytes fit.
+    headroom(bytes.0.len().saturating_mul(2), "the recording of a set")?;
+    Ok(Call::Set { set: Number::of(id), bytes })
 }
 
 /// An instance as it was made.

@@ -2,14 +2,18 @@
 
 #[cfg(feature = "vulkan")]
 use super::device::{Attached, VulkanMemory};
+#[cfg(feature = "vulkan")]
+use super::graph_types::GraphState;
 use super::host_memory::HostMemory;
 use super::ids::Slots;
 use super::result::Failure;
 use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance, CrumplePrimitive};
+use crate::base::error::headroom;
 use crate::base::math::Aabb;
 use crate::deform::Tracker;
 use crate::example::set::ExampleSet;
 use crate::instance::Instance;
+use crate::instance::deform::DeformJob;
 use std::ffi::CString;
 use std::ops::Range;
 use std::sync::{Arc, Mutex};
@@ -25,6 +29,8 @@ pub(super) struct SetEntry {
     /// What `primitives` points to.
     pub(super) materials: Vec<CString>,
     pub(super) node_transform: Option<[f32; 16]>,
+    /// Names of the parts of a glTF body: of lods 1 and up.
+    pub(super) parts: Vec<String>,
 }
 
 impl SetEntry {
@@ -42,6 +48,7 @@ impl SetEntry {
             primitives: self.primitives.iter().map(moved).collect(),
             materials,
             node_transform: self.node_transform,
+            parts: self.parts.clone(),
         }
     }
 }
@@ -53,6 +60,23 @@ pub(super) struct InstanceEntry {
     /// The transform, as it was given.
     pub(super) local_to_world: Arc<Mutex<[f32; 16]>>,
     pub(super) buffers: Vec<CrumpleBuffer>,
+}
+
+/// A bound of what a call allocates whatever its counts are, bytes.
+pub(super) const CALL: usize = 64 << 10;
+/// A bound of what one mark takes while damage changes, bytes: its dent, the dents before and after, and their lists.
+pub(super) const MARK: usize = 4 << 10;
+
+impl InstanceEntry {
+    /// The instance, with memory for the dents of the hits that wait and of `more` marks.
+    pub(super) fn folding(&mut self, more: usize) -> Result<&mut Instance, Failure> {
+        let new = self.instance.pending() + more;
+        if new > 0 {
+            let marks = (self.instance.mark_count() + new).saturating_mul(MARK);
+            headroom(marks.saturating_add(CALL), "the damage")?;
+        }
+        Ok(&mut self.instance)
+    }
 }
 
 /// What a context keeps of a buffer.
@@ -69,6 +93,22 @@ pub(super) enum Memory {
     Host(HostMemory, Tracker),
     #[cfg(feature = "vulkan")]
     Vulkan(VulkanMemory),
+    #[cfg(feature = "vulkan")]
+    Graph(crate::graph::Target),
+}
+
+impl Memory {
+    /// The error of a call that does not write this kind of buffer.
+    pub(super) fn written_elsewhere(&self, name: &str) -> Failure {
+        let what = match self {
+            Memory::Host(..) => "is a host buffer; crumple_context_deform() writes those",
+            #[cfg(feature = "vulkan")]
+            Memory::Vulkan(_) => "is a Vulkan buffer; crumple_vulkan_record() writes those",
+            #[cfg(feature = "vulkan")]
+            Memory::Graph(_) => "is a buffer of a render graph; crumple_graph_plan() writes those",
+        };
+        Failure::invalid(format!("{name} {what}"))
+    }
 }
 
 impl BufferEntry {
@@ -77,6 +117,8 @@ impl BufferEntry {
             Memory::Host(_, tracker) => tracker.invalidate(),
             #[cfg(feature = "vulkan")]
             Memory::Vulkan(memory) => memory.invalidate(),
+            #[cfg(feature = "vulkan")]
+            Memory::Graph(target) => target.invalidate(),
         }
     }
 
@@ -86,6 +128,8 @@ impl BufferEntry {
             Memory::Host(_, tracker) => tracker.changed(),
             #[cfg(feature = "vulkan")]
             Memory::Vulkan(memory) => memory.changed(),
+            #[cfg(feature = "vulkan")]
+            Memory::Graph(target) => target.changed(),
         }
     }
 
@@ -95,6 +139,8 @@ impl BufferEntry {
             Memory::Host(memory, _) => memory.written(),
             #[cfg(feature = "vulkan")]
             Memory::Vulkan(memory) => memory.written(),
+            #[cfg(feature = "vulkan")]
+            Memory::Graph(target) => target.written(),
         }
     }
 
@@ -103,6 +149,8 @@ impl BufferEntry {
             Memory::Host(_, tracker) => tracker.bounds(),
             #[cfg(feature = "vulkan")]
             Memory::Vulkan(memory) => memory.bounds(),
+            #[cfg(feature = "vulkan")]
+            Memory::Graph(target) => target.bounds(),
         }
     }
 }
@@ -116,8 +164,12 @@ pub(super) struct State {
     pub(super) vertex_budget: u64,
     /// The time for dents that grow, s.
     pub(super) time: f64,
+    /// The room of a deform's list, empty between calls.
+    pub(super) jobs: Vec<DeformJob<'static, 'static>>,
     #[cfg(feature = "vulkan")]
     pub(super) vulkan: Option<Attached>,
+    #[cfg(feature = "vulkan")]
+    pub(super) graph: GraphState,
 }
 
 impl State {
@@ -129,8 +181,11 @@ impl State {
             buffers: Slots::new(tag),
             vertex_budget: 0,
             time: 0.0,
+            jobs: Vec::new(),
             #[cfg(feature = "vulkan")]
             vulkan: None,
+            #[cfg(feature = "vulkan")]
+            graph: GraphState::default(),
         }
     }
 

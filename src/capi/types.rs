@@ -99,7 +99,7 @@ impl From<Aabb> for CrumpleAabb {
     }
 }
 
-/// A range of vertices.
+/// A range of vertices or triangles.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
 pub struct CrumpleRange {

@@ -4,12 +4,12 @@
 #[cfg(not(feature = "vulkan"))]
 use super::boundary::boundary;
 use super::buffer::add_buffer;
-use super::check::{Out, array, def, enumerator, finite, write_array, zeroed};
-use super::context::{CrumpleContext, exclusive, recorded};
-use super::deform::Chosen;
+use super::check::{Out, array, def, enumerator, write_array, zeroed};
+use super::context::{CrumpleContext, exclusive, lean, lean_recorded, recorded};
 #[cfg(feature = "vulkan")]
 use super::device::{Attached, Kind};
-use super::record_call::{Call, Number};
+#[cfg(feature = "vulkan")]
+use super::jobs::{c_report, with_jobs};
 use super::recorder::Log;
 use super::result::{CrumpleResult, Failure};
 use super::store::{BufferEntry, Memory, State};
@@ -19,7 +19,7 @@ use super::vulkan_types::{
     CrumpleVulkanOpenDef,
 };
 #[cfg(feature = "vulkan")]
-use crate::vulkan::{RecordJob, RecordReport, SemaphoreId, vk, vk::Handle};
+use crate::vulkan::{RecordJob, SemaphoreId, vk, vk::Handle};
 use std::ffi::c_void;
 use std::mem::MaybeUninit;
 
@@ -32,6 +32,7 @@ macro_rules! vulkan {
         boundary($call, || Err(Failure::not_built("vulkan")))
     }};
 }
+pub(super) use vulkan;
 
 /// Returns a def without handles. Set them and the queue family.
 #[unsafe(no_mangle)]
@@ -85,7 +86,7 @@ pub unsafe extern "C" fn crumple_vulkan_attach(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_detach(context: *mut CrumpleContext) -> CrumpleResult {
     vulkan!("crumple_vulkan_detach", {
-        exclusive("crumple_vulkan_detach", context, |_, state| {
+        lean("crumple_vulkan_detach", context, |_, state| {
             attached(state)?.check_idle()?;
             let of_vulkan = |(id, entry): (CrumpleBuffer, &BufferEntry)| {
                 matches!(entry.memory, Memory::Vulkan(_)).then_some((id, entry.owner))
@@ -135,8 +136,6 @@ pub unsafe extern "C" fn crumple_buffer_register_vulkan(
     vulkan!("crumple_buffer_register_vulkan", {
         recorded("crumple_buffer_register_vulkan", context, |_, state, log| {
             let (def, out) = (self::def(def, "def")?, Out::new(out_buffer, "out_buffer")?);
-            finite(def.scale.array(), "def.scale")?;
-            finite(def.bias.array(), "def.bias")?;
             let owner = &state.instances.get(instance, "instance")?.instance;
             let vulkan = state.vulkan.as_mut().ok_or_else(not_attached)?;
             let memory = Memory::Vulkan(vulkan.register(owner, &def)?);
@@ -168,12 +167,12 @@ pub unsafe extern "C" fn crumple_vulkan_record(
     out_report: *mut CrumpleRecordReport,
 ) -> CrumpleResult {
     vulkan!("crumple_vulkan_record", {
-        recorded("crumple_vulkan_record", context, |_, state, log| {
+        lean_recorded("crumple_vulkan_record", context, |_, state, log| {
             let (out, given) = (Out::optional(out_report, "out_report")?, array(buffers, count as usize, "buffers")?);
             if command_buffer.is_null() {
                 return Err(Failure::null("command_buffer"));
             }
-            let report = with_jobs(state, (buffers, given), log, |device, jobs| {
+            let report = with_device(state, (buffers, given), log, |device, jobs| {
                 let commands = vk::CommandBuffer::from_raw(command_buffer.addr() as u64);
                 Ok(device.hosts("crumple_vulkan_record()")?.record(commands, frame, jobs)?)
             })?;
@@ -189,7 +188,7 @@ pub unsafe extern "C" fn crumple_vulkan_record(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_complete_frames(context: *mut CrumpleContext, frame: u64) -> CrumpleResult {
     vulkan!("crumple_vulkan_complete_frames", {
-        exclusive("crumple_vulkan_complete_frames", context, |_, state| attached(state)?.complete(frame))
+        lean("crumple_vulkan_complete_frames", context, |_, state| attached(state)?.complete(frame))
     })
 }
 
@@ -198,7 +197,7 @@ pub unsafe extern "C" fn crumple_vulkan_complete_frames(context: *mut CrumpleCon
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_discard_frames(context: *mut CrumpleContext, frame: u64) -> CrumpleResult {
     vulkan!("crumple_vulkan_discard_frames", {
-        exclusive("crumple_vulkan_discard_frames", context, |_, state| {
+        lean("crumple_vulkan_discard_frames", context, |_, state| {
             attached(state)?.discard(frame)?;
             for (_, entry) in state.buffers.iter_mut::<CrumpleBuffer>() {
                 if let Memory::Vulkan(memory) = &mut entry.memory {
@@ -271,7 +270,7 @@ pub unsafe extern "C" fn crumple_vulkan_import_buffer(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_unimport_buffer(context: *mut CrumpleContext, buffer: u64) -> CrumpleResult {
     vulkan!("crumple_vulkan_unimport_buffer", {
-        exclusive("crumple_vulkan_unimport_buffer", context, |_, state| attached(state)?.release_buffer(buffer))
+        lean("crumple_vulkan_unimport_buffer", context, |_, state| attached(state)?.release_buffer(buffer))
     })
 }
 
@@ -314,7 +313,7 @@ pub unsafe extern "C" fn crumple_vulkan_submit(
     out_report: *mut CrumpleRecordReport,
 ) -> CrumpleResult {
     vulkan!("crumple_vulkan_submit", {
-        recorded("crumple_vulkan_submit", context, |_, state, log| {
+        lean_recorded("crumple_vulkan_submit", context, |_, state, log| {
             let outs = (Out::optional(out_frame, "out_frame")?, Out::optional(out_report, "out_report")?);
             let (given, waits, signals) = (
                 array(buffers, count as usize, "buffers")?,
@@ -322,7 +321,7 @@ pub unsafe extern "C" fn crumple_vulkan_submit(
                 array(signals, signal_count as usize, "signals")?,
             );
             let ids = |all: &[u64]| all.iter().map(|id| SemaphoreId(*id)).collect::<Vec<_>>();
-            let (frame, report) = with_jobs(state, (buffers, given), log, |device, jobs| {
+            let (frame, report) = with_device(state, (buffers, given), log, |device, jobs| {
                 Ok(device.own("crumple_vulkan_submit()")?.submit(jobs, &ids(waits), &ids(signals))?)
             })?;
             outs.0.write(frame);
@@ -343,7 +342,7 @@ pub unsafe extern "C" fn crumple_vulkan_wait_frame(
     out_done: *mut bool,
 ) -> CrumpleResult {
     vulkan!("crumple_vulkan_wait_frame", {
-        exclusive("crumple_vulkan_wait_frame", context, |_, state| {
+        lean("crumple_vulkan_wait_frame", context, |_, state| {
             let out = Out::new(out_done, "out_done")?;
             out.write(attached(state)?.wait(frame, timeout)?);
             Ok(())
@@ -351,71 +350,19 @@ pub unsafe extern "C" fn crumple_vulkan_wait_frame(
     })
 }
 
-/// Folds the hits of the chosen buffers' instances, and calls `f` with a job for each buffer.
+/// Calls `f` with the device and a job for each of the chosen buffers.
 #[cfg(feature = "vulkan")]
-fn with_jobs<T>(
+fn with_device<R>(
     state: &mut State,
-    (pointer, given): (*const CrumpleBuffer, &[CrumpleBuffer]),
+    given: (*const CrumpleBuffer, &[CrumpleBuffer]),
     log: &mut Log<'_>,
-    f: impl FnOnce(&mut Kind, &mut [RecordJob<'_>]) -> Result<T, Failure>,
-) -> Result<T, Failure> {
+    f: impl FnOnce(&mut Kind, &mut [RecordJob<'_>]) -> Result<R, Failure>,
+) -> Result<R, Failure> {
     let budget = state.vertex_budget();
     let State { instances, buffers: entries, vulkan, .. } = state;
-    let Attached { device, chosen: room, jobs: kept, .. } = vulkan.as_mut().ok_or_else(not_attached)?;
-    let chosen = Chosen::new(pointer, given, room, |id, name| match entries.get(id, name)?.memory {
-        Memory::Vulkan(_) => Ok(()),
-        Memory::Host(..) => {
-            Err(Failure::invalid(format!("{name} is a host buffer; crumple_context_deform() writes those")))
-        }
-    })?;
-    let written =
-        |(id, entry): &(CrumpleBuffer, &BufferEntry)| matches!(entry.memory, Memory::Vulkan(_)) && chosen.names(*id);
-    let numbers = || entries.iter().filter(written).map(|(id, _)| Number::of(id)).collect();
-    log.call(|| Call::Record { all: chosen.all, buffers: numbers() });
-    chosen.fold(instances, entries.iter::<CrumpleBuffer>().filter(written))?;
-    log.open();
-    let mut jobs = recycled(std::mem::take(kept));
-    jobs.try_reserve(chosen.most(entries.len())).map_err(|_| Failure::out_of_memory("the list of jobs"))?;
-    for (id, entry) in entries.iter_mut::<CrumpleBuffer>() {
-        let Memory::Vulkan(memory) = &mut entry.memory else { continue };
-        if chosen.names(id) {
-            let instance = &instances.get(entry.owner, "instance")?.instance;
-            jobs.push(RecordJob { instance, target: &mut memory.target });
-        }
-    }
+    let Attached { device, lists, .. } = vulkan.as_mut().ok_or_else(not_attached)?;
     device.device().set_vertex_budget(budget);
-    let result = f(device, &mut jobs);
-    *kept = recycled(jobs);
-    if result.is_ok() {
-        for (id, entry) in entries.iter_mut::<CrumpleBuffer>() {
-            if matches!(entry.memory, Memory::Vulkan(_)) {
-                entry.included = chosen.names(id);
-            }
-        }
-    }
-    result
-}
-
-#[cfg(feature = "vulkan")]
-fn c_report(report: RecordReport) -> CrumpleRecordReport {
-    CrumpleRecordReport {
-        vertices_written: report.vertices_written,
-        blocks_written: report.blocks_written,
-        blocks_skipped: report.blocks_skipped,
-        parts_skipped: report.parts_skipped,
-        bytes_copied: report.bytes_copied,
-        dispatches: report.dispatches,
-        vertices_waiting: report.vertices_waiting,
-        ..CrumpleRecordReport::default()
-    }
-}
-
-/// The same room, empty, for another lifetime.
-#[cfg(feature = "vulkan")]
-fn recycled<'b>(mut jobs: Vec<RecordJob<'_>>) -> Vec<RecordJob<'b>> {
-    jobs.clear();
-    // Collecting in place keeps the allocation.
-    jobs.into_iter().map(|_| -> RecordJob<'b> { unreachable!("the list is empty") }).collect()
+    with_jobs((instances, entries), lists, given, log, |jobs| f(device, jobs))
 }
 
 #[cfg(feature = "vulkan")]

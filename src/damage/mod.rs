@@ -6,5 +6,5 @@ pub(crate) mod dent;
 pub(crate) mod history;
 pub(crate) mod list;
 pub(crate) mod mark;
-mod overlap;
+pub(crate) mod overlap;
 pub(crate) mod saved;

@@ -113,3 +113,10 @@ pub(crate) fn is_gone(energy: u64, combine: Combine) -> bool {
 pub(crate) fn energy_factor(factor: f64, combine: Combine) -> f64 {
     if combine == Combine::Energies { libm::pow(factor, EXPONENT) } else { factor }
 }
+
+/// The depth of one hit that has the energy of all these marks, m.
+pub(crate) fn depth_of_one<'a>(marks: impl Iterator<Item = &'a Mark>, combine: Combine) -> f32 {
+    let hits = |mark: &Mark| mark.energy as f64 / Mark::ONE as f64;
+    let all: f64 = marks.map(|mark| hits(mark) * energy_factor(mark.depth.into(), combine)).sum();
+    (if combine == Combine::Energies { libm::pow(all, 1.0 / EXPONENT) } else { all }) as f32
+}

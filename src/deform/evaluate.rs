@@ -246,22 +246,19 @@ fn given(
     normals: Option<(&mut [f32], &[f32])>,
 ) -> Aabb {
     let mut bounds = Aabb::EMPTY;
+    let mut normals = normals.map(|(to, base)| to.chunks_exact_mut(3).zip(base.chunks_exact(3)));
     for (i, p) in positions.chunks_exact_mut(3).enumerate() {
-        let (at, _) = shortened(state, mesh, first + i);
+        let (at, factor) = shortened(state, mesh, first + i);
         bounds.add(at);
         p.copy_from_slice(&at.to_array());
-    }
-    if let Some((normals, base)) = normals {
-        for (i, (n, base)) in normals.chunks_exact_mut(3).zip(base.chunks_exact(3)).enumerate() {
-            let base = Vec3::from_slice(base);
-            let mut now = state.normals.get(first + i).copied().unwrap_or(base);
-            let (_, factor) = shortened(state, mesh, first + i);
-            if factor < 1.0 {
-                now = base + (now - base) * factor;
-            }
-            let now = if now == base { now } else { unit(now).unwrap_or(base) };
-            n.copy_from_slice(&now.to_array());
+        let Some((n, base)) = normals.as_mut().and_then(Iterator::next) else { continue };
+        let base = Vec3::from_slice(base);
+        let mut now = state.normals.get(first + i).copied().unwrap_or(base);
+        if factor < 1.0 {
+            now = base + (now - base) * factor;
         }
+        let now = if now == base { now } else { unit(now).unwrap_or(base) };
+        n.copy_from_slice(&now.to_array());
     }
     bounds
 }

@@ -13,7 +13,7 @@ use super::simd::Simd;
 use crate::damage::carried::{Carried, Lookup};
 use crate::example::blocks::{GROUP, GROUPS, Numbers, Stored};
 use crate::example::stamp::{FACING, Node, WEIGHTS};
-use crate::mesh::limits::BlockLimits;
+use crate::mesh::limits::{BlockLimits, LEAST_LENGTH};
 use crate::mesh::rim::WindowBlock;
 use crate::mesh::vertex_blocks::BLOCK;
 use glam::Vec3;
@@ -660,10 +660,11 @@ pub(crate) unsafe fn displace<S: Simd, const NORMALS: bool>(
             let s = sums.all;
             let (mut u, mut change) = (s, sums.change);
             if block.deepest || block.limit.is_some() || block.own.is_some() {
-                let length = S::sqrt(dot::<S>(s, s));
+                let least = S::splat(LEAST_LENGTH);
+                let length = S::max(S::sqrt(dot::<S>(s, s)), least);
                 let mut allowed = length;
                 if block.deepest {
-                    allowed = S::min(S::sqrt(sums.longest), allowed);
+                    allowed = S::min(S::max(S::sqrt(sums.longest), least), allowed);
                 }
                 if let Some(gives) = block.own.and_then(|own| own.gives) {
                     allowed = S::mul(allowed, S::load_halves(gives.as_ptr().add(at)));
@@ -674,7 +675,7 @@ pub(crate) unsafe fn displace<S: Simd, const NORMALS: bool>(
                 if let Some(depths) = block.own.and_then(|own| own.depths) {
                     allowed = S::min(S::load_halves(depths.as_ptr().add(at)), allowed);
                 }
-                // Exactly 1 where nothing is shortened, also where the length is 0.
+                // Exactly 1 where nothing is shortened.
                 let factor = S::select(S::greater(length, allowed), S::div(allowed, length), S::splat(1.0));
                 u = scaled::<S>(u, factor);
                 change = scaled::<S>(change, factor);

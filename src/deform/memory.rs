@@ -149,9 +149,9 @@ impl<'a> VertexMemory<'a> {
         let memory = Self { position, normal, tangent, wear, owner: PhantomData };
         for (name, s, bytes) in memory.streams() {
             for (what, value) in [("offset", s.layout.offset), ("stride", s.layout.stride)] {
-                Strided::check_aligned(format!("{name} {what}"), value as u64, 4)?;
+                Strided::check_aligned(format_args!("{name} {what}"), value as u64, 4)?;
             }
-            s.layout.strided(bytes, 1).check_stride(&format!("{name} stride"))?;
+            s.layout.strided(bytes, 1).check_stride(format_args!("{name} stride"))?;
         }
         Ok(memory)
     }
@@ -170,7 +170,7 @@ impl<'a> VertexMemory<'a> {
     /// Returns an error if `count` vertices do not fit.
     pub(crate) fn check_size(&self, count: usize) -> Result<(), Error> {
         self.streams().try_for_each(|(name, s, bytes)| {
-            s.layout.strided(bytes, count as u64).check_size(&format!("{name} memory"), s.size as u64)
+            s.layout.strided(bytes, count as u64).check_size(format_args!("{name} memory"), s.size as u64)
         })
     }
 

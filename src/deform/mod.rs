@@ -16,7 +16,7 @@ pub use tracker::Tracker;
 
 pub(crate) use levels::longest;
 
-use crate::base::error::Error;
+use crate::base::error::{Error, headroom, reserve};
 use crate::base::math::Aabb;
 use crate::base::tasks::{Serial, TaskSystem, run_each};
 use crate::damage::dent::Dent;
@@ -76,27 +76,55 @@ impl Output<'_, '_> {
         }
         self.memory.check_size(mesh.positions().len())
     }
+
+    /// Whether there are blocks to write.
+    pub(crate) fn is_dirty(&self) -> bool {
+        self.dirty().next().is_some()
+    }
+
+    /// The blocks to write.
+    fn dirty(&self) -> impl Iterator<Item = usize> {
+        self.tracker.dirty(self.view.changes, self.lod)
+    }
+
+    /// Notes that nothing changed. Returns the number of blocks.
+    pub(crate) fn skip(&mut self) -> u64 {
+        self.tracker.written((self.view.changes, self.lod, self.mesh.vertex_count()), &[], &[]);
+        self.mesh.blocks() as u64
+    }
 }
+
+/// Bounds of the memory that a deform takes for each block that it writes, and for each thread, bytes.
+const ITEM: usize = 128;
+const TASK: usize = 16 << 10;
 
 /// Evaluates the blocks that changed since each output was last written, and writes only those, of as many outputs as the
 /// budget allows. [`Output::check`] must have passed for each output.
-pub(crate) fn write_outputs(outputs: &mut [Output<'_, '_>], budget: u64, tasks: &dyn TaskSystem) -> DeformReport {
+pub(crate) fn write_outputs(
+    outputs: &mut [Output<'_, '_>],
+    budget: u64,
+    tasks: &dyn TaskSystem,
+) -> Result<DeformReport, Error> {
     let waiting = budget::waiting(budget, outputs.iter().map(|o| (&*o.tracker, &o.view, o.lod)));
     let waits = |output: usize| waiting.binary_search_by_key(&output, |due| due.output).is_ok();
     // (output, block) of each work item, in the order of outputs.
-    let mut items: Vec<(u32, u32)> = Vec::new();
+    let most: usize = outputs.iter().map(|output| output.dirty().count()).sum();
+    if most > 0 {
+        headroom(most.saturating_mul(ITEM) + tasks.workers().saturating_mul(TASK), "the blocks to deform")?;
+    }
+    let mut items: Vec<(u32, u32)> = reserve(most, "the blocks to deform")?;
     let mut work = 0;
     for (o, output) in outputs.iter().enumerate().filter(|(o, _)| !waits(*o)) {
         let before = items.len();
-        let dirty = output.tracker.dirty(output.view.changes, output.lod);
-        items.extend(dirty.map(|block| (o as u32, block as u32)));
+        items.extend(output.dirty().map(|block| (o as u32, block as u32)));
         // As if one dent moved each block.
         let lookups = output.view.damage.dents().iter().map(Dent::lookups).max().unwrap_or(0);
         work += (items.len() - before) * (1 + LOOKUP * lookups);
     }
     let tasks = if work < SMALL && tasks.sleeps() { &Serial } else { tasks };
     let total = items.len();
-    let mut bounds = vec![Aabb::EMPTY; total];
+    let mut bounds = reserve(total, "the bounds of blocks")?;
+    bounds.resize(total, Aabb::EMPTY);
     let parts_skipped = AtomicU64::new(0);
     {
         let slots = Scattered::new(&mut bounds);
@@ -131,7 +159,7 @@ pub(crate) fn write_outputs(outputs: &mut [Output<'_, '_>], budget: u64, tasks: 
         report.blocks_skipped += (blocks - count) as u64;
         report.vertices_written += output.tracker.changed().iter().map(|r| u64::from(r.end - r.start)).sum::<u64>();
     }
-    report
+    Ok(report)
 }
 
 /// Memory that a task reuses from block to block.

@@ -16,6 +16,8 @@ pub struct Tracker {
     epoch: u64,
     block_bounds: Vec<Aabb>,
     changed: Vec<Range<u32>>,
+    /// Around the vertices of `changed`, before and after the last write.
+    changed_bounds: Option<Aabb>,
     bounds: Option<Aabb>,
     /// Calls in a row that had to leave it out.
     pub(crate) calls_waited: u32,
@@ -35,6 +37,26 @@ impl Tracker {
     /// The vertices that the last deform wrote, as increasing ranges with gaps between them.
     pub fn changed(&self) -> &[Range<u32>] {
         &self.changed
+    }
+
+    /// A box around the vertices of [`Tracker::changed`], as they were before the last deform and as they are now, m: what
+    /// partial refits of bounding volume hierarchies take. `None` if the last deform wrote nothing.
+    pub fn changed_bounds(&self) -> Option<Aabb> {
+        self.changed_bounds.filter(|_| !self.changed.is_empty())
+    }
+
+    /// The triangles with a vertex of [`Tracker::changed`], as increasing ranges with gaps between them. `triangles` are
+    /// those of the mesh that was written. The time is linear in their number.
+    pub fn changed_triangles(&self, triangles: &[[u32; 3]]) -> Vec<Range<u32>> {
+        let written = |v: &u32| {
+            let at = self.changed.partition_point(|r| r.end <= *v);
+            self.changed.get(at).is_some_and(|r| r.start <= *v)
+        };
+        let mut found = Vec::new();
+        for (i, _) in triangles.iter().enumerate().filter(|(_, t)| t.iter().any(written)) {
+            add(&mut found, i..i + 1);
+        }
+        found
     }
 
     /// Bounds of all vertices as of the last deform, m; `None` before the first.
@@ -64,13 +86,17 @@ impl Tracker {
         self.changed.clear();
         if !blocks.is_empty() {
             self.block_bounds.resize(changes.blocks[lod].len(), Aabb::EMPTY);
+            let mut around = Aabb::EMPTY;
             for ((_, b), bound) in blocks.iter().zip(bounds) {
-                self.block_bounds[*b as usize] = *bound;
+                let before = std::mem::replace(&mut self.block_bounds[*b as usize], *bound);
+                around.union(&before);
+                around.union(bound);
                 add(&mut self.changed, block_range(*b as usize, vertices));
             }
             let mut all = Aabb::EMPTY;
             self.block_bounds.iter().for_each(|b| all.union(b));
             self.bounds = Some(all);
+            self.changed_bounds = Some(around);
         }
         self.holds(changes, lod);
     }

@@ -346,7 +346,7 @@ impl Source<'_> {
         let (w, h) = (grid.dims.x as usize, grid.dims.y as usize);
         let middle = (-grid.origin / grid.cell).round().as_uvec2().min(grid.dims - UVec2::ONE);
         let first = middle.x as usize + middle.y as usize * w;
-        heights[first] = self.height(grid.position(first), 0.0, fade);
+        heights[first] = Some(self.height(grid.position(first), 0.0, fade)).filter(|z| z.is_finite()).unwrap_or(0.0);
         let mut next = VecDeque::from([first]);
         while let Some(i) = next.pop_front() {
             let (x, y) = (i % w, i / w);
@@ -358,7 +358,9 @@ impl Source<'_> {
             ];
             for j in beside.into_iter().flatten() {
                 if heights[j].is_nan() {
-                    heights[j] = self.height(grid.position(j), heights[i], fade);
+                    let found = self.height(grid.position(j), heights[i], fade);
+                    // NaN would be visited again and again.
+                    heights[j] = if found.is_finite() { found } else { heights[i] };
                     next.push_back(j);
                 }
             }
@@ -373,7 +375,7 @@ impl Source<'_> {
             let near = self.index.four_if_near(p, fade);
             let (mut sum, mut total) = (0.0, 0.0);
             for (d2, v) in near.iter() {
-                let w = 1.0 / d2.max(fade * fade * 1e-8);
+                let w = 1.0 / d2.max(touching(fade));
                 sum += self.to_frame(self.positions[*v as usize]).z * w;
                 total += w;
             }
@@ -395,8 +397,7 @@ impl Source<'_> {
     /// fade with distance from the surface, and are zero if `still`.
     fn sample(&self, p: Vec3, fade: f32, still: bool) -> Sample {
         let (mut sample, mut facing, mut sum) = (Sample::default(), Vec3::ZERO, 0.0f32);
-        // Distances below a ten-thousandth of the fade count as zero.
-        let floor = fade * fade * 1e-8;
+        let floor = touching(fade);
         let near = self.index.four_if_near(p, fade);
         let Some((nearest, _)) = near.first() else { return sample };
         let keep = (2.0 - 2.0 * nearest.sqrt() / fade).clamp(0.0, 1.0);
@@ -437,6 +438,11 @@ struct Sample {
     displacement: Vec3,
     normal: Vec3,
     facing: f32,
+}
+
+/// Distances below a ten-thousandth of the fade count as zero. Squared, m². Its inverse is finite for the smallest body too.
+fn touching(fade: f32) -> f32 {
+    (fade * fade * 1e-8).max(1e-30)
 }
 
 /// Quantizes vectors. Returns the steps of x, y and z, chosen so that the largest value is [`MOST`] steps, and the

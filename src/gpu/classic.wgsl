@@ -104,7 +104,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     set_state(words * vertex.index, position);
     // `factor` in src/mesh/limits.rs.
     let u = position - base;
-    let length = sqrt(dot3(u, u));
+    let length = maximum(sqrt(dot3(u, u)), LEAST_LENGTH);
     let allowed = within_own_limits(out, vertex.index, length);
     let shortened = length > allowed;
     let factor = allowed / length;

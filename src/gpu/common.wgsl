@@ -49,6 +49,9 @@ fn half_float(at: u32, vertex: u32) -> f32 {
     return bitcast<f32>((arena[at + (vertex >> 1u)] >> ((vertex & 1u) * 16u)) << 16u);
 }
 
+// `LEAST_LENGTH` in src/mesh/limits.rs.
+const LEAST_LENGTH: f32 = 1e-18;
+
 // How far a vertex moves that would move by `length`, by its own stiffness and depth limit.
 fn within_own_limits(t: TargetWork, vertex: u32, length: f32) -> f32 {
     var allowed = length;

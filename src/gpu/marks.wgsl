@@ -200,10 +200,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     var u = sums.all;
     var change = sums.change;
     if (flags & (DEEPEST | LIMITED)) != 0u || out.depths != NONE || out.gives != NONE {
-        let length = sqrt(dot3(u, u));
+        let length = maximum(sqrt(dot3(u, u)), LEAST_LENGTH);
         var allowed = length;
         if (flags & DEEPEST) != 0u {
-            allowed = minimum(sqrt(sums.longest), allowed);
+            allowed = minimum(maximum(sqrt(sums.longest), LEAST_LENGTH), allowed);
         }
         allowed = within_own_limits(out, vertex.index, allowed);
         if (flags & LIMITED) != 0u {

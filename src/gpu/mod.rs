@@ -23,7 +23,10 @@ pub(crate) use layout::Call;
 pub(crate) use limits::{BindingLimits, check_workgroup_size};
 pub use plan::{FrameReport, Job};
 pub(crate) use plan::{Plan, PlanTarget, check, missing_state};
+#[cfg(feature = "wgpu")]
 pub(crate) use spirv::Module;
+#[cfg(feature = "vulkan")]
+pub(crate) use spirv::compiled;
 pub(crate) use target::TargetState;
 pub(crate) use vertices::binding_range;
 pub use vertices::{HostFormat, TargetDef, VertexStream};

@@ -144,6 +144,12 @@ impl VertexLayout {
         self.streams().any(|(_, s)| s.format != Encoding::F32)
     }
 
+    /// Whether normals, tangents and wear are written.
+    #[cfg(all(feature = "capi", feature = "vulkan"))]
+    pub(crate) fn written(&self) -> [bool; 3] {
+        [self.normals, self.tangents, self.wear].map(|s| s.is_some())
+    }
+
     /// The kernel that writes this layout. Fails if the mesh lacks an attribute.
     fn kernel(&self, mesh: &Mesh) -> Result<Kernel, Error> {
         let kernel = match (self.normals, self.tangents) {
@@ -170,14 +176,14 @@ impl VertexLayout {
         for (attribute, s) in self.streams() {
             let name = attribute.name();
             for (what, value) in [("offset", s.offset), ("stride", s.stride)] {
-                Strided::check_aligned(format!("the {name} {what}"), value, 4)?;
+                Strided::check_aligned(format_args!("the {name} {what}"), value, 4)?;
             }
             let strided = s.strided(attribute, vertices);
-            strided.check_stride(&format!("the {name} stride"))?;
+            strided.check_stride(format_args!("the {name} stride"))?;
             if s.stride > u64::from(u32::MAX) {
                 return Err(Error::invalid(&format!("the {name} stride"), s.stride, "at most 4294967295 bytes"));
             }
-            strided.check_size(&format!("the target's range, for {},", attribute.plural()), size)?;
+            strided.check_size(format_args!("the target's range, for {},", attribute.plural()), size)?;
             low = low.min(s.offset);
             high = high.max(strided.span().end);
         }

@@ -1,7 +1,7 @@
 //! Deforms instances into the caller's memory.
 
 use super::Instance;
-use crate::base::error::Error;
+use crate::base::error::{Error, reserve};
 use crate::base::tasks::TaskSystem;
 use crate::deform::view::DamageView;
 use crate::deform::{DeformReport, Output, Tracker, VertexMemory, evaluate, write_outputs};
@@ -45,18 +45,34 @@ pub fn deform_within(
     budget: u64,
     tasks: &dyn TaskSystem,
 ) -> Result<DeformReport, Error> {
-    let mut outputs = Vec::with_capacity(jobs.len());
+    let mut changed = 0;
     for job in jobs.iter_mut() {
-        let mesh = job.instance.example_set().lod(job.lod)?;
-        if job.lod > 0 && job.instance.classic_state().is_some() {
-            return Err(job.instance.needs_marks("a deform of another level of detail than 0"));
-        }
-        let output =
-            Output { view: job.instance.view(), lod: job.lod, mesh, tracker: job.tracker, memory: &job.memory };
+        let output = output(job)?;
         output.check()?;
-        outputs.push(output);
+        changed += usize::from(output.is_dirty());
     }
-    Ok(write_outputs(&mut outputs, budget, tasks))
+    // Outputs without changes need no memory, so a frame without changes allocates nothing.
+    let mut outputs = reserve(changed, "deform jobs")?;
+    let mut skipped = 0;
+    for job in jobs.iter_mut() {
+        let mut output = output(job)?;
+        if output.is_dirty() {
+            outputs.push(output);
+        } else {
+            skipped += output.skip();
+        }
+    }
+    let mut report = write_outputs(&mut outputs, budget, tasks)?;
+    report.blocks_skipped += skipped;
+    Ok(report)
+}
+
+fn output<'j>(job: &'j mut DeformJob<'_, '_>) -> Result<Output<'j, 'j>, Error> {
+    let mesh = job.instance.example_set().lod(job.lod)?;
+    if job.lod > 0 && job.instance.classic_state().is_some() {
+        return Err(job.instance.needs_marks("a deform of another level of detail than 0"));
+    }
+    Ok(Output { view: job.instance.view(), lod: job.lod, mesh, tracker: job.tracker, memory: &job.memory })
 }
 
 impl Instance {

@@ -2,6 +2,7 @@
 
 pub(crate) mod archive;
 pub(crate) mod attach;
+pub(crate) mod attachment;
 mod contacts;
 pub(crate) mod deform;
 mod growth;
@@ -11,6 +12,8 @@ mod part_state;
 pub(crate) mod parts;
 mod selection;
 pub(crate) mod skin;
+pub(crate) mod threshold_state;
+mod thresholds;
 
 use crate::base::error::{Error, at_least_zero, positive, reserve};
 use crate::classic::{Blend, ClassicState};
@@ -35,6 +38,7 @@ use part_state::PartState;
 use std::num::NonZeroU64;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use threshold_state::Thresholds;
 
 /// One dented copy of an example set's mesh.
 ///
@@ -66,6 +70,7 @@ pub struct Instance {
     history: Option<History>,
     growth: Growth,
     parts: PartState,
+    thresholds: Thresholds,
     classic: Option<ClassicState>,
     limit: f32,
     /// The tolerance in use: a power of two times 1 m, or 0.
@@ -113,6 +118,7 @@ impl Instance {
             history: None,
             growth: Growth::new(options.grow_time),
             parts: PartState::default(),
+            thresholds: Thresholds::default(),
             classic,
             limit,
             tolerance,
@@ -276,6 +282,18 @@ impl Instance {
             self.threshold = threshold;
             shown.touch_all(&mut |d: &Dent| touch.dent(d));
         }
+    }
+
+    /// Number of hits that wait for [`Instance::fold`].
+    #[cfg(feature = "capi")]
+    pub(crate) fn pending(&self) -> usize {
+        self.inbox.queue().len()
+    }
+
+    /// Number of marks, without the hits that wait.
+    #[cfg(feature = "capi")]
+    pub(crate) fn mark_count(&self) -> usize {
+        self.damage.marks().len()
     }
 
     /// Turns the hits that have arrived into damage. The result does not depend on the order or the threads in which
@@ -576,6 +594,7 @@ impl Instance {
             + self.damage.memory_bytes()
             + self.contacts.memory_bytes()
             + self.growth.memory_bytes()
+            + self.thresholds.memory_bytes()
             + self.history.as_ref().map_or(0, History::memory_bytes)
     }
 

@@ -12,6 +12,8 @@ use super::part_state::PartState;
 use crate::base::error::Error;
 use crate::base::math::Aabb;
 use crate::base::tasks::Serial;
+use crate::damage::mark::Mark;
+use crate::damage::overlap::depth_of_one;
 use crate::deform::evaluate::{BlockJob, Scratch, block};
 use crate::deform::view::DamageView;
 use crate::example::set::ExampleSet;
@@ -28,13 +30,16 @@ pub struct PartDamage {
     pub deepest: f32,
     /// Mean distance over all vertices, m.
     pub mean: f32,
+    /// Depth of one hit that has the energy of all marks whose contact is on the mesh, m. It grows with every hit, also
+    /// where hits lie far apart. A repair takes energy away. 0 with a classic rule.
+    pub energy: f32,
 }
 
 impl Instance {
     /// Takes a part off the body: mesh `part` of the set, which is not 0. Returns an instance of its own with the same
     /// set, options, transform and damage. Hits on it land only on the part, and hits on this one land only on what is
     /// left. It may have the base mesh's vertices of the part, so write only the part's mesh from it, and no longer from
-    /// this one.
+    /// this one. Thresholds on the part's mesh, and on points of its surface, are then the part's.
     ///
     /// # Errors
     /// [`Error::IndexOutOfRange`]; [`Error::InvalidArgument`] for 0, a part that is off already, a mesh that has no
@@ -55,6 +60,10 @@ impl Instance {
         released.load(&bytes)?;
         released.growth.set_time(self.growth.time());
         released.parts.of = part;
+        released.thresholds = self.thresholds.of_part(part, |triangle| {
+            let corners = triangle.map(|v| v as usize);
+            corners.iter().all(|v| known.is_in[*v]) && corners.iter().any(|v| known.is_own[*v])
+        });
         let own = self.inbox.params();
         let mut params = released.inbox.params_mut();
         (params.world_to_local, params.local_origin_in_world) = (own.world_to_local, own.local_origin_in_world);
@@ -125,9 +134,9 @@ impl Instance {
         Ok(())
     }
 
-    /// Measures how far the vertices of a mesh of the set have moved, after folding the hits that have arrived: to compare
-    /// with thresholds. Dents count in full while they grow, and the tolerance leaves out nothing. So the same damage gives
-    /// the same numbers on every platform. Takes about as long as a deform of the whole mesh.
+    /// Measures how far the vertices of a mesh of the set have moved, and what hit it, after folding the hits that have
+    /// arrived. Dents count in full while they grow, and the tolerance leaves out nothing. So the same damage gives the same
+    /// numbers on every platform. Takes about as long as a deform of the whole mesh.
     ///
     /// # Errors
     /// [`Error::IndexOutOfRange`]; [`Error::WrongRule`] for a mesh other than 0 with a classic rule.
@@ -137,11 +146,19 @@ impl Instance {
         if lod > 0 {
             self.only_marks("measure of another mesh than 0")?;
         }
-        let view = DamageView { damage: &self.damage, threshold: 0.0, ..self.view() };
+        let view = self.complete_view();
         let (mut scratch, mut positions) = (Scratch::new(), [0.0; 3 * BLOCK]);
         let (mut deepest, mut sum) = (0.0f64, 0.0f64);
-        for at in 0..mesh.blocks() {
+        let marks = self.damage.marks();
+        let contact = |mark: &Mark| self.set.mesh().positions()[mark.contact as usize];
+        let mut is_on_mesh = vec![false; marks.len()];
+        for (at, bounds) in mesh.block_bounds.iter().enumerate() {
             let range = block_range(at, mesh.vertex_count());
+            let at_rest = &mesh.mesh.positions()[range.clone()];
+            for (mark, is_on_mesh) in marks.iter().zip(&mut is_on_mesh) {
+                let near = bounds.distance_squared(contact(mark)) <= 0.0;
+                *is_on_mesh |= near && at_rest.contains(&contact(mark));
+            }
             let positions = &mut positions[..3 * range.len()];
             block(
                 BlockJob { view: &view, lod: mesh, block: at },
@@ -150,13 +167,23 @@ impl Instance {
                 None,
                 &mut Aabb::EMPTY.clone(),
             );
-            for (base, now) in mesh.mesh.positions()[range].iter().zip(positions.chunks_exact(3)) {
+            for (base, now) in at_rest.iter().zip(positions.chunks_exact(3)) {
                 let moved = (Vec3::from_slice(now).as_dvec3() - base.as_dvec3()).length();
                 deepest = deepest.max(moved);
                 sum += moved;
             }
         }
-        Ok(PartDamage { deepest: deepest as f32, mean: (sum / mesh.vertex_count().max(1) as f64) as f32 })
+        let on_mesh = marks.iter().zip(is_on_mesh).filter_map(|(mark, is_on_mesh)| is_on_mesh.then_some(mark));
+        Ok(PartDamage {
+            deepest: deepest as f32,
+            mean: (sum / mesh.vertex_count().max(1) as f64) as f32,
+            energy: depth_of_one(on_mesh, self.set.options().combine),
+        })
+    }
+
+    /// The dents in full while they grow. The tolerance leaves out nothing.
+    pub(super) fn complete_view(&self) -> DamageView<'_> {
+        DamageView { damage: &self.damage, threshold: 0.0, ..self.view() }
     }
 
     /// Checks the number of a part and finds its vertices.

@@ -13,6 +13,10 @@ use glam::Vec3;
 /// The upper halves of one block's floats.
 pub(crate) type Halves = [u16; BLOCK];
 
+/// Limits treat shorter displacements as if they had this length, m. So a vertex that does not move still has a factor
+/// for the change of its normal. The square of this length is a normal float.
+pub(crate) const LEAST_LENGTH: f32 = 1e-18;
+
 /// The float whose upper half this is.
 pub(crate) fn whole(half: u16) -> f32 {
     f32::from_bits(u32::from(half) << 16)
@@ -109,7 +113,7 @@ impl Limits {
         if self.is_empty() {
             return 1.0;
         }
-        let length = displacement.length_squared().sqrt();
+        let length = displacement.length_squared().sqrt().max(LEAST_LENGTH);
         let most = length * self.give(v);
         let limit = self.depth(v);
         let allowed = if limit < most { limit } else { most };

@@ -40,6 +40,9 @@ pub(super) fn checked(call: &str, result: vk::Result) -> Result<(), Error> {
     match result {
         vk::Result::SUCCESS => Ok(()),
         vk::Result::ERROR_DEVICE_LOST => Err(Error::DeviceLost { call: call.into() }),
+        vk::Result::ERROR_OUT_OF_HOST_MEMORY | vk::Result::ERROR_OUT_OF_DEVICE_MEMORY => {
+            Err(Error::OutOfMemory { what: call.into(), bytes: 0 })
+        }
         other => Err(Error::Vulkan { call: call.into(), result: format!("{other:?}") }),
     }
 }

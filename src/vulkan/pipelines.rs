@@ -3,16 +3,9 @@
 use super::functions::checked;
 use super::vulkan_device::VulkanDevice;
 use crate::base::error::Error;
-use crate::gpu::{Call, Case, Module, Variant};
+use crate::gpu::{Call, Variant, compiled};
 use ash::vk::{self, Handle};
 use std::ptr::{null, null_mut};
-
-/// Of the marks, and of the classic rules.
-const MODULES: [Module; 2] = include!(concat!(env!("OUT_DIR"), "/vulkan_modules.rs"));
-
-fn words(variant: Variant, invocations: u32) -> Vec<u32> {
-    MODULES[usize::from(variant.case == Case::Classic)].compiled(variant, invocations)
-}
 
 /// The kernels, for tools that compile them without a device of Crumple: name and SPIR-V.
 #[doc(hidden)]
@@ -20,7 +13,7 @@ pub fn kernels() -> impl Iterator<Item = (String, Vec<u32>)> {
     Variant::all().map(|v| {
         let name = format!("{:?} {:?}{}", v.case, v.kernel, if v.packed { " packed" } else { "" })
             + if v.wear { " wear" } else { "" };
-        (name.to_lowercase(), words(v, 128))
+        (name.to_lowercase(), compiled(v, 128))
     })
 }
 
@@ -99,7 +92,7 @@ impl VulkanDevice {
         if !k.pipelines[number].is_null() {
             return Ok(());
         }
-        let words = words(variant, k.workgroup);
+        let words = compiled(variant, k.workgroup);
         let info = vk::ShaderModuleCreateInfo::default().code(&words);
         let mut module = vk::ShaderModule::null();
         // SAFETY: as above. The SPIR-V is valid.

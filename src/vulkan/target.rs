@@ -58,8 +58,7 @@ impl Target {
     /// Whether normals, tangents and wear are written.
     #[cfg(feature = "capi")]
     pub(crate) fn written(&self) -> [bool; 3] {
-        let layout = &self.state.layout;
-        [layout.normals, layout.tangents, layout.wear].map(|s| s.is_some())
+        self.state.layout.written()
     }
 
     /// A box around all vertices as of the last recording, m; `None` before the first. It may be too large, since the CPU only knows

@@ -167,7 +167,7 @@ int main(void) {
     large.mesh.tangents = input_of(NULL, 0, 0);
     large.mesh.indices = input_of(NULL, 0, 0);
     large.mesh.index_count = 0;
-    second.limit = 64 * 1024;
+    second.limit = 256 * 1024;
     OK(crumple_allocator_set(&other));
     FAILS_KEEPING(CRUMPLE_ERROR_OUT_OF_MEMORY, "1200000 bytes", set, crumple_example_set_create(context, &large, &set));
     OK(crumple_allocator_set(&def));

@@ -52,6 +52,17 @@ static void gltf(const char *path, const char *folder) {
     OK(crumple_example_set_load_gltf(context, &def, &set));
     OK(crumple_example_set_destroy(context, set));
 
+    // A body of its nodes.
+    uint32_t part = 0;
+    def.join_nodes = true;
+    OK(crumple_example_set_load_gltf(context, &def, &set));
+    OK(crumple_example_set_get_info(context, set, &info));
+    OK(crumple_example_set_find_part(context, set, "Plate", &part));
+    FACT(info.lod_count == 2 && part == 1);
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "Plate", part, crumple_example_set_find_part(context, set, "Bumper", &part));
+    OK(crumple_example_set_destroy(context, set));
+    def.join_nodes = false;
+
     // Choosing a mesh.
     def.mesh_name = "no such mesh";
     FAILS_KEEPING(CRUMPLE_ERROR_FORMAT, "no such mesh", set, crumple_example_set_load_gltf(context, &def, &set));

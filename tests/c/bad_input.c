@@ -120,6 +120,20 @@ static void meshes(void) {
     }
     BAD_SET(BUFFER_TOO_SMALL, "def.mesh.depth_limits", def.mesh.depth_limits = input_of(limits, sizeof limits - 4, 4));
     BAD_SET(BUFFER_TOO_SMALL, "def.mesh.stiffness", def.mesh.stiffness = input_of(limits, sizeof limits - 4, 4));
+    // Solids that dents must not enter.
+    CrumpleCapsule capsule = {vec3(0, 0, 0), vec3(0, 0, 1), 0.1f};
+    memset(limits, 0xAB, sizeof limits);
+    BAD(NULL_POINTER, "mesh is null", crumple_mesh_keep_out(NULL, &capsule, 1, NULL, 0, limits));
+    BAD(NULL_POINTER, "capsules is null", crumple_mesh_keep_out(&sheet.def.mesh, NULL, 1, NULL, 0, limits));
+    BAD(NULL_POINTER, "out_limits is null", crumple_mesh_keep_out(&sheet.def.mesh, &capsule, 1, NULL, 0, NULL));
+    BAD(MESH, "solid 1 has 1152 triangles and 96 open edges", crumple_mesh_keep_out(&sheet.def.mesh, &capsule, 1, &sheet.def.mesh, 1, limits));
+    CrumpleMeshDef solid = sheet.def.mesh;
+    solid.positions.data = NULL;
+    solid.positions.size = 0;
+    BAD(NULL_POINTER, "meshes[0].positions", crumple_mesh_keep_out(&sheet.def.mesh, NULL, 0, &solid, 1, limits));
+    capsule.radius = -1;
+    BAD(INVALID_ARGUMENT, "radius of solid 0", crumple_mesh_keep_out(&sheet.def.mesh, &capsule, 1, NULL, 0, limits));
+    FACT(keeps(limits, sizeof limits));
     // Triangles.
     BAD_SET(INVALID_ARGUMENT, "multiple of 3", def.mesh.index_count -= 1);
     BAD_SET(BUFFER_TOO_SMALL, "def.mesh.indices", def.mesh.index_count += 3);
@@ -510,6 +524,10 @@ static void buffers(void) {
     buffer_def.tangents = stream_of(NULL, 0, 0, 0);
     buffer_def.normals = stream_of(memory, sizeof memory, 12, 40);
     BAD_KEEPING(MESH, "normals", same, crumple_buffer_register_host(context, bare, &buffer_def, &same));
+    buffer_def.normals = stream_of(NULL, 0, 0, 0);
+    CrumpleBuffer points;
+    OK(crumple_buffer_register_host(context, bare, &buffer_def, &points));
+    FAILS_KEEPING(CRUMPLE_ERROR_MESH, "no triangles; give it indices", count, crumple_buffer_get_changed_triangles(context, points, NULL, 0, &count, NULL));
     OK(crumple_instance_destroy(context, bare));
     OK(crumple_example_set_destroy(context, out_set));
 
@@ -523,6 +541,8 @@ static void buffers(void) {
     memset(&bounds, 0xAB, sizeof bounds);
     FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "ranges is null", count, crumple_buffer_get_changes(context, buffer, NULL, 1, &count, &bounds));
     FAILS(CRUMPLE_ERROR_NULL_POINTER, "out_count is null", crumple_buffer_get_changes(context, buffer, ranges, 1, NULL, &bounds));
+    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "ranges is null", count, crumple_buffer_get_changed_triangles(context, buffer, NULL, 1, &count, &bounds));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "out_count is null", crumple_buffer_get_changed_triangles(context, buffer, ranges, 1, NULL, &bounds));
     FACT(keeps(&bounds, sizeof bounds));
     usable();
 }

@@ -28,6 +28,31 @@ static CrumpleBuffer register_all(CrumpleInstance body, Vertex *vertices) {
     return buffer;
 }
 
+// The triangles with a vertex in these ranges, and a box around these vertices.
+static void changed_triangles(CrumpleBuffer buffer, const Vertex *vertices, const CrumpleRange *written, uint32_t written_count) {
+    static CrumpleRange ranges[INDICES / 3];
+    bool told[INDICES / 3] = {false};
+    CrumpleAabb box;
+    uint32_t count = 0;
+    OK(crumple_buffer_get_changed_triangles(context, buffer, NULL, 0, &count, NULL));
+    FACT(count > 0 && count <= INDICES / 3);
+    OK(crumple_buffer_get_changed_triangles(context, buffer, ranges, count, &count, &box));
+    for (uint32_t i = 0; i < count; ++i)
+        for (uint32_t t = 0; t < ranges[i].count; ++t) told[ranges[i].first + t] = true;
+    for (int t = 0; t < INDICES / 3; ++t) {
+        bool changed = false;
+        for (int k = 0; k < 3; ++k)
+            for (uint32_t r = 0; r < written_count; ++r)
+                changed = changed || sheet.indices[3 * t + k] - written[r].first < written[r].count;
+        FACT(told[t] == changed);
+    }
+    for (uint32_t r = 0; r < written_count; ++r)
+        for (uint32_t v = written[r].first; v < written[r].first + written[r].count; ++v) {
+            FACT(vertices[v].position[2] >= box.min.z && vertices[v].position[2] <= box.max.z);
+            FACT(sheet.positions[v][0] >= box.min.x && sheet.positions[v][1] <= box.max.y);
+        }
+}
+
 // Only the registered bytes are written, normals are of unit length, tangents at right angles to them.
 static void interleaved(void) {
     static Vertex vertices[VERTICES];
@@ -71,6 +96,7 @@ static void interleaved(void) {
     for (uint32_t i = 0; i < count; ++i) written += ranges[i].count;
     FACT(written == report.vertices_written);
     for (int v = 0; v < VERTICES; ++v) FACT(vertices[v].position[2] >= bounds.min.z && vertices[v].position[2] <= bounds.max.z);
+    changed_triangles(buffer, vertices, ranges, count);
 
     // A second buffer of the same instance gets everything; the first is up to date.
     static Vertex second[VERTICES];
@@ -201,6 +227,51 @@ static void vertex_limits(void) {
         FACT(moved <= own[v][0] + 1e-7f && (own[v][1] == 0 || moved == 0));
     }
     FACT(deepest(vertices) > 0.04f);
+    OK(crumple_instance_destroy(context, body));
+    OK(crumple_example_set_destroy(context, limited));
+}
+
+// No dent moves a vertex into a roll cage: a bar under the sheet and a box of twelve triangles.
+static void kept_out(void) {
+    static Vertex vertices[VERTICES];
+    static float limits[VERTICES];
+    const CrumpleCapsule bar = {vec3(-0.5f, -0.2f, -0.1f), vec3(0.5f, -0.2f, -0.1f), 0.08f};
+    const float low[3] = {0.1f, 0.1f, -0.2f}, high[3] = {0.4f, 0.4f, 0.02f};
+    float corners[8][3];
+    for (int i = 0; i < 8; ++i)
+        for (int k = 0; k < 3; ++k) corners[i][k] = (i >> k & 1) != 0 ? high[k] : low[k];
+    const uint16_t faces[36] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
+    CrumpleMeshDef box = crumple_lod_def_default().mesh;
+    box.vertex_count = 8;
+    box.positions = input_of(corners, sizeof corners, sizeof corners[0]);
+    box.index_count = 36;
+    box.index_type = CRUMPLE_INDEX_TYPE_U16;
+    box.indices = input_of(faces, sizeof faces, sizeof faces[0]);
+    CrumpleExampleSetDef def = sheet.def;
+    OK(crumple_mesh_keep_out(&def.mesh, &bar, 1, &box, 1, limits));
+    def.mesh.depth_limits = input_of(limits, sizeof limits, sizeof limits[0]);
+    CrumpleExampleSet limited;
+    OK(crumple_example_set_create(context, &def, &limited));
+    CrumpleInstance body = make_instance(context, limited);
+    CrumpleBuffer buffer = register_all(body, vertices);
+    for (int i = 0; i < 81; ++i) {
+        CrumpleDisplacementDef hit = displacement_at(0.1f * (float)(i % 9) - 0.4f, 0.1f * (float)(i / 9) - 0.4f, 0.2f);
+        OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
+    }
+    OK(crumple_context_deform(context, &buffer, 1, NULL));
+    for (int v = 0; v < VERTICES; ++v) {
+        const float *p = vertices[v].position;
+        const float y = p[1] - bar.a.y, z = p[2] - bar.a.z;
+        FACT(sqrtf(y * y + z * z) > 0.0799f);
+        FACT(p[0] < low[0] || p[0] > high[0] || p[1] < low[1] || p[1] > high[1] || p[2] > high[2] - 1e-4f);
+    }
+    FACT(deepest(vertices) > 0.02f);
+
+    // Limits that the mesh has are only made less.
+    OK(crumple_mesh_keep_out(&def.mesh, NULL, 0, NULL, 0, limits));
+    limits[7] = 0.001f;
+    OK(crumple_mesh_keep_out(&def.mesh, &bar, 1, NULL, 0, limits));
+    FACT(limits[7] == 0.001f);
     OK(crumple_instance_destroy(context, body));
     OK(crumple_example_set_destroy(context, limited));
 }
@@ -475,6 +546,7 @@ int main(void) {
     interleaved();
     marks_and_bytes();
     vertex_limits();
+    kept_out();
     spaces();
     strikers();
     blows();

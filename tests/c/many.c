@@ -304,8 +304,21 @@ static void parts(void) {
     OK(crumple_context_deform(context, NULL, 0, NULL));
     for (int v = 0; v < SIDE; ++v) FACT(memcmp(vertices[0][PART - SIDE + v], vertices[1][v], sizeof vertices[0][0]) == 0);
     FACT(memcmp(mine, vertices, sizeof mine) == 0);
-    OK(crumple_instance_measure_part(context, body, 2, &before, &mean));
+    OK(crumple_instance_measure_part(context, body, 2, &before, &mean, NULL));
     FACT(fabsf(before - 0.04f) < 1e-3f && mean > 0 && mean < before);
+
+    // The game hears once that the second part is dented deep enough to fall off.
+    CrumpleThresholdDef threshold = crumple_threshold_def_default();
+    CrumplePassed passed[2];
+    threshold.number = 17;
+    threshold.lod = 2;
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "limit is 0", crumple_instance_set_threshold(context, body, &threshold));
+    threshold.limit = before;
+    OK(crumple_instance_set_threshold(context, body, &threshold));
+    OK(crumple_context_get_passed(context, passed, 2, &count));
+    FACT(count == 1 && passed[0].instance.index == body.index && passed[0].number == 17 && passed[0].value == before);
+    OK(crumple_context_get_passed(context, passed, 2, &count));
+    FACT(count == 0);
 
     // The second part comes off with its buffer: it is dented alone.
     FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "part is 0", crumple_instance_release_part(context, body, 0, &bumper));
@@ -318,7 +331,8 @@ static void parts(void) {
     OK(crumple_instance_submit_displacement(context, body, &hit, &told));
     FACT(told.contact_vertex < PART && fabsf(whole[told.contact_vertex][1]) < 1e-6f); // on the seam, the nearest of what is left
     OK(crumple_context_deform(context, NULL, 0, NULL));
-    OK(crumple_instance_measure_part(context, bumper, 2, &deepest, NULL));
+    OK(crumple_instance_measure_part(context, bumper, 2, &deepest, NULL, &mean));
+    FACT(mean >= 0.03f); // the energy of its hits
     float found = 0;
     for (int v = 0; v < PART; ++v) found = fmaxf(found, whole[PART + v][2] - vertices[1][v][2]);
     FACT(deepest >= before && fabsf(found - deepest) < 1e-4f);

@@ -181,7 +181,9 @@ static void buffers(void) {
     // A Vulkan buffer is no host buffer, and the other way round.
     CrumpleHostBufferDef host_def = crumple_host_buffer_def_default();
     host_def.positions = stream_of(sheet.targets[0], sizeof sheet.targets[0], 0, 12);
-    FAILS(invalid, "Vulkan buffer", crumple_buffer_set_memory(context, buffer, &host_def));
+    FAILS(invalid, "not a host buffer", crumple_buffer_set_memory(context, buffer, &host_def));
+    uint32_t triangles = 0;
+    FAILS(invalid, "buffer is not a host buffer", crumple_buffer_get_changed_triangles(context, buffer, NULL, 0, &triangles, NULL));
     FAILS(invalid, "buffers[0] is a Vulkan buffer", crumple_context_deform(context, &buffer, 1, NULL));
     OK(crumple_buffer_register_host(context, body, &host_def, &other));
     FAILS(invalid, "buffers[0] is a host buffer", crumple_vulkan_record(context, &host, 1, &other, 1, NULL));

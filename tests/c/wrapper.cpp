@@ -47,6 +47,8 @@ int main() {
     FACT(body.end_contact(0).result() == CRUMPLE_ERROR_INVALID_ARGUMENT);
     FACT(context.deform().value().vertices_written == VERTICES);
     FACT(buffer.changes().value().size() == 1);
+    CrumpleAabb box{};
+    FACT(buffer.changed_triangles(&box).value().size() == 1 && box.max.x == 0.5f);
     FACT(body.marks().value().size() == 1 && other.marks().value().empty());
     const auto saved = body.save().value();
     other.load(saved).value();
@@ -99,6 +101,12 @@ int main() {
     crumple::Instance whole = context.create_instance(sheets).value(), off = whole.release_part(part).value();
     FACT(off.submit_displacement(vec3(0, 0, 0.07f), vec3(0, 0, -0.04f)).value().contact_vertex < SIDE * 2);
     FACT(off.measure_part(part).value().deepest > off.measure_part(part).value().mean);
+    CrumpleThresholdDef threshold = crumple_threshold_def_default();
+    threshold.measure = CRUMPLE_MEASURE_ENERGY;
+    threshold.lod = part;
+    threshold.limit = off.measure_part(part).value().energy;
+    off.set_threshold(threshold).value();
+    FACT(context.passed().value().size() == 1 && context.passed().value().empty());
     whole.mount_part(off).value();
     FACT(!whole.mount_part(off).ok());
     whole.set_part_rigid(part, true).value();
@@ -113,6 +121,18 @@ int main() {
     FACT(normal.data == vertices.data() && normal.offset == 12 && normal.stride == 24 && normal.size == VERTICES * 24);
     crumple::Buffer interleaved = body.register_buffer(crumple::stream(vertices, &Vertex::position), normal).value();
     interleaved.reset();
+
+    // Plans for a render graph.
+    if (crumple_features() & CRUMPLE_FEATURE_VULKAN) {
+        CrumpleVulkanBufferDef graph = crumple_vulkan_buffer_def_default();
+        graph.buffer_size = graph.size = VERTICES * 12;
+        graph.positions.stride = 12;
+        graph.positions.format = 106; // VK_FORMAT_R32G32B32_SFLOAT
+        const crumple::Buffer shown = body.register_graph_buffer(graph).value();
+        const CrumpleGraphPlan plan = context.plan_graph().value();
+        FACT(plan.dispatch_count == 1);
+        FACT(crumple::Context::graph_kernel(plan.dispatches[0].kernel).value().size() > 1000);
+    }
 
     // Errors.
     const auto failed = body.submit_impulse(vec3(0, 0, 0), vec3(0, 0, -1), 0);

@@ -80,6 +80,25 @@ fn info_tells_what_a_file_holds() {
 }
 
 #[test]
+fn join_makes_a_body_of_a_files_nodes() {
+    let folder = Folder::empty();
+    let (file, baked, out) = ("tests/fixtures/nodes.glb", folder.at("nodes.crumple"), folder.at("dented.glb"));
+    let report = crumple(&["info", file, "--join"]).report();
+    has(&report, &["part 1    Wheel: ", "part 2    Door: ", "part 3    Panel: ", "part 4    Door again: "]);
+    has(&crumple(&["bake", file, "--join", "--reorder", "-o", &baked]).report(), &["part 4    Door again: "]);
+    has(&crumple(&["info", &baked]).report(), &["level 4   ", "at most 0.0 mm off the base surface"]);
+    let joined = crumple::import::gltf_body_file(&asset(file)).expect("a body");
+    let crumple::Deltas::Sparse { indices, .. } = &joined.examples[0].positions else { panic!("sparse") };
+    let [x, y, z] = joined.mesh.positions[indices[0] as usize];
+    let json = format!(r#"[{{"point": [{x}, {y}, {z}], "displacement": [0, 0, -0.01]}}]"#);
+    crumple(&["apply", file, "--join", "--impacts", &folder.write("i.json", json), "-o", &out]).report();
+    let dented = gltf::Gltf::open(&out).expect("a GLB");
+    let positions = |p: gltf::Primitive| p.get(&gltf::Semantic::Positions).map_or(0, |accessor| accessor.count());
+    let count: usize = dented.meshes().flat_map(|mesh| mesh.primitives()).map(positions).sum();
+    assert_eq!(count, joined.mesh.positions.len());
+}
+
+#[test]
 fn info_warns_of_a_level_of_detail_far_off_the_body() {
     let Imported { mesh, examples, .. } = import(PANEL);
     let mut set = crumple::ExampleSet::build(mesh.clone(), examples, Default::default(), &crumple::Serial).unwrap();

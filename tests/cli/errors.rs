@@ -81,7 +81,7 @@ fn files_that_are_missing_or_something_else() {
         ("info PANEL --mesh bonnet", &["bonnet", "panel"]),
         ("info PANEL --mesh 3", &["3", "panel"]),
         ("info PANEL --example a.obj", &["--example needs an OBJ base"]),
-        ("info tests/fixtures/plate.obj --mesh a", &["--mesh chooses a mesh of a glTF file"]),
+        ("info tests/fixtures/plate.obj --mesh a", &["--mesh and --join are for glTF files"]),
         ("replay no/such/file", &["no/such/file", "(os error "]),
         ("replay PANEL", &["panel.glb", "this is no recording"]),
     ] {

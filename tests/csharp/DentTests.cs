@@ -160,8 +160,19 @@ static class DentTests
             Check.That(told.ContactVertex >= Rows * Sheet.Side, "on what is left");
             told = bumper.SubmitDisplacement(Sheet.Hit(0, 0.4f, 0.03f));
             Check.That(told.ContactVertex < Rows * Sheet.Side, "on the part");
-            float deepest = bumper.MeasurePart(part, out float mean);
-            Check.That(mean > 0 && mean < deepest && deepest < 0.05f, "measured");
+            float deepest = bumper.MeasurePart(part, out float mean, out float energy);
+            Check.That(mean > 0 && mean < deepest && deepest < 0.05f && energy > 0.02f, "measured");
+            CrumpleThresholdDef threshold = CrumpleThresholdDef.Default;
+            threshold.Number = 9;
+            threshold.Lod = (uint)part;
+            threshold.Limit = deepest;
+            bumper.SetThreshold(threshold);
+            CrumplePassed[] passed = new CrumplePassed[2];
+            Check.Same(1, context.GetPassed(passed), "passed");
+            Check.That(passed[0].Number == 9 && passed[0].Value == deepest && passed[0].Instance.Equals(bumper.Id), "which and how deep");
+            Check.Same(0, context.GetPassed(passed), "once");
+            threshold.Limit = 0;
+            Check.Fails(CrumpleResult.ErrorInvalidArgument, "above 0 m", () => bumper.SetThreshold(threshold));
             body.MountPart(bumper);
             ulong before = bumper.Revision;
             body.SubmitDisplacement(Sheet.Hit(0, -0.3f, 0.03f));
@@ -199,8 +210,13 @@ static class DentTests
             Check.Same(vertices.Min(v => v.Z), bounds.Min.Z, "lowest");
             Check.Same(vertices.Max(v => v.Z), bounds.Max.Z, "highest");
             Check.Fails(CrumpleResult.ErrorBufferTooSmall, "room for 0", () => buffer.GetChanges(default(Span<CrumpleRange>), out bounds));
+            CrumpleRange[] triangles = new CrumpleRange[Sheet.Vertices];
+            Check.That(buffer.GetChangedTriangles(triangles, out CrumpleAabb changed) > 0 && triangles[0].Count > 0, "triangles");
+            for (uint v = ranges[0].First; v < ranges[0].First + ranges[0].Count; v++)
+                Check.That(before[v].Z <= changed.Max.Z && vertices[v].Z >= changed.Min.Z, "the box holds before and now");
             context.Deform();
             Check.Same(0, buffer.GetChanges(default(Span<CrumpleRange>), out bounds), "nothing changed");
+            Check.Same(0, buffer.GetChangedTriangles(default(Span<CrumpleRange>), out bounds), "no triangle changed");
             buffer.Invalidate();
             Array.Clear(vertices, 0, vertices.Length);
             Check.Same((ulong)Sheet.Vertices, context.Deform().VerticesWritten, "all again");

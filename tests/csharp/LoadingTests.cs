@@ -32,6 +32,11 @@ static class LoadingTests
                 using (ExampleSet limited = context.LoadGltf(path, options: options))
                     Check.Same(0.001f, limited.GetInfo().Values.DepthLimit, "limit");
             }
+            using (ExampleSet body = context.LoadGltf(path, joinNodes: true))
+            {
+                Check.Same(1, body.FindPart("Plate"), "the only part");
+                Check.Fails(CrumpleResult.ErrorInvalidArgument, "Plate", () => body.FindPart("Bumper"));
+            }
             Check.Fails(CrumpleResult.ErrorIo, "nowhere.glb", () => context.LoadGltf("nowhere.glb"));
             Check.Fails(CrumpleResult.ErrorFormat, "", () => context.LoadGltf(new byte[64]));
             Check.Throws<ArgumentNullException>(() => context.LoadGltf((string)null));

@@ -162,7 +162,7 @@ pub struct Sample {
 }
 
 impl Chart {
-    pub fn of(stamp: &crumple::Stamp, frame: glam::Mat3) -> Self {
+    pub fn of(stamp: &crumple::Stamp, frame: crumple::glam::Mat3) -> Self {
         let (first, step) = stamp.grid();
         Self {
             dims: stamp.dims().map(|n| n as usize),
@@ -353,6 +353,14 @@ pub fn size(model: &Model, Scaled(mark, scales): &Scaled<'_>) -> (f64, f64) {
     sum
 }
 
+/// Resolution of the weights of a stamp's bilinear mean, with a margin: integers of 14 bits, rounded down.
+pub const WEIGHTS: f64 = 2.0 / 16384.0;
+
+/// How far the library's f32 may be from a point of the oracle. `size` is the size of the displacements summed.
+pub fn rounding(ought: V, size: f64) -> f64 {
+    WEIGHTS * size + 4e-7 * length(ought)
+}
+
 /// How far a vertex may move: the least of its depth limits, m, and 1 - stiffness.
 #[derive(Debug, Clone, Copy)]
 pub struct Limit {
@@ -370,7 +378,7 @@ pub fn displacement(model: &Model, marks: &[Scaled<'_>], vertex: usize, combine:
     }
     let s = length(sum);
     if s == 0.0 {
-        return ([0.0; 3], 1.0);
+        return ([0.0; 3], if limit.depth > 0.0 { limit.give } else { 0.0 });
     }
     let factor: f64 = if combine == Combine::Deepest { (deepest / s).min(1.0) } else { 1.0 };
     let factor = (limit.give * factor).min(limit.depth / s);

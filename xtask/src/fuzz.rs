@@ -1,12 +1,13 @@
 //! Coverage-guided fuzzing on the stable toolchain. Code generation flags switch on the compiler's coverage pass.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use clap::Args;
 use xshell::cmd;
 
+use crate::stage::Outcome;
 use crate::workspace::Workspace;
 
 /// Instruments the code for libFuzzer's coverage.
@@ -20,40 +21,98 @@ const COVERAGE: &[&str] = &[
     "--cfg=fuzzing",
 ];
 
+/// What CI gives to each target, s.
+const STAGE_SECONDS: u32 = 10;
+
 #[derive(Args)]
 pub struct Options {
-    /// Duration, s
+    /// Fuzz only this target; may be given several times [default: every file of fuzz/src/bin, one after the other]
+    #[arg(long, value_name = "NAME")]
+    target: Vec<String>,
+    /// Duration for each target, s
     #[arg(long, default_value_t = 120)]
     seconds: u32,
     /// Number of processes
     #[arg(long, default_value_t = 1)]
     jobs: u32,
-    /// Folder that keeps interesting inputs between runs [default: fuzz/corpus in the target directory]
+    /// Folder that keeps interesting inputs between runs, in a folder for each target [default: fuzz/corpus in the target directory]
     #[arg(long)]
     corpus: Option<PathBuf>,
+    /// Seed of the random changes; 0 takes another one each time
+    #[arg(long, default_value_t = 0)]
+    seed: u32,
+    /// Build with the address sanitizer too, which finds wrong accesses to memory; slower
+    #[arg(long)]
+    address: bool,
 }
 
 pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     let shell = &workspace.shell;
-    let host = workspace.rustc("host")?;
-    let home = workspace.target.join("fuzz");
-    let corpus = options.corpus.clone().unwrap_or_else(|| home.join("corpus"));
-    fs::create_dir_all(&corpus).with_context(|| format!("making {}", corpus.display()))?;
-    let manifest = workspace.path("fuzz/Cargo.toml");
-    // --target keeps build scripts and macros free of instrumentation.
-    cmd!(shell, "cargo build --release --manifest-path {manifest} --target {host} --target-dir {home}")
-        .env("RUSTFLAGS", COVERAGE.join(" "))
-        .run()?;
-    let load = home.join(host).join("release").join("load");
-    let (seconds, jobs) = (options.seconds.to_string(), options.jobs.to_string());
-    let found = format!("{}/", home.display());
-    let mut fuzz = cmd!(shell, "{load} {corpus} -max_total_time={seconds} -timeout=10 -rss_limit_mb=2048")
-        .env("CRUMPLE_SEEDS", &corpus)
-        .arg(format!("-artifact_prefix={found}"))
-        .arg("-max_len=65536")
-        .arg("-print_final_stats=1");
-    if options.jobs > 1 {
-        fuzz = fuzz.arg(format!("-fork={jobs}"));
+    let targets = targets(workspace)?;
+    for name in &options.target {
+        ensure!(targets.contains(name), "there is no target {name:?}; there are: {}", targets.join(", "));
     }
-    fuzz.run().with_context(|| format!("what broke it lies in {found}"))
+    let home = workspace.target.join(if options.address { "fuzz-address" } else { "fuzz" });
+    let programs = build(workspace, &home, options.address)?;
+    let corpus = options.corpus.clone().unwrap_or_else(|| workspace.target.join("fuzz/corpus"));
+    let (seconds, jobs, seed) = (options.seconds.to_string(), options.jobs.to_string(), options.seed.to_string());
+    for name in targets.iter().filter(|name| options.target.is_empty() || options.target.contains(name)) {
+        let corpus = corpus.join(name);
+        let found = home.join("found").join(name);
+        for folder in [&corpus, &found] {
+            fs::create_dir_all(folder).with_context(|| format!("making {}", folder.display()))?;
+        }
+        let program = programs.join(name);
+        let artifacts = format!("-artifact_prefix={}/", found.display());
+        let limits = ["-timeout=30", "-rss_limit_mb=2048", "-malloc_limit_mb=1024", "-max_len=65536"];
+        let mut fuzz = cmd!(
+            shell,
+            "{program} {corpus} {artifacts} {limits...} -max_total_time={seconds} -seed={seed} -print_final_stats=1"
+        )
+        .env("CRUMPLE_SEEDS", &corpus);
+        let dictionary = workspace.path("fuzz/dictionaries").join(name);
+        if dictionary.exists() {
+            fuzz = fuzz.arg(format!("-dict={}", dictionary.display()));
+        }
+        if options.jobs > 1 {
+            fuzz = fuzz.arg(format!("-fork={jobs}"));
+        }
+        fuzz.run().with_context(|| format!("what broke {name} lies in {}", found.display()))?;
+    }
+    Ok(())
+}
+
+/// The names of the targets.
+fn targets(workspace: &Workspace) -> Result<Vec<String>> {
+    let mut names = Vec::new();
+    for entry in fs::read_dir(workspace.path("fuzz/src/bin"))? {
+        names.extend(entry?.path().file_stem().map(|name| name.to_string_lossy().into_owned()));
+    }
+    names.sort();
+    Ok(names)
+}
+
+/// Builds all targets, and returns the folder of the programs.
+fn build(workspace: &Workspace, home: &Path, address: bool) -> Result<PathBuf> {
+    let host = workspace.rustc("host")?;
+    let manifest = workspace.path("fuzz/Cargo.toml");
+    let flags = [COVERAGE, if address { &["-Zsanitizer=address"] } else { &[] }].concat().join(" ");
+    // --target keeps build scripts and macros free of instrumentation.
+    let arguments = ["--release", "--target", &host];
+    let mut build = cmd!(workspace.shell, "cargo build --manifest-path {manifest} --target-dir {home} {arguments...}")
+        .env("RUSTFLAGS", flags);
+    if address {
+        // The compiler calls sanitizers unstable.
+        build = build.env("RUSTC_BOOTSTRAP", "1");
+    }
+    build.run()?;
+    Ok(home.join(host).join("release"))
+}
+
+/// Runs every target for a short time, with the same inputs each time.
+pub fn stage(workspace: &Workspace) -> Result<Outcome> {
+    let target = Vec::new();
+    let options = Options { target, seconds: STAGE_SECONDS, jobs: 1, corpus: None, seed: 1, address: false };
+    run(workspace, &options)?;
+    Ok(Outcome::Passed)
 }

@@ -17,6 +17,7 @@ mod install;
 mod lab;
 mod messages;
 mod native;
+mod nightly;
 mod package;
 mod peers;
 mod platforms;
@@ -24,6 +25,7 @@ mod python;
 mod reference;
 mod repo;
 mod rooms;
+mod soak;
 mod stage;
 mod target;
 mod test;
@@ -86,12 +88,16 @@ enum Command {
     Extension(blender::Options),
     /// Make the npm package and its page
     Web(web::Options),
-    /// Fuzz the readers of files, guided by coverage
+    /// Fuzz every door of the library, guided by coverage
     Fuzz(fuzz::Options),
+    /// Run unit tests in Miri, which finds undefined behaviour; needs a nightly toolchain
+    Miri,
     /// Measure accuracy, cost, stability and peers; write docs/lab with its tables, charts and report
     Lab(lab::Options),
     /// Measure fixed workloads and references in the same run; write docs/bench
     Bench(bench::Options),
+    /// Hit, deform, save and repair bodies for hours; fail if memory grows or vertices drift; print how long calls took
+    Soak(soak::Options),
     /// Run every check and every test stage; a missing program fails its stage
     Ci {
         /// Stop at the first stage that fails
@@ -132,8 +138,10 @@ fn run(command: Command) -> Result<()> {
         Command::Extension(options) => blender::run(&workspace, &options),
         Command::Web(options) => web::run(&workspace, &options),
         Command::Fuzz(options) => fuzz::run(&workspace, &options),
+        Command::Miri => nightly::miri(&workspace),
         Command::Lab(options) => lab::run(&workspace, &options),
         Command::Bench(options) => bench::run(&workspace, &options),
+        Command::Soak(options) => soak::run(&workspace, &options),
         Command::Ci { fail_fast } => test::ci(&workspace, fail_fast),
         Command::Repo { fix } => repo::run(&workspace, fix),
     }

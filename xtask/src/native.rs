@@ -94,6 +94,7 @@ pub fn compile(workspace: &Workspace, build: &Build<'_>, source: &Path, director
     // A program must not be left out if what it needs is installed.
     let here = |tool: Tool| !build.cross && tool.here(workspace);
     let ode = here(Tool::Ode).then_some("-DCRUMPLE_REQUIRE_ODE=ON");
+    let bullet = here(Tool::Bullet).then_some("-DCRUMPLE_REQUIRE_BULLET=ON");
     let vulkan = (here(Tool::VulkanHeaders) && here(Tool::Png)).then_some("-DCRUMPLE_REQUIRE_VULKAN=ON");
     let mono = here(Tool::Mono).then_some("-DCRUMPLE_REQUIRE_MONO=ON");
     let drivers: Vec<String> = build.drivers.iter().map(|manifest| manifest.display().to_string()).collect();
@@ -102,7 +103,7 @@ pub fn compile(workspace: &Workspace, build: &Build<'_>, source: &Path, director
     cmd!(
         sh,
         "cmake -S {source} -B {directory} -DCMAKE_PREFIX_PATH={prefix} -DCMAKE_BUILD_TYPE=RelWithDebInfo
-         {options...} {ode...} {vulkan...} {mono...} {drivers} {validation}
+         {options...} {ode...} {bullet...} {vulkan...} {mono...} {drivers} {validation}
          -DCMAKE_CROSSCOMPILING_EMULATOR={launcher} -DCMAKE_POLICY_DEFAULT_CMP0158=OLD --no-warn-unused-cli"
     )
     .quiet()

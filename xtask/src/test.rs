@@ -7,7 +7,9 @@ use crate::ci::CHECKS;
 use crate::stage::{self, Outcome, Rules, Stage};
 use crate::tools::Tool;
 use crate::workspace::Workspace;
-use crate::{abi, blender, csharp, demo, godot, native, package, peers, platforms, python, valgrind, vulkan, web};
+use crate::{
+    abi, blender, csharp, demo, fuzz, godot, native, nightly, package, peers, platforms, python, valgrind, vulkan, web,
+};
 
 #[derive(Args, Default)]
 pub struct Options {
@@ -38,7 +40,7 @@ const STAGES: &[Stage] = &[
         name: "package",
         shows: "the unpacked archive matches its manifest, and its examples run by CMake and pkg-config, shared and static",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::PkgConfig],
-        wants: &[Tool::Ode, Tool::VulkanHeaders, Tool::Png],
+        wants: &[Tool::Ode, Tool::Bullet, Tool::VulkanHeaders, Tool::Png],
         run: package::stage,
     },
     Stage {
@@ -66,14 +68,14 @@ const STAGES: &[Stage] = &[
         name: "sanitizers",
         shows: "the C and C++ tests pass under gcc's address and undefined behaviour sanitizers",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake],
-        wants: &[Tool::Ode, Tool::Vulkan, Tool::VulkanHeaders, Tool::Png],
+        wants: &[Tool::Ode, Tool::Bullet, Tool::Vulkan, Tool::VulkanHeaders, Tool::Png],
         run: native::sanitizers,
     },
     Stage {
         name: "valgrind-c",
         shows: "valgrind finds no error and no leak in the C and C++ tests",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::Valgrind],
-        wants: &[Tool::Ode, Tool::Vulkan, Tool::VulkanHeaders, Tool::Png],
+        wants: &[Tool::Ode, Tool::Bullet, Tool::Vulkan, Tool::VulkanHeaders, Tool::Png],
         run: valgrind::c,
     },
     Stage {
@@ -82,6 +84,20 @@ const STAGES: &[Stage] = &[
         needs: &[Tool::Valgrind],
         wants: &[],
         run: valgrind::rust,
+    },
+    Stage {
+        name: "fuzz",
+        shows: "ten seconds of fuzzing find nothing at any door",
+        needs: &[Tool::CppCompiler],
+        wants: &[],
+        run: fuzz::stage,
+    },
+    Stage {
+        name: "threads",
+        shows: "ThreadSanitizer finds no data race where threads share a context",
+        needs: &[Tool::CCompiler],
+        wants: &[],
+        run: nightly::threads,
     },
     Stage {
         name: "windows",
@@ -151,7 +167,7 @@ const STAGES: &[Stage] = &[
         name: "ctest",
         shows: "the C and C++ tests and the engines' plugins pass with the installed library",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake],
-        wants: &[Tool::Ode, Tool::Vulkan, Tool::VulkanHeaders, Tool::Png, Tool::Mono],
+        wants: &[Tool::Ode, Tool::Bullet, Tool::Vulkan, Tool::VulkanHeaders, Tool::Png, Tool::Mono],
         run: native::ctest,
     },
 ];

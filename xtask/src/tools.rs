@@ -19,6 +19,8 @@ pub enum Tool {
     PkgConfig,
     /// Open Dynamics Engine, the rigid bodies of `crash.cpp`.
     Ode,
+    /// Bullet, the rigid bodies of `collider.cpp`.
+    Bullet,
     Valgrind,
     /// CPython 3.11 with `venv`: the one version that Blender's `bpy` package is built for.
     Python311,
@@ -97,6 +99,7 @@ impl Tool {
             Self::CppCompiler => cmd!(sh, "c++ --version").quiet().ignore_stderr().read().is_ok(),
             Self::PkgConfig => cmd!(sh, "pkg-config --version").quiet().ignore_stderr().read().is_ok(),
             Self::Ode => package(workspace, "ode"),
+            Self::Bullet => package(workspace, "bullet"),
             Self::VulkanHeaders => package(workspace, "vulkan"),
             Self::Png => package(workspace, "libpng"),
             Self::Mono => {
@@ -141,6 +144,7 @@ impl Tool {
             Self::CppCompiler => &["g++"],
             Self::PkgConfig => &["pkg-config"],
             Self::Ode => &["pkg-config", "libode-dev"],
+            Self::Bullet => &["pkg-config", "libbullet-dev"],
             Self::Valgrind => &["valgrind", "libc6-dbg"],
             Self::Python311 => &["python3.11", "python3.11-venv"],
             Self::Python3 => &["python3", "python3-venv"],
@@ -176,6 +180,7 @@ impl fmt::Display for Tool {
             Self::CppCompiler => "a C++ compiler",
             Self::PkgConfig => "pkg-config",
             Self::Ode => "the Open Dynamics Engine's headers",
+            Self::Bullet => "Bullet's headers",
             Self::Valgrind => "valgrind",
             Self::Python311 => "Python 3.11 with venv",
             Self::Python3 => "Python 3 with venv",

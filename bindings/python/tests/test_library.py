@@ -47,6 +47,8 @@ def test_vertices_go_into_the_callers_interleaved_array(context, sheet_set):
     assert 0 < report.vertices_written < SIDE * SIDE
     changes = buffer.changes()
     assert changes.ranges[:, 1].sum() == report.vertices_written
+    triangles = buffer.changed_triangles()
+    assert triangles.ranges[:, 1].min() > 0 and np.isclose(triangles.bounds[0, 2], -0.03, atol=1e-6)
     assert np.isclose(changes.bounds[0, 2], vertices[:, 2].min()) and np.isclose(vertices[:, 2].min(), -0.03, atol=1e-6)
     assert (vertices[:, 6:] == 7).all()
     assert np.allclose(np.linalg.norm(vertices[:, 3:6], axis=1), 1, atol=1e-5)
@@ -55,6 +57,24 @@ def test_vertices_go_into_the_callers_interleaved_array(context, sheet_set):
     body.reset()
     context.deform()
     assert (vertices == before).all()
+
+
+def test_no_dent_moves_a_vertex_into_a_solid(context):
+    flat, triangles, dented = sheet()
+    box = np.array([[x, y, z] for z in (-0.3, -0.01) for y in (0.1, 0.4) for x in (0.1, 0.4)])
+    faces = np.reshape(
+        [0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5], (-1, 3)
+    )
+    limits = crumple.keep_out(flat, capsules=[((-1, -0.2, -0.1), (1, -0.2, -0.1), 0.08)], meshes=[(box, faces)])
+    assert np.isclose(limits.min(), 0.01, atol=1e-5) and limits.max() > 0.1
+    body = context.example_set(flat, triangles, [Example(dented)], depth_limits=limits).instance()
+    for x in (-0.2, 0, 0.2):
+        for y in (-0.2, 0, 0.2):
+            body.hit_displacement((x, y, 0), (0, 0, -0.1))
+    moved = np.linalg.norm(body.deformed().positions - flat, axis=1)
+    assert (moved <= limits).all() and moved.max() > 0.03
+    with pytest.raises(crumple.CrumpleError, match="solid 0 has 11 triangles and 3 open edges"):
+        crumple.keep_out(flat, meshes=[(box, faces[1:])])
 
 
 def test_inputs_are_read_in_place(context):

@@ -45,13 +45,14 @@ namespace Crumple
         /// <param name="meshName">Name of the mesh; null: <paramref name="meshIndex"/> decides.</param>
         /// <param name="meshIndex">Index of the mesh; -1: the first that has morph targets.</param>
         /// <param name="options">How the set is made ready; null: the defaults.</param>
+        /// <param name="joinNodes">Join the meshes of all nodes to one body of parts; see <see cref="ExampleSet.FindPart"/>.</param>
         public unsafe ExampleSet LoadGltf(string path, string meshName = null, int meshIndex = -1,
-            CrumpleExampleSetOptions? options = null)
+            CrumpleExampleSetOptions? options = null, bool joinNodes = false)
         {
             if (path == null) throw new ArgumentNullException("path");
             using (Pins pins = new Pins())
             {
-                CrumpleGltfDef def = Gltf(pins, path, meshName, meshIndex, options);
+                CrumpleGltfDef def = Gltf(pins, path, meshName, meshIndex, options, joinNodes);
                 CrumpleExampleSet id;
                 using (Call call = EnterAlone(this))
                     call.Check(NativeMethods.crumple_example_set_load_gltf(call.Context, &def, &id),
@@ -68,12 +69,13 @@ namespace Crumple
         /// <param name="meshName">Name of the mesh; null: <paramref name="meshIndex"/> decides.</param>
         /// <param name="meshIndex">Index of the mesh; -1: the first that has morph targets.</param>
         /// <param name="options">How the set is made ready; null: the defaults.</param>
+        /// <param name="joinNodes">Join the meshes of all nodes to one body of parts; see <see cref="ExampleSet.FindPart"/>.</param>
         public unsafe ExampleSet LoadGltf(ReadOnlySpan<byte> bytes, string folder = null, string meshName = null, int meshIndex = -1,
-            CrumpleExampleSetOptions? options = null)
+            CrumpleExampleSetOptions? options = null, bool joinNodes = false)
         {
             using (Pins pins = new Pins())
             {
-                CrumpleGltfDef def = Gltf(pins, folder, meshName, meshIndex, options);
+                CrumpleGltfDef def = Gltf(pins, folder, meshName, meshIndex, options, joinNodes);
                 CrumpleExampleSet id;
                 using (Call call = EnterAlone(this))
                 fixed (byte* data = &MemoryMarshal.GetReference(bytes))
@@ -83,13 +85,15 @@ namespace Crumple
             }
         }
 
-        private static CrumpleGltfDef Gltf(Pins pins, string path, string meshName, int meshIndex, CrumpleExampleSetOptions? options)
+        private static CrumpleGltfDef Gltf(Pins pins, string path, string meshName, int meshIndex, CrumpleExampleSetOptions? options,
+            bool joinNodes)
         {
             CrumpleGltfDef def = CrumpleGltfDef.Default;
             def.Path = pins.Text(path);
             def.MeshName = pins.Text(meshName);
             if (meshIndex != -1) def.MeshIndex = MeshDef.Count(meshIndex, "meshIndex");
             if (options.HasValue) def.Options = options.Value;
+            def.JoinNodes = joinNodes;
             return def;
         }
 

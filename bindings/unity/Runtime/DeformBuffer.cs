@@ -108,6 +108,30 @@ namespace Crumple
             bounds = box;
             return (int)count;
         }
+
+        /// <summary>
+        /// The triangles with a vertex that the last deform wrote, as increasing ranges, and the box, m, around these vertices
+        /// before and now: what the partial refit of a collider takes. Allocates nothing.
+        /// </summary>
+        /// <returns>Number of ranges.</returns>
+        /// <exception cref="CrumpleException">Among others: there are more than the destination has room for.</exception>
+        public unsafe int GetChangedTriangles(Span<CrumpleRange> destination, out CrumpleAabb bounds)
+        {
+            CrumpleRange none;
+            uint count;
+            CrumpleAabb box;
+            using (Call call = Instance.Context.EnterAlone(this))
+            fixed (CrumpleRange* ranges = &MemoryMarshal.GetReference(destination))
+            {
+                CrumpleRange* room = ranges == null ? &none : ranges;
+                call.Check(
+                    NativeMethods.crumple_buffer_get_changed_triangles(
+                        call.Context, Id, room, (uint)destination.Length, &count, &box),
+                    "crumple_buffer_get_changed_triangles");
+            }
+            bounds = box;
+            return (int)count;
+        }
     }
 
     /// <summary>Arrays of yours, or memory, that <see cref="CrumpleContext.Deform()"/> writes.</summary>

@@ -223,6 +223,23 @@ namespace Crumple
         }
 
         /// <summary>
+        /// The number of a part by the name of its node, for sets whose glTF nodes were joined: 1 and up.
+        /// </summary>
+        /// <exception cref="CrumpleException">Among others: no such part.</exception>
+        public unsafe int FindPart(string name)
+        {
+            if (name == null) throw new ArgumentNullException("name");
+            uint lod;
+            using (Pins pins = new Pins())
+            {
+                IntPtr text = pins.Text(name);
+                using (Call call = Context.EnterAlone(this))
+                    call.Check(NativeMethods.crumple_example_set_find_part(call.Context, Id, text, &lod), "crumple_example_set_find_part");
+            }
+            return (int)lod;
+        }
+
+        /// <summary>
         /// Copies the base mesh, or a level of detail: the vertex and index buffers to draw with, before the first dent.
         /// Positions and normals are 3 floats a vertex, tangents 4, indices 32 bits each; absent ones are left out.
         /// </summary>

@@ -292,14 +292,30 @@ namespace Crumple
         }
 
         /// <summary>How far the vertices of a mesh of the set have moved, m: the furthest, and their mean.</summary>
-        public unsafe float MeasurePart(int lod, out float mean)
+        public float MeasurePart(int lod, out float mean)
         {
-            float deepest, all;
+            float energy;
+            return MeasurePart(lod, out mean, out energy);
+        }
+
+        /// <summary>The same, with the depth of one hit that has the energy of all marks on the mesh, m.</summary>
+        public unsafe float MeasurePart(int lod, out float mean, out float energy)
+        {
+            float deepest, all, one;
             using (Call call = Context.EnterAlone(this))
-                call.Check(NativeMethods.crumple_instance_measure_part(call.Context, Id, MeshDef.Count(lod, "lod"), &deepest, &all),
+                call.Check(NativeMethods.crumple_instance_measure_part(call.Context, Id, MeshDef.Count(lod, "lod"), &deepest, &all, &one),
                     "crumple_instance_measure_part");
             mean = all;
+            energy = one;
             return deepest;
+        }
+
+        /// <summary>Sets a threshold; see <see cref="CrumpleContext.GetPassed"/>.</summary>
+        public unsafe void SetThreshold(in CrumpleThresholdDef def)
+        {
+            CrumpleThresholdDef copy = def;
+            using (Call call = Context.EnterAlone(this))
+                call.Check(NativeMethods.crumple_instance_set_threshold(call.Context, Id, &copy), "crumple_instance_set_threshold");
         }
 
         /// <summary>Where an attached point is, hits that wait among them.</summary>

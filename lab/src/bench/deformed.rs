@@ -18,6 +18,7 @@ pub fn hash(positions: &[[f32; 3]]) -> u64 {
 pub struct Deformed<'t> {
     instance: Instance,
     tracker: Tracker,
+    lod: usize,
     positions: Vec<[f32; 3]>,
     normals: Option<Vec<[f32; 3]>>,
     wear: Option<Vec<[f32; 4]>>,
@@ -45,6 +46,7 @@ impl<'t> Deformed<'t> {
         let mut it = Self {
             instance: Instance::new(set.clone(), options)?,
             tracker: Tracker::new(),
+            lod: 0,
             positions: vec![[0.0; 3]; count],
             normals: normals.then(|| vec![[0.0; 3]; count]),
             wear: None,
@@ -55,6 +57,14 @@ impl<'t> Deformed<'t> {
         // What no mark touches is written once, here.
         it.deform()?;
         Ok(it)
+    }
+
+    /// The same with the positions of a level of detail alone.
+    pub fn on_level(mut self, lod: usize) -> Result<Self> {
+        let count = self.instance.example_set().lod_mesh(lod)?.positions().len();
+        (self.lod, self.positions, self.normals, self.wear) = (lod, vec![[0.0; 3]; count], None, None);
+        self.deform()?;
+        Ok(self)
     }
 
     /// The same with an output of wear too.
@@ -90,7 +100,7 @@ impl<'t> Deformed<'t> {
         if let Some(wear) = &mut self.wear {
             memory = memory.with_wear(wear);
         }
-        let job = DeformJob { lod: 0, instance: &self.instance, tracker: &mut self.tracker, memory };
+        let job = DeformJob { lod: self.lod, instance: &self.instance, tracker: &mut self.tracker, memory };
         crumple::deform(&mut [job], self.tasks).map(drop)
     }
 

@@ -4,6 +4,7 @@
 //! [`width`] says which options give which width; the other files are the workloads and what they are made of.
 
 mod build;
+mod collider;
 mod deform;
 pub mod deformed;
 mod idle;
@@ -12,6 +13,7 @@ pub mod marks;
 pub mod measure;
 mod memory;
 mod normals;
+mod parts;
 mod radial;
 mod real;
 pub mod reference;
@@ -147,6 +149,11 @@ const WORKLOADS: &[Workload] = &[
     },
     Workload { name: "normals", about: "positions and normals against positions alone", run: normals::run },
     Workload {
+        name: "parts",
+        about: "a hit on a body of 12 parts and 60 000 vertices, to positions and normals, against the same vertices as one mesh",
+        run: parts::run,
+    },
+    Workload {
         name: "scaling",
         about: "a sheet of 10 k to 10 M vertices, all moved, and from one thread to two",
         run: |bench| {
@@ -160,6 +167,11 @@ const WORKLOADS: &[Workload] = &[
         run: memory::run,
     },
     Workload { name: "select", about: "one hit, 100 examples, without what it does to vertices", run: select::run },
+    Workload {
+        name: "collider",
+        about: "one hit, from submission to the positions of a proxy of about 500 vertices, against those of the base mesh",
+        run: collider::run,
+    },
     Workload { name: "idle_1000", about: "1000 bodies, ten of them hit, against those ten alone", run: idle::run },
     Workload { name: "load_1m_24ex", about: "a baked file, against copying its bytes", run: build::load },
     Workload {

@@ -75,6 +75,6 @@ fn measure(bench: &Bench, name: String, sheet: &Sheet, set: Arc<ExampleSet>) -> 
 }
 
 /// Places spread evenly, in no order: a sequence of low discrepancy (Roberts' R2).
-fn spread(count: usize) -> impl Iterator<Item = [f32; 2]> {
+pub fn spread(count: usize) -> impl Iterator<Item = [f32; 2]> {
     (1..=count).map(|i| [0.754_877_666_246_692_8, 0.569_840_290_998_053_3].map(|s: f64| (i as f64 * s).fract() as f32))
 }

@@ -326,9 +326,10 @@ fn warnings(
         all().filter(|(_, o)| o.clamped).map(|(i, o)| (i, Vec3::from(o.target).as_dvec3().length() as f32)).collect();
     let cut = clamped.len();
     if let Some((i, most)) = worst(clamped) {
+        let own = if set.report().limited_vertices > 0 { ", or that of its vertex," } else { "" };
         writeln!(
             text,
-            "  Warning: {} asked for more than the depth limit of {} mm and got the limit; {} asked for {} mm.",
+            "  Warning: {} asked for more than the depth limit of {} mm{own} and got the limit; {} asked for {} mm.",
             count(cut, "impact", "impacts"),
             millimetres(limit),
             name(i),

@@ -141,6 +141,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     let pool = Shown { pool: ThreadPool::new(arguments.threads as usize)?, bar: &bar };
     bar.set_message("reading");
     let (imported, _) = arguments.input.import()?;
+    let part_meshes = imported.part_meshes();
     let (mut mesh, mut examples) = (imported.mesh, imported.examples);
     let kept_out = keep_out((&mut mesh, imported.node_transform), &arguments.keep_out, &pool)?;
     let order = arguments.reorder.then(|| crumple::reorder(&mut mesh, &mut examples));
@@ -162,6 +163,9 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     bar.inc(1);
     let start = Instant::now();
     let mut set = ExampleSet::build(mesh, examples, options, &pool).with_context(|| shown.to_string())?;
+    for mesh in part_meshes {
+        set.add_lod(mesh, &pool).with_context(|| shown.to_string())?;
+    }
     let built = start.elapsed();
     bar.inc(1);
     bar.set_message("writing");
@@ -183,6 +187,11 @@ pub fn run(arguments: &Arguments) -> Result<String> {
 
     let mut text = format!("{}: {}\n\n", arguments.output.display(), megabytes(length));
     text.push_str(&kept_out);
+    if !imported.parts.is_empty() {
+        let names: Vec<String> = imported.parts.into_iter().map(|part| part.name).collect();
+        info::levels(&mut text, &set, &names)?;
+        text.push('\n');
+    }
     sizes(&mut text, &set, &exact, length);
     errors(&mut text, &set, &exact)?;
     stamps(&mut text, &set)?;

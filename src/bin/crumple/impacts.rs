@@ -69,7 +69,7 @@ pub fn read(path: &Path) -> Result<Vec<Impact>> {
 }
 
 /// Parses and checks a list.
-fn parse(text: &str) -> Result<Vec<Impact>> {
+pub fn parse(text: &str) -> Result<Vec<Impact>> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let raw: Vec<&RawValue> = serde_json::from_str(text).map_err(|e| {
         if e.is_data() {

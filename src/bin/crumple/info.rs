@@ -79,14 +79,20 @@ fn body(text: &mut String, source: &Source) -> Result<()> {
     if report.degenerate_triangles > 0 {
         writeln!(text, "  note      {} triangles have no area", report.degenerate_triangles)?;
     }
-    levels(text, &source.set)
+    levels(text, &source.set, &source.parts)
 }
 
 /// A level of detail that is further than this from the base surface causes a warning; a share of the body's diagonal.
 const FAR_OFF: f32 = 0.02;
 
-/// Reports the levels of detail, and which of them probably belong to another body or are in another unit.
-fn levels(text: &mut String, set: &ExampleSet) -> Result<()> {
+/// Reports the parts, or the levels of detail and which of them probably belong to another body or are in another unit.
+pub fn levels(text: &mut String, set: &ExampleSet, parts: &[String]) -> Result<()> {
+    for (i, (part, name)) in set.report().lods.iter().zip(parts).enumerate() {
+        writeln!(text, "  part {:<4} {name}: {}", i + 1, count(part.vertices, "vertex", "vertices"))?;
+    }
+    if !parts.is_empty() {
+        return Ok(());
+    }
     let bounds = set.mesh().bounds();
     let far = FAR_OFF * bounds.max.distance(bounds.min);
     for (i, level) in set.report().lods.iter().enumerate() {

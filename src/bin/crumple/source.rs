@@ -22,6 +22,9 @@ pub struct Input {
     /// Mesh of a glTF file, by name or by index from 0 [default: the first mesh with morph targets]
     #[arg(long, value_name = "NAME|INDEX")]
     pub mesh: Option<String>,
+    /// Join the meshes of all nodes of a glTF file to one body, with a part for each node
+    #[arg(long, conflicts_with = "mesh")]
+    pub join: bool,
     /// Example for an OBJ base: the same mesh after a collision; repeat the option for more examples
     #[arg(long = "example", value_name = "OBJ")]
     pub examples: Vec<PathBuf>,
@@ -32,14 +35,21 @@ pub struct Source {
     pub set: Arc<ExampleSet>,
     pub name: String,
     pub primitives: usize,
+    /// Names of the parts: of levels 1 and up. Empty if the file was not joined.
+    pub parts: Vec<String>,
     /// Transform from the mesh's space to the scene's.
     pub transform: Option<Mat4>,
     kind: Kind,
 }
 
 pub enum Kind {
-    Gltf { bytes: Vec<u8>, base_dir: PathBuf, mesh: Option<String> },
-    Obj(Box<Imported>),
+    Gltf {
+        bytes: Vec<u8>,
+        base_dir: PathBuf,
+        mesh: Option<String>,
+    },
+    /// An OBJ, or a joined glTF.
+    Joined(Box<Imported>),
     Baked,
 }
 
@@ -49,20 +59,27 @@ impl Input {
         let shown = self.file.display();
         if self.is_baked()? {
             ensure!(
-                self.mesh.is_none() && self.examples.is_empty(),
-                "{shown} is a baked set, which has one mesh and its own examples; remove --mesh and --example"
+                self.mesh.is_none() && self.examples.is_empty() && !self.join,
+                "{shown} is a baked set, which has one mesh and its own examples; remove --mesh, --join and --example"
             );
             let set = ExampleSet::load_file(&self.file, tasks).with_context(|| shown.to_string())?;
             let name = self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            return Ok(Source { set: Arc::new(set), name, primitives: 1, transform: None, kind: Kind::Baked });
+            let (set, parts) = (Arc::new(set), Vec::new());
+            return Ok(Source { set, name, primitives: 1, parts, transform: None, kind: Kind::Baked });
         }
         let (imported, kind) = self.import()?;
-        let Imported { name, mesh, examples, primitives, node_transform, .. } = imported;
-        let set = ExampleSet::build(mesh, examples, SetOptions::default(), tasks).with_context(|| shown.to_string())?;
+        let meshes = imported.part_meshes();
+        let Imported { name, mesh, examples, primitives, parts, node_transform, .. } = imported;
+        let mut set =
+            ExampleSet::build(mesh, examples, SetOptions::default(), tasks).with_context(|| shown.to_string())?;
+        for mesh in meshes {
+            set.add_lod(mesh, tasks).with_context(|| shown.to_string())?;
+        }
         Ok(Source {
             set: Arc::new(set),
             name,
             primitives: primitives.len(),
+            parts: parts.into_iter().map(|part| part.name).collect(),
             transform: node_transform.map(|m| Mat4::from_cols_array_2d(&m)),
             kind,
         })
@@ -83,13 +100,16 @@ impl Input {
         let is_obj = self.file.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
         let bytes = std::fs::read(&self.file).with_context(|| format!("cannot read {shown}"))?;
         if is_obj {
-            ensure!(self.mesh.is_none(), "--mesh chooses a mesh of a glTF file; {shown} is an OBJ, which is one mesh");
+            ensure!(
+                self.mesh.is_none() && !self.join,
+                "--mesh and --join are for glTF files; {shown} is an OBJ, which is one mesh"
+            );
             ensure!(
                 !self.examples.is_empty(),
                 "{shown} is an OBJ, which has no examples; give one or more with --example FILE.obj"
             );
             let imported = import::obj_files(&self.file, &self.examples).with_context(|| shown.to_string())?;
-            Ok((imported.clone(), Kind::Obj(Box::new(imported))))
+            Ok((imported.clone(), Kind::Joined(Box::new(imported))))
         } else {
             ensure!(
                 self.examples.is_empty(),
@@ -102,6 +122,10 @@ impl Input {
                 );
             }
             let base_dir = self.file.parent().unwrap_or(Path::new("")).to_owned();
+            if self.join {
+                let imported = import::gltf_body(&bytes, Some(&base_dir)).with_context(|| shown.to_string())?;
+                return Ok((imported.clone(), Kind::Joined(Box::new(imported))));
+            }
             let imported =
                 import::gltf_slice(&bytes, Some(&base_dir), choice(&self.mesh)).with_context(|| shown.to_string())?;
             Ok((imported, Kind::Gltf { bytes, base_dir, mesh: self.mesh.clone() }))
@@ -119,7 +143,7 @@ impl Source {
             Kind::Gltf { bytes, base_dir, mesh } => {
                 crumple::export::deformed_glb(bytes, Some(base_dir), choice(mesh), positions, normals, tangents, wear)
             }
-            Kind::Obj(imported) => crumple::export::mesh_glb(imported, positions, normals, tangents, wear),
+            Kind::Joined(imported) => crumple::export::mesh_glb(imported, positions, normals, tangents, wear),
             Kind::Baked => crumple::export::mesh_glb(&self.as_imported(), positions, normals, tangents, wear),
         }
     }
@@ -145,6 +169,7 @@ impl Source {
             texcoords: None,
             examples: Vec::new(),
             primitives: vec![part],
+            parts: Vec::new(),
             node_transform: None,
         }
     }

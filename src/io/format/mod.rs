@@ -15,11 +15,11 @@ mod write;
 pub use layout::file_checksum;
 
 use crate::base::array::FileBytes;
-use crate::base::error::Error;
+use crate::base::error::{Error, headroom, reserve};
 use crate::base::tasks::TaskSystem;
 use crate::example::set::ExampleSet;
 use bytemuck::{Pod, Zeroable};
-use layout::{ALIGN, IN_PLACE, MAGIC};
+use layout::{ALIGN, EXAMPLE, IN_PLACE, MAGIC, SMALL};
 use std::io::{Read, Write};
 use std::path::Path;
 use std::sync::Arc;
@@ -37,7 +37,7 @@ struct Aligned {
 
 impl Aligned {
     fn new(length: usize) -> Result<Self, Error> {
-        let mut lines = crate::base::error::reserve(length.div_ceil(ALIGN), "a baked set")?;
+        let mut lines = reserve(length.div_ceil(ALIGN), "a baked set")?;
         lines.resize(length.div_ceil(ALIGN), Line([0; ALIGN]));
         Ok(Aligned { lines, length })
     }
@@ -60,8 +60,9 @@ impl ExampleSet {
     /// # Errors
     /// [`Error::OutOfMemory`].
     pub fn save(&self) -> Result<Vec<u8>, Error> {
+        headroom(SMALL + self.examples().len() * EXAMPLE, "the sections of a baked set")?;
         let file = write::File::new(self);
-        let mut out = crate::base::error::reserve(file.length(), "a baked set")?;
+        let mut out = reserve(file.length(), "a baked set")?;
         // Writing to reserved memory cannot fail.
         let _ = file.write(&mut out);
         Ok(out)

@@ -62,11 +62,12 @@ pub fn gltf_slice(bytes: &[u8], base_dir: Option<&Path>, mesh: MeshChoice<'_>) -
     }
     Ok(Imported {
         name: doc.root.meshes[mesh].name.clone().unwrap_or_default(),
-        primitives: parts.iter().map(|p| range(&doc, p)).collect(),
+        primitives: parts.iter().map(|p| range(&doc, p)).collect::<Result<_, _>>()?,
         node_transform: node_transform(&doc, mesh)?,
         texcoords: None,
         mesh: base,
         examples,
+        parts: Vec::new(),
     })
 }
 
@@ -167,7 +168,7 @@ fn with_targets(doc: &Document<'_>) -> String {
 }
 
 /// The number of targets, on which all primitives of a mesh must agree.
-fn target_count(doc: &Document<'_>, mesh: usize) -> Result<usize, Error> {
+pub(super) fn target_count(doc: &Document<'_>, mesh: usize) -> Result<usize, Error> {
     let count = |p: &Primitive| p.targets.as_ref().map_or(0, Vec::len);
     let primitives = &doc.root.meshes[mesh].primitives;
     let first = primitives.first().map_or(0, count);
@@ -269,7 +270,7 @@ fn triangles(doc: &Document<'_>, part: &Part<'_>, mode: Mode) -> Result<Vec<[u32
     })
 }
 
-fn base(doc: &Document<'_>, parts: &[Part<'_>]) -> Result<MeshData, Error> {
+pub(super) fn base(doc: &Document<'_>, parts: &[Part<'_>]) -> Result<MeshData, Error> {
     let mut positions = Vec::new();
     for part in parts.iter().filter(|p| p.owns_vertices) {
         positions.extend(self::positions(doc, part)?.floats::<3>()?);
@@ -320,7 +321,7 @@ where
 }
 
 /// The displacements and normal deltas of one target. There are normal deltas only if each part that moves has them.
-fn deltas(doc: &Document<'_>, parts: &[Part<'_>], target: usize) -> Result<(Deltas, Option<Deltas>), Error> {
+pub(super) fn deltas(doc: &Document<'_>, parts: &[Part<'_>], target: usize) -> Result<(Deltas, Option<Deltas>), Error> {
     let mut positions = (Vec::new(), Vec::new());
     let mut normals = Some((Vec::new(), Vec::new()));
     for part in parts.iter().filter(|p| p.owns_vertices) {
@@ -364,25 +365,33 @@ fn same_count(accessor: &Accessor<'_>, part: &Part<'_>, name: &str) -> Result<()
     Err(malformed(format!("{name} has {} elements; POSITION has {}", accessor.count, part.vertex_count)))
 }
 
-fn range(doc: &Document<'_>, part: &Part<'_>) -> PrimitiveRange {
+pub(super) fn range(doc: &Document<'_>, part: &Part<'_>) -> Result<PrimitiveRange, Error> {
     let material = part.primitive.material.map(|m| {
         let name = doc.value["materials"][m.value()]["name"].as_str();
         name.map_or_else(|| format!("material {}", m.value()), str::to_owned)
     });
-    PrimitiveRange {
+    // Any number of primitives may have one material.
+    doc.budget.charge(material.as_ref().map_or(0, String::len), 1, &format!("the material of {}", part.name))?;
+    Ok(PrimitiveRange {
         primitive: part.index as u32,
         first_vertex: part.first_vertex as u32,
         vertex_count: part.vertex_count as u32,
         first_triangle: part.first_triangle as u32,
         triangle_count: part.triangles.len() as u32,
         material,
-    }
+    })
 }
 
-/// The product of the matrices from the root to the first node that shows the mesh.
+/// The world matrix of the first node that shows the mesh.
 fn node_transform(doc: &Document<'_>, mesh: usize) -> Result<Option<[[f32; 4]; 4]>, Error> {
+    let first = doc.root.nodes.iter().position(|n| n.mesh.is_some_and(|m| m.value() == mesh));
+    let rounded = |world: Matrix| world.map(|column| column.map(|x| x as f32));
+    first.map(|node| world_matrix(doc, node).map(rounded)).transpose()
+}
+
+/// The product of the matrices from the root to a node, whose elements are finite as f32.
+pub(super) fn world_matrix(doc: &Document<'_>, first: usize) -> Result<Matrix, Error> {
     let nodes = &doc.root.nodes;
-    let Some(first) = nodes.iter().position(|n| n.mesh.is_some_and(|m| m.value() == mesh)) else { return Ok(None) };
     let mut parent = vec![None; nodes.len()];
     for (i, node) in nodes.iter().enumerate() {
         for child in node.children.iter().flatten().map(|c| c.value()) {
@@ -406,14 +415,13 @@ fn node_transform(doc: &Document<'_>, mesh: usize) -> Result<Option<[[f32; 4]; 4
         world = product(&local_matrix(&nodes[up]), &world);
         node = up;
     }
-    let world = world.map(|column| column.map(|x| x as f32));
-    match world.iter().flatten().find(|x| !x.is_finite()) {
-        None => Ok(Some(world)),
+    match world.iter().flatten().map(|x| *x as f32).find(|x| !x.is_finite()) {
+        None => Ok(world),
         Some(x) => Err(Error::NotFinite { name: format!("the world matrix of node {first}"), value: x.to_string() }),
     }
 }
 
-type Matrix = [[f64; 4]; 4];
+pub(super) type Matrix = [[f64; 4]; 4];
 
 fn local_matrix(node: &json::scene::Node) -> Matrix {
     if let Some(m) = node.matrix {

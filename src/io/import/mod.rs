@@ -35,6 +35,8 @@
 //!   `automatic`. It is one word for all (`"anchored"`), words in target order (`"anchored, carried"` or a list), or a
 //!   map `{"target name": "anchored"}`. Targets that a map omits are automatic. A list or a map may be a text of JSON.
 //!
+//! [`gltf_body_file`] joins the meshes of all nodes to one body of parts.
+//!
 //! # OBJ
 //!
 //! [`obj_files`] reads a base and one OBJ per example. All must have as many `v` lines and the same faces, in the same
@@ -46,9 +48,12 @@
 use crate::base::error::Error;
 use crate::example::data::ExampleData;
 use crate::mesh::data::MeshData;
+use std::ops::Range;
 
 #[cfg(feature = "gltf")]
 mod accessor;
+#[cfg(feature = "gltf")]
+mod body;
 #[cfg(feature = "gltf")]
 pub(crate) mod document;
 #[cfg(feature = "gltf")]
@@ -60,6 +65,8 @@ mod obj;
 #[cfg(feature = "gltf")]
 pub(crate) mod uri;
 
+#[cfg(feature = "gltf")]
+pub use self::body::{gltf_body, gltf_body_file};
 #[cfg(feature = "gltf")]
 pub use self::extras::apply_extras;
 #[cfg(feature = "gltf")]
@@ -81,8 +88,10 @@ pub struct Imported {
     /// One example per morph target or example file, in order. Displacements are
     /// [`Deltas::Sparse`](crate::Deltas::Sparse): vertices that do not move are left out.
     pub examples: Vec<ExampleData>,
-    /// The parts that were joined, in file order. One part for OBJ.
+    /// The primitives that were joined, in file order. One for OBJ.
     pub primitives: Vec<PrimitiveRange>,
+    /// The parts of a body that [`gltf_body`] read; empty otherwise.
+    pub parts: Vec<Part>,
     /// The world matrix of the lowest-numbered node that shows this mesh, as four columns. `None` if no node does, and
     /// for OBJ.
     pub node_transform: Option<[[f32; 4]; 4]>,
@@ -103,6 +112,48 @@ pub struct PrimitiveRange {
     pub triangle_count: u32,
     /// The name of its material (`material N` if it has no name); `None` without a material.
     pub material: Option<String>,
+}
+
+/// The place of one node's mesh in the joined mesh of a body.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Part {
+    /// The node's name, or its mesh's if it has none, or `node N`.
+    pub name: String,
+    /// Its first vertex.
+    pub first_vertex: u32,
+    /// The number of its vertices.
+    pub vertex_count: u32,
+    /// Its first triangle. Triangles refer to joined vertices.
+    pub first_triangle: u32,
+    /// The number of its triangles.
+    pub triangle_count: u32,
+}
+
+impl Part {
+    /// The indices of its vertices in the joined mesh.
+    pub fn vertices(&self) -> Range<usize> {
+        self.first_vertex as usize..(self.first_vertex + self.vertex_count) as usize
+    }
+}
+
+impl Imported {
+    /// Returns the mesh of each part, for [`ExampleSet::add_lod`](crate::ExampleSet::add_lod) in this order: part 0 gets the
+    /// number 1. Limits and stiffness are left out; they are the joined mesh's.
+    pub fn part_meshes(&self) -> Vec<MeshData> {
+        let mesh = |part: &Part| {
+            let own = part.vertices();
+            let first = part.first_triangle as usize;
+            let triangles = &self.mesh.triangles[first..first + part.triangle_count as usize];
+            MeshData {
+                positions: self.mesh.positions[own.clone()].to_vec(),
+                normals: self.mesh.normals.as_ref().map(|normals| normals[own.clone()].to_vec()),
+                tangents: self.mesh.tangents.as_ref().map(|tangents| tangents[own].to_vec()),
+                triangles: triangles.iter().map(|t| t.map(|v| v - part.first_vertex)).collect(),
+                ..MeshData::default()
+            }
+        };
+        self.parts.iter().map(mesh).collect()
+    }
 }
 
 /// The mesh of a file to read.

@@ -34,9 +34,27 @@ pub(crate) fn parse(uri: &str, what: &str) -> Result<UriTarget, Error> {
                 "{what} points to the absolute path '{}'; only relative paths are read",
                 shortened(uri)
             ))),
+            path if leaves_folder(&path) => Err(unsupported(format!(
+                "{what} points to '{}', outside the file's folder; only files in the folder and below are read",
+                shortened(uri)
+            ))),
             path => Ok(UriTarget::File(path.into_owned())),
         },
     }
+}
+
+/// Whether a relative path leads out of the folder it starts in, so that a file from a stranger cannot read files elsewhere.
+/// Links in the folder are followed: whoever made them has access to it.
+fn leaves_folder(path: &str) -> bool {
+    let mut depth = 0;
+    path.split(['/', '\\']).any(|part| {
+        match part {
+            ".." => depth -= 1,
+            "" | "." => {}
+            _ => depth += 1,
+        }
+        depth < 0
+    })
 }
 
 /// Reads at most `limit` bytes of the file that a relative URI names.

@@ -8,7 +8,7 @@ about each; what the package does not wrap (Vulkan, allocators, an engine's job 
 
 from . import _native as native
 from ._library import CrumpleError, library
-from .context import Context, Recording
+from .context import Context, Recording, keep_out
 from .example_set import ExampleSet
 from .instance import Buffer, Instance
 from .types import (
@@ -43,5 +43,5 @@ __version__: str = library.crumple_version_string().decode()
 __all__ = [
     "MARK", "Attachment", "Buffer", "Changes", "Chosen", "Combine", "Context", "CrumpleError", "DeformReport", "Example", "ExampleInfo",
     "ExampleSet", "Frame", "HitResult", "HitStatus", "Instance", "InstanceInfo", "Mesh", "Placement", "Primitive", "Recording", "Result",
-    "Rule", "Seams", "Selection", "SetInfo", "SetOptions", "Space", "Striker", "library", "native",
+    "Rule", "Seams", "Selection", "SetInfo", "SetOptions", "Space", "Striker", "keep_out", "library", "native",
 ]  # fmt: skip

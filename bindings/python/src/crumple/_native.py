@@ -134,6 +134,15 @@ class CrumpleHandleType(IntEnum):
     OPAQUE_WIN32 = 1
 
 
+class CrumpleMeasure(IntEnum):
+    """What a threshold is compared with; see crumple_instance_measure_part()."""
+
+    DEEPEST = 0
+    MEAN = 1
+    ENERGY = 2
+    DISPLACEMENT = 3
+
+
 CrumpleAlloc = c.CFUNCTYPE(c.c_void_p, c.c_size_t, c.c_size_t, c.c_void_p)
 
 
@@ -278,6 +287,14 @@ class CrumpleLodDef(c.Structure):
     ]
 
 
+class CrumpleCapsule(c.Structure):
+    _fields_ = [
+        ("a", CrumpleVec3),
+        ("b", CrumpleVec3),
+        ("radius", c.c_float),
+    ]
+
+
 class CrumpleGltfDef(c.Structure):
     _fields_ = [
         ("struct_size", c.c_uint32),
@@ -285,6 +302,7 @@ class CrumpleGltfDef(c.Structure):
         ("mesh_name", c.c_char_p),
         ("path", c.c_char_p),
         ("options", CrumpleExampleSetOptions),
+        ("join_nodes", c.c_bool),
     ]
 
 
@@ -617,6 +635,42 @@ class CrumpleVulkanImportDef(c.Structure):
     ]
 
 
+class CrumpleGraphUpload(c.Structure):
+    _fields_ = [
+        ("storage", c.c_uint32),
+        ("reserved", c.c_uint32),
+        ("storage_size", c.c_uint64),
+        ("offset", c.c_uint64),
+        ("data", c.c_void_p),
+        ("size", c.c_size_t),
+    ]
+
+
+class CrumpleGraphDispatch(c.Structure):
+    _fields_ = [
+        ("kernel", c.c_uint32),
+        ("storage", c.c_uint32),
+        ("buffer", c.c_uint64),
+        ("groups", c.c_uint32 * 2),
+        ("constants", c.c_uint32 * 7),
+        ("reserved", c.c_uint32),
+    ]
+
+
+class CrumpleGraphPlan(c.Structure):
+    _fields_ = [
+        ("freed", c.POINTER(c.c_uint32)),
+        ("uploads", c.POINTER(CrumpleGraphUpload)),
+        ("dispatches", c.POINTER(CrumpleGraphDispatch)),
+        ("work", c.c_void_p),
+        ("work_size", c.c_size_t),
+        ("freed_count", c.c_uint32),
+        ("upload_count", c.c_uint32),
+        ("dispatch_count", c.c_uint32),
+        ("reserved", c.c_uint32),
+    ]
+
+
 class CrumpleAttachment(c.Structure):
     _fields_ = [
         ("vertices", c.c_uint32 * 3),
@@ -643,6 +697,25 @@ class CrumpleFrame(c.Structure):
     ]
 
 
+class CrumpleThresholdDef(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("number", c.c_uint32),
+        ("measure", c.c_uint32),
+        ("lod", c.c_uint32),
+        ("attachment", CrumpleAttachment),
+        ("limit", c.c_float),
+    ]
+
+
+class CrumplePassed(c.Structure):
+    _fields_ = [
+        ("instance", CrumpleInstance),
+        ("number", c.c_uint32),
+        ("value", c.c_float),
+    ]
+
+
 FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_version": (c.c_uint32, []),
     "crumple_version_string": (c.c_char_p, []),
@@ -661,6 +734,7 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_example_set_add_lod": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.POINTER(CrumpleLodDef), c.POINTER(c.c_uint32)]),
     "crumple_example_set_share": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_void_p, c.POINTER(CrumpleExampleSet)]),
     "crumple_example_set_destroy": (c.c_uint32, [c.c_void_p, CrumpleExampleSet]),
+    "crumple_mesh_keep_out": (c.c_uint32, [c.POINTER(CrumpleMeshDef), c.POINTER(CrumpleCapsule), c.c_uint32, c.POINTER(CrumpleMeshDef), c.c_uint32, c.POINTER(c.c_float)]),
     "crumple_gltf_def_default": (CrumpleGltfDef, []),
     "crumple_obj_def_default": (CrumpleObjDef, []),
     "crumple_example_set_load_gltf": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleGltfDef), c.POINTER(CrumpleExampleSet)]),
@@ -673,6 +747,7 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_example_set_get_info": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.POINTER(CrumpleExampleSetInfo)]),
     "crumple_example_set_get_example": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_uint32, c.POINTER(CrumpleExampleInfo)]),
     "crumple_example_set_get_primitive": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_uint32, c.POINTER(CrumplePrimitive)]),
+    "crumple_example_set_find_part": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_char_p, c.POINTER(c.c_uint32)]),
     "crumple_example_set_copy_mesh": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.POINTER(CrumpleMeshCopyDef)]),
     "crumple_example_set_find_nearest_vertex": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, CrumpleVec3, c.POINTER(c.c_uint32), c.POINTER(c.c_float)]),
     "crumple_instance_def_default": (CrumpleInstanceDef, []),
@@ -687,7 +762,7 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_instance_release_part": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint32, c.POINTER(CrumpleInstance)]),
     "crumple_instance_mount_part": (c.c_uint32, [c.c_void_p, CrumpleInstance, CrumpleInstance, c.c_bool]),
     "crumple_instance_set_part_rigid": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint32, c.c_bool]),
-    "crumple_instance_measure_part": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint32, c.POINTER(c.c_float), c.POINTER(c.c_float)]),
+    "crumple_instance_measure_part": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint32, c.POINTER(c.c_float), c.POINTER(c.c_float), c.POINTER(c.c_float)]),
     "crumple_pixel_tolerance": (c.c_float, [c.c_float, c.c_float, c.c_float, c.c_float]),
     "crumple_impulse_def_default": (CrumpleImpulseDef, []),
     "crumple_displacement_def_default": (CrumpleDisplacementDef, []),
@@ -722,6 +797,7 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_context_deform": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleBuffer), c.c_uint32, c.POINTER(CrumpleDeformReport)]),
     "crumple_context_get_changed_buffers": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleBuffer), c.c_uint32, c.POINTER(c.c_uint32)]),
     "crumple_buffer_get_changes": (c.c_uint32, [c.c_void_p, CrumpleBuffer, c.POINTER(CrumpleRange), c.c_uint32, c.POINTER(c.c_uint32), c.POINTER(CrumpleAabb)]),
+    "crumple_buffer_get_changed_triangles": (c.c_uint32, [c.c_void_p, CrumpleBuffer, c.POINTER(CrumpleRange), c.c_uint32, c.POINTER(c.c_uint32), c.POINTER(CrumpleAabb)]),
     "crumple_vulkan_attach_def_default": (CrumpleVulkanAttachDef, []),
     "crumple_vulkan_buffer_def_default": (CrumpleVulkanBufferDef, []),
     "crumple_vulkan_attach": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleVulkanAttachDef)]),
@@ -739,8 +815,14 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_vulkan_import_semaphore": (c.c_uint32, [c.c_void_p, c.c_uint32, c.c_int64, c.POINTER(c.c_uint64)]),
     "crumple_vulkan_submit": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleBuffer), c.c_uint32, c.POINTER(c.c_uint64), c.c_uint32, c.POINTER(c.c_uint64), c.c_uint32, c.POINTER(c.c_uint64), c.POINTER(CrumpleRecordReport)]),
     "crumple_vulkan_wait_frame": (c.c_uint32, [c.c_void_p, c.c_uint64, c.c_uint64, c.POINTER(c.c_bool)]),
+    "crumple_graph_get_kernel": (c.c_uint32, [c.c_uint32, c.c_void_p, c.c_size_t, c.POINTER(c.c_size_t)]),
+    "crumple_buffer_register_graph": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleVulkanBufferDef), c.POINTER(CrumpleBuffer)]),
+    "crumple_graph_plan": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleBuffer), c.c_uint32, c.POINTER(CrumpleGraphPlan), c.POINTER(CrumpleRecordReport)]),
     "crumple_example_set_attach_point": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, CrumpleVec3, c.POINTER(CrumpleAttachment)]),
     "crumple_instance_get_attached_frame": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleAttachment), c.POINTER(CrumpleFrame)]),
+    "crumple_threshold_def_default": (CrumpleThresholdDef, []),
+    "crumple_instance_set_threshold": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleThresholdDef)]),
+    "crumple_context_get_passed": (c.c_uint32, [c.c_void_p, c.POINTER(CrumplePassed), c.c_uint32, c.POINTER(c.c_uint32)]),
     "crumple_recording_begin": (c.c_uint32, [c.c_void_p, c.c_char_p]),
     "crumple_recording_end": (c.c_uint32, [c.c_void_p]),
 }

@@ -8,10 +8,11 @@ from collections.abc import Callable, Iterable
 from types import TracebackType
 from typing import Any, Self
 
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from . import _native as native
-from ._arrays import elements, given
+from ._arrays import Vector, elements, given, vector
 from ._library import check, library
 from .example_set import ExampleSet
 from .instance import Buffer
@@ -77,10 +78,15 @@ class Context:
         normals: ArrayLike | None = None,
         tangents: ArrayLike | None = None,
         options: SetOptions | None = None,
+        depth_limits: ArrayLike | None = None,
+        stiffness: ArrayLike | None = None,
     ) -> ExampleSet:
-        """Builds a set from arrays: `positions` (vertices, 3) in m, `triangles` (n, 3), unit `normals`, glTF `tangents`."""
+        """Builds a set from arrays: `positions` (vertices, 3) in m, `triangles` (n, 3), unit `normals`, glTF `tangents`.
+
+        `depth_limits` in m (see keep_out()) and `stiffness` from 0 to 1 are numbers for each vertex.
+        """
         definition = library.crumple_example_set_def_default()
-        alive = fill_mesh(definition.mesh, positions, triangles, normals, tangents)
+        alive = fill_mesh(definition.mesh, positions, triangles, normals, tangents, depth_limits, stiffness)
         count = definition.mesh.vertex_count
         examples = list(examples)
         array = (native.CrumpleExampleDef * len(examples))()
@@ -168,21 +174,52 @@ class Recording:
         self.end()
 
 
+def keep_out(
+    positions: ArrayLike,
+    capsules: Iterable[tuple[Vector, Vector, float]] = (),
+    meshes: Iterable[tuple[ArrayLike, ArrayLike]] = (),
+    depth_limits: ArrayLike | None = None,
+) -> NDArray[np.float32]:
+    """Depth limits of a mesh, so that no dent moves a vertex into a solid: its distance from the nearest, 0 inside, m.
+
+    A capsule is two points and a radius in m, a mesh the positions and triangles of a closed surface. Limits of your own
+    are only made less.
+    """
+    mesh = library.crumple_lod_def_default().mesh
+    alive = fill_mesh(mesh, positions, None, None, None, depth_limits)
+    bars = [native.CrumpleCapsule(vector(a, "a"), vector(b, "b"), radius) for a, b, radius in capsules]
+    solids = []
+    for points, triangles in meshes:
+        solids.append(library.crumple_lod_def_default().mesh)
+        alive += fill_mesh(solids[-1], points, triangles, None, None)
+    limits = np.empty(mesh.vertex_count, np.float32)
+    given_bars, given_solids = (native.CrumpleCapsule * len(bars))(*bars), (native.CrumpleMeshDef * len(solids))(*solids)
+    data = limits.ctypes.data_as(ctypes.POINTER(ctypes.c_float))
+    check(library.crumple_mesh_keep_out(ctypes.byref(mesh), given_bars, len(bars), given_solids, len(solids), data))
+    del alive
+    return limits
+
+
 def fill_mesh(
-    mesh: Any, positions: ArrayLike, triangles: ArrayLike | None, normals: ArrayLike | None, tangents: ArrayLike | None
+    mesh: Any,
+    positions: ArrayLike,
+    triangles: ArrayLike | None,
+    normals: ArrayLike | None,
+    tangents: ArrayLike | None,
+    depth_limits: ArrayLike | None = None,
+    stiffness: ArrayLike | None = None,
 ) -> list[Any]:
     """Fills a CrumpleMeshDef and returns the arrays that must live during the call."""
     points = elements(positions, "positions", 3)
     mesh.vertex_count, mesh.positions = len(points), given(points)
     alive = [points]
-    for name, values, components in (("normals", normals, 3), ("tangents", tangents, 4)):
+    of_vertices = (("normals", normals, 3), ("tangents", tangents, 4), ("depth_limits", depth_limits, 1), ("stiffness", stiffness, 1))
+    for name, values, components in of_vertices:
         if values is not None:
             array = elements(values, name, components)
             setattr(mesh, name, given(array))
             alive.append(array)
     if triangles is not None:
-        import numpy as np
-
         array = np.asarray(triangles)
         if array.size and (array.dtype.kind not in "iu" or array.min() < 0 or array.max() > 0xFFFFFFFF):
             raise ValueError("triangles must be whole numbers, each the index of a vertex")
@@ -193,8 +230,6 @@ def fill_mesh(
 
 
 def _fill_example(one: Any, example: Example, count: int) -> list[Any]:
-    from ._arrays import vector
-
     default = library.crumple_example_def_default()
     ctypes.memmove(ctypes.byref(one), ctypes.byref(default), ctypes.sizeof(default))
     name = example.name.encode()
@@ -205,8 +240,6 @@ def _fill_example(one: Any, example: Example, count: int) -> list[Any]:
     if example.indices is None:
         one.target_positions, one.target_normals = given(positions), given(normals)
     else:
-        import numpy as np
-
         indices = np.ascontiguousarray(elements(example.indices, "indices of an example", 1, np.uint32))
         if len(indices) != len(positions):
             raise ValueError(f"an example has {len(indices)} indices and {len(positions)} displacements; they must be as many")

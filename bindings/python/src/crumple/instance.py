@@ -206,8 +206,15 @@ class Buffer:
 
     def changes(self) -> Changes:
         """What the last deform that included the buffer wrote, and the bounds of all vertices."""
+        return self._changes(library.crumple_buffer_get_changes)
+
+    def changed_triangles(self) -> Changes:
+        """The triangles with a vertex that the last deform wrote, and the bounds of these vertices before and now."""
+        return self._changes(library.crumple_buffer_get_changed_triangles)
+
+    def _changes(self, get: Any) -> Changes:
         count, bounds = ctypes.c_uint32(), native.CrumpleAabb()
-        get, pointer = library.crumple_buffer_get_changes, ctypes.POINTER(native.CrumpleRange)
+        pointer = ctypes.POINTER(native.CrumpleRange)
         result = get(self._context.handle, self.id, None, 0, ctypes.byref(count), None)
         if result != native.CrumpleResult.ERROR_BUFFER_TOO_SMALL:
             check(result)

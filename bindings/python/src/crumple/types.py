@@ -221,9 +221,9 @@ class Changes:
     """What the last deform wrote."""
 
     ranges: NDArray[np.uint32]
-    """Rows of first vertex and count."""
+    """Rows of first vertex, or first triangle, and count."""
     bounds: Floats
-    """Of all vertices: two rows, the smallest and the largest coordinates, m."""
+    """Two rows, the smallest and the largest coordinates, m."""
 
 
 @dataclass(frozen=True)

@@ -86,6 +86,15 @@ namespace Crumple.Native
         public static extern CrumpleResult crumple_example_set_destroy(IntPtr context, CrumpleExampleSet set);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_mesh_keep_out(
+            CrumpleMeshDef* mesh,
+            CrumpleCapsule* capsules,
+            uint capsuleCount,
+            CrumpleMeshDef* meshes,
+            uint meshCount,
+            float* outLimits);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleGltfDef crumple_gltf_def_default();
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
@@ -155,6 +164,13 @@ namespace Crumple.Native
             CrumpleExampleSet set,
             uint primitive,
             CrumplePrimitive* outPrimitive);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_example_set_find_part(
+            IntPtr context,
+            CrumpleExampleSet set,
+            IntPtr name,
+            uint* outLod);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_example_set_copy_mesh(
@@ -246,7 +262,8 @@ namespace Crumple.Native
             CrumpleInstance instance,
             uint lod,
             float* outDeepest,
-            float* outMean);
+            float* outMean,
+            float* outEnergy);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern float crumple_pixel_tolerance(float pixels, float distance, float fovY, float viewportHeight);
@@ -459,6 +476,15 @@ namespace Crumple.Native
             CrumpleAabb* outBounds);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_buffer_get_changed_triangles(
+            IntPtr context,
+            CrumpleBuffer buffer,
+            CrumpleRange* ranges,
+            uint capacity,
+            uint* outCount,
+            CrumpleAabb* outBounds);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleVulkanAttachDef crumple_vulkan_attach_def_default();
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
@@ -544,6 +570,28 @@ namespace Crumple.Native
             CrumpleBool* outDone);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_graph_get_kernel(
+            uint kernel,
+            IntPtr data,
+            UIntPtr capacity,
+            UIntPtr* outSize);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_buffer_register_graph(
+            IntPtr context,
+            CrumpleInstance instance,
+            CrumpleVulkanBufferDef* def,
+            CrumpleBuffer* outBuffer);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_graph_plan(
+            IntPtr context,
+            CrumpleBuffer* buffers,
+            uint count,
+            CrumpleGraphPlan* outPlan,
+            CrumpleRecordReport* outReport);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_example_set_attach_point(
             IntPtr context,
             CrumpleExampleSet set,
@@ -556,6 +604,22 @@ namespace Crumple.Native
             CrumpleInstance instance,
             CrumpleAttachment* attachment,
             CrumpleFrame* outFrame);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleThresholdDef crumple_threshold_def_default();
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_instance_set_threshold(
+            IntPtr context,
+            CrumpleInstance instance,
+            CrumpleThresholdDef* def);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_context_get_passed(
+            IntPtr context,
+            CrumplePassed* passed,
+            uint capacity,
+            uint* outCount);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_recording_begin(IntPtr context, IntPtr path);

@@ -123,6 +123,14 @@ namespace Crumple
         OpaqueWin32 = 1,
     }
 
+    public enum CrumpleMeasure
+    {
+        Deepest = 0,
+        Mean = 1,
+        Energy = 2,
+        Displacement = 3,
+    }
+
     [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
     public delegate IntPtr CrumpleAlloc(UIntPtr size, UIntPtr align, IntPtr user);
 
@@ -326,6 +334,15 @@ namespace Crumple
 
     /// <summary>The struct of crumple.h.</summary>
     [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleCapsule
+    {
+        public CrumpleVec3 A;
+        public CrumpleVec3 B;
+        public float Radius;
+    }
+
+    /// <summary>The struct of crumple.h.</summary>
+    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleGltfDef
     {
         public uint StructSize;
@@ -333,6 +350,7 @@ namespace Crumple
         public IntPtr MeshName;
         public IntPtr Path;
         public CrumpleExampleSetOptions Options;
+        public CrumpleBool JoinNodes;
 
         public static CrumpleGltfDef Default
         {
@@ -807,6 +825,45 @@ namespace Crumple
 
     /// <summary>The struct of crumple.h.</summary>
     [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleGraphUpload
+    {
+        public uint Storage;
+        public uint Reserved;
+        public ulong StorageSize;
+        public ulong Offset;
+        public IntPtr Data;
+        public UIntPtr Size;
+    }
+
+    /// <summary>The struct of crumple.h.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public unsafe partial struct CrumpleGraphDispatch
+    {
+        public uint Kernel;
+        public uint Storage;
+        public ulong Buffer;
+        public fixed uint Groups[2];
+        public fixed uint Constants[7];
+        public uint Reserved;
+    }
+
+    /// <summary>The struct of crumple.h.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleGraphPlan
+    {
+        public IntPtr Freed;
+        public IntPtr Uploads;
+        public IntPtr Dispatches;
+        public IntPtr Work;
+        public UIntPtr WorkSize;
+        public uint FreedCount;
+        public uint UploadCount;
+        public uint DispatchCount;
+        public uint Reserved;
+    }
+
+    /// <summary>The struct of crumple.h.</summary>
+    [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleAttachment
     {
         public fixed uint Vertices[3];
@@ -832,5 +889,35 @@ namespace Crumple
         public CrumpleVec3 Position;
         public CrumpleQuat Rotation;
         public fixed uint Reserved[5];
+    }
+
+    /// <summary>The struct of crumple.h.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleThresholdDef
+    {
+        public uint StructSize;
+        public uint Number;
+        public CrumpleMeasure Measure;
+        public uint Lod;
+        public CrumpleAttachment Attachment;
+        public float Limit;
+
+        public static CrumpleThresholdDef Default
+        {
+            get
+            {
+                CrumpleRuntime.EnsureLoaded();
+                return Native.NativeMethods.crumple_threshold_def_default();
+            }
+        }
+    }
+
+    /// <summary>The struct of crumple.h.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumplePassed
+    {
+        public CrumpleInstance Instance;
+        public uint Number;
+        public float Value;
     }
 }

@@ -1,0 +1,20 @@
+//! Any bytes as glTF: JSON, a zero byte and the binary chunk, which become a GLB file; or a file as it is.
+#![no_main]
+
+use crumple::import::{MeshChoice, gltf_slice, gltf_solids};
+use crumple_fuzz::{seeds, target};
+
+target!(
+    |data| {
+        let file = if data.starts_with(b"glTF") { data.to_vec() } else { seeds::glb(data) };
+        if let Ok(solids) = gltf_solids(&file, None, None) {
+            drop(solids);
+        }
+        let Ok(imported) = gltf_slice(&file, None, MeshChoice::First) else { return };
+        let positions = imported.mesh.positions.clone();
+        // A file that can be read can be written again with other vertices.
+        let _ = crumple::export::deformed_glb(&file, None, MeshChoice::First, &positions, None, None, None);
+        seeds::build_and_use(imported);
+    },
+    seeds: seeds::gltf
+);

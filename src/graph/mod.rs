@@ -1,0 +1,198 @@
+//! Deformation in a render graph of the host that takes SPIR-V, such as Godot's `RenderingDevice`. The host makes buffers,
+//! pipelines and passes with its own interface. Crumple returns what to upload and what to dispatch.
+//!
+//! 1. [`kernel`] returns a compute shader as SPIR-V. All kernels have the same bindings:
+//!
+//!    | set | binding | contents |
+//!    |---|---|---|
+//!    | 0 | 0 | a storage of Crumple's, which the host makes: meshes and examples |
+//!    | 0 | 1 | the work of the frame |
+//!    | 1 | 0 | the host's vertex buffer, from its first byte on |
+//!
+//!    All three are storage buffers. There are 28 bytes of push constants.
+//! 2. [`Graph::add_target`] says where in a buffer the vertices of one mesh lie, and in which formats.
+//! 3. [`Graph::plan`] returns the passes that bring targets up to date. Call it once a frame.
+//!
+//! The kernels are those of [`crate::vulkan`], and so are the vertices. Classic rules are not supported.
+
+mod target;
+
+pub use target::{GraphBuffer, Target, TargetDef};
+
+use crate::base::error::{Error, reserve};
+use crate::deform::Tracker;
+use crate::example::set::ExampleSet;
+use crate::gpu::{self, Arena, BindingLimits, Call, FrameReport, Job, Plan, TargetState, Variant, compiled};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Invocations a workgroup. Every Vulkan device supports it.
+const WORKGROUP: u32 = 128;
+/// The most workgroups in a row. Every Vulkan device supports it.
+const MOST_GROUPS: u32 = 65535;
+/// The largest storage that every Vulkan device can bind.
+const STORAGE: BindingLimits =
+    BindingLimits { bytes: 128 << 20, name: "the least maxStorageBufferRange of Vulkan", alignment: 4 };
+
+/// Returns the SPIR-V of a kernel; its entry point is `main`. A kernel's number is that of [`Dispatch::kernel`]. `None` for
+/// a number above the last.
+pub fn kernel(number: u32) -> Option<Vec<u32>> {
+    Some(compiled(Variant::all().nth(number as usize)?, WORKGROUP))
+}
+
+/// A target to bring up to date.
+/// <!--
+/// cbindgen:ignore
+/// -->
+pub type GraphJob<'a> = Job<'a, Target>;
+
+/// Bytes to copy into a storage before the dispatches.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Upload {
+    /// Number of the storage. Make a buffer of `storage_size` bytes when you first see a number. Numbers are not reused.
+    pub storage: u32,
+    /// Size of the storage in bytes.
+    pub storage_size: u64,
+    /// Where the words go, in bytes from the storage's start.
+    pub offset: u64,
+    /// What to copy.
+    pub words: Vec<u32>,
+}
+
+/// A dispatch. It reads the storage and the work, and reads and writes the vertex buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Dispatch {
+    /// Number of the kernel, for [`kernel`].
+    pub kernel: u32,
+    /// Number of the storage to bind.
+    pub storage: u32,
+    /// Number of the vertex buffer to bind ([`GraphBuffer::number`]).
+    pub buffer: u64,
+    /// Workgroups along x and y; 1 along z.
+    pub groups: [u32; 2],
+    /// The push constants.
+    pub constants: [u32; 7],
+}
+
+/// The passes of a frame.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Passes {
+    /// Storages that no later plan names. The host may free them once earlier frames are done. It may not know all of them.
+    pub freed: Vec<u32>,
+    /// Copies to storages. They are due even if the host drops the dispatches.
+    pub uploads: Vec<Upload>,
+    /// The work of the frame. Bind it as it is in a buffer of any size.
+    pub work: Vec<u32>,
+    /// Dispatches, in any order: they write different vertices. If the host drops one, it calls [`Target::invalidate`] on the
+    /// targets in that buffer.
+    pub dispatches: Vec<Dispatch>,
+}
+
+/// Plans passes for a host's render graph.
+#[derive(Debug)]
+pub struct Graph {
+    /// Distinguishes its targets from those of others.
+    id: u64,
+    /// The sizes of the storages in bytes.
+    arena: Arena<u64>,
+    plan: Plan<u64>,
+    passes: Passes,
+    /// Uploads, and storages that are no longer needed, since the last plan.
+    uploads: Vec<Upload>,
+    freed: Vec<u32>,
+}
+
+impl Default for Graph {
+    fn default() -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(1);
+        let id = NEXT.fetch_add(1, Ordering::Relaxed);
+        let (arena, plan, passes) = (Arena::new(), Plan::default(), Passes::default());
+        Graph { id, arena, plan, passes, uploads: Vec::new(), freed: Vec::new() }
+    }
+}
+
+impl Graph {
+    /// Sets the most vertices that a plan writes; see [`crate::deform_within`]. At first there is no limit (`u64::MAX`).
+    pub fn set_vertex_budget(&mut self, vertices: u64) {
+        self.plan.budget = vertices;
+    }
+
+    /// Adds a target: a place for the vertices of one of the set's meshes. The first target of a mesh adds uploads to the
+    /// next plan.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a format that the attribute cannot have, a stride that is too small, attributes that
+    /// overlap, or a bad scale; [`Error::Misaligned`] for offsets and strides that are not multiples of 4;
+    /// [`Error::BufferTooSmall`]; [`Error::IndexOutOfRange`] for a level of detail that the set lacks; [`Error::Unsupported`]
+    /// for normals or tangents that the mesh lacks, or a mesh with examples of more than 128 MiB; [`Error::OutOfMemory`].
+    pub fn add_target(&mut self, set: &Arc<ExampleSet>, def: &TargetDef) -> Result<Target, Error> {
+        let mesh = set.lod(def.lod)?;
+        let (layout, kernel, _) = def.layout(&mesh.mesh, def.buffer.size)?;
+        self.free_meshes();
+        let uploads = &mut self.uploads;
+        uploads.try_reserve(1).map_err(|_| Error::OutOfMemory { what: "one more upload".into(), bytes: 0 })?;
+        let pending = uploads.len();
+        let mesh = self.arena.mesh((set, def.lod), &STORAGE, Ok, |storage_size, mesh| {
+            let mut words = reserve(mesh.words as usize, "a mesh and its examples")?;
+            words.resize(mesh.words as usize, 0);
+            mesh.write(&mut words)?;
+            uploads.push(Upload { storage: 0, storage_size: *storage_size, offset: 4 * u64::from(mesh.at), words });
+            Ok(())
+        })?;
+        self.uploads[pending..].iter_mut().for_each(|upload| upload.storage = mesh.chunk);
+        let (device, set, tracker) = (self.id, Arc::downgrade(set), Tracker::new());
+        let state = TargetState { device, set, lod: def.lod, kernel, layout, first: def.offset, mesh, tracker };
+        Ok(Target { state, buffer: def.buffer.number })
+    }
+
+    /// Plans what brings the targets up to date: only the blocks that changed since each was last written. If nothing
+    /// changed, there are no dispatches.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a target of another graph or set; [`Error::WrongRule`] for an instance with a classic
+    /// rule; [`Error::Unsupported`] for more than 4 GiB of work. After an error targets hold what they held, and the next
+    /// plan has the uploads.
+    pub fn plan(&mut self, jobs: &mut [GraphJob<'_>]) -> Result<(FrameReport, &Passes), Error> {
+        gpu::check(jobs, self.id)?;
+        if let Some(job) = jobs.iter().find(|job| job.instance.classic_state().is_some()) {
+            return Err(job.instance.needs_marks("a target of a render graph"));
+        }
+        self.free_meshes();
+        let mut report = self.plan.fill(jobs)?;
+        let Passes { freed, uploads, work, dispatches } = &mut self.passes;
+        work.clear();
+        dispatches.clear();
+        if report.blocks_written > 0 {
+            let offsets = self.plan.offsets()?;
+            work.try_reserve(offsets.words())
+                .map_err(|_| Error::OutOfMemory { what: "the work of a frame".into(), bytes: offsets.bytes() })?;
+            work.resize(offsets.words(), 0);
+            self.plan.write(work);
+            for d in self.plan.dispatches() {
+                let (call, groups) = offsets.call((&d.blocks, false), WORKGROUP, MOST_GROUPS);
+                dispatches.push(Dispatch {
+                    kernel: d.variant.number() as u32,
+                    storage: d.chunk(),
+                    buffer: d.binding(),
+                    groups,
+                    constants: bytemuck::cast::<Call, _>(call),
+                });
+            }
+        }
+        *freed = std::mem::take(&mut self.freed);
+        *uploads = std::mem::take(&mut self.uploads);
+        let uploaded: usize = uploads.iter().map(|upload| upload.words.len()).sum();
+        report.bytes_copied = 4 * (uploaded + work.len()) as u64;
+        report.vertices_written = self.plan.commit(jobs, |_| ());
+        Ok((report, &self.passes))
+    }
+
+    /// Frees meshes that no target shows.
+    fn free_meshes(&mut self) {
+        let Graph { arena, uploads, freed, .. } = self;
+        arena.collect(0, |storage, _| {
+            freed.push(storage);
+            uploads.retain(|upload| upload.storage != storage);
+        });
+    }
+}

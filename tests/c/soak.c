@@ -1,0 +1,173 @@
+// Random hits, frames, saves, loads, repairs, and bodies that come and go, for as long as is asked:
+//
+//   soak [SECONDS [BODIES [SEED]]]
+//
+// It fails if the memory grows, or if a body's vertices are not those that a new body gets from its marks. It prints how long hits
+// and frames took. `cargo xtask soak` runs it.
+#include "aligned.h"
+#include "support.h"
+
+#include <time.h>
+
+enum { MOST_BODIES = 1000, BUCKETS = 1024 };
+
+// --- Memory, counted by the host's allocator where the build has one.
+
+static size_t bytes;
+
+static void *host_alloc(size_t size, size_t align, void *user) {
+    (void)user;
+    void *memory = aligned_memory(size, align);
+    if (!memory) return NULL;
+    bytes += size;
+    return memory;
+}
+
+static void host_free(void *pointer, size_t size, size_t align, void *user) {
+    (void)align, (void)user;
+    bytes -= size;
+    free_aligned(pointer);
+}
+
+// --- Times: a histogram whose buckets grow by 2 %.
+
+typedef struct Times {
+    unsigned long long count, buckets[BUCKETS];
+    double most;
+} Times;
+
+static double seconds(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static void add_time(Times *times, double time) {
+    const double at = log(time * 1e8 + 1) / log(1.02);
+    ++times->buckets[at < BUCKETS - 1 ? (int)at : BUCKETS - 1];
+    ++times->count;
+    if (time > times->most) times->most = time;
+}
+
+static double quantile(const Times *times, double part) {
+    unsigned long long below = 0;
+    for (int i = 0; i < BUCKETS; ++i) {
+        below += times->buckets[i];
+        if ((double)below >= part * (double)times->count) return fmin((pow(1.02, i + 1) - 1) * 1e-8, times->most);
+    }
+    return times->most;
+}
+
+static void print_times(const char *name, const Times *times) {
+    printf("| %s | %llu | %.1f | %.1f | %.1f | %.1f |\n", name, times->count, 1e6 * quantile(times, 0.5),
+           1e6 * quantile(times, 0.99), 1e6 * quantile(times, 0.9999), 1e6 * times->most);
+}
+
+// --- Bodies.
+
+static Sheet sheet;
+static float vertices[MOST_BODIES + 1][VERTICES][10];
+static CrumpleInstance bodies[MOST_BODIES];
+static unsigned long long state = 1;
+
+static unsigned dice(unsigned below) {
+    state = state * 6364136223846793005ull + 1442695040888963407ull;
+    return (unsigned)(state >> 33) % below;
+}
+
+static CrumpleInstance make_body(CrumpleContext *context, CrumpleExampleSet set, unsigned at) {
+    CrumpleInstance body = make_instance(context, set);
+    CrumpleHostBufferDef def = crumple_host_buffer_def_default();
+    CrumpleBuffer buffer;
+    def.positions = stream_of(vertices[at], sizeof vertices[at], 0, 40);
+    def.normals = stream_of(vertices[at], sizeof vertices[at], 12, 40);
+    def.tangents = stream_of(vertices[at], sizeof vertices[at], 24, 40);
+    OK(crumple_buffer_register_host(context, body, &def, &buffer));
+    return body;
+}
+
+// A new body that is given the marks has the same vertices and the same bytes of damage.
+static void compare_with_replay(CrumpleContext *context, CrumpleExampleSet set, unsigned at) {
+    static CrumpleMark marks[4096];
+    static unsigned char one[1 << 18], other[1 << 18];
+    size_t one_size, other_size;
+    uint32_t count;
+    OK(crumple_instance_get_marks(context, bodies[at], marks, 4096, &count));
+    CrumpleInstance fresh = make_body(context, set, MOST_BODIES);
+    OK(crumple_instance_set_marks(context, fresh, marks, count));
+    OK(crumple_context_deform(context, NULL, 0, NULL));
+    FACT(memcmp(vertices[at], vertices[MOST_BODIES], sizeof vertices[at]) == 0);
+    OK(crumple_instance_save_damage(context, bodies[at], one, sizeof one, &one_size));
+    OK(crumple_instance_save_damage(context, fresh, other, sizeof other, &other_size));
+    FACT(one_size == other_size && memcmp(one, other, one_size) == 0);
+    OK(crumple_instance_destroy(context, fresh));
+}
+
+int main(int argc, char **argv) {
+    static unsigned char damage[1 << 18];
+    static Times hits, frames;
+    const double wanted = argc > 1 ? atof(argv[1]) : 2;
+    const unsigned count = argc > 2 ? (unsigned)atoi(argv[2]) : 16;
+    if (argc > 3) state = strtoull(argv[3], NULL, 10);
+    FACT(wanted > 0 && count > 0 && count <= MOST_BODIES);
+    CrumpleAllocatorDef allocator = crumple_allocator_def_default();
+    allocator.alloc = host_alloc;
+    allocator.free = host_free;
+    if (crumple_features() & CRUMPLE_FEATURE_HOST_ALLOCATOR) OK(crumple_allocator_set(&allocator));
+    make_sheet(&sheet);
+    CrumpleContext *context = make_context(1);
+    CrumpleExampleSet set;
+    OK(crumple_example_set_create(context, &sheet.def, &set));
+    for (unsigned i = 0; i < count; ++i) bodies[i] = make_body(context, set, i);
+
+    unsigned long long replays = 0, made = count;
+    size_t first_half = 0, second_half = 0, size;
+    const double begin = seconds();
+    double now = begin;
+    for (unsigned long long frame = 1; now - begin < wanted; ++frame) {
+        for (unsigned i = dice(4); i > 0; --i) {
+            CrumpleDisplacementDef def = displacement_at((float)dice(1000) / 1000 - 0.5f, (float)dice(1000) / 1000 - 0.5f,
+                                                         0.001f + (float)dice(100) / 2000);
+            CrumpleInstance body = bodies[dice(count)];
+            const double before = seconds();
+            OK(crumple_instance_submit_displacement(context, body, &def, NULL));
+            add_time(&hits, seconds() - before);
+        }
+        const double before = seconds();
+        OK(crumple_context_deform(context, NULL, 0, NULL));
+        now = seconds();
+        add_time(&frames, now - before);
+        const unsigned at = dice(count);
+        if (dice(50) == 0) {
+            const CrumpleVec3 point = vec3((float)dice(100) / 100 - 0.5f, (float)dice(100) / 100 - 0.5f, 0.07f);
+            OK(crumple_instance_repair_around(context, bodies[at], point, 0.2f, (float)dice(2) / 2));
+        }
+        if (dice(100) == 0) {
+            OK(crumple_instance_save_damage(context, bodies[at], damage, sizeof damage, &size));
+            OK(crumple_instance_load_damage(context, bodies[dice(count)], damage, size));
+        }
+        if (dice(500) == 0) {
+            OK(crumple_instance_destroy(context, bodies[at]));
+            bodies[at] = make_body(context, set, at);
+            ++made;
+        }
+        if (dice(1000) == 0) {
+            compare_with_replay(context, set, at);
+            ++replays;
+        }
+        size_t *half = now - begin < wanted / 2 ? &first_half : &second_half;
+        if (bytes > *half) *half = bytes;
+    }
+    for (unsigned i = 0; i < count; ++i) compare_with_replay(context, set, i);
+    printf("%u bodies, %.0f s, %llu bodies made, %llu compared with a replay of their marks\n", count, now - begin, made,
+           replays + count);
+    printf("bytes at most: first half %zu, second half %zu\n\n", first_half, second_half);
+    printf("| µs | count | p50 | p99 | p99.99 | most |\n|---|---|---|---|---|---|\n");
+    print_times("hit", &hits);
+    print_times("frame", &frames);
+    // Short runs have not seen the bodies with the most marks in their first half.
+    if (wanted >= 60) FACT(second_half <= first_half + first_half / 20);
+    OK(crumple_context_destroy(context));
+    FACT(bytes == 0);
+    return 0;
+}

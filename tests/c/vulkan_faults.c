@@ -1,0 +1,304 @@
+// Every Vulkan call that can fail does so once, in turn, with each error that drivers return: the call of Crumple says so and changes
+// nothing, the same call succeeds afterwards, and the vertices are those of crumple_context_deform(). A device that stays lost can be
+// detached, and the CPU goes on with the same bits.
+#include "vulkan_export.h"
+
+#include <unistd.h>
+
+static VkResult fault;                // what the failing call returns
+static unsigned calls, fail_at;       // fail_at: the call that fails, counted from 1; 0: none
+static bool stays_lost, failed;       // stays_lost: all calls after it fail too
+static const char *failed_in;
+
+static bool fails_now(const char *name) {
+    ++calls;
+    if (fail_at == 0 || (stays_lost ? calls < fail_at : calls != fail_at)) return false;
+    if (!failed) failed_in = name;
+    failed = true;
+    return true;
+}
+
+#define FAULTY(name, parameters, arguments)                                                                            \
+    static PFN_##name real_##name;                                                                                     \
+    static VKAPI_ATTR VkResult VKAPI_CALL faulty_##name parameters {                                                   \
+        return fails_now(#name) ? fault : real_##name arguments;                                                       \
+    }
+
+typedef const VkAllocationCallbacks *Callbacks;
+FAULTY(vkCreateInstance, (const VkInstanceCreateInfo *i, Callbacks c, VkInstance *o), (i, c, o))
+FAULTY(vkEnumeratePhysicalDevices, (VkInstance d, uint32_t *n, VkPhysicalDevice *o), (d, n, o))
+FAULTY(vkEnumerateDeviceExtensionProperties, (VkPhysicalDevice d, const char *l, uint32_t *n, VkExtensionProperties *o),
+       (d, l, n, o))
+FAULTY(vkCreateDevice, (VkPhysicalDevice d, const VkDeviceCreateInfo *i, Callbacks c, VkDevice *o), (d, i, c, o))
+FAULTY(vkCreateBuffer, (VkDevice d, const VkBufferCreateInfo *i, Callbacks c, VkBuffer *o), (d, i, c, o))
+FAULTY(vkAllocateMemory, (VkDevice d, const VkMemoryAllocateInfo *i, Callbacks c, VkDeviceMemory *o), (d, i, c, o))
+FAULTY(vkBindBufferMemory, (VkDevice d, VkBuffer b, VkDeviceMemory m, VkDeviceSize o), (d, b, m, o))
+FAULTY(vkMapMemory, (VkDevice d, VkDeviceMemory m, VkDeviceSize o, VkDeviceSize s, VkMemoryMapFlags f, void **p),
+       (d, m, o, s, f, p))
+FAULTY(vkFlushMappedMemoryRanges, (VkDevice d, uint32_t n, const VkMappedMemoryRange *r), (d, n, r))
+FAULTY(vkCreateDescriptorSetLayout,
+       (VkDevice d, const VkDescriptorSetLayoutCreateInfo *i, Callbacks c, VkDescriptorSetLayout *o), (d, i, c, o))
+FAULTY(vkCreateDescriptorPool, (VkDevice d, const VkDescriptorPoolCreateInfo *i, Callbacks c, VkDescriptorPool *o),
+       (d, i, c, o))
+FAULTY(vkAllocateDescriptorSets, (VkDevice d, const VkDescriptorSetAllocateInfo *i, VkDescriptorSet *o), (d, i, o))
+FAULTY(vkCreatePipelineLayout, (VkDevice d, const VkPipelineLayoutCreateInfo *i, Callbacks c, VkPipelineLayout *o),
+       (d, i, c, o))
+FAULTY(vkCreatePipelineCache, (VkDevice d, const VkPipelineCacheCreateInfo *i, Callbacks c, VkPipelineCache *o),
+       (d, i, c, o))
+FAULTY(vkGetPipelineCacheData, (VkDevice d, VkPipelineCache p, size_t *s, void *o), (d, p, s, o))
+FAULTY(vkCreateShaderModule, (VkDevice d, const VkShaderModuleCreateInfo *i, Callbacks c, VkShaderModule *o), (d, i, c, o))
+FAULTY(vkCreateComputePipelines,
+       (VkDevice d, VkPipelineCache p, uint32_t n, const VkComputePipelineCreateInfo *i, Callbacks c, VkPipeline *o),
+       (d, p, n, i, c, o))
+FAULTY(vkCreateCommandPool, (VkDevice d, const VkCommandPoolCreateInfo *i, Callbacks c, VkCommandPool *o), (d, i, c, o))
+FAULTY(vkAllocateCommandBuffers, (VkDevice d, const VkCommandBufferAllocateInfo *i, VkCommandBuffer *o), (d, i, o))
+FAULTY(vkBeginCommandBuffer, (VkCommandBuffer b, const VkCommandBufferBeginInfo *i), (b, i))
+FAULTY(vkEndCommandBuffer, (VkCommandBuffer b), (b))
+FAULTY(vkCreateFence, (VkDevice d, const VkFenceCreateInfo *i, Callbacks c, VkFence *o), (d, i, c, o))
+FAULTY(vkResetFences, (VkDevice d, uint32_t n, const VkFence *f), (d, n, f))
+FAULTY(vkGetFenceStatus, (VkDevice d, VkFence f), (d, f))
+FAULTY(vkWaitForFences, (VkDevice d, uint32_t n, const VkFence *f, VkBool32 all, uint64_t t), (d, n, f, all, t))
+FAULTY(vkQueueSubmit, (VkQueue q, uint32_t n, const VkSubmitInfo *s, VkFence f), (q, n, s, f))
+
+static PFN_vkGetDeviceProcAddr device_functions;
+
+static PFN_vkVoidFunction faulty(const char *name, PFN_vkVoidFunction found) {
+#define WRAP(function)                                                                                                 \
+    if (found && strcmp(name, #function) == 0) {                                                                       \
+        real_##function = (PFN_##function)found;                                                                       \
+        return (PFN_vkVoidFunction)faulty_##function;                                                                  \
+    }
+    WRAP(vkCreateInstance)
+    WRAP(vkEnumeratePhysicalDevices)
+    WRAP(vkEnumerateDeviceExtensionProperties)
+    WRAP(vkCreateDevice)
+    WRAP(vkCreateBuffer)
+    WRAP(vkAllocateMemory)
+    WRAP(vkBindBufferMemory)
+    WRAP(vkMapMemory)
+    WRAP(vkFlushMappedMemoryRanges)
+    WRAP(vkCreateDescriptorSetLayout)
+    WRAP(vkCreateDescriptorPool)
+    WRAP(vkAllocateDescriptorSets)
+    WRAP(vkCreatePipelineLayout)
+    WRAP(vkCreatePipelineCache)
+    WRAP(vkGetPipelineCacheData)
+    WRAP(vkCreateShaderModule)
+    WRAP(vkCreateComputePipelines)
+    WRAP(vkCreateCommandPool)
+    WRAP(vkAllocateCommandBuffers)
+    WRAP(vkBeginCommandBuffer)
+    WRAP(vkEndCommandBuffer)
+    WRAP(vkCreateFence)
+    WRAP(vkResetFences)
+    WRAP(vkGetFenceStatus)
+    WRAP(vkWaitForFences)
+    WRAP(vkQueueSubmit)
+    return found;
+}
+
+static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL faulty_get_device(VkDevice device, const char *name) {
+    return faulty(name, device_functions(device, name));
+}
+
+static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL faulty_get_instance(VkInstance instance, const char *name) {
+    PFN_vkVoidFunction found = vkGetInstanceProcAddr(instance, name);
+    if (!found || strcmp(name, "vkGetDeviceProcAddr") != 0) return faulty(name, found);
+    device_functions = (PFN_vkGetDeviceProcAddr)found;
+    return (PFN_vkVoidFunction)faulty_get_device;
+}
+
+// --- The scenario, on the host's device or on one of Crumple's own.
+
+enum { HITS = 4 };
+
+typedef struct Scene {
+    Host host;
+    CrumpleContext *context;
+    CrumpleInstance body;
+    CrumpleBuffer buffer;
+    HostBuffer vertices;
+    CrumpleVulkanImportDef import;
+    uint64_t imported, frame;
+    bool own, passed; // passed: the buffer belongs to the other device
+} Scene;
+
+static void hit(Scene *s, int i) {
+    CrumpleDisplacementDef def = displacement_at(0.1f * (float)i - 0.2f, 0.15f, 0.02f);
+    OK(crumple_instance_submit_displacement(s->context, s->body, &def, NULL));
+}
+
+static CrumpleResult attach(Scene *s) {
+    if (s->own) {
+        CrumpleVulkanOpenDef def = crumple_vulkan_open_def_default();
+        VkPhysicalDeviceIDProperties ids = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES};
+        VkPhysicalDeviceProperties2 properties = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &ids};
+        vkGetPhysicalDeviceProperties2(s->host.physical_device, &properties);
+        memcpy(def.device_uuid, ids.deviceUUID, sizeof def.device_uuid);
+        def.get_instance_proc_addr = (CrumpleVulkanFunction)faulty_get_instance;
+        return crumple_vulkan_open(s->context, &def);
+    }
+    CrumpleVulkanAttachDef def = vulkan_def(&s->host);
+    def.get_instance_proc_addr = (CrumpleVulkanFunction)faulty_get_instance;
+    return crumple_vulkan_attach(s->context, &def);
+}
+
+static CrumpleResult import_buffer(Scene *s) {
+    return s->own ? crumple_vulkan_import_buffer(s->context, &s->import, &s->imported) : CRUMPLE_OK;
+}
+
+static CrumpleResult register_buffer(Scene *s) {
+    CrumpleVulkanBufferDef def = buffer_def(&s->vertices);
+    if (s->own) def.buffer = s->imported;
+    return crumple_buffer_register_vulkan(s->context, s->body, &def, &s->buffer);
+}
+
+// What fails to be recorded leaves nothing in the command buffer, which runs here all the same.
+static CrumpleResult frame(Scene *s) {
+    CrumpleResult result;
+    if (s->own) {
+        if (!s->passed) pass(&s->host, &s->vertices, false);
+        s->passed = true;
+        return crumple_vulkan_submit(s->context, NULL, 0, NULL, 0, NULL, 0, &s->frame, NULL);
+    }
+    VkCommandBuffer commands = host_begin(&s->host);
+    result = crumple_vulkan_record(s->context, commands, s->frame + 1, NULL, 0, NULL);
+    s->frame += result == CRUMPLE_OK;
+    host_run(&s->host, commands);
+    return result;
+}
+
+static CrumpleResult wait(Scene *s) {
+    bool done = false;
+    if (!s->own) return crumple_vulkan_complete_frames(s->context, s->frame);
+    CrumpleResult result = crumple_vulkan_wait_frame(s->context, s->frame, UINT64_MAX, &done);
+    if (result != CRUMPLE_OK) return result;
+    FACT(done);
+    pass(&s->host, &s->vertices, true);
+    s->passed = false;
+    return result;
+}
+
+static CrumpleResult pipeline_cache(Scene *s) {
+    static unsigned char data[1 << 22];
+    size_t size;
+    return crumple_vulkan_get_pipeline_cache(s->context, data, sizeof data, &size);
+}
+
+static CrumpleResult (*const steps[])(Scene *) = {
+    attach, import_buffer, register_buffer, frame, wait, frame, wait, pipeline_cache, frame, frame, wait,
+};
+enum { STEPS = sizeof steps / sizeof *steps };
+
+static void begin(Scene *s, bool own) {
+    CrumpleExampleSet set;
+    memset(s, 0, sizeof *s);
+    s->own = own;
+    host_open(&s->host);
+    if (own) {
+        open_exporting_device(&s->host);
+        s->vertices = make_exported(&s->host, &s->import);
+    } else {
+        s->vertices = make_vertices(&s->host);
+    }
+    s->context = make_context(1);
+    OK(crumple_example_set_create(s->context, &sheet.def, &set));
+    s->body = make_instance(s->context, set);
+    calls = fail_at = 0;
+    failed = false;
+}
+
+static void end(Scene *s) {
+    OK(crumple_context_destroy(s->context));
+    if (s->own) close((int)s->import.handle);
+    host_destroy_buffer(&s->host, &s->vertices);
+    host_close(&s->host);
+}
+
+static CrumpleResult expected(void) {
+    return fault == VK_ERROR_DEVICE_LOST ? CRUMPLE_ERROR_DEVICE_LOST : CRUMPLE_ERROR_OUT_OF_MEMORY;
+}
+
+static void check_result(CrumpleResult result) {
+    if (failed && result != expected()) fprintf(stderr, "%s fails with %d\n", failed_in, (int)fault);
+    FACT(result == (failed ? expected() : CRUMPLE_OK));
+}
+
+// Each step fails at its first Vulkan call, then at its second, and so on, until it makes no more.
+static unsigned fail_and_repeat(bool own, VkResult with) {
+    Scene s;
+    unsigned faults = 0;
+    begin(&s, own);
+    fault = with;
+    stays_lost = false;
+    for (int step = 0; step < STEPS; ++step) {
+        if (steps[step] == frame) hit(&s, step % HITS);
+        for (unsigned n = 1;; ++n) {
+            calls = 0;
+            fail_at = n;
+            failed = false;
+            CrumpleResult result = steps[step](&s);
+            fail_at = 0;
+            check_result(result);
+            if (!failed) break;
+            ++faults;
+        }
+        if (steps[step] == wait) expect_vertices(&s.host, &s.vertices, s.context, s.body);
+    }
+    end(&s);
+    return faults;
+}
+
+// The device is lost at the n-th call and stays so. Returns whether there was such a call.
+static bool lose(bool own, unsigned n) {
+    static float wanted[VERTICES][3], seen[VERTICES][3];
+    CrumpleHostBufferDef def = crumple_host_buffer_def_default();
+    CrumpleBuffer buffer;
+    Scene s, plain;
+    begin(&s, own);
+    fault = VK_ERROR_DEVICE_LOST;
+    stays_lost = true;
+    fail_at = n;
+    int hits = 0;
+    for (int step = 0; step < STEPS && !failed; ++step) {
+        if (steps[step] == frame) hit(&s, hits++);
+        check_result(steps[step](&s));
+    }
+    if (failed) {
+        (void)crumple_vulkan_complete_frames(s.context, UINT64_MAX); // no device, or Crumple's own: an error
+        (void)crumple_vulkan_detach(s.context);
+    }
+    fail_at = 0;
+    def.positions = stream_of(seen, sizeof seen, 0, sizeof *seen);
+    OK(crumple_buffer_register_host(s.context, s.body, &def, &buffer));
+    OK(crumple_context_deform(s.context, NULL, 0, NULL));
+
+    CrumpleExampleSet set;
+    plain = s;
+    plain.context = make_context(1);
+    OK(crumple_example_set_create(plain.context, &sheet.def, &set));
+    plain.body = make_instance(plain.context, set);
+    for (int i = 0; i < hits; ++i) hit(&plain, i);
+    def.positions = stream_of(wanted, sizeof wanted, 0, sizeof *wanted);
+    OK(crumple_buffer_register_host(plain.context, plain.body, &def, &buffer));
+    OK(crumple_context_deform(plain.context, NULL, 0, NULL));
+    FACT(memcmp(wanted, seen, sizeof wanted) == 0);
+    OK(crumple_context_destroy(plain.context));
+    const bool there_was = failed;
+    end(&s);
+    return there_was;
+}
+
+int main(void) {
+    static const VkResult errors[] = {VK_ERROR_DEVICE_LOST, VK_ERROR_OUT_OF_HOST_MEMORY, VK_ERROR_OUT_OF_DEVICE_MEMORY};
+    make_sheet(&sheet);
+    for (int own = 0; own < 2; ++own) {
+        unsigned faults = 0, lost = 0;
+        for (int i = 0; i < 3; ++i) faults += fail_and_repeat(own, errors[i]);
+        while (lose(own, lost + 1)) ++lost;
+        FACT(faults > 0 && lost > 0);
+        printf("%s device: %u faults, lost at each of %u calls\n", own ? "its own" : "the host's", faults, lost);
+    }
+    printf("%u checks\n", checks);
+    return 0;
+}
