@@ -233,14 +233,7 @@ void UCrumpleComponent::SendRenderDynamicData_Concurrent()
 	{
 		return;
 	}
-	TArray<uint8> Bytes;
-	// Before the render thread has made the buffer nobody knows which path it takes: it is brought up to date when made.
-	if (!Proxy->IsOnGPU())
-	{
-		Body->Deform(Bytes);
-	}
-	ENQUEUE_RENDER_COMMAND(CrumpleUpdate)(
-		[Proxy, Moved = MoveTemp(Bytes)](FRHICommandListImmediate& RHICmdList) { Proxy->Update(RHICmdList, Moved); });
+	ENQUEUE_RENDER_COMMAND(CrumpleUpdate)([Proxy](FRHICommandListImmediate& RHICmdList) { Proxy->Update(RHICmdList); });
 }
 
 FMatrix UCrumpleComponent::GetRenderMatrix() const

@@ -128,9 +128,7 @@ void FCrumpleSceneProxy::Init(FRHICommandListImmediate& RHICmdList, bool bUseGPU
 	}
 	if (Range == 0)
 	{
-		TArray<uint8> Bytes;
-		Body->Deform(Bytes, true);
-		Update(RHICmdList, Bytes);
+		Show(RHICmdList, true);
 	}
 }
 
@@ -150,13 +148,22 @@ SIZE_T FCrumpleSceneProxy::GetTypeHash() const
 	return reinterpret_cast<SIZE_T>(&Unique);
 }
 
-void FCrumpleSceneProxy::Update(FRHICommandListImmediate& RHICmdList, const TArray<uint8>& Bytes)
+void FCrumpleSceneProxy::Update(FRHICommandListImmediate& RHICmdList)
 {
 	if (Range != 0)
 	{
 		Body->Shape->Context->GetVulkan().Update(RHICmdList, Range);
 	}
-	else if (Bytes.Num() > 0)
+	else
+	{
+		Show(RHICmdList, false);
+	}
+}
+
+void FCrumpleSceneProxy::Show(FRHICommandListImmediate& RHICmdList, bool bAlways)
+{
+	TArray<uint8> Bytes;
+	if (Body->Deform(Bytes, bAlways))
 	{
 		// All of it: what a lock of a part leaves of the rest is not the same for every RHI.
 		Fill(RHICmdList, Vertices.VertexBufferRHI, Bytes.GetData(), Bytes.Num());

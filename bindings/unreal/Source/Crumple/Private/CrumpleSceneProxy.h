@@ -49,8 +49,8 @@ public:
 	virtual void GetDynamicMeshElements(const TArray<const FSceneView*>& Views, const FSceneViewFamily& ViewFamily, uint32 VisibilityMap,
 		FMeshElementCollector& Collector) const override;
 
-	/** Render thread. Shows what happened to the body; without the GPU path, from Bytes. */
-	void Update(FRHICommandListImmediate& RHICmdList, const TArray<uint8>& Bytes);
+	/** Render thread. Shows what happened to the body. */
+	void Update(FRHICommandListImmediate& RHICmdList);
 
 	/** Whether Crumple's kernels write the buffer, once the render thread has made it. */
 	bool IsOnGPU() const { return bOnGPU; }
@@ -59,6 +59,9 @@ public:
 	const FCrumpleIndexBuffer& GetIndices() const { return Indices; }
 
 private:
+	/** Deforms on the CPU and fills the buffer where a vertex changed, or always. Only the render thread does, so that no older vertices come after newer ones. */
+	void Show(FRHICommandListImmediate& RHICmdList, bool bAlways);
+
 	void Init(FRHICommandListImmediate& RHICmdList, bool bUseGPU);
 
 	const TSharedRef<FCrumpleBody> Body;
