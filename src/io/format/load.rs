@@ -43,7 +43,7 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
         return Err(wrong("the number of examples", record.examples, "1 to 65534"));
     }
     let count = record.examples as usize;
-    headroom(SMALL + count * EXAMPLE, "the examples of a baked set")?;
+    headroom(count.saturating_mul(EXAMPLE).saturating_add(SMALL), "the examples of a baked set")?;
     let records: Array<ExampleRecord> = file.array_of(Id::Examples, 0, count)?;
     let mut meshes = crate::base::error::reserve(record.meshes as usize, "meshes")?;
     let vertices = one::<MeshRecord>(&file.array(Id::Mesh, 0)?, Id::Mesh)?.vertices as usize;
@@ -214,7 +214,8 @@ fn anchored(file: &File<'_>, k: u32, examples: usize, steps: Steps) -> Result<Ve
     let (mut head, mut word) = (heads.start, words.start);
     let mut out = crate::base::error::reserve(examples, "examples")?;
     for r in records.iter() {
-        let ends = (head + r.heads as usize * size_of::<Head>(), word + r.words as usize * size_of::<u64>());
+        let after = |at: usize, count: u32, size: usize| at.saturating_add((count as usize).saturating_mul(size));
+        let ends = (after(head, r.heads, size_of::<Head>()), after(word, r.words, size_of::<u64>()));
         if ends.0 > heads.end || ends.1 > words.end {
             let value = format!("{} heads and {} words", r.heads, r.words);
             return Err(wrong("an element of section anchored", value, "what sections heads and words still hold"));
