@@ -15,9 +15,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
-use object::elf::{DF_1_NODELETE, DT_FLAGS_1, DT_SONAME, FileHeader64};
+use object::elf::{DF_1_NODELETE, DT_FLAGS_1, DT_SONAME, FileHeader32, FileHeader64};
 use object::read::elf::{Dynamic, FileHeader};
-use object::{Endianness, Object};
+use object::{Endianness, FileKind, Object};
 
 use crate::abi;
 use crate::target::Target;
@@ -230,9 +230,15 @@ pub fn needs_windows_alone(library: &Path) -> Result<()> {
 /// The entries of the dynamic table, each with its string if it has one.
 fn dynamic(library: &Path) -> Result<Vec<(Dynamic, String)>> {
     let bytes = fs::read(library).with_context(|| format!("reading {}", library.display()))?;
-    let header = FileHeader64::<Endianness>::parse(&*bytes)?;
+    match FileKind::parse(&*bytes)? {
+        FileKind::Elf32 => dynamic_of(FileHeader32::<Endianness>::parse(&*bytes)?, &bytes),
+        _ => dynamic_of(FileHeader64::<Endianness>::parse(&*bytes)?, &bytes),
+    }
+}
+
+fn dynamic_of<H: FileHeader>(header: &H, bytes: &[u8]) -> Result<Vec<(Dynamic, String)>> {
     let endian = header.endian()?;
-    let table = header.sections(endian, &*bytes)?.dynamic_table(endian, &*bytes)?;
+    let table = header.sections(endian, bytes)?.dynamic_table(endian, bytes)?;
     let text = |entry: Dynamic| if entry.is_string() { table.string(entry).unwrap_or_default() } else { &[] };
     Ok(table.iter().map(|entry| (entry, String::from_utf8_lossy(text(entry)).into_owned())).collect())
 }
@@ -247,6 +253,7 @@ fn fill(workspace: &Workspace, built: &Built, template: &str, directory: &Path) 
         ("@CRUMPLE_STATIC@", built.target.static_library().to_owned()),
         ("@CRUMPLE_STATIC_LIBS@", built.static_needs.join(" ")),
         ("@CRUMPLE_STATIC_LIBS_CMAKE@", libraries.join(";")),
+        ("@CRUMPLE_POINTER_BYTES@", built.target.pointer_bytes().to_string()),
         ("@CRUMPLE_FEATURES@", built.features.join(" ")),
         ("@CRUMPLE_FEATURES_CMAKE@", built.features.join(";")),
     ];

@@ -1,4 +1,4 @@
-//! Tests of the builds for other systems: Windows under Wine, Linux on 64-bit ARM under qemu. What their programs write
+//! Tests of the builds for other systems: Windows under Wine, Linux on 64-bit ARM under qemu, 32-bit Linux. What their programs write
 //! must equal, byte for byte, what the programs of this machine write. Vulkan under Wine uses this machine's drivers.
 
 use std::collections::BTreeMap;
@@ -15,7 +15,7 @@ use crate::install::{self, Built, Profile};
 use crate::native::{self, Build};
 use crate::package;
 use crate::stage::{Outcome, all_passed};
-use crate::target::{AARCH64, Target, WINDOWS, launch};
+use crate::target::{AARCH64, I686, Target, WINDOWS, launch};
 use crate::tools::Tool;
 use crate::vulkan;
 use crate::wine::Wine;
@@ -33,6 +33,8 @@ pub const WINDOWS_TOOLS: &[Tool] = &[
     Tool::VulkanHeaders,
 ];
 pub const AARCH64_TOOLS: &[Tool] = &[Tool::CCompiler, Tool::CMake, Tool::AarchRust, Tool::AarchCompiler, Tool::Qemu];
+
+pub const I686_TOOLS: &[Tool] = &[Tool::CCompiler, Tool::CMake, Tool::I686Rust, Tool::I686Compiler];
 
 /// Features of the build whose library, command and tests are all used.
 const FEATURES: &str = "cli,host-allocator";
@@ -95,6 +97,21 @@ pub fn aarch64(workspace: &Workspace) -> Result<Outcome> {
             "the promises",
             platform.rust(&["--test=promises", "--test=stability"], &["quick_", "a_millionth", "far_from"]),
         ),
+        ("the same files", platform.same_files()),
+    ])?;
+    Ok(Outcome::Passed)
+}
+
+pub fn i686(workspace: &Workspace) -> Result<Outcome> {
+    // The processor runs them. The cross compiler's package has the libraries, not where the system looks for them.
+    let runner = vec!["/usr/i686-linux-gnu/lib/ld-linux.so.2", "--library-path", "/usr/i686-linux-gnu/lib"];
+    let platform = Platform { workspace, target: Target::other(I686), runner };
+    platform.build()?;
+    let prefix = platform.install()?;
+    let tests = ["--lib", "--test=format", "--test=promises", "--test=stability", "--test=tolerance"];
+    all_passed(vec![
+        ("the C and C++ tests", platform.c(&prefix)),
+        ("the Rust tests", platform.rust(&tests, &[])),
         ("the same files", platform.same_files()),
     ])?;
     Ok(Outcome::Passed)

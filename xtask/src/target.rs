@@ -9,6 +9,7 @@ use crate::workspace::Workspace;
 
 pub const WINDOWS: &str = "x86_64-pc-windows-gnu";
 pub const AARCH64: &str = "aarch64-unknown-linux-gnu";
+pub const I686: &str = "i686-unknown-linux-gnu";
 pub const WEB: &str = "wasm32-unknown-unknown";
 
 /// Rust as Debian packages it. With the source of the standard library (rust-web-src) it compiles for any system.
@@ -51,6 +52,10 @@ impl Target {
         self.triple.contains("-linux")
     }
 
+    pub fn pointer_bytes(&self) -> u32 {
+        if ["i686-", "wasm32-"].iter().any(|start| self.triple.starts_with(start)) { 4 } else { 8 }
+    }
+
     /// The file of the shared library, as Cargo names it.
     pub fn shared(&self) -> &'static str {
         match () {
@@ -81,6 +86,7 @@ impl Target {
         match self.triple.as_str() {
             WINDOWS if self.cross => format!("x86_64-w64-mingw32-{program}"),
             AARCH64 if self.cross => format!("aarch64-linux-gnu-{program}"),
+            I686 if self.cross => format!("i686-linux-gnu-{program}"),
             _ => program.to_owned(),
         }
     }

@@ -114,6 +114,13 @@ const STAGES: &[Stage] = &[
         run: platforms::aarch64,
     },
     Stage {
+        name: "i686",
+        shows: "the library and the command for 32-bit x86 work, and write the same bytes as here",
+        needs: platforms::I686_TOOLS,
+        wants: &[],
+        run: platforms::i686,
+    },
+    Stage {
         name: "demo",
         shows: "`cargo xtask demo` dents a hood and a drum",
         needs: &[],

@@ -54,6 +54,10 @@ pub enum Tool {
     AarchRust,
     /// GNU's compilers for 64-bit ARM.
     AarchCompiler,
+    /// Rust's standard library for 32-bit x86, or its source.
+    I686Rust,
+    /// GNU's compilers for 32-bit x86.
+    I686Compiler,
     /// Rust's standard library for WebAssembly, or its source.
     WebRust,
     /// The browser that the page is tested in.
@@ -83,7 +87,7 @@ impl Tool {
         let sh = &workspace.shell;
         let answers = |program: &str| cmd!(sh, "{program} --version").quiet().ignore_stderr().read().is_ok();
         match self {
-            Self::WindowsRust | Self::AarchRust | Self::WebRust => {
+            Self::WindowsRust | Self::AarchRust | Self::I686Rust | Self::WebRust => {
                 self.rust_target().is_some_and(|triple| Target::other(triple).has_rust(workspace))
             }
             Self::Mingw => ["gcc", "g++"].iter().all(|name| answers(&format!("x86_64-w64-mingw32-{name}-posix"))),
@@ -92,6 +96,7 @@ impl Tool {
             Self::Xvfb => std::path::Path::new("/usr/bin/Xvfb").exists(),
             Self::Llvm => ["clang", "lld-link"].iter().all(|name| answers(name)) && answers("llvm-strip"),
             Self::AarchCompiler => ["gcc", "g++"].iter().all(|name| answers(&format!("aarch64-linux-gnu-{name}"))),
+            Self::I686Compiler => ["gcc", "g++"].iter().all(|name| answers(&format!("i686-linux-gnu-{name}"))),
             Self::Qemu => answers("qemu-aarch64"),
             Self::Chromium => answers("/usr/bin/chromium"),
             Self::CMake => cmd!(sh, "cmake --version").quiet().ignore_stderr().read().is_ok(),
@@ -131,6 +136,7 @@ impl Tool {
         match self {
             Self::WindowsRust => Some(target::WINDOWS),
             Self::AarchRust => Some(target::AARCH64),
+            Self::I686Rust => Some(target::I686),
             Self::WebRust => Some(target::WEB),
             _ => None,
         }
@@ -152,12 +158,15 @@ impl Tool {
             Self::VulkanHeaders => &["pkg-config", "libvulkan-dev"],
             Self::Png => &["pkg-config", "libpng-dev"],
             Self::Mono => &["mono-mcs", "mono-runtime"],
-            Self::WindowsRust | Self::AarchRust | Self::WebRust => &["rustc-web", "cargo-web", "rust-web-src"],
+            Self::WindowsRust | Self::AarchRust | Self::I686Rust | Self::WebRust => {
+                &["rustc-web", "cargo-web", "rust-web-src"]
+            }
             Self::Mingw => &["g++-mingw-w64-x86-64-posix", "mingw-w64-x86-64-dev"],
             Self::Wine => &["wine64"],
             Self::Xvfb => &["xvfb"],
             Self::Llvm => &["clang", "lld", "llvm"],
             Self::AarchCompiler => &["g++-aarch64-linux-gnu"],
+            Self::I686Compiler => &["g++-i686-linux-gnu"],
             Self::Qemu => &["qemu-user"],
             Self::Chromium => &["chromium"],
             Self::Abigail => &["abigail-tools"],
@@ -198,6 +207,8 @@ impl fmt::Display for Tool {
             Self::Llvm => "LLVM's clang, lld-link and llvm-dlltool",
             Self::AarchRust => "Rust for 64-bit ARM (or: rustup target add aarch64-unknown-linux-gnu)",
             Self::AarchCompiler => "GNU's compilers for 64-bit ARM",
+            Self::I686Rust => "Rust for 32-bit x86 (or: rustup target add i686-unknown-linux-gnu)",
+            Self::I686Compiler => "GNU's compilers for 32-bit x86",
             Self::Qemu => "qemu-aarch64",
             Self::WebRust => "Rust for WebAssembly (or: rustup target add wasm32-unknown-unknown)",
             Self::Chromium => "Chromium",

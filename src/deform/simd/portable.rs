@@ -2,7 +2,7 @@
 
 use super::Simd;
 use crate::example::stamp::Node;
-use wide::{f32x8, i32x8};
+use wide::{f32x4, f32x8, i16x8, i32x8};
 
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Portable;
@@ -162,18 +162,27 @@ impl Simd for Portable {
         far: i32x8,
     ) -> [[i32x8; 4]; 2] {
         let (at, near, far) = (at.to_array(), near.to_array(), far.to_array());
-        let mut sums = [[0i32; 8]; 8];
-        for i in 0..8 {
-            for (first, w) in [(at[i] as usize, near[i]), (at[i] as usize + row, far[i])] {
-                // SAFETY: the node at `at`, the next one and the two a row further on exist.
-                let [a, b] = unsafe { p.add(first).cast::<[Node; 2]>().read() };
-                let (wa, wb) = (i32::from(w as i16), w >> 16);
-                for k in 0..if ALL { 8 } else { 4 } {
-                    sums[k][i] += i32::from(a[k]) * wa + i32::from(b[k]) * wb;
+        let mut halves = [[f32x4::ZERO; 8]; 2];
+        for (half, columns) in halves.iter_mut().enumerate() {
+            let mut rows = [[f32x4::ZERO; 4]; 2];
+            for lane in 0..4 {
+                let i = 4 * half + lane;
+                let mut sum = i32x8::ZERO;
+                for (first, w) in [(at[i] as usize, near[i]), (at[i] as usize + row, far[i])] {
+                    // SAFETY: the node at `at`, the next one and the two a row further on exist.
+                    let [a, b] = unsafe { p.add(first).cast::<[i16x8; 2]>().read_unaligned() };
+                    sum += a.widening_mul(i16x8::splat(w as i16)) + b.widening_mul(i16x8::splat((w >> 16) as i16));
                 }
+                [rows[0][lane], rows[1][lane]] = bytemuck::cast(sum);
+            }
+            let [first, rest] = rows.map(f32x4::transpose);
+            columns[..4].copy_from_slice(&first);
+            if ALL {
+                columns[4..].copy_from_slice(&rest);
             }
         }
-        let [a, b, c, d, e, f, g, h] = sums.map(i32x8::from);
+        let column = |k: usize| bytemuck::cast([halves[0][k], halves[1][k]]);
+        let [a, b, c, d, e, f, g, h] = std::array::from_fn(column);
         [[a, b, c, d], [e, f, g, h]]
     }
 }
