@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
 
-use crate::workspace::Workspace;
+use crate::workspace::{Workspace, files};
 use crate::{messages, unity};
 
 /// Meshes, fixtures and pictures together, in bytes.
@@ -14,6 +14,7 @@ const ASSETS_LIMIT: u64 = 15_000_000;
 const FIGURES_LIMIT: u64 = 15_000_000;
 /// The lab's reference data, in bytes.
 const TRUTHS_LIMIT: u64 = 14_000_000;
+const RELIABILITY: &str = "docs/reliability.md";
 const QUICKSTART: &str = "examples-c/quickstart.c";
 const QUICKSTART_LINES: usize = 80;
 /// Programs that a page shows whole: the program, the page and the language.
@@ -31,6 +32,7 @@ pub fn run(workspace: &Workspace, fix: bool) -> Result<()> {
     }
     unity::metas(workspace, fix)?;
     changelog(workspace)?;
+    unsafe_blocks(workspace, fix)?;
     messages::run(workspace)
 }
 
@@ -89,6 +91,36 @@ fn changelog(workspace: &Workspace) -> Result<()> {
     let found = read(workspace, "CHANGELOG.md")?.lines().any(|line| line.starts_with(&heading));
     ensure!(found, "CHANGELOG.md has no heading {heading:?} for this package's version");
     println!("CHANGELOG.md has a section for version {}", workspace.version);
+    Ok(())
+}
+
+/// The table of docs/reliability.md names every room with `unsafe` blocks, and their number.
+fn unsafe_blocks(workspace: &Workspace, fix: bool) -> Result<()> {
+    let text = read(workspace, RELIABILITY)?;
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    let mut wrong = Vec::new();
+    for entry in fs::read_dir(workspace.path("src"))? {
+        let path = entry?.path();
+        let room = path.file_name().context("folders have names")?.to_string_lossy().into_owned();
+        let mut blocks = 0;
+        for file in if path.is_dir() { files(&path)? } else { Vec::new() } {
+            blocks += fs::read_to_string(&file).unwrap_or_default().matches("unsafe {").count();
+        }
+        let row = lines.iter_mut().find(|line| line.starts_with(&format!("| {room} | ")));
+        let told = row.as_ref().and_then(|row| row.split('|').nth(2)?.trim().parse().ok()).unwrap_or(0);
+        if told != blocks {
+            wrong.push(format!("{room} has {blocks}, not {told}"));
+            if let Some(row) = row {
+                *row = row.replacen(&format!("| {told} |"), &format!("| {blocks} |"), 1);
+            }
+        }
+    }
+    if fix && !wrong.is_empty() {
+        fs::write(workspace.path(RELIABILITY), lines.join("\n") + "\n")?;
+    } else {
+        ensure!(wrong.is_empty(), "{RELIABILITY}, unsafe blocks: {wrong:?}; type: cargo xtask repo --fix");
+    }
+    println!("{RELIABILITY} has the number of unsafe blocks of each room");
     Ok(())
 }
 
