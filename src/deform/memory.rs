@@ -314,7 +314,7 @@ unsafe fn put_all<const N: usize>(s: &RawStream, first: usize, values: &[f32]) {
 
 /// # Safety
 /// The value of vertex `v` lies within the stream, and no other thread accesses it.
-unsafe fn put<T: bytemuck::Pod>(s: &RawStream, v: usize, value: T) {
+unsafe fn put<T: Copy>(s: &RawStream, v: usize, value: T) {
     // SAFETY: in bounds, as the caller guarantees; unaligned, since a `&mut [u8]` may begin anywhere.
     unsafe { s.data.add(s.layout.offset + v * s.layout.stride).cast::<T>().write_unaligned(value) }
 }
