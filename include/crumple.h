@@ -534,8 +534,8 @@ typedef struct {
 } CrumpleObjDef;
 
 /// An array that Crumple writes. Element i is at data + offset + i * stride. Positions and normals are 3 floats,
-/// tangents 4 floats, indices one uint32_t, unless the field that uses it says otherwise. Bytes between elements are not touched, so streams may be interleaved. All
-/// fields zero: absent.
+/// tangents 4 floats, indices one uint32_t, unless the def has another format. Bytes between elements are not touched, so
+/// streams may be interleaved. All fields zero: absent.
 typedef struct {
     /// Start of the memory, aligned to 4 bytes. Null: absent.
     void *data;
@@ -877,8 +877,8 @@ typedef struct {
     /// A VkFormat. Positions: R32G32B32_SFLOAT, R16G16B16A16_SFLOAT (w is 1), R16G16B16A16_SNORM (see
     /// CrumpleVulkanBufferDef.scale). Normals: R32G32B32_SFLOAT, R16G16B16A16_SNORM, R8G8B8A8_SNORM (w is 0),
     /// R16G16_UNORM (octahedral, see CRUMPLE_DIRECTION_FORMAT_OCTAHEDRAL). Tangents: R32G32B32A32_SFLOAT,
-    /// R16G16B16A16_SNORM, R8G8B8A8_SNORM, R16G16_UNORM (octahedral). Wear: R32G32B32A32_SFLOAT, R8G8B8A8_UNORM (1 means the
-    /// depth_limit of the set's info, and for bend a quarter turn; more is stored as 1).
+    /// R16G16B16A16_SNORM, R8G8B8A8_SNORM, R16G16_UNORM (octahedral). Wear: R32G32B32A32_SFLOAT, R8G8B8A8_UNORM (1
+    /// means the depth_limit of the set's info, and for bend a quarter turn; more is stored as 1).
     uint32_t format;
     uint32_t reserved;
 } CrumpleVulkanStream;

@@ -123,8 +123,8 @@ pub struct CrumpleInput {
 }
 
 /// An array that Crumple writes. Element i is at data + offset + i * stride. Positions and normals are 3 floats,
-/// tangents 4 floats, indices one uint32_t, unless the field that uses it says otherwise. Bytes between elements are not touched, so streams may be interleaved. All
-/// fields zero: absent.
+/// tangents 4 floats, indices one uint32_t, unless the def has another format. Bytes between elements are not touched, so
+/// streams may be interleaved. All fields zero: absent.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleStream {
