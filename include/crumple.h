@@ -75,8 +75,9 @@
 // not depend on when reads happen, with three exceptions: marks merge above mark_capacity, contacts end when more than
 // 256 are open, and the hits of one contact are summed with rounding.
 //
-// Units. Metres, seconds, kilograms, newton seconds. Any handedness and any up axis. Host vertices are 32-bit floats,
-// indices start at 0, enums are 32 bits wide (do not compile with -fshort-enums).
+// Units. Metres, seconds, kilograms, newton seconds. Any handedness and any up axis. Vertices in memory of the CPU
+// are 32-bit floats, or octahedral where a def says so. Indices start at 0. Enums are 32 bits wide (do not compile with
+// -fshort-enums).
 //
 // Memory. A call without enough memory returns CRUMPLE_ERROR_OUT_OF_MEMORY and changes nothing: before it allocates, it
 // asks for as much as it may need, in one piece, and gives that back. The process aborts only if another thread takes
@@ -267,6 +268,24 @@ typedef enum {
     /// leaves no mark.
     CRUMPLE_HIT_STATUS_RIGID = 4,
 } CrumpleHitStatus;
+
+/// The format of normals or tangents in memory of the CPU.
+typedef enum {
+    /// 3 floats for a normal, 4 for a tangent. The default.
+    CRUMPLE_DIRECTION_FORMAT_FLOAT = 0,
+    /// Octahedral as in Godot: two uint16_t of 4 bytes in all, like a Vulkan buffer's R16G16_UNORM. A normal v is stored
+    /// as x and y, times 65535, rounded towards zero:
+    ///
+    ///     n = v / (|v.x| + |v.y| + |v.z|)
+    ///     a = n.z >= 0 ? n.x : (1 - |n.y|) * (n.x >= 0 ? 1 : -1)
+    ///     b = n.z >= 0 ? n.y : (1 - |n.x|) * (n.y >= 0 ? 1 : -1)
+    ///     x = a * 0.5 + 0.5
+    ///     y = b * 0.5 + 0.5
+    ///
+    /// A tangent is stored as x and t if its w is 0 or above, else as x and 1 - t, where t = max(y, 1 / 32767) * 0.5 +
+    /// 0.5. Of its numbers (0, 65535) becomes (65535, 65535), which stands for the same tangent.
+    CRUMPLE_DIRECTION_FORMAT_OCTAHEDRAL = 1,
+} CrumpleDirectionFormat;
 
 /// The type of a handle to shared memory or to a semaphore.
 typedef enum {
@@ -515,8 +534,8 @@ typedef struct {
 } CrumpleObjDef;
 
 /// An array that Crumple writes. Element i is at data + offset + i * stride. Positions and normals are 3 floats,
-/// tangents 4 floats, indices one uint32_t. Bytes between elements are not touched, so streams may be interleaved. All
-/// fields zero: absent.
+/// tangents 4 floats, indices one uint32_t, unless the def has another format. Bytes between elements are not touched, so
+/// streams may be interleaved. All fields zero: absent.
 typedef struct {
     /// Start of the memory, aligned to 4 bytes. Null: absent.
     void *data;
@@ -783,15 +802,20 @@ typedef struct {
     uint32_t lod;
     /// Positions, m. Required.
     CrumpleStream positions;
-    /// Unit normals. Absent: not written.
+    /// Unit normals in normal_format. Absent: not written.
     CrumpleStream normals;
-    /// Tangents: xyz of unit length and orthogonal to the normal, w as in the mesh. Absent: not written.
+    /// Tangents in tangent_format: xyz of unit length and orthogonal to the normal, w as in the mesh. Absent: not
+    /// written.
     CrumpleStream tangents;
     /// Wear, 4 floats for shaders of paint, glass and dirt. All are 0 exactly where nothing is dented, none is negative:
     /// dent (length of the displacement, m), bend (1 - cosine of the angle by which the normal turned, 0 to 2), press
     /// (distance moved against the base normal, m, 0 if outwards), scrape (length of the part of the displacement in the
     /// undeformed surface, m). A mesh without normals has only dent. Absent: not written.
     CrumpleStream wear;
+    /// Format of normals. Default CRUMPLE_DIRECTION_FORMAT_FLOAT.
+    CrumpleDirectionFormat normal_format;
+    /// Format of tangents. Default CRUMPLE_DIRECTION_FORMAT_FLOAT.
+    CrumpleDirectionFormat tangent_format;
 } CrumpleHostBufferDef;
 
 /// Registered memory of yours that receives an instance's deformed vertices. An id; zero is null.
@@ -851,9 +875,10 @@ typedef struct {
     /// Bytes from one value to the next: at least the size of a value, a multiple of 4.
     uint64_t stride;
     /// A VkFormat. Positions: R32G32B32_SFLOAT, R16G16B16A16_SFLOAT (w is 1), R16G16B16A16_SNORM (see
-    /// CrumpleVulkanBufferDef.scale). Normals: R32G32B32_SFLOAT, R16G16B16A16_SNORM, R8G8B8A8_SNORM (w is 0). Tangents:
-    /// R32G32B32A32_SFLOAT, R16G16B16A16_SNORM, R8G8B8A8_SNORM. Wear: R32G32B32A32_SFLOAT, R8G8B8A8_UNORM (1 means the
-    /// depth_limit of the set's info, and for bend a quarter turn; more is stored as 1).
+    /// CrumpleVulkanBufferDef.scale). Normals: R32G32B32_SFLOAT, R16G16B16A16_SNORM, R8G8B8A8_SNORM (w is 0),
+    /// R16G16_UNORM (octahedral, see CRUMPLE_DIRECTION_FORMAT_OCTAHEDRAL). Tangents: R32G32B32A32_SFLOAT,
+    /// R16G16B16A16_SNORM, R8G8B8A8_SNORM, R16G16_UNORM (octahedral). Wear: R32G32B32A32_SFLOAT, R8G8B8A8_UNORM (1
+    /// means the depth_limit of the set's info, and for bend a quarter turn; more is stored as 1).
     uint32_t format;
     uint32_t reserved;
 } CrumpleVulkanStream;

@@ -61,7 +61,7 @@ pub use capi::replay::{Difference, Replay, replay};
 pub use damage::mark::{Mark, Pair};
 pub use deform::simd::SimdLevel;
 pub use deform::tolerance::pixel_tolerance;
-pub use deform::{Attribute, DeformReport, RawStream, Tracker, VertexMemory};
+pub use deform::{Attribute, DeformReport, Encoding, RawStream, Tracker, VertexMemory};
 pub use example::blow::{Blow, Striker};
 pub use example::data::{Contact, Deltas, ExampleData, Placement};
 pub use example::example::Example;

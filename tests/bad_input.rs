@@ -7,9 +7,9 @@ use std::sync::Arc;
 
 use crumple::glam::{Mat4, Vec3, Vec4};
 use crumple::{
-    Attachment, Attribute, Blow, Cause, Contact, Deltas, Error, ErrorKind, ExampleData, ExampleSet, Hit, HitStatus,
-    Instance, InstanceOptions, Mark, MeshData, Mirror, Pair, Placement, Rule, Selection, Serial, SetOptions, Space,
-    Striker, ThreadPool, Tracker, VertexMass, VertexMemory,
+    Attachment, Attribute, Blow, Cause, Contact, Deltas, Encoding, Error, ErrorKind, ExampleData, ExampleSet, Hit,
+    HitStatus, Instance, InstanceOptions, Mark, MeshData, Mirror, Pair, Placement, Rule, Selection, Serial, SetOptions,
+    Space, Striker, ThreadPool, Tracker, VertexMass, VertexMemory,
 };
 use proptest::prelude::*;
 use scenes::{Dice, Output, new, push, random_hit};
@@ -824,7 +824,7 @@ fn check_within(instance: &mut Instance) {
 #[test]
 fn quick_memory_that_is_laid_out_wrong() {
     let mut bytes = vec![0u8; 4096];
-    let at = |offset, stride| Attribute { offset, stride };
+    let at = |offset, stride| Attribute { offset, stride, format: Encoding::F32 };
     let mut positions = |p, normal, tangent| VertexMemory::interleaved(&mut bytes, p, normal, tangent, None).map(drop);
     for stride in [0, 4, 8] {
         let found = positions(at(0, stride), None, None);
@@ -838,6 +838,17 @@ fn quick_memory_that_is_laid_out_wrong() {
     for normal in [0, 4, 8, 20] {
         refused!(positions(at(0, 24), Some(at(normal, 24)), None), InvalidArgument, "position", "normal");
     }
+    // octahedral values have 4 bytes, of normals and tangents alone
+    let octahedral = |offset, stride| Attribute { format: Encoding::Octahedral16x2, ..at(offset, stride) };
+    positions(at(0, 20), Some(octahedral(12, 20)), Some(octahedral(16, 20))).unwrap();
+    refused!(positions(octahedral(0, 12), None, None), InvalidArgument, "position format", "Octahedral16x2", "F32");
+    refused!(positions(at(0, 20), Some(octahedral(14, 20)), None), Misaligned, "normal offset", "14");
+    refused!(positions(at(0, 20), None, Some(octahedral(12, 18))), InvalidArgument, "position", "tangent");
+    refused!(positions(at(0, 12), Some(octahedral(12, 2)), None), InvalidArgument, "position", "normal");
+    for format in [Encoding::F16x4, Encoding::Snorm16x4, Encoding::Snorm8x4, Encoding::Unorm8x4] {
+        let normal = Attribute { format, ..at(12, 32) };
+        refused!(positions(at(0, 32), Some(normal), None), InvalidArgument, "normal format", "F32 or Octahedral16x2");
+    }
     // normals may lie behind the positions, before them, or a whole vertex away
     for (position, normal) in [(0, 12), (12, 0), (0, 36)] {
         positions(at(position, 24), Some(at(normal, 24)), None).unwrap();
@@ -849,7 +860,7 @@ fn quick_memory_that_is_too_small() {
     let mut instance = instance();
     instance.submit(&good()).unwrap();
     let mut tracker = Tracker::new();
-    let at = |offset, stride| Attribute { offset, stride };
+    let at = |offset, stride| Attribute { offset, stride, format: Encoding::F32 };
     for (offset, stride) in [(0, 12), (4, 16), (0, 1024)] {
         let needed: usize = offset + 2 * stride + 12;
         for size in [0, 11, needed - 4, needed - 1] {
@@ -868,6 +879,9 @@ fn quick_memory_that_is_too_small() {
     let memory = VertexMemory::separate(&mut positions, Some(&mut normals), None).unwrap();
     refused!(instance.deform(&mut tracker, memory, &Serial), BufferTooSmall, "normal", "24", "36");
     assert_eq!(positions, [[0.0; 3]; 3]);
+    let (mut packed, memory) = ([[0; 2]; 2], VertexMemory::separate(&mut positions, None, None).unwrap());
+    let memory = memory.with_octahedral_normals(&mut packed);
+    refused!(instance.deform(&mut tracker, memory, &Serial), BufferTooSmall, "normal", "8", "12");
     let (mut wear, memory) = ([[0.0; 4]; 2], VertexMemory::separate(&mut positions, None, None).unwrap());
     let memory = memory.with_wear(&mut wear);
     refused!(instance.deform(&mut tracker, memory, &Serial), BufferTooSmall, "wear", "32", "48");

@@ -8,8 +8,9 @@ use std::sync::Arc;
 
 use crumple::glam::{Mat4, Quat, Vec3};
 use crumple::{
-    Attribute, Blow, Cause, Combine, DeformJob, Deltas, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Mark,
-    Mirror, Pair, Placement, Rule, Serial, SetOptions, SimdLevel, Space, TaskSystem, ThreadPool, Tracker, VertexMemory,
+    Attribute, Blow, Cause, Combine, DeformJob, Deltas, Encoding, ExampleSet, Hit, HitStatus, Instance,
+    InstanceOptions, Mark, Mirror, Pair, Placement, Rule, Serial, SetOptions, SimdLevel, Space, TaskSystem, ThreadPool,
+    Tracker, VertexMemory,
 };
 use proptest::prelude::*;
 use scenes::{Body, Dice, Eager, Output, POISON, fnv, new, push, random_hit, random_hits};
@@ -559,7 +560,7 @@ fn check_guards(set: &Arc<ExampleSet>, seed: u64) -> Result<(), TestCaseError> {
     let size = (count - 1) * stride + wear + 16;
     let before = dice.index(9);
     let mut bytes = vec![GUARD; before + size + 64];
-    let attribute = |offset| Attribute { offset, stride };
+    let attribute = |offset| Attribute { offset, stride, format: Encoding::F32 };
     let mut instance = new(set);
     let mut tracker = Tracker::new();
     let mut plain = Output::new(set);

@@ -3,7 +3,7 @@
 use super::check::{Out, def, zeroed};
 use super::context::{CrumpleContext, lean_recorded, recorded};
 use super::host_memory::{CrumpleHostBufferDef, HostMemory};
-use super::record_call::{Call, Number};
+use super::record_call::{Call, Number, Written};
 use super::recorder::Log;
 use super::result::{CrumpleResult, Failure};
 use super::store::{BufferEntry, Memory, State};
@@ -99,10 +99,14 @@ pub unsafe extern "C" fn crumple_buffer_set_memory(
             ));
         };
         *memory = HostMemory::new(&def, &state.instances.get(entry.owner, "instance")?.instance)?;
-        let [normals, tangents, wear] = memory.written();
+        let written = memory.written();
         let vertices = memory.vertex_count();
         log.call(|| {
             let (buffer, lod) = (Number::of(buffer), def.lod);
+            let Written { normals, tangents, wear, .. } = written;
+            if !written.is_floats() {
+                return Call::SetPackedBufferMemory { buffer, lod, vertices, written };
+            }
             if wear {
                 return Call::SetWornBufferMemory { buffer, lod, vertices, normals, tangents };
             }

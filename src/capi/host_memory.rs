@@ -1,12 +1,14 @@
 //! Memory of the host that deformed vertices are written to.
 
-use super::check::defs;
+use super::check::{defs, enumerator};
 use super::memory::{Stream, disjoint};
+use super::record_call::Written;
 use super::result::{CrumpleResult, Failure};
-use super::types::CrumpleStream;
-use crate::deform::{Attribute, RawStream, VertexMemory};
+use super::types::{CrumpleDirectionFormat, CrumpleStream};
+use crate::deform::{Attribute, Encoding, RawStream, VertexMemory};
 use crate::instance::Instance;
 use crate::instance::options::Rule;
+use std::mem::MaybeUninit;
 use std::ops::Range;
 
 /// Memory for the deformed vertices of one instance, in the mesh's order and space.
@@ -18,15 +20,20 @@ pub struct CrumpleHostBufferDef {
     pub lod: u32,
     /// Positions, m. Required.
     pub positions: CrumpleStream,
-    /// Unit normals. Absent: not written.
+    /// Unit normals in normal_format. Absent: not written.
     pub normals: CrumpleStream,
-    /// Tangents: xyz of unit length and orthogonal to the normal, w as in the mesh. Absent: not written.
+    /// Tangents in tangent_format: xyz of unit length and orthogonal to the normal, w as in the mesh. Absent: not
+    /// written.
     pub tangents: CrumpleStream,
     /// Wear, 4 floats for shaders of paint, glass and dirt. All are 0 exactly where nothing is dented, none is negative:
     /// dent (length of the displacement, m), bend (1 - cosine of the angle by which the normal turned, 0 to 2), press
     /// (distance moved against the base normal, m, 0 if outwards), scrape (length of the part of the displacement in the
     /// undeformed surface, m). A mesh without normals has only dent. Absent: not written.
     pub wear: CrumpleStream,
+    /// Format of normals. Default CRUMPLE_DIRECTION_FORMAT_FLOAT.
+    pub normal_format: MaybeUninit<CrumpleDirectionFormat>,
+    /// Format of tangents. Default CRUMPLE_DIRECTION_FORMAT_FLOAT.
+    pub tangent_format: MaybeUninit<CrumpleDirectionFormat>,
 }
 
 defs!(CrumpleHostBufferDef);
@@ -38,6 +45,8 @@ pub(super) struct HostMemory {
     normals: Option<Stream>,
     tangents: Option<Stream>,
     wear: Option<Stream>,
+    /// Formats of normals and tangents.
+    formats: [Encoding; 2],
 }
 
 impl HostMemory {
@@ -48,8 +57,11 @@ impl HostMemory {
         let mesh = instance.example_set().lod_mesh(def.lod as usize)?;
         let n = mesh.positions().len();
         let positions = Stream::new(def.positions, 12, n, "def.positions")?;
-        let normals = Stream::new(def.normals, 12, n, "def.normals")?;
-        let tangents = Stream::new(def.tangents, 16, n, "def.tangents")?;
+        let normal_format = enumerator(def.normal_format, "def.normal_format")?;
+        let tangent_format = enumerator(def.tangent_format, "def.tangent_format")?;
+        let bytes = |format, floats| if format == CrumpleDirectionFormat::Float { floats } else { 4 };
+        let normals = Stream::new(def.normals, bytes(normal_format, 12), n, "def.normals")?;
+        let tangents = Stream::new(def.tangents, bytes(tangent_format, 16), n, "def.tangents")?;
         let wear = Stream::new(def.wear, 16, n, "def.wear")?;
         disjoint(&[
             ("def.positions", positions),
@@ -69,7 +81,7 @@ impl HostMemory {
         let positions = positions.ok_or_else(|| {
             Failure::new(CrumpleResult::CrumpleErrorNullPointer, "def.positions.data is null; a buffer needs positions")
         })?;
-        Ok(Self { positions, normals, tangents, wear })
+        Ok(Self { positions, normals, tangents, wear, formats: [normal_format.into(), tangent_format.into()] })
     }
 
     /// The memory as the deformer sees it.
@@ -77,23 +89,27 @@ impl HostMemory {
     /// # Safety
     /// The host's memory is still there, and nobody else touches it while a deform runs.
     pub(super) unsafe fn vertices(&self) -> Result<VertexMemory<'static>, Failure> {
-        let raw = |s: &Stream| RawStream {
+        let raw = |s: &Stream, format| RawStream {
             data: s.data,
             size: (s.layout.span().end - s.layout.first) as usize,
-            layout: Attribute { offset: 0, stride: s.layout.stride as usize },
+            layout: Attribute { offset: 0, stride: s.layout.stride as usize, format },
         };
-        let [normals, tangents, wear] = [&self.normals, &self.tangents, &self.wear].map(|s| s.as_ref().map(raw));
+        let [normals, tangents] = [(&self.normals, self.formats[0]), (&self.tangents, self.formats[1])]
+            .map(|(s, format)| s.as_ref().map(|s| raw(s, format)));
+        let wear = self.wear.as_ref().map(|s| raw(s, Encoding::F32));
         // SAFETY: the caller's; `new` checked sizes, alignment, strides and that the streams are disjoint.
-        Ok(unsafe { VertexMemory::from_raw(raw(&self.positions), normals, tangents, wear) }?)
+        Ok(unsafe { VertexMemory::from_raw(raw(&self.positions, Encoding::F32), normals, tangents, wear) }?)
     }
 
     pub(super) fn vertex_count(&self) -> u32 {
         self.positions.layout.count as u32
     }
 
-    /// Whether normals, tangents and wear are written.
-    pub(super) fn written(&self) -> [bool; 3] {
-        [self.normals, self.tangents, self.wear].map(|s| s.is_some())
+    /// What is written, for a recording.
+    pub(super) fn written(&self) -> Written {
+        let [normals, tangents, wear] = [self.normals, self.tangents, self.wear].map(|s| s.is_some());
+        let [octahedral_normals, octahedral_tangents] = self.formats.map(|format| format == Encoding::Octahedral16x2);
+        Written { normals, tangents, wear, octahedral_normals, octahedral_tangents }
     }
 
     /// Hands over what vertices were given.

@@ -107,6 +107,31 @@ calls! {
         instance: Number, number: u32, measure: u32, lod: u32, vertices: [u32; 3], weights: [f32; 3], point: [f32; 3], limit: f32,
     }
     "crumple_context_get_passed" GetPassed { capacity: u32 }
+    /// `RegisterBuffer` and `SetBufferMemory` with octahedral normals or tangents.
+    "crumple_buffer_register_host" RegisterPackedBuffer { instance: Number, lod: u32, vertices: u32, written: Written }
+    "crumple_buffer_set_memory" SetPackedBufferMemory { buffer: Number, lod: u32, vertices: u32, written: Written }
+}
+
+/// What a buffer receives besides positions.
+#[derive(Clone, Copy, PartialEq, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Written {
+    pub(super) normals: bool,
+    pub(super) tangents: bool,
+    pub(super) wear: bool,
+    pub(super) octahedral_normals: bool,
+    pub(super) octahedral_tangents: bool,
+}
+
+impl Written {
+    /// In floats.
+    pub(super) fn floats([normals, tangents, wear]: [bool; 3]) -> Self {
+        Self { normals, tangents, wear, ..Self::default() }
+    }
+
+    /// Whether a buffer in floats receives the same.
+    pub(super) fn is_floats(&self) -> bool {
+        !(self.normals && self.octahedral_normals || self.tangents && self.octahedral_tangents)
+    }
 }
 
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]

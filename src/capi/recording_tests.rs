@@ -174,6 +174,10 @@ impl Host {
             lod,
             positions: stream(&mut memory, 0),
             normals: stream(&mut memory, 12),
+            normal_format: MaybeUninit::new(match self.buffers.len() % 2 {
+                0 => CrumpleDirectionFormat::Float,
+                _ => CrumpleDirectionFormat::Octahedral,
+            }),
             ..crumple_host_buffer_def_default()
         };
         let mut id = CrumpleBuffer::default();

@@ -11,7 +11,7 @@ use super::hit::*;
 use super::host_memory::CrumpleHostBufferDef;
 use super::instance::*;
 use super::load::{CrumpleBytes, crumple_example_set_load_baked_memory};
-use super::record_call::{Bytes, Call, DisplacementHit, ImpulseHit, Number};
+use super::record_call::{Bytes, Call, DisplacementHit, ImpulseHit, Number, Written};
 use super::record_file::{Ended, Event, Reader};
 use super::recorder::digest;
 use super::result::{CrumpleResult, crumple_last_error, crumple_result_name};
@@ -121,7 +121,12 @@ pub fn replay(bytes: &[u8], threads: u32, each: &mut dyn FnMut(u64, fmt::Argumen
 /// Refuses memory for more vertices than the sets in so many bytes can have.
 fn possible(call: &Call, bytes: usize) -> Result<(), Error> {
     match call {
-        Call::RegisterBuffer { vertices, .. } | Call::SetBufferMemory { vertices, .. }
+        Call::RegisterBuffer { vertices, .. }
+        | Call::RegisterWornBuffer { vertices, .. }
+        | Call::RegisterPackedBuffer { vertices, .. }
+        | Call::SetBufferMemory { vertices, .. }
+        | Call::SetWornBufferMemory { vertices, .. }
+        | Call::SetPackedBufferMemory { vertices, .. }
             if *vertices as usize > bytes / size_of::<[f32; 3]>() =>
         {
             let what = format!("the recording registers a buffer of {vertices} vertices, more than its sets can have");
@@ -158,37 +163,40 @@ enum Made {
 
 /// Memory in the host's place.
 struct Memory {
-    positions: Vec<[f32; 3]>,
-    normals: Vec<[f32; 3]>,
-    tangents: Vec<[f32; 4]>,
-    wear: Vec<[f32; 4]>,
+    /// Positions, normals, tangents and wear, with the words of a value.
+    streams: [(Vec<u32>, usize); 4],
+    written: Written,
 }
 
 impl Memory {
-    fn new(vertices: u32, [normals, tangents, wear]: [bool; 3]) -> Self {
-        let n = vertices as usize;
-        Self {
-            positions: vec![[0.0; 3]; n],
-            normals: vec![[0.0; 3]; if normals { n } else { 0 }],
-            tangents: vec![[0.0; 4]; if tangents { n } else { 0 }],
-            wear: vec![[0.0; 4]; if wear { n } else { 0 }],
-        }
+    fn new(vertices: u32, written: Written) -> Self {
+        let stream = |there: bool, words: usize| (vec![0; if there { words * vertices as usize } else { 0 }], words);
+        let words = |octahedral: bool, floats: usize| if octahedral { 1 } else { floats };
+        let streams = [
+            stream(true, 3),
+            stream(written.normals, words(written.octahedral_normals, 3)),
+            stream(written.tangents, words(written.octahedral_tangents, 4)),
+            stream(written.wear, 4),
+        ];
+        Self { streams, written }
     }
 
     fn def(&mut self, lod: u32) -> CrumpleHostBufferDef {
-        fn stream<T>(values: &mut [T]) -> CrumpleStream {
+        let [positions, normals, tangents, wear] = self.streams.each_mut().map(|(values, words)| {
             if values.is_empty() {
                 return CrumpleStream { data: null_mut(), size: 0, offset: 0, stride: 0 };
             }
             let data = values.as_mut_ptr().cast();
-            CrumpleStream { data, size: size_of_val(values), offset: 0, stride: size_of::<T>() }
-        }
+            CrumpleStream { data, size: size_of_val(values.as_slice()), offset: 0, stride: 4 * *words }
+        });
         CrumpleHostBufferDef {
             lod,
-            positions: stream(&mut self.positions),
-            normals: stream(&mut self.normals),
-            tangents: stream(&mut self.tangents),
-            wear: stream(&mut self.wear),
+            positions,
+            normals,
+            tangents,
+            wear,
+            normal_format: enumerator(self.written.octahedral_normals.into()),
+            tangent_format: enumerator(self.written.octahedral_tangents.into()),
             ..crumple_host_buffer_def_default()
         }
     }
@@ -393,14 +401,16 @@ impl Player {
             Call::CopyDamage { instance, source } => {
                 crumple_instance_copy_damage(context, self.instance(instance), self.instance(source))
             }
-            Call::RegisterBuffer { instance, lod, vertices, normals, tangents }
-            | Call::RegisterWornBuffer { instance, lod, vertices, normals, tangents } => {
-                let wear = matches!(call, Call::RegisterWornBuffer { .. });
-                let mut memory = Memory::new(vertices, [normals, tangents, wear]);
-                let (id, mut new) = (self.instance(instance), CrumpleBuffer::default());
-                let result = crumple_buffer_register_host(context, id, &memory.def(lod), &mut new);
-                *made = (result == CrumpleResult::CrumpleOk).then_some(Made::Buffer(new, memory));
-                result
+            Call::RegisterBuffer { instance, lod, vertices, normals, tangents } => {
+                let written = Written::floats([normals, tangents, false]);
+                self.register(instance, lod, Memory::new(vertices, written), made)
+            }
+            Call::RegisterWornBuffer { instance, lod, vertices, normals, tangents } => {
+                let written = Written::floats([normals, tangents, true]);
+                self.register(instance, lod, Memory::new(vertices, written), made)
+            }
+            Call::RegisterPackedBuffer { instance, lod, vertices, written } => {
+                self.register(instance, lod, Memory::new(vertices, written), made)
             }
             Call::UnregisterBuffer { buffer } => {
                 let result = crumple_buffer_unregister(context, self.buffer(buffer));
@@ -408,15 +418,14 @@ impl Player {
                 result
             }
             Call::InvalidateBuffer { buffer } => crumple_buffer_invalidate(context, self.buffer(buffer)),
-            Call::SetBufferMemory { buffer, lod, vertices, normals, tangents }
-            | Call::SetWornBufferMemory { buffer, lod, vertices, normals, tangents } => {
-                let wear = matches!(call, Call::SetWornBufferMemory { .. });
-                let mut memory = Memory::new(vertices, [normals, tangents, wear]);
-                let result = crumple_buffer_set_memory(context, self.buffer(buffer), &memory.def(lod));
-                if let (CrumpleResult::CrumpleOk, Some(entry)) = (result, self.buffers.get_mut(&buffer)) {
-                    entry.1 = memory;
-                }
-                result
+            Call::SetBufferMemory { buffer, lod, vertices, normals, tangents } => {
+                self.set_memory(buffer, lod, Memory::new(vertices, Written::floats([normals, tangents, false])))
+            }
+            Call::SetWornBufferMemory { buffer, lod, vertices, normals, tangents } => {
+                self.set_memory(buffer, lod, Memory::new(vertices, Written::floats([normals, tangents, true])))
+            }
+            Call::SetPackedBufferMemory { buffer, lod, vertices, written } => {
+                self.set_memory(buffer, lod, Memory::new(vertices, written))
             }
             Call::Deform { all, buffers } | Call::Record { all, buffers } => self.deform(all, &buffers, value, report),
             Call::AttachedFrame { instance, vertices, weights, point } => {
@@ -486,6 +495,27 @@ impl Player {
             };
         }
         def
+    }
+
+    unsafe fn register(
+        &self,
+        instance: Number,
+        lod: u32,
+        mut memory: Memory,
+        made: &mut Option<Made>,
+    ) -> CrumpleResult {
+        let mut new = CrumpleBuffer::default();
+        let result = crumple_buffer_register_host(self.context, self.instance(instance), &memory.def(lod), &mut new);
+        *made = (result == CrumpleResult::CrumpleOk).then_some(Made::Buffer(new, memory));
+        result
+    }
+
+    unsafe fn set_memory(&mut self, buffer: Number, lod: u32, mut memory: Memory) -> CrumpleResult {
+        let result = crumple_buffer_set_memory(self.context, self.buffer(buffer), &memory.def(lod));
+        if let (CrumpleResult::CrumpleOk, Some(entry)) = (result, self.buffers.get_mut(&buffer)) {
+            entry.1 = memory;
+        }
+        result
     }
 
     unsafe fn deform(&mut self, all: bool, buffers: &[Number], value: &mut u64, report: &mut Replay) -> CrumpleResult {

@@ -1,6 +1,6 @@
 //! What there is when a recording begins, as the calls that would make it.
 
-use super::record_call::{Bytes, Call, Number};
+use super::record_call::{Bytes, Call, Number, Written};
 use super::record_file::{Ended, Event, Writer};
 use super::result::Failure;
 use super::store::{BufferEntry, InstanceEntry, State};
@@ -114,10 +114,14 @@ pub(super) fn create(entry: &InstanceEntry) -> Call {
 
 /// A buffer's registration.
 pub(super) fn register(entry: &BufferEntry, set: &ExampleSet) -> Call {
-    let [normals, tangents, wear] = entry.written();
+    let written = entry.written();
     // Its level of detail was found when it was registered.
     let vertices = set.lod_mesh(entry.lod).map_or(0, |mesh| mesh.positions().len() as u32);
     let (instance, lod) = (Number::of(entry.owner), entry.lod as u32);
+    let Written { normals, tangents, wear, .. } = written;
+    if !written.is_floats() {
+        return Call::RegisterPackedBuffer { instance, lod, vertices, written };
+    }
     if wear {
         return Call::RegisterWornBuffer { instance, lod, vertices, normals, tangents };
     }

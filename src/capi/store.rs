@@ -6,6 +6,7 @@ use super::device::{Attached, VulkanMemory};
 use super::graph_types::GraphState;
 use super::host_memory::HostMemory;
 use super::ids::Slots;
+use super::record_call::Written;
 use super::result::Failure;
 use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance, CrumplePrimitive};
 use crate::base::error::headroom;
@@ -133,14 +134,14 @@ impl BufferEntry {
         }
     }
 
-    /// Whether normals, tangents and wear are written.
-    pub(super) fn written(&self) -> [bool; 3] {
+    /// What is written, for a recording. A replay uses floats for what a device writes, which it does not read.
+    pub(super) fn written(&self) -> Written {
         match &self.memory {
             Memory::Host(memory, _) => memory.written(),
             #[cfg(feature = "vulkan")]
-            Memory::Vulkan(memory) => memory.written(),
+            Memory::Vulkan(memory) => Written::floats(memory.written()),
             #[cfg(feature = "vulkan")]
-            Memory::Graph(target) => target.written(),
+            Memory::Graph(target) => Written::floats(target.written()),
         }
     }
 

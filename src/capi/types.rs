@@ -2,6 +2,7 @@
 
 use super::c_enum::c_enums;
 use crate::base::math::Aabb;
+use crate::deform::Encoding;
 use crate::example::blow::Striker;
 use crate::example::data::Placement;
 use crate::example::options::{Combine, Seams};
@@ -13,6 +14,7 @@ use std::ops::Range;
 
 c_enums!(
     Combine::Deepest,
+    CrumpleDirectionFormat::Octahedral,
     CrumpleRule::Blend,
     CrumpleSelection::ClassicUnclamped,
     HitStatus::Rigid,
@@ -121,8 +123,8 @@ pub struct CrumpleInput {
 }
 
 /// An array that Crumple writes. Element i is at data + offset + i * stride. Positions and normals are 3 floats,
-/// tangents 4 floats, indices one uint32_t. Bytes between elements are not touched, so streams may be interleaved. All
-/// fields zero: absent.
+/// tangents 4 floats, indices one uint32_t, unless the def has another format. Bytes between elements are not touched, so
+/// streams may be interleaved. All fields zero: absent.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleStream {
@@ -188,6 +190,36 @@ impl CrumplePrimitive {
             first_triangle: triangles.start,
             triangle_count: triangles.len() as u32,
             reserved: [0; 2],
+        }
+    }
+}
+
+/// The format of normals or tangents in memory of the CPU.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(dead_code)] // made by C
+pub enum CrumpleDirectionFormat {
+    /// 3 floats for a normal, 4 for a tangent. The default.
+    Float = 0,
+    /// Octahedral as in Godot: two uint16_t of 4 bytes in all, like a Vulkan buffer's R16G16_UNORM. A normal v is stored
+    /// as x and y, times 65535, rounded towards zero:
+    ///
+    ///     n = v / (|v.x| + |v.y| + |v.z|)
+    ///     a = n.z >= 0 ? n.x : (1 - |n.y|) * (n.x >= 0 ? 1 : -1)
+    ///     b = n.z >= 0 ? n.y : (1 - |n.x|) * (n.y >= 0 ? 1 : -1)
+    ///     x = a * 0.5 + 0.5
+    ///     y = b * 0.5 + 0.5
+    ///
+    /// A tangent is stored as x and t if its w is 0 or above, else as x and 1 - t, where t = max(y, 1 / 32767) * 0.5 +
+    /// 0.5. Of its numbers (0, 65535) becomes (65535, 65535), which stands for the same tangent.
+    Octahedral = 1,
+}
+
+impl From<CrumpleDirectionFormat> for Encoding {
+    fn from(format: CrumpleDirectionFormat) -> Self {
+        match format {
+            CrumpleDirectionFormat::Float => Self::F32,
+            CrumpleDirectionFormat::Octahedral => Self::Octahedral16x2,
         }
     }
 }

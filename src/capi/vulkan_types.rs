@@ -44,9 +44,10 @@ pub struct CrumpleVulkanStream {
     /// Bytes from one value to the next: at least the size of a value, a multiple of 4.
     pub stride: u64,
     /// A VkFormat. Positions: R32G32B32_SFLOAT, R16G16B16A16_SFLOAT (w is 1), R16G16B16A16_SNORM (see
-    /// CrumpleVulkanBufferDef.scale). Normals: R32G32B32_SFLOAT, R16G16B16A16_SNORM, R8G8B8A8_SNORM (w is 0). Tangents:
-    /// R32G32B32A32_SFLOAT, R16G16B16A16_SNORM, R8G8B8A8_SNORM. Wear: R32G32B32A32_SFLOAT, R8G8B8A8_UNORM (1 means the
-    /// depth_limit of the set's info, and for bend a quarter turn; more is stored as 1).
+    /// CrumpleVulkanBufferDef.scale). Normals: R32G32B32_SFLOAT, R16G16B16A16_SNORM, R8G8B8A8_SNORM (w is 0),
+    /// R16G16_UNORM (octahedral, see CRUMPLE_DIRECTION_FORMAT_OCTAHEDRAL). Tangents: R32G32B32A32_SFLOAT,
+    /// R16G16B16A16_SNORM, R8G8B8A8_SNORM, R16G16_UNORM (octahedral). Wear: R32G32B32A32_SFLOAT, R8G8B8A8_UNORM (1
+    /// means the depth_limit of the set's info, and for bend a quarter turn; more is stored as 1).
     pub format: u32,
     pub reserved: u32,
 }

@@ -1,22 +1,34 @@
 //! The caller's vertex memory: the offset and the stride of each attribute. Apart from the C interface, this is the
 //! only file that writes through pointers from the caller.
 
+use super::encoding::{Encoding, octahedral_normal, octahedral_tangent};
 use crate::base::error::Error;
 use crate::base::strided::Strided;
 use glam::Vec4;
 use std::marker::PhantomData;
 use std::ops::Range;
 
-/// Location of an attribute in interleaved vertices, in bytes. Both values must be multiples of 4.
+/// Location and format of an attribute in interleaved vertices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Attribute {
-    /// Distance from the start of the memory to the first vertex's value.
+    /// Distance from the start of the memory to the first vertex's value, bytes; a multiple of 4.
     pub offset: usize,
-    /// Distance from one vertex's value to the next.
+    /// Distance from one vertex's value to the next, bytes; a multiple of 4.
     pub stride: usize,
+    /// [`Encoding::F32`], or for normals and tangents [`Encoding::Octahedral16x2`] too.
+    pub format: Encoding,
 }
 
 impl Attribute {
+    fn floats(stride: usize) -> Self {
+        Self { offset: 0, stride, format: Encoding::F32 }
+    }
+
+    /// The bytes of a value that has `floats` bytes in floats.
+    fn bytes(&self, floats: u64) -> u64 {
+        if self.format == Encoding::Octahedral16x2 { 4 } else { floats }
+    }
+
     fn strided(&self, element: u64, count: u64) -> Strided {
         Strided { first: self.offset as u64, stride: self.stride as u64, element, count }
     }
@@ -34,7 +46,8 @@ pub struct RawStream {
 }
 
 /// The caller's memory for one output: positions (3 × f32, m) and optional normals (3 × f32), tangents (4 × f32) and
-/// [wear](VertexMemory::with_wear) (4 × f32).
+/// [wear](VertexMemory::with_wear) (4 × f32). Normals and tangents may be octahedral instead
+/// ([`Encoding::Octahedral16x2`], 2 × u16).
 /// Bytes between values are never touched.
 #[derive(Debug)]
 pub struct VertexMemory<'a> {
@@ -54,8 +67,9 @@ impl<'a> VertexMemory<'a> {
     /// Attributes interleaved in one piece of memory.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a stride smaller than its attribute or attributes that overlap,
-    /// [`Error::Misaligned`] for offsets and strides that are not multiples of 4. `deform` checks the size.
+    /// [`Error::InvalidArgument`] for a format that the attribute does not take, a stride smaller than its value, or
+    /// attributes that overlap; [`Error::Misaligned`] for offsets and strides that are not multiples of 4. `deform`
+    /// checks the size.
     pub fn interleaved(
         data: &'a mut [u8],
         position: Attribute,
@@ -65,7 +79,8 @@ impl<'a> VertexMemory<'a> {
     ) -> Result<Self, Error> {
         let streams =
             [("position", Some(position), 12), ("normal", normal, 12), ("tangent", tangent, 16), ("wear", wear, 16)];
-        let present: Vec<_> = streams.iter().filter_map(|(name, a, bytes)| Some((name, (*a)?, *bytes))).collect();
+        let present: Vec<_> =
+            streams.iter().filter_map(|(name, a, floats)| Some((name, (*a)?, (*a)?.bytes(*floats)))).collect();
         for (i, (name, a, bytes)) in present.iter().enumerate() {
             for (other, b, other_bytes) in &present[i + 1..] {
                 // Checked for the largest vertex count, since the count is not known yet.
@@ -83,7 +98,7 @@ impl<'a> VertexMemory<'a> {
         Self::checked(raw(position), normal.map(raw), tangent.map(raw), wear.map(raw))
     }
 
-    /// Attributes in separate arrays.
+    /// Attributes in separate arrays of floats.
     ///
     /// # Errors
     /// None today; `deform` checks the sizes.
@@ -92,11 +107,8 @@ impl<'a> VertexMemory<'a> {
         normals: Option<&'a mut [[f32; 3]]>,
         tangents: Option<&'a mut [[f32; 4]]>,
     ) -> Result<Self, Error> {
-        let raw = |data: *mut u8, size: usize, stride: usize| RawStream {
-            data,
-            size,
-            layout: Attribute { offset: 0, stride },
-        };
+        let raw =
+            |data: *mut u8, size: usize, stride: usize| RawStream { data, size, layout: Attribute::floats(stride) };
         Self::checked(
             raw(positions.as_mut_ptr().cast(), size_of_val(positions), 12),
             normals.map(|n| raw(n.as_mut_ptr().cast(), size_of_val(n), 12)),
@@ -118,7 +130,21 @@ impl<'a> VertexMemory<'a> {
     #[must_use]
     pub fn with_wear(mut self, wear: &'a mut [[f32; 4]]) -> Self {
         let (data, size) = (wear.as_mut_ptr().cast(), size_of_val(wear));
-        self.wear = Some(RawStream { data, size, layout: Attribute { offset: 0, stride: 16 } });
+        self.wear = Some(RawStream { data, size, layout: Attribute::floats(16) });
+        self
+    }
+
+    /// Adds an array for normals in [`Encoding::Octahedral16x2`], in place of other normals. `deform` checks the size.
+    #[must_use]
+    pub fn with_octahedral_normals(mut self, normals: &'a mut [[u16; 2]]) -> Self {
+        self.normal = Some(octahedral(normals));
+        self
+    }
+
+    /// Adds an array for tangents in [`Encoding::Octahedral16x2`], in place of other tangents. `deform` checks the size.
+    #[must_use]
+    pub fn with_octahedral_tangents(mut self, tangents: &'a mut [[u16; 2]]) -> Self {
+        self.tangent = Some(octahedral(tangents));
         self
     }
 
@@ -148,6 +174,15 @@ impl<'a> VertexMemory<'a> {
     ) -> Result<Self, Error> {
         let memory = Self { position, normal, tangent, wear, owner: PhantomData };
         for (name, s, bytes) in memory.streams() {
+            let direction = matches!(name, "normal" | "tangent");
+            match s.layout.format {
+                Encoding::F32 => {}
+                Encoding::Octahedral16x2 if direction => {}
+                other => {
+                    let good = if direction { "F32 or Octahedral16x2" } else { "F32" };
+                    return Err(Error::invalid(&format!("the {name} format"), format!("{other:?}"), good));
+                }
+            }
             for (what, value) in [("offset", s.layout.offset), ("stride", s.layout.stride)] {
                 Strided::check_aligned(format_args!("{name} {what}"), value as u64, 4)?;
             }
@@ -164,7 +199,7 @@ impl<'a> VertexMemory<'a> {
             ("tangent", self.tangent.as_ref(), 16),
             ("wear", self.wear.as_ref(), 16),
         ];
-        all.into_iter().filter_map(|(name, stream, bytes)| Some((name, stream?, bytes)))
+        all.into_iter().filter_map(|(name, stream, floats)| Some((name, stream?, stream?.layout.bytes(floats))))
     }
 
     /// Returns an error if `count` vertices do not fit.
@@ -210,14 +245,19 @@ impl<'a> VertexMemory<'a> {
         unsafe { put_all::<3>(&self.position, first, positions) }
     }
 
-    /// Writes normals, three floats each, starting at vertex `first`. Does nothing if the memory has no normals.
+    /// Writes normals, given as three floats each, starting at vertex `first`. Does nothing if the memory has no normals.
     ///
     /// # Safety
     /// As [`VertexMemory::write_positions`].
     pub(crate) unsafe fn write_normals(&self, first: usize, normals: &[f32]) {
-        if let Some(s) = &self.normal {
+        let Some(s) = &self.normal else { return };
+        if s.layout.format == Encoding::F32 {
             // SAFETY: guaranteed by the caller.
-            unsafe { put_all::<3>(s, first, normals) }
+            return unsafe { put_all::<3>(s, first, normals) };
+        }
+        for (i, n) in normals.as_chunks::<3>().0.iter().enumerate() {
+            // SAFETY: guaranteed by the caller.
+            unsafe { put(s, first + i, octahedral_normal(*n)) }
         }
     }
 
@@ -226,9 +266,14 @@ impl<'a> VertexMemory<'a> {
     /// # Safety
     /// As [`VertexMemory::write_positions`].
     pub(crate) unsafe fn write_tangent(&self, v: usize, tangent: Vec4) {
-        if let Some(s) = &self.tangent {
-            // SAFETY: guaranteed by the caller.
-            unsafe { put(s, v, tangent.to_array()) }
+        let Some(s) = &self.tangent else { return };
+        let tangent = tangent.to_array();
+        // SAFETY: guaranteed by the caller.
+        unsafe {
+            match s.layout.format {
+                Encoding::F32 => put(s, v, tangent),
+                _ => put(s, v, octahedral_tangent(tangent)),
+            }
         }
     }
 
@@ -242,6 +287,11 @@ impl<'a> VertexMemory<'a> {
             unsafe { put_all::<4>(s, first, wear.as_flattened()) }
         }
     }
+}
+
+fn octahedral(values: &mut [[u16; 2]]) -> RawStream {
+    let layout = Attribute { offset: 0, stride: 4, format: Encoding::Octahedral16x2 };
+    RawStream { data: values.as_mut_ptr().cast(), size: size_of_val(values), layout }
 }
 
 /// Writes `N` numbers a vertex.
@@ -264,9 +314,9 @@ unsafe fn put_all<const N: usize>(s: &RawStream, first: usize, values: &[f32]) {
 
 /// # Safety
 /// The value of vertex `v` lies within the stream, and no other thread accesses it.
-unsafe fn put<const N: usize>(s: &RawStream, v: usize, value: [f32; N]) {
+unsafe fn put<T: Copy>(s: &RawStream, v: usize, value: T) {
     // SAFETY: in bounds, as the caller guarantees; unaligned, since a `&mut [u8]` may begin anywhere.
-    unsafe { s.data.add(s.layout.offset + v * s.layout.stride).cast::<[f32; N]>().write_unaligned(value) }
+    unsafe { s.data.add(s.layout.offset + v * s.layout.stride).cast::<T>().write_unaligned(value) }
 }
 
 /// A slice that several tasks write, each element by only one of them.

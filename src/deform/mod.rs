@@ -2,6 +2,7 @@
 //! parallel and writes them into the caller's memory. Knows neither instances nor hits.
 
 pub(crate) mod budget;
+mod encoding;
 pub(crate) mod evaluate;
 pub(crate) mod kernel;
 mod levels;
@@ -11,9 +12,12 @@ pub(crate) mod tolerance;
 mod tracker;
 pub(crate) mod view;
 
+pub use encoding::Encoding;
 pub use memory::{Attribute, RawStream, VertexMemory};
 pub use tracker::Tracker;
 
+#[cfg(feature = "gpu")]
+pub(crate) use encoding::{octahedral_normal, octahedral_tangent};
 pub(crate) use levels::longest;
 
 use crate::base::error::{Error, headroom, reserve};

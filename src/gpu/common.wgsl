@@ -190,7 +190,7 @@ fn vertex_of(group: vec3<u32>, local: u32) -> Vertex {
 }
 
 // ---------------------------------------------------------------------------------------------------- the host's formats
-// The conversions of src/gpu/format.rs.
+// The conversions of src/gpu/format.rs and src/deform/encoding.rs.
 
 fn f16_bits(x: f32) -> u32 {
     let bits = bitcast<u32>(x);
@@ -212,6 +212,28 @@ fn snorm_bits(x: f32, top: f32) -> u32 {
 
 fn unorm_bits(x: f32) -> u32 {
     return u32(clamped(x, 0.0, 1.0) * 255.0 + 0.5);
+}
+
+// A vector on the unfolded octahedron, each number 0 to 1.
+fn octahedral(v: vec3<f32>) -> vec2<f32> {
+    let length = abs(v.x) + abs(v.y) + abs(v.z);
+    if !(length > 0.0 && length <= 3.4028234e38) {
+        return vec2(0.5);
+    }
+    let n = v / length;
+    let folded = (vec2(1.0) - abs(n.yx)) * select(vec2(-1.0), vec2(1.0), n.xy >= vec2(0.0));
+    return select(folded, n.xy, n.z >= 0.0) * 0.5 + 0.5;
+}
+
+fn octahedral_words(o: vec2<f32>) -> u32 {
+    return u32(o.x * 65535.0) | (u32(o.y * 65535.0) << 16u);
+}
+
+fn octahedral_tangent(v: vec4<f32>) -> u32 {
+    let o = octahedral(v.xyz);
+    let y = maximum(o.y, 1.0 / 32767.0) * 0.5 + 0.5;
+    let words = octahedral_words(vec2(o.x, select(1.0 - y, y, v.w >= 0.0)));
+    return select(words, 0xFFFFFFFFu, words == 0xFFFF0000u);
 }
 
 fn write4(at: u32, format: u32, v: vec4<f32>) {
@@ -253,6 +275,8 @@ fn write_normal(t: TargetWork, vertex: u32, n: vec3<f32>) {
     let format = (t.formats >> 8u) & 0xFFu;
     if !(PACKED && format != 0u) {
         write3(at, n);
+    } else if format == OCTAHEDRAL16X2 {
+        vertices[at] = octahedral_words(octahedral(n));
     } else {
         write4(at, format, vec4(n, 0.0));
     }
@@ -264,6 +288,8 @@ fn write_tangent(t: TargetWork, vertex: u32, v: vec4<f32>) {
     if !(PACKED && format != 0u) {
         write3(at, v.xyz);
         vertices[at + 3u] = bitcast<u32>(v.w);
+    } else if format == OCTAHEDRAL16X2 {
+        vertices[at] = octahedral_tangent(v);
     } else {
         write4(at, format, v);
     }

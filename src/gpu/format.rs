@@ -1,20 +1,6 @@
 //! The number formats in which a host stores vertex attributes. `common.wgsl` converts with the same operations, bit for bit.
 
-/// The number format of a vertex attribute.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(u32)]
-pub enum Encoding {
-    /// 32-bit floats: three for positions and normals, four for tangents.
-    F32 = 0,
-    /// Four 16-bit floats (IEEE binary16), rounded to nearest even. A larger number becomes 65504.
-    F16x4 = 1,
-    /// Four 16-bit integers; -32767 to 32767 stand for -1 to 1.
-    Snorm16x4 = 2,
-    /// Four 8-bit integers; -127 to 127 stand for -1 to 1.
-    Snorm8x4 = 3,
-    /// Four 8-bit integers; 0 to 255 stand for 0 to 1.
-    Unorm8x4 = 4,
-}
+use crate::deform::{Encoding, octahedral_normal, octahedral_tangent};
 
 /// A vertex attribute.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,7 +22,7 @@ impl Encoding {
             (Encoding::F32, Attribute::Tangent | Attribute::Wear) => 16,
             (Encoding::F32, _) => 12,
             (Encoding::F16x4 | Encoding::Snorm16x4, _) => 8,
-            (Encoding::Snorm8x4 | Encoding::Unorm8x4, _) => 4,
+            (Encoding::Snorm8x4 | Encoding::Unorm8x4 | Encoding::Octahedral16x2, _) => 4,
         }
     }
 }
@@ -62,7 +48,7 @@ impl Attribute {
 }
 
 /// Returns the words that a kernel stores for a value. The encoding's size says how many of them are stored.
-pub fn encode(encoding: Encoding, v: [f32; 4]) -> [u32; 4] {
+pub fn encode(encoding: Encoding, attribute: Attribute, v: [f32; 4]) -> [u32; 4] {
     let pair = |a: u32, b: u32| a & 0xFFFF | b << 16;
     match encoding {
         Encoding::F32 => v.map(f32::to_bits),
@@ -78,6 +64,8 @@ pub fn encode(encoding: Encoding, v: [f32; 4]) -> [u32; 4] {
             let v = v.map(|x| snorm_bits(x, 127.0) & 0xFF);
             [v[0] | v[1] << 8 | v[2] << 16 | v[3] << 24, 0, 0, 0]
         }
+        Encoding::Octahedral16x2 if attribute == Attribute::Tangent => [octahedral_tangent(v), 0, 0, 0],
+        Encoding::Octahedral16x2 => [octahedral_normal([v[0], v[1], v[2]]), 0, 0, 0],
         Encoding::Unorm8x4 => {
             let v = v.map(|x| if x > 0.0 { (if x < 1.0 { x } else { 1.0 } * 255.0 + 0.5) as u32 } else { 0 });
             [v[0] | v[1] << 8 | v[2] << 16 | v[3] << 24, 0, 0, 0]

@@ -8,11 +8,12 @@ const BLOCK = 128u;
 // Stands for no offset.
 const NONE = 0xFFFFFFFFu;
 
-// Number formats of the host: Encoding in src/gpu/format.rs.
+// Number formats of the host: Encoding in src/deform/encoding.rs.
 const F16X4 = 1u;
 const SNORM16X4 = 2u;
 const SNORM8X4 = 3u;
 const UNORM8X4 = 4u;
+const OCTAHEDRAL16X2 = 5u;
 
 // Flags of a target with marks.
 // The sum is no longer than the longest dent.

@@ -14,10 +14,11 @@ mod target;
 mod vertices;
 mod work;
 
+pub use crate::deform::Encoding;
 #[cfg(feature = "wgpu")]
 pub(crate) use arena::Upload;
 pub(crate) use arena::{Arena, ResidentMesh};
-pub use format::{Attribute, Encoding, encode};
+pub use format::{Attribute, encode};
 pub(crate) use kernel::{Case, Variant};
 pub(crate) use layout::Call;
 pub(crate) use limits::{BindingLimits, check_workgroup_size};

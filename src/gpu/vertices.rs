@@ -1,10 +1,11 @@
 //! Where a host's buffer stores the vertices of a mesh: definition and checks.
 
-use super::format::{Attribute, Encoding};
+use super::format::Attribute;
 use super::kernel::Kernel;
 use super::limits::BindingLimits;
 use crate::base::error::Error;
 use crate::base::strided::Strided;
+use crate::deform::Encoding;
 use crate::mesh::Mesh;
 use std::fmt::Debug;
 use std::ops::Range;
@@ -21,11 +22,12 @@ pub struct VertexStream<F> {
     /// | attribute | Vulkan | wgpu |
     /// |---|---|---|
     /// | position | `R32G32B32_SFLOAT`, `R16G16B16A16_SFLOAT`, `R16G16B16A16_SNORM` | `Float32x3`, `Float16x4`, `Snorm16x4` |
-    /// | normal | `R32G32B32_SFLOAT`, `R16G16B16A16_SNORM`, `R8G8B8A8_SNORM` | `Float32x3`, `Snorm16x4`, `Snorm8x4` |
-    /// | tangent | `R32G32B32A32_SFLOAT`, `R16G16B16A16_SNORM`, `R8G8B8A8_SNORM` | `Float32x4`, `Snorm16x4`, `Snorm8x4` |
+    /// | normal | `R32G32B32_SFLOAT`, `R16G16B16A16_SNORM`, `R8G8B8A8_SNORM`, `R16G16_UNORM` | `Float32x3`, `Snorm16x4`, `Snorm8x4`, `Unorm16x2` |
+    /// | tangent | `R32G32B32A32_SFLOAT`, `R16G16B16A16_SNORM`, `R8G8B8A8_SNORM`, `R16G16_UNORM` | `Float32x4`, `Snorm16x4`, `Snorm8x4`, `Unorm16x2` |
     /// | wear | `R32G32B32A32_SFLOAT`, `R8G8B8A8_UNORM` | `Float32x4`, `Unorm8x4` |
     ///
-    /// A position's fourth number is 1, a normal's is 0, a tangent's is the base tangent's. In normalised wear 1 stands for
+    /// A position's fourth number is 1, a normal's is 0, a tangent's is the base tangent's. The formats of two numbers are
+    /// octahedral, see [`Encoding::Octahedral16x2`]. In normalised wear 1 stands for
     /// the set's depth limit ([`ExampleSet::depth_limit`](crate::ExampleSet::depth_limit)), and for a bend of 1, a quarter turn.
     /// More is stored as 1.
     pub format: F,
@@ -62,9 +64,9 @@ pub trait HostFormat: Copy + PartialEq + Debug + 'static {
     /// Formats of positions.
     const POSITIONS: [(Self, Encoding); 3];
     /// Formats of normals.
-    const NORMALS: [(Self, Encoding); 3];
+    const NORMALS: [(Self, Encoding); 4];
     /// Formats of tangents.
-    const TANGENTS: [(Self, Encoding); 3];
+    const TANGENTS: [(Self, Encoding); 4];
     /// Formats of wear.
     const WEAR: [(Self, Encoding); 2];
 }

@@ -14,15 +14,17 @@ impl HostFormat for vk::Format {
         (vk::Format::R16G16B16A16_SFLOAT, Encoding::F16x4),
         (vk::Format::R16G16B16A16_SNORM, Encoding::Snorm16x4),
     ];
-    const NORMALS: [(Self, Encoding); 3] = [
+    const NORMALS: [(Self, Encoding); 4] = [
         (vk::Format::R32G32B32_SFLOAT, Encoding::F32),
         (vk::Format::R16G16B16A16_SNORM, Encoding::Snorm16x4),
         (vk::Format::R8G8B8A8_SNORM, Encoding::Snorm8x4),
+        (vk::Format::R16G16_UNORM, Encoding::Octahedral16x2),
     ];
-    const TANGENTS: [(Self, Encoding); 3] = [
+    const TANGENTS: [(Self, Encoding); 4] = [
         (vk::Format::R32G32B32A32_SFLOAT, Encoding::F32),
         (vk::Format::R16G16B16A16_SNORM, Encoding::Snorm16x4),
         (vk::Format::R8G8B8A8_SNORM, Encoding::Snorm8x4),
+        (vk::Format::R16G16_UNORM, Encoding::Octahedral16x2),
     ];
     const WEAR: [(Self, Encoding); 2] =
         [(vk::Format::R32G32B32A32_SFLOAT, Encoding::F32), (vk::Format::R8G8B8A8_UNORM, Encoding::Unorm8x4)];

@@ -13,15 +13,17 @@ impl HostFormat for VertexFormat {
         (VertexFormat::Float16x4, Encoding::F16x4),
         (VertexFormat::Snorm16x4, Encoding::Snorm16x4),
     ];
-    const NORMALS: [(Self, Encoding); 3] = [
+    const NORMALS: [(Self, Encoding); 4] = [
         (VertexFormat::Float32x3, Encoding::F32),
         (VertexFormat::Snorm16x4, Encoding::Snorm16x4),
         (VertexFormat::Snorm8x4, Encoding::Snorm8x4),
+        (VertexFormat::Unorm16x2, Encoding::Octahedral16x2),
     ];
-    const TANGENTS: [(Self, Encoding); 3] = [
+    const TANGENTS: [(Self, Encoding); 4] = [
         (VertexFormat::Float32x4, Encoding::F32),
         (VertexFormat::Snorm16x4, Encoding::Snorm16x4),
         (VertexFormat::Snorm8x4, Encoding::Snorm8x4),
+        (VertexFormat::Unorm16x2, Encoding::Octahedral16x2),
     ];
     const WEAR: [(Self, Encoding); 2] =
         [(VertexFormat::Float32x4, Encoding::F32), (VertexFormat::Unorm8x4, Encoding::Unorm8x4)];

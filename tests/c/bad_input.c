@@ -507,6 +507,10 @@ static void buffers(void) {
     BAD_BUFFER(BUFFER_TOO_SMALL, "def.positions", def.positions.offset = SIZE_MAX & ~(size_t)3);
     BAD_BUFFER(BUFFER_TOO_SMALL, "def.positions", def.positions.stride = SIZE_MAX & ~(size_t)3);
     BAD_BUFFER(INVALID_ARGUMENT, "def.normals and def.positions overlap", def.normals.offset = 8);
+    BAD_BUFFER(INVALID_ARGUMENT, "def.normal_format is 2", def.normal_format = (CrumpleDirectionFormat)2);
+    BAD_BUFFER(INVALID_ARGUMENT, "def.tangent_format is 7", def.tangent_format = (CrumpleDirectionFormat)7);
+    BAD_BUFFER(MISALIGNED, "def.normals.stride is 6",
+               def.normal_format = CRUMPLE_DIRECTION_FORMAT_OCTAHEDRAL; def.normals.stride = 6);
     BAD_BUFFER(INVALID_ARGUMENT, "def.tangents and def.positions overlap", def.tangents.offset = 4);
     BAD_KEEPING(NULL_POINTER, "def is null", same, crumple_buffer_register_host(context, body, NULL, &same));
     FACT(keeps(memory, sizeof memory));

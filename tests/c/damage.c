@@ -53,6 +53,57 @@ static void changed_triangles(CrumpleBuffer buffer, const Vertex *vertices, cons
         }
 }
 
+typedef struct Packed {
+    float position[3];
+    uint16_t normal[2], tangent[2];
+} Packed;
+
+// The unit vector that two numbers of 0 to 1 stand for.
+static void unfold(double x, double y, double *v) {
+    x = x * 2 - 1, y = y * 2 - 1;
+    const double z = 1 - fabs(x) - fabs(y), folded = z < 0 ? -z : 0;
+    v[0] = x < 0 ? x + folded : x - folded;
+    v[1] = y < 0 ? y + folded : y - folded;
+    v[2] = z;
+    const double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    for (int i = 0; i < 3; ++i) v[i] /= length;
+}
+
+static int near_to(const double *a, const float *b) {
+    return fabs(a[0] - b[0]) < 2e-4 && fabs(a[1] - b[1]) < 2e-4 && fabs(a[2] - b[2]) < 2e-4;
+}
+
+// Octahedral normals and tangents are the floats of another buffer, packed.
+static void octahedral(void) {
+    static Vertex floats[VERTICES];
+    static Packed packed[VERTICES];
+    CrumpleInstance body = make_instance(context, set);
+    CrumpleHostBufferDef def = crumple_host_buffer_def_default();
+    CrumpleBuffer buffer;
+    unsigned turned = 0;
+    register_all(body, floats);
+    def.positions = stream_of(packed, sizeof packed, offsetof(Packed, position), sizeof(Packed));
+    def.normals = stream_of(packed, sizeof packed, offsetof(Packed, normal), sizeof(Packed));
+    def.tangents = stream_of(packed, sizeof packed, offsetof(Packed, tangent), sizeof(Packed));
+    def.normal_format = def.tangent_format = CRUMPLE_DIRECTION_FORMAT_OCTAHEDRAL;
+    OK(crumple_buffer_register_host(context, body, &def, &buffer));
+    CrumpleDisplacementDef hit = displacement_at(0.1f, 0.05f, 0.04f);
+    OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
+    OK(crumple_context_deform(context, NULL, 0, NULL));
+    for (int v = 0; v < VERTICES; ++v) {
+        double normal[3], tangent[3];
+        const double side = packed[v].tangent[1] / 65535.0 * 2 - 1;
+        unfold(packed[v].normal[0] / 65535.0, packed[v].normal[1] / 65535.0, normal);
+        unfold(packed[v].tangent[0] / 65535.0, fabs(side), tangent);
+        FACT(near_to(normal, floats[v].normal) && near_to(tangent, floats[v].tangent));
+        FACT((side > 0) == (floats[v].tangent[3] >= 0));
+        FACT(memcmp(packed[v].position, floats[v].position, sizeof packed[v].position) == 0);
+        turned += floats[v].normal[2] < 0.999f;
+    }
+    FACT(turned > 10);
+    OK(crumple_instance_destroy(context, body));
+}
+
 // Only the registered bytes are written, normals are of unit length, tangents at right angles to them.
 static void interleaved(void) {
     static Vertex vertices[VERTICES];
@@ -544,6 +595,7 @@ int main(void) {
     context = make_context(2);
     OK(crumple_example_set_create(context, &sheet.def, &set));
     interleaved();
+    octahedral();
     marks_and_bytes();
     vertex_limits();
     kept_out();

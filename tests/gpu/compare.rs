@@ -21,6 +21,8 @@
 //! - Where a tolerance drops short displacements, two devices may decide otherwise. Each stays within the tolerance, so they
 //!   differ by twice that.
 //! - A normalised position is divided by its scale, which may change the integer by 1.
+//! - An octahedral vector is divided by the sum of its coordinates, which may change each integer by 1. Decoded, that turns a
+//!   tangent by up to 0.0002.
 
 use crumple::{Instance, Mark, Rule};
 
@@ -104,7 +106,7 @@ enum Allowed {
     /// Not at all.
     Nothing,
     /// Numbers in an encoding, by a bound on each and one step of the encoding.
-    Numbers(Encoding, [f32; 4]),
+    Numbers(Encoding, Attribute, [f32; 4]),
 }
 
 /// The words that a buffer should hold.
@@ -142,9 +144,9 @@ impl Expected {
             let of = match encoding {
                 Encoding::F32 => [all[i]; 4],
                 Encoding::F16x4 | Encoding::Snorm16x4 => [all[2 * i], all[2 * i + 1], 0.0, 0.0],
-                Encoding::Snorm8x4 | Encoding::Unorm8x4 => all,
+                Encoding::Snorm8x4 | Encoding::Unorm8x4 | Encoding::Octahedral16x2 => all,
             };
-            self.allowed[at + i] = Allowed::Numbers(encoding, of);
+            self.allowed[at + i] = Allowed::Numbers(encoding, attribute, of);
         }
     }
 
@@ -171,27 +173,30 @@ impl Expected {
 
 fn agree(got: u32, wanted: u32, allowed: Allowed, exact: bool) -> bool {
     let zero_for_tiny = f32::from_bits(wanted).is_subnormal() && got << 1 == 0;
-    let Allowed::Numbers(encoding, bounds) = allowed else { return got == wanted };
+    let Allowed::Numbers(encoding, attribute, bounds) = allowed else { return got == wanted };
     if got == wanted || encoding == Encoding::F32 && zero_for_tiny {
         return true;
     }
     // A NaN agrees with nothing.
     !exact
-        && numbers(encoding, got).iter().zip(numbers(encoding, wanted)).zip(bounds).all(|((g, w), bound)| {
-            let step = match encoding {
-                Encoding::F32 => 0.0,
-                // Half of a unit in the last place of eleven bits, once on each side.
-                Encoding::F16x4 => w.abs().max(6.2e-5) / 1024.0,
-                Encoding::Snorm16x4 => 1.0 / 32767.0,
-                Encoding::Snorm8x4 => 1.0 / 127.0,
-                Encoding::Unorm8x4 => 1.0 / 255.0,
-            };
-            (g - w).abs() <= bound + step * 1.0001
-        })
+        && numbers(encoding, attribute, got).iter().zip(numbers(encoding, attribute, wanted)).zip(bounds).all(
+            |((g, w), bound)| {
+                let step = match encoding {
+                    Encoding::F32 => 0.0,
+                    // Half of a unit in the last place of eleven bits, once on each side.
+                    Encoding::F16x4 => w.abs().max(6.2e-5) / 1024.0,
+                    Encoding::Snorm16x4 => 1.0 / 32767.0,
+                    Encoding::Snorm8x4 => 1.0 / 127.0,
+                    Encoding::Unorm8x4 => 1.0 / 255.0,
+                    Encoding::Octahedral16x2 => 2e-4,
+                };
+                (g - w).abs() <= bound + step * 1.0001
+            },
+        )
 }
 
 /// The numbers in a word.
-fn numbers(encoding: Encoding, word: u32) -> [f32; 4] {
+fn numbers(encoding: Encoding, attribute: Attribute, word: u32) -> [f32; 4] {
     let halves = [word as u16, (word >> 16) as u16];
     match encoding {
         Encoding::F32 => [f32::from_bits(word), 0.0, 0.0, 0.0],
@@ -202,7 +207,22 @@ fn numbers(encoding: Encoding, word: u32) -> [f32; 4] {
         }
         Encoding::Unorm8x4 => word.to_le_bytes().map(|b| f32::from(b) / 255.0),
         Encoding::Snorm8x4 => word.to_le_bytes().map(|b| f32::from(b as i8) / 127.0),
+        Encoding::Octahedral16x2 => octahedral(halves, attribute == Attribute::Tangent),
     }
+}
+
+/// The vector of two numbers on an unfolded octahedron, and for a tangent its sign.
+pub fn octahedral(words: [u16; 2], tangent: bool) -> [f32; 4] {
+    let [x, mut y] = words.map(|w| f64::from(w) / 65535.0 * 2.0 - 1.0);
+    let sign = if tangent { y.signum() } else { 0.0 };
+    if tangent {
+        y = y.abs() * 2.0 - 1.0;
+    }
+    let z = 1.0 - x.abs() - y.abs();
+    let folded = (-z).max(0.0);
+    let v = [x - folded.copysign(x), y - folded.copysign(y), z];
+    let length = v.iter().map(|c| c * c).sum::<f64>().sqrt();
+    [v[0] / length, v[1] / length, v[2] / length, sign].map(|c| c as f32)
 }
 
 fn half(bits: u16) -> f32 {

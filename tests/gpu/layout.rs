@@ -24,7 +24,7 @@ pub fn words(attribute: Attribute, encoding: Encoding) -> usize {
         (Encoding::F32, Attribute::Tangent | Attribute::Wear) => 4,
         (Encoding::F32, _) => 3,
         (Encoding::F16x4 | Encoding::Snorm16x4, _) => 2,
-        (Encoding::Snorm8x4 | Encoding::Unorm8x4, _) => 1,
+        (Encoding::Snorm8x4 | Encoding::Unorm8x4 | Encoding::Octahedral16x2, _) => 1,
     }
 }
 
@@ -107,7 +107,7 @@ impl TestLayout {
                 let at = (self.offset + stream.offset + v as u64 * stream.stride) as usize / 4;
                 let n = words(ATTRIBUTES[i], encoding);
                 let scale = if i == 0 { scale } else { [1.0; 3] };
-                to.put(at, ATTRIBUTES[i], encoding, &encode(encoding, value)[..n], bounds, scale);
+                to.put(at, ATTRIBUTES[i], encoding, &encode(encoding, ATTRIBUTES[i], value)[..n], bounds, scale);
             }
         }
     }

@@ -7,7 +7,7 @@ use crumple::{Error, ErrorKind, ExampleSet, Instance, InstanceOptions, Rule, Ser
 use super::compare::Expected;
 use super::layout::TestLayout;
 use super::{POISON, folded};
-use crate::backend::{BAD_POSITION, Def, HALF_POSITION, Job, PACKED_POSITION, Stream, on_each_device};
+use crate::backend::{BAD_POSITION, Def, HALF_POSITION, Job, OCTAHEDRAL, PACKED_POSITION, Stream, on_each_device};
 use crate::scenes;
 
 /// Fails unless the result is an error of this kind with all of these words in its text.
@@ -49,6 +49,12 @@ fn targets_that_will_not_do_are_refused() {
         let packed_name = format!("{PACKED_POSITION:?}");
         let words = ["position format", &bad_name, floats, &packed_name];
         no(with(|s| s.format = BAD_POSITION.0), InvalidArgument, &words);
+        let octahedral_name = format!("{OCTAHEDRAL:?}");
+        no(with(|s| s.format = OCTAHEDRAL), InvalidArgument, &["position format", &octahedral_name, floats]);
+        let normals = Some(Stream { format: OCTAHEDRAL, stride: 50, ..good.normals.unwrap() });
+        no(Def { normals, ..good }, Misaligned, &["normal stride", "50"]);
+        let wear = Some(Stream { format: OCTAHEDRAL, ..good.wear.unwrap() });
+        no(Def { wear, ..good }, InvalidArgument, &["wear format", &octahedral_name]);
         let normals = Some(Stream { format: HALF_POSITION, ..good.normals.unwrap() });
         no(Def { normals, ..good }, InvalidArgument, &["normal format", "8"]);
         let wear = Some(Stream { format: good.positions.format, ..good.wear.unwrap() });

@@ -230,8 +230,8 @@ fn classic_rules_are_those_of_the_cpu() {
 #[test]
 fn formats_are_converted_as_rust_does() {
     let set = scenes::cube_set();
-    let positions = [Encoding::F32, Encoding::F16x4, Encoding::Snorm16x4];
-    let others = [Encoding::F32, Encoding::Snorm16x4, Encoding::Snorm8x4];
+    let positions = [Encoding::F32, Encoding::F16x4, Encoding::Snorm16x4, Encoding::F32];
+    let others = [Encoding::F32, Encoding::Snorm16x4, Encoding::Snorm8x4, Encoding::Octahedral16x2];
     on_each_device(|gpu| {
         for (p, n) in positions.into_iter().zip(others) {
             for t in others {

@@ -18,6 +18,7 @@ pub type BufferRef<'a> = BufferId;
 pub type Def<'a> = TargetDef;
 
 pub const HALF_POSITION: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
+pub const OCTAHEDRAL: vk::Format = vk::Format::R16G16_UNORM;
 pub const PACKED_POSITION: vk::Format = vk::Format::R16G16B16A16_SNORM;
 /// A format that is refused, and one that is good instead.
 pub const BAD_POSITION: (vk::Format, &str) = (vk::Format::R32G32_SFLOAT, "R32G32B32_SFLOAT");
@@ -30,6 +31,7 @@ pub fn format(attribute: Attribute, encoding: Encoding) -> vk::Format {
         (Encoding::F16x4, _) => vk::Format::R16G16B16A16_SFLOAT,
         (Encoding::Snorm16x4, _) => vk::Format::R16G16B16A16_SNORM,
         (Encoding::Snorm8x4, _) => vk::Format::R8G8B8A8_SNORM,
+        (Encoding::Octahedral16x2, _) => vk::Format::R16G16_UNORM,
     }
 }
 

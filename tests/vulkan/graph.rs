@@ -155,7 +155,7 @@ fn def(layout: &TestLayout, number: u64, size: u64) -> TargetDef {
 #[test]
 fn a_hosts_render_graph_writes_the_vertices() {
     let sets = [scenes::cube_set(), scenes::sheet_set(), scenes::ball_set()];
-    let packed = [Encoding::Snorm16x4, Encoding::Snorm8x4, Encoding::Snorm8x4, Encoding::Unorm8x4];
+    let packed = [Encoding::Snorm16x4, Encoding::Octahedral16x2, Encoding::Snorm8x4, Encoding::Unorm8x4];
     on_each_device(|engine| {
         let mut host = RenderGraph::new(engine);
         let mut graph = Graph::default();

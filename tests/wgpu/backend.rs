@@ -16,6 +16,7 @@ use crate::gpu::{Lowered, POISON, note_missing};
 pub type BufferRef<'a> = &'a wgpu::Buffer;
 
 pub const HALF_POSITION: VertexFormat = VertexFormat::Float16x4;
+pub const OCTAHEDRAL: VertexFormat = VertexFormat::Unorm16x2;
 pub const PACKED_POSITION: VertexFormat = VertexFormat::Snorm16x4;
 /// A format that is refused, and one that is good instead.
 pub const BAD_POSITION: (VertexFormat, &str) = (VertexFormat::Float32x2, "Float32x3");
@@ -28,6 +29,7 @@ pub fn format(attribute: Attribute, encoding: Encoding) -> VertexFormat {
         (Encoding::F16x4, _) => VertexFormat::Float16x4,
         (Encoding::Snorm16x4, _) => VertexFormat::Snorm16x4,
         (Encoding::Snorm8x4, _) => VertexFormat::Snorm8x4,
+        (Encoding::Octahedral16x2, _) => VertexFormat::Unorm16x2,
     }
 }
 

@@ -1,6 +1,5 @@
 //! One dented copy of a set: Crumple's instance, its vertices in memory, and Godot's mesh that shows them.
 
-use crate::encode;
 use crate::set::Built;
 use crumple::{DeformJob, Instance, InstanceOptions, Tracker, VertexMemory};
 use godot::classes::mesh::ArrayType;
@@ -24,8 +23,9 @@ pub struct Body {
 struct Shown {
     tracker: Tracker,
     positions: Vec<[f32; 3]>,
-    normals: Vec<[f32; 3]>,
-    tangents: Vec<[f32; 4]>,
+    /// In the format of Godot's vertex buffers.
+    normals: Vec<[u16; 2]>,
+    tangents: Vec<[u16; 2]>,
     mesh: Gd<ArrayMesh>,
     layouts: Vec<Layout>,
 }
@@ -69,8 +69,8 @@ impl Body {
         self.shown = Some(Shown {
             tracker: Tracker::new(),
             positions: vec![[0.0; 3]; count],
-            normals: vec![[0.0; 3]; if base.normals().is_some() { count } else { 0 }],
-            tangents: vec![[0.0; 4]; if base.tangents().is_some() { count } else { 0 }],
+            normals: vec![[0; 2]; if base.normals().is_some() { count } else { 0 }],
+            tangents: vec![[0; 2]; if base.tangents().is_some() { count } else { 0 }],
             mesh,
             layouts,
         });
@@ -80,12 +80,14 @@ impl Body {
     /// The job that brings the vertices up to date. `None` if nothing is shown.
     pub fn job(&mut self) -> Option<DeformJob<'_, '_>> {
         let shown = self.shown.as_mut()?;
-        fn present<T>(v: &mut [T]) -> Option<&mut [T]> {
-            if v.is_empty() { None } else { Some(v) }
+        let mut memory = VertexMemory::separate(&mut shown.positions, None, None).ok()?;
+        if !shown.normals.is_empty() {
+            memory = memory.with_octahedral_normals(&mut shown.normals);
         }
-        let memory =
-            VertexMemory::separate(&mut shown.positions, present(&mut shown.normals), present(&mut shown.tangents));
-        Some(DeformJob { lod: 0, instance: &self.instance, tracker: &mut shown.tracker, memory: memory.ok()? })
+        if !shown.tangents.is_empty() {
+            memory = memory.with_octahedral_tangents(&mut shown.tangents);
+        }
+        Some(DeformJob { lod: 0, instance: &self.instance, tracker: &mut shown.tracker, memory })
     }
 
     /// Uploads what the last job changed, and moves the mesh's bounds along.
@@ -104,7 +106,7 @@ impl Body {
                 shown.mesh.surface_update_vertex_region(i as i32, (first * 12) as i32, &bytes);
                 if layout.stride > 0 && surface.has_normals {
                     let tangents = if surface.has_tangents { &shown.tangents[all.clone()] } else { &[] };
-                    let bytes = layout.packed(&shown.normals[all], tangents);
+                    let bytes = layout.interleaved(&shown.normals[all], tangents);
                     let offset = layout.offset + first * layout.stride;
                     shown.mesh.surface_update_vertex_region(i as i32, offset as i32, &bytes);
                 }
@@ -166,7 +168,8 @@ impl Layout {
         }
     }
 
-    fn packed(&self, normals: &[[f32; 3]], tangents: &[[f32; 4]]) -> PackedByteArray {
+    /// The bytes of vertices: each normal, and its tangent if there is one.
+    fn interleaved(&self, normals: &[[u16; 2]], tangents: &[[u16; 2]]) -> PackedByteArray {
         let mut bytes = PackedByteArray::new();
         bytes.resize(self.stride * normals.len());
         let put = |to: &mut [u8], [x, y]: [u16; 2]| {
@@ -175,9 +178,9 @@ impl Layout {
         };
         let vertices = bytes.as_mut_slice().chunks_exact_mut(self.stride);
         for (i, (vertex, normal)) in vertices.zip(normals).enumerate() {
-            put(vertex, encode::normal(*normal));
+            put(vertex, *normal);
             if let (Some(tangent), true) = (tangents.get(i), self.stride >= self.tangent + 4) {
-                put(&mut vertex[self.tangent..], encode::tangent(*tangent));
+                put(&mut vertex[self.tangent..], *tangent);
             }
         }
         bytes

@@ -2,7 +2,6 @@
 
 mod body;
 mod divide;
-mod encode;
 mod node;
 mod physics;
 mod set;

@@ -59,6 +59,22 @@ def test_vertices_go_into_the_callers_interleaved_array(context, sheet_set):
     assert (vertices == before).all()
 
 
+def test_normals_of_two_16_bit_numbers_are_octahedral(sheet_set, context):
+    body = sheet_set.instance()
+    positions, floats = (np.empty((SIDE * SIDE, 3), np.float32) for _ in range(2))
+    again, packed = np.empty_like(positions), np.empty((SIDE * SIDE, 2), np.uint16)
+    body.buffer(positions, floats)
+    body.buffer(again, packed)
+    body.hit_displacement((0, 0, 0), (0, 0, -0.03))
+    context.deform()
+    x, y = (packed / 65535 * 2 - 1).T
+    normals = np.column_stack((x, y, 1 - abs(x) - abs(y)))  # of the upper half of the octahedron
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    assert floats[:, 2].min() > 0 and np.allclose(normals, floats, atol=2e-4)
+    with pytest.raises(ValueError, match="normals has the shape"):
+        body.buffer(again, packed[:, :1])
+
+
 def test_no_dent_moves_a_vertex_into_a_solid(context):
     flat, triangles, dented = sheet()
     box = np.array([[x, y, z] for z in (-0.3, -0.01) for y in (0.1, 0.4) for x in (0.1, 0.4)])

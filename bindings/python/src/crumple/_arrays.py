@@ -30,18 +30,27 @@ def given(array: NDArray[Any] | None) -> native.CrumpleInput:
     return native.CrumpleInput(array.ctypes.data, _reach(array), array.strides[0])
 
 
-def stream(array: NDArray[Any] | None, name: str, count: int, components: int) -> native.CrumpleStream:
+def stream(
+    array: NDArray[Any] | None, name: str, count: int, components: int, dtype: type[np.generic] = np.float32
+) -> native.CrumpleStream:
     """Memory that the library writes. It is never a copy, so an array that does not fit is an error."""
     if array is None:
         return native.CrumpleStream()
-    if not isinstance(array, np.ndarray) or array.dtype != np.float32:
+    if not isinstance(array, np.ndarray) or array.dtype != dtype:
         kind = array.dtype if isinstance(array, np.ndarray) else type(array).__name__
-        raise TypeError(f"{name} is {kind}; it must be a numpy array of float32, since Crumple writes into it")
+        raise TypeError(f"{name} is {kind}; it must be a numpy array of {dtype.__name__}, since Crumple writes into it")
     if array.shape != (count, components):
         raise ValueError(f"{name} has the shape {array.shape}; it must be ({count}, {components})")
     if not array.flags.writeable or array.strides[1] != array.itemsize or array.strides[0] < components * array.itemsize:
         raise ValueError(f"{name} must be writable, with the {components} numbers of a vertex beside each other")
     return native.CrumpleStream(array.ctypes.data, _reach(array), 0, array.strides[0])
+
+
+def directions(array: NDArray[Any] | None, name: str, count: int, floats: int) -> tuple[native.CrumpleStream, int]:
+    """Memory for normals or tangents, and their CrumpleDirectionFormat: octahedral for uint16."""
+    if isinstance(array, np.ndarray) and array.dtype == np.uint16:
+        return stream(array, name, count, 2, np.uint16), native.CrumpleDirectionFormat.OCTAHEDRAL
+    return stream(array, name, count, floats), native.CrumpleDirectionFormat.FLOAT
 
 
 def _reach(array: NDArray[Any]) -> int:

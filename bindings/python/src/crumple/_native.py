@@ -127,6 +127,13 @@ class CrumpleHitStatus(IntEnum):
     RIGID = 4
 
 
+class CrumpleDirectionFormat(IntEnum):
+    """The format of normals or tangents in memory of the CPU."""
+
+    FLOAT = 0
+    OCTAHEDRAL = 1
+
+
 class CrumpleHandleType(IntEnum):
     """The type of a handle to shared memory or to a semaphore."""
 
@@ -518,6 +525,8 @@ class CrumpleHostBufferDef(c.Structure):
         ("normals", CrumpleStream),
         ("tangents", CrumpleStream),
         ("wear", CrumpleStream),
+        ("normal_format", c.c_uint32),
+        ("tangent_format", c.c_uint32),
     ]
 
 

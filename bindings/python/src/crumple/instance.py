@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native as native
-from ._arrays import matrix, stream, vector, vector3
+from ._arrays import directions, matrix, stream, vector, vector3
 from ._library import check, filled, library, needed
 from .types import MARK, Attachment, Changes, Chosen, Frame, HitResult, HitStatus, InstanceInfo, Mesh, Space, Striker
 
@@ -158,21 +158,22 @@ class Instance:
     def buffer(
         self,
         positions: NDArray[np.float32],
-        normals: NDArray[np.float32] | None = None,
-        tangents: NDArray[np.float32] | None = None,
+        normals: NDArray[np.float32] | NDArray[np.uint16] | None = None,
+        tangents: NDArray[np.float32] | NDArray[np.uint16] | None = None,
         lod: int = 0,
     ) -> Buffer:
         """Registers your arrays for the deformed vertices. Context.deform writes into them, without a copy.
 
-        They are float32 of the shape (vertices, 3), tangents (vertices, 4), and may be columns of one interleaved array. The
-        package keeps them alive until the buffer is unregistered.
+        They are float32 of the shape (vertices, 3), tangents (vertices, 4), and may be columns of one interleaved array.
+        Normals and tangents of uint16 with the shape (vertices, 2) are written octahedral, see
+        CRUMPLE_DIRECTION_FORMAT_OCTAHEDRAL in crumple.h. The package keeps the arrays alive until the buffer is unregistered.
         """
         definition = library.crumple_host_buffer_def_default()
         definition.lod = lod
         count = len(positions) if isinstance(positions, np.ndarray) else 0
         definition.positions = stream(positions, "positions", count, 3)
-        definition.normals = stream(normals, "normals", count, 3)
-        definition.tangents = stream(tangents, "tangents", count, 4)
+        definition.normals, definition.normal_format = directions(normals, "normals", count, 3)
+        definition.tangents, definition.tangent_format = directions(tangents, "tangents", count, 4)
         out = native.CrumpleBuffer()
         register = library.crumple_buffer_register_host
         check(register(self._context.handle, self.id, ctypes.byref(definition), ctypes.byref(out)))

@@ -117,6 +117,12 @@ namespace Crumple
         Rigid = 4,
     }
 
+    public enum CrumpleDirectionFormat
+    {
+        Float = 0,
+        Octahedral = 1,
+    }
+
     public enum CrumpleHandleType
     {
         OpaqueFd = 0,
@@ -653,6 +659,8 @@ namespace Crumple
         public CrumpleStream Normals;
         public CrumpleStream Tangents;
         public CrumpleStream Wear;
+        public CrumpleDirectionFormat NormalFormat;
+        public CrumpleDirectionFormat TangentFormat;
 
         public static CrumpleHostBufferDef Default
         {
