@@ -130,6 +130,46 @@ def test_the_solver_makes_examples_that_the_command_uses(tmp_path):
     assert changed.returncode == 1 and "--thickness (0.0008, now 0.0015)" in changed.stderr
 
 
+def test_flat_strikers_touch_where_they_should(tmp_path):
+    from crumple.examples.flight import Blow, Flight
+
+    made = shell.make(Body(bodies.write(tmp_path / "body.glb", [bodies.panel()])), 600, "auto")
+    flight = Flight(made, 0.001)
+    # A plate touches the point that is furthest along its normal, wherever it is aimed at.
+    normal = np.array([0.2, 1.0, -0.1]) / np.linalg.norm([0.2, 1.0, -0.1])
+    blow = Blow(made.points[7], normal, -normal, 5.0, 10.0, made.size, "wall")
+    centre, at, outward = flight.touch(blow)
+    assert (at == made.points[(made.points @ normal).argmax()]).all() and np.allclose(outward, normal)
+    assert abs((centre - at) @ normal - 0.1 * made.size - 0.001) < 1e-3 * made.edge
+    # The corner of a cube touches with its tip what it is aimed at, and nothing else is nearer.
+    vertex = int(np.linalg.norm(made.points - [0.1, 0.1, 0.05], axis=1).argmin())
+    blow = Blow(made.points[vertex], made.normals[vertex], -made.normals[vertex], 5.0, 10.0, 0.2, "corner", 1.0)
+    centre, at, outward = flight.touch(blow)
+    assert np.linalg.norm(at - made.points[vertex]) < 0.1 * made.edge
+    tip = centre + blow.direction * 0.2 * np.sqrt(3)
+    assert abs(np.linalg.norm(tip - at) - 0.001) < 2e-3 * made.edge
+    assert np.allclose(blow.axes.T @ blow.axes, np.eye(3)) and np.allclose(blow.axes @ np.ones(3), np.sqrt(3) * blow.direction)
+    assert (np.abs((made.points - centre) @ blow.axes).max(1) > 0.2).all()
+
+
+def test_the_same_blow_dents_deeper_by_a_corner_than_by_a_wall(tmp_path):
+    from crumple.examples.flight import Blow
+    from crumple.examples.materials import MATERIALS
+    from crumple.examples.solver import Solver
+
+    made = shell.make(Body(bodies.write(tmp_path / "body.glb", [bodies.panel()])), 400, "auto")
+    solver = Solver(made, MATERIALS["steel"], 0.0008)
+    vertex, deepest = int(np.linalg.norm(made.points - [0.1, 0.12, 0.05], axis=1).argmin()), {}
+    for name, radius in (("wall", made.size), ("corner", 0.2)):
+        normal = made.normals[vertex]
+        outcome = solver.strike(Blow(made.points[vertex], normal, -normal, 4.0, 8.0, radius, name))
+        assert outcome.trouble is None and (outcome.field[made.held] == 0).all()
+        # Straight on: the body takes the striker's momentum and at most as much again when it bounces off.
+        assert 1 <= -(outcome.impulse @ normal) / (4.0 * 8.0) < 2
+        deepest[name] = np.linalg.norm(outcome.field, axis=1).max()
+    assert 0.01 < deepest["corner"] and deepest["wall"] < 0.75 * deepest["corner"], deepest
+
+
 def test_where_to_hit_next_is_where_the_set_is_worst(tmp_path):
     from crumple.examples.places import Places
 
@@ -186,6 +226,7 @@ def test_solver_troubles_name_what_to_change():
     task = run.Task(0, 0, 0.01, 1.0)
     assert "thicker sheet" in run.advice([run.Result(task, None, ["3 m/s, 1 kg: the solver became unstable"])])
     assert "--hold" in run.advice([run.Result(task, None, ["3 m/s, 1 kg: the shell did not come to rest"])])
+    assert "--strikers ball wall" in run.advice([run.Result(task, None, ["3 m/s, 1 kg: the wall touched another place first"])])
     assert "another --depth" in run.advice([run.Result(task, None, ["3 m/s, 1 kg: 0.1 mm"])])
 
 

@@ -15,10 +15,11 @@ import numpy as np
 
 from . import Failure
 from .body import Body, Floats, Made
-from .materials import LEAST_SPEED, MATERIALS, MOST_SPEED, SPEEDS, STRIKERS
+from .flight import Blow
+from .materials import LEAST_SPEED, MATERIALS, MOST_SPEED, SPEEDS, STRIKERS, TOLD
 from .places import Places, errors
 from .shell import Shell
-from .solver import BLOCKED, HELD, MISSED, Blow, Outcome, Solver
+from .solver import BESIDE, BLOCKED, HELD, MISSED, Outcome, Solver
 
 TRIES = 5
 EXPONENT = 1.2
@@ -27,7 +28,7 @@ TYPICAL = 45.0
 """Energy of a dent by depth ** EXPONENT and by the material's strength, before any is known."""
 NEAR_ENOUGH = 1.8
 """A dent may be this many times deeper or shallower than wanted."""
-FORMAT = 2
+FORMAT = 3
 """Another number for every change of what the solver leaves."""
 
 
@@ -85,7 +86,7 @@ class Maker:
         for _ in range(TRIES):
             outcome = self.solver.strike(blow)
             tries.append(f"{blow.speed:.1f} m/s, {blow.mass:.3g} kg: {outcome.trouble or f'{1000 * outcome.depth:.3g} mm'}")
-            if outcome.trouble in (BLOCKED, MISSED, HELD):
+            if outcome.trouble in (BESIDE, BLOCKED, MISSED, HELD):
                 return Result(task, None, tries, place_is_bad=True)
             if outcome.trouble is not None:
                 blow = replace(blow, speed=0.8 * blow.speed)
@@ -123,20 +124,23 @@ class Maker:
         else:
             a = np.cross(normal, [0.3, 0.5, 0.8])
             a /= np.linalg.norm(a)
-            side, shape = np.cos(around) * a + np.sin(around) * np.cross(normal, a), "ball"
+            side = np.cos(around) * a + np.sin(around) * np.cross(normal, a)
+            # A pole cannot strike a roof.
+            shape = "ball" if striker.shape == "pole" else striker.shape
         direction = -np.cos(angle) * normal + np.sin(angle) * side
         energy = task.stiffness * self.strength * task.wanted**EXPONENT / np.cos(angle) ** 2
         speed = float(np.exp(rng.uniform(*np.log(SPEEDS))))
         mass = float(np.clip(2 * energy / speed**2, *striker.mass))
         radius = float(np.exp(rng.uniform(*np.log(striker.radius)))) * shell.size
         speed = float(np.clip(np.sqrt(2 * energy / mass), LEAST_SPEED, MOST_SPEED))
-        return Blow(shell.points[task.vertex], normal, direction, speed, mass, radius, shape)
+        spin = 2 * np.pi * rng.random() if shape == "corner" else 0.0
+        return Blow(shell.points[task.vertex], normal, direction, speed, mass, radius, shape, spin)
 
     def _made(self, task: Task, blow: Blow, outcome: Outcome) -> Made:
         assert outcome.field is not None and outcome.point is not None and outcome.normal is not None
         return Made(
             f"{blow.shape} {task.index + 1}", quiet(outcome.field), outcome.point, outcome.normal, outcome.impulse, outcome.duration,
-            blow.mass, blow.radius, blow.direction * blow.speed, blow.shape,
+            blow.mass, TOLD.get(blow.shape, 1.0) * blow.radius, blow.direction * blow.speed, blow.shape,
         )  # fmt: skip
 
 
@@ -280,6 +284,7 @@ def advice(results: Sequence[Result]) -> str:
         "did not leave": "strikers were caught by the body: choose a smaller --depth, or --strikers ball",
         "turned over": "the shell folded: choose a smaller --depth or a finer --detail",
         "in the striker's way": "strikers could not reach the body: choose smaller ones (--strikers stone), or turn its normals outward",
+        "another place first": "a wall reaches only what stands out: add another striker (--strikers ball wall)",
         "is held": "strikers touched parts that are held: hold less (--hold), or choose smaller strikers (--strikers ball)",
         "did not touch": "strikers missed the body: turn its normals outward",
     }
