@@ -19,8 +19,9 @@ from pygltflib import (
 )
 
 
-def write(path, parts, scale=None, name="body", colours=None):
-    """A mesh with one primitive and material for each of `parts`, pairs of positions and triangles. Returns the path."""
+def write(path, parts, scale=None, name="body", colours=None, translation=None, more=()):
+    """A mesh with one primitive and material for each of `parts`, pairs of positions and triangles. `more` are the names, parts and
+    translations of further nodes. Returns the path."""
     blob, gltf = bytearray(), GLTF2(scenes=[Scene(nodes=[0])], scene=0)
 
     def accessor(array, kind, component, target=None, **bounds):
@@ -31,8 +32,11 @@ def write(path, parts, scale=None, name="body", colours=None):
         )
         return len(gltf.accessors) - 1
 
-    primitives = []
-    for number, (points, triangles) in enumerate(parts):
+    def mesh(name, parts, colours=None):
+        gltf.meshes.append(Mesh(name=name, primitives=[primitive(number, *part, colours) for number, part in enumerate(parts)]))
+        return len(gltf.meshes) - 1
+
+    def primitive(number, points, triangles, colours):
         points = np.ascontiguousarray(points, np.float32)
         normals = trimesh.Trimesh(points, triangles, process=False).vertex_normals.astype(np.float32)
         attributes = Attributes(
@@ -43,10 +47,13 @@ def write(path, parts, scale=None, name="body", colours=None):
         if colours is not None:
             attributes.COLOR_0 = accessor(np.ascontiguousarray(colours, np.float32), "VEC4", FLOAT, ARRAY_BUFFER)
         indices = accessor(np.ascontiguousarray(triangles, np.uint32).reshape(-1), "SCALAR", UNSIGNED_INT)
-        primitives.append(Primitive(attributes=attributes, indices=indices, material=number))
         gltf.materials.append(Material(name=f"paint {number}"))
-    gltf.meshes = [Mesh(name=name, primitives=primitives)]
-    gltf.nodes = [Node(mesh=0, scale=scale)]
+        return Primitive(attributes=attributes, indices=indices, material=len(gltf.materials) - 1)
+
+    gltf.nodes.append(Node(name=name, mesh=mesh(name, parts, colours), scale=scale, translation=translation))
+    for other, sides, where in more:
+        gltf.nodes.append(Node(name=other, mesh=mesh(other, sides), translation=where))
+    gltf.scenes[0].nodes = list(range(len(gltf.nodes)))
     gltf.buffers = [Buffer(byteLength=len(blob))]
     gltf.set_binary_blob(bytes(blob))
     gltf.save_binary(str(path))

@@ -13,10 +13,11 @@ from pathlib import Path
 
 import numpy as np
 
-from . import Failure
+from . import Failure, inner
 from .body import Body, Floats, Made
 from .flight import Blow
-from .materials import LEAST_SPEED, MATERIALS, MOST_SPEED, SPEEDS, STRIKERS, TOLD
+from .inner import Solid
+from .materials import LEAST_SPEED, MATERIALS, MOST_SPEED, SPEEDS, STRIKERS, TOLD, Material
 from .places import Places, errors
 from .shell import Shell
 from .solver import BESIDE, BLOCKED, HELD, MISSED, Outcome, Solver
@@ -28,6 +29,8 @@ TYPICAL = 45.0
 """Energy of a dent by depth ** EXPONENT and by the material's strength, before any is known."""
 NEAR_ENOUGH = 1.8
 """A dent may be this many times deeper or shallower than wanted."""
+STOPPED = 0.7
+"""Dents deeper than this share of the distance to a solid inside may have been stopped by it, and say nothing of the shell's stiffness."""
 FORMAT = 3
 """Another number for every change of what the solver leaves."""
 
@@ -45,6 +48,8 @@ class Settings:
     """Largest angle between flight and normal, degrees."""
     detail: int
     seed: int
+    inner: str = "none"
+    """Names the solids of the shell."""
 
 
 @dataclass
@@ -67,6 +72,18 @@ class Result:
     place_is_bad: bool = False
 
 
+def among(shell: Shell, solids: Sequence[Solid], material: Material, thickness: float) -> Shell:
+    """The shell with solids inside. What touches them from the beginning is held."""
+    corners, notes = inner.hulls(solids)
+    shell = replace(shell, solids=corners, room=inner.room(shell.points, solids), notes=[*shell.notes, *notes])
+    if Solver(shell, material, thickness).hold_what_touches():
+        shell = replace(shell)
+        shell.notes.append("parts that touch solids inside are held")
+    if shell.held.mean() > 0.9:
+        raise Failure(f"{shell.held.mean():.0%} of the body is held or touches solids inside, so nothing can dent; use other --inner solids")
+    return shell
+
+
 class Maker:
     """Does tasks, in this process or in another."""
 
@@ -80,6 +97,8 @@ class Maker:
     def do(self, task: Task) -> Result:
         rng = np.random.default_rng([self.settings.seed, task.index])
         blow = self._blow(task, rng)
+        room = float(self.shell.room[task.vertex])
+        wanted = min(task.wanted, room)
         best: tuple[float, Blow, Outcome] | None = None
         tries: list[str] = []
         stiffness = None
@@ -91,16 +110,17 @@ class Maker:
             if outcome.trouble is not None:
                 blow = replace(blow, speed=0.8 * blow.speed)
                 continue
-            depth = max(outcome.depth, 0.02 * task.wanted)
+            depth = max(outcome.depth, 0.02 * wanted)
             along = float(blow.direction @ blow.normal)
-            stiffness = 0.5 * blow.mass * (blow.speed * along) ** 2 / (self.strength * depth**EXPONENT)
-            off = abs(np.log(depth / task.wanted))
+            if depth < STOPPED * room:
+                stiffness = 0.5 * blow.mass * (blow.speed * along) ** 2 / (self.strength * depth**EXPONENT)
+            off = abs(np.log(depth / wanted))
             if best is None or off < best[0]:
                 best = off, blow, outcome
             if off <= np.log(self.near_enough):
                 break
             # Mass and speed share the change of the energy, so that both stay usual.
-            factor = float(np.clip((task.wanted / depth) ** EXPONENT, 0.2, 8.0))
+            factor = float(np.clip((wanted / depth) ** EXPONENT, 0.2, 8.0))
             speed = float(np.clip(blow.speed * factor**0.25, LEAST_SPEED, MOST_SPEED))
             mass = blow.mass * factor * (blow.speed / speed) ** 2
             if mass > self.most_mass:
@@ -156,9 +176,8 @@ class Store:
     def __init__(self, folder: Path, body: Body, shell: Shell, settings: Settings) -> None:
         self.folder = folder
         arrays = (body.points, body.triangles, shell.points, shell.triangles, shell.held)
-        now = {"format": FORMAT, "body": hashlib.sha256(b"".join(one.tobytes() for one in arrays)).hexdigest()} | json.loads(
-            json.dumps(asdict(settings))
-        )
+        now = {"format": FORMAT} | json.loads(json.dumps(asdict(settings)))
+        now["body"] = hashlib.sha256(b"".join(one.tobytes() for one in arrays)).hexdigest()
         note = folder / "settings.json"
         if note.exists():
             before = json.loads(note.read_text())
@@ -215,6 +234,9 @@ def run(
 ) -> Run:
     """Makes up to `count` examples. `progress` gets how many there are, their error and the last result in words."""
     places = Places(shell)
+    places.open = places.open[shell.room[places.open] >= settings.depth[0]]
+    if len(places.open) == 0:
+        raise Failure("solids of --inner are everywhere nearer than the shallowest dent; choose a smaller --depth")
     results: list[Result] = []
     made: list[Made] = []
     each: list[float | None] = []

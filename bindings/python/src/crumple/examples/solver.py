@@ -79,10 +79,15 @@ class Solver:
         self.skin = SKIN * shell.edge
         self.flight = Flight(shell, self.skin)
         contact = f'condim="3" friction="{FRICTION}" solref="{STIFF * self.time:.9g} 2"'
+        # The shell touches strikers (1) and solids (2), which do not touch each other.
+        masks = ' contype="3" conaffinity="3"' if shell.solids else ""
+        hard = f'contype="2" conaffinity="2" condim="3" friction="{FRICTION}" solref="{2 * self.dt:.9g} 1"'
+        meshes = "".join(f'<mesh name="m{i}" vertex="{_text(one)}"/>' for i, one in enumerate(shell.solids))
+        solids = "".join(f'<geom type="mesh" mesh="m{i}" {hard}/>' for i in range(len(shell.solids)))
         slides = "".join(f'<joint name="j{a}" type="slide" axis="{v}"/>' for a, v in zip("xyz", ("1 0 0", "0 1 0", "0 0 1"), strict=True))
         self.away = shell.points.mean(0) + [0.0, 0.0, 20 * shell.size]
         xml = (
-            f'<mujoco><option timestep="{self.dt:.9g}" integrator="discrete" gravity="0 0 0" solver="CG"/><size memory="1G"/><worldbody>'
+            f'<mujoco><option timestep="{self.dt:.9g}" integrator="discrete" gravity="0 0 0" solver="CG"/><size memory="1G"/><asset>{meshes}</asset><worldbody>{solids}'
             f'<body name="striker">{slides}<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
             f'<geom name="ball" type="sphere" size="{0.1 * shell.size:.9g}" {contact}/>'
             f'<geom name="pole" type="capsule" zaxis="0 1 0" size="{0.1 * shell.size:.9g} {self.flight.half:.9g}" {contact}/>'
@@ -91,7 +96,7 @@ class Solver:
             f' point="{_text(shell.points)}" element="{_text(shell.triangles)}">'
             f'<elasticity young="{material.young:.9g}" poisson="{material.poisson}" damping="{DAMPED * self.time:.9g}"'
             f' thickness="{thickness:.9g}" elastic2d="both" yield="{material.yield_stretch} {material.yield_bend}"/>'
-            f'<contact selfcollide="none" {contact}/><pin id="{_text(np.flatnonzero(shell.held))}"/></flexcomp></worldbody></mujoco>'
+            f'<contact selfcollide="none"{masks} {contact}/><pin id="{_text(np.flatnonzero(shell.held))}"/></flexcomp></worldbody></mujoco>'
         )
         try:
             self.model = mujoco.MjModel.from_xml_string(xml)
@@ -163,7 +168,7 @@ class Solver:
             return Outcome(MISSED)
         mujoco.mj_kinematics(model, data)
         mujoco.mj_flex(model, data)
-        field = (data.flexvert_xpos - self._base)[: len(self.shell.points)]
+        field = data.flexvert_xpos - self._base
         length = np.linalg.norm(field, axis=1)
         if not np.isfinite(field).all() or length.max() > self.shell.size:
             return Outcome(UNSTABLE)
@@ -173,6 +178,13 @@ class Solver:
         )  # fmt: skip
         trouble = STUCK if not left else RESTLESS if speed > UNSETTLED * self.pace else FOLDED if self._folded(field) else None
         return Outcome(trouble, **found)
+
+    def hold_what_touches(self) -> int:
+        """Holds the points of triangles that touch solids at rest, and returns how many. Use another Solver afterwards."""
+        shell, before = self.shell, self.shell.held.sum()
+        touching = self.data.contact.elem.max(1)[: self.data.ncon]
+        shell.held[np.unique(shell.triangles[touching[touching >= 0]])] = True
+        return int(shell.held.sum() - before)
 
     def _folded(self, field: Floats) -> bool:
         """Whether more triangles than one in 500 turned by more than 90 degrees."""
