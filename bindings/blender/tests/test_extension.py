@@ -293,12 +293,24 @@ def test_the_solver_runs_apart(sheet, tmp_path):
     if python is None:
         pytest.skip("CRUMPLE_EXAMPLES_PYTHON names no Python with crumple[examples]")
     program = tmp_path / "crumple"
-    program.write_text(f'#!/bin/sh\nexec {python} -m crumple "$@" --profile\n')
+    program.write_text(f'#!/bin/sh\necho "$@" > {tmp_path}/asked\nexec {python} -m crumple "$@" --profile\n')
     program.chmod(0o755)
     preferences.program = str(program)
     sheet.location, sheet.rotation_euler = (1, 2, 3), (0.3, 0.4, 0.5)
-    bpy.context.view_layer.update()
+    bpy.ops.mesh.primitive_cube_add(size=0.1, location=(1, 2, 2.5))
+    cube = bpy.context.object
+    sheet.select_set(True)
+    bpy.context.view_layer.objects.active = sheet
+    bpy.ops.crumple.keep_out()
     bpy.ops.crumple.make_examples(method="SOLVER", count=3)
+    # The solver gets the solid, where it stands in the scene.
+    solids = (tmp_path / "asked").read_text().split("--inner ")[1].strip()
+    before = set(bpy.data.objects)
+    bpy.ops.import_scene.gltf(filepath=solids)
+    (read,) = set(bpy.data.objects) - before
+    assert (read.matrix_world.translation - cube.location).length < 1e-6 and abs(read.dimensions.x - 0.1) < 1e-6
+    bpy.data.batch_remove([read, cube])
+    bpy.context.view_layer.objects.active = sheet
     assert [one.name for one in bpy.data.objects] == ["Sheet"] and len(sheet.data.shape_keys.key_blocks) == 4
     bpy.ops.crumple.hit(location=sheet.matrix_world.translation, depth=0.02)
     assert abs(np.abs(damage(sheet)).max() - 0.02) < 1e-3
