@@ -24,6 +24,13 @@ DAMAGE = "Crumple damage"
 REPORT = "Crumple report"
 """The text that shows what the library last said."""
 
+LIMIT, STIFFNESS = "Crumple depth limit", "Crumple stiffness"
+"""The vertex groups that are painted."""
+ATTRIBUTES = ("_DEPTH_LIMIT", "_STIFFNESS")
+"""What the file has of both, as attributes of the vertices, and what the mesh may have from an import or from solids inside."""
+NO_LIMIT = 1e6
+"""A depth limit, m, of vertices without one: glTF allows no infinite numbers."""
+
 Floats = NDArray[np.float32]
 
 
@@ -119,6 +126,87 @@ def describe(obj: bpy.types.Object, told: dict[str, dict[str, Any]], placed: dic
             del obj.data[name]
 
 
+def attribute(mesh: bpy.types.Mesh, name: str) -> Floats | None:
+    """A number for each vertex, or None if the mesh has no such attribute."""
+    found = mesh.attributes.get(name)
+    if found is None:
+        return None
+    if found.domain != "POINT" or found.data_type != "FLOAT":
+        raise Trouble(f"the attribute {name} of {mesh.name} must have the domain Vertex and the type Float; remove it")
+    out = np.empty(len(mesh.vertices), np.float32)
+    found.data.foreach_get("value", out)
+    return out
+
+
+def set_attribute(mesh: bpy.types.Mesh, name: str, values: Floats | None) -> None:
+    """Writes a number for each vertex. None removes the attribute."""
+    found = mesh.attributes.get(name)
+    if found is not None:
+        mesh.attributes.remove(found)
+    if values is not None:
+        mesh.attributes.new(name, "FLOAT", "POINT").data.foreach_set("value", np.ascontiguousarray(values, np.float32))
+
+
+def painted(obj: bpy.types.Object, name: str) -> Floats:
+    """The weight of each vertex in a vertex group, 0 where nothing is painted."""
+    out, group = np.zeros(len(obj.data.vertices), np.float32), obj.vertex_groups.get(name)
+    if group is not None:
+        for vertex in obj.data.vertices:
+            for one in vertex.groups:
+                if one.group == group.index:
+                    out[vertex.index] = one.weight
+    return out
+
+
+def limits(obj: bpy.types.Object) -> Floats | None:
+    """How far each vertex may move, m: the less of the attribute and of what is painted. None: as far as any."""
+    own, weight = attribute(obj.data, ATTRIBUTES[0]), painted(obj, LIMIT)
+    if own is None and not weight.any():
+        return None
+    whole = np.full(len(weight), NO_LIMIT, np.float32) if own is None else own
+    return np.where(weight > 0, np.minimum(whole, (1 - weight) * obj.crumple_deepest), whole).astype(np.float32)
+
+
+def stiffness(obj: bpy.types.Object) -> Floats | None:
+    """From 0 to 1 for each vertex: the more of the attribute and of what is painted. None: 0."""
+    own, weight = attribute(obj.data, ATTRIBUTES[1]), painted(obj, STIFFNESS)
+    if own is None:
+        return weight if weight.any() else None
+    return np.maximum(own, weight)
+
+
+def keep_out(obj: bpy.types.Object, solids: list[bpy.types.Object]) -> Floats:
+    """The depth limits that keep dents out of other objects, with their modifiers, in the object's own space."""
+    back, graph, meshes = np.array(obj.matrix_world.inverted()), bpy.context.evaluated_depsgraph_get(), []
+    for solid in solids:
+        shown = solid.evaluated_get(graph)
+        mesh = shown.to_mesh()
+        try:
+            points = np.empty(3 * len(mesh.vertices), np.float32)
+            mesh.vertices.foreach_get("co", points)
+            placed = back @ np.array(solid.matrix_world)
+            points = points.reshape(-1, 3) @ placed[:3, :3].T + placed[:3, 3]
+            faces = triangles(mesh)
+            faces = faces[:, ::-1] if np.linalg.det(placed[:3, :3]) < 0 else faces
+            try:
+                crumple.keep_out(np.zeros((1, 3), np.float32), meshes=[(points.astype(np.float32), faces)])
+            except crumple.CrumpleError as error:
+                raise Trouble(f"{solid.name} is no closed solid: {error}") from error
+            meshes.append((points.astype(np.float32), faces))
+        finally:
+            shown.to_mesh_clear()
+    return crumple.keep_out(base_of(obj), meshes=meshes)
+
+
+def base_of(obj: bpy.types.Object) -> Floats:
+    """The undamaged positions, also of a mesh without shape keys."""
+    if obj.data.shape_keys:
+        return coordinates(obj.data.shape_keys.reference_key)
+    out = np.empty(3 * len(obj.data.vertices), np.float32)
+    obj.data.vertices.foreach_get("co", out)
+    return out.reshape(-1, 3)
+
+
 @dataclass
 class Model:
     """An object's example set, and the arrays that it was made from."""
@@ -153,13 +241,15 @@ def model(obj: bpy.types.Object) -> Model:
     base, faces = coordinates(obj.data.shape_keys.reference_key), triangles(obj.data)
     fields = [coordinates(key) - coordinates(key.relative_key) for key in keys]
     names = [key.name for key in keys]
-    about = json.dumps([names, told, placed], default=str).encode()
-    digest = hashlib.blake2b(b"".join([about, base.tobytes(), faces.tobytes(), *(field.tobytes() for field in fields)])).digest()
+    limit, stiff = limits(obj), stiffness(obj)
+    about = json.dumps([names, told, placed, limit is None, stiff is None], default=str).encode()
+    arrays = [base, faces, *fields, *(one for one in (limit, stiff) if one is not None)]
+    digest = hashlib.blake2b(b"".join([about, *(one.tobytes() for one in arrays)])).digest()
     if digest not in _models:
         examples = [_example(name, base + field, told.get(name), placed.get(name)) for name, field in zip(names, fields, strict=True)]
         close()
         _context = crumple.Context()
-        _models[digest] = Model(_context.example_set(base, faces, examples), base, names, fields)
+        _models[digest] = Model(_context.example_set(base, faces, examples, depth_limits=limit, stiffness=stiff), base, names, fields)
     return _models[digest]
 
 
@@ -258,6 +348,7 @@ def _copy(obj: bpy.types.Object, examples: bool) -> Iterator[bpy.types.Object]:
     selected, active = [one for one in layer.objects if one.select_get()], layer.objects.active
     keep = {key.name for key in example_keys(obj)} if examples else set()
     told, placed = impacts(obj), placements(obj)
+    numbers = (limits(obj), stiffness(obj)) if examples else (None, None)
     copy = obj.copy()
     copy.data = mesh = obj.data.copy()
     try:
@@ -276,6 +367,8 @@ def _copy(obj: bpy.types.Object, examples: bool) -> Iterator[bpy.types.Object]:
             describe(copy, {k: v for k, v in told.items() if k in keep}, {k: v for k, v in placed.items() if k in keep})
             if not keep:
                 copy.shape_key_clear()
+        for attribute_name, values in zip(ATTRIBUTES, numbers, strict=True):
+            set_attribute(mesh, attribute_name, values)
         scene.collection.objects.link(copy)
         for one in selected:
             one.select_set(False)
@@ -298,9 +391,34 @@ def export_gltf(obj: bpy.types.Object, path: Path, examples: bool = True) -> Non
         bpy.ops.export_scene.gltf(
             filepath=str(path), export_format="GLB", use_selection=True, export_extras=True, export_apply=False, export_yup=True,
             export_normals=True, export_morph=examples, export_morph_normal=True, export_morph_tangent=False,
-            export_try_sparse_sk=True, export_try_omit_sparse_sk=False, export_animations=False, export_skins=False,
+            export_try_sparse_sk=True, export_try_omit_sparse_sk=False, export_attributes=True, export_animations=False, export_skins=False,
             export_draco_mesh_compression_enable=False, export_materials="EXPORT" if examples else "NONE",
         )  # fmt: skip
+
+
+def export_solids(obj: bpy.types.Object, path: Path) -> bool:
+    """Writes the solids inside an object as .glb for the solver. Returns whether there are any."""
+    solids = [one.object for one in obj.crumple_solids if one.object is not None]
+    layer = bpy.context.view_layer
+    selected = [one for one in layer.objects if one.select_get()]
+    hidden = [one for one in solids if one.hide_get()]
+    try:
+        for one in layer.objects:
+            one.select_set(False)
+        for one in solids:
+            one.hide_set(False)
+            one.select_set(True)
+        if solids:
+            bpy.ops.export_scene.gltf(
+                filepath=str(path), export_format="GLB", use_selection=True, export_apply=True, export_yup=True, export_morph=False,
+                export_animations=False, export_skins=False, export_materials="NONE",
+            )  # fmt: skip
+    finally:
+        for one in layer.objects:
+            one.select_set(one in selected)
+        for one in hidden:
+            one.hide_set(True)
+    return bool(solids)
 
 
 def report(info: crumple.SetInfo, examples: list[crumple.ExampleInfo]) -> list[str]:

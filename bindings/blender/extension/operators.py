@@ -15,7 +15,7 @@ from typing import Any
 
 import bpy
 import numpy as np
-from bpy.props import CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, PointerProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
 from mathutils import Vector
@@ -46,6 +46,12 @@ class Hit(bpy.types.PropertyGroup):
     mass: FloatProperty(unit="MASS")
     radius: FloatProperty(unit="LENGTH")
     frame: IntProperty(name="Frame", description="The frame in which the dent appears when the hits are baked")
+
+
+class Solid(bpy.types.PropertyGroup):
+    """An object that dents of another do not enter."""
+
+    object: PointerProperty(type=bpy.types.Object)
 
 
 class Preferences(bpy.types.AddonPreferences):
@@ -282,6 +288,55 @@ class CRUMPLE_OT_mark(MeshOperator, bpy.types.Operator):
         self.report({"INFO"}, f"{key.name} was hit at vertex {vertex}, {1000 * moved[vertex]:.1f} mm deep")
 
 
+class CRUMPLE_OT_paint(MeshOperator, bpy.types.Operator):
+    """Paint where the mesh dents less. What is painted is a vertex group, which hits respect and the export writes"""
+
+    bl_idname = "crumple.paint"
+    bl_label = "Paint"
+
+    what: EnumProperty(
+        name="Paint",
+        items=[
+            ("LIMIT", "Depth Limit", "Red does not move at all, blue up to nearly the limit, and what is not painted as far as any dent"),
+            ("STIFFNESS", "Stiffness", "Red does not move at all, green half as far as elsewhere"),
+        ],
+    )
+
+    def run(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        name = bridge.LIMIT if self.what == "LIMIT" else bridge.STIFFNESS
+        group = obj.vertex_groups.get(name) or obj.vertex_groups.new(name=name)
+        obj.vertex_groups.active_index = group.index
+        bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+
+
+class CRUMPLE_OT_keep_out(MeshOperator, bpy.types.Operator):
+    """Keep the dents of the active mesh out of the other selected meshes, which are closed solids. Repeat it when one has moved"""
+
+    bl_idname = "crumple.keep_out"
+    bl_label = "Keep Out of Selected"
+    clear: BoolProperty(name="Clear", description="Let dents go everywhere again. Painted limits stay")
+
+    def run(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        if self.clear:
+            obj.crumple_solids.clear()
+            bridge.set_attribute(obj.data, bridge.ATTRIBUTES[0], None)
+        else:
+            solids = [one for one in context.selected_objects if one.type == "MESH" and one != obj]
+            if not solids:
+                raise Trouble(f"select the solids too: first the objects inside, then {obj.name} with Shift")
+            if abs(obj.matrix_world.determinant()) < 1e-12:
+                raise Trouble(f"{obj.name} is scaled to nothing")
+            limits = bridge.keep_out(obj, solids)
+            bridge.set_attribute(obj.data, bridge.ATTRIBUTES[0], limits)
+            obj.crumple_solids.clear()
+            for one in solids:
+                obj.crumple_solids.add().object = one
+            inside = int((limits == 0).sum())
+            self.report({"INFO"}, f"Dents keep out of {', '.join(one.name for one in solids)}; {inside} vertices begin inside and do not move")
+        if obj.crumple_hits:
+            bridge.show(obj)
+
+
 class CRUMPLE_OT_make_examples(MeshOperator, bpy.types.Operator):
     """Add examples to a bare mesh: round dents at once, or simulated ones in the background. Escape stops the simulation"""
 
@@ -361,7 +416,7 @@ class CRUMPLE_OT_make_examples(MeshOperator, bpy.types.Operator):
     def round(self, obj: bpy.types.Object) -> None:
         from crumple.examples import Failure, profile
 
-        points = base_of(obj)
+        points = bridge.base_of(obj)
         corners = bridge.triangles(obj.data).astype(np.int64)
         if len(corners) == 0:
             raise Trouble(f"{obj.name} has no faces")
@@ -407,9 +462,12 @@ class CRUMPLE_OT_make_examples(MeshOperator, bpy.types.Operator):
         self.of, self.out, body = obj.name, folder / "examples.glb", folder / "body.glb"
         bridge.export_gltf(obj, body, examples=False)
         scale = obj.matrix_world.to_scale().length / 3**0.5
-        low, high = self.depths(scale * float(np.linalg.norm(np.ptp(base_of(obj), axis=0))))
+        low, high = self.depths(scale * float(np.linalg.norm(np.ptp(bridge.base_of(obj), axis=0))))
         command = [program, "examples", str(body), "-o", str(self.out), "--count", str(self.count), "--no-report", "--detail", str(self.detail)]
         command += ["--depth", f"{1000 * low}", f"{1000 * high}"]
+        inner = folder / "solids.glb"
+        if bridge.export_solids(obj, inner):
+            command += ["--inner", str(inner)]
         # The solver's Python is another than Blender's.
         clean = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
         self.out.unlink(missing_ok=True)
@@ -424,7 +482,7 @@ class CRUMPLE_OT_make_examples(MeshOperator, bpy.types.Operator):
             self.said.append(self.lines.get())
         if self.process.returncode != 0:
             raise Trouble(next((line for line in reversed(self.said) if "error: " in line), f"the solver ends with {self.process.returncode}"))
-        points = base_of(obj)
+        points = bridge.base_of(obj)
         before = {kind: set(getattr(bpy.data, kind)) for kind in ("objects", "meshes", "collections")}
         active, selected = bpy.context.view_layer.objects.active, bpy.context.selected_objects
         bpy.ops.import_scene.gltf(filepath=str(self.out))
@@ -447,15 +505,6 @@ class CRUMPLE_OT_make_examples(MeshOperator, bpy.types.Operator):
                 one.select_set(True)
             bpy.context.view_layer.objects.active = active
         self.add(obj, positions, entries)
-
-
-def base_of(obj: bpy.types.Object) -> bridge.Floats:
-    """The undamaged positions, also of a mesh without shape keys."""
-    if obj.data.shape_keys:
-        return bridge.coordinates(obj.data.shape_keys.reference_key)
-    out = np.empty(3 * len(obj.data.vertices), np.float32)
-    obj.data.vertices.foreach_get("co", out)
-    return out.reshape(-1, 3)
 
 
 class CRUMPLE_OT_check(MeshOperator, bpy.types.Operator):
@@ -610,8 +659,8 @@ class CRUMPLE_OT_export(MeshOperator, ExportHelper, bpy.types.Operator):
 
 
 CLASSES = (
-    Hit, Preferences, CRUMPLE_OT_hit, CRUMPLE_OT_clear, CRUMPLE_OT_bake, CRUMPLE_OT_mark, CRUMPLE_OT_make_examples, CRUMPLE_OT_check,
-    CRUMPLE_OT_coverage, CRUMPLE_OT_export,
+    Hit, Solid, Preferences, CRUMPLE_OT_hit, CRUMPLE_OT_clear, CRUMPLE_OT_bake, CRUMPLE_OT_mark, CRUMPLE_OT_paint, CRUMPLE_OT_keep_out,
+    CRUMPLE_OT_make_examples, CRUMPLE_OT_check, CRUMPLE_OT_coverage, CRUMPLE_OT_export,
 )  # fmt: skip
 
 
@@ -620,10 +669,15 @@ def register() -> None:
         bpy.utils.register_class(one)
     bpy.types.Object.crumple_hits = CollectionProperty(type=Hit)
     bpy.types.Object.crumple_hit = IntProperty(description="The hit that is chosen in the list")
+    bpy.types.Object.crumple_solids = CollectionProperty(type=Solid)
+    bpy.types.Object.crumple_deepest = FloatProperty(
+        name="Limit", default=0.1, min=0, unit="LENGTH",
+        description="A painted depth limit of weight w lets vertices move by 1 - w of this",
+    )  # fmt: skip
 
 
 def unregister() -> None:
-    del bpy.types.Object.crumple_hits, bpy.types.Object.crumple_hit
+    del bpy.types.Object.crumple_hits, bpy.types.Object.crumple_hit, bpy.types.Object.crumple_solids, bpy.types.Object.crumple_deepest
     for one in reversed(CLASSES):
         bpy.utils.unregister_class(one)
     bridge.close()

@@ -49,6 +49,15 @@ class CRUMPLE_PT_main(bpy.types.Panel):
         box.operator("crumple.check")
         box.operator_menu_enum("crumple.coverage", "kind")
         box = layout.column(align=True)
+        box.label(text="Limits")
+        box.operator_menu_enum("crumple.paint", "what")
+        if bridge.LIMIT in obj.vertex_groups:
+            box.prop(obj, "crumple_deepest")
+        row = box.row(align=True)
+        row.operator("crumple.keep_out").clear = False
+        if obj.crumple_solids:
+            row.operator("crumple.keep_out", text="", icon="X").clear = True
+        box = layout.column(align=True)
         box.label(text="Hits")
         box.operator("wm.tool_set_by_id", text="Click to Hit", icon="MOD_SOFT").name = TOOL
         if obj.crumple_hits:

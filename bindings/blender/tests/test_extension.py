@@ -207,6 +207,85 @@ def test_check_names_what_is_wrong(dentable):
         assert text in report(), text
 
 
+def test_painted_limits_and_stiffness_hold_in_hits_and_in_the_file(dentable, tmp_path):
+    import crumple
+
+    bpy.ops.crumple.paint(what="LIMIT")
+    assert dentable.mode == "WEIGHT_PAINT" and dentable.vertex_groups.active.name == "Crumple depth limit"
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.ops.crumple.paint(what="STIFFNESS")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    limit, stiff = (dentable.vertex_groups[name] for name in ("Crumple depth limit", "Crumple stiffness"))
+    x = positions(dentable.data.shape_keys.reference_key)[:, 0]
+    limit.add(np.flatnonzero(x < -0.2).tolist(), 0.9, "REPLACE")
+    limit.add(np.flatnonzero(x < -0.29).tolist(), 1.0, "REPLACE")
+    stiff.add(np.flatnonzero(x > 0.2).tolist(), 0.5, "REPLACE")
+    # Nine tenths of 10 cm are forbidden: 1 cm is left.
+    assert abs(dentable.crumple_deepest - 0.1) < 1e-6
+    bpy.ops.crumple.hit(location=(-0.21, 0, 0), depth=0.03)
+    moved = damage(dentable)
+    assert 0.0095 < np.abs(moved[x < -0.2]).max() <= 0.0101 and (moved[x < -0.29] == 0).all() and np.abs(moved).max() < 0.035
+    path = tmp_path / "sheet.glb"
+    bpy.ops.crumple.export(filepath=str(path))
+    with crumple.Context() as context:
+        body = context.load(path).instance()
+        body.hit_displacement((-0.21, 0, 0), (0, -0.03, 0))
+        of_file, base = body.deformed().positions, body.set.mesh().positions
+        down = (base - of_file)[:, 1]
+        assert abs(down.max() + moved[:, 2].min()) < 1e-4
+        assert down[base[:, 0] < -0.2].max() <= 0.0101 and (down[base[:, 0] < -0.29] == 0).all()
+        body.reset()
+        body.hit_displacement((0.15, 0, 0), (0, -0.03, 0))
+        half = (base - body.deformed().positions)[:, 1]
+    dentable.vertex_groups.remove(stiff)
+    bpy.ops.crumple.clear()
+    bpy.ops.crumple.hit(location=(0.15, 0, 0), depth=0.03)
+    whole = -damage(dentable)[:, 2]
+    stiffer = x > 0.2
+    assert whole[stiffer].max() > 0.01 and abs(half[base[:, 0] > 0.2].max() / whole[stiffer].max() - 0.5) < 0.02
+    with pytest.raises(RuntimeError, match="rigid"):
+        bpy.ops.crumple.hit(location=(-0.4, 0, 0), depth=0.02)
+
+
+def test_dents_keep_out_of_picked_objects(dentable, tmp_path):
+    import crumple
+
+    with pytest.raises(RuntimeError, match="select the solids too"):
+        bpy.ops.crumple.keep_out()
+    bpy.ops.mesh.primitive_uv_sphere_add(radius=0.1, location=(1.2, 2, 2.885), segments=24, ring_count=16)
+    ball = bpy.context.object
+    bpy.ops.mesh.primitive_plane_add(size=0.1, location=(1, 2, 2))
+    sail = bpy.context.object
+    dentable.location = (1, 2, 3)
+    bpy.context.view_layer.update()
+
+    def pick(*chosen):
+        for one in bpy.data.objects:
+            one.select_set(one in chosen or one == dentable)
+        bpy.context.view_layer.objects.active = dentable
+
+    pick(sail)
+    with pytest.raises(RuntimeError, match="Plane is no closed solid"):
+        bpy.ops.crumple.keep_out()
+    assert "_DEPTH_LIMIT" not in dentable.data.attributes
+    pick(ball)
+    bpy.ops.crumple.keep_out()
+    base = positions(dentable.data.shape_keys.reference_key)
+    bpy.ops.crumple.hit(location=(1.2, 2, 3), depth=0.04)
+    path = tmp_path / "sheet.glb"
+    bpy.ops.crumple.export(filepath=str(path))
+    with crumple.Context() as context:
+        body = context.load(path).instance()
+        body.hit_displacement((0.2, 0, 0), (0, -0.04, 0))
+        shown = [base + damage(dentable), body.deformed().positions[:, [0, 2, 1]] * [1, -1, 1]]
+    for moved in shown:
+        away = np.linalg.norm(moved - [0.2, 0, -0.115], axis=1)
+        # The sphere is a mesh, a little smaller than a ball.
+        assert 0.098 < away.min() < 0.105 and 0.01 < np.abs(moved[:, 2]).max() < 0.025
+    bpy.ops.crumple.keep_out(clear=True)
+    assert np.abs(damage(dentable)).max() > 0.029 and "_DEPTH_LIMIT" not in dentable.data.attributes
+
+
 def test_the_solver_runs_apart(sheet, tmp_path):
     """A small program stands for `crumple examples`, which has its own tests: it takes the file and writes it back with round dents."""
     preferences = bpy.context.preferences.addons["bl_ext.user_default.crumple"].preferences
@@ -214,12 +293,24 @@ def test_the_solver_runs_apart(sheet, tmp_path):
     if python is None:
         pytest.skip("CRUMPLE_EXAMPLES_PYTHON names no Python with crumple[examples]")
     program = tmp_path / "crumple"
-    program.write_text(f'#!/bin/sh\nexec {python} -m crumple "$@" --profile\n')
+    program.write_text(f'#!/bin/sh\necho "$@" > {tmp_path}/asked\nexec {python} -m crumple "$@" --profile\n')
     program.chmod(0o755)
     preferences.program = str(program)
     sheet.location, sheet.rotation_euler = (1, 2, 3), (0.3, 0.4, 0.5)
-    bpy.context.view_layer.update()
+    bpy.ops.mesh.primitive_cube_add(size=0.1, location=(1, 2, 2.5))
+    cube = bpy.context.object
+    sheet.select_set(True)
+    bpy.context.view_layer.objects.active = sheet
+    bpy.ops.crumple.keep_out()
     bpy.ops.crumple.make_examples(method="SOLVER", count=3)
+    # The solver gets the solid, where it stands in the scene.
+    solids = (tmp_path / "asked").read_text().split("--inner ")[1].strip()
+    before = set(bpy.data.objects)
+    bpy.ops.import_scene.gltf(filepath=solids)
+    (read,) = set(bpy.data.objects) - before
+    assert (read.matrix_world.translation - cube.location).length < 1e-6 and abs(read.dimensions.x - 0.1) < 1e-6
+    bpy.data.batch_remove([read, cube])
+    bpy.context.view_layer.objects.active = sheet
     assert [one.name for one in bpy.data.objects] == ["Sheet"] and len(sheet.data.shape_keys.key_blocks) == 4
     bpy.ops.crumple.hit(location=sheet.matrix_world.translation, depth=0.02)
     assert abs(np.abs(damage(sheet)).max() - 0.02) < 1e-3

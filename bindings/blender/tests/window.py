@@ -5,8 +5,10 @@ It exits with 1 if anything fails.
 
 import os
 import sys
+import tempfile
 import traceback
 import zipfile
+from pathlib import Path
 
 import addon_utils
 import bpy
@@ -83,6 +85,49 @@ def escaped(body):
     assert len(body.crumple_hits) == 1, len(body.crumple_hits)
 
 
+class Solver:
+    """A program that stands for `crumple examples`: it says that one example is made, and goes on until it is stopped."""
+
+    folder = Path(tempfile.mkdtemp())
+
+    @classmethod
+    def start(cls, body):
+        program, cls.keys = cls.folder / "crumple", len(body.data.shape_keys.key_blocks)
+        program.write_text(f'#!/bin/sh\necho $$ > {cls.folder}/process\necho "1 of 8: 12 mm"\nexec sleep 600\n')
+        program.chmod(0o755)
+        bpy.context.preferences.addons["bl_ext.user_default.crumple"].preferences.program = str(program)
+        window, region = view()["window"], view()["region"]
+        window.event_simulate("MOUSEMOVE", "NOTHING", x=region.x + region.width // 2, y=region.y + region.height // 2)
+        assert bpy.ops.crumple.make_examples("INVOKE_DEFAULT", method="SOLVER", count=8) == {"RUNNING_MODAL"}
+
+    @classmethod
+    def runs(cls):
+        process = int((cls.folder / "process").read_text())
+        try:
+            os.kill(process, 0)
+        except ProcessLookupError:
+            return False
+        return True
+
+    @classmethod
+    def working(cls, body):
+        assert cls.runs() and "crumple.make_examples" in cls.modal(), cls.modal()
+
+    @classmethod
+    def stopped(cls, body):
+        assert not cls.runs() and "crumple.make_examples" not in cls.modal(), cls.modal()
+        assert len(body.data.shape_keys.key_blocks) == cls.keys and len(body.crumple_hits) == 1
+
+    @staticmethod
+    def modal():
+        return [one.bl_idname.lower().replace("_ot_", ".") for one in view()["window"].modal_operators]
+
+
+def key(type, value):
+    window, region = view()["window"], view()["region"]
+    window.event_simulate(type, value, x=region.x + region.width // 2, y=region.y + region.height // 2)
+
+
 LEFT, RIGHT = (-0.2, -0.1, 0), (0.2, 0.15, 0)
 STEPS = [
     act,
@@ -97,6 +142,14 @@ STEPS = [
     lambda body: mouse(RIGHT, "ESC", "RELEASE"),
     lambda body: mouse(RIGHT, "LEFTMOUSE", "RELEASE"),
     escaped,
+    Solver.start,
+    # The dialogue's OK.
+    lambda body: key("RET", "PRESS"),
+    lambda body: key("RET", "RELEASE"),
+    Solver.working,
+    lambda body: key("ESC", "PRESS"),
+    lambda body: key("ESC", "RELEASE"),
+    Solver.stopped,
     lambda body: bpy.ops.crumple.hit(location=body.matrix_world @ body.data.vertices[9000].co, by="BLOW", mass=20, speed=8, radius=0.1),
     lambda body: photograph(),
 ]

@@ -19,8 +19,9 @@ from pygltflib import (
 )
 
 
-def write(path, parts, scale=None, name="body", colours=None):
-    """A mesh with one primitive and material for each of `parts`, pairs of positions and triangles. Returns the path."""
+def write(path, parts, scale=None, name="body", colours=None, translation=None, more=()):
+    """A mesh with one primitive and material for each of `parts`, pairs of positions and triangles. `more` are the names, parts and
+    translations of further nodes. Returns the path."""
     blob, gltf = bytearray(), GLTF2(scenes=[Scene(nodes=[0])], scene=0)
 
     def accessor(array, kind, component, target=None, **bounds):
@@ -31,8 +32,11 @@ def write(path, parts, scale=None, name="body", colours=None):
         )
         return len(gltf.accessors) - 1
 
-    primitives = []
-    for number, (points, triangles) in enumerate(parts):
+    def mesh(name, parts, colours=None):
+        gltf.meshes.append(Mesh(name=name, primitives=[primitive(number, *part, colours) for number, part in enumerate(parts)]))
+        return len(gltf.meshes) - 1
+
+    def primitive(number, points, triangles, colours):
         points = np.ascontiguousarray(points, np.float32)
         normals = trimesh.Trimesh(points, triangles, process=False).vertex_normals.astype(np.float32)
         attributes = Attributes(
@@ -43,10 +47,13 @@ def write(path, parts, scale=None, name="body", colours=None):
         if colours is not None:
             attributes.COLOR_0 = accessor(np.ascontiguousarray(colours, np.float32), "VEC4", FLOAT, ARRAY_BUFFER)
         indices = accessor(np.ascontiguousarray(triangles, np.uint32).reshape(-1), "SCALAR", UNSIGNED_INT)
-        primitives.append(Primitive(attributes=attributes, indices=indices, material=number))
         gltf.materials.append(Material(name=f"paint {number}"))
-    gltf.meshes = [Mesh(name=name, primitives=primitives)]
-    gltf.nodes = [Node(mesh=0, scale=scale)]
+        return Primitive(attributes=attributes, indices=indices, material=len(gltf.materials) - 1)
+
+    gltf.nodes.append(Node(name=name, mesh=mesh(name, parts, colours), scale=scale, translation=translation))
+    for other, sides, where in more:
+        gltf.nodes.append(Node(name=other, mesh=mesh(other, sides), translation=where))
+    gltf.scenes[0].nodes = list(range(len(gltf.nodes)))
     gltf.buffers = [Buffer(byteLength=len(blob))]
     gltf.set_binary_blob(bytes(blob))
     gltf.save_binary(str(path))
@@ -81,3 +88,48 @@ def crossed():
     both = np.vstack([flat, upright])
     _, first, inverse = np.unique(both.round(6), axis=0, return_index=True, return_inverse=True)
     return both[first], inverse.reshape(-1)[np.vstack([triangles, triangles + side * side])]
+
+
+def _grid(corner, along, across, edge):
+    """A flat sheet from a corner, with edges of about `edge`."""
+    corner, along, across = (np.asarray(one, float) for one in (corner, along, across))
+    sides = [max(1, round(float(np.linalg.norm(one)) / edge)) for one in (along, across)]
+    u, v = np.meshgrid(*(np.linspace(0, 1, side + 1) for side in sides), indexing="ij")
+    points = corner + u.reshape(-1, 1) * along + v.reshape(-1, 1) * across
+    a = np.arange(len(points)).reshape(u.shape)[:-1, :-1].reshape(-1, 1)
+    row = sides[1] + 1
+    return points, np.concatenate([a + [0, row, row + 1], a + [0, row + 1, 1]])
+
+
+def can(edge=0.015):
+    """A closed can that stands: 0.5 m wide and 0.7 m high, with two beads around it like an oil drum's."""
+    sides = round(2 * np.pi * 0.25 / edge)
+    wall = np.linspace(0, 0.7, round(0.7 / edge) + 1)
+    bead = 0.012 * np.exp(-(((wall[:, None] - [0.235, 0.465]) / 0.02) ** 2)).sum(1)
+    flat = 0.25 * np.arange(1, round(0.25 / edge)) / round(0.25 / edge)
+    rings = [*((r, 0.0) for r in flat), *zip(0.25 + bead, wall, strict=True), *((r, 0.7) for r in flat[::-1])]
+    angle = 2 * np.pi * np.arange(sides) / sides
+    points = np.concatenate([[[r * np.cos(a), y, r * np.sin(a)] for a in angle] for r, y in rings] + [[[0, 0, 0], [0, 0.7, 0]]])
+    low = np.arange(sides * (len(rings) - 1)).reshape(len(rings) - 1, sides)
+    a, b = low.reshape(-1, 1), np.roll(low, -1, axis=1).reshape(-1, 1)
+    last, bottom = low[-1] + sides, len(points) - 2
+    caps = [np.stack([low[0], np.roll(low[0], -1), np.full(sides, bottom)], 1), np.stack([np.roll(last, -1), last, np.full(sides, bottom + 1)], 1)]
+    return points, np.concatenate([np.hstack([a, a + sides, b]), np.hstack([b, a + sides, b + sides]), *caps])
+
+
+def framed(edge=0.012):
+    """A door's panel of 0.9 m by 0.6 m, bowed by 3 cm, on a frame of ribs that stand 4 cm behind it. Returns also colours: the rim is red."""
+    skin, triangles = _grid((-0.45, -0.3, 0), (0.9, 0, 0), (0, 0.6, 0), edge)
+    parts, corners, count = [skin], [triangles], len(skin)
+    for start, along in [((-0.15, -0.3), (0, 0.6)), ((0.15, -0.3), (0, 0.6)), ((-0.45, 0.06), (0.9, 0))]:
+        points, triangles = _grid((*start, -0.04), (*along, 0), (0, 0, 0.04), edge)
+        parts.append(points)
+        corners.append(triangles + count)
+        count += len(points)
+    points = np.vstack(parts)
+    points[:, 2] += 0.03 * (1 - (points[:, 0] / 0.45) ** 2) * (1 - 0.5 * (points[:, 1] / 0.3) ** 2)
+    _, first, inverse = np.unique(points.round(6), axis=0, return_index=True, return_inverse=True)
+    points = points[first]
+    rim = (np.abs(points[:, 0]) > 0.4499) | (np.abs(points[:, 1]) > 0.2999)
+    colours = np.where(rim[:, None], [1.0, 0, 0, 1], [1.0, 1, 1, 1])
+    return points, inverse.reshape(-1)[np.concatenate(corners)], colours

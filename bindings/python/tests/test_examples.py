@@ -130,6 +130,114 @@ def test_the_solver_makes_examples_that_the_command_uses(tmp_path):
     assert changed.returncode == 1 and "--thickness (0.0008, now 0.0015)" in changed.stderr
 
 
+def test_flat_strikers_touch_where_they_should(tmp_path):
+    from crumple.examples.flight import Blow, Flight
+
+    made = shell.make(Body(bodies.write(tmp_path / "body.glb", [bodies.panel()])), 600, "auto")
+    flight = Flight(made, 0.001)
+    # A plate touches the point that is furthest along its normal, wherever it is aimed at.
+    normal = np.array([0.2, 1.0, -0.1]) / np.linalg.norm([0.2, 1.0, -0.1])
+    blow = Blow(made.points[7], normal, -normal, 5.0, 10.0, made.size, "wall")
+    centre, at, outward = flight.touch(blow)
+    assert (at == made.points[(made.points @ normal).argmax()]).all() and np.allclose(outward, normal)
+    assert abs((centre - at) @ normal - 0.1 * made.size - 0.001) < 1e-3 * made.edge
+    # The corner of a cube touches with its tip what it is aimed at, and nothing else is nearer.
+    vertex = int(np.linalg.norm(made.points - [0.1, 0.1, 0.05], axis=1).argmin())
+    blow = Blow(made.points[vertex], made.normals[vertex], -made.normals[vertex], 5.0, 10.0, 0.2, "corner", 1.0)
+    centre, at, outward = flight.touch(blow)
+    assert np.linalg.norm(at - made.points[vertex]) < 0.1 * made.edge
+    tip = centre + blow.direction * 0.2 * np.sqrt(3)
+    assert abs(np.linalg.norm(tip - at) - 0.001) < 2e-3 * made.edge
+    assert np.allclose(blow.axes.T @ blow.axes, np.eye(3)) and np.allclose(blow.axes @ np.ones(3), np.sqrt(3) * blow.direction)
+    assert (np.abs((made.points - centre) @ blow.axes).max(1) > 0.2).all()
+
+
+def test_the_same_blow_dents_deeper_by_a_corner_than_by_a_wall(tmp_path):
+    from crumple.examples.flight import Blow
+    from crumple.examples.materials import MATERIALS
+    from crumple.examples.solver import Solver
+
+    made = shell.make(Body(bodies.write(tmp_path / "body.glb", [bodies.panel()])), 400, "auto")
+    solver = Solver(made, MATERIALS["steel"], 0.0008)
+    vertex, deepest = int(np.linalg.norm(made.points - [0.1, 0.12, 0.05], axis=1).argmin()), {}
+    for name, radius in (("wall", made.size), ("corner", 0.2)):
+        normal = made.normals[vertex]
+        outcome = solver.strike(Blow(made.points[vertex], normal, -normal, 4.0, 8.0, radius, name))
+        assert outcome.trouble is None and (outcome.field[made.held] == 0).all()
+        # Straight on: the body takes the striker's momentum and at most as much again when it bounces off.
+        assert 1 <= -(outcome.impulse @ normal) / (4.0 * 8.0) < 2
+        deepest[name] = np.linalg.norm(outcome.field, axis=1).max()
+    assert 0.01 < deepest["corner"] and deepest["wall"] < 0.75 * deepest["corner"], deepest
+
+
+def engine(tmp_path, **placed):
+    """A panel with a box of 30 cm under it, whose top is 2 to 4 cm below the panel."""
+    box = trimesh.creation.box((0.3, 0.1, 0.3))
+    more = [("engine", [(box.vertices, box.faces)], [0.6, 1.045, 0.05]), ("lamp", [(box.vertices, box.faces)], [0.5, 9.0, 0.0])]
+    return bodies.write(tmp_path / "body.glb", [bodies.panel()], translation=[0.5, 1.0, 0.0], more=more, **placed)
+
+
+def test_the_solver_does_not_push_the_shell_into_solids(tmp_path):
+    from crumple.examples import inner
+    from crumple.examples.flight import Blow
+    from crumple.examples.materials import MATERIALS
+    from crumple.examples.solver import Solver
+
+    path = engine(tmp_path)
+    body, top = Body(path), 0.095
+    solids = inner.read([f"{path}/engine"], body, 1.0)
+    assert solids[0].points.max(0) == pytest.approx([0.25, top, 0.2], abs=1e-6)
+    bare, steel = shell.make(body, 400, "auto"), MATERIALS["steel"]
+    near = (np.abs(bare.points - [0.1, 0, 0.05])[:, [0, 2]] < 0.14).all(1)
+    assert inner.room(bare.points, solids)[near] == pytest.approx(bare.points[near, 1] - top, abs=1e-5)
+    vertex, lowest = int(np.linalg.norm(bare.points - [0.1, 0.12, 0.05], axis=1).argmin()), []
+    for made in (bare, run.among(bare, solids, steel, 0.0008)):
+        normal = made.normals[vertex]
+        outcome = Solver(made, steel, 0.0008).strike(Blow(made.points[vertex], normal, -normal, 5.0, 15.0, 0.1, "ball"))
+        assert outcome.trouble is None
+        lowest.append((made.points + outcome.field)[near, 1].min())
+    assert lowest[0] < top - 0.01 and lowest[1] > top, lowest
+
+
+def test_no_hit_enters_a_solid(tmp_path):
+    path, out = engine(tmp_path), tmp_path / "out.glb"
+    asked = ["examples", path, "-o", out, "--count", "2", "--detail", "300", "--no-report", "--depth", "10", "40"]
+    done = command(*asked, "--inner", f"{path}/engine", "capsule:0.2,1.05,-0.3,0.2,1.05,0.3,0.02")
+    assert done.returncode == 0, done.stderr
+    assert "2 solids inside" in done.stdout and "0 vertices begin in a solid" in done.stdout
+    check(path, out, 2)
+    with crumple.Context(threads=1) as context:
+        loaded = context.load(out)
+        base = loaded.mesh().positions
+        over = (np.abs(base - [0.1, 0, 0.05])[:, [0, 2]] <= 0.15).all(1)
+        bar = np.abs(base[:, 2]) < 0.3
+        body = loaded.instance()
+        for x in (-0.3, 0.1, 0.2):
+            body.hit_displacement((x, 0.1, 0.05), (0, -0.2, 0))
+        moved = body.deformed().positions
+        assert 0.01 < (base - moved)[over, 1].max() and (moved[over, 1] >= 0.095).all()
+        away = np.hypot(moved[bar, 0] + 0.3, moved[bar, 1] - 0.05)
+        assert 0.02 <= away.min() < 0.03
+    again = command(*asked)
+    assert again.returncode == 1 and "another --inner" in again.stderr
+
+
+@pytest.mark.parametrize("scale", [[0.001] * 3, [-1, 2, 0.5]])
+def test_limits_are_in_the_units_of_the_mesh(scale, tmp_path):
+    from crumple.examples import inner
+
+    points, triangles = bodies.panel(15)
+    scaled = points / np.abs(scale) * np.sign(scale)
+    path = bodies.write(tmp_path / "body.glb", [(scaled, triangles[:, ::-1] if scale[0] < 0 else triangles)], scale=scale, translation=[0, 0, 1])
+    body = Body(path)
+    solids = inner.read(["capsule:0,-0.5,1,0,-0.5,1,0.3"], body, 1.0)
+    limits = inner.limits(body, solids)
+    # The nearest point of the stretched ball, by sampling.
+    ball = trimesh.creation.icosphere(4).vertices * 0.3 - [0, 0.5, 0]
+    near = np.linalg.norm(body.vertices[:, None].astype(float) - (ball / scale)[None], axis=2).min(1)
+    assert (limits <= near + 1e-6 * near.max()).all() and (limits > 0.9 * near).all()
+
+
 def test_where_to_hit_next_is_where_the_set_is_worst(tmp_path):
     from crumple.examples.places import Places
 
@@ -157,6 +265,7 @@ def test_messages(tmp_path, capsys):
     dust = bodies.write(
         tmp_path / "dust.glb", [tuple(map(np.array, ([[k, 0, 0], [k + 0.5, 0, 0], [k, 0.5, 0]], [[0, 1, 2]]))) for k in range(50)]
     )
+    hole = bodies.write(tmp_path / "hole.glb", [(sphere.vertices, sphere.faces[1:])])
     text = tmp_path / "text.glb"
     text.write_text("no glTF\n")
     capsys.readouterr()
@@ -173,6 +282,10 @@ def test_messages(tmp_path, capsys):
         ([closed, "--hold", "edges"], "no open edges"),
         ([panel, "--hold", "marked"], "paint it red"),
         ([dust], "join them"),
+        ([panel, "--inner", panel], "has no triangles"),
+        ([panel, "--inner", hole], "--inner body: "),
+        ([panel, "--inner", f"{closed}/engine"], "has no node engine; it has: body"),
+        ([panel, "--inner", "capsule:0,0,0,1,1,1"], "seven numbers"),
         ([panel, "--unit", "0.0001", "--thickness", "0.8"], "the unit may be wrong"),
         ([panel, "--unit", "0.0001"], "MuJoCo refuses the shell"),
     ]:
@@ -186,6 +299,7 @@ def test_solver_troubles_name_what_to_change():
     task = run.Task(0, 0, 0.01, 1.0)
     assert "thicker sheet" in run.advice([run.Result(task, None, ["3 m/s, 1 kg: the solver became unstable"])])
     assert "--hold" in run.advice([run.Result(task, None, ["3 m/s, 1 kg: the shell did not come to rest"])])
+    assert "--strikers ball wall" in run.advice([run.Result(task, None, ["3 m/s, 1 kg: the wall touched another place first"])])
     assert "another --depth" in run.advice([run.Result(task, None, ["3 m/s, 1 kg: 0.1 mm"])])
 
 

@@ -1,6 +1,8 @@
 """How well a set that `crumple examples` makes predicts a finer simulation of impacts that it has not seen.
 
-    python bindings/python/tools/accuracy.py [BODY.glb] [--count 12] [--unseen 8] [--detail 1200] [--out FOLDER]
+    python bindings/python/tools/accuracy.py [BODY.glb | can | framed] [--count 12] [--unseen 8] [--detail 1200] [--out FOLDER]
+
+The body is the demo's hood, or a closed can or a panel on a frame, which tests/bodies.py makes.
 
 The unseen impacts are drawn with another seed, with depths and places of their own, and are simulated on a shell with four times as many
 points, and so with half the time step. The error is the relative L2 norm of the displacement over the body's points; no dent at all has error 1.
@@ -14,6 +16,7 @@ from __future__ import annotations
 import argparse
 import csv
 import platform
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -38,6 +41,8 @@ def main() -> None:
     parser.add_argument("--detail", type=int, default=1200, help="points of the shell; the truth's has four times as many")
     parser.add_argument("--out", type=Path, default=REPOSITORY / "out/accuracy")
     options = parser.parse_args()
+    if str(options.body) in ("can", "framed"):
+        options.body = scripted(str(options.body), options.out)
     body = Body(options.body, replace=True)
     depth = (0.005 * body.size, 0.03 * body.size)
     settings = run.Settings("steel", MATERIALS["steel"].thickness, "auto", ("ball",), depth, 30.0, options.detail, 1)
@@ -79,6 +84,16 @@ def main() -> None:
     print(f"{options.body.stem}, {len(done.made)} examples, {len(rows)} unseen impacts, on {processor()}; median / 90th percentile:")
     for name, values in zip(COLUMNS, np.array(rows).T[1:], strict=True):
         print(f"  {name:26} {np.median(values):.2f} / {np.quantile(values, 0.9):.2f}")
+
+
+def scripted(name: str, folder: Path) -> Path:
+    """Writes one of the tests' bodies as a file."""
+    sys.path.insert(0, str(REPOSITORY / "bindings/python/tests"))
+    import bodies
+
+    folder.mkdir(parents=True, exist_ok=True)
+    points, triangles, *colours = getattr(bodies, name)()
+    return bodies.write(folder / f"{name}.glb", [(points, triangles)], name=name, colours=colours[0] if colours else None)
 
 
 def truth(body: Body, settings: run.Settings, folder: Path, count: int, stiffness):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,14 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import Failure
+from .gltf import File
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-_TYPES = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
-_COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
-_TRIANGLES = 4
-_COMPRESSED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_mesh_quantization")
 
 
 @dataclass
@@ -43,8 +38,8 @@ class Body:
     """One mesh of a glTF file. `points` are its distinct positions, in metres, in the axes of the world (y up)."""
 
     def __init__(self, path: Path, mesh: str | None = None, unit: float = 1.0, replace: bool = False) -> None:
-        self.path = path
-        self.gltf = _read(path)
+        self.path, self._file = path, File(path)
+        self.gltf = self._file.gltf
         self.index = _choose(self.gltf, mesh, path)
         self.mesh = self.gltf.meshes[self.index]
         self.name = self.mesh.name or path.stem
@@ -56,21 +51,13 @@ class Body:
         positions, triangles, normals, held, start = [], [], [], [], 0
         self._parts: list[tuple[Any, slice]] = []
         for primitive in self.mesh.primitives:
-            points = self._accessor(primitive.attributes.POSITION).astype(np.float32)
-            if not np.isfinite(points).all():
-                raise Failure(
-                    f"vertex {start + int(np.argwhere(~np.isfinite(points))[0, 0])} of {self.name} is not finite; export it again"
-                )
+            points, corners = self._file.surface(primitive, self.name, start)
             self._parts.append((primitive, slice(start, start + len(points))))
             positions.append(points)
-            if primitive.mode in (None, _TRIANGLES):
-                indices = primitive.indices
-                corners = np.arange(len(points)) if indices is None else self._accessor(indices)[:, 0].astype(np.int64)
-                if corners.size and corners.max() >= len(points):
-                    raise Failure(f"a triangle of {self.name} uses vertex {corners.max()} of {len(points)}; export it again")
-                triangles.append(start + corners[: len(corners) // 3 * 3].reshape(-1, 3))
+            if corners is not None:
+                triangles.append(start + corners)
             normal = primitive.attributes.NORMAL
-            normals.append(np.zeros((0, 3)) if normal is None else self._accessor(normal).astype(np.float32))
+            normals.append(np.zeros((0, 3)) if normal is None else self._file.accessor(normal).astype(np.float32))
             held.append(self._held(primitive, len(points)))
             start += len(points)
         self.vertices = np.concatenate(positions)
@@ -79,7 +66,11 @@ class Body:
         self.normals = np.concatenate(normals) if all(map(len, normals)) else None
         self.marked = np.concatenate(held)
         """Vertices whose colour is red or whose attribute _HELD is above a half: those that the body is held by."""
-        self.world = _world(self.gltf, self.index)[:3, :3] * unit
+        placed = self._file.world(self.index) * unit
+        self.limits = self._numbers("_DEPTH_LIMIT")
+        """How far each vertex may move, in the units of the mesh's own space; None if the file does not say."""
+        self.world, self.origin = placed[:3, :3], placed[:3, 3]
+        """Of the mesh's own space: the axes, m, and where its origin stands in the scene, m. `points` are relative to the origin."""
         scales = np.linalg.svd(self.world, compute_uv=False)
         if scales[-1] <= 1e-9 * scales[0]:
             raise Failure(f"the node of {self.name} scales it to nothing; apply its scale and export it again")
@@ -100,42 +91,26 @@ class Body:
         self.size = float(np.linalg.norm(used.max(0) - used.min(0)))
         """Diagonal of the bounds, m."""
 
-    def _accessor(self, index: int) -> NDArray[Any]:
-        """The elements of an accessor, one a row."""
-        accessor = self.gltf.accessors[index]
-        kind, components = np.dtype(_TYPES[accessor.componentType]), _COMPONENTS[accessor.type]
-        rows = np.zeros((accessor.count, components), kind)
-        if accessor.bufferView is not None:
-            rows = self._view(accessor.bufferView, accessor.byteOffset or 0, kind, components, accessor.count).copy()
-        if accessor.sparse is not None:
-            sparse = accessor.sparse
-            where = np.dtype(_TYPES[sparse.indices.componentType])
-            at = self._view(sparse.indices.bufferView, sparse.indices.byteOffset or 0, where, 1, sparse.count)[:, 0]
-            rows[at] = self._view(sparse.values.bufferView, sparse.values.byteOffset or 0, kind, components, sparse.count)
-        return rows
-
-    def _view(self, index: int, offset: int, kind: np.dtype, components: int, count: int) -> NDArray[Any]:
-        view = self.gltf.bufferViews[index]
-        blob = self.gltf.binary_blob()
-        start, packed = (view.byteOffset or 0) + offset, kind.itemsize * components
-        step = view.byteStride or packed
-        if count and start + (count - 1) * step + packed > len(blob):
-            raise Failure(f"{self.path}: an accessor reaches beyond its buffer; export the file again")
-        return np.ndarray((count, components), kind, blob, start, (step, kind.itemsize)) if count else np.zeros((0, components), kind)
+    def _numbers(self, name: str) -> NDArray[np.float32] | None:
+        """A number for each vertex, if all primitives have it."""
+        found = [getattr(primitive.attributes, name, None) for primitive, _ in self._parts]
+        if any(one is None for one in found):
+            return None
+        return np.concatenate([self._file.accessor(one)[:, 0].astype(np.float32) for one in found])
 
     def _held(self, primitive: Any, count: int) -> NDArray[np.bool_]:
         marked = np.zeros(count, bool)
         colour, own = primitive.attributes.COLOR_0, getattr(primitive.attributes, "_HELD", None)
         if colour is not None:
-            values = self._accessor(colour).astype(float)
+            values = self._file.accessor(colour).astype(float)
             full = {5121: 255.0, 5123: 65535.0}.get(self.gltf.accessors[colour].componentType, 1.0)
             marked |= (values[:, 0] > 0.5 * full) & (values[:, 1] < 0.5 * full) & (values[:, 2] < 0.5 * full)
         if own is not None:
-            marked |= self._accessor(own)[:, 0].astype(float) > 0.5
+            marked |= self._file.accessor(own)[:, 0].astype(float) > 0.5
         return marked
 
-    def write(self, path: Path, examples: list[Made], notes: dict[str, Any]) -> None:
-        """Writes the file with these examples as morph targets; everything else of it is kept."""
+    def write(self, path: Path, examples: list[Made], notes: dict[str, Any], limits: NDArray[np.float32] | None = None) -> None:
+        """Writes the file with these examples as morph targets, and with depth limits; everything else of it is kept."""
         back = np.linalg.inv(self.world)
         blob = bytearray(self.gltf.binary_blob())
         turned = _point_normals(self.points, self.triangles)
@@ -150,6 +125,8 @@ class Body:
                 if self.normals is not None:
                     target["NORMAL"] = self._target(blob, self._normal_change(self.normals[part], turn[of]))
                 primitive.targets.append(target)
+        for primitive, part in self._parts if limits is not None else ():
+            setattr(primitive.attributes, "_DEPTH_LIMIT", self._attribute(blob, limits[part]))  # noqa: B010
         self.mesh.weights = [0.0] * len(examples)
         extras = dict(self.mesh.extras or {})
         extras.pop("placements", None)
@@ -176,13 +153,7 @@ class Body:
 
     def _target(self, blob: bytearray, values: NDArray[np.float32]) -> int:
         """Appends displacements of vertices as a sparse accessor and returns its index."""
-        from pygltflib import Accessor, AccessorSparseIndices, AccessorSparseValues, BufferView, Sparse
-
-        def view(array: NDArray[Any]) -> int:
-            blob.extend(b"\0" * (-len(blob) % 4))
-            self.gltf.bufferViews.append(BufferView(buffer=0, byteOffset=len(blob), byteLength=array.nbytes))
-            blob.extend(array.tobytes())
-            return len(self.gltf.bufferViews) - 1
+        from pygltflib import Accessor, AccessorSparseIndices, AccessorSparseValues, Sparse
 
         moved = np.flatnonzero(values.any(1)).astype(np.uint32)
         if len(moved) == 0:
@@ -191,12 +162,30 @@ class Body:
         least, most = values.min(0), values.max(0)
         sparse = Sparse(
             count=len(moved),
-            indices=AccessorSparseIndices(bufferView=view(moved), componentType=5125),
-            values=AccessorSparseValues(bufferView=view(some)),
+            indices=AccessorSparseIndices(bufferView=self._append(blob, moved), componentType=5125),
+            values=AccessorSparseValues(bufferView=self._append(blob, some)),
         )
         accessor = Accessor(componentType=5126, count=len(values), type="VEC3", min=least.tolist(), max=most.tolist(), sparse=sparse)
         self.gltf.accessors.append(accessor)
         return len(self.gltf.accessors) - 1
+
+    def _attribute(self, blob: bytearray, values: NDArray[np.float32]) -> int:
+        """Appends a number for each vertex and returns the index of its accessor."""
+        from pygltflib import Accessor
+
+        view = self._append(blob, values)
+        self.gltf.bufferViews[view].target = 34962
+        self.gltf.accessors.append(Accessor(bufferView=view, byteOffset=0, componentType=5126, count=len(values), type="SCALAR"))
+        return len(self.gltf.accessors) - 1
+
+    def _append(self, blob: bytearray, array: NDArray[Any]) -> int:
+        """Appends an array and returns the index of its buffer view."""
+        from pygltflib import BufferView
+
+        blob.extend(b"\0" * (-len(blob) % 4))
+        self.gltf.bufferViews.append(BufferView(buffer=0, byteOffset=len(blob), byteLength=array.nbytes))
+        blob.extend(array.tobytes())
+        return len(self.gltf.bufferViews) - 1
 
     def _impact(self, made: Made, back: NDArray[Any]) -> dict[str, Any]:
         """The entry of extras.impacts, in the mesh's own space, as docs/impacts.md describes it."""
@@ -216,34 +205,6 @@ def _numbers(values: NDArray[Any]) -> list[float]:
     return [float(f"{value:.7g}") for value in values]
 
 
-def _read(path: Path) -> Any:
-    from pygltflib import GLTF2, BufferFormat, ImageFormat
-
-    if not path.is_file():
-        raise Failure(f"there is no file {path}")
-    if path.suffix.lower() not in (".glb", ".gltf"):
-        raise Failure(f"{path} is no .glb or .gltf file; export the mesh as glTF 2.0")
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            gltf = GLTF2().load(str(path))
-            if gltf is None:
-                raise ValueError("it is no glTF 2.0")
-            compressed = [name for name in gltf.extensionsRequired or [] if name in _COMPRESSED]
-            if compressed:
-                raise Failure(f"{path} needs {compressed[0]}; export it without compression and quantisation")
-            if path.suffix.lower() == ".gltf":
-                gltf.convert_images(ImageFormat.DATAURI)
-            gltf.convert_buffers(BufferFormat.BINARYBLOB)
-    except Failure:
-        raise
-    except Exception as error:
-        raise Failure(f"{path} cannot be read as glTF 2.0: {error}") from error
-    if not gltf.meshes or gltf.binary_blob() is None:
-        raise Failure(f"{path} has no mesh")
-    return gltf
-
-
 def _choose(gltf: Any, name: str | None, path: Path) -> int:
     if name is not None:
         named = [i for i, mesh in enumerate(gltf.meshes) if mesh.name == name]
@@ -258,36 +219,6 @@ def _choose(gltf: Any, name: str | None, path: Path) -> int:
 
     counts = [triangles(mesh) for mesh in gltf.meshes]
     return int(np.argmax(counts))
-
-
-def _world(gltf: Any, mesh: int) -> Floats:
-    """The matrix of the first node that shows the mesh."""
-
-    def local(node: Any) -> Floats:
-        if node.matrix is not None:
-            return np.array(node.matrix, float).reshape(4, 4).T
-        out = np.eye(4)
-        x, y, z, w = node.rotation or (0, 0, 0, 1)
-        out[:3, :3] = [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-        out[:3, :3] *= np.array(node.scale or (1, 1, 1), float)
-        out[:3, 3] = node.translation or (0, 0, 0)
-        return out
-
-    nodes = gltf.nodes or []
-    parent = {child: index for index, node in enumerate(nodes) for child in node.children or []}
-    for index, node in enumerate(nodes):
-        if node.mesh == mesh:
-            matrix, at, seen = local(node), index, {index}
-            while at in parent and parent[at] not in seen:
-                at = parent[at]
-                seen.add(at)
-                matrix = local(nodes[at]) @ matrix
-            return matrix
-    return np.eye(4)
 
 
 def face_normals(points: Floats, triangles: Ints) -> Floats:

@@ -6,8 +6,9 @@ import argparse
 import os
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +17,9 @@ import crumple
 from . import Failure
 from .body import Body, Made
 from .materials import MATERIALS, STRIKERS
+
+if TYPE_CHECKING:
+    from .inner import Solid
 
 _NEEDED = "mujoco, pygltflib, pymeshlab, scipy, tqdm, matplotlib"
 
@@ -49,6 +53,13 @@ def _parser() -> argparse.ArgumentParser:
         "auto: the marked, else the open edges, else the lowest",
     )
     add("--strikers", nargs="+", choices=sorted(STRIKERS), default=["ball"], help="default ball")
+    add(
+        "--inner",
+        nargs="+",
+        default=[],
+        metavar="SOLID",
+        help="closed solids inside that dents do not enter: FILE.glb, FILE.glb/NODE, or capsule:AX,AY,AZ,BX,BY,BZ,RADIUS, in the body's scene",
+    )
     add("--depth", nargs=2, type=_positive, metavar=("MIN", "MAX"), help="depths of the dents, mm; default 0.5 %% and 3 %% of the diagonal")
     add("--tilt", type=_between(float, 0, 60), default=30.0, help="largest angle between flight and surface normal, degrees (default 30)")
     add("--unit", type=_positive, default=1.0, metavar="M", help="metres in one unit of the scene (0.01 for centimetres; default 1)")
@@ -104,12 +115,22 @@ def _run(options: argparse.Namespace) -> None:
     if not 0.05 <= body.size <= 50:
         print(f"warning: {_metres(body.size)} is small or large for a body; say its unit with --unit if that is wrong")
     words = [f"{body.path.name}: {len(body.vertices)} vertices, {_metres(body.size)} across."]
+    solids: list[Solid] = []
+    limits = None
+    if options.inner:
+        from . import inner
+
+        solids = inner.read(options.inner, body, options.unit)
+        limits = inner.limits(body, solids)
+        words.append(
+            f"{len(solids)} solids inside: no dent enters them. {(limits == 0).sum()} vertices begin in a solid and do not move."
+        )
     if options.profile:
         made = _profiles(body, options.count, depth, words)
     else:
-        made = _simulated(body, options, depth, out, words)
+        made = _simulated(body, options, depth, out, words, solids)
     notes = {"made_by": f"crumple examples {crumple.__version__}", "solver": "none" if options.profile else "MuJoCo"}
-    body.write(out, made, notes)
+    body.write(out, made, notes, limits)
     with crumple.Context() as context:
         loaded = context.load(out, body.mesh.name)
         info, each = loaded.info, loaded.examples
@@ -136,14 +157,16 @@ def _profiles(body: Body, count: int, depth: tuple[float, float], words: list[st
         "depth, has a median error of 0.23 on a smooth panel and 0.66 on a drum; examples of a solver have 0.10 and 0.14 there."
     )
     words.append("They do not know their blows: give hits a duration and a mass (README, From impulse to depth), or a displacement.")
-    print(words[-2])
+    print("\n".join(words[1:-1]))
     return profile.make(body, count, depth)
 
 
-def _simulated(body: Body, options: argparse.Namespace, depth: tuple[float, float], out: Path, words: list[str]) -> list[Made]:
+def _simulated(
+    body: Body, options: argparse.Namespace, depth: tuple[float, float], out: Path, words: list[str], solids: Sequence[Solid]
+) -> list[Made]:
     from tqdm import tqdm
 
-    from . import run, shell
+    from . import inner, run, shell
 
     usual = MATERIALS[options.material].thickness
     # A toy is not made of a car's sheet, nor a hall.
@@ -155,6 +178,8 @@ def _simulated(body: Body, options: argparse.Namespace, depth: tuple[float, floa
         f"Shell: {len(solid.points)} points, edges of {1000 * solid.edge:.3g} mm, {solid.held.sum()} held. "
         f"{options.material.capitalize()}, {1000 * thickness:.3g} mm; struck by {', '.join(options.strikers)}."
     )
+    if solids:
+        solid = run.among(solid, solids, MATERIALS[options.material], thickness)
     words += [note[0].upper() + note[1:] + "." for note in solid.notes]
     print("\n".join(words[1:]))
     if thickness > 2 * solid.edge:
@@ -162,7 +187,7 @@ def _simulated(body: Body, options: argparse.Namespace, depth: tuple[float, floa
             f"the sheet is {1000 * thickness:.3g} mm thick, more than twice an edge of the shell; the unit may be wrong (--unit), or lower --detail"
         )
     settings = run.Settings(
-        options.material, thickness, options.hold, tuple(options.strikers), depth, options.tilt, options.detail, options.seed
+        options.material, thickness, options.hold, tuple(options.strikers), depth, options.tilt, options.detail, options.seed, inner.digest(solids)
     )
     store = run.Store(out.with_name(f"{out.stem}_work"), body, solid, settings)
     with tqdm(total=options.count, unit="example", disable=None) as bar:

@@ -34,9 +34,9 @@ MATERIALS = {
 @dataclass(frozen=True)
 class Striker:
     shape: str
-    """ball, or pole: a vertical cylinder that moves in the horizontal plane."""
+    """ball; pole: a vertical cylinder that moves in the horizontal plane; wall: a plate that faces the surface; corner: of a cube."""
     radius: tuple[float, float]
-    """As shares of the body's diagonal."""
+    """As shares of the body's diagonal. Half the side of a wall, and of the cube of a corner."""
     mass: tuple[float, float]
     """kg. Within these, the mass that gives the wanted energy at a speed of 2 to 10 m/s."""
 
@@ -45,8 +45,12 @@ STRIKERS = {
     "ball": Striker("ball", (0.03, 0.10), (0.001, 10000.0)),
     "stone": Striker("ball", (0.01, 0.025), (0.001, 50.0)),
     "pole": Striker("pole", (0.03, 0.10), (0.001, 10000.0)),
-    "corner": Striker("ball", (0.015, 0.04), (50.0, 2000.0)),
+    # A plate as large as the body, whose own edges touch nothing.
+    "wall": Striker("wall", (1.0, 1.0), (0.001, 10000.0)),
+    "corner": Striker("corner", (0.1, 0.2), (0.001, 10000.0)),
 }
+TOLD = {"corner": 0.1}
+"""The radius that a blow is told with, as a share of the striker's: that of a ball with the corner's footprint in a usual dent."""
 SPEEDS = (2.0, 10.0)
 """m/s"""
 LEAST_SPEED, MOST_SPEED = 1.0, 20.0

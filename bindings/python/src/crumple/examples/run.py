@@ -13,12 +13,14 @@ from pathlib import Path
 
 import numpy as np
 
-from . import Failure
+from . import Failure, inner
 from .body import Body, Floats, Made
-from .materials import LEAST_SPEED, MATERIALS, MOST_SPEED, SPEEDS, STRIKERS
+from .flight import Blow
+from .inner import Solid
+from .materials import LEAST_SPEED, MATERIALS, MOST_SPEED, SPEEDS, STRIKERS, TOLD, Material
 from .places import Places, errors
 from .shell import Shell
-from .solver import BLOCKED, HELD, MISSED, Blow, Outcome, Solver
+from .solver import BESIDE, BLOCKED, HELD, MISSED, Outcome, Solver
 
 TRIES = 5
 EXPONENT = 1.2
@@ -27,7 +29,9 @@ TYPICAL = 45.0
 """Energy of a dent by depth ** EXPONENT and by the material's strength, before any is known."""
 NEAR_ENOUGH = 1.8
 """A dent may be this many times deeper or shallower than wanted."""
-FORMAT = 2
+STOPPED = 0.7
+"""Dents deeper than this share of the distance to a solid inside may have been stopped by it, and say nothing of the shell's stiffness."""
+FORMAT = 3
 """Another number for every change of what the solver leaves."""
 
 
@@ -44,6 +48,8 @@ class Settings:
     """Largest angle between flight and normal, degrees."""
     detail: int
     seed: int
+    inner: str = "none"
+    """Names the solids of the shell."""
 
 
 @dataclass
@@ -66,6 +72,18 @@ class Result:
     place_is_bad: bool = False
 
 
+def among(shell: Shell, solids: Sequence[Solid], material: Material, thickness: float) -> Shell:
+    """The shell with solids inside. What touches them from the beginning is held."""
+    corners, notes = inner.hulls(solids)
+    shell = replace(shell, solids=corners, room=inner.room(shell.points, solids), notes=[*shell.notes, *notes])
+    if Solver(shell, material, thickness).hold_what_touches():
+        shell = replace(shell)
+        shell.notes.append("parts that touch solids inside are held")
+    if shell.held.mean() > 0.9:
+        raise Failure(f"{shell.held.mean():.0%} of the body is held or touches solids inside, so nothing can dent; use other --inner solids")
+    return shell
+
+
 class Maker:
     """Does tasks, in this process or in another."""
 
@@ -79,27 +97,30 @@ class Maker:
     def do(self, task: Task) -> Result:
         rng = np.random.default_rng([self.settings.seed, task.index])
         blow = self._blow(task, rng)
+        room = float(self.shell.room[task.vertex])
+        wanted = min(task.wanted, room)
         best: tuple[float, Blow, Outcome] | None = None
         tries: list[str] = []
         stiffness = None
         for _ in range(TRIES):
             outcome = self.solver.strike(blow)
             tries.append(f"{blow.speed:.1f} m/s, {blow.mass:.3g} kg: {outcome.trouble or f'{1000 * outcome.depth:.3g} mm'}")
-            if outcome.trouble in (BLOCKED, MISSED, HELD):
+            if outcome.trouble in (BESIDE, BLOCKED, MISSED, HELD):
                 return Result(task, None, tries, place_is_bad=True)
             if outcome.trouble is not None:
                 blow = replace(blow, speed=0.8 * blow.speed)
                 continue
-            depth = max(outcome.depth, 0.02 * task.wanted)
+            depth = max(outcome.depth, 0.02 * wanted)
             along = float(blow.direction @ blow.normal)
-            stiffness = 0.5 * blow.mass * (blow.speed * along) ** 2 / (self.strength * depth**EXPONENT)
-            off = abs(np.log(depth / task.wanted))
+            if depth < STOPPED * room:
+                stiffness = 0.5 * blow.mass * (blow.speed * along) ** 2 / (self.strength * depth**EXPONENT)
+            off = abs(np.log(depth / wanted))
             if best is None or off < best[0]:
                 best = off, blow, outcome
             if off <= np.log(self.near_enough):
                 break
             # Mass and speed share the change of the energy, so that both stay usual.
-            factor = float(np.clip((task.wanted / depth) ** EXPONENT, 0.2, 8.0))
+            factor = float(np.clip((wanted / depth) ** EXPONENT, 0.2, 8.0))
             speed = float(np.clip(blow.speed * factor**0.25, LEAST_SPEED, MOST_SPEED))
             mass = blow.mass * factor * (blow.speed / speed) ** 2
             if mass > self.most_mass:
@@ -123,20 +144,23 @@ class Maker:
         else:
             a = np.cross(normal, [0.3, 0.5, 0.8])
             a /= np.linalg.norm(a)
-            side, shape = np.cos(around) * a + np.sin(around) * np.cross(normal, a), "ball"
+            side = np.cos(around) * a + np.sin(around) * np.cross(normal, a)
+            # A pole cannot strike a roof.
+            shape = "ball" if striker.shape == "pole" else striker.shape
         direction = -np.cos(angle) * normal + np.sin(angle) * side
         energy = task.stiffness * self.strength * task.wanted**EXPONENT / np.cos(angle) ** 2
         speed = float(np.exp(rng.uniform(*np.log(SPEEDS))))
         mass = float(np.clip(2 * energy / speed**2, *striker.mass))
         radius = float(np.exp(rng.uniform(*np.log(striker.radius)))) * shell.size
         speed = float(np.clip(np.sqrt(2 * energy / mass), LEAST_SPEED, MOST_SPEED))
-        return Blow(shell.points[task.vertex], normal, direction, speed, mass, radius, shape)
+        spin = 2 * np.pi * rng.random() if shape == "corner" else 0.0
+        return Blow(shell.points[task.vertex], normal, direction, speed, mass, radius, shape, spin)
 
     def _made(self, task: Task, blow: Blow, outcome: Outcome) -> Made:
         assert outcome.field is not None and outcome.point is not None and outcome.normal is not None
         return Made(
             f"{blow.shape} {task.index + 1}", quiet(outcome.field), outcome.point, outcome.normal, outcome.impulse, outcome.duration,
-            blow.mass, blow.radius, blow.direction * blow.speed, blow.shape,
+            blow.mass, TOLD.get(blow.shape, 1.0) * blow.radius, blow.direction * blow.speed, blow.shape,
         )  # fmt: skip
 
 
@@ -152,9 +176,8 @@ class Store:
     def __init__(self, folder: Path, body: Body, shell: Shell, settings: Settings) -> None:
         self.folder = folder
         arrays = (body.points, body.triangles, shell.points, shell.triangles, shell.held)
-        now = {"format": FORMAT, "body": hashlib.sha256(b"".join(one.tobytes() for one in arrays)).hexdigest()} | json.loads(
-            json.dumps(asdict(settings))
-        )
+        now = {"format": FORMAT} | json.loads(json.dumps(asdict(settings)))
+        now["body"] = hashlib.sha256(b"".join(one.tobytes() for one in arrays)).hexdigest()
         note = folder / "settings.json"
         if note.exists():
             before = json.loads(note.read_text())
@@ -211,6 +234,9 @@ def run(
 ) -> Run:
     """Makes up to `count` examples. `progress` gets how many there are, their error and the last result in words."""
     places = Places(shell)
+    places.open = places.open[shell.room[places.open] >= settings.depth[0]]
+    if len(places.open) == 0:
+        raise Failure("solids of --inner are everywhere nearer than the shallowest dent; choose a smaller --depth")
     results: list[Result] = []
     made: list[Made] = []
     each: list[float | None] = []
@@ -280,6 +306,7 @@ def advice(results: Sequence[Result]) -> str:
         "did not leave": "strikers were caught by the body: choose a smaller --depth, or --strikers ball",
         "turned over": "the shell folded: choose a smaller --depth or a finer --detail",
         "in the striker's way": "strikers could not reach the body: choose smaller ones (--strikers stone), or turn its normals outward",
+        "another place first": "a wall reaches only what stands out: add another striker (--strikers ball wall)",
         "is held": "strikers touched parts that are held: hold less (--hold), or choose smaller strikers (--strikers ball)",
         "did not touch": "strikers missed the body: turn its normals outward",
     }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,12 +32,18 @@ class Shell:
     """Length of an edge, m."""
     notes: list[str]
     """What the user should know of how the body became a shell."""
+    solids: list[Floats] = field(default_factory=list)
+    """Corners of convex solids, which do not move and which the shell does not enter, m."""
+    room: Floats = field(default_factory=lambda: np.zeros(0))
+    """The distance of each point to the nearest solid, m; infinite without solids."""
 
     def __post_init__(self) -> None:
         self.normals = point_normals(self.points, self.triangles)
         faces = face_normals(self.points, self.triangles)
         self.area = float(0.5 * np.linalg.norm(faces, axis=1).sum())
         self.size = float(np.linalg.norm(self.points.max(0) - self.points.min(0)))
+        if len(self.room) == 0:
+            self.room = np.full(len(self.points), np.inf)
         self.to_held = cKDTree(self.points[self.held]).query(self.points)[0] if self.held.any() else np.full(len(self.points), np.inf)
 
 

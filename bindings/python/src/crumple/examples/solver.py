@@ -1,4 +1,4 @@
-"""An elasto-plastic shell in MuJoCo, struck by a free rigid ball or pole.
+"""An elasto-plastic shell in MuJoCo, struck by a rigid ball, pole, wall or corner, which flies freely and does not turn.
 
 The set-up is that of the data in lab/data/structure: J2 plasticity without hardening, integrator `discrete`, and kinetic damping after the
 contact. Lengths and times scale with the edges of the shell, so that small and large bodies behave alike.
@@ -19,8 +19,9 @@ from numpy.typing import NDArray  # noqa: E402
 
 from . import Failure  # noqa: E402
 from .body import Floats, face_normals  # noqa: E402
+from .flight import Blow, Flight  # noqa: E402
 from .materials import Material  # noqa: E402
-from .shell import Shell, _barycentric  # noqa: E402
+from .shell import Shell  # noqa: E402
 
 EDGE, STEP = 0.020, 2.5e-4
 """A shell with edges of 20 mm is stepped by 0.25 ms. Longer steps leave shallower dents."""
@@ -36,21 +37,10 @@ FREE, SLOW, CONTACT, SETTLE = 0.008, 0.060, 0.30, 0.12
 settling last at most this long."""
 REST, UNSETTLED = 3e-3, 0.04
 """m/s with edges of 20 mm: the shell rests below the first, and has not settled above the second."""
+ASIDE = 0.1
+"""A wall may touch this share of the diagonal beside what it is aimed at."""
 _BAD = (mujoco.mjtWarning.mjWARN_BADQACC, mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL)
 mujoco.set_mju_user_warning(lambda message: None)
-
-
-@dataclass(frozen=True)
-class Blow:
-    point: Floats
-    """Where the striker is aimed at."""
-    normal: Floats
-    direction: Floats
-    """Of flight, unit."""
-    speed: float
-    mass: float
-    radius: float
-    shape: str
 
 
 @dataclass(frozen=True)
@@ -69,6 +59,7 @@ class Outcome:
 
 
 BLOCKED = "the body is in the striker's way"
+BESIDE = "the wall touched another place first"
 HELD = "the striker touched a part that is held"
 MISSED = "the striker did not touch the body"
 UNSTABLE = "the solver became unstable"
@@ -86,20 +77,26 @@ class Solver:
         self.dt = STEP * self.time
         self.pace = shell.edge / EDGE / self.time
         self.skin = SKIN * shell.edge
-        self.half = 0.75 * shell.size
+        self.flight = Flight(shell, self.skin)
         contact = f'condim="3" friction="{FRICTION}" solref="{STIFF * self.time:.9g} 2"'
+        # The shell touches strikers (1) and solids (2), which do not touch each other.
+        masks = ' contype="3" conaffinity="3"' if shell.solids else ""
+        hard = f'contype="2" conaffinity="2" condim="3" friction="{FRICTION}" solref="{2 * self.dt:.9g} 1"'
+        meshes = "".join(f'<mesh name="m{i}" vertex="{_text(one)}"/>' for i, one in enumerate(shell.solids))
+        solids = "".join(f'<geom type="mesh" mesh="m{i}" {hard}/>' for i in range(len(shell.solids)))
         slides = "".join(f'<joint name="j{a}" type="slide" axis="{v}"/>' for a, v in zip("xyz", ("1 0 0", "0 1 0", "0 0 1"), strict=True))
         self.away = shell.points.mean(0) + [0.0, 0.0, 20 * shell.size]
         xml = (
-            f'<mujoco><option timestep="{self.dt:.9g}" integrator="discrete" gravity="0 0 0" solver="CG"/><size memory="1G"/><worldbody>'
+            f'<mujoco><option timestep="{self.dt:.9g}" integrator="discrete" gravity="0 0 0" solver="CG"/><size memory="1G"/><asset>{meshes}</asset><worldbody>{solids}'
             f'<body name="striker">{slides}<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
             f'<geom name="ball" type="sphere" size="{0.1 * shell.size:.9g}" {contact}/>'
-            f'<geom name="pole" type="capsule" zaxis="0 1 0" size="{0.1 * shell.size:.9g} {self.half:.9g}" {contact}/></body>'
+            f'<geom name="pole" type="capsule" zaxis="0 1 0" size="{0.1 * shell.size:.9g} {self.flight.half:.9g}" {contact}/>'
+            f'<geom name="box" type="box" quat="0.8 0.6 0 0" size="{0.1 * shell.size:.9g} {0.1 * shell.size:.9g} {0.1 * shell.size:.9g}" {contact}/></body>'
             f'<flexcomp type="direct" dim="2" radius="{self.skin:.9g}" name="s" mass="{material.density * thickness * shell.area:.9g}"'
             f' point="{_text(shell.points)}" element="{_text(shell.triangles)}">'
             f'<elasticity young="{material.young:.9g}" poisson="{material.poisson}" damping="{DAMPED * self.time:.9g}"'
             f' thickness="{thickness:.9g}" elastic2d="both" yield="{material.yield_stretch} {material.yield_bend}"/>'
-            f'<contact selfcollide="none" {contact}/><pin id="{_text(np.flatnonzero(shell.held))}"/></flexcomp></worldbody></mujoco>'
+            f'<contact selfcollide="none"{masks} {contact}/><pin id="{_text(np.flatnonzero(shell.held))}"/></flexcomp></worldbody></mujoco>'
         )
         try:
             self.model = mujoco.MjModel.from_xml_string(xml)
@@ -110,27 +107,25 @@ class Solver:
             ) from error
         self.data = mujoco.MjData(self.model)
         model = self.model
-        self.geoms = {name: model.geom(name).id for name in ("ball", "pole")}
+        self.geoms = {name: model.geom(name).id for name in ("ball", "pole", "box")}
         self.body = model.body("striker").id
         self.q = [model.joint(f"j{a}").qposadr[0] for a in "xyz"]
         self.v = [model.joint(f"j{a}").dofadr[0] for a in "xyz"]
         self.shell_v = np.setdiff1d(np.arange(model.nv), self.v)
         self._inverse_weight, self._dof_inverse = model.body_invweight0[self.body].copy(), model.dof_invweight0[self.v].copy()
-        self._corners = shell.points[shell.triangles]
-        self._middles = self._corners.mean(1)
-        self._reach = float(np.linalg.norm(self._corners - self._middles[:, None], axis=2).max())
         self._reset()
         self._base = self.data.flexvert_xpos.copy()
 
     def strike(self, blow: Blow) -> Outcome:
         """Runs a blow to rest."""
-        start = self._start(blow)
-        if start is None:
+        if self.flight.start(blow) is None:
             return Outcome(BLOCKED)
-        touch = self._fly(blow, start)
+        touch = self.flight.touch(blow)
         if touch is None:
             return Outcome(MISSED)
         centre, point, normal = touch
+        if blow.shape == "wall" and np.linalg.norm(point - blow.point) > ASIDE * self.shell.size:
+            return Outcome(BESIDE)
         model, data, time = self.model, self.data, self.time
         self._striker(blow)
         self._reset()
@@ -139,7 +134,7 @@ class Solver:
         vertex = int(np.linalg.norm(self.shell.points - point, axis=1).argmin())
         if self.shell.held[vertex]:
             return Outcome(HELD)
-        geom, first, last, gone, energy, speed = self.geoms[blow.shape], None, None, None, 0.0, 0.0
+        geom, first, last, gone, energy, speed = self._geom(blow), None, None, None, 0.0, 0.0
         free, after, left = 0, velocity, True
         while True:
             mujoco.mj_step(model, data)
@@ -184,66 +179,36 @@ class Solver:
         trouble = STUCK if not left else RESTLESS if speed > UNSETTLED * self.pace else FOLDED if self._folded(field) else None
         return Outcome(trouble, **found)
 
+    def hold_what_touches(self) -> int:
+        """Holds the points of triangles that touch solids at rest, and returns how many. Use another Solver afterwards."""
+        shell, before = self.shell, self.shell.held.sum()
+        touching = self.data.contact.elem.max(1)[: self.data.ncon]
+        shell.held[np.unique(shell.triangles[touching[touching >= 0]])] = True
+        return int(shell.held.sum() - before)
+
     def _folded(self, field: Floats) -> bool:
         """Whether more triangles than one in 500 turned by more than 90 degrees."""
         before, after = face_normals(self.shell.points, self.shell.triangles), face_normals(self.shell.points + field, self.shell.triangles)
         return bool(((before * after).sum(1) < 0).mean() > 0.002)
 
-    def _axis(self, blow: Blow) -> Floats:
-        """Points on the axis of a pole, relative to its middle, or the one point of a ball."""
-        if blow.shape == "ball":
-            return np.zeros((1, 3))
-        along = np.arange(-self.half, self.half + 1e-9, 0.5 * self.shell.edge)
-        return along[:, None] * np.array([0.0, 1.0, 0.0])
-
-    def _near(self, centre: Floats, axis: Floats) -> tuple[float, Floats, Floats]:
-        """The distance from the striker's axis to the shell, the shell's point, and the axis' point."""
-        places = centre + axis
-        distances = [np.linalg.norm(self._middles - p, axis=1) for p in places]
-        least = min(one.min() for one in distances)
-        best = (np.inf, centre, centre)
-        for place, distance in zip(places, distances, strict=True):
-            if distance.min() > least + 2 * self._reach:
-                continue
-            corners = self._corners[distance <= least + 2 * self._reach]
-            at = np.einsum("nk,nkj->nj", _barycentric(np.broadcast_to(place, (len(corners), 3)), corners), corners)
-            gaps = np.linalg.norm(at - place, axis=1)
-            k = int(gaps.argmin())
-            if gaps[k] < best[0]:
-                best = (float(gaps[k]), at[k], place)
-        return best
-
-    def _start(self, blow: Blow) -> Floats | None:
-        """A place of the striker, on its line of flight, where it is clear of the shell; not further away than the shell is large."""
-        axis, aim = self._axis(blow), blow.point + blow.normal * (blow.radius + self.skin)
-        if blow.shape == "pole":
-            aim = aim * [1, 0, 1] + self.shell.points.mean(0) * [0, 1, 0]
-        for back in np.linspace(0, self.shell.size, 21):
-            centre = aim - blow.direction * back
-            if self._near(centre, axis)[0] >= blow.radius + self.skin - 1e-3 * self.shell.edge:
-                return centre
-        return None
-
-    def _fly(self, blow: Blow, centre: Floats) -> tuple[Floats, Floats, Floats] | None:
-        """Where the striker first touches: its centre, the shell's point, and the outward normal there."""
-        axis, flown = self._axis(blow), 0.0
-        while flown < 2.5 * self.shell.size:
-            distance, at, place = self._near(centre, axis)
-            gap = distance - blow.radius - self.skin
-            if gap < 1e-3 * self.shell.edge:
-                return centre, at, (place - at) / max(distance, 1e-12)
-            centre = centre + blow.direction * gap
-            flown += gap
-        return None
+    def _geom(self, blow: Blow) -> int:
+        return self.geoms["box" if blow.is_box else blow.shape]
 
     def _striker(self, blow: Blow) -> None:
         model, body, mass, radius = self.model, self.body, blow.mass, blow.radius
-        for name, geom in self.geoms.items():
-            model.geom_contype[geom] = model.geom_conaffinity[geom] = int(name == blow.shape)
-            half = self.half if name == "pole" else 0.0
-            # The compiled bounds stay otherwise, and contacts outside of them are not seen.
-            model.geom_size[geom, 0], model.geom_rbound[geom] = radius, radius + half
-            model.geom_aabb[geom] = [0, 0, 0, radius, radius, radius + half]
+        this = self._geom(blow)
+        for geom in self.geoms.values():
+            model.geom_contype[geom] = model.geom_conaffinity[geom] = int(geom == this)
+        size = np.array([radius, radius, radius])
+        if blow.is_box:
+            size = blow.half_sides
+            mujoco.mju_mat2Quat(model.geom_quat[this], blow.axes.ravel())
+            model.geom_size[this], reach = size, float(np.linalg.norm(size))
+        else:
+            half = self.flight.half if blow.shape == "pole" else 0.0
+            model.geom_size[this, 0], reach, size[2] = radius, radius + half, radius + half
+        # The compiled bounds stay otherwise, and contacts outside of them are not seen.
+        model.geom_rbound[this], model.geom_aabb[this] = reach, [0, 0, 0, *size]
         model.body_subtreemass[0] += mass - model.body_mass[body]
         model.body_mass[body] = model.body_subtreemass[body] = mass
         model.dof_M0[self.v] = mass
