@@ -17,7 +17,8 @@
 
 mod target;
 
-pub use target::{GraphBuffer, Target, TargetDef};
+pub use ash::vk::Format;
+pub use target::{GraphBuffer, Stream, Target, TargetDef};
 
 use crate::base::error::{Error, reserve};
 use crate::deform::Tracker;
@@ -45,6 +46,9 @@ pub fn kernel(number: u32) -> Option<Vec<u32>> {
 /// cbindgen:ignore
 /// -->
 pub type GraphJob<'a> = Job<'a, Target>;
+
+/// What a plan does.
+pub type PlanReport = FrameReport;
 
 /// Bytes to copy into a storage before the dispatches.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -152,7 +156,7 @@ impl Graph {
     /// [`Error::InvalidArgument`] for a target of another graph or set; [`Error::WrongRule`] for an instance with a classic
     /// rule; [`Error::Unsupported`] for more than 4 GiB of work. After an error targets hold what they held, and the next
     /// plan has the uploads.
-    pub fn plan(&mut self, jobs: &mut [GraphJob<'_>]) -> Result<(FrameReport, &Passes), Error> {
+    pub fn plan(&mut self, jobs: &mut [GraphJob<'_>]) -> Result<(PlanReport, &Passes), Error> {
         gpu::check(jobs, self.id)?;
         if let Some(job) = jobs.iter().find(|job| job.instance.classic_state().is_some()) {
             return Err(job.instance.needs_marks("a target of a render graph"));
