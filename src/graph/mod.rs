@@ -9,7 +9,7 @@
 //!    | 0 | 1 | the work of the frame |
 //!    | 1 | 0 | the host's vertex buffer, from its first byte on |
 //!
-//!    All three are storage buffers. There are 28 bytes of push constants.
+//!    All three are storage buffers. There are 32 bytes of push constants.
 //! 2. [`Graph::add_target`] says where in a buffer the vertices of one mesh lie, and in which formats.
 //! 3. [`Graph::plan`] returns the passes that bring targets up to date. Call it once a frame.
 //!
@@ -74,8 +74,8 @@ pub struct Dispatch {
     pub buffer: u64,
     /// Workgroups along x and y; 1 along z.
     pub groups: [u32; 2],
-    /// The push constants.
-    pub constants: [u32; 7],
+    /// The push constants. Kernels read the first seven; some hosts, such as Godot, take multiples of 16 bytes only.
+    pub constants: [u32; 8],
 }
 
 /// The passes of a frame.
@@ -174,12 +174,14 @@ impl Graph {
             self.plan.write(work);
             for d in self.plan.dispatches() {
                 let (call, groups) = offsets.call((&d.blocks, false), WORKGROUP, MOST_GROUPS);
+                let mut constants = [0; 8];
+                constants[..7].copy_from_slice(&bytemuck::cast::<Call, [u32; 7]>(call));
                 dispatches.push(Dispatch {
                     kernel: d.variant.number() as u32,
                     storage: d.chunk(),
                     buffer: d.binding(),
                     groups,
-                    constants: bytemuck::cast::<Call, _>(call),
+                    constants,
                 });
             }
         }

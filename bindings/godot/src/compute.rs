@@ -129,7 +129,8 @@ impl CrumpleComputeWriter {
         if buffer.is_invalid() {
             return Err("the buffer is not valid".into());
         }
-        let size = u64::try_from(buffer_size).map_err(|_| format!("buffer_size is {buffer_size}; it must be above 0"))?;
+        let size =
+            u64::try_from(buffer_size).map_err(|_| format!("buffer_size is {buffer_size}; it must be above 0"))?;
         let mut streams = [None; 3];
         for ((stream, place), name) in streams.iter_mut().zip(places).zip(["positions", "normals", "tangents"]) {
             let (Ok(offset), Ok(stride)) = (usize::try_from(place.x), usize::try_from(place.y)) else {

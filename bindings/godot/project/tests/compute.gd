@@ -56,7 +56,7 @@ func frames(rd: RenderingDevice, local: bool) -> void:
 	for i in nodes.size():
 		var at := Vector2i(firsts[i] - 8, 0)
 		targets.append(writer.add_target(nodes[i], buffer, size, PLACES[0] + at, PLACES[1] + at, PLACES[2] + at))
-	var pristine := 0
+	var pristine := PackedByteArray()
 	for frame in 5:
 		var wrote := writer.write()
 		if local:
@@ -70,11 +70,11 @@ func frames(rd: RenderingDevice, local: bool) -> void:
 			var floats := data.slice(firsts[0], firsts[0] + 12).to_float32_array()
 			var first: Vector3 = nodes[0].mesh.surface_get_arrays(0)[Mesh.ARRAY_VERTEX][0]
 			t.same(Vector3(floats[0], floats[1], floats[2]), first, "%s: the first vertex" % what)
-			pristine = data.hash()
+			pristine = data
 		elif frame == 3:
 			t.same(wrote, 0, "%s: nothing is written where nothing changed" % what)
 		elif frame < 3:
-			t.ok(wrote > 0 and data.hash() != pristine, "%s: frame %d wrote dents" % [what, frame])
+			t.ok(wrote > 0 and data != pristine, "%s: frame %d wrote dents" % [what, frame])
 			var points := values(data, firsts[0], counts[0], 12).to_float32_array()
 			for v in counts[0]:
 				var p := Vector3(points[3 * v], points[3 * v + 1], points[3 * v + 2])
@@ -82,7 +82,7 @@ func frames(rd: RenderingDevice, local: bool) -> void:
 					t.same(p, nodes[0].get_vertex(v), "%s: vertex %d" % [what, v])
 					break
 		else:
-			t.same(data.hash(), pristine, "%s: repaired, all is as it was" % what)
+			t.ok(data == pristine, "%s: repaired, all is as it was" % what)
 		if frame == 0:
 			nodes[0].add_displacement(Vector3(0.1, 0, 0.1), Vector3(0, -0.03, 0))
 		elif frame == 1:
