@@ -17,6 +17,29 @@ func make(rd: RenderingDevice, size: int) -> RID:
 	return rd.storage_buffer_create(size, poison)
 
 
+## What the main device does on its own thread, if it has one.
+func on_device(work: Callable) -> Variant:
+	var results := []
+	RenderingServer.call_on_render_thread(func() -> void: results.append(work.call()))
+	RenderingServer.force_sync()
+	return results[0]
+
+
+func read(rd: RenderingDevice, buffer: RID, local: bool) -> PackedByteArray:
+	if local:
+		rd.submit()
+		rd.sync()
+		return rd.buffer_get_data(buffer)
+	return on_device(rd.buffer_get_data.bind(buffer))
+
+
+func release(rd: RenderingDevice, buffer: RID, local: bool) -> void:
+	if local:
+		rd.free_rid(buffer)
+	else:
+		on_device(rd.free_rid.bind(buffer))
+
+
 ## The first `width` bytes of each vertex from `first` on.
 func values(data: PackedByteArray, first: int, count: int, width: int) -> PackedByteArray:
 	var found := PackedByteArray()
@@ -59,10 +82,7 @@ func frames(rd: RenderingDevice, local: bool) -> void:
 	var pristine := PackedByteArray()
 	for frame in 5:
 		var wrote := writer.write()
-		if local:
-			rd.submit()
-			rd.sync()
-		var data := rd.buffer_get_data(buffer)
+		var data := read(rd, buffer, local)
 		compare(writer, data, targets, counts, firsts, "%s, frame %d" % [what, frame])
 		if frame == 0:
 			t.same(wrote, counts[0] + counts[1], "%s: the first frame writes all vertices" % what)
@@ -95,14 +115,11 @@ func frames(rd: RenderingDevice, local: bool) -> void:
 	nodes[1].free()
 	nodes[0].add_displacement(Vector3.ZERO, Vector3(0, -0.03, 0))
 	t.ok(writer.write() > 0, "%s: the other node is written after one was freed" % what)
-	if local:
-		rd.submit()
-		rd.sync()
-	compare(writer, rd.buffer_get_data(buffer), [targets[0]], [counts[0]], [firsts[0]], "%s, after one was freed" % what)
+	compare(writer, read(rd, buffer, local), [targets[0]], [counts[0]], [firsts[0]], "%s, after one was freed" % what)
 	writer.remove_target(targets[0])
 	t.same(writer.write(), 0, "%s: without targets nothing is written" % what)
 	writer = null
-	rd.free_rid(buffer)
+	release(rd, buffer, local)
 	nodes[0].free()
 
 
@@ -143,5 +160,5 @@ func test_what_cannot_be_written_is_refused() -> void:
 	node.example_set = before
 	t.ok(writer.write() > 0, "after errors the target is written")
 	writer = null
-	rd.free_rid(buffer)
+	release(rd, buffer, false)
 	node.free()
