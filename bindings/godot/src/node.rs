@@ -273,6 +273,11 @@ impl CrumpleMeshInstance3D {
         Self::show(vec![this]);
     }
 
+    #[func(gd_self, rename = _show_stale)]
+    fn show_stale(_this: Gd<Self>) {
+        world::show();
+    }
+
     /// Returns why the mesh does not dent, or an empty text.
     #[func]
     fn get_problem(&self) -> GString {
