@@ -998,9 +998,8 @@ typedef struct {
     uint64_t buffer;
     /// Workgroups along x and y. Use 1 along z.
     uint32_t groups[2];
-    /// The push constants, 28 bytes.
-    uint32_t constants[7];
-    uint32_t reserved;
+    /// The push constants, 32 bytes. Kernels read the first 28; some engines take multiples of 16 only.
+    uint32_t constants[8];
 } CrumpleGraphDispatch;
 
 /// The passes of a frame. All pointers are valid until the next crumple_graph_plan() of the context.
@@ -1604,7 +1603,7 @@ CrumpleResult crumple_vulkan_wait_frame(CrumpleContext *context, uint64_t frame,
 /// the entry point "main". Make a pipeline of it when a dispatch first names its number. data has capacity bytes of any
 /// alignment; see "Arrays" at the top.
 ///
-/// All kernels have 28 bytes of push constants and three storage buffers: a storage (set 0, binding 0, read), the work
+/// All kernels have 32 bytes of push constants and three storage buffers: a storage (set 0, binding 0, read), the work
 /// (set 0, binding 1, read) and your vertex buffer from its first byte on (set 1, binding 0, read and written). Errors:
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (a kernel that no dispatch names), CRUMPLE_ERROR_UNSUPPORTED (a build without
 /// CRUMPLE_FEATURE_VULKAN).

@@ -23,7 +23,7 @@ use std::ffi::c_void;
 /// the entry point "main". Make a pipeline of it when a dispatch first names its number. data has capacity bytes of any
 /// alignment; see "Arrays" at the top.
 ///
-/// All kernels have 28 bytes of push constants and three storage buffers: a storage (set 0, binding 0, read), the work
+/// All kernels have 32 bytes of push constants and three storage buffers: a storage (set 0, binding 0, read), the work
 /// (set 0, binding 1, read) and your vertex buffer from its first byte on (set 1, binding 0, read and written). Errors:
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (a kernel that no dispatch names), CRUMPLE_ERROR_UNSUPPORTED (a build without
 /// CRUMPLE_FEATURE_VULKAN).
@@ -107,7 +107,6 @@ pub unsafe extern "C" fn crumple_graph_plan(
                     buffer: dispatch.buffer,
                     groups: dispatch.groups,
                     constants: dispatch.constants,
-                    reserved: 0,
                 }));
                 outs.0.write(CrumpleGraphPlan {
                     freed: passes.freed.as_ptr(),

@@ -33,9 +33,8 @@ pub struct CrumpleGraphDispatch {
     pub buffer: u64,
     /// Workgroups along x and y. Use 1 along z.
     pub groups: [u32; 2],
-    /// The push constants, 28 bytes.
-    pub constants: [u32; 7],
-    pub reserved: u32,
+    /// The push constants, 32 bytes. Kernels read the first 28; some engines take multiples of 16 only.
+    pub constants: [u32; 8],
 }
 
 /// The passes of a frame. All pointers are valid until the next crumple_graph_plan() of the context.

@@ -9,7 +9,7 @@
 //!    | 0 | 1 | the work of the frame |
 //!    | 1 | 0 | the host's vertex buffer, from its first byte on |
 //!
-//!    All three are storage buffers. There are 28 bytes of push constants.
+//!    All three are storage buffers. There are 32 bytes of push constants.
 //! 2. [`Graph::add_target`] says where in a buffer the vertices of one mesh lie, and in which formats.
 //! 3. [`Graph::plan`] returns the passes that bring targets up to date. Call it once a frame.
 //!
@@ -17,7 +17,8 @@
 
 mod target;
 
-pub use target::{GraphBuffer, Target, TargetDef};
+pub use ash::vk::Format;
+pub use target::{GraphBuffer, Stream, Target, TargetDef};
 
 use crate::base::error::{Error, reserve};
 use crate::deform::Tracker;
@@ -46,6 +47,9 @@ pub fn kernel(number: u32) -> Option<Vec<u32>> {
 /// -->
 pub type GraphJob<'a> = Job<'a, Target>;
 
+/// What a plan does.
+pub type PlanReport = FrameReport;
+
 /// Bytes to copy into a storage before the dispatches.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Upload {
@@ -70,8 +74,8 @@ pub struct Dispatch {
     pub buffer: u64,
     /// Workgroups along x and y; 1 along z.
     pub groups: [u32; 2],
-    /// The push constants.
-    pub constants: [u32; 7],
+    /// The push constants. Kernels read the first seven; some hosts, such as Godot, take multiples of 16 bytes only.
+    pub constants: [u32; 8],
 }
 
 /// The passes of a frame.
@@ -152,7 +156,7 @@ impl Graph {
     /// [`Error::InvalidArgument`] for a target of another graph or set; [`Error::WrongRule`] for an instance with a classic
     /// rule; [`Error::Unsupported`] for more than 4 GiB of work. After an error targets hold what they held, and the next
     /// plan has the uploads.
-    pub fn plan(&mut self, jobs: &mut [GraphJob<'_>]) -> Result<(FrameReport, &Passes), Error> {
+    pub fn plan(&mut self, jobs: &mut [GraphJob<'_>]) -> Result<(PlanReport, &Passes), Error> {
         gpu::check(jobs, self.id)?;
         if let Some(job) = jobs.iter().find(|job| job.instance.classic_state().is_some()) {
             return Err(job.instance.needs_marks("a target of a render graph"));
@@ -170,12 +174,14 @@ impl Graph {
             self.plan.write(work);
             for d in self.plan.dispatches() {
                 let (call, groups) = offsets.call((&d.blocks, false), WORKGROUP, MOST_GROUPS);
+                let mut constants = [0; 8];
+                constants[..7].copy_from_slice(&bytemuck::cast::<Call, [u32; 7]>(call));
                 dispatches.push(Dispatch {
                     kernel: d.variant.number() as u32,
                     storage: d.chunk(),
                     buffer: d.binding(),
                     groups,
-                    constants: bytemuck::cast::<Call, _>(call),
+                    constants,
                 });
             }
         }

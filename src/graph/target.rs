@@ -1,8 +1,8 @@
 //! A target: the place of a mesh's vertices in a buffer of the host's render graph.
 
 use crate::base::math::Aabb;
-use crate::gpu::{self, PlanTarget, TargetState};
-use ash::vk;
+use crate::gpu::{self, PlanTarget, TargetState, VertexStream};
+use ash::vk::Format;
 use std::ops::Range;
 
 /// A vertex buffer of the host's render graph.
@@ -15,7 +15,10 @@ pub struct GraphBuffer {
 }
 
 /// Where a buffer stores the vertices of one mesh.
-pub type TargetDef = gpu::TargetDef<GraphBuffer, vk::Format>;
+pub type TargetDef = gpu::TargetDef<GraphBuffer, Format>;
+
+/// Where a buffer stores one attribute of the vertices.
+pub type Stream = VertexStream<Format>;
 
 /// A mesh's vertices in a buffer, and what they show. Drop it to end it.
 #[derive(Debug)]

@@ -64,6 +64,7 @@ static void plans(CrumpleContext *context, CrumpleInstance body) {
     // The mesh is at the start of its storage.
     FACT(memcmp(plan.uploads[0].data, sheet.positions, sizeof sheet.positions) == 0);
     FACT(plan.dispatches[0].storage == plan.uploads[0].storage && plan.dispatches[0].buffer == 77);
+    FACT(sizeof plan.dispatches[0].constants == 32 && plan.dispatches[0].constants[7] == 0);
     FACT(plan.dispatches[0].groups[0] == (VERTICES + 127) / 128 && plan.dispatches[0].groups[1] == 1);
 
     uint32_t words[2], kernel = plan.dispatches[0].kernel;

@@ -37,7 +37,7 @@ impl<'e> RenderGraph<'e> {
             // SAFETY: valid arguments, here and below; all is destroyed in `drop`.
             unsafe { engine.device.create_descriptor_set_layout(&info, None) }.unwrap()
         });
-        let push = [vk::PushConstantRange::default().stage_flags(vk::ShaderStageFlags::COMPUTE).size(28)];
+        let push = [vk::PushConstantRange::default().stage_flags(vk::ShaderStageFlags::COMPUTE).size(32)];
         let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&set_layouts).push_constant_ranges(&push);
         // SAFETY: as above.
         let layout = unsafe { engine.device.create_pipeline_layout(&info, None) }.unwrap();

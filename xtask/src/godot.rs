@@ -28,6 +28,9 @@ const PHYSICS: &[(&str, bool)] =
 const HOME: [&str; 3] = ["XDG_DATA_HOME", "XDG_CONFIG_HOME", "XDG_CACHE_HOME"];
 /// What an engine's output must not contain: errors in scripts, panics, and reports of leaks.
 const BAD: &[&str] = &["SCRIPT ERROR", "panicked", "leaked", "still in use at exit", "Parse Error"];
+/// A thread of its own for the renderer. Godot 4.6 then leaks objects at exit, also in an empty project.
+const RENDER_THREAD: &str = "\n[rendering]\n\ndriver/threads/thread_model=2\n";
+const ITS_LEAK: &str = "ObjectDB instances leaked at exit";
 /// Seconds after which a run is ended.
 const PATIENCE: &str = "240";
 
@@ -69,7 +72,8 @@ pub fn run(workspace: &Workspace) -> Result<Outcome> {
         results.push((physics, tests.headless("physics", &["--fixed-fps", "60"], &settings)));
     }
     results.push(("two processes", tests.network()));
-    results.push(("the picture", tests.rendered()));
+    results.push(("a render thread", tests.drawn(&["compute"], &format!("{THREADS}{RENDER_THREAD}"))));
+    results.push(("the picture and the compute shaders", tests.drawn(&["rendered", "compute"], THREADS)));
     results.push(("the demo", tests.run(&["--headless", "--fixed-fps", "60", "--quit-after", "300"], &[])));
     all_passed(results)?;
     Ok(Outcome::Passed)
@@ -154,8 +158,8 @@ impl<'a> Tests<'a> {
     }
 
     /// Draws on Mesa's software driver, on a display without a screen.
-    fn rendered(&self) -> Result<()> {
-        fs::write(self.project.join("override.cfg"), THREADS)?;
+    fn drawn(&self, suites: &[&str], settings: &str) -> Result<()> {
+        fs::write(self.project.join("override.cfg"), settings)?;
         let (mut display, number) = wine::display()?;
         let sh = &self.workspace.shell;
         let result = {
@@ -163,7 +167,7 @@ impl<'a> Tests<'a> {
             // The fetched engine sets its own.
             let _driver = vulkan::lavapipe().ok().map(|driver| sh.push_env("VK_DRIVER_FILES", driver));
             let options = ["--rendering-driver", "vulkan", "--audio-driver", "Dummy", "--fixed-fps", "60"];
-            self.run(&[&options[..], &["res://tests/tests.tscn"]].concat(), &["--", "rendered"])
+            self.run(&[&options[..], &["res://tests/tests.tscn"]].concat(), &[&["--"], suites].concat())
         };
         let _ = display.kill();
         let _ = display.wait();
@@ -202,7 +206,10 @@ impl<'a> Tests<'a> {
         let run = cmd!(workspace.shell, "timeout {PATIENCE} {engine} --path {project} {options...} {arguments...}");
         let output = run.ignore_status().output()?;
         let text = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
-        let bad: Vec<&str> = text.lines().filter(|line| BAD.iter().any(|bad| line.contains(bad))).collect();
+        let settings = fs::read_to_string(project.join("override.cfg")).unwrap_or_default();
+        let own = |line: &&str| settings.contains(RENDER_THREAD) && line.contains(ITS_LEAK);
+        let bad = text.lines().filter(|line| BAD.iter().any(|bad| line.contains(bad)) && !own(line));
+        let bad: Vec<&str> = bad.collect();
         if !output.status.success() || !bad.is_empty() {
             println!("{text}");
         }

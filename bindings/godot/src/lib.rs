@@ -1,6 +1,7 @@
 //! Crumple as a Godot extension: a resource that holds examples, and a node that shows a dented mesh.
 
 mod body;
+mod compute;
 mod divide;
 mod node;
 mod physics;

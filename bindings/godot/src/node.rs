@@ -4,13 +4,14 @@ use crate::set::CrumpleExampleSet;
 use crate::tasks;
 use crate::world;
 use crumple::glam::{Mat4, Vec4};
-use crumple::{Blow, Cause, Hit, HitStatus, InstanceOptions, Outcome, Space, Striker};
+use crumple::{Blow, Cause, ExampleSet, Hit, HitStatus, InstanceOptions, Outcome, Space, Striker};
 use godot::classes::{ArrayMesh, Engine, IMeshInstance3D, MeshInstance3D, PhysicsBody3D};
 use godot::global;
 use godot::prelude::*;
 use godot::register::info::{PropertyInfo, PropertyUsageFlags};
-use std::cell::RefCell;
+use std::cell::{Ref, RefCell, RefMut};
 use std::num::NonZeroU64;
+use std::sync::Arc;
 
 /// A mesh that collisions dent.
 ///
@@ -272,6 +273,11 @@ impl CrumpleMeshInstance3D {
         Self::show(vec![this]);
     }
 
+    #[func(gd_self, rename = _show_stale)]
+    fn show_stale(_this: Gd<Self>) {
+        world::show();
+    }
+
     /// Returns why the mesh does not dent, or an empty text.
     #[func]
     fn get_problem(&self) -> GString {
@@ -402,6 +408,19 @@ impl CrumpleMeshInstance3D {
         let built = CrumpleExampleSet::built(&set)?;
         let options = this.bind().options();
         Body::new(built, options).map_err(|error| error.to_string())
+    }
+
+    /// The set that it dents by. `None` if it does not dent.
+    pub fn set(&self) -> Option<Arc<ExampleSet>> {
+        self.body.borrow().as_ref().map(|body| body.built.set.clone())
+    }
+
+    pub fn body(&self) -> RefMut<'_, Option<Body>> {
+        self.body.borrow_mut()
+    }
+
+    pub fn shared_body(&self) -> Ref<'_, Option<Body>> {
+        self.body.borrow()
     }
 
     /// Whether hits can dent it.

@@ -52,7 +52,9 @@ pub fn read(mesh: &Gd<ArrayMesh>, edge: f32) -> Result<Source, String> {
         positions: parts.positions,
         normals: any(|s| s.has_normals).then_some(parts.normals),
         tangents: any(|s| s.has_tangents).then_some(parts.tangents),
-        triangles: parts.triangles, ..MeshData::default() };
+        triangles: parts.triangles,
+        ..MeshData::default()
+    };
     Ok(Source { surfaces, mesh, examples })
 }
 

@@ -34,18 +34,17 @@ pub fn set_of(mesh: &Gd<ArrayMesh>) -> Gd<CrumpleExampleSet> {
 
 /// Notes that a node's mesh is out of date. It is brought up to date when the running process or physics step ends.
 pub fn mark(node: &Gd<CrumpleMeshInstance3D>) {
-    let first = WORLD.with_borrow_mut(|world| {
-        let first = world.stale.is_empty();
-        world.stale.insert(node.instance_id());
-        first
-    });
-    if first {
-        Callable::from_fn("crumple_show", |_| show()).call_deferred(&[]);
+    if WORLD.with_borrow_mut(|world| world.stale.insert(node.instance_id())) {
+        // By name: a call that waits must not hold on to the library, which the editor may load again.
+        node.clone().call_deferred("_show_stale", &[]);
     }
 }
 
-fn show() {
+/// Brings all meshes up to date. Of the calls of a step, the first does it.
+pub fn show() {
     let stale = WORLD.with_borrow_mut(|world| std::mem::take(&mut world.stale));
-    let nodes = stale.into_iter().filter_map(|id| Gd::try_from_instance_id(id).ok());
-    CrumpleMeshInstance3D::show(nodes.collect());
+    if !stale.is_empty() {
+        let nodes = stale.into_iter().filter_map(|id| Gd::try_from_instance_id(id).ok());
+        CrumpleMeshInstance3D::show(nodes.collect());
+    }
 }

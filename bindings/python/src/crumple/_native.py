@@ -661,8 +661,7 @@ class CrumpleGraphDispatch(c.Structure):
         ("storage", c.c_uint32),
         ("buffer", c.c_uint64),
         ("groups", c.c_uint32 * 2),
-        ("constants", c.c_uint32 * 7),
-        ("reserved", c.c_uint32),
+        ("constants", c.c_uint32 * 8),
     ]
 
 

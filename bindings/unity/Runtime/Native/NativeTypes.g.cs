@@ -851,8 +851,7 @@ namespace Crumple
         public uint Storage;
         public ulong Buffer;
         public fixed uint Groups[2];
-        public fixed uint Constants[7];
-        public uint Reserved;
+        public fixed uint Constants[8];
     }
 
     /// <summary>The struct of crumple.h.</summary>
