@@ -3,7 +3,7 @@
 use crate::node::CrumpleMeshInstance3D;
 use crate::tasks;
 use crumple::graph::{self, Format, Graph, GraphBuffer, GraphJob, Passes, Stream, Target, TargetDef};
-use crumple::{Attribute, DeformJob, ExampleSet, Tracker, VertexMemory};
+use crumple::{Attribute, DeformJob, Encoding, ExampleSet, Tracker, VertexMemory};
 use godot::classes::rendering_device::{ShaderStage, UniformType};
 use godot::classes::{RdShaderSpirv, RdUniform, RenderingDevice, RenderingServer};
 use godot::prelude::*;
@@ -136,7 +136,7 @@ impl CrumpleComputeWriter {
             let (Ok(offset), Ok(stride)) = (usize::try_from(place.x), usize::try_from(place.y)) else {
                 return Err(format!("{name} is {place}; neither number may be below 0"));
             };
-            *stream = (place != Vector2i::ZERO).then_some(Attribute { offset, stride });
+            *stream = (place != Vector2i::ZERO).then_some(Attribute { offset, stride, format: Encoding::F32 });
         }
         let graph_buffer = GraphBuffer { number: buffer.to_u64(), size };
         let stream = |i: usize, format| {

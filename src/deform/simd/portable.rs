@@ -164,8 +164,7 @@ impl Simd for Portable {
         let (at, near, far) = (at.to_array(), near.to_array(), far.to_array());
         let mut halves = [[f32x4::ZERO; 8]; 2];
         for (half, columns) in halves.iter_mut().enumerate() {
-            let mut rows = [[f32x4::ZERO; 4]; 2];
-            for lane in 0..4 {
+            let lanes: [[f32x4; 2]; 4] = std::array::from_fn(|lane| {
                 let i = 4 * half + lane;
                 let mut sum = i32x8::ZERO;
                 for (first, w) in [(at[i] as usize, near[i]), (at[i] as usize + row, far[i])] {
@@ -173,12 +172,11 @@ impl Simd for Portable {
                     let [a, b] = unsafe { p.add(first).cast::<[i16x8; 2]>().read_unaligned() };
                     sum += a.widening_mul(i16x8::splat(w as i16)) + b.widening_mul(i16x8::splat((w >> 16) as i16));
                 }
-                [rows[0][lane], rows[1][lane]] = bytemuck::cast(sum);
-            }
-            let [first, rest] = rows.map(f32x4::transpose);
-            columns[..4].copy_from_slice(&first);
+                bytemuck::cast(sum)
+            });
+            columns[..4].copy_from_slice(&f32x4::transpose(lanes.map(|l| l[0])));
             if ALL {
-                columns[4..].copy_from_slice(&rest);
+                columns[4..].copy_from_slice(&f32x4::transpose(lanes.map(|l| l[1])));
             }
         }
         let column = |k: usize| bytemuck::cast([halves[0][k], halves[1][k]]);
