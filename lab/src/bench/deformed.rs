@@ -14,13 +14,14 @@ pub fn hash(positions: &[[f32; 3]]) -> u64 {
     xxh3_64(bytemuck::cast_slice(positions))
 }
 
-/// An instance with an output of contiguous positions, and normals and wear where wanted.
+/// An instance with an output of contiguous positions, and normals, in floats or octahedral, and wear where wanted.
 pub struct Deformed<'t> {
     instance: Instance,
     tracker: Tracker,
     lod: usize,
     positions: Vec<[f32; 3]>,
     normals: Option<Vec<[f32; 3]>>,
+    octahedral_normals: Vec<[u16; 2]>,
     wear: Option<Vec<[f32; 4]>>,
     tasks: &'t dyn TaskSystem,
     /// Two damages of the same reach, taken in turn: each run evaluates all vertices that the marks touch.
@@ -49,6 +50,7 @@ impl<'t> Deformed<'t> {
             lod: 0,
             positions: vec![[0.0; 3]; count],
             normals: normals.then(|| vec![[0.0; 3]; count]),
+            octahedral_normals: Vec::new(),
             wear: None,
             tasks,
             damages: [damage(0.9), damage(0.8)],
@@ -70,6 +72,14 @@ impl<'t> Deformed<'t> {
     /// The same with an output of wear too.
     pub fn with_wear(mut self) -> Result<Self> {
         self.wear = Some(vec![[0.0; 4]; self.positions.len()]);
+        self.tracker.invalidate();
+        self.deform()?;
+        Ok(self)
+    }
+
+    /// The same with octahedral normals in place of others.
+    pub fn with_octahedral_normals(mut self) -> Result<Self> {
+        self.octahedral_normals = vec![[0; 2]; self.positions.len()];
         self.tracker.invalidate();
         self.deform()?;
         Ok(self)
@@ -97,6 +107,9 @@ impl<'t> Deformed<'t> {
 
     fn deform(&mut self) -> Result<(), crumple::Error> {
         let mut memory = VertexMemory::separate(&mut self.positions, self.normals.as_deref_mut(), None)?;
+        if !self.octahedral_normals.is_empty() {
+            memory = memory.with_octahedral_normals(&mut self.octahedral_normals);
+        }
         if let Some(wear) = &mut self.wear {
             memory = memory.with_wear(wear);
         }
