@@ -204,11 +204,11 @@ pub enum CrumpleDirectionFormat {
     /// Octahedral as in Godot: two uint16_t of 4 bytes in all, like a Vulkan buffer's R16G16_UNORM. A normal v is stored
     /// as x and y, times 65535, rounded towards zero:
     ///
-    ///     n = v / (|v.x| + |v.y| + |v.z|)
-    ///     a = n.z >= 0 ? n.x : (1 - |n.y|) * (n.x >= 0 ? 1 : -1)
-    ///     b = n.z >= 0 ? n.y : (1 - |n.x|) * (n.y >= 0 ? 1 : -1)
-    ///     x = a * 0.5 + 0.5
-    ///     y = b * 0.5 + 0.5
+    /// - n = v / (|v.x| + |v.y| + |v.z|)
+    /// - a = n.z >= 0 ? n.x : (1 - |n.y|) * (n.x >= 0 ? 1 : -1)
+    /// - b = n.z >= 0 ? n.y : (1 - |n.x|) * (n.y >= 0 ? 1 : -1)
+    /// - x = a * 0.5 + 0.5
+    /// - y = b * 0.5 + 0.5
     ///
     /// A tangent is stored as x and t if its w is 0 or above, else as x and 1 - t, where t = max(y, 1 / 32767) * 0.5 +
     /// 0.5. Of its numbers (0, 65535) becomes (65535, 65535), which stands for the same tangent.
