@@ -10,10 +10,11 @@ use super::result::{CrumpleResult, Failure};
 use super::store::{BufferEntry, InstanceEntry, Memory, State};
 use super::tasks::Quiet;
 use super::types::{CrumpleAabb, CrumpleBuffer, CrumpleInstance, CrumpleRange};
-use crate::base::error::reserve;
+use crate::base::error::{headroom, reserve};
 use crate::base::math::Aabb;
 use crate::instance::deform::{DeformJob, deform_within};
 use std::hash::Hasher;
+use std::ops::Range;
 use twox_hash::XxHash3_64;
 
 /// The work done by a deform. A block is a run of up to 128 consecutive vertices.
@@ -232,6 +233,12 @@ pub unsafe extern "C" fn crumple_context_get_changed_buffers(
     })
 }
 
+fn c_ranges(ranges: &[Range<u32>]) -> Result<Vec<CrumpleRange>, Failure> {
+    let mut found = reserve(ranges.len(), "ranges")?;
+    found.extend(ranges.iter().map(|r| CrumpleRange { first: r.start, count: r.end - r.start }));
+    Ok(found)
+}
+
 /// Returns the vertices written by the last deform or recording that included the buffer, by id or with null and 0.
 /// They are increasing ranges that do not overlap. Also returns the bounds of all its vertices, m, which may be too
 /// large for a buffer on a device. Use them for uploads, refits and culling. ranges has room for capacity ranges; see
@@ -248,9 +255,7 @@ pub unsafe extern "C" fn crumple_buffer_get_changes(
     lean("crumple_buffer_get_changes", context, |_, state| {
         let outs = (Out::new(out_count, "out_count")?, Out::optional(out_bounds, "out_bounds")?);
         let entry = state.buffers.get(buffer, "buffer")?;
-        let changed = entry.changed();
-        let mut found = reserve(changed.len(), "ranges")?;
-        found.extend(changed.iter().map(|r| CrumpleRange { first: r.start, count: r.end - r.start }));
+        let found = c_ranges(entry.changed())?;
         let at_rest = || -> Result<Aabb, Failure> {
             let set = state.instances.get(entry.owner, "instance")?.instance.example_set();
             Ok(set.lod_mesh(entry.lod)?.bounds())
@@ -289,8 +294,9 @@ pub unsafe extern "C" fn crumple_buffer_get_changed_triangles(
             let what = format!("the mesh of level of detail {} has no triangles; give it indices", entry.lod);
             return Err(Failure::new(CrumpleResult::CrumpleErrorMesh, what));
         }
-        let found = tracker.changed_triangles(triangles);
-        let found: Vec<_> = found.iter().map(|r| CrumpleRange { first: r.start, count: r.end - r.start }).collect();
+        // At most every other triangle begins a range of 8 bytes, and a list that grows is there twice.
+        headroom(triangles.len().saturating_mul(16), "the changed triangles")?;
+        let found = c_ranges(&tracker.changed_triangles(triangles))?;
         write_array(&found, ranges, capacity as usize, "ranges", outs.0)?;
         outs.1.write(tracker.changed_bounds().map_or_else(CrumpleAabb::default, CrumpleAabb::from));
         Ok(())

@@ -185,14 +185,14 @@ def keep_out(obj: bpy.types.Object, solids: list[bpy.types.Object]) -> Floats:
             points = np.empty(3 * len(mesh.vertices), np.float32)
             mesh.vertices.foreach_get("co", points)
             placed = back @ np.array(solid.matrix_world)
-            points = points.reshape(-1, 3) @ placed[:3, :3].T + placed[:3, 3]
+            points = (points.reshape(-1, 3) @ placed[:3, :3].T + placed[:3, 3]).astype(np.float32)
             faces = triangles(mesh)
             faces = faces[:, ::-1] if np.linalg.det(placed[:3, :3]) < 0 else faces
             try:
-                crumple.keep_out(np.zeros((1, 3), np.float32), meshes=[(points.astype(np.float32), faces)])
+                crumple.keep_out(np.zeros((1, 3), np.float32), meshes=[(points, faces)])
             except crumple.CrumpleError as error:
                 raise Trouble(f"{solid.name} is no closed solid: {error}") from error
-            meshes.append((points.astype(np.float32), faces))
+            meshes.append((points, faces))
         finally:
             shown.to_mesh_clear()
     return crumple.keep_out(base_of(obj), meshes=meshes)
@@ -342,10 +342,33 @@ def bake(obj: bpy.types.Object) -> int:
 
 
 @contextmanager
+def _alone(objects: list[bpy.types.Object]) -> Iterator[None]:
+    """Shows and selects these objects and no others, for an exporter, and puts everything back."""
+    layer = bpy.context.view_layer
+    selected, active = [one for one in layer.objects if one.select_get()], layer.objects.active
+    hidden = [one for one in objects if one.hide_get()]
+    try:
+        for one in selected:
+            one.select_set(False)
+        for one in objects:
+            one.hide_set(False)
+            one.select_set(True)
+        layer.objects.active = objects[0]
+        yield
+    finally:
+        for one in objects:
+            one.select_set(False)
+        for one in selected:
+            one.select_set(True)
+        for one in hidden:
+            one.hide_set(True)
+        layer.objects.active = active
+
+
+@contextmanager
 def _copy(obj: bpy.types.Object, examples: bool) -> Iterator[bpy.types.Object]:
     """A copy for the exporter: at its place, selected alone, without dents, modifiers and what is switched off."""
-    scene, layer, name = bpy.context.scene, bpy.context.view_layer, obj.data.name
-    selected, active = [one for one in layer.objects if one.select_get()], layer.objects.active
+    scene, name = bpy.context.scene, obj.data.name
     keep = {key.name for key in example_keys(obj)} if examples else set()
     told, placed = impacts(obj), placements(obj)
     numbers = (limits(obj), stiffness(obj)) if examples else (None, None)
@@ -370,19 +393,12 @@ def _copy(obj: bpy.types.Object, examples: bool) -> Iterator[bpy.types.Object]:
         for attribute_name, values in zip(ATTRIBUTES, numbers, strict=True):
             set_attribute(mesh, attribute_name, values)
         scene.collection.objects.link(copy)
-        for one in selected:
-            one.select_set(False)
-        copy.hide_set(False)
-        copy.select_set(True)
-        layer.objects.active = copy
-        yield copy
+        with _alone([copy]):
+            yield copy
     finally:
         bpy.data.objects.remove(copy)
         bpy.data.meshes.remove(mesh)
         obj.data.name = name
-        for one in selected:
-            one.select_set(True)
-        layer.objects.active = active
 
 
 def export_gltf(obj: bpy.types.Object, path: Path, examples: bool = True) -> None:
@@ -399,25 +415,12 @@ def export_gltf(obj: bpy.types.Object, path: Path, examples: bool = True) -> Non
 def export_solids(obj: bpy.types.Object, path: Path) -> bool:
     """Writes the solids inside an object as .glb for the solver. Returns whether there are any."""
     solids = [one.object for one in obj.crumple_solids if one.object is not None]
-    layer = bpy.context.view_layer
-    selected = [one for one in layer.objects if one.select_get()]
-    hidden = [one for one in solids if one.hide_get()]
-    try:
-        for one in layer.objects:
-            one.select_set(False)
-        for one in solids:
-            one.hide_set(False)
-            one.select_set(True)
-        if solids:
+    if solids:
+        with _alone(solids):
             bpy.ops.export_scene.gltf(
                 filepath=str(path), export_format="GLB", use_selection=True, export_apply=True, export_yup=True, export_morph=False,
                 export_animations=False, export_skins=False, export_materials="NONE",
             )  # fmt: skip
-    finally:
-        for one in layer.objects:
-            one.select_set(one in selected)
-        for one in hidden:
-            one.hide_set(True)
     return bool(solids)
 
 
