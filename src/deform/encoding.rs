@@ -50,6 +50,7 @@ fn words([x, y]: [f32; 2]) -> u32 {
 }
 
 /// A normal in [`Encoding::Octahedral16x2`], x in the lower half.
+#[cfg(feature = "gpu")]
 pub(crate) fn octahedral_normal(n: [f32; 3]) -> u32 {
     words(octahedral(n))
 }

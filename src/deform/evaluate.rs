@@ -9,7 +9,7 @@
 //! Marks are summed in their sorted order with plain f32 operations. So the result has the same bits for coincident
 //! vertices, for any division into blocks, on any thread and at any [`crate::SimdLevel`].
 
-use super::kernel::{Block, Flat, ReadyLookup, ReadyPart, Source};
+use super::kernel::{Block, Flat, ReadyLookup, ReadyPart, Source, whole};
 use super::levels;
 use super::view::{DamageView, DisplacedVertices, may_reach};
 use crate::base::math::{Aabb, tangent_basis, turned_as, unit};
@@ -218,16 +218,6 @@ fn lone(
     let stored = anchored.displacements(head);
     (bounds.min, bounds.max) = levels::displace_stored(base, &stored, scale, positions);
     true
-}
-
-/// A whole block: `from`, or a copy in `scratch` padded with zeros if `from` is short.
-fn whole<'b>(from: &'b [f32], scratch: &'b mut Flat) -> &'b Flat {
-    if let Some(whole) = from.first_chunk() {
-        return whole;
-    }
-    scratch.fill(0.0);
-    scratch[..from.len()].copy_from_slice(from);
-    scratch
 }
 
 /// A whole block to write to: `to`, or `scratch` if `to` is short.

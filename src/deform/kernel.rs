@@ -22,6 +22,16 @@ use std::ops::Range;
 /// The vertices of one block, x y z x y z ….
 pub(crate) type Flat = [f32; 3 * BLOCK];
 
+/// A whole block: `from`, or a copy in `scratch` padded with zeros if `from` is short.
+pub(crate) fn whole<'b>(from: &'b [f32], scratch: &'b mut Flat) -> &'b Flat {
+    if let Some(whole) = from.first_chunk() {
+        return whole;
+    }
+    scratch.fill(0.0);
+    scratch[..from.len()].copy_from_slice(from);
+    scratch
+}
+
 /// Evaluates an expression for x, y and z. There are no closures here or below: they would not be compiled for the
 /// level.
 macro_rules! each {
@@ -398,6 +408,48 @@ pub(crate) unsafe fn wear<S: Simd>(
     }
 }
 
+/// Writes normals, x y z x y z …, in [`crate::Encoding::Octahedral16x2`], which has the formula.
+#[inline(always)]
+pub(crate) unsafe fn octahedral<S: Simd>(normals: &Flat, to: &mut [u32; BLOCK]) {
+    // SAFETY: guaranteed by the caller; lanes lie in the block.
+    unsafe {
+        for at in (0..BLOCK).step_by(S::LANES) {
+            let v = load3::<S>(normals.as_ptr().add(3 * at));
+            let length = S::add(S::add(absolute::<S>(v[0]), absolute::<S>(v[1])), absolute::<S>(v[2]));
+            let n = each!(k => S::div(v[k], length));
+            let below = S::greater(S::splat(0.0), n[2]);
+            let a = S::select(below, folded::<S>(n[0], n[1]), n[0]);
+            let b = S::select(below, folded::<S>(n[1], n[0]), n[1]);
+            S::store_int(to.as_mut_ptr().add(at), S::packed(word::<S>(a, length), word::<S>(b, length)));
+        }
+    }
+}
+
+#[inline(always)]
+unsafe fn absolute<S: Simd>(x: S::F) -> S::F {
+    unsafe { S::max(x, S::sub(S::splat(0.0), x)) }
+}
+
+/// A coordinate of the octahedron's lower half, unfolded, with the sign that it had.
+#[inline(always)]
+unsafe fn folded<S: Simd>(x: S::F, other: S::F) -> S::F {
+    unsafe {
+        let (zero, one) = (S::splat(0.0), S::splat(1.0));
+        S::mul(S::sub(one, absolute::<S>(other)), S::select(S::greater(zero, x), S::splat(-1.0), one))
+    }
+}
+
+/// A coordinate from -1 to 1 as 0 to 65535, of a vector with this length; 0.5 for one without.
+#[inline(always)]
+unsafe fn word<S: Simd>(x: S::F, length: S::F) -> S::I {
+    unsafe {
+        let half = S::splat(0.5);
+        let x = S::select(S::greater(length, S::splat(0.0)), S::add(S::mul(x, half), half), half);
+        let x = S::select(S::greater(length, S::splat(f32::MAX)), half, x);
+        S::truncate(S::mul(x, S::splat(65535.0)))
+    }
+}
+
 /// One part of a dent, prepared for a block.
 pub(crate) struct ReadyPart<'a> {
     pub source: Source<'a>,
@@ -570,8 +622,7 @@ unsafe fn look_up<S: Simd, const NORMALS: bool>(
         let columns = l.dims.x as i32;
         let at = S::add_int(column, S::mul_short(row, S::splat_int(columns)));
         let [u, change] = S::blend::<NORMALS>(nodes.as_ptr(), columns as usize, at, near, far);
-        let off = S::sub(p[2], S::mul(S::float(u[3]), S::splat(l.height)));
-        let off = S::max(off, S::sub(zero, off));
+        let off = absolute::<S>(S::sub(p[2], S::mul(S::float(u[3]), S::splat(l.height))));
         let keep = S::min(S::max(S::sub(two, S::mul(off, S::splat(l.fade))), zero), one);
         let keep = S::select(inside, keep, zero);
         if !S::any(S::greater(keep, zero)) {
@@ -583,8 +634,7 @@ unsafe fn look_up<S: Simd, const NORMALS: bool>(
         if NORMALS {
             // A vertex that faces another way than the example's surface (the lid beside a dented wall) does not take
             // over the surface's change of normal.
-            let apart = S::sub(vertices.facing, S::mul(S::float(change[3]), S::splat(FACING)));
-            let apart = S::max(apart, S::sub(zero, apart));
+            let apart = absolute::<S>(S::sub(vertices.facing, S::mul(S::float(change[3]), S::splat(FACING))));
             let alike = S::min(S::max(S::sub(two, S::add(apart, apart)), zero), one);
             let flat = turned_flat::<S>(&l.normal_change.to_cols_array(), [S::float(change[0]), S::float(change[1])]);
             let change = [flat[0], flat[1], S::mul(S::float(change[2]), S::splat(l.normal_change_z))];

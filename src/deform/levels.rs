@@ -28,6 +28,7 @@ compiled!(turn_avx2, "avx2", kernel::turn_stored::<Avx2>,
     (base: &Flat, stored: &Stored<'_>, scale: f32, to: &mut Flat) -> ());
 compiled!(wear_avx2, "avx2", kernel::wear::<Avx2>,
     (positions: (&Flat, &Flat), normals: Option<(&Flat, &Flat)>, to: &mut [[f32; 4]; BLOCK]) -> ());
+compiled!(octahedral_avx2, "avx2", kernel::octahedral::<Avx2>, (normals: &Flat, to: &mut [u32; BLOCK]) -> ());
 compiled!(longest_avx2, "avx2", kernel::longest::<Avx2>, (stored: &Stored<'_>) -> f32);
 compiled!(positions_avx2, "avx2", kernel::displace::<Avx2, false>,
     (block: &Block<'_>, positions: &mut Flat, normals: &mut Flat) -> Bounds);
@@ -71,6 +72,18 @@ pub(crate) fn wear(positions: (&Flat, &Flat), normals: Option<(&Flat, &Flat)>, t
         SimdLevel::Avx2 | SimdLevel::Avx512 => unsafe { wear_avx2(positions, normals, to) },
         // SAFETY: as above.
         _ => unsafe { kernel::wear::<Portable>(positions, normals, to) },
+    }
+}
+
+/// [`kernel::octahedral`].
+#[inline]
+pub(crate) fn octahedral(normals: &Flat, to: &mut [u32; BLOCK]) {
+    match SimdLevel::current() {
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: as above.
+        SimdLevel::Avx2 | SimdLevel::Avx512 => unsafe { octahedral_avx2(normals, to) },
+        // SAFETY: as above.
+        _ => unsafe { kernel::octahedral::<Portable>(normals, to) },
     }
 }
 

@@ -1,9 +1,12 @@
 //! The caller's vertex memory: the offset and the stride of each attribute. Apart from the C interface, this is the
 //! only file that writes through pointers from the caller.
 
-use super::encoding::{Encoding, octahedral_normal, octahedral_tangent};
+use super::encoding::{Encoding, octahedral_tangent};
+use super::kernel::whole;
+use super::levels;
 use crate::base::error::Error;
 use crate::base::strided::Strided;
+use crate::mesh::vertex_blocks::BLOCK;
 use glam::Vec4;
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -242,7 +245,7 @@ impl<'a> VertexMemory<'a> {
     /// `check_size` has passed for all these vertices, and no other thread accesses them at the same time.
     pub(crate) unsafe fn write_positions(&self, first: usize, positions: &[f32]) {
         // SAFETY: guaranteed by the caller.
-        unsafe { put_all::<3>(&self.position, first, positions) }
+        unsafe { put_all::<f32, 3>(&self.position, first, positions) }
     }
 
     /// Writes normals, given as three floats each, starting at vertex `first`. Does nothing if the memory has no normals.
@@ -253,11 +256,13 @@ impl<'a> VertexMemory<'a> {
         let Some(s) = &self.normal else { return };
         if s.layout.format == Encoding::F32 {
             // SAFETY: guaranteed by the caller.
-            return unsafe { put_all::<3>(s, first, normals) };
+            return unsafe { put_all::<f32, 3>(s, first, normals) };
         }
-        for (i, n) in normals.as_chunks::<3>().0.iter().enumerate() {
+        for (i, block) in normals.chunks(3 * BLOCK).enumerate() {
+            let mut words = [0; BLOCK];
+            levels::octahedral(whole(block, &mut [0.0; 3 * BLOCK]), &mut words);
             // SAFETY: guaranteed by the caller.
-            unsafe { put(s, first + i, octahedral_normal(*n)) }
+            unsafe { put_all::<u32, 1>(s, first + i * BLOCK, &words[..block.len() / 3]) }
         }
     }
 
@@ -284,7 +289,7 @@ impl<'a> VertexMemory<'a> {
     pub(crate) unsafe fn write_wear(&self, first: usize, wear: &[[f32; 4]]) {
         if let Some(s) = &self.wear {
             // SAFETY: guaranteed by the caller.
-            unsafe { put_all::<4>(s, first, wear.as_flattened()) }
+            unsafe { put_all::<f32, 4>(s, first, wear.as_flattened()) }
         }
     }
 }
@@ -298,8 +303,8 @@ fn octahedral(values: &mut [[u16; 2]]) -> RawStream {
 ///
 /// # Safety
 /// The values of all these vertices lie within the stream, and no other thread accesses them.
-unsafe fn put_all<const N: usize>(s: &RawStream, first: usize, values: &[f32]) {
-    if s.layout.stride == size_of::<[f32; N]>() {
+unsafe fn put_all<T: Copy, const N: usize>(s: &RawStream, first: usize, values: &[T]) {
+    if s.layout.stride == size_of::<[T; N]>() {
         // SAFETY: the values are contiguous, so all lie within the stream; bytes need no alignment.
         return unsafe {
             let to = s.data.add(s.layout.offset + first * s.layout.stride);

@@ -102,7 +102,6 @@ impl Tracker {
     }
 
     /// Records that nothing was written.
-    #[cfg(feature = "gpu")]
     pub(crate) fn unchanged(&mut self) {
         self.changed.clear();
     }

@@ -27,8 +27,8 @@ pub struct DeformJob<'a, 'm> {
 /// # Errors
 /// [`Error::IndexOutOfRange`] for a level of detail that the set does not have; [`Error::WrongRule`] for a level of
 /// detail of an instance with a classic rule, whose state exists for the base mesh only; [`Error::BufferTooSmall`];
-/// [`Error::Unsupported`] for normals or tangents that the mesh does not have. Errors name the output. After an error
-/// nothing has been written.
+/// [`Error::Unsupported`] for normals or tangents that the mesh does not have. Errors name the output. Memory that is up to
+/// date is not checked. After an error nothing has been written.
 pub fn deform(jobs: &mut [DeformJob<'_, '_>], tasks: &dyn TaskSystem) -> Result<DeformReport, Error> {
     deform_within(jobs, u64::MAX, tasks)
 }
@@ -46,7 +46,7 @@ pub fn deform_within(
     tasks: &dyn TaskSystem,
 ) -> Result<DeformReport, Error> {
     let mut changed = 0;
-    for job in jobs.iter_mut() {
+    for job in jobs.iter_mut().filter(|job| !is_current(job)) {
         let output = output(job)?;
         output.check()?;
         changed += usize::from(output.is_dirty());
@@ -55,6 +55,11 @@ pub fn deform_within(
     let mut outputs = reserve(changed, "deform jobs")?;
     let mut skipped = 0;
     for job in jobs.iter_mut() {
+        if is_current(job) {
+            job.tracker.unchanged();
+            skipped += job.instance.example_set().lod(job.lod)?.blocks() as u64;
+            continue;
+        }
         let mut output = output(job)?;
         if output.is_dirty() {
             outputs.push(output);
@@ -65,6 +70,12 @@ pub fn deform_within(
     let mut report = write_outputs(&mut outputs, budget, tasks)?;
     report.blocks_skipped += skipped;
     Ok(report)
+}
+
+/// Whether the memory holds the instance's vertices: most of those of a frame do.
+fn is_current(job: &DeformJob<'_, '_>) -> bool {
+    let changes = &job.instance.changes;
+    job.tracker.since(changes, job.lod) == Some(changes.epoch)
 }
 
 fn output<'j>(job: &'j mut DeformJob<'_, '_>) -> Result<Output<'j, 'j>, Error> {

@@ -154,6 +154,11 @@ impl Simd for Portable {
         (low & i32x8::splat(0xFFFF)) | high << 16
     }
     #[inline(always)]
+    unsafe fn store_int(p: *mut u32, v: i32x8) {
+        // SAFETY: there is room for eight numbers.
+        unsafe { p.cast::<[i32; 8]>().write_unaligned(v.to_array()) }
+    }
+    #[inline(always)]
     unsafe fn blend<const ALL: bool>(
         p: *const Node,
         row: usize,
