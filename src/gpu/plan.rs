@@ -89,14 +89,14 @@ impl<B: Copy> Dispatch<B> {
     }
 }
 
-/// A job with something to write.
+/// A job whose instance changed since its target was written.
 #[derive(Debug)]
 struct PlannedJob<B> {
     key: DispatchKey<B>,
     job: usize,
     /// A box that will hold its vertices.
     bounds: Aabb,
-    /// Its blocks among those of the frame.
+    /// The blocks to write, among those of the frame.
     blocks: Range<usize>,
 }
 
@@ -155,7 +155,7 @@ impl<B: Copy + Ord> Plan<B> {
         let waits = |job: usize| self.waiting.binary_search_by_key(&job, |due| due.output).is_ok();
         for (job, Job { instance, target }) in jobs.iter().enumerate().filter(|(job, _)| !waits(*job)) {
             let (state, changes) = (target.state(), instance.view().changes);
-            if state.tracker.dirty(changes, state.lod).next().is_some() {
+            if state.tracker.since(changes, state.lod) != Some(changes.epoch) {
                 let classic = instance.classic_state().map(|_| job as u32);
                 let (chunk, packed, wear) = (state.mesh.chunk, state.layout.packed(), state.layout.wear.is_some());
                 let key = DispatchKey { binding: target.binding(), chunk, packed, wear, classic };
@@ -170,6 +170,12 @@ impl<B: Copy + Ord> Plan<B> {
             let target = target.state();
             let mesh = instance.example_set().lod(target.lod)?;
             let view = instance.view();
+            planned.blocks = self.work.add_blocks(target.tracker.dirty(view.changes, target.lod));
+            report.blocks_written += planned.blocks.len() as u64;
+            report.blocks_skipped += (mesh.blocks() - planned.blocks.len()) as u64;
+            if planned.blocks.is_empty() {
+                continue;
+            }
             let shown = Shown { view, mesh, target };
             let looked_up = self.work.lookups();
             planned.bounds = match instance.classic_state() {
@@ -189,9 +195,6 @@ impl<B: Copy + Ord> Plan<B> {
                 None if self.work.lookups() > looked_up => Case::Marks,
                 None => Case::Anchored,
             };
-            planned.blocks = self.work.add_blocks(target.tracker.dirty(view.changes, target.lod));
-            report.blocks_written += planned.blocks.len() as u64;
-            report.blocks_skipped += (mesh.blocks() - planned.blocks.len()) as u64;
             match self.dispatches.last_mut().filter(|d| d.key == planned.key) {
                 Some(dispatch) => {
                     dispatch.blocks.end = planned.blocks.end;
@@ -251,7 +254,7 @@ impl<B: Copy + Ord> Plan<B> {
         for due in &self.waiting {
             jobs[due.output].target.state_mut().tracker.waits();
         }
-        for planned in &self.jobs {
+        for planned in self.jobs.iter().filter(|p| !p.blocks.is_empty()) {
             let Job { instance, target } = &mut jobs[planned.job];
             let TargetState { lod, tracker, .. } = target.state_mut();
             let Ok(mesh) = instance.example_set().lod(*lod) else { continue };

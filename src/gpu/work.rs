@@ -115,9 +115,9 @@ impl FrameWork {
         put(to, &self.states);
     }
 
-    /// Adds blocks of the last target. Returns their indices among all.
+    /// Adds blocks of the next target. Returns their indices among all.
     pub(super) fn add_blocks(&mut self, blocks: impl Iterator<Item = usize>) -> Range<usize> {
-        let target_index = self.targets.len() as u32 - 1;
+        let target_index = self.targets.len() as u32;
         let before = self.blocks();
         self.blocks.extend(blocks.map(|block| BlockWork { target_index, block: block as u32 }));
         before..self.blocks()
