@@ -27,6 +27,7 @@ pub struct Deformed<'t> {
     /// Two damages of the same reach, taken in turn: each run evaluates all vertices that the marks touch.
     damages: [Vec<Mark>; 2],
     turn: usize,
+    blocks_written: u64,
 }
 
 impl<'t> Deformed<'t> {
@@ -55,6 +56,7 @@ impl<'t> Deformed<'t> {
             tasks,
             damages: [damage(0.9), damage(0.8)],
             turn: 0,
+            blocks_written: 0,
         };
         // What no mark touches is written once, here.
         it.deform()?;
@@ -114,7 +116,8 @@ impl<'t> Deformed<'t> {
             memory = memory.with_wear(wear);
         }
         let job = DeformJob { lod: self.lod, instance: &self.instance, tracker: &mut self.tracker, memory };
-        crumple::deform(&mut [job], self.tasks).map(drop)
+        self.blocks_written = crumple::deform(&mut [job], self.tasks)?.blocks_written;
+        Ok(())
     }
 
     /// Hash of the positions with the first damage, or as they are where there is none.
@@ -124,6 +127,11 @@ impl<'t> Deformed<'t> {
             self.run();
         }
         hash(&self.positions)
+    }
+
+    /// Blocks that the last run wrote.
+    pub fn blocks_written(&self) -> u64 {
+        self.blocks_written
     }
 
     /// Vertices that are not where the base mesh has them.

@@ -23,6 +23,7 @@ mod select;
 pub mod sheet;
 mod sheets;
 pub mod width;
+mod worn;
 
 use std::cell::RefCell;
 use std::path::PathBuf;
@@ -146,6 +147,11 @@ const WORKLOADS: &[Workload] = &[
         name: "impact",
         about: "from the contact to positions, normals and bounds, K = 3; the kernel does the positions alone",
         run: impact::run,
+    },
+    Workload {
+        name: "worn",
+        about: "one more hit on a body of about 20 000 vertices that was hit often, to positions and normals, against the first",
+        run: worn::run,
     },
     Workload { name: "normals", about: "positions and normals against positions alone", run: normals::run },
     Workload {
