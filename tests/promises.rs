@@ -451,9 +451,9 @@ fn sets_are_built_alike_on_any_number_of_threads() {
 #[test]
 fn quick_golden_marks_are_the_same_on_every_platform() {
     const GOLDEN: [(&str, u64, u64); 3] = [
-        ("sheet", 0x9990b3efd73bf0e2, 0x936b504e86fd12ba),
-        ("ball", 0x6eb15e68fe211b17, 0xfd0c07ffa6d33184),
-        ("cube", 0xa694e3ee0f2e454e, 0x0d5120dd54d9e310),
+        ("sheet", 0x9990b3efd73bf0e2, 0xfeb5a449a379172c),
+        ("ball", 0x6eb15e68fe211b17, 0xd37d68b20a94618b),
+        ("cube", 0xa694e3ee0f2e454e, 0x166e47785baac454),
     ];
     let found: Vec<(&str, u64, u64)> = scenes::small_bodies()
         .into_iter()
@@ -485,6 +485,36 @@ fn quick_golden_marks_are_the_same_on_every_platform() {
         list.iter().map(|(n, a, b)| format!("(\"{n}\", {a:#018x}, {b:#018x})")).collect::<Vec<_>>().join(", ")
     };
     assert_eq!(text(&found), text(&GOLDEN));
+}
+
+/// An output of a body with many dents keeps sums from hit to hit. They must not show.
+#[test]
+fn hits_upon_many_dents_have_the_bits_of_a_fresh_evaluation() {
+    for (name, set) in scenes::small_bodies() {
+        let mut instance = with(&set, InstanceOptions { capacity: 40, ..InstanceOptions::default() });
+        let (mut all, mut alone) = (Output::new(&set), vec![[0.0; 3]; set.vertex_count()]);
+        let (mut positions, mut dice) = (Tracker::new(), Dice::new(40));
+        for (i, hit) in random_hits(&set, 90, 40).iter().enumerate() {
+            instance.submit(hit).unwrap();
+            match i % 30 {
+                19 => all.tracker.invalidate(),
+                21 => instance.set_tolerance(0.01 * set.depth_limit()).unwrap(),
+                23 => instance.repair(0.9).unwrap(),
+                25 => instance.set_depth_limit(Some(0.5 * set.depth_limit())).unwrap(),
+                // Long enough for the sums to be given back.
+                27 => (0..300).for_each(|_| drop(all.update(&mut instance))),
+                29 => instance.repair_around(base(&set, dice.index(set.vertex_count())), 0.4, 0.3).unwrap(),
+                _ => (),
+            }
+            all.update_with(&mut instance, &Eager(ThreadPool::new(2).unwrap()));
+            if i % 3 == 0 {
+                let memory = VertexMemory::separate(&mut alone, None, None).unwrap();
+                instance.deform(&mut positions, memory, &Serial).unwrap();
+                assert_eq!(alone, all.positions, "{name}, hit {i}");
+            }
+            assert!(all.all_bits() == Output::fresh(&mut instance).all_bits(), "{name}, hit {i}");
+        }
+    }
 }
 
 // ------------------------------------------------------------------------------------------------------------- watertight

@@ -111,11 +111,16 @@ impl Damage {
     /// Calls `changed` with every dent that is in only one of the two lists, and with both versions of a dent whose
     /// strength or width differs.
     pub(crate) fn differences(&self, other: &Damage, changed: Changed<'_>) {
+        self.changed(other, |a, b| a.into_iter().chain(b).for_each(&mut *changed));
+    }
+
+    /// The same, with both versions side by side.
+    pub(crate) fn changed<'a>(&'a self, other: &'a Damage, mut f: impl FnMut(Option<&'a Dent>, Option<&'a Dent>)) {
         walk(&self.marks, &other.marks, |a, b| {
             let (a, b) = (a.map(|a| &self.dents[a]), b.map(|b| &other.dents[b]));
             let same = |(a, b): (&Dent, &Dent)| a.strength == b.strength && a.wide == b.wide;
             if !a.zip(b).is_some_and(same) {
-                a.into_iter().chain(b).for_each(&mut *changed);
+                f(a, b);
             }
         });
     }

@@ -6,14 +6,16 @@
 //!
 //! With [`crate::Combine::Deepest`] the sum is also no longer than the longest `u_m(v)`.
 //!
-//! Marks are summed in their sorted order with plain f32 operations. So the result has the same bits for coincident
-//! vertices, for any division into blocks, on any thread and at any [`crate::SimdLevel`].
+//! Anchored examples are summed in the sorted order of their marks with plain f32 operations, carried ones in whole steps
+//! ([`super::sums`]). So the result has the same bits for coincident vertices, for any division into blocks, on any thread and
+//! at any [`crate::SimdLevel`].
 
 use super::kernel::{Block, Flat, ReadyLookup, ReadyPart, Source, whole};
 use super::levels;
+use super::sums::{BlockSums, ChangedDent};
 use super::view::{DamageView, DisplacedVertices, may_reach};
 use crate::base::math::{Aabb, tangent_basis, turned_as, unit};
-use crate::damage::dent::Part;
+use crate::damage::dent::{Dent, Part};
 use crate::example::blocks::Stored;
 use crate::example::mesh_lod::MeshLod;
 use crate::mesh::Mesh;
@@ -36,7 +38,7 @@ pub(crate) fn vertex(view: &DamageView<'_>, lod: &MeshLod, v: usize) -> (Vec3, O
     let some = lod.mesh.normals().is_some();
     let job = BlockJob { view, lod, block };
     let mut bounds = Aabb::EMPTY;
-    self::block(job, &mut Scratch::new(), &mut positions[..n], some.then_some(&mut normals[..n]), &mut bounds);
+    self::block(job, &mut Scratch::new(), None, &mut positions[..n], some.then_some(&mut normals[..n]), &mut bounds);
     let at = |f: &Flat| Vec3::new(f[3 * i], f[3 * i + 1], f[3 * i + 2]);
     (at(&positions), some.then(|| at(&normals)))
 }
@@ -68,55 +70,87 @@ impl Scratch<'_> {
     }
 }
 
-/// Collects in `scratch`, in order, the parts of the instance's dents that move vertices of the block.
+/// Collects in `scratch`, in order, the parts of the instance's dents that move vertices of the block. If the dents that
+/// `changed` are given, these take the place of all carried examples.
 #[inline(always)]
-fn active<'a>(job: BlockJob<'a>, normals: bool, scratch: &mut Scratch<'a>) -> Touched {
-    let Scratch { parts, lookups, left_out, .. } = scratch;
-    parts.clear();
-    lookups.clear();
-    let (lod, examples) = (job.lod, job.view.set.examples());
-    let bounds = &lod.block_bounds[job.block];
+fn active<'a>(
+    job: BlockJob<'a>,
+    changed: Option<&'a [ChangedDent<'a>]>,
+    normals: bool,
+    scratch: &mut Scratch<'a>,
+) -> Touched {
+    scratch.parts.clear();
+    scratch.lookups.clear();
+    let bounds = &job.lod.block_bounds[job.block];
     let mut touched = Touched { dents: 0, longest: 0.0, stored: false };
-    for dent in job.view.damage.near(bounds) {
-        let before = parts.len();
-        for part in &dent.parts {
-            let scale = dent.strength * if let Part::Anchored(_, scale) = part { *scale } else { 1.0 };
-            let threshold = if scale == 0.0 { 0.0 } else { job.view.threshold / scale.abs() };
-            let source = match part {
-                Part::Carried(carried) => {
-                    let first = lookups.len();
-                    for lookup in carried.reaching(bounds) {
-                        let Some(stamp) = examples[lookup.example].stamp() else { continue };
-                        if threshold == 0.0 || lookup.longest > threshold {
-                            lookups.push(ReadyLookup(lookup, &stamp.nodes));
-                            touched.longest += lookup.longest * scale.abs();
-                        } else {
-                            *left_out += 1;
-                        }
-                    }
-                    (lookups.len() > first).then_some(Source::Carried(carried, first..lookups.len()))
-                }
-                Part::Anchored(example, _) => {
-                    let anchored = &lod.anchored[*example];
-                    let Some(head) = anchored.block(job.block as u32) else { continue };
-                    // The normals are applied in all blocks or in none, so that they agree where blocks meet.
-                    let shown =
-                        threshold == 0.0 || head.longest > threshold || (normals && anchored.exceeds(threshold));
-                    let changes = if normals { anchored.normals(head) } else { Stored::NOTHING };
-                    *left_out += u32::from(!shown);
-                    touched.longest += if shown { head.longest * scale.abs() } else { 0.0 };
-                    touched.stored |= shown;
-                    shown.then(|| Source::Stored(anchored.displacements(head), changes))
-                }
-            };
-            parts.extend(source.map(|source| ReadyPart { source, scale, threshold, last: false }));
-        }
-        if let Some(last) = parts[before..].last_mut() {
-            last.last = true;
-            touched.dents += 1;
+    let which = if changed.is_some() { Which::Anchored } else { Which::All };
+    job.view.damage.near(bounds).for_each(|dent| add_dent(job, (dent, 1.0, which), normals, scratch, &mut touched));
+    for ChangedDent { dent, reach, sign } in changed.into_iter().flatten() {
+        if bounds.distance_squared(reach.contact) <= reach.square {
+            add_dent(job, (dent, *sign, Which::Carried), normals, scratch, &mut touched);
         }
     }
     touched
+}
+
+/// Parts of a dent.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Which {
+    All,
+    Anchored,
+    Carried,
+}
+
+/// Adds parts of a dent, with a sign, to those of the block.
+#[inline(always)]
+fn add_dent<'a>(
+    job: BlockJob<'a>,
+    (dent, sign, which): (&'a Dent, f32, Which),
+    normals: bool,
+    scratch: &mut Scratch<'a>,
+    touched: &mut Touched,
+) {
+    let Scratch { parts, lookups, left_out, .. } = scratch;
+    let (lod, examples) = (job.lod, job.view.set.examples());
+    let bounds = &lod.block_bounds[job.block];
+    let before = parts.len();
+    for part in &dent.parts {
+        let scale = sign * dent.strength * if let Part::Anchored(_, scale) = part { *scale } else { 1.0 };
+        let threshold = if scale == 0.0 { 0.0 } else { job.view.threshold / scale.abs() };
+        let source = match part {
+            Part::Carried(_) if which == Which::Anchored => continue,
+            Part::Anchored(..) if which == Which::Carried => continue,
+            Part::Carried(carried) => {
+                let first = lookups.len();
+                for lookup in carried.reaching(bounds) {
+                    let Some(stamp) = examples[lookup.example].stamp() else { continue };
+                    if threshold == 0.0 || lookup.longest > threshold {
+                        lookups.push(ReadyLookup(lookup, &stamp.nodes));
+                        touched.longest += lookup.longest * scale.abs();
+                    } else {
+                        *left_out += 1;
+                    }
+                }
+                (lookups.len() > first).then_some(Source::Carried(carried, first..lookups.len()))
+            }
+            Part::Anchored(example, _) => {
+                let anchored = &lod.anchored[*example];
+                let Some(head) = anchored.block(job.block as u32) else { continue };
+                // The normals are applied in all blocks or in none, so that they agree where blocks meet.
+                let shown = threshold == 0.0 || head.longest > threshold || (normals && anchored.exceeds(threshold));
+                let changes = if normals { anchored.normals(head) } else { Stored::NOTHING };
+                *left_out += u32::from(!shown);
+                touched.longest += if shown { head.longest * scale.abs() } else { 0.0 };
+                touched.stored |= shown;
+                shown.then(|| Source::Stored(anchored.displacements(head), changes))
+            }
+        };
+        parts.extend(source.map(|source| ReadyPart { source, scale, threshold, last: false }));
+    }
+    if let Some(last) = parts[before..].last_mut() {
+        last.last = true;
+        touched.dents += 1;
+    }
 }
 
 /// Summary of what moves a block.
@@ -129,10 +163,12 @@ struct Touched {
 }
 
 /// Writes positions (m) and, if wanted, unit normals: exactly three floats per vertex of the block. Also writes the
-/// bounds of the positions. Writes no normals if the mesh has none.
+/// bounds of the positions. Writes no normals if the mesh has none. With `kept` sums, and the dents that changed since, only
+/// these and anchored examples are evaluated, for the same bits.
 pub(crate) fn block<'a>(
     job: BlockJob<'a>,
     scratch: &mut Scratch<'a>,
+    kept: Option<(&mut BlockSums, &'a [ChangedDent<'a>])>,
     positions: &mut [f32],
     normals: Option<&mut [f32]>,
     bounds: &mut Aabb,
@@ -148,11 +184,15 @@ pub(crate) fn block<'a>(
         return;
     }
     let mut normals = normals;
-    if lone(job, base, positions, &mut normals, bounds) {
+    if kept.is_none() && lone(job, base, positions, &mut normals, bounds) {
         return;
     }
-    let touched = active(job, normals.is_some(), scratch);
-    if touched.dents == 0 {
+    let changed = kept.as_ref().filter(|(sums, _)| sums.known).map(|(_, changed)| *changed);
+    let mut touched = active(job, changed, normals.is_some(), scratch);
+    if changed.is_some() {
+        // Others contribute as well. Limits that are not reached change no bit.
+        touched.longest = f32::INFINITY;
+    } else if touched.dents == 0 {
         positions.copy_from_slice(base);
         if let Some((normals, base)) = normals {
             normals.copy_from_slice(base);
@@ -167,6 +207,7 @@ pub(crate) fn block<'a>(
         parts: &scratch.parts,
         lookups: &scratch.lookups,
         window: job.lod.rim.block(job.block),
+        step: job.view.step(),
         deepest: job.view.keeps_deepest(touched.dents),
         limit: job.view.limit(touched.longest),
         own: DamageView::own_limits(mesh, job.block, touched.longest),
@@ -179,7 +220,12 @@ pub(crate) fn block<'a>(
         Some(n) if !short => into(n, &mut scratch.normals),
         _ => &mut scratch.normals,
     };
-    (bounds.min, bounds.max) = levels::displace(&block, touched.stored, to, to_normals);
+    let carried = kept.is_some() || !block.lookups.is_empty();
+    let sums = kept.map(|(kept, _)| {
+        kept.known = true;
+        &mut kept.sums
+    });
+    (bounds.min, bounds.max) = levels::displace(&block, (touched.stored, carried), sums, to, to_normals);
     if short {
         positions.copy_from_slice(&scratch.positions[..positions.len()]);
         if let Some(n) = normals {

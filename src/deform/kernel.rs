@@ -420,7 +420,7 @@ pub(crate) unsafe fn octahedral<S: Simd>(normals: &Flat, to: &mut [u32; BLOCK]) 
             let below = S::greater(S::splat(0.0), n[2]);
             let a = S::select(below, folded::<S>(n[0], n[1]), n[0]);
             let b = S::select(below, folded::<S>(n[1], n[0]), n[1]);
-            S::store_int(to.as_mut_ptr().add(at), S::packed(word::<S>(a, length), word::<S>(b, length)));
+            S::store_int(to.as_mut_ptr().add(at).cast(), S::packed(word::<S>(a, length), word::<S>(b, length)));
         }
     }
 }
@@ -473,14 +473,43 @@ pub(crate) struct ReadyLookup<'a>(pub &'a Lookup, pub &'a [Node]);
 
 /// Sums at the vertices of some lanes.
 struct Sums<S: Simd> {
-    /// Displacement of the current dent, m.
+    /// Displacement of the current dent by anchored examples, m.
     dent: V<S>,
-    /// Displacement of all dents, m.
+    /// The same by carried examples, if the longest dent is wanted.
+    carried_dent: V<S>,
+    /// Displacement of all dents by anchored examples, m.
     all: V<S>,
     /// Squared length of the longest dent, m².
     longest: S::F,
-    /// Change of the normal.
+    /// Change of the normal by anchored examples.
     change: V<S>,
+    /// What carried examples add to `all` and `change`, in steps.
+    carried: [[S::I; 3]; 2],
+}
+
+/// Sums of the contributions of carried examples to the vertices of a block: displacements x, y, z in steps of
+/// [`Block::step`], then changes of normals in steps of [`TURN_STEP`]. Integers, so contributions can be taken away again,
+/// and their order does not matter.
+pub(crate) type CarriedSums = [[i32; BLOCK]; 6];
+
+/// Step of changes of normals.
+pub(crate) const TURN_STEP: f32 = 1.0 / (1 << 22) as f32;
+/// The most steps that one dent contributes.
+pub(crate) const MOST_STEPS: f32 = (1 << 27) as f32;
+
+/// Vectors in whole steps, `1 / per_step` long, rounded towards zero.
+#[inline(always)]
+unsafe fn in_steps<S: Simd>(v: V<S>, per_step: S::F) -> [S::I; 3] {
+    unsafe {
+        let (low, high) = (S::splat(-MOST_STEPS), S::splat(MOST_STEPS));
+        each!(k => S::truncate(S::min(S::max(S::mul(v[k], per_step), low), high)))
+    }
+}
+
+/// Adds steps to a sum.
+#[inline(always)]
+unsafe fn add_steps<S: Simd>(to: &mut [S::I; 3], steps: [S::I; 3]) {
+    *to = unsafe { each!(k => S::add_int(to[k], steps[k])) };
 }
 
 /// Undeformed vertices of some lanes.
@@ -542,10 +571,11 @@ struct Framed<S: Simd> {
 unsafe fn add_carried<S: Simd, const NORMALS: bool>(
     part: &ReadyPart<'_>,
     (c, lookups): (&Carried, &[ReadyLookup<'_>]),
-    window: Option<&WindowBlock>,
+    block: &Block<'_>,
     rest: &Rest<S>,
     sums: &mut Sums<S>,
 ) {
+    let window = block.window;
     // SAFETY: guaranteed by the caller.
     unsafe {
         let zero = S::splat(0.0);
@@ -580,12 +610,15 @@ unsafe fn add_carried<S: Simd, const NORMALS: bool>(
                 let lift = dot::<S>(u, n);
                 change = each!(k => S::sub(S::mul(change[k], factor), S::mul(along[k], lift)));
             }
-            sums.change = add::<S>(sums.change, change);
+            add_steps::<S>(&mut sums.carried[1], in_steps::<S>(change, S::splat(1.0 / TURN_STEP)));
         }
         if window.is_some() {
             u = scaled::<S>(u, factor);
         }
-        sums.dent = add::<S>(sums.dent, u);
+        add_steps::<S>(&mut sums.carried[0], in_steps::<S>(u, S::splat(1.0 / block.step)));
+        if block.deepest {
+            sums.carried_dent = add::<S>(sums.carried_dent, u);
+        }
     }
 }
 
@@ -655,6 +688,8 @@ pub(crate) struct Block<'a> {
     pub parts: &'a [ReadyPart<'a>],
     pub lookups: &'a [ReadyLookup<'a>],
     pub window: Option<&'a WindowBlock>,
+    /// Step of the displacements of carried examples, m; a power of two.
+    pub step: f32,
     /// Whether the sum is no longer than the longest dent.
     pub deepest: bool,
     /// The depth limit, m; `None` if nothing reaches it.
@@ -663,11 +698,13 @@ pub(crate) struct Block<'a> {
     pub own: Option<BlockLimits<'a>>,
 }
 
-/// Writes deformed positions, and unit normals if `NORMALS`. Returns the bounds of the first `len` positions. If there
+/// Writes deformed positions, and unit normals if `NORMALS`. What carried examples contribute is added to `sums`, if these
+/// are given, and the vertices are those of the new sums. Without `CARRIED` there are neither sums nor such parts. Returns the bounds of the first `len` positions. If there
 /// are stored parts, `S` must have `GROUP` lanes.
 #[inline(always)]
-pub(crate) unsafe fn displace<S: Simd, const NORMALS: bool>(
+pub(crate) unsafe fn displace<S: Simd, const NORMALS: bool, const CARRIED: bool>(
     block: &Block<'_>,
+    mut kept: Option<&mut CarriedSums>,
     positions: &mut [f32; 3 * BLOCK],
     normals: &mut [f32; 3 * BLOCK],
 ) -> (Vec3, Vec3) {
@@ -684,7 +721,21 @@ pub(crate) unsafe fn displace<S: Simd, const NORMALS: bool>(
                 },
                 at,
             };
-            let mut sums = Sums::<S> { dent: zero, all: zero, longest: S::splat(0.0), change: zero };
+            let mut sums = Sums::<S> {
+                dent: zero,
+                carried_dent: zero,
+                all: zero,
+                longest: S::splat(0.0),
+                change: zero,
+                carried: [[S::splat_int(0); 3]; 2],
+            };
+            if let Some(kept) = kept.as_ref().filter(|_| CARRIED) {
+                let load = |k: usize| kept[k].as_ptr().add(at);
+                sums.carried[0] = each!(k => S::load_int(load(k)));
+                if NORMALS {
+                    sums.carried[1] = each!(k => S::load_int(load(3 + k)));
+                }
+            }
             for part in block.parts {
                 match &part.source {
                     Source::Stored(displacements, changes) => {
@@ -693,9 +744,10 @@ pub(crate) unsafe fn displace<S: Simd, const NORMALS: bool>(
                             add_stored::<S>(changes, at, part.scale, 0.0, &mut sums.change);
                         }
                     }
+                    Source::Carried(..) if !CARRIED => {}
                     Source::Carried(c, lookups) => {
                         let lookups = &block.lookups[lookups.clone()];
-                        add_carried::<S, NORMALS>(part, (c, lookups), block.window, &rest, &mut sums);
+                        add_carried::<S, NORMALS>(part, (c, lookups), block, &rest, &mut sums);
                     }
                 }
                 if part.last {
@@ -703,12 +755,27 @@ pub(crate) unsafe fn displace<S: Simd, const NORMALS: bool>(
                     sums.all = add::<S>(sums.all, u);
                     sums.dent = zero;
                     if block.deepest {
+                        let u = add::<S>(u, sums.carried_dent);
                         sums.longest = S::max(dot::<S>(u, u), sums.longest);
+                        sums.carried_dent = zero;
                     }
                 }
             }
-            let s = sums.all;
-            let (mut u, mut change) = (s, sums.change);
+            if let Some(kept) = kept.as_mut().filter(|_| CARRIED) {
+                for k in 0..3 {
+                    S::store_int(kept[k].as_mut_ptr().add(at), sums.carried[0][k]);
+                    if NORMALS {
+                        S::store_int(kept[3 + k].as_mut_ptr().add(at), sums.carried[1][k]);
+                    }
+                }
+            }
+            let (mut s, mut turn) = (sums.all, sums.change);
+            if CARRIED {
+                let [moved, turned] = sums.carried;
+                s = each!(k => S::add(s[k], S::mul(S::float(moved[k]), S::splat(block.step))));
+                turn = each!(k => S::add(turn[k], S::mul(S::float(turned[k]), S::splat(TURN_STEP))));
+            }
+            let (mut u, mut change) = (s, turn);
             if block.deepest || block.limit.is_some() || block.own.is_some() {
                 let least = S::splat(LEAST_LENGTH);
                 let length = S::max(S::sqrt(dot::<S>(s, s)), least);
@@ -733,7 +800,7 @@ pub(crate) unsafe fn displace<S: Simd, const NORMALS: bool>(
             let p = add::<S>(rest.position, u);
             store3::<S>(p, positions.as_mut_ptr().add(3 * at));
             if NORMALS {
-                store3::<S>(normal::<S>(rest.normal, sums.change, change), normals.as_mut_ptr().add(3 * at));
+                store3::<S>(normal::<S>(rest.normal, turn, change), normals.as_mut_ptr().add(3 * at));
             }
             if at + S::LANES <= block.len {
                 extent.add(p);

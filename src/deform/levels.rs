@@ -1,6 +1,6 @@
 //! Compiles each kernel for each level and calls the one in use.
 
-use super::kernel::{self, Block, Flat};
+use super::kernel::{self, Block, CarriedSums, Flat};
 #[cfg(target_arch = "x86_64")]
 use super::simd::{Avx2, Avx512};
 use super::simd::{Portable, SimdLevel};
@@ -30,14 +30,18 @@ compiled!(wear_avx2, "avx2", kernel::wear::<Avx2>,
     (positions: (&Flat, &Flat), normals: Option<(&Flat, &Flat)>, to: &mut [[f32; 4]; BLOCK]) -> ());
 compiled!(octahedral_avx2, "avx2", kernel::octahedral::<Avx2>, (normals: &Flat, to: &mut [u32; BLOCK]) -> ());
 compiled!(longest_avx2, "avx2", kernel::longest::<Avx2>, (stored: &Stored<'_>) -> f32);
-compiled!(positions_avx2, "avx2", kernel::displace::<Avx2, false>,
-    (block: &Block<'_>, positions: &mut Flat, normals: &mut Flat) -> Bounds);
-compiled!(normals_avx2, "avx2", kernel::displace::<Avx2, true>,
-    (block: &Block<'_>, positions: &mut Flat, normals: &mut Flat) -> Bounds);
-compiled!(positions_avx512, "avx512f,avx512bw,avx512dq,avx512vl,avx2", kernel::displace::<Avx512, false>,
-    (block: &Block<'_>, positions: &mut Flat, normals: &mut Flat) -> Bounds);
-compiled!(normals_avx512, "avx512f,avx512bw,avx512dq,avx512vl,avx2", kernel::displace::<Avx512, true>,
-    (block: &Block<'_>, positions: &mut Flat, normals: &mut Flat) -> Bounds);
+compiled!(stored_positions_avx2, "avx2", kernel::displace::<Avx2, false, false>,
+    (block: &Block<'_>, kept: Option<&mut CarriedSums>, positions: &mut Flat, normals: &mut Flat) -> Bounds);
+compiled!(stored_normals_avx2, "avx2", kernel::displace::<Avx2, true, false>,
+    (block: &Block<'_>, kept: Option<&mut CarriedSums>, positions: &mut Flat, normals: &mut Flat) -> Bounds);
+compiled!(positions_avx2, "avx2", kernel::displace::<Avx2, false, true>,
+    (block: &Block<'_>, kept: Option<&mut CarriedSums>, positions: &mut Flat, normals: &mut Flat) -> Bounds);
+compiled!(normals_avx2, "avx2", kernel::displace::<Avx2, true, true>,
+    (block: &Block<'_>, kept: Option<&mut CarriedSums>, positions: &mut Flat, normals: &mut Flat) -> Bounds);
+compiled!(positions_avx512, "avx512f,avx512bw,avx512dq,avx512vl,avx2", kernel::displace::<Avx512, false, true>,
+    (block: &Block<'_>, kept: Option<&mut CarriedSums>, positions: &mut Flat, normals: &mut Flat) -> Bounds);
+compiled!(normals_avx512, "avx512f,avx512bw,avx512dq,avx512vl,avx2", kernel::displace::<Avx512, true, true>,
+    (block: &Block<'_>, kept: Option<&mut CarriedSums>, positions: &mut Flat, normals: &mut Flat) -> Bounds);
 
 /// [`kernel::displace_stored`].
 #[inline]
@@ -87,25 +91,37 @@ pub(crate) fn octahedral(normals: &Flat, to: &mut [u32; BLOCK]) {
     }
 }
 
-/// [`kernel::displace`]. `narrow` selects as many lanes as a group has vertices, which stored parts need.
+/// [`kernel::displace`] for blocks with stored parts, carried ones, or both.
 #[inline]
-pub(crate) fn displace(block: &Block<'_>, narrow: bool, positions: &mut Flat, normals: &mut Flat) -> Bounds {
-    // Other processors have one number of lanes.
+pub(crate) fn displace(
+    block: &Block<'_>,
+    (stored, carried): (bool, bool),
+    kept: Option<&mut CarriedSums>,
+    positions: &mut Flat,
+    normals: &mut Flat,
+) -> Bounds {
+    // Stored parts need as many lanes as a group has vertices. Other processors have one number of lanes.
     #[cfg(not(target_arch = "x86_64"))]
-    let _ = narrow;
+    let _ = stored;
     // SAFETY: as above.
     unsafe {
-        match (SimdLevel::current(), block.base_normals.is_some()) {
+        match (SimdLevel::current(), block.base_normals.is_some(), carried) {
             #[cfg(target_arch = "x86_64")]
-            (SimdLevel::Avx512, false) if !narrow => positions_avx512(block, positions, normals),
+            (SimdLevel::Avx512, false, true) if !stored => positions_avx512(block, kept, positions, normals),
             #[cfg(target_arch = "x86_64")]
-            (SimdLevel::Avx512, true) if !narrow => normals_avx512(block, positions, normals),
+            (SimdLevel::Avx512, true, true) if !stored => normals_avx512(block, kept, positions, normals),
             #[cfg(target_arch = "x86_64")]
-            (SimdLevel::Avx2 | SimdLevel::Avx512, false) => positions_avx2(block, positions, normals),
+            (SimdLevel::Avx2 | SimdLevel::Avx512, false, true) => positions_avx2(block, kept, positions, normals),
             #[cfg(target_arch = "x86_64")]
-            (SimdLevel::Avx2 | SimdLevel::Avx512, true) => normals_avx2(block, positions, normals),
-            (_, false) => kernel::displace::<Portable, false>(block, positions, normals),
-            (_, true) => kernel::displace::<Portable, true>(block, positions, normals),
+            (SimdLevel::Avx2 | SimdLevel::Avx512, true, true) => normals_avx2(block, kept, positions, normals),
+            #[cfg(target_arch = "x86_64")]
+            (SimdLevel::Avx2 | SimdLevel::Avx512, false, _) => stored_positions_avx2(block, kept, positions, normals),
+            #[cfg(target_arch = "x86_64")]
+            (SimdLevel::Avx2 | SimdLevel::Avx512, true, _) => stored_normals_avx2(block, kept, positions, normals),
+            (_, false, true) => kernel::displace::<Portable, false, true>(block, kept, positions, normals),
+            (_, true, true) => kernel::displace::<Portable, true, true>(block, kept, positions, normals),
+            (_, false, _) => kernel::displace::<Portable, false, false>(block, kept, positions, normals),
+            (_, true, _) => kernel::displace::<Portable, true, false>(block, kept, positions, normals),
         }
     }
 }

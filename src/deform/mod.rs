@@ -8,6 +8,7 @@ pub(crate) mod kernel;
 mod levels;
 mod memory;
 pub(crate) mod simd;
+mod sums;
 pub(crate) mod tolerance;
 mod tracker;
 pub(crate) mod view;
@@ -29,6 +30,7 @@ use crate::mesh::vertex_blocks::{BLOCK, block_range};
 use glam::Vec3;
 use memory::Scattered;
 use std::sync::atomic::{AtomicU64, Ordering};
+use sums::{BlockSums, ChangedDent, KeptSums, Update};
 use view::DamageView;
 
 /// The most blocks that one task evaluates.
@@ -91,6 +93,12 @@ impl Output<'_, '_> {
         self.tracker.dirty(self.view.changes, self.lod)
     }
 
+    /// Whether normals are evaluated: they are wanted, or needed for something else that is.
+    fn with_normals(&self) -> bool {
+        let memory = self.memory;
+        memory.has_normals() || (memory.has_tangents() || memory.has_wear()) && self.mesh.mesh.normals().is_some()
+    }
+
     /// Notes that nothing changed. Returns the number of blocks.
     pub(crate) fn skip(&mut self) -> u64 {
         self.tracker.written((self.view.changes, self.lod, self.mesh.vertex_count()), &[], &[]);
@@ -125,6 +133,18 @@ pub(crate) fn write_outputs(
         let lookups = output.view.damage.dents().iter().map(Dent::lookups).max().unwrap_or(0);
         work += (items.len() - before) * (1 + LOOKUP * lookups);
     }
+    let mut kept = reserve(outputs.len(), "kept sums")?;
+    for (o, output) in outputs.iter_mut().enumerate() {
+        let old = if waits(o) { None } else { output.tracker.sums.take() };
+        kept.push(if waits(o) {
+            None
+        } else {
+            KeptSums::renewed(old, &output.view, output.lod, output.with_normals())
+        });
+    }
+    let mut updates = reserve(outputs.len(), "kept sums")?;
+    updates
+        .extend(kept.iter_mut().zip(&*outputs).map(|(kept, output)| Some(kept.as_mut()?.update(output.view.damage))));
     let tasks = if work < SMALL && tasks.sleeps() { &Serial } else { tasks };
     let total = items.len();
     let mut bounds = reserve(total, "the bounds of blocks")?;
@@ -141,10 +161,21 @@ pub(crate) fn write_outputs(
             for (i, (output, block)) in items[from..(from + chunk).min(total)].iter().enumerate() {
                 // SAFETY: item `from + i` belongs to this task alone, and `run_each` runs a task once.
                 let bounds = unsafe { slots.at(from + i) };
-                write_block(&outputs[*output as usize], *block as usize, &mut scratch, bounds);
+                let kept = updates[*output as usize].as_ref().map(|update: &Update<'_>| {
+                    // SAFETY: the same item.
+                    (unsafe { update.blocks.at(*block as usize) }, &update.dents[..])
+                });
+                write_block(&outputs[*output as usize], *block as usize, kept, &mut scratch, bounds);
             }
             parts_skipped.fetch_add(scratch.evaluate.left_out.into(), Ordering::Relaxed);
         });
+    }
+    drop(updates);
+    for (kept, output) in kept.into_iter().zip(outputs.iter_mut()) {
+        if let Some(mut kept) = kept {
+            kept.shows(output.view.damage);
+            output.tracker.sums = Some(kept);
+        }
     }
     let mut report = DeformReport { parts_skipped: parts_skipped.into_inner(), ..DeformReport::default() };
     for due in &waiting {
@@ -173,23 +204,27 @@ struct Scratch<'a> {
     normals: kernel::Flat,
 }
 
-fn write_block<'a>(output: &'a Output<'_, '_>, block: usize, scratch: &mut Scratch<'a>, bounds: &mut Aabb) {
+fn write_block<'a>(
+    output: &'a Output<'_, '_>,
+    block: usize,
+    kept: Option<(&mut BlockSums, &'a [ChangedDent<'a>])>,
+    scratch: &mut Scratch<'a>,
+    bounds: &mut Aabb,
+) {
     let (mesh, memory) = (output.mesh, output.memory);
     let job = evaluate::BlockJob { view: &output.view, lod: mesh, block };
     let range = block_range(block, mesh.vertex_count());
-    let with_tangents = memory.has_tangents() && mesh.mesh.normals().is_some();
     let n = 3 * range.len();
     let Scratch { evaluate: scratch, positions, normals } = scratch;
     let with_wear = memory.has_wear();
-    let with_normals = memory.has_normals() || with_tangents || with_wear && mesh.mesh.normals().is_some();
-    let wanted = with_normals.then_some(&mut normals[..n]);
+    let wanted = output.with_normals().then_some(&mut normals[..n]);
     // SAFETY: `check` passed for all vertices; the blocks of an output are distinct and outputs do not overlap. Wear is
     // computed from the positions, and the caller's memory may be slow to read.
     match unsafe { memory.positions(range.clone()) }.filter(|_| !with_wear) {
-        Some(positions) => evaluate::block(job, scratch, positions, wanted, bounds),
+        Some(positions) => evaluate::block(job, scratch, kept, positions, wanted, bounds),
         None => {
             let positions = &mut positions[..n];
-            evaluate::block(job, scratch, positions, wanted, bounds);
+            evaluate::block(job, scratch, kept, positions, wanted, bounds);
             // SAFETY: the same.
             unsafe { memory.write_positions(range.start, positions) };
         }

@@ -1,5 +1,6 @@
 //! What one output already holds, so that only changed blocks are written.
 
+use super::sums::KeptSums;
 use crate::base::math::Aabb;
 use crate::damage::changes::Changes;
 use crate::mesh::vertex_blocks::block_range;
@@ -7,7 +8,8 @@ use std::ops::Range;
 
 /// Records which blocks of which instance one output's memory holds, and as of which epoch. Keep one tracker for each
 /// piece of memory, such as each buffer of a ring of three. If anything else writes to the memory, call
-/// [`Tracker::invalidate`].
+/// [`Tracker::invalidate`]. While an instance with eight carried dents or more is being hit, its tracker also holds sums, 24
+/// bytes a vertex, so that one more hit does not evaluate all dents again.
 #[derive(Debug, Clone, Default)]
 pub struct Tracker {
     /// Instance and epoch written last; instance 0 is none.
@@ -21,6 +23,7 @@ pub struct Tracker {
     bounds: Option<Aabb>,
     /// Calls in a row that had to leave it out.
     pub(crate) calls_waited: u32,
+    pub(super) sums: Option<Box<KeptSums>>,
 }
 
 impl Tracker {
@@ -104,6 +107,9 @@ impl Tracker {
     /// Records that nothing was written.
     pub(crate) fn unchanged(&mut self) {
         self.changed.clear();
+        if self.sums.as_mut().is_some_and(|sums| !sums.rests()) {
+            self.sums = None;
+        }
     }
 
     /// Records that there was no time to write it.

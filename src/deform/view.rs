@@ -34,6 +34,13 @@ pub(crate) struct DisplacedVertices<'a> {
 }
 
 impl DamageView<'_> {
+    /// The step of displacements of carried examples, m: a power of two, about 2^-26 of the body's size.
+    pub(crate) fn step(&self) -> f32 {
+        // The greatest power of two that is not above it.
+        let power = f32::from_bits(self.set.mesh().bounds().diagonal().to_bits() & 0x7F80_0000);
+        (power * 2.0_f32.powi(-26)).clamp(2.0_f32.powi(-100), 2.0_f32.powi(100))
+    }
+
     /// Whether the sum of this many dents is no longer than the longest of them.
     pub(crate) fn keeps_deepest(&self, dents: usize) -> bool {
         self.set.options().combine == Combine::Deepest && dents > 1

@@ -1,11 +1,13 @@
 //! The data of a frame that the kernels read. `layout.wgsl` declares the same structs; the build asserts that both agree.
 
+use crate::deform::kernel;
 use crate::example::stamp;
 use bytemuck::{Pod, Zeroable};
 
 include!(concat!(env!("OUT_DIR"), "/layout.rs"));
 
 const _: () = assert!(BLOCK as usize == crate::mesh::vertex_blocks::BLOCK);
+const _: () = assert!(TURN_STEP == kernel::TURN_STEP && MOST_STEPS == kernel::MOST_STEPS);
 const _: () = assert!(WEIGHTS == stamp::WEIGHTS && FACING == stamp::FACING);
 
 /// Four words, which a kernel reads at once.
@@ -61,7 +63,9 @@ pub(super) struct TargetWork {
     pub wear_at: u32,
     pub wear_stride: u32,
     pub wear_scale: f32,
-    pub padding: [u32; 3],
+    pub step: f32,
+    pub per_step: f32,
+    pub padding: u32,
 }
 
 /// A dent. Its parts follow.

@@ -25,6 +25,9 @@ const AT_REST = 1u;
 
 // The weights of a bilinear mean sum to this.
 const WEIGHTS: f32 = 16384.0;
+// The step of changes of normals by carried examples, and the most steps that one dent contributes.
+const TURN_STEP: f32 = 0.0000002384185791015625;
+const MOST_STEPS: f32 = 134217728.0;
 // The step of the stored cosine between a normal and the stamp's z, over WEIGHTS.
 const FACING: f32 = 1.0 / (32767.0 * 16384.0);
 
@@ -86,7 +89,10 @@ struct TargetWork {
     // Of wear, as of the other outputs; and the length that a normalised integer of 1 stands for, m.
     wear_at: u32,
     wear_stride: u32,
-    @size(16) wear_scale: f32,
+    wear_scale: f32,
+    // Of displacements of carried examples: a step, m, and steps per m. Powers of two.
+    step: f32,
+    @size(8) per_step: f32,
 }
 
 // A dent. Its parts follow.

@@ -13,6 +13,20 @@ struct Sums {
     all: vec3<f32>,
     longest: f32,
     change: vec3<f32>,
+    // What carried examples add to `all` and `change`, in steps, and to `dent`.
+    carried_all: vec3<i32>,
+    carried_change: vec3<i32>,
+    carried_dent: vec3<f32>,
+}
+
+// A vector in whole steps, rounded towards zero.
+fn in_steps(v: vec3<f32>, per_step: f32) -> vec3<i32> {
+    let s = v * per_step;
+    return vec3(
+        i32(clamped(s.x, -MOST_STEPS, MOST_STEPS)),
+        i32(clamped(s.y, -MOST_STEPS, MOST_STEPS)),
+        i32(clamped(s.z, -MOST_STEPS, MOST_STEPS)),
+    );
 }
 
 // Zero for a vector no longer than the root of `square`, else the vector. A negative `square` keeps all vectors.
@@ -48,6 +62,7 @@ fn turned_back(x: vec3<f32>, y: vec3<f32>, z: vec3<f32>, v: vec3<f32>) -> vec3<f
 fn add_carried(
     row: u32,
     part: DentPart,
+    per_step: f32,
     window: u32,
     v: u32,
     position: vec3<f32>,
@@ -114,12 +129,13 @@ fn add_carried(
             let along = slope - normal * dot3(normal, slope);
             change = change * factor - along * dot3(u, normal);
         }
-        (*sums).change = (*sums).change + change;
+        (*sums).carried_change = (*sums).carried_change + in_steps(change, 1.0 / TURN_STEP);
     }
     if window != NONE {
         u = u * factor;
     }
-    (*sums).dent = (*sums).dent + u;
+    (*sums).carried_all = (*sums).carried_all + in_steps(u, per_step);
+    (*sums).carried_dent = (*sums).carried_dent + u;
 }
 
 // The unit vector along `n + change`; `n` itself if the `sum` of changes is zero.
@@ -167,7 +183,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         base_normal = arena_vector(out.base_normals + 3u * vertex.index);
     }
 
-    var sums = Sums(vec3(0.0), vec3(0.0), 0.0, vec3(0.0));
+    var sums = Sums(vec3(0.0), vec3(0.0), 0.0, vec3(0.0), vec3(0), vec3(0), vec3(0.0));
     var row = call.parts + out.parts_begin;
     let end = call.parts + out.parts_end;
     while row < end {
@@ -183,20 +199,26 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             for (var at = first; at < after; at += ROWS_DENT_PART) {
                 let part = load_dent_part(at);
                 if CARRIED && part.lookups != 0u {
-                    add_carried(call.carried + part.source, part, window, vertex.v, base, base_normal, &sums);
+                    add_carried(call.carried + part.source, part, out.per_step, window, vertex.v, base, base_normal, &sums);
                 } else {
                     add_anchored(part, vertex.block, vertex.v, &sums);
                 }
             }
             sums.all = sums.all + sums.dent;
             if (flags & DEEPEST) != 0u {
-                sums.longest = maximum(dot3(sums.dent, sums.dent), sums.longest);
+                let dent = sums.dent + sums.carried_dent;
+                sums.longest = maximum(dot3(dent, dent), sums.longest);
             }
             sums.dent = vec3(0.0);
+            sums.carried_dent = vec3(0.0);
         }
         row = after;
     }
 
+    if CARRIED {
+        sums.all = sums.all + vec3<f32>(sums.carried_all) * out.step;
+        sums.change = sums.change + vec3<f32>(sums.carried_change) * TURN_STEP;
+    }
     var u = sums.all;
     var change = sums.change;
     if (flags & (DEEPEST | LIMITED)) != 0u || out.depths != NONE || out.gives != NONE {

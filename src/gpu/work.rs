@@ -293,7 +293,9 @@ impl FrameWork {
             wear_at,
             wear_stride,
             wear_scale: shown.view.set.depth_limit(),
-            padding: [0; 3],
+            step: shown.view.step(),
+            per_step: 1.0 / shown.view.step(),
+            padding: 0,
         });
     }
 }

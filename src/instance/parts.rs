@@ -163,6 +163,7 @@ impl Instance {
             block(
                 BlockJob { view: &view, lod: mesh, block: at },
                 &mut scratch,
+                None,
                 positions,
                 None,
                 &mut Aabb::EMPTY.clone(),

@@ -48,7 +48,8 @@ impl Simd for Avx2 {
             _mm256_castsi256_ps(_mm256_slli_epi32::<16>(_mm256_cvtepu16_epi32(_mm_loadu_si128(p.cast()))));
         fn packed(low: __m256i, high: __m256i) -> __m256i =
             _mm256_blend_epi16::<0xAA>(low, _mm256_slli_epi32::<16>(high));
-        fn store_int(p: *mut u32, v: __m256i) = _mm256_storeu_si256(p.cast(), v);
+        fn load_int(p: *const i32) -> __m256i = _mm256_loadu_si256(p.cast());
+        fn store_int(p: *mut i32, v: __m256i) = _mm256_storeu_si256(p.cast(), v);
     }
 
     #[inline(always)]

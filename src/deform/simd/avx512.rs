@@ -60,7 +60,8 @@ impl Simd for Avx512 {
             _mm512_castsi512_ps(_mm512_slli_epi32::<16>(_mm512_cvtepu16_epi32(_mm256_loadu_si256(p.cast()))));
         fn packed(low: __m512i, high: __m512i) -> __m512i =
             _mm512_mask_blend_epi16(0xAAAA_AAAA, low, _mm512_slli_epi32::<16>(high));
-        fn store_int(p: *mut u32, v: __m512i) = _mm512_storeu_si512(p.cast(), v);
+        fn load_int(p: *const i32) -> __m512i = _mm512_loadu_si512(p.cast());
+        fn store_int(p: *mut i32, v: __m512i) = _mm512_storeu_si512(p.cast(), v);
     }
 
     #[inline(always)]

@@ -172,7 +172,8 @@ pub(crate) trait Simd: Copy {
 
     /// Puts the lower 16 bits of each lane of `high` above those of `low`.
     unsafe fn packed(low: Self::I, high: Self::I) -> Self::I;
-    unsafe fn store_int(p: *mut u32, v: Self::I);
+    unsafe fn load_int(p: *const i32) -> Self::I;
+    unsafe fn store_int(p: *mut i32, v: Self::I);
     /// For each lane, a weighted sum of four nodes. The weights of `p[at]` and `p[at + 1]` are the lower and the upper
     /// 16 bits of `near`. The weights of the two nodes `row` further on are those of `far`. Returns the sums of the
     /// nodes' first four numbers and, if `ALL`, of the last four (zeros otherwise).

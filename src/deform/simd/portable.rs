@@ -154,7 +154,12 @@ impl Simd for Portable {
         (low & i32x8::splat(0xFFFF)) | high << 16
     }
     #[inline(always)]
-    unsafe fn store_int(p: *mut u32, v: i32x8) {
+    unsafe fn load_int(p: *const i32) -> i32x8 {
+        // SAFETY: eight numbers are there, as the trait requires.
+        i32x8::from(unsafe { p.cast::<[i32; 8]>().read_unaligned() })
+    }
+    #[inline(always)]
+    unsafe fn store_int(p: *mut i32, v: i32x8) {
         // SAFETY: there is room for eight numbers.
         unsafe { p.cast::<[i32; 8]>().write_unaligned(v.to_array()) }
     }
