@@ -208,7 +208,7 @@ pub(crate) fn block<'a>(
         lookups: &scratch.lookups,
         window: job.lod.rim.block(job.block),
         step: job.view.step(),
-        deepest: job.view.keeps_deepest(touched.dents),
+        deepest: job.view.keeps_deepest(),
         limit: job.view.limit(touched.longest),
         own: DamageView::own_limits(mesh, job.block, touched.longest),
     };

@@ -473,17 +473,15 @@ pub(crate) struct ReadyLookup<'a>(pub &'a Lookup, pub &'a [Node]);
 
 /// Sums at the vertices of some lanes.
 struct Sums<S: Simd> {
-    /// Displacement of the current dent by anchored examples, m.
+    /// Displacement of the current dent, m, without what is in `carried`.
     dent: V<S>,
-    /// The same by carried examples, if the longest dent is wanted.
-    carried_dent: V<S>,
-    /// Displacement of all dents by anchored examples, m.
+    /// Displacement of all dents, m, without what is in `carried`.
     all: V<S>,
     /// Squared length of the longest dent, m².
     longest: S::F,
     /// Change of the normal by anchored examples.
     change: V<S>,
-    /// What carried examples add to `all` and `change`, in steps.
+    /// What carried examples add to `all`, unless the longest dent is wanted, and to `change`, in steps.
     carried: [[S::I; 3]; 2],
 }
 
@@ -615,9 +613,10 @@ unsafe fn add_carried<S: Simd, const NORMALS: bool>(
         if window.is_some() {
             u = scaled::<S>(u, factor);
         }
-        add_steps::<S>(&mut sums.carried[0], in_steps::<S>(u, S::splat(1.0 / block.step)));
         if block.deepest {
-            sums.carried_dent = add::<S>(sums.carried_dent, u);
+            sums.dent = add::<S>(sums.dent, u);
+        } else {
+            add_steps::<S>(&mut sums.carried[0], in_steps::<S>(u, S::splat(1.0 / block.step)));
         }
     }
 }
@@ -723,7 +722,6 @@ pub(crate) unsafe fn displace<S: Simd, const NORMALS: bool, const CARRIED: bool>
             };
             let mut sums = Sums::<S> {
                 dent: zero,
-                carried_dent: zero,
                 all: zero,
                 longest: S::splat(0.0),
                 change: zero,
@@ -755,9 +753,7 @@ pub(crate) unsafe fn displace<S: Simd, const NORMALS: bool, const CARRIED: bool>
                     sums.all = add::<S>(sums.all, u);
                     sums.dent = zero;
                     if block.deepest {
-                        let u = add::<S>(u, sums.carried_dent);
                         sums.longest = S::max(dot::<S>(u, u), sums.longest);
-                        sums.carried_dent = zero;
                     }
                 }
             }

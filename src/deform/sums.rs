@@ -10,7 +10,6 @@ use super::view::DamageView;
 use crate::base::error::{headroom, reserve};
 use crate::damage::dent::{Dent, Reach};
 use crate::damage::list::Damage;
-use crate::example::options::Combine;
 use crate::mesh::vertex_blocks::BLOCK;
 
 /// Fewer dents are summed anew as fast.
@@ -63,7 +62,7 @@ impl KeptSums {
         let dents = view.damage.dents();
         let pays = dents.len() >= LEAST_DENTS
             && view.vertices.is_none()
-            && view.set.options().combine != Combine::Deepest
+            && !view.keeps_deepest()
             && dents.iter().any(|dent| dent.lookups() > 0);
         // The copy of the damage that `shows` makes cannot fail.
         if !pays || headroom(2 * view.damage.memory_bytes(), "kept sums").is_err() {

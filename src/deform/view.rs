@@ -41,9 +41,9 @@ impl DamageView<'_> {
         (power * 2.0_f32.powi(-26)).clamp(2.0_f32.powi(-100), 2.0_f32.powi(100))
     }
 
-    /// Whether the sum of this many dents is no longer than the longest of them.
-    pub(crate) fn keeps_deepest(&self, dents: usize) -> bool {
-        self.set.options().combine == Combine::Deepest && dents > 1
+    /// Whether the sum of dents is no longer than the longest of them.
+    pub(crate) fn keeps_deepest(&self) -> bool {
+        self.set.options().combine == Combine::Deepest
     }
 
     /// The limits of a block's own vertices, if dents whose lengths sum to `longest` (m) may reach them.

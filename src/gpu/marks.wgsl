@@ -13,10 +13,9 @@ struct Sums {
     all: vec3<f32>,
     longest: f32,
     change: vec3<f32>,
-    // What carried examples add to `all` and `change`, in steps, and to `dent`.
+    // What carried examples add to `all`, unless the longest dent is wanted, and to `change`, in steps.
     carried_all: vec3<i32>,
     carried_change: vec3<i32>,
-    carried_dent: vec3<f32>,
 }
 
 // A vector in whole steps, rounded towards zero.
@@ -62,7 +61,7 @@ fn turned_back(x: vec3<f32>, y: vec3<f32>, z: vec3<f32>, v: vec3<f32>) -> vec3<f
 fn add_carried(
     row: u32,
     part: DentPart,
-    per_step: f32,
+    out: TargetWork,
     window: u32,
     v: u32,
     position: vec3<f32>,
@@ -134,8 +133,11 @@ fn add_carried(
     if window != NONE {
         u = u * factor;
     }
-    (*sums).carried_all = (*sums).carried_all + in_steps(u, per_step);
-    (*sums).carried_dent = (*sums).carried_dent + u;
+    if (out.flags & DEEPEST) != 0u {
+        (*sums).dent = (*sums).dent + u;
+    } else {
+        (*sums).carried_all = (*sums).carried_all + in_steps(u, out.per_step);
+    }
 }
 
 // The unit vector along `n + change`; `n` itself if the `sum` of changes is zero.
@@ -183,7 +185,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         base_normal = arena_vector(out.base_normals + 3u * vertex.index);
     }
 
-    var sums = Sums(vec3(0.0), vec3(0.0), 0.0, vec3(0.0), vec3(0), vec3(0), vec3(0.0));
+    var sums = Sums(vec3(0.0), vec3(0.0), 0.0, vec3(0.0), vec3(0), vec3(0));
     var row = call.parts + out.parts_begin;
     let end = call.parts + out.parts_end;
     while row < end {
@@ -199,18 +201,16 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             for (var at = first; at < after; at += ROWS_DENT_PART) {
                 let part = load_dent_part(at);
                 if CARRIED && part.lookups != 0u {
-                    add_carried(call.carried + part.source, part, out.per_step, window, vertex.v, base, base_normal, &sums);
+                    add_carried(call.carried + part.source, part, out, window, vertex.v, base, base_normal, &sums);
                 } else {
                     add_anchored(part, vertex.block, vertex.v, &sums);
                 }
             }
             sums.all = sums.all + sums.dent;
             if (flags & DEEPEST) != 0u {
-                let dent = sums.dent + sums.carried_dent;
-                sums.longest = maximum(dot3(dent, dent), sums.longest);
+                sums.longest = maximum(dot3(sums.dent, sums.dent), sums.longest);
             }
             sums.dent = vec3(0.0);
-            sums.carried_dent = vec3(0.0);
         }
         row = after;
     }

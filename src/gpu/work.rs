@@ -190,7 +190,7 @@ impl FrameWork {
             self.parts[head..head + rows.len()].copy_from_slice(&rows);
         }
         let limit = view.limit(longest);
-        let flags = if view.keeps_deepest(dents) { DEEPEST } else { 0 } | if limit.is_some() { LIMITED } else { 0 };
+        let flags = if view.keeps_deepest() { DEEPEST } else { 0 } | if limit.is_some() { LIMITED } else { 0 };
         self.add_target(shown, (begin, longest), (flags, limit.unwrap_or(0.0), NONE));
         let grown = Vec3::splat(longest.min(view.depth_limit) * ROUNDING);
         let mut bounds = mesh.mesh.bounds();
