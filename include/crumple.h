@@ -795,6 +795,24 @@ typedef struct {
     uint64_t reserved[4];
 } CrumpleHitResult;
 
+/// What crumple_example_set_map_damage() did with the marks.
+typedef struct {
+    /// Marks whose contact has a vertex at the same position in the new set.
+    uint32_t kept;
+    /// Marks that are now at another position, the nearest vertex.
+    uint32_t moved;
+    /// Marks left out because the nearest vertex is further than max_distance.
+    uint32_t too_far;
+    /// Marks left out because an example of theirs is missing in the new set.
+    uint32_t without_example;
+    /// The furthest that a mark moved, m.
+    float distance;
+    /// How many examples are missing that marks need, and the first of them: its index in the old set. 0xFFFFFFFF: none.
+    uint32_t missing_examples;
+    uint32_t first_missing_example;
+    uint32_t reserved;
+} CrumpleDamageMapping;
+
 /// Memory for the deformed vertices of one instance, in the mesh's order and space.
 typedef struct {
     uint32_t struct_size;
@@ -1417,6 +1435,17 @@ CrumpleResult crumple_context_save_damage(CrumpleContext *context, const Crumple
 /// an error no instance has changed. CRUMPLE_ERROR_DAMAGE_MISMATCH: also another number of instances.
 CrumpleResult crumple_context_load_damage(CrumpleContext *context, const CrumpleInstance *instances, uint32_t count,
                                           const void *data, size_t size);
+
+/// Maps damage that was saved with old_set to set, another revision of it: a changed mesh, other examples. Each mark goes
+/// to the nearest vertex, at most max_distance away, m (0 to infinity). An example is the one of the same name; of several
+/// with one name, the n-th, if both sets have as many. A mark that does not fit is left out as a whole. data is what
+/// crumple_instance_save_damage() or crumple_context_save_damage() gave; in the latter, damage of other sets stays as it
+/// is. mapped has capacity bytes; see "Arrays" at the top. out_mapping may be null. Errors: CRUMPLE_ERROR_DAMAGE_MISMATCH
+/// (not old_set's, or another version, a classic rule, changes, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT (a mark
+/// that old_set cannot have, or max_distance).
+CrumpleResult crumple_example_set_map_damage(CrumpleContext *context, CrumpleExampleSet set, CrumpleExampleSet old_set,
+                                             const void *data, size_t size, float max_distance, void *mapped,
+                                             size_t capacity, size_t *out_size, CrumpleDamageMapping *out_mapping);
 
 /// Repairs an instance. Every dent keeps this share of its depth: 0 (as new) to 1 (unchanged). Ends contacts.
 CrumpleResult crumple_instance_repair_damage(CrumpleContext *context, CrumpleInstance instance, float keep);

@@ -511,6 +511,20 @@ public:
             return crumple_example_set_find_nearest_vertex(context(), id(), point, &nearest->vertex, &nearest->distance);
         });
     }
+    struct MappedDamage {
+        std::vector<unsigned char> bytes;
+        CrumpleDamageMapping mapping;
+    };
+    /// Maps damage that was saved with another revision of this set. See crumple_example_set_map_damage().
+    Result<MappedDamage> map_damage(CrumpleExampleSet old_set, const std::vector<unsigned char> &saved, float max_distance) const {
+        CrumpleDamageMapping mapping{};
+        auto bytes = detail::fill<unsigned char, std::size_t>([&](unsigned char *data, std::size_t capacity, std::size_t *size) {
+            return crumple_example_set_map_damage(context(), id(), old_set, saved.data(), saved.size(), max_distance, data, capacity,
+                                                  size, &mapping);
+        });
+        if (!bytes.ok()) return Result<MappedDamage>::failed(bytes.result());
+        return MappedDamage{bytes.take(), mapping};
+    }
     /// The number of a part by its name, for sets that were loaded with join_nodes.
     Result<uint32_t> find_part(const char *name) const {
         return detail::get<uint32_t>([&](uint32_t *lod) { return crumple_example_set_find_part(context(), id(), name, lod); });

@@ -77,6 +77,7 @@ pub use instance::archive::{load_all, save_all};
 pub use instance::attachment::{Attachment, Frame};
 pub use instance::deform::{DeformJob, deform, deform_within};
 pub use instance::inbox::Inbox;
+pub use instance::mapped::{Mapping, map_damage};
 pub use instance::options::{InstanceOptions, Rule};
 pub use instance::parts::PartDamage;
 pub use instance::skin::Skin;

@@ -3,7 +3,7 @@
 
 mod scenes;
 
-use crumple::{Error, Instance, InstanceOptions, Mark, Rule, load_all, save_all};
+use crumple::{Error, Instance, InstanceOptions, Mapping, Mark, Rule, load_all, map_damage, save_all};
 use proptest::prelude::*;
 use scenes::{Body, Dice, Output, new, push, random_hit};
 
@@ -163,4 +163,91 @@ fn quick_the_memory_of_changes_is_bounded_and_old_revisions_get_everything() {
     let mut plain = new(&set);
     plain.load(&server.save()).unwrap();
     assert!(most < plain.memory_bytes() + 40_000, "{most} bytes");
+}
+
+/// A sheet of `n` by `n` cells, with bowls whose names do not depend on the mesh.
+fn patched(n: usize, order: &[usize]) -> std::sync::Arc<crumple::ExampleSet> {
+    let mesh = scenes::sheet(n);
+    let bowls = order.iter().map(|&i| {
+        let point = [[-0.25, -0.25], [0.0, 0.0], [0.25, 0.0]][i];
+        let contact = scenes::nearest(&mesh, [point[0], point[1], 0.0]);
+        crumple::ExampleData { name: format!("bowl {i}"), ..scenes::bowl(&mesh, contact, 0.04 + 0.02 * i as f32, 0.2) }
+    });
+    let bowls = bowls.collect();
+    scenes::build(mesh, bowls, crumple::SetOptions::default())
+}
+
+#[test]
+fn quick_damage_of_a_changed_set_is_mapped() {
+    let old = patched(32, &[0, 1, 2]);
+    let mut body = new(&old);
+    for hit in scenes::random_hits(&old, 30, 7) {
+        body.submit(&hit).unwrap();
+    }
+    let saved = body.save();
+    let count = body.marks().unwrap().len();
+    let far = f32::INFINITY;
+
+    // The same set: the same bytes.
+    let (same, mapping) = map_damage(&old, &old, &saved, 0.0).unwrap();
+    assert_eq!((same, mapping), (saved.clone(), Mapping { kept: count, ..Mapping::default() }));
+
+    // The same examples in another order, on twice as dense a mesh that has all vertices of the old one.
+    let dense = patched(64, &[2, 0, 1]);
+    assert!(mismatch(new(&dense).load(&saved)).contains("belongs to example set"));
+    let (bytes, mapping) = map_damage(&old, &dense, &saved, 0.0).unwrap();
+    assert_eq!(mapping, Mapping { kept: count, ..Mapping::default() });
+    let mut there = new(&dense);
+    there.load(&bytes).unwrap();
+    let worst = furthest_apart(&mut body, &mut there);
+    assert!(worst < 0.004, "{worst}");
+
+    // A mesh without most of the old vertices. No vertex of it is further from an old one than half a cell's diagonal.
+    let coarse = patched(24, &[0, 1, 2]);
+    let (bytes, mapping) = map_damage(&old, &coarse, &saved, far).unwrap();
+    assert_eq!((mapping.kept + mapping.moved, mapping.too_far, mapping.without_example), (count, 0, 0));
+    assert!(mapping.moved > 0 && mapping.distance > 0.0, "{mapping:?}");
+    let mut there = new(&coarse);
+    there.load(&bytes).unwrap();
+    assert_eq!(there.marks().unwrap().len(), count);
+    let (_, strict) = map_damage(&old, &coarse, &saved, mapping.distance / 2.0).unwrap();
+    assert!(strict.too_far > 0 && strict.kept + strict.moved + strict.too_far == count, "{strict:?}");
+
+    // Without an example.
+    let fewer = patched(32, &[0, 2]);
+    let (bytes, mapping) = map_damage(&old, &fewer, &saved, far).unwrap();
+    let needs = body.marks().unwrap().iter().filter(|m| m.pairs.iter().any(|p| p.example == 1)).count();
+    assert!(needs > 0);
+    assert_eq!((mapping.without_example, mapping.kept, mapping.missing_examples), (needs, count - needs, vec![1]));
+    new(&fewer).load(&bytes).unwrap();
+
+    // Of many instances, those of other sets stay as they are.
+    let mut other = new(&fewer);
+    let all = save_all([&mut body, &mut other]);
+    let (bytes, mapping) = map_damage(&old, &dense, &all, 0.0).unwrap();
+    assert_eq!(mapping.kept, count);
+    let mut dense_body = new(&dense);
+    load_all(&mut [&mut dense_body, &mut other], &bytes).unwrap();
+    assert_eq!(dense_body.marks().unwrap().len(), count);
+
+    // What does not fit is refused by name.
+    assert!(mismatch(map_damage(&dense, &old, &saved, far).map(drop)).contains("belongs to example set"));
+    assert!(mismatch(map_damage(&old, &dense, &saved[..40], far).map(drop)).contains("bytes after the header"));
+    assert!(mismatch(map_damage(&old, &dense, &all[..60], far).map(drop)).contains("cut short"));
+    let classic = Instance::new(old.clone(), InstanceOptions::classic(Rule::MostDisplaced)).unwrap().save();
+    assert!(mismatch(map_damage(&old, &dense, &classic, far).map(drop)).contains("kind 2"));
+    for wrong in [f32::NAN, -1.0] {
+        assert!(map_damage(&old, &dense, &saved, wrong).unwrap_err().to_string().contains("max_distance"));
+    }
+    let mut forged = saved.clone();
+    forged[24..28].copy_from_slice(&u32::MAX.to_le_bytes());
+    assert!(map_damage(&old, &dense, &forged, far).unwrap_err().to_string().contains("contact of mark 0"));
+}
+
+/// The furthest that a vertex of the first body is displaced otherwise than the vertex at the same place of the second.
+fn furthest_apart(a: &mut Instance, b: &mut Instance) -> f32 {
+    let (ua, ub) = (scenes::displacements(a), scenes::displacements(b));
+    let (a, b) = (a.example_set().clone(), b.example_set().clone());
+    let there = |p: crumple::glam::Vec3| b.nearest_vertex(p.to_array()).unwrap().vertex as usize;
+    a.mesh().positions().iter().zip(&ua).map(|(p, u)| (*u - ub[there(*p)]).length()).fold(0.0, f32::max)
 }

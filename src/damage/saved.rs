@@ -23,6 +23,11 @@ pub(crate) fn are_changes(bytes: &[u8]) -> bool {
     bytes.len() >= HEADER && bytes[..4] == MAGIC && bytes[6..8] == CHANGES.to_le_bytes()
 }
 
+/// Whether the bytes claim to be damage of this set.
+pub(crate) fn belongs_to(set: &ExampleSet, bytes: &[u8]) -> bool {
+    bytes.len() >= HEADER && bytes[..4] == MAGIC && bytes[8..16] == set.fingerprint().to_le_bytes()
+}
+
 /// Changes of marks that lead from one revision to another.
 pub(crate) fn changes(set: &ExampleSet, (from, to): (u64, u64), changed: &[Mark]) -> Vec<u8> {
     let mut out = header(set, CHANGES, changed.len());

@@ -42,8 +42,22 @@ pub fn load_all(instances: &mut [&mut Instance], bytes: &[u8]) -> Result<(), Err
     Ok(())
 }
 
+/// Whether the bytes claim to be the damage of many instances.
+pub(crate) fn are_many(bytes: &[u8]) -> bool {
+    bytes.starts_with(&MAGIC)
+}
+
 /// Takes the saved damage of `count` instances apart.
 pub(crate) fn unpack(bytes: &[u8], count: usize) -> Result<Vec<&[u8]>, Error> {
+    take_apart(bytes, Some(count))
+}
+
+/// Takes the saved damage of any number of instances apart.
+pub(crate) fn unpack_all(bytes: &[u8]) -> Result<Vec<&[u8]>, Error> {
+    take_apart(bytes, None)
+}
+
+fn take_apart(bytes: &[u8], count: Option<usize>) -> Result<Vec<&[u8]>, Error> {
     let bad = |what: String| Error::DamageMismatch { what };
     let short = || bad(format!("{} bytes, cut short", bytes.len()));
     let (header, mut rest) = bytes.split_first_chunk::<HEADER>().ok_or_else(short)?;
@@ -56,11 +70,12 @@ pub(crate) fn unpack(bytes: &[u8], count: usize) -> Result<Vec<&[u8]>, Error> {
         return Err(bad(format!("version {version}; this library reads version {VERSION}")));
     }
     let saved = u32::from_le_bytes([header[8], header[9], header[10], header[11]]);
-    if saved as usize != count {
+    if let Some(count) = count.filter(|count| *count != saved as usize) {
         return Err(bad(format!("it is that of {saved} instances; {count} were given")));
     }
-    let mut each = Vec::with_capacity(count);
-    for _ in 0..count {
+    // Each instance takes the eight bytes of its size at least.
+    let mut each = Vec::with_capacity((saved as usize).min(rest.len() / 8));
+    for _ in 0..saved {
         let (size, after) = rest.split_first_chunk().ok_or_else(short)?;
         let size = usize::try_from(u64::from_le_bytes(*size)).map_err(|_| short())?;
         let (one, after) = after.split_at_checked(size).ok_or_else(short)?;

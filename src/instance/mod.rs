@@ -7,6 +7,7 @@ mod contacts;
 pub(crate) mod deform;
 mod growth;
 pub(crate) mod inbox;
+pub(crate) mod mapped;
 pub(crate) mod options;
 mod part_state;
 pub(crate) mod parts;

@@ -468,6 +468,22 @@ static void damage(void) {
     other = make_instance(context, other_set);
     FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "example set", crumple_instance_load_damage(context, other, bytes, size));
     FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "example set", crumple_instance_copy_damage(context, other, body));
+    // Mapped to a changed set.
+    CrumpleDamageMapping mapping;
+    memset(changed, 0xAB, sizeof changed);
+    FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "belongs to example set",
+          crumple_example_set_map_damage(context, set, other_set, bytes, size, 0, changed, sizeof changed, &size, &mapping));
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "max_distance",
+          crumple_example_set_map_damage(context, other_set, set, bytes, size, NAN, changed, sizeof changed, &size, &mapping));
+    BAD(INVALID_ID, "null example set", crumple_example_set_map_damage(context, other_set, (CrumpleExampleSet){0}, bytes, size, 0, changed, sizeof changed, &size, NULL));
+    FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "mapped has room for 87",
+          crumple_example_set_map_damage(context, set, set, bytes, size, 0, changed, 87, &size, &mapping));
+    FACT(size == 88 && keeps(changed, sizeof changed));
+    OK(crumple_example_set_map_damage(context, set, set, bytes, size, 0, changed, sizeof changed, &size, &mapping));
+    FACT(size == 88 && memcmp(bytes, changed, size) == 0 && mapping.kept == 2 && mapping.first_missing_example == 0xFFFFFFFF);
+    OK(crumple_example_set_map_damage(context, other_set, set, bytes, size, INFINITY, changed, sizeof changed, &size, &mapping));
+    FACT(mapping.kept + mapping.without_example == 2 && mapping.moved + mapping.too_far == 0 && mapping.distance == 0);
+    OK(crumple_instance_load_damage(context, other, changed, size));
     OK(crumple_instance_destroy(context, other));
     OK(crumple_example_set_destroy(context, other_set));
     OK(crumple_context_deform(context, NULL, 0, NULL));

@@ -121,6 +121,8 @@ def test_damage_is_saved_loaded_copied_and_repaired(context, sheet_set):
         other.reset()
         restore()
         assert other.deformed().positions.tobytes() == vertices.tobytes()
+    mapped, done = sheet_set.map_damage(body.save_damage(), sheet_set, 0)
+    assert mapped == body.save_damage() and (done.kept, done.moved, done.too_far, done.without_example) == (2, 0, 0, 0)
     other.repair(0.5)
     assert np.isclose(other.deformed().positions[:, 2].min(), vertices[:, 2].min() / 2, rtol=1e-3)
     with pytest.raises(CrumpleError, match="cut short|too short|bytes") as error:

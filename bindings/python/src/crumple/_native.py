@@ -517,6 +517,19 @@ class CrumpleHitResult(c.Structure):
     ]
 
 
+class CrumpleDamageMapping(c.Structure):
+    _fields_ = [
+        ("kept", c.c_uint32),
+        ("moved", c.c_uint32),
+        ("too_far", c.c_uint32),
+        ("without_example", c.c_uint32),
+        ("distance", c.c_float),
+        ("missing_examples", c.c_uint32),
+        ("first_missing_example", c.c_uint32),
+        ("reserved", c.c_uint32),
+    ]
+
+
 class CrumpleHostBufferDef(c.Structure):
     _fields_ = [
         ("struct_size", c.c_uint32),
@@ -792,6 +805,7 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_instance_load_damage": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_void_p, c.c_size_t]),
     "crumple_context_save_damage": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleInstance), c.c_uint32, c.c_void_p, c.c_size_t, c.POINTER(c.c_size_t)]),
     "crumple_context_load_damage": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleInstance), c.c_uint32, c.c_void_p, c.c_size_t]),
+    "crumple_example_set_map_damage": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, CrumpleExampleSet, c.c_void_p, c.c_size_t, c.c_float, c.c_void_p, c.c_size_t, c.POINTER(c.c_size_t), c.POINTER(CrumpleDamageMapping)]),
     "crumple_instance_repair_damage": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_float]),
     "crumple_instance_repair_around": (c.c_uint32, [c.c_void_p, CrumpleInstance, CrumpleVec3, c.c_float, c.c_float]),
     "crumple_instance_reset_damage": (c.c_uint32, [c.c_void_p, CrumpleInstance]),

@@ -96,6 +96,21 @@ class ExampleSet:
         """The set as the bytes of a .crumple file."""
         return filled(library.crumple_example_set_save_baked, self._context.handle, self.id)
 
+    def map_damage(
+        self, data: bytes | bytearray | memoryview, old_set: ExampleSet, max_distance: float = float("inf")
+    ) -> tuple[bytes, native.CrumpleDamageMapping]:
+        """Maps damage that was saved with another revision of this set, and says what became of the marks.
+
+        A mark goes to the nearest vertex, at most max_distance away, m. Examples are found by name.
+        """
+        data, done = bytes(data), native.CrumpleDamageMapping()
+        size, call = ctypes.c_size_t(), library.crumple_example_set_map_damage
+        # A mapped mark takes as many bytes as before.
+        out = ctypes.create_string_buffer(max(len(data), 1))
+        ids = (self._context.handle, self.id, old_set.id)
+        check(call(*ids, data, len(data), max_distance, out, len(data), ctypes.byref(size), ctypes.byref(done)))
+        return out.raw[: size.value], done
+
     def nearest_vertex(self, point: ArrayLike) -> tuple[int, float]:
         """The vertex of the base mesh nearest to a point, and its distance, m."""
         vertex, distance = ctypes.c_uint32(), ctypes.c_float()

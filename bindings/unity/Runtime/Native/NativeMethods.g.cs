@@ -405,6 +405,19 @@ namespace Crumple.Native
             UIntPtr size);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_example_set_map_damage(
+            IntPtr context,
+            CrumpleExampleSet set,
+            CrumpleExampleSet oldSet,
+            IntPtr data,
+            UIntPtr size,
+            float maxDistance,
+            IntPtr mapped,
+            UIntPtr capacity,
+            UIntPtr* outSize,
+            CrumpleDamageMapping* outMapping);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_instance_repair_damage(
             IntPtr context,
             CrumpleInstance instance,

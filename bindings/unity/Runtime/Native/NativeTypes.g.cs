@@ -651,6 +651,20 @@ namespace Crumple
 
     /// <summary>The struct of crumple.h.</summary>
     [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleDamageMapping
+    {
+        public uint Kept;
+        public uint Moved;
+        public uint TooFar;
+        public uint WithoutExample;
+        public float Distance;
+        public uint MissingExamples;
+        public uint FirstMissingExample;
+        public uint Reserved;
+    }
+
+    /// <summary>The struct of crumple.h.</summary>
+    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleHostBufferDef
     {
         public uint StructSize;
