@@ -810,7 +810,6 @@ typedef struct {
     /// How many examples are missing that marks need, and the first of them: its index in the old set. 0xFFFFFFFF: none.
     uint32_t missing_examples;
     uint32_t first_missing_example;
-    uint32_t reserved;
 } CrumpleDamageMapping;
 
 /// Memory for the deformed vertices of one instance, in the mesh's order and space.

@@ -202,7 +202,6 @@ pub struct CrumpleDamageMapping {
     /// How many examples are missing that marks need, and the first of them: its index in the old set. 0xFFFFFFFF: none.
     pub missing_examples: u32,
     pub first_missing_example: u32,
-    pub reserved: u32,
 }
 
 /// Maps damage that was saved with old_set to set, another revision of it: a changed mesh, other examples. Each mark goes
@@ -242,7 +241,6 @@ pub unsafe extern "C" fn crumple_example_set_map_damage(
             distance: done.distance,
             missing_examples: done.missing_examples.len() as u32,
             first_missing_example: done.missing_examples.first().map_or(u32::MAX, |e| u32::from(*e)),
-            reserved: 0,
         });
         Ok(())
     })

@@ -526,7 +526,6 @@ class CrumpleDamageMapping(c.Structure):
         ("distance", c.c_float),
         ("missing_examples", c.c_uint32),
         ("first_missing_example", c.c_uint32),
-        ("reserved", c.c_uint32),
     ]
 
 

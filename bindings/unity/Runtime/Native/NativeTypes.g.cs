@@ -660,7 +660,6 @@ namespace Crumple
         public float Distance;
         public uint MissingExamples;
         public uint FirstMissingExample;
-        public uint Reserved;
     }
 
     /// <summary>The struct of crumple.h.</summary>
