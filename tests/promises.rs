@@ -502,7 +502,7 @@ fn hits_upon_many_dents_have_the_bits_of_a_fresh_evaluation() {
                 23 => instance.repair(0.9).unwrap(),
                 25 => instance.set_depth_limit(Some(0.5 * set.depth_limit())).unwrap(),
                 // Long enough for the sums to be given back.
-                27 => (0..300).for_each(|_| drop(all.update(&mut instance))),
+                27 => (0..300).for_each(|_| _ = all.update(&mut instance)),
                 29 => instance.repair_around(base(&set, dice.index(set.vertex_count())), 0.4, 0.3).unwrap(),
                 _ => (),
             }
