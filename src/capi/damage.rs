@@ -166,12 +166,12 @@ pub unsafe extern "C" fn crumple_context_load_damage(
     })
 }
 
-/// The instances that a call names: those given, or all.
 /// As many marks as saved damage can have.
 fn marks_in(bytes: &[u8]) -> usize {
     bytes.len() / size_of::<Mark>()
 }
 
+/// The instances that a call names: those given, or all.
 unsafe fn listed(
     state: &State,
     instances: *const CrumpleInstance,
@@ -228,9 +228,9 @@ pub unsafe extern "C" fn crumple_example_set_map_damage(
         let (out, mapping) = (Out::new(out_size, "out_size")?, Out::optional(out_mapping, "out_mapping")?);
         let bytes = array(data.cast::<u8>(), size, "data")?;
         let (to, from) = (&state.sets.get(set, "set")?.set, &state.sets.get(old_set, "old_set")?.set);
-        // The examples' names, and the bytes twice.
+        // The examples by name; and the marks, the damage of each instance, and all of it.
         let examples = from.examples().len() + to.examples().len();
-        headroom(size.saturating_mul(4).saturating_add(examples * 256), "the damage")?;
+        headroom(size.saturating_mul(6).saturating_add(examples * 256), "the damage")?;
         let (new, done) = map_damage(from, to, bytes, max_distance)?;
         write_array(&new, mapped.cast::<u8>(), capacity, "mapped", out)?;
         mapping.write(CrumpleDamageMapping {

@@ -170,6 +170,24 @@ def test_the_same_blow_dents_deeper_by_a_corner_than_by_a_wall(tmp_path):
     assert 0.01 < deepest["corner"] and deepest["wall"] < 0.75 * deepest["corner"], deepest
 
 
+def test_a_corner_that_dents_more_beside_its_tip_is_no_example(tmp_path):
+    from crumple.examples.flight import Blow
+    from crumple.examples.materials import MATERIALS
+    from crumple.examples.solver import ELSEWHERE, Solver
+
+    made = shell.make(Body(bodies.write(tmp_path / "body.glb", [bodies.panel()])), 400, "auto")
+    solver, found = Solver(made, MATERIALS["steel"], 0.0008), {}
+    for far in (0.03, 0.1):
+        vertex = int(np.abs(made.to_held - far).argmin())
+        normal = made.normals[vertex]
+        outcome = solver.strike(Blow(made.points[vertex], normal, -normal, 6.0, 20.0, 0.2, "corner"))
+        found[far] = outcome.trouble
+        share = outcome.depth / np.linalg.norm(outcome.field, axis=1).max()
+        assert (share < 0.5) == (outcome.trouble == ELSEWHERE), share
+    # Beside the rim, which is held, the cube's flank dents the panel. Further inside its tip does.
+    assert found == {0.03: ELSEWHERE, 0.1: None}
+
+
 def engine(tmp_path, **placed):
     """A panel with a box of 30 cm under it, whose top is 2 to 4 cm below the panel."""
     box = trimesh.creation.box((0.3, 0.1, 0.3))

@@ -20,7 +20,7 @@ from .inner import Solid
 from .materials import LEAST_SPEED, MATERIALS, MOST_SPEED, SPEEDS, STRIKERS, TOLD, Material
 from .places import Places, errors
 from .shell import Shell
-from .solver import BESIDE, BLOCKED, HELD, MISSED, Outcome, Solver
+from .solver import BESIDE, BLOCKED, ELSEWHERE, HELD, MISSED, Outcome, Solver
 
 TRIES = 5
 EXPONENT = 1.2
@@ -31,7 +31,7 @@ NEAR_ENOUGH = 1.8
 """A dent may be this many times deeper or shallower than wanted."""
 STOPPED = 0.7
 """Dents deeper than this share of the distance to a solid inside may have been stopped by it, and say nothing of the shell's stiffness."""
-FORMAT = 3
+FORMAT = 4
 """Another number for every change of what the solver leaves."""
 
 
@@ -105,7 +105,7 @@ class Maker:
         for _ in range(TRIES):
             outcome = self.solver.strike(blow)
             tries.append(f"{blow.speed:.1f} m/s, {blow.mass:.3g} kg: {outcome.trouble or f'{1000 * outcome.depth:.3g} mm'}")
-            if outcome.trouble in (BESIDE, BLOCKED, MISSED, HELD):
+            if outcome.trouble in (BESIDE, BLOCKED, ELSEWHERE, HELD, MISSED):
                 return Result(task, None, tries, place_is_bad=True)
             if outcome.trouble is not None:
                 blow = replace(blow, speed=0.8 * blow.speed)
@@ -307,6 +307,7 @@ def advice(results: Sequence[Result]) -> str:
         "turned over": "the shell folded: choose a smaller --depth or a finer --detail",
         "in the striker's way": "strikers could not reach the body: choose smaller ones (--strikers stone), or turn its normals outward",
         "another place first": "a wall reaches only what stands out: add another striker (--strikers ball wall)",
+        "deeper elsewhere": "a corner's flank dented more than its tip: add balls (--strikers ball corner), or hold less (--hold)",
         "is held": "strikers touched parts that are held: hold less (--hold), or choose smaller strikers (--strikers ball)",
         "did not touch": "strikers missed the body: turn its normals outward",
     }

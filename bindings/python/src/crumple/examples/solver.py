@@ -37,6 +37,10 @@ FREE, SLOW, CONTACT, SETTLE = 0.008, 0.060, 0.30, 0.12
 settling last at most this long."""
 REST, UNSETTLED = 3e-3, 0.04
 """m/s with edges of 20 mm: the shell rests below the first, and has not settled above the second."""
+CONTACT_SHARE = 0.5
+"""A flat striker's contact is displaced by at least this share of the largest displacement. Other blows teach nothing of their place."""
+SEEN = 0.002
+"""Shallower dents, as a share of the diagonal, are not asked where they are deepest."""
 ASIDE = 0.1
 """A wall may touch this share of the diagonal beside what it is aimed at."""
 _BAD = (mujoco.mjtWarning.mjWARN_BADQACC, mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL)
@@ -62,6 +66,7 @@ BLOCKED = "the body is in the striker's way"
 BESIDE = "the wall touched another place first"
 HELD = "the striker touched a part that is held"
 MISSED = "the striker did not touch the body"
+ELSEWHERE = "the body was dented deeper elsewhere"
 UNSTABLE = "the solver became unstable"
 STUCK = "the striker did not leave"
 RESTLESS = "the shell did not come to rest"
@@ -177,6 +182,9 @@ class Solver:
             field=field, point=point, normal=normal, impulse=impulse, duration=last - first + self.dt, depth=float(length[vertex]), speed_at_rest=speed
         )  # fmt: skip
         trouble = STUCK if not left else RESTLESS if speed > UNSETTLED * self.pace else FOLDED if self._folded(field) else None
+        # Near a part that is held, the tip of a cube stops there and its flank goes on.
+        if trouble is None and blow.is_box and length[vertex] < CONTACT_SHARE * length.max() and length.max() > SEEN * self.shell.size:
+            trouble = ELSEWHERE
         return Outcome(trouble, **found)
 
     def hold_what_touches(self) -> int:
