@@ -169,7 +169,8 @@ library's classic rule keeps its own state beside the engine's buffer.
 
 {picture(directory, "gpu_record", "CPU time of a recording against the number of instances")}
 The table has median / 90th percentile in µs. The bodies have 10 000 vertices each and share one buffer. The mark of each body has changed, in a
-tenth of its blocks.
+tenth of its blocks. 1000 such bodies miss their aim because the device's work in between pushes their state out of the processor's caches: in a
+profile half of the time goes to finding the blocks that changed, most of it to loading when each of them did.
 
 {each(found, recording)}
 ## Upload and reading back
