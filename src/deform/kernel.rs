@@ -697,9 +697,9 @@ pub(crate) struct Block<'a> {
     pub own: Option<BlockLimits<'a>>,
 }
 
-/// Writes deformed positions, and unit normals if `NORMALS`. What carried examples contribute is added to `sums`, if these
-/// are given, and the vertices are those of the new sums. Without `CARRIED` there are neither sums nor such parts. Returns the bounds of the first `len` positions. If there
-/// are stored parts, `S` must have `GROUP` lanes.
+/// Writes deformed positions, and unit normals if `NORMALS`. What carried examples contribute is added to the sums `kept`, if
+/// they are given, and the vertices are those of the new sums. Without `CARRIED` there are neither sums nor carried parts.
+/// Returns the bounds of the first `len` positions. If there are stored parts, `S` must have `GROUP` lanes.
 #[inline(always)]
 pub(crate) unsafe fn displace<S: Simd, const NORMALS: bool, const CARRIED: bool>(
     block: &Block<'_>,
