@@ -19,7 +19,8 @@ use crate::workspace::{Workspace, empty_directory, files};
 const BINDING: &str = "bindings/blender";
 const MANIFEST: &str = "blender_manifest.toml";
 /// Blender as a Python module, in two versions.
-const REQUIREMENTS: &[&str] = &["bindings/blender/tests/bpy42.txt", "bindings/blender/tests/bpy50.txt"];
+const MODULES: &[&str] = &["bpy42", NEWEST];
+pub const NEWEST: &str = "bpy50";
 /// Blender with a window.
 const PACKAGES: &[&str] =
     &["blender", "mesa-vulkan-drivers", "python3-numpy", "python3-cattr", "python3-requests", "python3-zstandard"];
@@ -49,14 +50,10 @@ pub fn stage(workspace: &Workspace) -> Result<Outcome> {
         return Ok(Outcome::NotApplicable("Blender is fetched for Linux on x86-64 only".into()));
     }
     let mut pythons = Vec::new();
-    for requirements in REQUIREMENTS {
-        let name = Path::new(requirements).file_stem().context("files have names")?.to_string_lossy();
-        match python::environment(workspace, Tool::Python311, &format!("blender-{name}"), requirements) {
+    for name in MODULES {
+        match module(workspace, name) {
             Ok(python) => pythons.push(python),
-            Err(error) => {
-                let line = format!("python3.11 -m pip install -r {requirements}");
-                return Ok(Outcome::LeftOut(format!("bpy cannot be had; to see why: {line} ({error})")));
-            }
+            Err(error) => return Ok(Outcome::LeftOut(format!("{error:#}"))),
         }
     }
     let (sh, folder) = (&workspace.shell, workspace.target.join("blender-extension"));
@@ -86,6 +83,13 @@ pub fn stage(workspace: &Workspace) -> Result<Outcome> {
             Ok(Outcome::InPart(format!("Blender with a window cannot be fetched: {error:#}. {how}")))
         }
     }
+}
+
+/// A Python with Blender as its module `bpy`, as `bindings/blender/tests/NAME.txt` says. Installed on the first call.
+pub fn module(workspace: &Workspace, name: &str) -> Result<PathBuf> {
+    let requirements = format!("{BINDING}/tests/{name}.txt");
+    python::environment(workspace, Tool::Python311, &format!("blender-{name}"), &requirements)
+        .with_context(|| format!("bpy cannot be had; to see why: python3.11 -m pip install -r {requirements}"))
 }
 
 /// The program with a window, fetched on the first call.

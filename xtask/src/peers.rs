@@ -6,36 +6,27 @@ use std::path::PathBuf;
 use anyhow::Result;
 use xshell::cmd;
 
+use crate::blender;
 use crate::command::Command;
 use crate::install::Profile;
 use crate::stage::Outcome;
 use crate::tools;
 use crate::workspace::{Workspace, empty_directory};
 
-const BLENDER: &str = "bpy==5.0.1";
 const VALIDATOR: &str = "gltf-validator@2.0.0-dev.3.10";
 
 /// Blender opens every exported fixture and a body that the command dented.
-pub fn blender(workspace: &Workspace) -> Result<Outcome> {
+pub fn opens_exports(workspace: &Workspace) -> Result<Outcome> {
+    let python = match blender::module(workspace, blender::NEWEST) {
+        Ok(python) => python,
+        Err(error) => return Ok(Outcome::LeftOut(format!("{error:#}"))),
+    };
     let sh = &workspace.shell;
-    let environment = workspace.target.join("blender");
-    let python = environment.join("bin/python");
-    let version = BLENDER.rsplit('=').next().unwrap_or_default();
-    let check = format!("import bpy; assert bpy.app.version_string.startswith('{version}')");
-    if cmd!(sh, "{python} -c {check}").quiet().ignore_stderr().run().is_err() {
-        println!("installing {BLENDER}, about 350 MB, into {}", environment.display());
-        empty_directory(&environment)?;
-        cmd!(sh, "python3.11 -m venv {environment}").run()?;
-        let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--only-binary", ":all:"];
-        if let Err(error) = cmd!(sh, "{python} {pip...} {BLENDER}").run() {
-            return Ok(Outcome::LeftOut(format!("{BLENDER} cannot be installed: {error}")));
-        }
-    }
     let _required = [sh.push_env("CRUMPLE_REQUIRE_BLENDER", "1"), sh.push_env("CRUMPLE_BLENDER_PYTHON", &python)];
     exporter_tests(workspace)?;
     let dented = dented(workspace)?;
     cmd!(sh, "{python} tests/check_in_blender.py {dented}").ignore_stdout().run()?;
-    println!("Blender {version} opens {}", dented.display());
+    println!("Blender opens {}", dented.display());
     Ok(Outcome::Passed)
 }
 

@@ -132,7 +132,7 @@ const STAGES: &[Stage] = &[
         shows: "Blender opens what the command exports",
         needs: &[Tool::Python311, Tool::BlenderLibraries],
         wants: &[],
-        run: peers::blender,
+        run: peers::opens_exports,
     },
     Stage {
         name: "extension",
