@@ -24,7 +24,7 @@ from mathutils.kdtree import KDTree
 
 import crumple
 
-from . import bridge
+from . import bridge, rigid
 from .bridge import Trouble
 
 COVERAGE = "Crumple coverage"
@@ -216,6 +216,32 @@ class CRUMPLE_OT_clear(MeshOperator, bpy.types.Operator):
         else:
             obj.crumple_hits.remove(self.index)
             bridge.show(obj)
+
+
+class CRUMPLE_OT_rigid_bodies(MeshOperator, bpy.types.Operator):
+    """Play the scene's rigid-body simulation, and hit the mesh where and when other bodies hit it. Replaces its hits"""
+
+    bl_idname = "crumple.rigid_bodies"
+    bl_label = "Hits from Rigid Bodies"
+    slowest: FloatProperty(name="Slowest", default=1.0, min=0.01, unit="VELOCITY", description="Slower blows leave no dent")
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        return context.window_manager.invoke_props_dialog(self)
+
+    def run(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+        if bridge.model(obj).set.info.blow_count == 0:
+            raise Trouble(f"the examples of {obj.name} do not know their blows; simulate some (Make Examples), or mark them with their strikers")
+        found = rigid.blows(context.scene, obj, self.slowest)
+        if not found:
+            raise Trouble(f"nothing hits {obj.name} at {self.slowest:.3g} m/s or faster; its hits stay as they were")
+        back = obj.matrix_world.inverted().to_3x3()
+        obj.crumple_hits.clear()
+        for blow in found:
+            hit = obj.crumple_hits.add()
+            hit.by, hit.point, hit.frame = "BLOW", blow.point, blow.frame
+            hit.vector, hit.mass, hit.radius = back @ Vector(blow.velocity), blow.mass, blow.radius
+        bridge.show(obj)
+        self.report({"INFO"}, f"{len(found)} hits, in the frames {found[0].frame} to {found[-1].frame}")
 
 
 class CRUMPLE_OT_bake(MeshOperator, bpy.types.Operator):
@@ -659,8 +685,8 @@ class CRUMPLE_OT_export(MeshOperator, ExportHelper, bpy.types.Operator):
 
 
 CLASSES = (
-    Hit, Solid, Preferences, CRUMPLE_OT_hit, CRUMPLE_OT_clear, CRUMPLE_OT_bake, CRUMPLE_OT_mark, CRUMPLE_OT_paint, CRUMPLE_OT_keep_out,
-    CRUMPLE_OT_make_examples, CRUMPLE_OT_check, CRUMPLE_OT_coverage, CRUMPLE_OT_export,
+    Hit, Solid, Preferences, CRUMPLE_OT_hit, CRUMPLE_OT_clear, CRUMPLE_OT_rigid_bodies, CRUMPLE_OT_bake, CRUMPLE_OT_mark, CRUMPLE_OT_paint,
+    CRUMPLE_OT_keep_out, CRUMPLE_OT_make_examples, CRUMPLE_OT_check, CRUMPLE_OT_coverage, CRUMPLE_OT_export,
 )  # fmt: skip
 
 

@@ -60,6 +60,7 @@ class CRUMPLE_PT_main(bpy.types.Panel):
         box = layout.column(align=True)
         box.label(text="Hits")
         box.operator("wm.tool_set_by_id", text="Click to Hit", icon="MOD_SOFT").name = TOOL
+        box.operator("crumple.rigid_bodies")
         if obj.crumple_hits:
             box.template_list("CRUMPLE_UL_hits", "", obj, "crumple_hits", obj, "crumple_hit", rows=3)
             box.operator("crumple.bake")

@@ -133,6 +133,79 @@ def test_baked_hits_are_keyed_and_add_up(dentable):
     assert len(keys) == 3
 
 
+def rigid(obj, kind, shape, mass=1.0):
+    bpy.context.view_layer.objects.active = obj
+    bpy.ops.rigidbody.object_add(type=kind)
+    obj.rigid_body.collision_shape, obj.rigid_body.mass = shape, mass
+
+
+def ball(location, radius=0.1):
+    bpy.ops.mesh.primitive_uv_sphere_add(radius=radius, location=location, segments=24, ring_count=16)
+    return bpy.context.object
+
+
+def test_hits_of_the_scenes_rigid_bodies(dentable):
+    scene, sheet = bpy.context.scene, dentable
+    scene.frame_end = 40
+
+    def hits(**settings):
+        bpy.context.view_layer.objects.active = sheet
+        bpy.ops.crumple.rigid_bodies(**settings)
+        return [(hit.frame, np.array(hit.point), np.array(hit.vector), hit.mass, hit.radius) for hit in sheet.crumple_hits]
+
+    with pytest.raises(RuntimeError, match="do not know their blows"):
+        hits()
+    for index in (1, 2):
+        sheet.active_shape_key_index = index
+        bpy.ops.crumple.mark(mass=5, speed=4, radius=0.1)
+    with pytest.raises(RuntimeError, match="no rigid bodies"):
+        hits()
+    # A ball falls 1 m onto the fixed sheet. Its lower end reaches it after sqrt(2 / 9.81) s, which is 10.8 frames, at 4.43 m/s.
+    sheet.location, sheet.rotation_euler = (1, 2, 3), (0, 0, np.pi / 2)
+    rigid(sheet, "PASSIVE", "MESH")
+    with pytest.raises(RuntimeError, match="no other mesh is a rigid body"):
+        hits()
+    falling = ball((1.1, 2.2, 4.1))
+    rigid(falling, "ACTIVE", "SPHERE", 3.0)
+    scene.frame_set(7)
+    ((frame, point, velocity, mass, radius),) = hits()
+    assert (frame, scene.frame_current) == (12, 7) and np.abs(point - [0.2, -0.1, 0]).max() < 0.02
+    assert np.abs(velocity - [0, 0, -4.43]).max() < 0.15 and abs(mass - 3) < 0.1 and abs(radius - 0.1) < 1e-3
+    assert 0.005 < np.abs(damage(sheet)).max() < 0.1
+    bpy.ops.crumple.bake()
+    assert "Crumple damage 12" in sheet.data.shape_keys.key_blocks
+    # The same beside the sheet, and too slow.
+    falling.location.x = 2.2
+    with pytest.raises(RuntimeError, match="nothing hits Sheet at 1 m/s"):
+        hits()
+    falling.location.x = 1.1
+    with pytest.raises(RuntimeError, match="nothing hits Sheet at 5 m/s"):
+        hits(slowest=5)
+    # The sheet falls upside down upon a fixed ball: half of its mass or less acts far from its centre.
+    falling.rigid_body.type, sheet.rigid_body.type = "PASSIVE", "ACTIVE"
+    sheet.rigid_body.collision_shape, sheet.rigid_body.mass = "CONVEX_HULL", 2.0
+    sheet.rotation_euler, falling.location = (np.pi, 0, 0), (1.4, 2, 1.9)
+    ((frame, point, velocity, mass, _), *_) = hits()
+    assert frame == 12 and np.abs(point - [0.4, 0, 0]).max() < 0.05 and abs(velocity[2] + 4.43) < 0.3 and 0.2 < mass < 1.2
+    # An animated ball goes through a fixed sheet: the whole of its mass acts, once.
+    falling.rigid_body.kinematic, sheet.rigid_body.type, sheet.rotation_euler = True, "PASSIVE", (0, 0, 0)
+    for at, z in ((1, 4), (31, 2)):
+        falling.location.z = z
+        falling.keyframe_insert("location", frame=at)
+    for curve in curves(falling.animation_data):
+        for key in curve.keyframe_points:
+            key.interpolation = "LINEAR"
+    ((frame, point, velocity, mass, _),) = hits()
+    assert frame in (14, 15) and np.abs(point - [0.4, 0, 0]).max() < 0.02 and abs(velocity[2] + 1.6) < 0.01 and mass == 3
+    bpy.ops.rigidbody.world_remove()
+
+
+def curves(animation):
+    """The action's curves, also in Blender 5."""
+    action = animation.action
+    return action.fcurves if hasattr(action, "fcurves") else action.layers[0].strips[0].channelbag(animation.action_slot).fcurves
+
+
 def test_marked_examples_are_read_back_from_the_file(dentable, tmp_path):
     import crumple
 
