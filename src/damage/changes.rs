@@ -30,7 +30,7 @@ impl<'a> ChangeRecorder<'a> {
 
     pub(crate) fn dent(&mut self, d: &Dent) {
         for (lod, blocks) in self.set.lods().zip(&mut self.changes.blocks) {
-            d.blocks(lod, self.threshold, |b| blocks[b] = self.changes.epoch);
+            d.mark_blocks(lod, self.threshold, blocks, self.changes.epoch);
         }
     }
 

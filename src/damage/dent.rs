@@ -155,27 +155,37 @@ impl Dent {
 
     /// Calls `f` for every example and every block it may move, with an upper bound of its displacements there, m.
     pub(crate) fn lengths(&self, lod: &MeshLod, mut f: impl FnMut(usize, f32)) {
-        self.shown_lengths(lod, 0.0, &mut f);
-    }
-
-    /// Calls `f` for every block that an example longer than `threshold` (m) may move. 0 includes all examples. `f` may
-    /// get a block more than once.
-    pub(crate) fn blocks(&self, lod: &MeshLod, threshold: f32, mut f: impl FnMut(usize)) {
-        self.shown_lengths(lod, threshold, &mut |b, _| f(b));
-    }
-
-    fn shown_lengths(&self, lod: &MeshLod, threshold: f32, f: &mut impl FnMut(usize, f32)) {
         for part in &self.parts {
             match part {
                 Part::Carried(c) => {
                     for (b, bounds) in lod.block_bounds.iter().enumerate() {
-                        let shown = c.reaching(bounds).filter(|l| self.shows_carried(l, threshold));
-                        shown.for_each(|l| f(b, l.longest * self.strength));
+                        c.reaching(bounds).for_each(|l| f(b, l.longest * self.strength));
+                    }
+                }
+                Part::Anchored(example, scale) => {
+                    let scale = (scale * self.strength).abs();
+                    lod.anchored[*example].heads.iter().for_each(|h| f(h.block as usize, h.longest * scale));
+                }
+            }
+        }
+    }
+
+    /// Sets the epoch of every block that an example longer than `threshold` (m) may move. 0 includes all examples.
+    pub(crate) fn mark_blocks(&self, lod: &MeshLod, threshold: f32, epochs: &mut [u64], epoch: u64) {
+        for part in &self.parts {
+            match part {
+                Part::Carried(c) => {
+                    let reach = c.radius() * c.radius();
+                    // A hit changes dents near it, which move the same blocks: most are marked already.
+                    for (at, bounds) in epochs.iter_mut().zip(&*lod.block_bounds).filter(|(at, _)| **at != epoch) {
+                        let near = bounds.distance_squared(c.contact) <= reach;
+                        if near && c.reaching(bounds).any(|l| self.shows_carried(l, threshold)) {
+                            *at = epoch;
+                        }
                     }
                 }
                 Part::Anchored(example, scale) if self.shows_anchored(lod, (*example, *scale), threshold) => {
-                    let scale = (scale * self.strength).abs();
-                    lod.anchored[*example].heads.iter().for_each(|h| f(h.block as usize, h.longest * scale));
+                    lod.anchored[*example].heads.iter().for_each(|h| epochs[h.block as usize] = epoch);
                 }
                 Part::Anchored(..) => {}
             }

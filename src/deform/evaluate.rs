@@ -70,6 +70,16 @@ impl Scratch<'_> {
     }
 }
 
+/// Whether the dents that changed have fewer look-ups in the block than all dents there are.
+#[inline(always)]
+fn fewer(job: BlockJob<'_>, changed: &[ChangedDent<'_>]) -> bool {
+    let bounds = &job.lod.block_bounds[job.block];
+    let near = changed.iter().filter(|c| bounds.distance_squared(c.reach.contact) <= c.reach.square);
+    let changed: usize = near.map(|c| c.dent.lookups()).sum();
+    let all: usize = job.view.damage.near(bounds).map(Dent::lookups).sum();
+    changed < all
+}
+
 /// Collects in `scratch`, in order, the parts of the instance's dents that move vertices of the block. If the dents that
 /// `changed` are given, these take the place of all carried examples.
 #[inline(always)]
@@ -168,7 +178,7 @@ struct Touched {
 pub(crate) fn block<'a>(
     job: BlockJob<'a>,
     scratch: &mut Scratch<'a>,
-    kept: Option<(&mut BlockSums, &'a [ChangedDent<'a>])>,
+    mut kept: Option<(&mut BlockSums, &'a [ChangedDent<'a>])>,
     positions: &mut [f32],
     normals: Option<&mut [f32]>,
     bounds: &mut Aabb,
@@ -187,7 +197,13 @@ pub(crate) fn block<'a>(
     if kept.is_none() && lone(job, base, positions, &mut normals, bounds) {
         return;
     }
-    let changed = kept.as_ref().filter(|(sums, _)| sums.known).map(|(_, changed)| *changed);
+    let changed = kept.as_mut().and_then(|(sums, changed)| {
+        let pays = sums.known && fewer(job, changed);
+        if sums.known && !pays {
+            **sums = BlockSums::UNKNOWN;
+        }
+        pays.then_some(*changed)
+    });
     let mut touched = active(job, changed, normals.is_some(), scratch);
     if changed.is_some() {
         // Others contribute as well. Limits that are not reached change no bit.

@@ -24,6 +24,10 @@ pub(crate) struct BlockSums {
     pub sums: CarriedSums,
 }
 
+impl BlockSums {
+    pub(crate) const UNKNOWN: BlockSums = BlockSums { known: false, sums: [[0; BLOCK]; 6] };
+}
+
 /// The sums at all vertices of an output.
 #[derive(Debug, Clone)]
 pub(super) struct KeptSums {
@@ -77,7 +81,7 @@ impl KeptSums {
         }
         let count = view.changes.blocks[lod].len();
         let mut blocks = reserve(count, "kept sums").ok()?;
-        blocks.resize(count, BlockSums { known: false, sums: [[0; BLOCK]; 6] });
+        blocks.resize(count, BlockSums::UNKNOWN);
         let (shown, threshold) = (Damage::default(), view.threshold);
         Some(Box::new(KeptSums { instance, lod, normals, threshold, shown, blocks, idle: 0 }))
     }
