@@ -10,6 +10,7 @@ mod csharp;
 mod debian;
 mod declarations;
 mod demo;
+mod dependencies;
 mod fuzz;
 mod godot;
 mod header;
