@@ -26,6 +26,7 @@ mod python;
 mod reference;
 mod repo;
 mod rooms;
+mod schedules;
 mod soak;
 mod stage;
 mod target;
@@ -93,6 +94,8 @@ enum Command {
     Fuzz(fuzz::Options),
     /// Run unit tests in Miri, which finds undefined behaviour; needs a nightly toolchain
     Miri,
+    /// Run tests of threads in thousands of orders of their steps
+    Schedules,
     /// Measure accuracy, cost, stability and peers; write docs/lab with its tables, charts and report
     Lab(lab::Options),
     /// Measure fixed workloads and references in the same run; write docs/bench
@@ -140,6 +143,7 @@ fn run(command: Command) -> Result<()> {
         Command::Web(options) => web::run(&workspace, &options),
         Command::Fuzz(options) => fuzz::run(&workspace, &options),
         Command::Miri => nightly::miri(&workspace),
+        Command::Schedules => schedules::run(&workspace),
         Command::Lab(options) => lab::run(&workspace, &options),
         Command::Bench(options) => bench::run(&workspace, &options),
         Command::Soak(options) => soak::run(&workspace, &options),
