@@ -361,7 +361,7 @@ pub unsafe extern "C" fn crumple_instance_mount_part(
     recorded("crumple_instance_mount_part", context, |context, state, log| {
         let mounted = boolean(mounted);
         log.call(|| Call::MountPart { instance: Number::of(instance), part: Number::of(part), mounted });
-        // A batch of hits that was prepared is also queued.
+        // Hits that were selected for the body as it is have arrived, and no other arrives meanwhile.
         let _no_hits = context.inboxes.write().unwrap_or_else(PoisonError::into_inner);
         let (body, part) = state.instances.get_two_mut((instance, "instance"), (part, "part"))?;
         let (body, part) = (&mut body.instance, &mut part.instance);

@@ -40,7 +40,8 @@ impl Instance {
     /// Takes a part off the body: mesh `part` of the set, which is not 0. Returns an instance of its own with the same
     /// set, options, transform and damage. Hits on it land only on the part, and hits on this one land only on what is
     /// left. It may have the base mesh's vertices of the part, so write only the part's mesh from it, and no longer from
-    /// this one. Thresholds on the part's mesh, and on points of its surface, are then the part's.
+    /// this one. Thresholds on the part's mesh, and on points of its surface, are then the part's. Hits that other threads
+    /// report meanwhile wait.
     ///
     /// # Errors
     /// [`Error::IndexOutOfRange`]; [`Error::InvalidArgument`] for 0, a part that is off already, a mesh that has no
