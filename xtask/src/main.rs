@@ -94,6 +94,8 @@ enum Command {
     Fuzz(fuzz::Options),
     /// Run unit tests in Miri, which finds undefined behaviour; needs a nightly toolchain
     Miri,
+    /// Run unit tests under MemorySanitizer, which finds reads of memory that nobody wrote; needs a nightly toolchain
+    Msan,
     /// Run tests of threads in thousands of orders of their steps
     Schedules,
     /// Measure accuracy, cost, stability and peers; write docs/lab with its tables, charts and report
@@ -143,6 +145,7 @@ fn run(command: Command) -> Result<()> {
         Command::Web(options) => web::run(&workspace, &options),
         Command::Fuzz(options) => fuzz::run(&workspace, &options),
         Command::Miri => nightly::miri(&workspace),
+        Command::Msan => nightly::memory(&workspace),
         Command::Schedules => schedules::run(&workspace),
         Command::Lab(options) => lab::run(&workspace, &options),
         Command::Bench(options) => bench::run(&workspace, &options),
