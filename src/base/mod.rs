@@ -5,4 +5,5 @@ pub(crate) mod array_vec;
 pub(crate) mod error;
 pub(crate) mod math;
 pub(crate) mod strided;
+pub(crate) mod sync;
 pub(crate) mod tasks;

@@ -358,9 +358,11 @@ pub unsafe extern "C" fn crumple_instance_mount_part(
     part: CrumpleInstance,
     mounted: MaybeUninit<bool>,
 ) -> CrumpleResult {
-    recorded("crumple_instance_mount_part", context, |_, state, log| {
+    recorded("crumple_instance_mount_part", context, |context, state, log| {
         let mounted = boolean(mounted);
         log.call(|| Call::MountPart { instance: Number::of(instance), part: Number::of(part), mounted });
+        // Hits that were selected for the body as it is have arrived, and no other arrives meanwhile.
+        let _no_hits = context.inboxes.write().unwrap_or_else(PoisonError::into_inner);
         let (body, part) = state.instances.get_two_mut((instance, "instance"), (part, "part"))?;
         let (body, part) = (&mut body.instance, &mut part.instance);
         Ok(if mounted { body.mount(part) } else { body.unmount(part) }?)

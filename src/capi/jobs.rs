@@ -6,9 +6,10 @@ use super::job_lists::{JobLists, recycled};
 use super::record_call::{Call, Number};
 use super::recorder::Log;
 use super::result::Failure;
-use super::store::{BufferEntry, InstanceEntry, Memory};
+use super::store::{BufferEntry, CALL, InstanceEntry, Memory};
 use super::types::CrumpleBuffer;
 use super::vulkan_types::CrumpleRecordReport;
+use crate::base::error::headroom;
 use crate::gpu::{FrameReport, Job};
 use crate::{graph, vulkan};
 
@@ -47,6 +48,11 @@ pub(super) fn with_jobs<T: DeviceTarget, R>(
     log: &mut Log<'_>,
     f: impl FnOnce(&mut [Job<'_, T>]) -> Result<R, Failure>,
 ) -> Result<R, Failure> {
+    let most = if pointer.is_null() { entries.len() } else { given.len() };
+    if lists.jobs.capacity() < most {
+        let job = size_of::<Job<'_, T>>() + size_of::<CrumpleBuffer>();
+        headroom(most.saturating_mul(job).saturating_add(CALL), "the list of jobs")?;
+    }
     let chosen = Chosen::new(pointer, given, &mut lists.chosen, |id, name| {
         let memory = &entries.get(id, name)?.memory;
         if T::is_of(memory) { Ok(()) } else { Err(memory.written_elsewhere(name)) }
@@ -57,7 +63,7 @@ pub(super) fn with_jobs<T: DeviceTarget, R>(
     chosen.fold(instances, entries.iter::<CrumpleBuffer>().filter(written))?;
     log.open();
     let mut jobs = recycled(std::mem::take(&mut lists.jobs));
-    jobs.try_reserve(chosen.most(entries.len())).map_err(|_| Failure::out_of_memory("the list of jobs"))?;
+    jobs.try_reserve(most).map_err(|_| Failure::out_of_memory("the list of jobs"))?;
     for (id, entry) in entries.iter_mut::<CrumpleBuffer>() {
         let Some(target) = T::of(&mut entry.memory) else { continue };
         if chosen.names(id) {

@@ -23,7 +23,7 @@ pub(crate) use kernel::{Case, Variant};
 pub(crate) use layout::Call;
 pub(crate) use limits::{BindingLimits, check_workgroup_size};
 pub use plan::{FrameReport, Job};
-pub(crate) use plan::{Plan, PlanTarget, check, missing_state};
+pub(crate) use plan::{Plan, PlanTarget, missing_state};
 #[cfg(feature = "wgpu")]
 pub(crate) use spirv::Module;
 #[cfg(feature = "vulkan")]

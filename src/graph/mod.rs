@@ -23,7 +23,7 @@ pub use target::{GraphBuffer, Stream, Target, TargetDef};
 use crate::base::error::{Error, reserve};
 use crate::deform::Tracker;
 use crate::example::set::ExampleSet;
-use crate::gpu::{self, Arena, BindingLimits, Call, FrameReport, Job, Plan, TargetState, Variant, compiled};
+use crate::gpu::{Arena, BindingLimits, Call, FrameReport, Job, Plan, TargetState, Variant, compiled};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -157,7 +157,7 @@ impl Graph {
     /// rule; [`Error::Unsupported`] for more than 4 GiB of work. After an error targets hold what they held, and the next
     /// plan has the uploads.
     pub fn plan(&mut self, jobs: &mut [GraphJob<'_>]) -> Result<(PlanReport, &Passes), Error> {
-        gpu::check(jobs, self.id)?;
+        self.plan.check(jobs, self.id)?;
         if let Some(job) = jobs.iter().find(|job| job.instance.classic_state().is_some()) {
             return Err(job.instance.needs_marks("a target of a render graph"));
         }

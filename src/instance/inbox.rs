@@ -4,13 +4,14 @@ use super::contacts::{ContactEvent, ContactPart, Push};
 use super::options::{Rule, needs_marks};
 use super::selection::{Effect, select};
 use crate::base::error::Error;
+use crate::base::sync::{Mutex, MutexGuard, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use crate::damage::mark::Mark;
 use crate::example::set::ExampleSet;
 use crate::select::hit::{Cause, Hit, HitStatus, Outcome};
 use crate::select::target::HitParams;
 use glam::{DMat3, DVec3, Mat4};
 use std::num::NonZeroU64;
-use std::sync::{Arc, Mutex, MutexGuard, RwLock, RwLockWriteGuard, Weak};
+use std::sync::{Arc, Weak};
 
 /// A hit that waits for the next fold.
 #[derive(Debug, Clone, Copy)]
@@ -56,8 +57,10 @@ impl Inbox {
     /// [`Error::ContactTooFar`]; [`Error::WrongRule`] for a contact with a classic rule, which cannot replace what it
     /// has deformed. After an error nothing has been queued.
     pub fn submit(&self, hit: &Hit) -> Result<Outcome, Error> {
+        // No part comes off or on until the hit has arrived everywhere.
+        let followers = self.followers();
         let (outcome, pending) = self.prepare(hit)?;
-        pending.map_or(Ok(()), |pending| self.push(pending))?;
+        pending.map_or(Ok(()), |pending| self.push(pending, &followers))?;
         Ok(outcome)
     }
 
@@ -92,12 +95,12 @@ impl Inbox {
         Ok((outcome, Some(pending)))
     }
 
-    /// Queues what was prepared.
+    /// Queues what was prepared. No part may come off or on between the two.
     #[cfg(feature = "capi")]
     pub(crate) fn queue_prepared(&self, pending: Option<Pending>) {
         if let Some(pending) = pending {
             self.queue().push(pending);
-            self.forward(pending);
+            forward(pending, &self.followers());
         }
     }
 
@@ -109,7 +112,7 @@ impl Inbox {
     /// [`Error::WrongRule`] with a classic rule; [`Error::OutOfMemory`].
     pub fn end_contact(&self, id: NonZeroU64) -> Result<(), Error> {
         self.contacts_allowed("end_contact")?;
-        self.push(Pending::Contact(ContactEvent::End(id)))
+        self.push(Pending::Contact(ContactEvent::End(id)), &self.followers())
     }
 
     /// Returns what [`Inbox::submit`] would return for the hit alone, without queuing it.
@@ -172,21 +175,21 @@ impl Inbox {
         self.params.write().unwrap_or_else(|e| e.into_inner())
     }
 
-    fn push(&self, pending: Pending) -> Result<(), Error> {
+    fn push(&self, pending: Pending, followers: &[Weak<Inbox>]) -> Result<(), Error> {
         let mut queue = self.queue();
         let bytes = (queue.len() as u64 + 1) * size_of::<Pending>() as u64;
         queue.try_reserve(1).map_err(|_| Error::OutOfMemory { what: "hits".into(), bytes })?;
         queue.push(pending);
         drop(queue);
-        self.forward(pending);
+        forward(pending, followers);
         Ok(())
     }
 
-    fn forward(&self, pending: Pending) {
-        let followers = self.followers.read().unwrap_or_else(|e| e.into_inner());
-        followers.iter().filter_map(Weak::upgrade).for_each(|inbox| inbox.queue().push(pending));
+    pub(super) fn followers(&self) -> RwLockReadGuard<'_, Vec<Weak<Inbox>>> {
+        self.followers.read().unwrap_or_else(|e| e.into_inner())
     }
 
+    /// Whoever holds it keeps hits from arriving. Their threads wait.
     pub(super) fn followers_mut(&self) -> RwLockWriteGuard<'_, Vec<Weak<Inbox>>> {
         self.followers.write().unwrap_or_else(|e| e.into_inner())
     }
@@ -195,4 +198,8 @@ impl Inbox {
     pub(super) fn queue(&self) -> MutexGuard<'_, Vec<Pending>> {
         self.pending.lock().unwrap_or_else(|e| e.into_inner())
     }
+}
+
+fn forward(pending: Pending, followers: &[Weak<Inbox>]) {
+    followers.iter().filter_map(Weak::upgrade).for_each(|inbox| inbox.queue().push(pending));
 }

@@ -11,6 +11,8 @@ pub(crate) mod mapped;
 pub(crate) mod options;
 mod part_state;
 pub(crate) mod parts;
+#[cfg(test)]
+mod schedules;
 mod selection;
 pub(crate) mod skin;
 pub(crate) mod threshold_state;

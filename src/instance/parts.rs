@@ -7,6 +7,7 @@
 //! what is off, taken together.
 
 use super::Instance;
+use super::inbox::Inbox;
 use super::options::{InstanceOptions, Rule};
 use super::part_state::PartState;
 use crate::base::error::Error;
@@ -39,7 +40,8 @@ impl Instance {
     /// Takes a part off the body: mesh `part` of the set, which is not 0. Returns an instance of its own with the same
     /// set, options, transform and damage. Hits on it land only on the part, and hits on this one land only on what is
     /// left. It may have the base mesh's vertices of the part, so write only the part's mesh from it, and no longer from
-    /// this one. Thresholds on the part's mesh, and on points of its surface, are then the part's.
+    /// this one. Thresholds on the part's mesh, and on points of its surface, are then the part's. Hits that other threads
+    /// report meanwhile wait.
     ///
     /// # Errors
     /// [`Error::IndexOutOfRange`]; [`Error::InvalidArgument`] for 0, a part that is off already, a mesh that has no
@@ -56,6 +58,8 @@ impl Instance {
         let alone = alone.ok_or_else(|| nothing_in_common(part))?;
         let options = InstanceOptions { depth_limit: Some(self.limit), tolerance: self.tolerance, ..self.options };
         let mut released = Instance::new(self.set.clone(), options)?;
+        let inbox = self.inbox.clone();
+        let mut followers = inbox.followers_mut();
         let bytes = self.save();
         released.load(&bytes)?;
         released.growth.set_time(self.growth.time());
@@ -70,7 +74,7 @@ impl Instance {
         params.landing = Some(Arc::new(alone));
         drop(params);
         self.parts = parts;
-        self.set_landing(landing);
+        self.set_landing(landing, &mut followers);
         Ok(released)
     }
 
@@ -82,13 +86,15 @@ impl Instance {
     /// error nothing has changed.
     pub fn mount(&mut self, part: &mut Instance) -> Result<(), Error> {
         let of = self.checked_part(part, true)?;
-        self.fold();
-        part.fold();
         let parts = PartState { released: self.parts.released & !(1 << of), ..self.parts };
         let landing = self.landing(&parts)?;
+        let inbox = self.inbox.clone();
+        let mut followers = inbox.followers_mut();
+        self.fold();
+        part.fold();
         self.parts = parts;
-        self.inbox.followers_mut().push(Arc::downgrade(&part.inbox));
-        self.set_landing(landing);
+        followers.push(Arc::downgrade(&part.inbox));
+        self.set_landing(landing, &mut followers);
         Ok(())
     }
 
@@ -100,7 +106,7 @@ impl Instance {
         let of = self.checked_part(part, false)?;
         let own = part.inbox.clone();
         let is_part = |inbox: &Weak<_>| std::ptr::eq(inbox.as_ptr(), Arc::as_ptr(&own));
-        if !self.inbox.followers_mut().iter().any(is_part) {
+        if !self.inbox.followers().iter().any(is_part) {
             return Err(Error::invalid("part", of, "a part that was mounted on this body"));
         }
         let parts = PartState { released: self.parts.released | 1 << of, ..self.parts };
@@ -108,12 +114,14 @@ impl Instance {
         let known = self.part(of, "unmount")?;
         let alone = Landing::new(&self.set, |v| known.is_in[v], |_| false, &Serial);
         let alone = alone.ok_or_else(|| nothing_in_common(of))?;
+        let inbox = self.inbox.clone();
+        let mut followers = inbox.followers_mut();
         self.fold();
         part.fold();
-        self.inbox.followers_mut().retain(|inbox| !is_part(inbox));
+        followers.retain(|inbox| !is_part(inbox));
         part.inbox.params_mut().landing = Some(Arc::new(alone));
         self.parts = parts;
-        self.set_landing(landing);
+        self.set_landing(landing, &mut followers);
         Ok(())
     }
 
@@ -130,7 +138,7 @@ impl Instance {
         let parts = PartState { rigid: all, ..self.parts };
         let landing = self.landing(&parts)?;
         self.parts = parts;
-        self.set_landing(landing);
+        self.set_landing(landing, &mut self.inbox.followers_mut());
         Ok(())
     }
 
@@ -225,13 +233,11 @@ impl Instance {
     }
 
     /// Sets where hits on the body and on what is mounted on it land.
-    fn set_landing(&self, landing: Option<Arc<Landing>>) {
-        let mut followers = self.inbox.followers_mut();
+    fn set_landing(&self, landing: Option<Arc<Landing>>, followers: &mut Vec<Weak<Inbox>>) {
         followers.retain(|inbox| inbox.upgrade().is_some());
         for inbox in followers.iter().filter_map(Weak::upgrade) {
             inbox.params_mut().landing.clone_from(&landing);
         }
-        drop(followers);
         self.inbox.params_mut().landing = landing;
     }
 
@@ -239,7 +245,7 @@ impl Instance {
     #[cfg(feature = "capi")]
     pub(crate) fn has_parts(&self) -> bool {
         let PartState { of, released, rigid } = self.parts;
-        of != 0 || released | rigid != 0 || !self.inbox.followers_mut().is_empty()
+        of != 0 || released | rigid != 0 || !self.inbox.followers().is_empty()
     }
 }
 

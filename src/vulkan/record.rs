@@ -6,7 +6,7 @@ use super::frames::{FrameSlot, free_slot};
 use super::recording::{COMPUTE, Recording, SHADER_WRITE, acquire_and_release, barrier, cmd_barrier};
 use super::target::{Target, TargetBinding};
 use crate::base::error::Error;
-use crate::gpu::{self, Call, Case, FrameReport, Job, Plan, WorkOffsets, missing_state};
+use crate::gpu::{Call, Case, FrameReport, Job, Plan, WorkOffsets, missing_state};
 use ash::vk::{self, Handle};
 use std::ptr::null;
 use std::sync::Arc;
@@ -67,7 +67,7 @@ impl Device {
         (commands, frame): (vk::CommandBuffer, u64),
         jobs: &mut [RecordJob<'_>],
     ) -> Result<RecordReport, Error> {
-        gpu::check(jobs, self.id)?;
+        r.plan.check(jobs, self.id)?;
         r.foreign.clear();
         for (j, job) in jobs.iter_mut().enumerate() {
             let host = self.hosts.get(job.target.buffer).map_err(|e| of_job(e, j))?;

@@ -1,35 +1,9 @@
 // Every call of a scenario is made with heaps of all sizes, from one that is full up to one that suffices: each time it says
 // CRUMPLE_ERROR_OUT_OF_MEMORY and changes nothing, or succeeds. The scenario ends with the bytes that it has without limit.
-#include "aligned.h"
+#include "heap.h"
 #include "support.h"
 
 enum { HITS = 24, LARGEST = 1 << 16 };
-
-// A heap with a limit.
-static struct Heap {
-    long blocks;
-    size_t bytes, peak, limit; // limit: the most bytes that it has; 0: no limit
-    unsigned long calls;
-} heap;
-
-static void *host_alloc(size_t size, size_t align, void *user) {
-    (void)user;
-    ++heap.calls;
-    if (heap.limit != 0 && heap.bytes + size > heap.limit) return NULL;
-    void *memory = aligned_memory(size, align);
-    if (!memory) return NULL;
-    ++heap.blocks;
-    heap.bytes += size;
-    if (heap.bytes > heap.peak) heap.peak = heap.bytes;
-    return memory;
-}
-
-static void host_free(void *pointer, size_t size, size_t align, void *user) {
-    (void)align, (void)user;
-    --heap.blocks;
-    heap.bytes -= size;
-    free_aligned(pointer);
-}
 
 static Sheet sheet;
 static unsigned char baked[1 << 20], gltf[1 << 20];
@@ -305,19 +279,15 @@ static void check_steady_frames(void) {
 
 int main(int argc, char **argv) {
     static Scene wanted, seen;
-    CrumpleAllocatorDef def = crumple_allocator_def_default();
     const char *fixtures = argc > 1 ? argv[1] : ".", *folder = argc > 2 ? argv[2] : ".";
     snprintf(base_path, sizeof base_path, "%s/plate.obj", fixtures);
     snprintf(dent_path, sizeof dent_path, "%s/plate_dent.obj", fixtures);
     snprintf(recording, sizeof recording, "%s/memory.crumplerec", folder);
     snprintf(baked_path, sizeof baked_path, "%s/memory.crumple", folder);
-    if (!(crumple_features() & CRUMPLE_FEATURE_HOST_ALLOCATOR)) {
+    if (!use_heap()) {
         printf("this build has no host allocator\n");
         return 0;
     }
-    def.alloc = host_alloc;
-    def.free = host_free;
-    OK(crumple_allocator_set(&def));
 
     char path[1100];
     snprintf(path, sizeof path, "%s/two_materials.glb", fixtures);

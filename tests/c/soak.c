@@ -6,10 +6,9 @@
 // and frames took. `cargo xtask soak` runs it.
 #include "aligned.h"
 #include "support.h"
+#include "times.h"
 
-#include <time.h>
-
-enum { MOST_BODIES = 1000, BUCKETS = 1024 };
+enum { MOST_BODIES = 1000 };
 
 // --- Memory, counted by the host's allocator where the build has one.
 
@@ -29,51 +28,11 @@ static void host_free(void *pointer, size_t size, size_t align, void *user) {
     free_aligned(pointer);
 }
 
-// --- Times: a histogram whose buckets grow by 2 %.
-
-typedef struct Times {
-    unsigned long long count, buckets[BUCKETS];
-    double most;
-} Times;
-
-static double seconds(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-static void add_time(Times *times, double time) {
-    const double at = log(time * 1e8 + 1) / log(1.02);
-    ++times->buckets[at < BUCKETS - 1 ? (int)at : BUCKETS - 1];
-    ++times->count;
-    if (time > times->most) times->most = time;
-}
-
-static double quantile(const Times *times, double part) {
-    unsigned long long below = 0;
-    for (int i = 0; i < BUCKETS; ++i) {
-        below += times->buckets[i];
-        if ((double)below >= part * (double)times->count) return fmin((pow(1.02, i + 1) - 1) * 1e-8, times->most);
-    }
-    return times->most;
-}
-
-static void print_times(const char *name, const Times *times) {
-    printf("| %s | %llu | %.1f | %.1f | %.1f | %.1f |\n", name, times->count, 1e6 * quantile(times, 0.5),
-           1e6 * quantile(times, 0.99), 1e6 * quantile(times, 0.9999), 1e6 * times->most);
-}
-
 // --- Bodies.
 
 static Sheet sheet;
 static float vertices[MOST_BODIES + 1][VERTICES][10];
 static CrumpleInstance bodies[MOST_BODIES];
-static unsigned long long state = 1;
-
-static unsigned dice(unsigned below) {
-    state = state * 6364136223846793005ull + 1442695040888963407ull;
-    return (unsigned)(state >> 33) % below;
-}
 
 static CrumpleInstance make_body(CrumpleContext *context, CrumpleExampleSet set, unsigned at) {
     CrumpleInstance body = make_instance(context, set);
@@ -105,10 +64,10 @@ static void compare_with_replay(CrumpleContext *context, CrumpleExampleSet set, 
 
 int main(int argc, char **argv) {
     static unsigned char damage[1 << 18];
-    static Times hits, frames;
+    static Histogram hits, frames;
     const double wanted = argc > 1 ? atof(argv[1]) : 2;
     const unsigned count = argc > 2 ? (unsigned)atoi(argv[2]) : 16;
-    if (argc > 3) state = strtoull(argv[3], NULL, 10);
+    if (argc > 3) dice_state = strtoull(argv[3], NULL, 10);
     FACT(wanted > 0 && count > 0 && count <= MOST_BODIES);
     CrumpleAllocatorDef allocator = crumple_allocator_def_default();
     allocator.alloc = host_alloc;
@@ -126,8 +85,7 @@ int main(int argc, char **argv) {
     double now = begin;
     for (unsigned long long frame = 1; now - begin < wanted; ++frame) {
         for (unsigned i = dice(4); i > 0; --i) {
-            CrumpleDisplacementDef def = displacement_at((float)dice(1000) / 1000 - 0.5f, (float)dice(1000) / 1000 - 0.5f,
-                                                         0.001f + (float)dice(100) / 2000);
+            CrumpleDisplacementDef def = random_displacement();
             CrumpleInstance body = bodies[dice(count)];
             const double before = seconds();
             OK(crumple_instance_submit_displacement(context, body, &def, NULL));
@@ -162,7 +120,7 @@ int main(int argc, char **argv) {
     printf("%u bodies, %.0f s, %llu bodies made, %llu compared with a replay of their marks\n", count, now - begin, made,
            replays + count);
     printf("bytes at most: first half %zu, second half %zu\n\n", first_half, second_half);
-    printf("| µs | count | p50 | p99 | p99.99 | most |\n|---|---|---|---|---|---|\n");
+    print_header();
     print_times("hit", &hits);
     print_times("frame", &frames);
     // Short runs have not seen the bodies with the most marks in their first half.

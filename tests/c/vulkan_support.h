@@ -115,7 +115,7 @@ static CrumpleVulkanBufferDef buffer_def(const HostBuffer *vertices) {
 
 // The vertices are those that crumple_context_deform() gives, bit for bit (on a device that rounds as IEEE 754 says), and nothing
 // beside them was written.
-static void expect_vertices(const Host *host, const HostBuffer *vertices, CrumpleContext *context, CrumpleInstance instance) {
+static inline void expect_vertices(const Host *host, const HostBuffer *vertices, CrumpleContext *context, CrumpleInstance instance) {
     static float wanted[VERTICES][FLOATS];
     const unsigned char *bytes = (const unsigned char *)vertices->data;
     CrumpleHostBufferDef def = crumple_host_buffer_def_default();

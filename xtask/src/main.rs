@@ -10,6 +10,7 @@ mod csharp;
 mod debian;
 mod declarations;
 mod demo;
+mod dependencies;
 mod fuzz;
 mod godot;
 mod header;
@@ -25,6 +26,7 @@ mod python;
 mod reference;
 mod repo;
 mod rooms;
+mod schedules;
 mod soak;
 mod stage;
 mod target;
@@ -92,6 +94,10 @@ enum Command {
     Fuzz(fuzz::Options),
     /// Run unit tests in Miri, which finds undefined behaviour; needs a nightly toolchain
     Miri,
+    /// Run unit tests under MemorySanitizer, which finds reads of memory that nobody wrote; needs a nightly toolchain
+    Msan,
+    /// Run tests of threads in thousands of orders of their steps
+    Schedules,
     /// Measure accuracy, cost, stability and peers; write docs/lab with its tables, charts and report
     Lab(lab::Options),
     /// Measure fixed workloads and references in the same run; write docs/bench
@@ -139,6 +145,8 @@ fn run(command: Command) -> Result<()> {
         Command::Web(options) => web::run(&workspace, &options),
         Command::Fuzz(options) => fuzz::run(&workspace, &options),
         Command::Miri => nightly::miri(&workspace),
+        Command::Msan => nightly::memory(&workspace),
+        Command::Schedules => schedules::run(&workspace),
         Command::Lab(options) => lab::run(&workspace, &options),
         Command::Bench(options) => bench::run(&workspace, &options),
         Command::Soak(options) => soak::run(&workspace, &options),

@@ -1,4 +1,4 @@
-//! Checks that need Rust's nightly toolchain with the source of the standard library: ThreadSanitizer and Miri.
+//! Checks that need Rust's nightly toolchain with the source of the standard library: ThreadSanitizer, MemorySanitizer and Miri.
 
 use anyhow::{Result, ensure};
 use xshell::cmd;
@@ -9,8 +9,8 @@ use crate::workspace::Workspace;
 /// Without devices and file formats, which share nothing between threads.
 const FEATURES: [&str; 3] = ["--no-default-features", "--features", "capi"];
 
-/// The tests in which threads share something: the task systems, and everything that several threads do in the C interface.
-const THREADED: [&str; 3] = ["base::tasks", "capi::thread_tests", "capi::recording_tests"];
+/// The tests in which threads share something: the task systems, inboxes, and everything that several threads do in the C interface.
+const THREADED: [&str; 4] = ["base::tasks", "capi::thread_tests", "capi::recording_tests", "instance::schedules"];
 
 /// The modules that Miri interprets within some minutes. Most others build sets or load files, which takes it hours.
 const INTERPRETED: [&str; 5] = ["base::", "capi::boundary", "capi::check", "capi::deform", "capi::ids"];
@@ -36,16 +36,28 @@ pub fn threads(workspace: &Workspace) -> Result<Outcome> {
             "there is no nightly toolchain with the library's source: {INSTALL}"
         )));
     }
-    let (host, home) = (workspace.rustc("host")?, workspace.target.join("threads"));
+    sanitized(workspace, "thread", &THREADED)?;
+    Ok(Outcome::Passed)
+}
+
+/// Runs the unit tests under MemorySanitizer, which finds reads of memory that nobody wrote.
+pub fn memory(workspace: &Workspace) -> Result<()> {
+    ensure!(available(workspace), "MemorySanitizer is not there: {INSTALL}");
+    sanitized(workspace, "memory", &[])
+}
+
+/// Runs unit tests under a sanitizer, with a standard library that is instrumented too.
+fn sanitized(workspace: &Workspace, sanitizer: &str, tests: &[&str]) -> Result<()> {
+    let (host, home) = (workspace.rustc("host")?, workspace.target.join("sanitizers").join(sanitizer));
     let arguments = ["-Zbuild-std", "--package", "crumple", "--lib", "--target", &host];
     cmd!(
         workspace.shell,
-        "rustup run nightly cargo test {arguments...} {FEATURES...} --target-dir {home} -- {THREADED...}"
+        "rustup run nightly cargo test {arguments...} {FEATURES...} --target-dir {home} -- {tests...}"
     )
-    .env("RUSTFLAGS", "-Zsanitizer=thread")
+    .env("RUSTFLAGS", format!("-Zsanitizer={sanitizer}"))
     .env("TSAN_OPTIONS", "halt_on_error=1")
     .run()?;
-    Ok(Outcome::Passed)
+    Ok(())
 }
 
 /// Runs unit tests in Miri, which finds undefined behaviour that no processor shows.

@@ -63,8 +63,9 @@ pub struct Flavour {
     command: bool,
 }
 
-const SLIM: Flavour = Flavour { name: "slim", suffix: "-slim", library: &["vulkan", "host-allocator"], command: false };
-const FULL: Flavour = Flavour { name: "full", suffix: "", library: install::FEATURES, command: true };
+pub const SLIM: Flavour =
+    Flavour { name: "slim", suffix: "-slim", library: &["vulkan", "host-allocator"], command: false };
+pub const FULL: Flavour = Flavour { name: "full", suffix: "", library: install::FEATURES, command: true };
 
 /// The builds that an archive is made of.
 pub struct Parts {

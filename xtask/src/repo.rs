@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::{Context, Result, bail, ensure};
 
 use crate::workspace::{Workspace, files};
-use crate::{messages, unity};
+use crate::{dependencies, messages, unity};
 
 /// Meshes, fixtures and pictures together, in bytes.
 const ASSETS_LIMIT: u64 = 15_000_000;
@@ -33,6 +33,7 @@ pub fn run(workspace: &Workspace, fix: bool) -> Result<()> {
     unity::metas(workspace, fix)?;
     changelog(workspace)?;
     unsafe_blocks(workspace, fix)?;
+    dependencies::run(workspace, RELIABILITY, fix)?;
     messages::run(workspace)
 }
 

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use serde_json::Value;
 
-use super::Parts;
+use super::{Flavour, Parts};
 use crate::command;
 use crate::target::Target;
 use crate::workspace::Workspace;
@@ -29,9 +29,12 @@ pub struct Linked {
     pub name: String,
     pub version: String,
     /// The SPDX expression.
-    license: String,
+    pub license: String,
+    /// Where its sources are kept.
+    pub repository: String,
+    pub from_crates_io: bool,
     /// The folder of its sources.
-    directory: PathBuf,
+    pub directory: PathBuf,
 }
 
 /// The packages that the flavour's library and command link. Procedural macros and build dependencies are not among them.
@@ -42,6 +45,13 @@ pub fn linked(workspace: &Workspace, parts: &Parts) -> Result<Vec<Linked>> {
     if flavour.command {
         lines.extend(tree(workspace, &parts.library.target.triple, &["--features", command::FEATURES])?);
     }
+    known(lines, workspace.cargo(&["metadata", "--format-version", "1", "--all-features"]))
+}
+
+/// The packages that the flavour's library links on any system.
+pub fn library(workspace: &Workspace, flavour: &Flavour) -> Result<Vec<Linked>> {
+    let features = flavour.library.join(",");
+    let lines = tree(workspace, "all", &["--no-default-features", "--features", &features])?;
     known(lines, workspace.cargo(&["metadata", "--format-version", "1", "--all-features"]))
 }
 
@@ -79,6 +89,8 @@ fn known(mut lines: Vec<String>, metadata: xshell::Cmd<'_>) -> Result<Vec<Linked
             name: name.to_owned(),
             version: version.to_owned(),
             license: package["license"].as_str().unwrap_or("see its text").to_owned(),
+            repository: package["repository"].as_str().unwrap_or("unknown").to_owned(),
+            from_crates_io: package["source"] == "registry+https://github.com/rust-lang/crates.io-index",
             directory: manifest.parent().context("manifests lie somewhere")?.to_path_buf(),
         });
     }
@@ -141,7 +153,7 @@ pub fn write(workspace: &Workspace, linked: &[Linked], to: &Path) -> Result<()> 
 
 /// The license texts of a package: its own files, or the supplied text, or Apache's text if the package offers that license.
 fn texts_of(package: &Linked, supplied: &Path, apache: &str) -> Result<Vec<String>> {
-    let Linked { name, version, license, directory } = package;
+    let Linked { name, version, license, directory, .. } = package;
     let mut found = Vec::new();
     for entry in fs::read_dir(directory).with_context(|| format!("reading {}", directory.display()))? {
         let entry = entry?;
@@ -187,7 +199,8 @@ mod tests {
         for (name, text) in files {
             fs::write(directory.join(name), text).unwrap();
         }
-        let package = Linked { name: "denty".into(), version: "1.2.0".into(), license: license.into(), directory };
+        let (name, version, repository) = ("denty".into(), "1.2.0".into(), String::new());
+        let package = Linked { name, version, license: license.into(), repository, from_crates_io: true, directory };
         texts_of(&package, scratch.path(), "the Apache text")
     }
 

@@ -1,0 +1,94 @@
+// Calls for a graphics device are made with heaps of all sizes, from one that is full up to one that suffices: each time they say
+// CRUMPLE_ERROR_OUT_OF_MEMORY and change nothing, or succeed. The vertices are those of crumple_context_deform().
+#include "heap.h"
+#include "vulkan_support.h"
+
+enum { BODIES = 300, HITS = 4, BODY = VERTICES * 12 };
+
+static CrumpleContext *context;
+static CrumpleInstance bodies[BODIES];
+static HostBuffer vertices;
+static float wanted[BODIES][VERTICES][3];
+static CrumpleBuffer on_host[BODIES];
+static unsigned refused;
+
+// The call with 1 KiB of memory left, which the error's text needs, then with more and more, until it succeeds.
+#define UNTIL_IT_SUFFICES(call)                                                                                        \
+    for (size_t room = 1024, before = heap.bytes;; room += room / 32 + 61) {                                           \
+        heap.limit = before + room;                                                                                    \
+        const CrumpleResult result = (call);                                                                           \
+        heap.limit = 0;                                                                                                \
+        FACT(result == CRUMPLE_OK || result == CRUMPLE_ERROR_OUT_OF_MEMORY);                                           \
+        if (result == CRUMPLE_OK) break;                                                                               \
+        ++refused;                                                                                                     \
+    }
+
+static CrumpleResult register_body(int i) {
+    CrumpleVulkanBufferDef def = buffer_def(&vertices);
+    CrumpleBuffer buffer;
+    def.offset = (uint64_t)i * BODY;
+    def.size = BODY;
+    def.positions = vulkan_stream(0, VK_FORMAT_R32G32B32_SFLOAT);
+    def.positions.stride = 12;
+    memset(&def.normals, 0, sizeof def.normals);
+    memset(&def.tangents, 0, sizeof def.tangents);
+    return crumple_buffer_register_vulkan(context, bodies[i], &def, &buffer);
+}
+
+static void register_on_host(int i) {
+    CrumpleHostBufferDef def = crumple_host_buffer_def_default();
+    def.positions = stream_of(wanted[i], BODY, 0, 12);
+    OK(crumple_buffer_register_host(context, bodies[i], &def, &on_host[i]));
+}
+
+int main(void) {
+    Host host;
+    CrumpleExampleSet set;
+    if (!use_heap()) {
+        printf("this build has no host allocator\n");
+        return 0;
+    }
+    host_open(&host);
+    make_sheet(&sheet);
+    context = make_context(1);
+    OK(crumple_example_set_create(context, &sheet.def, &set));
+    for (int i = 0; i < BODIES; ++i) {
+        bodies[i] = make_instance(context, set);
+        register_on_host(i);
+    }
+    vertices = host_buffer(&host, BODIES * BODY, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, true);
+
+    const CrumpleVulkanAttachDef attach = vulkan_def(&host);
+    UNTIL_IT_SUFFICES(crumple_vulkan_attach(context, &attach))
+    for (int i = 0; i < BODIES; ++i) {
+        if (i < 2) UNTIL_IT_SUFFICES(register_body(i)) else OK(register_body(i));
+    }
+    for (uint64_t frame = 1; frame <= HITS; ++frame) {
+        // The first recording writes every vertex. The others write what more and more hits changed.
+        for (int i = 0; i < BODIES && frame > 1; ++i) {
+            const CrumpleDisplacementDef def = random_displacement();
+            OK(crumple_instance_submit_displacement(context, bodies[i], &def, NULL));
+        }
+        VkCommandBuffer commands = host_begin(&host);
+        const unsigned before = refused;
+        UNTIL_IT_SUFFICES(crumple_vulkan_record(context, commands, frame, NULL, 0, NULL))
+        FACT(refused > before);
+        host_run(&host, commands);
+        OK(crumple_context_deform(context, on_host, BODIES, NULL));
+        if (host.software) FACT(memcmp(vertices.data, wanted, sizeof wanted) == 0);
+        // A frame without changes needs no memory.
+        commands = host_begin(&host);
+        heap.limit = heap.bytes;
+        const CrumpleResult result = crumple_vulkan_record(context, commands, frame, NULL, 0, NULL);
+        heap.limit = 0;
+        FACT(result == CRUMPLE_OK);
+        host_run(&host, commands);
+        UNTIL_IT_SUFFICES(crumple_vulkan_complete_frames(context, frame))
+    }
+    OK(crumple_context_destroy(context));
+    FACT(heap.blocks == 0);
+    host_destroy_buffer(&host, &vertices);
+    host_close(&host);
+    printf("%u times out of memory\n", refused);
+    return 0;
+}
