@@ -7,6 +7,7 @@ use anyhow::{Context, Result, ensure};
 use clap::Args;
 use xshell::cmd;
 
+use crate::coverage;
 use crate::stage::Outcome;
 use crate::workspace::Workspace;
 
@@ -44,6 +45,9 @@ pub struct Options {
     /// Build with the address sanitizer too, which finds wrong accesses to memory; slower
     #[arg(long)]
     address: bool,
+    /// Fuzz nothing: print which lines of src the corpora reach
+    #[arg(long)]
+    coverage: bool,
 }
 
 pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
@@ -55,8 +59,13 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     let home = workspace.target.join(if options.address { "fuzz-address" } else { "fuzz" });
     let programs = build(workspace, &home, options.address)?;
     let corpus = options.corpus.clone().unwrap_or_else(|| workspace.target.join("fuzz/corpus"));
+    let chosen = targets.iter().filter(|name| options.target.is_empty() || options.target.contains(name));
+    if options.coverage {
+        let pairs: Vec<_> = chosen.map(|name| (programs.join(name), corpus.join(name))).collect();
+        return coverage::run(workspace, &pairs);
+    }
     let (seconds, jobs, seed) = (options.seconds.to_string(), options.jobs.to_string(), options.seed.to_string());
-    for name in targets.iter().filter(|name| options.target.is_empty() || options.target.contains(name)) {
+    for name in chosen {
         let corpus = corpus.join(name);
         let found = home.join("found").join(name);
         for folder in [&corpus, &found] {
@@ -112,7 +121,8 @@ fn build(workspace: &Workspace, home: &Path, address: bool) -> Result<PathBuf> {
 /// Runs every target for a short time, with the same inputs each time.
 pub fn stage(workspace: &Workspace) -> Result<Outcome> {
     let target = Vec::new();
-    let options = Options { target, seconds: STAGE_SECONDS, jobs: 1, corpus: None, seed: 1, address: false };
+    let options =
+        Options { target, seconds: STAGE_SECONDS, jobs: 1, corpus: None, seed: 1, address: false, coverage: false };
     run(workspace, &options)?;
     Ok(Outcome::Passed)
 }

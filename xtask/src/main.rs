@@ -6,6 +6,7 @@ mod bench;
 mod blender;
 mod ci;
 mod command;
+mod coverage;
 mod csharp;
 mod debian;
 mod declarations;
