@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use arbitrary::Unstructured;
 use crumple::{
-    Combine, Contact, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Placement, Seams,
-    Serial, SetOptions,
+    Combine, Contact, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, Mark, MeshData, Placement,
+    Seams, Serial, SetOptions,
 };
 
 use crate::seeds;
@@ -86,6 +86,13 @@ pub fn play(bytes: &mut Unstructured<'_>, mut frame: impl FnMut(&mut Instance)) 
             let jitter = vector(bytes, 0.01 * unit)?;
             let hit = Hit::displacement([0, 1, 2].map(|k| at[k] + jitter[k]), vector(bytes, 0.3 * unit)?);
             body.submit(&hit).expect("a hit near the surface");
+        }
+        if bytes.ratio(1, 16)? {
+            // As after many more hits.
+            let times = [2, 100, 100_000_000][bytes.choose_index(3)?];
+            let marks = body.marks().expect("marks").iter();
+            let more: Vec<_> = marks.map(|m| Mark { energy: m.energy.saturating_mul(times), ..*m }).collect();
+            body.set_marks(&more).expect("valid marks");
         }
         if bytes.ratio(1, 8)? {
             body.repair(between(bytes, 0.0, 1.0)?).expect("a share");

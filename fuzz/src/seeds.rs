@@ -71,7 +71,8 @@ pub fn dents(mesh: &MeshData, count: u32) -> Vec<ExampleData> {
     (0..count).map(dent).collect()
 }
 
-fn small() -> SetOptions {
+/// Options with small stamps, so that building a set takes little time.
+pub fn small() -> SetOptions {
     SetOptions { stamp_resolution: 4, ..SetOptions::default() }
 }
 

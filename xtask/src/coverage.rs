@@ -17,6 +17,7 @@ type Lines = BTreeMap<(PathBuf, u32), bool>;
 pub fn run(workspace: &Workspace, programs: &[(PathBuf, PathBuf)]) -> Result<()> {
     let mut lines = Lines::new();
     for (program, corpus) in programs {
+        fs::create_dir_all(corpus)?;
         let places = corpus.with_extension("places");
         cmd!(workspace.shell, "{program}").env("CRUMPLE_SEEDS", corpus).env("CRUMPLE_COVERAGE", &places).run()?;
         add(workspace, program, &fs::read_to_string(&places)?, &mut lines)?;
