@@ -1683,10 +1683,11 @@ CrumpleResult crumple_context_get_passed(CrumpleContext *context, CrumplePassed 
 /// Records the context's calls to a file. path is UTF-8. "crumple replay FILE" repeats the calls without your engine
 /// and checks that every result and vertex is equal, so that a bug becomes a test. The file starts with the existing
 /// sets, instances, damage and buffers. It grows by some hundred bytes per hit and frame, written immediately, so that
-/// a crash loses nothing. The next deform writes every vertex of every buffer. Vulkan buffers are replayed on the CPU
-/// and not compared. Failed calls are recorded with their message. Hits may still come from any thread, but are
-/// serialised while recording, so leave it off in releases. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a recording is
-/// running, or an instance has open contacts or parts), CRUMPLE_ERROR_IO.
+/// a crash loses nothing. The next deform writes every vertex of every buffer, growing dents are shown in full, and
+/// contacts that ended are forgotten. Vulkan buffers are replayed on the CPU and not compared. Failed calls are recorded
+/// with their message. Hits may still come from any thread, but are serialised while recording, so leave it off in
+/// releases. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a recording is running, or an instance has open contacts, parts or
+/// thresholds), CRUMPLE_ERROR_IO.
 CrumpleResult crumple_recording_begin(CrumpleContext *context, const char *path);
 
 /// Ends the recording and completes the file. crumple_context_destroy() does so too. CRUMPLE_ERROR_IO: the file could

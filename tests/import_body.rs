@@ -4,10 +4,10 @@
 mod import_glb;
 
 use crumple::glam::Vec3;
-use crumple::import::{Imported, gltf_body, gltf_body_file};
+use crumple::import::{Imported, gltf_body, gltf_body_file, gltf_solids};
 use crumple::{
     Contact, DeformJob, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, Placement, Serial, SetOptions,
-    Tracker, VertexMemory, deform,
+    Solid, Tracker, VertexMemory, deform,
 };
 use import_glb::{Glb, square};
 use serde_json::json;
@@ -139,4 +139,39 @@ fn what_cannot_be_a_body_is_refused_by_name() {
     }
     assert!(error(&glb).contains("morph targets"), "{}", error(&glb));
     assert!(gltf_body_file("none.glb".as_ref()).is_err());
+}
+
+/// Each mesh was placed by a walk from its node to the root, which took time in proportion to the meshes times the depth.
+#[test]
+fn solids_of_many_nodes_in_a_deep_tree_are_placed_in_linear_time() {
+    const NODES: usize = 30_000;
+    let mut glb = square();
+    let mesh = json!({ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 2 }] });
+    glb.json["meshes"] = vec![mesh; NODES].into();
+    let node = |i: usize| match i + 1 {
+        NODES => json!({ "mesh": i }),
+        // Naming a child twice does not visit it twice.
+        next => json!({ "mesh": i, "translation": [0, 1, 0], "children": [next, next] }),
+    };
+    glb.json["nodes"] = (0..NODES).map(node).collect();
+    let solids = gltf_solids(&glb.bytes(), None, None).unwrap();
+    let Solid::Mesh { positions, .. } = &solids[NODES - 1] else { panic!("a mesh") };
+    assert_eq!(positions[0], [0.0, (NODES - 1) as f32, 0.0]);
+}
+
+/// Each vertex was compared with all at its place, and each name of a target with all before it.
+#[test]
+fn parts_with_all_vertices_at_one_place_and_many_targets_are_joined_in_linear_time() {
+    const MANY: usize = 60_000;
+    let mut glb = three();
+    let heap = glb.floats("VEC3", &vec![0.0; 3 * MANY]);
+    let still = json!({ "attributes": { "POSITION": heap } });
+    glb.push("meshes", json!({ "primitives": [still] }));
+    let targets: Vec<_> = (0..MANY).map(|_| json!({})).collect();
+    let square = json!({ "attributes": { "POSITION": 0 }, "indices": 2, "targets": targets });
+    glb.push("meshes", json!({ "primitives": [square] }));
+    glb.json["nodes"] = json!([{ "mesh": 0 }, { "mesh": 2 }, { "mesh": 2 }, { "mesh": 3 }]);
+    let body = gltf_body(&glb.bytes(), None).unwrap();
+    assert_eq!((body.parts.len(), body.examples.len()), (4, 2 + MANY));
+    assert_eq!(body.mesh.positions[body.parts[2].vertices()], vec![[0.0; 3]; MANY]);
 }

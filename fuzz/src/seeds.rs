@@ -12,11 +12,10 @@ use crumple::{
 /// Names of files and their bytes.
 pub type Seeds = Vec<(String, Vec<u8>)>;
 
-/// Writes seeds to the folder that `CRUMPLE_SEEDS` names, if it does.
-pub fn write(seeds: fn() -> Seeds) {
-    let Some(folder) = std::env::var_os("CRUMPLE_SEEDS") else { return };
+/// Writes seeds to a folder.
+pub fn write(seeds: fn() -> Seeds, folder: &Path) {
     for (name, bytes) in seeds() {
-        std::fs::write(Path::new(&folder).join(name), bytes).expect("a folder that can be written to");
+        std::fs::write(folder.join(name), bytes).expect("a folder that can be written to");
     }
 }
 
@@ -50,6 +49,15 @@ pub fn sheet(n: u32) -> MeshData {
     mesh
 }
 
+/// A small closed mesh.
+pub fn tetrahedron() -> MeshData {
+    MeshData {
+        positions: vec![[0.5, 0.5, -0.1], [0.7, 0.5, -0.3], [0.4, 0.7, -0.3], [0.4, 0.3, -0.3]],
+        triangles: vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]],
+        ..MeshData::default()
+    }
+}
+
 /// Round dents in a sheet.
 pub fn dents(mesh: &MeshData, count: u32) -> Vec<ExampleData> {
     let dent = |k: u32| {
@@ -63,7 +71,8 @@ pub fn dents(mesh: &MeshData, count: u32) -> Vec<ExampleData> {
     (0..count).map(dent).collect()
 }
 
-fn small() -> SetOptions {
+/// Options with small stamps, so that building a set takes little time.
+pub fn small() -> SetOptions {
     SetOptions { stamp_resolution: 4, ..SetOptions::default() }
 }
 

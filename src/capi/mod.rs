@@ -95,7 +95,8 @@ mod thread_tests;
 #[doc(hidden)]
 pub mod entry_points {
     pub use super::{
-        attach::*, buffer::*, context::*, damage::*, deform::*, hit::*, host_memory::*, instance::*, load::*,
-        recording::*, result::*, set::*, set_info::*, tasks::*, threshold::*, types::*,
+        allocator::*, attach::*, buffer::*, context::*, damage::*, deform::*, graph::*, graph_types::*, hit::*,
+        host_memory::*, instance::*, keep_out::*, load::*, recording::*, result::*, set::*, set_info::*, tasks::*,
+        threshold::*, types::*, version::*, vulkan::*, vulkan_types::*,
     };
 }

@@ -13,10 +13,11 @@ use std::sync::PoisonError;
 /// Records the context's calls to a file. path is UTF-8. "crumple replay FILE" repeats the calls without your engine
 /// and checks that every result and vertex is equal, so that a bug becomes a test. The file starts with the existing
 /// sets, instances, damage and buffers. It grows by some hundred bytes per hit and frame, written immediately, so that
-/// a crash loses nothing. The next deform writes every vertex of every buffer. Vulkan buffers are replayed on the CPU
-/// and not compared. Failed calls are recorded with their message. Hits may still come from any thread, but are
-/// serialised while recording, so leave it off in releases. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a recording is
-/// running, or an instance has open contacts or parts), CRUMPLE_ERROR_IO.
+/// a crash loses nothing. The next deform writes every vertex of every buffer, growing dents are shown in full, and
+/// contacts that ended are forgotten. Vulkan buffers are replayed on the CPU and not compared. Failed calls are recorded
+/// with their message. Hits may still come from any thread, but are serialised while recording, so leave it off in
+/// releases. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a recording is running, or an instance has open contacts, parts or
+/// thresholds), CRUMPLE_ERROR_IO.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_recording_begin(context: *mut CrumpleContext, path: *const c_char) -> CrumpleResult {
     exclusive("crumple_recording_begin", context, |context, state| {

@@ -516,6 +516,29 @@ fn a_recording_says_why_it_cannot_begin_or_go_on() {
     same(&host.end());
 }
 
+/// The fuzzer found that a replay did not know it.
+#[test]
+fn a_contact_that_ended_before_a_recording_is_forgotten() {
+    let mut host = Host::with_set();
+    host.instance(CrumpleRule::Marks);
+    let (context, body) = (host.context, host.instances[0]);
+    let depth = || {
+        let mut told = MaybeUninit::uninit();
+        // SAFETY: the context lives, and the call writes the result if it succeeds.
+        unsafe {
+            ok(crumple_instance_get_contact(context, body, 7, told.as_mut_ptr()));
+            told.assume_init().achieved.z
+        }
+    };
+    ok(host.hit(0, (0.0, 0.0), 1.0, 7));
+    // SAFETY: plain values.
+    ok(unsafe { crumple_instance_end_contact(context, body, 7) });
+    assert!(depth() < 0.0);
+    ok(host.begin());
+    assert_eq!(depth(), 0.0);
+    same(&host.end());
+}
+
 #[test]
 fn parts_come_off_and_go_on_again_as_recorded() {
     let mut host = Host::with_set();

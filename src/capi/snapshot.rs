@@ -38,7 +38,8 @@ pub(super) fn check(state: &mut State) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Writes sets, instances and buffers, and invalidates the buffers, so that replays and what is recorded write the same vertices.
+/// Writes sets, instances and buffers. Invalidates the buffers, shows dents that grow in full and forgets contacts that ended,
+/// so that a replay gives what is recorded.
 pub(super) fn write(state: &mut State, writer: &mut Writer) -> Result<(), Failure> {
     let none = Number(0);
     let mut call = |call: Call, made: Number| {
@@ -68,6 +69,7 @@ pub(super) fn write(state: &mut State, writer: &mut Writer) -> Result<(), Failur
     for (id, entry) in state.instances.iter_mut::<CrumpleInstance>() {
         let instance = Number::of(id);
         entry.instance.finish_growth();
+        entry.instance.forget_ended_contacts();
         call(create(entry), instance);
         call(Call::SetDepthLimit { instance, depth_limit: entry.instance.depth_limit() }, none);
         call(Call::SetTolerance { instance, tolerance: entry.instance.tolerance() }, none);

@@ -4,7 +4,7 @@
 
 use crate::base::math::Aabb;
 use crate::example::set::ExampleSet;
-use crate::example::stamp::{Stamp, WEIGHTS, lift};
+use crate::example::stamp::{MOST, Stamp, WEIGHTS, lift};
 use glam::{Mat2, Mat3, UVec2, Vec2, Vec3};
 
 /// Share by which boxes are enlarged before they are tested against a stamp. Far more than rounding errors.
@@ -69,6 +69,8 @@ pub(crate) struct Lookup {
     pub normal_change_z: f32,
     /// Upper bound of the length of scaled displacements, m.
     pub longest: f32,
+    /// Upper bound of the length of scaled changes of normals.
+    pub steepest: f32,
     /// Range of z outside which nothing is moved, m.
     heights: (f32, f32),
     /// Distance from the contact beyond which nothing is moved, m.
@@ -129,6 +131,7 @@ impl Lookup {
             normal_change,
             normal_change_z,
             longest: stamp.longest * scale.abs(),
+            steepest: steps.normal.length() * MOST * (scale / stretch).abs(),
             heights: (stamp.heights.0 - stamp.fade, stamp.heights.1 + stamp.fade),
             radius: stamp.reach(stretch),
         }

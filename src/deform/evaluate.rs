@@ -225,6 +225,7 @@ pub(crate) fn block<'a>(
         window: job.lod.rim.block(job.block),
         step: job.view.step(),
         deepest: job.view.keeps_deepest(),
+        wide: job.view.wide,
         limit: job.view.limit(touched.longest),
         own: DamageView::own_limits(mesh, job.block, touched.longest),
     };

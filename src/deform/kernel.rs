@@ -481,7 +481,7 @@ struct Sums<S: Simd> {
     longest: S::F,
     /// Change of the normal by anchored examples.
     change: V<S>,
-    /// What carried examples add to `all`, unless the longest dent is wanted, and to `change`, in steps.
+    /// What carried examples add to `all`, unless the longest dent is wanted, and to `change`, in steps. Zero if wide.
     carried: [[S::I; 3]; 2],
 }
 
@@ -501,6 +501,15 @@ unsafe fn in_steps<S: Simd>(v: V<S>, per_step: S::F) -> [S::I; 3] {
     unsafe {
         let (low, high) = (S::splat(-MOST_STEPS), S::splat(MOST_STEPS));
         each!(k => S::truncate(S::min(S::max(S::mul(v[k], per_step), low), high)))
+    }
+}
+
+/// A vector with components cut to as many steps as a dent may contribute.
+#[inline(always)]
+unsafe fn cut_to_most<S: Simd>(v: V<S>, step: f32) -> V<S> {
+    unsafe {
+        let (low, high) = (S::splat(-MOST_STEPS * step), S::splat(MOST_STEPS * step));
+        each!(k => S::min(S::max(v[k], low), high))
     }
 }
 
@@ -608,13 +617,19 @@ unsafe fn add_carried<S: Simd, const NORMALS: bool>(
                 let lift = dot::<S>(u, n);
                 change = each!(k => S::sub(S::mul(change[k], factor), S::mul(along[k], lift)));
             }
-            add_steps::<S>(&mut sums.carried[1], in_steps::<S>(change, S::splat(1.0 / TURN_STEP)));
+            if block.wide {
+                sums.change = add::<S>(sums.change, cut_to_most::<S>(change, TURN_STEP));
+            } else {
+                add_steps::<S>(&mut sums.carried[1], in_steps::<S>(change, S::splat(1.0 / TURN_STEP)));
+            }
         }
         if window.is_some() {
             u = scaled::<S>(u, factor);
         }
         if block.deepest {
             sums.dent = add::<S>(sums.dent, u);
+        } else if block.wide {
+            sums.dent = add::<S>(sums.dent, cut_to_most::<S>(u, block.step));
         } else {
             add_steps::<S>(&mut sums.carried[0], in_steps::<S>(u, S::splat(1.0 / block.step)));
         }
@@ -691,6 +706,8 @@ pub(crate) struct Block<'a> {
     pub step: f32,
     /// Whether the sum is no longer than the longest dent.
     pub deepest: bool,
+    /// Whether carried examples are summed in f32: whole steps may be too few.
+    pub wide: bool,
     /// The depth limit, m; `None` if nothing reaches it.
     pub limit: Option<f32>,
     /// The limits of the vertices; `None` if nothing reaches them.

@@ -67,6 +67,7 @@ impl KeptSums {
         let pays = dents.len() >= LEAST_DENTS
             && view.vertices.is_none()
             && !view.keeps_deepest()
+            && !view.wide
             && dents.iter().any(|dent| dent.lookups() > 0);
         // The copy of the damage that `shows` makes cannot fail.
         if !pays || headroom(2 * view.damage.memory_bytes(), "kept sums").is_err() {

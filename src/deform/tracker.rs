@@ -16,6 +16,8 @@ pub struct Tracker {
     instance: u64,
     lod: usize,
     epoch: u64,
+    /// Whether it was written with wide sums, which round otherwise.
+    wide: bool,
     block_bounds: Vec<Aabb>,
     changed: Vec<Range<u32>>,
     /// Around the vertices of `changed`, before and after the last write.
@@ -76,7 +78,8 @@ impl Tracker {
 
     /// The epoch of the memory's contents, if it holds this instance's level of detail.
     pub(crate) fn since(&self, changes: &Changes, lod: usize) -> Option<u64> {
-        (self.instance == changes.instance && self.lod == lod).then_some(self.epoch)
+        let same = self.instance == changes.instance && self.lod == lod && self.wide == changes.wide;
+        same.then_some(self.epoch)
     }
 
     /// Records that these blocks (second of each pair; increasing) were written, and their bounds.
@@ -139,6 +142,7 @@ impl Tracker {
         self.instance = changes.instance;
         self.lod = lod;
         self.epoch = changes.epoch;
+        self.wide = changes.wide;
     }
 }
 

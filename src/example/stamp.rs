@@ -38,7 +38,7 @@ pub(crate) type Node = [i16; 8];
 /// Sum of the four weights of a bilinear interpolation.
 pub(crate) const WEIGHTS: f32 = 16384.0;
 /// The largest number in a node.
-const MOST: f32 = 32767.0;
+pub(crate) const MOST: f32 = 32767.0;
 /// Factor from a weighted sum of the nodes' last numbers to the z of a base normal.
 pub(crate) const FACING: f32 = 1.0 / (MOST * WEIGHTS);
 

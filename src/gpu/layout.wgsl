@@ -20,6 +20,8 @@ const OCTAHEDRAL16X2 = 5u;
 const DEEPEST = 1u;
 // The depth limit may be reached.
 const LIMITED = 2u;
+// Carried examples are summed in f32.
+const WIDE = 4u;
 // Flag of a target with a classic rule: the vertices are at rest and have no state yet.
 const AT_REST = 1u;
 

@@ -28,6 +28,12 @@ fn in_steps(v: vec3<f32>, per_step: f32) -> vec3<i32> {
     );
 }
 
+// A vector with components cut to as many steps as a dent may contribute.
+fn cut_to_most(v: vec3<f32>, unit: f32) -> vec3<f32> {
+    let most = MOST_STEPS * unit;
+    return vec3(clamped(v.x, -most, most), clamped(v.y, -most, most), clamped(v.z, -most, most));
+}
+
 // Zero for a vector no longer than the root of `square`, else the vector. A negative `square` keeps all vectors.
 fn cut(v: vec3<f32>, square: f32) -> vec3<f32> {
     return select(vec3(0.0), v, dot3(v, v) > square);
@@ -128,13 +134,19 @@ fn add_carried(
             let along = slope - normal * dot3(normal, slope);
             change = change * factor - along * dot3(u, normal);
         }
-        (*sums).carried_change = (*sums).carried_change + in_steps(change, 1.0 / TURN_STEP);
+        if (out.flags & WIDE) != 0u {
+            (*sums).change = (*sums).change + cut_to_most(change, TURN_STEP);
+        } else {
+            (*sums).carried_change = (*sums).carried_change + in_steps(change, 1.0 / TURN_STEP);
+        }
     }
     if window != NONE {
         u = u * factor;
     }
     if (out.flags & DEEPEST) != 0u {
         (*sums).dent = (*sums).dent + u;
+    } else if (out.flags & WIDE) != 0u {
+        (*sums).dent = (*sums).dent + cut_to_most(u, out.step);
     } else {
         (*sums).carried_all = (*sums).carried_all + in_steps(u, out.per_step);
     }

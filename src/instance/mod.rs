@@ -27,6 +27,7 @@ use crate::damage::list::Damage;
 use crate::damage::mark::Mark;
 use crate::damage::saved;
 use crate::deform::tolerance::{EDGES, pixel_tolerance, rounded, threshold};
+use crate::deform::view::too_many_steps;
 use crate::example::mesh_lod::MeshLod;
 use crate::example::set::ExampleSet;
 use crate::mesh::finite;
@@ -126,7 +127,7 @@ impl Instance {
             limit,
             tolerance,
             threshold,
-            changes: Changes { instance: NEXT.fetch_add(1, Ordering::Relaxed), epoch: 0, blocks },
+            changes: Changes { instance: NEXT.fetch_add(1, Ordering::Relaxed), epoch: 0, wide: false, blocks },
         })
     }
 
@@ -278,6 +279,7 @@ impl Instance {
             history.record(self.damage.marks());
         }
         let shown = self.growth.shown(&self.damage);
+        self.changes.wide = too_many_steps(&self.set, shown.dents());
         let threshold = threshold(&self.set, shown.dents(), self.tolerance);
         if threshold != self.threshold {
             // Displacements below both thresholds are not shown before or after.
@@ -563,6 +565,12 @@ impl Instance {
     pub(crate) fn finish_growth(&mut self) {
         let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
         self.growth.finish(&self.damage, &mut |d: &Dent| touch.dent(d));
+    }
+
+    /// Forgets the outcomes of contacts that ended.
+    #[cfg(feature = "capi")]
+    pub(crate) fn forget_ended_contacts(&mut self) {
+        self.contacts.forget_ended();
     }
 
     /// Removes all damage. Discards hits that have not been folded yet, and ends all contacts.

@@ -9,6 +9,7 @@ use xshell::cmd;
 
 use crate::stage::Outcome;
 use crate::workspace::Workspace;
+use crate::{corpus, coverage, vulkan};
 
 /// Instruments the code for libFuzzer's coverage.
 const COVERAGE: &[&str] = &[
@@ -44,6 +45,12 @@ pub struct Options {
     /// Build with the address sanitizer too, which finds wrong accesses to memory; slower
     #[arg(long)]
     address: bool,
+    /// Fuzz nothing: print which lines of src the corpora reach
+    #[arg(long, conflicts_with = "keep")]
+    coverage: bool,
+    /// Fuzz nothing: choose the inputs in fuzz/corpus anew, from the corpora
+    #[arg(long)]
+    keep: bool,
 }
 
 pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
@@ -55,24 +62,44 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     let home = workspace.target.join(if options.address { "fuzz-address" } else { "fuzz" });
     let programs = build(workspace, &home, options.address)?;
     let corpus = options.corpus.clone().unwrap_or_else(|| workspace.target.join("fuzz/corpus"));
+    let chosen = targets.iter().filter(|name| options.target.is_empty() || options.target.contains(name));
+    if options.coverage {
+        let pairs: Vec<_> = chosen.map(|name| (programs.join(name), corpus.join(name))).collect();
+        return coverage::run(workspace, &pairs);
+    }
+    let kept = workspace.path("fuzz/corpus");
+    if options.keep {
+        return chosen
+            .into_iter()
+            .try_for_each(|name| corpus::keep(workspace, &programs.join(name), &corpus.join(name), &kept.join(name)));
+    }
     let (seconds, jobs, seed) = (options.seconds.to_string(), options.jobs.to_string(), options.seed.to_string());
-    for name in targets.iter().filter(|name| options.target.is_empty() || options.target.contains(name)) {
+    for name in chosen {
         let corpus = corpus.join(name);
         let found = home.join("found").join(name);
         for folder in [&corpus, &found] {
             fs::create_dir_all(folder).with_context(|| format!("making {}", folder.display()))?;
         }
-        let program = programs.join(name);
+        let (program, kept) = (programs.join(name), kept.join(name));
+        // The first folder receives new inputs; the others are only read.
+        let kept = kept.exists().then_some(kept);
         let artifacts = format!("-artifact_prefix={}/", found.display());
         let limits = ["-timeout=30", "-rss_limit_mb=2048", "-malloc_limit_mb=1024", "-max_len=65536"];
         let mut fuzz = cmd!(
             shell,
-            "{program} {corpus} {artifacts} {limits...} -max_total_time={seconds} -seed={seed} -print_final_stats=1"
+            "{program} {corpus} {kept...} {artifacts} {limits...} -max_total_time={seconds} -seed={seed} -print_final_stats=1"
         )
         .env("CRUMPLE_SEEDS", &corpus);
         let dictionary = workspace.path("fuzz/dictionaries").join(name);
         if dictionary.exists() {
             fuzz = fuzz.arg(format!("-dict={}", dictionary.display()));
+        }
+        if name == "device" {
+            // Both software drivers, if they are there. Mesa's device selection layer prints errors without a display.
+            fuzz = fuzz.env("NODEVICE_SELECT", "1");
+            if let Ok(drivers) = vulkan::drivers(workspace) {
+                fuzz = fuzz.env("VK_DRIVER_FILES", std::env::join_paths(drivers.manifests)?);
+            }
         }
         if options.jobs > 1 {
             fuzz = fuzz.arg(format!("-fork={jobs}"));
@@ -112,7 +139,16 @@ fn build(workspace: &Workspace, home: &Path, address: bool) -> Result<PathBuf> {
 /// Runs every target for a short time, with the same inputs each time.
 pub fn stage(workspace: &Workspace) -> Result<Outcome> {
     let target = Vec::new();
-    let options = Options { target, seconds: STAGE_SECONDS, jobs: 1, corpus: None, seed: 1, address: false };
+    let options = Options {
+        target,
+        seconds: STAGE_SECONDS,
+        jobs: 1,
+        corpus: None,
+        seed: 1,
+        address: false,
+        coverage: false,
+        keep: false,
+    };
     run(workspace, &options)?;
     Ok(Outcome::Passed)
 }

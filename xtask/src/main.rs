@@ -6,6 +6,8 @@ mod bench;
 mod blender;
 mod ci;
 mod command;
+mod corpus;
+mod coverage;
 mod csharp;
 mod debian;
 mod declarations;

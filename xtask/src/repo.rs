@@ -5,6 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
 
+use crate::declarations::{self, Form};
 use crate::workspace::{Workspace, files};
 use crate::{dependencies, messages, unity};
 
@@ -15,6 +16,7 @@ const FIGURES_LIMIT: u64 = 15_000_000;
 /// The lab's reference data, in bytes.
 const TRUTHS_LIMIT: u64 = 14_000_000;
 const RELIABILITY: &str = "docs/reliability.md";
+const CALLS: &str = "fuzz/src/calls";
 const QUICKSTART: &str = "examples-c/quickstart.c";
 const QUICKSTART_LINES: usize = 80;
 /// Programs that a page shows whole: the program, the page and the language.
@@ -34,6 +36,7 @@ pub fn run(workspace: &Workspace, fix: bool) -> Result<()> {
     changelog(workspace)?;
     unsafe_blocks(workspace, fix)?;
     dependencies::run(workspace, RELIABILITY, fix)?;
+    fuzzed(workspace)?;
     messages::run(workspace)
 }
 
@@ -122,6 +125,21 @@ fn unsafe_blocks(workspace: &Workspace, fix: bool) -> Result<()> {
         ensure!(wrong.is_empty(), "{RELIABILITY}, unsafe blocks: {wrong:?}; type: cargo xtask repo --fix");
     }
     println!("{RELIABILITY} has the number of unsafe blocks of each room");
+    Ok(())
+}
+
+/// The fuzz target of the C interface calls every function of the header.
+fn fuzzed(workspace: &Workspace) -> Result<()> {
+    let mut calls = String::new();
+    for file in files(&workspace.path(CALLS))? {
+        calls.push_str(&fs::read_to_string(file)?);
+    }
+    let items = declarations::header(&read(workspace, "include/crumple.h")?)?;
+    let functions: Vec<String> =
+        items.into_iter().filter(|item| matches!(item.form, Form::Function { .. })).map(|item| item.name).collect();
+    let missing: Vec<_> = functions.iter().filter(|name| !calls.contains(&format!("{name}("))).collect();
+    ensure!(missing.is_empty(), "{CALLS} does not call {missing:?}; the fuzzer reaches a function only from there");
+    println!("{CALLS} calls all {} functions of the header", functions.len());
     Ok(())
 }
 

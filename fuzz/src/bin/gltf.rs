@@ -1,14 +1,22 @@
 //! Any bytes as glTF: JSON, a zero byte and the binary chunk, which become a GLB file; or a file as it is.
 #![no_main]
 
-use crumple::import::{MeshChoice, gltf_slice, gltf_solids};
-use crumple_fuzz::{seeds, target};
+use crumple::import::{MeshChoice, gltf_body, gltf_slice, gltf_solids};
+use crumple::{ExampleSet, Serial};
+use crumple_fuzz::{baked, seeds, target};
 
 target!(
     |data| {
         let file = if data.starts_with(b"glTF") { data.to_vec() } else { seeds::glb(data) };
         if let Ok(solids) = gltf_solids(&file, None, None) {
             drop(solids);
+        }
+        if let Ok(body) = gltf_body(&file, None) {
+            let parts = body.part_meshes();
+            if let Ok(mut set) = ExampleSet::build(body.mesh, body.examples, seeds::small(), &Serial) {
+                parts.into_iter().for_each(|part| drop(set.add_lod(part, &Serial)));
+                baked::load_and_use(set.save().expect("a small set"));
+            }
         }
         let Ok(imported) = gltf_slice(&file, None, MeshChoice::First) else { return };
         let positions = imported.mesh.positions.clone();

@@ -1,7 +1,8 @@
 //! Joins the meshes of all nodes of a glTF to one body, with a part for each node.
 
 use super::document::{Document, out_of_range};
-use super::gltf::{base, deltas, parts, range, target_count, world_matrix};
+use super::gltf::{base, deltas, parts, range, target_count};
+use super::nodes::Nodes;
 use super::{Imported, Part, PrimitiveRange, extras, malformed, unsupported, uri};
 use crate::base::error::Error;
 use crate::base::math::{Aabb, to_f32};
@@ -11,6 +12,7 @@ use crate::mesh::data::MeshData;
 use glam::{DMat3, DMat4, DVec3, Vec3};
 use rstar::RTree;
 use std::cmp::Ordering;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 /// Vertices of different nodes nearer than this share of the body's diagonal lie at one position: node matrices round.
@@ -64,7 +66,9 @@ pub fn gltf_body(bytes: &[u8], base_dir: Option<&Path>) -> Result<Imported, Erro
         let what = format!("{} nodes have meshes; a body has at most {} parts", shown.len(), MAX_MESHES - 1);
         return Err(unsupported(what));
     }
-    let pieces = shown.iter().map(|(node, mesh)| Piece::read(&doc, *node, *mesh)).collect::<Result<Vec<_>, Error>>()?;
+    let nodes = Nodes::of(&doc);
+    let pieces =
+        shown.iter().map(|(node, mesh)| Piece::read(&doc, &nodes, *node, *mesh)).collect::<Result<Vec<_>, Error>>()?;
     let vertices: usize = pieces.iter().map(|piece| piece.mesh.positions.len()).sum();
     if vertices > u32::MAX as usize {
         return Err(unsupported(format!("{vertices} vertices in all parts; 32-bit indices reach {}", u32::MAX)));
@@ -84,8 +88,9 @@ pub fn gltf_body(bytes: &[u8], base_dir: Option<&Path>) -> Result<Imported, Erro
         parts: Vec::new(),
         node_transform: None,
     };
+    let mut known = HashMap::new();
     for piece in pieces {
-        add(&mut joined, piece);
+        add(&mut joined, piece, &mut known);
     }
     if joined.examples.is_empty() {
         return Err(Error::NoExamples { what: "no mesh that a node shows has morph targets".into() });
@@ -103,13 +108,13 @@ struct Piece {
 }
 
 impl Piece {
-    fn read(doc: &Document<'_>, node: usize, mesh: usize) -> Result<Self, Error> {
+    fn read(doc: &Document<'_>, nodes: &Nodes<'_>, node: usize, mesh: usize) -> Result<Self, Error> {
         let targets = if doc.root.meshes.get(mesh).is_some() {
             target_count(doc, mesh)?
         } else {
             return Err(out_of_range(&format!("the mesh of node {node}"), mesh, doc.root.meshes.len()));
         };
-        let to_scene = DMat4::from_cols_array_2d(&world_matrix(doc, node)?);
+        let to_scene = DMat4::from_cols_array_2d(&nodes.world(node)?);
         let linear = DMat3::from_mat4(to_scene);
         if !linear.inverse().is_finite() {
             return Err(malformed(format!("the world matrix of node {node} has no inverse")));
@@ -118,8 +123,9 @@ impl Piece {
         let mut base = base(doc, &primitives)?;
         let value = &doc.value["meshes"][mesh];
         let names = extras::names(value, targets)?;
-        if let Some(twice) = (1..names.len()).find(|i| names[..*i].contains(&names[*i])) {
-            let (mesh, name) = (doc.mesh_label(mesh), &names[twice]);
+        let mut seen = HashSet::new();
+        if let Some(name) = names.iter().find(|name| !seen.insert(*name)) {
+            let mesh = doc.mesh_label(mesh);
             return Err(malformed(format!("{mesh} has two targets named '{name}'; in a body their names must differ")));
         }
         let impacts = extras::impacts(value, &names, base.positions.len())?;
@@ -194,8 +200,8 @@ fn all<T: Copy>(pieces: &[Piece], of: impl Fn(&MeshData) -> Option<&Vec<T>>) -> 
     Some(lists.into_iter().flatten().copied().collect())
 }
 
-/// Appends a piece, whose attributes other than positions are there already.
-fn add(joined: &mut Imported, piece: Piece) {
+/// Appends a piece, whose attributes other than positions are there already. `known` has the places of the examples by name.
+fn add(joined: &mut Imported, piece: Piece, known: &mut HashMap<String, usize>) {
     let Piece { name, mesh, examples, primitives } = piece;
     let (first_vertex, first_triangle) = (joined.mesh.positions.len() as u32, joined.mesh.triangles.len() as u32);
     let (vertex_count, triangle_count) = (mesh.positions.len() as u32, mesh.triangles.len() as u32);
@@ -214,7 +220,8 @@ fn add(joined: &mut Imported, piece: Piece) {
         if let Deltas::Sparse { indices, .. } = &mut example.positions {
             indices.iter_mut().for_each(|v| *v += first_vertex);
         }
-        let Some(known) = joined.examples.iter_mut().find(|known| known.name == example.name) else {
+        let Some(known) = known.get(&example.name).map(|i| &mut joined.examples[*i]) else {
+            known.insert(example.name.clone(), joined.examples.len());
             joined.examples.push(example);
             continue;
         };
@@ -234,15 +241,19 @@ fn add(joined: &mut Imported, piece: Piece) {
     }
 }
 
+/// How many vertices that lie at one place up to rounding are compared, so that thousands take no longer than in proportion.
+const COMPARED: usize = 256;
+
 /// Gives vertices of different parts that lie at the same place the bits of the first part's.
 fn close_seams(joined: &mut Imported) {
     let positions = &mut joined.mesh.positions;
     let diagonal = Aabb::of_slice(bytemuck::cast_slice(positions)).diagonal();
     let mut earlier: RTree<[f32; 3]> = RTree::new();
+    let mut inserted = HashSet::new();
     for part in &joined.parts {
         let own = &mut positions[part.vertices()];
         for p in own.iter_mut() {
-            let near = earlier.locate_within_distance(*p, (SAME * diagonal).powi(2));
+            let near = earlier.locate_within_distance(*p, (SAME * diagonal).powi(2)).take(COMPARED);
             // The nearest; among equally near the least, so that the tree's shape does not matter.
             let distance = |q: &[f32; 3]| (Vec3::from(*q) - Vec3::from(*p)).length_squared();
             let least = |a: &&[f32; 3], b: &&[f32; 3]| {
@@ -252,6 +263,6 @@ fn close_seams(joined: &mut Imported) {
                 *p = *nearest;
             }
         }
-        own.iter().for_each(|p| earlier.insert(*p));
+        own.iter().filter(|p| inserted.insert(p.map(f32::to_bits))).for_each(|p| earlier.insert(*p));
     }
 }

@@ -1,7 +1,8 @@
 //! Reads a glTF mesh and its morph targets as one base mesh and its examples.
 
 use super::accessor::Accessor;
-use super::document::{Document, out_of_range};
+use super::document::Document;
+use super::nodes::Nodes;
 use super::{Imported, MeshChoice, PrimitiveRange, extras, malformed, unsupported, uri};
 use crate::base::error::Error;
 use crate::example::data::{Deltas, ExampleData};
@@ -63,7 +64,7 @@ pub fn gltf_slice(bytes: &[u8], base_dir: Option<&Path>, mesh: MeshChoice<'_>) -
     Ok(Imported {
         name: doc.root.meshes[mesh].name.clone().unwrap_or_default(),
         primitives: parts.iter().map(|p| range(&doc, p)).collect::<Result<_, _>>()?,
-        node_transform: node_transform(&doc, mesh)?,
+        node_transform: Nodes::of(&doc).transform_of_mesh(mesh)?,
         texcoords: None,
         mesh: base,
         examples,
@@ -89,9 +90,11 @@ pub fn gltf_solids(bytes: &[u8], base_dir: Option<&Path>, body: Option<[[f32; 4]
     if doc.root.meshes.is_empty() {
         return Err(Error::NoSuchMesh { wanted: "a solid".into(), available: all_meshes(&doc) });
     }
+    let nodes = Nodes::of(&doc);
     let solid = |mesh| {
         let MeshData { mut positions, triangles, .. } = base(&doc, &parts(&doc, mesh)?)?;
-        let placed = node_transform(&doc, mesh)?.map_or(Mat4::IDENTITY, |columns| Mat4::from_cols_array_2d(&columns));
+        let placed =
+            nodes.transform_of_mesh(mesh)?.map_or(Mat4::IDENTITY, |columns| Mat4::from_cols_array_2d(&columns));
         let to_body = into_body * placed;
         for p in positions.iter_mut().filter(|_| to_body != Mat4::IDENTITY) {
             *p = to_body.transform_point3(Vec3::from(*p)).to_array();
@@ -380,66 +383,4 @@ pub(super) fn range(doc: &Document<'_>, part: &Part<'_>) -> Result<PrimitiveRang
         triangle_count: part.triangles.len() as u32,
         material,
     })
-}
-
-/// The world matrix of the first node that shows the mesh.
-fn node_transform(doc: &Document<'_>, mesh: usize) -> Result<Option<[[f32; 4]; 4]>, Error> {
-    let first = doc.root.nodes.iter().position(|n| n.mesh.is_some_and(|m| m.value() == mesh));
-    let rounded = |world: Matrix| world.map(|column| column.map(|x| x as f32));
-    first.map(|node| world_matrix(doc, node).map(rounded)).transpose()
-}
-
-/// The product of the matrices from the root to a node, whose elements are finite as f32.
-pub(super) fn world_matrix(doc: &Document<'_>, first: usize) -> Result<Matrix, Error> {
-    let nodes = &doc.root.nodes;
-    let mut parent = vec![None; nodes.len()];
-    for (i, node) in nodes.iter().enumerate() {
-        for child in node.children.iter().flatten().map(|c| c.value()) {
-            let slot: &mut Option<usize> = parent
-                .get_mut(child)
-                .ok_or_else(|| out_of_range(&format!("a child of node {i}"), child, nodes.len()))?;
-            if let Some(other) = slot.replace(i).filter(|other| *other != i) {
-                return Err(malformed(format!(
-                    "node {child} is a child of node {other} and of node {i}; a node has at most one parent"
-                )));
-            }
-        }
-    }
-    let mut world = local_matrix(&nodes[first]);
-    let (mut node, mut steps) = (first, 0);
-    while let Some(up) = parent[node] {
-        steps += 1;
-        if steps > nodes.len() {
-            return Err(malformed(format!("node {first} is its own ancestor")));
-        }
-        world = product(&local_matrix(&nodes[up]), &world);
-        node = up;
-    }
-    match world.iter().flatten().map(|x| *x as f32).find(|x| !x.is_finite()) {
-        None => Ok(world),
-        Some(x) => Err(Error::NotFinite { name: format!("the world matrix of node {first}"), value: x.to_string() }),
-    }
-}
-
-pub(super) type Matrix = [[f64; 4]; 4];
-
-fn local_matrix(node: &json::scene::Node) -> Matrix {
-    if let Some(m) = node.matrix {
-        let m = m.map(f64::from);
-        return std::array::from_fn(|column| std::array::from_fn(|row| m[column * 4 + row]));
-    }
-    let t = node.translation.unwrap_or([0.0; 3]).map(f64::from);
-    let [x, y, z, w] = node.rotation.unwrap_or_default().0.map(f64::from);
-    let s = node.scale.unwrap_or([1.0; 3]).map(f64::from);
-    let rotation = [
-        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w)],
-        [2.0 * (x * y - z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + x * w)],
-        [2.0 * (x * z + y * w), 2.0 * (y * z - x * w), 1.0 - 2.0 * (x * x + y * y)],
-    ];
-    let column = |i: usize| [rotation[i][0] * s[i], rotation[i][1] * s[i], rotation[i][2] * s[i], 0.0];
-    [column(0), column(1), column(2), [t[0], t[1], t[2], 1.0]]
-}
-
-fn product(a: &Matrix, b: &Matrix) -> Matrix {
-    std::array::from_fn(|column| std::array::from_fn(|row| (0..4).map(|k| a[k][row] * b[column][k]).sum()))
 }

@@ -60,6 +60,8 @@ pub(crate) mod document;
 mod extras;
 #[cfg(feature = "gltf")]
 pub(crate) mod gltf;
+#[cfg(feature = "gltf")]
+mod nodes;
 #[cfg(feature = "obj")]
 mod obj;
 #[cfg(feature = "gltf")]

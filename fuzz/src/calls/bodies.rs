@@ -1,0 +1,227 @@
+//! Calls on instances: hits, damage, parts, buffers and frames.
+
+use std::mem::MaybeUninit;
+use std::ptr::{null, null_mut};
+
+use crumple::Mark;
+use crumple::entry_points::*;
+
+use super::arguments::{boolean, enumerator};
+use super::{Host, Step};
+
+impl Host<'_> {
+    /// # Safety
+    /// None is needed; the calls in it are unsafe.
+    pub(super) unsafe fn body_call(&mut self, call: u8) -> Step<CrumpleResult> {
+        let (context, id) = (self.context()?, self.instance()?);
+        Ok(match call {
+            0..=3 => {
+                let mut def = CrumpleInstanceDef { set: self.set()?, ..crumple_instance_def_default() };
+                def.rule = enumerator(self.word()? & 3);
+                let (mut def, mut new) = (self.patched(def)?, CrumpleInstance::default());
+                def.mark_capacity = def.mark_capacity.min(70_000);
+                let result = crumple_instance_create(context, &def, &mut new);
+                self.instances.push(new);
+                result
+            }
+            4 => crumple_instance_destroy(context, id),
+            5 => {
+                let mut info = MaybeUninit::<CrumpleInstanceInfo>::uninit();
+                crumple_instance_get_info(context, id, info.as_mut_ptr())
+            }
+            6 => {
+                let mut matrix = crumple_instance_def_default().local_to_world;
+                let at = self.bytes.choose_index(16)?;
+                matrix[at] = self.number()?;
+                crumple_instance_set_transform(context, id, matrix.as_ptr())
+            }
+            7 => crumple_instance_set_depth_limit(context, id, self.number()?),
+            8 => crumple_context_set_time(context, f64::from(self.number()?)),
+            9 => crumple_instance_set_tolerance(context, id, self.number()?),
+            10 => {
+                let (pixels, distance, fov, height) = (self.number()?, self.number()?, self.number()?, self.number()?);
+                crumple_instance_set_view(context, id, pixels, distance, fov, height, null_mut())
+            }
+            11 => {
+                let mut part = CrumpleInstance::default();
+                let result = crumple_instance_release_part(context, id, self.word()?, &mut part);
+                self.instances.push(part);
+                result
+            }
+            12 => {
+                let (part, mounted) = (self.instance()?, self.bytes.arbitrary::<u8>()?);
+                crumple_instance_mount_part(context, id, part, boolean(mounted))
+            }
+            13 => {
+                let (part, rigid) = (self.word()?, self.bytes.arbitrary::<u8>()?);
+                crumple_instance_set_part_rigid(context, id, part, boolean(rigid))
+            }
+            14 => crumple_instance_measure_part(context, id, self.word()?, &mut 0.0, null_mut(), &mut 0.0),
+            15..=18 => {
+                let def = self.impulse()?;
+                crumple_instance_submit_impulse(context, id, &def, null_mut())
+            }
+            19..=22 => {
+                let def = self.displacement()?;
+                crumple_instance_submit_displacement(context, id, &def, MaybeUninit::uninit().as_mut_ptr())
+            }
+            23 => {
+                let (ids, def) = (self.some(Self::instance)?, self.impulse()?);
+                let defs = vec![def; ids.len()];
+                crumple_context_submit_impulses(context, ids.as_ptr(), defs.as_ptr(), ids.len() as u32, null_mut())
+            }
+            24 => {
+                let (ids, def) = (self.some(Self::instance)?, self.displacement()?);
+                let defs = vec![def; ids.len()];
+                crumple_context_submit_displacements(context, ids.as_ptr(), defs.as_ptr(), ids.len() as u32, null_mut())
+            }
+            25 => {
+                let (impulse, displacement, told) = (self.impulse()?, self.displacement()?, &mut MaybeUninit::uninit());
+                if self.bytes.arbitrary()? {
+                    crumple_instance_preview_impulse(context, id, &impulse, told.as_mut_ptr())
+                } else {
+                    crumple_instance_preview_displacement(context, id, &displacement, told.as_mut_ptr())
+                }
+            }
+            26 => {
+                let n = 200;
+                let (joints, weights) = (vec![[0u16, 1, 0, 0]; n], vec![[0.5f32, 0.5, 0.0, 0.0]; n]);
+                let mut matrices = vec![crumple_instance_def_default().local_to_world; 2];
+                let at = self.bytes.choose_index(16)?;
+                matrices[1][at] = self.number()?;
+                let skin = CrumpleSkinDef {
+                    matrix_count: 2,
+                    joints: self.input(&joints)?,
+                    weights: self.input(&weights)?,
+                    matrices: self.input(&matrices)?,
+                    ..crumple_skin_def_default()
+                };
+                let (mut impulse, mut displacement) = (self.impulse()?, self.displacement()?);
+                if self.bytes.arbitrary()? {
+                    crumple_instance_unpose_impulse(context, id, &skin, &mut impulse)
+                } else {
+                    crumple_instance_unpose_displacement(context, id, &skin, &mut displacement)
+                }
+            }
+            27 => crumple_instance_end_contact(context, id, u64::from(self.word()?)),
+            28 => {
+                let contact = u64::from(self.word()?);
+                crumple_instance_get_contact(context, id, contact, MaybeUninit::uninit().as_mut_ptr())
+            }
+            29 => {
+                let mut marks = [Mark::new(0, 0.0, [crumple::Pair::NONE; 4]); 4];
+                let (capacity, mut count) = (self.word()?.min(4), 0);
+                crumple_instance_get_marks(context, id, marks.as_mut_ptr(), capacity, &mut count)
+            }
+            30 => {
+                let mut marks = [Mark::new(0, 0.0, [crumple::Pair::NONE; 4]); 4];
+                for mark in &mut marks {
+                    mark.contact = self.word()?;
+                    mark.depth = self.number()?;
+                    mark.energy = Mark::ONE;
+                    mark.pairs[0] = bytemuck::pod_read_unaligned(&self.bytes.arbitrary::<[u8; 4]>()?);
+                }
+                crumple_instance_set_marks(context, id, marks.as_ptr(), self.word()?.min(4))
+            }
+            31 => {
+                self.save(|data, capacity, size| crumple_instance_save_damage(context, id, data, capacity, size));
+                CrumpleResult::CrumpleOk
+            }
+            32 => {
+                let since = u64::from(self.word()?);
+                self.save(|data, capacity, size| {
+                    crumple_instance_save_changes(context, id, since, data, capacity, size)
+                });
+                CrumpleResult::CrumpleOk
+            }
+            33..=34 => {
+                let bytes = self.saved_bytes()?;
+                crumple_instance_load_damage(context, id, bytes.as_ptr().cast(), bytes.len())
+            }
+            35 => {
+                let ids = self.some(Self::instance)?;
+                let (list, count) = (ids.as_ptr(), ids.len() as u32);
+                self.save(|data, capacity, size| {
+                    crumple_context_save_damage(context, list, count, data, capacity, size)
+                });
+                CrumpleResult::CrumpleOk
+            }
+            36 => {
+                let (ids, bytes) = (self.some(Self::instance)?, self.saved_bytes()?);
+                let data = bytes.as_ptr().cast();
+                crumple_context_load_damage(context, ids.as_ptr(), ids.len() as u32, data, bytes.len())
+            }
+            37 => crumple_instance_repair_damage(context, id, self.number()?),
+            38 => crumple_instance_repair_around(context, id, self.point()?, self.number()?, self.number()?),
+            39 => crumple_instance_reset_damage(context, id),
+            40 => crumple_instance_copy_damage(context, id, self.instance()?),
+            41..=42 => {
+                let (def, mut new) = (self.buffer_def()?, CrumpleBuffer::default());
+                let result = crumple_buffer_register_host(context, id, &def, &mut new);
+                self.buffers.push(new);
+                result
+            }
+            43 => crumple_buffer_unregister(context, self.buffer()?),
+            44 => crumple_buffer_invalidate(context, self.buffer()?),
+            45 => {
+                let (buffer, def) = (self.buffer()?, self.buffer_def()?);
+                crumple_buffer_set_memory(context, buffer, &def)
+            }
+            46 => crumple_context_set_vertex_budget(context, u64::from(self.word()?)),
+            47..=48 => {
+                let ids = if self.bytes.ratio(1, 2)? { Vec::new() } else { self.some(Self::buffer)? };
+                let list = if ids.is_empty() { null() } else { ids.as_ptr() };
+                crumple_context_deform(context, list, ids.len() as u32, MaybeUninit::uninit().as_mut_ptr())
+            }
+            49 => {
+                let (mut ids, mut count) = ([CrumpleBuffer::default(); 4], 0);
+                crumple_context_get_changed_buffers(context, ids.as_mut_ptr(), self.word()?.min(4), &mut count)
+            }
+            50 => {
+                let (buffer, mut ranges, mut count) = (self.buffer()?, [CrumpleRange::default(); 4], 0);
+                let capacity = self.word()?.min(4);
+                let mut bounds = MaybeUninit::uninit();
+                crumple_buffer_get_changes(
+                    context,
+                    buffer,
+                    ranges.as_mut_ptr(),
+                    capacity,
+                    &mut count,
+                    bounds.as_mut_ptr(),
+                )
+            }
+            51 => {
+                let Some(at) = self.attachments.last().copied() else { return Ok(CrumpleResult::CrumpleOk) };
+                let (at, mut frame) = (self.patched(at)?, CrumpleFrame::default());
+                crumple_instance_get_attached_frame(context, id, &at, &mut frame)
+            }
+            52 => {
+                let mut def = CrumpleThresholdDef { limit: 0.01, ..crumple_threshold_def_default() };
+                if let Some(at) = self.attachments.last() {
+                    def.attachment = *at;
+                }
+                def.measure = enumerator(self.word()? & 3);
+                let def = self.patched(def)?;
+                crumple_instance_set_threshold(context, id, &def)
+            }
+            53 => {
+                let (mut passed, mut count) = ([CrumplePassed::default(); 4], 0);
+                crumple_context_get_passed(context, passed.as_mut_ptr(), self.word()?.min(4), &mut count)
+            }
+            54 => {
+                let (buffer, mut ranges, mut count) = (self.buffer()?, [CrumpleRange::default(); 4], 0);
+                let (ranges, capacity) = (ranges.as_mut_ptr(), self.word()?.min(4));
+                crumple_buffer_get_changed_triangles(context, buffer, ranges, capacity, &mut count, null_mut())
+            }
+            _ => {
+                // Two contexts that write one file would be the host's own fault.
+                let first = self.contexts[0];
+                if self.bytes.ratio(1, 4)? {
+                    crumple_recording_end(first)
+                } else {
+                    crumple_recording_begin(first, self.recording.as_ptr())
+                }
+            }
+        })
+    }
+}
