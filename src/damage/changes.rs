@@ -10,8 +10,8 @@ pub(crate) struct Changes {
     pub instance: u64,
     /// Increases with each change.
     pub epoch: u64,
-    /// Whether the sums of the dents are wide: see `DamageView::wide`. When it changes, every block does.
-    pub wide: bool,
+    /// Factor of the steps that dents are summed in: see `DamageView::coarse`. When it changes, every block does.
+    pub coarse: f32,
     /// For each level of detail, the epoch of each block's last change. 0 if the block never changed.
     pub blocks: Vec<Vec<u64>>,
 }

@@ -224,8 +224,8 @@ pub(crate) fn block<'a>(
         lookups: &scratch.lookups,
         window: job.lod.rim.block(job.block),
         step: job.view.step(),
+        turn_step: job.view.turn_step(),
         deepest: job.view.keeps_deepest(),
-        wide: job.view.wide,
         limit: job.view.limit(touched.longest),
         own: DamageView::own_limits(mesh, job.block, touched.longest),
     };

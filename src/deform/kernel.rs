@@ -481,16 +481,16 @@ struct Sums<S: Simd> {
     longest: S::F,
     /// Change of the normal by anchored examples.
     change: V<S>,
-    /// What carried examples add to `all`, unless the longest dent is wanted, and to `change`, in steps. Zero if wide.
+    /// What carried examples add to `all`, unless the longest dent is wanted, and to `change`, in steps.
     carried: [[S::I; 3]; 2],
 }
 
 /// Sums of the contributions of carried examples to the vertices of a block: displacements x, y, z in steps of
-/// [`Block::step`], then changes of normals in steps of [`TURN_STEP`]. Integers, so contributions can be taken away again,
+/// [`Block::step`], then changes of normals in steps of [`Block::turn_step`]. Integers, so contributions can be taken away again,
 /// and their order does not matter.
 pub(crate) type CarriedSums = [[i32; BLOCK]; 6];
 
-/// Step of changes of normals.
+/// Step of changes of normals, unless many dents need a coarser one.
 pub(crate) const TURN_STEP: f32 = 1.0 / (1 << 22) as f32;
 /// The most steps that one dent contributes.
 pub(crate) const MOST_STEPS: f32 = (1 << 27) as f32;
@@ -501,15 +501,6 @@ unsafe fn in_steps<S: Simd>(v: V<S>, per_step: S::F) -> [S::I; 3] {
     unsafe {
         let (low, high) = (S::splat(-MOST_STEPS), S::splat(MOST_STEPS));
         each!(k => S::truncate(S::min(S::max(S::mul(v[k], per_step), low), high)))
-    }
-}
-
-/// A vector with components cut to as many steps as a dent may contribute.
-#[inline(always)]
-unsafe fn cut_to_most<S: Simd>(v: V<S>, step: f32) -> V<S> {
-    unsafe {
-        let (low, high) = (S::splat(-MOST_STEPS * step), S::splat(MOST_STEPS * step));
-        each!(k => S::min(S::max(v[k], low), high))
     }
 }
 
@@ -617,19 +608,13 @@ unsafe fn add_carried<S: Simd, const NORMALS: bool>(
                 let lift = dot::<S>(u, n);
                 change = each!(k => S::sub(S::mul(change[k], factor), S::mul(along[k], lift)));
             }
-            if block.wide {
-                sums.change = add::<S>(sums.change, cut_to_most::<S>(change, TURN_STEP));
-            } else {
-                add_steps::<S>(&mut sums.carried[1], in_steps::<S>(change, S::splat(1.0 / TURN_STEP)));
-            }
+            add_steps::<S>(&mut sums.carried[1], in_steps::<S>(change, S::splat(1.0 / block.turn_step)));
         }
         if window.is_some() {
             u = scaled::<S>(u, factor);
         }
         if block.deepest {
             sums.dent = add::<S>(sums.dent, u);
-        } else if block.wide {
-            sums.dent = add::<S>(sums.dent, cut_to_most::<S>(u, block.step));
         } else {
             add_steps::<S>(&mut sums.carried[0], in_steps::<S>(u, S::splat(1.0 / block.step)));
         }
@@ -704,10 +689,10 @@ pub(crate) struct Block<'a> {
     pub window: Option<&'a WindowBlock>,
     /// Step of the displacements of carried examples, m; a power of two.
     pub step: f32,
+    /// Step of their changes of normals; a power of two.
+    pub turn_step: f32,
     /// Whether the sum is no longer than the longest dent.
     pub deepest: bool,
-    /// Whether carried examples are summed in f32: whole steps may be too few.
-    pub wide: bool,
     /// The depth limit, m; `None` if nothing reaches it.
     pub limit: Option<f32>,
     /// The limits of the vertices; `None` if nothing reaches them.
@@ -786,7 +771,7 @@ pub(crate) unsafe fn displace<S: Simd, const NORMALS: bool, const CARRIED: bool>
             if CARRIED {
                 let [moved, turned] = sums.carried;
                 s = each!(k => S::add(s[k], S::mul(S::float(moved[k]), S::splat(block.step))));
-                turn = each!(k => S::add(turn[k], S::mul(S::float(turned[k]), S::splat(TURN_STEP))));
+                turn = each!(k => S::add(turn[k], S::mul(S::float(turned[k]), S::splat(block.turn_step))));
             }
             let (mut u, mut change) = (s, turn);
             if block.deepest || block.limit.is_some() || block.own.is_some() {

@@ -35,6 +35,7 @@ pub(super) struct KeptSums {
     lod: usize,
     normals: bool,
     threshold: f32,
+    coarse: f32,
     /// The damage that the sums show.
     shown: Damage,
     blocks: Vec<BlockSums>,
@@ -67,7 +68,6 @@ impl KeptSums {
         let pays = dents.len() >= LEAST_DENTS
             && view.vertices.is_none()
             && !view.keeps_deepest()
-            && !view.wide
             && dents.iter().any(|dent| dent.lookups() > 0);
         // The copy of the damage that `shows` makes cannot fail.
         if !pays || headroom(2 * view.damage.memory_bytes(), "kept sums").is_err() {
@@ -75,7 +75,8 @@ impl KeptSums {
         }
         let instance = view.changes.instance;
         let fits = |kept: &Self| {
-            (kept.instance, kept.lod, kept.normals, kept.threshold) == (instance, lod, normals, view.threshold)
+            (kept.instance, kept.lod, kept.normals) == (instance, lod, normals)
+                && (kept.threshold, kept.coarse) == (view.threshold, view.coarse)
         };
         if let Some(kept) = old.filter(|kept| fits(kept)) {
             return Some(kept);
@@ -83,8 +84,8 @@ impl KeptSums {
         let count = view.changes.blocks[lod].len();
         let mut blocks = reserve(count, "kept sums").ok()?;
         blocks.resize(count, BlockSums::UNKNOWN);
-        let (shown, threshold) = (Damage::default(), view.threshold);
-        Some(Box::new(KeptSums { instance, lod, normals, threshold, shown, blocks, idle: 0 }))
+        let (shown, threshold, coarse) = (Damage::default(), view.threshold, view.coarse);
+        Some(Box::new(KeptSums { instance, lod, normals, threshold, coarse, shown, blocks, idle: 0 }))
     }
 
     /// What leads from the damage that the sums show to another.

@@ -16,8 +16,8 @@ pub struct Tracker {
     instance: u64,
     lod: usize,
     epoch: u64,
-    /// Whether it was written with wide sums, which round otherwise.
-    wide: bool,
+    /// Factor of the steps that it was written with.
+    coarse: f32,
     block_bounds: Vec<Aabb>,
     changed: Vec<Range<u32>>,
     /// Around the vertices of `changed`, before and after the last write.
@@ -78,7 +78,7 @@ impl Tracker {
 
     /// The epoch of the memory's contents, if it holds this instance's level of detail.
     pub(crate) fn since(&self, changes: &Changes, lod: usize) -> Option<u64> {
-        let same = self.instance == changes.instance && self.lod == lod && self.wide == changes.wide;
+        let same = self.instance == changes.instance && self.lod == lod && self.coarse == changes.coarse;
         same.then_some(self.epoch)
     }
 
@@ -142,7 +142,7 @@ impl Tracker {
         self.instance = changes.instance;
         self.lod = lod;
         self.epoch = changes.epoch;
-        self.wide = changes.wide;
+        self.coarse = changes.coarse;
     }
 }
 

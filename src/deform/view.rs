@@ -1,7 +1,6 @@
 //! What evaluation needs of an instance: its damage, its limits, and when each block changed.
 
-use super::kernel::{MOST_STEPS, TURN_STEP};
-use crate::damage::carried::Lookup;
+use super::kernel::TURN_STEP;
 use crate::damage::changes::Changes;
 use crate::damage::dent::{Dent, Part};
 use crate::damage::list::Damage;
@@ -22,8 +21,8 @@ pub(crate) struct DamageView<'a> {
     pub threshold: f32,
     /// No vertex is wrong by more than this, m; 0 if nothing is left out.
     pub tolerance: f32,
-    /// Whether whole steps are too few for the sums of carried examples ([`too_many_steps`]). They are then summed in f32.
-    pub wide: bool,
+    /// Factor of the steps that carried examples are summed in ([`coarseness`]).
+    pub coarse: f32,
     pub changes: &'a Changes,
     /// Displaced vertices of the base mesh, if the rule stores these instead of marks.
     pub vertices: Option<DisplacedVertices<'a>>,
@@ -39,9 +38,14 @@ pub(crate) struct DisplacedVertices<'a> {
 }
 
 impl DamageView<'_> {
-    /// The step of displacements of carried examples, m: a power of two, about 2^-26 of the body's size.
+    /// The step of displacements of carried examples, m: a power of two, about 2^-26 of the body's size if few dents overlap.
     pub(crate) fn step(&self) -> f32 {
-        step(self.set)
+        step(self.set) * self.coarse
+    }
+
+    /// The step of their changes of normals, a power of two.
+    pub(crate) fn turn_step(&self) -> f32 {
+        TURN_STEP * self.coarse
     }
 
     /// Whether the sum of dents is no longer than the longest of them.
@@ -72,20 +76,27 @@ fn step(set: &ExampleSet) -> f32 {
     (power * 2.0_f32.powi(-26)).clamp(2.0_f32.powi(-100), 2.0_f32.powi(100))
 }
 
-/// Whether 32 bits may not hold the sum of what carried examples contribute, in whole steps. It takes thousands of hits at
-/// one place.
-pub(crate) fn too_many_steps(set: &ExampleSet, dents: &[Dent]) -> bool {
+/// The factor by which steps must be coarser so that 32 bits hold the sum of what carried examples contribute: 1, unless there
+/// were thousands of hits at one place, or a power of two.
+pub(crate) fn coarseness(set: &ExampleSet, dents: &[Dent]) -> f32 {
+    /// Leaves room for rounding.
+    const MOST: f64 = (1 << 30) as f64;
+    let step = f64::from(step(set));
     let (mut moved, mut turned) = (0.0, 0.0);
     for dent in dents {
         for part in &dent.parts {
             let Part::Carried(carried) = part else { continue };
-            let steps = |of: fn(&Lookup) -> f32, step: f32| {
-                let length: f32 = carried.lookups.iter().map(of).sum();
-                f64::from((length * dent.strength.abs() / step).min(MOST_STEPS)) + 1.0
-            };
-            moved += steps(|lookup| lookup.longest, step(set));
-            turned += steps(|lookup| lookup.steepest, TURN_STEP);
+            for lookup in &carried.lookups {
+                moved += f64::from(lookup.longest) * f64::from(dent.strength.abs()) / step;
+                turned += f64::from(lookup.steepest) * f64::from(dent.strength.abs()) / f64::from(TURN_STEP);
+            }
         }
     }
-    moved.max(turned) >= f64::from(1u32 << 31)
+    // Steps stay finite. No body needs more.
+    let limit = 2.0_f64.powi(90).min(2.0_f64.powi(120) / step);
+    let mut coarse = 1.0;
+    while moved.max(turned) > MOST * coarse && coarse < limit {
+        coarse *= 2.0;
+    }
+    coarse as f32
 }

@@ -65,7 +65,7 @@ pub(super) struct TargetWork {
     pub wear_scale: f32,
     pub step: f32,
     pub per_step: f32,
-    pub padding: u32,
+    pub coarse: f32,
 }
 
 /// A dent. Its parts follow.

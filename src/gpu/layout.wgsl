@@ -20,8 +20,6 @@ const OCTAHEDRAL16X2 = 5u;
 const DEEPEST = 1u;
 // The depth limit may be reached.
 const LIMITED = 2u;
-// Carried examples are summed in f32.
-const WIDE = 4u;
 // Flag of a target with a classic rule: the vertices are at rest and have no state yet.
 const AT_REST = 1u;
 
@@ -94,7 +92,9 @@ struct TargetWork {
     wear_scale: f32,
     // Of displacements of carried examples: a step, m, and steps per m. Powers of two.
     step: f32,
-    @size(8) per_step: f32,
+    per_step: f32,
+    // Factor of the steps: 1, or a power of two where many dents overlap. `step` and `per_step` include it.
+    coarse: f32,
 }
 
 // A dent. Its parts follow.

@@ -28,10 +28,9 @@ fn in_steps(v: vec3<f32>, per_step: f32) -> vec3<i32> {
     );
 }
 
-// A vector with components cut to as many steps as a dent may contribute.
-fn cut_to_most(v: vec3<f32>, unit: f32) -> vec3<f32> {
-    let most = MOST_STEPS * unit;
-    return vec3(clamped(v.x, -most, most), clamped(v.y, -most, most), clamped(v.z, -most, most));
+// 1 / x of a power of two. It is exact; a device may round a division otherwise.
+fn inverse(power: f32) -> f32 {
+    return bitcast<f32>(0x7F000000u - bitcast<u32>(power));
 }
 
 // Zero for a vector no longer than the root of `square`, else the vector. A negative `square` keeps all vectors.
@@ -134,19 +133,13 @@ fn add_carried(
             let along = slope - normal * dot3(normal, slope);
             change = change * factor - along * dot3(u, normal);
         }
-        if (out.flags & WIDE) != 0u {
-            (*sums).change = (*sums).change + cut_to_most(change, TURN_STEP);
-        } else {
-            (*sums).carried_change = (*sums).carried_change + in_steps(change, 1.0 / TURN_STEP);
-        }
+        (*sums).carried_change = (*sums).carried_change + in_steps(change, inverse(TURN_STEP * out.coarse));
     }
     if window != NONE {
         u = u * factor;
     }
     if (out.flags & DEEPEST) != 0u {
         (*sums).dent = (*sums).dent + u;
-    } else if (out.flags & WIDE) != 0u {
-        (*sums).dent = (*sums).dent + cut_to_most(u, out.step);
     } else {
         (*sums).carried_all = (*sums).carried_all + in_steps(u, out.per_step);
     }
@@ -229,7 +222,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 
     if CARRIED {
         sums.all = sums.all + vec3<f32>(sums.carried_all) * out.step;
-        sums.change = sums.change + vec3<f32>(sums.carried_change) * TURN_STEP;
+        sums.change = sums.change + vec3<f32>(sums.carried_change) * (TURN_STEP * out.coarse);
     }
     var u = sums.all;
     var change = sums.change;

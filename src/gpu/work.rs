@@ -5,7 +5,7 @@
 
 use super::layout::{
     AT_REST, BlockWork, Call, CarriedWork, ClassicHit, DEEPEST, DentHead, DentPart, LIMITED, LookupWork, NONE, Row,
-    TargetWork, WIDE,
+    TargetWork,
 };
 use super::target::TargetState;
 use super::vertices::VertexStream;
@@ -204,8 +204,7 @@ impl FrameWork {
             self.parts[head..head + rows.len()].copy_from_slice(&rows);
         }
         let limit = view.limit(longest);
-        let flag = |on: bool, flag: u32| if on { flag } else { 0 };
-        let flags = flag(view.keeps_deepest(), DEEPEST) | flag(limit.is_some(), LIMITED) | flag(view.wide, WIDE);
+        let flags = if view.keeps_deepest() { DEEPEST } else { 0 } | if limit.is_some() { LIMITED } else { 0 };
         self.add_target(shown, (begin, longest), (flags, limit.unwrap_or(0.0), NONE));
         let grown = Vec3::splat(longest.min(view.depth_limit) * ROUNDING);
         let mut bounds = mesh.mesh.bounds();
@@ -310,7 +309,7 @@ impl FrameWork {
             wear_scale: shown.view.set.depth_limit(),
             step: shown.view.step(),
             per_step: 1.0 / shown.view.step(),
-            padding: 0,
+            coarse: shown.view.coarse,
         });
     }
 }

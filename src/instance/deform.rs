@@ -127,7 +127,7 @@ impl Instance {
             depth_limit: self.limit,
             threshold: self.threshold,
             tolerance: self.tolerance,
-            wide: self.changes.wide,
+            coarse: self.changes.coarse,
             changes: &self.changes,
             vertices: self.classic.as_ref().map(|state| state.vertices()),
         }

@@ -27,7 +27,7 @@ use crate::damage::list::Damage;
 use crate::damage::mark::Mark;
 use crate::damage::saved;
 use crate::deform::tolerance::{EDGES, pixel_tolerance, rounded, threshold};
-use crate::deform::view::too_many_steps;
+use crate::deform::view::coarseness;
 use crate::example::mesh_lod::MeshLod;
 use crate::example::set::ExampleSet;
 use crate::mesh::finite;
@@ -127,7 +127,7 @@ impl Instance {
             limit,
             tolerance,
             threshold,
-            changes: Changes { instance: NEXT.fetch_add(1, Ordering::Relaxed), epoch: 0, wide: false, blocks },
+            changes: Changes { instance: NEXT.fetch_add(1, Ordering::Relaxed), epoch: 0, coarse: 1.0, blocks },
         })
     }
 
@@ -279,7 +279,7 @@ impl Instance {
             history.record(self.damage.marks());
         }
         let shown = self.growth.shown(&self.damage);
-        self.changes.wide = too_many_steps(&self.set, shown.dents());
+        self.changes.coarse = coarseness(&self.set, shown.dents());
         let threshold = threshold(&self.set, shown.dents(), self.tolerance);
         if threshold != self.threshold {
             // Displacements below both thresholds are not shown before or after.

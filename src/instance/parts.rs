@@ -16,7 +16,7 @@ use crate::base::tasks::Serial;
 use crate::damage::mark::Mark;
 use crate::damage::overlap::depth_of_one;
 use crate::deform::evaluate::{BlockJob, Scratch, block};
-use crate::deform::view::{DamageView, too_many_steps};
+use crate::deform::view::{DamageView, coarseness};
 use crate::example::set::ExampleSet;
 use crate::mesh::vertex_blocks::{BLOCK, block_range};
 use crate::select::landing::Landing;
@@ -192,8 +192,8 @@ impl Instance {
 
     /// The dents in full while they grow. The tolerance leaves out nothing.
     pub(super) fn complete_view(&self) -> DamageView<'_> {
-        let wide = too_many_steps(&self.set, self.damage.dents());
-        DamageView { damage: &self.damage, threshold: 0.0, wide, ..self.view() }
+        let coarse = coarseness(&self.set, self.damage.dents());
+        DamageView { damage: &self.damage, threshold: 0.0, coarse, ..self.view() }
     }
 
     /// Checks the number of a part and finds its vertices.
