@@ -10,8 +10,9 @@ use xshell::cmd;
 
 use crate::workspace::{Workspace, empty_directory};
 
-/// Bytes for each target. Every clone carries them.
+/// Bytes and files for each target. Every clone carries them.
 const LIMIT: u64 = 30_000;
+const FILES: u32 = 64;
 
 /// Replaces the inputs of a target in `kept` by some of `corpus`.
 pub fn keep(workspace: &Workspace, program: &Path, corpus: &Path, kept: &Path) -> Result<()> {
@@ -26,14 +27,14 @@ pub fn keep(workspace: &Workspace, program: &Path, corpus: &Path, kept: &Path) -
         .collect::<Result<_>>()?;
     best.sort_by_key(|(size, edges, file)| (std::cmp::Reverse(edges * LIMIT / size), *file));
     empty_directory(kept)?;
-    let mut total = 0;
+    let (mut total, mut files) = (0, 0);
     for (size, _, file) in best {
-        if total + size <= LIMIT {
-            total += size;
+        if total + size <= LIMIT && files < FILES {
+            (total, files) = (total + size, files + 1);
             fs::copy(file, kept.join(Path::new(file).file_name().context("files have names")?))?;
         }
     }
-    println!("{} holds {total} bytes", kept.display());
+    println!("{} holds {files} files of {total} bytes", kept.display());
     Ok(())
 }
 

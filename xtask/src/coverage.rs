@@ -33,7 +33,7 @@ pub fn run(workspace: &Workspace, programs: &[(PathBuf, PathBuf)]) -> Result<()>
     }
     println!("| room | lines reached | lines where the compiler counts | |\n|---|---|---|---|");
     for (room, (hit, all)) in rooms {
-        println!("| {} | {hit} | {all} | {:.0} % |", room.display(), 100.0 * hit as f64 / all as f64);
+        println!("| `{}` | {hit} | {all} | {:.0} % |", room.display(), 100.0 * hit as f64 / all as f64);
     }
     Ok(())
 }

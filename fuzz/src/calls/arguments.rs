@@ -114,7 +114,7 @@ impl Host<'_> {
     /// A mesh of the given arrays. The def's own pointers are overwritten.
     pub(super) fn mesh(&mut self, def: &mut CrumpleMeshDef, mesh: &crumple::MeshData, values: &[f32]) -> Step<()> {
         def.positions = self.input(&mesh.positions)?;
-        def.indices = self.input(&mesh.triangles.as_flattened())?;
+        def.indices = self.input(mesh.triangles.as_flattened())?;
         let present = self.bytes.arbitrary::<u8>()?;
         let n = mesh.positions.len();
         for (bit, field, width) in [
@@ -154,7 +154,7 @@ impl Host<'_> {
         };
         let none = CrumpleStream { data: null_mut(), size: 0, offset: 0, stride: 0 };
         let either = |bit: u8, stream| if present & bit != 0 { stream } else { none };
-        def.positions = either(!1 & 0xff, stream(0, 3));
+        def.positions = either(!1, stream(0, 3));
         def.normals = either(2, stream(3, 3));
         def.tangents = either(4, stream(6, 4));
         def.wear = either(8, stream(10, 4));
