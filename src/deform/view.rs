@@ -8,6 +8,7 @@ use crate::example::options::Combine;
 use crate::example::set::ExampleSet;
 use crate::mesh::Mesh;
 use crate::mesh::limits::BlockLimits;
+use crate::mesh::rim::WindowBlock;
 use glam::Vec3;
 
 /// One instance's damage, for any of the set's meshes.
@@ -79,16 +80,21 @@ fn step(set: &ExampleSet) -> f32 {
 /// The factor by which steps must be coarser so that 32 bits hold the sum of what carried examples contribute: 1, unless there
 /// were thousands of hits at one place, or a power of two.
 pub(crate) fn coarseness(set: &ExampleSet, dents: &[Dent]) -> f32 {
-    /// Leaves room for rounding.
-    const MOST: f64 = (1 << 30) as f64;
+    /// What 32 bits hold, with room for rounding each contribution.
+    const MOST: f64 = ((1 << 31) - (1 << 20)) as f64;
     let step = f64::from(step(set));
+    // Near held rims the normal also turns with the slope of the window.
+    let held = set.rim().vertices() > 0;
+    let slope = if held { WindowBlock::steepest(set.mesh().bounds().diagonal()) } else { 0.0 };
     let (mut moved, mut turned) = (0.0, 0.0);
     for dent in dents {
         for part in &dent.parts {
             let Part::Carried(carried) = part else { continue };
             for lookup in &carried.lookups {
-                moved += f64::from(lookup.longest) * f64::from(dent.strength.abs()) / step;
-                turned += f64::from(lookup.steepest) * f64::from(dent.strength.abs()) / f64::from(TURN_STEP);
+                let strength = f64::from(dent.strength.abs());
+                let (longest, steepest) = (f64::from(lookup.longest), f64::from(lookup.steepest));
+                moved += longest * strength / step;
+                turned += (steepest + longest * f64::from(slope)) * strength / f64::from(TURN_STEP);
             }
         }
     }
