@@ -1,10 +1,12 @@
 //! Checks that need Rust's nightly toolchain with the source of the standard library: ThreadSanitizer, MemorySanitizer and Miri.
 
+use std::path::Path;
+
 use anyhow::{Result, ensure};
 use xshell::cmd;
 
 use crate::stage::Outcome;
-use crate::workspace::Workspace;
+use crate::workspace::{Workspace, empty_directory};
 
 /// Without devices and file formats, which share nothing between threads.
 const FEATURES: [&str; 3] = ["--no-default-features", "--features", "capi"];
@@ -17,6 +19,25 @@ const INTERPRETED: [&str; 5] = ["base::", "capi::boundary", "capi::check", "capi
 
 /// Makes 65,535 ids.
 const TOO_LONG: [&str; 2] = ["--skip", "a_slot_is_retired"];
+
+/// C programs and their arguments. Those that need C++, Vulkan or another library are left out: what uninstrumented libraries write
+/// would be reported.
+const C_PROGRAMS: &[(&str, &[&str])] = &[
+    ("allocator", &[]),
+    ("bad_files", &["FIXTURES/two_materials.glb", "."]),
+    ("bad_input", &[]),
+    ("baked", &["."]),
+    ("damage", &[]),
+    ("graph", &[]),
+    ("lod", &[]),
+    ("many", &[]),
+    ("memory", &["FIXTURES", "."]),
+    ("recording", &["sheet.crumplerec"]),
+    ("soak", &["2"]),
+    ("tasks", &[]),
+    ("threads", &[]),
+    ("times", &["300"]),
+];
 
 /// What installs it.
 const INSTALL: &str = "rustup toolchain install nightly --component rust-src,miri";
@@ -40,10 +61,39 @@ pub fn threads(workspace: &Workspace) -> Result<Outcome> {
     Ok(Outcome::Passed)
 }
 
-/// Runs the unit tests under MemorySanitizer, which finds reads of memory that nobody wrote.
+/// Runs the unit tests and C programs under MemorySanitizer, which finds reads of memory that nobody wrote.
 pub fn memory(workspace: &Workspace) -> Result<()> {
     ensure!(available(workspace), "MemorySanitizer is not there: {INSTALL}");
-    sanitized(workspace, "memory", &[])
+    sanitized(workspace, "memory", &[])?;
+
+    let sh = &workspace.shell;
+    let (host, home) = (workspace.rustc("host")?, workspace.target.join("sanitizers/memory"));
+    let (flags, features) = (flags("memory"), "capi,gltf,obj,host-allocator");
+    let library = ["--package", "crumple", "--lib", "--crate-type", "staticlib", "--target", &host];
+    cmd!(
+        sh,
+        "rustup run nightly cargo rustc -Zbuild-std {library...} --no-default-features --features {features} --target-dir {home}"
+    )
+    .env("RUSTFLAGS", flags)
+    .run()?;
+    let library = home.join(&host).join("debug/libcrumple.a");
+    let sysroot = cmd!(sh, "rustup run nightly rustc --print sysroot").quiet().read()?;
+    let runtime = Path::new(&sysroot).join("lib/rustlib").join(&host).join("lib/librustc-nightly_rt.msan.a");
+    let (include, fixtures) = (workspace.path("include"), workspace.path("tests/fixtures"));
+    let programs = home.join("c");
+    empty_directory(&programs)?;
+    let _there = sh.push_dir(&programs);
+    for (name, arguments) in C_PROGRAMS {
+        let (source, object) = (workspace.path("tests/c").join(name).with_extension("c"), format!("{name}.o"));
+        let c = ["-std=c99", "-O1", "-g", "-fsanitize=memory", "-fno-sanitize-memory-param-retval"];
+        cmd!(sh, "clang {c...} -D_POSIX_C_SOURCE=200809L -I {include} -c {source}").quiet().run()?;
+        // Rust's runtime, because clang's may be older than the compiler of the library.
+        let rest = ["-Wl,--no-whole-archive", "-Wl,--export-dynamic", "-lm", "-lpthread", "-ldl", "-lrt", "-o", name];
+        cmd!(sh, "clang {object} {library} -Wl,--whole-archive {runtime} {rest...}").quiet().run()?;
+        let arguments = arguments.iter().map(|argument| argument.replace("FIXTURES", &fixtures.display().to_string()));
+        cmd!(sh, "./{name}").args(arguments).run()?;
+    }
+    Ok(())
 }
 
 /// Runs unit tests under a sanitizer, with a standard library that is instrumented too.
@@ -54,10 +104,16 @@ fn sanitized(workspace: &Workspace, sanitizer: &str, tests: &[&str]) -> Result<(
         workspace.shell,
         "rustup run nightly cargo test {arguments...} {FEATURES...} --target-dir {home} -- {tests...}"
     )
-    .env("RUSTFLAGS", format!("-Zsanitizer={sanitizer}"))
+    .env("RUSTFLAGS", flags(sanitizer))
     .env("TSAN_OPTIONS", "halt_on_error=1")
     .run()?;
     Ok(())
+}
+
+fn flags(sanitizer: &str) -> String {
+    // C compilers and Rust do not agree on which arguments are checked by the caller. So none are.
+    let eager = if sanitizer == "memory" { " -Cllvm-args=-msan-eager-checks=0" } else { "" };
+    format!("-Zsanitizer={sanitizer}{eager}")
 }
 
 /// Runs unit tests in Miri, which finds undefined behaviour that no processor shows.

@@ -19,7 +19,7 @@ const IN_PART: &[&str] =
 
 /// C programs that do not run under valgrind. A driver takes a minute there to compile the kernels, and the programs that remain make
 /// every call to it.
-const SLOW_DRIVERS: &str = "^vulkan_(device_lost|faults|record|render)";
+const SLOW_DRIVERS: &str = "^vulkan_(device_lost|faults|memory|record|render|times)";
 
 pub fn c(workspace: &Workspace) -> Result<Outcome> {
     let run = Run::new(workspace, "c", "definite,possible")?;
