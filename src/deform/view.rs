@@ -81,7 +81,7 @@ fn step(set: &ExampleSet) -> f32 {
 /// were thousands of hits at one place, or a power of two.
 pub(crate) fn coarseness(set: &ExampleSet, dents: &[Dent]) -> f32 {
     /// What 32 bits hold, with room for rounding each contribution.
-    const MOST: f64 = ((1 << 31) - (1 << 20)) as f64;
+    const MOST: f64 = ((1u32 << 31) - (1 << 20)) as f64;
     let step = f64::from(step(set));
     // Near held rims the normal also turns with the slope of the window.
     let held = set.rim().vertices() > 0;
