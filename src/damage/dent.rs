@@ -18,7 +18,7 @@
 use super::carried::{Carried, Lookup, Placement};
 use super::mark::{MAX_PAIRS, Mark, Pair};
 use crate::base::array_vec::ArrayVec;
-use crate::base::math::rotation_between;
+use crate::base::math::{Aabb, rotation_between};
 use crate::example::mesh_lod::MeshLod;
 use crate::example::options::Seams;
 use crate::example::set::ExampleSet;
@@ -205,6 +205,14 @@ pub(crate) struct Reach {
     pub contact: Vec3,
     /// Squared radius, m².
     pub square: f32,
+}
+
+impl Reach {
+    /// Whether the dent may move vertices in a box.
+    #[inline(always)]
+    pub(crate) fn meets(&self, bounds: &Aabb) -> bool {
+        bounds.distance_squared(self.contact) <= self.square
+    }
 }
 
 impl Placement {

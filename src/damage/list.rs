@@ -31,7 +31,7 @@ impl Damage {
 
     /// The dents that may move vertices in a box, in order.
     pub(crate) fn near<'a>(&'a self, bounds: &'a Aabb) -> impl Iterator<Item = &'a Dent> {
-        let near = self.reaches.iter().zip(&self.dents).filter(|(r, _)| bounds.distance_squared(r.contact) <= r.square);
+        let near = self.reaches.iter().zip(&self.dents).filter(|(reach, _)| reach.meets(bounds));
         near.map(|(_, dent)| dent)
     }
 

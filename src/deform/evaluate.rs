@@ -74,7 +74,7 @@ impl Scratch<'_> {
 #[inline(always)]
 fn fewer(job: BlockJob<'_>, changed: &[ChangedDent<'_>]) -> bool {
     let bounds = &job.lod.block_bounds[job.block];
-    let near = changed.iter().filter(|c| bounds.distance_squared(c.reach.contact) <= c.reach.square);
+    let near = changed.iter().filter(|c| c.reach.meets(bounds));
     let changed: usize = near.map(|c| c.dent.lookups()).sum();
     let all: usize = job.view.damage.near(bounds).map(Dent::lookups).sum();
     changed < all
@@ -96,7 +96,7 @@ fn active<'a>(
     let which = if changed.is_some() { Which::Anchored } else { Which::All };
     job.view.damage.near(bounds).for_each(|dent| add_dent(job, (dent, 1.0, which), normals, scratch, &mut touched));
     for ChangedDent { dent, reach, sign } in changed.into_iter().flatten() {
-        if bounds.distance_squared(reach.contact) <= reach.square {
+        if reach.meets(bounds) {
             add_dent(job, (dent, *sign, Which::Carried), normals, scratch, &mut touched);
         }
     }
