@@ -26,7 +26,6 @@
 //   9. No more than     crumple_instance_set_view: the level of detail, or the tolerance, that a distance allows;
 //      a scene needs    crumple_context_set_vertex_budget: the most vertices to write in a frame
 //  10. Bodies of parts  crumple_example_set_add_lod for each part; crumple_instance_release_part, ..._mount_part
-//  11. Recordings       crumple_recording_begin, ..._end: a file of calls that "crumple replay" repeats
 //
 // Results. Calls that can fail return a CrumpleResult, and crumple_last_error() returns the message. Calls that return
 // something else cannot fail. A failed call changes nothing, and everything stays usable. Outputs are written only on
@@ -1679,20 +1678,6 @@ CrumpleResult crumple_instance_set_threshold(CrumpleContext *context, CrumpleIns
 /// thresholds.
 CrumpleResult crumple_context_get_passed(CrumpleContext *context, CrumplePassed *passed, uint32_t capacity,
                                          uint32_t *out_count);
-
-/// Records the context's calls to a file. path is UTF-8. "crumple replay FILE" repeats the calls without your engine
-/// and checks that every result and vertex is equal, so that a bug becomes a test. The file starts with the existing
-/// sets, instances, damage and buffers. It grows by some hundred bytes per hit and frame, written immediately, so that
-/// a crash loses nothing. The next deform writes every vertex of every buffer, growing dents are shown in full, and
-/// contacts that ended are forgotten. Vulkan buffers are replayed on the CPU and not compared. Failed calls are recorded
-/// with their message. Hits may still come from any thread, but are serialised while recording, so leave it off in
-/// releases. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a recording is running, or an instance has open contacts, parts or
-/// thresholds), CRUMPLE_ERROR_IO.
-CrumpleResult crumple_recording_begin(CrumpleContext *context, const char *path);
-
-/// Ends the recording and completes the file. crumple_context_destroy() does so too. CRUMPLE_ERROR_IO: the file could
-/// not be completed. Its content can still be replayed, and the recording has ended.
-CrumpleResult crumple_recording_end(CrumpleContext *context);
 
 #ifdef __cplusplus
 }  // extern "C"

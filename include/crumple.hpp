@@ -717,10 +717,6 @@ public:
         });
     }
 
-    /// Records calls to a file for "crumple replay".
-    Result<void> recording_begin(const char *path) { return detail::done(crumple_recording_begin(context_, path)); }
-    Result<void> recording_end() { return detail::done(crumple_recording_end(context_)); }
-
     Result<uint64_t> import_vulkan_buffer(const CrumpleVulkanImportDef &def) {
         return detail::get<uint64_t>(
             [&](uint64_t *buffer) { return crumple_vulkan_import_buffer(context_, &def, buffer); });

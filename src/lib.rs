@@ -56,8 +56,6 @@ pub use base::tasks::{Serial, TaskSystem, ThreadPool};
 #[cfg(all(fuzzing, feature = "capi"))]
 #[doc(hidden)]
 pub use capi::entry_points;
-#[cfg(feature = "capi")]
-pub use capi::replay::{Difference, Replay, replay};
 pub use damage::mark::{Mark, Pair};
 pub use deform::simd::SimdLevel;
 pub use deform::tolerance::pixel_tolerance;

@@ -5,7 +5,6 @@ pub mod calls;
 #[cfg(fuzzing)]
 mod coverage;
 pub mod engine;
-pub mod recording;
 pub mod scene;
 pub mod seeds;
 

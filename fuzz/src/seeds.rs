@@ -131,11 +131,6 @@ pub fn damage() -> Seeds {
     each.into_iter().chain([all]).enumerate().map(file).collect()
 }
 
-/// A recording of each kind of call.
-pub fn recordings() -> Seeds {
-    vec![("calls.crumplerec".into(), crate::recording::of_many_calls())]
-}
-
 /// A base OBJ and its example.
 pub fn obj() -> Seeds {
     let files = files(&["tests/fixtures/plate.obj", "tests/fixtures/plate_dent.obj"]);

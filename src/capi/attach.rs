@@ -1,9 +1,7 @@
 //! Points that follow the surface: lamps, decals, collision vertices.
 
 use super::check::{Out, finite, read};
-use super::context::{CrumpleContext, exclusive, recorded};
-use super::record_call::{Call, Number};
-use super::recorder::digest;
+use super::context::{CrumpleContext, exclusive};
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleExampleSet, CrumpleInstance, CrumpleQuat, CrumpleVec3};
 use crate::instance::attachment::Attachment;
@@ -60,10 +58,8 @@ pub unsafe extern "C" fn crumple_instance_get_attached_frame(
     attachment: *const CrumpleAttachment,
     out_frame: *mut CrumpleFrame,
 ) -> CrumpleResult {
-    recorded("crumple_instance_get_attached_frame", context, |_, state, log| {
+    exclusive("crumple_instance_get_attached_frame", context, |_, state| {
         let (given, out) = (read(attachment, "attachment")?, Out::new(out_frame, "out_frame")?);
-        let (vertices, weights, point) = (given.vertices, given.weights, given.point.array());
-        log.call(|| Call::AttachedFrame { instance: Number::of(instance), vertices, weights, point });
         let instance = state.instances.get_mut(instance, "instance")?.folding(0)?;
         let attachment = self::attachment(given, "attachment")?;
         instance.fold();
@@ -71,7 +67,6 @@ pub unsafe extern "C" fn crumple_instance_get_attached_frame(
         let [x, y, z, w] = frame.rotation;
         let rotation = CrumpleQuat { x, y, z, w };
         let frame = CrumpleFrame { position: frame.position.into(), rotation, reserved: [0; 5] };
-        log.gave(|| frame_digest(&frame));
         out.write(frame);
         Ok(())
     })
@@ -86,9 +81,4 @@ pub(super) fn attachment(given: CrumpleAttachment, name: &str) -> Result<Attachm
         return Err(Failure::invalid(format!("{name}.weights sum to {sum}; they must sum to 1: {made_by}")));
     }
     Ok(Attachment { vertices, weights, point: point.array() })
-}
-
-/// A number that stands for a frame.
-pub(super) fn frame_digest(frame: &CrumpleFrame) -> u64 {
-    digest(bytemuck::bytes_of(frame))
 }

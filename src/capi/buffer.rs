@@ -1,28 +1,19 @@
 //! Buffers: memory of the host that deformed vertices are written to.
 
 use super::check::{Out, def, zeroed};
-use super::context::{CrumpleContext, lean_recorded, recorded};
+use super::context::{CrumpleContext, exclusive, lean};
 use super::host_memory::{CrumpleHostBufferDef, HostMemory};
-use super::record_call::{Call, Number, Written};
-use super::recorder::Log;
 use super::result::{CrumpleResult, Failure};
 use super::store::{BufferEntry, Memory, State};
 use super::types::{CrumpleBuffer, CrumpleInstance};
 use crate::deform::Tracker;
 
 /// Adds a buffer to those of its owner.
-pub(super) fn add_buffer(
-    state: &mut State,
-    log: &mut Log<'_>,
-    entry: BufferEntry,
-    out: Out<CrumpleBuffer>,
-) -> Result<(), Failure> {
+pub(super) fn add_buffer(state: &mut State, entry: BufferEntry, out: Out<CrumpleBuffer>) -> Result<(), Failure> {
     let owner = state.instances.get_mut(entry.owner, "instance")?;
     state.buffers.reserve::<CrumpleBuffer>()?;
     owner.buffers.try_reserve(1).map_err(|_| Failure::out_of_memory("one more buffer"))?;
-    log.buffer(&entry, owner.instance.example_set());
     let id = state.buffers.insert(entry);
-    log.gave_id(id);
     owner.buffers.push(id);
     out.write(id);
     Ok(())
@@ -47,11 +38,11 @@ pub unsafe extern "C" fn crumple_buffer_register_host(
     def: *const CrumpleHostBufferDef,
     out_buffer: *mut CrumpleBuffer,
 ) -> CrumpleResult {
-    recorded("crumple_buffer_register_host", context, |_, state, log| {
+    exclusive("crumple_buffer_register_host", context, |_, state| {
         let (def, out) = (self::def(def, "def")?, Out::new(out_buffer, "out_buffer")?);
         let memory = HostMemory::new(&def, &state.instances.get(instance, "instance")?.instance)?;
         let memory = Memory::Host(memory, Tracker::new());
-        add_buffer(state, log, BufferEntry { owner: instance, lod: def.lod as usize, memory, included: false }, out)
+        add_buffer(state, BufferEntry { owner: instance, lod: def.lod as usize, memory, included: false }, out)
     })
 }
 
@@ -61,8 +52,7 @@ pub unsafe extern "C" fn crumple_buffer_unregister(
     context: *mut CrumpleContext,
     buffer: CrumpleBuffer,
 ) -> CrumpleResult {
-    lean_recorded("crumple_buffer_unregister", context, |_, state, log| {
-        log.call(|| Call::UnregisterBuffer { buffer: Number::of(buffer) });
+    lean("crumple_buffer_unregister", context, |_, state| {
         let owner = state.remove_buffer(buffer)?;
         state.instances.get_mut(owner, "instance")?.buffers.retain(|b| *b != buffer);
         Ok(())
@@ -75,8 +65,7 @@ pub unsafe extern "C" fn crumple_buffer_invalidate(
     context: *mut CrumpleContext,
     buffer: CrumpleBuffer,
 ) -> CrumpleResult {
-    lean_recorded("crumple_buffer_invalidate", context, |_, state, log| {
-        log.call(|| Call::InvalidateBuffer { buffer: Number::of(buffer) });
+    lean("crumple_buffer_invalidate", context, |_, state| {
         state.buffers.get_mut(buffer, "buffer")?.invalidate();
         Ok(())
     })
@@ -91,7 +80,7 @@ pub unsafe extern "C" fn crumple_buffer_set_memory(
     buffer: CrumpleBuffer,
     def: *const CrumpleHostBufferDef,
 ) -> CrumpleResult {
-    recorded("crumple_buffer_set_memory", context, |_, state, log| {
+    exclusive("crumple_buffer_set_memory", context, |_, state| {
         let def = self::def(def, "def")?;
         let entry = state.buffers.get_mut(buffer, "buffer")?;
         let Memory::Host(memory, tracker) = &mut entry.memory else {
@@ -100,19 +89,6 @@ pub unsafe extern "C" fn crumple_buffer_set_memory(
             ));
         };
         *memory = HostMemory::new(&def, &state.instances.get(entry.owner, "instance")?.instance)?;
-        let written = memory.written();
-        let vertices = memory.vertex_count();
-        log.call(|| {
-            let (buffer, lod) = (Number::of(buffer), def.lod);
-            let Written { normals, tangents, wear, .. } = written;
-            if !written.is_floats() {
-                return Call::SetPackedBufferMemory { buffer, lod, vertices, written };
-            }
-            if wear {
-                return Call::SetWornBufferMemory { buffer, lod, vertices, normals, tangents };
-            }
-            Call::SetBufferMemory { buffer, lod, vertices, normals, tangents }
-        });
         entry.lod = def.lod as usize;
         tracker.invalidate();
         Ok(())

@@ -241,9 +241,11 @@ mod tests {
     #[test]
     fn zeros_of_a_striker_are_unknown() {
         assert_eq!(striker(CrumpleStriker::default(), "striker").ok(), Some(Striker::default()));
-        let known = Striker { mass: Some(2.5), velocity: Some([0.0, 0.5, -4.0]), radius: Some(0.08) };
-        assert_eq!(striker(known.into(), "striker").ok(), Some(known));
-        let failure = striker(CrumpleStriker { radius: -1.0, ..known.into() }, "def.striker").expect_err("no radius");
+        let velocity = [0.0, 0.5, -4.0];
+        let given = CrumpleStriker { mass: 2.5, velocity: velocity.into(), radius: 0.08 };
+        let known = Striker { mass: Some(2.5), velocity: Some(velocity), radius: Some(0.08) };
+        assert_eq!(striker(given, "striker").ok(), Some(known));
+        let failure = striker(CrumpleStriker { radius: -1.0, ..given }, "def.striker").expect_err("no radius");
         assert_eq!(failure.message, "def.striker.radius is -1 m; it must be positive, or 0 for an unknown one");
     }
 

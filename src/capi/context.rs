@@ -3,8 +3,6 @@
 use super::boundary::boundary;
 use super::check::{Out, def, defs, zeroed};
 use super::ids::Slots;
-use super::record_call::Call;
-use super::recorder::{HitLog, Log, Recorder};
 use super::result::{CrumpleResult, Failure};
 use super::store::{CALL, State};
 use super::tasks::{CrumpleTaskSystem, HostTasks};
@@ -56,8 +54,7 @@ pub(super) struct Context {
     state: Mutex<State>,
     /// The same ids as `State::instances`, for the calls that may come from any thread. Changed only while `state` is
     /// held.
-    pub(super) inboxes: RwLock<Slots<Arrivals>>,
-    pub(super) recorder: Recorder,
+    pub(super) inboxes: RwLock<Slots<Arc<Inbox>>>,
 }
 
 // SAFETY: `log_user` is only handed back to the host, on the thread that called.
@@ -77,7 +74,7 @@ struct Contexts {
 /// Keeps context pointers looking like pointers: never small, always aligned.
 const STEP: usize = 64;
 
-/// A bound of what one hit allocates while a recording runs, bytes.
+/// A bound of what one hit allocates, bytes.
 const HIT: usize = 1 << 10;
 
 fn find(context: *const CrumpleContext) -> Result<Arc<Context>, Failure> {
@@ -118,96 +115,37 @@ impl Context {
     }
 }
 
-/// What an instance takes from any thread.
-pub(super) struct Arrivals {
-    pub(super) inbox: Arc<Inbox>,
-    /// Its transform, as it was given.
-    pub(super) local_to_world: Arc<Mutex<[f32; 16]>>,
-}
-
 impl Context {
-    /// Brings something to an instance. A recording gets `call()`, and for what `bring` returns the number that stands for it.
+    /// Calls `bring` with an instance's inbox. No part comes off or on meanwhile.
     pub(super) fn deliver<T>(
         &self,
         instance: CrumpleInstance,
-        call: impl FnOnce() -> Call,
-        bring: impl FnOnce(&Arrivals) -> Result<T, Error>,
-        number: impl FnOnce(&T) -> u64,
+        bring: impl FnOnce(&Inbox) -> Result<T, Error>,
     ) -> Result<T, Failure> {
-        loop {
-            let log = self.recorder.hit();
-            let inboxes = self.inboxes.read().unwrap_or_else(PoisonError::into_inner);
-            if log.is_none() && self.recorder.is_on() {
-                continue; // it began just now
-            }
-            let to = inboxes.get(instance, "instance")?;
-            let Some(mut log) = log else { return Ok(bring(to)?) };
-            headroom(HIT, "a recorded hit")?;
-            log.call(call());
-            let given = bring(to).map_err(Failure::from);
-            let trouble = match &given {
-                Ok(given) => log.ended(CrumpleResult::CrumpleOk, number(given)),
-                Err(failure) => log.ended(failure.result, 0),
-            };
-            drop(inboxes);
-            if let Some(trouble) = trouble {
-                self.log(CrumpleLogLevel::Warning, &trouble);
-            }
-            return given;
-        }
+        let inboxes = self.inboxes.read().unwrap_or_else(PoisonError::into_inner);
+        Ok(bring(inboxes.get(instance, "instance")?)?)
     }
-}
 
-impl Context {
-    /// What takes an instance's hits.
+    /// Returns an instance's inbox.
     pub(super) fn inbox(&self, instance: CrumpleInstance) -> Result<Arc<Inbox>, Failure> {
         let inboxes = self.inboxes.read().unwrap_or_else(PoisonError::into_inner);
-        Ok(inboxes.get(instance, "instance")?.inbox.clone())
+        Ok(inboxes.get(instance, "instance")?.clone())
     }
 
-    /// Brings hits to their instances, all or none. A recording gets them as if each had been submitted alone.
-    pub(super) fn deliver_all(
-        &self,
-        function: &str,
-        hits: &[(CrumpleInstance, Hit)],
-        call: impl Fn(&(CrumpleInstance, Hit)) -> Call,
-        number: impl Fn(&Outcome) -> u64,
-    ) -> Result<Vec<Outcome>, Failure> {
-        loop {
-            let mut log = self.recorder.hit();
-            let inboxes = self.inboxes.read().unwrap_or_else(PoisonError::into_inner);
-            if log.is_none() && self.recorder.is_on() {
-                continue; // it began just now
-            }
-            headroom(hits.len().saturating_mul(HIT), "the hits")?;
-            let prepare = |(i, (instance, hit)): (usize, &(CrumpleInstance, Hit))| {
-                let inbox = &inboxes.get(*instance, &format!("instances[{i}]"))?.inbox;
-                Ok((inbox, inbox.prepare(hit).map_err(|error| Failure::from(error).of_hit(i))?))
-            };
-            let prepared: Vec<_> = match hits.iter().enumerate().map(prepare).collect::<Result<_, Failure>>() {
-                Ok(prepared) => prepared,
-                Err(failure) => {
-                    if let Some(log) = log {
-                        log.refused(function, &failure);
-                    }
-                    return Err(failure);
-                }
-            };
-            let mut outcomes = Vec::with_capacity(hits.len());
-            for (hit, (inbox, (outcome, pending))) in hits.iter().zip(prepared) {
-                if let Some(log) = &mut log {
-                    log.call(call(hit));
-                    log.taken(number(&outcome));
-                }
-                inbox.queue_prepared(pending);
-                outcomes.push(outcome);
-            }
-            drop(inboxes);
-            if let Some(trouble) = log.and_then(HitLog::trouble) {
-                self.log(CrumpleLogLevel::Warning, &trouble);
-            }
-            return Ok(outcomes);
-        }
+    /// Submits hits to their instances, all or none.
+    pub(super) fn deliver_all(&self, hits: &[(CrumpleInstance, Hit)]) -> Result<Vec<Outcome>, Failure> {
+        let inboxes = self.inboxes.read().unwrap_or_else(PoisonError::into_inner);
+        headroom(hits.len().saturating_mul(HIT), "the hits")?;
+        let prepare = |(i, (instance, hit)): (usize, &(CrumpleInstance, Hit))| {
+            let inbox = inboxes.get(*instance, &format!("instances[{i}]"))?;
+            Ok((inbox, inbox.prepare(hit).map_err(|error| Failure::from(error).of_hit(i))?))
+        };
+        let prepared: Vec<_> = hits.iter().enumerate().map(prepare).collect::<Result<_, Failure>>()?;
+        let submit = |(inbox, (outcome, pending)): (&Arc<Inbox>, (Outcome, _))| {
+            inbox.queue_prepared(pending);
+            outcome
+        };
+        Ok(prepared.into_iter().map(submit).collect())
     }
 }
 
@@ -244,43 +182,6 @@ pub(super) fn lean(
         let mut state = context.enter()?;
         body(&context, &mut state)
     })
-}
-
-/// As [`exclusive`], for one that a recording holds: which says so once its arguments are read, and what it gave.
-pub(super) fn recorded(
-    call: &'static str,
-    context: *const CrumpleContext,
-    body: impl FnOnce(&Context, &mut State, &mut Log<'_>) -> Result<(), Failure>,
-) -> CrumpleResult {
-    exclusive(call, context, logged(call, body))
-}
-
-/// As [`lean`], for one that a recording holds.
-pub(super) fn lean_recorded(
-    call: &'static str,
-    context: *const CrumpleContext,
-    body: impl FnOnce(&Context, &mut State, &mut Log<'_>) -> Result<(), Failure>,
-) -> CrumpleResult {
-    lean(call, context, |context, state| {
-        if context.recorder.is_on() {
-            headroom(CALL, "the recording")?;
-        }
-        logged(call, body)(context, state)
-    })
-}
-
-fn logged(
-    call: &'static str,
-    body: impl FnOnce(&Context, &mut State, &mut Log<'_>) -> Result<(), Failure>,
-) -> impl FnOnce(&Context, &mut State) -> Result<(), Failure> {
-    move |context, state| {
-        let mut log = context.recorder.log();
-        let result = body(context, state, &mut log);
-        if let Some(trouble) = log.ended(call, &result) {
-            context.log(CrumpleLogLevel::Warning, &trouble);
-        }
-        result
-    }
 }
 
 /// Runs an entry point that any number of threads may be inside at once.
@@ -342,7 +243,6 @@ pub unsafe extern "C" fn crumple_context_create(
             tasks,
             state: Mutex::new(State::new(tag)),
             inboxes: RwLock::new(Slots::new(tag)),
-            recorder: Recorder::default(),
         };
         contexts.last = number;
         contexts.live.push((number * STEP, Arc::new(context)));

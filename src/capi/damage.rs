@@ -1,9 +1,7 @@
 //! Damage: read, replaced, saved, repaired, copied.
 
 use super::check::{Out, array, finite, write_array};
-use super::context::{CrumpleContext, exclusive, lean_recorded, recorded};
-use super::record_call::{Bytes, Call, Number};
-use super::recorder::digest;
+use super::context::{CrumpleContext, exclusive, lean};
 use super::result::{CrumpleResult, Failure};
 use super::store::{MARK, State};
 use super::types::{CrumpleExampleSet, CrumpleInstance, CrumpleVec3};
@@ -23,12 +21,10 @@ pub unsafe extern "C" fn crumple_instance_get_marks(
     capacity: u32,
     out_count: *mut u32,
 ) -> CrumpleResult {
-    recorded("crumple_instance_get_marks", context, |_, state, log| {
+    exclusive("crumple_instance_get_marks", context, |_, state| {
         let out = Out::new(out_count, "out_count")?;
-        log.call(|| Call::GetMarks { instance: Number::of(instance) });
         let found = state.instances.get_mut(instance, "instance")?.folding(0)?.marks()?;
         write_array(found, marks, capacity as usize, "marks", out)?;
-        log.gave(|| digest(bytemuck::cast_slice(found)));
         Ok(())
     })
 }
@@ -42,10 +38,8 @@ pub unsafe extern "C" fn crumple_instance_set_marks(
     marks: *const Mark,
     count: u32,
 ) -> CrumpleResult {
-    recorded("crumple_instance_set_marks", context, |_, state, log| {
+    exclusive("crumple_instance_set_marks", context, |_, state| {
         let marks = array(marks, count as usize, "marks")?;
-        let bytes = || Bytes(bytemuck::cast_slice(marks).to_vec());
-        log.call(|| Call::SetMarks { instance: Number::of(instance), marks: bytes() });
         Ok(state.instances.get_mut(instance, "instance")?.folding(marks.len())?.set_marks(marks)?)
     })
 }
@@ -60,12 +54,10 @@ pub unsafe extern "C" fn crumple_instance_save_damage(
     capacity: usize,
     out_size: *mut usize,
 ) -> CrumpleResult {
-    recorded("crumple_instance_save_damage", context, |_, state, log| {
+    exclusive("crumple_instance_save_damage", context, |_, state| {
         let out = Out::new(out_size, "out_size")?;
-        log.call(|| Call::SaveDamage { instance: Number::of(instance) });
         let bytes = state.instances.get_mut(instance, "instance")?.folding(0)?.save();
         write_array(&bytes, data.cast::<u8>(), capacity, "data", out)?;
-        log.gave(|| digest(&bytes));
         Ok(())
     })
 }
@@ -84,9 +76,8 @@ pub unsafe extern "C" fn crumple_instance_save_changes(
     capacity: usize,
     out_size: *mut usize,
 ) -> CrumpleResult {
-    recorded("crumple_instance_save_changes", context, |_, state, log| {
+    exclusive("crumple_instance_save_changes", context, |_, state| {
         let out = Out::new(out_size, "out_size")?;
-        log.call(|| Call::SaveChanges { instance: Number::of(instance), since });
         let bytes = state.instances.get_mut(instance, "instance")?.folding(0)?.save_changes(since)?;
         write_array(&bytes, data.cast::<u8>(), capacity, "data", out)
     })
@@ -103,9 +94,8 @@ pub unsafe extern "C" fn crumple_instance_load_damage(
     data: *const c_void,
     size: usize,
 ) -> CrumpleResult {
-    recorded("crumple_instance_load_damage", context, |_, state, log| {
+    exclusive("crumple_instance_load_damage", context, |_, state| {
         let bytes = array(data.cast::<u8>(), size, "data")?;
-        log.call(|| Call::LoadDamage { instance: Number::of(instance), bytes: Bytes(bytes.to_vec()) });
         Ok(state.instances.get_mut(instance, "instance")?.folding(marks_in(bytes))?.load(bytes)?)
     })
 }
@@ -121,17 +111,15 @@ pub unsafe extern "C" fn crumple_context_save_damage(
     capacity: usize,
     out_size: *mut usize,
 ) -> CrumpleResult {
-    recorded("crumple_context_save_damage", context, |_, state, log| {
+    exclusive("crumple_context_save_damage", context, |_, state| {
         let out = Out::new(out_size, "out_size")?;
         let ids = listed(state, instances, count)?;
-        log.call(|| Call::SaveAll { instances: ids.iter().map(|id| Number::of(*id)).collect() });
         let mut each = reserve(ids.len(), "the instances")?;
         for (i, id) in ids.into_iter().enumerate() {
             each.push(state.instances.get_mut(id, &format!("instances[{i}]"))?.folding(0)?.save());
         }
         let bytes = pack(each.into_iter());
         write_array(&bytes, data.cast::<u8>(), capacity, "data", out)?;
-        log.gave(|| digest(&bytes));
         Ok(())
     })
 }
@@ -147,11 +135,9 @@ pub unsafe extern "C" fn crumple_context_load_damage(
     data: *const c_void,
     size: usize,
 ) -> CrumpleResult {
-    recorded("crumple_context_load_damage", context, |_, state, log| {
+    exclusive("crumple_context_load_damage", context, |_, state| {
         let bytes = array(data.cast::<u8>(), size, "data")?;
         let ids = listed(state, instances, count)?;
-        let numbers = || ids.iter().map(|id| Number::of(*id)).collect();
-        log.call(|| Call::LoadAll { instances: numbers(), bytes: Bytes(bytes.to_vec()) });
         // Everything that the saved bytes can become.
         headroom(marks_in(bytes).saturating_mul(MARK), "the damage")?;
         let mut read = Vec::with_capacity(ids.len());
@@ -253,9 +239,8 @@ pub unsafe extern "C" fn crumple_instance_repair_damage(
     instance: CrumpleInstance,
     keep: f32,
 ) -> CrumpleResult {
-    recorded("crumple_instance_repair_damage", context, |_, state, log| {
+    exclusive("crumple_instance_repair_damage", context, |_, state| {
         let [keep] = finite([keep], "keep")?;
-        log.call(|| Call::RepairDamage { instance: Number::of(instance), keep });
         Ok(state.instances.get_mut(instance, "instance")?.folding(1)?.repair(keep)?)
     })
 }
@@ -272,11 +257,10 @@ pub unsafe extern "C" fn crumple_instance_repair_around(
     radius: f32,
     keep: f32,
 ) -> CrumpleResult {
-    recorded("crumple_instance_repair_around", context, |_, state, log| {
+    exclusive("crumple_instance_repair_around", context, |_, state| {
         let (point, [radius, keep]) = (finite(point.array(), "point")?, [radius, keep]);
         finite([radius], "radius")?;
         finite([keep], "keep")?;
-        log.call(|| Call::RepairAround { instance: Number::of(instance), point, radius, keep });
         Ok(state.instances.get_mut(instance, "instance")?.folding(1)?.repair_around(point, radius, keep)?)
     })
 }
@@ -287,8 +271,7 @@ pub unsafe extern "C" fn crumple_instance_reset_damage(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
 ) -> CrumpleResult {
-    lean_recorded("crumple_instance_reset_damage", context, |_, state, log| {
-        log.call(|| Call::ResetDamage { instance: Number::of(instance) });
+    lean("crumple_instance_reset_damage", context, |_, state| {
         state.instances.get_mut(instance, "instance")?.instance.reset();
         Ok(())
     })
@@ -303,8 +286,7 @@ pub unsafe extern "C" fn crumple_instance_copy_damage(
     instance: CrumpleInstance,
     source: CrumpleInstance,
 ) -> CrumpleResult {
-    recorded("crumple_instance_copy_damage", context, |_, state, log| -> Result<(), Failure> {
-        log.call(|| Call::CopyDamage { instance: Number::of(instance), source: Number::of(source) });
+    exclusive("crumple_instance_copy_damage", context, |_, state| -> Result<(), Failure> {
         state.instances.get(instance, "instance")?;
         let bytes = state.instances.get_mut(source, "source")?.folding(0)?.save();
         if instance == source {

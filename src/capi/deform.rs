@@ -1,11 +1,10 @@
 //! Deformation: marks become vertices.
 
 use super::check::{Out, array, write_array};
-use super::context::{CrumpleContext, lean, lean_recorded, recorded};
+use super::context::{CrumpleContext, exclusive, lean};
 use super::host_memory::HostMemory;
 use super::ids::Slots;
 use super::job_lists::recycled;
-use super::record_call::{Call, Number};
 use super::result::{CrumpleResult, Failure};
 use super::store::{BufferEntry, InstanceEntry, Memory, State};
 use super::tasks::Quiet;
@@ -13,9 +12,7 @@ use super::types::{CrumpleAabb, CrumpleBuffer, CrumpleInstance, CrumpleRange};
 use crate::base::error::{headroom, reserve};
 use crate::base::math::Aabb;
 use crate::instance::deform::{DeformJob, deform_within};
-use std::hash::Hasher;
 use std::ops::Range;
-use twox_hash::XxHash3_64;
 
 /// The work done by a deform. A block is a run of up to 128 consecutive vertices.
 #[repr(C)]
@@ -43,8 +40,7 @@ pub unsafe extern "C" fn crumple_context_set_vertex_budget(
     context: *mut CrumpleContext,
     vertices: u64,
 ) -> CrumpleResult {
-    recorded("crumple_context_set_vertex_budget", context, |_, state, log| {
-        log.call(|| Call::SetVertexBudget { vertices });
+    exclusive("crumple_context_set_vertex_budget", context, |_, state| {
         state.vertex_budget = vertices;
         Ok(())
     })
@@ -63,7 +59,7 @@ pub unsafe extern "C" fn crumple_context_deform(
     count: u32,
     out_report: *mut CrumpleDeformReport,
 ) -> CrumpleResult {
-    lean_recorded("crumple_context_deform", context, |context, state, log| {
+    lean("crumple_context_deform", context, |context, state| {
         let (out, given) = (Out::optional(out_report, "out_report")?, array(buffers, count as usize, "buffers")?);
         let budget = state.vertex_budget();
         let State { instances, buffers: entries, jobs: kept, .. } = state;
@@ -77,10 +73,7 @@ pub unsafe extern "C" fn crumple_context_deform(
         if cfg!(debug_assertions) {
             apart(entries.iter::<CrumpleBuffer>().filter(of_host))?;
         }
-        let numbers = || entries.iter().filter(of_host).map(|(id, _)| Number::of(id)).collect();
-        log.call(|| Call::Deform { all: chosen.all, buffers: numbers() });
         chosen.fold(instances, entries.iter::<CrumpleBuffer>().filter(of_host))?;
-        log.open();
         let mut jobs = recycled(std::mem::take(kept));
         jobs.try_reserve(chosen.most(entries.len())).map_err(|_| Failure::out_of_memory("the list of jobs"))?;
         for (_, entry) in entries.iter_mut::<CrumpleBuffer>().filter(|(id, _)| chosen.names(*id)) {
@@ -100,10 +93,6 @@ pub unsafe extern "C" fn crumple_context_deform(
                 entry.included = chosen.names(id);
             }
         }
-        log.gave(|| {
-            let written = entries.iter().filter(of_host);
-            vertices_digest(written.map(|(_, entry)| entry))
-        });
         out.write(CrumpleDeformReport {
             vertices_written: report.vertices_written,
             blocks_written: report.blocks_written,
@@ -114,22 +103,6 @@ pub unsafe extern "C" fn crumple_context_deform(
         });
         Ok(())
     })
-}
-
-/// A number that stands for what a deform wrote.
-///
-/// # Safety
-/// The host's memory is still there, and nobody else touches it.
-pub(super) unsafe fn vertices_digest<'a>(entries: impl Iterator<Item = &'a BufferEntry>) -> u64 {
-    let mut all = XxHash3_64::default();
-    for entry in entries {
-        let Memory::Host(memory, tracker) = &entry.memory else { continue };
-        for range in tracker.changed() {
-            all.write(bytemuck::bytes_of(&[range.start, range.end]));
-            memory.read(range, |element| all.write(element));
-        }
-    }
-    all.finish()
 }
 
 /// The buffers that a call names: those given, or all.

@@ -295,11 +295,6 @@ fn stream(s: &CrumpleVulkanStream, name: &str) -> Result<Option<Stream>, Failure
 }
 
 impl VulkanMemory {
-    /// Whether normals, tangents and wear are written.
-    pub(super) fn written(&self) -> [bool; 3] {
-        self.target.written()
-    }
-
     pub(super) fn invalidate(&mut self) {
         self.target.invalidate();
     }

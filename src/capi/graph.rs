@@ -4,7 +4,7 @@
 use super::boundary::boundary;
 use super::buffer::add_buffer;
 use super::check::{Out, array, def, write_array};
-use super::context::{CrumpleContext, lean_recorded, recorded};
+use super::context::{CrumpleContext, exclusive, lean};
 #[cfg(feature = "vulkan")]
 use super::graph_types::GraphState;
 use super::graph_types::{CrumpleGraphDispatch, CrumpleGraphPlan, CrumpleGraphUpload};
@@ -56,7 +56,7 @@ pub unsafe extern "C" fn crumple_buffer_register_graph(
     out_buffer: *mut CrumpleBuffer,
 ) -> CrumpleResult {
     vulkan!("crumple_buffer_register_graph", {
-        recorded("crumple_buffer_register_graph", context, |_, state, log| {
+        exclusive("crumple_buffer_register_graph", context, |_, state| {
             let (def, out) = (self::def(def, "def")?, Out::new(out_buffer, "out_buffer")?);
             let owner = &state.instances.get(instance, "instance")?.instance;
             if owner.classic_state().is_some() {
@@ -64,7 +64,7 @@ pub unsafe extern "C" fn crumple_buffer_register_graph(
             }
             let target = def.target(GraphBuffer { number: def.buffer, size: def.buffer_size })?;
             let memory = Memory::Graph(state.graph.graph.add_target(owner.example_set(), &target)?);
-            add_buffer(state, log, BufferEntry { owner: instance, lod: def.lod as usize, memory, included: false }, out)
+            add_buffer(state, BufferEntry { owner: instance, lod: def.lod as usize, memory, included: false }, out)
         })
     })
 }
@@ -82,14 +82,14 @@ pub unsafe extern "C" fn crumple_graph_plan(
     out_report: *mut CrumpleRecordReport,
 ) -> CrumpleResult {
     vulkan!("crumple_graph_plan", {
-        lean_recorded("crumple_graph_plan", context, |_, state, log| {
+        lean("crumple_graph_plan", context, |_, state| {
             let outs = (Out::new(out_plan, "out_plan")?, Out::optional(out_report, "out_report")?);
             let given = array(buffers, count as usize, "buffers")?;
             let budget = state.vertex_budget();
             let State { instances, buffers: entries, graph, .. } = state;
             let GraphState { graph, lists, uploads, dispatches } = graph;
             graph.set_vertex_budget(budget);
-            with_jobs((instances, entries), lists, (buffers, given), log, |jobs| {
+            with_jobs((instances, entries), lists, (buffers, given), |jobs| {
                 let (report, passes) = graph.plan(jobs)?;
                 uploads.clear();
                 uploads.extend(passes.uploads.iter().map(|upload| CrumpleGraphUpload {

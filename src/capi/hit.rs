@@ -1,16 +1,14 @@
 //! Hits: what the physics engine reports.
 
-use super::c_enum::number;
 use super::check::{Out, array, def, defs, enumerator, finite, positive_or, striker, zeroed};
-use super::context::{Arrivals, Context, CrumpleContext, concurrent, recorded};
+use super::context::{Context, CrumpleContext, concurrent, exclusive};
 use super::memory::read_in_place;
-use super::record_call::{Call, DisplacementHit, ImpulseHit, Number};
-use super::recorder::digest;
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleInput, CrumpleInstance, CrumpleStriker, CrumpleVec3};
 use crate::base::error::reserve;
 use crate::damage::mark::Mark;
 use crate::example::blow::Blow;
+use crate::instance::inbox::Inbox;
 use crate::instance::skin::Skin;
 use crate::select::hit::{Cause, Hit, HitStatus, Outcome, Space};
 use glam::Mat4;
@@ -345,8 +343,7 @@ pub unsafe extern "C" fn crumple_instance_end_contact(
 ) -> CrumpleResult {
     concurrent("crumple_instance_end_contact", context, |context| {
         let id = contact(contact_id)?;
-        let call = || Call::EndContact { instance: Number::of(instance), contact_id };
-        context.deliver(instance, call, |to| to.inbox.end_contact(id), |()| 0)
+        context.deliver(instance, |inbox| inbox.end_contact(id))
     })
 }
 
@@ -360,12 +357,10 @@ pub unsafe extern "C" fn crumple_instance_get_contact(
     contact_id: u64,
     out_result: *mut CrumpleHitResult,
 ) -> CrumpleResult {
-    recorded("crumple_instance_get_contact", context, |_, state, log| {
+    exclusive("crumple_instance_get_contact", context, |_, state| {
         let (out, id) = (Out::new(out_result, "out_result")?, contact(contact_id)?);
-        log.call(|| Call::GetContact { instance: Number::of(instance), contact_id });
         let found = state.instances.get_mut(instance, "instance")?.folding(0)?.contact(id)?;
         let result = found.as_ref().map_or_else(CrumpleHitResult::nothing, CrumpleHitResult::from);
-        log.gave(|| hit_digest(&result));
         out.write(result);
         Ok(())
     })
@@ -426,9 +421,8 @@ unsafe fn submit(
         let preview = effect == Effect::Preview;
         let out = if preview { Out::new(out, "out_result") } else { Out::optional(out, "out_result") }?;
         let hit = read()?;
-        let call = || recorded_hit(instance, &hit, effect);
-        let bring = |to: &Arrivals| if preview { to.inbox.preview(&hit) } else { to.inbox.submit(&hit) };
-        let outcome = context.deliver(instance, call, bring, |o| hit_digest(&o.into()))?;
+        let bring = |inbox: &Inbox| if preview { inbox.preview(&hit) } else { inbox.submit(&hit) };
+        let outcome = context.deliver(instance, bring)?;
         out.write((&outcome).into());
         Ok(())
     })
@@ -461,60 +455,10 @@ unsafe fn submit_all(
             }
             hits.push((*instance, hit));
         }
-        let recorded = |(instance, hit): &(CrumpleInstance, Hit)| recorded_hit(*instance, hit, Effect::Submit);
-        let outcomes = context.deliver_all(call, &hits, recorded, |outcome| hit_digest(&outcome.into()))?;
+        let outcomes = context.deliver_all(&hits)?;
         if !out.is_null() {
             outcomes.iter().enumerate().for_each(|(i, outcome)| out.add(i).write(outcome.into()));
         }
         Ok(())
     })
-}
-
-fn recorded_hit(instance: CrumpleInstance, hit: &Hit, effect: Effect) -> Call {
-    let (space, point, contact_id) = (hit.space as u32, hit.point, hit.contact.map_or(0, NonZeroU64::get));
-    let instance = Number::of(instance);
-    match hit.cause {
-        Cause::Impulse { blow, mass } => {
-            let striker = CrumpleStriker::from(blow.striker);
-            let hit = ImpulseHit {
-                space,
-                point,
-                impulse: blow.impulse.unwrap_or_default(),
-                duration: blow.duration.unwrap_or(0.0),
-                mass: mass.unwrap_or(0.0),
-                normal: blow.normal.unwrap_or_default(),
-                striker_mass: striker.mass,
-                striker_radius: striker.radius,
-                striker_velocity: striker.velocity.array(),
-                contact_id,
-            };
-            match effect {
-                Effect::Submit => Call::SubmitImpulse { instance, hit },
-                Effect::Preview => Call::PreviewImpulse { instance, hit },
-            }
-        }
-        Cause::Displacement(displacement) => {
-            let hit = DisplacementHit { space, point, displacement, contact_id };
-            match effect {
-                Effect::Submit => Call::SubmitDisplacement { instance, hit },
-                Effect::Preview => Call::PreviewDisplacement { instance, hit },
-            }
-        }
-    }
-}
-
-/// A number that stands for what a hit was answered.
-pub(super) fn hit_digest(hit: &CrumpleHitResult) -> u64 {
-    let status = number(hit.status);
-    let mut all = Vec::with_capacity(256);
-    let mut put = |bytes: &[u8]| all.extend_from_slice(bytes);
-    put(bytemuck::bytes_of(&[status, hit.contact_vertex, hit.chosen_count, u32::from(hit.clamped)]));
-    put(bytemuck::bytes_of(&hit.contact_distance));
-    put(bytemuck::bytes_of(&[hit.target, hit.achieved]));
-    for chosen in &hit.chosen {
-        put(bytemuck::bytes_of(&[chosen.example, u32::from(chosen.anchored), u32::from(chosen.mirror)]));
-        put(bytemuck::bytes_of(&[chosen.share, chosen.scale]));
-    }
-    put(bytemuck::bytes_of(&hit.mark));
-    digest(&all)
 }

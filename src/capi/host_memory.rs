@@ -2,14 +2,12 @@
 
 use super::check::{defs, enumerator};
 use super::memory::{Stream, disjoint};
-use super::record_call::Written;
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleDirectionFormat, CrumpleStream};
 use crate::deform::{Attribute, Encoding, RawStream, VertexMemory};
 use crate::instance::Instance;
 use crate::instance::options::Rule;
 use std::mem::MaybeUninit;
-use std::ops::Range;
 
 /// Memory for the deformed vertices of one instance, in the mesh's order and space.
 #[repr(C)]
@@ -99,35 +97,6 @@ impl HostMemory {
         let wear = self.wear.as_ref().map(|s| raw(s, Encoding::F32));
         // SAFETY: the caller's; `new` checked sizes, alignment, strides and that the streams are disjoint.
         Ok(unsafe { VertexMemory::from_raw(raw(&self.positions, Encoding::F32), normals, tangents, wear) }?)
-    }
-
-    pub(super) fn vertex_count(&self) -> u32 {
-        self.positions.layout.count as u32
-    }
-
-    /// What is written, for a recording.
-    pub(super) fn written(&self) -> Written {
-        let [normals, tangents, wear] = [self.normals, self.tangents, self.wear].map(|s| s.is_some());
-        let [octahedral_normals, octahedral_tangents] = self.formats.map(|format| format == Encoding::Octahedral16x2);
-        Written { normals, tangents, wear, octahedral_normals, octahedral_tangents }
-    }
-
-    /// Hands over what vertices were given.
-    ///
-    /// # Safety
-    /// As for `vertices`.
-    pub(super) unsafe fn read(&self, vertices: &Range<u32>, mut to: impl FnMut(&[u8])) {
-        for stream in self.streams() {
-            for v in vertices.clone() {
-                // SAFETY: inside the memory, as `new` checked; the caller vouches for the rest.
-                to(unsafe {
-                    std::slice::from_raw_parts(
-                        stream.data.add(v as usize * stream.layout.stride as usize),
-                        stream.layout.element as usize,
-                    )
-                });
-            }
-        }
     }
 
     pub(super) fn streams(&self) -> impl Iterator<Item = Stream> {

@@ -1,8 +1,7 @@
 //! Instances: bodies in the scene.
 
 use super::check::{Out, boolean, def, defs, enumerator, finite, positive_or, read, zeroed};
-use super::context::{Arrivals, CrumpleContext, concurrent, lean_recorded, recorded};
-use super::record_call::{Call, Number};
+use super::context::{CrumpleContext, concurrent, exclusive, lean};
 use super::result::{CrumpleResult, Failure};
 use super::store::InstanceEntry;
 use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance, CrumpleRule, CrumpleSelection};
@@ -11,7 +10,7 @@ use crate::instance::options::{InstanceOptions, Rule};
 use crate::select::hit::Selection;
 use glam::Mat4;
 use std::mem::MaybeUninit;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::PoisonError;
 
 /// Options of an instance.
 #[repr(C)]
@@ -92,24 +91,18 @@ pub unsafe extern "C" fn crumple_instance_create(
     def: *const CrumpleInstanceDef,
     out_instance: *mut CrumpleInstance,
 ) -> CrumpleResult {
-    recorded("crumple_instance_create", context, |context, state, log| {
+    exclusive("crumple_instance_create", context, |context, state| {
         let (def, out) = (self::def(def, "def")?, Out::new(out_instance, "out_instance")?);
         let set = state.sets.get(def.set, "def.set")?.set.clone();
         let mut instance = Instance::new(set, options(&def)?)?;
         instance.set_time(state.time)?;
         instance.set_transform(Mat4::from_cols_array(&finite(def.local_to_world, "def.local_to_world")?))?;
-        let local_to_world = Arc::new(Mutex::new(def.local_to_world));
-        let inboxes = || context.inboxes.write().unwrap_or_else(PoisonError::into_inner);
+        let mut inboxes = context.inboxes.write().unwrap_or_else(PoisonError::into_inner);
         state.instances.reserve::<CrumpleInstance>()?;
-        inboxes().reserve::<CrumpleInstance>()?;
-        let arrivals = Arrivals { inbox: instance.inbox().clone(), local_to_world: local_to_world.clone() };
-        let entry = InstanceEntry { instance, set: def.set, local_to_world, buffers: Vec::new() };
-        // The recording is locked before the inboxes, as a hit does. The other order would be a deadlock.
-        log.instance(&entry);
-        let inbox: CrumpleInstance = inboxes().insert(arrivals);
-        let id = state.instances.insert(entry);
+        inboxes.reserve::<CrumpleInstance>()?;
+        let inbox: CrumpleInstance = inboxes.insert(instance.inbox().clone());
+        let id = state.instances.insert(InstanceEntry { instance, set: def.set, buffers: Vec::new() });
         assert_eq!(inbox, id, "the two lists of instances went apart");
-        log.gave_id(id);
         out.write(id);
         Ok(())
     })
@@ -157,8 +150,7 @@ pub unsafe extern "C" fn crumple_instance_destroy(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
 ) -> CrumpleResult {
-    lean_recorded("crumple_instance_destroy", context, |context, state, log| {
-        log.call(|| Call::DestroyInstance { instance: Number::of(instance) });
+    lean("crumple_instance_destroy", context, |context, state| {
         let entry = state.instances.remove(instance, "instance")?;
         context.inboxes.write().unwrap_or_else(PoisonError::into_inner).remove(instance, "instance")?;
         for buffer in entry.buffers {
@@ -175,9 +167,8 @@ pub unsafe extern "C" fn crumple_instance_get_info(
     instance: CrumpleInstance,
     out_info: *mut CrumpleInstanceInfo,
 ) -> CrumpleResult {
-    recorded("crumple_instance_get_info", context, |_, state, log| {
+    exclusive("crumple_instance_get_info", context, |_, state| {
         let out = Out::new(out_info, "out_info")?;
-        log.call(|| Call::InstanceInfo { instance: Number::of(instance) });
         let entry = state.instances.get_mut(instance, "instance")?;
         let (mark_count, contact_count) = match entry.instance.options().rule {
             Rule::Marks => (entry.folding(0)?.marks()?.len() as u32, entry.instance.contact_count() as u32),
@@ -193,15 +184,9 @@ pub unsafe extern "C" fn crumple_instance_get_info(
             revision: entry.instance.revision(),
             reserved: [0; 2],
         };
-        log.gave(|| info_number(&info));
         out.write(info);
         Ok(())
     })
-}
-
-/// A number that stands for what of an instance's state hits decide.
-pub(super) fn info_number(info: &CrumpleInstanceInfo) -> u64 {
-    u64::from(info.mark_count) | u64::from(info.contact_count) << 32
 }
 
 /// Sets the transform of an instance: local_to_world points to 16 floats, column-major (element 4 * column + row, as in
@@ -218,14 +203,7 @@ pub unsafe extern "C" fn crumple_instance_set_transform(
     concurrent("crumple_instance_set_transform", context, |context| {
         let columns = read(local_to_world.cast::<[f32; 16]>(), "local_to_world")?;
         let matrix = Mat4::from_cols_array(&finite(columns, "local_to_world")?);
-        let call = || Call::SetTransform { instance: Number::of(instance), local_to_world: columns };
-        let set = |to: &Arrivals| {
-            let mut kept = to.local_to_world.lock().unwrap_or_else(PoisonError::into_inner);
-            to.inbox.set_transform(matrix)?;
-            *kept = columns;
-            Ok(())
-        };
-        context.deliver(instance, call, set, |()| 0)
+        context.deliver(instance, |inbox| inbox.set_transform(matrix))
     })
 }
 
@@ -237,8 +215,7 @@ pub unsafe extern "C" fn crumple_instance_set_depth_limit(
     instance: CrumpleInstance,
     depth_limit: f32,
 ) -> CrumpleResult {
-    recorded("crumple_instance_set_depth_limit", context, |_, state, log| {
-        log.call(|| Call::SetDepthLimit { instance: Number::of(instance), depth_limit });
+    exclusive("crumple_instance_set_depth_limit", context, |_, state| {
         let limit = positive_or(depth_limit, "depth_limit", "m", SET_LIMIT)?;
         Ok(state.instances.get_mut(instance, "instance")?.instance.set_depth_limit(limit)?)
     })
@@ -250,8 +227,7 @@ pub unsafe extern "C" fn crumple_instance_set_depth_limit(
 /// copied or reset is shown at once, but saved changes grow. Costs nothing if no dent grows.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_set_time(context: *mut CrumpleContext, time: f64) -> CrumpleResult {
-    recorded("crumple_context_set_time", context, |_, state, log| {
-        log.call(|| Call::SetTime { time });
+    exclusive("crumple_context_set_time", context, |_, state| {
         if !time.is_finite() {
             return Err(crate::base::error::Error::NotFinite { name: "time".into(), value: time.to_string() }.into());
         }
@@ -273,8 +249,7 @@ pub unsafe extern "C" fn crumple_instance_set_tolerance(
     instance: CrumpleInstance,
     tolerance: f32,
 ) -> CrumpleResult {
-    recorded("crumple_instance_set_tolerance", context, |_, state, log| {
-        log.call(|| Call::SetTolerance { instance: Number::of(instance), tolerance });
+    exclusive("crumple_instance_set_tolerance", context, |_, state| {
         let tolerance = finite([tolerance], "tolerance")?[0];
         Ok(state.instances.get_mut(instance, "instance")?.instance.set_tolerance(tolerance)?)
     })
@@ -296,12 +271,10 @@ pub unsafe extern "C" fn crumple_instance_set_view(
     viewport_height: f32,
     out_lod: *mut u32,
 ) -> CrumpleResult {
-    recorded("crumple_instance_set_view", context, |_, state, log| {
+    exclusive("crumple_instance_set_view", context, |_, state| {
         let out = Out::optional(out_lod, "out_lod")?;
-        let id = instance;
         let instance = &mut state.instances.get_mut(instance, "instance")?.instance;
         let lod = instance.set_view(pixels, distance, fov_y, viewport_height)?;
-        log.call(|| Call::SetTolerance { instance: Number::of(id), tolerance: instance.tolerance() });
         out.write(lod as u32);
         Ok(())
     })
@@ -320,29 +293,24 @@ pub unsafe extern "C" fn crumple_instance_release_part(
     part: u32,
     out_part: *mut CrumpleInstance,
 ) -> CrumpleResult {
-    recorded("crumple_instance_release_part", context, |context, state, log| {
+    exclusive("crumple_instance_release_part", context, |context, state| {
         let out = Out::new(out_part, "out_part")?;
-        log.call(|| Call::ReleasePart { instance: Number::of(instance), part });
         let mut inboxes = context.inboxes.write().unwrap_or_else(PoisonError::into_inner);
         state.instances.reserve::<CrumpleInstance>()?;
         inboxes.reserve::<CrumpleInstance>()?;
         let body = state.instances.get_mut(instance, "instance")?;
         let released = body.folding(0)?.release(part as usize)?;
-        let transform = *body.local_to_world.lock().unwrap_or_else(PoisonError::into_inner);
-        let local_to_world = Arc::new(Mutex::new(transform));
         let is_of_part =
             |buffer: &CrumpleBuffer| state.buffers.get(*buffer, "buffer").is_ok_and(|entry| entry.lod == part as usize);
         let (moved, kept) = body.buffers.iter().partition(|buffer| is_of_part(buffer));
         body.buffers = kept;
         let set = body.set;
-        let arrivals = Arrivals { inbox: released.inbox().clone(), local_to_world: local_to_world.clone() };
-        let inbox: CrumpleInstance = inboxes.insert(arrivals);
-        let id = state.instances.insert(InstanceEntry { instance: released, set, local_to_world, buffers: moved });
+        let inbox: CrumpleInstance = inboxes.insert(released.inbox().clone());
+        let id = state.instances.insert(InstanceEntry { instance: released, set, buffers: moved });
         assert_eq!(inbox, id, "the two lists of instances went apart");
         for buffer in &state.instances.get(id, "part")?.buffers {
             state.buffers.get_mut(*buffer, "buffer")?.owner = id;
         }
-        log.gave_id(id);
         out.write(id);
         Ok(())
     })
@@ -358,9 +326,8 @@ pub unsafe extern "C" fn crumple_instance_mount_part(
     part: CrumpleInstance,
     mounted: MaybeUninit<bool>,
 ) -> CrumpleResult {
-    recorded("crumple_instance_mount_part", context, |context, state, log| {
+    exclusive("crumple_instance_mount_part", context, |context, state| {
         let mounted = boolean(mounted);
-        log.call(|| Call::MountPart { instance: Number::of(instance), part: Number::of(part), mounted });
         // Hits that were selected for the body as it is have arrived, and no other arrives meanwhile.
         let _no_hits = context.inboxes.write().unwrap_or_else(PoisonError::into_inner);
         let (body, part) = state.instances.get_two_mut((instance, "instance"), (part, "part"))?;
@@ -378,9 +345,8 @@ pub unsafe extern "C" fn crumple_instance_set_part_rigid(
     part: u32,
     rigid: MaybeUninit<bool>,
 ) -> CrumpleResult {
-    recorded("crumple_instance_set_part_rigid", context, |_, state, log| {
+    exclusive("crumple_instance_set_part_rigid", context, |_, state| {
         let rigid = boolean(rigid);
-        log.call(|| Call::SetPartRigid { instance: Number::of(instance), part, rigid });
         Ok(state.instances.get_mut(instance, "instance")?.instance.set_rigid(part as usize, rigid)?)
     })
 }
@@ -398,22 +364,15 @@ pub unsafe extern "C" fn crumple_instance_measure_part(
     out_mean: *mut f32,
     out_energy: *mut f32,
 ) -> CrumpleResult {
-    recorded("crumple_instance_measure_part", context, |_, state, log| {
+    exclusive("crumple_instance_measure_part", context, |_, state| {
         let outs = (Out::optional(out_deepest, "out_deepest")?, Out::optional(out_mean, "out_mean")?);
         let energy = Out::optional(out_energy, "out_energy")?;
-        log.call(|| Call::MeasurePart { instance: Number::of(instance), lod });
         let damage = state.instances.get_mut(instance, "instance")?.folding(0)?.measure(lod as usize)?;
-        log.gave(|| measured_number(damage.deepest, damage.mean));
         outs.0.write(damage.deepest);
         outs.1.write(damage.mean);
         energy.write(damage.energy);
         Ok(())
     })
-}
-
-/// A number that stands for what was measured.
-pub(super) fn measured_number(deepest: f32, mean: f32) -> u64 {
-    u64::from(deepest.to_bits()) | u64::from(mean.to_bits()) << 32
 }
 
 /// Returns the length, m, that covers a number of pixels at a distance, m, for a camera with this vertical field of

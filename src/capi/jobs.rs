@@ -3,8 +3,6 @@
 use super::deform::Chosen;
 use super::ids::Slots;
 use super::job_lists::{JobLists, recycled};
-use super::record_call::{Call, Number};
-use super::recorder::Log;
 use super::result::Failure;
 use super::store::{BufferEntry, CALL, InstanceEntry, Memory};
 use super::types::CrumpleBuffer;
@@ -45,7 +43,6 @@ pub(super) fn with_jobs<T: DeviceTarget, R>(
     (instances, entries): (&mut Slots<InstanceEntry>, &mut Slots<BufferEntry>),
     lists: &mut JobLists<T>,
     (pointer, given): (*const CrumpleBuffer, &[CrumpleBuffer]),
-    log: &mut Log<'_>,
     f: impl FnOnce(&mut [Job<'_, T>]) -> Result<R, Failure>,
 ) -> Result<R, Failure> {
     let most = if pointer.is_null() { entries.len() } else { given.len() };
@@ -58,10 +55,7 @@ pub(super) fn with_jobs<T: DeviceTarget, R>(
         if T::is_of(memory) { Ok(()) } else { Err(memory.written_elsewhere(name)) }
     })?;
     let written = |(id, entry): &(CrumpleBuffer, &BufferEntry)| T::is_of(&entry.memory) && chosen.names(*id);
-    let numbers = || entries.iter().filter(written).map(|(id, _)| Number::of(id)).collect();
-    log.call(|| Call::Record { all: chosen.all, buffers: numbers() });
     chosen.fold(instances, entries.iter::<CrumpleBuffer>().filter(written))?;
-    log.open();
     let mut jobs = recycled(std::mem::take(&mut lists.jobs));
     jobs.try_reserve(most).map_err(|_| Failure::out_of_memory("the list of jobs"))?;
     for (id, entry) in entries.iter_mut::<CrumpleBuffer>() {

@@ -4,8 +4,7 @@ use super::c_enum::c_enums;
 use super::check::{Out, array, def, defs, enumerator, required_string, write_array, zeroed};
 #[cfg(feature = "gltf")]
 use super::check::{boolean, string};
-use super::context::{Context, CrumpleContext, exclusive, recorded};
-use super::recorder::Log;
+use super::context::{Context, CrumpleContext, exclusive};
 use super::result::{CrumpleResult, Failure};
 use super::set::{CrumpleExampleSetOptions, default_options, insert_set};
 #[cfg(any(feature = "gltf", feature = "obj"))]
@@ -76,7 +75,7 @@ pub unsafe extern "C" fn crumple_example_set_load_gltf(
     def: *const CrumpleGltfDef,
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
-    recorded("crumple_example_set_load_gltf", context, |context, state, log| {
+    exclusive("crumple_example_set_load_gltf", context, |context, state| {
         let (def, out) = (self::def(def, "def")?, Out::new(out_set, "out_set")?);
         let path = required_string(def.path, "def.path")?;
         #[cfg(feature = "gltf")]
@@ -85,11 +84,11 @@ pub unsafe extern "C" fn crumple_example_set_load_gltf(
             let choice = mesh_choice(&def)?;
             let imported =
                 if boolean(def.join_nodes) { gltf_body_file(path.as_ref()) } else { gltf_file(path.as_ref(), choice) }?;
-            add_imported((context, state, log), imported, &def.options, out)
+            add_imported(context, state, imported, &def.options, out)
         }
         #[cfg(not(feature = "gltf"))]
         {
-            let _ = (context, state, log, path, out);
+            let _ = (context, state, path, out);
             Err(Failure::not_built("gltf"))
         }
     })
@@ -104,7 +103,7 @@ pub unsafe extern "C" fn crumple_example_set_load_gltf_memory(
     def: *const CrumpleGltfDef,
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
-    recorded("crumple_example_set_load_gltf_memory", context, |context, state, log| {
+    exclusive("crumple_example_set_load_gltf_memory", context, |context, state| {
         let (def, out) = (self::def(def, "def")?, Out::new(out_set, "out_set")?);
         let bytes = array(data.cast::<u8>(), size, "data")?;
         #[cfg(feature = "gltf")]
@@ -113,11 +112,11 @@ pub unsafe extern "C" fn crumple_example_set_load_gltf_memory(
             let (choice, folder) = (mesh_choice(&def)?, string(def.path, "def.path")?.map(std::path::Path::new));
             let imported =
                 if boolean(def.join_nodes) { gltf_body(bytes, folder) } else { gltf_slice(bytes, folder, choice) }?;
-            add_imported((context, state, log), imported, &def.options, out)
+            add_imported(context, state, imported, &def.options, out)
         }
         #[cfg(not(feature = "gltf"))]
         {
-            let _ = (context, state, log, def, bytes, out);
+            let _ = (context, state, def, bytes, out);
             Err(Failure::not_built("gltf"))
         }
     })
@@ -133,7 +132,7 @@ pub unsafe extern "C" fn crumple_example_set_load_obj(
     def: *const CrumpleObjDef,
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
-    recorded("crumple_example_set_load_obj", context, |context, state, log| {
+    exclusive("crumple_example_set_load_obj", context, |context, state| {
         let (def, out) = (self::def(def, "def")?, Out::new(out_set, "out_set")?);
         let base = required_string(def.base_path, "def.base_path")?;
         let paths = array(def.example_paths, def.example_count as usize, "def.example_paths")?;
@@ -145,11 +144,11 @@ pub unsafe extern "C" fn crumple_example_set_load_obj(
         #[cfg(feature = "obj")]
         {
             let imported = crate::io::import::obj_files(base.as_ref(), &examples)?;
-            add_imported((context, state, log), imported, &def.options, out)
+            add_imported(context, state, imported, &def.options, out)
         }
         #[cfg(not(feature = "obj"))]
         {
-            let _ = (context, state, log, base, examples, out);
+            let _ = (context, state, base, examples, out);
             Err(Failure::not_built("obj"))
         }
     })
@@ -158,6 +157,7 @@ pub unsafe extern "C" fn crumple_example_set_load_obj(
 /// Whether the bytes of a baked set are copied.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(dead_code)] // made by C
 pub enum CrumpleBytes {
     /// The bytes are copied. Free them after the call.
     Copy = 0,
@@ -181,14 +181,14 @@ pub unsafe extern "C" fn crumple_example_set_load_baked_memory(
     bytes: MaybeUninit<CrumpleBytes>,
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
-    recorded("crumple_example_set_load_baked_memory", context, |context, state, log| {
+    exclusive("crumple_example_set_load_baked_memory", context, |context, state| {
         let out = Out::new(out_set, "out_set")?;
         let keep = enumerator(bytes, "bytes")? == CrumpleBytes::Keep;
         let bytes: &'static [u8] = array(data.cast::<u8>(), size, "data")?;
         state.sets.reserve::<CrumpleExampleSet>()?;
         let tasks = Quiet(context.tasks());
         let set = if keep { ExampleSet::load(bytes, &tasks) } else { ExampleSet::load_copy(bytes, &tasks) }?;
-        add_baked((context, state, log), set, out);
+        add_baked(context, state, set, out);
         Ok(())
     })
 }
@@ -201,12 +201,12 @@ pub unsafe extern "C" fn crumple_example_set_load_baked(
     path: *const c_char,
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
-    recorded("crumple_example_set_load_baked", context, |context, state, log| {
+    exclusive("crumple_example_set_load_baked", context, |context, state| {
         let out = Out::new(out_set, "out_set")?;
         let path = required_string(path, "path")?;
         state.sets.reserve::<CrumpleExampleSet>()?;
         let set = ExampleSet::load_file(path, &Quiet(context.tasks()))?;
-        add_baked((context, state, log), set, out);
+        add_baked(context, state, set, out);
         Ok(())
     })
 }
@@ -232,9 +232,9 @@ pub unsafe extern "C" fn crumple_example_set_save_baked(
     })
 }
 
-fn add_baked(of: (&Context, &mut State, &mut Log<'_>), set: ExampleSet, out: Out<CrumpleExampleSet>) {
+fn add_baked(context: &Context, state: &mut State, set: ExampleSet, out: Out<CrumpleExampleSet>) {
     let whole = CrumplePrimitive::new(0..set.vertex_count() as u32, 0..set.mesh().triangles().len() as u32);
-    insert_set(of, set, (c"".into(), vec![whole], Vec::new(), None), out);
+    insert_set(context, state, set, (c"".into(), vec![whole], Vec::new(), None), out);
 }
 
 #[cfg(feature = "gltf")]
@@ -249,7 +249,8 @@ unsafe fn mesh_choice(def: &CrumpleGltfDef) -> Result<crate::io::import::MeshCho
 
 #[cfg(any(feature = "gltf", feature = "obj"))]
 unsafe fn add_imported(
-    of: (&Context, &mut State, &mut Log<'_>),
+    context: &Context,
+    state: &mut State,
     imported: crate::io::import::Imported,
     options: &CrumpleExampleSetOptions,
     out: Out<CrumpleExampleSet>,
@@ -269,14 +270,13 @@ unsafe fn add_imported(
     let materials = materials.into_iter().flatten().collect();
     let transform = imported.node_transform.map(|m| *bytemuck::cast_ref(&m));
     let file = (c_string(&imported.name), primitives, materials, transform);
-    let (context, state, log) = of;
     state.sets.reserve::<CrumpleExampleSet>()?;
     let tasks = Quiet(context.tasks());
     let mut set = ExampleSet::build(imported.mesh, imported.examples, options, &tasks)?;
     for mesh in meshes {
         set.add_lod(mesh, &tasks)?;
     }
-    let id = insert_set((context, state, log), set, file, out);
+    let id = insert_set(context, state, set, file, out);
     state.sets.get_mut(id, "set")?.parts = parts.into_iter().map(|part| part.name).collect();
     Ok(())
 }

@@ -7,10 +7,8 @@
 //! Layers, each of which uses only those before it:
 //! 1. `result`, `c_enum`, `boundary`, `check`, `types`, `memory`, `ids`, `tasks`: what every call needs;
 //! 2. `host_memory`, `vulkan_types`, `job_lists`, `graph_types`, `device`, `store`: what a context holds;
-//! 3. `record_call`, `record_file`, `snapshot`, `recorder`: what a recording writes;
-//! 4. `context`: who may be inside when;
-//! 5. `jobs`, and the entry points: `set`, `load`, `instance`, `hit` and so on;
-//! 6. `replay`: a host in Rust that calls the entry points.
+//! 3. `context`: who may be inside when;
+//! 4. `jobs`, and the entry points: `set`, `load`, `instance`, `hit` and so on.
 //!
 //! # Safety
 //! One contract holds for every `unsafe fn` below that states none of its own. Each pointer that a C caller passes, as an argument
@@ -65,8 +63,6 @@ mod attach;
 
 mod threshold;
 
-mod recording;
-
 // These do not.
 mod boundary;
 mod c_enum;
@@ -78,15 +74,8 @@ mod job_lists;
 #[cfg(feature = "vulkan")]
 mod jobs;
 mod memory;
-mod record_call;
-mod record_file;
-mod recorder;
-pub(crate) mod replay;
-mod snapshot;
 mod store;
 
-#[cfg(test)]
-mod recording_tests;
 #[cfg(test)]
 mod thread_tests;
 
@@ -96,7 +85,7 @@ mod thread_tests;
 pub mod entry_points {
     pub use super::{
         allocator::*, attach::*, buffer::*, context::*, damage::*, deform::*, graph::*, graph_types::*, hit::*,
-        host_memory::*, instance::*, keep_out::*, load::*, recording::*, result::*, set::*, set_info::*, tasks::*,
-        threshold::*, types::*, version::*, vulkan::*, vulkan_types::*,
+        host_memory::*, instance::*, keep_out::*, load::*, result::*, set::*, set_info::*, tasks::*, threshold::*,
+        types::*, version::*, vulkan::*, vulkan_types::*,
     };
 }

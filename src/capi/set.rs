@@ -2,10 +2,8 @@
 
 use super::c_enum::c_enums;
 use super::check::{Out, boolean, def, defs, enumerator, finite, positive_or, striker, string, zeroed};
-use super::context::{Context, CrumpleContext, CrumpleLogLevel, lean_recorded, look_into, recorded};
+use super::context::{Context, CrumpleContext, CrumpleLogLevel, exclusive, lean, look_into};
 use super::memory::{read, read_required};
-use super::record_call::{Call, Number};
-use super::recorder::Log;
 use super::result::{CrumpleResult, Failure};
 use super::store::{SetEntry, State};
 use super::tasks::Quiet;
@@ -199,7 +197,7 @@ pub unsafe extern "C" fn crumple_example_set_create(
     def: *const CrumpleExampleSetDef,
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
-    recorded("crumple_example_set_create", context, |context, state, log| {
+    exclusive("crumple_example_set_create", context, |context, state| {
         let (def, out) = (self::def(def, "def")?, Out::new(out_set, "out_set")?);
         let (mesh, examples) = {
             let mesh = read_mesh(&def.mesh, "def.mesh")?;
@@ -210,7 +208,7 @@ pub unsafe extern "C" fn crumple_example_set_create(
         let whole = CrumplePrimitive::new(0..def.mesh.vertex_count, 0..triangles);
         let options = read_options(&def.options, mesh.positions.len())?;
         let name = CString::default();
-        add_set((context, state, log), (mesh, examples, options), (name, vec![whole], Vec::new(), None), out)
+        add_set(context, state, (mesh, examples, options), (name, vec![whole], Vec::new(), None), out)
     })
 }
 
@@ -232,16 +230,14 @@ pub unsafe extern "C" fn crumple_example_set_add_lod(
     def: *const CrumpleLodDef,
     out_lod: *mut u32,
 ) -> CrumpleResult {
-    recorded("crumple_example_set_add_lod", context, |context, state, log| {
+    exclusive("crumple_example_set_add_lod", context, |context, state| {
         let (def, out) = (self::def(def, "def")?, Out::new(out_lod, "out_lod")?);
-        let id = set;
-        let entry = state.sets.get_mut(id, "set")?;
+        let entry = state.sets.get_mut(set, "set")?;
         let set = Arc::get_mut(&mut entry.set).ok_or_else(|| {
             Failure::invalid("set has instances, or is shared with another context; add its levels of detail before the first instance is made")
         })?;
         let mesh = read_mesh(&def.mesh, "def.mesh")?;
         let lod = set.add_lod(mesh, &Quiet(context.tasks()))?;
-        log.set(id, set);
         let report = set.report().lods[lod - 1];
         let elsewhere = report.farthest > FAR_OFF * set.mesh().bounds().diagonal();
         let doubt = if elsewhere { "; is it the same body, in the same space and units?" } else { "" };
@@ -259,20 +255,22 @@ pub unsafe extern "C" fn crumple_example_set_add_lod(
 
 /// Builds the set and gives it an id.
 pub(super) fn add_set(
-    (context, state, log): (&Context, &mut State, &mut Log<'_>),
+    context: &Context,
+    state: &mut State,
     (mesh, examples, options): (MeshData, Vec<ExampleData>, SetOptions),
     (name, primitives, materials, node_transform): (CString, Vec<CrumplePrimitive>, Vec<CString>, Option<[f32; 16]>),
     out: Out<CrumpleExampleSet>,
 ) -> Result<(), Failure> {
     state.sets.reserve::<CrumpleExampleSet>()?;
     let set = ExampleSet::build(mesh, examples, options, &Quiet(context.tasks()))?;
-    insert_set((context, state, log), set, (name, primitives, materials, node_transform), out);
+    insert_set(context, state, set, (name, primitives, materials, node_transform), out);
     Ok(())
 }
 
 /// Gives a set an id, for which there is room.
 pub(super) fn insert_set(
-    (context, state, log): (&Context, &mut State, &mut Log<'_>),
+    context: &Context,
+    state: &mut State,
     set: ExampleSet,
     (name, primitives, materials, node_transform): (CString, Vec<CrumplePrimitive>, Vec<CString>, Option<[f32; 16]>),
     out: Out<CrumpleExampleSet>,
@@ -292,9 +290,7 @@ pub(super) fn insert_set(
     );
     let parts = Vec::new();
     let entry = SetEntry { set: Arc::new(set), name, names, primitives, materials, node_transform, parts };
-    let set = entry.set.clone();
     let id = state.sets.insert(entry);
-    log.set(id, &set);
     out.write(id);
     id
 }
@@ -493,17 +489,14 @@ pub unsafe extern "C" fn crumple_example_set_share(
     other: *mut CrumpleContext,
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
-    recorded("crumple_example_set_share", other, |_, state, log| {
+    exclusive("crumple_example_set_share", other, |_, state| {
         let out = Out::new(out_set, "out_set")?;
         if context == other {
             return Err(Failure::invalid("other is context itself; its ids of the set already work there"));
         }
         let entry = look_into(context, |state| Ok(state.sets.get(set, "set")?.shared()))?;
         state.sets.reserve::<CrumpleExampleSet>()?;
-        let set = entry.set.clone();
-        let id = state.sets.insert(entry);
-        log.set(id, &set);
-        out.write(id);
+        out.write(state.sets.insert(entry));
         Ok(())
     })
 }
@@ -514,8 +507,7 @@ pub unsafe extern "C" fn crumple_example_set_destroy(
     context: *mut CrumpleContext,
     set: CrumpleExampleSet,
 ) -> CrumpleResult {
-    lean_recorded("crumple_example_set_destroy", context, |_, state, log| {
-        log.call(|| Call::DestroySet { set: Number::of(set) });
+    lean("crumple_example_set_destroy", context, |_, state| {
         state.sets.remove(set, "set")?;
         Ok(())
     })

@@ -6,7 +6,6 @@ use super::device::{Attached, VulkanMemory};
 use super::graph_types::GraphState;
 use super::host_memory::HostMemory;
 use super::ids::Slots;
-use super::record_call::Written;
 use super::result::Failure;
 use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance, CrumplePrimitive};
 use crate::base::error::headroom;
@@ -17,7 +16,7 @@ use crate::instance::Instance;
 use crate::instance::deform::DeformJob;
 use std::ffi::CString;
 use std::ops::Range;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 /// What a context keeps of a set.
 pub(super) struct SetEntry {
@@ -58,8 +57,6 @@ impl SetEntry {
 pub(super) struct InstanceEntry {
     pub(super) instance: Instance,
     pub(super) set: CrumpleExampleSet,
-    /// The transform, as it was given.
-    pub(super) local_to_world: Arc<Mutex<[f32; 16]>>,
     pub(super) buffers: Vec<CrumpleBuffer>,
 }
 
@@ -131,17 +128,6 @@ impl BufferEntry {
             Memory::Vulkan(memory) => memory.changed(),
             #[cfg(feature = "vulkan")]
             Memory::Graph(target) => target.changed(),
-        }
-    }
-
-    /// What is written, for a recording. A replay uses floats for what a device writes, which it does not read.
-    pub(super) fn written(&self) -> Written {
-        match &self.memory {
-            Memory::Host(memory, _) => memory.written(),
-            #[cfg(feature = "vulkan")]
-            Memory::Vulkan(memory) => Written::floats(memory.written()),
-            #[cfg(feature = "vulkan")]
-            Memory::Graph(target) => Written::floats(target.written()),
         }
     }
 

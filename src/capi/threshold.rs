@@ -3,9 +3,7 @@
 use super::attach::{CrumpleAttachment, attachment};
 use super::c_enum::c_enums;
 use super::check::{Out, def, defs, enumerator, usable, write_array, zeroed};
-use super::context::{CrumpleContext, recorded};
-use super::record_call::{Call, Number};
-use super::recorder::digest;
+use super::context::{CrumpleContext, exclusive};
 use super::result::CrumpleResult;
 use super::types::CrumpleInstance;
 use crate::instance::threshold_state::{Measure, Passed};
@@ -68,13 +66,10 @@ pub unsafe extern "C" fn crumple_instance_set_threshold(
     instance: CrumpleInstance,
     def: *const CrumpleThresholdDef,
 ) -> CrumpleResult {
-    recorded("crumple_instance_set_threshold", context, |_, state, log| {
+    exclusive("crumple_instance_set_threshold", context, |_, state| {
         let def = self::def(def, "def")?;
         let kind = enumerator(def.measure, "def.measure")?;
         let CrumpleThresholdDef { number, lod, limit, attachment: at, .. } = def;
-        let (vertices, weights, point) = (at.vertices, at.weights, at.point.array());
-        let (of, measure) = (Number::of(instance), kind as u32);
-        log.call(|| Call::SetThreshold { instance: of, number, measure, lod, vertices, weights, point, limit });
         let instance = &mut state.instances.get_mut(instance, "instance")?.instance;
         let lod = lod as usize;
         let measure = match kind {
@@ -99,12 +94,11 @@ pub unsafe extern "C" fn crumple_context_get_passed(
     capacity: u32,
     out_count: *mut u32,
 ) -> CrumpleResult {
-    recorded("crumple_context_get_passed", context, |_, state, log| {
+    exclusive("crumple_context_get_passed", context, |_, state| {
         let out = Out::new(out_count, "out_count")?;
         if capacity > 0 {
             usable(passed, "passed")?;
         }
-        log.call(|| Call::GetPassed { capacity });
         let mut found = Vec::new();
         for (instance, entry) in state.instances.iter_mut::<CrumpleInstance>() {
             while found.len() < capacity as usize
@@ -113,13 +107,6 @@ pub unsafe extern "C" fn crumple_context_get_passed(
                 found.push(CrumplePassed { instance, number, value });
             }
         }
-        log.gave(|| passed_digest(&found));
         write_array(&found, passed, capacity as usize, "passed", out)
     })
-}
-
-/// A number that stands for thresholds that were passed.
-pub(super) fn passed_digest(passed: &[CrumplePassed]) -> u64 {
-    let all: Vec<[u32; 3]> = passed.iter().map(|p| [p.instance.index, p.number, p.value.to_bits()]).collect();
-    digest(bytemuck::cast_slice(&all))
 }

@@ -3,11 +3,9 @@
 use super::c_enum::c_enums;
 use crate::base::math::Aabb;
 use crate::deform::Encoding;
-use crate::example::blow::Striker;
 use crate::example::data::Placement;
 use crate::example::options::{Combine, Seams};
-use crate::instance::options::Rule;
-use crate::select::hit::{HitStatus, Selection, Space};
+use crate::select::hit::{HitStatus, Space};
 use bytemuck::{Pod, Zeroable};
 use std::ffi::{c_char, c_void};
 use std::ops::Range;
@@ -65,16 +63,6 @@ pub struct CrumpleStriker {
     pub radius: f32,
     /// Velocity relative to the struck body before the touch, m/s.
     pub velocity: CrumpleVec3,
-}
-
-impl From<Striker> for CrumpleStriker {
-    fn from(striker: Striker) -> Self {
-        Self {
-            mass: striker.mass.unwrap_or(0.0),
-            radius: striker.radius.unwrap_or(0.0),
-            velocity: striker.velocity.unwrap_or_default().into(),
-        }
-    }
 }
 
 /// A rotation as a unit quaternion.
@@ -227,6 +215,7 @@ impl From<CrumpleDirectionFormat> for Encoding {
 /// How hits damage an instance.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(dead_code)] // made by C
 pub enum CrumpleRule {
     /// Each hit leaves a mark. Memory is bounded and the order of hits does not matter. The default.
     Marks = 0,
@@ -251,24 +240,4 @@ pub enum CrumpleSelection {
     Classic = 2,
     /// Like CRUMPLE_SELECTION_CLASSIC without the weight limit. Diverges at weights above 2. Classic rules only.
     ClassicUnclamped = 3,
-}
-
-impl From<Rule> for CrumpleRule {
-    fn from(rule: Rule) -> Self {
-        match rule {
-            Rule::Marks => Self::Marks,
-            Rule::MostDisplaced => Self::MostDisplaced,
-            Rule::Blend(_) => Self::Blend,
-        }
-    }
-}
-
-impl From<Selection> for CrumpleSelection {
-    fn from(selection: Selection) -> Self {
-        match selection {
-            Selection::Nearest => Self::Nearest,
-            Selection::Classic => Self::Classic,
-            Selection::ClassicUnclamped => Self::ClassicUnclamped,
-        }
-    }
 }

@@ -5,12 +5,11 @@
 use super::boundary::boundary;
 use super::buffer::add_buffer;
 use super::check::{Out, array, def, enumerator, write_array, zeroed};
-use super::context::{CrumpleContext, exclusive, lean, lean_recorded, recorded};
+use super::context::{CrumpleContext, exclusive, lean};
 #[cfg(feature = "vulkan")]
 use super::device::{Attached, Kind};
 #[cfg(feature = "vulkan")]
 use super::jobs::{c_report, with_jobs};
-use super::recorder::Log;
 use super::result::{CrumpleResult, Failure};
 use super::store::{BufferEntry, Memory, State};
 use super::types::{CrumpleBuffer, CrumpleInstance, CrumpleVec3};
@@ -134,12 +133,12 @@ pub unsafe extern "C" fn crumple_buffer_register_vulkan(
     out_buffer: *mut CrumpleBuffer,
 ) -> CrumpleResult {
     vulkan!("crumple_buffer_register_vulkan", {
-        recorded("crumple_buffer_register_vulkan", context, |_, state, log| {
+        exclusive("crumple_buffer_register_vulkan", context, |_, state| {
             let (def, out) = (self::def(def, "def")?, Out::new(out_buffer, "out_buffer")?);
             let owner = &state.instances.get(instance, "instance")?.instance;
             let vulkan = state.vulkan.as_mut().ok_or_else(not_attached)?;
             let memory = Memory::Vulkan(vulkan.register(owner, &def)?);
-            add_buffer(state, log, BufferEntry { owner: instance, lod: def.lod as usize, memory, included: false }, out)
+            add_buffer(state, BufferEntry { owner: instance, lod: def.lod as usize, memory, included: false }, out)
         })
     })
 }
@@ -167,12 +166,12 @@ pub unsafe extern "C" fn crumple_vulkan_record(
     out_report: *mut CrumpleRecordReport,
 ) -> CrumpleResult {
     vulkan!("crumple_vulkan_record", {
-        lean_recorded("crumple_vulkan_record", context, |_, state, log| {
+        lean("crumple_vulkan_record", context, |_, state| {
             let (out, given) = (Out::optional(out_report, "out_report")?, array(buffers, count as usize, "buffers")?);
             if command_buffer.is_null() {
                 return Err(Failure::null("command_buffer"));
             }
-            let report = with_device(state, (buffers, given), log, |device, jobs| {
+            let report = with_device(state, (buffers, given), |device, jobs| {
                 let commands = vk::CommandBuffer::from_raw(command_buffer.addr() as u64);
                 Ok(device.hosts("crumple_vulkan_record()")?.record(commands, frame, jobs)?)
             })?;
@@ -313,7 +312,7 @@ pub unsafe extern "C" fn crumple_vulkan_submit(
     out_report: *mut CrumpleRecordReport,
 ) -> CrumpleResult {
     vulkan!("crumple_vulkan_submit", {
-        lean_recorded("crumple_vulkan_submit", context, |_, state, log| {
+        lean("crumple_vulkan_submit", context, |_, state| {
             let outs = (Out::optional(out_frame, "out_frame")?, Out::optional(out_report, "out_report")?);
             let (given, waits, signals) = (
                 array(buffers, count as usize, "buffers")?,
@@ -321,7 +320,7 @@ pub unsafe extern "C" fn crumple_vulkan_submit(
                 array(signals, signal_count as usize, "signals")?,
             );
             let ids = |all: &[u64]| all.iter().map(|id| SemaphoreId(*id)).collect::<Vec<_>>();
-            let (frame, report) = with_device(state, (buffers, given), log, |device, jobs| {
+            let (frame, report) = with_device(state, (buffers, given), |device, jobs| {
                 Ok(device.own("crumple_vulkan_submit()")?.submit(jobs, &ids(waits), &ids(signals))?)
             })?;
             outs.0.write(frame);
@@ -355,14 +354,13 @@ pub unsafe extern "C" fn crumple_vulkan_wait_frame(
 fn with_device<R>(
     state: &mut State,
     given: (*const CrumpleBuffer, &[CrumpleBuffer]),
-    log: &mut Log<'_>,
     f: impl FnOnce(&mut Kind, &mut [RecordJob<'_>]) -> Result<R, Failure>,
 ) -> Result<R, Failure> {
     let budget = state.vertex_budget();
     let State { instances, buffers: entries, vulkan, .. } = state;
     let Attached { device, lists, .. } = vulkan.as_mut().ok_or_else(not_attached)?;
     device.device().set_vertex_budget(budget);
-    with_jobs((instances, entries), lists, given, log, |jobs| f(device, jobs))
+    with_jobs((instances, entries), lists, given, |jobs| f(device, jobs))
 }
 
 #[cfg(feature = "vulkan")]

@@ -146,12 +146,6 @@ impl VertexLayout {
         self.streams().any(|(_, s)| s.format != Encoding::F32)
     }
 
-    /// Whether normals, tangents and wear are written.
-    #[cfg(all(feature = "capi", feature = "vulkan"))]
-    pub(crate) fn written(&self) -> [bool; 3] {
-        [self.normals, self.tangents, self.wear].map(|s| s.is_some())
-    }
-
     /// The kernel that writes this layout. Fails if the mesh lacks an attribute.
     fn kernel(&self, mesh: &Mesh) -> Result<Kernel, Error> {
         let kernel = match (self.normals, self.tangents) {

@@ -35,12 +35,6 @@ impl Target {
         self.state.tracker.invalidate();
     }
 
-    /// Whether normals, tangents and wear are written.
-    #[cfg(feature = "capi")]
-    pub(crate) fn written(&self) -> [bool; 3] {
-        self.state.layout.written()
-    }
-
     /// A box around all vertices as of the last plan, m; `None` before the first. It may be too large, never too small.
     pub fn bounds(&self) -> Option<Aabb> {
         self.state.tracker.bounds()

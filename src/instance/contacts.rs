@@ -231,12 +231,6 @@ impl Contacts {
         open.mark()
     }
 
-    /// Forgets the outcomes of ended contacts.
-    #[cfg(feature = "capi")]
-    pub(crate) fn forget_ended(&mut self) {
-        self.ended.clear();
-    }
-
     pub(crate) fn memory_bytes(&self) -> usize {
         self.open.len() * size_of::<OpenContact>()
             + self.ended.len() * size_of::<(NonZeroU64, Option<Outcome>)>()

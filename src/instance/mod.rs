@@ -567,12 +567,6 @@ impl Instance {
         self.growth.finish(&self.damage, &mut |d: &Dent| touch.dent(d));
     }
 
-    /// Forgets the outcomes of contacts that ended.
-    #[cfg(feature = "capi")]
-    pub(crate) fn forget_ended_contacts(&mut self) {
-        self.contacts.forget_ended();
-    }
-
     /// Removes all damage. Discards hits that have not been folded yet, and ends all contacts.
     pub fn reset(&mut self) {
         self.contacts.close_all();

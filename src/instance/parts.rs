@@ -241,13 +241,6 @@ impl Instance {
         }
         self.inbox.params_mut().landing = landing;
     }
-
-    /// Whether parts of it were released or made rigid, or it is a part.
-    #[cfg(feature = "capi")]
-    pub(crate) fn has_parts(&self) -> bool {
-        let PartState { of, released, rigid } = self.parts;
-        of != 0 || released | rigid != 0 || !self.inbox.followers().is_empty()
-    }
 }
 
 /// The base vertices that lie at positions of some parts.

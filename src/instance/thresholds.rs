@@ -72,11 +72,6 @@ impl Instance {
         }))
     }
 
-    #[cfg(feature = "capi")]
-    pub(crate) fn has_thresholds(&self) -> bool {
-        !self.thresholds.list.is_empty()
-    }
-
     fn compare_thresholds(&mut self) -> Result<(), Error> {
         let mut meshes: HashMap<usize, PartDamage> = HashMap::new();
         let mut list = std::mem::take(&mut self.thresholds.list);

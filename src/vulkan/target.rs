@@ -57,12 +57,6 @@ impl Target {
         self.state.tracker.invalidate();
     }
 
-    /// Whether normals, tangents and wear are written.
-    #[cfg(feature = "capi")]
-    pub(crate) fn written(&self) -> [bool; 3] {
-        self.state.layout.written()
-    }
-
     /// A box around all vertices as of the last recording, m; `None` before the first. It may be too large, since the CPU only knows
     /// how far each block can have moved, but never too small.
     pub fn bounds(&self) -> Option<Aabb> {

@@ -8,7 +8,7 @@ enum { HITS = 24, LARGEST = 1 << 16 };
 static Sheet sheet;
 static unsigned char baked[1 << 20], gltf[1 << 20];
 static size_t baked_size, gltf_size;
-static char baked_path[1024], recording[1024], base_path[1024], dent_path[1024];
+static char baked_path[1024], base_path[1024], dent_path[1024];
 
 typedef struct Scene {
     CrumpleContext *context;
@@ -168,9 +168,6 @@ static CrumpleResult attached_frame(Scene *s) {
     return crumple_instance_get_attached_frame(s->context, s->bodies[0], &s->lamp, &s->frame);
 }
 
-static CrumpleResult begin_recording(Scene *s) { return crumple_recording_begin(s->context, recording); }
-static CrumpleResult end_recording(Scene *s) { return crumple_recording_end(s->context); }
-
 static CrumpleResult get_info(Scene *s) {
     CrumpleInstanceInfo info;
     return crumple_instance_get_info(s->context, s->bodies[0], &info);
@@ -192,9 +189,7 @@ static const struct Step {
     STEP(end_contact), STEP(deform), STEP(hit), STEP(get_info), STEP(hit), STEP(hit), STEP(hit), STEP(get_marks),
     STEP(set_marks), STEP(save), STEP(load), STEP(hit), STEP(save_changes), STEP(attach), STEP(hit),
     STEP(attached_frame), STEP(deform),
-    // The same while a recording runs.
-    STEP(begin_recording), STEP(hit), STEP(impulses), STEP(deform), STEP(copy), STEP(repair), STEP(save),
-    STEP(load), STEP(deform), STEP(end_recording),
+    STEP(hit), STEP(impulses), STEP(deform), STEP(copy), STEP(repair), STEP(save), STEP(load), STEP(deform),
     // More marks than the capacity.
     STEP(hit), STEP(hit), STEP(hit), STEP(hit), STEP(hit), STEP(hit), STEP(hit), STEP(hit), STEP(hit), STEP(deform),
     STEP(save_archive), STEP(repair), STEP(load_archive), STEP(deform),
@@ -282,7 +277,6 @@ int main(int argc, char **argv) {
     const char *fixtures = argc > 1 ? argv[1] : ".", *folder = argc > 2 ? argv[2] : ".";
     snprintf(base_path, sizeof base_path, "%s/plate.obj", fixtures);
     snprintf(dent_path, sizeof dent_path, "%s/plate_dent.obj", fixtures);
-    snprintf(recording, sizeof recording, "%s/memory.crumplerec", folder);
     snprintf(baked_path, sizeof baked_path, "%s/memory.crumple", folder);
     if (!use_heap()) {
         printf("this build has no host allocator\n");

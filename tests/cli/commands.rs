@@ -1,6 +1,6 @@
 //! The `crumple` command with valid input.
 
-use crate::{Folder, PANEL, RECORDING, asset, crumple, has, names};
+use crate::{Folder, PANEL, asset, crumple, has, names};
 use crumple::glam::{Mat4, Vec3};
 use crumple::import::{Imported, MeshChoice, gltf_file};
 use std::path::Path;
@@ -341,24 +341,4 @@ fn bake_keeps_dents_out_of_solids() {
     };
     assert!(entered(&free) > n);
     assert_eq!(entered(&kept), n);
-}
-
-#[test]
-fn replay_repeats_the_calls_of_a_recording() {
-    let report = crumple(&["replay", RECORDING]).report();
-    has(&report, &["recorded by 0.1.0", "66 calls (23 hits among them) match the recording"]);
-    has(
-        &report,
-        &["23 deforms wrote 9202 vertices", "crumple_instance_repair_damage: CRUMPLE_ERROR_NOT_FINITE: keep is NaN"],
-    );
-    assert!(!report.contains("no end"), "{report}");
-    let listed = crumple(&["replay", "--list", "--threads", "1", RECORDING]).report();
-    has(&listed, &["    14  crumple_context_deform: Deform { all: true, buffers: [1, 2] }\n"]);
-    assert_eq!(listed.lines().count(), 66 + report.lines().count());
-
-    // a recording cut short by a crash is replayed as far as it goes
-    let bytes = std::fs::read(asset(RECORDING)).expect("readable");
-    let folder = Folder::empty();
-    let cut = folder.write("cut.crumplerec", &bytes[..bytes.len() - 700]);
-    has(&crumple(&["replay", &cut]).report(), &["the recording has no end: the program ended, perhaps inside"]);
 }

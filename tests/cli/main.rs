@@ -8,7 +8,6 @@ use std::process::{Command, Output};
 use tempfile::TempDir;
 
 pub const PANEL: &str = "assets/solver/panel.glb";
-pub const RECORDING: &str = "tests/fixtures/sheet.crumplerec";
 
 /// The result of a run of the command.
 pub struct Run {

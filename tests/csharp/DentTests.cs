@@ -295,34 +295,4 @@ static class DentTests
             Check.Same(1u, body.GetInfo().BufferCount, "buffers");
         }
     }
-
-
-    /// <summary>A recording is a file that begins as its format says, and ends once.</summary>
-    public static void Recordings()
-    {
-        string file = Path.Combine(Path.GetTempPath(), "crumple " + Guid.NewGuid().ToString("N") + " é.crumplerec");
-        using (CrumpleContext context = Sheet.Context())
-        {
-            Instance body = context.CreateInstance(context.CreateExampleSet(Sheet.Def()));
-            body.RegisterHostBuffer(StridedArray.Of(new CrumpleVec3[Sheet.Vertices]));
-            Check.Fails(CrumpleResult.ErrorInvalidArgument, "", () => context.EndRecording());
-            Check.Fails(CrumpleResult.ErrorIo, "", () => context.BeginRecording(Path.Combine(file, "nowhere")));
-            Check.Throws<ArgumentNullException>(() => context.BeginRecording(null));
-            try
-            {
-                context.BeginRecording(file);
-                Check.Fails(CrumpleResult.ErrorInvalidArgument, "", () => context.BeginRecording(file));
-                long before = new FileInfo(file).Length;
-                body.SubmitDisplacement(Sheet.Hit(0, 0, 0.02f));
-                context.Deform();
-                Check.That(new FileInfo(file).Length > before, "written at once");
-                context.EndRecording();
-                Check.Fails(CrumpleResult.ErrorInvalidArgument, "", () => context.EndRecording());
-            }
-            finally
-            {
-                File.Delete(file);
-            }
-        }
-    }
 }

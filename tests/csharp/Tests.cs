@@ -18,7 +18,6 @@ static class Tests
             DentTests.TimeAndPoses,
             DentTests.Parts,
             DentTests.TheRest,
-            DentTests.Recordings,
             LoadingTests.Gltf,
             LoadingTests.Obj,
             LoadingTests.Baked,

@@ -32,7 +32,6 @@ const C_PROGRAMS: &[(&str, &[&str])] = &[
     ("lod", &[]),
     ("many", &[]),
     ("memory", &["FIXTURES", "."]),
-    ("recording", &["sheet.crumplerec"]),
     ("soak", &["2"]),
     ("tasks", &[]),
     ("threads", &[]),

@@ -39,7 +39,7 @@ pub const I686_TOOLS: &[Tool] = &[Tool::CCompiler, Tool::CMake, Tool::I686Rust, 
 /// Features of the build whose library, command and tests are all used.
 const FEATURES: &str = "cli,host-allocator";
 /// The command's input, below the repository's root.
-const INPUT: &[&str] = &["assets/demo/drum.glb", "assets/demo/drum.json", "tests/fixtures/sheet.crumplerec"];
+const INPUT: &[&str] = &["assets/demo/drum.glb", "assets/demo/drum.json"];
 /// The name of the file that gets the command's answer, and the command's arguments.
 type Question = (&'static str, &'static [&'static str]);
 /// None draws: pictures take minutes under qemu, and their pixels depend on the system's sine and power.
@@ -48,7 +48,6 @@ const QUESTIONS: &[Question] = &[
     ("apply.txt", &["apply", "drum.glb", "--impacts", "drum.json", "-o", "dented.glb"]),
     ("bake.txt", &["bake", "drum.glb", "-o", "drum.crumple", "--tolerance", "0.1mm"]),
     ("sample.txt", &["sample", "drum.glb", "--count", "20", "-o", "sample.json"]),
-    ("replay.txt", &["replay", "sheet.crumplerec"]),
 ];
 
 /// A system and the program that runs its programs here, with arguments.
@@ -170,9 +169,6 @@ impl Platform<'_> {
         };
         native::test_projects(self.workspace, &build)?;
         let there = self.workspace.target.join("ctest").join(kind);
-        let made = fs::read(there.join("tests-c/sheet.crumplerec"))?;
-        let fixture = fs::read(self.workspace.path("tests/fixtures/sheet.crumplerec"))?;
-        ensure!(made == fixture, "the recording that {kind} makes is not tests/fixtures/sheet.crumplerec");
 
         // The same two examples on this machine.
         let release = native::release_prefix(self.workspace)?;

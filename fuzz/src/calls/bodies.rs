@@ -208,19 +208,10 @@ impl Host<'_> {
                 let (mut passed, mut count) = ([CrumplePassed::default(); 4], 0);
                 crumple_context_get_passed(context, passed.as_mut_ptr(), self.word()?.min(4), &mut count)
             }
-            54 => {
+            _ => {
                 let (buffer, mut ranges, mut count) = (self.buffer()?, [CrumpleRange::default(); 4], 0);
                 let (ranges, capacity) = (ranges.as_mut_ptr(), self.word()?.min(4));
                 crumple_buffer_get_changed_triangles(context, buffer, ranges, capacity, &mut count, null_mut())
-            }
-            _ => {
-                // Two contexts that write one file would be the host's own fault.
-                let first = self.contexts[0];
-                if self.bytes.ratio(1, 4)? {
-                    crumple_recording_end(first)
-                } else {
-                    crumple_recording_begin(first, self.recording.as_ptr())
-                }
             }
         })
     }

@@ -7,7 +7,6 @@ mod impacts;
 mod info;
 mod output;
 mod picture;
-mod replay;
 mod sample;
 mod source;
 mod table;
@@ -34,8 +33,6 @@ enum Command {
     Apply(apply::Arguments),
     /// Write a list of impacts to start from
     Sample(sample::Arguments),
-    /// Repeat the calls of a recording and compare their results with the recorded ones
-    Replay(replay::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -44,7 +41,6 @@ fn main() -> ExitCode {
         Command::Bake(a) => bake::run(&a),
         Command::Apply(a) => apply::run(&a),
         Command::Sample(a) => sample::run(&a),
-        Command::Replay(a) => replay::run(&a),
     };
     match result.and_then(|text| output::print(&text)) {
         Ok(()) => ExitCode::SUCCESS,

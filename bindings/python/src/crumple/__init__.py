@@ -8,7 +8,7 @@ about each; what the package does not wrap (Vulkan, allocators, an engine's job 
 
 from . import _native as native
 from ._library import CrumpleError, library
-from .context import Context, Recording, keep_out
+from .context import Context, keep_out
 from .example_set import ExampleSet
 from .instance import Buffer, Instance
 from .types import (
@@ -42,6 +42,6 @@ __version__: str = library.crumple_version_string().decode()
 
 __all__ = [
     "MARK", "Attachment", "Buffer", "Changes", "Chosen", "Combine", "Context", "CrumpleError", "DeformReport", "Example", "ExampleInfo",
-    "ExampleSet", "Frame", "HitResult", "HitStatus", "Instance", "InstanceInfo", "Mesh", "Placement", "Primitive", "Recording", "Result",
+    "ExampleSet", "Frame", "HitResult", "HitStatus", "Instance", "InstanceInfo", "Mesh", "Placement", "Primitive", "Result",
     "Rule", "Seams", "Selection", "SetInfo", "SetOptions", "Space", "Striker", "keep_out", "library", "native",
 ]  # fmt: skip

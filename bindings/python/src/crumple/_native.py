@@ -844,8 +844,6 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_threshold_def_default": (CrumpleThresholdDef, []),
     "crumple_instance_set_threshold": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleThresholdDef)]),
     "crumple_context_get_passed": (c.c_uint32, [c.c_void_p, c.POINTER(CrumplePassed), c.c_uint32, c.POINTER(c.c_uint32)]),
-    "crumple_recording_begin": (c.c_uint32, [c.c_void_p, c.c_char_p]),
-    "crumple_recording_end": (c.c_uint32, [c.c_void_p]),
 }
 
 

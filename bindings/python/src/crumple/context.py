@@ -152,27 +152,6 @@ class Context:
             report.vertices_written, report.blocks_written, report.blocks_skipped, report.parts_skipped, report.vertices_waiting
         )
 
-    def recording(self, path: str | os.PathLike[str]) -> Recording:
-        """Records the context's calls until the ``with`` block ends, for ``crumple replay``."""
-        return Recording(self, path)
-
-
-class Recording:
-    """A file of calls that ``crumple replay`` repeats. Made by Context.recording."""
-
-    def __init__(self, context: Context, path: str | os.PathLike[str]) -> None:
-        self._context = context
-        check(library.crumple_recording_begin(context.handle, os.fsencode(path)))
-
-    def end(self) -> None:
-        check(library.crumple_recording_end(self._context.handle))
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self.end()
-
 
 def keep_out(
     positions: ArrayLike,

@@ -633,11 +633,5 @@ namespace Crumple.Native
             CrumplePassed* passed,
             uint capacity,
             uint* outCount);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_recording_begin(IntPtr context, IntPtr path);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_recording_end(IntPtr context);
     }
 }
