@@ -78,9 +78,9 @@
 // are 32-bit floats, or octahedral where a def says so. Indices start at 0. Enums are 32 bits wide (do not compile with
 // -fshort-enums).
 //
-// Memory. A call without enough memory returns CRUMPLE_ERROR_OUT_OF_MEMORY and changes nothing: before it allocates, it
-// asks for as much as it may need, in one piece, and gives that back. The process aborts only if another thread takes
-// the memory meanwhile, or if less than 1 KiB is left. Calls that free need none, and frames without hits allocate none.
+// Memory. Without memory for an array whose size depends on your input, such as vertices, displacements, a file or a list
+// of hits, a call returns CRUMPLE_ERROR_OUT_OF_MEMORY and changes nothing. Without memory for something smaller, or for
+// what a parser or a search tree allocates, the process aborts. Frames without hits allocate nothing.
 //
 // Do not fork() a process with a live context and use the context in the child.
 //

@@ -1,8 +1,8 @@
 //! Builds an example set from plain arrays.
 
 use super::learn::learn;
+use crate::base::error::Error;
 use crate::base::error::reserve;
-use crate::base::error::{Error, headroom};
 use crate::base::math::{rotation_between, tangent_basis, unit};
 use crate::base::tasks::TaskSystem;
 use crate::base::tasks::map;
@@ -54,7 +54,6 @@ impl ExampleSet {
                 what: format!("{} were given; at most 65534 are possible", examples.len()),
             });
         }
-        headroom(bytes_to_build(&mesh, &examples, &options, tasks), "building the example set")?;
         let (mesh, smooth) = Mesh::new(mesh)?;
         let index = VertexIndex::new(mesh.positions(), mesh.weld(), tasks);
         let seams = seam_groups(mesh.weld());
@@ -104,21 +103,6 @@ impl ExampleSet {
         set.set_learned(learn(&set, tasks));
         Ok(set)
     }
-}
-
-/// A bound of the memory that [`ExampleSet::build`] takes beside its arguments, bytes. Most of its parts cannot fail one by one,
-/// so all of it is asked for beforehand. tests/c/memory.c holds it; docs/reliability.md has how much of it is used.
-fn bytes_to_build(mesh: &MeshData, examples: &[ExampleData], options: &SetOptions, tasks: &dyn TaskSystem) -> usize {
-    let (vertices, triangles) = (mesh.positions.len() as u64, mesh.triangles.len() as u64);
-    let moved = |deltas: &Deltas| match deltas {
-        Deltas::Full(all) => all.len() as u64,
-        Deltas::Sparse { indices, .. } => indices.len() as u64,
-    };
-    let moved: u64 = examples.iter().map(|e| moved(&e.positions) + e.normals.as_ref().map_or(0, moved)).sum();
-    let nodes = u64::from(options.stamp_resolution).pow(2);
-    let of_mesh = (160 + 48 * tasks.workers() as u64) * vertices + 48 * triangles;
-    let of_examples = 24 * moved + (16 * nodes + 4096) * examples.len() as u64;
-    usize::try_from((64 << 10) + of_mesh + of_examples).unwrap_or(usize::MAX)
 }
 
 /// Groups of two or more vertices at one position.

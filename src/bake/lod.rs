@@ -3,7 +3,7 @@
 //! Carried examples work on any mesh. Anchored examples belong to the base mesh: each vertex of another mesh is bound
 //! once to the nearest point of the base surface. It moves like that point, by linear interpolation.
 
-use crate::base::error::{Error, headroom, reserve};
+use crate::base::error::{Error, reserve};
 use crate::base::math::{rotation_between, unit};
 use crate::base::tasks::{TaskSystem, map};
 use crate::example::blocks::{DeltaBlocks, Steps};
@@ -41,11 +41,6 @@ impl ExampleSet {
         if lod >= MAX_MESHES {
             return Err(Error::invalid("the number of levels of detail", lod, &format!("at most {}", MAX_MESHES - 1)));
         }
-        // As much again for the base mesh's vertices, which are sorted by position.
-        let [vertices, base, triangles, examples] =
-            [mesh.positions.len(), self.vertex_count(), mesh.triangles.len(), self.examples().len()].map(|n| n as u64);
-        let bytes = (320 + 24 * examples) * vertices + 16 * base + 48 * triangles + (64 << 10);
-        headroom(usize::try_from(bytes).unwrap_or(usize::MAX), "a level of detail")?;
         let (mesh, _) = Mesh::new(mesh).map_err(|e| match e {
             Error::Mesh { what } => Error::Mesh { what: format!("level of detail {lod}: {what}") },
             other => other,

@@ -243,16 +243,6 @@ pub(crate) fn at_least_zero(name: &str, x: f32, unit: &str) -> Result<(), Error>
     }
 }
 
-/// Returns [`Error::OutOfMemory`] unless `bytes` of memory can be had now, in one piece, and gives them back. Asked before
-/// work whose allocations cannot fail one by one, such as a parser's, with a bound of what they need together. It is no
-/// promise: other threads may take the memory meanwhile.
-pub(crate) fn headroom(bytes: usize, what: &str) -> Result<(), Error> {
-    let mut memory: Vec<u8> = reserve(bytes, what)?;
-    // Otherwise the compiler may leave the allocation out.
-    std::hint::black_box(memory.as_mut_ptr());
-    Ok(())
-}
-
 /// Returns an empty vector with room for `n` elements, or [`Error::OutOfMemory`]. For allocations whose size depends on
 /// the caller's input.
 pub(crate) fn reserve<T>(n: usize, what: &str) -> Result<Vec<T>, Error> {

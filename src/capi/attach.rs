@@ -60,7 +60,7 @@ pub unsafe extern "C" fn crumple_instance_get_attached_frame(
 ) -> CrumpleResult {
     exclusive("crumple_instance_get_attached_frame", context, |_, state| {
         let (given, out) = (read(attachment, "attachment")?, Out::new(out_frame, "out_frame")?);
-        let instance = state.instances.get_mut(instance, "instance")?.folding(0)?;
+        let instance = &mut state.instances.get_mut(instance, "instance")?.instance;
         let attachment = self::attachment(given, "attachment")?;
         instance.fold();
         let frame = instance.attached_frame(&attachment)?;

@@ -1,7 +1,7 @@
 //! Buffers: memory of the host that deformed vertices are written to.
 
 use super::check::{Out, def, zeroed};
-use super::context::{CrumpleContext, exclusive, lean};
+use super::context::{CrumpleContext, exclusive};
 use super::host_memory::{CrumpleHostBufferDef, HostMemory};
 use super::result::{CrumpleResult, Failure};
 use super::store::{BufferEntry, Memory, State};
@@ -52,7 +52,7 @@ pub unsafe extern "C" fn crumple_buffer_unregister(
     context: *mut CrumpleContext,
     buffer: CrumpleBuffer,
 ) -> CrumpleResult {
-    lean("crumple_buffer_unregister", context, |_, state| {
+    exclusive("crumple_buffer_unregister", context, |_, state| {
         let owner = state.remove_buffer(buffer)?;
         state.instances.get_mut(owner, "instance")?.buffers.retain(|b| *b != buffer);
         Ok(())
@@ -65,7 +65,7 @@ pub unsafe extern "C" fn crumple_buffer_invalidate(
     context: *mut CrumpleContext,
     buffer: CrumpleBuffer,
 ) -> CrumpleResult {
-    lean("crumple_buffer_invalidate", context, |_, state| {
+    exclusive("crumple_buffer_invalidate", context, |_, state| {
         state.buffers.get_mut(buffer, "buffer")?.invalidate();
         Ok(())
     })

@@ -4,10 +4,10 @@ use super::boundary::boundary;
 use super::check::{Out, def, defs, zeroed};
 use super::ids::Slots;
 use super::result::{CrumpleResult, Failure};
-use super::store::{CALL, State};
+use super::store::State;
 use super::tasks::{CrumpleTaskSystem, HostTasks};
 use super::types::CrumpleInstance;
-use crate::base::error::{Error, headroom};
+use crate::base::error::{Error, reserve};
 use crate::base::tasks::{TaskSystem, ThreadPool};
 use crate::instance::inbox::Inbox;
 use crate::select::hit::{Hit, Outcome};
@@ -74,9 +74,6 @@ struct Contexts {
 /// Keeps context pointers looking like pointers: never small, always aligned.
 const STEP: usize = 64;
 
-/// A bound of what one hit allocates, bytes.
-const HIT: usize = 1 << 10;
-
 fn find(context: *const CrumpleContext) -> Result<Arc<Context>, Failure> {
     if context.is_null() {
         return Err(Failure::new(CrumpleResult::CrumpleErrorNullPointer, "context is null"));
@@ -135,17 +132,17 @@ impl Context {
     /// Submits hits to their instances, all or none.
     pub(super) fn deliver_all(&self, hits: &[(CrumpleInstance, Hit)]) -> Result<Vec<Outcome>, Failure> {
         let inboxes = self.inboxes.read().unwrap_or_else(PoisonError::into_inner);
-        headroom(hits.len().saturating_mul(HIT), "the hits")?;
-        let prepare = |(i, (instance, hit)): (usize, &(CrumpleInstance, Hit))| {
+        let mut prepared = reserve(hits.len(), "hits")?;
+        for (i, (instance, hit)) in hits.iter().enumerate() {
             let inbox = inboxes.get(*instance, &format!("instances[{i}]"))?;
-            Ok((inbox, inbox.prepare(hit).map_err(|error| Failure::from(error).of_hit(i))?))
-        };
-        let prepared: Vec<_> = hits.iter().enumerate().map(prepare).collect::<Result<_, Failure>>()?;
-        let submit = |(inbox, (outcome, pending)): (&Arc<Inbox>, (Outcome, _))| {
+            prepared.push((inbox, inbox.prepare(hit).map_err(|error| Failure::from(error).of_hit(i))?));
+        }
+        let mut outcomes = reserve(hits.len(), "hits")?;
+        for (inbox, (outcome, pending)) in prepared {
             inbox.queue_prepared(pending);
-            outcome
-        };
-        Ok(prepared.into_iter().map(submit).collect())
+            outcomes.push(outcome);
+        }
+        Ok(outcomes)
     }
 }
 
@@ -159,20 +156,8 @@ pub(super) fn look_into<T>(
     look(&state)
 }
 
-/// Runs an entry point that needs the context for itself, if there is memory for a call.
+/// Runs an entry point that needs the context for itself.
 pub(super) fn exclusive(
-    call: &'static str,
-    context: *const CrumpleContext,
-    body: impl FnOnce(&Context, &mut State) -> Result<(), Failure>,
-) -> CrumpleResult {
-    lean(call, context, |context, state| {
-        headroom(CALL, "the call")?;
-        body(context, state)
-    })
-}
-
-/// The same for one that frees memory, or that runs every frame and does not allocate unless something changed.
-pub(super) fn lean(
     call: &'static str,
     context: *const CrumpleContext,
     body: impl FnOnce(&Context, &mut State) -> Result<(), Failure>,
@@ -223,7 +208,6 @@ pub unsafe extern "C" fn crumple_context_create(
 ) -> CrumpleResult {
     boundary("crumple_context_create", || {
         let (def, out) = (self::def(def, "def")?, Out::new(out_context, "out_context")?);
-        headroom(CALL, "a context")?;
         #[cfg(windows)]
         stay_loaded();
         let tasks: Box<dyn TaskSystem + Send + Sync> = match def.tasks.parallel_for {

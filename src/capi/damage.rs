@@ -1,11 +1,11 @@
 //! Damage: read, replaced, saved, repaired, copied.
 
 use super::check::{Out, array, finite, write_array};
-use super::context::{CrumpleContext, exclusive, lean};
+use super::context::{CrumpleContext, exclusive};
 use super::result::{CrumpleResult, Failure};
-use super::store::{MARK, State};
+use super::store::State;
 use super::types::{CrumpleExampleSet, CrumpleInstance, CrumpleVec3};
-use crate::base::error::{headroom, reserve};
+use crate::base::error::reserve;
 use crate::damage::mark::Mark;
 use crate::instance::archive::{of, pack, unpack};
 use crate::instance::mapped::map_damage;
@@ -23,7 +23,7 @@ pub unsafe extern "C" fn crumple_instance_get_marks(
 ) -> CrumpleResult {
     exclusive("crumple_instance_get_marks", context, |_, state| {
         let out = Out::new(out_count, "out_count")?;
-        let found = state.instances.get_mut(instance, "instance")?.folding(0)?.marks()?;
+        let found = state.instances.get_mut(instance, "instance")?.instance.marks()?;
         write_array(found, marks, capacity as usize, "marks", out)?;
         Ok(())
     })
@@ -40,7 +40,7 @@ pub unsafe extern "C" fn crumple_instance_set_marks(
 ) -> CrumpleResult {
     exclusive("crumple_instance_set_marks", context, |_, state| {
         let marks = array(marks, count as usize, "marks")?;
-        Ok(state.instances.get_mut(instance, "instance")?.folding(marks.len())?.set_marks(marks)?)
+        Ok(state.instances.get_mut(instance, "instance")?.instance.set_marks(marks)?)
     })
 }
 
@@ -56,7 +56,7 @@ pub unsafe extern "C" fn crumple_instance_save_damage(
 ) -> CrumpleResult {
     exclusive("crumple_instance_save_damage", context, |_, state| {
         let out = Out::new(out_size, "out_size")?;
-        let bytes = state.instances.get_mut(instance, "instance")?.folding(0)?.save();
+        let bytes = state.instances.get_mut(instance, "instance")?.instance.save();
         write_array(&bytes, data.cast::<u8>(), capacity, "data", out)?;
         Ok(())
     })
@@ -78,7 +78,7 @@ pub unsafe extern "C" fn crumple_instance_save_changes(
 ) -> CrumpleResult {
     exclusive("crumple_instance_save_changes", context, |_, state| {
         let out = Out::new(out_size, "out_size")?;
-        let bytes = state.instances.get_mut(instance, "instance")?.folding(0)?.save_changes(since)?;
+        let bytes = state.instances.get_mut(instance, "instance")?.instance.save_changes(since)?;
         write_array(&bytes, data.cast::<u8>(), capacity, "data", out)
     })
 }
@@ -96,7 +96,7 @@ pub unsafe extern "C" fn crumple_instance_load_damage(
 ) -> CrumpleResult {
     exclusive("crumple_instance_load_damage", context, |_, state| {
         let bytes = array(data.cast::<u8>(), size, "data")?;
-        Ok(state.instances.get_mut(instance, "instance")?.folding(marks_in(bytes))?.load(bytes)?)
+        Ok(state.instances.get_mut(instance, "instance")?.instance.load(bytes)?)
     })
 }
 
@@ -116,7 +116,7 @@ pub unsafe extern "C" fn crumple_context_save_damage(
         let ids = listed(state, instances, count)?;
         let mut each = reserve(ids.len(), "the instances")?;
         for (i, id) in ids.into_iter().enumerate() {
-            each.push(state.instances.get_mut(id, &format!("instances[{i}]"))?.folding(0)?.save());
+            each.push(state.instances.get_mut(id, &format!("instances[{i}]"))?.instance.save());
         }
         let bytes = pack(each.into_iter());
         write_array(&bytes, data.cast::<u8>(), capacity, "data", out)?;
@@ -138,9 +138,7 @@ pub unsafe extern "C" fn crumple_context_load_damage(
     exclusive("crumple_context_load_damage", context, |_, state| {
         let bytes = array(data.cast::<u8>(), size, "data")?;
         let ids = listed(state, instances, count)?;
-        // Everything that the saved bytes can become.
-        headroom(marks_in(bytes).saturating_mul(MARK), "the damage")?;
-        let mut read = Vec::with_capacity(ids.len());
+        let mut read = reserve(ids.len(), "the instances")?;
         for (i, (id, bytes)) in ids.iter().zip(unpack(bytes, ids.len())?).enumerate() {
             let instance = &state.instances.get(*id, &format!("instances[{i}]"))?.instance;
             read.push(instance.read(bytes).map_err(|error| of(i, error))?);
@@ -150,11 +148,6 @@ pub unsafe extern "C" fn crumple_context_load_damage(
         }
         Ok(())
     })
-}
-
-/// As many marks as saved damage can have.
-fn marks_in(bytes: &[u8]) -> usize {
-    bytes.len() / size_of::<Mark>()
 }
 
 /// The instances that a call names: those given, or all.
@@ -214,9 +207,6 @@ pub unsafe extern "C" fn crumple_example_set_map_damage(
         let (out, mapping) = (Out::new(out_size, "out_size")?, Out::optional(out_mapping, "out_mapping")?);
         let bytes = array(data.cast::<u8>(), size, "data")?;
         let (to, from) = (&state.sets.get(set, "set")?.set, &state.sets.get(old_set, "old_set")?.set);
-        // The examples by name; and the marks, the damage of each instance, and all of it.
-        let examples = from.examples().len() + to.examples().len();
-        headroom(size.saturating_mul(6).saturating_add(examples * 256), "the damage")?;
         let (new, done) = map_damage(from, to, bytes, max_distance)?;
         write_array(&new, mapped.cast::<u8>(), capacity, "mapped", out)?;
         mapping.write(CrumpleDamageMapping {
@@ -241,7 +231,7 @@ pub unsafe extern "C" fn crumple_instance_repair_damage(
 ) -> CrumpleResult {
     exclusive("crumple_instance_repair_damage", context, |_, state| {
         let [keep] = finite([keep], "keep")?;
-        Ok(state.instances.get_mut(instance, "instance")?.folding(1)?.repair(keep)?)
+        Ok(state.instances.get_mut(instance, "instance")?.instance.repair(keep)?)
     })
 }
 
@@ -261,7 +251,7 @@ pub unsafe extern "C" fn crumple_instance_repair_around(
         let (point, [radius, keep]) = (finite(point.array(), "point")?, [radius, keep]);
         finite([radius], "radius")?;
         finite([keep], "keep")?;
-        Ok(state.instances.get_mut(instance, "instance")?.folding(1)?.repair_around(point, radius, keep)?)
+        Ok(state.instances.get_mut(instance, "instance")?.instance.repair_around(point, radius, keep)?)
     })
 }
 
@@ -271,7 +261,7 @@ pub unsafe extern "C" fn crumple_instance_reset_damage(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
 ) -> CrumpleResult {
-    lean("crumple_instance_reset_damage", context, |_, state| {
+    exclusive("crumple_instance_reset_damage", context, |_, state| {
         state.instances.get_mut(instance, "instance")?.instance.reset();
         Ok(())
     })
@@ -288,10 +278,10 @@ pub unsafe extern "C" fn crumple_instance_copy_damage(
 ) -> CrumpleResult {
     exclusive("crumple_instance_copy_damage", context, |_, state| -> Result<(), Failure> {
         state.instances.get(instance, "instance")?;
-        let bytes = state.instances.get_mut(source, "source")?.folding(0)?.save();
+        let bytes = state.instances.get_mut(source, "source")?.instance.save();
         if instance == source {
             return Ok(());
         }
-        Ok(state.instances.get_mut(instance, "instance")?.folding(marks_in(&bytes))?.load(&bytes)?)
+        Ok(state.instances.get_mut(instance, "instance")?.instance.load(&bytes)?)
     })
 }

@@ -1,7 +1,7 @@
 //! Deformation: marks become vertices.
 
 use super::check::{Out, array, write_array};
-use super::context::{CrumpleContext, exclusive, lean};
+use super::context::{CrumpleContext, exclusive};
 use super::host_memory::HostMemory;
 use super::ids::Slots;
 use super::job_lists::recycled;
@@ -9,7 +9,7 @@ use super::result::{CrumpleResult, Failure};
 use super::store::{BufferEntry, InstanceEntry, Memory, State};
 use super::tasks::Quiet;
 use super::types::{CrumpleAabb, CrumpleBuffer, CrumpleInstance, CrumpleRange};
-use crate::base::error::{headroom, reserve};
+use crate::base::error::reserve;
 use crate::base::math::Aabb;
 use crate::instance::deform::{DeformJob, deform_within};
 use std::ops::Range;
@@ -59,7 +59,7 @@ pub unsafe extern "C" fn crumple_context_deform(
     count: u32,
     out_report: *mut CrumpleDeformReport,
 ) -> CrumpleResult {
-    lean("crumple_context_deform", context, |context, state| {
+    exclusive("crumple_context_deform", context, |context, state| {
         let (out, given) = (Out::optional(out_report, "out_report")?, array(buffers, count as usize, "buffers")?);
         let budget = state.vertex_budget();
         let State { instances, buffers: entries, jobs: kept, .. } = state;
@@ -141,10 +141,11 @@ impl<'a> Chosen<'a> {
         named: impl Iterator<Item = (CrumpleBuffer, &'b BufferEntry)>,
     ) -> Result<(), Failure> {
         if self.all {
-            return fold_all(instances);
+            instances.iter_mut::<CrumpleInstance>().for_each(|(_, entry)| entry.instance.fold());
+            return Ok(());
         }
         for (_, entry) in named {
-            instances.get_mut(entry.owner, "instance")?.folding(0)?.fold();
+            instances.get_mut(entry.owner, "instance")?.instance.fold();
         }
         Ok(())
     }
@@ -158,14 +159,6 @@ impl<'a> Chosen<'a> {
     pub(super) fn most(&self, there_are: usize) -> usize {
         if self.all { there_are } else { self.sorted.len() }
     }
-}
-
-/// Turns the waiting hits of every instance into damage.
-pub(super) fn fold_all(instances: &mut Slots<InstanceEntry>) -> Result<(), Failure> {
-    instances.iter_mut::<CrumpleInstance>().try_for_each(|(_, entry)| {
-        entry.folding(0)?.fold();
-        Ok(())
-    })
 }
 
 /// Refuses buffers that share memory.
@@ -198,7 +191,7 @@ pub unsafe extern "C" fn crumple_context_get_changed_buffers(
     capacity: u32,
     out_count: *mut u32,
 ) -> CrumpleResult {
-    lean("crumple_context_get_changed_buffers", context, |_, state| {
+    exclusive("crumple_context_get_changed_buffers", context, |_, state| {
         let out = Out::new(out_count, "out_count")?;
         let changed = |entry: &BufferEntry| entry.included && !entry.changed().is_empty();
         let found: Vec<_> = state.buffers.iter().filter(|(_, entry)| changed(entry)).map(|(id, _)| id).collect();
@@ -225,7 +218,7 @@ pub unsafe extern "C" fn crumple_buffer_get_changes(
     out_count: *mut u32,
     out_bounds: *mut CrumpleAabb,
 ) -> CrumpleResult {
-    lean("crumple_buffer_get_changes", context, |_, state| {
+    exclusive("crumple_buffer_get_changes", context, |_, state| {
         let outs = (Out::new(out_count, "out_count")?, Out::optional(out_bounds, "out_bounds")?);
         let entry = state.buffers.get(buffer, "buffer")?;
         let found = c_ranges(entry.changed())?;
@@ -254,7 +247,7 @@ pub unsafe extern "C" fn crumple_buffer_get_changed_triangles(
     out_count: *mut u32,
     out_bounds: *mut CrumpleAabb,
 ) -> CrumpleResult {
-    lean("crumple_buffer_get_changed_triangles", context, |_, state| {
+    exclusive("crumple_buffer_get_changed_triangles", context, |_, state| {
         let outs = (Out::new(out_count, "out_count")?, Out::optional(out_bounds, "out_bounds")?);
         let entry = state.buffers.get(buffer, "buffer")?;
         let Memory::Host(_, tracker) = &entry.memory else {
@@ -267,8 +260,6 @@ pub unsafe extern "C" fn crumple_buffer_get_changed_triangles(
             let what = format!("the mesh of level of detail {} has no triangles; give it indices", entry.lod);
             return Err(Failure::new(CrumpleResult::CrumpleErrorMesh, what));
         }
-        // At most every other triangle begins a range of 8 bytes, and a list that grows is there twice.
-        headroom(triangles.len().saturating_mul(16), "the changed triangles")?;
         let found = c_ranges(&tracker.changed_triangles(triangles))?;
         write_array(&found, ranges, capacity as usize, "ranges", outs.0)?;
         outs.1.write(tracker.changed_bounds().map_or_else(CrumpleAabb::default, CrumpleAabb::from));

@@ -4,7 +4,7 @@
 use super::boundary::boundary;
 use super::buffer::add_buffer;
 use super::check::{Out, array, def, write_array};
-use super::context::{CrumpleContext, exclusive, lean};
+use super::context::{CrumpleContext, exclusive};
 #[cfg(feature = "vulkan")]
 use super::graph_types::GraphState;
 use super::graph_types::{CrumpleGraphDispatch, CrumpleGraphPlan, CrumpleGraphUpload};
@@ -82,7 +82,7 @@ pub unsafe extern "C" fn crumple_graph_plan(
     out_report: *mut CrumpleRecordReport,
 ) -> CrumpleResult {
     vulkan!("crumple_graph_plan", {
-        lean("crumple_graph_plan", context, |_, state| {
+        exclusive("crumple_graph_plan", context, |_, state| {
             let outs = (Out::new(out_plan, "out_plan")?, Out::optional(out_report, "out_report")?);
             let given = array(buffers, count as usize, "buffers")?;
             let budget = state.vertex_budget();

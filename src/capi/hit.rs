@@ -359,7 +359,7 @@ pub unsafe extern "C" fn crumple_instance_get_contact(
 ) -> CrumpleResult {
     exclusive("crumple_instance_get_contact", context, |_, state| {
         let (out, id) = (Out::new(out_result, "out_result")?, contact(contact_id)?);
-        let found = state.instances.get_mut(instance, "instance")?.folding(0)?.contact(id)?;
+        let found = state.instances.get_mut(instance, "instance")?.instance.contact(id)?;
         let result = found.as_ref().map_or_else(CrumpleHitResult::nothing, CrumpleHitResult::from);
         out.write(result);
         Ok(())

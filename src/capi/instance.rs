@@ -1,7 +1,7 @@
 //! Instances: bodies in the scene.
 
 use super::check::{Out, boolean, def, defs, enumerator, finite, positive_or, read, zeroed};
-use super::context::{CrumpleContext, concurrent, exclusive, lean};
+use super::context::{CrumpleContext, concurrent, exclusive};
 use super::result::{CrumpleResult, Failure};
 use super::store::InstanceEntry;
 use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance, CrumpleRule, CrumpleSelection};
@@ -150,7 +150,7 @@ pub unsafe extern "C" fn crumple_instance_destroy(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
 ) -> CrumpleResult {
-    lean("crumple_instance_destroy", context, |context, state| {
+    exclusive("crumple_instance_destroy", context, |context, state| {
         let entry = state.instances.remove(instance, "instance")?;
         context.inboxes.write().unwrap_or_else(PoisonError::into_inner).remove(instance, "instance")?;
         for buffer in entry.buffers {
@@ -171,7 +171,7 @@ pub unsafe extern "C" fn crumple_instance_get_info(
         let out = Out::new(out_info, "out_info")?;
         let entry = state.instances.get_mut(instance, "instance")?;
         let (mark_count, contact_count) = match entry.instance.options().rule {
-            Rule::Marks => (entry.folding(0)?.marks()?.len() as u32, entry.instance.contact_count() as u32),
+            Rule::Marks => (entry.instance.marks()?.len() as u32, entry.instance.contact_count() as u32),
             _ => (0, 0),
         };
         let info = CrumpleInstanceInfo {
@@ -299,7 +299,7 @@ pub unsafe extern "C" fn crumple_instance_release_part(
         state.instances.reserve::<CrumpleInstance>()?;
         inboxes.reserve::<CrumpleInstance>()?;
         let body = state.instances.get_mut(instance, "instance")?;
-        let released = body.folding(0)?.release(part as usize)?;
+        let released = body.instance.release(part as usize)?;
         let is_of_part =
             |buffer: &CrumpleBuffer| state.buffers.get(*buffer, "buffer").is_ok_and(|entry| entry.lod == part as usize);
         let (moved, kept) = body.buffers.iter().partition(|buffer| is_of_part(buffer));
@@ -367,7 +367,7 @@ pub unsafe extern "C" fn crumple_instance_measure_part(
     exclusive("crumple_instance_measure_part", context, |_, state| {
         let outs = (Out::optional(out_deepest, "out_deepest")?, Out::optional(out_mean, "out_mean")?);
         let energy = Out::optional(out_energy, "out_energy")?;
-        let damage = state.instances.get_mut(instance, "instance")?.folding(0)?.measure(lod as usize)?;
+        let damage = state.instances.get_mut(instance, "instance")?.instance.measure(lod as usize)?;
         outs.0.write(damage.deepest);
         outs.1.write(damage.mean);
         energy.write(damage.energy);

@@ -4,10 +4,9 @@ use super::deform::Chosen;
 use super::ids::Slots;
 use super::job_lists::{JobLists, recycled};
 use super::result::Failure;
-use super::store::{BufferEntry, CALL, InstanceEntry, Memory};
+use super::store::{BufferEntry, InstanceEntry, Memory};
 use super::types::CrumpleBuffer;
 use super::vulkan_types::CrumpleRecordReport;
-use crate::base::error::headroom;
 use crate::gpu::{FrameReport, Job};
 use crate::{graph, vulkan};
 
@@ -46,10 +45,6 @@ pub(super) fn with_jobs<T: DeviceTarget, R>(
     f: impl FnOnce(&mut [Job<'_, T>]) -> Result<R, Failure>,
 ) -> Result<R, Failure> {
     let most = if pointer.is_null() { entries.len() } else { given.len() };
-    if lists.jobs.capacity() < most {
-        let job = size_of::<Job<'_, T>>() + size_of::<CrumpleBuffer>();
-        headroom(most.saturating_mul(job).saturating_add(CALL), "the list of jobs")?;
-    }
     let chosen = Chosen::new(pointer, given, &mut lists.chosen, |id, name| {
         let memory = &entries.get(id, name)?.memory;
         if T::is_of(memory) { Ok(()) } else { Err(memory.written_elsewhere(name)) }

@@ -2,7 +2,7 @@
 
 use super::c_enum::c_enums;
 use super::check::{Out, boolean, def, defs, enumerator, finite, positive_or, striker, string, zeroed};
-use super::context::{Context, CrumpleContext, CrumpleLogLevel, exclusive, lean, look_into};
+use super::context::{Context, CrumpleContext, CrumpleLogLevel, exclusive, look_into};
 use super::memory::{read, read_required};
 use super::result::{CrumpleResult, Failure};
 use super::store::{SetEntry, State};
@@ -507,7 +507,7 @@ pub unsafe extern "C" fn crumple_example_set_destroy(
     context: *mut CrumpleContext,
     set: CrumpleExampleSet,
 ) -> CrumpleResult {
-    lean("crumple_example_set_destroy", context, |_, state| {
+    exclusive("crumple_example_set_destroy", context, |_, state| {
         state.sets.remove(set, "set")?;
         Ok(())
     })

@@ -8,7 +8,6 @@ use super::host_memory::HostMemory;
 use super::ids::Slots;
 use super::result::Failure;
 use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance, CrumplePrimitive};
-use crate::base::error::headroom;
 use crate::base::math::Aabb;
 use crate::deform::Tracker;
 use crate::example::set::ExampleSet;
@@ -58,23 +57,6 @@ pub(super) struct InstanceEntry {
     pub(super) instance: Instance,
     pub(super) set: CrumpleExampleSet,
     pub(super) buffers: Vec<CrumpleBuffer>,
-}
-
-/// A bound of what a call allocates whatever its counts are, bytes.
-pub(super) const CALL: usize = 64 << 10;
-/// A bound of what one mark takes while damage changes, bytes: its dent, the dents before and after, and their lists.
-pub(super) const MARK: usize = 4 << 10;
-
-impl InstanceEntry {
-    /// The instance, with memory for the dents of the hits that wait and of `more` marks.
-    pub(super) fn folding(&mut self, more: usize) -> Result<&mut Instance, Failure> {
-        let new = self.instance.pending() + more;
-        if new > 0 {
-            let marks = (self.instance.mark_count() + new).saturating_mul(MARK);
-            headroom(marks.saturating_add(CALL), "the damage")?;
-        }
-        Ok(&mut self.instance)
-    }
 }
 
 /// What a context keeps of a buffer.

@@ -102,7 +102,7 @@ pub unsafe extern "C" fn crumple_context_get_passed(
         let mut found = Vec::new();
         for (instance, entry) in state.instances.iter_mut::<CrumpleInstance>() {
             while found.len() < capacity as usize
-                && let Some(Passed { number, value }) = entry.folding(0)?.next_passed()?
+                && let Some(Passed { number, value }) = entry.instance.next_passed()?
             {
                 found.push(CrumplePassed { instance, number, value });
             }

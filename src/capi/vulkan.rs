@@ -5,7 +5,7 @@
 use super::boundary::boundary;
 use super::buffer::add_buffer;
 use super::check::{Out, array, def, enumerator, write_array, zeroed};
-use super::context::{CrumpleContext, exclusive, lean};
+use super::context::{CrumpleContext, exclusive};
 #[cfg(feature = "vulkan")]
 use super::device::{Attached, Kind};
 #[cfg(feature = "vulkan")]
@@ -85,7 +85,7 @@ pub unsafe extern "C" fn crumple_vulkan_attach(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_detach(context: *mut CrumpleContext) -> CrumpleResult {
     vulkan!("crumple_vulkan_detach", {
-        lean("crumple_vulkan_detach", context, |_, state| {
+        exclusive("crumple_vulkan_detach", context, |_, state| {
             attached(state)?.check_idle()?;
             let of_vulkan = |(id, entry): (CrumpleBuffer, &BufferEntry)| {
                 matches!(entry.memory, Memory::Vulkan(_)).then_some((id, entry.owner))
@@ -166,7 +166,7 @@ pub unsafe extern "C" fn crumple_vulkan_record(
     out_report: *mut CrumpleRecordReport,
 ) -> CrumpleResult {
     vulkan!("crumple_vulkan_record", {
-        lean("crumple_vulkan_record", context, |_, state| {
+        exclusive("crumple_vulkan_record", context, |_, state| {
             let (out, given) = (Out::optional(out_report, "out_report")?, array(buffers, count as usize, "buffers")?);
             if command_buffer.is_null() {
                 return Err(Failure::null("command_buffer"));
@@ -187,7 +187,7 @@ pub unsafe extern "C" fn crumple_vulkan_record(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_complete_frames(context: *mut CrumpleContext, frame: u64) -> CrumpleResult {
     vulkan!("crumple_vulkan_complete_frames", {
-        lean("crumple_vulkan_complete_frames", context, |_, state| attached(state)?.complete(frame))
+        exclusive("crumple_vulkan_complete_frames", context, |_, state| attached(state)?.complete(frame))
     })
 }
 
@@ -196,7 +196,7 @@ pub unsafe extern "C" fn crumple_vulkan_complete_frames(context: *mut CrumpleCon
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_discard_frames(context: *mut CrumpleContext, frame: u64) -> CrumpleResult {
     vulkan!("crumple_vulkan_discard_frames", {
-        lean("crumple_vulkan_discard_frames", context, |_, state| {
+        exclusive("crumple_vulkan_discard_frames", context, |_, state| {
             attached(state)?.discard(frame)?;
             for (_, entry) in state.buffers.iter_mut::<CrumpleBuffer>() {
                 if let Memory::Vulkan(memory) = &mut entry.memory {
@@ -269,7 +269,7 @@ pub unsafe extern "C" fn crumple_vulkan_import_buffer(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_unimport_buffer(context: *mut CrumpleContext, buffer: u64) -> CrumpleResult {
     vulkan!("crumple_vulkan_unimport_buffer", {
-        lean("crumple_vulkan_unimport_buffer", context, |_, state| attached(state)?.release_buffer(buffer))
+        exclusive("crumple_vulkan_unimport_buffer", context, |_, state| attached(state)?.release_buffer(buffer))
     })
 }
 
@@ -312,7 +312,7 @@ pub unsafe extern "C" fn crumple_vulkan_submit(
     out_report: *mut CrumpleRecordReport,
 ) -> CrumpleResult {
     vulkan!("crumple_vulkan_submit", {
-        lean("crumple_vulkan_submit", context, |_, state| {
+        exclusive("crumple_vulkan_submit", context, |_, state| {
             let outs = (Out::optional(out_frame, "out_frame")?, Out::optional(out_report, "out_report")?);
             let (given, waits, signals) = (
                 array(buffers, count as usize, "buffers")?,
@@ -341,7 +341,7 @@ pub unsafe extern "C" fn crumple_vulkan_wait_frame(
     out_done: *mut bool,
 ) -> CrumpleResult {
     vulkan!("crumple_vulkan_wait_frame", {
-        lean("crumple_vulkan_wait_frame", context, |_, state| {
+        exclusive("crumple_vulkan_wait_frame", context, |_, state| {
             let out = Out::new(out_done, "out_done")?;
             out.write(attached(state)?.wait(frame, timeout)?);
             Ok(())

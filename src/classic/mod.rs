@@ -71,7 +71,7 @@ pub(crate) struct Applied {
 }
 
 /// Capacity of a journal. A copy of the state that is further behind is replaced as a whole.
-pub(crate) const JOURNAL: usize = 256;
+const JOURNAL: usize = 256;
 
 impl ClassicState {
     pub(crate) fn new(set: &ExampleSet) -> Result<Self, Error> {

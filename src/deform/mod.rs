@@ -21,7 +21,7 @@ pub use tracker::Tracker;
 pub(crate) use encoding::{octahedral_normal, octahedral_tangent};
 pub(crate) use levels::longest;
 
-use crate::base::error::{Error, headroom, reserve};
+use crate::base::error::{Error, reserve};
 use crate::base::math::Aabb;
 use crate::base::tasks::{Serial, TaskSystem, run_each};
 use crate::damage::dent::Dent;
@@ -106,10 +106,6 @@ impl Output<'_, '_> {
     }
 }
 
-/// Bounds of the memory that a deform takes for each block that it writes, and for each thread, bytes.
-const ITEM: usize = 128;
-const TASK: usize = 16 << 10;
-
 /// Evaluates the blocks that changed since each output was last written, and writes only those, of as many outputs as the
 /// budget allows. [`Output::check`] must have passed for each output.
 pub(crate) fn write_outputs(
@@ -121,9 +117,6 @@ pub(crate) fn write_outputs(
     let waits = |output: usize| waiting.binary_search_by_key(&output, |due| due.output).is_ok();
     // (output, block) of each work item, in the order of outputs.
     let most: usize = outputs.iter().map(|output| output.dirty().count()).sum();
-    if most > 0 {
-        headroom(most.saturating_mul(ITEM) + tasks.workers().saturating_mul(TASK), "the blocks to deform")?;
-    }
     let mut items: Vec<(u32, u32)> = reserve(most, "the blocks to deform")?;
     let mut work = 0;
     for (o, output) in outputs.iter().enumerate().filter(|(o, _)| !waits(*o)) {

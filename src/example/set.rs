@@ -10,7 +10,7 @@ use super::report::{LodReport, SetReport};
 use super::response::Response;
 use super::stamp::Stamp;
 use crate::base::array::Array;
-use crate::base::error::{Error, headroom};
+use crate::base::error::Error;
 use crate::mesh::mirror::Mirror;
 use crate::mesh::nearest::{Nearest, VertexIndex};
 use crate::mesh::rim::Rim;
@@ -263,9 +263,6 @@ impl ExampleSet {
 
     /// Spatial index of the base mesh's triangles. The first call builds it.
     pub(crate) fn surface(&self) -> Result<&SurfaceIndex, Error> {
-        if !self.surface_is_indexed() {
-            headroom(SurfaceIndex::bytes_to_build(self.mesh()), "an index of the triangles")?;
-        }
         Ok(self.surface.get_or_init(|| SurfaceIndex::new(self.mesh())))
     }
 

@@ -3,19 +3,14 @@
 use super::BLOCK_VERTICES;
 use super::kernel::{Case, Kernel, Variant};
 use super::target::TargetState;
-use super::work::{self, FrameWork, Shown, WorkOffsets};
-use crate::base::error::{Error, headroom};
+use super::work::{FrameWork, Shown, WorkOffsets};
+use crate::base::error::Error;
 use crate::base::math::Aabb;
 use crate::deform::budget::{Due, waiting};
 use crate::deform::view::DamageView;
 use crate::instance::Instance;
 use std::ops::Range;
 use std::sync::Arc;
-
-/// A bound of what a job takes in the lists of jobs, dispatches and barriers, bytes.
-const PLANNED: usize = 512;
-/// A bound of what a backend keeps of the buffers and descriptor sets that it makes, bytes.
-const OBJECTS: usize = 16 << 10;
 
 /// A target to bring up to date. `T` is the backend's target.
 #[derive(Debug)]
@@ -114,14 +109,12 @@ pub(crate) struct Plan<B> {
     waiting: Vec<Due>,
     jobs: Vec<PlannedJob<B>>,
     dispatches: Vec<Dispatch<B>>,
-    /// The most bytes of lists that there was memory for.
-    bound: usize,
 }
 
 impl<B> Default for Plan<B> {
     fn default() -> Self {
         let work = FrameWork::default();
-        Plan { budget: u64::MAX, work, waiting: Vec::new(), jobs: Vec::new(), dispatches: Vec::new(), bound: 0 }
+        Plan { budget: u64::MAX, work, waiting: Vec::new(), jobs: Vec::new(), dispatches: Vec::new() }
     }
 }
 
@@ -132,9 +125,8 @@ pub(crate) fn missing_state<T: PlanTarget>(job: &Job<'_, T>, has_state: bool) ->
 }
 
 impl<B: Copy + Ord> Plan<B> {
-    /// Fails if a job's target is another device's or another set's, if its classic rule cannot be shown on its mesh, or if
-    /// there is not memory for the frame's lists. Asks for that memory only if it is more than ever before.
-    pub(crate) fn check<T: PlanTarget>(&mut self, jobs: &[Job<'_, T>], device: u64) -> Result<(), Error> {
+    /// Fails if a job's target is another device's or another set's, or if its classic rule cannot be shown on its mesh.
+    pub(crate) fn check<T: PlanTarget<Binding = B>>(jobs: &[Job<'_, T>], device: u64) -> Result<(), Error> {
         for (j, Job { instance, target }) in jobs.iter().enumerate() {
             let target = target.state();
             if target.device != device {
@@ -148,15 +140,6 @@ impl<B: Copy + Ord> Plan<B> {
             if target.lod > 0 && instance.classic_state().is_some() {
                 return Err(instance.needs_marks("a target of another level of detail than 0"));
             }
-        }
-        let lists = jobs.iter().map(|Job { instance, target }| {
-            work::bound(&instance.view(), instance.classic_state().is_some(), target.state().lod) + PLANNED
-        });
-        // A list that grows doubles, while its old memory is still there.
-        let bound = 3 * lists.sum::<usize>();
-        if bound > self.bound {
-            headroom(bound + OBJECTS, "the work of a frame")?;
-            self.bound = bound;
         }
         Ok(())
     }

@@ -12,10 +12,9 @@ use super::vertices::VertexStream;
 use super::{BLOCK_VERTICES, Encoding};
 use crate::base::error::Error;
 use crate::base::math::Aabb;
-use crate::classic::{ClassicState, JOURNAL};
+use crate::classic::ClassicState;
 use crate::damage::carried::{Carried, Lookup};
 use crate::damage::dent::{Part, Reach};
-use crate::damage::mark::MAX_PAIRS;
 use crate::deform::view::{DamageView, may_reach};
 use crate::example::mesh_lod::MeshLod;
 use bytemuck::{Pod, cast, cast_slice};
@@ -41,19 +40,6 @@ pub(super) struct FrameWork {
     states: Vec<[f32; 3]>,
     /// Parts that tolerances left out.
     pub parts_skipped: u32,
-}
-
-/// A bound of what a target's lists take, and those of its tracker, bytes.
-pub(super) fn bound(view: &DamageView<'_>, classic: bool, lod: usize) -> usize {
-    const BLOCK: usize = size_of::<BlockWork>() + size_of::<Range<u32>>();
-    // Of each of a mark's examples.
-    const PART: usize = size_of::<DentPart>() + size_of::<CarriedWork>() + size_of::<LookupWork>();
-    const DENT: usize = size_of::<DentHead>() + MAX_PAIRS * PART;
-    let states = 2 * size_of::<[f32; 3]>() * view.set.vertex_count() + size_of::<ClassicHit>() * JOURNAL;
-    size_of::<TargetWork>()
-        + BLOCK * view.changes.blocks[lod].len()
-        + DENT * view.damage.dents().len()
-        + if classic { states } else { 0 }
 }
 
 /// First rows of the lists.

@@ -157,7 +157,7 @@ impl Graph {
     /// rule; [`Error::Unsupported`] for more than 4 GiB of work. After an error targets hold what they held, and the next
     /// plan has the uploads.
     pub fn plan(&mut self, jobs: &mut [GraphJob<'_>]) -> Result<(PlanReport, &Passes), Error> {
-        self.plan.check(jobs, self.id)?;
+        Plan::check(jobs, self.id)?;
         if let Some(job) = jobs.iter().find(|job| job.instance.classic_state().is_some()) {
             return Err(job.instance.needs_marks("a target of a render graph"));
         }

@@ -289,18 +289,6 @@ impl Instance {
         }
     }
 
-    /// Number of hits that wait for [`Instance::fold`].
-    #[cfg(feature = "capi")]
-    pub(crate) fn pending(&self) -> usize {
-        self.inbox.queue().len()
-    }
-
-    /// Number of marks, without the hits that wait.
-    #[cfg(feature = "capi")]
-    pub(crate) fn mark_count(&self) -> usize {
-        self.damage.marks().len()
-    }
-
     /// Turns the hits that have arrived into damage. The result does not depend on the order or the threads in which
     /// they were submitted. Methods that take `&mut self` and read the damage do this first.
     pub fn fold(&mut self) {

@@ -15,11 +15,6 @@ impl SurfaceIndex {
         SurfaceIndex(RTree::bulk_load(triangles.collect()))
     }
 
-    /// A bound of the memory that [`SurfaceIndex::new`] takes: two copies of the triangles, and the tree's nodes.
-    pub(crate) fn bytes_to_build(mesh: &Mesh) -> usize {
-        mesh.triangles().len().saturating_mul(112).saturating_add(4096)
-    }
-
     pub(crate) fn is_empty(&self) -> bool {
         self.0.size() == 0
     }

@@ -67,7 +67,7 @@ impl Device {
         (commands, frame): (vk::CommandBuffer, u64),
         jobs: &mut [RecordJob<'_>],
     ) -> Result<RecordReport, Error> {
-        r.plan.check(jobs, self.id)?;
+        Plan::check(jobs, self.id)?;
         r.foreign.clear();
         for (j, job) in jobs.iter_mut().enumerate() {
             let host = self.hosts.get(job.target.buffer).map_err(|e| of_job(e, j))?;

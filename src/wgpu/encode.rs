@@ -4,7 +4,7 @@ use super::device::Device;
 use super::frame_encoding::FrameEncoding;
 use super::target::Target;
 use crate::base::error::Error;
-use crate::gpu::{FrameReport, Job, Variant, missing_state};
+use crate::gpu::{FrameReport, Job, Plan, Variant, missing_state};
 
 /// A target to bring up to date.
 /// <!--
@@ -69,7 +69,7 @@ impl Device {
         encoder: &mut wgpu::CommandEncoder,
         jobs: &mut [EncodeJob<'_>],
     ) -> Result<EncodeReport, Error> {
-        e.plan.check(jobs, self.id)?;
+        Plan::check(jobs, self.id)?;
         self.free_meshes();
         for job in jobs.iter_mut() {
             self.add_state(job)?;

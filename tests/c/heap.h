@@ -1,4 +1,4 @@
-// A heap with a limit, for crumple_allocator_set().
+// A heap that counts, for crumple_allocator_set().
 #ifndef HEAP_H
 #define HEAP_H
 
@@ -10,14 +10,13 @@
 
 static struct Heap {
     long blocks;
-    size_t bytes, peak, limit; // limit: the most bytes that it has; 0: no limit
+    size_t bytes, peak;
     unsigned long calls;
 } heap;
 
 static void *host_alloc(size_t size, size_t align, void *user) {
     (void)user;
     ++heap.calls;
-    if (heap.limit != 0 && heap.bytes + size > heap.limit) return NULL;
     void *memory = aligned_memory(size, align);
     if (!memory) return NULL;
     ++heap.blocks;

@@ -31,7 +31,7 @@ const C_PROGRAMS: &[(&str, &[&str])] = &[
     ("graph", &[]),
     ("lod", &[]),
     ("many", &[]),
-    ("memory", &["FIXTURES", "."]),
+    ("memory", &[]),
     ("soak", &["2"]),
     ("tasks", &[]),
     ("threads", &[]),

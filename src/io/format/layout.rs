@@ -10,10 +10,6 @@ use twox_hash::XxHash3_64;
 pub(super) const MAGIC: [u8; 8] = *b"crumple\n";
 /// Files of other versions are refused.
 pub(super) const VERSION: u32 = 3;
-/// Bounds of the memory that reading or writing a file takes beside the file's own bytes, whatever is in it and for each example.
-/// tests/c/memory.c holds them.
-pub(super) const SMALL: usize = 32 << 10;
-pub(super) const EXAMPLE: usize = 2 << 10;
 
 /// Sections begin at multiples of this; the largest alignment that any element needs is 16.
 pub(super) const ALIGN: usize = 64;

@@ -1,13 +1,11 @@
 //! Makes a set from a file.
 
 use super::check;
-use super::layout::{
-    AnchoredRecord, BlowRecord, EXAMPLE, ExampleRecord, Id, MeshRecord, SMALL, SetRecord, StampRecord, wrong,
-};
+use super::layout::{AnchoredRecord, BlowRecord, ExampleRecord, Id, MeshRecord, SetRecord, StampRecord, wrong};
 use super::read::{File, length_of};
 use super::scan::open;
 use crate::base::array::{Array, FileBytes};
-use crate::base::error::{Error, headroom};
+use crate::base::error::Error;
 use crate::base::tasks::TaskSystem;
 use crate::base::tasks::map;
 use crate::example::blocks::{DeltaBlocks, Head, Steps};
@@ -32,7 +30,6 @@ use std::sync::Arc;
 
 /// Makes the set from a file's bytes.
 pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSet, Error> {
-    headroom(SMALL, "the sections of a baked set")?;
     let (file, sound) = open(bytes, tasks)?;
     let record = *one::<SetRecord>(&file.array(Id::Set, 0)?, Id::Set)?;
     if !(1..=MAX_MESHES as u32).contains(&record.meshes) {
@@ -43,7 +40,6 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
         return Err(wrong("the number of examples", record.examples, "1 to 65534"));
     }
     let count = record.examples as usize;
-    headroom(count.saturating_mul(EXAMPLE).saturating_add(SMALL), "the examples of a baked set")?;
     let records: Array<ExampleRecord> = file.array_of(Id::Examples, 0, count)?;
     let mut meshes = crate::base::error::reserve(record.meshes as usize, "meshes")?;
     let vertices = one::<MeshRecord>(&file.array(Id::Mesh, 0)?, Id::Mesh)?.vertices as usize;

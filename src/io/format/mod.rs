@@ -15,11 +15,11 @@ mod write;
 pub use layout::file_checksum;
 
 use crate::base::array::FileBytes;
-use crate::base::error::{Error, headroom, reserve};
+use crate::base::error::{Error, reserve};
 use crate::base::tasks::TaskSystem;
 use crate::example::set::ExampleSet;
 use bytemuck::{Pod, Zeroable};
-use layout::{ALIGN, EXAMPLE, IN_PLACE, MAGIC, SMALL};
+use layout::{ALIGN, IN_PLACE, MAGIC};
 use std::io::{Read, Write};
 use std::path::Path;
 use std::sync::Arc;
@@ -60,7 +60,6 @@ impl ExampleSet {
     /// # Errors
     /// [`Error::OutOfMemory`].
     pub fn save(&self) -> Result<Vec<u8>, Error> {
-        headroom(SMALL + self.examples().len() * EXAMPLE, "the sections of a baked set")?;
         let file = write::File::new(self);
         let mut out = reserve(file.length(), "a baked set")?;
         // Writing to reserved memory cannot fail.

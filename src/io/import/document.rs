@@ -2,7 +2,7 @@
 
 use super::uri::{self, UriTarget};
 use super::{malformed, unsupported};
-use crate::base::error::{Error, headroom};
+use crate::base::error::Error;
 use ::gltf::json::{self, Index};
 use serde_json::Value;
 use std::borrow::Cow;
@@ -62,22 +62,14 @@ impl Budget {
                 self.loaded.get()
             )));
         }
-        headroom(usize::try_from(bytes).unwrap_or(usize::MAX).saturating_mul(3).saturating_add(16 << 10), what)?;
         self.decoded.set(decoded);
         Ok(())
     }
 }
 
-/// A bound of the memory that parsed JSON takes. Each value and each key takes the same, however short its text is.
-fn bytes_to_parse(text: &[u8]) -> usize {
-    let values = text.iter().filter(|byte| b"{[,:".contains(byte)).count();
-    values.saturating_mul(512).saturating_add(text.len().saturating_mul(3)).saturating_add(16 << 10)
-}
-
 impl<'a> Document<'a> {
     pub fn parse(bytes: &'a [u8], base_dir: Option<&'a Path>) -> Result<Self, Error> {
         let (text, bin) = split(bytes)?;
-        headroom(bytes_to_parse(text), "the glTF's JSON")?;
         let not_json = |e: serde_json::Error| malformed(format!("the glTF's JSON: {e}"));
         let value: Value = serde_json::from_slice(text).map_err(not_json)?;
         check_version(&value)?;

@@ -1,7 +1,7 @@
 //! Reads a base OBJ and example OBJs as one base mesh and its examples.
 
 use super::{Imported, PrimitiveRange, finite, malformed};
-use crate::base::error::{Error, headroom};
+use crate::base::error::Error;
 use crate::example::data::{Deltas, ExampleData};
 use crate::mesh::data::MeshData;
 use ::obj::{IndexTuple, ObjData, ObjError, SimplePolygon};
@@ -100,12 +100,6 @@ impl Builder {
     }
 }
 
-/// A bound of the memory that a parsed file takes. Each number takes the same, however short its text is.
-fn bytes_to_parse(text: &[u8]) -> usize {
-    let words = text.iter().filter(|byte| byte.is_ascii_whitespace()).count();
-    words.saturating_mul(160).saturating_add(text.len().saturating_mul(3)).saturating_add(16 << 10)
-}
-
 struct Parsed {
     name: String,
     data: ObjData,
@@ -114,7 +108,6 @@ struct Parsed {
 
 impl Parsed {
     fn new(name: &str, bytes: &[u8]) -> Result<Self, Error> {
-        headroom(bytes_to_parse(bytes), name)?;
         let mut data = ObjData::load_buf(geometry_lines(bytes).as_bytes()).map_err(|e| describe(name, &e))?;
         if data.position.is_empty() {
             return Err(malformed(format!("{name}: no v lines; this is not an OBJ file with vertices")));
