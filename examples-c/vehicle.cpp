@@ -34,8 +34,8 @@ void fact(bool holds, const char *what) {
 // Parts of the car. Lods of the set have these numbers plus 1.
 enum Part { BUMPER, GRILLE, HOOD, WINDSHIELD, ROOF, REAR_WINDOW, TRUNK, TAIL, REAR_BUMPER, LEFT, RIGHT, PARTS };
 
-// Thresholds of a car.
-enum { BUMPER_FALLS_OFF, WHEEL_OUT_OF_LINE };
+// When the bumper falls off, and when the wheel counts as out of line, m.
+constexpr float BUMPER_HOLDS = 0.08f, WHEEL_HOLDS = 0.002f;
 
 struct Mesh {
     std::vector<CrumpleVec3> positions;
@@ -183,6 +183,8 @@ struct Car {
     std::array<CrumpleAttachment, 4> wheels{}; // the first is the front left one
     std::vector<Shown> shown{PARTS};
     std::map<dGeomID, bool> touching; // by what; whether in this step
+    bool hit = false;                 // since what it holds was last compared
+    bool straight = true;             // whether the front left wheel is in line
 
     Car(crumple::Context &context, dWorldID world_, dSpaceID space_, const char *name_, const char *paint_, const crumple::ExampleSet &set,
         const std::vector<Mesh> &meshes_, double x, double angle, double speed)
@@ -210,16 +212,6 @@ struct Car {
         }
         for (size_t i = 0; i < wheels.size(); ++i) // where they are mounted
             wheels[i] = set.attach({i < 2 ? 1.5f : -1.4f, i % 2 ? -HALF_WIDTH : HALF_WIDTH, WHEEL}).value();
-        CrumpleThresholdDef threshold = crumple_threshold_def_default();
-        threshold.number = BUMPER_FALLS_OFF;
-        threshold.lod = BUMPER + 1;
-        threshold.limit = 0.08f;
-        instance.set_threshold(threshold).value();
-        threshold.number = WHEEL_OUT_OF_LINE;
-        threshold.measure = CRUMPLE_MEASURE_DISPLACEMENT;
-        threshold.attachment = wheels[0];
-        threshold.limit = 0.002f;
-        instance.set_threshold(threshold).value();
     }
 
     dBodyID make_body(double kg, double length, double width, double height) const {
@@ -236,7 +228,7 @@ struct Car {
         dVector3 point, local;
         dBodyGetPosRelPoint(body, at[0], at[1], at[2], point);
         dBodyVectorFromWorld(body, force[0], force[1], force[2], local);
-        touching[by] = true;
+        touching[by] = hit = true;
         CrumpleImpulseDef hit = crumple_impulse_def_default();
         hit.point = {float(point[0]), float(point[1]), float(point[2]) - DOWN};
         hit.impulse = {float(local[0] * STEP), float(local[1] * STEP), float(local[2] * STEP)};
@@ -265,13 +257,21 @@ struct Car {
         }
     }
 
-    // A threshold was passed.
-    void passed(const CrumplePassed &threshold, double time) {
-        if (threshold.number == WHEEL_OUT_OF_LINE) {
-            std::printf("%-6s  %.2f s: the wheel is %.1f mm out of line\n", name, time, 1000 * double(threshold.value));
-            return;
+    // How far a wheel's mount moved, m.
+    float wheel_moved(const CrumpleAttachment &wheel) const {
+        const CrumpleVec3 to = instance.attached_frame(wheel).value().position, from = wheel.point;
+        return std::hypot(std::hypot(to.x - from.x, to.y - from.y), to.z - from.z);
+    }
+
+    // What the dents do to the car.
+    void suffer(double time) {
+        const float moved = wheel_moved(wheels[0]);
+        if (straight && moved >= WHEEL_HOLDS) {
+            straight = false;
+            std::printf("%-6s  %.2f s: the wheel is %.1f mm out of line\n", name, time, 1000 * double(moved));
         }
-        if (bumper) return;
+        // To measure a part takes as long as to deform it.
+        if (!std::exchange(hit, false) || bumper || instance.measure_part(BUMPER + 1).value().deepest < BUMPER_HOLDS) return;
         // Off it comes, with its buffer and its dents, as a body of its own.
         bumper = instance.release_part(BUMPER + 1).value();
         const dBodyID off = make_body(12, 0.1, 1.8, 0.3);
@@ -403,9 +403,7 @@ void run(const std::string &folder, int frames) {
             cars[0]->pushed(scene.ground, glass, force);
         }
         for (auto &car : cars) car->settle(time);
-        for (const CrumplePassed &threshold : context.passed().value())
-            for (auto &car : cars)
-                if (threshold.instance.index == car->instance.id().index) car->passed(threshold, time);
+        for (auto &car : cars) car->suffer(time);
         context.deform().value();
         if (time >= frame * SECONDS / (frames - 1) - 1e-9) {
             char name[32];
@@ -440,8 +438,7 @@ void run(const std::string &folder, int frames) {
     const CrumpleFrame frame_of_wheel = first.instance.attached_frame(first.wheels[0]).value();
     const CrumpleQuat q = frame_of_wheel.rotation;
     const double toe = 2 * std::atan2(q.z, q.w) * 180 / 3.14159265358979;
-    const CrumpleVec3 to = frame_of_wheel.position, from = first.wheels[0].point;
-    const double moved = std::hypot(std::hypot(to.x - from.x, to.y - from.y), to.z - from.z);
+    const double moved = double(first.wheel_moved(first.wheels[0]));
     std::printf("the wheel moved by %.1f mm and turned by %.2f degrees\n", 1000 * moved, toe);
     fact(moved > 0.001 && std::fabs(toe) > 0.1, "the wheel is out of line");
     const auto saved = context.save_damage().value();

@@ -69,7 +69,7 @@
 // Reads. Hits are pending until the instance's damage is next read. These calls read it: a deform, record, submit or plan of
 // one of its buffers or of all buffers; ..._get_info(), ..._get_marks(), ..._get_contact(), ..._save_damage(),
 // ..._save_changes(), a ..._load_damage() of changes, ..._repair_...(), ..._copy_damage() for its source,
-// ..._get_attached_frame(), ..._get_passed(), and ..._release_part(), ..._mount_part() and ..._measure_part(). The result
+// ..._get_attached_frame(), and ..._release_part(), ..._mount_part() and ..._measure_part(). The result
 // does not depend on the number of threads or on the order of hits between two reads. With CRUMPLE_RULE_MARKS it does
 // not depend on when reads happen, with three exceptions: marks merge above mark_capacity, contacts end when more than
 // 256 are open, and the hits of one contact are summed with rounding.
@@ -294,15 +294,6 @@ typedef enum {
     /// A HANDLE, VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_WIN32_BIT. Windows. Untested.
     CRUMPLE_HANDLE_TYPE_OPAQUE_WIN32 = 1,
 } CrumpleHandleType;
-
-/// What a threshold is compared with; see crumple_instance_measure_part().
-typedef enum {
-    CRUMPLE_MEASURE_DEEPEST = 0,
-    CRUMPLE_MEASURE_MEAN = 1,
-    CRUMPLE_MEASURE_ENERGY = 2,
-    /// Distance of an attached point from its place at rest.
-    CRUMPLE_MEASURE_DISPLACEMENT = 3,
-} CrumpleMeasure;
 
 /// A context holds example sets, instances and buffers. Opaque.
 typedef struct CrumpleContext CrumpleContext;
@@ -1063,28 +1054,6 @@ typedef struct {
     uint32_t reserved[5];
 } CrumpleFrame;
 
-/// A threshold on a mesh of the set, or on an attached point.
-typedef struct {
-    uint32_t struct_size;
-    /// Your number for it. It replaces the instance's threshold of this number.
-    uint32_t number;
-    CrumpleMeasure measure;
-    /// The mesh; a part's number from crumple_example_set_add_lod(). Default 0.
-    uint32_t lod;
-    /// The point of CRUMPLE_MEASURE_DISPLACEMENT, which has no lod.
-    CrumpleAttachment attachment;
-    /// m, above 0. Infinity is never reached and costs nothing. Required.
-    float limit;
-} CrumpleThresholdDef;
-
-/// A threshold that an instance's damage passed.
-typedef struct {
-    CrumpleInstance instance;
-    uint32_t number;
-    /// What was measured, m: the limit or more.
-    float value;
-} CrumplePassed;
-
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -1661,23 +1630,6 @@ CrumpleResult crumple_example_set_attach_point(CrumpleContext *context, CrumpleE
 /// crumple_example_set_attach_point()).
 CrumpleResult crumple_instance_get_attached_frame(CrumpleContext *context, CrumpleInstance instance,
                                                   const CrumpleAttachment *attachment, CrumpleFrame *out_frame);
-
-/// Returns a def for the deepest dent of the base mesh. Set number and limit.
-CrumpleThresholdDef crumple_threshold_def_default(void);
-
-/// Sets a threshold. Thresholds are not saved, loaded or repaired. Those on a part, or on points of its surface, go with it
-/// when it is released. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (the limit), CRUMPLE_ERROR_INDEX_OUT_OF_RANGE,
-/// CRUMPLE_ERROR_WRONG_RULE (a classic rule, which has only base meshes and no energies).
-CrumpleResult crumple_instance_set_threshold(CrumpleContext *context, CrumpleInstance instance,
-                                             const CrumpleThresholdDef *def);
-
-/// Returns the thresholds that were passed since the last call, by increasing index of the instance, then by number. The
-/// same damage and calls give the same on every machine. A threshold is returned again only after a call that found its
-/// measure below the limit, as after a repair. If there are more than capacity, the next calls return the rest; no more
-/// wait once *out_count is below capacity. Cheap if no damage changed; otherwise it measures the meshes that have
-/// thresholds.
-CrumpleResult crumple_context_get_passed(CrumpleContext *context, CrumplePassed *passed, uint32_t capacity,
-                                         uint32_t *out_count);
 
 #ifdef __cplusplus
 }  // extern "C"

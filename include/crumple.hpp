@@ -421,10 +421,6 @@ public:
             return crumple_instance_measure_part(context(), id(), lod, &damage->deepest, &damage->mean, &damage->energy);
         });
     }
-    /// Sets a threshold; see Context::passed().
-    Result<void> set_threshold(const CrumpleThresholdDef &def) {
-        return detail::done(crumple_instance_set_threshold(context(), id(), &def));
-    }
 
     Result<CrumpleFrame> attached_frame(const CrumpleAttachment &attachment) const {
         return detail::get<CrumpleFrame>(
@@ -637,18 +633,6 @@ public:
         return detail::fill<CrumpleBuffer, uint32_t>([&](CrumpleBuffer *buffers, uint32_t capacity, uint32_t *count) {
             return crumple_context_get_changed_buffers(context_, buffers, capacity, count);
         });
-    }
-    /// The thresholds that were passed since the last call, of all instances.
-    Result<std::vector<CrumplePassed>> passed() {
-        std::vector<CrumplePassed> all;
-        for (;;) {
-            CrumplePassed some[16];
-            uint32_t count = 0;
-            const CrumpleResult result = crumple_context_get_passed(context_, some, 16, &count);
-            if (result != CRUMPLE_OK) return Result<std::vector<CrumplePassed>>::failed(result);
-            all.insert(all.end(), some, some + count);
-            if (count < 16) return Result<std::vector<CrumplePassed>>(std::move(all));
-        }
     }
     /// Submits each hit to the instance at the same index: all or none. May be called from any thread at any time.
     Result<std::vector<CrumpleHitResult>> submit(const CrumpleInstance *instances, const CrumpleImpulseDef *defs,

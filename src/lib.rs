@@ -79,7 +79,6 @@ pub use instance::mapped::{Mapping, map_damage};
 pub use instance::options::{InstanceOptions, Rule};
 pub use instance::parts::PartDamage;
 pub use instance::skin::Skin;
-pub use instance::threshold_state::{Measure, Passed};
 #[cfg(feature = "gltf")]
 pub use io::export;
 #[doc(hidden)]

@@ -5,8 +5,8 @@ mod scenes;
 
 use crumple::glam::{Mat4, Vec3};
 use crumple::{
-    Cause, DeformJob, Error, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Measure, MeshData, Passed, Rule,
-    Serial, SetOptions, Skin, Space, Tracker, VertexMemory, deform,
+    Cause, DeformJob, Error, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, MeshData, Rule, Serial, SetOptions,
+    Skin, Space, Tracker, VertexMemory, deform,
 };
 use proptest::prelude::*;
 use scenes::{Dice, bowls, push, random_hit};
@@ -232,48 +232,6 @@ fn quick_what_is_measured_depends_on_the_marks_alone() {
     assert!(vertices(&mut slow, 5) == piece(4).positions, "nothing is shown yet");
 }
 
-fn numbers(body: &mut Instance) -> Vec<u32> {
-    body.passed().unwrap().iter().map(|passed| passed.number).collect()
-}
-
-#[test]
-fn quick_a_threshold_is_returned_once_until_a_repair() {
-    let mut body = new();
-    let lamp = body.example_set().attach([centre(5)[0], centre(5)[1], centre(5)[2] + 0.01]).unwrap();
-    body.set_threshold(40, Measure::Deepest(5), 0.02).unwrap();
-    body.set_threshold(10, Measure::Mean(5), 0.001).unwrap();
-    body.set_threshold(30, Measure::Displacement(lamp), 0.02).unwrap();
-    body.set_threshold(20, Measure::Energy(5), 0.04).unwrap();
-    body.set_threshold(50, Measure::Deepest(0), f32::INFINITY).unwrap();
-    assert!(numbers(&mut body).is_empty());
-    body.submit(&dent(5, 0.03)).unwrap();
-    let damage = body.measure(5).unwrap();
-    let passed = body.passed().unwrap();
-    assert_eq!(passed.iter().map(|p| p.number).collect::<Vec<_>>(), [10, 30, 40]);
-    assert_eq!(passed[2], Passed { number: 40, value: damage.deepest });
-    assert_eq!(passed[0].value, damage.mean);
-    assert!(numbers(&mut body).is_empty(), "each once");
-    // Five equal hits have the energy of one that is 5^(1/2.4) times as deep.
-    for _ in 0..4 {
-        body.submit(&dent(5, 0.03)).unwrap();
-    }
-    assert_eq!(numbers(&mut body), [20]);
-    let energy = body.measure(5).unwrap().energy;
-    assert!((energy / (0.03 * 5f32.powf(1.0 / 2.4)) - 1.0).abs() < 1e-3, "{energy}");
-    // A repair that nobody looked at changes nothing. One that a call found lets them pass again.
-    let saved = body.save();
-    body.repair(0.0).unwrap();
-    body.load(&saved).unwrap();
-    assert!(numbers(&mut body).is_empty());
-    body.repair(0.01).unwrap();
-    assert!(numbers(&mut body).is_empty());
-    body.load(&saved).unwrap();
-    assert_eq!(numbers(&mut body), [10, 20, 30, 40]);
-    // One that is set again is compared again.
-    body.set_threshold(30, Measure::Deepest(5), 0.02).unwrap();
-    assert_eq!(numbers(&mut body), [30]);
-}
-
 #[test]
 fn quick_energy_lies_where_the_contacts_are() {
     let mut body = new();
@@ -287,51 +245,6 @@ fn quick_energy_lies_where_the_contacts_are() {
     // A contact on the seam is on both parts.
     body.submit(&push(piece(4).positions[EDGE / 2], [0.0, 0.0, -0.01])).unwrap();
     assert!((energy(&mut body, 4) - 0.01).abs() < 1e-4 && (energy(&mut body, 5) - 0.01).abs() < 1e-4);
-}
-
-#[test]
-fn quick_thresholds_of_a_part_go_with_it() {
-    let mut body = new();
-    let lamp = body.example_set().attach(centre(5)).unwrap();
-    let beside = body.example_set().attach(centre(4)).unwrap();
-    body.set_threshold(1, Measure::Deepest(5), 0.01).unwrap();
-    body.set_threshold(2, Measure::Displacement(lamp), 0.01).unwrap();
-    body.set_threshold(3, Measure::Displacement(beside), 0.01).unwrap();
-    body.set_threshold(4, Measure::Deepest(0), 0.02).unwrap();
-    body.submit(&dent(5, 0.015)).unwrap();
-    assert_eq!(numbers(&mut body), [1, 2]);
-    let mut part = body.release(5).unwrap();
-    assert!(numbers(&mut part).is_empty(), "they were returned by the body");
-    part.repair(0.0).unwrap();
-    assert!(numbers(&mut part).is_empty());
-    part.submit(&dent(5, 0.03)).unwrap();
-    assert_eq!(numbers(&mut part), [1, 2]);
-    body.submit(&dent(4, 0.03)).unwrap();
-    assert_eq!(numbers(&mut body), [3, 4]);
-}
-
-#[test]
-fn quick_thresholds_count_dents_in_full_and_refuse_what_cannot_be() {
-    let options = InstanceOptions { grow_time: 1.0, tolerance: 0.01, ..InstanceOptions::default() };
-    let mut slow = Instance::new(body_set(), options).unwrap();
-    let lamp = slow.example_set().attach(centre(5)).unwrap();
-    slow.set_threshold(1, Measure::Displacement(lamp), 0.0299).unwrap();
-    slow.submit(&dent(5, 0.03)).unwrap();
-    assert_eq!(numbers(&mut slow), [1]);
-    let refused = |r: Result<(), Error>| r.unwrap_err().to_string();
-    for limit in [0.0, -1.0, f32::NAN] {
-        assert!(refused(slow.set_threshold(1, Measure::Deepest(0), limit)).contains("above 0 m"));
-    }
-    assert!(refused(slow.set_threshold(1, Measure::Mean(99), 1.0)).contains("is 99; it must be below 10"));
-    let mut foreign = lamp;
-    foreign.vertices[1] = 9999;
-    assert!(refused(slow.set_threshold(1, Measure::Displacement(foreign), 1.0)).contains("9999"));
-    let mut classic = Instance::new(body_set(), InstanceOptions::classic(Rule::MostDisplaced)).unwrap();
-    assert!(matches!(classic.set_threshold(1, Measure::Energy(0), 1.0), Err(Error::WrongRule { .. })));
-    assert!(matches!(classic.set_threshold(1, Measure::Mean(1), 1.0), Err(Error::WrongRule { .. })));
-    classic.set_threshold(1, Measure::Deepest(0), 0.001).unwrap();
-    classic.submit(&dent(5, 0.03)).unwrap();
-    assert_eq!(numbers(&mut classic), [1]);
 }
 
 /// A pose that moves one part as a whole is a skin with one joint for it, which takes hits to the door's place at rest.

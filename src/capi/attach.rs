@@ -73,7 +73,7 @@ pub unsafe extern "C" fn crumple_instance_get_attached_frame(
 }
 
 /// Checks what the library's own attachments have.
-pub(super) fn attachment(given: CrumpleAttachment, name: &str) -> Result<Attachment, Failure> {
+fn attachment(given: CrumpleAttachment, name: &str) -> Result<Attachment, Failure> {
     let CrumpleAttachment { vertices, weights, point, .. } = given;
     let sum: f32 = finite(weights, &format!("{name}.weights"))?.iter().sum();
     if (sum - 1.0).abs() > 1e-3 {

@@ -61,8 +61,6 @@ mod graph;
 
 mod attach;
 
-mod threshold;
-
 // These do not.
 mod boundary;
 mod c_enum;
@@ -85,7 +83,7 @@ mod thread_tests;
 pub mod entry_points {
     pub use super::{
         allocator::*, attach::*, buffer::*, context::*, damage::*, deform::*, graph::*, graph_types::*, hit::*,
-        host_memory::*, instance::*, keep_out::*, load::*, result::*, set::*, set_info::*, tasks::*, threshold::*,
-        types::*, version::*, vulkan::*, vulkan_types::*,
+        host_memory::*, instance::*, keep_out::*, load::*, result::*, set::*, set_info::*, tasks::*, types::*,
+        version::*, vulkan::*, vulkan_types::*,
     };
 }

@@ -5,7 +5,6 @@ use super::attachment::{Attachment, Frame};
 use crate::base::error::Error;
 use crate::base::math::{rotation_between, unit};
 use crate::deform::evaluate::vertex;
-use crate::deform::view::DamageView;
 use crate::mesh::finite;
 use glam::{Mat3, Quat, Vec3};
 
@@ -16,16 +15,7 @@ impl Instance {
     /// # Errors
     /// [`Error::IndexOutOfRange`] or [`Error::NotFinite`] for an attachment that this set did not make.
     pub fn attached_frame(&self, a: &Attachment) -> Result<Frame, Error> {
-        self.attached_in(&self.view(), a)
-    }
-
-    /// How far an attached point has moved when all dents have grown, m.
-    pub(super) fn moved(&self, a: &Attachment) -> Result<f32, Error> {
-        let frame = self.attached_in(&self.complete_view(), a)?;
-        Ok((Vec3::from(frame.position) - Vec3::from(a.point)).length())
-    }
-
-    fn attached_in(&self, view: &DamageView<'_>, a: &Attachment) -> Result<Frame, Error> {
+        let view = self.view();
         let mesh = self.example_set().mesh();
         for v in a.vertices {
             if v as usize >= mesh.positions().len() {
@@ -39,7 +29,7 @@ impl Instance {
         let point = finite(a.point, || "the attachment's point".into())?;
         let weights = finite(a.weights, || "the attachment's weights".into())?;
         let base = a.vertices.map(|v| mesh.positions()[v as usize]);
-        let now = a.vertices.map(|v| vertex(view, self.example_set().base_lod(), v as usize));
+        let now = a.vertices.map(|v| vertex(&view, self.example_set().base_lod(), v as usize));
         let mix = |x: [Vec3; 3]| x[0] * weights.x + x[1] * weights.y + x[2] * weights.z;
         let rotation = if a.vertices[0] == a.vertices[1] {
             match (mesh.normals(), now[0].1) {

@@ -15,8 +15,6 @@ pub(crate) mod parts;
 mod schedules;
 mod selection;
 pub(crate) mod skin;
-pub(crate) mod threshold_state;
-mod thresholds;
 
 use crate::base::error::{Error, at_least_zero, positive, reserve};
 use crate::classic::{Blend, ClassicState};
@@ -42,7 +40,6 @@ use part_state::PartState;
 use std::num::NonZeroU64;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use threshold_state::Thresholds;
 
 /// One dented copy of an example set's mesh.
 ///
@@ -74,7 +71,6 @@ pub struct Instance {
     history: Option<History>,
     growth: Growth,
     parts: PartState,
-    thresholds: Thresholds,
     classic: Option<ClassicState>,
     limit: f32,
     /// The tolerance in use: a power of two times 1 m, or 0.
@@ -122,7 +118,6 @@ impl Instance {
             history: None,
             growth: Growth::new(options.grow_time),
             parts: PartState::default(),
-            thresholds: Thresholds::default(),
             classic,
             limit,
             tolerance,
@@ -587,7 +582,6 @@ impl Instance {
             + self.damage.memory_bytes()
             + self.contacts.memory_bytes()
             + self.growth.memory_bytes()
-            + self.thresholds.memory_bytes()
             + self.history.as_ref().map_or(0, History::memory_bytes)
     }
 

@@ -40,8 +40,7 @@ impl Instance {
     /// Takes a part off the body: mesh `part` of the set, which is not 0. Returns an instance of its own with the same
     /// set, options, transform and damage. Hits on it land only on the part, and hits on this one land only on what is
     /// left. It may have the base mesh's vertices of the part, so write only the part's mesh from it, and no longer from
-    /// this one. Thresholds on the part's mesh, and on points of its surface, are then the part's. Hits that other threads
-    /// report meanwhile wait.
+    /// this one. Hits that other threads report meanwhile wait.
     ///
     /// # Errors
     /// [`Error::IndexOutOfRange`]; [`Error::InvalidArgument`] for 0, a part that is off already, a mesh that has no
@@ -64,10 +63,6 @@ impl Instance {
         released.load(&bytes)?;
         released.growth.set_time(self.growth.time());
         released.parts.of = part;
-        released.thresholds = self.thresholds.of_part(part, |triangle| {
-            let corners = triangle.map(|v| v as usize);
-            corners.iter().all(|v| known.is_in[*v]) && corners.iter().any(|v| known.is_own[*v])
-        });
         let own = self.inbox.params();
         let mut params = released.inbox.params_mut();
         (params.world_to_local, params.local_origin_in_world) = (own.world_to_local, own.local_origin_in_world);
@@ -154,7 +149,8 @@ impl Instance {
         if lod > 0 {
             self.only_marks("measure of another mesh than 0")?;
         }
-        let view = self.complete_view();
+        let coarse = coarseness(&self.set, self.damage.dents());
+        let view = DamageView { damage: &self.damage, threshold: 0.0, coarse, ..self.view() };
         let (mut scratch, mut positions) = (Scratch::new(), [0.0; 3 * BLOCK]);
         let (mut deepest, mut sum) = (0.0f64, 0.0f64);
         let marks = self.damage.marks();
@@ -188,12 +184,6 @@ impl Instance {
             mean: (sum / mesh.vertex_count().max(1) as f64) as f32,
             energy: depth_of_one(on_mesh, self.set.options().combine),
         })
-    }
-
-    /// The dents in full while they grow. The tolerance leaves out nothing.
-    pub(super) fn complete_view(&self) -> DamageView<'_> {
-        let coarse = coarseness(&self.set, self.damage.dents());
-        DamageView { damage: &self.damage, threshold: 0.0, coarse, ..self.view() }
     }
 
     /// Checks the number of a part and finds its vertices.

@@ -307,19 +307,6 @@ static void parts(void) {
     OK(crumple_instance_measure_part(context, body, 2, &before, &mean, NULL));
     FACT(fabsf(before - 0.04f) < 1e-3f && mean > 0 && mean < before);
 
-    // The game hears once that the second part is dented deep enough to fall off.
-    CrumpleThresholdDef threshold = crumple_threshold_def_default();
-    CrumplePassed passed[2];
-    threshold.number = 17;
-    threshold.lod = 2;
-    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "limit is 0", crumple_instance_set_threshold(context, body, &threshold));
-    threshold.limit = before;
-    OK(crumple_instance_set_threshold(context, body, &threshold));
-    OK(crumple_context_get_passed(context, passed, 2, &count));
-    FACT(count == 1 && passed[0].instance.index == body.index && passed[0].number == 17 && passed[0].value == before);
-    OK(crumple_context_get_passed(context, passed, 2, &count));
-    FACT(count == 0);
-
     // The second part comes off with its buffer: it is dented alone.
     FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "part is 0", crumple_instance_release_part(context, body, 0, &bumper));
     FAILS(CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, "3", crumple_instance_release_part(context, body, 3, &bumper));

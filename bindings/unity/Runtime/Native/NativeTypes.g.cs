@@ -129,14 +129,6 @@ namespace Crumple
         OpaqueWin32 = 1,
     }
 
-    public enum CrumpleMeasure
-    {
-        Deepest = 0,
-        Mean = 1,
-        Energy = 2,
-        Displacement = 3,
-    }
-
     [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
     public delegate IntPtr CrumpleAlloc(UIntPtr size, UIntPtr align, IntPtr user);
 
@@ -909,35 +901,5 @@ namespace Crumple
         public CrumpleVec3 Position;
         public CrumpleQuat Rotation;
         public fixed uint Reserved[5];
-    }
-
-    /// <summary>The struct of crumple.h.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleThresholdDef
-    {
-        public uint StructSize;
-        public uint Number;
-        public CrumpleMeasure Measure;
-        public uint Lod;
-        public CrumpleAttachment Attachment;
-        public float Limit;
-
-        public static CrumpleThresholdDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_threshold_def_default();
-            }
-        }
-    }
-
-    /// <summary>The struct of crumple.h.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumplePassed
-    {
-        public CrumpleInstance Instance;
-        public uint Number;
-        public float Value;
     }
 }
