@@ -14,7 +14,7 @@
 //   4. Hits             crumple_instance_submit_impulse, ..._submit_displacement, ..._end_contact
 //                       from any thread, whenever the physics engine reports a contact
 //   5. Damage           crumple_instance_get_marks, ..._set_marks, ..._save_damage, ..._load_damage, ..._repair_damage
-//                       a short list of marks of 32 bytes; save it, or send ..._save_changes over the network
+//                       a short list of marks of 32 bytes; save it, or send it over the network
 //   6. Deformation      crumple_buffer_register_host for your vertex memory, with any strides; once a frame
 //                       crumple_context_deform, then crumple_context_get_changed_buffers, and
 //                       crumple_buffer_get_changes of each for uploads and bounds
@@ -68,8 +68,7 @@
 //
 // Reads. Hits are pending until the instance's damage is next read. These calls read it: a deform, record, submit or plan of
 // one of its buffers or of all buffers; ..._get_info(), ..._get_marks(), ..._get_contact(), ..._save_damage(),
-// ..._save_changes(), a ..._load_damage() of changes, ..._repair_...(), ..._copy_damage() for its source,
-// ..._get_attached_frame(), and ..._release_part(), ..._mount_part() and ..._measure_part(). The result
+// ..._repair_...(), ..._copy_damage() for its source, ..._get_attached_frame(), and ..._release_part(), ..._mount_part() and ..._measure_part(). The result
 // does not depend on the number of threads or on the order of hits between two reads. With CRUMPLE_RULE_MARKS it does
 // not depend on when reads happen, with three exceptions: marks merge above mark_capacity, contacts end when more than
 // 256 are open, and the hits of one contact are summed with rounding.
@@ -674,8 +673,7 @@ typedef struct {
     float depth_limit;
     /// Number of open contacts; see crumple_instance_end_contact().
     uint32_t contact_count;
-    /// Number for the marks: equal marks have equal revisions, on all machines. 0 without marks. See
-    /// crumple_instance_save_changes().
+    /// Number for the marks: equal marks have equal revisions, on all machines. 0 without marks.
     uint64_t revision;
     uint32_t reserved[2];
 } CrumpleInstanceInfo;
@@ -1240,7 +1238,7 @@ CrumpleResult crumple_instance_set_depth_limit(CrumpleContext *context, CrumpleI
 /// Sets the time, s, for instances with a grow_time. Call it once a frame before deforming. What is shown of a dent that
 /// appears, changes or is repaired goes evenly to where its mark puts it, from the time that was set when the change was
 /// read (see "Reads" at the top). Marks change at once; vertices and attached points follow. Damage that is set, loaded,
-/// copied or reset is shown at once, but saved changes grow. Costs nothing if no dent grows.
+/// copied or reset is shown at once. Costs nothing if no dent grows.
 CrumpleResult crumple_context_set_time(CrumpleContext *context, double time);
 
 /// Allows an error of up to tolerance in vertex positions, m, in the mesh's space. Deforming then skips small
@@ -1377,18 +1375,9 @@ CrumpleResult crumple_instance_set_marks(CrumpleContext *context, CrumpleInstanc
 CrumpleResult crumple_instance_save_damage(CrumpleContext *context, CrumpleInstance instance, void *data,
                                            size_t capacity, size_t *out_size);
 
-/// Saves what changed since a revision of an instance's marks (see CrumpleInstanceInfo), to send it over the network: 40
-/// bytes and 32 per changed mark. crumple_instance_load_damage() applies it to an instance with that revision, which then
-/// has the same marks as this one. From the first call on, the instance remembers its last 256 changes of a mark. For a
-/// revision that it does not remember, the bytes are those of crumple_instance_save_damage(), which fit any revision.
-/// CRUMPLE_ERROR_WRONG_RULE: a classic rule.
-CrumpleResult crumple_instance_save_changes(CrumpleContext *context, CrumpleInstance instance, uint64_t since,
-                                            void *data, size_t capacity, size_t *out_size);
-
-/// Replaces an instance's damage with saved damage, or applies saved changes: size bytes at data, of any alignment.
-/// Discards pending hits and ends contacts; changes are applied after pending hits. Errors:
-/// CRUMPLE_ERROR_DAMAGE_MISMATCH (another set, version, rule or revision, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT
-/// (a mark that the set cannot have).
+/// Replaces an instance's damage with saved damage: size bytes at data, of any alignment. Discards pending hits and ends
+/// contacts. Errors: CRUMPLE_ERROR_DAMAGE_MISMATCH (another set, version or rule, or cut short),
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that the set cannot have).
 CrumpleResult crumple_instance_load_damage(CrumpleContext *context, CrumpleInstance instance, const void *data,
                                            size_t size);
 
@@ -1408,7 +1397,7 @@ CrumpleResult crumple_context_load_damage(CrumpleContext *context, const Crumple
 /// with one name, the n-th, if both sets have as many. A mark that does not fit is left out as a whole. data is what
 /// crumple_instance_save_damage() or crumple_context_save_damage() gave; in the latter, damage of other sets stays as it
 /// is. mapped has capacity bytes; see "Arrays" at the top. out_mapping may be null. Errors: CRUMPLE_ERROR_DAMAGE_MISMATCH
-/// (not old_set's, or another version, a classic rule, changes, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT (a mark
+/// (not old_set's, or another version, a classic rule, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT (a mark
 /// that old_set cannot have, or max_distance).
 CrumpleResult crumple_example_set_map_damage(CrumpleContext *context, CrumpleExampleSet set, CrumpleExampleSet old_set,
                                              const void *data, size_t size, float max_distance, void *mapped,

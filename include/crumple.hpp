@@ -377,12 +377,6 @@ public:
             return crumple_instance_save_damage(context(), id(), data, capacity, size);
         });
     }
-    /// What changed since a revision of the marks; see CrumpleInstanceInfo. load() applies it elsewhere.
-    Result<std::vector<unsigned char>> save_changes(uint64_t since) const {
-        return detail::fill<unsigned char, std::size_t>([&](unsigned char *data, std::size_t capacity, std::size_t *size) {
-            return crumple_instance_save_changes(context(), id(), since, data, capacity, size);
-        });
-    }
     Result<void> load(const void *data, std::size_t size) {
         return detail::done(crumple_instance_load_damage(context(), id(), data, size));
     }

@@ -62,31 +62,9 @@ pub unsafe extern "C" fn crumple_instance_save_damage(
     })
 }
 
-/// Saves what changed since a revision of an instance's marks (see CrumpleInstanceInfo), to send it over the network: 40
-/// bytes and 32 per changed mark. crumple_instance_load_damage() applies it to an instance with that revision, which then
-/// has the same marks as this one. From the first call on, the instance remembers its last 256 changes of a mark. For a
-/// revision that it does not remember, the bytes are those of crumple_instance_save_damage(), which fit any revision.
-/// CRUMPLE_ERROR_WRONG_RULE: a classic rule.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_instance_save_changes(
-    context: *mut CrumpleContext,
-    instance: CrumpleInstance,
-    since: u64,
-    data: *mut c_void,
-    capacity: usize,
-    out_size: *mut usize,
-) -> CrumpleResult {
-    exclusive("crumple_instance_save_changes", context, |_, state| {
-        let out = Out::new(out_size, "out_size")?;
-        let bytes = state.instances.get_mut(instance, "instance")?.instance.save_changes(since)?;
-        write_array(&bytes, data.cast::<u8>(), capacity, "data", out)
-    })
-}
-
-/// Replaces an instance's damage with saved damage, or applies saved changes: size bytes at data, of any alignment.
-/// Discards pending hits and ends contacts; changes are applied after pending hits. Errors:
-/// CRUMPLE_ERROR_DAMAGE_MISMATCH (another set, version, rule or revision, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT
-/// (a mark that the set cannot have).
+/// Replaces an instance's damage with saved damage: size bytes at data, of any alignment. Discards pending hits and ends
+/// contacts. Errors: CRUMPLE_ERROR_DAMAGE_MISMATCH (another set, version or rule, or cut short),
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that the set cannot have).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_load_damage(
     context: *mut CrumpleContext,
@@ -188,7 +166,7 @@ pub struct CrumpleDamageMapping {
 /// with one name, the n-th, if both sets have as many. A mark that does not fit is left out as a whole. data is what
 /// crumple_instance_save_damage() or crumple_context_save_damage() gave; in the latter, damage of other sets stays as it
 /// is. mapped has capacity bytes; see "Arrays" at the top. out_mapping may be null. Errors: CRUMPLE_ERROR_DAMAGE_MISMATCH
-/// (not old_set's, or another version, a classic rule, changes, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT (a mark
+/// (not old_set's, or another version, a classic rule, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT (a mark
 /// that old_set cannot have, or max_distance).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_map_damage(

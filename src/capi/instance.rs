@@ -63,8 +63,7 @@ pub struct CrumpleInstanceInfo {
     pub depth_limit: f32,
     /// Number of open contacts; see crumple_instance_end_contact().
     pub contact_count: u32,
-    /// Number for the marks: equal marks have equal revisions, on all machines. 0 without marks. See
-    /// crumple_instance_save_changes().
+    /// Number for the marks: equal marks have equal revisions, on all machines. 0 without marks.
     pub revision: u64,
     pub reserved: [u32; 2],
 }
@@ -224,7 +223,7 @@ pub unsafe extern "C" fn crumple_instance_set_depth_limit(
 /// Sets the time, s, for instances with a grow_time. Call it once a frame before deforming. What is shown of a dent that
 /// appears, changes or is repaired goes evenly to where its mark puts it, from the time that was set when the change was
 /// read (see "Reads" at the top). Marks change at once; vertices and attached points follow. Damage that is set, loaded,
-/// copied or reset is shown at once, but saved changes grow. Costs nothing if no dent grows.
+/// copied or reset is shown at once. Costs nothing if no dent grows.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_set_time(context: *mut CrumpleContext, time: f64) -> CrumpleResult {
     exclusive("crumple_context_set_time", context, |_, state| {

@@ -7,6 +7,7 @@ use crate::base::math::Aabb;
 use crate::example::options::Combine;
 use crate::example::set::ExampleSet;
 use std::cmp::Ordering;
+use twox_hash::XxHash3_64;
 
 /// Called with every dent that a change of the damage adds, alters or removes.
 type Changed<'a> = &'a mut dyn FnMut(&Dent);
@@ -23,6 +24,11 @@ pub(crate) struct Damage {
 impl Damage {
     pub(crate) fn marks(&self) -> &[Mark] {
         &self.marks
+    }
+
+    /// A hash of the marks, so that equal marks have equal revisions on every machine; 0 without marks.
+    pub(crate) fn revision(&self) -> u64 {
+        if self.marks.is_empty() { 0 } else { XxHash3_64::oneshot(bytemuck::cast_slice(&self.marks)).max(1) }
     }
 
     pub(crate) fn dents(&self) -> &[Dent] {
@@ -81,11 +87,6 @@ impl Damage {
     pub(crate) fn replace(&mut self, set: &ExampleSet, marks: Vec<Mark>, capacity: usize, changed: Changed<'_>) {
         self.clear(changed);
         self.add(set, marks, capacity, changed);
-    }
-
-    /// Replaces all marks by valid and sorted ones within the capacity. Only dents that differ change.
-    pub(crate) fn replace_sorted(&mut self, set: &ExampleSet, marks: Vec<Mark>, changed: Changed<'_>) {
-        self.become_marks(set, marks, changed);
     }
 
     /// Multiplies the strength that each dent has alone by `keep` of its mark, 0 to 1. Removes marks whose strength alone
@@ -198,7 +199,7 @@ struct Entry {
 }
 
 /// Calls `f` for every mark that is in either sorted list, in order, with its index in each.
-pub(super) fn walk(a: &[Mark], b: &[Mark], mut f: impl FnMut(Option<usize>, Option<usize>)) {
+fn walk(a: &[Mark], b: &[Mark], mut f: impl FnMut(Option<usize>, Option<usize>)) {
     let (mut i, mut j) = (0, 0);
     while i < a.len() || j < b.len() {
         let order = match (a.get(i), b.get(j)) {

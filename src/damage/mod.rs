@@ -3,7 +3,6 @@
 pub(crate) mod carried;
 pub(crate) mod changes;
 pub(crate) mod dent;
-pub(crate) mod history;
 pub(crate) mod list;
 pub(crate) mod mark;
 pub(crate) mod overlap;

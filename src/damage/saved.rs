@@ -1,6 +1,5 @@
 //! Saved damage: a header of 24 bytes, then the entries. The header is the magic `CRDM`, u16 version, u16 kind, u64
-//! fingerprint of the set, u32 number of entries, u32 zero. Changes have the revisions that they lead from and to, two
-//! u64, before their entries. All numbers are little-endian.
+//! fingerprint of the set, u32 number of entries, u32 zero. All numbers are little-endian.
 
 use super::mark::{Mark, Pair};
 use crate::base::error::Error;
@@ -13,36 +12,10 @@ pub(crate) const HEADER: usize = 24;
 pub(crate) const MARKS: u16 = 1;
 /// Entries are vertices of a classic rule's state, of 28 bytes each.
 pub(crate) const CLASSIC: u16 = 2;
-/// Entries are marks that changed since a revision. An energy of 0 removes the mark.
-pub(crate) const CHANGES: u16 = 3;
-/// Bytes of the revisions.
-const REVISIONS: usize = 16;
-
-/// Whether the bytes claim to be changes.
-pub(crate) fn are_changes(bytes: &[u8]) -> bool {
-    bytes.len() >= HEADER && bytes[..4] == MAGIC && bytes[6..8] == CHANGES.to_le_bytes()
-}
 
 /// Whether the bytes claim to be damage of this set.
 pub(crate) fn belongs_to(set: &ExampleSet, bytes: &[u8]) -> bool {
     bytes.len() >= HEADER && bytes[..4] == MAGIC && bytes[8..16] == set.fingerprint().to_le_bytes()
-}
-
-/// Changes of marks that lead from one revision to another.
-pub(crate) fn changes(set: &ExampleSet, (from, to): (u64, u64), changed: &[Mark]) -> Vec<u8> {
-    let mut out = header(set, CHANGES, changed.len());
-    out.extend([from, to].map(u64::to_le_bytes).as_flattened());
-    changed.iter().for_each(|mark| write_mark(mark, &mut out));
-    out
-}
-
-/// Reads what [`changes`] wrote.
-pub(crate) fn read_changes(set: &ExampleSet, bytes: &[u8]) -> Result<((u64, u64), Vec<Mark>), Error> {
-    let rest = body(set, bytes, CHANGES, (REVISIONS, size_of::<Mark>()))?;
-    let (revisions, entries) = rest.split_at(REVISIONS);
-    let (revisions, _) = revisions.as_chunks();
-    let marks = entries.chunks_exact(size_of::<Mark>()).map(read_mark).collect();
-    Ok(((u64::from_le_bytes(revisions[0]), u64::from_le_bytes(revisions[1])), marks))
 }
 
 pub(crate) fn header(set: &ExampleSet, kind: u16, count: usize) -> Vec<u8> {
@@ -56,13 +29,8 @@ pub(crate) fn header(set: &ExampleSet, kind: u16, count: usize) -> Vec<u8> {
     out
 }
 
-/// Checks the header and returns the entries. Their number is checked against the header.
+/// Checks the header and returns the entries of `size` bytes. Their number is checked against the header.
 pub(crate) fn entries<'a>(set: &ExampleSet, bytes: &'a [u8], kind: u16, size: usize) -> Result<&'a [u8], Error> {
-    body(set, bytes, kind, (0, size))
-}
-
-/// What follows the header: `before` bytes, then entries of `size` bytes.
-fn body<'a>(set: &ExampleSet, bytes: &'a [u8], kind: u16, (before, size): (usize, usize)) -> Result<&'a [u8], Error> {
     let bad = |what: String| Err(Error::DamageMismatch { what });
     if bytes.len() < HEADER {
         return bad(format!("{} bytes; at least {HEADER} are needed", bytes.len()));
@@ -76,10 +44,7 @@ fn body<'a>(set: &ExampleSet, bytes: &'a [u8], kind: u16, (before, size): (usize
         return bad(format!("version {}; this library reads version {VERSION}", u16_at(4)));
     }
     if u16_at(6) != kind {
-        return bad(format!(
-            "kind {} (1: marks, 2: a classic rule's vertices, 3: changes of marks); kind {kind} is needed here",
-            u16_at(6)
-        ));
+        return bad(format!("kind {} (1: marks, 2: a classic rule's vertices); kind {kind} is needed here", u16_at(6)));
     }
     let mark = u64::from(u32_at(8)) | u64::from(u32_at(12)) << 32;
     if mark != set.fingerprint() {
@@ -89,7 +54,7 @@ fn body<'a>(set: &ExampleSet, bytes: &'a [u8], kind: u16, (before, size): (usize
         return bad(format!("bytes 20 to 23 are {:#x}; they must be 0", u32_at(20)));
     }
     let rest = &bytes[HEADER..];
-    let needed = before as u64 + u64::from(u32_at(16)) * size as u64;
+    let needed = u64::from(u32_at(16)) * size as u64;
     if rest.len() as u64 != needed {
         return bad(format!("{} bytes after the header; {} entries take {needed}", rest.len(), u32_at(16)));
     }

@@ -20,7 +20,6 @@ use crate::base::error::{Error, at_least_zero, positive, reserve};
 use crate::classic::{Blend, ClassicState};
 use crate::damage::changes::{ChangeRecorder, Changes};
 use crate::damage::dent::Dent;
-use crate::damage::history::{History, applied, revision};
 use crate::damage::list::Damage;
 use crate::damage::mark::Mark;
 use crate::damage::saved;
@@ -67,8 +66,6 @@ pub struct Instance {
     /// The damage shown: settled marks and those of open contacts.
     damage: Damage,
     contacts: Contacts,
-    /// Kept from the first [`Instance::save_changes`] on.
-    history: Option<History>,
     growth: Growth,
     parts: PartState,
     classic: Option<ClassicState>,
@@ -115,7 +112,6 @@ impl Instance {
             options,
             damage: Damage::default(),
             contacts: Contacts::default(),
-            history: None,
             growth: Growth::new(options.grow_time),
             parts: PartState::default(),
             classic,
@@ -270,9 +266,6 @@ impl Instance {
 
     /// Call this after every change of damage or tolerance.
     fn update_threshold(&mut self) {
-        if let Some(history) = &mut self.history {
-            history.record(self.damage.marks());
-        }
         let shown = self.growth.shown(&self.damage);
         self.changes.coarse = coarseness(&self.set, shown.dents());
         let threshold = threshold(&self.set, shown.dents(), self.tolerance);
@@ -362,25 +355,7 @@ impl Instance {
     /// and with a classic rule.
     pub fn revision(&mut self) -> u64 {
         self.fold();
-        revision(self.damage.marks())
-    }
-
-    /// Returns what changed since a [`revision`](Instance::revision), as bytes for [`Instance::load`] of another instance
-    /// that has that revision: 40 bytes and 32 for each mark that changed. From the first call on, the instance remembers
-    /// the last 256 changes of a mark. For a revision that it does not remember, the bytes are those of
-    /// [`Instance::save`], which fit any revision.
-    ///
-    /// # Errors
-    /// [`Error::WrongRule`] with a classic rule.
-    pub fn save_changes(&mut self, since: u64) -> Result<Vec<u8>, Error> {
-        self.only_marks("save_changes")?;
-        self.fold();
-        let marks = self.damage.marks();
-        let history = self.history.get_or_insert_with(|| History::new(marks));
-        match history.since(since) {
-            Some(changed) => Ok(saved::changes(&self.set, (since, revision(marks)), &changed)),
-            None => Ok(self.save()),
-        }
+        self.damage.revision()
     }
 
     /// Returns the damage as bytes, with a version and the set's fingerprint. The same damage gives the same bytes on
@@ -397,45 +372,14 @@ impl Instance {
         }
     }
 
-    /// Replaces the damage by saved bytes, or applies the bytes of [`Instance::save_changes`], which leave the same marks
-    /// as there. Discards hits that have not been folded yet, and ends all contacts.
+    /// Replaces the damage by saved bytes. Discards hits that have not been folded yet, and ends all contacts.
     ///
     /// # Errors
-    /// [`Error::DamageMismatch`] for bytes that are cut short or belong to another version, set, rule or revision;
+    /// [`Error::DamageMismatch`] for bytes that are cut short or belong to another version, set or rule;
     /// [`Error::InvalidArgument`] for a mark that the set cannot have. After an error nothing has changed.
     pub fn load(&mut self, bytes: &[u8]) -> Result<(), Error> {
-        if !saved::are_changes(bytes) || self.classic.is_some() {
-            let saved = self.read(bytes)?;
-            self.become_saved(saved);
-            return Ok(());
-        }
-        let ((from, to), changes) = saved::read_changes(&self.set, bytes)?;
-        let bad = |what: String| Err(Error::DamageMismatch { what });
-        let now = self.revision();
-        if now != from {
-            return bad(format!(
-                "the changes lead from revision {from:016x} to {to:016x}; this instance has revision {now:016x}"
-            ));
-        }
-        if !changes.is_sorted_by(|a, b| a.key() < b.key()) {
-            return bad("the changes are not sorted, or hold a mark twice".into());
-        }
-        let marks = self.checked(&applied(self.damage.marks(), &changes))?;
-        if revision(&marks) != to {
-            return bad(format!("the changes lead to revision {:016x} instead of {to:016x}", revision(&marks)));
-        }
-        if marks.len() > self.options.capacity as usize {
-            let capacity = self.options.capacity;
-            return bad(format!("the changes lead to {} marks; this instance keeps {capacity}", marks.len()));
-        }
-        let before = self.growth.is_on().then(|| self.damage.clone());
-        let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
-        self.damage.replace_sorted(&self.set, marks, &mut |d: &Dent| touch.dent(d));
-        if let Some(before) = before {
-            self.growth.begin(&self.set, before, &self.damage, &mut |d: &Dent| touch.dent(d));
-        }
-        self.contacts.close_all();
-        self.update_threshold();
+        let saved = self.read(bytes)?;
+        self.become_saved(saved);
         Ok(())
     }
 
@@ -582,7 +526,6 @@ impl Instance {
             + self.damage.memory_bytes()
             + self.contacts.memory_bytes()
             + self.growth.memory_bytes()
-            + self.history.as_ref().map_or(0, History::memory_bytes)
     }
 
     /// The blend constant of a classic rule; 0 keeps the most displaced candidate.

@@ -118,25 +118,6 @@ static void bytes_of_all(void) {
     for (int i = 0; i < 3; ++i) OK(crumple_instance_destroy(context, bodies[i]));
 }
 
-static void changes(void) {
-    CrumpleInstance server = growing(0), client = growing(0);
-    CrumpleDisplacementDef hit = displacement_at(0, 0.1f, 0.03f);
-    unsigned char bytes[256];
-    size_t size = 0;
-    OK(crumple_instance_save_changes(context, server, 0, bytes, sizeof bytes, &size));
-    FACT(size == 40 && revision_of(server) == 0);
-    OK(crumple_instance_submit_displacement(context, server, &hit, NULL));
-    OK(crumple_instance_save_changes(context, server, 0, bytes, sizeof bytes, &size));
-    FACT(size == 40 + 32);
-    OK(crumple_instance_load_damage(context, client, bytes, size));
-    FACT(revision_of(client) == revision_of(server) && revision_of(client) != 0);
-    FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "revision", crumple_instance_load_damage(context, client, bytes, size));
-    OK(crumple_instance_save_changes(context, server, 77, bytes, sizeof bytes, &size));
-    FACT(size == 24 + 32); // all marks
-    OK(crumple_instance_destroy(context, client));
-    OK(crumple_instance_destroy(context, server));
-}
-
 static void two_contexts(void) {
     CrumpleContextDef def = crumple_context_def_default();
     CrumpleContext *other;
@@ -352,7 +333,6 @@ int main(void) {
     OK(crumple_example_set_create(context, &sheet.def, &set));
     hits_and_buffers();
     bytes_of_all();
-    changes();
     two_contexts();
     repair_and_growth();
     skins();

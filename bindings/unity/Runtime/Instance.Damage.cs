@@ -94,10 +94,7 @@ namespace Crumple
             return bytes;
         }
 
-        /// <summary>
-        /// Replaces the damage by saved bytes, or applies those of <see cref="SaveChanges"/>; forgets hits that wait and ends
-        /// contacts.
-        /// </summary>
+        /// <summary>Replaces the damage by saved bytes; forgets hits that wait and ends contacts.</summary>
         public unsafe void LoadDamage(ReadOnlySpan<byte> bytes)
         {
             byte none;
@@ -134,25 +131,6 @@ namespace Crumple
         public ulong Revision
         {
             get { return GetInfo().Revision; }
-        }
-
-        /// <summary>
-        /// Saves what changed since a revision. <see cref="LoadDamage"/> of another instance that has that revision applies it.
-        /// All damage where the revision is not among the last ones.
-        /// </summary>
-        public unsafe byte[] SaveChanges(ulong since)
-        {
-            using (Call call = Context.EnterAlone(this))
-            {
-                UIntPtr size;
-                call.Check(NativeMethods.crumple_instance_save_changes(call.Context, Id, since, IntPtr.Zero, UIntPtr.Zero, &size),
-                    "crumple_instance_save_changes");
-                byte[] saved = new byte[(int)size];
-                fixed (byte* bytes = saved)
-                    call.Check(NativeMethods.crumple_instance_save_changes(call.Context, Id, since, (IntPtr)bytes, size, &size),
-                        "crumple_instance_save_changes");
-                return saved;
-            }
         }
 
         /// <summary>Makes it as new, forgets hits that wait and ends contacts.</summary>

@@ -1,5 +1,5 @@
-//! Any bytes as saved damage: of one instance, as changes of its marks, of many instances, and with a classic rule. The
-//! fingerprint of the set is made right, and the revision that changes lead from.
+//! Any bytes as saved damage: of one instance, of many instances, and with a classic rule. The fingerprint of the set is
+//! made right.
 #![no_main]
 
 use crumple::glam::Vec3;
@@ -19,7 +19,7 @@ fn run(data: &[u8]) {
         None => {
             for at in 0..bytes.len() {
                 if bytes[at..].starts_with(b"CRDM") {
-                    repair(&mut bytes[at..], &mut bodies[0]);
+                    repair(&mut bytes[at..], &bodies[0]);
                 }
             }
             let mut all: Vec<&mut Instance> = bodies.iter_mut().collect();
@@ -33,14 +33,10 @@ fn run(data: &[u8]) {
     assert_eq!(save_all(&mut fresh), saved);
 }
 
-/// Writes the set's fingerprint, the number of entries and the revision that changes lead from.
-fn repair(bytes: &mut [u8], body: &mut Instance) {
-    let Some((header, rest)) = bytes.split_first_chunk_mut::<24>() else { return };
-    header[8..16].copy_from_slice(&body.example_set().fingerprint().to_le_bytes());
-    if u16::from_le_bytes([header[6], header[7]]) == 3
-        && let Some(from) = rest.first_chunk_mut()
-    {
-        *from = body.revision().to_le_bytes();
+/// Writes the set's fingerprint.
+fn repair(bytes: &mut [u8], body: &Instance) {
+    if let Some(header) = bytes.first_chunk_mut::<24>() {
+        header[8..16].copy_from_slice(&body.example_set().fingerprint().to_le_bytes());
     }
 }
 

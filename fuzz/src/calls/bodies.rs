@@ -127,14 +127,7 @@ impl Host<'_> {
                 self.save(|data, capacity, size| crumple_instance_save_damage(context, id, data, capacity, size));
                 CrumpleResult::CrumpleOk
             }
-            32 => {
-                let since = u64::from(self.word()?);
-                self.save(|data, capacity, size| {
-                    crumple_instance_save_changes(context, id, since, data, capacity, size)
-                });
-                CrumpleResult::CrumpleOk
-            }
-            33..=34 => {
+            32..=34 => {
                 let bytes = self.saved_bytes()?;
                 crumple_instance_load_damage(context, id, bytes.as_ptr().cast(), bytes.len())
             }

@@ -772,7 +772,6 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_instance_get_marks": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleMark), c.c_uint32, c.POINTER(c.c_uint32)]),
     "crumple_instance_set_marks": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleMark), c.c_uint32]),
     "crumple_instance_save_damage": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_void_p, c.c_size_t, c.POINTER(c.c_size_t)]),
-    "crumple_instance_save_changes": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint64, c.c_void_p, c.c_size_t, c.POINTER(c.c_size_t)]),
     "crumple_instance_load_damage": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_void_p, c.c_size_t]),
     "crumple_context_save_damage": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleInstance), c.c_uint32, c.c_void_p, c.c_size_t, c.POINTER(c.c_size_t)]),
     "crumple_context_load_damage": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleInstance), c.c_uint32, c.c_void_p, c.c_size_t]),

@@ -372,15 +372,6 @@ namespace Crumple.Native
             UIntPtr* outSize);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_instance_save_changes(
-            IntPtr context,
-            CrumpleInstance instance,
-            ulong since,
-            IntPtr data,
-            UIntPtr capacity,
-            UIntPtr* outSize);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_instance_load_damage(
             IntPtr context,
             CrumpleInstance instance,
