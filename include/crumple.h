@@ -812,11 +812,6 @@ typedef struct {
     /// Tangents in tangent_format: xyz of unit length and orthogonal to the normal, w as in the mesh. Absent: not
     /// written.
     CrumpleStream tangents;
-    /// Wear, 4 floats for shaders of paint, glass and dirt. All are 0 exactly where nothing is dented, none is negative:
-    /// dent (length of the displacement, m), bend (1 - cosine of the angle by which the normal turned, 0 to 2), press
-    /// (distance moved against the base normal, m, 0 if outwards), scrape (length of the part of the displacement in the
-    /// undeformed surface, m). A mesh without normals has only dent. Absent: not written.
-    CrumpleStream wear;
     /// Format of normals. Default CRUMPLE_DIRECTION_FORMAT_FLOAT.
     CrumpleDirectionFormat normal_format;
     /// Format of tangents. Default CRUMPLE_DIRECTION_FORMAT_FLOAT.
@@ -882,8 +877,7 @@ typedef struct {
     /// A VkFormat. Positions: R32G32B32_SFLOAT, R16G16B16A16_SFLOAT (w is 1), R16G16B16A16_SNORM (see
     /// CrumpleVulkanBufferDef.scale). Normals: R32G32B32_SFLOAT, R16G16B16A16_SNORM, R8G8B8A8_SNORM (w is 0),
     /// R16G16_UNORM (octahedral, see CRUMPLE_DIRECTION_FORMAT_OCTAHEDRAL). Tangents: R32G32B32A32_SFLOAT,
-    /// R16G16B16A16_SNORM, R8G8B8A8_SNORM, R16G16_UNORM (octahedral). Wear: R32G32B32A32_SFLOAT, R8G8B8A8_UNORM (1
-    /// means the depth_limit of the set's info, and for bend a quarter turn; more is stored as 1).
+    /// R16G16B16A16_SNORM, R8G8B8A8_SNORM, R16G16_UNORM (octahedral).
     uint32_t format;
     uint32_t reserved;
 } CrumpleVulkanStream;
@@ -923,7 +917,6 @@ typedef struct {
     CrumpleVulkanStream positions;
     CrumpleVulkanStream normals;
     CrumpleVulkanStream tangents;
-    CrumpleVulkanStream wear;
     /// For positions in R16G16B16A16_SNORM: a stored value s in -1 to 1 means s * scale + bias, m. Positions outside
     /// that range are clamped, so it must cover the mesh's bounds grown by the depth limit. Above 0. Default 1, 1, 1.
     CrumpleVec3 scale;

@@ -426,14 +426,12 @@ public:
         const CrumpleResult result = crumple_buffer_register_host(context(), id(), &def, &buffer);
         return result == CRUMPLE_OK ? Result<Buffer>(Buffer(context(), buffer)) : Result<Buffer>::failed(result);
     }
-    /// Writes normals, tangents and wear only if their streams are given.
-    Result<Buffer> register_buffer(CrumpleStream positions, CrumpleStream normals = {}, CrumpleStream tangents = {},
-                                   CrumpleStream wear = {}) {
+    /// Writes normals and tangents only if their streams are given.
+    Result<Buffer> register_buffer(CrumpleStream positions, CrumpleStream normals = {}, CrumpleStream tangents = {}) {
         CrumpleHostBufferDef def = crumple_host_buffer_def_default();
         def.positions = positions;
         def.normals = normals;
         def.tangents = tangents;
-        def.wear = wear;
         return register_buffer(def);
     }
     /// Registers a range of a buffer of your render graph. Context::plan_graph() plans its passes.

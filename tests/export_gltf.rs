@@ -38,7 +38,6 @@ fn deformed(name: &str, mesh: usize) -> (Imported, Vec<u8>) {
         &bend(&imported),
         imported.mesh.normals.as_deref(),
         imported.mesh.tangents.as_deref(),
-        None,
     );
     (imported, glb.unwrap())
 }
@@ -203,7 +202,7 @@ fn weights_and_their_animation_go() {
         { "samplers": [sampler(moves), sampler(weights)],
           "channels": [pointer("/meshes/0/weights"), pointer("/nodes/0/weights/1"), pointer("/nodes/1/weights"), channel(0, 1, "translation")] },
     ]);
-    let out = deformed_glb(&glb.bytes(), None, MeshChoice::Index(0), &[[0.0; 3]; 4], None, None, None).unwrap();
+    let out = deformed_glb(&glb.bytes(), None, MeshChoice::Index(0), &[[0.0; 3]; 4], None, None).unwrap();
     let (json, _) = parts(&out);
     assert_eq!(json["nodes"], json!([{ "mesh": 0 }, { "mesh": 1, "weights": [1, 1] }]));
     let animations = json["animations"].as_array().unwrap();
@@ -214,7 +213,7 @@ fn weights_and_their_animation_go() {
     // If all animations animate weights only, the list is removed, since glTF allows no empty list.
     let list = glb.json["animations"].as_array_mut().unwrap();
     *list = vec![list[1].clone()];
-    let out = deformed_glb(&glb.bytes(), None, MeshChoice::Index(0), &[[0.0; 3]; 4], None, None, None).unwrap();
+    let out = deformed_glb(&glb.bytes(), None, MeshChoice::Index(0), &[[0.0; 3]; 4], None, None).unwrap();
     assert!(parts(&out).0.get("animations").is_none());
 }
 
@@ -234,7 +233,7 @@ fn images_are_embedded() {
     let with = |uri: &str| {
         let mut glb = square();
         glb.json["images"] = json!([{ "uri": uri, "extras": 7 }]);
-        deformed_glb(&glb.bytes(), Some(folder.path()), MeshChoice::First, &[[0.0; 3]; 4], None, None, None)
+        deformed_glb(&glb.bytes(), Some(folder.path()), MeshChoice::First, &[[0.0; 3]; 4], None, None)
     };
     let error = with("nowhere.png").unwrap_err();
     assert!(error.kind() == ErrorKind::Io && error.to_string().contains("nowhere.png"), "{error}");
@@ -254,7 +253,7 @@ fn other_meshes_keep_what_they_share() {
     let mut other = glb.json["meshes"][0].clone();
     other["name"] = "Other".into();
     glb.push("meshes", other);
-    let out = deformed_glb(&glb.bytes(), None, MeshChoice::Index(0), &[[7.0; 3]; 4], None, None, None).unwrap();
+    let out = deformed_glb(&glb.bytes(), None, MeshChoice::Index(0), &[[7.0; 3]; 4], None, None).unwrap();
     let (before, after) = (resolved(&parts(&glb.bytes())), resolved(&parts(&out)));
     assert_eq!(before["meshes"][1], after["meshes"][1]);
     assert_eq!(
@@ -274,8 +273,7 @@ fn normals_and_tangents_are_added_where_they_are_given() {
     glb.json["meshes"][0]["primitives"][0]["attributes"] = json!({ "POSITION": 0 });
     glb.json["meshes"][0]["primitives"][0]["targets"][0] = json!({ "POSITION": 3 });
     let (up, along) = ([[0.0, 1.0, 0.0]; 4], [[1.0, 0.0, 0.0, -1.0]; 4]);
-    let out =
-        deformed_glb(&glb.bytes(), None, MeshChoice::First, &[[0.0; 3]; 4], Some(&up), Some(&along), None).unwrap();
+    let out = deformed_glb(&glb.bytes(), None, MeshChoice::First, &[[0.0; 3]; 4], Some(&up), Some(&along)).unwrap();
     let after = resolved(&parts(&out));
     let attributes = &after["meshes"][0]["primitives"][0]["attributes"];
     assert_eq!(attributes["NORMAL"]["bufferView"], json!(floats(&up)));
@@ -288,7 +286,7 @@ fn parts_that_share_vertices_still_do() {
     let mut glb = square();
     let again = glb.json["meshes"][0]["primitives"][0].clone();
     glb.json["meshes"][0]["primitives"].as_array_mut().unwrap().push(again);
-    let out = deformed_glb(&glb.bytes(), None, MeshChoice::First, &[[0.0; 3]; 4], None, None, None).unwrap();
+    let out = deformed_glb(&glb.bytes(), None, MeshChoice::First, &[[0.0; 3]; 4], None, None).unwrap();
     let (json, _) = parts(&out);
     let [a, b] = [0, 1].map(|i| &json["meshes"][0]["primitives"][i]["attributes"]);
     assert_eq!(a, b);
@@ -305,7 +303,7 @@ fn extras_and_unknown_things_survive() {
     glb.json["meshes"][0]["primitives"][0]["extras"] = json!({ "targetNames": ["a"], "also": "mine" });
     // Nothing uses these, before or after.
     let spare = glb.floats("VEC3", &UP);
-    let out = deformed_glb(&glb.bytes(), None, MeshChoice::First, &[[0.0; 3]; 4], None, None, None).unwrap();
+    let out = deformed_glb(&glb.bytes(), None, MeshChoice::First, &[[0.0; 3]; 4], None, None).unwrap();
     let (json, bin) = parts(&out);
     for key in ["extras", "asset", "unheard_of", "nodes", "scenes"] {
         assert_eq!(json[key], glb.json[key]);
@@ -331,8 +329,7 @@ fn with_unknown_extensions_nothing_is_renumbered() {
     std::fs::write(folder.path().join("extra.bin"), &extra).unwrap();
     glb.push("buffers", json!({ "byteLength": 48, "uri": "extra.bin" }));
     glb.push("bufferViews", json!({ "buffer": 1, "byteLength": 48 }));
-    let out =
-        deformed_glb(&glb.bytes(), Some(folder.path()), MeshChoice::First, &[[2.0; 3]; 4], None, None, None).unwrap();
+    let out = deformed_glb(&glb.bytes(), Some(folder.path()), MeshChoice::First, &[[2.0; 3]; 4], None, None).unwrap();
     let (json, bin) = parts(&out);
     let before = |key: &str| glb.json[key].as_array().unwrap().clone();
     assert_eq!(json["accessors"].as_array().unwrap()[..6], before("accessors"));
@@ -344,8 +341,7 @@ fn with_unknown_extensions_nothing_is_renumbered() {
     assert!(json["meshes"][0]["primitives"][0].get("targets").is_none());
     // An extension that is used without being listed counts as unknown too.
     glb.json.as_object_mut().unwrap().remove("extensionsUsed");
-    let again =
-        deformed_glb(&glb.bytes(), Some(folder.path()), MeshChoice::First, &[[2.0; 3]; 4], None, None, None).unwrap();
+    let again = deformed_glb(&glb.bytes(), Some(folder.path()), MeshChoice::First, &[[2.0; 3]; 4], None, None).unwrap();
     assert_eq!(parts(&again).0["accessors"], json["accessors"]);
 }
 
@@ -355,7 +351,7 @@ fn an_optional_compressed_copy_does_not_win() {
     glb.json["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
     let draco = json!({ "KHR_draco_mesh_compression": { "bufferView": 0, "attributes": { "POSITION": 0 } } });
     glb.json["meshes"][0]["primitives"][0]["extensions"] = draco;
-    let out = deformed_glb(&glb.bytes(), None, MeshChoice::First, &[[2.0; 3]; 4], None, None, None).unwrap();
+    let out = deformed_glb(&glb.bytes(), None, MeshChoice::First, &[[2.0; 3]; 4], None, None).unwrap();
     assert!(parts(&out).0["meshes"][0]["primitives"][0].get("extensions").is_none());
 }
 
@@ -378,7 +374,7 @@ fn views_that_overlap_are_stored_once_and_stay_aligned() {
         json!({ "primitives": [{ "attributes": attributes, "mode": 5, "targets": [{ "POSITION": target }] }] }),
     );
     let positions = vec![[0.0; 3]; 1000];
-    let out = deformed_glb(&glb.bytes(), None, MeshChoice::First, &positions, None, None, None).unwrap();
+    let out = deformed_glb(&glb.bytes(), None, MeshChoice::First, &positions, None, None).unwrap();
     let (json, bin) = parts(&out);
     assert!(bin.len() < 24_100, "{}", bin.len());
     let primitive = |json: &Value| json["meshes"][0]["primitives"][0]["attributes"].clone();
@@ -394,7 +390,7 @@ fn views_that_overlap_are_stored_once_and_stay_aligned() {
 fn vertices_that_do_not_fit_are_named() {
     let glb = square().bytes();
     let refuse = |positions: &[[f32; 3]], normals: Option<&[[f32; 3]]>, tangents: Option<&[[f32; 4]]>| -> Error {
-        deformed_glb(&glb, None, MeshChoice::First, positions, normals, tangents, None).unwrap_err()
+        deformed_glb(&glb, None, MeshChoice::First, positions, normals, tangents).unwrap_err()
     };
     let good = [[0.0; 3]; 4];
     assert_eq!(
@@ -417,14 +413,9 @@ fn new_files_from_imported_meshes() {
     let mut files = Vec::new();
     for (name, mesh) in FIXTURES {
         let (imported, _) = deformed(name, mesh);
-        let glb = mesh_glb(
-            &imported,
-            &bend(&imported),
-            imported.mesh.normals.as_deref(),
-            imported.mesh.tangents.as_deref(),
-            None,
-        )
-        .unwrap();
+        let glb =
+            mesh_glb(&imported, &bend(&imported), imported.mesh.normals.as_deref(), imported.mesh.tangents.as_deref())
+                .unwrap();
         let (json, bin) = parts(&glb);
         let primitives = json["meshes"][0]["primitives"].as_array().unwrap();
         assert_eq!(primitives.len(), imported.primitives.len());
@@ -444,16 +435,16 @@ fn new_files_from_imported_meshes() {
     #[cfg(feature = "obj")]
     {
         let plate = crumple::import::obj_files(&fixture("plate.obj"), &[fixture("plate_dent.obj")]).unwrap();
-        let glb = mesh_glb(&plate, &plate.mesh.positions, None, None, None).unwrap();
+        let glb = mesh_glb(&plate, &plate.mesh.positions, None, None).unwrap();
         let (json, _) = parts(&glb);
         assert_eq!(json["meshes"][0]["primitives"][0]["attributes"], json!({ "POSITION": 0, "TEXCOORD_0": 1 }));
         files.push(("plate", glb));
         let points =
             crumple::import::obj_slices(("points", b"v 0 0 0\nv 1 1 1"), &[("x", b"v 0 0 0\nv 1 1 2")]).unwrap();
-        let glb = mesh_glb(&points, &points.mesh.positions, None, None, None).unwrap();
+        let glb = mesh_glb(&points, &points.mesh.positions, None, None).unwrap();
         assert_eq!(parts(&glb).0["meshes"][0]["primitives"][0]["mode"], 0);
         files.push(("points", glb));
-        assert_eq!(mesh_glb(&points, &[], None, None, None).unwrap_err().kind(), ErrorKind::InvalidArgument);
+        assert_eq!(mesh_glb(&points, &[], None, None).unwrap_err().kind(), ErrorKind::InvalidArgument);
     }
     validate(&files);
 }
@@ -464,7 +455,7 @@ fn new_files_from_tampered_meshes() {
     let refuse = |tamper: &dyn Fn(&mut Imported), part: &str| {
         let mut bad = good.clone();
         tamper(&mut bad);
-        let error = mesh_glb(&bad, &good.mesh.positions, None, None, None).unwrap_err();
+        let error = mesh_glb(&bad, &good.mesh.positions, None, None).unwrap_err();
         assert!(error.kind() == ErrorKind::InvalidArgument && error.to_string().contains(part), "{error}");
     };
     refuse(&|m| m.primitives[1].vertex_count = 46, "primitives[1]");

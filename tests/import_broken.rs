@@ -20,7 +20,7 @@ fn expect(bytes: &[u8], kind: ErrorKind, part: &str) {
     assert_eq!(error.kind(), kind, "{error}");
     assert!(error.to_string().contains(part), "{error}");
     // The exporter must refuse the same files.
-    let exported = deformed_glb(bytes, None, MeshChoice::First, &[], None, None, None);
+    let exported = deformed_glb(bytes, None, MeshChoice::First, &[], None, None);
     assert!(exported.is_err());
 }
 
@@ -405,15 +405,8 @@ fn read_and_export(bytes: &[u8]) {
             let count = imported.mesh.positions.len() as u32;
             assert!(imported.mesh.triangles.as_flattened().iter().all(|v| *v < count));
             let normals = imported.mesh.normals.as_deref();
-            let _ = deformed_glb(
-                bytes,
-                None,
-                choice,
-                &imported.mesh.positions,
-                normals,
-                imported.mesh.tangents.as_deref(),
-                None,
-            );
+            let _ =
+                deformed_glb(bytes, None, choice, &imported.mesh.positions, normals, imported.mesh.tangents.as_deref());
         }
     }
 }

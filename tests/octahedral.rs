@@ -147,7 +147,7 @@ fn dented_vertices_are_the_packed_floats_and_nothing_else_is_written() {
     let pool = ThreadPool::new(2).unwrap();
     for hit in scenes::random_hits(&set, 9, 3) {
         instance.submit(&hit).unwrap();
-        let memory = VertexMemory::interleaved(&mut bytes, position, Some(normal), Some(tangent), None).unwrap();
+        let memory = VertexMemory::interleaved(&mut bytes, position, Some(normal), Some(tangent)).unwrap();
         instance.deform(&mut tracker, memory, &pool).unwrap();
     }
     let floats = Output::fresh(&mut instance);

@@ -394,7 +394,7 @@ proptest! {
         let (_, set) = body;
         let hits = random_hits(set, count, seed);
         let alone = save_after(set, &InstanceOptions::default(), std::slice::from_ref(&hits));
-        let mut reference: Option<Vec<[u32; 14]>> = None;
+        let mut reference: Option<Vec<[u32; 10]>> = None;
         for tasks in task_systems() {
             let mut instance = new(set);
             let inbox = instance.inbox().clone();
@@ -583,11 +583,11 @@ fn check_guards(set: &Arc<ExampleSet>, seed: u64) -> Result<(), TestCaseError> {
     let position = gap(&mut dice);
     let normal = position + 12 + gap(&mut dice);
     let tangent = normal + 12 + gap(&mut dice);
-    let wear = tangent + 16 + gap(&mut dice);
-    let stride = wear + 16 + gap(&mut dice);
+    let last = if has_tangents { tangent + 16 } else { normal + 12 };
+    let stride = last + gap(&mut dice);
     let count = set.vertex_count();
     // the memory ends with the last value; deform needs no byte beyond it
-    let size = (count - 1) * stride + wear + 16;
+    let size = (count - 1) * stride + last;
     let before = dice.index(9);
     let mut bytes = vec![GUARD; before + size + 64];
     let attribute = |offset| Attribute { offset, stride, format: Encoding::F32 };
@@ -601,7 +601,6 @@ fn check_guards(set: &Arc<ExampleSet>, seed: u64) -> Result<(), TestCaseError> {
             attribute(position),
             Some(attribute(normal)),
             has_tangents.then_some(attribute(tangent)),
-            Some(attribute(wear)),
         )
         .unwrap();
         instance.deform(&mut tracker, memory, &Serial).unwrap();
@@ -616,7 +615,6 @@ fn check_guards(set: &Arc<ExampleSet>, seed: u64) -> Result<(), TestCaseError> {
         };
         prop_assert_eq!(take(position, 3), plain.positions[v].map(f32::to_bits).to_vec());
         prop_assert_eq!(take(normal, 3), plain.normals[v].map(f32::to_bits).to_vec());
-        prop_assert_eq!(take(wear, 4), plain.wear[v].map(f32::to_bits).to_vec());
         if has_tangents {
             prop_assert_eq!(take(tangent, 4), plain.tangents[v].map(f32::to_bits).to_vec());
         }
@@ -648,8 +646,8 @@ fn check_changes(instance: &mut Instance, out: &mut Output) -> Result<(), TestCa
     for (v, before) in before.iter().enumerate() {
         if poisoned(out, v) {
             prop_assert_eq!(*before, fresh.bits(v), "vertex {} changed and was not written", v);
-            (out.positions[v], out.normals[v], out.tangents[v], out.wear[v]) =
-                (fresh.positions[v], fresh.normals[v], fresh.tangents[v], fresh.wear[v]);
+            (out.positions[v], out.normals[v], out.tangents[v]) =
+                (fresh.positions[v], fresh.normals[v], fresh.tangents[v]);
         } else {
             prop_assert_eq!(out.bits(v), fresh.bits(v), "vertex {}", v);
         }

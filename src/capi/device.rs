@@ -278,7 +278,6 @@ impl CrumpleVulkanBufferDef {
             positions,
             normals: stream(&self.normals, "normals")?,
             tangents: stream(&self.tangents, "tangents")?,
-            wear: stream(&self.wear, "wear")?,
             scale: self.scale.array(),
             bias: self.bias.array(),
         })

@@ -23,11 +23,6 @@ pub struct CrumpleHostBufferDef {
     /// Tangents in tangent_format: xyz of unit length and orthogonal to the normal, w as in the mesh. Absent: not
     /// written.
     pub tangents: CrumpleStream,
-    /// Wear, 4 floats for shaders of paint, glass and dirt. All are 0 exactly where nothing is dented, none is negative:
-    /// dent (length of the displacement, m), bend (1 - cosine of the angle by which the normal turned, 0 to 2), press
-    /// (distance moved against the base normal, m, 0 if outwards), scrape (length of the part of the displacement in the
-    /// undeformed surface, m). A mesh without normals has only dent. Absent: not written.
-    pub wear: CrumpleStream,
     /// Format of normals. Default CRUMPLE_DIRECTION_FORMAT_FLOAT.
     pub normal_format: MaybeUninit<CrumpleDirectionFormat>,
     /// Format of tangents. Default CRUMPLE_DIRECTION_FORMAT_FLOAT.
@@ -42,7 +37,6 @@ pub(super) struct HostMemory {
     positions: Stream,
     normals: Option<Stream>,
     tangents: Option<Stream>,
-    wear: Option<Stream>,
     /// Formats of normals and tangents.
     formats: [Encoding; 2],
 }
@@ -60,13 +54,7 @@ impl HostMemory {
         let bytes = |format, floats| if format == CrumpleDirectionFormat::Float { floats } else { 4 };
         let normals = Stream::new(def.normals, bytes(normal_format, 12), n, "def.normals")?;
         let tangents = Stream::new(def.tangents, bytes(tangent_format, 16), n, "def.tangents")?;
-        let wear = Stream::new(def.wear, 16, n, "def.wear")?;
-        disjoint(&[
-            ("def.positions", positions),
-            ("def.normals", normals),
-            ("def.tangents", tangents),
-            ("def.wear", wear),
-        ])?;
+        disjoint(&[("def.positions", positions), ("def.normals", normals), ("def.tangents", tangents)])?;
         let lacks = |what: &str, why: &str| -> Failure {
             crate::base::error::Error::Mesh { what: format!("it has no {what} to deform{why}") }.into()
         };
@@ -79,7 +67,7 @@ impl HostMemory {
         let positions = positions.ok_or_else(|| {
             Failure::new(CrumpleResult::CrumpleErrorNullPointer, "def.positions.data is null; a buffer needs positions")
         })?;
-        Ok(Self { positions, normals, tangents, wear, formats: [normal_format.into(), tangent_format.into()] })
+        Ok(Self { positions, normals, tangents, formats: [normal_format.into(), tangent_format.into()] })
     }
 
     /// The memory as the deformer sees it.
@@ -94,12 +82,11 @@ impl HostMemory {
         };
         let [normals, tangents] = [(&self.normals, self.formats[0]), (&self.tangents, self.formats[1])]
             .map(|(s, format)| s.as_ref().map(|s| raw(s, format)));
-        let wear = self.wear.as_ref().map(|s| raw(s, Encoding::F32));
         // SAFETY: the caller's; `new` checked sizes, alignment, strides and that the streams are disjoint.
-        Ok(unsafe { VertexMemory::from_raw(raw(&self.positions, Encoding::F32), normals, tangents, wear) }?)
+        Ok(unsafe { VertexMemory::from_raw(raw(&self.positions, Encoding::F32), normals, tangents) }?)
     }
 
     pub(super) fn streams(&self) -> impl Iterator<Item = Stream> {
-        [Some(self.positions), self.normals, self.tangents, self.wear].into_iter().flatten()
+        [Some(self.positions), self.normals, self.tangents].into_iter().flatten()
     }
 }

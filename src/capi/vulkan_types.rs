@@ -46,8 +46,7 @@ pub struct CrumpleVulkanStream {
     /// A VkFormat. Positions: R32G32B32_SFLOAT, R16G16B16A16_SFLOAT (w is 1), R16G16B16A16_SNORM (see
     /// CrumpleVulkanBufferDef.scale). Normals: R32G32B32_SFLOAT, R16G16B16A16_SNORM, R8G8B8A8_SNORM (w is 0),
     /// R16G16_UNORM (octahedral, see CRUMPLE_DIRECTION_FORMAT_OCTAHEDRAL). Tangents: R32G32B32A32_SFLOAT,
-    /// R16G16B16A16_SNORM, R8G8B8A8_SNORM, R16G16_UNORM (octahedral). Wear: R32G32B32A32_SFLOAT, R8G8B8A8_UNORM (1
-    /// means the depth_limit of the set's info, and for bend a quarter turn; more is stored as 1).
+    /// R16G16B16A16_SNORM, R8G8B8A8_SNORM, R16G16_UNORM (octahedral).
     pub format: u32,
     pub reserved: u32,
 }
@@ -89,7 +88,6 @@ pub struct CrumpleVulkanBufferDef {
     pub positions: CrumpleVulkanStream,
     pub normals: CrumpleVulkanStream,
     pub tangents: CrumpleVulkanStream,
-    pub wear: CrumpleVulkanStream,
     /// For positions in R16G16B16A16_SNORM: a stored value s in -1 to 1 means s * scale + bias, m. Positions outside
     /// that range are clamped, so it must cover the mesh's bounds grown by the depth limit. Above 0. Default 1, 1, 1.
     pub scale: CrumpleVec3,

@@ -5,7 +5,7 @@
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Encoding {
-    /// 32-bit floats: three for positions and normals, four for tangents and wear.
+    /// 32-bit floats: three for positions and normals, four for tangents.
     F32 = 0,
     /// Four 16-bit floats (IEEE binary16), rounded to nearest even. A larger number becomes 65504.
     F16x4 = 1,
@@ -13,8 +13,6 @@ pub enum Encoding {
     Snorm16x4 = 2,
     /// Four 8-bit integers; -127 to 127 stand for -1 to 1.
     Snorm8x4 = 3,
-    /// Four 8-bit integers; 0 to 255 stand for 0 to 1.
-    Unorm8x4 = 4,
     /// Two 16-bit integers; 0 to 65535 stand for 0 to 1. They are the coordinates of a normal or tangent on an unfolded
     /// octahedron, as in Godot. A normal's words are `x` and `y` of
     ///
@@ -28,7 +26,7 @@ pub enum Encoding {
     /// times 65535, rounded towards zero. A tangent has `y' = max(y, 1/32767) * 0.5 + 0.5` in place of `y` if its fourth
     /// number is 0 or above, else `1 - y'`; of its words (0, 65535) becomes (65535, 65535), which stands for the same vector.
     /// Decoded normals are off by at most 0.0075 degrees, tangents by 0.0115.
-    Octahedral16x2 = 5,
+    Octahedral16x2 = 4,
 }
 
 /// A vector on the unfolded octahedron, each number 0 to 1. A vector without a length is z. The kernels in `src/gpu` do

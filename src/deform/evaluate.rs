@@ -323,15 +323,6 @@ fn shortened(state: DisplacedVertices<'_>, mesh: &Mesh, v: usize) -> (Vec3, f32)
     (if factor < 1.0 { base + (at - base) * factor } else { at }, factor)
 }
 
-/// Writes the wear of a block's vertices, whose positions and, if the mesh has them, normals were evaluated.
-pub(crate) fn wear(lod: &MeshLod, block: usize, (positions, normals): (&Flat, &Flat), to: &mut [[f32; 4]; BLOCK]) {
-    let range = block_range(block, lod.vertex_count());
-    let (mut padded, mut padded_normals): (Flat, Flat) = ([0.0; 3 * BLOCK], [0.0; 3 * BLOCK]);
-    let base = whole(bytemuck::cast_slice(&lod.mesh.positions()[range.clone()]), &mut padded);
-    let base_normals = lod.mesh.normals().map(|n| whole(bytemuck::cast_slice(&n[range]), &mut padded_normals));
-    levels::wear((base, positions), base_normals.map(|base| (base, normals)), to);
-}
-
 /// The base tangent, rotated as the normal was and made orthogonal to the new normal. Keeps w.
 pub(crate) fn tangent(lod: &MeshLod, v: usize, normal: Vec3) -> Vec4 {
     let Some(t) = lod.mesh.tangents().map(|t| t[v]) else { return Vec4::W };

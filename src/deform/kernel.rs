@@ -372,42 +372,6 @@ pub(crate) unsafe fn turn_stored<S: Simd>(
     }
 }
 
-/// Writes the wear of each vertex from its positions and, if there are base normals, from its unit normals.
-/// [`crate::VertexMemory::with_wear`] says what the four numbers are.
-#[inline(always)]
-pub(crate) unsafe fn wear<S: Simd>(
-    (base, positions): (&Flat, &Flat),
-    normals: Option<(&Flat, &Flat)>,
-    to: &mut [[f32; 4]; BLOCK],
-) {
-    // SAFETY: guaranteed by the caller; lanes lie in the block.
-    unsafe {
-        let zero = S::splat(0.0);
-        // By number, then by vertex: compilers turn the last loop into shuffles.
-        let mut lanes = [[0.0; BLOCK]; 4];
-        for at in (0..BLOCK).step_by(S::LANES) {
-            let (from, moved) = (load3::<S>(base.as_ptr().add(3 * at)), load3::<S>(positions.as_ptr().add(3 * at)));
-            let u = each!(k => S::sub(moved[k], from[k]));
-            let mut numbers = [S::sqrt(dot::<S>(u, u)), zero, zero, zero];
-            if let Some((before, after)) = normals {
-                let (n, now) = (load3::<S>(before.as_ptr().add(3 * at)), load3::<S>(after.as_ptr().add(3 * at)));
-                let turn = each!(k => S::sub(now[k], n[k]));
-                let along = dot::<S>(u, n);
-                let across = each!(k => S::sub(u[k], S::mul(n[k], along)));
-                numbers[1] = S::mul(dot::<S>(turn, turn), S::splat(0.5));
-                numbers[2] = S::max(S::sub(zero, along), zero);
-                numbers[3] = S::sqrt(dot::<S>(across, across));
-            }
-            for k in 0..4 {
-                S::store(lanes[k].as_mut_ptr().add(at), numbers[k]);
-            }
-        }
-        for i in 0..BLOCK {
-            to[i] = [lanes[0][i], lanes[1][i], lanes[2][i], lanes[3][i]];
-        }
-    }
-}
-
 /// Writes normals, x y z x y z …, in [`crate::Encoding::Octahedral16x2`], which has the formula.
 #[inline(always)]
 pub(crate) unsafe fn octahedral<S: Simd>(normals: &Flat, to: &mut [u32; BLOCK]) {

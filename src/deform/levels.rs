@@ -26,8 +26,6 @@ compiled!(stored_avx2, "avx2", kernel::displace_stored::<Avx2>,
     (base: &[f32], stored: &Stored<'_>, scale: f32, to: &mut [f32]) -> Bounds);
 compiled!(turn_avx2, "avx2", kernel::turn_stored::<Avx2>,
     (base: &Flat, stored: &Stored<'_>, scale: f32, to: &mut Flat) -> ());
-compiled!(wear_avx2, "avx2", kernel::wear::<Avx2>,
-    (positions: (&Flat, &Flat), normals: Option<(&Flat, &Flat)>, to: &mut [[f32; 4]; BLOCK]) -> ());
 compiled!(octahedral_avx2, "avx2", kernel::octahedral::<Avx2>, (normals: &Flat, to: &mut [u32; BLOCK]) -> ());
 compiled!(longest_avx2, "avx2", kernel::longest::<Avx2>, (stored: &Stored<'_>) -> f32);
 compiled!(stored_positions_avx2, "avx2", kernel::displace::<Avx2, false, false>,
@@ -64,18 +62,6 @@ pub(crate) fn turn_stored(base: &Flat, stored: &Stored<'_>, scale: f32, to: &mut
         SimdLevel::Avx2 | SimdLevel::Avx512 => unsafe { turn_avx2(base, stored, scale, to) },
         // SAFETY: as above.
         _ => unsafe { kernel::turn_stored::<Portable>(base, stored, scale, to) },
-    }
-}
-
-/// [`kernel::wear`].
-#[inline]
-pub(crate) fn wear(positions: (&Flat, &Flat), normals: Option<(&Flat, &Flat)>, to: &mut [[f32; 4]; BLOCK]) {
-    match SimdLevel::current() {
-        #[cfg(target_arch = "x86_64")]
-        // SAFETY: as above.
-        SimdLevel::Avx2 | SimdLevel::Avx512 => unsafe { wear_avx2(positions, normals, to) },
-        // SAFETY: as above.
-        _ => unsafe { kernel::wear::<Portable>(positions, normals, to) },
     }
 }
 

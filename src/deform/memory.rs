@@ -48,16 +48,14 @@ pub struct RawStream {
     pub layout: Attribute,
 }
 
-/// The caller's memory for one output: positions (3 × f32, m) and optional normals (3 × f32), tangents (4 × f32) and
-/// [wear](VertexMemory::with_wear) (4 × f32). Normals and tangents may be octahedral instead
-/// ([`Encoding::Octahedral16x2`], 2 × u16).
+/// The caller's memory for one output: positions (3 × f32, m) and optional normals (3 × f32) and tangents (4 × f32).
+/// Normals and tangents may be octahedral instead ([`Encoding::Octahedral16x2`], 2 × u16).
 /// Bytes between values are never touched.
 #[derive(Debug)]
 pub struct VertexMemory<'a> {
     position: RawStream,
     normal: Option<RawStream>,
     tangent: Option<RawStream>,
-    wear: Option<RawStream>,
     owner: PhantomData<&'a mut [u8]>,
 }
 
@@ -78,10 +76,8 @@ impl<'a> VertexMemory<'a> {
         position: Attribute,
         normal: Option<Attribute>,
         tangent: Option<Attribute>,
-        wear: Option<Attribute>,
     ) -> Result<Self, Error> {
-        let streams =
-            [("position", Some(position), 12), ("normal", normal, 12), ("tangent", tangent, 16), ("wear", wear, 16)];
+        let streams = [("position", Some(position), 12), ("normal", normal, 12), ("tangent", tangent, 16)];
         let present: Vec<_> =
             streams.iter().filter_map(|(name, a, floats)| Some((name, (*a)?, (*a)?.bytes(*floats)))).collect();
         for (i, (name, a, bytes)) in present.iter().enumerate() {
@@ -98,7 +94,7 @@ impl<'a> VertexMemory<'a> {
         }
         let (data, size) = (data.as_mut_ptr(), data.len());
         let raw = |layout| RawStream { data, size, layout };
-        Self::checked(raw(position), normal.map(raw), tangent.map(raw), wear.map(raw))
+        Self::checked(raw(position), normal.map(raw), tangent.map(raw))
     }
 
     /// Attributes in separate arrays of floats.
@@ -116,25 +112,7 @@ impl<'a> VertexMemory<'a> {
             raw(positions.as_mut_ptr().cast(), size_of_val(positions), 12),
             normals.map(|n| raw(n.as_mut_ptr().cast(), size_of_val(n), 12)),
             tangents.map(|t| raw(t.as_mut_ptr().cast(), size_of_val(t), 16)),
-            None,
         )
-    }
-
-    /// Adds an array for the wear of each vertex, four numbers for shaders of paint, glass and dirt. All are 0 exactly
-    /// where nothing is dented, and none is negative:
-    ///
-    /// - dent: length of the displacement, m;
-    /// - bend: 1 - cosine of the angle by which the normal turned, 0 to 2;
-    /// - press: how far the vertex moved against its base normal, m, and 0 if it moved outwards;
-    /// - scrape: length of the part of the displacement that lies in the undeformed surface, m.
-    ///
-    /// Without normals in the mesh only dent is computed; the others are 0. Vertices that share a position have the same
-    /// dent. `deform` checks the size.
-    #[must_use]
-    pub fn with_wear(mut self, wear: &'a mut [[f32; 4]]) -> Self {
-        let (data, size) = (wear.as_mut_ptr().cast(), size_of_val(wear));
-        self.wear = Some(RawStream { data, size, layout: Attribute::floats(16) });
-        self
     }
 
     /// Adds an array for normals in [`Encoding::Octahedral16x2`], in place of other normals. `deform` checks the size.
@@ -164,18 +142,12 @@ impl<'a> VertexMemory<'a> {
         position: RawStream,
         normal: Option<RawStream>,
         tangent: Option<RawStream>,
-        wear: Option<RawStream>,
     ) -> Result<Self, Error> {
-        Self::checked(position, normal, tangent, wear)
+        Self::checked(position, normal, tangent)
     }
 
-    fn checked(
-        position: RawStream,
-        normal: Option<RawStream>,
-        tangent: Option<RawStream>,
-        wear: Option<RawStream>,
-    ) -> Result<Self, Error> {
-        let memory = Self { position, normal, tangent, wear, owner: PhantomData };
+    fn checked(position: RawStream, normal: Option<RawStream>, tangent: Option<RawStream>) -> Result<Self, Error> {
+        let memory = Self { position, normal, tangent, owner: PhantomData };
         for (name, s, bytes) in memory.streams() {
             let direction = matches!(name, "normal" | "tangent");
             match s.layout.format {
@@ -200,7 +172,6 @@ impl<'a> VertexMemory<'a> {
             ("position", Some(&self.position), 12),
             ("normal", self.normal.as_ref(), 12),
             ("tangent", self.tangent.as_ref(), 16),
-            ("wear", self.wear.as_ref(), 16),
         ];
         all.into_iter().filter_map(|(name, stream, floats)| Some((name, stream?, stream?.layout.bytes(floats))))
     }
@@ -218,10 +189,6 @@ impl<'a> VertexMemory<'a> {
 
     pub(crate) fn has_tangents(&self) -> bool {
         self.tangent.is_some()
-    }
-
-    pub(crate) fn has_wear(&self) -> bool {
-        self.wear.is_some()
     }
 
     /// The positions of vertices `r` as a slice of floats; `None` if they are not contiguous or not aligned.
@@ -279,17 +246,6 @@ impl<'a> VertexMemory<'a> {
                 Encoding::F32 => put(s, v, tangent),
                 _ => put(s, v, octahedral_tangent(tangent)),
             }
-        }
-    }
-
-    /// Writes the wear of vertices starting at `first`. Does nothing if the memory has none.
-    ///
-    /// # Safety
-    /// As [`VertexMemory::write_positions`].
-    pub(crate) unsafe fn write_wear(&self, first: usize, wear: &[[f32; 4]]) {
-        if let Some(s) = &self.wear {
-            // SAFETY: guaranteed by the caller.
-            unsafe { put_all::<f32, 4>(s, first, wear.as_flattened()) }
         }
     }
 }

@@ -96,7 +96,7 @@ impl Output<'_, '_> {
     /// Whether normals are evaluated: they are wanted, or needed for something else that is.
     fn with_normals(&self) -> bool {
         let memory = self.memory;
-        memory.has_normals() || (memory.has_tangents() || memory.has_wear()) && self.mesh.mesh.normals().is_some()
+        memory.has_normals() || memory.has_tangents() && self.mesh.mesh.normals().is_some()
     }
 
     /// Notes that nothing changed. Returns the number of blocks.
@@ -209,11 +209,9 @@ fn write_block<'a>(
     let range = block_range(block, mesh.vertex_count());
     let n = 3 * range.len();
     let Scratch { evaluate: scratch, positions, normals } = scratch;
-    let with_wear = memory.has_wear();
     let wanted = output.with_normals().then_some(&mut normals[..n]);
-    // SAFETY: `check` passed for all vertices; the blocks of an output are distinct and outputs do not overlap. Wear is
-    // computed from the positions, and the caller's memory may be slow to read.
-    match unsafe { memory.positions(range.clone()) }.filter(|_| !with_wear) {
+    // SAFETY: `check` passed for all vertices; the blocks of an output are distinct and outputs do not overlap.
+    match unsafe { memory.positions(range.clone()) } {
         Some(positions) => evaluate::block(job, scratch, kept, positions, wanted, bounds),
         None => {
             let positions = &mut positions[..n];
@@ -221,12 +219,6 @@ fn write_block<'a>(
             // SAFETY: the same.
             unsafe { memory.write_positions(range.start, positions) };
         }
-    }
-    if with_wear {
-        let mut wear = [[0.0; 4]; BLOCK];
-        evaluate::wear(mesh, block, (&*positions, &*normals), &mut wear);
-        // SAFETY: the same.
-        unsafe { memory.write_wear(range.start, &wear[..range.len()]) };
     }
     let normals = &normals[..n];
     if memory.has_normals() {

@@ -3,7 +3,6 @@
 
 override NORMALS: bool = false;
 override TANGENTS: bool = false;
-override WEAR: bool = false;
 
 // The position of each vertex and, with NORMALS, its normal, which is not of unit length.
 @group(2) @binding(0) var<storage, read_write> state: array<u32>;
@@ -108,12 +107,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let allowed = within_own_limits(out, vertex.index, length);
     let shortened = length > allowed;
     let factor = allowed / length;
-    let shown_position = select(position, base + u * factor, shortened);
-    write_position(out, vertex.index, shown_position);
-    var shown = normal;
+    write_position(out, vertex.index, select(position, base + u * factor, shortened));
     if NORMALS {
         set_state(words * vertex.index + 3u, normal);
-        shown = select(normal, base_normal + (normal - base_normal) * factor, shortened);
+        var shown = select(normal, base_normal + (normal - base_normal) * factor, shortened);
         if any(shown != base_normal) {
             shown = unit(shown, base_normal);
         }
@@ -123,8 +120,5 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             let tangent = vec4(arena_vector(at), arena_float(at + 3u));
             write_tangent(out, vertex.index, tangent_of(tangent, base_normal, shown));
         }
-    }
-    if WEAR {
-        write_wear(out, vertex.index, wear_of(out, base, shown_position, base_normal, shown));
     }
 }

@@ -104,19 +104,6 @@ fn tangent_of(base: vec4<f32>, base_normal: vec3<f32>, normal: vec3<f32>) -> vec
     return vec4(unit(flat, across), base.w);
 }
 
-// `wear` in src/deform/kernel.rs. Base normals that lie at the base positions stand for none.
-fn wear_of(t: TargetWork, base: vec3<f32>, position: vec3<f32>, base_normal: vec3<f32>, normal: vec3<f32>) -> vec4<f32> {
-    let u = position - base;
-    let dent = sqrt(dot3(u, u));
-    if t.base_normals == t.base_positions {
-        return vec4(dent, 0.0, 0.0, 0.0);
-    }
-    let turn = normal - base_normal;
-    let along = dot3(u, base_normal);
-    let across = u - base_normal * along;
-    return vec4(dent, dot3(turn, turn) * 0.5, maximum(0.0 - along, 0.0), sqrt(dot3(across, across)));
-}
-
 // ------------------------------------------------------------------------------------------------------- anchored examples
 
 fn signed(bits: u32, shift: u32, right: u32) -> f32 {
@@ -210,10 +197,6 @@ fn snorm_bits(x: f32, top: f32) -> u32 {
     return bitcast<u32>(i32(y + select(0.5, -0.5, y < 0.0)));
 }
 
-fn unorm_bits(x: f32) -> u32 {
-    return u32(clamped(x, 0.0, 1.0) * 255.0 + 0.5);
-}
-
 // A vector on the unfolded octahedron, each number 0 to 1.
 fn octahedral(v: vec3<f32>) -> vec2<f32> {
     let length = abs(v.x) + abs(v.y) + abs(v.z);
@@ -292,19 +275,5 @@ fn write_tangent(t: TargetWork, vertex: u32, v: vec4<f32>) {
         vertices[at] = octahedral_tangent(v);
     } else {
         write4(at, format, v);
-    }
-}
-
-fn write_wear(t: TargetWork, vertex: u32, v: vec4<f32>) {
-    if t.wear_stride == 0u {
-        return;
-    }
-    let at = t.wear_at + vertex * t.wear_stride;
-    if !(PACKED && (t.formats >> 24u) != 0u) {
-        write3(at, v.xyz);
-        vertices[at + 3u] = bitcast<u32>(v.w);
-    } else {
-        let low = unorm_bits(v.x / t.wear_scale) | (unorm_bits(v.y) << 8u);
-        vertices[at] = low | (unorm_bits(v.z / t.wear_scale) << 16u) | (unorm_bits(v.w / t.wear_scale) << 24u);
     }
 }

@@ -11,18 +11,16 @@ pub enum Attribute {
     Normal,
     /// A unit vector. The fourth number is the base tangent's.
     Tangent,
-    /// Dent, bend, press and scrape: see [`crate::VertexMemory::with_wear`].
-    Wear,
 }
 
 impl Encoding {
     /// The size of a value in bytes.
     pub(crate) fn bytes(self, attribute: Attribute) -> u64 {
         match (self, attribute) {
-            (Encoding::F32, Attribute::Tangent | Attribute::Wear) => 16,
+            (Encoding::F32, Attribute::Tangent) => 16,
             (Encoding::F32, _) => 12,
             (Encoding::F16x4 | Encoding::Snorm16x4, _) => 8,
-            (Encoding::Snorm8x4 | Encoding::Unorm8x4 | Encoding::Octahedral16x2, _) => 4,
+            (Encoding::Snorm8x4 | Encoding::Octahedral16x2, _) => 4,
         }
     }
 }
@@ -33,7 +31,6 @@ impl Attribute {
             Attribute::Position => "position",
             Attribute::Normal => "normal",
             Attribute::Tangent => "tangent",
-            Attribute::Wear => "wear",
         }
     }
 
@@ -42,7 +39,6 @@ impl Attribute {
             Attribute::Position => "positions",
             Attribute::Normal => "normals",
             Attribute::Tangent => "tangents",
-            Attribute::Wear => "wear",
         }
     }
 }
@@ -66,10 +62,6 @@ pub fn encode(encoding: Encoding, attribute: Attribute, v: [f32; 4]) -> [u32; 4]
         }
         Encoding::Octahedral16x2 if attribute == Attribute::Tangent => [octahedral_tangent(v), 0, 0, 0],
         Encoding::Octahedral16x2 => [octahedral_normal([v[0], v[1], v[2]]), 0, 0, 0],
-        Encoding::Unorm8x4 => {
-            let v = v.map(|x| if x > 0.0 { (if x < 1.0 { x } else { 1.0 } * 255.0 + 0.5) as u32 } else { 0 });
-            [v[0] | v[1] << 8 | v[2] << 16 | v[3] << 24, 0, 0, 0]
-        }
     }
 }
 

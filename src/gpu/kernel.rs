@@ -32,27 +32,24 @@ pub(crate) struct Variant {
     pub case: Case,
     /// Whether an output has another format than 32-bit floats.
     pub packed: bool,
-    /// Whether it writes wear too.
-    pub wear: bool,
 }
 
 impl Variant {
     /// Number of variants in all.
-    pub(crate) const COUNT: usize = 36;
+    pub(crate) const COUNT: usize = 18;
 
     /// All variants, in the order of their numbers.
     #[cfg(feature = "vulkan")]
     pub(crate) fn all() -> impl Iterator<Item = Variant> {
         let cases = [Case::Anchored, Case::Marks, Case::Classic].into_iter();
-        let flags = [(false, false), (false, true), (true, false), (true, true)].into_iter();
-        let both = flags.flat_map(move |flags| cases.clone().map(move |case| (flags, case)));
+        let both = [false, true].into_iter().flat_map(move |packed| cases.clone().map(move |case| (packed, case)));
         let kernels = [Kernel::Positions, Kernel::Normals, Kernel::Tangents];
-        both.flat_map(move |((wear, packed), case)| kernels.map(|kernel| Variant { kernel, case, packed, wear }))
+        both.flat_map(move |(packed, case)| kernels.map(|kernel| Variant { kernel, case, packed }))
     }
 
     /// Index among all variants.
     pub(crate) fn number(self) -> usize {
-        self.kernel as usize + 3 * self.case as usize + 9 * usize::from(self.packed) + 18 * usize::from(self.wear)
+        self.kernel as usize + 3 * self.case as usize + 9 * usize::from(self.packed)
     }
 
     /// Whether an override of the sources is on.
@@ -61,7 +58,6 @@ impl Variant {
             "CARRIED" => self.case == Case::Marks,
             "NORMALS" => self.kernel >= Kernel::Normals,
             "TANGENTS" => self.kernel == Kernel::Tangents,
-            "WEAR" => self.wear,
             _ => self.packed,
         }
     }

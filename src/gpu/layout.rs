@@ -60,12 +60,10 @@ pub(super) struct TargetWork {
     pub given_state: u32,
     pub depths: u32,
     pub gives: u32,
-    pub wear_at: u32,
-    pub wear_stride: u32,
-    pub wear_scale: f32,
     pub step: f32,
     pub per_step: f32,
     pub coarse: f32,
+    pub padding: [u32; 3],
 }
 
 /// A dent. Its parts follow.

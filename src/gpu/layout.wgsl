@@ -12,8 +12,7 @@ const NONE = 0xFFFFFFFFu;
 const F16X4 = 1u;
 const SNORM16X4 = 2u;
 const SNORM8X4 = 3u;
-const UNORM8X4 = 4u;
-const OCTAHEDRAL16X2 = 5u;
+const OCTAHEDRAL16X2 = 4u;
 
 // Flags of a target with marks.
 // The sum is no longer than the longest dent.
@@ -67,7 +66,7 @@ struct TargetWork {
     normal_stride: u32,
     tangent_at: u32,
     tangent_stride: u32,
-    // Number formats, a byte each: positions, normals, tangents, wear.
+    // Number formats, a byte each: positions, normals, tangents.
     formats: u32,
     vertices: u32,
     // Positions in normalised integers are stored as (p - bias) / scale.
@@ -86,15 +85,11 @@ struct TargetWork {
     // First words of the vertices' depth limits and of 1 - stiffness in the arena, or NONE: the upper halves of floats.
     depths: u32,
     gives: u32,
-    // Of wear, as of the other outputs; and the length that a normalised integer of 1 stands for, m.
-    wear_at: u32,
-    wear_stride: u32,
-    wear_scale: f32,
     // Of displacements of carried examples: a step, m, and steps per m. Powers of two.
     step: f32,
     per_step: f32,
     // Factor of the steps: 1, or a power of two where many dents overlap. `step` and `per_step` include it.
-    coarse: f32,
+    @size(16) coarse: f32,
 }
 
 // A dent. Its parts follow.

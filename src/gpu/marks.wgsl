@@ -3,7 +3,6 @@
 
 override NORMALS: bool = false;
 override TANGENTS: bool = false;
-override WEAR: bool = false;
 // Whether there are carried examples.
 override CARRIED: bool = false;
 
@@ -242,19 +241,14 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             change = change * factor;
         }
     }
-    let position = base + u;
-    write_position(out, vertex.index, position);
-    var normal = vec3(0.0);
+    write_position(out, vertex.index, base + u);
     if NORMALS {
-        normal = normal_of(base_normal, sums.change, change);
+        let normal = normal_of(base_normal, sums.change, change);
         write_normal(out, vertex.index, normal);
         if TANGENTS && out.tangent_stride != 0u {
             let at = out.base_tangents + 4u * vertex.index;
             let tangent = vec4(arena_vector(at), arena_float(at + 3u));
             write_tangent(out, vertex.index, tangent_of(tangent, base_normal, normal));
         }
-    }
-    if WEAR {
-        write_wear(out, vertex.index, wear_of(out, base, position, base_normal, normal));
     }
 }

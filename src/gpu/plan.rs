@@ -50,15 +50,14 @@ pub(crate) trait PlanTarget {
     fn state_mut(&mut self) -> &mut TargetState;
 }
 
-/// What the targets of one dispatch have in common. (A dispatch for targets with packed and unpacked outputs, or with and
-/// without wear, would need a variant that none of them has.)
+/// What the targets of one dispatch have in common. (A dispatch for targets with packed and unpacked outputs would
+/// need a variant that none of them has.)
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct DispatchKey<B> {
     binding: B,
     /// The arena's chunk.
     chunk: u32,
     packed: bool,
-    wear: bool,
     /// The job, for an instance with a classic rule: no other has its state.
     classic: Option<u32>,
 }
@@ -157,8 +156,8 @@ impl<B: Copy + Ord> Plan<B> {
             let (state, changes) = (target.state(), instance.view().changes);
             if state.tracker.since(changes, state.lod) != Some(changes.epoch) {
                 let classic = instance.classic_state().map(|_| job as u32);
-                let (chunk, packed, wear) = (state.mesh.chunk, state.layout.packed(), state.layout.wear.is_some());
-                let key = DispatchKey { binding: target.binding(), chunk, packed, wear, classic };
+                let (chunk, packed) = (state.mesh.chunk, state.layout.packed());
+                let key = DispatchKey { binding: target.binding(), chunk, packed, classic };
                 self.jobs.push(PlannedJob { key, job, bounds: Aabb::EMPTY, blocks: 0..0 });
             } else {
                 report.blocks_skipped += changes.blocks[state.lod].len() as u64;

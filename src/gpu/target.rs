@@ -25,6 +25,6 @@ pub(crate) struct TargetState {
 impl TargetState {
     /// The variant that writes it.
     pub(crate) fn variant(&self, case: Case) -> Variant {
-        Variant { kernel: self.kernel, case, packed: self.layout.packed(), wear: self.layout.wear.is_some() }
+        Variant { kernel: self.kernel, case, packed: self.layout.packed() }
     }
 }

@@ -24,12 +24,9 @@ pub struct VertexStream<F> {
     /// | position | `R32G32B32_SFLOAT`, `R16G16B16A16_SFLOAT`, `R16G16B16A16_SNORM` | `Float32x3`, `Float16x4`, `Snorm16x4` |
     /// | normal | `R32G32B32_SFLOAT`, `R16G16B16A16_SNORM`, `R8G8B8A8_SNORM`, `R16G16_UNORM` | `Float32x3`, `Snorm16x4`, `Snorm8x4`, `Unorm16x2` |
     /// | tangent | `R32G32B32A32_SFLOAT`, `R16G16B16A16_SNORM`, `R8G8B8A8_SNORM`, `R16G16_UNORM` | `Float32x4`, `Snorm16x4`, `Snorm8x4`, `Unorm16x2` |
-    /// | wear | `R32G32B32A32_SFLOAT`, `R8G8B8A8_UNORM` | `Float32x4`, `Unorm8x4` |
     ///
     /// A position's fourth number is 1, a normal's is 0, a tangent's is the base tangent's. The formats of two numbers are
-    /// octahedral, see [`Encoding::Octahedral16x2`]. In normalised wear 1 stands for
-    /// the set's depth limit ([`ExampleSet::depth_limit`](crate::ExampleSet::depth_limit)), and for a bend of 1, a quarter turn.
-    /// More is stored as 1.
+    /// octahedral, see [`Encoding::Octahedral16x2`].
     pub format: F,
 }
 
@@ -50,8 +47,6 @@ pub struct TargetDef<B, F> {
     pub normals: Option<VertexStream<F>>,
     /// Tangents; `None` writes none. The fourth number is the base tangent's.
     pub tangents: Option<VertexStream<F>>,
-    /// Wear, see [`VertexMemory::with_wear`](crate::VertexMemory::with_wear); `None` writes none.
-    pub wear: Option<VertexStream<F>>,
     /// Scale of positions in 16-bit normalised integers, m, above 0: a stored number s from -1 to 1 stands for
     /// `s * scale + bias`. Positions outside are clamped, so take the bounds and add the depth limit.
     pub scale: [f32; 3],
@@ -67,17 +62,15 @@ pub trait HostFormat: Copy + PartialEq + Debug + 'static {
     const NORMALS: [(Self, Encoding); 4];
     /// Formats of tangents.
     const TANGENTS: [(Self, Encoding); 4];
-    /// Formats of wear.
-    const WEAR: [(Self, Encoding); 2];
 }
 
 impl<B, F: HostFormat> TargetDef<B, F> {
     /// Positions alone, three floats each, tightly packed from `offset` on.
     pub fn positions(buffer: B, offset: u64, size: u64) -> Self {
         let positions = VertexStream { offset: 0, stride: 12, format: F::POSITIONS[0].0 };
-        let (normals, tangents, wear) = (None, None, None);
+        let (normals, tangents) = (None, None);
         let (scale, bias) = ([1.0; 3], [0.0; 3]);
-        TargetDef { lod: 0, buffer, offset, size, positions, normals, tangents, wear, scale, bias }
+        TargetDef { lod: 0, buffer, offset, size, positions, normals, tangents, scale, bias }
     }
 
     /// Checks the definition for a mesh and a buffer of `buffer_size` bytes. Returns the layout, the kernel that writes it, and
@@ -91,8 +84,7 @@ impl<B, F: HostFormat> TargetDef<B, F> {
         }
         let normals = self.normals.as_ref().map(|s| encoded("normal", s, &F::NORMALS)).transpose()?;
         let tangents = self.tangents.as_ref().map(|s| encoded("tangent", s, &F::TANGENTS)).transpose()?;
-        let wear = self.wear.as_ref().map(|s| encoded("wear", s, &F::WEAR)).transpose()?;
-        let layout = VertexLayout { positions, normals, tangents, wear, scale: self.scale, bias: self.bias };
+        let layout = VertexLayout { positions, normals, tangents, scale: self.scale, bias: self.bias };
         if !self.offset.is_multiple_of(4) {
             return Err(Error::Misaligned { name: "the target's offset".into(), value: self.offset, align: 4 });
         }
@@ -126,7 +118,6 @@ pub(crate) struct VertexLayout {
     pub positions: VertexStream<Encoding>,
     pub normals: Option<VertexStream<Encoding>>,
     pub tangents: Option<VertexStream<Encoding>>,
-    pub wear: Option<VertexStream<Encoding>>,
     /// Positions in normalised integers are stored as (p - bias) / scale.
     pub scale: [f32; 3],
     pub bias: [f32; 3],
@@ -137,8 +128,7 @@ impl VertexLayout {
         let some = |a, s: Option<VertexStream<Encoding>>| s.map(|s| (a, s));
         let normals = some(Attribute::Normal, self.normals);
         let tangents = some(Attribute::Tangent, self.tangents);
-        let wear = some(Attribute::Wear, self.wear);
-        [Some((Attribute::Position, self.positions)), normals, tangents, wear].into_iter().flatten()
+        [Some((Attribute::Position, self.positions)), normals, tangents].into_iter().flatten()
     }
 
     /// Whether an output has another format than 32-bit floats.
@@ -151,8 +141,6 @@ impl VertexLayout {
         let kernel = match (self.normals, self.tangents) {
             (_, Some(_)) => Kernel::Tangents,
             (Some(_), None) => Kernel::Normals,
-            // Wear shows how the normals turn.
-            (None, None) if self.wear.is_some() && mesh.normals().is_some() => Kernel::Normals,
             (None, None) => Kernel::Positions,
         };
         if kernel > Kernel::Positions && mesh.normals().is_none() {
@@ -227,7 +215,6 @@ mod tests {
             positions: stream(0, 24),
             normals: Some(normals),
             tangents: None,
-            wear: None,
             scale: [1.0; 3],
             bias: [0.0; 3],
         };

@@ -262,7 +262,6 @@ impl FrameWork {
         let (position_at, position_stride, position_format) = stream(Some(layout.positions));
         let (normal_at, normal_stride, normal_format) = stream(layout.normals);
         let (tangent_at, tangent_stride, tangent_format) = stream(layout.tangents);
-        let (wear_at, wear_stride, wear_format) = stream(layout.wear);
         // A kernel may read an attribute that the target does not have; it writes none of it.
         let base_positions = place.positions();
         let reached = shown.mesh.mesh.limits().least().iter().any(|least| may_reach(longest, *least));
@@ -278,7 +277,7 @@ impl FrameWork {
             normal_stride,
             tangent_at,
             tangent_stride,
-            formats: position_format | normal_format << 8 | tangent_format << 16 | wear_format << 24,
+            formats: position_format | normal_format << 8 | tangent_format << 16,
             vertices: shown.mesh.vertex_count() as u32,
             bias: layout.bias,
             limit,
@@ -290,12 +289,10 @@ impl FrameWork {
             given_state,
             depths,
             gives,
-            wear_at,
-            wear_stride,
-            wear_scale: shown.view.set.depth_limit(),
             step: shown.view.step(),
             per_step: 1.0 / shown.view.step(),
             coarse: shown.view.coarse,
+            padding: [0; 3],
         });
     }
 }

@@ -11,8 +11,7 @@ use std::ptr::{null, null_mut};
 #[doc(hidden)]
 pub fn kernels() -> impl Iterator<Item = (String, Vec<u32>)> {
     Variant::all().map(|v| {
-        let name = format!("{:?} {:?}{}", v.case, v.kernel, if v.packed { " packed" } else { "" })
-            + if v.wear { " wear" } else { "" };
+        let name = format!("{:?} {:?}{}", v.case, v.kernel, if v.packed { " packed" } else { "" });
         (name.to_lowercase(), compiled(v, 128))
     })
 }

@@ -76,7 +76,7 @@ impl Device {
         let window = host.window(&self.gpu, &self.pipelines, &written)?;
         let (handle, first) = (host.def.buffer, def.offset.wrapping_sub(host.windows[window].range.start));
         for case in [Case::Anchored, Case::Marks] {
-            let variant = Variant { kernel, case, packed: layout.packed(), wear: layout.wear.is_some() };
+            let variant = Variant { kernel, case, packed: layout.packed() };
             self.gpu.add_pipeline(&mut self.pipelines, variant)?;
         }
         let mesh = self.arena.mesh(&self.gpu, &limits, set, def.lod)?;

@@ -26,8 +26,6 @@ impl HostFormat for vk::Format {
         (vk::Format::R8G8B8A8_SNORM, Encoding::Snorm8x4),
         (vk::Format::R16G16_UNORM, Encoding::Octahedral16x2),
     ];
-    const WEAR: [(Self, Encoding); 2] =
-        [(vk::Format::R32G32B32A32_SFLOAT, Encoding::F32), (vk::Format::R8G8B8A8_UNORM, Encoding::Unorm8x4)];
 }
 
 /// Where a buffer stores one attribute of the vertices.

@@ -33,7 +33,7 @@ impl Device {
     }
 
     /// Waits for everything that was submitted, and reads a target's vertices into memory of the CPU: those of positions, normals,
-    /// tangents and wear that the memory has.
+    /// and tangents that the memory has.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for a target of another device or set, and a buffer without `COPY_SRC`;
@@ -62,7 +62,6 @@ impl Device {
         let positions = stream("positions", Some(target.state.layout.positions), true)?;
         let normals = stream("normals", target.state.layout.normals, memory.has_normals())?;
         let tangents = stream("tangents", target.state.layout.tangents, memory.has_tangents())?;
-        let wear = stream("wear", target.state.layout.wear, memory.has_wear())?;
         let mut all = crate::base::error::reserve::<u32>(target.size.div_ceil(4) as usize, "a target's vertices")?;
         all.resize((target.size / 4) as usize, 0);
         self.read(target.buffer(), target.offset, bytemuck::cast_slice_mut(&mut all))?;
@@ -82,9 +81,6 @@ impl Device {
                 }
                 if let Some(s) = tangents {
                     memory.write_tangent(v, four(s).into());
-                }
-                if let Some(s) = wear {
-                    memory.write_wear(v, &[four(s)]);
                 }
             }
         }

@@ -25,8 +25,6 @@ impl HostFormat for VertexFormat {
         (VertexFormat::Snorm8x4, Encoding::Snorm8x4),
         (VertexFormat::Unorm16x2, Encoding::Octahedral16x2),
     ];
-    const WEAR: [(Self, Encoding); 2] =
-        [(VertexFormat::Float32x4, Encoding::F32), (VertexFormat::Unorm8x4, Encoding::Unorm8x4)];
 }
 
 /// Where a buffer stores one attribute of the vertices.

@@ -6,7 +6,7 @@ static CrumpleContext *context;
 static CrumpleExampleSet set;
 
 typedef struct Vertex {
-    float position[3], uv[2], normal[3], tangent[4], wear[4];
+    float position[3], uv[2], normal[3], tangent[4];
     uint32_t colour;
 } Vertex;
 
@@ -23,7 +23,6 @@ static CrumpleBuffer register_all(CrumpleInstance body, Vertex *vertices) {
     def.positions = stream_of(vertices, bytes, offsetof(Vertex, position), sizeof(Vertex));
     def.normals = stream_of(vertices, bytes, offsetof(Vertex, normal), sizeof(Vertex));
     def.tangents = stream_of(vertices, bytes, offsetof(Vertex, tangent), sizeof(Vertex));
-    def.wear = stream_of(vertices, bytes, offsetof(Vertex, wear), sizeof(Vertex));
     OK(crumple_buffer_register_host(context, body, &def, &buffer));
     return buffer;
 }
@@ -128,10 +127,6 @@ static void interleaved(void) {
         FACT(fabsf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - 1) < 1e-5f);
         FACT(fabsf(t[0] * t[0] + t[1] * t[1] + t[2] * t[2] - 1) < 1e-5f && t[3] == 1);
         FACT(fabsf(n[0] * t[0] + n[1] * t[1] + n[2] * t[2]) < 1e-5f);
-        const float *p = at->position, *q = sheet.positions[v], *w = at->wear;
-        const float dent = sqrtf((p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) + (p[2] - q[2]) * (p[2] - q[2]));
-        FACT(fabsf(w[0] - dent) < 1e-6f && (w[0] > 0) == (dent > 0));
-        FACT(fabsf(w[2] * w[2] + w[3] * w[3] - dent * dent) < 1e-6f && w[1] >= 0 && w[1] <= 2);
     }
     FACT(fabsf(deepest(vertices) - 0.04f) < 0.01f);
 

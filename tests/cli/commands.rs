@@ -118,7 +118,7 @@ fn apply_dents_the_body_where_it_was_hit() {
     let png = folder.at("a/b");
     let point = Vec3::new(-0.2, 0.1, 0.078);
     let json = r#"[{"name": "here", "point": [-0.2, 0.1, 0.078], "displacement": [0, 0, -0.025]}]"#;
-    let report = apply(&folder, &[PANEL], json, &["--wear", "--png", &png]);
+    let report = apply(&folder, &[PANEL], json, &["--png", &png]);
     has(&report, &["here", "1 of 1 impact left a dent; the damage is 1 mark"]);
 
     let out = folder.at("out.glb");
@@ -135,55 +135,16 @@ fn apply_dents_the_body_where_it_was_hit() {
 
     assert_eq!(folder.names(), ["a", "i.json", "out.glb"], "nothing temporary stays");
     let png = Path::new(&png);
-    assert_eq!(names(png), ["after.png", "base.png", "before_after.png", "heat.png", "wear.png"]);
-    let pictures = ["base", "after", "heat", "before_after", "wear"].map(|n| picture(&png.join(format!("{n}.png"))));
+    assert_eq!(names(png), ["after.png", "base.png", "before_after.png", "heat.png"]);
+    let pictures = ["base", "after", "heat", "before_after"].map(|n| picture(&png.join(format!("{n}.png"))));
     for (pixels, _) in &pictures {
         let colours: std::collections::HashSet<&[u8]> = pixels.chunks(3).collect();
         assert!(colours.len() > 500, "{} colours", colours.len());
     }
     assert_ne!(pictures[0].0, pictures[1].0, "the dent shows");
-    assert_ne!(pictures[1].0, pictures[4].0, "the scratched paint shows");
     let maximum = pictures[2].1.strip_prefix("displacement, 0 to ").and_then(|t| t.strip_suffix(" mm"));
     let maximum: f32 = maximum.expect("the legend's range").parse().expect("a number");
     assert!((maximum - depth * 1e3).abs() <= 1e-4 * maximum, "{maximum} {depth}");
-}
-
-#[test]
-fn apply_writes_wear_as_an_attribute() {
-    let folder = Folder::empty();
-    let hit = r#"[{"point": [-0.2, 0.1, 0.078], "displacement": [0.01, 0, -0.025]}]"#;
-    let attribute = |source: &str, more: &[&str]| -> Option<Vec<[f32; 4]>> {
-        apply(&folder, &[source], hit, more);
-        let bytes = std::fs::read(folder.at("out.glb")).expect("readable");
-        let length = u32::from_le_bytes(bytes[12..16].try_into().expect("four")) as usize;
-        let (json, bin) = (&bytes[20..20 + length], &bytes[28 + length..]);
-        let json: serde_json::Value = serde_json::from_slice(json).expect("JSON");
-        let accessor = json["meshes"][0]["primitives"][0]["attributes"]["_WEAR"].as_u64()?;
-        let accessor = &json["accessors"][accessor as usize];
-        assert_eq!((&accessor["type"], &accessor["componentType"]), (&"VEC4".into(), &5126.into()));
-        let view = &json["bufferViews"][accessor["bufferView"].as_u64().expect("a view") as usize];
-        let number = |v: &serde_json::Value| v.as_u64().unwrap_or(0) as usize;
-        let from = number(&view["byteOffset"]) + number(&accessor["byteOffset"]);
-        let floats = bin[from..].as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect::<Vec<_>>();
-        Some(floats.as_chunks::<4>().0[..number(&accessor["count"])].to_vec())
-    };
-    assert_eq!(attribute(PANEL, &[]), None);
-
-    let Imported { mesh, examples, .. } = import(PANEL);
-    let mut positions = mesh.positions.clone();
-    let set = crumple::ExampleSet::build(mesh, examples, Default::default(), &crumple::Serial).expect("a set");
-    let mut body = crumple::Instance::new(std::sync::Arc::new(set), Default::default()).expect("a body");
-    body.submit(&crumple::Hit::displacement([-0.2, 0.1, 0.078], [0.01, 0.0, -0.025])).expect("a mark");
-    let mut wear = vec![[0.0; 4]; positions.len()];
-    let memory = crumple::VertexMemory::separate(&mut positions, None, None).expect("vertices").with_wear(&mut wear);
-    body.deform(&mut crumple::Tracker::new(), memory, &crumple::Serial).expect("deformed");
-    assert!((0..4).all(|i| wear.iter().any(|w| w[i] > 0.0)));
-    assert!(attribute(PANEL, &["--wear"]).is_some_and(|w| w == wear), "the library's wear");
-    // a baked set is written as a new file; baking lets displacements be a little off
-    let baked = folder.at("panel.crumple");
-    crumple(&["bake", PANEL, "-o", &baked]).report();
-    let after = attribute(&baked, &["--wear"]).expect("wear");
-    assert!(after.len() == wear.len() && after.iter().zip(&wear).all(|(a, b)| (a[0] - b[0]).abs() < 1e-3));
 }
 
 #[test]

@@ -94,8 +94,6 @@ impl Bounds {
         match attribute {
             Attribute::Position => self.position,
             Attribute::Normal | Attribute::Tangent => self.direction,
-            // Lengths in m, and half the square of a difference of unit vectors, which is at most 2 long.
-            Attribute::Wear => 2.0 * self.position.max(2.0 * self.direction),
         }
     }
 }
@@ -144,7 +142,7 @@ impl Expected {
             let of = match encoding {
                 Encoding::F32 => [all[i]; 4],
                 Encoding::F16x4 | Encoding::Snorm16x4 => [all[2 * i], all[2 * i + 1], 0.0, 0.0],
-                Encoding::Snorm8x4 | Encoding::Unorm8x4 | Encoding::Octahedral16x2 => all,
+                Encoding::Snorm8x4 | Encoding::Octahedral16x2 => all,
             };
             self.allowed[at + i] = Allowed::Numbers(encoding, attribute, of);
         }
@@ -187,7 +185,6 @@ fn agree(got: u32, wanted: u32, allowed: Allowed, exact: bool) -> bool {
                     Encoding::F16x4 => w.abs().max(6.2e-5) / 1024.0,
                     Encoding::Snorm16x4 => 1.0 / 32767.0,
                     Encoding::Snorm8x4 => 1.0 / 127.0,
-                    Encoding::Unorm8x4 => 1.0 / 255.0,
                     Encoding::Octahedral16x2 => 2e-4,
                 };
                 (g - w).abs() <= bound + step * 1.0001
@@ -205,7 +202,6 @@ fn numbers(encoding: Encoding, attribute: Attribute, word: u32) -> [f32; 4] {
             let [x, y] = halves.map(|h| f32::from(h as i16) / 32767.0);
             [x, y, 0.0, 0.0]
         }
-        Encoding::Unorm8x4 => word.to_le_bytes().map(|b| f32::from(b) / 255.0),
         Encoding::Snorm8x4 => word.to_le_bytes().map(|b| f32::from(b as i8) / 127.0),
         Encoding::Octahedral16x2 => octahedral(halves, attribute == Attribute::Tangent),
     }

@@ -5,14 +5,14 @@ use crumple::{DeformJob, ExampleSet, Instance, Serial, Tracker, VertexMemory, de
 use super::compare::{Bounds, Expected};
 use crate::backend::{Attribute, BufferRef, Def, Encoding, Stream, encode, format};
 
-pub const ATTRIBUTES: [Attribute; 4] = [Attribute::Position, Attribute::Normal, Attribute::Tangent, Attribute::Wear];
+pub const ATTRIBUTES: [Attribute; 3] = [Attribute::Position, Attribute::Normal, Attribute::Tangent];
 
 /// Where a test puts a mesh's vertices. The offsets of streams count from the start of the target.
 #[derive(Debug, Clone, Copy)]
 pub struct TestLayout {
     pub lod: usize,
     pub offset: u64,
-    pub streams: [Option<(Stream, Encoding)>; 4],
+    pub streams: [Option<(Stream, Encoding)>; 3],
     pub scale: [f32; 3],
     pub bias: [f32; 3],
     pub size: u64,
@@ -21,10 +21,10 @@ pub struct TestLayout {
 /// Words of a value.
 pub fn words(attribute: Attribute, encoding: Encoding) -> usize {
     match (encoding, attribute) {
-        (Encoding::F32, Attribute::Tangent | Attribute::Wear) => 4,
+        (Encoding::F32, Attribute::Tangent) => 4,
         (Encoding::F32, _) => 3,
         (Encoding::F16x4 | Encoding::Snorm16x4, _) => 2,
-        (Encoding::Snorm8x4 | Encoding::Unorm8x4 | Encoding::Octahedral16x2, _) => 1,
+        (Encoding::Snorm8x4 | Encoding::Octahedral16x2, _) => 1,
     }
 }
 
@@ -34,16 +34,16 @@ impl TestLayout {
         let mesh = set.lod_mesh(lod).unwrap();
         let float = |there: bool| there.then_some(Encoding::F32);
         let (normals, tangents) = (mesh.normals().is_some(), mesh.tangents().is_some());
-        let encodings = [float(true), float(normals), float(tangents), float(true)];
+        let encodings = [float(true), float(normals), float(tangents)];
         Self::interleaved(set, lod, offset, encodings)
     }
 
-    /// Positions, normals, tangents and wear in these encodings, interleaved with gaps.
-    pub fn interleaved(set: &ExampleSet, lod: usize, offset: u64, encodings: [Option<Encoding>; 4]) -> Self {
+    /// Positions, normals and tangents in these encodings, interleaved with gaps.
+    pub fn interleaved(set: &ExampleSet, lod: usize, offset: u64, encodings: [Option<Encoding>; 3]) -> Self {
         let mesh = set.lod_mesh(lod).unwrap();
         let mut stride = 4;
-        let mut streams = [None; 4];
-        for i in 0..4 {
+        let mut streams = [None; 3];
+        for i in 0..3 {
             let (Some(encoding), attribute) = (encodings[i], ATTRIBUTES[i]) else { continue };
             streams[i] = Some((Stream { offset: stride, stride: 0, format: format(attribute, encoding) }, encoding));
             stride += 4 * words(attribute, encoding) as u64 + 4;
@@ -62,7 +62,7 @@ impl TestLayout {
 
     /// The definition of a target in a buffer.
     pub fn def<'a>(&self, buffer: BufferRef<'a>) -> Def<'a> {
-        let [positions, normals, tangents, wear] = self.streams.map(|s| s.map(|s| s.0));
+        let [positions, normals, tangents] = self.streams.map(|s| s.map(|s| s.0));
         Def {
             lod: self.lod,
             buffer,
@@ -71,7 +71,6 @@ impl TestLayout {
             positions: positions.unwrap(),
             normals,
             tangents,
-            wear,
             scale: self.scale,
             bias: self.bias,
         }
@@ -85,23 +84,16 @@ impl TestLayout {
         let (mut p, mut n, mut t) = (vec![[0.0; 3]; count], vec![[0.0; 3]; count], vec![[0.0; 4]; count]);
         let normals = mesh.normals().map(|_| n.as_mut_slice());
         let tangents = mesh.tangents().map(|_| t.as_mut_slice());
-        let mut w = vec![[0.0; 4]; count];
-        let memory = VertexMemory::separate(&mut p, normals, tangents).unwrap().with_wear(&mut w);
+        let memory = VertexMemory::separate(&mut p, normals, tangents).unwrap();
         let mut tracker = Tracker::new();
         deform(&mut [DeformJob { lod: self.lod, instance, tracker: &mut tracker, memory }], &Serial).unwrap();
         let (scale, bias) = match self.streams[0].unwrap().1 {
             Encoding::Snorm16x4 => (self.scale, self.bias),
             _ => ([1.0; 3], [0.0; 3]),
         };
-        let length = match self.streams[3] {
-            Some((_, Encoding::Unorm8x4)) => instance.example_set().depth_limit(),
-            _ => 1.0,
-        };
         for v in 0..count {
-            let [dent, bend, press, scrape] = w[v];
-            let wear = [dent / length, bend, press / length, scrape / length];
             let [x, y, z] = [0, 1, 2].map(|i| (p[v][i] - bias[i]) / scale[i]);
-            let values = [[x, y, z, 1.0], [n[v][0], n[v][1], n[v][2], 0.0], t[v], wear];
+            let values = [[x, y, z, 1.0], [n[v][0], n[v][1], n[v][2], 0.0], t[v]];
             for (i, value) in values.into_iter().enumerate() {
                 let Some((stream, encoding)) = self.streams[i] else { continue };
                 let at = (self.offset + stream.offset + v as u64 * stream.stride) as usize / 4;

@@ -31,7 +31,7 @@ fn targets_that_will_not_do_are_refused() {
         no(Def { offset: 2, size: 4, ..good }, Misaligned, &["target's offset", "2"]);
         no(Def { offset: 8, ..good }, BufferTooSmall, &["buffer"]);
         no(Def { offset: u64::MAX - 3, ..good }, BufferTooSmall, &["buffer"]);
-        no(Def { size: layout.size - 8, ..good }, BufferTooSmall, &["wear"]);
+        no(Def { size: layout.size - 8, ..good }, BufferTooSmall, &["tangent"]);
         let with = |change: fn(&mut Stream)| {
             let mut positions = good.positions;
             change(&mut positions);
@@ -53,12 +53,10 @@ fn targets_that_will_not_do_are_refused() {
         no(with(|s| s.format = OCTAHEDRAL), InvalidArgument, &["position format", &octahedral_name, floats]);
         let normals = Some(Stream { format: OCTAHEDRAL, stride: 50, ..good.normals.unwrap() });
         no(Def { normals, ..good }, Misaligned, &["normal stride", "50"]);
-        let wear = Some(Stream { format: OCTAHEDRAL, ..good.wear.unwrap() });
-        no(Def { wear, ..good }, InvalidArgument, &["wear format", &octahedral_name]);
         let normals = Some(Stream { format: HALF_POSITION, ..good.normals.unwrap() });
         no(Def { normals, ..good }, InvalidArgument, &["normal format", "8"]);
-        let wear = Some(Stream { format: good.positions.format, ..good.wear.unwrap() });
-        no(Def { wear, ..good }, InvalidArgument, &["wear format", "8"]);
+        let tangents = Some(Stream { format: good.positions.format, ..good.tangents.unwrap() });
+        no(Def { tangents, ..good }, InvalidArgument, &["tangent format", "8"]);
         for scale in [0.0, -1.0, f32::NAN, f32::INFINITY] {
             let def = Def { scale: [1.0, scale, 1.0], ..with(|s| s.format = PACKED_POSITION) };
             no(def, InvalidArgument, &["scale", &format!("{scale:?}")]);

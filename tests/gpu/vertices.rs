@@ -163,9 +163,9 @@ fn positions_alone_and_normals_alone_are_the_same() {
     let set = scenes::cube_set();
     let float = Some(Encoding::F32);
     on_each_device(|gpu| {
-        // Tangents or wear without normals too.
-        let all = [[None; 3], [float, None, None], [None, float, None], [None, None, float]];
-        for encodings in all.map(|[n, t, w]| [float, n, t, w]) {
+        // Tangents without normals too.
+        let all = [[None; 2], [float, None], [None, float]];
+        for encodings in all.map(|[n, t]| [float, n, t]) {
             let layout = TestLayout::interleaved(&set, 0, 8, encodings);
             compare(gpu, "cube", &mut folded(&set, 9, 3), &layout, |_, _| false);
         }
@@ -199,7 +199,7 @@ fn classic_rules_are_those_of_the_cpu() {
     };
     let sets = [scenes::cube_set(), scenes::ball_set(), baked(3e-3), baked(1e-5), limited(Combine::Energies)];
     let rules = [Rule::MostDisplaced, Rule::Blend(0.3), Rule::Blend(0.0), Rule::Blend(1.0), Rule::Blend(0.5)];
-    let positions = [Some(Encoding::F32), None, None, None];
+    let positions = [Some(Encoding::F32), None, None];
     on_each_device(|gpu| {
         for (set, rule) in sets.iter().zip(rules) {
             let unclamped = crumple::Selection::ClassicUnclamped;
@@ -235,9 +235,8 @@ fn formats_are_converted_as_rust_does() {
     on_each_device(|gpu| {
         for (p, n) in positions.into_iter().zip(others) {
             for t in others {
-                let w = if t == n { Encoding::F32 } else { Encoding::Unorm8x4 };
-                let layout = TestLayout::interleaved(&set, 0, 16, [Some(p), Some(n), Some(t), Some(w)]);
-                let name = format!("{p:?} {n:?} {t:?} {w:?}");
+                let layout = TestLayout::interleaved(&set, 0, 16, [Some(p), Some(n), Some(t)]);
+                let name = format!("{p:?} {n:?} {t:?}");
                 compare(gpu, &name, &mut folded(&set, 9, 5), &layout, |i, frame| {
                     hit(i, 9, frame);
                     frame < 2

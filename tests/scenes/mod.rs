@@ -381,7 +381,6 @@ pub struct Output {
     pub positions: Vec<[f32; 3]>,
     pub normals: Vec<[f32; 3]>,
     pub tangents: Vec<[f32; 4]>,
-    pub wear: Vec<[f32; 4]>,
     pub tracker: Tracker,
     has_normals: bool,
     has_tangents: bool,
@@ -397,7 +396,6 @@ impl Output {
             positions: vec![[POISON; 3]; count],
             normals: vec![[POISON; 3]; count],
             tangents: vec![[POISON; 4]; count],
-            wear: vec![[POISON; 4]; count],
             tracker: Tracker::new(),
             has_normals: set.mesh().normals().is_some(),
             has_tangents: set.mesh().tangents().is_some(),
@@ -408,7 +406,7 @@ impl Output {
         let normals = self.has_normals.then_some(self.normals.as_mut_slice());
         let tangents = self.has_tangents.then_some(self.tangents.as_mut_slice());
         let memory = VertexMemory::separate(&mut self.positions, normals, tangents).unwrap();
-        (&mut self.tracker, memory.with_wear(&mut self.wear))
+        (&mut self.tracker, memory)
     }
 
     pub fn update_with(&mut self, instance: &mut Instance, tasks: &dyn TaskSystem) -> DeformReport {
@@ -431,16 +429,15 @@ impl Output {
         self.positions.fill([POISON; 3]);
         self.normals.fill([POISON; 3]);
         self.tangents.fill([POISON; 4]);
-        self.wear.fill([POISON; 4]);
     }
 
     /// All floats of vertex `v`, as bits.
-    pub fn bits(&self, v: usize) -> [u32; 14] {
-        let (p, n, t, w) = (self.positions[v], self.normals[v], self.tangents[v], self.wear[v]);
-        [p[0], p[1], p[2], n[0], n[1], n[2], t[0], t[1], t[2], t[3], w[0], w[1], w[2], w[3]].map(f32::to_bits)
+    pub fn bits(&self, v: usize) -> [u32; 10] {
+        let (p, n, t) = (self.positions[v], self.normals[v], self.tangents[v]);
+        [p[0], p[1], p[2], n[0], n[1], n[2], t[0], t[1], t[2], t[3]].map(f32::to_bits)
     }
 
-    pub fn all_bits(&self) -> Vec<[u32; 14]> {
+    pub fn all_bits(&self) -> Vec<[u32; 10]> {
         (0..self.positions.len()).map(|v| self.bits(v)).collect()
     }
 }

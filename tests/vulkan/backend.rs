@@ -25,8 +25,7 @@ pub const BAD_POSITION: (vk::Format, &str) = (vk::Format::R32G32_SFLOAT, "R32G32
 
 pub fn format(attribute: Attribute, encoding: Encoding) -> vk::Format {
     match (encoding, attribute) {
-        (Encoding::F32, Attribute::Tangent | Attribute::Wear) => vk::Format::R32G32B32A32_SFLOAT,
-        (Encoding::Unorm8x4, _) => vk::Format::R8G8B8A8_UNORM,
+        (Encoding::F32, Attribute::Tangent) => vk::Format::R32G32B32A32_SFLOAT,
         (Encoding::F32, _) => vk::Format::R32G32B32_SFLOAT,
         (Encoding::F16x4, _) => vk::Format::R16G16B16A16_SFLOAT,
         (Encoding::Snorm16x4, _) => vk::Format::R16G16B16A16_SNORM,

@@ -23,8 +23,7 @@ pub const BAD_POSITION: (VertexFormat, &str) = (VertexFormat::Float32x2, "Float3
 
 pub fn format(attribute: Attribute, encoding: Encoding) -> VertexFormat {
     match (encoding, attribute) {
-        (Encoding::F32, Attribute::Tangent | Attribute::Wear) => VertexFormat::Float32x4,
-        (Encoding::Unorm8x4, _) => VertexFormat::Unorm8x4,
+        (Encoding::F32, Attribute::Tangent) => VertexFormat::Float32x4,
         (Encoding::F32, _) => VertexFormat::Float32x3,
         (Encoding::F16x4, _) => VertexFormat::Float16x4,
         (Encoding::Snorm16x4, _) => VertexFormat::Snorm16x4,

@@ -21,16 +21,14 @@ fn vertices_come_back_into_memory() {
         crumple.submit(&mut [EncodeJob { instance: &instance, target: &mut target }]).unwrap();
         let count = set.vertex_count();
         let (mut p, mut n, mut t) = (vec![[0.0; 3]; count], vec![[0.0; 3]; count], vec![[0.0; 4]; count]);
-        let mut w = vec![[0.0; 4]; count];
-        let memory = VertexMemory::separate(&mut p, Some(&mut n), Some(&mut t));
-        let mut memory = memory.unwrap().with_wear(&mut w);
+        let mut memory = VertexMemory::separate(&mut p, Some(&mut n), Some(&mut t)).unwrap();
         crumple.read_vertices(&set, &target, &mut memory).unwrap();
         let mut wanted = Expected::poison(seen.size() as usize / 4);
         layout.expect(&mut instance, &mut wanted);
         // Put what was read where the buffer holds it, so that it is compared as the buffer is.
         let mut got = vec![POISON; seen.size() as usize / 4];
         for v in 0..count {
-            let values = [p[v].to_vec(), n[v].to_vec(), t[v].to_vec(), w[v].to_vec()];
+            let values = [p[v].to_vec(), n[v].to_vec(), t[v].to_vec()];
             for (stream, value) in layout.streams.iter().zip(values) {
                 let stream = stream.unwrap().0;
                 let at = (layout.offset + stream.offset + v as u64 * stream.stride) as usize / 4;

@@ -194,7 +194,7 @@ impl CrumpleComputeWriter {
         let mut bytes = vec![0; entry.size];
         let [positions, normals, tangents] = entry.streams;
         let positions = positions.ok_or("it has no positions")?;
-        let memory = VertexMemory::interleaved(&mut bytes, positions, normals, tangents, None);
+        let memory = VertexMemory::interleaved(&mut bytes, positions, normals, tangents);
         let memory = memory.map_err(|error| error.to_string())?;
         let mut jobs = [DeformJob { lod: 0, instance, tracker: &mut Tracker::new(), memory }];
         tasks::with(|tasks| crumple::deform(&mut jobs, tasks)).map_err(|error| error.to_string())?;

@@ -21,12 +21,11 @@ mod backend {
 
     pub fn format(attribute: Attribute, encoding: Encoding) -> vk::Format {
         match (encoding, attribute) {
-            (Encoding::F32, Attribute::Tangent | Attribute::Wear) => vk::Format::R32G32B32A32_SFLOAT,
+            (Encoding::F32, Attribute::Tangent) => vk::Format::R32G32B32A32_SFLOAT,
             (Encoding::F32, _) => vk::Format::R32G32B32_SFLOAT,
             (Encoding::F16x4, _) => vk::Format::R16G16B16A16_SFLOAT,
             (Encoding::Snorm16x4, _) => vk::Format::R16G16B16A16_SNORM,
             (Encoding::Snorm8x4, _) => vk::Format::R8G8B8A8_SNORM,
-            (Encoding::Unorm8x4, _) => vk::Format::R8G8B8A8_UNORM,
             (Encoding::Octahedral16x2, _) => vk::Format::R16G16_UNORM,
         }
     }
@@ -72,8 +71,8 @@ fn play(bytes: &mut Unstructured<'_>, engine: &mut Engine) {
 }
 
 /// An encoding for each attribute that the mesh has.
-fn encodings(set: &ExampleSet, chosen: [u8; 4]) -> [Option<backend::Encoding>; 4] {
-    use backend::Encoding::{F16x4, F32, Octahedral16x2, Snorm8x4, Snorm16x4, Unorm8x4};
+fn encodings(set: &ExampleSet, chosen: [u8; 4]) -> [Option<backend::Encoding>; 3] {
+    use backend::Encoding::{F16x4, F32, Octahedral16x2, Snorm8x4, Snorm16x4};
     let of = |i: usize, list: &[Option<backend::Encoding>]| list[usize::from(chosen[i] & 15) % list.len()];
     let directions = [Some(F32), Some(Snorm16x4), Some(Snorm8x4), Some(Octahedral16x2), None];
     let normals = set.mesh().normals().and_then(|_| of(1, &directions));
@@ -81,6 +80,5 @@ fn encodings(set: &ExampleSet, chosen: [u8; 4]) -> [Option<backend::Encoding>; 4
         of(0, &[Some(F32), Some(F16x4), Some(Snorm16x4)]),
         normals,
         set.mesh().tangents().and(normals).and_then(|_| of(2, &directions)),
-        of(3, &[None, Some(F32), Some(Unorm8x4)]),
     ]
 }

@@ -21,7 +21,7 @@ target!(
         let Ok(imported) = gltf_slice(&file, None, MeshChoice::First) else { return };
         let positions = imported.mesh.positions.clone();
         // A file that can be read can be written again with other vertices.
-        let _ = crumple::export::deformed_glb(&file, None, MeshChoice::First, &positions, None, None, None);
+        let _ = crumple::export::deformed_glb(&file, None, MeshChoice::First, &positions, None, None);
         seeds::build_and_use(imported);
     },
     seeds: seeds::gltf

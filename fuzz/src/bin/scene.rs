@@ -108,12 +108,11 @@ fn rounded(model: &Model, scaled: &[marks::Scaled<'_>]) -> f64 {
     scaled.iter().map(|mark| marks::TOGETHER * 2.0 * (1.0 + steep(mark.0)) * marks::size(model, mark).0).sum()
 }
 
-/// Memory for each attribute that the mesh has, and wear.
+/// Memory for each attribute that the mesh has.
 struct Output {
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
     tangents: Vec<[f32; 4]>,
-    wear: Vec<[f32; 4]>,
     tracker: Tracker,
 }
 
@@ -122,18 +121,18 @@ impl Output {
         let (mesh, n) = (set.mesh(), set.vertex_count());
         let normals = vec![[0.0; 3]; if mesh.normals().is_some() { n } else { 0 }];
         let tangents = vec![[0.0; 4]; if mesh.tangents().is_some() { n } else { 0 }];
-        Self { positions: vec![[0.0; 3]; n], normals, tangents, wear: vec![[0.0; 4]; n], tracker: Tracker::new() }
+        Self { positions: vec![[0.0; 3]; n], normals, tangents, tracker: Tracker::new() }
     }
 
     fn update(&mut self, body: &mut Instance, tasks: &dyn TaskSystem) {
         let normals = (!self.normals.is_empty()).then_some(self.normals.as_mut_slice());
         let tangents = (!self.tangents.is_empty()).then_some(self.tangents.as_mut_slice());
         let memory = VertexMemory::separate(&mut self.positions, normals, tangents).expect("separate arrays");
-        body.deform(&mut self.tracker, memory.with_wear(&mut self.wear), tasks).expect("arrays of the set's length");
+        body.deform(&mut self.tracker, memory, tasks).expect("arrays of the set's length");
     }
 
     fn bits(&self) -> Vec<u32> {
         let vectors = [&self.positions, &self.normals].into_iter().flat_map(|list| list.as_flattened());
-        vectors.chain(self.tangents.as_flattened()).chain(self.wear.as_flattened()).map(|x| x.to_bits()).collect()
+        vectors.chain(self.tangents.as_flattened()).map(|x| x.to_bits()).collect()
     }
 }

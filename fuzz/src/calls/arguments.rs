@@ -143,13 +143,13 @@ impl Host<'_> {
     /// Memory for vertices, in one array for each stream or interleaved.
     pub(super) fn buffer_def(&mut self) -> Step<CrumpleHostBufferDef> {
         const VERTICES: usize = 200;
-        let mut memory = vec![0.0f32; 14 * VERTICES];
+        let mut memory = vec![0.0f32; 10 * VERTICES];
         let (data, size) = (memory.as_mut_ptr().cast::<c_void>(), size_of_val(memory.as_slice()));
         self.memory.push(memory);
         let mut def = self.patched(crumple_host_buffer_def_default())?;
         let (present, interleaved) = (self.bytes.arbitrary::<u8>()?, self.bytes.ratio(1, 2)?);
         let stream = |first: usize, width: usize| {
-            let (offset, stride) = if interleaved { (4 * first, 56) } else { (4 * first * VERTICES, 4 * width) };
+            let (offset, stride) = if interleaved { (4 * first, 40) } else { (4 * first * VERTICES, 4 * width) };
             CrumpleStream { data, size, offset, stride }
         };
         let none = CrumpleStream { data: null_mut(), size: 0, offset: 0, stride: 0 };
@@ -157,7 +157,6 @@ impl Host<'_> {
         def.positions = either(!1, stream(0, 3));
         def.normals = either(2, stream(3, 3));
         def.tangents = either(4, stream(6, 4));
-        def.wear = either(8, stream(10, 4));
         if self.bytes.ratio(1, 8)? {
             def.positions.stride = self.word()? as usize;
             def.positions.offset = self.word()? as usize;

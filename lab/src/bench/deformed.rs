@@ -14,7 +14,7 @@ pub fn hash(positions: &[[f32; 3]]) -> u64 {
     xxh3_64(bytemuck::cast_slice(positions))
 }
 
-/// An instance with an output of contiguous positions, and normals, in floats or octahedral, and wear where wanted.
+/// An instance with an output of contiguous positions, and normals, in floats or octahedral.
 pub struct Deformed<'t> {
     instance: Instance,
     tracker: Tracker,
@@ -22,7 +22,6 @@ pub struct Deformed<'t> {
     positions: Vec<[f32; 3]>,
     normals: Option<Vec<[f32; 3]>>,
     octahedral_normals: Vec<[u16; 2]>,
-    wear: Option<Vec<[f32; 4]>>,
     tasks: &'t dyn TaskSystem,
     /// Two damages of the same reach, taken in turn: each run evaluates all vertices that the marks touch.
     damages: [Vec<Mark>; 2],
@@ -52,7 +51,6 @@ impl<'t> Deformed<'t> {
             positions: vec![[0.0; 3]; count],
             normals: normals.then(|| vec![[0.0; 3]; count]),
             octahedral_normals: Vec::new(),
-            wear: None,
             tasks,
             damages: [damage(0.9), damage(0.8)],
             turn: 0,
@@ -66,15 +64,7 @@ impl<'t> Deformed<'t> {
     /// The same with the positions of a level of detail alone.
     pub fn on_level(mut self, lod: usize) -> Result<Self> {
         let count = self.instance.example_set().lod_mesh(lod)?.positions().len();
-        (self.lod, self.positions, self.normals, self.wear) = (lod, vec![[0.0; 3]; count], None, None);
-        self.deform()?;
-        Ok(self)
-    }
-
-    /// The same with an output of wear too.
-    pub fn with_wear(mut self) -> Result<Self> {
-        self.wear = Some(vec![[0.0; 4]; self.positions.len()]);
-        self.tracker.invalidate();
+        (self.lod, self.positions, self.normals) = (lod, vec![[0.0; 3]; count], None);
         self.deform()?;
         Ok(self)
     }
@@ -111,9 +101,6 @@ impl<'t> Deformed<'t> {
         let mut memory = VertexMemory::separate(&mut self.positions, self.normals.as_deref_mut(), None)?;
         if !self.octahedral_normals.is_empty() {
             memory = memory.with_octahedral_normals(&mut self.octahedral_normals);
-        }
-        if let Some(wear) = &mut self.wear {
-            memory = memory.with_wear(wear);
         }
         let job = DeformJob { lod: self.lod, instance: &self.instance, tracker: &mut self.tracker, memory };
         self.blocks_written = crumple::deform(&mut [job], self.tasks)?.blocks_written;

@@ -1,4 +1,4 @@
-//! What normals cost on top of positions, octahedral ones beside floats, and wear on top of both.
+//! What normals cost on top of positions, and octahedral ones beside floats.
 
 use anyhow::Result;
 use crumple::{InstanceOptions, Placement};
@@ -33,22 +33,16 @@ pub fn run(bench: &Bench) -> Result<()> {
     }
     for (name, set, marks) in cases {
         let make = |normals| Deformed::new(&set, InstanceOptions::default(), &marks, normals, bench.tasks(1));
-        let (mut with, mut without, mut worn) = (make(true)?, make(false)?, make(true)?.with_wear()?);
+        let (mut with, mut without) = (make(true)?, make(false)?);
         let mut packed = make(false)?.with_octahedral_normals()?;
-        let mut contenders = [
-            Contender::new(|| with.run()),
-            Contender::new(|| without.run()),
-            Contender::new(|| worn.run()),
-            Contender::new(|| packed.run()),
-        ];
+        let mut contenders =
+            [Contender::new(|| with.run()), Contender::new(|| without.run()), Contender::new(|| packed.run())];
         let times = interleaved(&bench.plan, &mut contenders);
         drop(contenders);
-        let (worn_name, packed_name) = (format!("{name}_wear"), format!("{name}_octahedral"));
+        let packed_name = format!("{name}_octahedral");
         let row = Row::time(name, &times[0], "ms").beside_time("positions", &times[1], Sense::Cost);
         bench.add(row.aim(Aim::AtMost(1.9)).hash(with.hash()));
-        let row = Row::time(worn_name, &times[2], "ms").beside_time("normals", &times[0], Sense::Cost);
-        bench.add(row.aim(Aim::AtMost(1.15)).hash(worn.hash()));
-        let row = Row::time(packed_name, &times[3], "ms").beside_time("normals", &times[0], Sense::Cost);
+        let row = Row::time(packed_name, &times[2], "ms").beside_time("normals", &times[0], Sense::Cost);
         bench.add(row.hash(packed.hash()));
     }
     Ok(())

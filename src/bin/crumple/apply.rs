@@ -35,12 +35,9 @@ pub struct Arguments {
     /// File for the dented mesh; everything else of a glTF file is kept
     #[arg(short, long, value_name = "OUT.glb")]
     output: PathBuf,
-    /// Directory for base.png, after.png, heat.png, before_after.png and, with --wear, wear.png; it is created if needed
+    /// Directory for base.png, after.png, heat.png and before_after.png; it is created if needed
     #[arg(long, value_name = "DIR")]
     png: Option<PathBuf>,
-    /// Write the wear of each vertex as the attribute _WEAR: dent, bend, press and scrape, as docs/model.md defines them
-    #[arg(long)]
-    wear: bool,
     /// How impacts add up: marks, or one of the paper's classic rules, most-displaced or blend=K (K from 0 to 1)
     #[arg(long, default_value = "marks", value_parser = rule)]
     rule: Rule,
@@ -94,7 +91,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
         bail!("{} is the input; writing it would delete its examples; name another file", arguments.output.display());
     }
     let pool = ThreadPool::new(arguments.threads as usize)?;
-    let pictures = pictures(arguments);
+    let pictures = if arguments.png.is_some() { &Kind::ALL[..] } else { &[] };
     let bar = progress(impacts.len() + 3 + pictures.len());
     bar.set_message("reading");
     let source = arguments.input.load(&pool)?;
@@ -128,7 +125,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     if let Some(folder) = &arguments.png {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot make the directory {}", folder.display()))?;
         let mut outputs = Vec::new();
-        for kind in &pictures {
+        for kind in pictures {
             outputs.push(Output::create(&folder.join(kind.file_name()))?);
         }
         let workers = rayon::ThreadPoolBuilder::new().num_threads(arguments.threads as usize).build()?;
@@ -144,12 +141,6 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     }
     bar.finish_and_clear();
     report(arguments, &source, &mut instance, &impacts, &outcomes, &deformed)
-}
-
-/// The pictures to draw.
-fn pictures(arguments: &Arguments) -> Vec<Kind> {
-    let wanted = |kind: &Kind| arguments.png.is_some() && (arguments.wear || *kind != Kind::Wear);
-    Kind::ALL.into_iter().filter(wanted).collect()
 }
 
 fn options(arguments: &Arguments) -> InstanceOptions {
@@ -173,7 +164,7 @@ fn same_file(a: &std::path::Path, b: &std::path::Path) -> bool {
 }
 
 fn deform(arguments: &Arguments, instance: &mut Instance, source: &Source, pool: &ThreadPool) -> Result<Deformed> {
-    let mut vertices = Vertices::at_rest(source.set.mesh(), arguments.wear);
+    let mut vertices = Vertices::at_rest(source.set.mesh());
     let mut tracker = Tracker::new();
     let start = Instant::now();
     instance.deform(&mut tracker, vertices.memory()?, pool)?;
@@ -185,7 +176,7 @@ fn deform(arguments: &Arguments, instance: &mut Instance, source: &Source, pool:
         };
         return Ok(Deformed { vertices, time, by });
     };
-    let mut seen = Vertices::at_rest(source.set.mesh(), arguments.wear);
+    let mut seen = Vertices::at_rest(source.set.mesh());
     let done = gpu::deform(instance, &source.set, adapter, &mut seen)?;
     let compared = compared(&seen, &vertices);
     let by = format!("{}, including the upload of the mesh and its examples; {compared}", done.adapter);
@@ -194,11 +185,7 @@ fn deform(arguments: &Arguments, instance: &mut Instance, source: &Source, pool:
 
 /// Describes how the GPU's vertices compare with the CPU's.
 fn compared(gpu: &Vertices, cpu: &Vertices) -> String {
-    let same = gpu.positions == cpu.positions
-        && gpu.normals == cpu.normals
-        && gpu.tangents == cpu.tangents
-        && gpu.wear == cpu.wear;
-    if same {
+    if (&gpu.positions, &gpu.normals, &gpu.tangents) == (&cpu.positions, &cpu.normals, &cpu.tangents) {
         return "the CPU's are the same".into();
     }
     let off = |(a, b): (&[f32; 3], &[f32; 3])| (Vec3::from(*a) - Vec3::from(*b)).length();
@@ -219,14 +206,12 @@ fn draw(kind: Kind, source: &Source, deformed: &Deformed, outcomes: &[Outcome]) 
         after: &after,
         after_normals: &after_normals,
         contacts: &marked.map(|o| o.contact_vertex).collect::<Vec<_>>(),
-        wear: deformed.vertices.wear.as_deref().unwrap_or_default(),
         up: source.up(),
     };
     let description = match kind {
         Kind::Base => "before".to_owned(),
         Kind::After => "after".to_owned(),
         Kind::BeforeAfter => "before and after".to_owned(),
-        Kind::Wear => "paint scratched by wear".to_owned(),
         Kind::Heat => format!("displacement, 0 to {} mm", subject.deepest().1 * 1e3),
     };
     Ok(subject.draw(kind).to_png(&description)?)
@@ -302,7 +287,7 @@ fn report(
     )?;
     writeln!(text, "  Wrote {}", arguments.output.display())?;
     if let Some(folder) = &arguments.png {
-        let names = pictures(arguments).into_iter().map(Kind::file_name).collect::<Vec<_>>().join(", ");
+        let names = Kind::ALL.map(Kind::file_name).join(", ");
         writeln!(text, "  Wrote {names} in {}", folder.display())?;
     }
     Ok(text)

@@ -27,7 +27,7 @@ pub fn deform(instance: &Instance, set: &Arc<ExampleSet>, adapter: &str, to: &mu
     let wanted = Some(adapter).filter(|name| !name.is_empty());
     let mut device = Device::headless(&HeadlessDef { adapter: wanted, ..HeadlessDef::default() })?;
     let info = device.device().adapter_info();
-    // A vertex has its position, normal, tangent and wear side by side.
+    // A vertex has its position, normal and tangent side by side.
     let mut stride = 0;
     let mut attribute = |there: bool, format: VertexFormat| {
         let stream = Stream { offset: stride, stride: 0, format };
@@ -37,9 +37,7 @@ pub fn deform(instance: &Instance, set: &Arc<ExampleSet>, adapter: &str, to: &mu
     let positions = attribute(true, VertexFormat::Float32x3);
     let normals = attribute(to.normals.is_some(), VertexFormat::Float32x3);
     let tangents = attribute(to.tangents.is_some(), VertexFormat::Float32x4);
-    let wear = attribute(to.wear.is_some(), VertexFormat::Float32x4);
-    let [positions, normals, tangents, wear] =
-        [positions, normals, tangents, wear].map(|s| s.map(|s| Stream { stride, ..s }));
+    let [positions, normals, tangents] = [positions, normals, tangents].map(|s| s.map(|s| Stream { stride, ..s }));
     let size = stride * set.vertex_count() as u64;
     let usage = BufferUsages::VERTEX | BufferUsages::STORAGE | BufferUsages::COPY_SRC;
     let buffer = device.device().create_buffer(&BufferDescriptor {
@@ -49,7 +47,7 @@ pub fn deform(instance: &Instance, set: &Arc<ExampleSet>, adapter: &str, to: &mu
         mapped_at_creation: false,
     });
     let all = TargetDef::positions(&buffer, 0, size);
-    let def = TargetDef { positions: positions.unwrap_or(all.positions), normals, tangents, wear, ..all };
+    let def = TargetDef { positions: positions.unwrap_or(all.positions), normals, tangents, ..all };
     let start = std::time::Instant::now();
     let mut target = device.add_target(set, &def)?;
     device.submit(&mut [EncodeJob { instance, target: &mut target }])?;

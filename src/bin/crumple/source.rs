@@ -138,13 +138,12 @@ impl Source {
     pub fn deformed_glb(&self, vertices: &Vertices) -> Result<Vec<u8>, crumple::Error> {
         let positions = &vertices.positions;
         let (normals, tangents) = (vertices.normals.as_deref(), vertices.tangents.as_deref());
-        let wear = vertices.wear.as_deref();
         match &self.kind {
             Kind::Gltf { bytes, base_dir, mesh } => {
-                crumple::export::deformed_glb(bytes, Some(base_dir), choice(mesh), positions, normals, tangents, wear)
+                crumple::export::deformed_glb(bytes, Some(base_dir), choice(mesh), positions, normals, tangents)
             }
-            Kind::Joined(imported) => crumple::export::mesh_glb(imported, positions, normals, tangents, wear),
-            Kind::Baked => crumple::export::mesh_glb(&self.as_imported(), positions, normals, tangents, wear),
+            Kind::Joined(imported) => crumple::export::mesh_glb(imported, positions, normals, tangents),
+            Kind::Baked => crumple::export::mesh_glb(&self.as_imported(), positions, normals, tangents),
         }
     }
 

@@ -4,33 +4,27 @@ use anyhow::Result;
 use crumple::glam::{Vec3, Vec4};
 use crumple::{Mesh, VertexMemory};
 
-/// The vertices, with the attributes that the mesh has and, if it is asked for, their wear.
+/// The vertices, with the attributes that the mesh has.
 #[derive(Clone)]
 pub struct Vertices {
     pub positions: Vec<[f32; 3]>,
     pub normals: Option<Vec<[f32; 3]>>,
     pub tangents: Option<Vec<[f32; 4]>>,
-    pub wear: Option<Vec<[f32; 4]>>,
 }
 
 impl Vertices {
     /// The undeformed mesh.
-    pub fn at_rest(mesh: &Mesh, wear: bool) -> Self {
+    pub fn at_rest(mesh: &Mesh) -> Self {
         Vertices {
             positions: mesh.positions().iter().map(Vec3::to_array).collect(),
             normals: mesh.normals().map(|n| n.iter().map(Vec3::to_array).collect()),
             tangents: mesh.tangents().map(|t| t.iter().map(Vec4::to_array).collect()),
-            wear: wear.then(|| vec![[0.0; 4]; mesh.positions().len()]),
         }
     }
 
     /// The memory for a deform to write to.
     pub fn memory(&mut self) -> Result<VertexMemory<'_>> {
-        let Vertices { positions, normals, tangents, wear } = self;
-        let memory = VertexMemory::separate(positions, normals.as_deref_mut(), tangents.as_deref_mut())?;
-        Ok(match wear {
-            Some(wear) => memory.with_wear(wear),
-            None => memory,
-        })
+        let Vertices { positions, normals, tangents } = self;
+        Ok(VertexMemory::separate(positions, normals.as_deref_mut(), tangents.as_deref_mut())?)
     }
 }

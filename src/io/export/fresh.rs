@@ -74,9 +74,6 @@ fn push_attributes(
     if let Some(tangents) = vertices.tangents {
         attributes["TANGENT"] = push_attribute(root, blob, &tangents[own.clone()], false).into();
     }
-    if let Some(wear) = vertices.wear {
-        attributes["_WEAR"] = push_attribute(root, blob, &wear[own.clone()], false).into();
-    }
     if let Some(texcoords) = &imported.texcoords {
         attributes["TEXCOORD_0"] = push_attribute(root, blob, &texcoords[own], false).into();
     }

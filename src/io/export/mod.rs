@@ -11,7 +11,7 @@
 //! let imported = gltf_slice(&source, None, MeshChoice::First)?;
 //! let lifted: Vec<[f32; 3]> = imported.mesh.positions.iter().map(|[x, y, z]| [*x, y + 1.0, *z]).collect();
 //! let normals = imported.mesh.normals.as_deref();
-//! let glb = deformed_glb(&source, None, MeshChoice::First, &lifted, normals, None, None)?;
+//! let glb = deformed_glb(&source, None, MeshChoice::First, &lifted, normals, None)?;
 //! assert!(glb.starts_with(b"glTF"));
 //! # Ok::<(), crumple::Error>(())
 //! ```
@@ -31,8 +31,6 @@ mod vertices;
 ///
 /// `positions` (m), unit `normals` and `tangents` (xyz unit, w +1 or -1) are in the order of the joined vertices that
 /// the [import](crate::io::import) of the same mesh gives. Without `normals` or `tangents`, those of the file are kept.
-/// `wear` becomes the custom attribute `_WEAR` of four floats: dent, bend, press and scrape, as
-/// [`VertexMemory::with_wear`](crate::VertexMemory::with_wear) says.
 ///
 /// The mesh's morph targets are removed, with their weights, names, impacts, placements and the animation of their
 /// weights. Everything else is kept: node tree, materials, texture coordinates, skins, cameras, other meshes (also
@@ -51,9 +49,8 @@ pub fn deformed_glb(
     positions: &[[f32; 3]],
     normals: Option<&[[f32; 3]]>,
     tangents: Option<&[[f32; 4]]>,
-    wear: Option<&[[f32; 4]]>,
 ) -> Result<Vec<u8>, Error> {
-    rewrite::deformed(source, base_dir, mesh, |count| Vertices::checked(count, positions, normals, tangents, wear))
+    rewrite::deformed(source, base_dir, mesh, |count| Vertices::checked(count, positions, normals, tangents))
 }
 
 /// Writes a new GLB with one mesh: the deformed vertices, the triangles, and the texture coordinates if there are any.
@@ -68,8 +65,7 @@ pub fn mesh_glb(
     positions: &[[f32; 3]],
     normals: Option<&[[f32; 3]]>,
     tangents: Option<&[[f32; 4]]>,
-    wear: Option<&[[f32; 4]]>,
 ) -> Result<Vec<u8>, Error> {
-    let vertices = Vertices::checked(imported.mesh.positions.len(), positions, normals, tangents, wear)?;
+    let vertices = Vertices::checked(imported.mesh.positions.len(), positions, normals, tangents)?;
     fresh::mesh(imported, vertices)
 }

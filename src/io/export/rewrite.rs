@@ -43,7 +43,6 @@ fn replace_vertices(root: &mut Value, blob: &mut Blob, mesh: usize, parts: &[Par
             let mut list = vec![("POSITION", push_attribute(root, blob, &vertices.positions[own.clone()], true))];
             list.extend(vertices.normals.map(|n| ("NORMAL", push_attribute(root, blob, &n[own.clone()], false))));
             list.extend(vertices.tangents.map(|t| ("TANGENT", push_attribute(root, blob, &t[own.clone()], false))));
-            list.extend(vertices.wear.map(|w| ("_WEAR", push_attribute(root, blob, &w[own.clone()], false))));
             list
         });
         for (semantic, accessor) in accessors {

@@ -9,7 +9,6 @@ pub(super) struct Vertices<'a> {
     pub(super) positions: &'a [[f32; 3]],
     pub(super) normals: Option<&'a [[f32; 3]]>,
     pub(super) tangents: Option<&'a [[f32; 4]]>,
-    pub(super) wear: Option<&'a [[f32; 4]]>,
 }
 
 impl<'a> Vertices<'a> {
@@ -18,13 +17,11 @@ impl<'a> Vertices<'a> {
         positions: &'a [[f32; 3]],
         normals: Option<&'a [[f32; 3]]>,
         tangents: Option<&'a [[f32; 4]]>,
-        wear: Option<&'a [[f32; 4]]>,
     ) -> Result<Self, Error> {
         each(count, positions, "positions")?;
         normals.map_or(Ok(()), |n| each(count, n, "normals"))?;
         tangents.map_or(Ok(()), |t| each(count, t, "tangents"))?;
-        wear.map_or(Ok(()), |w| each(count, w, "wear"))?;
-        Ok(Self { positions, normals, tangents, wear })
+        Ok(Self { positions, normals, tangents })
     }
 }
 

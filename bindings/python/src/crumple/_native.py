@@ -527,7 +527,6 @@ class CrumpleHostBufferDef(c.Structure):
         ("positions", CrumpleStream),
         ("normals", CrumpleStream),
         ("tangents", CrumpleStream),
-        ("wear", CrumpleStream),
         ("normal_format", c.c_uint32),
         ("tangent_format", c.c_uint32),
     ]
@@ -602,7 +601,6 @@ class CrumpleVulkanBufferDef(c.Structure):
         ("positions", CrumpleVulkanStream),
         ("normals", CrumpleVulkanStream),
         ("tangents", CrumpleVulkanStream),
-        ("wear", CrumpleVulkanStream),
         ("scale", CrumpleVec3),
         ("bias", CrumpleVec3),
     ]

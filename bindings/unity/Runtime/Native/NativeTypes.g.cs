@@ -663,7 +663,6 @@ namespace Crumple
         public CrumpleStream Positions;
         public CrumpleStream Normals;
         public CrumpleStream Tangents;
-        public CrumpleStream Wear;
         public CrumpleDirectionFormat NormalFormat;
         public CrumpleDirectionFormat TangentFormat;
 
@@ -762,7 +761,6 @@ namespace Crumple
         public CrumpleVulkanStream Positions;
         public CrumpleVulkanStream Normals;
         public CrumpleVulkanStream Tangents;
-        public CrumpleVulkanStream Wear;
         public CrumpleVec3 Scale;
         public CrumpleVec3 Bias;
 

@@ -33,8 +33,6 @@ pub struct Subject<'a> {
     pub after_normals: &'a [Vec3],
     /// Vertices that were hit.
     pub contacts: &'a [u32],
-    /// Wear of each vertex: dent, bend, press and scrape. Only [`Kind::Wear`] needs it.
-    pub wear: &'a [[f32; 4]],
     /// Unit vector in the mesh's space, away from the floor.
     pub up: Vec3,
 }
@@ -46,12 +44,10 @@ pub enum Kind {
     After,
     Heat,
     BeforeAfter,
-    Wear,
 }
 
 impl Kind {
-    /// All kinds; the last needs the vertices' wear.
-    pub const ALL: [Kind; 5] = [Kind::Base, Kind::After, Kind::Heat, Kind::BeforeAfter, Kind::Wear];
+    pub const ALL: [Kind; 4] = [Kind::Base, Kind::After, Kind::Heat, Kind::BeforeAfter];
 
     pub fn file_name(self) -> &'static str {
         match self {
@@ -59,7 +55,6 @@ impl Kind {
             Kind::After => "after.png",
             Kind::Heat => "heat.png",
             Kind::BeforeAfter => "before_after.png",
-            Kind::Wear => "wear.png",
         }
     }
 }
@@ -107,14 +102,6 @@ impl Subject<'_> {
                 self.mark_contacts(&mut image, &camera, after);
                 legend::caption(&mut image, 48, "displacement", &dented);
                 legend::bar(&mut image, scale);
-                image
-            }
-            Kind::Wear => {
-                // the shader of docs/integration.md
-                let scratched: Vec<f32> = self.wear.iter().map(|w| shade::step(0.002, 0.02, w[2] + w[3])).collect();
-                let body = self.body(self.after, self.after_normals, &scratched);
-                let mut image = photograph(body, &camera(SIZE), view, SIZE, &Finish::Scratched);
-                legend::caption(&mut image, 48, "wear", &dented);
                 image
             }
             Kind::BeforeAfter => {

@@ -14,9 +14,6 @@ const SHADOW_TEXELS: usize = 1536;
 const PAINT: Light = Vec3::new(0.045, 0.130, 0.205);
 /// Colour of the metal flakes in the paint.
 const FLAKES: Light = Vec3::new(0.16, 0.34, 0.46);
-/// Diffuse reflectance of bare steel, and its reflectance at normal incidence.
-const STEEL: Light = Vec3::new(0.20, 0.195, 0.19);
-const STEEL_MIRROR: f32 = 0.12;
 /// Brightness of a strip light.
 const STRIP: f32 = 5.0;
 const GROUND: Light = Vec3::new(0.80, 0.81, 0.825);
@@ -43,8 +40,6 @@ pub struct Studio<'a> {
 /// The appearance of the body's surface.
 pub enum Finish<'a> {
     Paint,
-    /// Paint scratched down to bare steel, more so the closer the value is to 1.
-    Scratched,
     /// Colours of values from 0 to `maximum`, m.
     Heat {
         colour: &'a (dyn Fn(f32) -> Light + Sync),
@@ -125,12 +120,7 @@ impl<'a> Studio<'a> {
         let n = surface.normal.normalize_or(-ray);
         let v = -ray.normalize();
         match finish {
-            Finish::Paint => self.paint(n, v, shade, 0.0),
-            Finish::Scratched => {
-                let p = (self.camera.eye + ray * surface.distance) / self.radius;
-                let along = Vec3::new(p.dot(self.right), p.dot(self.up), p.dot(self.front));
-                self.paint(n, v, shade, step(0.0, 0.15, surface.value - scratches(along)))
-            }
+            Finish::Paint => self.paint(n, v, shade),
             Finish::Heat { colour, maximum } => {
                 let base = colour((surface.value / maximum).clamp(0.0, 1.0));
                 // The colour carries the information; light only hints at the shape.
@@ -141,8 +131,8 @@ impl<'a> Studio<'a> {
     }
 
     /// Metallic paint under clear lacquer. The paint shows the shape by raking light. The lacquer shows it by the
-    /// reflections of the strip lights, which bend wherever the surface does. `bare` is the share of bare steel.
-    fn paint(&self, n: Vec3, v: Vec3, Shade { open, direct }: Shade, bare: f32) -> Light {
+    /// reflections of the strip lights, which bend wherever the surface does.
+    fn paint(&self, n: Vec3, v: Vec3, Shade { open, direct }: Shade) -> Light {
         let nv = n.dot(v).max(0.02);
         let key = n.dot(self.key).max(0.0);
         let rim = n.dot(self.rim).max(0.0);
@@ -152,11 +142,10 @@ impl<'a> Studio<'a> {
         let half = (self.key + v).normalize();
         let flakes = n.dot(half).max(0.0).powi(14) * 0.9 * direct;
         let mirror = (2.0 * n.dot(v)) * n - v;
-        let straight = 0.055 + (STEEL_MIRROR - 0.055) * bare;
-        let lacquer = straight + (1.0 - straight) * (1.0 - nv).powi(5);
+        let lacquer = 0.055 + (1.0 - 0.055) * (1.0 - nv).powi(5);
         let glint = n.dot(half).max(0.0).powi(220) * 6.0 * direct;
         let reflected = self.room(mirror) * (0.25 + 0.75 * open) + Vec3::splat(glint);
-        PAINT.lerp(STEEL, bare) * (ambient + lit) + FLAKES.lerp(STEEL, bare) * flakes + reflected * lacquer
+        PAINT * (ambient + lit) + FLAKES * flakes + reflected * lacquer
     }
 
     /// The light that a mirror reflects from direction `d`: a dim room with strip lights in the ceiling.
@@ -250,7 +239,7 @@ impl Frame<'_> {
 }
 
 /// 0 below `a`, 1 above `b`, smooth in between.
-pub fn step(a: f32, b: f32, x: f32) -> f32 {
+fn step(a: f32, b: f32, x: f32) -> f32 {
     let t = ((x - a) / (b - a)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
@@ -258,22 +247,6 @@ pub fn step(a: f32, b: f32, x: f32) -> f32 {
 /// 1 within `half` of zero, falling to 0 over `soft` around the edge.
 fn band(x: f32, half: f32, soft: f32) -> f32 {
     1.0 - step(half - soft * 0.5, half + soft * 0.5, x.abs())
-}
-
-/// Value noise from 0 to 1 with streaks along x, for a body of radius 1.
-fn scratches(p: Vec3) -> f32 {
-    let octave = |frequency: f32| {
-        let q = p * Vec3::new(12.0, 60.0, 60.0) * frequency;
-        let (cell, t) = (q.floor(), q - q.floor());
-        let t = t * t * (3.0 - 2.0 * t);
-        let corner = |x: f32, y: f32, z: f32| {
-            ((cell + Vec3::new(x, y, z)).dot(Vec3::new(12.9898, 78.233, 37.719)).sin() * 43_758.547).rem_euclid(1.0)
-        };
-        let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
-        let edge = |y: f32, z: f32| mix(corner(0.0, y, z), corner(1.0, y, z), t.x);
-        mix(mix(edge(0.0, 0.0), edge(1.0, 0.0), t.y), mix(edge(0.0, 1.0), edge(1.0, 1.0), t.y), t.z)
-    };
-    0.6 * octave(1.0) + 0.4 * octave(2.7)
 }
 
 /// A rotation (cosine, sine) that differs between neighbouring pixels: Jimenez's interleaved gradient noise, 2014.

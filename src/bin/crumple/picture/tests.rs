@@ -72,7 +72,6 @@ fn the_deepest_vertex_has_the_last_colour_of_the_scale() {
         after: &after,
         after_normals: &normals,
         contacts: &[],
-        wear: &[],
         up: Vec3::Y,
     };
     let (vertex, maximum) = subject.deepest();
@@ -100,7 +99,6 @@ fn drawing_what_has_no_size_or_no_dent_does_not_fail() {
         after: &one,
         after_normals: &[Vec3::Z; 3],
         contacts: &[0],
-        wear: &[],
         up: Vec3::Y,
     };
     let image = subject.draw(Kind::Heat);
