@@ -63,7 +63,7 @@
 // Threads. Calls are externally synchronised per context: two threads must not use one context at the same time, and
 // callbacks must not call back into it. Either returns CRUMPLE_ERROR_CONCURRENT_USE, in every build. Two kinds of
 // functions may be called from any thread at any time: those without a context argument, and crumple_context_submit_...,
-// crumple_instance_submit_..., ..._preview_..., ..._unpose_..., ..._end_contact and ..._set_transform. Contexts are
+// crumple_instance_submit_..., ..._preview_..., ..._end_contact and ..._set_transform. Contexts are
 // independent.
 //
 // Reads. Hits are pending until the instance's damage is next read. These calls read it: a deform, record, submit or plan of
@@ -712,19 +712,6 @@ typedef struct {
     uint64_t contact_id;
 } CrumpleDisplacementDef;
 
-/// How you skin the base mesh, as in glTF: a vertex is shown at the sum of weight * (matrix * position) over its joints.
-typedef struct {
-    uint32_t struct_size;
-    /// Number of matrices.
-    uint32_t matrix_count;
-    /// For each vertex, 4 uint16_t: indices of its joints' matrices.
-    CrumpleInput joints;
-    /// For each vertex, 4 floats: the weights of its joints, which sum to 1. A joint of weight 0 is unused.
-    CrumpleInput weights;
-    /// For each joint, 16 floats, column-major: its transform from the bind pose to the pose, affine.
-    CrumpleInput matrices;
-} CrumpleSkinDef;
-
 /// An example that a hit uses.
 typedef struct {
     uint32_t example;
@@ -1287,9 +1274,6 @@ CrumpleImpulseDef crumple_impulse_def_default(void);
 /// Returns a zero displacement in the mesh's space. Set point and displacement.
 CrumpleDisplacementDef crumple_displacement_def_default(void);
 
-/// Returns a def without arrays. Set them.
-CrumpleSkinDef crumple_skin_def_default(void);
-
 /// Submits a hit. The call selects the examples. The next read of the damage applies the mark (see "Reads" at the top).
 /// A hit that is too weak, or that no example fits, is not an error; see out_result->status. out_result may be null.
 /// With a contact_id, it describes this hit alone. May be called from any thread at any time, except while the instance
@@ -1323,18 +1307,6 @@ CrumpleResult crumple_instance_preview_impulse(CrumpleContext *context, CrumpleI
 /// Like crumple_instance_preview_impulse(), but for a displacement.
 CrumpleResult crumple_instance_preview_displacement(CrumpleContext *context, CrumpleInstance instance,
                                                     const CrumpleDisplacementDef *def, CrumpleHitResult *out_result);
-
-/// Takes a hit on a skinned mesh in its pose to the bind pose, in which Crumple dents: dent, then skin the deformed
-/// vertices. Changes def, for a submit. The vertex nearest to the hit decides, by the inverse of its skin matrix; dents
-/// do not count. def's space may be CRUMPLE_SPACE_WORLD, and is CRUMPLE_SPACE_LOCAL afterwards. Each call visits every
-/// vertex. May be called from any thread at any time. CRUMPLE_ERROR_INVALID_ARGUMENT: also weights that do not sum
-/// to 1, or a skin matrix without inverse.
-CrumpleResult crumple_instance_unpose_impulse(CrumpleContext *context, CrumpleInstance instance,
-                                              const CrumpleSkinDef *skin, CrumpleImpulseDef *def);
-
-/// Like crumple_instance_unpose_impulse(), but for a displacement.
-CrumpleResult crumple_instance_unpose_displacement(CrumpleContext *context, CrumpleInstance instance,
-                                                   const CrumpleSkinDef *skin, CrumpleDisplacementDef *def);
 
 /// Ends a contact. Its dent stays; later hits with the same id begin a new contact. Use contacts if your physics engine
 /// reports one contact as many small impulses. Give each of these hits the same contact_id, any number but 0, and end

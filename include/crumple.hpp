@@ -341,17 +341,6 @@ public:
         return submit(def);
     }
 
-    /// Returns a hit on the posed mesh as one in the bind pose, for submit(). See crumple_instance_unpose_impulse(). May
-    /// be called from any thread at any time.
-    Result<CrumpleImpulseDef> unpose(const CrumpleSkinDef &skin, CrumpleImpulseDef def) const {
-        const CrumpleResult result = crumple_instance_unpose_impulse(context(), id(), &skin, &def);
-        return result == CRUMPLE_OK ? Result<CrumpleImpulseDef>(def) : Result<CrumpleImpulseDef>::failed(result);
-    }
-    Result<CrumpleDisplacementDef> unpose(const CrumpleSkinDef &skin, CrumpleDisplacementDef def) const {
-        const CrumpleResult result = crumple_instance_unpose_displacement(context(), id(), &skin, &def);
-        return result == CRUMPLE_OK ? Result<CrumpleDisplacementDef>(def) : Result<CrumpleDisplacementDef>::failed(result);
-    }
-
     /// Ends a contact. Until then, hits with its contact_id make one dent. May be called from any thread at any time.
     Result<void> end_contact(uint64_t contact_id) {
         return detail::done(crumple_instance_end_contact(context(), id(), contact_id));

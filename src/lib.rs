@@ -78,7 +78,6 @@ pub use instance::inbox::Inbox;
 pub use instance::mapped::{Mapping, map_damage};
 pub use instance::options::{InstanceOptions, Rule};
 pub use instance::parts::PartDamage;
-pub use instance::skin::Skin;
 #[cfg(feature = "gltf")]
 pub use io::export;
 #[doc(hidden)]

@@ -123,12 +123,6 @@ impl Context {
         Ok(bring(inboxes.get(instance, "instance")?)?)
     }
 
-    /// Returns an instance's inbox.
-    pub(super) fn inbox(&self, instance: CrumpleInstance) -> Result<Arc<Inbox>, Failure> {
-        let inboxes = self.inboxes.read().unwrap_or_else(PoisonError::into_inner);
-        Ok(inboxes.get(instance, "instance")?.clone())
-    }
-
     /// Submits hits to their instances, all or none.
     pub(super) fn deliver_all(&self, hits: &[(CrumpleInstance, Hit)]) -> Result<Vec<Outcome>, Failure> {
         let inboxes = self.inboxes.read().unwrap_or_else(PoisonError::into_inner);

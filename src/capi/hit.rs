@@ -1,17 +1,14 @@
 //! Hits: what the physics engine reports.
 
 use super::check::{Out, array, def, defs, enumerator, finite, positive_or, striker, zeroed};
-use super::context::{Context, CrumpleContext, concurrent, exclusive};
-use super::memory::read_in_place;
+use super::context::{CrumpleContext, concurrent, exclusive};
 use super::result::{CrumpleResult, Failure};
-use super::types::{CrumpleInput, CrumpleInstance, CrumpleStriker, CrumpleVec3};
+use super::types::{CrumpleInstance, CrumpleStriker, CrumpleVec3};
 use crate::base::error::reserve;
 use crate::damage::mark::Mark;
 use crate::example::blow::Blow;
 use crate::instance::inbox::Inbox;
-use crate::instance::skin::Skin;
 use crate::select::hit::{Cause, Hit, HitStatus, Outcome, Space};
-use glam::Mat4;
 use std::ffi::c_void;
 use std::mem::MaybeUninit;
 use std::num::NonZeroU64;
@@ -54,22 +51,7 @@ pub struct CrumpleDisplacementDef {
     pub contact_id: u64,
 }
 
-/// How you skin the base mesh, as in glTF: a vertex is shown at the sum of weight * (matrix * position) over its joints.
-#[repr(C)]
-#[derive(Debug, Clone, Copy)]
-pub struct CrumpleSkinDef {
-    pub struct_size: u32,
-    /// Number of matrices.
-    pub matrix_count: u32,
-    /// For each vertex, 4 uint16_t: indices of its joints' matrices.
-    pub joints: CrumpleInput,
-    /// For each vertex, 4 floats: the weights of its joints, which sum to 1. A joint of weight 0 is unused.
-    pub weights: CrumpleInput,
-    /// For each joint, 16 floats, column-major: its transform from the bind pose to the pose, affine.
-    pub matrices: CrumpleInput,
-}
-
-defs!(CrumpleImpulseDef, CrumpleDisplacementDef, CrumpleSkinDef);
+defs!(CrumpleImpulseDef, CrumpleDisplacementDef);
 
 /// An example that a hit uses.
 #[repr(C)]
@@ -168,12 +150,6 @@ pub extern "C" fn crumple_displacement_def_default() -> CrumpleDisplacementDef {
     zeroed()
 }
 
-/// Returns a def without arrays. Set them.
-#[unsafe(no_mangle)]
-pub extern "C" fn crumple_skin_def_default() -> CrumpleSkinDef {
-    zeroed()
-}
-
 /// Submits a hit. The call selects the examples. The next read of the damage applies the mark (see "Reads" at the top).
 /// A hit that is too weak, or that no example fits, is not an error; see out_result->status. out_result may be null.
 /// With a contact_id, it describes this hit alone. May be called from any thread at any time, except while the instance
@@ -264,66 +240,6 @@ pub unsafe extern "C" fn crumple_instance_preview_displacement(
         Effect::Preview,
         out_result,
     )
-}
-
-/// Takes a hit on a skinned mesh in its pose to the bind pose, in which Crumple dents: dent, then skin the deformed
-/// vertices. Changes def, for a submit. The vertex nearest to the hit decides, by the inverse of its skin matrix; dents
-/// do not count. def's space may be CRUMPLE_SPACE_WORLD, and is CRUMPLE_SPACE_LOCAL afterwards. Each call visits every
-/// vertex. May be called from any thread at any time. CRUMPLE_ERROR_INVALID_ARGUMENT: also weights that do not sum
-/// to 1, or a skin matrix without inverse.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_instance_unpose_impulse(
-    context: *mut CrumpleContext,
-    instance: CrumpleInstance,
-    skin: *const CrumpleSkinDef,
-    def: *mut CrumpleImpulseDef,
-) -> CrumpleResult {
-    concurrent("crumple_instance_unpose_impulse", context, |context| {
-        let hit = unposed(context, instance, skin, &read_impulse(def)?)?;
-        if let Cause::Impulse { blow, .. } = hit.cause {
-            let to = &mut *def;
-            (to.point, to.space) = (hit.point.into(), MaybeUninit::new(Space::Local));
-            to.impulse = blow.impulse.unwrap_or_default().into();
-            to.normal = blow.normal.unwrap_or_default().into();
-            to.striker.velocity = blow.striker.velocity.unwrap_or_default().into();
-        }
-        Ok(())
-    })
-}
-
-/// Like crumple_instance_unpose_impulse(), but for a displacement.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_instance_unpose_displacement(
-    context: *mut CrumpleContext,
-    instance: CrumpleInstance,
-    skin: *const CrumpleSkinDef,
-    def: *mut CrumpleDisplacementDef,
-) -> CrumpleResult {
-    concurrent("crumple_instance_unpose_displacement", context, |context| {
-        let hit = unposed(context, instance, skin, &read_displacement(def)?)?;
-        if let Cause::Displacement(displacement) = hit.cause {
-            let to = &mut *def;
-            (to.point, to.space) = (hit.point.into(), MaybeUninit::new(Space::Local));
-            to.displacement = displacement.into();
-        }
-        Ok(())
-    })
-}
-
-unsafe fn unposed(
-    context: &Context,
-    instance: CrumpleInstance,
-    skin: *const CrumpleSkinDef,
-    hit: &Hit,
-) -> Result<Hit, Failure> {
-    let skin = self::def(skin, "skin")?;
-    let inbox = context.inbox(instance)?;
-    let vertices = inbox.example_set().vertex_count();
-    let joints = read_in_place(skin.joints, vertices, "skin.joints")?;
-    let weights = read_in_place(skin.weights, vertices, "skin.weights")?;
-    let matrices = read_in_place::<[f32; 16]>(skin.matrices, skin.matrix_count as usize, "skin.matrices")?;
-    let matrices: Vec<Mat4> = matrices.iter().map(Mat4::from_cols_array).collect();
-    Ok(inbox.to_bind_pose(&Skin { joints: &joints, weights: &weights, matrices: &matrices }, hit)?)
 }
 
 /// Ends a contact. Its dent stays; later hits with the same id begin a new contact. Use contacts if your physics engine

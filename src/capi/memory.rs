@@ -4,7 +4,6 @@ use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleInput, CrumpleStream};
 use crate::base::error::reserve;
 use crate::base::strided::Strided;
-use std::borrow::Cow;
 
 /// Where the elements of an array lie: by address. Checks that `count` elements of `element` bytes fit into `size` bytes at
 /// `data + offset`.
@@ -47,8 +46,6 @@ impl Element for u32 {}
 impl Element for f32 {}
 impl Element for [f32; 3] {}
 impl Element for [f32; 4] {}
-impl Element for [u16; 4] {}
-impl Element for [f32; 16] {}
 
 /// Copies `count` elements out of a caller's array; nothing where it is absent.
 ///
@@ -70,24 +67,6 @@ pub(super) unsafe fn read<T: Element>(
         values.push(unsafe { input.data.byte_add(i * input.stride).cast::<T>().read() });
     }
     Ok(Some(values))
-}
-
-/// The elements of a caller's array that must be there: in place if nothing lies between them, else copied.
-///
-/// # Safety
-/// As for `read`, and the elements do not change for `'a`.
-pub(super) unsafe fn read_in_place<'a, T: Element>(
-    input: CrumpleInput,
-    count: usize,
-    name: &str,
-) -> Result<Cow<'a, [T]>, Failure> {
-    if input.stride != size_of::<T>() || input.data.is_null() {
-        return read_required(input, count, name).map(Cow::Owned);
-    }
-    let place = (input.data.addr(), input.size, 0, input.stride);
-    checked(place, (size_of::<T>(), align_of::<T>(), count), name)?;
-    // SAFETY: aligned and inside the `size` bytes that the caller vouches for, as `checked` found.
-    Ok(Cow::Borrowed(unsafe { std::slice::from_raw_parts(input.data.cast::<T>(), count) }))
 }
 
 /// The same as `read`, for an array that must be there.

@@ -152,10 +152,6 @@ impl Inbox {
         Ok(())
     }
 
-    pub(crate) fn example_set(&self) -> &ExampleSet {
-        &self.set
-    }
-
     fn select(&self, params: &HitParams, hit: &Hit) -> Result<(Outcome, Effect), Error> {
         if hit.contact.is_some() {
             self.contacts_allowed("a hit with a contact id")?;

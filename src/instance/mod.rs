@@ -14,7 +14,6 @@ pub(crate) mod parts;
 #[cfg(test)]
 mod schedules;
 mod selection;
-pub(crate) mod skin;
 
 use crate::base::error::{Error, at_least_zero, positive, reserve};
 use crate::classic::{Blend, ClassicState};

@@ -1,4 +1,4 @@
-// Many things in one call, sets in two contexts, revisions, growth, repair around a point, skins and parts through the C
+// Many things in one call, sets in two contexts, revisions, growth, repair around a point and parts through the C
 // interface.
 #include "support.h"
 
@@ -185,48 +185,6 @@ static void repair_and_growth(void) {
     OK(crumple_instance_destroy(context, body));
 }
 
-static void skins(void) {
-    static uint16_t joints[VERTICES][4];
-    static float weights[VERTICES][4];
-    // A quarter turn about z, then 1 m along x.
-    float matrix[16] = {0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 1, 0, 0, 1};
-    CrumpleInstance body = growing(0);
-    CrumpleSkinDef skin = crumple_skin_def_default();
-    CrumpleDisplacementDef hit = crumple_displacement_def_default(), before;
-    CrumpleImpulseDef blow = crumple_impulse_def_default();
-    for (int v = 0; v < VERTICES; ++v) weights[v][0] = 1;
-    skin.joints = input_of(joints, sizeof joints, sizeof joints[0]);
-    skin.weights = input_of(weights, sizeof weights, sizeof weights[0]);
-    skin.matrices = input_of(matrix, sizeof matrix, sizeof matrix);
-    skin.matrix_count = 1;
-    hit.point = vec3(1, 0.3f, 0); // x of the bind pose is y of the pose
-    hit.displacement = vec3(0, 0.01f, -0.02f);
-    OK(crumple_instance_unpose_displacement(context, body, &skin, &hit));
-    FACT(fabsf(hit.point.x - 0.3f) < 1e-6f && fabsf(hit.point.y) < 1e-6f);
-    FACT(fabsf(hit.displacement.x - 0.01f) < 1e-7f && fabsf(hit.displacement.z + 0.02f) < 1e-7f);
-    blow.point = vec3(1, 0.3f, 0);
-    blow.impulse = vec3(1, 0, -2);
-    blow.normal = vec3(0, 0, 2);
-    blow.striker.mass = 3;
-    blow.contact_id = 5;
-    OK(crumple_instance_unpose_impulse(context, body, &skin, &blow));
-    FACT(fabsf(blow.impulse.y + 1) < 1e-6f && blow.normal.z == 1 && blow.striker.mass == 3 && blow.contact_id == 5);
-    OK(crumple_instance_submit_impulse(context, body, &blow, NULL));
-
-    before = hit;
-    joints[7][0] = 1;
-    FAILS(CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, "vertex 7", crumple_instance_unpose_displacement(context, body, &skin, &hit));
-    joints[7][0] = 0;
-    skin.weights.size -= 1;
-    FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "skin.weights", crumple_instance_unpose_displacement(context, body, &skin, &hit));
-    skin.weights.data = NULL;
-    skin.weights.size = 0;
-    FAILS(CRUMPLE_ERROR_NULL_POINTER, "skin.weights", crumple_instance_unpose_displacement(context, body, &skin, &hit));
-    FAILS(CRUMPLE_ERROR_NULL_POINTER, "skin", crumple_instance_unpose_displacement(context, body, NULL, &hit));
-    FACT(memcmp(&before, &hit, sizeof hit) == 0);
-    OK(crumple_instance_destroy(context, body));
-}
-
 // The sheet as a body of two parts, its lower and its upper half, which share a row of vertices.
 static void parts(void) {
     enum { ROWS = SIDE / 2 + 1, PART = ROWS * SIDE };
@@ -335,7 +293,6 @@ int main(void) {
     bytes_of_all();
     two_contexts();
     repair_and_growth();
-    skins();
     parts();
     OK(crumple_context_destroy(context));
     printf("%u checks\n", checks);

@@ -198,62 +198,6 @@ namespace Crumple
         }
 
         /// <summary>
-        /// Takes a hit on a skinned mesh in its pose to the bind pose, in which the mesh is dented: dent, then skin. Any thread, at
-        /// any time.
-        /// </summary>
-        /// <param name="joints">Four for each vertex.</param>
-        /// <param name="weights">Four for each vertex; they sum to 1.</param>
-        /// <param name="matrices">16 floats for each joint, column-major: from the bind pose to the pose.</param>
-        /// <param name="def">The hit; its Space is Local afterwards.</param>
-        public unsafe CrumpleImpulseDef Unpose(ReadOnlySpan<ushort> joints, ReadOnlySpan<float> weights, ReadOnlySpan<float> matrices,
-            CrumpleImpulseDef def)
-        {
-            using (Call call = Context.Enter(this))
-            fixed (ushort* j = &MemoryMarshal.GetReference(joints))
-            fixed (float* w = &MemoryMarshal.GetReference(weights), m = &MemoryMarshal.GetReference(matrices))
-            {
-                CrumpleSkinDef skin = SkinDef(j, joints.Length, w, weights.Length, m, matrices.Length);
-                call.Check(NativeMethods.crumple_instance_unpose_impulse(call.Context, Id, &skin, &def), "crumple_instance_unpose_impulse");
-            }
-            return def;
-        }
-
-        /// <summary>The same for a displacement.</summary>
-        public unsafe CrumpleDisplacementDef Unpose(ReadOnlySpan<ushort> joints, ReadOnlySpan<float> weights,
-            ReadOnlySpan<float> matrices, CrumpleDisplacementDef def)
-        {
-            using (Call call = Context.Enter(this))
-            fixed (ushort* j = &MemoryMarshal.GetReference(joints))
-            fixed (float* w = &MemoryMarshal.GetReference(weights), m = &MemoryMarshal.GetReference(matrices))
-            {
-                CrumpleSkinDef skin = SkinDef(j, joints.Length, w, weights.Length, m, matrices.Length);
-                call.Check(NativeMethods.crumple_instance_unpose_displacement(call.Context, Id, &skin, &def),
-                    "crumple_instance_unpose_displacement");
-            }
-            return def;
-        }
-
-        private static unsafe CrumpleSkinDef SkinDef(ushort* joints, int jointCount, float* weights, int weightCount, float* matrices,
-            int matrixFloats)
-        {
-            CrumpleSkinDef skin = CrumpleSkinDef.Default;
-            skin.Joints = Packed((IntPtr)joints, jointCount, sizeof(ushort), 4);
-            skin.Weights = Packed((IntPtr)weights, weightCount, sizeof(float), 4);
-            skin.Matrices = Packed((IntPtr)matrices, matrixFloats, sizeof(float), 16);
-            skin.MatrixCount = (uint)(matrixFloats / 16);
-            return skin;
-        }
-
-        private static CrumpleInput Packed(IntPtr data, int count, int size, int each)
-        {
-            CrumpleInput input = default(CrumpleInput);
-            input.Data = data;
-            input.Size = (UIntPtr)((ulong)count * (ulong)size);
-            input.Stride = (UIntPtr)(uint)(size * each);
-            return input;
-        }
-
-        /// <summary>
         /// Ends a contact: its dent stays as it is, and later hits with the same id begin another one. Any thread, at any time.
         /// </summary>
         public void EndContact(ulong contactId)

@@ -83,27 +83,7 @@ impl Host<'_> {
                     crumple_instance_preview_displacement(context, id, &displacement, told.as_mut_ptr())
                 }
             }
-            26 => {
-                let n = 200;
-                let (joints, weights) = (vec![[0u16, 1, 0, 0]; n], vec![[0.5f32, 0.5, 0.0, 0.0]; n]);
-                let mut matrices = vec![crumple_instance_def_default().local_to_world; 2];
-                let at = self.bytes.choose_index(16)?;
-                matrices[1][at] = self.number()?;
-                let skin = CrumpleSkinDef {
-                    matrix_count: 2,
-                    joints: self.input(&joints)?,
-                    weights: self.input(&weights)?,
-                    matrices: self.input(&matrices)?,
-                    ..crumple_skin_def_default()
-                };
-                let (mut impulse, mut displacement) = (self.impulse()?, self.displacement()?);
-                if self.bytes.arbitrary()? {
-                    crumple_instance_unpose_impulse(context, id, &skin, &mut impulse)
-                } else {
-                    crumple_instance_unpose_displacement(context, id, &skin, &mut displacement)
-                }
-            }
-            27 => crumple_instance_end_contact(context, id, u64::from(self.word()?)),
+            26..=27 => crumple_instance_end_contact(context, id, u64::from(self.word()?)),
             28 => {
                 let contact = u64::from(self.word()?);
                 crumple_instance_get_contact(context, id, contact, MaybeUninit::uninit().as_mut_ptr())

@@ -456,16 +456,6 @@ class CrumpleDisplacementDef(c.Structure):
     ]
 
 
-class CrumpleSkinDef(c.Structure):
-    _fields_ = [
-        ("struct_size", c.c_uint32),
-        ("matrix_count", c.c_uint32),
-        ("joints", CrumpleInput),
-        ("weights", CrumpleInput),
-        ("matrices", CrumpleInput),
-    ]
-
-
 class CrumpleChosen(c.Structure):
     _fields_ = [
         ("example", c.c_uint32),
@@ -756,15 +746,12 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_pixel_tolerance": (c.c_float, [c.c_float, c.c_float, c.c_float, c.c_float]),
     "crumple_impulse_def_default": (CrumpleImpulseDef, []),
     "crumple_displacement_def_default": (CrumpleDisplacementDef, []),
-    "crumple_skin_def_default": (CrumpleSkinDef, []),
     "crumple_instance_submit_impulse": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleImpulseDef), c.POINTER(CrumpleHitResult)]),
     "crumple_instance_submit_displacement": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleDisplacementDef), c.POINTER(CrumpleHitResult)]),
     "crumple_context_submit_impulses": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleInstance), c.POINTER(CrumpleImpulseDef), c.c_uint32, c.POINTER(CrumpleHitResult)]),
     "crumple_context_submit_displacements": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleInstance), c.POINTER(CrumpleDisplacementDef), c.c_uint32, c.POINTER(CrumpleHitResult)]),
     "crumple_instance_preview_impulse": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleImpulseDef), c.POINTER(CrumpleHitResult)]),
     "crumple_instance_preview_displacement": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleDisplacementDef), c.POINTER(CrumpleHitResult)]),
-    "crumple_instance_unpose_impulse": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleSkinDef), c.POINTER(CrumpleImpulseDef)]),
-    "crumple_instance_unpose_displacement": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleSkinDef), c.POINTER(CrumpleDisplacementDef)]),
     "crumple_instance_end_contact": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint64]),
     "crumple_instance_get_contact": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint64, c.POINTER(CrumpleHitResult)]),
     "crumple_instance_get_marks": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleMark), c.c_uint32, c.POINTER(c.c_uint32)]),

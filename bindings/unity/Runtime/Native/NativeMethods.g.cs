@@ -275,9 +275,6 @@ namespace Crumple.Native
         public static extern CrumpleDisplacementDef crumple_displacement_def_default();
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleSkinDef crumple_skin_def_default();
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_instance_submit_impulse(
             IntPtr context,
             CrumpleInstance instance,
@@ -320,20 +317,6 @@ namespace Crumple.Native
             CrumpleInstance instance,
             CrumpleDisplacementDef* def,
             CrumpleHitResult* outResult);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_instance_unpose_impulse(
-            IntPtr context,
-            CrumpleInstance instance,
-            CrumpleSkinDef* skin,
-            CrumpleImpulseDef* def);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_instance_unpose_displacement(
-            IntPtr context,
-            CrumpleInstance instance,
-            CrumpleSkinDef* skin,
-            CrumpleDisplacementDef* def);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_instance_end_contact(

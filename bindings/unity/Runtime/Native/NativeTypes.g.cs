@@ -571,26 +571,6 @@ namespace Crumple
 
     /// <summary>The struct of crumple.h.</summary>
     [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleSkinDef
-    {
-        public uint StructSize;
-        public uint MatrixCount;
-        public CrumpleInput Joints;
-        public CrumpleInput Weights;
-        public CrumpleInput Matrices;
-
-        public static CrumpleSkinDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_skin_def_default();
-            }
-        }
-    }
-
-    /// <summary>The struct of crumple.h.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleChosen
     {
         public uint Example;
