@@ -191,17 +191,6 @@ typedef enum {
     CRUMPLE_INDEX_TYPE_U16 = 1,
 } CrumpleIndexType;
 
-/// How several marks act together. Each vertex moves along the sum of their displacements, up to the depth limit.
-typedef enum {
-    /// Displacements add. Hits that repeat a mark add their depths.
-    CRUMPLE_COMBINE_SUM = 1,
-    /// Energies add where marks overlap: n equal hits at one place leave a dent n^(1/2.4) times as deep, and wider.
-    /// Displacements of marks that do not overlap add. The default.
-    CRUMPLE_COMBINE_ENERGIES = 0,
-    /// The sum is no longer than the longest displacement. The strongest of equal hits counts.
-    CRUMPLE_COMBINE_DEEPEST = 2,
-} CrumpleCombine;
-
 /// What happens when an example moves apart vertices that share a base position.
 typedef enum {
     /// The vertices stay together: each gets the mean of their displacements. The default.
@@ -231,17 +220,13 @@ typedef enum {
     CRUMPLE_RULE_BLEND = 2,
 } CrumpleRule;
 
-/// How the examples for a hit are selected.
+/// How a classic rule selects the example for a hit.
 typedef enum {
-    /// CRUMPLE_SELECTION_NEAREST with marks, CRUMPLE_SELECTION_CLASSIC with a classic rule. The default.
-    CRUMPLE_SELECTION_OF_RULE = 0,
-    /// The examples that together predict the hit best, by its place, depth and lean (its angle to the surface normal).
-    /// CRUMPLE_RULE_MARKS only.
-    CRUMPLE_SELECTION_NEAREST = 1,
-    /// The one example that moves the contact vertex most nearly in the target's direction, with a weight of at most 1.
-    CRUMPLE_SELECTION_CLASSIC = 2,
-    /// Like CRUMPLE_SELECTION_CLASSIC without the weight limit. Diverges at weights above 2. Classic rules only.
-    CRUMPLE_SELECTION_CLASSIC_UNCLAMPED = 3,
+    /// The one example that moves the contact vertex most nearly in the target's direction, with a weight of at most 1. The
+    /// default.
+    CRUMPLE_SELECTION_CLASSIC = 0,
+    /// Without the weight limit. Diverges at weights above 2.
+    CRUMPLE_SELECTION_CLASSIC_UNCLAMPED = 1,
 } CrumpleSelection;
 
 /// The space that a hit is given in.
@@ -452,10 +437,7 @@ typedef struct {
     float bake_normal_tolerance;
     /// Mass of each vertex, kg: vertex_count floats, instead of vertex_mass. Default absent.
     CrumpleInput vertex_masses;
-    CrumpleCombine combine;
     CrumpleSeams seams;
-    /// Never scale carried examples above their own depth. Anchored examples never are. Default false.
-    bool strict;
     /// Also use mirrored copies of the examples if the body is symmetric about a coordinate plane through the centre of
     /// its bounds. Default true.
     bool mirror;
@@ -629,6 +611,7 @@ typedef struct {
     /// The example set, which the instance keeps alive. Required.
     CrumpleExampleSet set;
     CrumpleRule rule;
+    /// How a classic rule selects an example. CRUMPLE_RULE_MARKS needs the default.
     CrumpleSelection selection;
     /// Most marks kept, 1 to 65535, 32 bytes each. Above, the weakest mark merges into the nearest. Default 64.
     uint32_t mark_capacity;
@@ -743,7 +726,6 @@ typedef struct {
     /// Requested depth at the contact, m, above 0.
     float depth;
     /// Energy in hits of this depth, in units of 2^-32: 4294967296 for one hit. Hits that repeat the mark add to it.
-    /// With CRUMPLE_COMBINE_SUM it is the factor for the depth; with CRUMPLE_COMBINE_DEEPEST the greatest of them.
     uint64_t energy;
     /// Up to four examples. Used pairs come first.
     CrumplePair pairs[4];

@@ -64,7 +64,7 @@ pub use example::blow::{Blow, Striker};
 pub use example::data::{Contact, Deltas, ExampleData, Placement};
 pub use example::example::Example;
 pub use example::learned::Learned;
-pub use example::options::{Combine, Seams, SetOptions, VertexMass};
+pub use example::options::{Seams, SetOptions, VertexMass};
 pub use example::report::{LodReport, SetReport};
 pub use example::response::Response;
 pub use example::set::ExampleSet;

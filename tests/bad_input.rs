@@ -337,7 +337,6 @@ fn quick_options_of_an_instance_out_of_range() {
     }
     refuses! { InstanceOptions, InvalidArgument, [0];
         |o, _| o.selection = Selection::ClassicUnclamped => "ClassicUnclamped … Marks",
-        |o, _| o.rule = Rule::MostDisplaced => "Nearest … MostDisplaced",
     }
 }
 

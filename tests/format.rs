@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 use baked::{load_and_use, repair};
 use crumple::{
-    Blow, Combine, DeformJob, Deltas, Error, ErrorKind, ExampleData, ExampleSet, Hit, MeshData, Placement, Seams,
-    Serial, SetOptions, Striker, ThreadPool, Tracker, VertexMass, VertexMemory,
+    Blow, DeformJob, Deltas, Error, ErrorKind, ExampleData, ExampleSet, Hit, MeshData, Placement, Seams, Serial,
+    SetOptions, Striker, ThreadPool, Tracker, VertexMass, VertexMemory,
 };
 use proptest::prelude::*;
 use scenes::{Dice, Output, cases, random_hits};
@@ -60,8 +60,6 @@ fn small_sets() -> Vec<(&'static str, Arc<ExampleSet>)> {
     add("baked cube", &cube, &bowls, SetOptions { stamp_resolution: 8, ..baked(1e-3) });
     let all_options = SetOptions {
         depth_limit: Some(0.2),
-        combine: Combine::Sum,
-        strict: true,
         seams: Seams::Keep,
         mass: VertexMass::PerVertex(masses),
         drop_below: 1e-4,

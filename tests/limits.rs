@@ -23,9 +23,9 @@ fn examples(mesh: &MeshData) -> Vec<ExampleData> {
     vec![dent(0.3, 0.4), dent(0.7, 0.6)]
 }
 
-fn body(mesh: MeshData, combine: Combine) -> std::sync::Arc<ExampleSet> {
-    let options = SetOptions { combine, ..SetOptions::default() };
-    std::sync::Arc::new(ExampleSet::build(mesh.clone(), examples(&mesh), options, &Serial).unwrap())
+fn body(mesh: MeshData) -> std::sync::Arc<ExampleSet> {
+    let set = ExampleSet::build(mesh.clone(), examples(&mesh), SetOptions::default(), &Serial);
+    std::sync::Arc::new(set.unwrap())
 }
 
 fn shown(body: &mut Instance) -> Vec<Vec3> {
@@ -78,19 +78,13 @@ fn no_vertex_enters_a_solid() {
     let mesh = kept_out();
     let mut random = Random(1);
     let mut entered_without = false;
-    for (rule, combine) in [
-        (Rule::Marks, Combine::Energies),
-        (Rule::Marks, Combine::Sum),
-        (Rule::Marks, Combine::Deepest),
-        (Rule::MostDisplaced, Combine::Energies),
-        (Rule::Blend(0.3), Combine::Energies),
-    ] {
+    for rule in [Rule::Marks, Rule::MostDisplaced, Rule::Blend(0.3)] {
         let options = match rule {
             Rule::Marks => InstanceOptions { depth_limit: Some(1.0), ..InstanceOptions::default() },
             rule => InstanceOptions { depth_limit: Some(1.0), ..InstanceOptions::classic(rule) },
         };
-        let mut free = Instance::new(body(sheet(33), combine), options).unwrap();
-        let mut held = Instance::new(body(mesh.clone(), combine), options).unwrap();
+        let mut free = Instance::new(body(sheet(33)), options).unwrap();
+        let mut held = Instance::new(body(mesh.clone()), options).unwrap();
         for _ in 0..100 {
             for _ in 0..200 {
                 let hit = random.hit();
@@ -98,7 +92,7 @@ fn no_vertex_enters_a_solid() {
                 held.submit(&hit).unwrap();
             }
             let least = shown(&mut held).into_iter().map(outside).fold(f64::INFINITY, f64::min);
-            assert!(least >= 0.0, "{rule:?} {combine:?}: {least}");
+            assert!(least >= 0.0, "{rule:?}: {least}");
             entered_without |= shown(&mut free).into_iter().any(|p| outside(p) < 0.0);
         }
     }
@@ -137,10 +131,10 @@ fn mesh_error<T: std::fmt::Debug>(result: Result<T, Error>) -> String {
 #[test]
 fn stiffness_scales_and_limits_cut() {
     let mut mesh = sheet(33);
-    let free = body(mesh.clone(), Combine::Energies);
+    let free = body(mesh.clone());
     mesh.stiffness = Some(mesh.positions.iter().map(|p| if p[0] < 0.5 { 0.25 } else { 0.0 }).collect());
     mesh.depth_limits = Some(mesh.positions.iter().map(|p| if p[1] < 0.5 { 0.0625 } else { f32::INFINITY }).collect());
-    let held = body(mesh.clone(), Combine::Energies);
+    let held = body(mesh.clone());
     assert_ne!(free.fingerprint(), held.fingerprint());
     let base: Vec<Vec3> = mesh.positions.iter().map(|p| Vec3::from(*p)).collect();
     let hit = Hit::displacement([0.7, 0.6, 0.0], [0.06, 0.0, -0.2]);
@@ -172,7 +166,7 @@ fn a_vertex_that_cannot_move_is_rigid() {
         let n = mesh.positions.len();
         (mesh.depth_limits, mesh.stiffness) =
             if stiff { (None, Some(vec![1.0; n])) } else { (Some(vec![0.0; n]), None) };
-        let mut body = Instance::new(body(mesh.clone(), Combine::Energies), InstanceOptions::default()).unwrap();
+        let mut body = Instance::new(body(mesh.clone()), InstanceOptions::default()).unwrap();
         let outcome = body.submit(&Hit::displacement([0.5, 0.5, 0.0], [0.0, 0.0, -0.1])).unwrap();
         assert_eq!(outcome.status, HitStatus::Rigid);
         assert!(shown(&mut body).iter().zip(&mesh.positions).all(|(a, b)| a.to_array() == *b));
@@ -182,9 +176,7 @@ fn a_vertex_that_cannot_move_is_rigid() {
 #[test]
 fn normals_of_vertices_that_cannot_move_stay() {
     // Around each dent lie vertices whose displacement is 0 and whose normal turns, since their triangles tilt.
-    for (rule, combine) in
-        [(Rule::Marks, Combine::Sum), (Rule::Marks, Combine::Deepest), (Rule::MostDisplaced, Combine::Energies)]
-    {
+    for rule in [Rule::Marks, Rule::MostDisplaced] {
         let options = match rule {
             Rule::Marks => InstanceOptions::default(),
             rule => InstanceOptions::classic(rule),
@@ -203,8 +195,7 @@ fn normals_of_vertices_that_cannot_move_stay() {
             }
             let anchored =
                 examples(&mesh).into_iter().map(|e| ExampleData { placement: Placement::Anchored, ..e }).collect();
-            let set_options = SetOptions { combine, ..SetOptions::default() };
-            let set = ExampleSet::build(mesh.clone(), anchored, set_options, &Serial).unwrap();
+            let set = ExampleSet::build(mesh.clone(), anchored, SetOptions::default(), &Serial).unwrap();
             let mut body = Instance::new(std::sync::Arc::new(set), options).unwrap();
             for (x, y) in [(0.3, 0.4), (0.7, 0.6)] {
                 let outcome = body.submit(&Hit::displacement([x, y, 0.0], [0.06, 0.0, -0.2])).unwrap();
@@ -216,7 +207,7 @@ fn normals_of_vertices_that_cannot_move_stay() {
                 if held.is_none() {
                     turned_at_rest += usize::from(at_rest && normals[v] != Vec3::Z);
                 } else {
-                    assert!(at_rest && normals[v] == Vec3::Z, "{rule:?} {combine:?}: {v} {}", normals[v]);
+                    assert!(at_rest && normals[v] == Vec3::Z, "{rule:?}: {v} {}", normals[v]);
                 }
             }
         }

@@ -6,8 +6,8 @@ mod scenes;
 use std::sync::Arc;
 
 use crumple::{
-    Combine, DeformJob, DeformReport, ErrorKind, ExampleSet, Instance, InstanceOptions, Placement, Rule, Serial,
-    SetOptions, deform_within, pixel_tolerance,
+    DeformJob, DeformReport, ErrorKind, ExampleSet, Instance, InstanceOptions, Placement, Rule, Serial, SetOptions,
+    deform_within, pixel_tolerance,
 };
 use proptest::prelude::*;
 use scenes::{
@@ -24,22 +24,16 @@ fn furthest(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
     a.iter().zip(b).map(|(p, q)| distance(p, q)).fold(0.0, f64::max)
 }
 
-/// Bodies that combine dents in each way, with exact and with rounded displacements.
+/// Bodies with exact and with rounded displacements.
 fn bodies() -> &'static [Body] {
     static BODIES: std::sync::OnceLock<Vec<Body>> = std::sync::OnceLock::new();
     BODIES.get_or_init(|| {
         let mut all = small_bodies();
-        for (name, combine, tolerance) in [
-            ("summed", Combine::Sum, None),
-            ("deepest", Combine::Deepest, Some(1e-4)),
-            ("baked", Combine::Energies, Some(1e-4)),
-        ] {
-            let mesh = cube(10);
-            let mut examples = bowls(&mesh, 6, 0.5, 5);
-            examples[1].placement = Placement::Anchored;
-            let options = SetOptions { combine, tolerance, stamp_resolution: 12, ..SetOptions::default() };
-            all.push((name, build(mesh, examples, options)));
-        }
+        let mesh = cube(10);
+        let mut examples = bowls(&mesh, 6, 0.5, 5);
+        examples[1].placement = Placement::Anchored;
+        let options = SetOptions { tolerance: Some(1e-4), stamp_resolution: 12, ..SetOptions::default() };
+        all.push(("baked", build(mesh, examples, options)));
         all
     })
 }
@@ -48,7 +42,7 @@ proptest! {
     #![proptest_config(cases(60))]
 
     #[test]
-    fn no_vertex_is_wrong_by_more(body in 0usize..6, seed: u64, count in 1usize..40, fine in 0.0f32..12.0) {
+    fn no_vertex_is_wrong_by_more(body in 0usize..4, seed: u64, count in 1usize..40, fine in 0.0f32..12.0) {
         let set = &bodies()[body].1;
         let mut exact = with(set, 0.0);
         for hit in random_hits(set, count, seed) {
@@ -68,7 +62,7 @@ proptest! {
     }
 
     #[test]
-    fn seams_stay_closed_while_everything_changes(body in 0usize..6, seed: u64) {
+    fn seams_stay_closed_while_everything_changes(body in 0usize..4, seed: u64) {
         let set = &bodies()[body].1;
         let mut dice = Dice::new(seed);
         let mut instance = with(set, 0.0);
@@ -116,7 +110,7 @@ proptest! {
     #![proptest_config(cases(30))]
 
     #[test]
-    fn outputs_beyond_the_budget_wait_whole_and_get_the_same_vertices(body in 0usize..6, seed: u64) {
+    fn outputs_beyond_the_budget_wait_whole_and_get_the_same_vertices(body in 0usize..4, seed: u64) {
         let set = &bodies()[body].1;
         let mut dice = Dice::new(seed);
         let mut instances: Vec<Instance> = (0..5).map(|_| with(set, 0.0)).collect();

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use arbitrary::Unstructured;
 use crumple::{
-    Combine, Contact, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, Mark, MeshData, Placement,
+    Contact, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, Mark, MeshData, Placement,
     Seams, Serial, SetOptions,
 };
 
@@ -57,11 +57,8 @@ fn body(bytes: &mut Unstructured<'_>) -> arbitrary::Result<Option<(Instance, f32
     let mesh = mesh(bytes, unit)?;
     let count = bytes.int_in_range(1..=6)?;
     let examples = (0..count).map(|_| example(bytes, &mesh, unit)).collect::<Result<Vec<_>, _>>()?;
-    let combine = [Combine::Energies, Combine::Sum, Combine::Deepest][bytes.choose_index(3)?];
     let options = SetOptions {
-        combine,
         seams: if bytes.arbitrary()? { Seams::Weld } else { Seams::Keep },
-        strict: bytes.ratio(1, 4)?,
         mirror: bytes.arbitrary()?,
         held_rims: bytes.arbitrary()?,
         stamp_resolution: bytes.int_in_range(4..=24)?,

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use crumple::import::Imported;
 use crumple::{
-    Combine, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Placement, Rule, Serial,
+    Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Placement, Rule, Serial,
     SetOptions, VertexMass,
 };
 
@@ -90,8 +90,8 @@ pub fn baked() -> Seeds {
     let sets = [
         (mesh.clone(), dents(&mesh, 2), small()),
         (mesh.clone(), dents(&mesh, 2), baked.clone()),
-        (tangents, placed, SetOptions { mass: VertexMass::PerVertex(masses), combine: Combine::Sum, ..baked }),
-        (points.clone(), dents(&points, 1), SetOptions { combine: Combine::Deepest, strict: true, ..small() }),
+        (tangents, placed, SetOptions { mass: VertexMass::PerVertex(masses), ..baked }),
+        (points.clone(), dents(&points, 1), small()),
         (sheet(2), dents(&sheet(2), 1), SetOptions { mirror: false, tolerance: Some(1e-7), ..small() }),
     ];
     let file = |(i, (mesh, examples, options))| {

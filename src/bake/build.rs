@@ -12,7 +12,7 @@ use crate::example::data::{Contact, Deltas, ExampleData, Placement};
 use crate::example::example::Example;
 use crate::example::learned::Learned;
 use crate::example::mesh_lod::MeshLod;
-use crate::example::options::{Combine, Seams, SetOptions, check_options};
+use crate::example::options::{Seams, SetOptions, check_options};
 use crate::example::set::{ExampleSet, Parts, deepest};
 use crate::example::stamp::{Source, Stamp};
 use crate::mesh::data::MeshData;
@@ -136,12 +136,8 @@ fn fingerprint(mesh: &Mesh, examples: &[Example], options: &SetOptions) -> u64 {
         });
     }
     h.write(bytemuck::cast_slice(&numbers));
-    let combine = match options.combine {
-        Combine::Sum => 0,
-        Combine::Energies => 1,
-        Combine::Deepest => 2,
-    };
-    h.write(&[combine, u8::from(options.strict), options.stamp_resolution as u8]);
+    // 1 and 0 were options in 0.1: sets keep their fingerprints.
+    h.write(&[1, 0, options.stamp_resolution as u8]);
     h.write(&[u8::from(options.mirror), u8::from(options.held_rims)]);
     // Nothing where there are none, so that sets without limits keep their fingerprints.
     mesh.limits().parts().iter().for_each(|halves| h.write(bytemuck::cast_slice(halves)));

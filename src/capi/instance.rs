@@ -22,6 +22,7 @@ pub struct CrumpleInstanceDef {
     /// The example set, which the instance keeps alive. Required.
     pub set: CrumpleExampleSet,
     pub rule: MaybeUninit<CrumpleRule>,
+    /// How a classic rule selects an example. CRUMPLE_RULE_MARKS needs the default.
     pub selection: MaybeUninit<CrumpleSelection>,
     /// Most marks kept, 1 to 65535, 32 bytes each. Above, the weakest mark merges into the nearest. Default 64.
     pub mark_capacity: u32,
@@ -121,10 +122,9 @@ fn options(def: &CrumpleInstanceDef) -> Result<InstanceOptions, Failure> {
             CrumpleRule::MostDisplaced => Rule::MostDisplaced,
             CrumpleRule::Blend => Rule::Blend(blend_constant),
         },
-        selection: match (enumerator(def.selection, "def.selection")?, rule) {
-            (CrumpleSelection::OfRule, CrumpleRule::Marks) | (CrumpleSelection::Nearest, _) => Selection::Nearest,
-            (CrumpleSelection::OfRule | CrumpleSelection::Classic, _) => Selection::Classic,
-            (CrumpleSelection::ClassicUnclamped, _) => Selection::ClassicUnclamped,
+        selection: match enumerator(def.selection, "def.selection")? {
+            CrumpleSelection::Classic => Selection::Classic,
+            CrumpleSelection::ClassicUnclamped => Selection::ClassicUnclamped,
         },
         examples_per_hit: def.examples_per_hit,
         depth_limit: positive_or(def.depth_limit, "def.depth_limit", "m", SET_LIMIT)?,

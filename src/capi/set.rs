@@ -11,7 +11,7 @@ use super::types::{CrumpleExampleSet, CrumpleInput, CrumplePrimitive, CrumpleStr
 use crate::base::error::reserve;
 use crate::example::blow::Blow;
 use crate::example::data::{Contact, Deltas, ExampleData, Placement};
-use crate::example::options::{Combine, Seams, SetOptions, VertexMass};
+use crate::example::options::{Seams, SetOptions, VertexMass};
 use crate::example::set::ExampleSet;
 use crate::mesh::data::MeshData;
 use std::ffi::{CString, c_char};
@@ -65,10 +65,7 @@ pub struct CrumpleExampleSetOptions {
     pub bake_normal_tolerance: f32,
     /// Mass of each vertex, kg: vertex_count floats, instead of vertex_mass. Default absent.
     pub vertex_masses: CrumpleInput,
-    pub combine: MaybeUninit<Combine>,
     pub seams: MaybeUninit<Seams>,
-    /// Never scale carried examples above their own depth. Anchored examples never are. Default false.
-    pub strict: MaybeUninit<bool>,
     /// Also use mirrored copies of the examples if the body is symmetric about a coordinate plane through the centre of
     /// its bounds. Default true.
     pub mirror: MaybeUninit<bool>,
@@ -466,8 +463,6 @@ pub(super) unsafe fn read_options(options: &CrumpleExampleSetOptions, vertices: 
     };
     Ok(SetOptions {
         depth_limit: positive_or(options.depth_limit, "def.options.depth_limit", "m", "that of the deepest example")?,
-        combine: enumerator(options.combine, "def.options.combine")?,
-        strict: boolean(options.strict),
         mirror: boolean(options.mirror),
         held_rims: boolean(options.held_rims),
         seams: enumerator(options.seams, "def.options.seams")?,

@@ -4,14 +4,13 @@ use super::c_enum::c_enums;
 use crate::base::math::Aabb;
 use crate::deform::Encoding;
 use crate::example::data::Placement;
-use crate::example::options::{Combine, Seams};
+use crate::example::options::Seams;
 use crate::select::hit::{HitStatus, Space};
 use bytemuck::{Pod, Zeroable};
 use std::ffi::{c_char, c_void};
 use std::ops::Range;
 
 c_enums!(
-    Combine::Deepest,
     CrumpleDirectionFormat::Octahedral,
     CrumpleRule::Blend,
     CrumpleSelection::ClassicUnclamped,
@@ -226,18 +225,14 @@ pub enum CrumpleRule {
     Blend = 2,
 }
 
-/// How the examples for a hit are selected.
+/// How a classic rule selects the example for a hit.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(dead_code)] // made by C
 pub enum CrumpleSelection {
-    /// CRUMPLE_SELECTION_NEAREST with marks, CRUMPLE_SELECTION_CLASSIC with a classic rule. The default.
-    OfRule = 0,
-    /// The examples that together predict the hit best, by its place, depth and lean (its angle to the surface normal).
-    /// CRUMPLE_RULE_MARKS only.
-    Nearest = 1,
-    /// The one example that moves the contact vertex most nearly in the target's direction, with a weight of at most 1.
-    Classic = 2,
-    /// Like CRUMPLE_SELECTION_CLASSIC without the weight limit. Diverges at weights above 2. Classic rules only.
-    ClassicUnclamped = 3,
+    /// The one example that moves the contact vertex most nearly in the target's direction, with a weight of at most 1. The
+    /// default.
+    Classic = 0,
+    /// Without the weight limit. Diverges at weights above 2.
+    ClassicUnclamped = 1,
 }

@@ -12,8 +12,7 @@
 //! mirrored pair uses the example's mirror image. `wide` is 1 for a hit alone; [`super::overlap`] computes it. An
 //! anchored example has no stretch. If it has a stamp and `wide` is above 1, it is read from the stamp at its own
 //! contact, stretched by `wide` alone. All contributions are then scaled by `g = T / |sum s_i a_i e_i(c)|`,
-//! so that the contact gets the target depth. Anchored examples are never scaled above 1; in a strict set no example
-//! is. Carried examples fade to zero towards held rims ([`crate::mesh::rim`]).
+//! so that the contact gets the target depth. Anchored examples are never scaled above 1. Carried examples fade to zero towards held rims ([`crate::mesh::rim`]).
 
 use super::carried::{Carried, Lookup, Placement};
 use super::mark::{MAX_PAIRS, Mark, Pair};
@@ -288,7 +287,6 @@ pub(crate) fn place(
     let together = depth / sum.length();
     // Limits the scale of examples that cancel each other at the contact and so cannot reach the depth.
     let together = if together.is_finite() { together.min(4.0) } else { 1.0 };
-    let strict = set.options().strict;
     let held = set.rim().at(contact).factor;
     let (mut achieved, mut without_rim) = (Vec3::ZERO, Vec3::ZERO);
     for (p, u) in parts.iter_mut().zip(at_contact) {
@@ -296,7 +294,7 @@ pub(crate) fn place(
         if (p.scale - 1.0).abs() < 1e-6 {
             p.scale = 1.0;
         }
-        if strict || p.carried.is_none() {
+        if p.carried.is_none() {
             p.scale = p.scale.clamp(-1.0, 1.0);
         }
         without_rim += u * p.scale;

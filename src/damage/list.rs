@@ -4,7 +4,6 @@ use super::dent::{Dent, Reach};
 use super::mark::Mark;
 use super::overlap::{change, dent_alone, energy_factor, is_gone, overlap, settle, strength_alone};
 use crate::base::math::Aabb;
-use crate::example::options::Combine;
 use crate::example::set::ExampleSet;
 use std::cmp::Ordering;
 use twox_hash::XxHash3_64;
@@ -73,9 +72,7 @@ impl Damage {
             };
             entries.push(Entry { dent, before: energy(&before.marks, old), after: energy(&marks, new) });
         });
-        if set.options().combine == Combine::Energies {
-            update_nearby(set, &mut entries);
-        }
+        update_nearby(set, &mut entries);
         self.dents = entries.into_iter().filter(|e| e.after > 0).map(|e| e.dent).collect();
         self.dents.iter_mut().zip(&marks).for_each(|(dent, mark)| settle(set, mark, dent));
         self.reaches = self.dents.iter().map(Dent::reach).collect();
@@ -92,11 +89,10 @@ impl Damage {
     /// Multiplies the strength that each dent has alone by `keep` of its mark, 0 to 1. Removes marks whose strength alone
     /// falls below a ten-thousandth. Marks that keep 1 do not change.
     pub(crate) fn scale(&mut self, set: &ExampleSet, keep: impl Fn(&Mark) -> f64, changed: Changed<'_>) {
-        let combine = set.options().combine;
         let scaled = |m: &Mark| {
             let keep = keep(m);
-            let energy = (m.energy as f64 * energy_factor(keep, combine)) as u64;
-            if keep >= 1.0 { Some(*m) } else { (!is_gone(energy, combine)).then_some(Mark { energy, ..*m }) }
+            let energy = (m.energy as f64 * energy_factor(keep)) as u64;
+            if keep >= 1.0 { Some(*m) } else { (!is_gone(energy)).then_some(Mark { energy, ..*m }) }
         };
         let marks = self.marks.iter().filter_map(scaled).collect();
         self.become_marks(set, marks, changed);
@@ -244,15 +240,14 @@ impl Merging<'_> {
             Ok(at) => self.add_energy(at, mark.energy),
             Err(at) => {
                 self.marks.insert(at, mark);
-                self.strengths.insert(at, strength_alone(mark.energy, self.set.options().combine));
+                self.strengths.insert(at, strength_alone(mark.energy));
             }
         }
     }
 
     fn add_energy(&mut self, at: usize, energy: u64) {
-        let combine = self.set.options().combine;
-        self.marks[at].energy = combined(self.marks[at].energy, energy, combine);
-        self.strengths[at] = strength_alone(self.marks[at].energy, combine);
+        self.marks[at].energy = self.marks[at].energy.saturating_add(energy);
+        self.strengths[at] = strength_alone(self.marks[at].energy);
     }
 
     fn merge_weakest(&mut self) {
@@ -264,19 +259,11 @@ impl Merging<'_> {
         let distance = |i: usize| (contact(i) - from).length_squared();
         let others = (0..self.marks.len()).filter(|i| *i != weakest);
         let Some(heir) = others.reduce(|best, i| if distance(i) < distance(best) { i } else { best }) else { return };
-        let combine = self.set.options().combine;
         let ratio = f64::from(self.marks[weakest].depth) / f64::from(self.marks[heir].depth);
         // `as` saturates, and u64 as f64 rounds to nearest. Both are the same on every platform.
-        let given = (self.marks[weakest].energy as f64 * energy_factor(ratio, combine)) as u64;
+        let given = (self.marks[weakest].energy as f64 * energy_factor(ratio)) as u64;
         self.add_energy(heir, given);
         self.marks.remove(weakest);
         self.strengths.remove(weakest);
-    }
-}
-
-fn combined(a: u64, b: u64, combine: Combine) -> u64 {
-    match combine {
-        Combine::Sum | Combine::Energies => a.saturating_add(b),
-        Combine::Deepest => a.max(b),
     }
 }

@@ -87,7 +87,6 @@ pub struct Mark {
     /// Requested depth at the contact, m, above 0.
     pub depth: f32,
     /// Energy in hits of this depth, in units of 2^-32: 4294967296 for one hit. Hits that repeat the mark add to it.
-    /// With CRUMPLE_COMBINE_SUM it is the factor for the depth; with CRUMPLE_COMBINE_DEEPEST the greatest of them.
     pub energy: u64,
     /// Up to four examples. Used pairs come first.
     pub pairs: [Pair; 4],

@@ -16,7 +16,6 @@
 
 use super::dent::{Dent, Nearby, limited};
 use super::mark::Mark;
-use crate::example::options::Combine;
 use crate::example::set::ExampleSet;
 
 /// The depth of a dent to this power grows as the energy does (`p` above).
@@ -31,18 +30,16 @@ const LEAST: f32 = 1e-4;
 /// Makes the dent of a mark that has no other near it.
 pub(crate) fn dent_alone(set: &ExampleSet, mark: &Mark) -> Dent {
     let mut dent = Dent::of_one_hit(set, mark);
-    dent.alone = strength_alone(mark.energy, set.options().combine);
+    dent.alone = strength_alone(mark.energy);
     dent.strength = dent.alone;
-    if set.options().combine == Combine::Energies {
-        dent.nearby = Nearby {
-            contact: mark.contact,
-            power: libm::pow(f64::from(mark.depth), EXPONENT),
-            depth: dent.alone_at(set, mark.contact).length(),
-            reach_square: dent.reach().square,
-            widest: widest(set, mark),
-            others: 0,
-        };
-    }
+    dent.nearby = Nearby {
+        contact: mark.contact,
+        power: libm::pow(f64::from(mark.depth), EXPONENT),
+        depth: dent.alone_at(set, mark.contact).length(),
+        reach_square: dent.reach().square,
+        widest: widest(set, mark),
+        others: 0,
+    };
     dent
 }
 
@@ -83,40 +80,31 @@ pub(crate) fn change(dent: &mut Dent, other: &Dent, overlap: f64, before: u64, a
 
 /// Sets the strength and the stretch of a mark's dent.
 pub(crate) fn settle(set: &ExampleSet, mark: &Mark, dent: &mut Dent) {
-    dent.alone = strength_alone(mark.energy, set.options().combine);
-    dent.strength = dent.alone;
-    if set.options().combine != Combine::Energies {
-        return;
-    }
+    dent.alone = strength_alone(mark.energy);
     let all = u128::from(mark.energy) + dent.nearby.others;
     let deeper = libm::pow(all as f64 / Mark::ONE as f64, 1.0 / EXPONENT);
     dent.strength = (mark.energy as f64 / all as f64 * deeper) as f32;
     dent.widen(set, (deeper.sqrt() as f32).min(dent.nearby.widest).max(1.0));
 }
 
-/// Strength of a mark that has no other near it. Depending on [`Combine`], the energy is that of a number of hits, the
-/// summed strength or the greatest strength.
-pub(crate) fn strength_alone(energy: u64, combine: Combine) -> f32 {
-    let e = energy as f64 / Mark::ONE as f64;
-    match combine {
-        Combine::Energies => libm::pow(e, 1.0 / EXPONENT) as f32,
-        Combine::Sum | Combine::Deepest => e as f32,
-    }
+/// Strength of a mark that has no other near it.
+pub(crate) fn strength_alone(energy: u64) -> f32 {
+    libm::pow(energy as f64 / Mark::ONE as f64, 1.0 / EXPONENT) as f32
 }
 
 /// Whether the dent of a mark with this energy is so weak that it is removed.
-pub(crate) fn is_gone(energy: u64, combine: Combine) -> bool {
-    strength_alone(energy, combine) < LEAST
+pub(crate) fn is_gone(energy: u64) -> bool {
+    strength_alone(energy) < LEAST
 }
 
 /// The energy, as a factor, that makes a dent `factor` times as deep.
-pub(crate) fn energy_factor(factor: f64, combine: Combine) -> f64 {
-    if combine == Combine::Energies { libm::pow(factor, EXPONENT) } else { factor }
+pub(crate) fn energy_factor(factor: f64) -> f64 {
+    libm::pow(factor, EXPONENT)
 }
 
 /// The depth of one hit that has the energy of all these marks, m.
-pub(crate) fn depth_of_one<'a>(marks: impl Iterator<Item = &'a Mark>, combine: Combine) -> f32 {
+pub(crate) fn depth_of_one<'a>(marks: impl Iterator<Item = &'a Mark>) -> f32 {
     let hits = |mark: &Mark| mark.energy as f64 / Mark::ONE as f64;
-    let all: f64 = marks.map(|mark| hits(mark) * energy_factor(mark.depth.into(), combine)).sum();
-    (if combine == Combine::Energies { libm::pow(all, 1.0 / EXPONENT) } else { all }) as f32
+    let all: f64 = marks.map(|mark| hits(mark) * energy_factor(mark.depth.into())).sum();
+    libm::pow(all, 1.0 / EXPONENT) as f32
 }

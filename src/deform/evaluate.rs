@@ -4,8 +4,6 @@
 //! S(v) = sum of u_m(v)      position(v) = base(v) + S(v) * min(1, L / |S(v)|)
 //! ```
 //!
-//! With [`crate::Combine::Deepest`] the sum is also no longer than the longest `u_m(v)`.
-//!
 //! Anchored examples are summed in the sorted order of their marks with plain f32 operations, carried ones in whole steps
 //! ([`super::sums`]). So the result has the same bits for coincident vertices, for any division into blocks, on any thread and
 //! at any [`crate::SimdLevel`].
@@ -225,7 +223,6 @@ pub(crate) fn block<'a>(
         window: job.lod.rim.block(job.block),
         step: job.view.step(),
         turn_step: job.view.turn_step(),
-        deepest: job.view.keeps_deepest(),
         limit: job.view.limit(touched.longest),
         own: DamageView::own_limits(mesh, job.block, touched.longest),
     };

@@ -441,11 +441,9 @@ struct Sums<S: Simd> {
     dent: V<S>,
     /// Displacement of all dents, m, without what is in `carried`.
     all: V<S>,
-    /// Squared length of the longest dent, m².
-    longest: S::F,
     /// Change of the normal by anchored examples.
     change: V<S>,
-    /// What carried examples add to `all`, unless the longest dent is wanted, and to `change`, in steps.
+    /// What carried examples add to `all` and to `change`, in steps.
     carried: [[S::I; 3]; 2],
 }
 
@@ -577,11 +575,7 @@ unsafe fn add_carried<S: Simd, const NORMALS: bool>(
         if window.is_some() {
             u = scaled::<S>(u, factor);
         }
-        if block.deepest {
-            sums.dent = add::<S>(sums.dent, u);
-        } else {
-            add_steps::<S>(&mut sums.carried[0], in_steps::<S>(u, S::splat(1.0 / block.step)));
-        }
+        add_steps::<S>(&mut sums.carried[0], in_steps::<S>(u, S::splat(1.0 / block.step)));
     }
 }
 
@@ -655,8 +649,6 @@ pub(crate) struct Block<'a> {
     pub step: f32,
     /// Step of their changes of normals; a power of two.
     pub turn_step: f32,
-    /// Whether the sum is no longer than the longest dent.
-    pub deepest: bool,
     /// The depth limit, m; `None` if nothing reaches it.
     pub limit: Option<f32>,
     /// The limits of the vertices; `None` if nothing reaches them.
@@ -686,13 +678,7 @@ pub(crate) unsafe fn displace<S: Simd, const NORMALS: bool, const CARRIED: bool>
                 },
                 at,
             };
-            let mut sums = Sums::<S> {
-                dent: zero,
-                all: zero,
-                longest: S::splat(0.0),
-                change: zero,
-                carried: [[S::splat_int(0); 3]; 2],
-            };
+            let mut sums = Sums::<S> { dent: zero, all: zero, change: zero, carried: [[S::splat_int(0); 3]; 2] };
             if let Some(kept) = kept.as_ref().filter(|_| CARRIED) {
                 let load = |k: usize| kept[k].as_ptr().add(at);
                 sums.carried[0] = each!(k => S::load_int(load(k)));
@@ -715,12 +701,8 @@ pub(crate) unsafe fn displace<S: Simd, const NORMALS: bool, const CARRIED: bool>
                     }
                 }
                 if part.last {
-                    let u = sums.dent;
-                    sums.all = add::<S>(sums.all, u);
+                    sums.all = add::<S>(sums.all, sums.dent);
                     sums.dent = zero;
-                    if block.deepest {
-                        sums.longest = S::max(dot::<S>(u, u), sums.longest);
-                    }
                 }
             }
             if let Some(kept) = kept.as_mut().filter(|_| CARRIED) {
@@ -738,13 +720,9 @@ pub(crate) unsafe fn displace<S: Simd, const NORMALS: bool, const CARRIED: bool>
                 turn = each!(k => S::add(turn[k], S::mul(S::float(turned[k]), S::splat(block.turn_step))));
             }
             let (mut u, mut change) = (s, turn);
-            if block.deepest || block.limit.is_some() || block.own.is_some() {
-                let least = S::splat(LEAST_LENGTH);
-                let length = S::max(S::sqrt(dot::<S>(s, s)), least);
+            if block.limit.is_some() || block.own.is_some() {
+                let length = S::max(S::sqrt(dot::<S>(s, s)), S::splat(LEAST_LENGTH));
                 let mut allowed = length;
-                if block.deepest {
-                    allowed = S::min(S::max(S::sqrt(sums.longest), least), allowed);
-                }
                 if let Some(gives) = block.own.and_then(|own| own.gives) {
                     allowed = S::mul(allowed, S::load_halves(gives.as_ptr().add(at)));
                 }

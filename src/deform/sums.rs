@@ -65,10 +65,7 @@ impl KeptSums {
         normals: bool,
     ) -> Option<Box<Self>> {
         let dents = view.damage.dents();
-        let pays = dents.len() >= LEAST_DENTS
-            && view.vertices.is_none()
-            && !view.keeps_deepest()
-            && dents.iter().any(|dent| dent.lookups() > 0);
+        let pays = dents.len() >= LEAST_DENTS && view.vertices.is_none() && dents.iter().any(|dent| dent.lookups() > 0);
         if !pays {
             return None;
         }

@@ -10,15 +10,11 @@
 //! by at most `e`, by the triangle inequality. Then `position = base + P(S)`, where `P` is the projection onto the ball
 //! of radius `L`. `P(S)` moves by no more than `S` does. So the vertex moves by at most `e`.
 //!
-//! With [`Combine::Deepest`] the radius is the smaller of `L` and the greatest `|u_m|`. The radius too changes by at
-//! most `e`, and `P(S)` moves by no more than the radius does if `S` is fixed. So the vertex moves by at most `2 e`.
-//!
 //! A part leaves out at most `t`, and at most its longest displacement in the block. [`threshold`] takes the greatest
 //! `t`, among the tolerance and its halves, for which this bound holds in every block. Rounding of f32 comes on top.
 //! Stored normals are left out only with a whole part.
 
 use crate::damage::dent::Dent;
-use crate::example::options::Combine;
 use crate::example::set::ExampleSet;
 
 /// Margin for the rounding of thresholds and sums.
@@ -52,8 +48,7 @@ pub(crate) fn threshold(set: &ExampleSet, dents: &[Dent], tolerance: f32) -> f32
             dent.lengths(lod, |block, longest| lengths.push(((first + block) as u32, longest)));
         }
     }
-    let halves = if set.options().combine == Combine::Deepest { 0.5 } else { 1.0 };
-    let allowed = f64::from(tolerance * MARGIN) * halves;
+    let allowed = f64::from(tolerance * MARGIN);
     let mut sums = vec![0.0f64; count];
     for step in 0..STEPS {
         let t = tolerance * MARGIN * 0.5f32.powi(step);

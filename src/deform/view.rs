@@ -4,7 +4,6 @@ use super::kernel::TURN_STEP;
 use crate::damage::changes::Changes;
 use crate::damage::dent::{Dent, Part};
 use crate::damage::list::Damage;
-use crate::example::options::Combine;
 use crate::example::set::ExampleSet;
 use crate::mesh::Mesh;
 use crate::mesh::limits::BlockLimits;
@@ -47,11 +46,6 @@ impl DamageView<'_> {
     /// The step of their changes of normals, a power of two.
     pub(crate) fn turn_step(&self) -> f32 {
         TURN_STEP * self.coarse
-    }
-
-    /// Whether the sum of dents is no longer than the longest of them.
-    pub(crate) fn keeps_deepest(&self) -> bool {
-        self.set.options().combine == Combine::Deepest
     }
 
     /// The limits of a block's own vertices, if dents whose lengths sum to `longest` (m) may reach them.

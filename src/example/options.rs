@@ -4,20 +4,6 @@ use crate::base::error::Error;
 use crate::base::error::{at_least_zero, positive};
 use crate::mesh::MAX_COORDINATE;
 
-/// How several marks act together. Each vertex moves along the sum of their displacements, up to the depth limit.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Combine {
-    /// Displacements add. Hits that repeat a mark add their depths.
-    Sum = 1,
-    /// Energies add where marks overlap: n equal hits at one place leave a dent n^(1/2.4) times as deep, and wider.
-    /// Displacements of marks that do not overlap add. The default.
-    #[default]
-    Energies = 0,
-    /// The sum is no longer than the longest displacement. The strongest of equal hits counts.
-    Deepest = 2,
-}
-
 /// What happens when an example moves apart vertices that share a base position.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -46,10 +32,6 @@ pub enum VertexMass {
 pub struct SetOptions {
     /// Largest displacement of any vertex, m. `None` takes the longest displacement of all examples.
     pub depth_limit: Option<f32>,
-    /// How the dents of several marks combine.
-    pub combine: Combine,
-    /// If true, carried examples are never scaled above their own depth. Anchored ones never are.
-    pub strict: bool,
     /// How examples that tear seams are treated.
     pub seams: Seams,
     /// Mass of the vertices.
@@ -76,8 +58,6 @@ impl Default for SetOptions {
     fn default() -> Self {
         Self {
             depth_limit: None,
-            combine: Combine::default(),
-            strict: false,
             seams: Seams::default(),
             mass: VertexMass::default(),
             drop_below: 0.0,

@@ -14,11 +14,8 @@ const SNORM16X4 = 2u;
 const SNORM8X4 = 3u;
 const OCTAHEDRAL16X2 = 4u;
 
-// Flags of a target with marks.
-// The sum is no longer than the longest dent.
-const DEEPEST = 1u;
-// The depth limit may be reached.
-const LIMITED = 2u;
+// Flag of a target with marks: the depth limit may be reached.
+const LIMITED = 1u;
 // Flag of a target with a classic rule: the vertices are at rest and have no state yet.
 const AT_REST = 1u;
 

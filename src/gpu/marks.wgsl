@@ -10,9 +10,8 @@ override CARRIED: bool = false;
 struct Sums {
     dent: vec3<f32>,
     all: vec3<f32>,
-    longest: f32,
     change: vec3<f32>,
-    // What carried examples add to `all`, unless the longest dent is wanted, and to `change`, in steps.
+    // What carried examples add to `all` and to `change`, in steps.
     carried_all: vec3<i32>,
     carried_change: vec3<i32>,
 }
@@ -137,11 +136,7 @@ fn add_carried(
     if window != NONE {
         u = u * factor;
     }
-    if (out.flags & DEEPEST) != 0u {
-        (*sums).dent = (*sums).dent + u;
-    } else {
-        (*sums).carried_all = (*sums).carried_all + in_steps(u, out.per_step);
-    }
+    (*sums).carried_all = (*sums).carried_all + in_steps(u, out.per_step);
 }
 
 // The unit vector along `n + change`; `n` itself if the `sum` of changes is zero.
@@ -173,7 +168,6 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     let out = vertex.out;
-    let flags = out.flags;
     var window = out.windows;
     if window != NONE {
         let at = arena[window + vertex.block];
@@ -189,7 +183,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         base_normal = arena_vector(out.base_normals + 3u * vertex.index);
     }
 
-    var sums = Sums(vec3(0.0), vec3(0.0), 0.0, vec3(0.0), vec3(0), vec3(0));
+    var sums = Sums(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0), vec3(0));
     var row = call.parts + out.parts_begin;
     let end = call.parts + out.parts_end;
     while row < end {
@@ -211,9 +205,6 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
                 }
             }
             sums.all = sums.all + sums.dent;
-            if (flags & DEEPEST) != 0u {
-                sums.longest = maximum(dot3(sums.dent, sums.dent), sums.longest);
-            }
             sums.dent = vec3(0.0);
         }
         row = after;
@@ -225,14 +216,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     var u = sums.all;
     var change = sums.change;
-    if (flags & (DEEPEST | LIMITED)) != 0u || out.depths != NONE || out.gives != NONE {
+    let limited = (out.flags & LIMITED) != 0u;
+    if limited || out.depths != NONE || out.gives != NONE {
         let length = maximum(sqrt(dot3(u, u)), LEAST_LENGTH);
-        var allowed = length;
-        if (flags & DEEPEST) != 0u {
-            allowed = minimum(maximum(sqrt(sums.longest), LEAST_LENGTH), allowed);
-        }
-        allowed = within_own_limits(out, vertex.index, allowed);
-        if (flags & LIMITED) != 0u {
+        var allowed = within_own_limits(out, vertex.index, length);
+        if limited {
             allowed = minimum(out.limit, allowed);
         }
         if length > allowed {

@@ -4,8 +4,7 @@
 //! more dents than [`crate::deform`] does; a dent that does not reach a vertex adds zeros there.
 
 use super::layout::{
-    AT_REST, BlockWork, Call, CarriedWork, ClassicHit, DEEPEST, DentHead, DentPart, LIMITED, LookupWork, NONE, Row,
-    TargetWork,
+    AT_REST, BlockWork, Call, CarriedWork, ClassicHit, DentHead, DentPart, LIMITED, LookupWork, NONE, Row, TargetWork,
 };
 use super::target::TargetState;
 use super::vertices::VertexStream;
@@ -190,7 +189,7 @@ impl FrameWork {
             self.parts[head..head + rows.len()].copy_from_slice(&rows);
         }
         let limit = view.limit(longest);
-        let flags = if view.keeps_deepest() { DEEPEST } else { 0 } | if limit.is_some() { LIMITED } else { 0 };
+        let flags = if limit.is_some() { LIMITED } else { 0 };
         self.add_target(shown, (begin, longest), (flags, limit.unwrap_or(0.0), NONE));
         let grown = Vec3::splat(longest.min(view.depth_limit) * ROUNDING);
         let mut bounds = mesh.mesh.bounds();

@@ -30,7 +30,8 @@ impl Rule {
 pub struct InstanceOptions {
     /// What an impulse leaves.
     pub rule: Rule,
-    /// How examples are chosen. The classic rules accept only the classic selections.
+    /// How a classic rule chooses an example. Marks are made of the examples that best predict a dent of the hit's place,
+    /// depth and lean.
     pub selection: Selection,
     /// The most examples that one hit may mix, 1 to 4.
     pub examples_per_hit: u32,
@@ -58,7 +59,7 @@ impl Default for InstanceOptions {
     fn default() -> Self {
         Self {
             rule: Rule::Marks,
-            selection: Selection::Nearest,
+            selection: Selection::Classic,
             examples_per_hit: 3,
             depth_limit: None,
             capacity: 64,
@@ -73,9 +74,9 @@ impl Default for InstanceOptions {
 }
 
 impl InstanceOptions {
-    /// Default options for a classic rule, with the classic selection.
+    /// Default options for a classic rule.
     pub fn classic(rule: Rule) -> Self {
-        Self { rule, selection: Selection::Classic, ..Self::default() }
+        Self { rule, ..Self::default() }
     }
 
     pub(super) fn check(&self) -> Result<(), Error> {
@@ -104,19 +105,14 @@ impl InstanceOptions {
         {
             return Err(Error::invalid("the blend constant", k, "0 to 1"));
         }
-        match (self.rule, self.selection) {
-            (Rule::Marks, Selection::ClassicUnclamped) => Err(Error::invalid(
+        if self.rule == Rule::Marks && self.selection == Selection::ClassicUnclamped {
+            return Err(Error::invalid(
                 "selection",
                 "ClassicUnclamped",
-                "Nearest or Classic with the rule Marks, which is bounded",
-            )),
-            (Rule::MostDisplaced | Rule::Blend(_), Selection::Nearest) => Err(Error::invalid(
-                "selection",
-                "Nearest",
-                &format!("Classic or ClassicUnclamped with the rule {}, which cannot carry examples", self.rule.name()),
-            )),
-            _ => Ok(()),
+                "Classic with the rule Marks, which is bounded",
+            ));
         }
+        Ok(())
     }
 }
 

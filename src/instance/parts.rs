@@ -182,7 +182,7 @@ impl Instance {
         Ok(PartDamage {
             deepest: deepest as f32,
             mean: (sum / mesh.vertex_count().max(1) as f64) as f32,
-            energy: depth_of_one(on_mesh, self.set.options().combine),
+            energy: depth_of_one(on_mesh),
         })
     }
 

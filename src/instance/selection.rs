@@ -3,12 +3,11 @@
 use super::options::Rule;
 use crate::base::error::Error;
 use crate::classic::select::select_by_cosine;
-use crate::damage::dent::{frame_rotations, place};
-use crate::damage::mark::{MAX_PAIRS, Mark, Pair};
+use crate::damage::mark::Mark;
 use crate::example::set::ExampleSet;
 use crate::mesh::mirror::Mirror;
 use crate::select::hit::{Chosen, Hit, HitStatus, Outcome, Selection};
-use crate::select::nearest::{report, select_nearest};
+use crate::select::nearest::select_nearest;
 use crate::select::target::{HitParams, HitTarget, resolve};
 
 /// What a hit leaves on the instance.
@@ -27,26 +26,19 @@ pub(crate) enum Effect {
 pub(crate) fn select(set: &ExampleSet, rule: Rule, params: &HitParams, hit: &Hit) -> Result<(Outcome, Effect), Error> {
     let (mut outcome, target) = resolve(set, params, hit)?;
     let Some(target) = target else { return Ok((outcome, Effect::None)) };
-    let effect = match params.selection {
-        Selection::Nearest => select_nearest(set, params.examples_per_hit, &target, &mut outcome).map(Effect::Mark),
-        Selection::Classic => classic(set, rule, &target, true, &mut outcome),
-        Selection::ClassicUnclamped => classic(set, rule, &target, false, &mut outcome),
+    let effect = match rule {
+        Rule::Marks => select_nearest(set, params.examples_per_hit, &target, &mut outcome).map(Effect::Mark),
+        Rule::MostDisplaced | Rule::Blend(_) => classic(set, &target, params.selection, &mut outcome),
     };
     Ok((outcome, effect.unwrap_or(Effect::None)))
 }
 
-fn classic(set: &ExampleSet, rule: Rule, target: &HitTarget, clamp: bool, out: &mut Outcome) -> Option<Effect> {
-    let chosen = select_by_cosine(set, target, clamp)?;
+fn classic(set: &ExampleSet, target: &HitTarget, selection: Selection, out: &mut Outcome) -> Option<Effect> {
+    let chosen = select_by_cosine(set, target, selection == Selection::Classic)?;
     let (example, weight) = (chosen.example, chosen.weight);
-    if rule != Rule::Marks {
-        out.chosen[0] = Some(Chosen { example, share: 1.0, scale: weight, anchored: true, mirror: Mirror::NONE });
-        let moved = chosen.delta * weight;
-        out.achieved = (moved * set.mesh().limits().factor(target.contact, moved)).to_array();
-        out.status = HitStatus::Marked;
-        return Some(Effect::Classic { example, weight });
-    }
-    let mut pairs = [Pair::NONE; MAX_PAIRS];
-    pairs[0] = Pair::anchored(example as u16, Pair::WHOLE);
-    let placed = place(set, target.contact, target.size, &pairs, &frame_rotations(set, target.contact, &pairs));
-    Some(Effect::Mark(report(set, &placed, Mark::new(target.contact, target.size, pairs), out)))
+    out.chosen[0] = Some(Chosen { example, share: 1.0, scale: weight, anchored: true, mirror: Mirror::NONE });
+    let moved = chosen.delta * weight;
+    out.achieved = (moved * set.mesh().limits().factor(target.contact, moved)).to_array();
+    out.status = HitStatus::Marked;
+    Some(Effect::Classic { example, weight })
 }

@@ -77,18 +77,14 @@ impl Hit {
     }
 }
 
-/// How examples are chosen.
+/// How a classic rule chooses an example.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Selection {
-    /// The K examples that best predict a dent of the hit's place, depth and lean. Each is carried or anchored as its
-    /// placement says.
-    #[default]
-    Nearest,
     /// The paper's Figure 4.2: the example with the best cosine among those that move the nearest vertex, anchored. Its
     /// weight is at most 1.
+    #[default]
     Classic,
-    /// Like `Classic`, but the weight has no limit. The rule diverges for weights above 2. For comparison; needs a
-    /// classic rule.
+    /// Like `Classic`, but the weight has no limit. The rule diverges for weights above 2. For comparison.
     ClassicUnclamped,
 }
 

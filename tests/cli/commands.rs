@@ -179,7 +179,6 @@ fn apply_reads_obj_and_the_classic_rules() {
         has(&apply(&folder, &obj, &json, &["--rule", rule, "--threads", "1"]), &["on 1 thread."]);
         assert!(!dented(&folder.at("out.glb")).is_empty());
     }
-    apply(&folder, &obj, &json, &["--selection", "classic"]);
 }
 
 #[test]

@@ -24,7 +24,6 @@ fn bad_impacts_are_named_with_their_file() {
     folder.write("i.json", r#"[{"point": [0,0,0], "displacement": [0,0,-1], "contact": 7}]"#);
     let apply = "apply PANEL --impacts INi.json -o INout.glb --rule most-displaced";
     refused(&folder, apply, &["contact id", "rule Marks"]);
-    refused(&folder, &format!("{apply} --selection nearest"), &["selection"]);
     assert_eq!(folder.names(), ["i.json"]);
 }
 

@@ -2,9 +2,7 @@
 
 use std::sync::Arc;
 
-use crumple::{
-    Combine, ExampleSet, Instance, InstanceOptions, Mark, Mirror, Pair, Placement, Rule, Serial, SetOptions,
-};
+use crumple::{ExampleSet, Instance, InstanceOptions, Mark, Mirror, Pair, Placement, Rule, Serial, SetOptions};
 
 use super::compare::Expected;
 use super::layout::TestLayout;
@@ -12,7 +10,7 @@ use super::{folded, hit};
 use crate::backend::{Encoding, Gpu, Job, on_each_device};
 use crate::scenes::{self, Dice};
 
-/// Bodies of every kind: exact and baked, in each width, with each way to combine, carried and anchored, with a held rim.
+/// Bodies of every kind: exact and baked, in each width, carried and anchored, with a held rim.
 pub fn sets() -> Vec<(String, Arc<ExampleSet>)> {
     let mut all: Vec<(String, Arc<ExampleSet>)> =
         scenes::small_bodies().into_iter().map(|(n, s)| (n.to_owned(), s)).collect();
@@ -25,19 +23,14 @@ pub fn sets() -> Vec<(String, Arc<ExampleSet>)> {
         let options = SetOptions { tolerance: Some(tolerance), ..SetOptions::default() };
         all.push((format!("sheet in {name}"), sheet(options)));
     }
-    for combine in [Combine::Sum, Combine::Deepest] {
-        let options = SetOptions { combine, depth_limit: Some(0.05), ..SetOptions::default() };
-        all.push((format!("{combine:?}"), sheet(options)));
-    }
+    all.push(("flat sheet".into(), sheet(SetOptions { depth_limit: Some(0.05), ..SetOptions::default() })));
     for placement in [Placement::Anchored, Placement::Carried] {
         let mesh = scenes::cube(12);
         let mut examples = scenes::bowls(&mesh, 6, 0.4, 5);
         examples.iter_mut().for_each(|e| e.placement = placement);
         all.push((format!("{placement:?} cube"), scenes::build(mesh, examples, SetOptions::default())));
     }
-    for combine in [Combine::Energies, Combine::Deepest] {
-        all.push((format!("limits, {combine:?}"), limited(combine)));
-    }
+    all.push(("limits".into(), limited()));
     let mut points = scenes::sheet(20);
     (points.normals, points.tangents, points.triangles) = (None, None, Vec::new());
     let poke = crumple::Deltas::Sparse { indices: vec![21, 22], values: vec![[0.02, 0.0, -0.1]; 2] };
@@ -48,13 +41,13 @@ pub fn sets() -> Vec<(String, Arc<ExampleSet>)> {
 }
 
 /// A sheet with a limit and a stiffness for each vertex.
-fn limited(combine: Combine) -> Arc<ExampleSet> {
+fn limited() -> Arc<ExampleSet> {
     let mut mesh = scenes::sheet(30);
     let examples = scenes::bowls(&mesh, 5, 0.3, 3);
     let limit = |v: usize| if v.is_multiple_of(5) { f32::INFINITY } else { 0.001 * (v % 60) as f32 };
     mesh.depth_limits = Some((0..mesh.positions.len()).map(limit).collect());
     mesh.stiffness = Some((0..mesh.positions.len()).map(|v| 0.1 * (v % 7) as f32).collect());
-    scenes::build(mesh, examples, SetOptions { combine, ..SetOptions::default() })
+    scenes::build(mesh, examples, SetOptions::default())
 }
 
 /// Marks that no selection would make.
@@ -197,7 +190,7 @@ fn classic_rules_are_those_of_the_cpu() {
         let examples = scenes::bowls(&mesh, 5, 0.3, 3);
         scenes::build(mesh, examples, SetOptions { tolerance: Some(tolerance), ..SetOptions::default() })
     };
-    let sets = [scenes::cube_set(), scenes::ball_set(), baked(3e-3), baked(1e-5), limited(Combine::Energies)];
+    let sets = [scenes::cube_set(), scenes::ball_set(), baked(3e-3), baked(1e-5), limited()];
     let rules = [Rule::MostDisplaced, Rule::Blend(0.3), Rule::Blend(0.0), Rule::Blend(1.0), Rule::Blend(0.5)];
     let positions = [Some(Encoding::F32), None, None];
     on_each_device(|gpu| {

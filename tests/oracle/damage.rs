@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use crumple::{Combine, Mark, Pair};
+use crumple::{Mark, Pair};
 
 use super::Model;
 use super::marks::POWER;
@@ -21,34 +21,30 @@ pub struct Ledger {
     pub energies: BTreeMap<Key, u64>,
 }
 
-/// libm's, as the model says: the last digit may decide which mark is the weakest.
-fn power(x: f64, p: f64) -> f64 {
-    if p == 1.0 { x } else { libm::pow(x, p) }
-}
-
 fn depth(key: &Key) -> f64 {
     f64::from(f32::from_bits(key.1))
 }
 
 impl Ledger {
     /// Adds the marks of one frame, one after another in canonical order.
-    pub fn frame(&mut self, model: &Model, combine: Combine, marks: &[Mark], capacity: usize) {
+    pub fn frame(&mut self, model: &Model, marks: &[Mark], capacity: usize) {
         let mut marks = marks.to_vec();
         marks.sort_by_key(|m| (key(m), m.energy));
         for mark in marks {
             let energy = self.energies.entry(key(&mark)).or_insert(0);
-            *energy = combined(*energy, mark.energy, combine);
+            *energy = energy.saturating_add(mark.energy);
             if self.energies.len() > capacity {
-                self.merge_weakest(model, combine);
+                self.merge_weakest(model);
             }
         }
     }
 
-    fn merge_weakest(&mut self, model: &Model, combine: Combine) {
+    fn merge_weakest(&mut self, model: &Model) {
         // f32, as documented for the size of a mark: the choice must not depend on the oracle's extra digits
         let size = |(k, e): (&Key, &u64)| {
             let energy = *e as f64 / 2f64.powi(32);
-            power(energy, if combine == Combine::Energies { 1.0 / POWER } else { 1.0 }) as f32 * depth(k) as f32
+            // libm's, as the model says: the last digit may decide which mark is the weakest
+            libm::pow(energy, 1.0 / POWER) as f32 * depth(k) as f32
         };
         let weakest = *self.energies.iter().min_by(|a, b| size(*a).total_cmp(&size(*b))).unwrap().0;
         let energy = self.energies.remove(&weakest).unwrap();
@@ -64,17 +60,13 @@ impl Ledger {
         };
         // conserves the depth of the mark alone
         let ratio = depth(&weakest) / depth(&heir);
-        let given = energy as f64 * power(ratio, if combine == Combine::Energies { POWER } else { 1.0 });
+        let given = energy as f64 * libm::pow(ratio, POWER);
         let entry = self.energies.get_mut(&heir).unwrap();
-        *entry = combined(*entry, given as u64, combine);
+        *entry = entry.saturating_add(given as u64);
     }
 
     pub fn marks(&self) -> Vec<Mark> {
         let of = |(k, e): (&Key, &u64)| Mark { contact: k.0, depth: f32::from_bits(k.1), energy: *e, pairs: k.2 };
         self.energies.iter().map(of).collect()
     }
-}
-
-fn combined(a: u64, b: u64, combine: Combine) -> u64 {
-    if combine == Combine::Deepest { a.max(b) } else { a.saturating_add(b) }
 }

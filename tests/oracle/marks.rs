@@ -1,7 +1,5 @@
 //! The default model: displacements from marks, one vertex at a time.
 
-use crumple::Combine;
-
 use super::body::mirrored;
 use super::vector::{
     Matrix, V, add, apply, dot, from_f32, length, product, rotation_between, scale, sub, transpose, unit,
@@ -45,8 +43,7 @@ pub fn part_of(pair: crumple::Pair) -> Part {
     }
 }
 
-/// The documented layout of a mark: energy in units of 2^-32, which is the strength unless energies add. Unused pairs
-/// have example 0xFFFF.
+/// The documented layout of a mark: energy in units of 2^-32. Unused pairs have example 0xFFFF.
 pub fn mark_of(mark: &crumple::Mark) -> Mark {
     let energy = mark.energy as f64 / 2f64.powi(32);
     Mark {
@@ -60,11 +57,9 @@ pub fn mark_of(mark: &crumple::Mark) -> Mark {
 }
 
 /// The documented marks of an instance, with the strengths and widths that they have together.
-pub fn marks_of(model: &Model, marks: &[crumple::Mark], combine: Combine) -> Vec<Mark> {
+pub fn marks_of(model: &Model, marks: &[crumple::Mark]) -> Vec<Mark> {
     let mut marks: Vec<Mark> = marks.iter().map(mark_of).collect();
-    if combine == Combine::Energies {
-        upon_each_other(model, &mut marks);
-    }
+    upon_each_other(model, &mut marks);
     marks
 }
 
@@ -274,8 +269,8 @@ pub fn example_at(model: &Model, mark: &Mark, part: &Part, vertex: usize) -> (V,
 }
 
 /// The factor of each part of a mark. Each part is scaled by its share of the target depth over its own depth. Then all
-/// are scaled together so that the contact gets the target depth if no rim is held. Factors of anchored parts, and of
-/// all parts in a strict set, stay between -1 and 1.
+/// are scaled together so that the contact gets the target depth if no rim is held. Factors of anchored parts stay
+/// between -1 and 1.
 pub fn scales(model: &Model, mark: &Mark) -> Vec<f64> {
     let at_contact: Vec<V> = mark.parts.iter().map(|p| open_at(model, mark, p, mark.contact).0).collect();
     let mut scales = Vec::new();
@@ -289,7 +284,7 @@ pub fn scales(model: &Model, mark: &Mark) -> Vec<f64> {
     let together = if length(sum) > 0.0 { (mark.depth / length(sum)).min(TOGETHER) } else { 1.0 };
     for (s, part) in scales.iter_mut().zip(&mark.parts) {
         *s *= together;
-        if part.anchored || model.strict {
+        if part.anchored {
             *s = s.clamp(-1.0, 1.0);
         }
     }
@@ -369,31 +364,25 @@ pub struct Limit {
 }
 
 /// Displacement of `vertex` by all marks, and the factor that shortened their plain sum.
-pub fn displacement(model: &Model, marks: &[Scaled<'_>], vertex: usize, combine: Combine, limit: Limit) -> (V, f64) {
-    let (mut sum, mut deepest) = ([0.0; 3], 0.0f64);
-    for mark in marks {
-        let (u, _) = mark_at(model, mark, vertex);
-        sum = add(sum, u);
-        deepest = deepest.max(length(u));
-    }
+pub fn displacement(model: &Model, marks: &[Scaled<'_>], vertex: usize, limit: Limit) -> (V, f64) {
+    let sum = marks.iter().fold([0.0; 3], |sum, mark| add(sum, mark_at(model, mark, vertex).0));
     let s = length(sum);
     if s == 0.0 {
         return ([0.0; 3], if limit.depth > 0.0 { limit.give } else { 0.0 });
     }
-    let factor: f64 = if combine == Combine::Deepest { (deepest / s).min(1.0) } else { 1.0 };
-    let factor = (limit.give * factor).min(limit.depth / s);
+    let factor = limit.give.min(limit.depth / s);
     (scale(factor, sum), factor)
 }
 
 /// Unit normal of `vertex` after all marks: the base normal plus the marks' changes, shortened by the same factor as
 /// the displacement.
-pub fn normal(model: &Model, marks: &[Scaled<'_>], vertex: usize, combine: Combine, limit: Limit) -> V {
-    unit(normal_sum(model, marks, vertex, combine, limit))
+pub fn normal(model: &Model, marks: &[Scaled<'_>], vertex: usize, limit: Limit) -> V {
+    unit(normal_sum(model, marks, vertex, limit))
 }
 
 /// The same before normalisation.
-pub fn normal_sum(model: &Model, marks: &[Scaled<'_>], vertex: usize, combine: Combine, limit: Limit) -> V {
-    let (_, factor) = displacement(model, marks, vertex, combine, limit);
+pub fn normal_sum(model: &Model, marks: &[Scaled<'_>], vertex: usize, limit: Limit) -> V {
+    let (_, factor) = displacement(model, marks, vertex, limit);
     let mut change = [0.0; 3];
     for mark in marks {
         change = add(change, mark_at(model, mark, vertex).1);

@@ -56,7 +56,6 @@ pub struct Model {
     /// Vertices on held rims (every copy at a seam), and the window of each vertex.
     pub held: Vec<usize>,
     pub windows: Vec<Window>,
-    pub strict: bool,
     /// Whether vertices at one position stay together.
     pub welds: bool,
     pub depth_limit: f64,
@@ -113,7 +112,6 @@ impl Model {
             planes: if set.options().mirror { planes } else { 0 },
             held,
             windows,
-            strict: set.options().strict,
             welds: set.options().seams == Seams::Weld,
             depth_limit: f64::from(set.depth_limit()),
             place_width: f64::from(set.learned().place_width),

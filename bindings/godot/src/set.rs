@@ -1,6 +1,6 @@
 use crate::surfaces::{self, Surface};
 use crate::tasks;
-use crumple::{Combine, ExampleSet, Placement, SetOptions, VertexMass};
+use crumple::{ExampleSet, Placement, SetOptions, VertexMass};
 use godot::classes::{ArrayMesh, FileAccess, IResource, Resource, file_access};
 use godot::global;
 use godot::prelude::*;
@@ -51,10 +51,6 @@ pub struct CrumpleExampleSet {
     #[export]
     #[var(set)]
     mirror: bool,
-    /// What several dents at one place do: their energies add, their displacements add, or the deepest counts.
-    #[export(enum = (Energies = 0, Sum = 1, Deepest = 2))]
-    #[var(set)]
-    combine: i32,
     built: Option<Result<Arc<Built>, String>>,
     base: Base<Resource>,
 }
@@ -69,7 +65,6 @@ impl IResource for CrumpleExampleSet {
             edge_length: 0.0,
             tolerance: 0.0,
             mirror: true,
-            combine: 0,
             built: None,
             base,
         }
@@ -247,12 +242,6 @@ impl CrumpleExampleSet {
         self.mirror = mirror;
         self.changed();
     }
-
-    #[func]
-    fn set_combine(&mut self, combine: i32) {
-        self.combine = combine;
-        self.changed();
-    }
 }
 
 impl CrumpleExampleSet {
@@ -295,11 +284,6 @@ impl CrumpleExampleSet {
             depth_limit: above_zero(self.depth_limit),
             tolerance: above_zero(self.tolerance),
             mirror: self.mirror,
-            combine: match self.combine {
-                1 => Combine::Sum,
-                2 => Combine::Deepest,
-                _ => Combine::Energies,
-            },
             mass: VertexMass::None,
             ..SetOptions::default()
         }

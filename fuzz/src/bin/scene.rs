@@ -53,14 +53,14 @@ fn compare(set: &ExampleSet, body: &mut Instance, updated: &Output) {
         }
     }
     best.force().expect("the best level");
-    let (model, combine) = (Model::of(set), set.options().combine);
+    let model = Model::of(set);
     // The oracle knows displacements as they are stored. With a tolerance they differ from those that the set learned from,
     // and rounding may decide whether a rim is held.
     if set.options().tolerance.is_some() || model.close || model.held.len() != set.report().held_vertices {
         return;
     }
     let given = body.marks().expect("marks").to_vec();
-    let list = marks::marks_of(&model, &given, combine);
+    let list = marks::marks_of(&model, &given);
     let scaled = marks::scaled(&model, &list);
     let sizes = scaled.iter().map(|mark| marks::size(&model, mark).0);
     // A mark moves a vertex by at most the body's diagonal, before all are shortened to the depth limit.
@@ -72,7 +72,7 @@ fn compare(set: &ExampleSet, body: &mut Instance, updated: &Output) {
         if list.iter().any(|mark| marks::on_a_border(&model, mark, v)) {
             continue;
         }
-        let (moved, _) = marks::displacement(&model, &scaled, v, combine, limit);
+        let (moved, _) = marks::displacement(&model, &scaled, v, limit);
         let ought = add(model.positions[v], moved);
         let off = length(sub(from_f32(*position), ought));
         let mut allowed = marks::rounding(ought, rounded(&model, &scaled));
@@ -80,8 +80,8 @@ fn compare(set: &ExampleSet, body: &mut Instance, updated: &Output) {
             // Where little changes much, such as the energy of a small dent at the rim of a great one, rounding does too.
             for factor in [1.0 - 2e-4, 1.0 + 2e-4] {
                 let near: Vec<_> = given.iter().map(|mark| Mark { depth: mark.depth * factor, ..*mark }).collect();
-                let near = marks::marks_of(&model, &near, combine);
-                let (other, _) = marks::displacement(&model, &marks::scaled(&model, &near), v, combine, limit);
+                let near = marks::marks_of(&model, &near);
+                let (other, _) = marks::displacement(&model, &marks::scaled(&model, &near), v, limit);
                 allowed += 2.0 * length(sub(other, moved));
             }
         }

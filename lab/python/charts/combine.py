@@ -18,6 +18,10 @@ SCENES = [
 ]
 
 
+OURS = "energies"
+"""The library's rule."""
+
+
 def draw(directory):
     table = style.read(directory, "combine.csv")
     if table is None:
@@ -28,10 +32,6 @@ def draw(directory):
 
 def sequences(table):
     return "sequences: " + "; ".join(f"{t} {b} {table.one(truth=t, body=b, kind='all')['n']:.0f}" for t, b in PANELS)
-
-
-def default(table):
-    return table.said("default") or "energies"
 
 
 def rules(table, source):
@@ -59,14 +59,14 @@ def errors(table, directory):
         axis.xaxis.tick_top()
         axis.set_yticks(range(len(names[source])), names[source])
         for tick, rule in zip(axis.get_yticklabels(), names[source]):
-            tick.set_fontweight("bold" if rule in (default(table), "all defaults") else "normal")
+            tick.set_fontweight("bold" if rule in (OURS, "all defaults") else "normal")
         axis.grid(False)
         axis.tick_params(length=0)
         for side in axis.spines.values():
             side.set_visible(False)
         axis.set_title(title, loc="left", fontweight="bold", fontsize=9.5, pad=8)
     style.title(figure, "Several dents: relative L2 error after the last impact, median (worst)")
-    style.footer(figure, table, sequences(table), "8 times: one shot repeated at one vertex, 2 cases a body. Bold figures: the best of their column; bold rules: the default.")
+    style.footer(figure, table, sequences(table), "8 times: one shot repeated at one vertex, 2 cases a body. Bold figures: the best of their column; bold rules: the library's.")
     figure.tight_layout(rect=(0, 0.035, 1, 0.975), h_pad=2)
     style.save(figure, directory, "combine_errors")
 
@@ -82,7 +82,7 @@ def seams(table, directory):
         for x, y, r in zip(xs, ys, rows):
             axis.plot([r["retention_worst"], x], [y, y], color="#D5D5D5", lw=0.8, zorder=1)
             marker = "s" if r["ordered"] == "yes" else "o"
-            axis.scatter([x], [y], c=[r["rel_l2_median"]], cmap="RdYlBu_r", norm=norm, s=44, marker=marker, edgecolors="#333333", linewidths=1.6 if r["rule"] == default(table) else 0.6, zorder=3)
+            axis.scatter([x], [y], c=[r["rel_l2_median"]], cmap="RdYlBu_r", norm=norm, s=44, marker=marker, edgecolors="#333333", linewidths=1.6 if r["rule"] == OURS else 0.6, zorder=3)
         axis.set_yscale("log")
         axis.axvline(1, color=style.FLOOR, lw=0.9, ls=":")
         axis.axhline(1, color=style.FLOOR, lw=0.9, ls=":")
@@ -93,17 +93,17 @@ def seams(table, directory):
         axis.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
         left, right = axis.get_xlim()
         axis.set_xlim(left, right + 0.05 * (right - left))
-        labels = [axis.text(x, y, str(i), fontsize=8.5, fontweight="bold" if r["rule"] == default(table) else "normal", zorder=5, path_effects=style.HALO) for i, (x, y, r) in enumerate(zip(xs, ys, rows), 1)]
+        labels = [axis.text(x, y, str(i), fontsize=8.5, fontweight="bold" if r["rule"] == OURS else "normal", zorder=5, path_effects=style.HALO) for i, (x, y, r) in enumerate(zip(xs, ys, rows), 1)]
         adjust_text(labels, x=xs, y=ys, ax=axis, expand=(1.3, 1.5), force_text=(0.4, 0.8), iter_lim=2000, arrowprops=dict(arrowstyle="-", color="#999999", lw=0.6), min_arrow_len=4)
         axis.set_title(style.panel_title(truth, body), loc="left", fontweight="bold")
         axis.set_xlabel("kept at earlier contacts, over the truth's: mean (line: down to the worst)")
         axis.set_ylabel("largest edge jump over the truth's, worst, logarithmic")
     style.title(figure, "Seams against forgetting: the truth is where the dotted lines cross, colour is the error to it")
-    style.footer(figure, table, sequences(table), "Fed with each impact's own true dent. Circles: free of order; squares: depend on it. Bold and thick: the default.")
+    style.footer(figure, table, sequences(table), "Fed with each impact's own true dent. Circles: free of order; squares: depend on it. Bold and thick: the library's.")
     figure.tight_layout(rect=(0, 0.045, 0.83, 0.965), h_pad=1.6)
     for i, rule in enumerate(names):
-        figure.text(0.842, 0.925 - 0.0205 * i, f"{i + 1}", fontsize=9, ha="right", fontweight="bold" if rule == default(table) else "normal")
-        figure.text(0.85, 0.925 - 0.0205 * i, rule, fontsize=9, fontweight="bold" if rule == default(table) else "normal")
+        figure.text(0.842, 0.925 - 0.0205 * i, f"{i + 1}", fontsize=9, ha="right", fontweight="bold" if rule == OURS else "normal")
+        figure.text(0.85, 0.925 - 0.0205 * i, rule, fontsize=9, fontweight="bold" if rule == OURS else "normal")
     scale = plt.cm.ScalarMappable(norm=norm, cmap="RdYlBu_r")
     bar = figure.colorbar(scale, cax=figure.add_axes([0.845, 0.12, 0.014, 0.26]), label="relative L2 error, median")
     bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))

@@ -4,8 +4,7 @@ mod rules;
 
 use anyhow::Result;
 use crumple::{
-    Combine, Contact, Deltas, ExampleData, ExampleSet, Hit, InstanceOptions, Placement, Rule as LibraryRule, Serial,
-    SetOptions,
+    Contact, Deltas, ExampleData, ExampleSet, Hit, InstanceOptions, Placement, Rule as LibraryRule, Serial, SetOptions,
 };
 use std::sync::Arc;
 
@@ -81,7 +80,6 @@ pub fn run(options: &Options) -> Result<()> {
     ]);
     for t in [&mut table, &mut each] {
         t.comment("command", "cargo xtask lab --only combine");
-        t.comment("default", format!("{:?}", SetOptions::default().combine).to_lowercase());
         t.comment("source", format!("true singles: each impact's own true dent, only the rule is wrong; predicted: the library's dents with {examples} examples"));
         t.comment("seam", "largest difference of displacement across an edge, over the truth's");
         t.comment(
@@ -143,15 +141,9 @@ pub fn run(options: &Options) -> Result<()> {
         }
         let deep = InstanceOptions { depth_limit: Some(DEEP), ..Default::default() };
         add("true singles", "energies", false, &|case, order| after(&own_set(&body, case)?, &deep, case, order))?;
-        for (name, combine) in [("sum", Combine::Sum), ("energies", Combine::Energies), ("deepest", Combine::Deepest)] {
-            let set =
-                scene::set(&body, examples, Placement::Automatic, SetOptions { combine, ..SetOptions::default() })?;
-            add("predicted", name, false, &|case, order| after(&set, &deep, case, order))?;
-            if combine == SetOptions::default().combine {
-                add("predicted", "all defaults", false, &|case, order| {
-                    after(&set, &InstanceOptions::default(), case, order)
-                })?;
-            }
+        let set = scene::set(&body, examples, Placement::Automatic, SetOptions::default())?;
+        for (name, options) in [("energies", &deep), ("all defaults", &InstanceOptions::default())] {
+            add("predicted", name, false, &|case, order| after(&set, options, case, order))?;
         }
         let options = SetOptions { drop_below: 1e-4, ..SetOptions::default() };
         let set = scene::set(&body, examples, Placement::Anchored, options)?;

@@ -10,9 +10,9 @@ use crate::{
     vertices::Vertices,
 };
 use anyhow::{Context, Result, bail};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use crumple::{
-    ExampleSet, HitStatus, Instance, InstanceOptions, Outcome, Rule, Selection, Space, ThreadPool, Tracker, glam::Vec3,
+    ExampleSet, HitStatus, Instance, InstanceOptions, Outcome, Rule, Space, ThreadPool, Tracker, glam::Vec3,
 };
 use std::{
     fmt::Write,
@@ -41,9 +41,6 @@ pub struct Arguments {
     /// How impacts add up: marks, or one of the paper's classic rules, most-displaced or blend=K (K from 0 to 1)
     #[arg(long, default_value = "marks", value_parser = rule)]
     rule: Rule,
-    /// How examples are chosen [default: nearest with --rule marks, classic with the classic rules]
-    #[arg(long, value_enum)]
-    selection: Option<SelectionName>,
     /// Largest number of examples that one hit may mix [default: 3]
     #[arg(id = "per_hit", long = "examples", value_name = "K", value_parser = clap::value_parser!(u32).range(1..=4))]
     examples_per_hit: Option<u32>,
@@ -53,14 +50,6 @@ pub struct Arguments {
     /// Deform on the GPU and compare with the CPU's vertices. Takes the fastest GPU, or the one whose name contains NAME
     #[arg(long, value_name = "NAME", num_args = 0..=1, default_missing_value = "")]
     gpu: Option<String>,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum SelectionName {
-    /// The examples nearest in place, size and angle, carried to the contact
-    Nearest,
-    /// The paper's rule: the example with the best cosine among those that move the contact's vertex
-    Classic,
 }
 
 fn rule(text: &str) -> Result<Rule, String> {
@@ -148,11 +137,6 @@ fn options(arguments: &Arguments) -> InstanceOptions {
         Rule::Marks => InstanceOptions::default(),
         rule => InstanceOptions::classic(rule),
     };
-    match arguments.selection {
-        Some(SelectionName::Nearest) => options.selection = Selection::Nearest,
-        Some(SelectionName::Classic) => options.selection = Selection::Classic,
-        None => {}
-    }
     if let Some(k) = arguments.examples_per_hit {
         options.examples_per_hit = k;
     }

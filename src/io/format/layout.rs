@@ -10,6 +10,8 @@ use twox_hash::XxHash3_64;
 pub(super) const MAGIC: [u8; 8] = *b"crumple\n";
 /// Files of other versions are refused.
 pub(super) const VERSION: u32 = 3;
+/// What 0.1 wrote for the options `combine` and `strict` where they had their defaults. There are no others any more.
+pub(super) const FIXED: [u8; 2] = [1, 0];
 
 /// Sections begin at multiples of this; the largest alignment that any element needs is 16.
 pub(super) const ALIGN: usize = 64;
@@ -175,9 +177,8 @@ pub(super) struct SetRecord {
     pub(super) place_width: f32,
     /// m.
     pub(super) widest_weld: f32,
-    /// 0 sum, 1 energies, 2 deepest.
-    pub(super) combine: u8,
-    pub(super) strict: u8,
+    /// [`FIXED`].
+    pub(super) fixed: [u8; 2],
     /// 0 weld, 1 keep.
     pub(super) seams: u8,
     /// 0 none, 1 uniform, 2 per vertex.

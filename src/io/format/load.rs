@@ -1,7 +1,7 @@
 //! Makes a set from a file.
 
 use super::check;
-use super::layout::{AnchoredRecord, BlowRecord, ExampleRecord, Id, MeshRecord, SetRecord, StampRecord, wrong};
+use super::layout::{AnchoredRecord, BlowRecord, ExampleRecord, FIXED, Id, MeshRecord, SetRecord, StampRecord, wrong};
 use super::read::{File, length_of};
 use super::scan::open;
 use crate::base::array::{Array, FileBytes};
@@ -14,7 +14,7 @@ use crate::example::data::Placement;
 use crate::example::example::Example;
 use crate::example::learned::Learned;
 use crate::example::mesh_lod::MeshLod;
-use crate::example::options::{Combine, Seams, SetOptions, VertexMass, check_options};
+use crate::example::options::{Seams, SetOptions, VertexMass, check_options};
 use crate::example::report::LodReport;
 use crate::example::set::{ExampleSet, MAX_MESHES, Parts, check_order, deepest};
 use crate::example::stamp::{Grid, Node, NodeSteps, Stamp, StampError};
@@ -117,6 +117,9 @@ fn flag(name: &str, x: u8) -> Result<bool, Error> {
 
 fn options(r: &SetRecord, file: &File<'_>, vertices: usize) -> Result<SetOptions, Error> {
     let masses: Array<f32> = file.array(Id::Masses, 0)?;
+    if r.fixed != FIXED {
+        return Err(wrong("bytes 56 and 57 of section set", format!("{:?}", r.fixed), format!("{FIXED:?}")));
+    }
     if r.zero != 0 {
         return Err(wrong("the last byte of section set", r.zero, "0"));
     }
@@ -126,13 +129,6 @@ fn options(r: &SetRecord, file: &File<'_>, vertices: usize) -> Result<SetOptions
     let given = |x: f32| (x.to_bits() != 0).then_some(x);
     let options = SetOptions {
         depth_limit: given(r.depth_limit),
-        combine: match r.combine {
-            0 => Combine::Sum,
-            1 => Combine::Energies,
-            2 => Combine::Deepest,
-            other => return Err(wrong("the way of combining", other, "0 to 2")),
-        },
-        strict: flag("strict", r.strict)?,
         seams: if flag("the way of seams", r.seams)? { Seams::Keep } else { Seams::Weld },
         mass: match r.mass_kind {
             0 => VertexMass::None,

@@ -1,14 +1,14 @@
 //! Writes a set to a file.
 
 use super::layout::{
-    ALIGN, AnchoredRecord, BlowRecord, CHUNK, Entry, ExampleRecord, Header, Id, MAGIC, MeshRecord, SetRecord,
+    ALIGN, AnchoredRecord, BlowRecord, CHUNK, Entry, ExampleRecord, FIXED, Header, Id, MAGIC, MeshRecord, SetRecord,
     StampRecord, UNHASHED, VERSION, checksum,
 };
 use crate::example::blow::Blow;
 use crate::example::data::Placement;
 use crate::example::example::Example;
 use crate::example::mesh_lod::MeshLod;
-use crate::example::options::{Combine, Seams, VertexMass};
+use crate::example::options::{Seams, VertexMass};
 use crate::example::set::ExampleSet;
 use crate::example::stamp::{Node, Stamp};
 use bytemuck::{Pod, bytes_of, cast_slice};
@@ -142,12 +142,7 @@ impl<'a> File<'a> {
             stamp_resolution: o.stamp_resolution,
             place_width: learned.place_width,
             widest_weld: r.widest_weld,
-            combine: match o.combine {
-                Combine::Sum => 0,
-                Combine::Energies => 1,
-                Combine::Deepest => 2,
-            },
-            strict: o.strict.into(),
+            fixed: FIXED,
             seams: u8::from(o.seams == Seams::Keep),
             mass_kind,
             mirror: o.mirror.into(),

@@ -16,7 +16,6 @@ from .types import (
     Attachment,
     Changes,
     Chosen,
-    Combine,
     DeformReport,
     Example,
     ExampleInfo,
@@ -41,7 +40,7 @@ __version__: str = library.crumple_version_string().decode()
 """The version of the library."""
 
 __all__ = [
-    "MARK", "Attachment", "Buffer", "Changes", "Chosen", "Combine", "Context", "CrumpleError", "DeformReport", "Example", "ExampleInfo",
+    "MARK", "Attachment", "Buffer", "Changes", "Chosen", "Context", "CrumpleError", "DeformReport", "Example", "ExampleInfo",
     "ExampleSet", "Frame", "HitResult", "HitStatus", "Instance", "InstanceInfo", "Mesh", "Placement", "Primitive", "Result",
     "Rule", "Seams", "Selection", "SetInfo", "SetOptions", "Space", "Striker", "keep_out", "library", "native",
 ]  # fmt: skip

@@ -71,14 +71,6 @@ class CrumpleIndexType(IntEnum):
     U16 = 1
 
 
-class CrumpleCombine(IntEnum):
-    """How several marks act together. Each vertex moves along the sum of their displacements, up to the depth limit."""
-
-    SUM = 1
-    ENERGIES = 0
-    DEEPEST = 2
-
-
 class CrumpleSeams(IntEnum):
     """What happens when an example moves apart vertices that share a base position."""
 
@@ -102,12 +94,10 @@ class CrumpleRule(IntEnum):
 
 
 class CrumpleSelection(IntEnum):
-    """How the examples for a hit are selected."""
+    """How a classic rule selects the example for a hit."""
 
-    OF_RULE = 0
-    NEAREST = 1
-    CLASSIC = 2
-    CLASSIC_UNCLAMPED = 3
+    CLASSIC = 0
+    CLASSIC_UNCLAMPED = 1
 
 
 class CrumpleSpace(IntEnum):
@@ -252,9 +242,7 @@ class CrumpleExampleSetOptions(c.Structure):
         ("bake_tolerance", c.c_float),
         ("bake_normal_tolerance", c.c_float),
         ("vertex_masses", CrumpleInput),
-        ("combine", c.c_uint32),
         ("seams", c.c_uint32),
-        ("strict", c.c_bool),
         ("mirror", c.c_bool),
         ("held_rims", c.c_bool),
     ]

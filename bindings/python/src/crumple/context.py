@@ -19,8 +19,8 @@ from .instance import Buffer
 from .types import DeformReport, Example, SetOptions
 
 _OPTIONS = (
-    "depth_limit", "drop_below", "vertex_mass", "stamp_resolution", "bake_tolerance", "bake_normal_tolerance", "combine", "seams",
-    "strict", "mirror", "held_rims",
+    "depth_limit", "drop_below", "vertex_mass", "stamp_resolution", "bake_tolerance", "bake_normal_tolerance", "seams",
+    "mirror", "held_rims",
 )  # fmt: skip
 
 

@@ -138,7 +138,7 @@ class ExampleSet:
         max_contact_distance: float = 0.0,
         tolerance: float = 0.0,
         rule: Rule = Rule.MARKS,
-        selection: Selection = Selection.OF_RULE,
+        selection: Selection = Selection.CLASSIC,
         blend_constant: float = 0.0,
     ) -> Instance:
         """A body in the scene. CrumpleInstanceDef in crumple.h says more about each option."""

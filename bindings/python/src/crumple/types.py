@@ -9,9 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._native import (
-    CrumpleCombine as Combine,
-)
-from ._native import (
     CrumpleHitStatus as HitStatus,
 )
 from ._native import (
@@ -34,7 +31,7 @@ from ._native import (
 )
 
 __all__ = [
-    "Attachment", "Changes", "Chosen", "Combine", "DeformReport", "Example", "ExampleInfo", "Frame", "HitResult", "HitStatus",
+    "Attachment", "Changes", "Chosen", "DeformReport", "Example", "ExampleInfo", "Frame", "HitResult", "HitStatus",
     "InstanceInfo", "MARK", "Mesh", "Placement", "Primitive", "Result", "Rule", "Seams", "Selection", "SetInfo", "SetOptions", "Space",
     "Striker",
 ]  # fmt: skip
@@ -96,10 +93,7 @@ class SetOptions:
     """Largest position error from quantisation, m. 0: exact floats."""
     bake_normal_tolerance: float = 1.0
     """Largest error of a normal, degrees. Unused if bake_tolerance is 0."""
-    combine: Combine = Combine.ENERGIES
     seams: Seams = Seams.WELD
-    strict: bool = False
-    """Never scale carried examples above their own depth."""
     mirror: bool = True
     """Also use mirrored copies of the examples if the body is symmetric."""
     held_rims: bool = True

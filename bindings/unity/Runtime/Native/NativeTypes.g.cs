@@ -68,13 +68,6 @@ namespace Crumple
         U16 = 1,
     }
 
-    public enum CrumpleCombine
-    {
-        Sum = 1,
-        Energies = 0,
-        Deepest = 2,
-    }
-
     public enum CrumpleSeams
     {
         Weld = 0,
@@ -96,10 +89,8 @@ namespace Crumple
 
     public enum CrumpleSelection
     {
-        OfRule = 0,
-        Nearest = 1,
-        Classic = 2,
-        ClassicUnclamped = 3,
+        Classic = 0,
+        ClassicUnclamped = 1,
     }
 
     public enum CrumpleSpace
@@ -277,9 +268,7 @@ namespace Crumple
         public float BakeTolerance;
         public float BakeNormalTolerance;
         public CrumpleInput VertexMasses;
-        public CrumpleCombine Combine;
         public CrumpleSeams Seams;
-        public CrumpleBool Strict;
         public CrumpleBool Mirror;
         public CrumpleBool HeldRims;
     }
