@@ -41,7 +41,7 @@ fn picture(path: &Path) -> (Vec<u8>, String) {
     let mut reader = png::Decoder::new(file).read_info().expect("a PNG");
     let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
     let frame = reader.next_frame(&mut pixels).expect("pixels");
-    assert_eq!((frame.width, frame.height, frame.color_type), (1280, 800, png::ColorType::Rgb));
+    assert_eq!((frame.width, frame.height, frame.color_type), (320, 200, png::ColorType::Rgb));
     let text = &reader.info().uncompressed_latin1_text;
     let description = text.iter().find(|t| t.keyword == "Description").expect("a description");
     (pixels, description.text.clone())
@@ -118,7 +118,7 @@ fn apply_dents_the_body_where_it_was_hit() {
     let png = folder.at("a/b");
     let point = Vec3::new(-0.2, 0.1, 0.078);
     let json = r#"[{"name": "here", "point": [-0.2, 0.1, 0.078], "displacement": [0, 0, -0.025]}]"#;
-    let report = apply(&folder, &[PANEL], json, &["--png", &png]);
+    let report = apply(&folder, &[PANEL], json, &["--png", &png, "--size", "320x200"]);
     has(&report, &["here", "1 of 1 impact left a dent; the damage is 1 mark"]);
 
     let out = folder.at("out.glb");

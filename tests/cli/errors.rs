@@ -123,6 +123,8 @@ fn wrong_usage_is_exit_code_two() {
         ("apply PANEL --impacts i.json -o x.glb --examples 5", "1..=4"),
         ("apply PANEL --impacts i.json -o x.glb --threads -1", "-1"),
         ("sample PANEL -o i.json --count 0", "--count"),
+        ("apply PANEL --impacts i.json -o x.glb --size 320", "WIDTHxHEIGHT"),
+        ("apply PANEL --impacts i.json -o x.glb --size 63x40", "from 64x40 to 8192x8192"),
         ("bake PANEL -o x.crumple --tolerance=1km", "'km'"),
         ("bake PANEL -o x.crumple --tolerance=0", "above 0"),
         ("bake PANEL -o x.crumple --tolerance=-1mm", "above 0"),

@@ -38,6 +38,9 @@ pub struct Arguments {
     /// Directory for base.png, after.png, heat.png and before_after.png; it is created if needed
     #[arg(long, value_name = "DIR")]
     png: Option<PathBuf>,
+    /// Size of the pictures, pixels; the time to draw them is in proportion
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1280x800", value_parser = size)]
+    size: [usize; 2],
     /// How impacts add up: marks, or one of the paper's classic rules, most-displaced or blend=K (K from 0 to 1)
     #[arg(long, default_value = "marks", value_parser = rule)]
     rule: Rule,
@@ -120,7 +123,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
         let workers = rayon::ThreadPoolBuilder::new().num_threads(arguments.threads as usize).build()?;
         for (kind, mut output) in pictures.iter().zip(outputs) {
             bar.set_message(kind.file_name());
-            output.fill(&workers.install(|| draw(*kind, &source, &deformed, &outcomes))?)?;
+            output.fill(&workers.install(|| draw(*kind, arguments.size, &source, &deformed, &outcomes))?)?;
             files.push(output);
             bar.inc(1);
         }
@@ -177,7 +180,18 @@ fn compared(gpu: &Vertices, cpu: &Vertices) -> String {
     format!("the CPU's positions are within {:.1e} mm", most * 1e3)
 }
 
-fn draw(kind: Kind, source: &Source, deformed: &Deformed, outcomes: &[Outcome]) -> Result<Vec<u8>> {
+/// Parses the size of a picture.
+fn size(text: &str) -> Result<[usize; 2], String> {
+    let sides = text.split_once(['x', 'X']).map(|(w, h)| [w, h].map(|side| side.trim().parse::<usize>()));
+    match sides {
+        Some([Ok(width), Ok(height)]) if (64..=8192).contains(&width) && (40..=8192).contains(&height) => {
+            Ok([width, height])
+        }
+        _ => Err("it must be WIDTHxHEIGHT, from 64x40 to 8192x8192".into()),
+    }
+}
+
+fn draw(kind: Kind, size: [usize; 2], source: &Source, deformed: &Deformed, outcomes: &[Outcome]) -> Result<Vec<u8>> {
     let mesh = source.set.mesh();
     let vectors = |v: &[[f32; 3]]| v.iter().map(|&p| Vec3::from(p)).collect::<Vec<_>>();
     let after = vectors(&deformed.vertices.positions);
@@ -191,6 +205,7 @@ fn draw(kind: Kind, source: &Source, deformed: &Deformed, outcomes: &[Outcome]) 
         after_normals: &after_normals,
         contacts: &marked.map(|o| o.contact_vertex).collect::<Vec<_>>(),
         up: source.up(),
+        size,
     };
     let description = match kind {
         Kind::Base => "before".to_owned(),

@@ -12,6 +12,8 @@ use embedded_graphics::{
 use glam::Vec2;
 
 const INK: Rgb888 = Rgb888::new(40, 44, 52);
+/// A picture less high than this is small, pixels.
+pub const SMALL: usize = 300;
 const PALE: Rgb888 = Rgb888::new(110, 116, 126);
 
 /// The range of a heat map's colours: 0 to `maximum` metres.
@@ -58,11 +60,18 @@ pub fn millimetres(metres: f32) -> String {
 /// Draws the colour bar with its values at the bottom of the picture.
 pub fn bar(image: &mut Image, scale: Scale) {
     let (w, h) = (image.width as i32, image.height as i32);
-    let (length, thick) = (w * 9 / 20, 14);
-    let (x0, y0) = ((w - length) / 2, h - 62);
-    label(image, &iso_8859_1::FONT_9X18, INK, "displacement, mm", x0, y0 - 12, Alignment::Left);
+    let small = image.height < SMALL;
+    let (length, thick) = (w * 9 / 20, if small { 6 } else { 14 });
+    let (x0, y0) = ((w - length) / 2, h - if small { 24 } else { 62 });
+    let (large, fine) = if small {
+        (&iso_8859_1::FONT_6X10, &iso_8859_1::FONT_5X8)
+    } else {
+        (&iso_8859_1::FONT_9X18, &iso_8859_1::FONT_8X13)
+    };
+    let (above, below) = if small { (4, 14) } else { (12, 19) };
+    label(image, large, INK, "displacement, mm", x0, y0 - above, Alignment::Left);
     if scale.maximum <= 0.0 {
-        label(image, &iso_8859_1::FONT_9X18, INK, "nothing moved", x0 + length, y0 - 12, Alignment::Right);
+        label(image, large, INK, "nothing moved", x0 + length, y0 - above, Alignment::Right);
     }
     for x in 0..length {
         let c = scale.colour(scale.maximum * x as f32 / (length - 1) as f32);
@@ -79,7 +88,7 @@ pub fn bar(image: &mut Image, scale: Scale) {
         for y in 0..6 {
             image.put(x, y0 + thick + y, [40, 44, 52]);
         }
-        label(image, &iso_8859_1::FONT_8X13, INK, &text, x, y0 + thick + 19, Alignment::Center);
+        label(image, fine, INK, &text, x, y0 + thick + below, Alignment::Center);
     }
 }
 
@@ -89,10 +98,15 @@ fn tick(metres: f32) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// Draws a title at the upper left, with a smaller line below it.
+/// Draws a title at the upper left, with a smaller line below it. Small pictures have small letters.
 pub fn caption(image: &mut Image, x: i32, title: &str, detail: &str) {
-    label(image, &iso_8859_1::FONT_10X20, INK, title, x, 44, Alignment::Left);
-    label(image, &iso_8859_1::FONT_8X13, PALE, detail, x, 64, Alignment::Left);
+    if image.height >= SMALL {
+        label(image, &iso_8859_1::FONT_10X20, INK, title, x, 44, Alignment::Left);
+        label(image, &iso_8859_1::FONT_8X13, PALE, detail, x, 64, Alignment::Left);
+    } else {
+        label(image, &iso_8859_1::FONT_6X10, INK, title, x, 12, Alignment::Left);
+        label(image, &iso_8859_1::FONT_5X8, PALE, detail, x, 22, Alignment::Left);
+    }
 }
 
 /// Draws a ring around a contact point: white with a dark edge, so that it shows on every colour.

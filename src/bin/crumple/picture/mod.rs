@@ -18,8 +18,6 @@ use glam::Vec3;
 use rayon::prelude::*;
 use shade::{Frame, Studio};
 
-/// Size of every picture, pixels.
-pub const SIZE: [usize; 2] = [1280, 800];
 /// Each pixel is the mean of this number of samples in each direction.
 const SAMPLES: usize = 3;
 const MARGINS: Margins = Margins { side: 0.055, top: 0.10, bottom: 0.14 };
@@ -35,6 +33,8 @@ pub struct Subject<'a> {
     pub contacts: &'a [u32],
     /// Unit vector in the mesh's space, away from the floor.
     pub up: Vec3,
+    /// Size of the picture, pixels. The time to draw it is in proportion.
+    pub size: [usize; 2],
 }
 
 /// The kind of a picture.
@@ -68,6 +68,8 @@ impl Subject<'_> {
 
     /// Draws one picture. All pictures share the view, so that they can be overlaid.
     pub fn draw(&self, kind: Kind) -> Image {
+        let size = self.size;
+        let margin = if size[1] >= legend::SMALL { 48 } else { 8 };
         let moved: Vec<Vec3> = self.after.iter().zip(self.before).map(|(a, b)| *a - *b).collect();
         let values: Vec<f32> = moved.iter().map(|u| u.length()).collect();
         let scale = Scale { maximum: self.deepest().1 };
@@ -85,27 +87,27 @@ impl Subject<'_> {
         };
         match kind {
             Kind::Base => {
-                let mut image = photograph(before, &camera(SIZE), view, SIZE, &Finish::Paint);
-                legend::caption(&mut image, 48, "before", "as it came");
+                let mut image = photograph(before, &camera(size), view, size, &Finish::Paint);
+                legend::caption(&mut image, margin, "before", "as it came");
                 image
             }
             Kind::After => {
-                let mut image = photograph(after, &camera(SIZE), view, SIZE, &Finish::Paint);
-                legend::caption(&mut image, 48, "after", &dented);
+                let mut image = photograph(after, &camera(size), view, size, &Finish::Paint);
+                legend::caption(&mut image, margin, "after", &dented);
                 image
             }
             Kind::Heat => {
-                let camera = camera(SIZE);
+                let camera = camera(size);
                 let colour = |t: f32| scale.light(t);
                 let finish = Finish::Heat { colour: &colour, maximum: scale.maximum.max(f32::MIN_POSITIVE) };
-                let mut image = photograph(after, &camera, view, SIZE, &finish);
+                let mut image = photograph(after, &camera, view, size, &finish);
                 self.mark_contacts(&mut image, &camera, after);
-                legend::caption(&mut image, 48, "displacement", &dented);
+                legend::caption(&mut image, margin, "displacement", &dented);
                 legend::bar(&mut image, scale);
                 image
             }
             Kind::BeforeAfter => {
-                let half = [SIZE[0] / 2, SIZE[1]];
+                let half = [size[0] / 2, size[1]];
                 let camera = camera(half);
                 let mut image = photograph(before, &camera, view, half, &Finish::Paint).beside(&photograph(
                     after,
@@ -114,8 +116,8 @@ impl Subject<'_> {
                     half,
                     &Finish::Paint,
                 ));
-                legend::caption(&mut image, 48, "before", "as it came");
-                legend::caption(&mut image, 48 + half[0] as i32, "after", &dented);
+                legend::caption(&mut image, margin, "before", "as it came");
+                legend::caption(&mut image, margin + half[0] as i32, "after", &dented);
                 image
             }
         }
@@ -127,13 +129,14 @@ impl Subject<'_> {
 
     /// Draws rings around the contacts that are visible.
     fn mark_contacts(&self, image: &mut Image, camera: &Camera, after: Body<'_>) {
-        let surfaces = raster::through(camera, after, SIZE);
+        let size = self.size;
+        let surfaces = raster::through(camera, after, size);
         let slack = (camera.far - camera.near) * 0.02;
         for &contact in self.contacts {
             let Some(&p) = self.after.get(contact as usize) else { continue };
-            let at = camera.pixel(p, SIZE);
+            let at = camera.pixel(p, size);
             let (x, y) = (at.x as usize, at.y as usize);
-            if x < SIZE[0] && y < SIZE[1] && camera.project(p).1 <= surfaces.as_ref()[y * SIZE[0] + x].distance + slack
+            if x < size[0] && y < size[1] && camera.project(p).1 <= surfaces.as_ref()[y * size[0] + x].distance + slack
             {
                 legend::marker(image, at);
             }
@@ -146,7 +149,7 @@ pub fn photograph(body: Body<'_>, camera: &Camera, view: View, size: [usize; 2],
     let fine = size.map(|n| n * SAMPLES);
     let surfaces = raster::through(camera, body, fine);
     let frame = Frame { surfaces: surfaces.as_ref(), size: fine };
-    let studio = Studio::new(body, camera, view);
+    let studio = Studio::new(body, camera, view, size);
     let mut rgb = vec![0u8; size[0] * size[1] * 3];
     rgb.par_chunks_mut(size[0] * 3).enumerate().for_each(|(y, row)| {
         for (x, pixel) in row.chunks_exact_mut(3).enumerate() {

@@ -9,7 +9,8 @@ use glam::{Vec2, Vec3};
 /// Linear light; 1 is paper white.
 pub type Light = Vec3;
 
-const SHADOW_TEXELS: usize = 1536;
+/// Sides of the shadow map of the key light for each side of the picture, texels.
+const SHADOW_TEXELS: f32 = 1.5;
 /// Diffuse reflectance of the paint.
 const PAINT: Light = Vec3::new(0.045, 0.130, 0.205);
 /// Colour of the metal flakes in the paint.
@@ -48,7 +49,8 @@ pub enum Finish<'a> {
 }
 
 impl<'a> Studio<'a> {
-    pub fn new(body: Body<'_>, camera: &'a Camera, view: View) -> Studio<'a> {
+    pub fn new(body: Body<'_>, camera: &'a Camera, view: View, [width, height]: [usize; 2]) -> Studio<'a> {
+        let texels = (SHADOW_TEXELS * ((width * height) as f32).sqrt()).ceil().max(16.0) as usize;
         let (mut low, mut high) = (Vec3::MAX, Vec3::MIN);
         let mut floor = f32::MAX;
         for &p in body.positions {
@@ -70,8 +72,8 @@ impl<'a> Studio<'a> {
             front,
             key,
             rim,
-            key_shadow: ShadowMap::new(body, (key + up * 0.8).normalize(), centre, radius * 1.05, SHADOW_TEXELS),
-            sky_shadow: ShadowMap::new(body, up, centre, radius * 1.05, SHADOW_TEXELS / 2),
+            key_shadow: ShadowMap::new(body, (key + up * 0.8).normalize(), centre, radius * 1.05, texels),
+            sky_shadow: ShadowMap::new(body, up, centre, radius * 1.05, texels / 2),
             floor,
             radius,
             floor_taps: disc(32),

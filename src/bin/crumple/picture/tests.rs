@@ -1,13 +1,15 @@
 //! Tests of the pictures.
 
 use super::{
-    Kind, MARGINS, SIZE, Scale, Subject, View,
+    Kind, MARGINS, Scale, Subject, View,
     camera::Camera,
     legend::millimetres,
     raster::{self, Body},
     shade::decode,
 };
 use glam::Vec3;
+
+const SIZE: [usize; 2] = [1280, 800];
 
 /// A sphere of radius 1 around `centre`, as positions, normals and triangles.
 fn sphere(centre: Vec3) -> (Vec<Vec3>, Vec<Vec3>, Vec<[u32; 3]>) {
@@ -73,6 +75,7 @@ fn the_deepest_vertex_has_the_last_colour_of_the_scale() {
         after_normals: &normals,
         contacts: &[],
         up: Vec3::Y,
+        size: SIZE,
     };
     let (vertex, maximum) = subject.deepest();
     assert!(before[vertex].distance(hit) < 0.05 && maximum <= 0.05);
@@ -100,9 +103,11 @@ fn drawing_what_has_no_size_or_no_dent_does_not_fail() {
         after_normals: &[Vec3::Z; 3],
         contacts: &[0],
         up: Vec3::Y,
+        size: [64, 40],
     };
-    let image = subject.draw(Kind::Heat);
-    assert_eq!(image.rgb.len(), SIZE[0] * SIZE[1] * 3);
+    for kind in Kind::ALL {
+        assert_eq!(subject.draw(kind).rgb.len(), 64 * 40 * 3);
+    }
 }
 
 #[test]
