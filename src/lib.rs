@@ -82,7 +82,7 @@ pub use instance::parts::PartDamage;
 pub use io::export;
 #[doc(hidden)]
 pub use io::format::file_checksum;
-#[cfg(any(feature = "gltf", feature = "obj"))]
+#[cfg(feature = "gltf")]
 pub use io::import;
 pub use mesh::Mesh;
 pub use mesh::data::MeshData;

@@ -3,8 +3,8 @@
 
 mod import_glb;
 
-use crumple::export::{deformed_glb, mesh_glb};
-use crumple::import::{Imported, MeshChoice, gltf_file};
+use crumple::export::mesh_glb;
+use crumple::import::{Imported, MeshChoice, Reading, gltf_file};
 use crumple::{Error, ErrorKind};
 use import_glb::{Glb, SQUARE, UP, fixture, parts, square};
 use serde_json::{Value, json};
@@ -23,16 +23,37 @@ const FIXTURES: [(&str, usize); 9] = [
     ("separate/bent door.gltf", 0),
 ];
 
+/// The bytes of an export that has nothing to note.
+fn deformed_glb<'a>(
+    source: &[u8],
+    folder: Option<&Path>,
+    reading: impl Into<Reading<'a>>,
+    positions: &[[f32; 3]],
+    normals: Option<&[[f32; 3]]>,
+    tangents: Option<&[[f32; 4]]>,
+) -> Result<Vec<u8>, Error> {
+    let exported = crumple::export::deformed_glb(source, folder, reading, positions, normals, tangents)?;
+    assert_eq!(exported.notes, [""; 0]);
+    Ok(exported.glb)
+}
+
 /// Bends the whole mesh along x, by so little that the normals still fit.
 fn bend(imported: &Imported) -> Vec<[f32; 3]> {
     imported.mesh.positions.iter().map(|[x, y, z]| [*x, y + 0.25 * x * x, *z]).collect()
 }
 
+/// A bent fixture whose targets are at weight zero by default.
 fn deformed(name: &str, mesh: usize) -> (Imported, Vec<u8>) {
     let path = fixture(name);
     let imported = gltf_file(&path, MeshChoice::Index(mesh)).unwrap();
+    let (mut json, bin) = source(name);
+    json["meshes"][mesh].as_object_mut().unwrap().remove("weights");
+    let bytes = match name.ends_with(".glb") {
+        true => import_glb::container(json.to_string().as_bytes(), Some(&bin)),
+        false => json.to_string().into_bytes(),
+    };
     let glb = deformed_glb(
-        &std::fs::read(&path).unwrap(),
+        &bytes,
         path.parent(),
         MeshChoice::Index(mesh),
         &bend(&imported),
@@ -230,21 +251,37 @@ fn images_are_embedded() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("rust.txt"), "no image").unwrap();
     std::fs::write(folder.path().join("a b.jpg"), b"\xFF\xD8\xFF\xE0").unwrap();
-    let with = |uri: &str| {
+    let noted = |uri: &str| {
         let mut glb = square();
         glb.json["images"] = json!([{ "uri": uri, "extras": 7 }]);
-        deformed_glb(&glb.bytes(), Some(folder.path()), MeshChoice::First, &[[0.0; 3]; 4], None, None)
+        let file = glb.bytes();
+        crumple::export::deformed_glb(&file, Some(folder.path()), MeshChoice::First, &[[0.0; 3]; 4], None, None)
+            .unwrap()
     };
-    let error = with("nowhere.png").unwrap_err();
-    assert!(error.kind() == ErrorKind::Io && error.to_string().contains("nowhere.png"), "{error}");
-    let error = with("rust.txt").unwrap_err();
-    assert!(error.kind() == ErrorKind::Unsupported && error.to_string().contains("image 0, 'rust.txt'"), "{error}");
-    assert_eq!(with("https://example.com/a.png").unwrap_err().kind(), ErrorKind::Unsupported);
-    let jpeg = parts(&with("a%20b.jpg").unwrap()).0["images"][0].clone();
+    let with = |uri: &str| {
+        let exported = noted(uri);
+        assert_eq!(exported.notes, [""; 0]);
+        exported.glb
+    };
+    let kept = [
+        ("nowhere.png", "cannot be read"),
+        ("rust.txt", "is of a kind that glTF does not embed"),
+        ("https://example.com/a.png", "is not in the file's folder or below"),
+        ("../a.png", "is not in the file's folder or below"),
+        ("/etc/a.png", "is not in the file's folder or below"),
+        ("", "is not in the file's folder or below"),
+    ];
+    for (uri, why) in kept {
+        let exported = noted(uri);
+        assert_eq!(parts(&exported.glb).0["images"][0], json!({ "uri": uri, "extras": 7 }));
+        let [note] = &exported.notes[..] else { panic!("one note") };
+        assert!(note.starts_with(&format!("image 0, '{uri}', {why}")) && note.ends_with("its uri is kept"), "{note}");
+    }
+    let jpeg = parts(&with("a%20b.jpg")).0["images"][0].clone();
     assert_eq!((&jpeg["mimeType"], &jpeg["name"], &jpeg["extras"]), (&json!("image/jpeg"), &json!("a b"), &json!(7)));
     // The image is already in the file.
     let data = "data:image/png;base64,iVBORw0KGgo=";
-    assert_eq!(parts(&with(data).unwrap()).0["images"][0]["uri"], data);
+    assert_eq!(parts(&with(data)).0["images"][0]["uri"], data);
 }
 
 #[test]
@@ -268,7 +305,7 @@ fn other_meshes_keep_what_they_share() {
 }
 
 #[test]
-fn normals_and_tangents_are_added_where_they_are_given() {
+fn a_primitive_gets_no_normals_that_it_had_not() {
     let mut glb = square();
     glb.json["meshes"][0]["primitives"][0]["attributes"] = json!({ "POSITION": 0 });
     glb.json["meshes"][0]["primitives"][0]["targets"][0] = json!({ "POSITION": 3 });
@@ -276,9 +313,8 @@ fn normals_and_tangents_are_added_where_they_are_given() {
     let out = deformed_glb(&glb.bytes(), None, MeshChoice::First, &[[0.0; 3]; 4], Some(&up), Some(&along)).unwrap();
     let after = resolved(&parts(&out));
     let attributes = &after["meshes"][0]["primitives"][0]["attributes"];
-    assert_eq!(attributes["NORMAL"]["bufferView"], json!(floats(&up)));
-    assert_eq!((&attributes["TANGENT"]["type"], &attributes["TANGENT"]["count"]), (&json!("VEC4"), &json!(4)));
-    validate(&[("added.glb", out)]);
+    assert_eq!(attributes.as_object().unwrap().keys().collect::<Vec<_>>(), ["POSITION"], "glTF shows it flat");
+    validate(&[("flat.glb", out)]);
 }
 
 #[test]
@@ -409,61 +445,21 @@ fn vertices_that_do_not_fit_are_named() {
 }
 
 #[test]
-fn new_files_from_imported_meshes() {
-    let mut files = Vec::new();
-    for (name, mesh) in FIXTURES {
-        let (imported, _) = deformed(name, mesh);
-        let glb =
-            mesh_glb(&imported, &bend(&imported), imported.mesh.normals.as_deref(), imported.mesh.tangents.as_deref())
-                .unwrap();
-        let (json, bin) = parts(&glb);
-        let primitives = json["meshes"][0]["primitives"].as_array().unwrap();
-        assert_eq!(primitives.len(), imported.primitives.len());
-        for (primitive, range) in primitives.iter().zip(&imported.primitives) {
-            let own = range.first_vertex as usize..(range.first_vertex + range.vertex_count) as usize;
-            assert_eq!(
-                content(&json, &bin, &primitive["attributes"]["POSITION"])["bufferView"],
-                json!(floats(&bend(&imported)[own]))
-            );
-            assert_eq!(content(&json, &bin, &primitive["indices"])["count"], range.triangle_count * 3);
-            let material =
-                primitive["material"].as_u64().map(|m| json["materials"][m as usize]["name"].as_str().unwrap());
-            assert_eq!(material, range.material.as_deref());
-        }
-        files.push((name, glb));
-    }
-    #[cfg(feature = "obj")]
-    {
-        let plate = crumple::import::obj_files(&fixture("plate.obj"), &[fixture("plate_dent.obj")]).unwrap();
-        let glb = mesh_glb(&plate, &plate.mesh.positions, None, None).unwrap();
-        let (json, _) = parts(&glb);
-        assert_eq!(json["meshes"][0]["primitives"][0]["attributes"], json!({ "POSITION": 0, "TEXCOORD_0": 1 }));
-        files.push(("plate", glb));
-        let points =
-            crumple::import::obj_slices(("points", b"v 0 0 0\nv 1 1 1"), &[("x", b"v 0 0 0\nv 1 1 2")]).unwrap();
-        let glb = mesh_glb(&points, &points.mesh.positions, None, None).unwrap();
-        assert_eq!(parts(&glb).0["meshes"][0]["primitives"][0]["mode"], 0);
-        files.push(("points", glb));
-        assert_eq!(mesh_glb(&points, &[], None, None).unwrap_err().kind(), ErrorKind::InvalidArgument);
-    }
-    validate(&files);
-}
-
-#[test]
-fn new_files_from_tampered_meshes() {
-    let good = gltf_file(&fixture("two_materials.glb"), MeshChoice::First).unwrap();
-    let refuse = |tamper: &dyn Fn(&mut Imported), part: &str| {
-        let mut bad = good.clone();
-        tamper(&mut bad);
-        let error = mesh_glb(&bad, &good.mesh.positions, None, None).unwrap_err();
-        assert!(error.kind() == ErrorKind::InvalidArgument && error.to_string().contains(part), "{error}");
-    };
-    refuse(&|m| m.primitives[1].vertex_count = 46, "primitives[1]");
-    refuse(&|m| m.primitives[1].first_vertex = u32::MAX, "primitives[1]");
-    refuse(&|m| m.primitives[0].vertex_count = 0, "not empty");
-    refuse(&|m| m.primitives[1].triangle_count = 65, "primitives[1]");
-    refuse(&|m| m.mesh.triangles[3][1] = 45, "a triangle corner of primitives[0] is 45; it must be within 0..45");
-    refuse(&|m| m.texcoords = Some(Vec::new()), "texcoords.len() is 0");
+fn new_files_from_arrays() {
+    let plate = gltf_file(&fixture("two_materials.glb"), MeshChoice::First).unwrap();
+    let (triangles, normals) = (&plate.mesh.triangles, plate.mesh.normals.as_deref());
+    let glb = mesh_glb("plate", triangles, &bend(&plate), normals, None).unwrap();
+    let (json, bin) = parts(&glb);
+    let primitive = &json["meshes"][0]["primitives"][0];
+    let positions = content(&json, &bin, &primitive["attributes"]["POSITION"]);
+    assert_eq!(positions["bufferView"], json!(floats(&bend(&plate))));
+    assert_eq!(content(&json, &bin, &primitive["indices"])["count"], triangles.len() * 3);
+    let points = mesh_glb("", &[], &[[0.0; 3], [1.0; 3]], None, None).unwrap();
+    assert_eq!(parts(&points).0["meshes"][0]["primitives"][0]["mode"], 0);
+    validate(&[("plate", glb), ("points", points)]);
+    assert_eq!(mesh_glb("", &[], &[], None, None).unwrap_err().kind(), ErrorKind::InvalidArgument);
+    let error = mesh_glb("", &[[0, 1, 2]], &[[0.0; 3]; 2], None, None).unwrap_err().to_string();
+    assert_eq!(error, "triangles[0][2] is 2; it must be below 2");
 }
 
 #[test]

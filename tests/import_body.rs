@@ -4,7 +4,7 @@
 mod import_glb;
 
 use crumple::glam::Vec3;
-use crumple::import::{Imported, gltf_body, gltf_body_file, gltf_solids};
+use crumple::import::{Imported, MeshChoice, PartKind, Patterns, Reading, gltf_file, gltf_slice, gltf_solids};
 use crumple::{
     Contact, DeformJob, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, Placement, Serial, SetOptions,
     Solid, Tracker, VertexMemory, deform,
@@ -38,8 +38,12 @@ fn three() -> Glb {
     glb
 }
 
+fn join(glb: &Glb, nodes: &[&str]) -> Result<Imported, crumple::Error> {
+    gltf_slice(&glb.bytes(), None, MeshChoice::Nodes(&Patterns::new(nodes)))
+}
+
 fn body() -> Imported {
-    gltf_body(&three().bytes(), None).unwrap()
+    join(&three(), &[]).unwrap()
 }
 
 fn sparse(example: &ExampleData) -> (&[u32], &[[f32; 3]]) {
@@ -115,11 +119,7 @@ fn seams_between_nodes_have_the_same_bits_and_stay_closed() {
 
 #[test]
 fn what_cannot_be_a_body_is_refused_by_name() {
-    let error = |glb: &Glb| gltf_body(&glb.bytes(), None).unwrap_err().to_string();
-    let mut glb = three();
-    glb.json["meshes"][1]["extras"]["targetNames"] = json!(["dense", "dense"]);
-    glb.json["meshes"][1]["extras"]["impacts"] = json!(null);
-    assert!(error(&glb).contains("mesh 1 'Turned' has two targets named 'dense'"), "{}", error(&glb));
+    let error = |glb: &Glb| join(glb, &[]).unwrap_err().to_string();
     let mut glb = three();
     glb.json["nodes"][3]["scale"] = json!([0, 1, 1]);
     assert!(error(&glb).contains("node 3 has no inverse"), "{}", error(&glb));
@@ -128,17 +128,116 @@ fn what_cannot_be_a_body_is_refused_by_name() {
     assert!(error(&glb).contains('7'), "{}", error(&glb));
     let mut glb = three();
     glb.json["nodes"] = json!([{}]);
-    assert!(error(&glb).contains("a node with a mesh"), "{}", error(&glb));
-    let mut glb = three();
-    glb.json["nodes"] = (0..64).map(|_| json!({ "mesh": 0 })).collect();
-    assert!(error(&glb).contains("64 nodes have meshes; a body has at most 63"), "{}", error(&glb));
+    assert!(error(&glb).contains("0 nodes with meshes"), "{}", error(&glb));
     let mut glb = three();
     for mesh in 0..2 {
         glb.json["meshes"][mesh]["primitives"][0]["targets"] = json!(null);
         glb.json["meshes"][mesh]["extras"] = json!(null);
     }
     assert!(error(&glb).contains("morph targets"), "{}", error(&glb));
-    assert!(gltf_body_file("none.glb".as_ref()).is_err());
+    assert!(gltf_file("none.glb".as_ref(), MeshChoice::Nodes(&Patterns::default())).is_err());
+}
+
+#[test]
+fn nodes_are_chosen_by_patterns_of_their_names_and_those_above() {
+    let mut glb = three();
+    glb.json["nodes"][0]["name"] = "Car".into();
+    let names = |nodes: &[&str]| -> Vec<String> {
+        let body = join(&glb, nodes).unwrap_or_else(|e| panic!("{nodes:?}: {e}"));
+        body.parts.into_iter().map(|part| part.name).collect()
+    };
+    assert_eq!(names(&["car"]), ["hood", "Turned", "mirrored"]);
+    assert_eq!(names(&["hood", "m*"]), ["hood", "mirrored"]);
+    assert_eq!(names(&["!h??d"]), ["Turned", "mirrored"]);
+    assert_eq!(names(&["Car", "!TURNED"]), ["hood", "mirrored"]);
+    let error = join(&glb, &["bonnet"]).unwrap_err().to_string();
+    let all = "'Car', 'hood', 'Turned', 'mirrored'";
+    assert_eq!(
+        error,
+        format!("a pattern for nodes is 'bonnet'; it must be one that matches a name of the file: {all}")
+    );
+    let error = join(&glb, &["Car", "!Car"]).unwrap_err().to_string();
+    assert!(error.contains("3 nodes with meshes; none of them is chosen and dents"), "{error}");
+}
+
+/// The kinds of the parts, and the stiffness of the first vertex of each.
+fn kinds(glb: &Glb, reading: Reading<'_>) -> Vec<(String, PartKind, f32)> {
+    let body = gltf_slice(&glb.bytes(), None, reading).unwrap();
+    let stiffness = |v: u32| body.mesh.stiffness.as_ref().map_or(0.0, |s| s[v as usize]);
+    body.parts.iter().map(|p| (p.name.clone(), p.kind, stiffness(p.first_vertex))).collect()
+}
+
+#[test]
+fn what_is_rigid_glass_or_moves_is_said_by_patterns_and_by_extras() {
+    use PartKind::{Dents, Glass, Rigid};
+    let all = Patterns::default();
+    let reading = |rigid: &[&str], glass: &[&str], moving: &[&str]| Reading {
+        rigid: Patterns::new(rigid),
+        glass: Patterns::new(glass),
+        moving: Patterns::new(moving),
+        ..MeshChoice::Nodes(&all).into()
+    };
+    let part = |name: &str, kind: PartKind| (name.to_owned(), kind, if kind == Rigid { 1.0 } else { 0.0 });
+    let mut glb = three();
+    glb.json["materials"] = json!([{ "name": "Window" }]);
+    glb.json["meshes"][1]["primitives"][0]["material"] = 0.into();
+    let plain = kinds(&glb, reading(&[], &[], &[]));
+    assert_eq!(plain, [part("hood", Dents), part("Turned", Dents), part("mirrored", Dents)]);
+    let marked = kinds(&glb, reading(&["hood"], &["Turned"], &["mirrored"]));
+    assert_eq!(marked, [part("hood", Rigid), part("Turned", Glass)]);
+    let by_material = kinds(&glb, reading(&[], &["window"], &[]));
+    let dents = [part("hood", Dents), part("Turned", Dents)];
+    assert_eq!(by_material, [&dents[..], &[part("mirrored", Dents), part("Window", Glass)]].concat());
+    // The file says the same, for a node and those below, and for a material.
+    glb.json["nodes"][0]["extras"] = json!({ "crumple": "rigid" });
+    glb.json["nodes"][3]["extras"] = json!({ "crumple": "Moving" });
+    assert_eq!(kinds(&glb, reading(&[], &[], &[])), [part("hood", Rigid), part("Turned", Rigid)]);
+    glb.json["nodes"][0]["extras"] = json!({ "crumple": { "made": "by hand" } });
+    glb.json["materials"][0]["extras"] = json!({ "crumple": "glass" });
+    assert_eq!(kinds(&glb, reading(&[], &[], &[])), [&dents[..], &[part("Window", Glass)]].concat());
+    // A single mesh has its glass too.
+    assert_eq!(kinds(&glb, MeshChoice::Index(1).into()), [part("Window", Glass)]);
+    glb.json["nodes"][3]["extras"] = json!({ "crumple": "solid" });
+    let error = gltf_slice(&glb.bytes(), None, reading(&[], &[], &[])).unwrap_err().to_string();
+    assert_eq!(error, "malformed: nodes[3]: extras.crumple is 'solid'; it must be rigid, glass or moving");
+}
+
+#[test]
+fn more_nodes_than_parts_are_joined_with_what_is_above_them() {
+    let mut glb = three();
+    let large = glb.floats("VEC3", &[0.5; 306]);
+    glb.push("meshes", json!({ "primitives": [{ "attributes": { "POSITION": large } }] }));
+    // A door with a handle below it, 62 further panels, and a loose screw.
+    let panels = (0..62).map(|i| json!({ "mesh": 2, "name": format!("panel {i}") }));
+    let nodes = [json!({ "mesh": 2, "name": "door", "children": [1] }), json!({ "mesh": 0, "name": "handle" })];
+    glb.json["nodes"] = nodes.into_iter().chain(panels).chain([json!({ "mesh": 1, "name": "screw" })]).collect();
+    let body = join(&glb, &[]).unwrap();
+    assert_eq!(body.parts.len(), 63);
+    let part = |name: &str| body.parts.iter().find(|part| part.name == name).unwrap();
+    let sizes = (part("door").vertex_count, part("others").vertex_count);
+    assert_eq!(sizes, (106, 106), "with the handle; a panel and the screw");
+    assert_eq!(body.parts.iter().map(|part| part.vertex_count as usize).sum::<usize>(), body.mesh.positions.len());
+    let told = "65 nodes have meshes, and a body has at most 63 parts: the 3 smallest";
+    assert!(body.notes[0].contains(told), "{:?}", body.notes);
+}
+
+#[test]
+fn targets_of_one_name_that_lie_apart_are_examples_of_their_own() {
+    let mut glb = three();
+    let names = |glb: &Glb| join(glb, &[]).unwrap().examples.into_iter().map(|e| e.name).collect::<Vec<_>>();
+    assert_eq!(names(&glb), ["dense", "sparse", "pushed"], "beside each other");
+    glb.json["nodes"][3]["translation"] = json!([40, 0, 0]);
+    assert_eq!(names(&glb), ["dense (hood)", "dense (mirrored)", "sparse (hood)", "sparse (mirrored)", "pushed"]);
+    let notes = join(&glb, &[]).unwrap().notes;
+    let told = "the targets 'dense' of 'hood' and of other parts lie apart, so they are examples of their own";
+    assert_eq!(notes, [format!("{told}; so are those of 1 more names")]);
+    glb.json["scenes"][0]["extras"] = json!({ "targets": "joined" });
+    assert_eq!(names(&glb), ["dense", "sparse", "pushed"], "the file says that they are one");
+    // A mesh that has a name twice has two examples.
+    let mut glb = three();
+    glb.json["meshes"][1]["extras"]["targetNames"] = json!(["dense", "dense"]);
+    glb.json["meshes"][1]["extras"]["impacts"] = json!(null);
+    assert_eq!(names(&glb), ["dense", "sparse", "dense"]);
 }
 
 /// Each mesh was placed by a walk from its node to the root, which took time in proportion to the meshes times the depth.
@@ -171,7 +270,7 @@ fn parts_with_all_vertices_at_one_place_and_many_targets_are_joined_in_linear_ti
     let square = json!({ "attributes": { "POSITION": 0 }, "indices": 2, "targets": targets });
     glb.push("meshes", json!({ "primitives": [square] }));
     glb.json["nodes"] = json!([{ "mesh": 0 }, { "mesh": 2 }, { "mesh": 2 }, { "mesh": 3 }]);
-    let body = gltf_body(&glb.bytes(), None).unwrap();
+    let body = join(&glb, &[]).unwrap();
     assert_eq!((body.parts.len(), body.examples.len()), (4, 2 + MANY));
     assert_eq!(body.mesh.positions[body.parts[2].vertices()], vec![[0.0; 3]; MANY]);
 }

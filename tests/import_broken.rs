@@ -4,7 +4,7 @@
 mod import_glb;
 
 use crumple::export::deformed_glb;
-use crumple::import::{MeshChoice, gltf_file, gltf_slice};
+use crumple::import::{MeshChoice, Patterns, gltf_file, gltf_slice};
 use crumple::{Error, ErrorKind};
 use import_glb::{Glb, container, fixture, square};
 use proptest::prelude::*;
@@ -46,9 +46,9 @@ buffers:
 /buffers/0/uri | "data:application/octet-stream;base64,@@" | Format | buffer 0: the data: URI is not base64
 ! | "data:application/octet-stream;base64" | Format | no comma
 ! | "data:;base64,AAAA" | Format | there are 3
-! | "http://example.com/a.bin" | Unsupported | 'http://example.com/a.bin'; only relative paths
-! | "file:///etc/hostname" | Unsupported | only relative paths
-! | "C:\\a.bin" | Unsupported | only relative paths
+! | "http://example.com/a.bin" | Unsupported | 'http://example.com/a.bin'; only files beside this one
+! | "file:///etc/hostname" | Unsupported | only files beside this one
+! | "C:\\a.bin" | Unsupported | only files beside this one
 ! | "/etc/hostname" | Unsupported | absolute path '/etc/hostname'
 ! | "../a.bin" | Unsupported | '../a.bin', outside the file's folder
 ! | "a/%2e%2e/..\\a.bin" | Unsupported | outside the file's folder
@@ -84,8 +84,7 @@ counts and types:
 /accessors/0/type | "VEC2" | Format | is of type VEC2; it must be VEC3
 ! | "VEC5" | Format | unknown componentType or type
 /accessors/0/componentType | 5130 | Format | unknown componentType
-! | 5122 | Unsupported | quantised components of SHORT (5122) (KHR_mesh_quantization)
-/accessors/3/componentType | 5120 | Unsupported | target 0 POSITION (accessor 3) has quantised components of BYTE
+! | 5125 | Format | has components of UNSIGNED_INT (5125); they must be floats, or bytes or shorts of KHR_mesh_quantization
 /accessors/2/componentType | 5126 | Format | indices must be unsigned integers
 ! | 5125 | Format | 6 elements of 4 bytes
 /accessors/2/type | "VEC3" | Format | must be SCALAR
@@ -93,7 +92,7 @@ counts and types:
 /meshes/0/primitives/0/mode | 9 | Format | has an unknown mode
 /meshes/0/primitives/0/attributes/POSITION | 77 | IndexOutOfRange | accessor is 77; it must be below 6
 /meshes/0/primitives/0/attributes | {"NORMAL": 1} | Format | primitive 0 has no POSITION
-! | {"POSITION": 0, "TANGENT": 1} | Format | TANGENT (accessor 1) is of type VEC3
+! | {"POSITION": 0, "NORMAL": 1, "TANGENT": 1} | Format | TANGENT (accessor 1) is of type VEC3
 /meshes/0/primitives/0/indices | 77 | IndexOutOfRange | indices: accessor is 77
 /meshes/0/primitives/0/targets/0/POSITION | 77 | IndexOutOfRange | target 0 POSITION: accessor is 77
 /meshes/0/primitives | [] | ExampleMismatch | no mesh of the file has morph targets (it has mesh 0 'Square')
@@ -117,12 +116,6 @@ morph targets:
 /nodes/0/translation | ["x", 0, 0] | Format | nodes[0] of the glTF: invalid type: string "x", expected a number
 /meshes/0/primitives/0/targets | [] | ExampleMismatch | no mesh of the file has morph targets
 ! | [5] | Format | meshes[0] of the glTF
-
-extensions:
-/extensionsRequired | ["KHR_draco_mesh_compression"] | Unsupported | requires the extension KHR_draco_mesh_compression
-! | ["EXT_meshopt_compression"] | Unsupported | requires the extension EXT_meshopt_compression
-! | ["KHR_meshopt_compression"] | Unsupported | requires the extension KHR_meshopt_compression
-! | ["VENDOR_thing"] | Unsupported | requires the extension VENDOR_thing
 
 nodes:
 /nodes/0/children | [0] | Format | node 0 is its own ancestor
@@ -349,13 +342,10 @@ fn sparse_accessors_that_lie() {
 #[test]
 fn numbers_that_are_none() {
     for (value, shown) in [(f32::NAN, "NaN"), (f32::INFINITY, "inf"), (f32::NEG_INFINITY, "-inf")] {
-        // Offsets of one float each in the binary chunk: positions, normals, dense deltas, normal deltas, sparse
-        // values.
+        // Offsets of one float each in the binary chunk: positions, dense deltas, sparse values. Normals are computed instead.
         for (view, element, part) in [
             (0, 7, "primitive 0 POSITION (accessor 0)[2].y"),
-            (1, 0, "primitive 0 NORMAL (accessor 1)[0].x"),
             (3, 11, "target 0 POSITION (accessor 3)[3].z"),
-            (4, 1, "target 0 NORMAL (accessor 4)[0].y"),
             (6, 3, "target 1 POSITION (accessor 5)[3].x"),
         ] {
             let mut glb = square();
@@ -367,27 +357,48 @@ fn numbers_that_are_none() {
 }
 
 #[test]
-fn targets_that_do_not_fit() {
-    let mut glb = square();
-    let mut second = glb.json["meshes"][0]["primitives"][0].clone();
-    second["targets"] = json!([{ "POSITION": 3 }]);
-    glb.json["meshes"][0]["primitives"].as_array_mut().unwrap().push(second);
-    expect(&glb.bytes(), Format, "primitive 0 has 2 morph targets and primitive 1 has 1; all must have as many");
+fn compressed_geometry_and_unknown_requirements_are_named() {
+    let mut draco = square();
+    draco.json["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]);
+    gltf_slice(&draco.bytes(), None, MeshChoice::First).expect("another mesh may be compressed");
+    draco.json["accessors"][0].as_object_mut().unwrap().remove("bufferView");
+    let part = "primitive 0 has its data in KHR_draco_mesh_compression, which cannot hold morph targets";
+    expect(&draco.bytes(), Unsupported, part);
+    let mut unknown = square();
+    unknown.json["extensionsRequired"] = json!(["VENDOR_thing"]);
+    let notes = gltf_slice(&unknown.bytes(), None, MeshChoice::First).unwrap().notes;
+    assert!(notes[0].starts_with("the file requires VENDOR_thing, which is not known here"), "{notes:?}");
+    unknown.json["accessors"][0].as_object_mut().unwrap().remove("bufferView");
+    expect(&unknown.bytes(), Unsupported, "no positions of its own, and the file requires VENDOR_thing");
 }
 
 #[test]
-fn compressed_geometry_and_unknown_requirements_are_named() {
-    let mut draco = square();
-    draco.json["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
-    draco.json["accessors"][0].as_object_mut().unwrap().remove("bufferView");
-    expect(&draco.bytes(), Unsupported, "has its data in KHR_draco_mesh_compression");
-    let mut meshopt = square();
-    meshopt.push(
-        "buffers",
-        json!({ "byteLength": 48, "extensions": { "EXT_meshopt_compression": { "fallback": true } } }),
-    );
-    meshopt.json["bufferViews"][0]["buffer"] = 1.into();
-    expect(&meshopt.bytes(), Unsupported, "buffer 1 has its data in EXT_meshopt_compression");
+fn packed_views_that_lie() {
+    let packed = |change: Value| {
+        let mut glb = square();
+        let stream = glb.view(&[0xA0; 64]);
+        let extension = json!({
+            "buffer": 0, "byteOffset": glb.json["bufferViews"][stream]["byteOffset"], "byteLength": 64, "byteStride": 12,
+            "count": 4, "mode": "ATTRIBUTES",
+        });
+        glb.json["bufferViews"][0]["extensions"] = json!({ "EXT_meshopt_compression": extension });
+        for (key, value) in change.as_object().unwrap() {
+            glb.json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"][key] = value.clone();
+        }
+        refuse(&glb.bytes())
+    };
+    for (change, part) in [
+        (json!({}), "bufferView 0 cannot be unpacked by meshoptimizer"),
+        (json!({ "mode": "LINES" }), "'LINES' is no mode of meshoptimizer's compression"),
+        (json!({ "count": 4_000_000_000u32 }), "asks for 48000000000 bytes"),
+        (json!({ "byteStride": 3 }), "cannot be unpacked"),
+        (json!({ "byteLength": 4000 }), "is 4000 bytes from byte"),
+        (json!({ "buffer": 9 }), "buffer is 9; it must be below 1"),
+        (json!({ "count": "4" }), "count of its compression is \"4\"; it must be a whole number"),
+    ] {
+        let error = packed(change).to_string();
+        assert!(error.contains(part), "'{part}' is not in: {error}");
+    }
 }
 
 #[test]
@@ -400,7 +411,8 @@ fn node_trees_that_are_none() {
 
 /// Reads with every choice of mesh, and exports what can be read.
 fn read_and_export(bytes: &[u8]) {
-    for choice in [MeshChoice::First, MeshChoice::Index(0), MeshChoice::Index(1)] {
+    let all = Patterns::default();
+    for choice in [MeshChoice::First, MeshChoice::Index(0), MeshChoice::Index(1), MeshChoice::Nodes(&all)] {
         if let Ok(imported) = gltf_slice(bytes, None, choice) {
             let count = imported.mesh.positions.len() as u32;
             assert!(imported.mesh.triangles.as_flattened().iter().all(|v| *v < count));

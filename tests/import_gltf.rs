@@ -3,7 +3,7 @@
 
 mod import_glb;
 
-use crumple::import::{Imported, MeshChoice, apply_extras, gltf_file, gltf_slice};
+use crumple::import::{Imported, MeshChoice, Patterns, Reading, apply_extras, gltf_file, gltf_slice};
 use crumple::{Blow, Contact, Deltas, Error, ErrorKind, ExampleData, Placement, Striker};
 use import_glb::{Glb, SQUARE, UP, bytes, fixture, square};
 use serde_json::{Value, json};
@@ -348,7 +348,7 @@ fn primitives_that_share_accessors_share_vertices() {
 }
 
 #[test]
-fn lines_are_left_out_and_missing_normals_leave_none() {
+fn lines_are_left_out_unless_the_mesh_has_nothing_else() {
     let mut glb = square();
     let lines = glb.indices(2, &[0, 1]);
     let mut line = glb.json["meshes"][0]["primitives"][0].clone();
@@ -357,20 +357,194 @@ fn lines_are_left_out_and_missing_normals_leave_none() {
     glb.json["meshes"][0]["primitives"].as_array_mut().unwrap().insert(0, line);
     let imported = read(&glb);
     assert_eq!((imported.primitives.len(), imported.primitives[0].primitive), (1, 1));
-    let mut bare = glb.json["meshes"][0]["primitives"][1].clone();
-    bare["attributes"] = json!({ "POSITION": 0 });
-    bare["targets"] = json!([{ "POSITION": 3 }, {}]);
-    glb.json["meshes"][0]["primitives"].as_array_mut().unwrap().push(bare);
-    let imported = read(&glb);
-    assert_eq!(imported.mesh.normals, None);
-    assert_eq!(imported.examples[0].normals, None, "one part moves without normal deltas");
     for p in glb.json["meshes"][0]["primitives"].as_array_mut().unwrap() {
         p["mode"] = 0.into();
     }
-    let error = gltf_slice(&glb.bytes(), None, MeshChoice::First).unwrap_err();
+    let points = read(&glb);
+    assert_eq!((points.mesh.positions.len(), points.mesh.triangles.len()), (4, 0), "both have the same accessors");
+}
+
+#[test]
+fn what_a_primitive_lacks_and_another_has_is_filled_in() {
+    let mut glb = square();
+    let tangents = glb.floats("VEC4", &[1., 0., 0., -1.].repeat(4));
+    glb.json["meshes"][0]["primitives"][0]["attributes"]["TANGENT"] = tangents.into();
+    // Beside the first, in the plane of x and y; it has one target of two.
+    let wall = glb.floats("VEC3", &[5., 0., 0., 6., 0., 0., 6., 1., 0., 5., 1., 0.]);
+    let indices = glb.indices(2, &[0, 1, 2, 0, 2, 3]);
+    let bare = json!({ "attributes": { "POSITION": wall }, "indices": indices, "targets": [{ "POSITION": 3 }] });
+    glb.json["meshes"][0]["primitives"].as_array_mut().unwrap().push(bare);
+    let Imported { mesh, examples, .. } = read(&glb);
+    assert_eq!(mesh.normals.unwrap(), [[[0., 1., 0.]; 4], [[0., 0., 1.]; 4]].concat());
+    let tangents = mesh.tangents.unwrap();
+    assert_eq!(tangents[..4], [[1., 0., 0., -1.]; 4]);
+    assert!(tangents[4..].iter().all(|t| t[2] == 0.0 && t[3] == 1.0), "{tangents:?}");
+    assert_eq!(sparse(&examples[1].positions).0, [1, 3], "a primitive without the target does not move");
+    assert_eq!(examples[0].normals, None, "one primitive moves without normal deltas");
+    // Normal deltas of zero are as none: exporters write them.
+    let mut glb = square();
+    let zeros = glb.floats("VEC3", &[0.0; 12]);
+    assert!(read(&glb).examples[0].normals.is_some());
+    glb.json["meshes"][0]["primitives"][0]["targets"][0]["NORMAL"] = zeros.into();
+    assert_eq!(read(&glb).examples[0].normals, None);
+}
+
+#[test]
+fn normals_and_tangents_that_are_none_are_computed_and_noted() {
+    let mut glb = square();
+    let tangents = glb.floats("VEC4", &[&[1., 0., 0., 1.].repeat(3)[..], &[f32::NAN, 0., 0., 1.]].concat());
+    let normals = glb.floats("VEC3", &[&UP[..6], &[0.0; 3], &[0.0, f32::INFINITY, 0.0]].concat());
+    let attributes = &mut glb.json["meshes"][0]["primitives"][0]["attributes"];
+    (attributes["TANGENT"], attributes["NORMAL"]) = (tangents.into(), normals.into());
+    let Imported { mesh, notes, .. } = read(&glb);
+    assert_eq!(mesh.normals.unwrap(), [[0., 1., 0.]; 4]);
+    assert_eq!(mesh.tangents.unwrap(), [[1., 0., 0., 1.]; 4], "a neighbour's");
+    let told = |what: &str| {
+        format!(
+            "{what} have no length or are no numbers and were computed anew; the first is in mesh 0 'Square', primitive 0"
+        )
+    };
+    assert_eq!(notes[..2], [told("2 of 4 normals"), told("1 of 4 tangents")]);
+}
+
+#[test]
+fn quantised_attributes_and_targets() {
+    for (component, width, most) in [(5120, 1usize, 127.0f32), (5121, 1, 255.0), (5122, 2, 32767.0), (5123, 2, 65535.0)]
+    {
+        let mut glb = square();
+        let mut quantised = |values: &[f32], normalized: bool| {
+            // Elements begin at multiples of four bytes.
+            let stride = (3 * width).next_multiple_of(4);
+            let mut raw = Vec::new();
+            for v in values.chunks(3) {
+                let at = raw.len();
+                v.iter().for_each(|x| raw.extend_from_slice(&(*x as i32).to_le_bytes()[..width]));
+                raw.resize(at + stride, 0);
+            }
+            let view = glb.view(&raw);
+            glb.json["bufferViews"][view]["byteStride"] = stride.into();
+            glb.push(
+                "accessors",
+                json!({
+                    "bufferView": view, "componentType": component, "count": values.len() / 3, "type": "VEC3",
+                    "normalized": normalized,
+                }),
+            )
+        };
+        let positions = quantised(&SQUARE.map(|x| x * 100.0), false);
+        let normals = quantised(&UP.map(|x| x * most), true);
+        let moved = quantised(&[0., 7., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0.], false);
+        let primitive = &mut glb.json["meshes"][0]["primitives"][0];
+        primitive["attributes"] = json!({ "POSITION": positions, "NORMAL": normals });
+        primitive["targets"] = json!([{ "POSITION": moved }]);
+        let imported = read(&glb);
+        assert_eq!(imported.mesh.positions.as_flattened(), SQUARE.map(|x| x * 100.0), "{component}");
+        assert_eq!(imported.mesh.normals.as_deref(), Some(&[[0., 1., 0.]; 4][..]), "{component}");
+        assert_eq!(sparse(&imported.examples[0].positions), (&[0][..], &[[0., 7., 0.]][..]), "{component}");
+    }
+}
+
+#[test]
+fn the_first_mesh_that_can_be_used_is_read() {
+    let mut glb = square();
+    let zeros = glb.floats("VEC3", &[0.0; 12]);
+    let mut still = glb.json["meshes"][0].clone();
+    (still["name"], still["primitives"][0]["targets"]) = ("Still".into(), json!([{ "POSITION": zeros }]));
+    let mut broken = glb.json["meshes"][0].clone();
+    (broken["name"], broken["primitives"][0]["indices"]) = ("Broken".into(), 99.into());
+    let good = glb.json["meshes"][0].take();
+    glb.json["meshes"] = json!([still, broken, 7, good]);
+    let imported = read(&glb);
+    assert_eq!(imported.name, "Square");
+    let why =
+        "mesh 1 'Broken' was passed over: mesh 1 'Broken', primitive 0 indices: accessor is 99; it must be below 7";
+    assert_eq!(imported.notes[0], why);
+    glb.json["meshes"].as_array_mut().unwrap().truncate(1);
+    let error = gltf_slice(&glb.bytes(), None, MeshChoice::First).unwrap_err().to_string();
+    let why = "no examples: no morph target of mesh 0 'Still' moves a vertex";
+    assert_eq!(error, format!("{why}; the file's meshes with morph targets are mesh 0 'Still'"));
+}
+
+#[test]
+fn targets_that_are_dents_are_chosen_by_name() {
+    let chosen = |targets: &[&str], extras: Value| {
+        let mut glb = square();
+        glb.json["meshes"][0]["extras"]["dents"] = extras;
+        let reading = Reading { targets: Patterns::new(targets), ..Reading::default() };
+        let names = |imported: Imported| imported.examples.into_iter().map(|e| e.name).collect::<Vec<_>>();
+        gltf_slice(&glb.bytes(), None, reading).map(names).map_err(|e| e.to_string())
+    };
+    let of = |list: &[&str]| Ok(list.iter().map(|n| n.to_string()).collect::<Vec<_>>());
+    assert_eq!(chosen(&[], Value::Null), of(&["dense", "sparse"]));
+    assert_eq!(chosen(&["SP*"], Value::Null), of(&["sparse"]));
+    assert_eq!(chosen(&["!sparse"], Value::Null), of(&["dense"]));
+    assert_eq!(chosen(&[], json!(["d?nse"])), of(&["dense"]));
+    assert_eq!(chosen(&[], json!("sparse, dense")), of(&["dense", "sparse"]));
+    assert_eq!(chosen(&["dense"], json!("sparse")), of(&["dense"]), "the caller's patterns come first");
     assert_eq!(
-        error.to_string(),
-        "unsupported: mesh 0 'Square' has no triangles; primitives of points and lines are not dented"
+        chosen(&["door*"], Value::Null).unwrap_err(),
+        "no examples: none of the morph targets of mesh 0 'Square' is chosen as a dent: it has 'dense', 'sparse'"
+    );
+    assert_eq!(
+        chosen(&["dense", "door*"], Value::Null).unwrap_err(),
+        "a pattern for morph targets is 'door*'; it must be one that matches a name of the file: 'dense', 'sparse'"
+    );
+    assert!(chosen(&[], json!(7)).unwrap_err().contains("extras.dents is 7; it must be a list of names"));
+}
+
+#[test]
+fn a_unit_scales_lengths_and_leaves_the_scene_where_it_was() {
+    let mut glb = square();
+    glb.json["nodes"] = json!([{ "mesh": 0, "translation": [300, 0, 0] }]);
+    glb.json["meshes"][0]["extras"]["impacts"] = json!([{ "point": [50, 0, 0], "striker": { "radius": 0.2 } }]);
+    let reading = Reading { unit: 0.01, ..Reading::default() };
+    let imported = gltf_slice(&glb.bytes(), None, &reading).unwrap();
+    assert_eq!(imported.mesh.positions[2], [0.01, 0.0, 0.01]);
+    assert_eq!(sparse(&imported.examples[0].positions).1[0], [0.0, -0.005, 0.0]);
+    assert_eq!(imported.examples[0].contact, Some(Contact::Point([0.5, 0.0, 0.0])));
+    assert_eq!(imported.examples[0].blow.striker.radius, Some(0.2), "in metres anyway");
+    assert_eq!(imported.node_transform.unwrap()[3], [3.0, 0.0, 0.0, 1.0]);
+    for unit in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+        let error = gltf_slice(&glb.bytes(), None, Reading { unit, ..Reading::default() }).unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::InvalidArgument, "{unit}");
+    }
+}
+
+#[test]
+fn a_skinned_mesh_stands_where_its_joints_place_it() {
+    let mut glb = square();
+    // Bound at x = 2, and now the joint stands at x = 5: the mesh is shown at x = 3.
+    let bind = glb.view(&bytes(&[1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., -2., 0., 0., 1.]));
+    let bind = glb.push("accessors", json!({ "bufferView": bind, "componentType": 5126, "count": 1, "type": "MAT4" }));
+    glb.json["nodes"] = json!([{ "mesh": 0, "skin": 0, "translation": [70, 0, 0] }, { "translation": [5, 0, 0] }]);
+    glb.json["skins"] = json!([{ "joints": [1], "inverseBindMatrices": bind }]);
+    let place = |glb: &Glb| read(glb).node_transform.unwrap()[3];
+    assert_eq!(place(&glb), [3.0, 0.0, 0.0, 1.0]);
+    for broken in [json!({ "joints": [9] }), json!({ "joints": [] }), json!(7)] {
+        glb.json["skins"][0] = broken;
+        assert_eq!(place(&glb), [70.0, 0.0, 0.0, 1.0], "a broken skin is none");
+    }
+}
+
+#[test]
+fn other_units_axes_and_absolute_targets_are_noted() {
+    let with = |target: &[f32]| {
+        let mut glb = square();
+        let target = glb.floats("VEC3", target);
+        glb.json["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": target }]);
+        glb.json["meshes"][0]["extras"] = Value::Null;
+        read(&glb).notes.join(" ")
+    };
+    let noted =
+        |target: &[f32], part: &str| assert!(with(target).contains(part), "'{part}' is not in: {}", with(target));
+    assert_eq!(with(&[0., -0.5, 0., 0., 0., 0., 0., 0., 0., 0., 0., 0.]), "");
+    noted(&SQUARE.map(|x| 99.0 * x), "it is 100 times as large: is it in centimetres?");
+    // The positions themselves, with a dent at the first vertex.
+    let absolute: Vec<f32> = SQUARE.iter().enumerate().map(|(i, x)| x - if i == 1 { 0.2 } else { 0.0 }).collect();
+    noted(&absolute, "seem to hold positions instead of displacements");
+    noted(
+        &[0., -9.0, 0., 0., 0., 0., 0., 0., 0., 0., 0., 0.],
+        "moves a vertex by 9.000 m, more than the body's size of 1.414 m",
     );
 }
 
@@ -393,6 +567,13 @@ fn target_names_may_be_anything() {
     assert_eq!(names(json!({ "targetNames": ["one", null, "three"] })), ["one", "target 1"]);
     assert_eq!(names(json!({})), ["target 0", "target 1"]);
     assert_eq!(names(json!(7)), ["target 0", "target 1"], "extras may be anything");
+    let mut named = square();
+    named.json["meshes"][0]["extras"] = Value::Null;
+    (named.json["accessors"][3]["name"], named.json["accessors"][5]["name"]) = ("left".into(), "right".into());
+    let names_of = |glb: &Glb| read(glb).examples.into_iter().map(|e| e.name).collect::<Vec<_>>();
+    assert_eq!(names_of(&named), ["left", "right"], "some exporters name the accessors");
+    named.json["accessors"][5]["name"] = "left".into();
+    assert_eq!(names_of(&named), ["target 0", "target 1"], "names that do not differ tell nothing");
     let mut glb = square();
     let mesh = glb.json["meshes"][0].as_object_mut().unwrap();
     let extras = mesh.remove("extras").unwrap();

@@ -7,7 +7,7 @@ use super::check::{boolean, string};
 use super::context::{Context, CrumpleContext, exclusive};
 use super::result::{CrumpleResult, Failure};
 use super::set::{CrumpleExampleSetOptions, default_options, insert_set};
-#[cfg(any(feature = "gltf", feature = "obj"))]
+#[cfg(feature = "gltf")]
 use super::set::{c_string, read_options};
 use super::store::State;
 use super::tasks::Quiet;
@@ -80,10 +80,8 @@ pub unsafe extern "C" fn crumple_example_set_load_gltf(
         let path = required_string(def.path, "def.path")?;
         #[cfg(feature = "gltf")]
         {
-            use crate::io::import::{gltf_body_file, gltf_file};
-            let choice = mesh_choice(&def)?;
-            let imported =
-                if boolean(def.join_nodes) { gltf_body_file(path.as_ref()) } else { gltf_file(path.as_ref(), choice) }?;
+            let all = crate::io::import::Patterns::default();
+            let imported = crate::io::import::gltf_file(path.as_ref(), mesh_choice(&def, &all)?)?;
             add_imported(context, state, imported, &def.options, out)
         }
         #[cfg(not(feature = "gltf"))]
@@ -108,10 +106,9 @@ pub unsafe extern "C" fn crumple_example_set_load_gltf_memory(
         let bytes = array(data.cast::<u8>(), size, "data")?;
         #[cfg(feature = "gltf")]
         {
-            use crate::io::import::{gltf_body, gltf_slice};
-            let (choice, folder) = (mesh_choice(&def)?, string(def.path, "def.path")?.map(std::path::Path::new));
-            let imported =
-                if boolean(def.join_nodes) { gltf_body(bytes, folder) } else { gltf_slice(bytes, folder, choice) }?;
+            let all = crate::io::import::Patterns::default();
+            let folder = string(def.path, "def.path")?.map(std::path::Path::new);
+            let imported = crate::io::import::gltf_slice(bytes, folder, mesh_choice(&def, &all)?)?;
             add_imported(context, state, imported, &def.options, out)
         }
         #[cfg(not(feature = "gltf"))]
@@ -238,8 +235,14 @@ fn add_baked(context: &Context, state: &mut State, set: ExampleSet, out: Out<Cru
 }
 
 #[cfg(feature = "gltf")]
-unsafe fn mesh_choice(def: &CrumpleGltfDef) -> Result<crate::io::import::MeshChoice<'_>, Failure> {
+unsafe fn mesh_choice<'d>(
+    def: &'d CrumpleGltfDef,
+    all: &'d crate::io::import::Patterns,
+) -> Result<crate::io::import::MeshChoice<'d>, Failure> {
     use crate::io::import::MeshChoice;
+    if boolean(def.join_nodes) {
+        return Ok(MeshChoice::Nodes(all));
+    }
     Ok(match (string(def.mesh_name, "def.mesh_name")?, def.mesh_index) {
         (Some(name), _) => MeshChoice::Name(name),
         (None, u32::MAX) => MeshChoice::First,
@@ -247,7 +250,7 @@ unsafe fn mesh_choice(def: &CrumpleGltfDef) -> Result<crate::io::import::MeshCho
     })
 }
 
-#[cfg(any(feature = "gltf", feature = "obj"))]
+#[cfg(feature = "gltf")]
 unsafe fn add_imported(
     context: &Context,
     state: &mut State,

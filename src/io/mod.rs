@@ -3,5 +3,7 @@
 #[cfg(feature = "gltf")]
 pub mod export;
 pub(crate) mod format;
-#[cfg(any(feature = "gltf", feature = "obj"))]
+#[cfg(feature = "gltf")]
+mod glb;
+#[cfg(feature = "gltf")]
 pub mod import;

@@ -80,7 +80,9 @@ fn files_that_are_missing_or_something_else() {
         ("info PANEL --mesh bonnet", &["bonnet", "panel"]),
         ("info PANEL --mesh 3", &["3", "panel"]),
         ("info PANEL --example a.obj", &["--example needs an OBJ base"]),
-        ("info tests/fixtures/plate.obj --mesh a", &["--mesh and --join are for glTF files"]),
+        ("info tests/fixtures/plate.obj --mesh a", &["--mesh is for glTF files", "--nodes"]),
+        ("info PANEL --nodes bonnet", &["'bonnet'", "'train'"]),
+        ("info PANEL --targets none", &["is chosen as a dent", "'train_00'", "28 more"]),
     ] {
         refused(&folder, words, parts);
     }
@@ -152,7 +154,7 @@ fn baked_sets_are_not_sources_and_damage_in_them_is_found() {
     let out = folder.at("out.crumple");
     crumple(&["bake", PANEL, "-o", &out, "--tolerance", "1mm", "--stamp-resolution", "4"]).report();
     refused(&folder, "bake INout.crumple -o INagain.crumple", &["baked already"]);
-    refused(&folder, "info INout.crumple --mesh 0", &["--mesh"]);
+    refused(&folder, "info INout.crumple --mesh 0", &["is a baked set", "give these options to `crumple bake`"]);
     let mut bytes = std::fs::read(&out).expect("written");
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;

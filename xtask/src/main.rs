@@ -106,6 +106,14 @@ enum Command {
     Bench(bench::Options),
     /// Hit, deform, save and repair bodies for hours; fail if memory grows or vertices drift; print how long calls took
     Soak(soak::Options),
+    /// Run info, bake, sample and apply over a folder of glTF and OBJ files, and compare everything that no dent reached
+    Sweep {
+        /// The folder. An OBJ's examples are the files beside it whose names begin with its name and _
+        folder: PathBuf,
+        /// Options for each of the commands, such as --join
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        options: Vec<String>,
+    },
     /// Run every check and every test stage; a missing program fails its stage
     Ci {
         /// Stop at the first stage that fails
@@ -152,6 +160,12 @@ fn run(command: Command) -> Result<()> {
         Command::Lab(options) => lab::run(&workspace, &options),
         Command::Bench(options) => bench::run(&workspace, &options),
         Command::Soak(options) => soak::run(&workspace, &options),
+        Command::Sweep { folder, options } => {
+            let sweep = ["--package", "crumple", "--features", "cli", "--test", "files", "sweep", "--", "--nocapture"];
+            let test =
+                workspace.cargo(&["test", "--quiet"]).args(sweep).env("CRUMPLE_SWEEP", std::path::absolute(folder)?);
+            Ok(test.env("CRUMPLE_SWEEP_OPTIONS", options.join(" ")).run()?)
+        }
         Command::Ci { fail_fast } => test::ci(&workspace, fail_fast),
         Command::Repo { fix } => repo::run(&workspace, fix),
     }

@@ -1,7 +1,7 @@
 //! Any bytes as glTF: JSON, a zero byte and the binary chunk, which become a GLB file; or a file as it is.
 #![no_main]
 
-use crumple::import::{MeshChoice, gltf_body, gltf_slice, gltf_solids};
+use crumple::import::{MeshChoice, Patterns, gltf_slice, gltf_solids};
 use crumple::{ExampleSet, Serial};
 use crumple_fuzz::{baked, seeds, target};
 
@@ -11,8 +11,10 @@ target!(
         if let Ok(solids) = gltf_solids(&file, None, None) {
             drop(solids);
         }
-        if let Ok(body) = gltf_body(&file, None) {
+        let all = Patterns::default();
+        if let Ok(body) = gltf_slice(&file, None, MeshChoice::Nodes(&all)) {
             let parts = body.part_meshes();
+            let _ = crumple::export::deformed_glb(&file, None, MeshChoice::Nodes(&all), &body.mesh.positions, None, None);
             if let Ok(mut set) = ExampleSet::build(body.mesh, body.examples, seeds::small(), &Serial) {
                 parts.into_iter().for_each(|part| drop(set.add_lod(part, &Serial)));
                 baked::load_and_use(set.save().expect("a small set"));

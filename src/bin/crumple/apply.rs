@@ -5,7 +5,7 @@ use crate::{
     impacts::{self, Impact},
     output::{Output, progress},
     picture::{Kind, Subject, millimetres},
-    source::{Input, Source},
+    source::{FAR_OFF, Input, Source, write_notes},
     table::{Table, count, percent},
     vertices::Vertices,
 };
@@ -22,8 +22,6 @@ use std::{
 
 /// Vertices that moved less than this are not reported as moved, m.
 const VISIBLE: f32 = 1e-5;
-/// A contact further than this from the nearest vertex causes a warning; a share of the body's diagonal.
-const FAR_OFF: f32 = 0.1;
 
 #[derive(Args)]
 pub struct Arguments {
@@ -94,6 +92,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
 
     bar.set_message("hits");
     let mut instance = Instance::new(source.set.clone(), options(arguments))?;
+    source.spare_glass(&mut instance)?;
     if let Some(transform) = source.transform
         && impacts.iter().any(|i| i.hit.space == Space::World)
     {
@@ -110,7 +109,8 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     let deformed = deform(arguments, &mut instance, &source, &pool)?;
     bar.inc(1);
     bar.set_message("writing");
-    file.fill(&source.deformed_glb(&deformed.vertices)?)?;
+    let exported = source.deformed_glb(&deformed.vertices)?;
+    file.fill(&exported.glb)?;
     bar.inc(1);
 
     let mut files = vec![file];
@@ -132,7 +132,9 @@ pub fn run(arguments: &Arguments) -> Result<String> {
         file.commit()?;
     }
     bar.finish_and_clear();
-    report(arguments, &source, &mut instance, &impacts, &outcomes, &deformed)
+    let mut text = report(arguments, &source, &mut instance, &impacts, &outcomes, &deformed)?;
+    write_notes(&mut text, "  Warning: ", &[&source.notes[..], &exported.notes].concat());
+    Ok(text)
 }
 
 fn options(arguments: &Arguments) -> InstanceOptions {
@@ -235,26 +237,30 @@ fn report(
         ">short mm",
         "examples (share x scale)",
     ]);
+    let set = &source.set;
+    // Lengths are the scene's.
+    let scale = source.scale();
     for (i, (impact, outcome)) in impacts.iter().zip(outcomes).enumerate() {
-        let length = |v: [f32; 3]| millimetres(Vec3::from(v).length());
+        let length = |v: [f32; 3]| millimetres(Vec3::from(v).length() * scale);
         table.row(vec![
             i.to_string(),
             impact.name.clone().unwrap_or_default(),
             outcome.contact_vertex.to_string(),
-            millimetres(outcome.contact_distance),
+            millimetres(outcome.contact_distance * scale),
             length(outcome.target),
             length(outcome.achieved),
             length(outcome.shortfall()),
-            chosen(source, outcome),
+            chosen(set, instance.depth_limit(), outcome),
         ]);
     }
-    table.write(&mut text);
-    let set = &source.set;
+    if !impacts.is_empty() {
+        table.write(&mut text);
+    }
     let displacements =
         deformed.vertices.positions.iter().zip(set.mesh().positions()).map(|(a, b)| (Vec3::from(*a) - *b).length());
     let (mut moved, mut deepest) = (0, (0, 0.0));
     for (v, d) in displacements.enumerate() {
-        moved += usize::from(d > VISIBLE);
+        moved += usize::from(d * scale > VISIBLE);
         if d > deepest.1 {
             deepest = (v, d);
         }
@@ -264,7 +270,12 @@ fn report(
         Ok(marks) => count(marks.len(), "mark", "marks"),
         Err(_) => "per-vertex state".to_owned(),
     };
-    writeln!(text, "\n  {marked} of {} left a dent; the damage is {left}.", count(impacts.len(), "impact", "impacts"))?;
+    if impacts.is_empty() {
+        writeln!(text, "  The list of impacts is empty: the mesh is written without a dent.")?;
+    } else {
+        let all = count(impacts.len(), "impact", "impacts");
+        writeln!(text, "\n  {marked} of {all} left a dent; the damage is {left}.")?;
+    }
     if moved > 0 {
         writeln!(
             text,
@@ -273,10 +284,13 @@ fn report(
             VISIBLE * 1e3,
             percent(moved as f64, set.vertex_count() as f64),
             deepest.0,
-            millimetres(deepest.1)
+            millimetres(deepest.1 * scale)
         )?;
     }
-    warnings(&mut text, set, instance.depth_limit(), impacts, outcomes)?;
+    if scale != 1.0 {
+        writeln!(text, "  Lengths are the scene's: the node scales the mesh by {scale:.4}.")?;
+    }
+    warnings(&mut text, source, instance.depth_limit(), impacts, outcomes)?;
     writeln!(
         text,
         "  Deformed {} vertices in {:.2} ms on {}.",
@@ -292,22 +306,29 @@ fn report(
     Ok(text)
 }
 
+/// Whether a hit asked for more than the depth limit, of the instance or of its vertex, by more than a rounding.
+fn is_cut(set: &ExampleSet, limit: f32, outcome: &Outcome) -> bool {
+    let asked = Vec3::from(outcome.target).as_dvec3().length();
+    outcome.clamped && (set.report().limited_vertices > 0 || asked > f64::from(limit) * (1.0 + 1e-5))
+}
+
 /// Warnings of impacts whose numbers are probably in the wrong unit or space.
 fn warnings(
     text: &mut String,
-    set: &ExampleSet,
+    source: &Source,
     limit: f32,
     impacts: &[Impact],
     outcomes: &[Outcome],
 ) -> std::fmt::Result {
+    let (set, scale) = (&source.set, source.scale());
     let name = |i: usize| match &impacts[i].name {
         Some(name) => format!("impact {i} '{name}'"),
         None => format!("impact {i}"),
     };
     let worst = |values: Vec<(usize, f32)>| values.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
     let all = || outcomes.iter().enumerate();
-    let clamped: Vec<_> =
-        all().filter(|(_, o)| o.clamped).map(|(i, o)| (i, Vec3::from(o.target).as_dvec3().length() as f32)).collect();
+    let asked = |o: &Outcome| Vec3::from(o.target).as_dvec3().length() as f32;
+    let clamped: Vec<_> = all().filter(|(_, o)| is_cut(set, limit, o)).map(|(i, o)| (i, asked(o))).collect();
     let cut = clamped.len();
     if let Some((i, most)) = worst(clamped) {
         let own = if set.report().limited_vertices > 0 { ", or that of its vertex," } else { "" };
@@ -315,13 +336,12 @@ fn warnings(
             text,
             "  Warning: {} asked for more than the depth limit of {} mm{own} and got the limit; {} asked for {} mm.",
             count(cut, "impact", "impacts"),
-            millimetres(limit),
+            millimetres(limit * scale),
             name(i),
-            millimetres(most)
+            millimetres(most * scale)
         )?;
     }
-    let bounds = set.mesh().bounds();
-    let far = FAR_OFF * bounds.max.distance(bounds.min);
+    let far = FAR_OFF * set.mesh().bounds().diagonal();
     let off: Vec<_> = all().filter(|(_, o)| o.contact_distance > far).map(|(i, o)| (i, o.contact_distance)).collect();
     let missed = off.len();
     if let Some((i, most)) = worst(off) {
@@ -329,16 +349,16 @@ fn warnings(
             text,
             "  Warning: {} more than {} mm from the nearest vertex; {} is {} mm off. Check the points' space and unit (m).",
             if missed == 1 { "1 impact lies".to_owned() } else { format!("{missed} impacts lie") },
-            millimetres(far),
+            millimetres(far * scale),
             name(i),
-            millimetres(most)
+            millimetres(most * scale)
         )?;
     }
     Ok(())
 }
 
 /// The examples of a hit's mark, or the reason why it has no mark.
-fn chosen(source: &Source, outcome: &Outcome) -> String {
+fn chosen(set: &ExampleSet, limit: f32, outcome: &Outcome) -> String {
     match outcome.status {
         HitStatus::BelowYield => return "below yield: no mark".into(),
         HitStatus::Rigid => return "the part is rigid: no mark".into(),
@@ -350,11 +370,11 @@ fn chosen(source: &Source, outcome: &Outcome) -> String {
         .iter()
         .flatten()
         .map(|c| {
-            let name = source.set.examples().get(c.example as usize).map_or("?", |e| e.name());
+            let name = set.examples().get(c.example as usize).map_or("?", |e| e.name());
             let how = if c.anchored { "anchored" } else { "carried" };
             format!("{name} {:.0}% x{:.2} {how}", c.share * 100.0, c.scale)
         })
         .collect();
-    let limit = if outcome.clamped { "; cut to the depth limit" } else { "" };
+    let limit = if is_cut(set, limit, outcome) { "; cut to the depth limit" } else { "" };
     parts.join(", ") + limit
 }

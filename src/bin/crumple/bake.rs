@@ -4,8 +4,9 @@ use crate::{
     info,
     output::{Output, progress},
     picture::millimetres,
-    source::Input,
+    source::{Input, write_notes},
     table::{Table, count},
+    units::{angle, length, mass},
 };
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
@@ -57,52 +58,6 @@ pub struct Arguments {
     /// Number of threads; 0 is one per core
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1024))]
     threads: u32,
-}
-
-/// Splits a text into a number and the rest.
-fn split(text: &str) -> (Option<f64>, &str) {
-    let text = text.trim();
-    // The longest prefix that is a number: "1e-4m" is 1e-4 and metres, "5e" is 5 and an unknown unit.
-    let ends = (1..=text.len()).rev().filter(|at| text.is_char_boundary(*at));
-    let number = |at: &usize| text[..*at].bytes().all(|b| b"0123456789+-.eE".contains(&b));
-    ends.filter(number)
-        .find_map(|at| text[..at].parse().ok().map(|n| (Some(n), text[at..].trim_start())))
-        .unwrap_or((None, text))
-}
-
-fn length(text: &str) -> Result<f32, String> {
-    const UNITS: [(&str, f64); 7] =
-        [("um", 1e-6), ("µm", 1e-6), ("mm", 1e-3), ("cm", 1e-2), ("m", 1.0), ("in", 0.0254), ("", 1.0)];
-    quantity(text, &UNITS, ("length", "0.1mm"), "um, mm, cm, m or in, or none for metres")
-}
-
-fn mass(text: &str) -> Result<f32, String> {
-    const UNITS: [(&str, f64); 4] = [("g", 1e-3), ("kg", 1.0), ("lb", 0.453_592_37), ("", 1.0)];
-    quantity(text, &UNITS, ("mass", "0.5kg"), "g, kg or lb, or none for kilograms")
-}
-
-/// Parses a number above 0 with one of these units.
-fn quantity(text: &str, units: &[(&str, f64)], (noun, example): (&str, &str), names: &str) -> Result<f32, String> {
-    let (Some(number), unit) = split(text) else {
-        return Err(format!("it must be a {noun}, such as {example}"));
-    };
-    let Some((_, factor)) = units.iter().find(|u| u.0 == unit) else {
-        return Err(format!("'{unit}' is no unit of {noun} here; give {names}"));
-    };
-    let value = (number * factor) as f32;
-    if value > 0.0 && value.is_finite() { Ok(value) } else { Err("it must be above 0 and finite".into()) }
-}
-
-fn angle(text: &str) -> Result<f32, String> {
-    let (Some(number), unit) = split(text) else {
-        return Err("it must be an angle, such as 1deg".into());
-    };
-    let degrees = match unit {
-        "" | "deg" | "°" => number,
-        "rad" => number.to_degrees(),
-        _ => return Err(format!("'{unit}' is no unit of angle here; give deg or rad, or none for degrees")),
-    } as f32;
-    if degrees > 0.0 && degrees <= 45.0 { Ok(degrees) } else { Err("it must be above 0 and at most 45 degrees".into()) }
 }
 
 /// A thread pool that counts the tasks on a progress bar.
@@ -186,10 +141,10 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     bar.finish_and_clear();
 
     let mut text = format!("{}: {}\n\n", arguments.output.display(), megabytes(length));
+    write_notes(&mut text, "  Warning: ", &imported.notes);
     text.push_str(&kept_out);
     if !imported.parts.is_empty() {
-        let names: Vec<String> = imported.parts.into_iter().map(|part| part.name).collect();
-        info::levels(&mut text, &set, &names)?;
+        info::parts(&mut text, &imported.parts)?;
         text.push('\n');
     }
     sizes(&mut text, &set, &exact, length);
@@ -347,49 +302,4 @@ fn stamps(text: &mut String, set: &ExampleSet) -> Result<()> {
         writeln!(text, "\n  All stamps hold the tolerance.")?;
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lengths_have_units() {
-        for (text, metres) in [
-            ("0.1mm", 1e-4),
-            ("100 um", 1e-4),
-            ("100µm", 1e-4),
-            ("1e-4", 1e-4),
-            ("1e-4m", 1e-4),
-            ("0.01cm", 1e-4),
-            ("1in", 0.0254),
-            (" 2m ", 2.0),
-        ] {
-            assert_eq!(length(text), Ok(metres), "{text}");
-        }
-        for text in ["", "mm", "0", "-1mm", "nan", "inf", "1km", "0,1mm", "1 mm mm", "1e99m", "1e"] {
-            assert!(length(text).is_err(), "{text}");
-        }
-        assert!(length("3ft").unwrap_err().contains("'ft'"));
-    }
-
-    #[test]
-    fn masses_have_units() {
-        for (text, kilograms) in [("0.5", 0.5), ("500g", 0.5), ("0.5 kg", 0.5), ("2lb", 0.907_184_7)] {
-            assert_eq!(mass(text), Ok(kilograms), "{text}");
-        }
-        for text in ["", "kg", "0", "-1kg", "nan", "inf", "1mm", "1e99kg"] {
-            assert!(mass(text).is_err(), "{text}");
-        }
-    }
-
-    #[test]
-    fn angles_have_units() {
-        assert_eq!(angle("1"), Ok(1.0));
-        assert_eq!(angle("2deg"), Ok(2.0));
-        assert_eq!(angle("0.5rad"), Ok(0.5f64.to_degrees() as f32));
-        for text in ["0", "46", "1rad", "1mm", "", "nan"] {
-            assert!(angle(text).is_err(), "{text}");
-        }
-    }
 }

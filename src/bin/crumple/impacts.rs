@@ -78,9 +78,6 @@ pub fn parse(text: &str) -> Result<Vec<Impact>> {
             anyhow!("not JSON: {e}")
         }
     })?;
-    if raw.is_empty() {
-        bail!("the list of impacts is empty; give at least one");
-    }
     raw.iter().enumerate().map(|(i, raw)| entry(raw.get()).with_context(|| format!("impact {i}"))).collect()
 }
 
@@ -222,7 +219,6 @@ mod tests {
         ("", "not JSON"),
         ("[{]", "not JSON: key must be a string at line 1 column 3"),
         ("{}", "the file is not a list of impacts, [{…}, …]"),
-        ("[]", "the list of impacts is empty"),
         ("[1]", "impact 0: the impact is 1; it must be an object {…}"),
         (r#"[{P, U}, {P, "displacment": [0,0,-1]}]"#, "impact 1: unknown field `displacment`, expected one of"),
         (r#"[{P, "displacment": [0,0,-1]}]"#, "`displacement`"),

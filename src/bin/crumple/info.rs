@@ -3,12 +3,16 @@
 
 use crate::{
     picture::millimetres,
-    source::{Input, Source},
+    source::{Input, Source, write_notes},
     table::{Table, count, percent, point},
 };
 use anyhow::Result;
 use clap::Args;
-use crumple::{Aabb, ExampleSet, Mesh, Mirror, Placement, ThreadPool, glam::Vec3};
+use crumple::{
+    Aabb, ExampleSet, Mesh, Mirror, Placement, ThreadPool,
+    glam::Vec3,
+    import::{Part, PartKind},
+};
 use std::fmt::Write;
 
 #[derive(Args)]
@@ -21,7 +25,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     let source = arguments.input.load(&ThreadPool::new(0)?)?;
     let mut text = format!("{}\n", arguments.input.file.display());
     body(&mut text, &source)?;
-    examples(&mut text, &source.set);
+    examples(&mut text, &source.set, source.scale());
     learned(&mut text, &source.set)?;
     reach(&mut text, &source.set)?;
     Ok(text)
@@ -40,8 +44,17 @@ fn body(text: &mut String, source: &Source) -> Result<()> {
         mesh.seam_count()
     )?;
     let size = mesh.bounds().max - mesh.bounds().min;
-    writeln!(text, "  size      {:.3} x {:.3} x {:.3} m", size.x, size.y, size.z)?;
-    writeln!(text, "  limit     no vertex moves further than {} mm", millimetres(source.set.depth_limit()))?;
+    let scale = source.scale();
+    let shown = size * scale;
+    writeln!(text, "  size      {:.3} x {:.3} x {:.3} m", shown.x, shown.y, shown.z)?;
+    if scale != 1.0 {
+        writeln!(
+            text,
+            "  scale     {scale:.4}: its node scales the mesh, which is {:.3} x {:.3} x {:.3} in its own space. Lengths here are the scene's, points the mesh's own",
+            size.x, size.y, size.z
+        )?;
+    }
+    writeln!(text, "  limit     no vertex moves further than {} mm", millimetres(source.set.depth_limit() * scale))?;
     writeln!(
         text,
         "  memory    {:.1} MB for mesh and examples, shared by all copies",
@@ -79,20 +92,29 @@ fn body(text: &mut String, source: &Source) -> Result<()> {
     if report.degenerate_triangles > 0 {
         writeln!(text, "  note      {} triangles have no area", report.degenerate_triangles)?;
     }
-    levels(text, &source.set, &source.parts)
+    write_notes(text, "  warning   ", &source.notes);
+    if source.parts.is_empty() { levels(text, &source.set) } else { parts(text, &source.parts) }
+}
+
+/// Reports the parts of a body.
+pub fn parts(text: &mut String, parts: &[Part]) -> Result<()> {
+    for (i, part) in parts.iter().enumerate() {
+        let kind = match part.kind {
+            PartKind::Dents => "",
+            PartKind::Rigid => ", rigid",
+            PartKind::Glass => ", glass",
+        };
+        let (name, vertices) = (plain(&part.name), count(part.vertex_count as usize, "vertex", "vertices"));
+        writeln!(text, "  part {:<4} {name}: {vertices}{kind}", i + 1)?;
+    }
+    Ok(())
 }
 
 /// A level of detail that is further than this from the base surface causes a warning; a share of the body's diagonal.
 const FAR_OFF: f32 = 0.02;
 
-/// Reports the parts, or the levels of detail and which of them probably belong to another body or are in another unit.
-pub fn levels(text: &mut String, set: &ExampleSet, parts: &[String]) -> Result<()> {
-    for (i, (part, name)) in set.report().lods.iter().zip(parts).enumerate() {
-        writeln!(text, "  part {:<4} {name}: {}", i + 1, count(part.vertices, "vertex", "vertices"))?;
-    }
-    if !parts.is_empty() {
-        return Ok(());
-    }
+/// Reports the levels of detail and which of them probably belong to another body or are in another unit.
+fn levels(text: &mut String, set: &ExampleSet) -> Result<()> {
     let bounds = set.mesh().bounds();
     let far = FAR_OFF * bounds.max.distance(bounds.min);
     for (i, level) in set.report().lods.iter().enumerate() {
@@ -119,7 +141,8 @@ fn planes(planes: Mirror) -> String {
     }
 }
 
-fn examples(text: &mut String, set: &ExampleSet) {
+/// `scale` takes lengths of the mesh's space to the scene's.
+fn examples(text: &mut String, set: &ExampleSet, scale: f32) {
     text.push('\n');
     let heads = [
         ">#",
@@ -144,9 +167,9 @@ fn examples(text: &mut String, set: &ExampleSet) {
             i.to_string(),
             e.name().to_owned(),
             e.moved_vertices().to_string(),
-            millimetres(e.depth()),
-            millimetres(e.max_depth()),
-            format!("{:.3}", e.support_radius()),
+            millimetres(e.depth() * scale),
+            millimetres(e.max_depth() * scale),
+            format!("{:.3}", e.support_radius() * scale),
             e.contact_vertex().to_string(),
             point(e.contact_point()),
             placement.into(),

@@ -10,6 +10,7 @@ mod picture;
 mod sample;
 mod source;
 mod table;
+mod units;
 mod vertices;
 
 use clap::{Parser, Subcommand};

@@ -1,12 +1,13 @@
 //! Reads a mesh and its examples from a file.
 
-use crate::vertices::Vertices;
+use crate::{units, vertices::Vertices};
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use crumple::{
-    ExampleSet, MeshData, SetOptions, TaskSystem,
-    glam::{Mat4, Vec3},
-    import::{self, Imported, MeshChoice, PrimitiveRange},
+    ExampleSet, Instance, SetOptions, TaskSystem,
+    export::Exported,
+    glam::{Mat3, Mat4, Vec3},
+    import::{self, Imported, MeshChoice, Part, PartKind, Patterns, Reading},
 };
 use std::{
     io::Read,
@@ -14,20 +15,42 @@ use std::{
     sync::Arc,
 };
 
-/// The choice of a file and of a mesh in it.
+/// A contact further than this from the nearest vertex causes a warning; a share of the body's diagonal.
+pub const FAR_OFF: f32 = 0.1;
+
+/// The choice of a file, and of what in it dents.
 #[derive(Args)]
 pub struct Input {
     /// A glTF or GLB file with morph targets, an OBJ file (also give --example), or a .crumple file from `crumple bake`
     pub file: PathBuf,
-    /// Mesh of a glTF file, by name or by index from 0 [default: the first mesh with morph targets]
-    #[arg(long, value_name = "NAME|INDEX")]
-    pub mesh: Option<String>,
-    /// Join the meshes of all nodes of a glTF file to one body, with a part for each node
-    #[arg(long, conflicts_with = "mesh")]
-    pub join: bool,
+    /// Mesh of a glTF file, by name or by index from 0 [default: the first mesh whose morph targets move it]
+    #[arg(long, value_name = "NAME|INDEX", conflicts_with_all = ["join", "nodes"])]
+    mesh: Option<String>,
+    /// Join the meshes of all nodes to one body, with a part for each node
+    #[arg(long)]
+    join: bool,
+    /// Join the meshes of the nodes whose name, or a name above them, matches; repeat the option for more. In patterns * stands
+    /// for any text, ? for any character, and ! before one takes names out again
+    #[arg(long, value_name = "PATTERN")]
+    nodes: Vec<String>,
+    /// Nodes or materials that never move; hits on them leave no mark
+    #[arg(long, value_name = "PATTERN")]
+    rigid: Vec<String>,
+    /// Nodes or materials that break instead: they follow dents around them, but hits on them leave no mark
+    #[arg(long, value_name = "PATTERN")]
+    glass: Vec<String>,
+    /// Nodes that move on their own, such as wheels and doors that open: they are no part of the body and never dent
+    #[arg(long, value_name = "PATTERN")]
+    moving: Vec<String>,
+    /// Morph targets that are dents; the others stay in the file [default: all]
+    #[arg(long, value_name = "PATTERN")]
+    targets: Vec<String>,
+    /// The file's unit of length, such as cm or 0.01 [default: m]
+    #[arg(long, value_name = "LENGTH", value_parser = units::unit)]
+    unit: Option<f32>,
     /// Example for an OBJ base: the same mesh after a collision; repeat the option for more examples
     #[arg(long = "example", value_name = "OBJ")]
-    pub examples: Vec<PathBuf>,
+    examples: Vec<PathBuf>,
 }
 
 /// A file's mesh and its examples.
@@ -35,54 +58,70 @@ pub struct Source {
     pub set: Arc<ExampleSet>,
     pub name: String,
     pub primitives: usize,
-    /// Names of the parts: of levels 1 and up. Empty if the file was not joined.
-    pub parts: Vec<String>,
+    pub parts: Vec<Part>,
     /// Transform from the mesh's space to the scene's.
     pub transform: Option<Mat4>,
-    kind: Kind,
+    /// What is odd in the file.
+    pub notes: Vec<String>,
+    /// Numbers of the set's meshes that are glass.
+    glass: Vec<usize>,
+    file: Option<File>,
 }
 
-pub enum Kind {
-    Gltf {
-        bytes: Vec<u8>,
-        base_dir: PathBuf,
-        mesh: Option<String>,
-    },
-    /// An OBJ, or a joined glTF.
-    Joined(Box<Imported>),
-    Baked,
+/// A glTF, or an OBJ as a glTF, and what of it is read.
+pub struct File {
+    bytes: Vec<u8>,
+    base_dir: PathBuf,
+    mesh: Option<String>,
+    nodes: Option<Patterns>,
+    reading: Reading<'static>,
+}
+
+impl File {
+    /// Reads a number as an index and any other text as a name.
+    fn reading(&self) -> Reading<'_> {
+        let mesh = match (&self.nodes, &self.mesh) {
+            (Some(nodes), _) => MeshChoice::Nodes(nodes),
+            (None, None) => MeshChoice::First,
+            (None, Some(text)) => text.parse().map_or(MeshChoice::Name(text), MeshChoice::Index),
+        };
+        let Reading { targets, rigid, glass, moving, unit, .. } = self.reading.clone();
+        Reading { mesh, targets, rigid, glass, moving, unit }
+    }
 }
 
 impl Input {
     /// Builds the example set of the file, or loads it if the file is baked.
     pub fn load(&self, tasks: &dyn TaskSystem) -> Result<Source> {
         let shown = self.file.display();
+        let name = self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         if self.is_baked()? {
+            let chooses =
+                [&self.nodes, &self.rigid, &self.glass, &self.moving, &self.targets].iter().any(|p| !p.is_empty());
             ensure!(
-                self.mesh.is_none() && self.examples.is_empty() && !self.join,
-                "{shown} is a baked set, which has one mesh and its own examples; remove --mesh, --join and --example"
+                self.mesh.is_none() && self.examples.is_empty() && !self.join && !chooses && self.unit.is_none(),
+                "{shown} is a baked set, which has one mesh and its own examples; give these options to `crumple bake`"
             );
             let set = ExampleSet::load_file(&self.file, tasks).with_context(|| shown.to_string())?;
-            let name = self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            let (set, parts) = (Arc::new(set), Vec::new());
-            return Ok(Source { set, name, primitives: 1, parts, transform: None, kind: Kind::Baked });
+            let notes = vec![
+                "a baked set has no materials, texture coordinates or nodes; apply its source file to keep them".into(),
+            ];
+            let (set, parts, glass) = (Arc::new(set), Vec::new(), Vec::new());
+            return Ok(Source { set, name, primitives: 1, parts, transform: None, notes, glass, file: None });
         }
-        let (imported, kind) = self.import()?;
+        let (imported, file) = self.import()?;
         let meshes = imported.part_meshes();
-        let Imported { name, mesh, examples, primitives, parts, node_transform, .. } = imported;
+        let Imported { name, mesh, examples, primitives, parts, node_transform, notes } = imported;
         let mut set =
             ExampleSet::build(mesh, examples, SetOptions::default(), tasks).with_context(|| shown.to_string())?;
-        for mesh in meshes {
-            set.add_lod(mesh, tasks).with_context(|| shown.to_string())?;
+        let mut glass = Vec::new();
+        // Only hits on glass need to know a part.
+        for (_, mesh) in parts.iter().zip(meshes).filter(|(part, _)| part.kind == PartKind::Glass) {
+            glass.push(set.add_lod(mesh, tasks).with_context(|| shown.to_string())?);
         }
-        Ok(Source {
-            set: Arc::new(set),
-            name,
-            primitives: primitives.len(),
-            parts: parts.into_iter().map(|part| part.name).collect(),
-            transform: node_transform.map(|m| Mat4::from_cols_array_2d(&m)),
-            kind,
-        })
+        let transform = node_transform.map(|m| Mat4::from_cols_array_2d(&m));
+        let (set, primitives) = (Arc::new(set), primitives.len());
+        Ok(Source { set, name, primitives, parts, transform, notes, glass, file: Some(file) })
     }
 
     /// Whether the file was written by `crumple bake`.
@@ -95,94 +134,108 @@ impl Input {
     }
 
     /// Reads a glTF, GLB or OBJ file.
-    pub fn import(&self) -> Result<(Imported, Kind)> {
+    pub fn import(&self) -> Result<(Imported, File)> {
         let shown = self.file.display();
         let is_obj = self.file.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
-        let bytes = std::fs::read(&self.file).with_context(|| format!("cannot read {shown}"))?;
+        let joins = self.join || !self.nodes.is_empty();
+        let mut file = File {
+            bytes: std::fs::read(&self.file).with_context(|| format!("cannot read {shown}"))?,
+            base_dir: self.file.parent().unwrap_or(Path::new("")).to_owned(),
+            mesh: self.mesh.clone(),
+            nodes: (joins || is_obj).then(|| Patterns::new(&self.nodes)),
+            reading: Reading {
+                targets: Patterns::new(&self.targets),
+                rigid: Patterns::new(&self.rigid),
+                glass: Patterns::new(&self.glass),
+                moving: Patterns::new(&self.moving),
+                unit: self.unit.unwrap_or(1.0),
+                ..Reading::default()
+            },
+        };
+        let mut notes = Vec::new();
         if is_obj {
             ensure!(
-                self.mesh.is_none() && !self.join,
-                "--mesh and --join are for glTF files; {shown} is an OBJ, which is one mesh"
+                self.mesh.is_none(),
+                "--mesh is for glTF files; the objects of {shown}, an OBJ, are nodes: choose them with --nodes"
             );
             ensure!(
                 !self.examples.is_empty(),
                 "{shown} is an OBJ, which has no examples; give one or more with --example FILE.obj"
             );
-            let imported = import::obj_files(&self.file, &self.examples).with_context(|| shown.to_string())?;
-            Ok((imported.clone(), Kind::Joined(Box::new(imported))))
+            let converted = import::obj_glb(&self.file, &self.examples).with_context(|| shown.to_string())?;
+            (file.bytes, notes) = (converted.glb, converted.notes);
         } else {
             ensure!(
                 self.examples.is_empty(),
                 "--example needs an OBJ base; the examples of {shown} are its morph targets"
             );
-            let text = bytes.trim_ascii_start();
-            if !bytes.starts_with(b"glTF") && !text.starts_with(b"{") && !text.starts_with(b"\xef\xbb\xbf{") {
+            let text = file.bytes.trim_ascii_start();
+            if !file.bytes.starts_with(b"glTF") && !text.starts_with(b"{") && !text.starts_with(b"\xef\xbb\xbf{") {
                 bail!(
                     "{shown} holds no mesh: it is neither a GLB (it does not begin with 'glTF'), a glTF (a JSON object), a .crumple file, nor named .obj"
                 );
             }
-            let base_dir = self.file.parent().unwrap_or(Path::new("")).to_owned();
-            if self.join {
-                let imported = import::gltf_body(&bytes, Some(&base_dir)).with_context(|| shown.to_string())?;
-                return Ok((imported.clone(), Kind::Joined(Box::new(imported))));
-            }
-            let imported =
-                import::gltf_slice(&bytes, Some(&base_dir), choice(&self.mesh)).with_context(|| shown.to_string())?;
-            Ok((imported, Kind::Gltf { bytes, base_dir, mesh: self.mesh.clone() }))
         }
+        let read = import::gltf_slice(&file.bytes, Some(&file.base_dir), file.reading());
+        let mut imported = read.with_context(|| shown.to_string())?;
+        if file.nodes.is_some() {
+            imported.name = self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        }
+        if is_obj && !joins {
+            imported.parts.retain(|part| part.kind == PartKind::Glass);
+        }
+        imported.notes.splice(0..0, notes);
+        Ok((imported, file))
     }
 }
 
 impl Source {
     /// The file as a GLB, with the mesh replaced by its deformed vertices.
-    pub fn deformed_glb(&self, vertices: &Vertices) -> Result<Vec<u8>, crumple::Error> {
+    pub fn deformed_glb(&self, vertices: &Vertices) -> Result<Exported, crumple::Error> {
         let positions = &vertices.positions;
         let (normals, tangents) = (vertices.normals.as_deref(), vertices.tangents.as_deref());
-        match &self.kind {
-            Kind::Gltf { bytes, base_dir, mesh } => {
-                crumple::export::deformed_glb(bytes, Some(base_dir), choice(mesh), positions, normals, tangents)
+        match &self.file {
+            Some(file) => crumple::export::deformed_glb(
+                &file.bytes,
+                Some(&file.base_dir),
+                file.reading(),
+                positions,
+                normals,
+                tangents,
+            ),
+            None => {
+                let triangles = self.set.mesh().triangles();
+                let glb = crumple::export::mesh_glb(&self.name, triangles, positions, normals, tangents)?;
+                Ok(Exported { glb, notes: Vec::new() })
             }
-            Kind::Joined(imported) => crumple::export::mesh_glb(imported, positions, normals, tangents),
-            Kind::Baked => crumple::export::mesh_glb(&self.as_imported(), positions, normals, tangents),
         }
     }
 
-    /// The mesh of a baked set, in the form that export takes.
-    fn as_imported(&self) -> Imported {
-        let mesh = self.set.mesh();
-        let part = PrimitiveRange {
-            primitive: 0,
-            first_vertex: 0,
-            vertex_count: self.set.vertex_count() as u32,
-            first_triangle: 0,
-            triangle_count: mesh.triangles().len() as u32,
-            material: None,
-        };
-        Imported {
-            name: self.name.clone(),
-            mesh: MeshData {
-                positions: mesh.positions().iter().map(|p| p.to_array()).collect(),
-                triangles: mesh.triangles().to_vec(),
-                ..MeshData::default()
-            },
-            texcoords: None,
-            examples: Vec::new(),
-            primitives: vec![part],
-            parts: Vec::new(),
-            node_transform: None,
-        }
+    /// Makes hits on glass leave no mark.
+    pub fn spare_glass(&self, instance: &mut Instance) -> Result<(), crumple::Error> {
+        self.glass.iter().try_for_each(|part| instance.set_rigid(*part, true))
     }
 
     /// Unit vector in the mesh's space that points up in the scene; +y is up in glTF.
     pub fn up(&self) -> Vec3 {
         self.transform.map_or(Vec3::Y, |m| m.transpose().transform_vector3(Vec3::Y).normalize_or(Vec3::Y))
     }
+
+    /// How many times larger the node shows the mesh than its own space has it; 1 if no node shows it.
+    pub fn scale(&self) -> f32 {
+        let scale = self.transform.map_or(1.0, |m| Mat3::from_mat4(m).determinant().abs().cbrt());
+        if (scale - 1.0).abs() < 1e-4 || scale <= 0.0 { 1.0 } else { scale }
+    }
 }
 
-/// Reads a number as an index and any other text as a name.
-fn choice(mesh: &Option<String>) -> MeshChoice<'_> {
-    match mesh {
-        None => MeshChoice::First,
-        Some(text) => text.parse().map_or(MeshChoice::Name(text), MeshChoice::Index),
+/// Appends notes to a report, each behind `label`. Lists are cut.
+pub fn write_notes(text: &mut String, label: &str, notes: &[String]) {
+    const SHOWN: usize = 6;
+    for note in notes.iter().take(SHOWN) {
+        let note: String = note.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+        text.push_str(&format!("{label}{note}.\n"));
+    }
+    if notes.len() > SHOWN {
+        text.push_str(&format!("{label}{} more of this kind.\n", notes.len() - SHOWN));
     }
 }

@@ -1,9 +1,10 @@
 //! Merges all buffers into the GLB's one and drops what nothing uses any more.
 
-use super::glb::{Blob, list_mut};
 use crate::base::error::Error;
+use crate::io::glb::{Blob, container, list_mut, remove_within};
 use crate::io::import::document::{Document, out_of_range, range};
-use crate::io::import::malformed;
+use crate::io::import::{malformed, meshopt, whole};
+use ::gltf::json::Index;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
@@ -22,6 +23,8 @@ const KNOWN: &[&str] = &[
     "KHR_xmp",
     "KHR_xmp_json_ld",
     "KHR_mesh_quantization",
+    "EXT_meshopt_compression",
+    "KHR_meshopt_compression",
     "EXT_mesh_gpu_instancing",
 ];
 
@@ -42,8 +45,7 @@ impl Used {
         let mut root = root.clone();
         let count = |root: &Value, key: &str| vec![false; root[key].as_array().map_or(0, Vec::len)];
         let (mut accessors, mut views, mut sound) = (count(&root, "accessors"), count(&root, "bufferViews"), true);
-        let mut mark = |list: &mut Vec<bool>, index: &Value| match index.as_u64().and_then(|i| list.get_mut(i as usize))
-        {
+        let mut mark = |list: &mut Vec<bool>, index: &Value| match whole(index).and_then(|i| list.get_mut(i as usize)) {
             Some(slot) => *slot = true,
             None => sound = false,
         };
@@ -53,48 +55,77 @@ impl Used {
     }
 }
 
-/// Fills in the buffers of `root`. Its bufferViews from `old_views` on are in `blob`. Returns the binary chunk.
-pub(super) fn lay_out(
+/// Writes the file. The bufferViews of `root` from `old_views` on are in `blob`.
+pub(super) fn write(
+    doc: &Document<'_>,
+    root: Value,
+    blob: Blob,
+    old_views: usize,
+    before: Used,
+    notes: &mut Vec<String>,
+) -> Result<Vec<u8>, Error> {
+    if before.sound && extensions_known(&root) {
+        let mut packed = root.clone();
+        // If a view is broken, that of another mesh, nothing is moved.
+        if let Ok(bin) = pack(doc, &mut packed, &blob, old_views, before) {
+            return container(&packed, &bin);
+        }
+    }
+    let mut root = root;
+    let bin = append(doc, &mut root, blob, old_views, notes)?;
+    container(&root, &bin)
+}
+
+/// Keeps every buffer's index and content, and appends the new data to buffer 0. No reference needs to change. A buffer that cannot
+/// be read keeps its uri.
+fn append(
     doc: &Document<'_>,
     root: &mut Value,
     blob: Blob,
     old_views: usize,
-    before: Used,
+    notes: &mut Vec<String>,
 ) -> Result<Vec<u8>, Error> {
-    if before.sound && extensions_known(root) {
-        pack(doc, root, blob, old_views, before)
-    } else {
-        append(doc, root, blob, old_views)
+    let data_uri =
+        |bytes: &[u8]| Value::from(format!("data:application/octet-stream;base64,{}", STANDARD.encode(bytes)));
+    let count = doc.buffers.len();
+    let first = if count == 0 { Some(&[][..]) } else { doc.buffer(0).ok() };
+    for (i, buffer) in doc.buffers.iter().enumerate().skip(usize::from(first.is_some())) {
+        let Some(uri) = buffer.and_then(|buffer| buffer.uri.as_deref()).filter(|uri| !uri.starts_with("data:")) else {
+            continue;
+        };
+        match doc.buffer(i) {
+            Ok(bytes) => root["buffers"][i]["uri"] = data_uri(bytes),
+            Err(error) => notes.push(format!("buffer {i}, '{uri}', cannot be embedded and keeps its uri: {error}")),
+        }
     }
-}
-
-/// Keeps every buffer's index and content, and appends the new data to buffer 0. No reference needs to change.
-fn append(doc: &Document<'_>, root: &mut Value, blob: Blob, old_views: usize) -> Result<Vec<u8>, Error> {
-    let count = doc.root.buffers.len();
-    let mut bin = if count == 0 { Vec::new() } else { doc.buffer(0)?.to_vec() };
+    let place = |root: &mut Value, buffer: usize, start: usize| {
+        for view in list_mut(root, "bufferViews").skip(old_views) {
+            view["buffer"] = buffer.into();
+            view["byteOffset"] = (start as u64 + whole(&view["byteOffset"]).unwrap_or(0)).into();
+        }
+    };
+    let Some(first) = first else {
+        // The binary chunk is buffer 0, which is elsewhere.
+        root["buffers"].as_array_mut().into_iter().for_each(|list| {
+            list.push(json!({ "byteLength": blob.bytes.len(), "uri": data_uri(&blob.bytes) }));
+        });
+        place(root, count, 0);
+        return Ok(Vec::new());
+    };
+    let mut bin = first.to_vec();
     bin.resize(bin.len().next_multiple_of(ALIGNMENT), 0);
-    let start = bin.len();
+    place(root, 0, bin.len());
     bin.extend_from_slice(&blob.bytes);
-    for view in list_mut(root, "bufferViews").skip(old_views) {
-        view["byteOffset"] = (start as u64 + view["byteOffset"].as_u64().unwrap_or(0)).into();
-    }
     if count == 0 {
         root["buffers"] = json!([{}]);
     }
     root["buffers"][0]["byteLength"] = bin.len().into();
     root["buffers"][0].as_object_mut().map(|b| b.shift_remove("uri"));
-    for i in 1..count {
-        let uri = doc.root.buffers[i].uri.as_deref();
-        if uri.is_some_and(|uri| !uri.starts_with("data:")) {
-            let text = STANDARD.encode(doc.buffer(i)?);
-            root["buffers"][i]["uri"] = format!("data:application/octet-stream;base64,{text}").into();
-        }
-    }
     Ok(bin)
 }
 
 /// Drops what the change made unused, and moves the rest into one buffer.
-fn pack(doc: &Document<'_>, root: &mut Value, blob: Blob, old_views: usize, before: Used) -> Result<Vec<u8>, Error> {
+fn pack(doc: &Document<'_>, root: &mut Value, blob: &Blob, old_views: usize, before: Used) -> Result<Vec<u8>, Error> {
     let after = Used::of(root);
     let keeps = |before: &[bool], after: &[bool]| -> Vec<bool> {
         after.iter().enumerate().map(|(i, used)| *used || !before.get(i).copied().unwrap_or(false)).collect()
@@ -105,7 +136,7 @@ fn pack(doc: &Document<'_>, root: &mut Value, blob: Blob, old_views: usize, befo
     // Only now that the accessors are gone is it known which views are used.
     let views = keeps(&before.views, &Used::of(root).views);
     view_references(root, &mut renumber(&views));
-    let bin = gather(doc, root, &blob, old_views, &views)?;
+    let bin = gather(doc, root, blob, old_views, &views)?;
     retain(root.get_mut("bufferViews"), &views);
     root["buffers"] = json!([{ "byteLength": bin.len() }]);
     for key in ["accessors", "bufferViews"] {
@@ -116,7 +147,7 @@ fn pack(doc: &Document<'_>, root: &mut Value, blob: Blob, old_views: usize, befo
     Ok(bin)
 }
 
-/// Copies the bytes of the kept views, each byte once even where views overlap.
+/// Copies the bytes of the kept views, each byte once even where views overlap. What meshoptimizer packed is unpacked.
 fn gather(
     doc: &Document<'_>,
     root: &mut Value,
@@ -125,8 +156,14 @@ fn gather(
     keep: &[bool],
 ) -> Result<Vec<u8>, Error> {
     let mut stretches: BTreeMap<(usize, usize), usize> = BTreeMap::new();
-    let mut places = Vec::new();
-    for (i, view) in doc.root.buffer_views.iter().enumerate().take(old_views).filter(|(i, _)| keep[*i]) {
+    let (mut places, mut packed) = (Vec::new(), Vec::new());
+    for i in (0..old_views).filter(|i| keep[*i]) {
+        let extensions = root["bufferViews"][i].get("extensions");
+        if extensions.is_some_and(|e| meshopt::EXTENSIONS.iter().any(|name| e.get(name).is_some())) {
+            packed.push(i);
+            continue;
+        }
+        let view = doc.views.get(i, "bufferView")?;
         let (buffer, offset, length) = (view.buffer.value(), view.byte_offset.map_or(0, |o| o.0), view.byte_length.0);
         let size = doc.buffer(buffer)?.len();
         let r = range(offset, Some(length), size).ok_or_else(|| {
@@ -154,11 +191,29 @@ fn gather(
         root["bufferViews"][view]["buffer"] = 0.into();
         root["bufferViews"][view]["byteOffset"] = (at + start - first).into();
     }
+    for view in &packed {
+        bin.resize(bin.len().next_multiple_of(ALIGNMENT), 0);
+        let (bytes, _) = doc.view(Index::new(*view as u32), "a kept view")?;
+        let json = &mut root["bufferViews"][*view];
+        (json["buffer"], json["byteOffset"]) = (0.into(), bin.len().into());
+        if let Some(json) = json.as_object_mut() {
+            remove_within(json, "extensions", &meshopt::EXTENSIONS);
+        }
+        bin.extend_from_slice(bytes);
+    }
+    // Nothing refers to packed data any more.
+    for key in ["extensionsUsed", "extensionsRequired"] {
+        let Some(list) = root.get_mut(key).and_then(Value::as_array_mut) else { continue };
+        list.retain(|name| !meshopt::EXTENSIONS.iter().any(|packed| name == packed));
+        if list.is_empty() {
+            root.as_object_mut().map(|r| r.shift_remove(key));
+        }
+    }
     bin.resize(bin.len().next_multiple_of(ALIGNMENT), 0);
     let start = bin.len();
     bin.extend_from_slice(&blob.bytes);
     for view in list_mut(root, "bufferViews").skip(old_views) {
-        view["byteOffset"] = (start as u64 + view["byteOffset"].as_u64().unwrap_or(0)).into();
+        view["byteOffset"] = (start as u64 + whole(&view["byteOffset"]).unwrap_or(0)).into();
     }
     Ok(bin)
 }
@@ -174,7 +229,7 @@ pub(super) fn renumber(keep: &[bool]) -> impl FnMut(&mut Value) + use<> {
         })
         .collect();
     move |index| {
-        if let Some(new) = index.as_u64().and_then(|i| new.get(i as usize)) {
+        if let Some(new) = whole(index).and_then(|i| new.get(i as usize)) {
             *index = (*new).into();
         }
     }

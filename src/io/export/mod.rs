@@ -1,7 +1,7 @@
 //! Writes deformed meshes to GLB files.
 //!
-//! [`deformed_glb`] rewrites a glTF: it replaces the vertices of one mesh and keeps everything else. [`mesh_glb`]
-//! writes a new file, for instance for a mesh from an OBJ file.
+//! [`deformed_glb`] rewrites a glTF: it changes the vertices that moved and keeps everything else. [`mesh_glb`]
+//! writes a new file, for a mesh that comes from no file.
 //!
 //! ```
 //! use crumple::export::deformed_glb;
@@ -11,61 +11,71 @@
 //! let imported = gltf_slice(&source, None, MeshChoice::First)?;
 //! let lifted: Vec<[f32; 3]> = imported.mesh.positions.iter().map(|[x, y, z]| [*x, y + 1.0, *z]).collect();
 //! let normals = imported.mesh.normals.as_deref();
-//! let glb = deformed_glb(&source, None, MeshChoice::First, &lifted, normals, None)?;
-//! assert!(glb.starts_with(b"glTF"));
+//! let exported = deformed_glb(&source, None, MeshChoice::First, &lifted, normals, None)?;
+//! assert!(exported.glb.starts_with(b"glTF"));
 //! # Ok::<(), crumple::Error>(())
 //! ```
 
 use crate::base::error::Error;
-use crate::io::import::{Imported, MeshChoice};
+use crate::io::import::Reading;
 use std::path::Path;
 use vertices::Vertices;
 
+mod animations;
+mod attributes;
 mod compact;
 mod fresh;
-mod glb;
+mod images;
 mod rewrite;
+mod targets;
 mod vertices;
 
-/// Rewrites a glTF (`.glb` or `.gltf`) with a mesh's deformed vertices. Returns a GLB that needs no other file.
+pub use vertices::Exported;
+
+/// Rewrites a glTF (`.glb` or `.gltf`) with the deformed vertices of a mesh, or of a body of nodes.
 ///
 /// `positions` (m), unit `normals` and `tangents` (xyz unit, w +1 or -1) are in the order of the joined vertices that
-/// the [import](crate::io::import) of the same mesh gives. Without `normals` or `tangents`, those of the file are kept.
+/// the [import](crate::io::import) with the same reading gives. Without `normals` or `tangents`, those of the file are kept.
 ///
-/// The mesh's morph targets are removed, with their weights, names, impacts, placements and the animation of their
-/// weights. Everything else is kept: node tree, materials, texture coordinates, skins, cameras, other meshes (also
-/// those that share data with this one), extras, unknown extensions. Buffers and images in other files are embedded.
-/// Data that nothing uses any more is dropped, unless the file uses extensions that this library does not know, since
-/// these may refer to it.
+/// Where a vertex is as the import gave it (normals: of unit length), the file's bytes stay. Only attributes that a primitive has are
+/// written: one without normals stays without, and glTF shows it flat. Quantised normals and tangents stay quantised; quantised
+/// positions of a primitive that moved become floats. Lines and points follow the vertices whose accessor or positions they share.
+///
+/// A dent that the file shows by default, by the weight of its target, stays in the shape that is written.
+///
+/// The morph targets that are dents are removed, with their weights, names, impacts, placements and animation. Other targets stay,
+/// and so does everything else: node tree, materials, texture coordinates, skins, cameras, other meshes (also those that share data
+/// with this one), extras, unknown extensions. Nodes that share a mesh get meshes of their own where their dents differ. Buffers and
+/// images in other files are embedded. Images that cannot be read keep their uri. Geometry that was packed by meshoptimizer is
+/// written plainly. Data that nothing uses any more is dropped, unless the file uses extensions that this library does not know,
+/// since these may refer to it.
 ///
 /// # Errors
-/// [`Error::InvalidArgument`] for a wrong number of vertices, [`Error::NotFinite`] for NaN and infinities, the errors
-/// of [`gltf_slice`](crate::io::import::gltf_slice) for a file that it cannot read, and [`Error::Io`] for a missing
-/// image.
-pub fn deformed_glb(
+/// [`Error::InvalidArgument`] for a wrong number of vertices, [`Error::NotFinite`] for NaN and infinities, and the errors
+/// of [`gltf_slice`](crate::io::import::gltf_slice) for a file that it cannot read.
+pub fn deformed_glb<'a>(
     source: &[u8],
     base_dir: Option<&Path>,
-    mesh: MeshChoice<'_>,
+    reading: impl Into<Reading<'a>>,
     positions: &[[f32; 3]],
     normals: Option<&[[f32; 3]]>,
     tangents: Option<&[[f32; 4]]>,
-) -> Result<Vec<u8>, Error> {
-    rewrite::deformed(source, base_dir, mesh, |count| Vertices::checked(count, positions, normals, tangents))
+) -> Result<Exported, Error> {
+    let checked = |count| Vertices::checked(count, positions, normals, tangents);
+    rewrite::deformed(source, base_dir, &reading.into(), checked)
 }
 
-/// Writes a new GLB with one mesh: the deformed vertices, the triangles, and the texture coordinates if there are any.
-///
-/// Materials are kept by name only. A mesh without triangles becomes points. The arguments are those of
-/// [`deformed_glb`].
+/// Writes a new GLB with one mesh: the deformed vertices and the triangles. A mesh without triangles becomes points.
 ///
 /// # Errors
-/// [`Error::InvalidArgument`] for a wrong number of vertices, [`Error::NotFinite`] for NaN and infinities.
+/// [`Error::InvalidArgument`] for a mesh without vertices or attributes of different lengths, [`Error::IndexOutOfRange`] for a corner
+/// of a triangle that is no vertex, [`Error::NotFinite`] for NaN and infinities.
 pub fn mesh_glb(
-    imported: &Imported,
+    name: &str,
+    triangles: &[[u32; 3]],
     positions: &[[f32; 3]],
     normals: Option<&[[f32; 3]]>,
     tangents: Option<&[[f32; 4]]>,
 ) -> Result<Vec<u8>, Error> {
-    let vertices = Vertices::checked(imported.mesh.positions.len(), positions, normals, tangents)?;
-    fresh::mesh(imported, vertices)
+    fresh::mesh(name, triangles, Vertices::checked(positions.len(), positions, normals, tangents)?)
 }

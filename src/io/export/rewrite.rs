@@ -1,174 +1,214 @@
-//! Replaces one mesh's vertices in a glTF and removes its morph targets, by editing the JSON.
+//! Changes vertices in a glTF and removes the targets that are dents, by editing the JSON.
 
-use super::compact;
-use super::glb::{Blob, container, list_mut, push_attribute, push_view};
-use super::vertices::Vertices;
+use super::animations::Kept;
+use super::attributes::{Changes, push_changed};
+use super::vertices::{Exported, Vertices};
+use super::{compact, images, targets};
 use crate::base::error::Error;
+use crate::base::math::Aabb;
+use crate::io::glb::{Blob, push, remove_within};
+use crate::io::import::Reading;
+use crate::io::import::accessor::Accessor;
+use crate::io::import::body;
 use crate::io::import::document::Document;
-use crate::io::import::gltf::{Part, choose, parts};
-use crate::io::import::uri::{self, UriTarget};
-use crate::io::import::{MeshChoice, unsupported};
-use serde_json::{Map, Value};
+use crate::io::import::piece::{Body, Piece};
+use crate::io::import::primitives::{Primitive, target_count};
+use ::gltf::json::accessor::Type;
+use ::gltf::json::mesh::Semantic;
+use ::gltf::json::validation::Checked;
+use glam::Vec3;
+use serde_json::Value;
 use std::collections::HashMap;
 use std::path::Path;
 
 pub(super) fn deformed<'v>(
     source: &[u8],
     base_dir: Option<&Path>,
-    mesh: MeshChoice<'_>,
+    reading: &Reading<'_>,
     vertices: impl FnOnce(usize) -> Result<Vertices<'v>, Error>,
-) -> Result<Vec<u8>, Error> {
+) -> Result<Exported, Error> {
     let doc = Document::parse(source, base_dir)?;
-    let mesh = choose(&doc, mesh)?;
-    let parts = parts(&doc, mesh)?;
-    let vertices = vertices(parts.iter().filter(|p| p.owns_vertices).map(|p| p.vertex_count).sum())?;
+    let Body { pieces, imported } = body::read(&doc, reading)?;
+    let vertices = vertices(imported.mesh.positions.len())?;
     let used_before = compact::Used::of(&doc.value);
     let mut root = doc.value.clone();
-    let mut blob = Blob::default();
-    let old_views = doc.root.buffer_views.len();
-    replace_vertices(&mut root, &mut blob, mesh, &parts, vertices);
-    drop_targets(&mut root, mesh);
-    drop_weight_animations(&mut root, mesh);
-    embed_images(&doc, &mut root, &mut blob)?;
-    let bin = compact::lay_out(&doc, &mut root, blob, old_views, used_before)?;
-    container(&root, &bin)
-}
-
-/// Gives the mesh's primitives new accessors. The old ones stay for other users.
-fn replace_vertices(root: &mut Value, blob: &mut Blob, mesh: usize, parts: &[Part<'_>], vertices: Vertices<'_>) {
-    let mut known: HashMap<usize, Vec<(&str, usize)>> = HashMap::new();
-    for part in parts {
-        let own = part.first_vertex..part.first_vertex + part.vertex_count;
-        let accessors = known.entry(part.first_vertex).or_insert_with(|| {
-            let mut list = vec![("POSITION", push_attribute(root, blob, &vertices.positions[own.clone()], true))];
-            list.extend(vertices.normals.map(|n| ("NORMAL", push_attribute(root, blob, &n[own.clone()], false))));
-            list.extend(vertices.tangents.map(|t| ("TANGENT", push_attribute(root, blob, &t[own.clone()], false))));
-            list
-        });
-        for (semantic, accessor) in accessors {
-            root["meshes"][mesh]["primitives"][part.index]["attributes"][*semantic] = (*accessor).into();
-        }
-    }
-}
-
-fn drop_targets(root: &mut Value, mesh: usize) {
-    for primitive in list_mut(&mut root["meshes"][mesh], "primitives") {
-        if let Some(primitive) = primitive.as_object_mut() {
-            primitive.shift_remove("targets");
-            remove_within(primitive, "extras", &["targetNames"]);
-            // An optional compressed copy of the vertices would take precedence over the new ones.
-            remove_within(primitive, "extensions", &["KHR_draco_mesh_compression"]);
-        }
-    }
-    if let Some(mesh) = root["meshes"][mesh].as_object_mut() {
-        mesh.shift_remove("weights");
-        remove_within(mesh, "extras", &["targetNames", "impacts", "placements"]);
-    }
-    for node in list_mut(root, "nodes").filter(|n| shows(n, mesh)) {
-        node.as_object_mut().map(|n| n.shift_remove("weights"));
-    }
-}
-
-/// Removes keys from an object in `parent`, and the object itself if that leaves it empty.
-fn remove_within(parent: &mut Map<String, Value>, object: &str, keys: &[&str]) {
-    let Some(inner) = parent.get_mut(object).and_then(Value::as_object_mut) else { return };
-    let removed = keys.iter().filter(|key| inner.shift_remove(**key).is_some()).count();
-    if removed > 0 && inner.is_empty() {
-        parent.shift_remove(object);
-    }
-}
-
-/// Removes channels that animate the weights, samplers that only they used, and animations that are then empty.
-fn drop_weight_animations(root: &mut Value, mesh: usize) {
-    let nodes: Vec<bool> = root["nodes"].as_array().into_iter().flatten().map(|n| shows(n, mesh)).collect();
-    let moves_weights = |channel: &Value| {
-        let target = &channel["target"];
-        let node = |i: u64| nodes.get(i as usize).copied().unwrap_or(false);
-        let pointer = target["extensions"]["KHR_animation_pointer"]["pointer"].as_str();
-        match (target["path"].as_str(), pointer.map(|p| p.split('/').collect::<Vec<_>>()).as_deref()) {
-            (Some("weights"), _) => target["node"].as_u64().is_some_and(node),
-            (_, Some(["", "meshes", m, "weights", ..])) => m.parse() == Ok(mesh),
-            (_, Some(["", "nodes", n, "weights", ..])) => n.parse().is_ok_and(node),
-            _ => false,
-        }
+    let (mut blob, mut notes) = (Blob::default(), Vec::new());
+    let old_views = doc.views.len();
+    let change = |piece: &Piece<'_>| {
+        let shown = piece.shown_offsets(&doc)?;
+        Ok(Changes::of(piece, &imported.mesh, &vertices, shown.as_ref()))
     };
-    let Some(animations) = root.get_mut("animations").and_then(Value::as_array_mut) else { return };
-    let mut emptied = Vec::new();
-    for animation in animations.iter_mut() {
-        let Some(channels) = animation.get_mut("channels").and_then(Value::as_array_mut) else {
-            emptied.push(false);
-            continue;
+    let changes = pieces.iter().map(change).collect::<Result<Vec<Changes>, Error>>()?;
+    let meshes = assigned(&doc, &mut root, &pieces, &changes);
+    let mut kept = Kept::default();
+    for ((piece, changes), mesh) in pieces.iter().zip(&changes).zip(meshes) {
+        if changes.any() {
+            replace_vertices(&doc, (&mut root, &mut blob), (piece, mesh), changes)?;
+            follow(&doc, (&mut root, &mut blob), (piece, mesh), changes, &mut notes);
+        }
+        let targets = target_count(doc.meshes.get(piece.mesh, "mesh")?);
+        if !piece.dents.is_empty() {
+            let keep: Vec<bool> = (0..targets).map(|target| !piece.dents.contains(&target)).collect();
+            piece.nodes.iter().for_each(|node| drop(kept.nodes.insert(*node, keep.clone())));
+            kept.meshes.insert(mesh, keep);
+        }
+    }
+    targets::drop(&doc, &mut root, &mut blob, &kept);
+    images::embed(&doc, &mut root, &mut blob, &mut notes);
+    let glb = compact::write(&doc, root, blob, old_views, used_before, &mut notes)?;
+    Ok(Exported { glb, notes })
+}
+
+/// The mesh that each piece is written to. A mesh that several nodes show is copied for those whose vertices differ; nodes that are no
+/// part of the body keep the file's.
+fn assigned(doc: &Document<'_>, root: &mut Value, pieces: &[Piece<'_>], changes: &[Changes]) -> Vec<usize> {
+    let mut others: HashMap<usize, usize> = HashMap::new();
+    for mesh in doc.nodes.iter().filter_map(|node| node.mesh) {
+        *others.entry(mesh.value()).or_default() += 1;
+    }
+    for piece in pieces {
+        *others.entry(piece.mesh).or_default() -= piece.nodes.len();
+    }
+    // For each mesh whether the file's own is taken, and the one of pieces that did not change.
+    let mut taken: HashMap<usize, (bool, Option<usize>)> =
+        others.into_iter().map(|(mesh, others)| (mesh, (others > 0, None))).collect();
+    let mut out = vec![0; pieces.len()];
+    let is_changed = |i: &usize| changes[*i].any();
+    let unchanged_first = (0..pieces.len()).filter(|i| !is_changed(i)).chain((0..pieces.len()).filter(is_changed));
+    for i in unchanged_first {
+        let mesh = pieces[i].mesh;
+        let (is_taken, unchanged) = taken.entry(mesh).or_default();
+        out[i] = match unchanged {
+            Some(known) if !changes[i].any() => *known,
+            _ if *is_taken => {
+                let copy = doc.value["meshes"][mesh].clone();
+                push(root, "meshes", copy)
+            }
+            _ => mesh,
         };
-        let before = channels.len();
-        channels.retain(|c| !moves_weights(c));
-        let changed = channels.len() < before;
-        emptied.push(changed && channels.is_empty());
-        if changed {
-            drop_unused_samplers(animation);
+        *is_taken = true;
+        if !changes[i].any() {
+            *unchanged = Some(out[i]);
+        }
+        for node in pieces[i].nodes.iter().filter(|_| out[i] != mesh) {
+            root["nodes"][*node]["mesh"] = out[i].into();
         }
     }
-    let mut emptied = emptied.into_iter();
-    animations.retain(|_| !emptied.next().unwrap_or(false));
-    if animations.is_empty() {
-        root.as_object_mut().map(|r| r.shift_remove("animations"));
-    }
+    out
 }
 
-fn drop_unused_samplers(animation: &mut Value) {
-    let count = animation["samplers"].as_array().map_or(0, Vec::len);
-    let mut used = vec![false; count];
-    for channel in animation["channels"].as_array().into_iter().flatten() {
-        match channel["sampler"].as_u64().and_then(|s| used.get_mut(s as usize)) {
-            Some(slot) => *slot = true,
-            // A channel without a sampler is an error of the file, so nothing is dropped.
-            None => return,
+/// The semantics that are written.
+const POSITION: &str = "POSITION";
+
+/// Gives the primitives of a piece new accessors where vertices changed. The old ones stay for other users.
+fn replace_vertices(
+    doc: &Document<'_>,
+    (root, blob): (&mut Value, &mut Blob),
+    (piece, mesh): (&Piece<'_>, usize),
+    changes: &Changes,
+) -> Result<(), Error> {
+    let mut known: HashMap<usize, Vec<(&str, usize)>> = HashMap::new();
+    for primitive in &piece.primitives {
+        let own = primitive.vertices();
+        let accessors = match known.get(&own.start) {
+            Some(accessors) => accessors,
+            None => {
+                let mut list = Vec::new();
+                let old = |semantic, label: &str, kind| primitive.accessor(doc, semantic, label, kind);
+                let json = |semantic| {
+                    primitive.attribute(semantic).map_or(&Value::Null, |i| &doc.value["accessors"][i.value()])
+                };
+                let positions = &changes.positions;
+                if positions.changed[own.clone()].contains(&true) {
+                    let old = (&primitive.positions(doc)?, json(Semantic::Positions));
+                    let new = (&positions.values[own.clone()], &positions.changed[own.clone()]);
+                    list.push((POSITION, push_changed(root, blob, old, new, true)));
+                }
+                let normals = changes.normals.as_ref().filter(|n| n.changed[own.clone()].contains(&true));
+                if let (Some(new), Some(accessor)) = (normals, old(Semantic::Normals, "NORMAL", Type::Vec3)?) {
+                    let new = (&new.values[own.clone()], &new.changed[own.clone()]);
+                    let old = (&accessor, json(Semantic::Normals));
+                    list.push(("NORMAL", push_changed(root, blob, old, new, false)));
+                }
+                let tangents = changes.tangents.as_ref().filter(|t| t.changed[own.clone()].contains(&true));
+                let has_normals = primitive.attribute(Semantic::Normals).is_some();
+                let accessor = old(Semantic::Tangents, "TANGENT", Type::Vec4)?.filter(|_| has_normals);
+                if let (Some(new), Some(accessor)) = (tangents, accessor) {
+                    let new = (&new.values[own.clone()], &new.changed[own.clone()]);
+                    let old = (&accessor, json(Semantic::Tangents));
+                    list.push(("TANGENT", push_changed(root, blob, old, new, false)));
+                }
+                known.entry(own.start).or_insert(list)
+            }
+        };
+        let json = &mut root["meshes"][mesh]["primitives"][primitive.index];
+        for (semantic, accessor) in accessors {
+            json["attributes"][*semantic] = (*accessor).into();
         }
-    }
-    let mut keep = used.iter();
-    if let Some(samplers) = animation.get_mut("samplers").and_then(Value::as_array_mut) {
-        samplers.retain(|_| *keep.next().unwrap_or(&true));
-    }
-    let mut renumber = compact::renumber(&used);
-    for channel in list_mut(animation, "channels") {
-        channel.get_mut("sampler").into_iter().for_each(&mut renumber);
-    }
-}
-
-/// Turns images in separate files into bufferViews. Images in `data:` URIs are in the file already.
-fn embed_images(doc: &Document<'_>, root: &mut Value, blob: &mut Blob) -> Result<(), Error> {
-    for i in 0..root["images"].as_array().map_or(0, Vec::len) {
-        let what = format!("image {i}");
-        let Some(uri) = root["images"][i]["uri"].as_str().map(str::to_owned) else { continue };
-        let UriTarget::File(path) = uri::parse(&uri, &what)? else { continue };
-        let bytes = doc.read_relative(&path, &what)?;
-        let mime = media_type(&bytes, &path).ok_or_else(|| {
-            unsupported(format!("{what}, '{path}', is no image that glTF knows (PNG, JPEG, WebP, AVIF, KTX2, DDS)"))
-        })?;
-        let view = push_view(root, blob, &bytes, None);
-        if let Some(image) = root["images"][i].as_object_mut() {
-            image.shift_remove("uri");
-            image.insert("bufferView".into(), view.into());
-            image.entry("mimeType").or_insert(mime.into());
-            let stem = Path::new(&path).file_stem().unwrap_or_default().to_string_lossy();
-            image.entry("name").or_insert(stem.into());
+        // An optional compressed copy of the vertices would take precedence over the new ones.
+        if let Some(json) = json.as_object_mut().filter(|_| !accessors.is_empty()) {
+            remove_within(json, "extensions", &["KHR_draco_mesh_compression"]);
         }
     }
     Ok(())
 }
 
-fn media_type(bytes: &[u8], path: &str) -> Option<&'static str> {
-    let extension = Path::new(path).extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    match bytes {
-        [0x89, b'P', b'N', b'G', ..] => Some("image/png"),
-        [0xFF, 0xD8, 0xFF, ..] => Some("image/jpeg"),
-        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Some("image/webp"),
-        [0xAB, b'K', b'T', b'X', b' ', b'2', b'0', ..] => Some("image/ktx2"),
-        [b'D', b'D', b'S', b' ', ..] => Some("image/vnd-ms.dds"),
-        [_, _, _, _, b'f', b't', b'y', b'p', ..] if extension == "avif" => Some("image/avif"),
-        _ => None,
+/// Moves the lines and points of a mesh with the vertices that they share: those of the same accessor, or at the same positions.
+fn follow(
+    doc: &Document<'_>,
+    (root, blob): (&mut Value, &mut Blob),
+    (piece, mesh): (&Piece<'_>, usize),
+    changes: &Changes,
+    notes: &mut Vec<String>,
+) {
+    let Ok(json) = doc.meshes.get(piece.mesh, "mesh") else { return };
+    let is_dented = |index: usize| piece.primitives.iter().any(|primitive| primitive.index == index);
+    let others: Vec<usize> = (0..json.primitives.len()).filter(|index| !is_dented(*index)).collect();
+    if others.is_empty() || !changes.positions.changed.contains(&true) {
+        return;
+    }
+    let old: Vec<[f32; 3]> =
+        piece.primitives.iter().filter(|p| p.owns_vertices).flat_map(|p| file_positions(doc, p)).collect();
+    let bits = |p: &[f32; 3]| p.map(|x| (x + 0.0).to_bits());
+    let mut new: HashMap<[u32; 3], [f32; 3]> = HashMap::new();
+    let mut dent = Aabb::EMPTY;
+    for (v, p) in old.iter().enumerate() {
+        new.entry(bits(p)).or_insert(changes.positions.values[v]);
+        if changes.positions.changed[v] {
+            dent.add(Vec3::from(*p));
+        }
+    }
+    let mut left = 0;
+    for index in others {
+        let attributes = &json.primitives[index].attributes;
+        let Some(accessor) = attributes.get(&Checked::Valid(Semantic::Positions)) else { continue };
+        let same = |primitive: &&Primitive<'_>| primitive.attribute(Semantic::Positions) == Some(*accessor);
+        if let Some(twin) = piece.primitives.iter().find(same) {
+            let number = root["meshes"][mesh]["primitives"][twin.index]["attributes"][POSITION].clone();
+            root["meshes"][mesh]["primitives"][index]["attributes"][POSITION] = number;
+            continue;
+        }
+        let Ok(own) = Accessor::new(doc, *accessor, "lines", Type::Vec3) else { continue };
+        let Ok(before) = own.floats::<3>() else { continue };
+        let after: Vec<[f32; 3]> = before.iter().map(|p| new.get(&bits(p)).copied().unwrap_or(*p)).collect();
+        let inside = |p: &&[f32; 3]| Vec3::from(**p).clamp(dent.min, dent.max) == Vec3::from(**p);
+        left += before.iter().filter(inside).filter(|p| !new.contains_key(&bits(p))).count();
+        let changed: Vec<bool> = before.iter().zip(&after).map(|(a, b)| a != b).collect();
+        if changed.contains(&true) {
+            let old = (&own, &doc.value["accessors"][accessor.value()]);
+            let number = push_changed(root, blob, old, (&after, &changed), true);
+            root["meshes"][mesh]["primitives"][index]["attributes"][POSITION] = number.into();
+        }
+    }
+    if left > 0 {
+        notes.push(format!(
+            "{left} vertices of lines or points in {} lie at no vertex of its triangles and stay where they were",
+            doc.mesh_label(piece.mesh)
+        ));
     }
 }
 
-fn shows(node: &Value, mesh: usize) -> bool {
-    node["mesh"].as_u64() == Some(mesh as u64)
+fn file_positions(doc: &Document<'_>, primitive: &Primitive<'_>) -> Vec<[f32; 3]> {
+    // They have been read before.
+    primitive.positions(doc).and_then(|accessor| accessor.floats::<3>()).unwrap_or_default()
 }

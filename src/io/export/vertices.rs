@@ -1,7 +1,16 @@
-//! The vertices that an export writes.
+//! The vertices that an export takes, and what it returns.
 
 use crate::base::error::Error;
 use crate::io::import::finite;
+
+/// A written file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Exported {
+    /// The GLB's bytes.
+    pub glb: Vec<u8>,
+    /// What could not be kept as it was, such as images that were not found: a sentence each, for people.
+    pub notes: Vec<String>,
+}
 
 /// Deformed vertices, checked to be the right number and finite.
 #[derive(Clone, Copy)]

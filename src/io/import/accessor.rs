@@ -1,10 +1,9 @@
-//! Accessors: their fields are checked against the buffers, then the `gltf` crate's iterators read the elements.
+//! Accessors: their fields are checked against the buffers, then their elements are read, as floats or quantised.
 
 use super::document::{Budget, Document, out_of_range, range};
 use super::{finite, malformed, unsupported};
 use crate::base::error::Error;
 use crate::base::error::reserve;
-use ::gltf::accessor::util::{Item, ItemIter, SparseIndicesIter, SparseIter};
 use ::gltf::json::accessor::{Accessor as Json, ComponentType, IndexComponentType, Type};
 use ::gltf::json::validation::Checked;
 use ::gltf::json::{self, Index};
@@ -14,6 +13,13 @@ use ::gltf::json::{self, Index};
 struct Strided<'d> {
     bytes: &'d [u8],
     stride: usize,
+    size: usize,
+}
+
+impl<'d> Strided<'d> {
+    fn element(&self, i: usize) -> &'d [u8] {
+        &self.bytes[i * self.stride..][..self.size]
+    }
 }
 
 /// A checked accessor. `name` is for errors.
@@ -21,7 +27,8 @@ pub(crate) struct Accessor<'d> {
     budget: &'d Budget,
     name: String,
     pub count: usize,
-    component: ComponentType,
+    pub component: ComponentType,
+    normalized: bool,
     base: Option<Strided<'d>>,
     sparse: Option<(Vec<u32>, Strided<'d>)>,
 }
@@ -33,7 +40,7 @@ impl<'d> Accessor<'d> {
         Self::of(doc, index, name, (kind, kind == Type::Scalar))
     }
 
-    /// Checks an accessor of one 32-bit float an element.
+    /// Checks an accessor of one number an element.
     pub fn of_numbers(doc: &'d Document<'_>, index: Index<json::Accessor>, name: &str) -> Result<Self, Error> {
         Self::of(doc, index, name, (Type::Scalar, false))
     }
@@ -44,13 +51,11 @@ impl<'d> Accessor<'d> {
         name: &str,
         (kind, indices): (Type, bool),
     ) -> Result<Self, Error> {
-        let accessors = &doc.root.accessors;
         let index = index.value();
-        let json =
-            accessors.get(index).ok_or_else(|| out_of_range(&format!("{name}: accessor"), index, accessors.len()))?;
+        let json = doc.accessors.get(index, &format!("{name}: accessor"))?;
         let name = format!("{name} (accessor {index})");
         let component = component(json, &name, (kind, indices))?;
-        // The crate's sparse iterator counts in 32 bits, and so do vertex indices.
+        // Vertex indices have 32 bits.
         let count =
             usize::try_from(json.count.0).ok().filter(|n| (1..u32::MAX as usize).contains(n)).ok_or_else(|| {
                 malformed(format!("{name} has a count of {}; it must be from 1 to {}", json.count.0, u32::MAX - 1))
@@ -59,85 +64,107 @@ impl<'d> Accessor<'d> {
         let offset = json.byte_offset.map_or(0, |o| o.0);
         let base = json.buffer_view.map(|view| strided(doc, view, offset, count, size, &name)).transpose()?;
         if base.is_none() && json.sparse.is_none() {
-            not_compressed(doc, index, &name)?;
+            not_elsewhere(doc, index, &name)?;
         }
         let sparse = match &json.sparse {
             Some(s) => sparse(doc, s, count, size, &name)?,
             None => None,
         };
-        Ok(Self { budget: &doc.budget, name, count, component, base, sparse })
+        Ok(Self { budget: &doc.budget, name, count, component, normalized: json.normalized, base, sparse })
     }
 
-    /// Reads all elements; those that are not stored are zero.
-    fn read<T: Item + Copy>(&self) -> Result<Vec<T>, Error> {
-        self.budget.charge(self.count, size_of::<T>(), &self.name)?;
+    /// Whether the file stores elements. Without any, all are zero.
+    pub fn is_stored(&self) -> bool {
+        self.base.is_some() || self.sparse.is_some()
+    }
+
+    /// The bytes of an element, if they stand in the file as they are.
+    pub fn stored(&self, i: usize) -> Option<&'d [u8]> {
+        self.base.filter(|_| self.sparse.is_none()).map(|base| base.element(i))
+    }
+
+    /// Reads all elements; those that are not stored are zero. They need not be finite.
+    pub fn values<const N: usize>(&self) -> Result<Vec<[f32; N]>, Error> {
+        self.budget.charge(self.count, size_of::<[f32; N]>(), &self.name)?;
         let mut out = reserve(self.count, &self.name)?;
-        match (&self.sparse, self.base) {
-            (None, Some(base)) => out.extend(ItemIter::<T>::new(base.bytes, base.stride).take(self.count)),
-            (None, None) => out.resize(self.count, T::zero()),
-            (Some((indices, values)), base) => {
-                // The crate reads the indices from bytes. Ours are decoded and checked already, so they are encoded
-                // again.
-                let raw: Vec<u8> = indices.iter().flat_map(|i| i.to_le_bytes()).collect();
-                let indices = SparseIndicesIter::U32(ItemIter::new(&raw, 4));
-                let values = ItemIter::new(values.bytes, values.stride);
-                let base = base.map(|b| ItemIter::new(b.bytes, b.stride));
-                out.extend(SparseIter::<T>::with_base_count(base, self.count, indices, values).take(self.count));
-            }
+        match self.base {
+            Some(base) => out.extend((0..self.count).map(|i| self.decoded(base.element(i)))),
+            None => out.resize(self.count, [0.0; N]),
         }
-        debug_assert_eq!(out.len(), self.count);
+        for (k, i) in self.sparse.iter().flat_map(|(indices, _)| indices.iter().enumerate()) {
+            out[*i as usize] = self.sparse.as_ref().map_or([0.0; N], |(_, values)| self.decoded(values.element(k)));
+        }
         Ok(out)
     }
 
-    /// Reads all elements as floats. Refuses NaN and infinities.
-    pub fn floats<const N: usize>(&self) -> Result<Vec<[f32; N]>, Error>
-    where
-        [f32; N]: Item,
-    {
-        let values = self.read::<[f32; N]>()?;
+    /// The components of one element as floats, by the equations of the glTF 2.0 specification, 3.11.
+    fn decoded<const N: usize>(&self, bytes: &[u8]) -> [f32; N] {
+        let scaled = |value: f32, most: f32| if self.normalized { (value / most).max(-1.0) } else { value };
+        std::array::from_fn(|i| match self.component {
+            ComponentType::I8 => scaled(f32::from(bytes[i] as i8), 127.0),
+            ComponentType::U8 => scaled(f32::from(bytes[i]), 255.0),
+            ComponentType::I16 => scaled(f32::from(i16::from_le_bytes([bytes[2 * i], bytes[2 * i + 1]])), 32767.0),
+            ComponentType::U16 => scaled(f32::from(u16::from_le_bytes([bytes[2 * i], bytes[2 * i + 1]])), 65535.0),
+            _ => f32::from_le_bytes([bytes[4 * i], bytes[4 * i + 1], bytes[4 * i + 2], bytes[4 * i + 3]]),
+        })
+    }
+
+    /// The bytes of a unit vector in this accessor's components, so that it can stand beside those of the file.
+    pub fn encoded<const N: usize>(&self, value: [f32; N]) -> Vec<u8> {
+        let rounded = |x: f32, most: f32| if self.normalized { (x * most).round() } else { x.round() };
+        let component = |x: f32| match self.component {
+            ComponentType::I8 => (rounded(x, 127.0) as i8).to_le_bytes().to_vec(),
+            ComponentType::U8 => (rounded(x, 255.0) as u8).to_le_bytes().to_vec(),
+            ComponentType::I16 => (rounded(x, 32767.0) as i16).to_le_bytes().to_vec(),
+            ComponentType::U16 => (rounded(x, 65535.0) as u16).to_le_bytes().to_vec(),
+            _ => x.to_le_bytes().to_vec(),
+        };
+        value.into_iter().flat_map(component).collect()
+    }
+
+    /// Reads all elements. Refuses NaN and infinities.
+    pub fn floats<const N: usize>(&self) -> Result<Vec<[f32; N]>, Error> {
+        let values = self.values::<N>()?;
         for (i, v) in values.iter().enumerate() {
             finite(*v, || format!("{}[{i}]", self.name))?;
         }
         Ok(values)
     }
 
-    /// Reads numbers. They need not be finite.
-    pub fn scalars(&self) -> Result<Vec<f32>, Error> {
-        self.read::<f32>()
-    }
-
     /// Reads the elements that are not zero, with their indices in increasing order. Elements that a sparse accessor
-    /// omits cost nothing.
+    /// omits cost nothing. They need not be finite.
     pub fn nonzero(&self) -> Result<(Vec<u32>, Vec<[f32; 3]>), Error> {
         let pairs: Vec<(u32, [f32; 3])> = match (&self.sparse, self.base) {
             (Some((indices, values)), None) => {
                 self.budget.charge(indices.len(), 16, &self.name)?;
-                indices.iter().copied().zip(ItemIter::new(values.bytes, values.stride)).collect()
+                indices.iter().enumerate().map(|(k, i)| (*i, self.decoded(values.element(k)))).collect()
             }
-            _ => (0..).zip(self.read::<[f32; 3]>()?).collect(),
+            _ => (0..).zip(self.values::<3>()?).collect(),
         };
-        let mut out = (Vec::new(), Vec::new());
-        for (i, v) in pairs {
-            finite(v, || format!("{}[{i}]", self.name))?;
-            if v != [0.0; 3] {
-                out.0.push(i);
-                out.1.push(v);
-            }
-        }
-        Ok(out)
+        Ok(pairs.into_iter().filter(|(_, v)| *v != [0.0; 3]).unzip())
     }
 
     /// Reads all elements as vertex indices, which must be below `limit`.
     pub fn indices(&self, limit: usize) -> Result<Vec<u32>, Error> {
-        let wide: Vec<u32> = match self.component {
-            ComponentType::U8 => self.read::<u8>()?.into_iter().map(u32::from).collect(),
-            ComponentType::U16 => self.read::<u16>()?.into_iter().map(u32::from).collect(),
-            _ => self.read::<u32>()?,
-        };
+        self.budget.charge(self.count, 4, &self.name)?;
+        let mut wide = reserve(self.count, &self.name)?;
+        let index = |bytes: &[u8]| bytes.iter().rev().fold(0, |index, byte| index << 8 | u32::from(*byte));
+        match self.base {
+            Some(base) => wide.extend((0..self.count).map(|i| index(base.element(i)))),
+            None => wide.resize(self.count, 0),
+        }
+        if let Some((at, values)) = &self.sparse {
+            at.iter().enumerate().for_each(|(k, i)| wide[*i as usize] = index(values.element(k)));
+        }
         match wide.iter().position(|i| *i as usize >= limit) {
             None => Ok(wide),
             Some(at) => Err(out_of_range(&format!("{}[{at}]", self.name), wide[at] as usize, limit)),
         }
+    }
+
+    /// The name for errors, with that of an element.
+    pub fn element_name(&self, i: usize) -> String {
+        format!("{}[{i}]", self.name)
     }
 }
 
@@ -153,11 +180,11 @@ fn component(json: &Json, name: &str, (kind, indices): (Type, bool)) -> Result<C
         (true, c) => {
             Err(malformed(format!("{name} has components of {}; indices must be unsigned integers", component_name(c))))
         }
-        (_, ComponentType::F32) => Ok(ComponentType::F32),
-        (_, c) => Err(unsupported(format!(
-            "{name} has quantised components of {} (KHR_mesh_quantization); 32-bit floats are read",
-            component_name(c)
+        (_, ComponentType::U32) => Err(malformed(format!(
+            "{name} has components of {}; they must be floats, or bytes or shorts of KHR_mesh_quantization",
+            component_name(ComponentType::U32)
         ))),
+        (_, c) => Ok(c),
     }
 }
 
@@ -185,7 +212,7 @@ fn strided<'d>(
             bytes.len()
         ))
     })?;
-    Ok(Strided { bytes: &bytes[range], stride })
+    Ok(Strided { bytes: &bytes[range], stride, size })
 }
 
 fn sparse<'d>(
@@ -212,17 +239,14 @@ fn sparse<'d>(
     let values_name = format!("{name} sparse values");
     let values = strided(doc, json.values.buffer_view, json.values.byte_offset.0, listed, size, &values_name)?;
     doc.budget.charge(listed, 4, &indices_name)?;
-    let indices: Vec<u32> = match component {
-        ComponentType::U8 => ItemIter::<u8>::new(raw.bytes, raw.stride).map(u32::from).collect(),
-        ComponentType::U16 => ItemIter::<u16>::new(raw.bytes, raw.stride).map(u32::from).collect(),
-        ComponentType::U32 => ItemIter::<u32>::new(raw.bytes, raw.stride).collect(),
-        other => {
-            return Err(malformed(format!(
-                "{indices_name} have components of {}; they must be unsigned",
-                component_name(other)
-            )));
-        }
-    };
+    if !matches!(component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32) {
+        return Err(malformed(format!(
+            "{indices_name} have components of {}; they must be unsigned",
+            component_name(component)
+        )));
+    }
+    let index = |bytes: &[u8]| bytes.iter().rev().fold(0, |index, byte| index << 8 | u32::from(*byte));
+    let indices: Vec<u32> = (0..listed).map(|i| index(raw.element(i))).collect();
     if let Some(i) = (1..indices.len()).find(|i| indices[*i] <= indices[i - 1]) {
         return Err(malformed(format!(
             "{indices_name}[{i}] is {} after {}; they must increase",
@@ -241,12 +265,10 @@ fn sparse<'d>(
 
 /// Refuses an accessor whose data is in an extension. Without data it is all zeros; Blender writes shape keys that move
 /// nothing this way.
-fn not_compressed(doc: &Document<'_>, index: usize, name: &str) -> Result<(), Error> {
-    let used = doc.value["extensionsUsed"].as_array().map(Vec::as_slice).unwrap_or_default();
-    let used = used.iter().filter_map(|e| e.as_str()).find(|e| e.contains("draco") || e.contains("meshopt"));
+fn not_elsewhere(doc: &Document<'_>, index: usize, name: &str) -> Result<(), Error> {
     let own = doc.value["accessors"][index]["extensions"].as_object().and_then(|o| o.keys().next());
-    match own.map(String::as_str).or(used) {
-        Some(e) => Err(unsupported(format!("{name} has its data in {e}; export without mesh compression"))),
+    match own {
+        Some(e) => Err(unsupported(format!("{name} has its data in {e}, which is not read; export without it"))),
         None => Ok(()),
     }
 }

@@ -1,268 +1,324 @@
-//! Joins the meshes of all nodes of a glTF to one body, with a part for each node.
+//! The body that is read from a glTF: one mesh in its own space, or the meshes of nodes joined in the scene's.
 
-use super::document::{Document, out_of_range};
-use super::gltf::{base, deltas, parts, range, target_count};
+use super::document::Document;
+use super::extras::{self, Impact};
+use super::join;
+use super::marks::Marks;
 use super::nodes::Nodes;
-use super::{Imported, Part, PrimitiveRange, extras, malformed, unsupported, uri};
+use super::piece::{Body, Piece};
+use super::primitives::{Primitive, primitives, target_count};
+use super::reading::{MeshChoice, Patterns, Reading};
+use super::surface::Surface;
+use super::words::{cut, listed};
+use super::{malformed, notes};
 use crate::base::error::Error;
-use crate::base::math::{Aabb, to_f32};
-use crate::example::data::{Contact, Deltas, ExampleData, Placement};
-use crate::example::set::MAX_MESHES;
-use crate::mesh::data::MeshData;
-use glam::{DMat3, DMat4, DVec3, Vec3};
-use rstar::RTree;
-use std::cmp::Ordering;
-use std::collections::{HashMap, HashSet};
-use std::path::Path;
+use crate::example::data::{Deltas, ExampleData};
+use ::gltf::json;
+use glam::{DMat3, DMat4, DVec3};
 
-/// Vertices of different nodes nearer than this share of the body's diagonal lie at one position: node matrices round.
-const SAME: f32 = 1e-6;
-
-/// Reads all meshes that nodes show as one body. Each node with a mesh becomes a part, in the order of the file's nodes.
-/// Positions are in the scene's space: each part is where its node places it. Vertices of different nodes that lie within a
-/// millionth of the body's diagonal get one position, so that seams between parts stay closed.
-///
-/// Morph targets of the same name are one example; a mesh without a target of that name does not move in it. `impacts` and
-/// `placements` are read from each mesh's extras, in its own space. If several meshes have one for the same example, the
-/// first counts. Normals of the targets are not read: normals follow the displaced triangles. Everything else is as for
-/// [`gltf_file`](super::gltf_file).
-///
-/// ```no_run
-/// use crumple::{ExampleSet, Serial, SetOptions, import};
-/// let body = import::gltf_body_file("car.glb".as_ref())?;
-/// let parts = body.part_meshes();
-/// let mut set = ExampleSet::build(body.mesh, body.examples, SetOptions::default(), &Serial)?;
-/// for (part, mesh) in body.parts.iter().zip(parts) {
-///     println!("part {} is {}", set.add_lod(mesh, &Serial)?, part.name);
-/// }
-/// # Ok::<(), crumple::Error>(())
-/// ```
-///
-/// # Errors
-/// Those of [`gltf_file`](super::gltf_file); [`Error::NoSuchMesh`] if no node has a mesh; [`Error::NoExamples`] if no mesh has
-/// morph targets; [`Error::Unsupported`] for more than 63 nodes with meshes; [`Error::Format`] if a mesh has two targets of
-/// one name, or a node's matrix no inverse.
-pub fn gltf_body_file(path: &Path) -> Result<Imported, Error> {
-    let imported = gltf_body(&uri::read(path, None)?, path.parent())?;
-    Ok(Imported { name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(), ..imported })
-}
-
-/// Reads the same from memory. Relative paths of external buffers start at `base_dir`; without it they are an error. The name
-/// is empty.
-///
-/// # Errors
-/// As [`gltf_body_file`].
-pub fn gltf_body(bytes: &[u8], base_dir: Option<&Path>) -> Result<Imported, Error> {
-    let doc = Document::parse(bytes, base_dir)?;
-    let shown: Vec<_> =
-        doc.root.nodes.iter().enumerate().filter_map(|(n, node)| Some((n, node.mesh?.value()))).collect();
-    if shown.is_empty() {
-        return Err(Error::NoSuchMesh {
-            wanted: "a node with a mesh".into(),
-            available: "nodes without meshes".into(),
-        });
-    }
-    if shown.len() >= MAX_MESHES {
-        let what = format!("{} nodes have meshes; a body has at most {} parts", shown.len(), MAX_MESHES - 1);
-        return Err(unsupported(what));
-    }
-    let nodes = Nodes::of(&doc);
-    let pieces =
-        shown.iter().map(|(node, mesh)| Piece::read(&doc, &nodes, *node, *mesh)).collect::<Result<Vec<_>, Error>>()?;
-    let vertices: usize = pieces.iter().map(|piece| piece.mesh.positions.len()).sum();
-    if vertices > u32::MAX as usize {
-        return Err(unsupported(format!("{vertices} vertices in all parts; 32-bit indices reach {}", u32::MAX)));
-    }
-    let mut joined = Imported {
-        name: String::new(),
-        mesh: MeshData {
-            normals: all(&pieces, |mesh| mesh.normals.as_ref()),
-            tangents: all(&pieces, |mesh| mesh.tangents.as_ref()),
-            depth_limits: all(&pieces, |mesh| mesh.depth_limits.as_ref()),
-            stiffness: all(&pieces, |mesh| mesh.stiffness.as_ref()),
-            ..MeshData::default()
-        },
-        texcoords: None,
-        examples: Vec::new(),
-        primitives: Vec::new(),
-        parts: Vec::new(),
-        node_transform: None,
+/// Reads what `reading` chooses.
+pub(crate) fn read<'d>(doc: &'d Document<'_>, reading: &Reading<'_>) -> Result<Body<'d>, Error> {
+    reading.check()?;
+    let nodes = Nodes::of(doc);
+    let source = Source { doc, nodes: &nodes, marks: &Marks::of(doc, &nodes, reading)?, reading };
+    let mut notes: Vec<String> = doc
+        .unknown_requirements()
+        .iter()
+        .map(|name| {
+            format!("the file requires {name}, which is not known here; it is kept, and the meshes are read without it")
+        })
+        .collect();
+    let mut body = match reading.mesh {
+        MeshChoice::Nodes(_) => source.joined(&mut notes)?,
+        MeshChoice::First => source.single(source.first(&mut notes)?, &mut notes)?,
+        MeshChoice::Index(mesh) if mesh < doc.meshes.len() => {
+            source.single(source.piece(mesh, None, &mut notes)?, &mut notes)?
+        }
+        MeshChoice::Index(mesh) => return Err(no_such_mesh(doc, mesh.to_string())),
+        MeshChoice::Name(name) => {
+            let named = |mesh: &usize| doc.value["meshes"][*mesh]["name"] == name;
+            let found = (0..doc.meshes.len()).find(named);
+            let mesh = found.ok_or_else(|| no_such_mesh(doc, format!("'{name}'")))?;
+            source.single(source.piece(mesh, None, &mut notes)?, &mut notes)?
+        }
     };
-    let mut known = HashMap::new();
-    for piece in pieces {
-        add(&mut joined, piece, &mut known);
-    }
-    if joined.examples.is_empty() {
-        return Err(Error::NoExamples { what: "no mesh that a node shows has morph targets".into() });
-    }
-    close_seams(&mut joined);
-    Ok(joined)
+    notes::look(&body.imported, &mut notes);
+    body.imported.notes = notes;
+    Ok(body)
 }
 
-/// The mesh of one node in the scene's space.
-struct Piece {
-    name: String,
-    mesh: MeshData,
-    examples: Vec<ExampleData>,
-    primitives: Vec<PrimitiveRange>,
+/// What bodies are read from.
+struct Source<'s, 'd, 'a> {
+    doc: &'d Document<'a>,
+    nodes: &'s Nodes<'d, 'a>,
+    marks: &'s Marks<'s>,
+    reading: &'s Reading<'s>,
 }
 
-impl Piece {
-    fn read(doc: &Document<'_>, nodes: &Nodes<'_>, node: usize, mesh: usize) -> Result<Self, Error> {
-        let targets = if doc.root.meshes.get(mesh).is_some() {
-            target_count(doc, mesh)?
-        } else {
-            return Err(out_of_range(&format!("the mesh of node {node}"), mesh, doc.root.meshes.len()));
-        };
-        let to_scene = DMat4::from_cols_array_2d(&nodes.world(node)?);
-        let linear = DMat3::from_mat4(to_scene);
-        if !linear.inverse().is_finite() {
-            return Err(malformed(format!("the world matrix of node {node} has no inverse")));
-        }
-        let primitives = parts(doc, mesh)?;
-        let mut base = base(doc, &primitives)?;
-        let value = &doc.value["meshes"][mesh];
-        let names = extras::names(value, targets)?;
-        let mut seen = HashSet::new();
-        if let Some(name) = names.iter().find(|name| !seen.insert(*name)) {
-            let mesh = doc.mesh_label(mesh);
-            return Err(malformed(format!("{mesh} has two targets named '{name}'; in a body their names must differ")));
-        }
-        let impacts = extras::impacts(value, &names, base.positions.len())?;
-        let placements = extras::placements(value, &names)?;
-        let mut examples = Vec::with_capacity(targets);
-        for (i, ((name, impact), placement)) in names.into_iter().zip(impacts).zip(placements).enumerate() {
-            let (mut positions, _) = deltas(doc, &primitives, i)?;
-            if let Deltas::Sparse { values, .. } = &mut positions {
-                values.iter_mut().for_each(|v| *v = mapped(linear, *v));
+impl<'d> Source<'_, 'd, '_> {
+    /// The first mesh that can be used: its dents move a vertex. A broken mesh is passed over.
+    fn first(&self, notes: &mut Vec<String>) -> Result<Piece<'d>, Error> {
+        let (mut broken, mut still, mut unchosen) = (None, None, None);
+        for mesh in 0..self.doc.meshes.len() {
+            let has_targets = self.doc.meshes.get(mesh, "mesh").map(|mesh| target_count(mesh) > 0);
+            if has_targets == Ok(false) {
+                continue;
             }
-            let contact = impact.contact.map(|contact| match contact {
-                Contact::Point(p) => Contact::Point(to_f32(to_scene.transform_point3(DVec3::from(p.map(f64::from))))),
-                vertex => vertex,
+            let mut own = Vec::new();
+            match self.piece(mesh, None, &mut own) {
+                Ok(piece) if piece.examples.iter().any(moves) => {
+                    if let Some((mesh, error)) = broken {
+                        notes.push(format!("{} was passed over: {error}", self.doc.mesh_label(mesh)));
+                    }
+                    notes.append(&mut own);
+                    return Ok(piece);
+                }
+                Ok(piece) if piece.dents.is_empty() => unchosen = unchosen.or(Some(piece)),
+                Ok(_) => still = still.or(Some(mesh)),
+                Err(error) => broken = broken.or(Some((mesh, error))),
+            }
+        }
+        match (broken, still, unchosen) {
+            (Some((_, error)), ..) => Err(error),
+            (None, None, Some(piece)) => Err(self.no_dents(&piece)),
+            (None, Some(mesh), _) => {
+                let what =
+                    format!("no morph target of {} moves a vertex; {}", self.doc.mesh_label(mesh), self.with_targets());
+                Err(Error::NoExamples { what })
+            }
+            (None, None, None) => Err(Error::NoExamples { what: self.with_targets() }),
+        }
+    }
+
+    /// Why a mesh has no examples.
+    fn no_dents(&self, piece: &Piece<'_>) -> Error {
+        let label = self.doc.mesh_label(piece.mesh);
+        let what = if piece.names.is_empty() {
+            format!("{label} has no morph targets; {}", self.with_targets())
+        } else {
+            let names = listed(piece.names.iter());
+            format!("none of the morph targets of {label} is chosen as a dent: it has {names}")
+        };
+        Error::NoExamples { what }
+    }
+
+    fn single(&self, piece: Piece<'d>, notes: &mut Vec<String>) -> Result<Body<'d>, Error> {
+        if piece.dents.is_empty() {
+            return Err(self.no_dents(&piece));
+        }
+        self.targets_match(std::slice::from_ref(&piece))?;
+        let weights = |node: usize| self.weights(piece.mesh, Some(node));
+        let others =
+            self.doc.nodes.iter().enumerate().filter(|(i, node)| {
+                node.mesh.is_some_and(|mesh| mesh.value() == piece.mesh) && !piece.nodes.contains(i)
             });
-            let blow = impact.blow.transformed(linear);
-            let contact_normal = impact.normal.map(|n| unit_mapped(linear.inverse().transpose(), n));
-            examples.push(ExampleData {
-                contact,
-                contact_normal,
-                blow,
-                placement,
-                ..ExampleData::new(name, positions)
+        if let Some((node, _)) = others.clone().next() {
+            debug_assert!(weights(node) != weights(piece.nodes[0]));
+            let name = self.nodes.name(node);
+            notes.push(format!(
+                "{} of the nodes that show this mesh, such as '{name}', show it with other weights and are not dented",
+                others.count()
+            ));
+        }
+        let mut body = join::alone(self.doc, piece, notes)?;
+        let piece = &body.pieces[0];
+        body.imported.name = self.doc.value["meshes"][piece.mesh]["name"].as_str().unwrap_or_default().to_owned();
+        // The scene has the unit of the file, as the mesh has.
+        let unit = self.reading.unit;
+        body.imported.node_transform = self
+            .nodes
+            .transform_of_mesh(piece.mesh)?
+            .map(|[x, y, z, [tx, ty, tz, w]]| [x, y, z, [tx * unit, ty * unit, tz * unit, w]]);
+        Ok(body)
+    }
+
+    fn joined(&self, notes: &mut Vec<String>) -> Result<Body<'d>, Error> {
+        let shown = self.doc.nodes.iter().enumerate().filter_map(|(i, node)| Some((i, node.mesh?.value())));
+        let shown: Vec<(usize, usize)> = shown.filter(|(node, _)| self.marks.takes(*node)).collect();
+        if shown.is_empty() {
+            let with_meshes = self.doc.nodes.iter().filter(|node| node.mesh.is_some()).count();
+            return Err(Error::NoSuchMesh {
+                wanted: "of the chosen nodes".into(),
+                available: format!("{with_meshes} nodes with meshes; none of them is chosen and dents"),
             });
         }
-        place(&mut base, to_scene);
-        let named = [&doc.root.nodes[node].name, &doc.root.meshes[mesh].name];
-        let name = named.into_iter().flatten().find(|name| !name.is_empty());
+        let piece = |(node, mesh): &(usize, usize)| self.piece(*mesh, Some(*node), notes);
+        let pieces = shown.iter().map(piece).collect::<Result<Vec<_>, Error>>()?;
+        self.targets_match(&pieces)?;
+        let body = join::body(self.doc, self.nodes, pieces, notes)?;
+        if body.imported.examples.is_empty() {
+            let count = body.pieces.len();
+            return Err(Error::NoExamples {
+                what: format!("none of the {count} meshes of the body has morph targets that are dents"),
+            });
+        }
+        Ok(body)
+    }
+
+    /// Fails if a pattern of the reading matches no target.
+    fn targets_match(&self, pieces: &[Piece<'_>]) -> Result<(), Error> {
+        let names: Vec<&str> = pieces.iter().flat_map(|piece| &piece.names).map(String::as_str).collect();
+        self.reading.targets.all_match("morph targets", &names)
+    }
+
+    /// The default weights of a mesh where a node shows it.
+    fn weights(&self, mesh: usize, node: Option<usize>) -> &[f32] {
+        let own = node.and_then(|node| self.doc.nodes[node].weights.as_deref());
+        let of_mesh = || self.doc.meshes.get(mesh, "mesh").ok()?.weights.as_deref();
+        own.or_else(of_mesh).unwrap_or_default()
+    }
+
+    /// Reads a mesh: in the scene's space where `node` shows it, or in its own space.
+    fn piece(&self, mesh: usize, node: Option<usize>, notes: &mut Vec<String>) -> Result<Piece<'d>, Error> {
+        let doc = self.doc;
+        let user = node.map_or_else(|| "mesh".into(), |node| format!("the mesh of node {node}"));
+        let targets = target_count(doc.meshes.get(mesh, &user)?);
+        let primitives = primitives(doc, mesh)?;
+        let value = &doc.value["meshes"][mesh];
+        let names = extras::names(value, targets, || target_accessors(doc, mesh, targets))?;
+        let dents = dents(self.reading, value, &names)?;
+        let shown_by = node.or(self.nodes.first(mesh));
+        let weights = self.weights(mesh, shown_by);
+        let weighted = weights.iter().copied().enumerate().take(targets).filter(|(_, weight)| *weight != 0.0);
+        let shown: Vec<(usize, f32)> = weighted.filter(|(target, _)| dents.contains(target)).collect();
+        if let Some((target, weight)) = shown.first() {
+            let more = if shown.len() == 1 { String::new() } else { format!(" and {} more", shown.len() - 1) };
+            notes.push(format!(
+                "{} shows '{}' at weight {weight} by default{more}: what is written keeps that shape; set the weights to 0 and \
+                 export again to have it undented",
+                doc.mesh_label(mesh),
+                cut(&names[*target])
+            ));
+        }
+        let surface = Surface::read(doc, &primitives, notes)?;
+        let count = surface.data.positions.len();
+        let impacts = extras::impacts(value, &names, count)?;
+        let placements = extras::placements(value, &names)?;
+        let mut examples = Vec::with_capacity(dents.len());
+        let mut broken = 0;
+        for target in &dents {
+            let Impact { contact, normal: contact_normal, blow } = impacts[*target];
+            let (positions, normals, is_broken) = deltas(doc, &primitives, *target)?;
+            broken += usize::from(is_broken);
+            let (name, placement) = (names[*target].clone(), placements[*target]);
+            examples.push(ExampleData { name, positions, normals, contact, contact_normal, blow, placement });
+        }
+        if broken > 0 {
+            let label = doc.mesh_label(mesh);
+            notes.push(format!(
+                "{broken} targets of {label} have normals that are no numbers; they are computed instead"
+            ));
+        }
+        let nodes = match node {
+            Some(node) => vec![node],
+            None => {
+                let shows = |node: &json::Node| node.mesh.is_some_and(|shown| shown.value() == mesh);
+                let all = (0..doc.nodes.len()).filter(|node| shows(&doc.nodes[*node]));
+                all.filter(|node| self.weights(mesh, Some(*node)) == weights).collect()
+            }
+        };
+        let to_body = match node {
+            Some(node) => DMat4::from_cols_array_2d(&self.nodes.shown(node, notes)?),
+            None => DMat4::IDENTITY,
+        };
+        let to_body = DMat4::from_scale(DVec3::splat(f64::from(self.reading.unit))) * to_body;
+        if !DMat3::from_mat4(to_body).inverse().is_finite() {
+            let node = node.unwrap_or_default();
+            return Err(malformed(format!("the world matrix of node {node} has no inverse; a scale of it is 0")));
+        }
+        let mark = |material: Option<usize>| self.marks.of_primitive(shown_by, mesh, material);
         Ok(Piece {
-            name: name.cloned().unwrap_or_else(|| format!("node {node}")),
-            mesh: base,
+            mesh,
+            nodes,
+            name: node.map_or_else(String::new, |node| self.nodes.name(node)),
+            shown,
+            mark: mark(None),
+            marks: primitives.iter().map(|primitive| mark(primitive.material())).collect(),
+            surface,
+            primitives,
+            dents,
+            names,
+            to_body,
+            first_vertex: 0,
             examples,
-            primitives: primitives.iter().map(|p| range(doc, p)).collect::<Result<_, _>>()?,
         })
     }
-}
 
-fn mapped(linear: DMat3, v: [f32; 3]) -> [f32; 3] {
-    to_f32(linear * DVec3::from(v.map(f64::from)))
-}
-
-fn unit_mapped(linear: DMat3, v: [f32; 3]) -> [f32; 3] {
-    to_f32((linear * DVec3::from(v.map(f64::from))).normalize_or_zero())
-}
-
-/// Takes a mesh to the scene's space.
-fn place(mesh: &mut MeshData, to_scene: DMat4) {
-    let linear = DMat3::from_mat4(to_scene);
-    if to_scene == DMat4::IDENTITY {
-        return;
-    }
-    let normals = linear.inverse().transpose();
-    for p in &mut mesh.positions {
-        *p = to_f32(to_scene.transform_point3(DVec3::from(p.map(f64::from))));
-    }
-    mesh.normals.iter_mut().flatten().for_each(|n| *n = unit_mapped(normals, *n));
-    let mirrored = linear.determinant() < 0.0;
-    for tangent in mesh.tangents.iter_mut().flatten() {
-        let [x, y, z, w] = *tangent;
-        let [x, y, z] = unit_mapped(linear, [x, y, z]);
-        *tangent = [x, y, z, if mirrored { -w } else { w }];
-    }
-    if mirrored {
-        mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
-    }
-    let scale = linear.determinant().abs().cbrt() as f32;
-    mesh.depth_limits.iter_mut().flatten().for_each(|limit| *limit *= scale);
-}
-
-/// An attribute of all pieces; `None` if one lacks it.
-fn all<T: Copy>(pieces: &[Piece], of: impl Fn(&MeshData) -> Option<&Vec<T>>) -> Option<Vec<T>> {
-    let lists = pieces.iter().map(|piece| of(&piece.mesh)).collect::<Option<Vec<_>>>()?;
-    Some(lists.into_iter().flatten().copied().collect())
-}
-
-/// Appends a piece, whose attributes other than positions are there already. `known` has the places of the examples by name.
-fn add(joined: &mut Imported, piece: Piece, known: &mut HashMap<String, usize>) {
-    let Piece { name, mesh, examples, primitives } = piece;
-    let (first_vertex, first_triangle) = (joined.mesh.positions.len() as u32, joined.mesh.triangles.len() as u32);
-    let (vertex_count, triangle_count) = (mesh.positions.len() as u32, mesh.triangles.len() as u32);
-    joined.parts.push(Part { name, first_vertex, vertex_count, first_triangle, triangle_count });
-    joined.mesh.positions.extend(mesh.positions);
-    joined.mesh.triangles.extend(mesh.triangles.iter().map(|t| t.map(|v| v + first_vertex)));
-    joined.primitives.extend(primitives.into_iter().map(|p| PrimitiveRange {
-        first_vertex: p.first_vertex + first_vertex,
-        first_triangle: p.first_triangle + first_triangle,
-        ..p
-    }));
-    for mut example in examples {
-        if let Some(Contact::Vertex(v)) = &mut example.contact {
-            *v += first_vertex;
+    fn with_targets(&self) -> String {
+        let has = |mesh: &usize| self.doc.meshes.get(*mesh, "mesh").is_ok_and(|mesh| target_count(mesh) > 0);
+        let some: Vec<usize> = (0..self.doc.meshes.len()).filter(has).collect();
+        if some.is_empty() {
+            return format!(
+                "no mesh of the file has morph targets (it has {}); export them (shape keys), or make some with `crumple examples`",
+                meshes(self.doc, (0..self.doc.meshes.len()).collect())
+            );
         }
-        if let Deltas::Sparse { indices, .. } = &mut example.positions {
-            indices.iter_mut().for_each(|v| *v += first_vertex);
-        }
-        let Some(known) = known.get(&example.name).map(|i| &mut joined.examples[*i]) else {
-            known.insert(example.name.clone(), joined.examples.len());
-            joined.examples.push(example);
-            continue;
-        };
-        if let (Deltas::Sparse { indices, values }, Deltas::Sparse { indices: more, values: moved }) =
-            (&mut known.positions, example.positions)
-        {
-            indices.extend(more);
-            values.extend(moved);
-        }
-        if known.contact.is_none() {
-            (known.contact, known.contact_normal) = (example.contact, example.contact_normal);
-            known.blow = example.blow;
-        }
-        if known.placement == Placement::Automatic {
-            known.placement = example.placement;
-        }
+        format!("the file's meshes with morph targets are {}", meshes(self.doc, some))
     }
 }
 
-/// How many vertices that lie at one place up to rounding are compared, so that thousands take no longer than in proportion.
-const COMPARED: usize = 256;
+fn moves(example: &ExampleData) -> bool {
+    matches!(&example.positions, Deltas::Sparse { indices, .. } if !indices.is_empty())
+}
 
-/// Gives vertices of different parts that lie at the same place the bits of the first part's.
-fn close_seams(joined: &mut Imported) {
-    let positions = &mut joined.mesh.positions;
-    let diagonal = Aabb::of_slice(bytemuck::cast_slice(positions)).diagonal();
-    let mut earlier: RTree<[f32; 3]> = RTree::new();
-    let mut inserted = HashSet::new();
-    for part in &joined.parts {
-        let own = &mut positions[part.vertices()];
-        for p in own.iter_mut() {
-            let near = earlier.locate_within_distance(*p, (SAME * diagonal).powi(2)).take(COMPARED);
-            // The nearest; among equally near the least, so that the tree's shape does not matter.
-            let distance = |q: &[f32; 3]| (Vec3::from(*q) - Vec3::from(*p)).length_squared();
-            let least = |a: &&[f32; 3], b: &&[f32; 3]| {
-                distance(a).total_cmp(&distance(b)).then(a.partial_cmp(b).unwrap_or(Ordering::Equal))
-            };
-            if let Some(nearest) = near.min_by(least) {
-                *p = *nearest;
-            }
-        }
-        own.iter().filter(|p| inserted.insert(p.map(f32::to_bits))).for_each(|p| earlier.insert(*p));
+fn no_such_mesh(doc: &Document<'_>, wanted: String) -> Error {
+    Error::NoSuchMesh { wanted, available: meshes(doc, (0..doc.meshes.len()).collect()) }
+}
+
+/// Some of many meshes for a message.
+pub(super) fn meshes(doc: &Document<'_>, list: Vec<usize>) -> String {
+    const SHOWN: usize = 4;
+    if list.is_empty() {
+        return "no meshes".into();
     }
+    let mut text = list.iter().take(SHOWN).map(|mesh| doc.mesh_label(*mesh)).collect::<Vec<_>>().join(", ");
+    if list.len() > SHOWN {
+        text.push_str(&format!(" and {} more", list.len() - SHOWN));
+    }
+    text
+}
+
+/// The indices of the targets that are dents.
+fn dents(reading: &Reading<'_>, mesh: &serde_json::Value, names: &[String]) -> Result<Vec<usize>, Error> {
+    let own = extras::dents(mesh)?.map(Patterns::new);
+    let patterns = if reading.targets.is_empty() { own.unwrap_or_default() } else { reading.targets.clone() };
+    Ok((0..names.len()).filter(|target| patterns.take(patterns.found(&names[*target]))).collect())
+}
+
+/// The names of the targets' accessors, where some exporters write the names of targets.
+fn target_accessors(doc: &Document<'_>, mesh: usize, targets: usize) -> Option<Vec<String>> {
+    let primitives = &doc.meshes.get(mesh, "mesh").ok()?.primitives;
+    let name = |target: usize| {
+        let accessor = primitives.iter().find_map(|p| p.targets.as_ref()?.get(target)?.positions)?;
+        doc.accessors.get(accessor.value(), "accessor").ok()?.name.clone().filter(|name| !name.is_empty())
+    };
+    let names = (0..targets).map(name).collect::<Option<Vec<String>>>()?;
+    let distinct: std::collections::HashSet<&String> = names.iter().collect();
+    (distinct.len() == names.len()).then_some(names)
+}
+
+/// The displacements and normal deltas of one target, and whether the file's normal deltas are broken. There are normal deltas only
+/// if each primitive that moves has some.
+fn deltas(
+    doc: &Document<'_>,
+    primitives: &[Primitive<'_>],
+    target: usize,
+) -> Result<(Deltas, Option<Deltas>, bool), Error> {
+    let mut positions = (Vec::new(), Vec::new());
+    let mut normals = Some((Vec::new(), Vec::new()));
+    let mut broken = false;
+    for primitive in primitives.iter().filter(|p| p.owns_vertices) {
+        let deltas = primitive.deltas(doc, target)?;
+        broken |= deltas.broken_normals;
+        normals = normals.filter(|_| deltas.normals.is_some() || deltas.positions.0.is_empty());
+        positions.0.extend(deltas.positions.0);
+        positions.1.extend(deltas.positions.1);
+        if let (Some(all), Some(own)) = (&mut normals, deltas.normals) {
+            all.0.extend(own.0);
+            all.1.extend(own.1);
+        }
+    }
+    let sparse = |(indices, values)| Deltas::Sparse { indices, values };
+    let normals = normals.filter(|(indices, _)| !broken && !indices.is_empty()).map(sparse);
+    Ok((sparse(positions), normals, broken))
 }

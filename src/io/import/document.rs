@@ -1,7 +1,9 @@
 //! The container of a glTF: GLB chunks, parsed JSON, and buffers that are loaded on first use.
 
+use super::meshopt::Packed;
 use super::uri::{self, UriTarget};
-use super::{malformed, unsupported};
+use super::words::cut;
+use super::{malformed, unsupported, whole};
 use crate::base::error::Error;
 use ::gltf::json::{self, Index};
 use serde_json::Value;
@@ -9,22 +11,26 @@ use std::borrow::Cow;
 use std::cell::{Cell, OnceCell};
 use std::path::Path;
 
-/// Required extensions (by name or by prefix ending in `_`) that do not change the geometry. `KHR_mesh_quantization` is
-/// among them, since each accessor's type is checked when it is read.
-const HARMLESS: &[&str] = &[
+/// Extensions (by name or by prefix ending in `_`) that may be required: they do not change the geometry, or are read. Whether a
+/// primitive's data is in Draco's is seen where it is read.
+const KNOWN: &[&str] = &[
     "KHR_materials_",
     "EXT_materials_",
     "KHR_texture_",
     "EXT_texture_",
     "MSFT_texture_dds",
-    "KHR_lights_punctual",
+    "KHR_lights_",
     "EXT_lights_",
     "KHR_animation_pointer",
-    "KHR_node_visibility",
+    "KHR_node_",
     "KHR_xmp",
     "KHR_xmp_json_ld",
     "EXT_mesh_gpu_instancing",
+    "EXT_mesh_features",
     "KHR_mesh_quantization",
+    "KHR_draco_mesh_compression",
+    "EXT_meshopt_compression",
+    "KHR_meshopt_compression",
 ];
 
 /// Decoded bytes allowed per byte of the file. Shared accessors can make decoded data larger than the file; this limits
@@ -32,16 +38,44 @@ const HARMLESS: &[&str] = &[
 const EXPANSION: u64 = 64;
 
 /// A parsed glTF whose buffers are loaded on first use.
+///
+/// Only what reading meshes needs is typed, so that a file with a broken material can still be read. Types are right; values are
+/// checked where they are used.
 pub(crate) struct Document<'a> {
-    /// The typed JSON of accessors, views, buffers, meshes and nodes. The rest stays empty, so that a file with a
-    /// broken material can still be read. Types are right; values are checked where they are used.
-    pub root: json::Root,
+    pub accessors: List<json::Accessor>,
+    pub buffers: List<json::Buffer>,
+    pub views: List<json::buffer::View>,
+    pub meshes: List<json::Mesh>,
+    pub nodes: Vec<json::Node>,
     /// The same JSON as plain values: extras, extensions and everything unknown.
     pub value: Value,
     bin: Option<&'a [u8]>,
     base_dir: Option<&'a Path>,
-    buffers: Vec<OnceCell<Cow<'a, [u8]>>>,
+    loaded: Vec<OnceCell<Cow<'a, [u8]>>>,
+    unpacked: Vec<OnceCell<Vec<u8>>>,
     pub budget: Budget,
+}
+
+/// One of the root's lists. An element that cannot be read is an error only to who asks for it: it may be of another mesh.
+pub(crate) struct List<T>(Vec<Result<T, Error>>);
+
+impl<T> List<T> {
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// An element. `user` names who refers to it.
+    pub fn get(&self, index: usize, user: &str) -> Result<&T, Error> {
+        match self.0.get(index) {
+            Some(element) => element.as_ref().map_err(Error::clone),
+            None => Err(out_of_range(user, index, self.0.len())),
+        }
+    }
+
+    /// The elements, broken ones as `None`.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = Option<&T>> {
+        self.0.iter().map(|element| element.as_ref().ok())
+    }
 }
 
 /// Limits the memory that a file may ask for.
@@ -73,32 +107,42 @@ impl<'a> Document<'a> {
         let not_json = |e: serde_json::Error| malformed(format!("the glTF's JSON: {e}"));
         let value: Value = serde_json::from_slice(text).map_err(not_json)?;
         check_version(&value)?;
-        check_extensions(&value)?;
-        let root = json::Root {
+        let document = Self {
             accessors: list(&value, "accessors")?,
             buffers: list(&value, "buffers")?,
-            buffer_views: list(&value, "bufferViews")?,
+            views: list(&value, "bufferViews")?,
             meshes: list(&value, "meshes")?,
-            nodes: list(&value, "nodes")?,
-            ..Default::default()
+            nodes: list(&value, "nodes")?.0.into_iter().collect::<Result<_, _>>()?,
+            bin,
+            base_dir,
+            loaded: Vec::new(),
+            unpacked: Vec::new(),
+            budget: Budget { loaded: Cell::new(bytes.len() as u64), decoded: Cell::new(0) },
+            value,
         };
-        let buffers = root.buffers.iter().map(|_| OnceCell::new()).collect();
-        let budget = Budget { loaded: Cell::new(bytes.len() as u64), decoded: Cell::new(0) };
-        Ok(Self { root, value, bin, base_dir, buffers, budget })
+        let loaded = (0..document.buffers.len()).map(|_| OnceCell::new()).collect();
+        let unpacked = (0..document.views.len()).map(|_| OnceCell::new()).collect();
+        Ok(Self { loaded, unpacked, ..document })
+    }
+
+    /// The extensions that the file requires and that this library does not know.
+    pub fn unknown_requirements(&self) -> Vec<&str> {
+        let known = |name: &str| KNOWN.iter().any(|k| *k == name || (k.ends_with('_') && name.starts_with(k)));
+        let required = self.value["extensionsRequired"].as_array().map(Vec::as_slice).unwrap_or_default();
+        required.iter().filter_map(Value::as_str).filter(|name| !known(name)).collect()
     }
 
     /// The bytes of a buffer, exactly as many as the file states.
     pub fn buffer(&self, index: usize) -> Result<&[u8], Error> {
-        let cell = self.buffers.get(index).ok_or_else(|| out_of_range("buffer", index, self.buffers.len()))?;
-        if let Some(bytes) = cell.get() {
+        let buffer = self.buffers.get(index, "buffer")?;
+        if let Some(bytes) = self.loaded[index].get() {
             return Ok(bytes);
         }
-        let bytes = self.load(index)?;
-        Ok(cell.get_or_init(|| bytes))
+        let bytes = self.load(index, buffer)?;
+        Ok(self.loaded[index].get_or_init(|| bytes))
     }
 
-    fn load(&self, index: usize) -> Result<Cow<'a, [u8]>, Error> {
-        let buffer = &self.root.buffers[index];
+    fn load(&self, index: usize, buffer: &json::Buffer) -> Result<Cow<'a, [u8]>, Error> {
         let what = format!("buffer {index}");
         let length = buffer.byte_length.0;
         let external = |bytes: Vec<u8>| {
@@ -138,19 +182,30 @@ impl<'a> Document<'a> {
 
     /// The bytes of a bufferView, and its stride if it has one.
     pub fn view(&self, index: Index<json::buffer::View>, user: &str) -> Result<(&[u8], Option<usize>), Error> {
-        let views = &self.root.buffer_views;
         let index = index.value();
-        let view = views.get(index).ok_or_else(|| out_of_range(&format!("{user}: bufferView"), index, views.len()))?;
-        let buffer = self.buffer(view.buffer.value())?;
-        let (offset, length) = (view.byte_offset.map_or(0, |o| o.0), view.byte_length.0);
-        let range = range(offset, Some(length), buffer.len()).ok_or_else(|| {
-            malformed(format!(
-                "{user}: bufferView {index} is {length} bytes from byte {offset}; buffer {} has {}",
-                view.buffer.value(),
-                buffer.len()
-            ))
+        let view = self.views.get(index, &format!("{user}: bufferView"))?;
+        let stride = view.byte_stride.map(|s| s.0);
+        let user = format!("{user}: bufferView {index}");
+        let Some(packed) = Packed::of(&self.value["bufferViews"][index], &user)? else {
+            let offset = view.byte_offset.map_or(0, |o| o.0);
+            return Ok((self.bytes(view.buffer.value(), offset, view.byte_length.0, &user)?, stride));
+        };
+        if let Some(bytes) = self.unpacked[index].get() {
+            return Ok((bytes, stride));
+        }
+        let bytes = self.bytes(packed.buffer, packed.offset, packed.length, &user)?;
+        self.budget.charge(packed.count, packed.stride, &user)?;
+        let bytes = packed.decode(bytes, &user)?;
+        Ok((self.unpacked[index].get_or_init(|| bytes), stride))
+    }
+
+    /// `length` bytes of a buffer. `user` names who refers to them.
+    pub fn bytes(&self, buffer: usize, offset: u64, length: u64, user: &str) -> Result<&[u8], Error> {
+        let bytes = self.buffer(buffer)?;
+        let range = range(offset, Some(length), bytes.len()).ok_or_else(|| {
+            malformed(format!("{user} is {length} bytes from byte {offset}; buffer {buffer} has {}", bytes.len()))
         })?;
-        Ok((&buffer[range], view.byte_stride.map(|s| s.0)))
+        Ok(&bytes[range])
     }
 
     /// Reads a file that an image refers to.
@@ -161,12 +216,9 @@ impl<'a> Document<'a> {
     /// The mesh's name in errors, such as `mesh 2 'Door'`. A long one is cut: each primitive repeats it, so that a file could
     /// ask for the square of its size.
     pub fn mesh_label(&self, mesh: usize) -> String {
-        match self.root.meshes[mesh].name.as_deref() {
+        match self.value["meshes"][mesh]["name"].as_str() {
             None | Some("") => format!("mesh {mesh}"),
-            Some(name) => match name.char_indices().nth(60) {
-                Some((end, _)) => format!("mesh {mesh} '{}…'", &name[..end]),
-                None => format!("mesh {mesh} '{name}'"),
-            },
+            Some(name) => format!("mesh {mesh} '{}'", cut(name)),
         }
     }
 }
@@ -182,10 +234,25 @@ pub(crate) fn out_of_range(name: &str, index: usize, len: usize) -> Error {
     Error::IndexOutOfRange { name: name.into(), index: index as u64, len: len as u64 }
 }
 
+/// The same JSON with whole numbers written without a point, except in extras.
+fn without_points(value: &Value) -> Value {
+    match value {
+        Value::Number(number) if number.is_f64() => whole(value).map_or_else(|| value.clone(), Value::from),
+        Value::Array(list) => list.iter().map(without_points).collect(),
+        Value::Object(map) => {
+            let inner = |(key, v): (&String, &Value)| {
+                (key.clone(), if key == "extras" { v.clone() } else { without_points(v) })
+            };
+            Value::Object(map.iter().map(inner).collect())
+        }
+        other => other.clone(),
+    }
+}
+
 /// One of the root's arrays as typed values. Errors name the element.
-fn list<T: serde::de::DeserializeOwned>(value: &Value, key: &str) -> Result<Vec<T>, Error> {
+fn list<T: serde::de::DeserializeOwned>(value: &Value, key: &str) -> Result<List<T>, Error> {
     let elements = match &value[key] {
-        Value::Null => return Ok(Vec::new()),
+        Value::Null => return Ok(List(Vec::new())),
         Value::Array(elements) => elements,
         _ => return Err(malformed(format!("the glTF's {key} is not a list"))),
     };
@@ -196,10 +263,10 @@ fn list<T: serde::de::DeserializeOwned>(value: &Value, key: &str) -> Result<Vec<
             return Err(malformed(format!("{key}[{i}] of the glTF is not made of objects")));
         }
         // This goes through text, since the typed structures can read raw extras from nothing else.
-        serde_json::from_str(&element.to_string())
+        serde_json::from_str(&without_points(element).to_string())
             .map_err(|e| malformed(format!("{key}[{i}] of the glTF: {}", in_json_terms(&e))))
     };
-    elements.iter().enumerate().map(typed).collect()
+    Ok(List(elements.iter().enumerate().map(typed).collect()))
 }
 
 /// serde's message with JSON's names for types. Its line and column belong to a copy of the text, so they are left out.
@@ -244,9 +311,11 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Error> {
     if version != 2 {
         return Err(unsupported(format!("GLB version {version}; version 2 (glTF 2.0) is read")));
     }
-    if length as usize != bytes.len() {
-        return Err(malformed(format!("the GLB says it has {length} bytes; there are {}", bytes.len())));
-    }
+    // Some writers pad the file. What follows the length in the header is not part of the GLB.
+    let bytes = bytes.get(..length as usize).ok_or_else(|| {
+        malformed(format!("the GLB says it has {length} bytes; there are {}, so it was cut short", bytes.len()))
+    })?;
+    let word = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
     let (mut text, mut bin) = (None, None);
     let mut at = 12;
     while at < bytes.len() {
@@ -298,16 +367,4 @@ fn check_version(value: &Value) -> Result<(), Error> {
         Some(v) => Err(unsupported(format!("glTF version {v}; version 2.0 is read"))),
         None => Err(malformed("the glTF has no asset.version; '2.0' is read")),
     }
-}
-
-fn check_extensions(value: &Value) -> Result<(), Error> {
-    let harmless = |name: &str| HARMLESS.iter().any(|h| *h == name || (h.ends_with('_') && name.starts_with(h)));
-    let required = value["extensionsRequired"].as_array().map(Vec::as_slice).unwrap_or_default();
-    let Some(name) = required.iter().filter_map(Value::as_str).find(|name| !harmless(name)) else { return Ok(()) };
-    let advice = match name {
-        "KHR_draco_mesh_compression" => "; export without mesh compression (Draco)",
-        "EXT_meshopt_compression" | "KHR_meshopt_compression" => "; export without mesh compression (meshopt)",
-        _ => "",
-    };
-    Err(unsupported(format!("the file requires the extension {name}{advice}")))
 }

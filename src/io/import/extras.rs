@@ -1,7 +1,8 @@
-//! Reads `mesh.extras` of the targets: names, impacts with their blows, placements.
+//! Reads `mesh.extras` of the targets: names, impacts with their blows, placements, and which targets are dents.
 
 use super::document::out_of_range;
-use super::{finite, malformed};
+use super::words::{brief, listed};
+use super::{finite, malformed, whole};
 use crate::base::error::Error;
 use crate::example::blow::{Blow, Striker};
 use crate::example::data::{Contact, ExampleData, Placement};
@@ -37,7 +38,7 @@ pub fn apply_extras(extras: &str, vertices: usize, examples: &mut [ExampleData])
     let named = !value["targetNames"].is_null();
     let mesh = Value::Object([("extras".to_owned(), value)].into_iter().collect());
     let names = if named {
-        names(&mesh, examples.len())?
+        names(&mesh, examples.len(), || None)?
     } else {
         examples.iter().map(|example| example.name.clone()).collect()
     };
@@ -67,12 +68,20 @@ pub(super) struct Impact {
     pub(super) blow: Blow,
 }
 
-/// The name of each target. Exporters write the names to the mesh; some older ones write them to its first primitive.
-pub(super) fn names(mesh: &Value, targets: usize) -> Result<Vec<String>, Error> {
+/// The name of each target. Exporters write the names to the mesh; some older ones write them to its first primitive, or name
+/// the targets' accessors, which `elsewhere` returns.
+pub(super) fn names(
+    mesh: &Value,
+    targets: usize,
+    elsewhere: impl FnOnce() -> Option<Vec<String>>,
+) -> Result<Vec<String>, Error> {
     let on_mesh = &mesh["extras"]["targetNames"];
     let list = if on_mesh.is_null() { &mesh["primitives"][0]["extras"]["targetNames"] } else { on_mesh };
     let list = match list {
-        Value::Null => &[],
+        Value::Null => match elsewhere() {
+            Some(names) => return Ok(names),
+            None => &[],
+        },
         Value::Array(list) => list.as_slice(),
         other => return Err(malformed(format!("extras.targetNames is {}; it must be a list of texts", brief(other)))),
     };
@@ -82,6 +91,21 @@ pub(super) fn names(mesh: &Value, targets: usize) -> Result<Vec<String>, Error> 
         Some(other) => Err(malformed(format!("extras.targetNames[{i}] is {}; it must be a text", brief(other)))),
     };
     (0..targets).map(name).collect()
+}
+
+/// The patterns of the targets that are dents, from `extras.dents`. `None` if it is absent.
+pub(super) fn dents(mesh: &Value) -> Result<Option<Vec<String>>, Error> {
+    let list = match &mesh["extras"]["dents"] {
+        Value::Null => return Ok(None),
+        Value::String(text) => return Ok(Some(text.split(',').map(|word| word.trim().to_owned()).collect())),
+        Value::Array(list) => list,
+        other => return Err(malformed(format!("extras.dents is {}; it must be a list of names", brief(other)))),
+    };
+    let word = |(i, word): (usize, &Value)| match word {
+        Value::String(text) => Ok(text.clone()),
+        other => Err(malformed(format!("extras.dents[{i}] is {}; it must be a name", brief(other)))),
+    };
+    list.iter().enumerate().map(word).collect::<Result<Vec<_>, _>>().map(Some)
 }
 
 /// The impact of each target, from `extras.impacts`.
@@ -122,7 +146,7 @@ fn by_name(list: &[&Map<String, Value>], names: &[String]) -> Result<Option<Vec<
         index.get(name).copied().ok_or_else(|| {
             malformed(format!(
                 "extras.impacts[{i}] is for '{name}'; there is no such target (there are {})",
-                listed(names)
+                listed(names.iter())
             ))
         })
     };
@@ -189,10 +213,7 @@ fn positive(value: &Value, name: &str) -> Result<f32, Error> {
 
 fn vertex(value: &Value, name: &str, vertices: usize) -> Result<u32, Error> {
     // Blender writes an integer custom property as 7.0 if it was set as a float.
-    let whole = value
-        .as_u64()
-        .or(value.as_f64().filter(|x| *x >= 0.0 && x.fract() == 0.0 && *x < 4294967296.0).map(|x| x as u64));
-    match whole {
+    match whole(value) {
         Some(v) if v < vertices as u64 => Ok(v as u32),
         Some(v) => Err(out_of_range(name, usize::try_from(v).unwrap_or(usize::MAX), vertices)),
         None => Err(malformed(format!("{name} is {}; it must be a vertex index", brief(value)))),
@@ -251,7 +272,7 @@ fn placements_by_name(map: &Map<String, Value>, names: &[String]) -> Result<Vec<
         let Some(targets) = index.get(name.as_str()) else {
             return Err(malformed(format!(
                 "extras.placements names '{name}'; there is no such target (there are {})",
-                listed(names)
+                listed(names.iter())
             )));
         };
         targets.iter().for_each(|t| out[*t] = placed);
@@ -276,18 +297,4 @@ fn parsed<'v>(value: &'v Value, key: &str) -> Result<Cow<'v, Value>, Error> {
             .map_err(|e| malformed(format!("extras.{key} is a text that is not JSON: {e}"))),
         other => Ok(Cow::Borrowed(other)),
     }
-}
-
-/// A value for an error message, at most one line of it.
-fn brief(value: &Value) -> String {
-    let text = value.to_string();
-    if text.chars().count() <= 60 { text } else { text.chars().take(60).chain(['…']).collect() }
-}
-
-fn listed(names: &[String]) -> String {
-    let mut text = names.iter().take(8).map(|n| format!("'{n}'")).collect::<Vec<_>>().join(", ");
-    if names.len() > 8 {
-        text.push_str(&format!(" and {} more", names.len() - 8));
-    }
-    text
 }

@@ -2,30 +2,34 @@
 //!
 //! # glTF
 //!
-//! [`gltf_file`] and [`gltf_slice`] read glTF 2.0 (`.gltf` and `.glb`). Each morph target of the chosen mesh becomes
-//! one example. The base is the mesh with every target at weight zero.
+//! [`gltf_file`] and [`gltf_slice`] read glTF 2.0 (`.gltf` and `.glb`). Each morph target that is a dent becomes one example; a
+//! [`Reading`] chooses the mesh or the nodes, and the targets. The base is the mesh with every target at weight zero.
 //!
-//! - All triangle primitives of the mesh are joined in file order; [`Imported::primitives`] keeps their ranges.
-//!   Primitives with the same accessors share one range. Strips and fans become triangles. Primitives of points or
-//!   lines are left out.
-//! - Normals and tangents are kept if every primitive has them. Otherwise they are `None` and computed later. The same
-//!   holds for the normal deltas of a target. Tangent deltas are not read: tangents follow the normals.
-//! - The custom attributes `_DEPTH_LIMIT` (m) and `_STIFFNESS` (0 to 1), one number a vertex, are read if every primitive has them
+//! - All triangle primitives of a mesh are joined in file order; [`Imported::primitives`] keeps their ranges. Primitives with the
+//!   same accessors share one range. Strips and fans become triangles. Primitives of points or lines are left out, unless the mesh
+//!   has no others; then its vertices are read without triangles.
+//! - Vertices of primitives without normals or tangents get computed ones if another primitive has them; if none has, they are
+//!   `None` and computed later. Normals and tangents that are no numbers or have no length are computed too. A primitive that lacks
+//!   a target does not move in it. The normal deltas of a target count only if every primitive that moves has some. Tangent deltas
+//!   are not read: tangents follow the normals.
+//! - Floats, and the bytes and shorts of KHR_mesh_quantization, are read. So is geometry that EXT_meshopt_compression or
+//!   KHR_meshopt_compression packed. Draco's compression cannot hold morph targets: [`Error::Unsupported`].
+//! - The custom attributes `_DEPTH_LIMIT` (in the file's unit) and `_STIFFNESS` (0 to 1), one number a vertex, are read
 //!   ([`MeshData::depth_limits`](crate::MeshData::depth_limits)). Blender exports vertex attributes of these names.
-//! - Names come from `mesh.extras.targetNames` and may be empty or repeat. A target without a name is called
-//!   `target N`, counted from 0.
-//! - Only geometry is read: images, materials, skins, cameras and animations may be missing or broken. Other files may
-//!   be anywhere that a relative path leads to, including through `..`, as glTF allows.
-//! - Compressed geometry (Draco, meshopt) and quantised positions give [`Error::Unsupported`], which names them.
+//! - Names come from `mesh.extras.targetNames` and may be empty or repeat. Without that list they are the names of the targets'
+//!   accessors, if all differ. A target without a name is called `target N`, counted from 0.
+//! - Only geometry is read: images, materials, skins, cameras, animations and other meshes may be missing or broken. Buffers are
+//!   read from the file's folder and below.
 //!
-//! Two custom properties of the *mesh* (Blender: Object Data > Custom Properties, exported with
+//! Custom properties of the *mesh* (Blender: Object Data > Custom Properties, exported with
 //! "Include > Custom Properties"; they are `mesh.extras` in the file) describe the examples:
 //!
+//! - `dents`: which targets are dents: names or [`Patterns`], as a list or a text with commas. The others are left alone.
 //! - `impacts`: the contact and the blow of each example. It is a list of
 //!   `{"name": …, "point": [x, y, z], "contact_vertex": i, "normal": [x, y, z], "impulse": [x, y, z], "duration": t,
-//!   "striker": {"mass": m, "radius": r, "velocity": [x, y, z]}}`, or the same list as a JSON text. `point` (m) and all
-//!   vectors are in the mesh's own space *as exported* (y up; exporters do not turn custom properties).
-//!   `contact_vertex` is an index into the joined vertices. One of `point` and `contact_vertex` is required; `point`
+//!   "striker": {"mass": m, "radius": r, "velocity": [x, y, z]}}`, or the same list as a JSON text. `point` and all
+//!   vectors are in the mesh's own space and unit *as exported* (y up; exporters do not turn custom properties).
+//!   `contact_vertex` is an index into the vertices of the mesh. One of `point` and `contact_vertex` is required; `point`
 //!   takes precedence. `normal` points out of the body. `impulse` (N·s, on the body), `duration` (s) and the striker's
 //!   mass (kg), radius at the contact (m) and velocity relative to the body before the touch (m/s) are optional, each
 //!   on its own ([`Blow`](crate::Blow)). Other keys are ignored. Impacts are matched to targets by name if all target
@@ -34,69 +38,93 @@
 //! - `placements`: whether an example is `anchored` (stays where it was made), `carried` (moves to the hit) or
 //!   `automatic`. It is one word for all (`"anchored"`), words in target order (`"anchored, carried"` or a list), or a
 //!   map `{"target name": "anchored"}`. Targets that a map omits are automatic. A list or a map may be a text of JSON.
+//! - `targets` of a *scene*: `joined` if targets of one name are one example wherever they lie; see below.
+//! - `crumple`, also of a node or a material: `rigid`, `glass` or `moving`, as [`Reading`] explains.
 //!
-//! [`gltf_body_file`] joins the meshes of all nodes to one body of parts.
+//! # Bodies of parts
+//!
+//! With [`MeshChoice::Nodes`] the meshes of nodes are joined to one body: each lies where its node places it in the scene, or where
+//! its skin does. Each node is a [`Part`]. If there are more than 63, the smallest belong to the part of a node above them.
+//! Vertices of different nodes that lie within a millionth of the body's diagonal get one position, so that seams between parts
+//! stay closed. Targets of one name are one example if their moved vertices lie near each other, as where a dent crosses a seam.
+//! Those that lie apart are examples of their own, named after the part: exporters call the first key of every part "Key 1".
+//! If several meshes have an impact or a placement for one example, the first counts.
+//!
+//! ```no_run
+//! use crumple::{ExampleSet, Serial, SetOptions, import};
+//! let all = import::Patterns::default();
+//! let body = import::gltf_file("car.glb".as_ref(), import::MeshChoice::Nodes(&all))?;
+//! let parts = body.part_meshes();
+//! let mut set = ExampleSet::build(body.mesh, body.examples, SetOptions::default(), &Serial)?;
+//! for (part, mesh) in body.parts.iter().zip(parts) {
+//!     println!("part {} is {}", set.add_lod(mesh, &Serial)?, part.name);
+//! }
+//! # Ok::<(), crumple::Error>(())
+//! ```
 //!
 //! # OBJ
 //!
-//! [`obj_files`] reads a base and one OBJ per example. All must have as many `v` lines and the same faces, in the same
-//! order, as solvers and sculpting tools write them.
+//! [`obj_glb`] makes a GLB of a base and one OBJ per example, so that all of the above holds for OBJ too: objects and groups are
+//! nodes, and materials are kept. [`obj_files`] reads such files.
 //!
 //! Files are not trusted. Lengths, offsets, counts and indices are checked before use, numbers must be finite, and
-//! memory stays proportional to the size of the file.
+//! memory stays proportional to the size of the file. What is odd but harmless is in [`Imported::notes`].
 
 use crate::base::error::Error;
 use crate::example::data::ExampleData;
 use crate::mesh::data::MeshData;
+use serde_json::Value;
 use std::ops::Range;
 
-#[cfg(feature = "gltf")]
-mod accessor;
-#[cfg(feature = "gltf")]
-mod body;
-#[cfg(feature = "gltf")]
+pub(crate) mod accessor;
+pub(crate) mod body;
 pub(crate) mod document;
-#[cfg(feature = "gltf")]
 mod extras;
-#[cfg(feature = "gltf")]
-pub(crate) mod gltf;
-#[cfg(feature = "gltf")]
+mod gltf;
+mod join;
+mod join_examples;
+mod marks;
+pub(crate) mod meshopt;
+#[cfg(feature = "obj")]
+mod mtl;
 mod nodes;
+mod notes;
 #[cfg(feature = "obj")]
 mod obj;
-#[cfg(feature = "gltf")]
+#[cfg(feature = "obj")]
+mod obj_text;
+pub(crate) mod piece;
+pub(crate) mod primitives;
+mod reading;
+mod surface;
 pub(crate) mod uri;
+pub(crate) mod words;
 
-#[cfg(feature = "gltf")]
-pub use self::body::{gltf_body, gltf_body_file};
-#[cfg(feature = "gltf")]
 pub use self::extras::apply_extras;
-#[cfg(feature = "gltf")]
 pub use self::gltf::{gltf_file, gltf_slice, gltf_solids};
 #[cfg(feature = "obj")]
-pub use self::obj::{obj_files, obj_slices};
+pub use self::obj::{Converted, obj_files, obj_glb, obj_slices};
+pub use self::reading::{MeshChoice, Patterns, Reading};
 
 /// The result of an importer: the arrays of an example set, and their places in the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Imported {
-    /// The mesh's name; may be empty. For OBJ the file's stem.
+    /// The mesh's name; may be empty. For OBJ, and for a body of nodes, the file's stem.
     pub name: String,
-    /// The base mesh. Positions are in the mesh's own space, m.
+    /// The base mesh. Positions are in the mesh's own space, or in the scene's for a body of nodes, m.
     pub mesh: MeshData,
-    /// One texture coordinate per vertex, u to the right and v *down* from the upper left corner, as in glTF. Only for
-    /// OBJ, and only if every face corner has one. `None` for glTF, whose [export](crate::io::export::deformed_glb)
-    /// keeps them in the file.
-    pub texcoords: Option<Vec<[f32; 2]>>,
-    /// One example per morph target or example file, in order. Displacements are
-    /// [`Deltas::Sparse`](crate::Deltas::Sparse): vertices that do not move are left out.
+    /// One example per dent, in order. Displacements are [`Deltas::Sparse`](crate::Deltas::Sparse): vertices that do not move are
+    /// left out.
     pub examples: Vec<ExampleData>,
-    /// The primitives that were joined, in file order. One for OBJ.
+    /// The primitives that were joined, in file order.
     pub primitives: Vec<PrimitiveRange>,
-    /// The parts of a body that [`gltf_body`] read; empty otherwise.
+    /// The parts of a body of nodes, and primitives that are glass.
     pub parts: Vec<Part>,
     /// The world matrix of the lowest-numbered node that shows this mesh, as four columns. `None` if no node does, and
-    /// for OBJ.
+    /// for a body of nodes.
     pub node_transform: Option<[[f32; 4]; 4]>,
+    /// What is odd in the file, and what was done about it: a sentence each, for people.
+    pub notes: Vec<String>,
 }
 
 /// The place of one primitive of the file in the joined mesh.
@@ -116,11 +144,13 @@ pub struct PrimitiveRange {
     pub material: Option<String>,
 }
 
-/// The place of one node's mesh in the joined mesh of a body.
+/// The place of a node's mesh in the joined mesh of a body.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Part {
-    /// The node's name, or its mesh's if it has none, or `node N`.
+    /// The node's name, or its mesh's if it has none, or `node N`. For a primitive that is glass, its material's name.
     pub name: String,
+    /// What it does when it is hit.
+    pub kind: PartKind,
     /// Its first vertex.
     pub first_vertex: u32,
     /// The number of its vertices.
@@ -129,6 +159,19 @@ pub struct Part {
     pub first_triangle: u32,
     /// The number of its triangles.
     pub triangle_count: u32,
+}
+
+/// What a part does when it is hit; see [`Reading`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PartKind {
+    /// It dents.
+    #[default]
+    Dents,
+    /// It never moves: the stiffness of its vertices is 1.
+    Rigid,
+    /// It follows dents around it, but hits on it leave no mark: make it rigid with
+    /// [`Instance::set_rigid`](crate::Instance::set_rigid).
+    Glass,
 }
 
 impl Part {
@@ -158,25 +201,18 @@ impl Imported {
     }
 }
 
-/// The mesh of a file to read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum MeshChoice<'a> {
-    /// The first with morph targets.
-    #[default]
-    First,
-    /// By its index in the file.
-    Index(usize),
-    /// By its name; the first of that name.
-    Name(&'a str),
-}
-
 pub(crate) fn malformed(what: impl Into<String>) -> Error {
     Error::Format { what: what.into() }
 }
 
-#[cfg(feature = "gltf")]
 pub(crate) fn unsupported(what: impl Into<String>) -> Error {
     Error::Unsupported { what: what.into() }
+}
+
+/// A whole number, however it is written: JSON has one type of number, and some exporters write 9.0.
+pub(crate) fn whole(value: &Value) -> Option<u64> {
+    let written = value.as_f64().filter(|x| *x >= 0.0 && *x < 9e15 && x.fract() == 0.0);
+    value.as_u64().or(written.map(|x| x as u64))
 }
 
 /// Returns an `Err` that names the first component that is NaN or infinite.

@@ -1,9 +1,13 @@
 //! The nodes of a glTF: which of them show a mesh, and where they place it.
 
+use super::accessor::Accessor;
 use super::document::{Document, out_of_range};
-use super::malformed;
+use super::words::cut;
+use super::{malformed, whole};
 use crate::base::error::Error;
 use ::gltf::json;
+use ::gltf::json::Index;
+use ::gltf::json::accessor::Type;
 use std::cell::OnceCell;
 use std::collections::HashMap;
 
@@ -12,54 +16,131 @@ pub(super) type Matrix = [[f64; 4]; 4];
 
 /// The tree of nodes. Matrices are computed for all nodes at once when the first is asked for: files have many nodes, and
 /// trees may be deep.
-pub(super) struct Nodes<'d> {
-    nodes: &'d [json::Node],
+pub(super) struct Nodes<'d, 'a> {
+    doc: &'d Document<'a>,
     /// The first node that shows each mesh.
     first: HashMap<usize, usize>,
-    worlds: OnceCell<Vec<Option<Matrix>>>,
+    tree: OnceCell<Tree>,
 }
 
-impl<'d> Nodes<'d> {
-    pub(super) fn of(doc: &'d Document<'_>) -> Self {
-        let (nodes, mut first) = (&*doc.root.nodes, HashMap::new());
-        for (i, node) in nodes.iter().enumerate() {
+struct Tree {
+    parents: Vec<Option<usize>>,
+    /// The nodes that a root leads to, each after its parent.
+    order: Vec<usize>,
+    worlds: Vec<Option<Matrix>>,
+}
+
+impl<'d, 'a> Nodes<'d, 'a> {
+    pub(super) fn of(doc: &'d Document<'a>) -> Self {
+        let mut first = HashMap::new();
+        for (i, node) in doc.nodes.iter().enumerate() {
             if let Some(mesh) = node.mesh {
                 first.entry(mesh.value()).or_insert(i);
             }
         }
-        Nodes { nodes, first, worlds: OnceCell::new() }
+        Nodes { doc, first, tree: OnceCell::new() }
+    }
+
+    /// The first node that shows the mesh.
+    pub(super) fn first(&self, mesh: usize) -> Option<usize> {
+        self.first.get(&mesh).copied()
     }
 
     /// The world matrix of the first node that shows the mesh.
     pub(super) fn transform_of_mesh(&self, mesh: usize) -> Result<Option<[[f32; 4]; 4]>, Error> {
         let rounded = |world: Matrix| world.map(|column| column.map(|x| x as f32));
-        self.first.get(&mesh).map(|node| self.world(*node).map(rounded)).transpose()
+        self.first(mesh).map(|node| self.shown(node, &mut Vec::new()).map(rounded)).transpose()
+    }
+
+    /// The node's name, or its mesh's if it has none, or `node N`.
+    pub(super) fn name(&self, node: usize) -> String {
+        let mesh = self.doc.nodes[node].mesh.map_or(usize::MAX, |mesh| mesh.value());
+        let named = [self.doc.nodes[node].name.as_deref(), self.doc.value["meshes"][mesh]["name"].as_str()];
+        let name = named.into_iter().flatten().find(|name| !name.is_empty());
+        name.map_or_else(|| format!("node {node}"), str::to_owned)
+    }
+
+    /// A value for each node, made from the node and its parent's value. `start` is the value above roots, and of nodes that no
+    /// root leads to.
+    pub(super) fn inherited<T: Clone>(&self, start: T, mut of: impl FnMut(usize, &T) -> T) -> Result<Vec<T>, Error> {
+        let tree = self.tree()?;
+        let mut out = vec![start.clone(); self.doc.nodes.len()];
+        for node in &tree.order {
+            let above = tree.parents[*node].map_or(&start, |parent| &out[parent]);
+            let value = of(*node, above);
+            out[*node] = value;
+        }
+        Ok(out)
+    }
+
+    fn tree(&self) -> Result<&Tree, Error> {
+        if let Some(tree) = self.tree.get() {
+            return Ok(tree);
+        }
+        let tree = tree(&self.doc.nodes)?;
+        Ok(self.tree.get_or_init(|| tree))
+    }
+
+    /// Where a node shows its mesh: its world matrix, or where the joints of its skin place the mesh. The glTF 2.0 specification
+    /// (3.7.3.3) ignores the transform of a skinned mesh's node.
+    pub(super) fn shown(&self, node: usize, notes: &mut Vec<String>) -> Result<Matrix, Error> {
+        let joints = self.joints(node);
+        let Some(first) = joints.first() else { return self.world(node) };
+        let size = first.iter().flatten().fold(0.0f64, |most, x| most.max(x.abs()));
+        let off = |m: &Matrix| m.iter().flatten().zip(first.iter().flatten()).any(|(a, b)| (a - b).abs() > 1e-4 * size);
+        if joints.iter().any(off) {
+            notes.push(format!(
+                "{} is skinned and its joints are posed; the scene's space is taken where its first joint stands",
+                cut(&self.name(node))
+            ));
+        }
+        finite(*first, node)
+    }
+
+    /// Where each joint of a node's skin places the mesh. None if the node has no skin, or a broken one.
+    fn joints(&self, node: usize) -> Vec<Matrix> {
+        let Some(skin) = self.doc.nodes[node].skin.map(|skin| &self.doc.value["skins"][skin.value()]) else {
+            return Vec::new();
+        };
+        let bind = whole(&skin["inverseBindMatrices"]).and_then(|accessor| {
+            let index = Index::new(u32::try_from(accessor).ok()?);
+            Accessor::new(self.doc, index, "inverseBindMatrices", Type::Mat4).and_then(|a| a.floats::<16>()).ok()
+        });
+        let listed = skin["joints"].as_array().into_iter().flatten();
+        let joint = |(i, joint)| {
+            let world = self.world(usize::try_from(whole(joint)?).ok()?).ok()?;
+            Some(bind.as_ref().and_then(|list| list.get(i)).map_or(world, |bind| product(&world, &columns(*bind))))
+        };
+        listed.enumerate().map(joint).collect::<Option<Vec<Matrix>>>().unwrap_or_default()
     }
 
     /// The product of the matrices from the root to a node, whose elements are finite as f32.
-    pub(super) fn world(&self, node: usize) -> Result<Matrix, Error> {
-        let worlds = match self.worlds.get() {
-            Some(worlds) => worlds,
-            None => {
-                let worlds = worlds(self.nodes)?;
-                self.worlds.get_or_init(|| worlds)
-            }
-        };
-        let world = worlds[node].ok_or_else(|| malformed(format!("node {node} is its own ancestor")))?;
-        match world.iter().flatten().map(|x| *x as f32).find(|x| !x.is_finite()) {
-            None => Ok(world),
-            Some(x) => Err(Error::NotFinite { name: format!("the world matrix of node {node}"), value: x.to_string() }),
-        }
+    fn world(&self, node: usize) -> Result<Matrix, Error> {
+        let worlds = &self.tree()?.worlds;
+        let world = worlds.get(node).ok_or_else(|| out_of_range("node", node, worlds.len()))?;
+        finite(world.ok_or_else(|| malformed(format!("node {node} is its own ancestor")))?, node)
     }
 }
 
-/// The world matrix of each node. `None` for a node that no root leads to: it is below a node that is its own ancestor.
-fn worlds(nodes: &[json::Node]) -> Result<Vec<Option<Matrix>>, Error> {
+fn finite(world: Matrix, node: usize) -> Result<Matrix, Error> {
+    match world.iter().flatten().map(|x| *x as f32).find(|x| !x.is_finite()) {
+        None => Ok(world),
+        Some(x) => Err(Error::NotFinite { name: format!("the world matrix of node {node}"), value: x.to_string() }),
+    }
+}
+
+fn columns(m: [f32; 16]) -> Matrix {
+    let m = m.map(f64::from);
+    std::array::from_fn(|column| std::array::from_fn(|row| m[column * 4 + row]))
+}
+
+/// A node that no root leads to is below a node that is its own ancestor.
+fn tree(nodes: &[json::Node]) -> Result<Tree, Error> {
     let children = |i: usize| nodes[i].children.iter().flatten().map(|child: &json::Index<json::Node>| child.value());
-    let mut parent = vec![None; nodes.len()];
+    let mut parents = vec![None; nodes.len()];
     for i in 0..nodes.len() {
         for child in children(i) {
-            let slot: &mut Option<usize> = parent
+            let slot: &mut Option<usize> = parents
                 .get_mut(child)
                 .ok_or_else(|| out_of_range(&format!("a child of node {i}"), child, nodes.len()))?;
             if let Some(other) = slot.replace(i).filter(|other| *other != i) {
@@ -69,24 +150,24 @@ fn worlds(nodes: &[json::Node]) -> Result<Vec<Option<Matrix>>, Error> {
             }
         }
     }
-    let mut worlds: Vec<Option<Matrix>> = vec![None; nodes.len()];
-    let mut next: Vec<usize> = (0..nodes.len()).filter(|i| parent[*i].is_none()).collect();
+    let (mut worlds, mut order) = (vec![None; nodes.len()], Vec::new());
+    let mut next: Vec<usize> = (0..nodes.len()).filter(|i| parents[*i].is_none()).collect();
     while let Some(i) = next.pop() {
         // A list of children may name one twice.
         if worlds[i].is_none() {
-            let above = parent[i].and_then(|up| worlds[up]);
+            let above: Option<Matrix> = parents[i].and_then(|up: usize| worlds[up]);
             let local = local_matrix(&nodes[i]);
             worlds[i] = Some(above.map_or(local, |above| product(&above, &local)));
+            order.push(i);
             next.extend(children(i));
         }
     }
-    Ok(worlds)
+    Ok(Tree { parents, order, worlds })
 }
 
 fn local_matrix(node: &json::scene::Node) -> Matrix {
     if let Some(m) = node.matrix {
-        let m = m.map(f64::from);
-        return std::array::from_fn(|column| std::array::from_fn(|row| m[column * 4 + row]));
+        return columns(m);
     }
     let t = node.translation.unwrap_or([0.0; 3]).map(f64::from);
     let [x, y, z, w] = node.rotation.unwrap_or_default().0.map(f64::from);

@@ -1,19 +1,26 @@
-//! Reads a base OBJ and example OBJs as one base mesh and its examples.
+//! Makes a glTF of a base OBJ and example OBJs, so that everything else reads and writes glTF only.
 
-use super::{Imported, PrimitiveRange, finite, malformed};
+use super::obj_text::{Corner, Face, ObjText};
+use super::reading::{MeshChoice, Patterns};
+use super::{Imported, finite, gltf, mtl, uri};
 use crate::base::error::Error;
-use crate::example::data::{Deltas, ExampleData};
-use crate::mesh::data::MeshData;
-use ::obj::{IndexTuple, ObjData, ObjError, SimplePolygon};
-use std::collections::HashMap;
+use crate::io::glb::{Blob, ELEMENT_ARRAY_BUFFER, container, push, push_attribute, push_view};
+use crate::mesh::normals;
+use glam::Vec3;
+use serde_json::{Map, Value, json};
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
-/// Reads a base OBJ and one OBJ per example.
-///
-/// The base's vertices are the distinct (position, texture coordinate, normal) triples of its face corners, in the
-/// order in which the faces first use them. Polygons become fans of triangles. Without faces, the vertices are the `v`
-/// lines in order. An example must have as many `v` lines as the base, and either the same faces in the same order or
-/// none. Only its positions are read. Its name is its file's stem. Materials, groups and lines are not read.
+/// An OBJ and its examples as a GLB.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Converted {
+    /// The file's bytes. Images stay in other files, relative to the OBJ.
+    pub glb: Vec<u8>,
+    /// What is odd in the files, and what was done about it: a sentence each, for people.
+    pub notes: Vec<String>,
+}
+
+/// Reads a base OBJ and one OBJ per example as one body without parts; see [`obj_glb`].
 ///
 /// ```
 /// use crumple::import::obj_files;
@@ -24,243 +31,442 @@ use std::path::{Path, PathBuf};
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`] if a file cannot be read; [`Error::Format`], [`Error::IndexOutOfRange`] and [`Error::NotFinite`] if it
-/// is malformed; [`Error::ExampleMismatch`] if an example does not fit the base; [`Error::NoExamples`] if the list is
-/// empty.
+/// As [`obj_glb`].
 pub fn obj_files(base: &Path, examples: &[PathBuf]) -> Result<Imported, Error> {
-    let load = |path: &Path| {
-        let bytes =
-            std::fs::read(path).map_err(|e| Error::Io { path: path.display().to_string(), message: e.to_string() })?;
-        Ok((path.file_stem().unwrap_or_default().to_string_lossy().into_owned(), bytes))
-    };
-    let base = load(base)?;
-    // Only one example at a time is in memory.
-    let mut builder = Builder::new(&base.0, &base.1)?;
-    for path in examples {
-        let (name, bytes) = load(path)?;
-        builder.add(&name, &bytes)?;
-    }
-    builder.finish()
+    let imported = read(obj_glb(base, examples)?)?;
+    Ok(Imported { name: stem(base), ..imported })
 }
 
-/// Reads the same from memory: (name, bytes) of the base and of each example.
+/// Reads the same from memory: (name, bytes) of the base and of each example. Materials have their names only.
 ///
 /// # Errors
-/// As [`obj_files`].
+/// As [`obj_glb`].
 pub fn obj_slices(base: (&str, &[u8]), examples: &[(&str, &[u8])]) -> Result<Imported, Error> {
     let mut builder = Builder::new(base.0, base.1)?;
     for (name, bytes) in examples {
         builder.add(name, bytes)?;
     }
-    builder.finish()
+    let imported = read(builder.finish(None)?)?;
+    Ok(Imported { name: base.0.to_owned(), ..imported })
+}
+
+fn read(converted: Converted) -> Result<Imported, Error> {
+    let all = Patterns::default();
+    let imported = gltf::gltf_slice(&converted.glb, None, MeshChoice::Nodes(&all))?;
+    Ok(Imported { notes: [converted.notes, imported.notes].concat(), parts: Vec::new(), ..imported })
+}
+
+/// Makes a GLB of a base OBJ and one OBJ per example: the examples are its morph targets.
+///
+/// Each object, and each group of an object that has several, is a node; faces of one material are a primitive. The vertices of a
+/// primitive are the distinct (position, texture coordinate, normal) triples of its face corners, in the order in which its faces
+/// first use them. Polygons become triangles: fans where they are convex, else by ear clipping. Without faces, the vertices are the
+/// `v` lines in order. Colours after positions become `COLOR_0`. Materials come from the MTL files that the OBJ names, if they lie
+/// in its folder or below. Without `vn` lines there are normals only for faces of a smoothing group; glTF shows the others flat.
+///
+/// An example must have as many `v` lines as the base, in the same order. Only its positions are read. Its name is its file's stem.
+///
+/// # Errors
+/// [`Error::Io`] if an OBJ cannot be read; [`Error::Format`] and [`Error::NotFinite`], which name the line, if it is malformed;
+/// [`Error::ExampleMismatch`] if an example does not fit the base; [`Error::NoExamples`] if the list is empty.
+pub fn obj_glb(base: &Path, examples: &[PathBuf]) -> Result<Converted, Error> {
+    let mut builder = Builder::new(&stem(base), &uri::read(base, None)?)?;
+    for path in examples {
+        builder.add(&stem(path), &uri::read(path, None)?)?;
+    }
+    builder.finish(Some(base.parent().unwrap_or(Path::new(""))))
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// The displacements of one example: each moved `v` line, from 0.
+struct Example {
+    name: String,
+    moved: HashMap<u32, [f32; 3]>,
+}
+
+/// The faces of an object, by the numbers of its groups.
+struct Object<'f> {
+    number: usize,
+    groups: Vec<(usize, Vec<&'f Face>)>,
 }
 
 struct Builder {
-    base: Parsed,
-    /// The `v` line of each vertex.
-    sources: Vec<u32>,
-    imported: Imported,
+    base: ObjText,
+    examples: Vec<Example>,
+    notes: Vec<String>,
 }
 
 impl Builder {
     fn new(name: &str, bytes: &[u8]) -> Result<Self, Error> {
-        let base = Parsed::new(name, bytes)?;
-        let (sources, imported) = unified(&base)?;
-        Ok(Self { base, sources, imported })
+        let mut base = ObjText::parse(name, bytes)?;
+        let notes = std::mem::take(&mut base.notes);
+        Ok(Self { base, examples: Vec::new(), notes })
     }
 
     fn add(&mut self, name: &str, bytes: &[u8]) -> Result<(), Error> {
-        let example = Parsed::new(name, bytes)?;
-        let (ours, theirs) = (&self.base.data.position, &example.data.position);
-        let mismatch = |what| Error::ExampleMismatch { index: self.imported.examples.len(), name: name.into(), what };
+        let example = ObjText::parse(name, bytes)?;
+        let (ours, theirs) = (&self.base.positions, &example.positions);
         if ours.len() != theirs.len() {
-            return Err(mismatch(format!("it has {} vertices (v lines); the base has {}", theirs.len(), ours.len())));
+            return Err(Error::ExampleMismatch {
+                index: self.examples.len(),
+                name: name.into(),
+                what: format!(
+                    "it has {} vertices (v lines); the base has {}: export both with the order of vertices kept",
+                    theirs.len(),
+                    ours.len()
+                ),
+            });
         }
-        same_faces(&self.base.faces, &example.faces).map_err(mismatch)?;
-        let (mut indices, mut values) = (Vec::new(), Vec::new());
-        for (vertex, source) in (0..).zip(&self.sources) {
-            let (a, b) = (ours[*source as usize], theirs[*source as usize]);
+        if !same_surface(&self.base.faces, &example.faces) {
+            self.notes.push(format!(
+                "the faces of '{name}' use other vertices than those of the base; if its dent looks torn, export both with the \
+                 order of vertices kept"
+            ));
+        }
+        let mut moved = HashMap::new();
+        for (i, (a, b)) in (0..).zip(ours.iter().zip(theirs)) {
             let delta = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
             if delta != [0.0; 3] {
-                indices.push(vertex);
-                values.push(finite(delta, || format!("{name}: displacement of v line {}", source + 1))?);
+                moved.insert(i, finite(delta, || format!("{name}: displacement of v line {}", i + 1))?);
             }
         }
-        self.imported.examples.push(ExampleData::new(name, Deltas::Sparse { indices, values }));
+        self.examples.push(Example { name: name.into(), moved });
         Ok(())
     }
 
-    fn finish(self) -> Result<Imported, Error> {
-        if self.imported.examples.is_empty() {
+    /// `folder` has the MTL files.
+    fn finish(mut self, folder: Option<&Path>) -> Result<Converted, Error> {
+        if self.examples.is_empty() {
             return Err(Error::NoExamples {
                 what: format!("'{}' came without example files; give at least one", self.base.name),
             });
         }
-        Ok(self.imported)
-    }
-}
-
-struct Parsed {
-    name: String,
-    data: ObjData,
-    faces: Vec<SimplePolygon>,
-}
-
-impl Parsed {
-    fn new(name: &str, bytes: &[u8]) -> Result<Self, Error> {
-        let mut data = ObjData::load_buf(geometry_lines(bytes).as_bytes()).map_err(|e| describe(name, &e))?;
-        if data.position.is_empty() {
-            return Err(malformed(format!("{name}: no v lines; this is not an OBJ file with vertices")));
-        }
-        for (i, v) in data.position.iter().enumerate() {
-            finite(*v, || format!("{name}: v line {}", i + 1))?;
-        }
-        for (i, v) in data.normal.iter().enumerate() {
-            finite(*v, || format!("{name}: vn line {}", i + 1))?;
-        }
-        for (i, v) in data.texture.iter().enumerate() {
-            finite(*v, || format!("{name}: vt line {}", i + 1))?;
-        }
-        let faces: Vec<_> = data.objects.drain(..).flat_map(|o| o.groups).flat_map(|g| g.polys).collect();
-        let check = |what: &str, face: usize, index: usize, len: usize| match index < len {
-            true => Ok(()),
-            // The crate wraps an index that refers to before the first line; the error shows it as written.
-            false => {
-                let shown = if index > isize::MAX as usize { index as isize } else { index as isize + 1 };
-                Err(malformed(format!("{name}: face {} uses {what} {shown}; there are {len}", face + 1)))
+        let materials = self.materials(folder);
+        let mut root = json!({
+            "asset": { "version": "2.0", "generator": concat!("crumple ", env!("CARGO_PKG_VERSION")) },
+            "scene": 0,
+            // Each file is one blow, wherever it dents.
+            "scenes": [{ "nodes": [], "extras": { "targets": "joined" } }],
+            "nodes": [],
+            "meshes": [],
+        });
+        let mut blob = Blob::default();
+        let numbers = self.write_materials(&mut root, &materials);
+        for Object { number: object, groups } in self.objects() {
+            let several = groups.len() > 1;
+            let names = |group: usize| if several { &self.base.groups[group] } else { &self.base.objects[object] };
+            let mut children = Vec::new();
+            for (group, faces) in groups {
+                let own = Some(names(group)).filter(|name| !name.is_empty()).unwrap_or(&self.base.groups[group]);
+                let name = if own.is_empty() { &self.base.name } else { own };
+                let mesh = self.mesh(&mut root, &mut blob, name, &faces, &numbers)?;
+                children.push(push(&mut root, "nodes", json!({ "name": name, "mesh": mesh })));
             }
+            let top = if several && object > 0 {
+                let name = &self.base.objects[object];
+                vec![push(&mut root, "nodes", json!({ "name": name, "children": children }))]
+            } else {
+                children
+            };
+            let listed = root["scenes"][0]["nodes"].as_array_mut();
+            listed.into_iter().for_each(|list| list.extend(top.iter().map(|node| Value::from(*node))));
+        }
+        root["buffers"] = json!([{ "byteLength": blob.bytes.len() }]);
+        Ok(Converted { glb: container(&root, &blob.bytes)?, notes: self.notes })
+    }
+
+    /// The faces of each group of each object, in the order in which the file uses them.
+    fn objects(&self) -> Vec<Object<'_>> {
+        let mut out: Vec<Object<'_>> = Vec::new();
+        let mut objects: HashMap<usize, usize> = HashMap::new();
+        let mut groups: HashMap<(usize, usize), usize> = HashMap::new();
+        for face in &self.base.faces {
+            let at = *objects.entry(face.object).or_insert(out.len());
+            if at == out.len() {
+                out.push(Object { number: face.object, groups: Vec::new() });
+            }
+            let of_object = &mut out[at].groups;
+            let at = *groups.entry((face.object, face.group)).or_insert(of_object.len());
+            if at == of_object.len() {
+                of_object.push((face.group, Vec::new()));
+            }
+            of_object[at].1.push(face);
+        }
+        if out.is_empty() {
+            // A cloud of points.
+            out.push(Object { number: 0, groups: vec![(0, Vec::new())] });
+        }
+        out
+    }
+
+    /// Writes a mesh with a primitive for each material, and lines as primitives of their own.
+    fn mesh(
+        &self,
+        root: &mut Value,
+        blob: &mut Blob,
+        name: &str,
+        faces: &[&Face],
+        materials: &[Option<usize>],
+    ) -> Result<usize, Error> {
+        let mut kinds: Vec<((bool, usize), Vec<&Face>)> = Vec::new();
+        for face in faces {
+            let key = (face.is_line, face.material);
+            match kinds.iter_mut().find(|(known, _)| *known == key) {
+                Some((_, list)) => list.push(face),
+                None => kinds.push((key, vec![face])),
+            }
+        }
+        if kinds.is_empty() {
+            kinds.push(((false, 0), Vec::new()));
+        }
+        let smooth = faces.iter().any(|face| face.smooth && !face.is_line).then(|| self.smooth());
+        let mut primitives = Vec::new();
+        for ((is_line, material), faces) in kinds {
+            let mut primitive = self.primitive(root, blob, is_line, &faces, smooth.as_deref());
+            if let Some(material) = materials[material] {
+                primitive["material"] = material.into();
+            }
+            primitives.push(primitive);
+        }
+        let names: Vec<&str> = self.examples.iter().map(|example| example.name.as_str()).collect();
+        Ok(push(root, "meshes", json!({ "name": name, "primitives": primitives, "extras": { "targetNames": names } })))
+    }
+
+    fn primitive(
+        &self,
+        root: &mut Value,
+        blob: &mut Blob,
+        is_line: bool,
+        faces: &[&Face],
+        smooth: Option<&[Vec3]>,
+    ) -> Value {
+        let base = &self.base;
+        let mut known = HashMap::new();
+        let mut corners: Vec<(Corner, bool)> = Vec::new();
+        let mut indices: Vec<u32> = Vec::new();
+        for face in faces {
+            let own: Vec<u32> = face
+                .corners
+                .iter()
+                .map(|corner| {
+                    *known.entry(*corner).or_insert_with(|| {
+                        corners.push((*corner, face.smooth));
+                        corners.len() as u32 - 1
+                    })
+                })
+                .collect();
+            if is_line {
+                indices.extend(own.windows(2).flatten());
+            } else {
+                let at: Vec<[f32; 3]> = face.corners.iter().map(|c| base.positions[c.v as usize]).collect();
+                indices.extend(triangulated(&at).into_iter().map(|i| own[i]));
+            }
+        }
+        if base.faces.is_empty() {
+            corners = (0..base.positions.len() as u32).map(|v| (Corner { v, vt: None, vn: None }, false)).collect();
+        }
+        let of = |corner: &Corner| corner.v as usize;
+        let positions: Vec<[f32; 3]> = corners.iter().map(|(c, _)| base.positions[of(c)]).collect();
+        let mut attributes = json!({ "POSITION": push_attribute(root, blob, &positions, true) });
+        let normal = |(corner, is_smooth): &(Corner, bool)| match (corner.vn, smooth) {
+            (Some(n), _) => Some(base.normals[n as usize]),
+            (None, Some(smooth)) if *is_smooth => Some(smooth[of(corner)].to_array()),
+            (None, _) => None,
         };
-        for (f, face) in faces.iter().enumerate() {
-            if face.0.len() < 3 {
-                return Err(malformed(format!(
-                    "{name}: face {} has {} corners; it must have at least 3",
-                    f + 1,
-                    face.0.len()
-                )));
+        if !is_line && corners.iter().any(|corner| normal(corner).is_some()) {
+            let normals: Vec<[f32; 3]> = corners.iter().map(|corner| normal(corner).unwrap_or_default()).collect();
+            attributes["NORMAL"] = push_attribute(root, blob, &normals, false).into();
+        }
+        if corners.iter().any(|(corner, _)| corner.vt.is_some()) {
+            // In OBJ v grows upwards from the lower edge, in glTF downwards from the upper edge.
+            let uv = |t: u32| [base.texcoords[t as usize][0], 1.0 - base.texcoords[t as usize][1]];
+            let texcoords: Vec<[f32; 2]> = corners.iter().map(|(c, _)| c.vt.map_or([0.0, 1.0], uv)).collect();
+            attributes["TEXCOORD_0"] = push_attribute(root, blob, &texcoords, false).into();
+        }
+        if let Some(colours) = &base.colours {
+            let colours: Vec<[f32; 3]> = corners.iter().map(|(c, _)| colours[of(c)]).collect();
+            attributes["COLOR_0"] = push_attribute(root, blob, &colours, false).into();
+        }
+        let mut primitive = json!({ "attributes": attributes });
+        if indices.is_empty() {
+            primitive["mode"] = 0.into();
+        } else {
+            if is_line {
+                primitive["mode"] = 1.into();
             }
-            for IndexTuple(v, vt, vn) in &face.0 {
-                check("v", f, *v, data.position.len())?;
-                vt.map_or(Ok(()), |vt| check("vt", f, vt, data.texture.len()))?;
-                vn.map_or(Ok(()), |vn| check("vn", f, vn, data.normal.len()))?;
+            let bytes: Vec<u8> = indices.iter().flat_map(|i| i.to_le_bytes()).collect();
+            let view = push_view(root, blob, &bytes, Some(ELEMENT_ARRAY_BUFFER));
+            let accessor =
+                json!({ "bufferView": view, "componentType": 5125, "count": indices.len(), "type": "SCALAR" });
+            primitive["indices"] = push(root, "accessors", accessor).into();
+        }
+        let targets = self.examples.iter().map(|example| {
+            let moved = (0u32..).zip(&corners).filter_map(|(i, (c, _))| Some((i, *example.moved.get(&c.v)?)));
+            json!({ "POSITION": push_sparse(root, blob, corners.len(), moved.collect()) })
+        });
+        primitive["targets"] = targets.collect();
+        primitive
+    }
+
+    /// The normal of the surface at each `v` line.
+    fn smooth(&self) -> Vec<Vec3> {
+        let positions: Vec<Vec3> = self.base.positions.iter().map(|p| Vec3::from(*p) + Vec3::ZERO).collect();
+        let mut first = HashMap::new();
+        let weld: Vec<u32> =
+            positions.iter().zip(0..).map(|(p, v)| *first.entry(p.to_array().map(f32::to_bits)).or_insert(v)).collect();
+        let mut triangles = Vec::new();
+        for face in self.base.faces.iter().filter(|face| !face.is_line) {
+            let at: Vec<[f32; 3]> = face.corners.iter().map(|c| self.base.positions[c.v as usize]).collect();
+            let corners: Vec<u32> = triangulated(&at).into_iter().map(|i| face.corners[i].v).collect();
+            triangles.extend_from_slice(corners.as_chunks::<3>().0);
+        }
+        normals::smooth(&positions, &triangles, &weld)
+    }
+
+    /// The materials of the libraries by name.
+    fn materials(&mut self, folder: Option<&Path>) -> HashMap<String, tobj::Material> {
+        let mut all = HashMap::new();
+        let Some(folder) = folder else { return all };
+        for library in self.base.libraries.clone() {
+            // One name with spaces, or several names.
+            let load = |name: &str| beside(folder, name);
+            let found: Vec<(String, Result<Vec<u8>, Error>)> = match load(&library) {
+                Ok(bytes) => vec![(library, Ok(bytes))],
+                Err(error) if library.split_whitespace().count() < 2 => vec![(library, Err(error))],
+                Err(_) => library.split_whitespace().map(|name| (name.to_owned(), load(name))).collect(),
+            };
+            for (name, bytes) in found {
+                let why = match bytes.map(|bytes| mtl::library(&bytes)) {
+                    Ok(Ok(materials)) => {
+                        // The first library that has a material counts.
+                        for (name, material) in materials {
+                            all.entry(name).or_insert(material);
+                        }
+                        continue;
+                    }
+                    Ok(Err(why)) => why,
+                    Err(Error::Io { message, .. }) => message,
+                    Err(error) => error.to_string(),
+                };
+                let name = mtl::shown(&name);
+                self.notes
+                    .push(format!("the materials of {name} cannot be read, so they keep their names only: {why}"));
             }
         }
-        Ok(Self { name: name.into(), data, faces })
+        let used: HashSet<usize> = self.base.faces.iter().map(|face| face.material).filter(|m| *m > 0).collect();
+        let unknown = used.iter().filter(|m| !all.contains_key(&self.base.materials[**m])).min();
+        if let Some(first) = unknown.filter(|_| !all.is_empty()) {
+            let name = mtl::shown(&self.base.materials[*first]);
+            self.notes
+                .push(format!("no MTL file of '{}' has the material {name}; it keeps its name only", self.base.name));
+        }
+        all
+    }
+
+    /// Writes the materials that faces use. Returns the number of each.
+    fn write_materials(&self, root: &mut Value, known: &HashMap<String, tobj::Material>) -> Vec<Option<usize>> {
+        let used: HashSet<usize> = self.base.faces.iter().map(|face| face.material).collect();
+        let mut textures = Map::new();
+        let mut numbers = vec![None; self.base.materials.len()];
+        for (number, name) in self.base.materials.iter().enumerate().skip(1).filter(|(i, _)| used.contains(i)) {
+            let mut texture = |uri: String| {
+                let known = textures.get(&uri).and_then(Value::as_u64);
+                known.map_or_else(
+                    || {
+                        let image = push(root, "images", json!({ "uri": uri }));
+                        let texture = push(root, "textures", json!({ "source": image }));
+                        textures.insert(uri, texture.into());
+                        texture
+                    },
+                    |texture| texture as usize,
+                )
+            };
+            let material = mtl::material(name, known.get(name), &mut texture);
+            numbers[number] = Some(push(root, "materials", material));
+        }
+        numbers
     }
 }
 
-/// The lines that define geometry, with words one space apart, continued lines joined and line numbers kept. The rest
-/// (names, materials, comments, vendors' commands) may hold text that the crate's parser fails on.
-fn geometry_lines(bytes: &[u8]) -> String {
-    let text = String::from_utf8_lossy(bytes);
-    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
-    let mut out = String::with_capacity(text.len());
-    let mut lines = text.lines();
-    while let Some(line) = lines.next() {
-        let mut words: Vec<&str> = line.split_whitespace().collect();
-        let mut extra_lines = 0;
-        while words.last().is_some_and(|w| w.ends_with('\\')) && matches!(words[0], "v" | "vt" | "vn" | "f") {
-            let last = words.pop().unwrap_or_default().trim_end_matches('\\');
-            words.extend((!last.is_empty()).then_some(last));
-            words.extend(lines.next().into_iter().flat_map(str::split_whitespace));
-            extra_lines += 1;
-        }
-        if let Some("v" | "vt" | "vn" | "f") = words.first().copied() {
-            if words[0] == "vt" && words.len() == 2 {
-                words.push("0");
-            }
-            for word in &words {
-                out.push_str(word);
-                out.push(' ');
-            }
-        }
-        out.extend(std::iter::repeat_n('\n', 1 + extra_lines));
+/// Reads a file beside the OBJ or below. Of a path that leads elsewhere, as on the machine that wrote it, only the name is used.
+fn beside(folder: &Path, name: &str) -> Result<Vec<u8>, Error> {
+    let name = name.replace('\\', "/");
+    let last = name.rsplit('/').next().unwrap_or_default();
+    let read = |path: &str| uri::read_file(Some(folder), path, "the MTL file", None);
+    let is_below = !name.starts_with('/') && name.get(1..2) != Some(":") && !uri::leaves_folder(&name);
+    match if is_below { read(&name) } else { read(last) } {
+        Err(_) if is_below && last != name => read(last),
+        result => result,
     }
-    out
 }
 
-fn describe(name: &str, error: &ObjError) -> Error {
-    // The crate counts lines from 0.
-    malformed(match error {
-        ObjError::MalformedFaceGroup { line_number, group } => {
-            format!(
-                "{name}: line {}: '{group}' is no face corner; it must be v, v/vt, v//vn or v/vt/vn",
-                line_number + 1
-            )
-        }
-        ObjError::ArgumentListFailure { line_number, list } => {
-            format!("{name}: line {}: numbers are missing or unreadable: {list}", line_number + 1)
-        }
-        ObjError::ZeroVertexNumber { line_number } => {
-            format!("{name}: line {}: a face uses v 0; indices start at 1", line_number + 1)
-        }
-        other => format!("{name}: {other}"),
-    })
-}
-
-fn same_faces(base: &[SimplePolygon], example: &[SimplePolygon]) -> Result<(), String> {
-    if example.is_empty() {
-        return Ok(());
-    }
-    let corners = |face: &SimplePolygon| face.0.iter().map(|c| c.0 + 1).collect::<Vec<_>>();
-    for (f, (ours, theirs)) in base.iter().zip(example).enumerate() {
-        if !ours.0.iter().map(|c| c.0).eq(theirs.0.iter().map(|c| c.0)) {
-            return Err(format!(
-                "face {} has the corners {:?}; in the base it has {:?} (was the mesh reordered?)",
-                f + 1,
-                corners(theirs),
-                corners(ours)
-            ));
-        }
-    }
-    if base.len() != example.len() {
-        return Err(format!("it has {} faces; the base has {}", example.len(), base.len()));
-    }
-    Ok(())
-}
-
-fn unified(base: &Parsed) -> Result<(Vec<u32>, Imported), Error> {
-    let data = &base.data;
-    let too_many = || malformed(format!("{}: over {} vertices, more than 32-bit indices reach", base.name, u32::MAX));
-    u32::try_from(data.position.len()).map_err(|_| too_many())?;
-    let mut corners: Vec<IndexTuple> = Vec::new();
-    let mut triangles = Vec::new();
-    let mut known = HashMap::new();
-    for face in &base.faces {
-        let mut unify = |corner: &IndexTuple| {
-            let index = *known.entry(*corner).or_insert_with(|| {
-                corners.push(*corner);
-                corners.len() - 1
-            });
-            u32::try_from(index).map_err(|_| too_many())
+/// Whether two lists of faces are the same surface: one is the other, or its polygons cut into triangles. An example without
+/// faces is.
+fn same_surface(base: &[Face], example: &[Face]) -> bool {
+    let edges = |faces: &[Face]| -> HashSet<[u32; 2]> {
+        let around = |face: &Face| {
+            let corners: Vec<u32> = face.corners.iter().map(|c| c.v).collect();
+            let next = corners.iter().cycle().skip(1);
+            corners.iter().zip(next).map(|(a, b)| [*a.min(b), *a.max(b)]).collect::<Vec<_>>()
         };
-        let face = face.0.iter().map(&mut unify).collect::<Result<Vec<u32>, Error>>()?;
-        triangles.extend((1..face.len() - 1).map(|i| [face[0], face[i], face[i + 1]]));
-    }
-    if base.faces.is_empty() {
-        corners = (0..data.position.len()).map(|v| IndexTuple(v, None, None)).collect();
-    }
-    let normals: Option<Vec<_>> = corners.iter().map(|c| c.2.map(|n| data.normal[n])).collect();
-    // In OBJ v grows upwards from the lower edge, in glTF downwards from the upper edge.
-    let texcoords: Option<Vec<_>> =
-        corners.iter().map(|c| c.1.map(|t| [data.texture[t][0], 1.0 - data.texture[t][1]])).collect();
-    let primitive = PrimitiveRange {
-        primitive: 0,
-        first_vertex: 0,
-        vertex_count: corners.len() as u32,
-        first_triangle: 0,
-        triangle_count: u32::try_from(triangles.len()).map_err(|_| too_many())?,
-        material: None,
+        faces.iter().filter(|face| !face.is_line).flat_map(around).collect()
     };
-    let positions = corners.iter().map(|c| data.position[c.0]).collect();
-    let sources = corners.iter().map(|c| c.0 as u32).collect();
-    let imported = Imported {
-        name: base.name.clone(),
-        mesh: MeshData { positions, normals, triangles, ..MeshData::default() },
-        texcoords,
-        examples: Vec::new(),
-        primitives: vec![primitive],
-        parts: Vec::new(),
-        node_transform: None,
+    if example.is_empty() || base.is_empty() {
+        return true;
+    }
+    let (ours, theirs) = (edges(base), edges(example));
+    ours.is_subset(&theirs) || theirs.is_subset(&ours)
+}
+
+/// The corners of a polygon's triangles: a fan if that turns no triangle over, else by ear clipping.
+fn triangulated(corners: &[[f32; 3]]) -> Vec<usize> {
+    let n = corners.len();
+    let fan = || (1..n - 1).flat_map(|i| [0, i, i + 1]).collect::<Vec<usize>>();
+    if n == 3 {
+        return fan();
+    }
+    let at = |i: usize| Vec3::from(corners[i]).as_dvec3();
+    let area = |t: [usize; 3]| (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0]));
+    let normal = (1..n - 1).map(|i| area([0, i, i + 1])).sum::<glam::DVec3>();
+    if (1..n - 1).all(|i| area([0, i, i + 1]).dot(normal) >= 0.0) {
+        return fan();
+    }
+    let wide: Vec<[f64; 3]> = corners.iter().map(|c| c.map(f64::from)).collect();
+    let (mut flat, mut triangles) = (Vec::new(), Vec::<usize>::new());
+    if earcut::utils3d::project3d_to_2d(&wide, n, &mut flat) {
+        earcut::Earcut::new().earcut(flat.iter().copied(), &[] as &[usize], &mut triangles);
+    }
+    // A polygon without area, or one that crosses itself.
+    if triangles.len() != 3 * (n - 2) {
+        return fan();
+    }
+    for t in triangles.as_chunks_mut::<3>().0.iter_mut().filter(|t| area(**t).dot(normal) < 0.0) {
+        t.swap(1, 2);
+    }
+    triangles
+}
+
+/// Adds an accessor that is zero except at `moved`, sorted by vertex.
+fn push_sparse(root: &mut Value, blob: &mut Blob, count: usize, moved: Vec<(u32, [f32; 3])>) -> usize {
+    let bound = |least: fn(f32, f32) -> f32| -> Vec<f64> {
+        let all = |k: usize| moved.iter().map(move |(_, d)| d[k]);
+        // The vertices that do not move count too.
+        let zero = (moved.len() < count).then_some(0.0);
+        (0..3).map(|k| f64::from(all(k).chain(zero).reduce(least).unwrap_or(0.0))).collect()
     };
-    Ok((sources, imported))
+    let mut accessor = json!({ "componentType": 5126, "count": count, "type": "VEC3" });
+    (accessor["min"], accessor["max"]) = (bound(f32::min).into(), bound(f32::max).into());
+    if !moved.is_empty() {
+        let indices: Vec<u8> = moved.iter().flat_map(|(i, _)| i.to_le_bytes()).collect();
+        let values: Vec<u8> = moved.iter().flat_map(|(_, d)| d.iter().flat_map(|x| x.to_le_bytes())).collect();
+        accessor["sparse"] = json!({
+            "count": moved.len(),
+            "indices": { "bufferView": push_view(root, blob, &indices, None), "componentType": 5125 },
+            "values": { "bufferView": push_view(root, blob, &values, None) },
+        });
+    }
+    push(root, "accessors", accessor)
 }

@@ -24,18 +24,18 @@ pub(crate) fn parse(uri: &str, what: &str) -> Result<UriTarget, Error> {
     match scheme {
         Some(s) if s.eq_ignore_ascii_case("data") => data(&uri[5..], what).map(UriTarget::Data),
         Some(_) => Err(unsupported(format!(
-            "{what} points to '{}'; only relative paths and data: URIs are read",
+            "{what} points to '{}'; only files beside this one or below and data: URIs are read",
             shortened(uri)
         ))),
         None if uri.is_empty() => Err(malformed(format!("{what} has an empty uri"))),
         // Some exporters do not encode paths. A path that does not decode is used as written.
         None => match percent_decode_str(uri).decode_utf8().unwrap_or_else(|_| uri.into()) {
             path if path.starts_with(['/', '\\']) => Err(unsupported(format!(
-                "{what} points to the absolute path '{}'; only relative paths are read",
+                "{what} points to the absolute path '{}'; put it beside the file, and name it by a relative path",
                 shortened(uri)
             ))),
             path if leaves_folder(&path) => Err(unsupported(format!(
-                "{what} points to '{}', outside the file's folder; only files in the folder and below are read",
+                "{what} points to '{}', outside the file's folder; put it beside the file or below",
                 shortened(uri)
             ))),
             path => Ok(UriTarget::File(path.into_owned())),
@@ -45,7 +45,7 @@ pub(crate) fn parse(uri: &str, what: &str) -> Result<UriTarget, Error> {
 
 /// Whether a relative path leads out of the folder it starts in, so that a file from a stranger cannot read files elsewhere.
 /// Links in the folder are followed: whoever made them has access to it.
-fn leaves_folder(path: &str) -> bool {
+pub(super) fn leaves_folder(path: &str) -> bool {
     let mut depth = 0;
     path.split(['/', '\\']).any(|part| {
         match part {

@@ -2,15 +2,15 @@
 
 use crate::base::error::Error;
 use crate::io::import::unsupported;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 /// OpenGL's constants for the content of a bufferView, which glTF uses too.
-pub(super) const ARRAY_BUFFER: u32 = 34962;
-pub(super) const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+pub(crate) const ARRAY_BUFFER: u32 = 34962;
+pub(crate) const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 
 /// Bytes for the file's binary chunk.
 #[derive(Default)]
-pub(super) struct Blob {
+pub(crate) struct Blob {
     pub bytes: Vec<u8>,
 }
 
@@ -24,7 +24,7 @@ impl Blob {
 }
 
 /// Adds a bufferView of `blob`. Its buffer is filled in when the buffers are laid out.
-pub(super) fn push_view(root: &mut Value, blob: &mut Blob, bytes: &[u8], target: Option<u32>) -> usize {
+pub(crate) fn push_view(root: &mut Value, blob: &mut Blob, bytes: &[u8], target: Option<u32>) -> usize {
     let (offset, length) = blob.push(bytes);
     let mut view = json!({ "buffer": 0, "byteOffset": offset, "byteLength": length });
     if let Some(target) = target {
@@ -34,7 +34,7 @@ pub(super) fn push_view(root: &mut Value, blob: &mut Blob, bytes: &[u8], target:
 }
 
 /// Adds an accessor of float `values`, with bounds if asked for; glTF requires bounds for positions.
-pub(super) fn push_attribute<const N: usize>(
+pub(crate) fn push_attribute<const N: usize>(
     root: &mut Value,
     blob: &mut Blob,
     values: &[[f32; N]],
@@ -55,7 +55,7 @@ pub(super) fn push_attribute<const N: usize>(
 }
 
 /// Appends to one of the root's arrays, which is created if needed.
-pub(super) fn push(root: &mut Value, key: &str, element: Value) -> usize {
+pub(crate) fn push(root: &mut Value, key: &str, element: Value) -> usize {
     if !root[key].is_array() {
         root[key] = Value::Array(Vec::new());
     }
@@ -65,7 +65,7 @@ pub(super) fn push(root: &mut Value, key: &str, element: Value) -> usize {
 }
 
 /// Header, JSON chunk, binary chunk, each padded to 4 bytes.
-pub(super) fn container(root: &Value, bin: &[u8]) -> Result<Vec<u8>, Error> {
+pub(crate) fn container(root: &Value, bin: &[u8]) -> Result<Vec<u8>, Error> {
     let mut text = root.to_string().into_bytes();
     text.resize(text.len().next_multiple_of(4), b' ');
     let padded = bin.len().next_multiple_of(4);
@@ -89,6 +89,15 @@ pub(super) fn container(root: &Value, bin: &[u8]) -> Result<Vec<u8>, Error> {
 }
 
 /// The elements of a list in an object; none if there is no such list. (`IndexMut` would create one.)
-pub(super) fn list_mut<'v>(object: &'v mut Value, key: &str) -> impl Iterator<Item = &'v mut Value> + use<'v> {
+pub(crate) fn list_mut<'v>(object: &'v mut Value, key: &str) -> impl Iterator<Item = &'v mut Value> + use<'v> {
     object.get_mut(key).and_then(Value::as_array_mut).into_iter().flatten()
+}
+
+/// Removes keys from an object in `parent`, and the object itself if that leaves it empty.
+pub(crate) fn remove_within(parent: &mut Map<String, Value>, object: &str, keys: &[&str]) {
+    let Some(inner) = parent.get_mut(object).and_then(Value::as_object_mut) else { return };
+    let removed = keys.iter().filter(|key| inner.shift_remove(**key).is_some()).count();
+    if removed > 0 && inner.is_empty() {
+        parent.shift_remove(object);
+    }
 }

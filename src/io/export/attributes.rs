@@ -1,0 +1,165 @@
+//! The vertices of a piece as the file holds them: which of them changed, and new accessors for those.
+
+use super::vertices::Vertices;
+use crate::base::math::{to_f32, unit};
+use crate::io::glb::{ARRAY_BUFFER, Blob, push};
+use crate::io::import::accessor::Accessor;
+use crate::io::import::piece::{Offsets, Piece};
+use crate::mesh::data::MeshData;
+use ::gltf::json::accessor::ComponentType;
+use glam::{DMat3, DMat4, DVec3, Vec3};
+use serde_json::{Value, json};
+
+/// An attribute of a piece in its mesh's own space, and which vertices an export must write.
+pub(super) struct Written<const N: usize> {
+    pub values: Vec<[f32; N]>,
+    pub changed: Vec<bool>,
+}
+
+impl<const N: usize> Written<N> {
+    fn any(&self) -> bool {
+        self.changed.contains(&true)
+    }
+}
+
+/// What of a piece is written.
+pub(super) struct Changes {
+    pub positions: Written<3>,
+    pub normals: Option<Written<3>>,
+    pub tangents: Option<Written<4>>,
+}
+
+impl Changes {
+    /// `rest` is the body at rest, `after` is what it became, and `shown` what the file adds to the piece by default.
+    pub fn of(piece: &Piece<'_>, rest: &MeshData, after: &Vertices<'_>, shown: Option<&Offsets>) -> Self {
+        let own = piece.first_vertex..piece.first_vertex + piece.surface.data.positions.len();
+        let linear = DMat3::from_mat4(piece.to_body);
+        let back = linear.inverse();
+        let as_it_is = piece.to_body == DMat4::IDENTITY;
+        let map = |m: DMat3, v: Vec3| m * v.as_dvec3();
+        let surface = &piece.surface;
+
+        let (at_rest, moved) = (&rest.positions[own.clone()], &after.positions[own.clone()]);
+        let added = |v: usize| shown.map_or([0.0; 3], |shown| shown.positions[v]);
+        let turned = |v: usize| shown.map_or([0.0; 3], |shown| shown.normals[v]);
+        let position = |(v, p): (usize, &[f32; 3])| {
+            let p = match moved[v] == at_rest[v] {
+                true => *p,
+                false if as_it_is => moved[v],
+                false => {
+                    let by = Vec3::from(moved[v]).as_dvec3() - Vec3::from(at_rest[v]).as_dvec3();
+                    to_f32(Vec3::from(*p).as_dvec3() + back * by)
+                }
+            };
+            if added(v) == [0.0; 3] { p } else { sum(p, added(v)) }
+        };
+        let positions = Written {
+            values: surface.data.positions.iter().enumerate().map(position).collect(),
+            changed: (0..own.len()).map(|v| moved[v] != at_rest[v] || added(v) != [0.0; 3]).collect(),
+        };
+
+        let normals = surface.data.normals.as_ref().map(|normals| {
+            let given = after.normals.map(|n| &n[own.clone()]);
+            // An example set makes normals exactly this long.
+            let at_rest = |v: usize| unit(Vec3::from(rest.normals.as_ref().map_or([0.0; 3], |n| n[own.start + v])));
+            let is_new = |v: usize| given.is_some_and(|n| at_rest(v).is_none_or(|rest| rest != Vec3::from(n[v])));
+            let normal = |(v, n): (usize, &[f32; 3])| {
+                let n = match given.filter(|_| is_new(v)) {
+                    Some(given) if as_it_is => given[v],
+                    Some(given) => to_f32(map(linear.transpose(), Vec3::from(given[v])).normalize_or_zero()),
+                    None => *n,
+                };
+                if turned(v) == [0.0; 3] {
+                    n
+                } else {
+                    Vec3::from(sum(n, turned(v))).normalize_or(Vec3::from(n)).to_array()
+                }
+            };
+            let changed = |v: usize| is_new(v) || turned(v) != [0.0; 3] || flagged(&surface.new_normals, v);
+            Written {
+                values: normals.iter().enumerate().map(normal).collect(),
+                changed: (0..own.len()).map(changed).collect(),
+            }
+        });
+
+        let tangents = surface.data.tangents.as_ref().map(|tangents| {
+            let given = after.tangents.map(|t| &t[own.clone()]);
+            let at_rest = |v: usize| rest.tangents.as_ref().map(|t| t[own.start + v]);
+            let is_new = |v: usize| given.is_some_and(|t| at_rest(v) != Some(t[v]));
+            let mirrored = linear.determinant() < 0.0;
+            let tangent = |(v, t): (usize, &[f32; 4])| match given.filter(|_| is_new(v)).map(|t| t[v]) {
+                Some(given) if as_it_is => given,
+                Some([x, y, z, w]) => {
+                    let [x, y, z] = to_f32((back * DVec3::from([x, y, z].map(f64::from))).normalize_or_zero());
+                    [x, y, z, if mirrored { -w } else { w }]
+                }
+                None => *t,
+            };
+            Written {
+                values: tangents.iter().enumerate().map(tangent).collect(),
+                changed: (0..own.len()).map(|v| is_new(v) || flagged(&surface.new_tangents, v)).collect(),
+            }
+        });
+        Changes { positions, normals, tangents }
+    }
+
+    pub fn any(&self) -> bool {
+        let (normals, tangents) = (&self.normals, &self.tangents);
+        self.positions.any()
+            || normals.as_ref().is_some_and(Written::any)
+            || tangents.as_ref().is_some_and(Written::any)
+    }
+}
+
+fn sum(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    std::array::from_fn(|k| a[k] + b[k])
+}
+
+fn flagged(list: &[bool], v: usize) -> bool {
+    list.get(v).copied().unwrap_or(false)
+}
+
+/// Adds an accessor that holds the file's elements where nothing changed, and `values` elsewhere. `old` is the file's accessor and
+/// `json` its JSON. Positions become floats, with bounds; other quantised vectors stay so.
+pub(super) fn push_changed<const N: usize>(
+    root: &mut Value,
+    blob: &mut Blob,
+    (old, json): (&Accessor<'_>, &Value),
+    (values, changed): (&[[f32; N]], &[bool]),
+    is_position: bool,
+) -> usize {
+    let is_float = old.component == ComponentType::F32;
+    let mut bytes = Vec::with_capacity(values.len() * N * 4);
+    for (i, (value, changed)) in values.iter().zip(changed).enumerate() {
+        match old.stored(i).filter(|_| !changed && (is_float || !is_position)) {
+            Some(stored) => bytes.extend_from_slice(stored),
+            None if is_position => bytes.extend(value.iter().flat_map(|x| x.to_le_bytes())),
+            None => bytes.extend(old.encoded(*value)),
+        }
+        // Elements of vertex attributes begin at multiples of four bytes.
+        bytes.resize(bytes.len().next_multiple_of(4), 0);
+    }
+    let stride = bytes.len() / values.len().max(1);
+    let (offset, length) = blob.push(&bytes);
+    let mut view = json!({ "buffer": 0, "byteOffset": offset, "byteLength": length, "target": ARRAY_BUFFER });
+    let kind = ["SCALAR", "VEC2", "VEC3", "VEC4"][N - 1];
+    let mut accessor = json!({ "count": values.len(), "type": kind });
+    for key in ["name", "extras"].into_iter().filter(|key| !json[key].is_null()) {
+        accessor[key] = json[key].clone();
+    }
+    if is_position || is_float {
+        accessor["componentType"] = 5126.into();
+    } else {
+        view["byteStride"] = stride.into();
+        accessor["componentType"] = json["componentType"].clone();
+        accessor["normalized"] = json["normalized"].clone();
+    }
+    if is_position {
+        let bound = |least: fn(f32, f32) -> f32| -> Vec<f64> {
+            (0..N).map(|k| f64::from(values.iter().map(|v| v[k]).reduce(least).unwrap_or(0.0))).collect()
+        };
+        (accessor["min"], accessor["max"]) = (bound(f32::min).into(), bound(f32::max).into());
+    }
+    accessor["bufferView"] = push(root, "bufferViews", view).into();
+    push(root, "accessors", accessor)
+}

@@ -1,0 +1,293 @@
+//! The statements of an OBJ file, by the file's own numbers.
+
+use super::{finite, malformed};
+use crate::base::error::Error;
+use std::borrow::Cow;
+use std::collections::HashMap;
+
+/// A corner of a face or a point of a line: indices from 0 of its position, texture coordinate and normal.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Corner {
+    pub v: u32,
+    pub vt: Option<u32>,
+    pub vn: Option<u32>,
+}
+
+/// A face, or a line of several points.
+#[derive(Debug, Clone)]
+pub(super) struct Face {
+    pub corners: Vec<Corner>,
+    pub is_line: bool,
+    /// Of [`ObjText::objects`], [`ObjText::groups`] and [`ObjText::materials`]; 0 is none.
+    pub object: usize,
+    pub group: usize,
+    pub material: usize,
+    pub smooth: bool,
+    /// The line of the file, from 1.
+    pub line: usize,
+}
+
+/// A parsed file.
+pub(super) struct ObjText {
+    pub name: String,
+    pub positions: Vec<[f32; 3]>,
+    /// One colour a position, if any has one.
+    pub colours: Option<Vec<[f32; 3]>>,
+    pub texcoords: Vec<[f32; 2]>,
+    /// Those that are no numbers are zeros.
+    pub normals: Vec<[f32; 3]>,
+    pub faces: Vec<Face>,
+    /// Names, the first of them empty.
+    pub objects: Vec<String>,
+    pub groups: Vec<String>,
+    pub materials: Vec<String>,
+    pub libraries: Vec<String>,
+    pub notes: Vec<String>,
+}
+
+/// Text of any encoding that tools write: UTF-8, UTF-16 with or without a mark, or bytes that are none of these.
+fn decoded(bytes: &[u8]) -> Cow<'_, str> {
+    let wide = |bytes: &[u8], of: fn([u8; 2]) -> u16| {
+        String::from_utf16_lossy(&bytes.as_chunks::<2>().0.iter().map(|pair| of(*pair)).collect::<Vec<_>>())
+    };
+    match bytes {
+        [0xFF, 0xFE, rest @ ..] => wide(rest, u16::from_le_bytes).into(),
+        [0xFE, 0xFF, rest @ ..] => wide(rest, u16::from_be_bytes).into(),
+        [a, 0, b, 0, ..] if *a != 0 && *b != 0 => wide(bytes, u16::from_le_bytes).into(),
+        [0, a, 0, b, ..] if *a != 0 && *b != 0 => wide(bytes, u16::from_be_bytes).into(),
+        _ => String::from_utf8_lossy(bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes)),
+    }
+}
+
+impl ObjText {
+    /// `name` is for errors.
+    pub fn parse(name: &str, bytes: &[u8]) -> Result<Self, Error> {
+        let mut parser = Parser {
+            out: ObjText {
+                name: name.into(),
+                positions: Vec::new(),
+                colours: None,
+                texcoords: Vec::new(),
+                normals: Vec::new(),
+                faces: Vec::new(),
+                objects: vec![String::new()],
+                groups: vec![String::new()],
+                materials: vec![String::new()],
+                libraries: Vec::new(),
+                notes: Vec::new(),
+            },
+            state: Face {
+                corners: Vec::new(),
+                is_line: false,
+                object: 0,
+                group: 0,
+                material: 0,
+                smooth: false,
+                line: 0,
+            },
+            line: 0,
+            known: HashMap::new(),
+            small: 0,
+            absent: 0,
+            odd: 0,
+        };
+        let text = decoded(bytes);
+        // Old programs end lines with a carriage return alone.
+        let text = text.replace("\r\n", "\n").replace('\r', "\n");
+        let mut lines = text.split('\n').enumerate();
+        while let Some((number, line)) = lines.next() {
+            parser.line = number + 1;
+            let mut line = Cow::Borrowed(line);
+            while line.trim_end().ends_with('\\') && !line.trim_start().starts_with('#') {
+                let next = lines.next().map_or("", |(_, line)| line);
+                line = format!("{} {next}", line.trim_end().trim_end_matches('\\')).into();
+            }
+            parser.statement(line.trim())?;
+        }
+        parser.finish()
+    }
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum List {
+    Objects,
+    Groups,
+    Materials,
+}
+
+struct Parser {
+    out: ObjText,
+    /// What the next face begins with.
+    state: Face,
+    line: usize,
+    /// The numbers of names, by the list that has them.
+    known: HashMap<(List, String), usize>,
+    /// Faces with fewer than three corners.
+    small: usize,
+    /// Corners that name a texture coordinate or a normal that the file lacks.
+    absent: usize,
+    /// Texture coordinates and normals that are no numbers.
+    odd: usize,
+}
+
+impl Parser {
+    fn statement(&mut self, line: &str) -> Result<(), Error> {
+        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        let rest = rest.trim();
+        match keyword {
+            "v" => self.position(rest)?,
+            "vt" => {
+                let [u, v, _] = self.lenient(rest);
+                self.out.texcoords.push([u, v]);
+            }
+            "vn" => {
+                let normal = self.lenient(rest);
+                self.out.normals.push(normal);
+            }
+            "f" | "l" => self.face(rest, keyword == "l")?,
+            "o" => (self.state.object, self.state.group) = (self.number(List::Objects, rest), 0),
+            "g" => self.state.group = self.number(List::Groups, if rest == "default" { "" } else { rest }),
+            "usemtl" => self.state.material = self.number(List::Materials, rest),
+            "mtllib" if !rest.is_empty() => self.out.libraries.push(rest.to_owned()),
+            "s" => self.state.smooth = !matches!(rest, "off" | "0" | ""),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// The number of a name, which is added if it is new.
+    fn number(&mut self, list: List, name: &str) -> usize {
+        let names = match list {
+            List::Objects => &mut self.out.objects,
+            List::Groups => &mut self.out.groups,
+            List::Materials => &mut self.out.materials,
+        };
+        if name.is_empty() {
+            return 0;
+        }
+        *self.known.entry((list, name.to_owned())).or_insert_with(|| {
+            names.push(name.to_owned());
+            names.len() - 1
+        })
+    }
+
+    fn bad(&self, what: impl std::fmt::Display) -> Error {
+        malformed(format!("{}: line {}: {what}", self.out.name, self.line))
+    }
+
+    fn position(&mut self, rest: &str) -> Result<(), Error> {
+        let mut numbers = Vec::with_capacity(6);
+        for word in words(rest) {
+            numbers
+                .push(word.parse::<f32>().map_err(|_| self.bad(format_args!("'{word}' is no number; v needs x y z")))?);
+        }
+        let Some(at) = numbers.first_chunk::<3>() else {
+            return Err(self.bad(format_args!("v has {} numbers; it needs x y z", numbers.len())));
+        };
+        let count = self.out.positions.len();
+        self.out.positions.push(finite(*at, || format!("{}: v line {}", self.out.name, count + 1))?);
+        // Four numbers are x y z w.
+        let colour = numbers.get(3..6).and_then(|c| c.first_chunk::<3>()).filter(|c| c.iter().all(|x| x.is_finite()));
+        if colour.is_some() || self.out.colours.is_some() {
+            let colours = self.out.colours.get_or_insert_with(Vec::new);
+            colours.resize(count, [1.0; 3]);
+            colours.push(colour.copied().unwrap_or([1.0; 3]));
+        }
+        Ok(())
+    }
+
+    /// Up to three numbers of which the geometry does not depend. What is no finite number is zero.
+    fn lenient(&mut self, rest: &str) -> [f32; 3] {
+        let mut out = [0.0; 3];
+        for (slot, word) in out.iter_mut().zip(words(rest)) {
+            match word.parse::<f32>().ok().filter(|x| x.is_finite()) {
+                Some(number) => *slot = number,
+                None => {
+                    self.odd += 1;
+                    return [0.0; 3];
+                }
+            }
+        }
+        out
+    }
+
+    fn face(&mut self, rest: &str, is_line: bool) -> Result<(), Error> {
+        let corners = words(rest).map(|word| self.corner(word)).collect::<Result<Vec<Corner>, Error>>()?;
+        if corners.len() < if is_line { 2 } else { 3 } {
+            self.small += 1;
+            return Ok(());
+        }
+        self.out.faces.push(Face { corners, is_line, line: self.line, ..self.state });
+        Ok(())
+    }
+
+    fn corner(&mut self, word: &str) -> Result<Corner, Error> {
+        let mut parts = word.split('/');
+        let mut index = || parts.next().filter(|part| !part.is_empty()).map(str::parse::<i64>).transpose();
+        let (Ok(Some(v)), Ok(vt), Ok(vn)) = (index(), index(), index()) else {
+            return Err(self.bad(format_args!("'{word}' is no face corner; it must be v, v/vt, v//vn or v/vt/vn")));
+        };
+        let count = self.out.positions.len();
+        let Some(v) = resolved(v, count) else {
+            let right = if v == 0 { "indices start at 1".to_owned() } else { format!("there are {count} before it") };
+            return Err(self.bad(format_args!("a face uses v {v}; {right}")));
+        };
+        let [vt, vn] = [(vt, self.out.texcoords.len()), (vn, self.out.normals.len())].map(|(written, count)| {
+            let written = written.filter(|i| *i != 0);
+            let found = written.and_then(|i| resolved(i, count));
+            self.absent += usize::from(written.is_some() && found.is_none());
+            found
+        });
+        Ok(Corner { v, vt, vn })
+    }
+
+    fn finish(mut self) -> Result<ObjText, Error> {
+        let name = &self.out.name;
+        if self.out.positions.is_empty() {
+            return Err(malformed(format!("{name}: no v lines; this is not an OBJ file with vertices")));
+        }
+        // Faces may stand before the vertices that they use.
+        let counts = [self.out.positions.len(), self.out.texcoords.len(), self.out.normals.len()];
+        for face in &mut self.out.faces {
+            if let Some(bad) = face.corners.iter().find(|c| c.v as usize >= counts[0]) {
+                let (line, v) = (face.line, u64::from(bad.v) + 1);
+                return Err(malformed(format!("{name}: line {line}: a face uses v {v}; there are {}", counts[0])));
+            }
+            for corner in &mut face.corners {
+                for (index, count) in [(&mut corner.vt, counts[1]), (&mut corner.vn, counts[2])] {
+                    if index.is_some_and(|i| i as usize >= count) {
+                        self.absent += 1;
+                        *index = None;
+                    }
+                }
+            }
+        }
+        if let Some(colours) = &mut self.out.colours {
+            colours.resize(counts[0], [1.0; 3]);
+            // Some programs write bytes.
+            let scale = if colours.iter().flatten().any(|c| *c > 1.0) { 1.0 / 255.0 } else { 1.0 };
+            colours.iter_mut().flatten().for_each(|c| *c = (*c * scale).clamp(0.0, 1.0));
+        }
+        let counted = [
+            (self.small, "faces have fewer than three corners and are left out"),
+            (self.absent, "corners of faces name a vt or vn line that the file lacks; they are read without it"),
+            (self.odd, "vt and vn lines are no numbers; they are read as zero, and such normals are computed anew"),
+        ];
+        for (count, what) in counted.into_iter().filter(|(count, _)| *count > 0) {
+            self.out.notes.push(format!("{name}: {count} {what}"));
+        }
+        Ok(self.out)
+    }
+}
+
+/// The words of a statement, up to a comment.
+fn words(rest: &str) -> impl Iterator<Item = &str> {
+    rest.split_whitespace().take_while(|word| !word.starts_with('#'))
+}
+
+/// The index from 0 of what a file counts from 1, or backwards from -1 behind the `count` that have been read. Whether an index
+/// from 1 is too large is known at the end of the file.
+fn resolved(index: i64, count: usize) -> Option<u32> {
+    let at = if index < 0 { i64::try_from(count).ok()?.checked_add(index)? } else { index.checked_sub(1)? };
+    u32::try_from(at).ok()
+}

@@ -1,0 +1,130 @@
+//! Files as people have them. Each folder beside this file is a case: files, and `case.json`, which says what to run and what holds.
+//! The folders are named after the kind of file. `cargo xtask sweep` runs the same comparison over any folder.
+
+mod compare;
+mod sweep;
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// What a command printed, and whether it succeeded.
+struct Run {
+    good: bool,
+    text: String,
+}
+
+/// Runs `crumple` in a folder.
+fn crumple(folder: &Path, words: &[&str]) -> Run {
+    let output = Command::new(env!("CARGO_BIN_EXE_crumple")).args(words).current_dir(folder).output().unwrap();
+    let text = [output.stdout, output.stderr].concat();
+    Run { good: output.status.success(), text: String::from_utf8(text).unwrap() }
+}
+
+/// The keys of `case.json`:
+///
+/// - `about`: the kind of file, in a sentence.
+/// - `run`: command lines. `error`: the last one fails.
+/// - `says`, `never`: texts that the output has, or has not.
+/// - `of`: the file of which `o.glb` was made; they may differ only where a dent reached.
+/// - `moved`: how many vertices of triangles moved: a number, or the least and the most.
+/// - `is`: values in `o.glb` by JSON pointer; `{n}` after that of an accessor's index is its n-th element.
+/// - `area`: the area of the triangles of `o.glb`, none of which is turned over.
+const KEYS: [&str; 9] = ["about", "run", "error", "says", "never", "of", "moved", "is", "area"];
+
+fn check(folder: &Path) -> Vec<String> {
+    let text = std::fs::read_to_string(folder.join("case.json")).unwrap();
+    let case: Value = serde_json::from_str(&text).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
+    let mut wrong: Vec<String> =
+        case.as_object().unwrap().keys().filter(|k| !KEYS.contains(&k.as_str())).cloned().collect();
+    let work = tempfile::tempdir().unwrap();
+    copy(folder, work.path());
+    let texts = |key: &str| -> Vec<String> {
+        case[key].as_array().into_iter().flatten().map(|v| v.as_str().unwrap().to_owned()).collect()
+    };
+    let mut printed = String::new();
+    let lines = texts("run");
+    for (i, line) in lines.iter().enumerate() {
+        let run = crumple(work.path(), &line.split(' ').collect::<Vec<_>>());
+        let should_fail = case["error"] == true && i + 1 == lines.len();
+        if run.good == should_fail {
+            wrong.push(format!("'{line}' {}", if run.good { "succeeded" } else { "failed" }));
+        }
+        // A message that fits into three lines of a terminal.
+        let long =
+            run.text.lines().find(|l| (l.contains("arning") || l.starts_with("error")) && l.chars().count() > 300);
+        wrong.extend(long.map(|l| format!("a message of {} characters: {l}", l.chars().count())));
+        printed.push_str(&run.text);
+    }
+    wrong.extend(texts("says").into_iter().filter(|t| !printed.contains(t)).map(|t| format!("it does not say '{t}'")));
+    wrong.extend(texts("never").into_iter().filter(|t| printed.contains(t)).map(|t| format!("it says '{t}'")));
+    let output = work.path().join("o.glb");
+    if let Some(source) = case["of"].as_str() {
+        let report = compare::compare(&work.path().join(source), &output);
+        wrong.extend(report.differences);
+        let (least, most) = match &case["moved"] {
+            Value::Array(range) => (range[0].as_u64().unwrap(), range[1].as_u64().unwrap()),
+            one => (one.as_u64().unwrap_or(0), one.as_u64().unwrap_or(u64::MAX)),
+        };
+        if !(least..=most).contains(&(report.moved as u64)) {
+            wrong.push(format!("{} vertices moved", report.moved));
+        }
+    }
+    for (pointer, value) in case["is"].as_object().into_iter().flatten() {
+        let found = compare::at(&compare::File::open(&output), pointer);
+        if !alike(&found, value) {
+            wrong.push(format!("{pointer} is {found}, not {value}"));
+        }
+    }
+    if let Some(area) = case["area"].as_f64() {
+        let (found, same_side) = compare::area(&compare::File::open(&output));
+        if (found - area).abs() > 0.01 * area || !same_side {
+            wrong.push(format!("the area is {found}, none turned over: {same_side}"));
+        }
+    }
+    if !wrong.is_empty() {
+        wrong.push(printed);
+    }
+    wrong
+}
+
+/// Equal values; numbers may differ by a rounding.
+fn alike(a: &Value, b: &Value) -> bool {
+    match (a, b) {
+        (Value::Array(a), Value::Array(b)) => a.len() == b.len() && a.iter().zip(b).all(|(a, b)| alike(a, b)),
+        (Value::Number(a), Value::Number(b)) => {
+            let (a, b) = (a.as_f64().unwrap(), b.as_f64().unwrap());
+            (a - b).abs() <= 1e-5 * b.abs().max(1.0)
+        }
+        _ => a == b,
+    }
+}
+
+fn copy(from: &Path, to: &Path) {
+    for entry in std::fs::read_dir(from).unwrap().map(Result::unwrap) {
+        let target = to.join(entry.file_name());
+        if entry.file_type().unwrap().is_dir() {
+            std::fs::create_dir(&target).unwrap();
+            copy(&entry.path(), &target);
+        } else {
+            std::fs::copy(entry.path(), target).unwrap();
+        }
+    }
+}
+
+#[test]
+fn files_as_people_have_them() {
+    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/files");
+    let folders = std::fs::read_dir(root).unwrap().map(|e| e.unwrap().path()).filter(|path| path.is_dir());
+    let mut folders: Vec<PathBuf> = folders.collect();
+    folders.sort();
+    assert!(folders.len() >= 34, "{}", folders.len());
+    let mut wrong = String::new();
+    for folder in folders {
+        let found = check(&folder);
+        if !found.is_empty() {
+            wrong.push_str(&format!("\n{}:\n  {}\n", folder.file_name().unwrap().display(), found.join("\n  ")));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+}
