@@ -180,7 +180,9 @@ fn what_is_rigid_glass_or_moves_is_said_by_patterns_and_by_extras() {
     let part = |name: &str, kind: PartKind| (name.to_owned(), kind, if kind == Rigid { 1.0 } else { 0.0 });
     let mut glb = three();
     glb.json["materials"] = json!([{ "name": "Window" }]);
+    let frame = glb.json["meshes"][1]["primitives"][0].clone();
     glb.json["meshes"][1]["primitives"][0]["material"] = 0.into();
+    glb.json["meshes"][1]["primitives"].as_array_mut().unwrap().push(frame);
     let plain = kinds(&glb, reading(&[], &[], &[]));
     assert_eq!(plain, [part("hood", Dents), part("Turned", Dents), part("mirrored", Dents)]);
     let marked = kinds(&glb, reading(&["hood"], &["Turned"], &["mirrored"]));
@@ -196,6 +198,10 @@ fn what_is_rigid_glass_or_moves_is_said_by_patterns_and_by_extras() {
     glb.json["materials"][0]["extras"] = json!({ "crumple": "glass" });
     assert_eq!(kinds(&glb, reading(&[], &[], &[])), [&dents[..], &[part("Window", Glass)]].concat());
     // A single mesh has its glass too.
+    assert_eq!(kinds(&glb, MeshChoice::Index(1).into()), [part("Window", Glass)]);
+    // A node of glass alone is glass itself.
+    glb.json["meshes"][1]["primitives"].as_array_mut().unwrap().pop();
+    assert_eq!(kinds(&glb, reading(&[], &[], &[])), [part("hood", Dents), part("Turned", Glass)]);
     assert_eq!(kinds(&glb, MeshChoice::Index(1).into()), [part("Window", Glass)]);
     glb.json["nodes"][3]["extras"] = json!({ "crumple": "solid" });
     let error = gltf_slice(&glb.bytes(), None, reading(&[], &[], &[])).unwrap_err().to_string();

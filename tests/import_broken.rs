@@ -362,7 +362,7 @@ fn compressed_geometry_and_unknown_requirements_are_named() {
     draco.json["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]);
     gltf_slice(&draco.bytes(), None, MeshChoice::First).expect("another mesh may be compressed");
     draco.json["accessors"][0].as_object_mut().unwrap().remove("bufferView");
-    let part = "primitive 0 has its data in KHR_draco_mesh_compression, which cannot hold morph targets";
+    let part = "primitive 0 is compressed with Draco, which holds no morph targets";
     expect(&draco.bytes(), Unsupported, part);
     let mut unknown = square();
     unknown.json["extensionsRequired"] = json!(["VENDOR_thing"]);

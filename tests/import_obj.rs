@@ -86,7 +86,7 @@ fn normals_are_kept_and_what_is_missing_is_computed() {
     assert!(some.notes[0].starts_with("1 of 3 normals have no length"), "{:?}", some.notes);
     let odd = read(&with.replace("vn 0 0 1", "vn 0 inf -nan(ind)"), with).unwrap();
     assert_eq!(odd.mesh.normals, Some(vec![[0., 0., 1.]; 3]));
-    assert!(odd.notes[0].starts_with("base: 1 vt and vn lines are no numbers"), "{:?}", odd.notes);
+    assert!(odd.notes[0].starts_with("base, from line 4: 1 vt and vn lines are no numbers"), "{:?}", odd.notes);
     // Without vn lines glTF shows faces flat, unless they are of a smoothing group.
     let bent = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 -1\ns off\nf 1 2 3\nf 2 4 3\n";
     assert_eq!(read(bent, bent).unwrap().mesh.normals, None);
@@ -133,7 +133,8 @@ fn examples_that_do_not_fit() {
     {
         assert_eq!(read(TWO, same).unwrap(), read(TWO, DENT).unwrap(), "{same}");
     }
-    let other = read(TWO, &DENT.replace("f 1 2 3", "f 1 2 4")).unwrap();
+    let apart = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 5 0 0\nv 6 0 0\nv 6 1 0\nf 1 2 3\nf 4 5 6\n";
+    let other = read(apart, &apart.replace("v 1 0 0", "v 1 0 1").replace("2 3", "5 3").replace("5 6", "2 6")).unwrap();
     assert!(
         other.notes[0].starts_with("the faces of 'dent' use other vertices than those of the base"),
         "{:?}",
@@ -179,8 +180,8 @@ fn small_faces_and_missing_normals_are_left_out_and_noted() {
     assert_eq!(
         imported.notes,
         [
-            "base: 2 faces have fewer than three corners and are left out",
-            "base: 3 corners of faces name a vt or vn line that the file lacks; they are read without it",
+            "base, from line 7: 2 faces have fewer than three corners and are left out",
+            "base, from line 9: 3 corners of faces name a vt or vn line that the file lacks; they are read without it",
         ]
     );
     // Faces may stand before their vertices.

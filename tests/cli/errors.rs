@@ -82,7 +82,7 @@ fn files_that_are_missing_or_something_else() {
         ("info PANEL --example a.obj", &["--example needs an OBJ base"]),
         ("info tests/fixtures/plate.obj --mesh a", &["--mesh is for glTF files", "--nodes"]),
         ("info PANEL --nodes bonnet", &["'bonnet'", "'train'"]),
-        ("info PANEL --targets none", &["is chosen as a dent", "'train_00'", "28 more"]),
+        ("info PANEL --targets none", &["morph targets is 'none'", "'train_00'", "28 more"]),
     ] {
         refused(&folder, words, parts);
     }

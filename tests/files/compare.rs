@@ -131,11 +131,12 @@ impl File {
             }
         }
         let normalized = accessor["normalized"] == true;
+        let of = |x: f32, one: f32| f64::from(if normalized { x / one } else { x });
         let value = |b: &[u8]| match component {
-            5120 => f64::from(b[0] as i8) / if normalized { 127.0 } else { 1.0 },
-            5121 => f64::from(b[0]) / if normalized { 255.0 } else { 1.0 },
-            5122 => f64::from(i16::from_le_bytes([b[0], b[1]])) / if normalized { 32767.0 } else { 1.0 },
-            5123 => f64::from(u16::from_le_bytes([b[0], b[1]])) / if normalized { 65535.0 } else { 1.0 },
+            5120 => of(f32::from(b[0] as i8), 127.0),
+            5121 => of(f32::from(b[0]), 255.0),
+            5122 => of(f32::from(i16::from_le_bytes([b[0], b[1]])), 32767.0),
+            5123 => of(f32::from(u16::from_le_bytes([b[0], b[1]])), 65535.0),
             5125 => f64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])),
             _ => f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])),
         };

@@ -21,7 +21,7 @@ fn crumple(folder: &Path, words: &[&str]) -> Run {
     Run { good: output.status.success(), text: String::from_utf8(text).unwrap() }
 }
 
-/// The keys of `case.json`:
+/// The keys of `case.json`, or of each case of its list:
 ///
 /// - `about`: the kind of file, in a sentence.
 /// - `run`: command lines. `error`: the last one fails.
@@ -32,9 +32,15 @@ fn crumple(folder: &Path, words: &[&str]) -> Run {
 /// - `area`: the area of the triangles of `o.glb`, none of which is turned over.
 const KEYS: [&str; 9] = ["about", "run", "error", "says", "never", "of", "moved", "is", "area"];
 
-fn check(folder: &Path) -> Vec<String> {
+fn cases(folder: &Path) -> Vec<Value> {
     let text = std::fs::read_to_string(folder.join("case.json")).unwrap();
-    let case: Value = serde_json::from_str(&text).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
+    match serde_json::from_str(&text).unwrap_or_else(|e| panic!("{}: {e}", folder.display())) {
+        Value::Array(cases) => cases,
+        one => vec![one],
+    }
+}
+
+fn check(folder: &Path, case: &Value) -> Vec<String> {
     let mut wrong: Vec<String> =
         case.as_object().unwrap().keys().filter(|k| !KEYS.contains(&k.as_str())).cloned().collect();
     let work = tempfile::tempdir().unwrap();
@@ -121,7 +127,7 @@ fn files_as_people_have_them() {
     assert!(folders.len() >= 34, "{}", folders.len());
     let mut wrong = String::new();
     for folder in folders {
-        let found = check(&folder);
+        let found: Vec<String> = cases(&folder).iter().flat_map(|case| check(&folder, case)).collect();
         if !found.is_empty() {
             wrong.push_str(&format!("\n{}:\n  {}\n", folder.file_name().unwrap().display(), found.join("\n  ")));
         }

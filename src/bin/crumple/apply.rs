@@ -6,7 +6,7 @@ use crate::{
     output::{Output, progress},
     picture::{Kind, Subject, millimetres},
     source::{FAR_OFF, Input, Source, write_notes},
-    table::{Table, count, percent},
+    table::{Table, count, digits, percent},
     vertices::Vertices,
 };
 use anyhow::{Context, Result, bail};
@@ -287,8 +287,17 @@ fn report(
             millimetres(deepest.1 * scale)
         )?;
     }
+    if moved == 0 && marked > 0 {
+        let local = impacts.iter().any(|impact| impact.hit.space == Space::Local);
+        let why = if local && scale != 1.0 {
+            "; the node scales the mesh, and impacts are in its own space and unit: give them \"space\": \"world\" for the scene's"
+        } else {
+            "; check the impacts' unit (m)"
+        };
+        writeln!(text, "  Warning: no vertex moved by more than {} mm{why}.", VISIBLE * 1e3)?;
+    }
     if scale != 1.0 {
-        writeln!(text, "  Lengths are the scene's: the node scales the mesh by {scale:.4}.")?;
+        writeln!(text, "  Lengths are the scene's: the node scales the mesh by {}.", digits(scale))?;
     }
     warnings(&mut text, source, instance.depth_limit(), impacts, outcomes)?;
     writeln!(

@@ -4,7 +4,7 @@
 use crate::{
     picture::millimetres,
     source::{Input, Source, write_notes},
-    table::{Table, count, percent, point},
+    table::{Table, count, digits, percent, point},
 };
 use anyhow::Result;
 use clap::Args;
@@ -50,8 +50,11 @@ fn body(text: &mut String, source: &Source) -> Result<()> {
     if scale != 1.0 {
         writeln!(
             text,
-            "  scale     {scale:.4}: its node scales the mesh, which is {:.3} x {:.3} x {:.3} in its own space. Lengths here are the scene's, points the mesh's own",
-            size.x, size.y, size.z
+            "  scale     {}: its node scales the mesh, which is {:.3} x {:.3} x {:.3} in its own space. Lengths here are the scene's, points the mesh's own",
+            digits(scale),
+            size.x,
+            size.y,
+            size.z
         )?;
     }
     writeln!(text, "  limit     no vertex moves further than {} mm", millimetres(source.set.depth_limit() * scale))?;

@@ -236,6 +236,6 @@ pub fn write_notes(text: &mut String, label: &str, notes: &[String]) {
         text.push_str(&format!("{label}{note}.\n"));
     }
     if notes.len() > SHOWN {
-        text.push_str(&format!("{label}{} more of this kind.\n", notes.len() - SHOWN));
+        text.push_str(&format!("{label}{} more remarks on the file.\n", notes.len() - SHOWN));
     }
 }

@@ -55,6 +55,11 @@ pub fn count(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }
 
+/// A number with at most four significant digits.
+pub fn digits(x: f32) -> String {
+    format!("{x:.3e}").parse().map_or_else(|_| x.to_string(), |rounded: f32| rounded.to_string())
+}
+
 /// A share as a percentage. It shows 0 and 100 only if they are exact.
 pub fn percent(part: f64, whole: f64) -> String {
     let p = if whole > 0.0 { 100.0 * part / whole } else { 0.0 };

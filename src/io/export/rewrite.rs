@@ -178,6 +178,9 @@ fn follow(
             dent.add(Vec3::from(*p));
         }
     }
+    // Lines drawn beside the surface lie a little off it.
+    let near = Vec3::splat(0.01 * Aabb::of_slice(bytemuck::cast_slice(&old)).diagonal());
+    let dent = Aabb { min: dent.min - near, max: dent.max + near };
     let mut left = 0;
     for index in others {
         let attributes = &json.primitives[index].attributes;

@@ -16,7 +16,11 @@ pub(super) fn drop(doc: &Document<'_>, root: &mut Value, blob: &mut Blob, kept: 
         if let Some(mesh) = mesh.as_object_mut() {
             retain(mesh, "weights", keep);
             names(mesh, keep);
-            remove_within(mesh, "extras", &["impacts", "placements", "dents"]);
+            remove_within(mesh, "extras", &["impacts", "placements"]);
+            // It still says of the others that they are none.
+            if !keep.contains(&true) {
+                remove_within(mesh, "extras", &["dents"]);
+            }
         }
     }
     for (node, keep) in &kept.nodes {

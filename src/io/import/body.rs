@@ -7,7 +7,7 @@ use super::marks::Marks;
 use super::nodes::Nodes;
 use super::piece::{Body, Piece};
 use super::primitives::{Primitive, primitives, target_count};
-use super::reading::{MeshChoice, Patterns, Reading};
+use super::reading::{Mark, MeshChoice, Patterns, Reading};
 use super::surface::Surface;
 use super::words::{cut, listed};
 use super::{malformed, notes};
@@ -92,6 +92,9 @@ impl<'d> Source<'_, 'd, '_> {
 
     /// Why a mesh has no examples.
     fn no_dents(&self, piece: &Piece<'_>) -> Error {
+        if let Err(error) = self.targets_match(std::slice::from_ref(piece)) {
+            return error;
+        }
         let label = self.doc.mesh_label(piece.mesh);
         let what = if piece.names.is_empty() {
             format!("{label} has no morph targets; {}", self.with_targets())
@@ -142,14 +145,30 @@ impl<'d> Source<'_, 'd, '_> {
                 available: format!("{with_meshes} nodes with meshes; none of them is chosen and dents"),
             });
         }
-        let piece = |(node, mesh): &(usize, usize)| self.piece(*mesh, Some(*node), notes);
+        let mut own = Vec::new();
+        let piece = |(node, mesh): &(usize, usize)| self.piece(*mesh, Some(*node), &mut own);
         let pieces = shown.iter().map(piece).collect::<Result<Vec<_>, Error>>()?;
+        // Hundreds of parts may have the same fault.
+        const SHOWN: usize = 3;
+        let more = own.len().saturating_sub(SHOWN);
+        notes.extend(own.drain(..own.len().min(SHOWN)));
+        if more > 0 {
+            notes.push(format!(
+                "{more} more remarks on meshes of the body are left out; read a mesh alone to see its own"
+            ));
+        }
         self.targets_match(&pieces)?;
         let body = join::body(self.doc, self.nodes, pieces, notes)?;
         if body.imported.examples.is_empty() {
-            let count = body.pieces.len();
-            return Err(Error::NoExamples {
-                what: format!("none of the {count} meshes of the body has morph targets that are dents"),
+            return Err(match body.pieces.iter().find(|piece| !piece.names.is_empty()) {
+                Some(piece) => self.no_dents(piece),
+                None => Error::NoExamples {
+                    what: format!(
+                        "no mesh of the {} chosen nodes has morph targets; {}",
+                        shown.len(),
+                        self.with_targets()
+                    ),
+                },
             });
         }
         Ok(body)
@@ -227,13 +246,15 @@ impl<'d> Source<'_, 'd, '_> {
             return Err(malformed(format!("the world matrix of node {node} has no inverse; a scale of it is 0")));
         }
         let mark = |material: Option<usize>| self.marks.of_primitive(shown_by, mesh, material);
+        let marks: Vec<Mark> = primitives.iter().map(|primitive| mark(primitive.material())).collect();
         Ok(Piece {
             mesh,
             nodes,
             name: node.map_or_else(String::new, |node| self.nodes.name(node)),
             shown,
-            mark: mark(None),
-            marks: primitives.iter().map(|primitive| mark(primitive.material())).collect(),
+            // A node all of whose materials are glass is glass.
+            mark: marks.iter().copied().reduce(|a, b| if a == b { a } else { mark(None) }).unwrap_or(Mark::Dents),
+            marks,
             surface,
             primitives,
             dents,
@@ -247,6 +268,11 @@ impl<'d> Source<'_, 'd, '_> {
     fn with_targets(&self) -> String {
         let has = |mesh: &usize| self.doc.meshes.get(*mesh, "mesh").is_ok_and(|mesh| target_count(mesh) > 0);
         let some: Vec<usize> = (0..self.doc.meshes.len()).filter(has).collect();
+        if some.is_empty() && self.doc.uses_draco() {
+            return "the file is compressed with Draco, which holds no morph targets; export without it, or compress with \
+                    meshoptimizer (gltfpack -c)"
+                .into();
+        }
         if some.is_empty() {
             return format!(
                 "no mesh of the file has morph targets (it has {}); export them (shape keys), or make some with `crumple examples`",

@@ -125,6 +125,12 @@ impl<'a> Document<'a> {
         Ok(Self { loaded, unpacked, ..document })
     }
 
+    /// Whether the file says that meshes are compressed with Draco.
+    pub fn uses_draco(&self) -> bool {
+        let lists = ["extensionsRequired", "extensionsUsed"].map(|key| self.value[key].as_array());
+        lists.into_iter().flatten().flatten().any(|name| name == "KHR_draco_mesh_compression")
+    }
+
     /// The extensions that the file requires and that this library does not know.
     pub fn unknown_requirements(&self) -> Vec<&str> {
         let known = |name: &str| KNOWN.iter().any(|k| *k == name || (k.ends_with('_') && name.starts_with(k)));

@@ -59,7 +59,7 @@ fn joined<'d>(
         let mesh = piece.placed();
         for (primitive, mark) in piece.primitives.iter().zip(&piece.marks) {
             let range = primitive.range(doc, first)?;
-            if *mark == Mark::Glass && piece.mark != Mark::Glass {
+            if *mark == Mark::Glass && (piece.mark != Mark::Glass || groups.is_empty()) {
                 glass.push(Part {
                     name: range.material.clone().unwrap_or_else(|| primitive.name.clone()),
                     kind: PartKind::Glass,

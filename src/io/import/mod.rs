@@ -147,7 +147,8 @@ pub struct PrimitiveRange {
 /// The place of a node's mesh in the joined mesh of a body.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Part {
-    /// The node's name, or its mesh's if it has none, or `node N`. For a primitive that is glass, its material's name.
+    /// The node's name; else its mesh's, that of the next node above it with a name, or `node N`. For a primitive that is glass, its
+    /// material's name.
     pub name: String,
     /// What it does when it is hit.
     pub kind: PartKind,

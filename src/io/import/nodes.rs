@@ -28,6 +28,8 @@ struct Tree {
     /// The nodes that a root leads to, each after its parent.
     order: Vec<usize>,
     worlds: Vec<Option<Matrix>>,
+    /// For each node the next with a name: itself, or one above it.
+    named: Vec<usize>,
 }
 
 impl<'d, 'a> Nodes<'d, 'a> {
@@ -52,10 +54,12 @@ impl<'d, 'a> Nodes<'d, 'a> {
         self.first(mesh).map(|node| self.shown(node, &mut Vec::new()).map(rounded)).transpose()
     }
 
-    /// The node's name, or its mesh's if it has none, or `node N`.
+    /// The node's name; else its mesh's, that of the next node above it with a name, or `node N`.
     pub(super) fn name(&self, node: usize) -> String {
         let mesh = self.doc.nodes[node].mesh.map_or(usize::MAX, |mesh| mesh.value());
-        let named = [self.doc.nodes[node].name.as_deref(), self.doc.value["meshes"][mesh]["name"].as_str()];
+        let above = self.tree().map_or(node, |tree| tree.named[node]);
+        let of_mesh = self.doc.value["meshes"][mesh]["name"].as_str();
+        let named = [self.doc.nodes[node].name.as_deref(), of_mesh, self.doc.nodes[above].name.as_deref()];
         let name = named.into_iter().flatten().find(|name| !name.is_empty());
         name.map_or_else(|| format!("node {node}"), str::to_owned)
     }
@@ -151,6 +155,7 @@ fn tree(nodes: &[json::Node]) -> Result<Tree, Error> {
         }
     }
     let (mut worlds, mut order) = (vec![None; nodes.len()], Vec::new());
+    let mut named: Vec<usize> = (0..nodes.len()).collect();
     let mut next: Vec<usize> = (0..nodes.len()).filter(|i| parents[*i].is_none()).collect();
     while let Some(i) = next.pop() {
         // A list of children may name one twice.
@@ -158,11 +163,14 @@ fn tree(nodes: &[json::Node]) -> Result<Tree, Error> {
             let above: Option<Matrix> = parents[i].and_then(|up: usize| worlds[up]);
             let local = local_matrix(&nodes[i]);
             worlds[i] = Some(above.map_or(local, |above| product(&above, &local)));
+            if nodes[i].name.as_deref().is_none_or(str::is_empty) {
+                named[i] = parents[i].map_or(i, |up| named[up]);
+            }
             order.push(i);
             next.extend(children(i));
         }
     }
-    Ok(Tree { parents, order, worlds })
+    Ok(Tree { parents, order, worlds, named })
 }
 
 fn local_matrix(node: &json::scene::Node) -> Matrix {

@@ -403,8 +403,8 @@ fn beside(folder: &Path, name: &str) -> Result<Vec<u8>, Error> {
     }
 }
 
-/// Whether two lists of faces are the same surface: one is the other, or its polygons cut into triangles. An example without
-/// faces is.
+/// Whether two lists of faces are the same surface. Polygons may be cut into triangles, and along other diagonals: then most edges
+/// are the same all the same. An example without faces is the same surface.
 fn same_surface(base: &[Face], example: &[Face]) -> bool {
     let edges = |faces: &[Face]| -> HashSet<[u32; 2]> {
         let around = |face: &Face| {
@@ -418,7 +418,7 @@ fn same_surface(base: &[Face], example: &[Face]) -> bool {
         return true;
     }
     let (ours, theirs) = (edges(base), edges(example));
-    ours.is_subset(&theirs) || theirs.is_subset(&ours)
+    2 * ours.intersection(&theirs).count() >= ours.len().min(theirs.len())
 }
 
 /// The corners of a polygon's triangles: a fan if that turns no triangle over, else by ear clipping.

@@ -87,9 +87,9 @@ impl ObjText {
             },
             line: 0,
             known: HashMap::new(),
-            small: 0,
-            absent: 0,
-            odd: 0,
+            small: Counted::default(),
+            absent: Counted::default(),
+            odd: Counted::default(),
         };
         let text = decoded(bytes);
         // Old programs end lines with a carriage return alone.
@@ -100,7 +100,9 @@ impl ObjText {
             let mut line = Cow::Borrowed(line);
             while line.trim_end().ends_with('\\') && !line.trim_start().starts_with('#') {
                 let next = lines.next().map_or("", |(_, line)| line);
-                line = format!("{} {next}", line.trim_end().trim_end_matches('\\')).into();
+                let whole = line.to_mut();
+                whole.truncate(whole.trim_end().trim_end_matches('\\').len());
+                whole.extend([" ", next]);
             }
             parser.statement(line.trim())?;
         }
@@ -123,11 +125,25 @@ struct Parser {
     /// The numbers of names, by the list that has them.
     known: HashMap<(List, String), usize>,
     /// Faces with fewer than three corners.
-    small: usize,
+    small: Counted,
     /// Corners that name a texture coordinate or a normal that the file lacks.
-    absent: usize,
+    absent: Counted,
     /// Texture coordinates and normals that are no numbers.
-    odd: usize,
+    odd: Counted,
+}
+
+/// How often something is so, and the first line where it is.
+#[derive(Default)]
+struct Counted {
+    count: usize,
+    line: usize,
+}
+
+impl Counted {
+    fn add(&mut self, line: usize) {
+        self.line = if self.count == 0 { line } else { self.line.min(line) };
+        self.count += 1;
+    }
 }
 
 impl Parser {
@@ -203,7 +219,7 @@ impl Parser {
             match word.parse::<f32>().ok().filter(|x| x.is_finite()) {
                 Some(number) => *slot = number,
                 None => {
-                    self.odd += 1;
+                    self.odd.add(self.line);
                     return [0.0; 3];
                 }
             }
@@ -214,7 +230,7 @@ impl Parser {
     fn face(&mut self, rest: &str, is_line: bool) -> Result<(), Error> {
         let corners = words(rest).map(|word| self.corner(word)).collect::<Result<Vec<Corner>, Error>>()?;
         if corners.len() < if is_line { 2 } else { 3 } {
-            self.small += 1;
+            self.small.add(self.line);
             return Ok(());
         }
         self.out.faces.push(Face { corners, is_line, line: self.line, ..self.state });
@@ -235,7 +251,9 @@ impl Parser {
         let [vt, vn] = [(vt, self.out.texcoords.len()), (vn, self.out.normals.len())].map(|(written, count)| {
             let written = written.filter(|i| *i != 0);
             let found = written.and_then(|i| resolved(i, count));
-            self.absent += usize::from(written.is_some() && found.is_none());
+            if written.is_some() && found.is_none() {
+                self.absent.add(self.line);
+            }
             found
         });
         Ok(Corner { v, vt, vn })
@@ -256,7 +274,7 @@ impl Parser {
             for corner in &mut face.corners {
                 for (index, count) in [(&mut corner.vt, counts[1]), (&mut corner.vn, counts[2])] {
                     if index.is_some_and(|i| i as usize >= count) {
-                        self.absent += 1;
+                        self.absent.add(face.line);
                         *index = None;
                     }
                 }
@@ -273,8 +291,8 @@ impl Parser {
             (self.absent, "corners of faces name a vt or vn line that the file lacks; they are read without it"),
             (self.odd, "vt and vn lines are no numbers; they are read as zero, and such normals are computed anew"),
         ];
-        for (count, what) in counted.into_iter().filter(|(count, _)| *count > 0) {
-            self.out.notes.push(format!("{name}: {count} {what}"));
+        for (Counted { count, line }, what) in counted.into_iter().filter(|(counted, _)| counted.count > 0) {
+            self.out.notes.push(format!("{name}, from line {line}: {count} {what}"));
         }
         Ok(self.out)
     }

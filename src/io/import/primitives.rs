@@ -76,12 +76,10 @@ impl Primitive<'_> {
 
     /// Refuses a primitive whose data is in an extension.
     fn not_elsewhere(&self, doc: &Document<'_>) -> Result<(), Error> {
-        const DRACO: &str = "KHR_draco_mesh_compression";
-        let lists = ["extensionsRequired", "extensionsUsed"].map(|key| doc.value[key].as_array());
-        if lists.iter().flatten().flat_map(|list| list.iter()).any(|name| name == DRACO) {
+        if doc.uses_draco() {
             return Err(unsupported(format!(
-                "{} has its data in {DRACO}, which cannot hold morph targets; export without mesh compression, or use \
-                 EXT_meshopt_compression (gltfpack -c)",
+                "{} is compressed with Draco, which holds no morph targets; export without it, or compress with meshoptimizer \
+                 (gltfpack -c)",
                 self.name
             )));
         }
