@@ -478,7 +478,7 @@ typedef struct {
 /// Which mesh of a glTF file to load, and the options of the set.
 typedef struct {
     uint32_t struct_size;
-    /// Index of the mesh in the file, used if mesh_name is null. Default UINT32_MAX: the first mesh with morph targets.
+    /// Index of the mesh in the file, used if mesh_name is null. Default UINT32_MAX: the first mesh whose morph targets move it.
     uint32_t mesh_index;
     /// Name of the mesh, UTF-8. Default null: mesh_index decides.
     const char *mesh_name;
@@ -487,9 +487,25 @@ typedef struct {
     const char *path;
     CrumpleExampleSetOptions options;
     /// Whether to join the meshes of all nodes to one body, each where its node places it. Default false. Each node with a
-    /// mesh then is a part: lods 1 and up, in the order of the nodes; see crumple_example_set_find_part(). Morph targets of
-    /// the same name are one example. mesh_index and mesh_name are not used.
+    /// mesh then is a part: lods 1 and up, in the order of the nodes; see crumple_example_set_find_part(). If there are more
+    /// than 63, the smallest belong to the part of a node above them. Morph targets of the same name are one example if they
+    /// lie near each other. mesh_index and mesh_name are not used.
     bool join_nodes;
+    /// Length of the file's unit, m. Default 1.
+    float unit;
+    /// Patterns of names, UTF-8, one a line: * stands for any text, ? for any character, upper and lower case are the same,
+    /// and ! at the start takes names out. The nodes to join; a name above a node's counts too. Default null: join_nodes
+    /// decides.
+    const char *nodes;
+    /// Patterns of the morph targets that are dents. Default null: mesh.extras.dents, or else all.
+    const char *targets;
+    /// Patterns of nodes or materials that never move. Hits on them leave no mark.
+    const char *rigid;
+    /// Patterns of nodes or materials that are glass: parts that follow dents around them. Hits on them leave marks until
+    /// crumple_instance_set_part_rigid() is called for the part.
+    const char *glass;
+    /// Patterns of nodes that move on their own, such as wheels: they are no part of a joined body.
+    const char *moving;
 } CrumpleGltfDef;
 
 /// A base OBJ file, its example files, and the options of the set.
@@ -499,7 +515,7 @@ typedef struct {
     uint32_t example_count;
     /// Path of the base mesh, UTF-8. Required.
     const char *base_path;
-    /// Paths of the examples, UTF-8. Each has the vertices of the base mesh in the same order.
+    /// Paths of the examples, UTF-8. Each has the v lines of the base mesh in the same order.
     const char *const *example_paths;
     CrumpleExampleSetOptions options;
 } CrumpleObjDef;
@@ -1098,7 +1114,7 @@ CrumpleResult crumple_example_set_destroy(CrumpleContext *context, CrumpleExampl
 CrumpleResult crumple_mesh_keep_out(const CrumpleMeshDef *mesh, const CrumpleCapsule *capsules, uint32_t capsule_count,
                                     const CrumpleMeshDef *meshes, uint32_t mesh_count, float *out_limits);
 
-/// Returns a def for the first mesh with morph targets, with default options. Set the path.
+/// Returns a def for the first mesh whose morph targets move it, with default options. Set the path.
 CrumpleGltfDef crumple_gltf_def_default(void);
 
 /// Returns a def with default options. Set the paths.
@@ -1106,10 +1122,10 @@ CrumpleObjDef crumple_obj_def_default(void);
 
 /// Builds an example set from a glTF 2.0 or GLB file: a mesh with its morph targets. Primitives are joined in their
 /// order; see crumple_example_set_get_primitive(). mesh.extras has the examples' names (targetNames), contacts
-/// (impacts) and placements. Coordinates are in the mesh's own space, and node transforms are not applied, unless
-/// join_nodes is set. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT (malformed, or no such mesh),
-/// CRUMPLE_ERROR_UNSUPPORTED (Draco or meshopt compression, more than 63 parts, or a build without
-/// CRUMPLE_FEATURE_GLTF), CRUMPLE_ERROR_EXAMPLE_MISMATCH (no morph targets), and those of crumple_example_set_create().
+/// (impacts) and placements. Coordinates are in the mesh's own space, and node transforms are not applied, unless nodes
+/// are joined. What is odd in the file is logged as warnings. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT (malformed,
+/// or no such mesh), CRUMPLE_ERROR_UNSUPPORTED (Draco's compression, or a build without CRUMPLE_FEATURE_GLTF),
+/// CRUMPLE_ERROR_EXAMPLE_MISMATCH (no morph targets), and those of crumple_example_set_create().
 CrumpleResult crumple_example_set_load_gltf(CrumpleContext *context, const CrumpleGltfDef *def,
                                             CrumpleExampleSet *out_set);
 
@@ -1117,10 +1133,11 @@ CrumpleResult crumple_example_set_load_gltf(CrumpleContext *context, const Crump
 CrumpleResult crumple_example_set_load_gltf_memory(CrumpleContext *context, const void *data, size_t size,
                                                    const CrumpleGltfDef *def, CrumpleExampleSet *out_set);
 
-/// Builds an example set from a base OBJ file and one OBJ file per example. Examples are named after their files.
-/// Vertices are the file's v lines in their order. Polygons are triangulated. Errors: CRUMPLE_ERROR_IO,
-/// CRUMPLE_ERROR_FORMAT, CRUMPLE_ERROR_UNSUPPORTED (a build without CRUMPLE_FEATURE_OBJ), and those of
-/// crumple_example_set_create().
+/// Builds an example set from a base OBJ file and one OBJ file per example. Examples are named after their files. Each
+/// must have the base's v lines in the base's order. The set's vertices are the distinct corners of the base's faces, in the
+/// order in which they are used, or its v lines if it has no faces. Polygons are triangulated. What is odd in the files is
+/// logged as warnings. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT, CRUMPLE_ERROR_UNSUPPORTED (a build without
+/// CRUMPLE_FEATURE_OBJ), and those of crumple_example_set_create().
 CrumpleResult crumple_example_set_load_obj(CrumpleContext *context, const CrumpleObjDef *def,
                                            CrumpleExampleSet *out_set);
 

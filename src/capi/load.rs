@@ -21,7 +21,7 @@ use std::mem::MaybeUninit;
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleGltfDef {
     pub struct_size: u32,
-    /// Index of the mesh in the file, used if mesh_name is null. Default UINT32_MAX: the first mesh with morph targets.
+    /// Index of the mesh in the file, used if mesh_name is null. Default UINT32_MAX: the first mesh whose morph targets move it.
     pub mesh_index: u32,
     /// Name of the mesh, UTF-8. Default null: mesh_index decides.
     pub mesh_name: *const c_char,
@@ -30,9 +30,25 @@ pub struct CrumpleGltfDef {
     pub path: *const c_char,
     pub options: CrumpleExampleSetOptions,
     /// Whether to join the meshes of all nodes to one body, each where its node places it. Default false. Each node with a
-    /// mesh then is a part: lods 1 and up, in the order of the nodes; see crumple_example_set_find_part(). Morph targets of
-    /// the same name are one example. mesh_index and mesh_name are not used.
+    /// mesh then is a part: lods 1 and up, in the order of the nodes; see crumple_example_set_find_part(). If there are more
+    /// than 63, the smallest belong to the part of a node above them. Morph targets of the same name are one example if they
+    /// lie near each other. mesh_index and mesh_name are not used.
     pub join_nodes: MaybeUninit<bool>,
+    /// Length of the file's unit, m. Default 1.
+    pub unit: f32,
+    /// Patterns of names, UTF-8, one a line: * stands for any text, ? for any character, upper and lower case are the same,
+    /// and ! at the start takes names out. The nodes to join; a name above a node's counts too. Default null: join_nodes
+    /// decides.
+    pub nodes: *const c_char,
+    /// Patterns of the morph targets that are dents. Default null: mesh.extras.dents, or else all.
+    pub targets: *const c_char,
+    /// Patterns of nodes or materials that never move. Hits on them leave no mark.
+    pub rigid: *const c_char,
+    /// Patterns of nodes or materials that are glass: parts that follow dents around them. Hits on them leave marks until
+    /// crumple_instance_set_part_rigid() is called for the part.
+    pub glass: *const c_char,
+    /// Patterns of nodes that move on their own, such as wheels: they are no part of a joined body.
+    pub moving: *const c_char,
 }
 
 /// A base OBJ file, its example files, and the options of the set.
@@ -44,17 +60,17 @@ pub struct CrumpleObjDef {
     pub example_count: u32,
     /// Path of the base mesh, UTF-8. Required.
     pub base_path: *const c_char,
-    /// Paths of the examples, UTF-8. Each has the vertices of the base mesh in the same order.
+    /// Paths of the examples, UTF-8. Each has the v lines of the base mesh in the same order.
     pub example_paths: *const *const c_char,
     pub options: CrumpleExampleSetOptions,
 }
 
 defs!(CrumpleGltfDef, CrumpleObjDef);
 
-/// Returns a def for the first mesh with morph targets, with default options. Set the path.
+/// Returns a def for the first mesh whose morph targets move it, with default options. Set the path.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_gltf_def_default() -> CrumpleGltfDef {
-    CrumpleGltfDef { mesh_index: u32::MAX, options: default_options(), ..zeroed() }
+    CrumpleGltfDef { mesh_index: u32::MAX, options: default_options(), unit: 1.0, ..zeroed() }
 }
 
 /// Returns a def with default options. Set the paths.
@@ -65,10 +81,10 @@ pub extern "C" fn crumple_obj_def_default() -> CrumpleObjDef {
 
 /// Builds an example set from a glTF 2.0 or GLB file: a mesh with its morph targets. Primitives are joined in their
 /// order; see crumple_example_set_get_primitive(). mesh.extras has the examples' names (targetNames), contacts
-/// (impacts) and placements. Coordinates are in the mesh's own space, and node transforms are not applied, unless
-/// join_nodes is set. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT (malformed, or no such mesh),
-/// CRUMPLE_ERROR_UNSUPPORTED (Draco or meshopt compression, more than 63 parts, or a build without
-/// CRUMPLE_FEATURE_GLTF), CRUMPLE_ERROR_EXAMPLE_MISMATCH (no morph targets), and those of crumple_example_set_create().
+/// (impacts) and placements. Coordinates are in the mesh's own space, and node transforms are not applied, unless nodes
+/// are joined. What is odd in the file is logged as warnings. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT (malformed,
+/// or no such mesh), CRUMPLE_ERROR_UNSUPPORTED (Draco's compression, or a build without CRUMPLE_FEATURE_GLTF),
+/// CRUMPLE_ERROR_EXAMPLE_MISMATCH (no morph targets), and those of crumple_example_set_create().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_load_gltf(
     context: *mut CrumpleContext,
@@ -80,8 +96,8 @@ pub unsafe extern "C" fn crumple_example_set_load_gltf(
         let path = required_string(def.path, "def.path")?;
         #[cfg(feature = "gltf")]
         {
-            let all = crate::io::import::Patterns::default();
-            let imported = crate::io::import::gltf_file(path.as_ref(), mesh_choice(&def, &all)?)?;
+            let nodes = patterns(def.nodes, "def.nodes")?;
+            let imported = crate::io::import::gltf_file(path.as_ref(), reading(&def, &nodes)?)?;
             add_imported(context, state, imported, &def.options, out)
         }
         #[cfg(not(feature = "gltf"))]
@@ -106,9 +122,9 @@ pub unsafe extern "C" fn crumple_example_set_load_gltf_memory(
         let bytes = array(data.cast::<u8>(), size, "data")?;
         #[cfg(feature = "gltf")]
         {
-            let all = crate::io::import::Patterns::default();
+            let nodes = patterns(def.nodes, "def.nodes")?;
             let folder = string(def.path, "def.path")?.map(std::path::Path::new);
-            let imported = crate::io::import::gltf_slice(bytes, folder, mesh_choice(&def, &all)?)?;
+            let imported = crate::io::import::gltf_slice(bytes, folder, reading(&def, &nodes)?)?;
             add_imported(context, state, imported, &def.options, out)
         }
         #[cfg(not(feature = "gltf"))]
@@ -119,10 +135,11 @@ pub unsafe extern "C" fn crumple_example_set_load_gltf_memory(
     })
 }
 
-/// Builds an example set from a base OBJ file and one OBJ file per example. Examples are named after their files.
-/// Vertices are the file's v lines in their order. Polygons are triangulated. Errors: CRUMPLE_ERROR_IO,
-/// CRUMPLE_ERROR_FORMAT, CRUMPLE_ERROR_UNSUPPORTED (a build without CRUMPLE_FEATURE_OBJ), and those of
-/// crumple_example_set_create().
+/// Builds an example set from a base OBJ file and one OBJ file per example. Examples are named after their files. Each
+/// must have the base's v lines in the base's order. The set's vertices are the distinct corners of the base's faces, in the
+/// order in which they are used, or its v lines if it has no faces. Polygons are triangulated. What is odd in the files is
+/// logged as warnings. Errors: CRUMPLE_ERROR_IO, CRUMPLE_ERROR_FORMAT, CRUMPLE_ERROR_UNSUPPORTED (a build without
+/// CRUMPLE_FEATURE_OBJ), and those of crumple_example_set_create().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_load_obj(
     context: *mut CrumpleContext,
@@ -235,18 +252,30 @@ fn add_baked(context: &Context, state: &mut State, set: ExampleSet, out: Out<Cru
 }
 
 #[cfg(feature = "gltf")]
-unsafe fn mesh_choice<'d>(
+unsafe fn patterns(text: *const c_char, name: &str) -> Result<crate::io::import::Patterns, Failure> {
+    let lines = string(text, name)?.unwrap_or_default().lines();
+    Ok(crate::io::import::Patterns::new(lines.filter(|line| !line.is_empty())))
+}
+
+#[cfg(feature = "gltf")]
+unsafe fn reading<'d>(
     def: &'d CrumpleGltfDef,
-    all: &'d crate::io::import::Patterns,
-) -> Result<crate::io::import::MeshChoice<'d>, Failure> {
-    use crate::io::import::MeshChoice;
-    if boolean(def.join_nodes) {
-        return Ok(MeshChoice::Nodes(all));
-    }
-    Ok(match (string(def.mesh_name, "def.mesh_name")?, def.mesh_index) {
+    nodes: &'d crate::io::import::Patterns,
+) -> Result<crate::io::import::Reading<'d>, Failure> {
+    use crate::io::import::{MeshChoice, Reading};
+    let mesh = match (string(def.mesh_name, "def.mesh_name")?, def.mesh_index) {
+        _ if boolean(def.join_nodes) || !nodes.is_empty() => MeshChoice::Nodes(nodes),
         (Some(name), _) => MeshChoice::Name(name),
         (None, u32::MAX) => MeshChoice::First,
         (None, index) => MeshChoice::Index(index as usize),
+    };
+    Ok(Reading {
+        mesh,
+        targets: patterns(def.targets, "def.targets")?,
+        rigid: patterns(def.rigid, "def.rigid")?,
+        glass: patterns(def.glass, "def.glass")?,
+        moving: patterns(def.moving, "def.moving")?,
+        unit: def.unit,
     })
 }
 
@@ -273,6 +302,9 @@ unsafe fn add_imported(
     let materials = materials.into_iter().flatten().collect();
     let transform = imported.node_transform.map(|m| *bytemuck::cast_ref(&m));
     let file = (c_string(&imported.name), primitives, materials, transform);
+    for note in &imported.notes {
+        context.log(super::context::CrumpleLogLevel::Warning, note);
+    }
     state.sets.reserve::<CrumpleExampleSet>()?;
     let tasks = Quiet(context.tasks());
     let mut set = ExampleSet::build(imported.mesh, imported.examples, options, &tasks)?;

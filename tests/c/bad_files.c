@@ -63,6 +63,23 @@ static void gltf(const char *path, const char *folder) {
     OK(crumple_example_set_destroy(context, set));
     def.join_nodes = false;
 
+    // Patterns, one a line.
+    def.nodes = "!nothing of that name\nPl?te";
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "nothing of that name", set,
+                  crumple_example_set_load_gltf(context, &def, &set));
+    def.nodes = "Pl?te\r\n";
+    OK(crumple_example_set_load_gltf(context, &def, &set));
+    OK(crumple_example_set_find_part(context, set, "Plate", &part));
+    OK(crumple_example_set_destroy(context, set));
+    def.nodes = NULL;
+    def.targets = "no such target";
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "no such target", set,
+                  crumple_example_set_load_gltf(context, &def, &set));
+    def.targets = NULL;
+    def.unit = 0;
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "unit", set, crumple_example_set_load_gltf(context, &def, &set));
+    def.unit = 1;
+
     // Choosing a mesh.
     def.mesh_name = "no such mesh";
     FAILS_KEEPING(CRUMPLE_ERROR_FORMAT, "no such mesh", set, crumple_example_set_load_gltf(context, &def, &set));

@@ -143,6 +143,9 @@ impl Host<'_> {
                 def = self.patched(def)?;
                 (def.path, def.mesh_name, def.options.vertex_masses) = (null(), null(), Self::no_input());
                 def.join_nodes = boolean(self.bytes.arbitrary()?);
+                for patterns in [&mut def.nodes, &mut def.targets, &mut def.rigid, &mut def.glass, &mut def.moving] {
+                    *patterns = [null(), c"*".as_ptr(), c"!*e*\nP?n*".as_ptr()][self.bytes.choose_index(3)?];
+                }
                 crumple_example_set_load_gltf_memory(context, file.as_ptr().cast(), file.len(), &def, &mut new)
             }
             9 => {

@@ -289,6 +289,12 @@ class CrumpleGltfDef(c.Structure):
         ("path", c.c_char_p),
         ("options", CrumpleExampleSetOptions),
         ("join_nodes", c.c_bool),
+        ("unit", c.c_float),
+        ("nodes", c.c_char_p),
+        ("targets", c.c_char_p),
+        ("rigid", c.c_char_p),
+        ("glass", c.c_char_p),
+        ("moving", c.c_char_p),
     ]
 
 

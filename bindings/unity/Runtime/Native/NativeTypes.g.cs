@@ -338,6 +338,12 @@ namespace Crumple
         public IntPtr Path;
         public CrumpleExampleSetOptions Options;
         public CrumpleBool JoinNodes;
+        public float Unit;
+        public IntPtr Nodes;
+        public IntPtr Targets;
+        public IntPtr Rigid;
+        public IntPtr Glass;
+        public IntPtr Moving;
 
         public static CrumpleGltfDef Default
         {
