@@ -6,6 +6,7 @@ use super::{Imported, finite, gltf, mtl, uri};
 use crate::base::error::Error;
 use crate::io::glb::{Blob, ELEMENT_ARRAY_BUFFER, container, push, push_attribute, push_view};
 use crate::mesh::normals;
+use bytemuck::cast_slice;
 use glam::Vec3;
 use serde_json::{Map, Value, json};
 use std::collections::{HashMap, HashSet};
@@ -460,12 +461,11 @@ fn push_sparse(root: &mut Value, blob: &mut Blob, count: usize, moved: Vec<(u32,
     let mut accessor = json!({ "componentType": 5126, "count": count, "type": "VEC3" });
     (accessor["min"], accessor["max"]) = (bound(f32::min).into(), bound(f32::max).into());
     if !moved.is_empty() {
-        let indices: Vec<u8> = moved.iter().flat_map(|(i, _)| i.to_le_bytes()).collect();
-        let values: Vec<u8> = moved.iter().flat_map(|(_, d)| d.iter().flat_map(|x| x.to_le_bytes())).collect();
+        let (indices, values): (Vec<u32>, Vec<[f32; 3]>) = moved.iter().copied().unzip();
         accessor["sparse"] = json!({
             "count": moved.len(),
-            "indices": { "bufferView": push_view(root, blob, &indices, None), "componentType": 5125 },
-            "values": { "bufferView": push_view(root, blob, &values, None) },
+            "indices": { "bufferView": push_view(root, blob, cast_slice(&indices), None), "componentType": 5125 },
+            "values": { "bufferView": push_view(root, blob, cast_slice(&values), None) },
         });
     }
     push(root, "accessors", accessor)
