@@ -14,7 +14,7 @@ use crate::gpu::{Lowered, POISON, note_missing, required};
 pub const HOST: Access = Access { stages: vk::PipelineStageFlags::HOST, access: vk::AccessFlags::HOST_READ };
 
 /// Runs a test on each device there is, and fails if validation reports anything. Prints which software drivers are not there. With
-/// CRUMPLE_REQUIRE_GPU=1 both software drivers and the validation layer must be there.
+/// CRUMPLE_REQUIRE_GPU=llvmpipe,SwiftShader these two and the validation layer must be there.
 pub fn on_each_device(test: impl Fn(&Engine)) {
     on_each_device_with(&[], test);
 }

@@ -65,7 +65,7 @@ enum Command {
         #[arg(long, value_name = "NAME", num_args = 0..=1, default_missing_value = "")]
         gpu: Option<String>,
     },
-    /// Run every test stage and print a table of the results
+    /// Run the Rust, C and C++ tests, with Vulkan on Mesa's software driver; --all: every test stage
     Test(test::Options),
     /// Write include/crumple.h from the Rust sources, and the C# and Python declarations from the header
     Header {
@@ -114,7 +114,7 @@ enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         options: Vec<String>,
     },
-    /// Run every check and every test stage; a missing program fails its stage
+    /// Run every check and every test stage; a missing program fails its stage, and what fails runs once more
     Ci {
         /// Stop at the first stage that fails
         #[arg(long)]
@@ -139,10 +139,10 @@ fn main() -> ExitCode {
 }
 
 fn run(command: Command) -> Result<()> {
-    let workspace = workspace::Workspace::open()?;
+    let mut workspace = workspace::Workspace::open()?;
     match command {
         Command::Demo { out, gpu } => demo::run(&workspace, &out, gpu.as_deref()),
-        Command::Test(options) => test::run(&workspace, &options),
+        Command::Test(options) => test::run(&mut workspace, &options),
         Command::Header { check } => header::run(&workspace, check),
         Command::Install { prefix, debug } => {
             let profile = if debug { install::Profile::Debug } else { install::Profile::Release };

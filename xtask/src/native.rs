@@ -115,14 +115,17 @@ pub fn compile(workspace: &Workspace, build: &Build<'_>, source: &Path, director
 
 pub fn ctest(workspace: &Workspace) -> Result<Outcome> {
     let prefix = release_prefix(workspace)?;
-    let build = Build::new("release", &prefix);
+    let projects = if workspace.all { ALL } else { OURS };
+    let build = Build { projects, ..Build::new("release", &prefix) };
     if !Tool::Vulkan.here(workspace) {
         test_projects(workspace, &build)?;
         return Ok(Outcome::Passed);
     }
     let drivers = vulkan::drivers(workspace)?;
     let build = Build { drivers: &drivers.manifests, ..build };
-    engine(workspace, &build)?;
+    if workspace.all {
+        engine(workspace, &build)?;
+    }
     test_projects(workspace, &build)?;
     Ok(drivers.passed())
 }

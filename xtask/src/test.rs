@@ -13,11 +13,14 @@ use crate::{
 
 #[derive(Args, Default)]
 pub struct Options {
+    /// Run every stage: also engines, other systems, sanitizers, fuzzing and packages
+    #[arg(long)]
+    pub all: bool,
     /// Fail a stage if a program that it needs is missing; CI=true sets this too
     #[arg(long)]
     pub require_all: bool,
-    /// Run only the stages install, vulkan, rust and ctest
-    #[arg(long, conflicts_with = "only")]
+    /// The same as without options
+    #[arg(long, hide = true, conflicts_with_all = ["all", "only"])]
     pub quick: bool,
     /// Run only this stage, or this check of `cargo xtask ci`; may be given several times
     #[arg(long, value_name = "STAGE")]
@@ -26,6 +29,9 @@ pub struct Options {
     #[arg(long)]
     pub fail_fast: bool,
 }
+
+/// The stages of `cargo xtask test` without options: everybody can run them within minutes.
+const FOR_EVERYBODY: &[&str] = &["install", "vulkan", "rust", "ctest"];
 
 /// In the order in which they run. A new kind of test is one more entry here.
 const STAGES: &[Stage] = &[
@@ -179,30 +185,33 @@ const STAGES: &[Stage] = &[
     },
 ];
 
-/// Runs the stages that `options` choose; without options, all of them.
-pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
-    let all = || CHECKS.iter().chain(STAGES);
+/// Runs the stages that `options` choose. A stage that is not everybody's always runs whole; those that are run whole with `--all`.
+pub fn run(workspace: &mut Workspace, options: &Options) -> Result<()> {
+    let every = || CHECKS.iter().chain(STAGES);
     for name in &options.only {
-        if !all().any(|stage| stage.name == name) {
-            let names: Vec<&str> = all().map(|stage| stage.name).collect();
+        if !every().any(|stage| stage.name == name) {
+            let names: Vec<&str> = every().map(|stage| stage.name).collect();
             bail!("there is no stage {name:?}; there are: {}", names.join(", "));
         }
     }
-    let stages: Vec<&Stage> = if options.quick {
-        STAGES.iter().filter(|stage| ["install", "vulkan", "rust", "ctest"].contains(&stage.name)).collect()
-    } else if options.only.is_empty() {
+    let everybodys = |stage: &&Stage| FOR_EVERYBODY.contains(&stage.name);
+    let stages: Vec<&Stage> = if !options.only.is_empty() {
+        every().filter(|stage| options.only.iter().any(|name| name == stage.name)).collect()
+    } else if options.all {
         STAGES.iter().collect()
     } else {
-        all().filter(|stage| options.only.iter().any(|name| name == stage.name)).collect()
+        STAGES.iter().filter(everybodys).collect()
     };
-    let require_all = options.require_all || std::env::var("CI").is_ok_and(|value| value == "true" || value == "1");
-    stage::run_all(workspace, &stages, Rules { require_all, fail_fast: options.fail_fast })
+    workspace.all = options.all || !stages.iter().all(everybodys);
+    let in_ci = std::env::var("CI").is_ok_and(|value| value == "true" || value == "1");
+    let require_all = options.require_all || in_ci;
+    stage::run_all(workspace, &stages, Rules { require_all, fail_fast: options.fail_fast, retry: in_ci })
 }
 
 /// `cargo xtask ci`: runs every check and every test. A missing program fails its stage.
 pub fn ci(workspace: &Workspace, fail_fast: bool) -> Result<()> {
     let stages: Vec<&Stage> = CHECKS.iter().chain(STAGES).collect();
-    stage::run_all(workspace, &stages, Rules { require_all: true, fail_fast })
+    stage::run_all(workspace, &stages, Rules { require_all: true, fail_fast, retry: true })
 }
 
 fn rust(workspace: &Workspace) -> Result<Outcome> {

@@ -131,6 +131,12 @@ impl Tool {
         }
     }
 
+    /// Whether `cargo xtask test` installs it without `--all`. Together these are under 200 MB of Debian packages.
+    pub fn for_everybody(self) -> bool {
+        use Tool::{CCompiler, CMake, CppCompiler, PkgConfig, Png, Vulkan, VulkanHeaders};
+        matches!(self, CMake | CCompiler | CppCompiler | PkgConfig | Png | Vulkan | VulkanHeaders)
+    }
+
     /// The system whose standard library this is.
     fn rust_target(self) -> Option<&'static str> {
         match self {

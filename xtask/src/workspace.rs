@@ -24,6 +24,9 @@ pub struct Workspace {
     /// Version of the `crumple` package, the same for every member.
     pub version: String,
     pub shell: Shell,
+    /// Whether this run tests everything: more graphics drivers, and the engines' plugins. Otherwise it tests what everybody can
+    /// test within minutes.
+    pub all: bool,
     /// Whether this run has installed the release library already.
     pub installed: Cell<bool>,
 }
@@ -40,7 +43,8 @@ impl Workspace {
             Some(dir) => root.join(dir),
             None => root.join("target"),
         };
-        Ok(Self { root, target, version: env!("CARGO_PKG_VERSION").to_owned(), shell, installed: Cell::new(false) })
+        let version = env!("CARGO_PKG_VERSION").to_owned();
+        Ok(Self { root, target, version, shell, all: true, installed: Cell::new(false) })
     }
 
     /// `cargo` of the toolchain that runs this program.

@@ -19,12 +19,12 @@ fn the_tables_hold_together() {
 }
 
 /// Every workload at its smallest on each device there is: results agree with the CPU's, every aim stands beside a figure, and
-/// what is written can be read. Left out aloud where there is no driver; CRUMPLE_REQUIRE_GPU=1 asks for one.
+/// what is written can be read. Left out aloud where there is no driver; CRUMPLE_REQUIRE_GPU asks for one.
 #[test]
 fn every_workload_runs() {
     let devices = match Loader::open().and_then(|loader| loader.devices()) {
         Ok(devices) => devices,
-        Err(e) if std::env::var("CRUMPLE_REQUIRE_GPU").is_ok_and(|v| v == "1") => panic!("{e:#}"),
+        Err(e) if std::env::var("CRUMPLE_REQUIRE_GPU").is_ok_and(|v| v != "0") => panic!("{e:#}"),
         Err(e) => return eprintln!("left out: {e:#}"),
     };
     // Any file will do.
