@@ -67,8 +67,10 @@ pub fn build(
     match profile {
         Profile::Debug => workspace.build_as_tested(&["--lib"]).run()?,
         Profile::Release => {
-            let release = ["build", "--release", "--lib", "--package", "crumple", "--features", "host-allocator"];
-            workspace.cargo_anywhere(&release)?.run()?;
+            // As CMakeLists.txt calls it, so that Cargo builds once for both.
+            let release = ["build", "--release", "--lib", "--package", "crumple", "--no-default-features"];
+            let features = ["capi", &FEATURES.join(",")].join(",");
+            workspace.cargo_anywhere(&release)?.args(["--features", &features]).run()?;
         }
         Profile::Dist => {
             let features = features.join(",");

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use xshell::{Shell, cmd};
 
-/// The packages and features of every test build. Cargo builds another library for each other choice. The physics engines that the
-/// lab compares with are left out: they take longer to build than all the rest.
-const TESTED: &[&str] = &[
+/// The packages and features of every test build with `--all`. Cargo builds another library for each other choice. The physics engines
+/// that the lab compares with are left out: they take longer to build than all the rest.
+const ALL_TESTED: &[&str] = &[
     "--package",
     "crumple",
     "--package",
@@ -16,6 +16,8 @@ const TESTED: &[&str] = &[
     "--features",
     "crumple/cli,crumple/host-allocator,crumple/wgpu,crumple-lab/gpu",
 ];
+/// Without `--all`.
+const TESTED: &[&str] = &["--package", "crumple", "--features", "crumple/cli,crumple/host-allocator"];
 
 pub struct Workspace {
     pub root: PathBuf,
@@ -24,8 +26,8 @@ pub struct Workspace {
     /// Version of the `crumple` package, the same for every member.
     pub version: String,
     pub shell: Shell,
-    /// Whether this run tests everything: more graphics drivers, and the engines' plugins. Otherwise it tests what everybody can
-    /// test within minutes.
+    /// Whether this run tests everything: also wgpu, the lab, a second graphics driver and the engines' plugins. Otherwise it tests
+    /// what everybody can test within minutes.
     pub all: bool,
     /// Whether this run has installed the release library already.
     pub installed: Cell<bool>,
@@ -89,15 +91,20 @@ impl Workspace {
         line.map(str::to_owned).with_context(|| format!("rustc -vV says no {key}"))
     }
 
+    /// The packages and features of this run's test builds.
+    fn tested(&self) -> &'static [&'static str] {
+        if self.all { ALL_TESTED } else { TESTED }
+    }
+
     /// `cargo build` with the features of the tests; `arguments` choose what to build. A test is built along: without one Cargo leaves
     /// out the features that dev-dependencies enable, and the next test would build everything again.
     pub fn build_as_tested(&self, arguments: &[&str]) -> xshell::Cmd<'_> {
-        self.cargo(&["build"]).args(TESTED).args(arguments).args(["--test", "paper_equations"])
+        self.cargo(&["build"]).args(self.tested()).args(arguments).args(["--test", "paper_equations"])
     }
 
     /// `cargo test` of the Rust code, or of the part that `arguments` choose. A test program that fails does not hide the others.
     pub fn tests(&self, arguments: &[&str]) -> xshell::Cmd<'_> {
-        self.cargo(&["test", "--no-fail-fast"]).args(TESTED).args(arguments)
+        self.cargo(&["test", "--no-fail-fast"]).args(self.tested()).args(arguments)
     }
 
     /// `path`, resolved against the repository's root.
