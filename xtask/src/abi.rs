@@ -8,8 +8,7 @@ use anyhow::{Context, Result, ensure};
 use object::Object;
 use xshell::cmd;
 
-use crate::declarations::{self, Form};
-use crate::header::HEADER;
+use crate::declarations::{self, Form, HEADER};
 use crate::stage::Outcome;
 use crate::workspace::Workspace;
 

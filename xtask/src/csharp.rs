@@ -9,8 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use xshell::cmd;
 
-use crate::declarations;
-use crate::header::HEADER;
+use crate::declarations::{self, HEADER};
 use crate::native;
 use crate::stage::Outcome;
 use crate::tools::Tool;

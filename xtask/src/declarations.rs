@@ -3,6 +3,8 @@
 
 use anyhow::{Context, Result, bail};
 
+pub const HEADER: &str = "include/crumple.h";
+
 /// A C type: its name, the number of pointer stars, and the array length.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Type {

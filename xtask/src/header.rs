@@ -7,12 +7,12 @@ use anyhow::{Context, Result, anyhow, bail};
 use similar::TextDiff;
 
 use crate::csharp;
+use crate::declarations::HEADER;
 use crate::python;
 use crate::workspace::Workspace;
 
 /// Characters in a line of the header.
 const WIDTH: usize = 120;
-pub const HEADER: &str = "include/crumple.h";
 
 pub fn run(workspace: &Workspace, check: bool) -> Result<()> {
     let header = generate(workspace)?;

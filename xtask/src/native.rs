@@ -3,11 +3,11 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use xshell::cmd;
 
 use crate::abi;
-use crate::header::HEADER;
+use crate::declarations::HEADER;
 use crate::install::{self, Profile};
 use crate::stage::{Outcome, all_passed};
 use crate::target::Target;
@@ -217,4 +217,44 @@ fn debug_prefix(workspace: &Workspace) -> Result<PathBuf> {
     empty_directory(&prefix)?;
     install::run(workspace, &prefix, Profile::Debug)?;
     Ok(prefix)
+}
+
+/// What tells CMake to compile for another system. Programs for Windows find Vulkan's headers and loader.
+pub fn cross_options(workspace: &Workspace, target: &Target) -> Result<Vec<String>> {
+    let file = workspace.path(format!("xtask/platforms/{}.cmake", target.triple));
+    let mut options = vec![format!("-DCMAKE_TOOLCHAIN_FILE={}", file.display())];
+    if target.is_windows() {
+        let (include, library) = vulkan_for_windows(workspace)?;
+        options.push(format!("-DVulkan_INCLUDE_DIR={}", include.display()));
+        options.push(format!("-DVulkan_LIBRARY={}", library.display()));
+    }
+    Ok(options)
+}
+
+/// Vulkan's headers, which are the same everywhere, and an import library of Windows' loader.
+fn vulkan_for_windows(workspace: &Workspace) -> Result<(PathBuf, PathBuf)> {
+    let sh = &workspace.shell;
+    let folder = workspace.target.join("windows-vulkan");
+    let (include, library) = (folder.join("include"), folder.join("libvulkan-1.a"));
+    empty_directory(&folder)?;
+    let found = cmd!(sh, "pkg-config --variable=includedir vulkan").quiet().read()?;
+    let mut names = Vec::new();
+    for part in ["vulkan", "vk_video"] {
+        for file in files(&Path::new(&found).join(part))? {
+            let text = fs::read_to_string(&file).unwrap_or_default();
+            let declared = text.split("VKAPI_CALL ").skip(1).filter_map(|rest| rest.split_once('('));
+            names.extend(declared.map(|(name, _)| name.trim().to_owned()).filter(|name| name.starts_with("vk")));
+            let name = file.file_name().context("files have names")?;
+            install::copy_as(&file, &include.join(part), &name.to_string_lossy())?;
+        }
+    }
+    if names.len() < 100 {
+        bail!("{found}/vulkan declares {} functions; that cannot be all", names.len());
+    }
+    names.sort();
+    names.dedup();
+    let exports = folder.join("vulkan-1.def");
+    fs::write(&exports, format!("LIBRARY vulkan-1.dll\nEXPORTS\n{}\n", names.join("\n")))?;
+    cmd!(sh, "llvm-dlltool -m i386:x86-64 -d {exports} -l {library}").quiet().run()?;
+    Ok((include, library))
 }

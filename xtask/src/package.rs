@@ -20,7 +20,6 @@ use xshell::cmd;
 
 use crate::command::Command;
 use crate::install::{self, Built, Profile};
-use crate::platforms;
 use crate::target::{self, Target};
 use crate::tools::{self, Tool};
 use crate::wine::Wine;
@@ -108,7 +107,7 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
 
 /// The programs that make archives for another system.
 fn tools_for(target: &Target) -> BTreeSet<Tool> {
-    if target.cross { platforms::WINDOWS_TOOLS.iter().copied().collect() } else { BTreeSet::new() }
+    if target.cross { tools::WINDOWS_TOOLS.iter().copied().collect() } else { BTreeSet::new() }
 }
 
 fn build(workspace: &Workspace, flavour: &'static Flavour, target: &Target) -> Result<Parts> {

@@ -5,12 +5,11 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use xshell::cmd;
 
 use crate::command::Command;
-use crate::declarations::{self, Form};
-use crate::header::HEADER;
+use crate::declarations::{self, Form, HEADER};
 use crate::install::{self, Built, Profile};
 use crate::native::{self, Build};
 use crate::package;
@@ -21,17 +20,6 @@ use crate::vulkan;
 use crate::wine::Wine;
 use crate::workspace::{Workspace, empty_directory, files};
 
-pub const WINDOWS_TOOLS: &[Tool] = &[
-    Tool::CCompiler,
-    Tool::CMake,
-    Tool::WindowsRust,
-    Tool::Mingw,
-    Tool::Wine,
-    Tool::Xvfb,
-    Tool::Llvm,
-    Tool::Vulkan,
-    Tool::VulkanHeaders,
-];
 pub const AARCH64_TOOLS: &[Tool] = &[Tool::CCompiler, Tool::CMake, Tool::AarchRust, Tool::AarchCompiler, Tool::Qemu];
 
 pub const I686_TOOLS: &[Tool] = &[Tool::CCompiler, Tool::CMake, Tool::I686Rust, Tool::I686Compiler];
@@ -116,18 +104,6 @@ pub fn i686(workspace: &Workspace) -> Result<Outcome> {
     Ok(Outcome::Passed)
 }
 
-/// What tells CMake to compile for another system. Programs for Windows find Vulkan's headers and loader.
-pub fn cmake(workspace: &Workspace, target: &Target) -> Result<Vec<String>> {
-    let file = workspace.path(format!("xtask/platforms/{}.cmake", target.triple));
-    let mut options = vec![format!("-DCMAKE_TOOLCHAIN_FILE={}", file.display())];
-    if target.is_windows() {
-        let (include, library) = vulkan_for_windows(workspace)?;
-        options.push(format!("-DVulkan_INCLUDE_DIR={}", include.display()));
-        options.push(format!("-DVulkan_LIBRARY={}", library.display()));
-    }
-    Ok(options)
-}
-
 impl Platform<'_> {
     /// Builds the library, the command and, so that the next test finds what it needs, a test.
     fn build(&self) -> Result<()> {
@@ -154,7 +130,7 @@ impl Platform<'_> {
 
     /// Runs C and C++ programs, and compares the files that they leave.
     fn c(&self, prefix: &Path) -> Result<()> {
-        let options = cmake(self.workspace, &self.target)?;
+        let options = native::cross_options(self.workspace, &self.target)?;
         let options: Vec<&str> = options.iter().map(String::as_str).collect();
         let (kind, launcher) = (self.target.triple.as_str(), self.runner.join(";"));
         let build = Build {
@@ -280,34 +256,6 @@ fn without_times(report: &str) -> String {
         words.collect::<Vec<_>>().join(" ")
     };
     report.lines().map(line).collect::<Vec<_>>().join("\n")
-}
-
-/// Vulkan's headers, which are the same everywhere, and an import library of Windows' loader.
-fn vulkan_for_windows(workspace: &Workspace) -> Result<(PathBuf, PathBuf)> {
-    let sh = &workspace.shell;
-    let folder = workspace.target.join("windows-vulkan");
-    let (include, library) = (folder.join("include"), folder.join("libvulkan-1.a"));
-    empty_directory(&folder)?;
-    let found = cmd!(sh, "pkg-config --variable=includedir vulkan").quiet().read()?;
-    let mut names = Vec::new();
-    for part in ["vulkan", "vk_video"] {
-        for file in files(&Path::new(&found).join(part))? {
-            let text = fs::read_to_string(&file).unwrap_or_default();
-            let declared = text.split("VKAPI_CALL ").skip(1).filter_map(|rest| rest.split_once('('));
-            names.extend(declared.map(|(name, _)| name.trim().to_owned()).filter(|name| name.starts_with("vk")));
-            let name = file.file_name().context("files have names")?;
-            install::copy_as(&file, &include.join(part), &name.to_string_lossy())?;
-        }
-    }
-    if names.len() < 100 {
-        bail!("{found}/vulkan declares {} functions; that cannot be all", names.len());
-    }
-    names.sort();
-    names.dedup();
-    let exports = folder.join("vulkan-1.def");
-    fs::write(&exports, format!("LIBRARY vulkan-1.dll\nEXPORTS\n{}\n", names.join("\n")))?;
-    cmd!(sh, "llvm-dlltool -m i386:x86-64 -d {exports} -l {library}").quiet().run()?;
-    Ok((include, library))
 }
 
 #[cfg(test)]

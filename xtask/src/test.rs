@@ -5,7 +5,7 @@ use clap::Args;
 
 use crate::ci::CHECKS;
 use crate::stage::{self, Outcome, Rules, Stage};
-use crate::tools::Tool;
+use crate::tools::{self, Tool};
 use crate::workspace::Workspace;
 use crate::{
     abi, blender, csharp, demo, fuzz, godot, native, nightly, package, peers, platforms, python, valgrind, vulkan, web,
@@ -115,7 +115,7 @@ const STAGES: &[Stage] = &[
     Stage {
         name: "windows",
         shows: "the library, the command and the archive for Windows work under Wine, and write the same bytes as here",
-        needs: platforms::WINDOWS_TOOLS,
+        needs: tools::WINDOWS_TOOLS,
         wants: &[],
         run: platforms::windows,
     },

@@ -66,6 +66,19 @@ pub enum Tool {
     Qemu,
 }
 
+/// What building and running programs for Windows takes.
+pub const WINDOWS_TOOLS: &[Tool] = &[
+    Tool::CCompiler,
+    Tool::CMake,
+    Tool::WindowsRust,
+    Tool::Mingw,
+    Tool::Wine,
+    Tool::Xvfb,
+    Tool::Llvm,
+    Tool::Vulkan,
+    Tool::VulkanHeaders,
+];
+
 /// This file shows that the validation layers are installed.
 const VALIDATION: &str = "/usr/share/vulkan/explicit_layer.d/VkLayer_khronos_validation.json";
 

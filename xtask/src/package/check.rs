@@ -13,7 +13,6 @@ use super::{FULL, Flavour, Packed, Parts, archive, files, manifest, markdown, pa
 use crate::abi;
 use crate::install::{self, Built};
 use crate::native::{self, Build};
-use crate::platforms;
 use crate::stage::Outcome;
 use crate::target::{Target, launch};
 use crate::wine::Wine;
@@ -92,7 +91,7 @@ pub fn under_wine(workspace: &Workspace, flavour: &Flavour, packed: &Packed, win
     install::needs_windows_alone(&folder.join("bindings/unity/Plugins/x86_64/crumple_unity.dll"))?;
     let _found = wine.libraries(&[&folder.join("bin")]);
     command(workspace, flavour, &folder, &folder.join("bin/crumple.exe"), &[wine.program])?;
-    let options = platforms::cmake(workspace, &packed.target)?;
+    let options = native::cross_options(workspace, &packed.target)?;
     let options: Vec<&str> = options.iter().map(String::as_str).collect();
     let (source, build) = (root.join("client"), root.join("client-build"));
     client(workspace, &source)?;

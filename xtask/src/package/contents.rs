@@ -7,10 +7,9 @@ use anyhow::{Context, Result, ensure};
 
 use super::licenses::{FILE as LICENSES, STANDARD_LIBRARY};
 use super::{Parts, files, git, markdown};
-use crate::header::HEADER;
+use crate::declarations::HEADER;
 use crate::install;
 use crate::native::{self, Build};
-use crate::platforms;
 use crate::reference;
 use crate::tools::Tool;
 use crate::workspace::Workspace;
@@ -121,7 +120,7 @@ fn unity_plugin(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<(
         return Ok(());
     }
     let directory = workspace.target.join("package").join(&target.triple).join(format!("{}-unity", parts.flavour.name));
-    let cross = if target.cross { platforms::cmake(workspace, target)? } else { Vec::new() };
+    let cross = if target.cross { native::cross_options(workspace, target)? } else { Vec::new() };
     let options: Vec<&str> = cross.iter().map(String::as_str).chain(["-DCRUMPLE_TESTS=OFF"]).collect();
     let build = Build { options: &options, cross: target.cross, ..Build::new("package", folder) };
     native::compile(workspace, &build, &source, &directory)?;
