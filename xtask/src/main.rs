@@ -30,6 +30,7 @@ mod repo;
 mod rooms;
 mod schedules;
 mod soak;
+mod source;
 mod stage;
 mod target;
 mod test;

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, bail};
 use xshell::cmd;
 
 use crate::abi;
@@ -129,51 +129,6 @@ pub fn ctest(workspace: &Workspace) -> Result<Outcome> {
     }
     test_projects(workspace, &build)?;
     Ok(drivers.passed())
-}
-
-/// A program fetches the library's source with CMake, which builds it by Cargo. The same project installs the files that
-/// `cargo xtask install` does, and a program finds them.
-pub fn source(workspace: &Workspace) -> Result<Outcome> {
-    if cfg!(windows) {
-        return Ok(Outcome::NotApplicable("not tried on Windows".into()));
-    }
-    let (prefix, directory) = (release_prefix(workspace)?, workspace.target.join("cmake"));
-    empty_directory(&directory)?;
-    let (sh, root) = (&workspace.shell, &workspace.root);
-    // Cargo finds what the installer built.
-    let _flags = sh.push_env("CARGO_ENCODED_RUSTFLAGS", workspace.anywhere()?.join("\u{1f}"));
-    let target = format!("-DCRUMPLE_CARGO_TARGET_DIR={}", workspace.target.display());
-    let build = |source: &Path, name: &str, options: &[&str]| -> Result<PathBuf> {
-        let build = directory.join(name);
-        cmd!(sh, "cmake -S {source} -B {build} {target} {options...}").quiet().ignore_stdout().run()?;
-        cmd!(sh, "cmake --build {build}").ignore_stdout().run()?;
-        Ok(build)
-    };
-    let library = build(root, "library", &[])?;
-    let installed = directory.join("prefix");
-    cmd!(sh, "cmake --install {library} --prefix {installed}").ignore_stdout().run()?;
-    same_files(&prefix, &installed)?;
-    let fetched = format!("-DCRUMPLE_SOURCE={}", root.display());
-    let found = format!("-DCMAKE_PREFIX_PATH={}", installed.display());
-    for (name, option) in [("fetched", &fetched), ("found", &found)] {
-        let client = build(&workspace.path("xtask/package/client"), name, &[option])?;
-        cmd!(sh, "ctest --test-dir {client} --output-on-failure --no-tests=error").run()?;
-    }
-    Ok(Outcome::Passed)
-}
-
-/// Two folders hold the same files with the same bytes.
-fn same_files(one: &Path, other: &Path) -> Result<()> {
-    let relative = |folder: &Path| -> Result<Vec<PathBuf>> {
-        files(folder)?.iter().map(|file| Ok(file.strip_prefix(folder)?.to_owned())).collect()
-    };
-    let (names, others) = (relative(one)?, relative(other)?);
-    ensure!(names == others, "{} holds {names:?}, {} holds {others:?}", one.display(), other.display());
-    for name in names {
-        let (one, other) = (one.join(&name), other.join(&name));
-        ensure!(fs::read(&one)? == fs::read(&other)?, "{} and {} differ", one.display(), other.display());
-    }
-    Ok(())
 }
 
 /// Builds and tests the VulkanSceneGraph client if CMake finds that engine. No distribution packages it, so the environment's

@@ -8,7 +8,8 @@ use crate::stage::{self, Outcome, Rules, Stage};
 use crate::tools::{self, Tool};
 use crate::workspace::Workspace;
 use crate::{
-    abi, blender, csharp, demo, fuzz, godot, native, nightly, package, peers, platforms, python, valgrind, vulkan, web,
+    abi, blender, csharp, demo, fuzz, godot, native, nightly, package, peers, platforms, python, source, valgrind,
+    vulkan, web,
 };
 
 #[derive(Args, Default)]
@@ -31,7 +32,7 @@ pub struct Options {
 }
 
 /// The stages of `cargo xtask test` without options: everybody can run them within minutes.
-const FOR_EVERYBODY: &[&str] = &["install", "source", "vulkan", "rust", "ctest"];
+const FOR_EVERYBODY: &[&str] = &["install", "cmake", "vulkan", "rust", "ctest"];
 
 /// In the order in which they run. A new kind of test is one more entry here.
 const STAGES: &[Stage] = &[
@@ -43,11 +44,25 @@ const STAGES: &[Stage] = &[
         run: native::install_release,
     },
     Stage {
-        name: "source",
-        shows: "a CMake project that fetches the library's source builds it by Cargo, and installs it as the installer does",
+        name: "cmake",
+        shows: "a CMake project that fetches the source builds it by Cargo, and installs what the installer does",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake],
         wants: &[],
-        run: native::source,
+        run: source::cmake,
+    },
+    Stage {
+        name: "conan",
+        shows: "Conan makes a package from the source, and a program finds it",
+        needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::Python3],
+        wants: &[],
+        run: source::conan,
+    },
+    Stage {
+        name: "crate",
+        shows: "the crate builds from the files that crates.io gets",
+        needs: &[],
+        wants: &[],
+        run: source::crates_io,
     },
     Stage {
         name: "package",

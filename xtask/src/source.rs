@@ -1,0 +1,85 @@
+//! The ways to build the library from its source: the CMake project, the Conan recipe, and the crate as crates.io gets it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, ensure};
+use xshell::cmd;
+
+use crate::native;
+use crate::python;
+use crate::stage::Outcome;
+use crate::tools::Tool;
+use crate::workspace::{Workspace, empty_directory, files};
+
+/// A project of a user.
+const CLIENT: &str = "xtask/package/client";
+/// Conan, pinned.
+const REQUIREMENTS: &str = "xtask/package/requirements.txt";
+
+/// A program fetches the library's source with CMake, which builds it by Cargo. The same project installs the files that
+/// `cargo xtask install` does, and a program finds them.
+pub fn cmake(workspace: &Workspace) -> Result<Outcome> {
+    if cfg!(windows) {
+        return Ok(Outcome::NotApplicable("not tried on Windows".into()));
+    }
+    let (prefix, directory) = (native::release_prefix(workspace)?, workspace.target.join("cmake"));
+    empty_directory(&directory)?;
+    let (sh, root) = (&workspace.shell, &workspace.root);
+    // Cargo finds what the installer built.
+    let _flags = sh.push_env("CARGO_ENCODED_RUSTFLAGS", workspace.anywhere()?.join("\u{1f}"));
+    let target = format!("-DCRUMPLE_CARGO_TARGET_DIR={}", workspace.target.display());
+    let build = |source: &Path, name: &str, options: &[&str]| -> Result<PathBuf> {
+        let build = directory.join(name);
+        cmd!(sh, "cmake -S {source} -B {build} {target} {options...}").quiet().ignore_stdout().run()?;
+        cmd!(sh, "cmake --build {build}").ignore_stdout().run()?;
+        Ok(build)
+    };
+    let library = build(root, "library", &[])?;
+    let installed = directory.join("prefix");
+    cmd!(sh, "cmake --install {library} --prefix {installed}").ignore_stdout().run()?;
+    same_files(&prefix, &installed)?;
+    let fetched = format!("-DCRUMPLE_SOURCE={}", root.display());
+    let found = format!("-DCMAKE_PREFIX_PATH={}", installed.display());
+    for (name, option) in [("fetched", &fetched), ("found", &found)] {
+        let client = build(&workspace.path(CLIENT), name, &[option])?;
+        cmd!(sh, "ctest --test-dir {client} --output-on-failure --no-tests=error").run()?;
+    }
+    Ok(Outcome::Passed)
+}
+
+/// Conan builds the package of the recipe, and a program finds it.
+pub fn conan(workspace: &Workspace) -> Result<Outcome> {
+    let python = python::environment(workspace, Tool::Python3, "conan-venv", REQUIREMENTS)?;
+    let (sh, root, client) = (&workspace.shell, &workspace.root, workspace.path(CLIENT));
+    let (conan, home) = (python.with_file_name("conan"), workspace.target.join("conan"));
+    empty_directory(&home)?;
+    let _home = sh.push_env("CONAN_HOME", &home);
+    // Cargo finds the dependencies that the installer built.
+    let _flags = sh.push_env("CARGO_ENCODED_RUSTFLAGS", workspace.anywhere()?.join("\u{1f}"));
+    let target = workspace.target.display();
+    let target = format!("tools.cmake.cmaketoolchain:extra_variables={{'CRUMPLE_CARGO_TARGET_DIR': '{target}'}}");
+    cmd!(sh, "{conan} profile detect").quiet().ignore_stdout().ignore_stderr().run()?;
+    cmd!(sh, "{conan} create {root} --test-folder {client} --conf {target}").ignore_stdout().run()?;
+    Ok(Outcome::Passed)
+}
+
+/// The crate builds from the files that crates.io gets.
+pub fn crates_io(workspace: &Workspace) -> Result<Outcome> {
+    let package = ["package", "--quiet", "--allow-dirty", "--package", "crumple"];
+    Ok(workspace.cargo(&package).run().map(|()| Outcome::Passed)?)
+}
+
+/// Two folders hold the same files with the same bytes.
+fn same_files(one: &Path, other: &Path) -> Result<()> {
+    let relative = |folder: &Path| -> Result<Vec<PathBuf>> {
+        files(folder)?.iter().map(|file| Ok(file.strip_prefix(folder)?.to_owned())).collect()
+    };
+    let (names, others) = (relative(one)?, relative(other)?);
+    ensure!(names == others, "{} holds {names:?}, {} holds {others:?}", one.display(), other.display());
+    for name in names {
+        let (one, other) = (one.join(&name), other.join(&name));
+        ensure!(fs::read(&one)? == fs::read(&other)?, "{} and {} differ", one.display(), other.display());
+    }
+    Ok(())
+}
