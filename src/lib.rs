@@ -33,6 +33,7 @@ mod base;
 #[cfg(feature = "capi")]
 mod capi;
 mod classic;
+mod contacts;
 mod damage;
 mod deform;
 mod example;
@@ -56,6 +57,10 @@ pub use base::tasks::{Serial, TaskSystem, ThreadPool};
 #[cfg(all(fuzzing, feature = "capi"))]
 #[doc(hidden)]
 pub use capi::entry_points;
+pub use contacts::ContactLayer;
+pub use contacts::options::{ContactOptions, Impulses};
+pub use contacts::point::ContactPoint;
+pub use contacts::report::ContactReport;
 pub use damage::mark::{Mark, Pair};
 pub use deform::simd::SimdLevel;
 pub use deform::tolerance::pixel_tolerance;

@@ -9,6 +9,8 @@ use super::tasks::{CrumpleTaskSystem, HostTasks};
 use super::types::CrumpleInstance;
 use crate::base::error::{Error, reserve};
 use crate::base::tasks::{TaskSystem, ThreadPool};
+use crate::contacts::ContactLayer;
+use crate::contacts::options::ContactOptions;
 use crate::instance::inbox::Inbox;
 use crate::select::hit::{Hit, Outcome};
 use std::ffi::{CString, c_char, c_void};
@@ -55,6 +57,7 @@ pub(super) struct Context {
     /// The same ids as `State::instances`, for the calls that may come from any thread. Changed only while `state` is
     /// held.
     pub(super) inboxes: RwLock<Slots<Arc<Inbox>>>,
+    pub(super) contacts: ContactLayer,
 }
 
 // SAFETY: `log_user` is only handed back to the host, on the thread that called.
@@ -221,6 +224,7 @@ pub unsafe extern "C" fn crumple_context_create(
             tasks,
             state: Mutex::new(State::new(tag)),
             inboxes: RwLock::new(Slots::new(tag)),
+            contacts: ContactLayer::new(ContactOptions::default())?,
         };
         contexts.last = number;
         contexts.live.push((number * STEP, Arc::new(context)));

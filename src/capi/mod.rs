@@ -43,6 +43,8 @@ mod instance;
 
 mod hit;
 
+mod contacts;
+
 mod damage;
 
 mod host_memory;
@@ -82,8 +84,8 @@ mod thread_tests;
 #[doc(hidden)]
 pub mod entry_points {
     pub use super::{
-        allocator::*, attach::*, buffer::*, context::*, damage::*, deform::*, graph::*, graph_types::*, hit::*,
-        host_memory::*, instance::*, keep_out::*, load::*, result::*, set::*, set_info::*, tasks::*, types::*,
+        allocator::*, attach::*, buffer::*, contacts::*, context::*, damage::*, deform::*, graph::*, graph_types::*,
+        hit::*, host_memory::*, instance::*, keep_out::*, load::*, result::*, set::*, set_info::*, tasks::*, types::*,
         version::*, vulkan::*, vulkan_types::*,
     };
 }

@@ -2,6 +2,7 @@
 
 use super::c_enum::c_enums;
 use crate::base::math::Aabb;
+use crate::contacts::options::Impulses;
 use crate::deform::Encoding;
 use crate::example::data::Placement;
 use crate::example::options::Seams;
@@ -15,6 +16,7 @@ c_enums!(
     CrumpleRule::Blend,
     CrumpleSelection::ClassicUnclamped,
     HitStatus::Rigid,
+    Impulses::ZeroIsUnknown,
     Placement::Carried,
     Seams::Keep,
     Space::World,

@@ -11,6 +11,7 @@ use crate::select::hit::{Cause, Hit, HitStatus, Outcome};
 use crate::select::target::HitParams;
 use glam::{DMat3, DVec3, Mat4};
 use std::num::NonZeroU64;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Weak};
 
 /// A hit that waits for the next fold.
@@ -25,6 +26,8 @@ pub(crate) enum Pending {
 /// Receives hits. It may be shared among threads, which may all submit at once, also while the instance is deformed.
 #[derive(Debug)]
 pub struct Inbox {
+    /// Later inboxes have higher numbers.
+    number: u64,
     set: Arc<ExampleSet>,
     rule: Rule,
     params: RwLock<HitParams>,
@@ -35,7 +38,15 @@ pub struct Inbox {
 
 impl Inbox {
     pub(super) fn new(set: Arc<ExampleSet>, rule: Rule, params: HitParams) -> Self {
-        Inbox { set, rule, params: RwLock::new(params), pending: Mutex::default(), followers: RwLock::default() }
+        static NEXT: AtomicU64 = AtomicU64::new(1);
+        Inbox {
+            number: NEXT.fetch_add(1, Ordering::Relaxed),
+            set,
+            rule,
+            params: RwLock::new(params),
+            pending: Mutex::default(),
+            followers: RwLock::default(),
+        }
     }
 
     /// Selects examples for a hit in the calling thread and queues the mark for the instance's next fold.
@@ -152,6 +163,21 @@ impl Inbox {
         Ok(())
     }
 
+    pub(crate) fn example_set(&self) -> &Arc<ExampleSet> {
+        &self.set
+    }
+
+    /// A number that no other inbox of the process has.
+    pub(crate) fn number(&self) -> u64 {
+        self.number
+    }
+
+    /// The linear part of the transform from world to mesh space, and the mesh's origin in world space, m.
+    pub(crate) fn world_to_local(&self) -> (DMat3, DVec3) {
+        let params = self.params.read().unwrap_or_else(|e| e.into_inner());
+        (params.world_to_local, params.local_origin_in_world)
+    }
+
     fn select(&self, params: &HitParams, hit: &Hit) -> Result<(Outcome, Effect), Error> {
         if hit.contact.is_some() {
             self.contacts_allowed("a hit with a contact id")?;
@@ -159,7 +185,7 @@ impl Inbox {
         select(&self.set, self.rule, params, hit)
     }
 
-    fn contacts_allowed(&self, call: &str) -> Result<(), Error> {
+    pub(crate) fn contacts_allowed(&self, call: &str) -> Result<(), Error> {
         if self.rule == Rule::Marks { Ok(()) } else { Err(needs_marks(call, self.rule)) }
     }
 

@@ -1,0 +1,155 @@
+//! The points of one pair in one step: what each pushes, and which of them make one dent.
+
+use super::options::{ContactOptions, Impulses};
+use super::point::Reported;
+use glam::{DMat3, DVec3};
+
+/// What one point did in the step.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Push {
+    /// Normal impulse times the gain, N·s.
+    pub impulse: f64,
+    /// Approach speed, m/s. `None` if neither velocity nor masses are known.
+    pub speed: Option<f64>,
+    /// Whether the speed is the impulse over the mass: parts of a touch then add up to its speed.
+    pub derived: bool,
+    /// If the impulse is a guess that the bodies stop each other: the mass behind it times the gain, kg.
+    pub guessed: Option<f64>,
+}
+
+/// Fills `out` with the pushes of the points of one pair.
+pub(super) fn pushes(points: &[Reported], options: &ContactOptions, out: &mut Vec<Push>) {
+    let count = points.len() as f64;
+    let given = |p: &Reported| match options.impulses {
+        Impulses::PerPoint => p.impulse,
+        Impulses::WholeAtEveryPoint => p.impulse.map(|j| j / count),
+        Impulses::ZeroIsUnknown => p.impulse.filter(|j| *j > 0.0),
+    };
+    let coming = |p: &Reported| p.approach().is_some_and(|v| v > 0.0);
+    let unknown = points.iter().filter(|p| given(p).is_none() && coming(p)).count().max(1) as f64;
+    // Impulse and guessed mass, without the gain.
+    let push = |p: &Reported| match (given(p), p.mass, p.approach()) {
+        (Some(impulse), ..) => (impulse, None),
+        (None, Some(mass), Some(v)) if v > 0.0 => {
+            let mass = mass / unknown;
+            match p.velocity_after {
+                Some(after) => (mass * (v + after.dot(p.normal)).max(0.0), None),
+                None => (mass * v, Some(mass)),
+            }
+        }
+        _ => (0.0, None),
+    };
+    let total: f64 = points.iter().map(|p| push(p).0).sum();
+    out.clear();
+    out.extend(points.iter().map(|p| {
+        let (impulse, guessed) = push(p);
+        let gain = p.gain * f64::from(options.gain);
+        let speed = p.approach().or_else(|| Some(total / p.mass?));
+        Push { impulse: impulse * gain, speed, derived: p.velocity.is_none(), guessed: guessed.map(|m| m * gain) }
+    }));
+}
+
+/// A push on one of the two bodies.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Part {
+    /// In the body's own space, m.
+    pub place: DVec3,
+    /// Out of the body, of length 1, in world space.
+    pub normal: DVec3,
+    /// Of the striker relative to the body, m/s, in world space.
+    pub velocity: Option<DVec3>,
+    /// Radius of the striker, m.
+    pub radius: Option<f32>,
+    pub push: Push,
+}
+
+impl Part {
+    /// What a point does to the body on `side` of its pair, whose transform from world space is `to_body`.
+    pub fn new(p: &Reported, push: Push, side: usize, to_body: (DMat3, DVec3)) -> Self {
+        let sign = if side == 0 { 1.0 } else { -1.0 };
+        Part {
+            place: to_body.0 * (p.point - to_body.1),
+            normal: p.normal * sign,
+            velocity: p.velocity.map(|v| v * sign),
+            radius: p.radii[1 - side],
+            push,
+        }
+    }
+}
+
+/// Takes the parts that make one dent with the strongest out of `parts`, and joins them at their centre by impulse.
+/// `None` if no part is left.
+pub(super) fn next_blow(parts: &mut Vec<Part>, radius: f64) -> Option<Part> {
+    let stronger = |a: &Part, b: &Part| if b.push.impulse > a.push.impulse { *b } else { *a };
+    let strongest = parts.iter().copied().reduce(|a, b| stronger(&a, &b))?;
+    let near = |part: &Part| part.place.distance_squared(strongest.place) <= radius * radius;
+    let mut sum = Sum::default();
+    parts.retain(|part| {
+        let near = near(part);
+        if near {
+            sum.add(part);
+        }
+        !near
+    });
+    // A place out of range has no distance, not even from itself.
+    if sum.impulse == 0.0 {
+        parts.clear();
+        return None;
+    }
+    Some(sum.blow())
+}
+
+#[derive(Debug, Default)]
+struct Sum {
+    impulse: f64,
+    place: DVec3,
+    normal: DVec3,
+    velocity: Option<DVec3>,
+    speed: Option<f64>,
+    radius: Option<f32>,
+    derived: bool,
+    /// The guessed masses, and the impulse that they stand for.
+    guessed: (f64, f64),
+}
+
+impl Sum {
+    fn add(&mut self, part: &Part) {
+        let j = part.push.impulse;
+        self.impulse += j;
+        self.place += part.place * j;
+        self.normal += part.normal * j;
+        self.velocity = part.velocity.map(|v| v * j + self.velocity.unwrap_or_default()).or(self.velocity);
+        self.speed = part.push.speed.max_with(self.speed);
+        self.radius = part.radius.max_with(self.radius);
+        self.derived |= part.push.derived;
+        if let Some(mass) = part.push.guessed {
+            self.guessed = (self.guessed.0 + mass, self.guessed.1 + j);
+        }
+    }
+
+    fn blow(self) -> Part {
+        let normal = self.normal.normalize_or_zero();
+        let velocity = self.velocity.filter(|_| !self.derived).map(|v| v / self.impulse);
+        let push = Push {
+            impulse: self.impulse,
+            speed: velocity.map(|v| -v.dot(normal)).or(self.speed),
+            derived: self.derived,
+            guessed: (self.guessed.1 == self.impulse).then_some(self.guessed.0),
+        };
+        Part { place: self.place / self.impulse, normal, velocity, radius: self.radius, push }
+    }
+}
+
+/// The larger of two numbers that may be unknown.
+trait MaxWith: Sized {
+    fn max_with(self, other: Self) -> Self;
+}
+
+impl<T: PartialOrd + Copy> MaxWith for Option<T> {
+    fn max_with(self, other: Self) -> Self {
+        match (self, other) {
+            (Some(a), Some(b)) => Some(if b > a { b } else { a }),
+            (a, b) => a.or(b),
+        }
+    }
+}

@@ -1,0 +1,451 @@
+//! From a physics engine's contact points to hits.
+//!
+//! An engine reports points, several a step, for as long as bodies touch. A set knows blows. Between them:
+//!
+//! 1. `point`: a point is checked and waits for the step's end;
+//! 2. `manifold`: the points of a pair in a step become one blow, or several if they are further apart than a dent;
+//! 3. `touch`: the blows of successive steps at one place become one contact of the body, and so one dent;
+//! 4. `scale` has the thresholds under which a body rests, and `share` divides a blow between two bodies that dent.
+//!
+//! The energy of a blow is half of the normal impulse times the approach speed. So parts of a contact add up to the
+//! whole, and what does not approach leaves nothing.
+
+mod manifold;
+pub(crate) mod options;
+pub(crate) mod point;
+pub(crate) mod report;
+mod scale;
+mod share;
+mod touch;
+
+use crate::base::error::{Error, positive};
+use crate::base::math::to_f32;
+use crate::base::sync::{Mutex, MutexGuard};
+use crate::example::blow::{Blow, Striker};
+use crate::instance::inbox::Inbox;
+use crate::select::hit::Hit;
+use glam::DVec3;
+use manifold::{Part, Push, next_blow};
+use options::ContactOptions;
+use point::{Body, ContactPoint, Reported};
+use report::ContactReport;
+use scale::{Scale, Scales};
+use share::{Whole, shares};
+use std::num::NonZeroU64;
+use std::ops::Range;
+use touch::{Fit, Key, Touch};
+
+/// Contacts of the layer have ids from here on, so that they are not those of a host.
+const FIRST_ID: u64 = 1 << 63;
+
+/// m/s².
+const GRAVITY: f64 = 9.81;
+
+/// Turns the contact points that a physics engine reports into hits on instances.
+///
+/// Report the points of a step of the physics from any thread, and call [`step`](Self::step) once after it. All points of
+/// one place make one dent, at any rate of steps; what rests, rolls, slides or jitters makes none. The dents depend on the
+/// points of each step, not on the order in which threads report them.
+///
+/// Hits are given contact ids from 2^63 on; give other ids to hits of your own. Points are in world space: keep the
+/// instances' [transforms](crate::Instance::set_transform) up to date.
+///
+/// All functions may be called from any thread. It does not allocate in steady state, apart from what the hits
+/// themselves need.
+///
+/// ```
+/// use crumple::*;
+/// use std::sync::Arc;
+/// # let mesh = MeshData { positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], triangles: vec![[0, 1, 2]], ..Default::default() };
+/// let mut dent = ExampleData::new("dent", Deltas::Sparse { indices: vec![0], values: vec![[0.0, 0.0, -0.1]] });
+/// let striker = Striker { mass: Some(8.0), velocity: Some([0.0, 0.0, -5.0]), radius: None };
+/// dent.blow = Blow::of_striker(striker);
+/// let set = Arc::new(ExampleSet::build(mesh, vec![dent], SetOptions::default(), &Serial)?);
+/// let mut body = Instance::new(set, InstanceOptions::default())?;
+///
+/// let contacts = ContactLayer::new(ContactOptions::default())?;
+/// let mut point = ContactPoint::new(7, [Some(body.inbox().clone()), None], [0.0; 3], [0.0, 0.0, 1.0]);
+/// point.velocity = Some([0.0, 0.0, -4.0]); // of the other body, before the step
+/// point.impulse = Some(32.0);
+/// contacts.report(&[point])?;
+/// let report = contacts.step(1.0 / 60.0)?;
+/// assert_eq!(report.hits, 1);
+/// assert_eq!(body.marks()?.len(), 1);
+/// # Ok::<(), crumple::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct ContactLayer {
+    waiting: Mutex<Waiting>,
+    state: Mutex<State>,
+}
+
+/// Points that wait for the step.
+#[derive(Debug)]
+struct Waiting {
+    points: Vec<Reported>,
+    most: usize,
+}
+
+#[derive(Debug)]
+struct State {
+    options: ContactOptions,
+    scales: Scales,
+    /// Sorted by key, then by id.
+    touches: Vec<Touch>,
+    /// Time of the physics, and how long the step lasted, s.
+    now: f64,
+    seconds: f64,
+    last_id: u64,
+    totals: ContactReport,
+    // Memory that steps use again.
+    points: Vec<Reported>,
+    pushes: Vec<Push>,
+    parts: Vec<Part>,
+}
+
+impl ContactLayer {
+    /// Makes a layer without touches.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] naming the option.
+    pub fn new(options: ContactOptions) -> Result<Self, Error> {
+        options.check()?;
+        let state = State {
+            options,
+            scales: Scales::default(),
+            touches: Vec::new(),
+            now: 0.0,
+            seconds: 0.0,
+            last_id: FIRST_ID,
+            totals: ContactReport::default(),
+            points: Vec::new(),
+            pushes: Vec::new(),
+            parts: Vec::new(),
+        };
+        let waiting = Waiting { points: Vec::new(), most: options.max_points as usize };
+        Ok(ContactLayer { waiting: Mutex::new(waiting), state: Mutex::new(state) })
+    }
+
+    /// Returns the options in use.
+    pub fn options(&self) -> ContactOptions {
+        self.state().options
+    }
+
+    /// Changes the options. Touches that last go on with them.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] naming the option. After an error nothing has changed.
+    pub fn set_options(&self, options: ContactOptions) -> Result<(), Error> {
+        options.check()?;
+        self.state().options = options;
+        self.waiting().most = options.max_points as usize;
+        Ok(())
+    }
+
+    /// Takes points of the current step: all, or none if one is wrong. Any number of threads may call it at once.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] or [`Error::InvalidArgument`] naming the point and its part (also if there are more than
+    /// [`max_points`](ContactOptions::max_points) since the last step); [`Error::WrongRule`] for a body with a classic
+    /// rule; [`Error::OutOfMemory`].
+    pub fn report(&self, points: &[ContactPoint]) -> Result<(), Error> {
+        self.report_each(points.iter().map(|point| Ok(point.clone())))
+    }
+
+    /// Takes points that are made one after the other.
+    pub(crate) fn report_each<E: From<Error>>(
+        &self,
+        points: impl ExactSizeIterator<Item = Result<ContactPoint, E>>,
+    ) -> Result<(), E> {
+        let mut waiting = self.waiting();
+        let (before, most) = (waiting.points.len(), waiting.most);
+        let all = before + points.len();
+        if all > most {
+            let expected = format!("at most {most} (max_points): call step after each step of the physics");
+            return Err(Error::invalid("points", format!("{all} since the last step"), &expected).into());
+        }
+        let bytes = (all * size_of::<Reported>()) as u64;
+        waiting
+            .points
+            .try_reserve(points.len())
+            .map_err(|_| Error::OutOfMemory { what: "contact points".into(), bytes })?;
+        for (i, point) in points.enumerate() {
+            let checked = point.and_then(|point| {
+                point.check(i)?;
+                Ok(Reported::new(&point))
+            });
+            match checked {
+                Ok(point) => waiting.points.push(point),
+                Err(error) => {
+                    waiting.points.truncate(before);
+                    return Err(error);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Ends a step of the physics that lasted `seconds`: turns the points reported since the last call into hits. Call it
+    /// once after each step, also if nothing touched. A hit that a body refuses does not keep others back; see
+    /// [`ContactReport::refusal`]. Two calls at once take turns.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] if `seconds` is not above 0. After an error nothing has changed.
+    pub fn step(&self, seconds: f32) -> Result<ContactReport, Error> {
+        positive("seconds", seconds, "s")?;
+        let mut state = self.state();
+        let state = &mut *state;
+        state.now += f64::from(seconds);
+        std::mem::swap(&mut self.waiting().points, &mut state.points);
+        let mut points = std::mem::take(&mut state.points);
+        points.sort_unstable_by(Reported::order);
+        let mut step = Step::default();
+        step.report.points = points.len() as u64;
+        for pair in points.chunk_by(|a, b| a.key() == b.key()) {
+            state.pair(pair, &mut step);
+        }
+        points.clear();
+        state.points = points;
+        state.end_old(&mut step);
+        step.report.open = state.touches.len() as u64;
+        state.totals.add(&step.report);
+        Ok(step.report)
+    }
+
+    /// Returns the sums of all steps' counts; `open` is that of the last step.
+    pub fn totals(&self) -> ContactReport {
+        self.state().totals.clone()
+    }
+
+    /// Ends all touches and forgets the points that wait, as after loading a saved game. Dents stay.
+    pub fn clear(&self) {
+        self.waiting().points.clear();
+        let mut step = Step::default();
+        self.state().touches.drain(..).for_each(|touch| step.end(&touch));
+    }
+
+    fn waiting(&self) -> MutexGuard<'_, Waiting> {
+        self.waiting.lock().unwrap_or_else(|e| e.into_inner())
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(|e| e.into_inner())
+    }
+}
+
+/// A step in progress.
+#[derive(Debug, Default)]
+struct Step {
+    report: ContactReport,
+}
+
+impl Step {
+    /// Brings a hit to a body.
+    fn hit(&mut self, body: &Body, hit: &Hit) {
+        let Some(inbox) = body.inbox.upgrade() else { return };
+        match inbox.submit(hit) {
+            Ok(_) => self.report.hits += 1,
+            Err(error) => {
+                self.report.refused += 1;
+                self.report.refusal.get_or_insert(error);
+            }
+        }
+    }
+
+    fn end(&mut self, touch: &Touch) {
+        self.report.ended += 1;
+        if touch.has_struck() {
+            // Only a body with a classic rule refuses, and none has touches.
+            let _ = touch.body.inbox.upgrade().map(|inbox| inbox.end_contact(touch.id));
+        } else {
+            self.report.weak += 1;
+        }
+    }
+}
+
+impl State {
+    /// The points of one pair in this step.
+    fn pair(&mut self, points: &[Reported], step: &mut Step) {
+        self.seen(points[0].key(), step);
+        let bodies = [0, 1].map(|side| points[0].bodies[side].as_ref());
+        let inboxes = bodies.map(|body| body.and_then(|body| body.inbox.upgrade()));
+        if inboxes.iter().all(Option::is_none) {
+            return;
+        }
+        let mut pushes = std::mem::take(&mut self.pushes);
+        manifold::pushes(points, &self.options, &mut pushes);
+        let mut share = None;
+        for side in 0..2 {
+            let (Some(body), Some(inbox)) = (bodies[side], &inboxes[side]) else { continue };
+            let scale = self.scales.of(inbox.example_set()).with(&self.options);
+            if !self.live(points, &pushes, side, &scale, inbox, &mut step.report) {
+                continue;
+            }
+            let shares = *share.get_or_insert_with(|| match &inboxes {
+                [Some(a), Some(b)] => whole(points, &pushes).map_or([0.5; 2], |(w, radii)| shares(&w, [a, b], radii)),
+                _ => [1.0; 2],
+            });
+            let (pair, numbers) = points[0].key();
+            while let Some(blow) = next_blow(&mut self.parts, scale.radius) {
+                self.blow((pair, numbers, side), (body, inbox), &blow, &scale, shares[side], step);
+            }
+        }
+        self.pushes = pushes;
+    }
+
+    /// Notes that a pair touches. Ends the touches of other bodies that had its number.
+    fn seen(&mut self, (pair, numbers): (u64, [u64; 2]), step: &mut Step) {
+        let from = self.touches.partition_point(|touch| touch.key.0 < pair);
+        let mut at = from;
+        while at < self.touches.len() && self.touches[at].key.0 == pair {
+            if self.touches[at].key.1 == numbers {
+                self.touches[at].last = self.now;
+                at += 1;
+            } else {
+                step.end(&self.touches.remove(at));
+            }
+        }
+    }
+
+    /// Fills `parts` with the points that push the body fast enough. Whether there are any.
+    fn live(
+        &mut self,
+        points: &[Reported],
+        pushes: &[Push],
+        side: usize,
+        scale: &Scale,
+        inbox: &Inbox,
+        report: &mut ContactReport,
+    ) -> bool {
+        self.parts.clear();
+        let total: f64 = pushes.iter().map(|push| push.impulse).sum();
+        let (pair, numbers) = points[0].key();
+        // A touch goes on at less speed than it needs to begin.
+        let least = if self.touches_of((pair, numbers, side)).is_empty() { scale.speed } else { self.resting(scale) };
+        let fast = |push: &Push| push.speed.map_or(total >= scale.impulse, |speed| speed >= least);
+        let mut to_body = None;
+        for (point, push) in points.iter().zip(pushes) {
+            if push.impulse <= 0.0 {
+                continue;
+            }
+            if fast(push) {
+                let to_body = *to_body.get_or_insert_with(|| inbox.world_to_local());
+                self.parts.push(Part::new(point, *push, side, to_body));
+            } else if push.speed.is_some_and(|speed| speed < -scale.speed) {
+                report.separating += 1;
+            } else {
+                report.slow += 1;
+            }
+        }
+        !self.parts.is_empty()
+    }
+
+    /// One blow on one body: adds it to its touch, and brings the body what is strong enough.
+    fn blow(
+        &mut self,
+        key: Key,
+        (body, inbox): (&Body, &Inbox),
+        blow: &Part,
+        scale: &Scale,
+        share: f64,
+        step: &mut Step,
+    ) {
+        let begins = blow.push.speed.is_none_or(|speed| speed >= scale.speed);
+        let at = match self.nearest(key, blow, scale.radius) {
+            None if !begins => {
+                step.report.slow += 1;
+                return;
+            }
+            Some(at) => match self.touches[at].fit(blow) {
+                Fit::Holds => {
+                    step.report.slow += 1;
+                    return;
+                }
+                Fit::Same => at,
+                Fit::Another => {
+                    step.end(&self.touches.remove(at));
+                    self.begin(key, body, blow, share, step)
+                }
+            },
+            None => self.begin(key, body, blow, share, step),
+        };
+        let touch = &mut self.touches[at];
+        touch.add(blow);
+        if let Some(hit) = touch.hit(scale.energy, inbox.world_to_local()) {
+            step.hit(body, &hit);
+        }
+    }
+
+    /// The touches of a key.
+    fn touches_of(&self, key: Key) -> Range<usize> {
+        let from = self.touches.partition_point(|touch| touch.key < key);
+        from..from + self.touches[from..].partition_point(|touch| touch.key == key)
+    }
+
+    /// The approach speed that bodies at rest may have in this step, m/s: gravity's, twice over.
+    fn resting(&self, scale: &Scale) -> f64 {
+        scale.speed.min(2.0 * GRAVITY * self.seconds)
+    }
+
+    /// The touch of a key whose place is nearest to a blow, within `radius`.
+    fn nearest(&self, key: Key, blow: &Part, radius: f64) -> Option<usize> {
+        let distance = |at: &usize| self.touches[*at].place.distance_squared(blow.place);
+        self.touches_of(key)
+            .filter(|at| distance(at) <= radius * radius)
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    }
+
+    /// Begins a touch and returns its index. If there are too many, the oldest ends.
+    fn begin(&mut self, key: Key, body: &Body, blow: &Part, share: f64, step: &mut Step) -> usize {
+        if self.touches.len() >= self.options.max_touches as usize {
+            let oldest = (0..self.touches.len()).min_by_key(|at| self.touches[*at].id);
+            if let Some(at) = oldest {
+                step.report.crowded += 1;
+                step.end(&self.touches.remove(at));
+            }
+        }
+        let id = NonZeroU64::new(self.last_id).unwrap_or(NonZeroU64::MAX);
+        self.last_id = self.last_id.checked_add(1).unwrap_or(FIRST_ID);
+        step.report.begun += 1;
+        let at = self.touches.partition_point(|touch| touch.key <= key);
+        self.touches.insert(at, Touch::new(key, id, body.clone(), blow.place, self.now, share));
+        at
+    }
+
+    /// Ends the touches that lasted long enough, whose bodies separated, or whose body is gone.
+    fn end_old(&mut self, step: &mut Step) {
+        let (now, options) = (self.now, self.options);
+        // Times are sums of f32: a step more or less must not depend on rounding.
+        let over = |from: f64, time: f32| now - from > f64::from(time) - 1e-6;
+        self.touches.retain(|touch| {
+            let over = over(touch.begin, options.touch_time)
+                || over(touch.last, options.separation_time) && touch.last < now
+                || touch.body.inbox.strong_count() == 0;
+            if over {
+                step.end(touch);
+            }
+            !over
+        });
+    }
+}
+
+/// The whole of a pair's push, as the first body gets it, and the radii of both. `None` if nothing pushes.
+fn whole(points: &[Reported], pushes: &[Push]) -> Option<(Whole, [Option<f32>; 2])> {
+    let pushing = || points.iter().zip(pushes).filter(|(_, push)| push.impulse > 0.0);
+    let total: f64 = pushing().map(|(_, push)| push.impulse).sum();
+    let (fastest, push) = pushing().reduce(|a, b| if b.1.speed > a.1.speed { b } else { a })?;
+    let place = pushing().map(|(p, push)| p.point * push.impulse).sum::<DVec3>() / total;
+    let speed = push.speed.filter(|speed| *speed > 0.0);
+    // In the first of many steps only a part of the impulse is known.
+    let expected = fastest.mass.zip(speed).map_or(total, |(mass, speed)| total.max(mass * speed));
+    let velocity = speed.map(|speed| fastest.velocity.unwrap_or(fastest.normal * -speed));
+    let striker = Striker {
+        mass: speed.map(|speed| (expected / speed) as f32).filter(|m| *m > 0.0 && m.is_finite()),
+        velocity: velocity.map(to_f32),
+        radius: None,
+    };
+    let normal = fastest.normal;
+    let impulse = Some(to_f32(normal * -expected));
+    let blow = Blow { impulse, duration: None, normal: Some(to_f32(normal)), striker };
+    Some((Whole { point: to_f32(place), blow }, fastest.radii))
+}

@@ -1,0 +1,554 @@
+//! Contact points become blows: the points of a manifold are one, the steps of a touch are one, what rests is none, and
+//! two bodies share.
+
+mod scenes;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::sync::Arc;
+
+use crumple::glam::{Mat4, Quat, Vec3};
+use crumple::{
+    Blow, Contact, ContactLayer, ContactOptions, ContactPoint, ContactReport, Error, ErrorKind, ExampleSet, Hit,
+    Impulses, Instance, InstanceOptions, Rule, SetOptions, Striker,
+};
+use proptest::prelude::*;
+use scenes::{Dice, build, displacements, new};
+
+thread_local! {
+    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
+}
+
+/// Counts the allocations of each thread.
+struct Counting;
+
+// SAFETY: passes every call on to the system's allocator.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller keeps the contract.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
+        // SAFETY: the caller keeps the contract.
+        unsafe { System.dealloc(memory, layout) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+const STEP: f32 = 1.0 / 60.0;
+const MASS: f32 = 8.0;
+
+/// A sheet whose examples know their blows: a striker of 8 kg at 100 m/s for each metre of `softness` times the depth.
+fn set(softness: f32) -> Arc<ExampleSet> {
+    let mesh = scenes::sheet(24);
+    let mut dice = Dice::new(3);
+    let place = |x: f32, y: f32| scenes::nearest(&mesh, [x, y, 0.0]);
+    let places = [place(0.0, 0.0), place(-0.25, 0.2), place(0.25, -0.2), place(-0.2, -0.25), place(0.2, 0.25)];
+    let examples = places.map(|v| {
+        let depth = dice.between(0.03, 0.06);
+        let mut example = scenes::bowl(&mesh, v, depth, 0.25);
+        let velocity = [0.0, 0.0, -100.0 * depth / softness];
+        example.blow = Blow {
+            impulse: Some(velocity.map(|v| MASS * v)),
+            normal: Some([0.0, 0.0, 1.0]),
+            striker: Striker { mass: Some(MASS), velocity: Some(velocity), radius: None },
+            ..Blow::default()
+        };
+        assert!(matches!(example.contact, Some(Contact::Vertex(_))));
+        example
+    });
+    build(mesh, examples.to_vec(), SetOptions { depth_limit: Some(1.0), ..SetOptions::default() })
+}
+
+fn layer(options: ContactOptions) -> ContactLayer {
+    ContactLayer::new(options).unwrap()
+}
+
+fn default() -> ContactLayer {
+    layer(ContactOptions::default())
+}
+
+/// A point on the sheet, struck from above by a free body of 8 kg.
+fn point(body: &Instance, at: [f32; 2], speed: f32, impulse: Option<f32>) -> ContactPoint {
+    let mut p = ContactPoint::new(7, [Some(body.inbox().clone()), None], [at[0], at[1], 0.0], [0.0, 0.0, 1.0]);
+    p.velocity = Some([0.0, 0.0, -speed]);
+    p.masses = [Some(f32::INFINITY), Some(MASS)];
+    p.impulse = impulse;
+    p
+}
+
+fn depth(body: &mut Instance) -> f32 {
+    displacements(body).iter().map(|d| d.length()).fold(0.0, f32::max)
+}
+
+fn same(a: f32, b: f32, within: f32) -> bool {
+    (a - b).abs() <= within * a.abs().max(b.abs())
+}
+
+/// The depth that steps leave: each a list of points, made for the body.
+fn after(set: &Arc<ExampleSet>, options: ContactOptions, steps: &[&dyn Fn(&Instance) -> Vec<ContactPoint>]) -> f32 {
+    let (mut body, contacts) = (new(set), layer(options));
+    for step in steps {
+        contacts.report(&step(&body)).unwrap();
+        let report = contacts.step(STEP).unwrap();
+        assert_eq!(report.refusal, None);
+    }
+    depth(&mut body)
+}
+
+/// The dent of one whole blow, told without the layer.
+fn told(set: &Arc<ExampleSet>, speed: f32, mass: f32) -> f32 {
+    let mut body = new(set);
+    let velocity = [0.0, 0.0, -speed];
+    let striker = Striker { mass: Some(mass), velocity: Some(velocity), radius: None };
+    let blow =
+        Blow { impulse: Some(velocity.map(|v| mass * v)), normal: Some([0.0, 0.0, 1.0]), striker, ..Blow::default() };
+    body.submit(&Hit::blow([0.0; 3], blow)).unwrap();
+    depth(&mut body)
+}
+
+#[test]
+fn quick_a_contact_leaves_what_the_blow_leaves() {
+    let set = set(1.0);
+    let expected = told(&set, 5.0, MASS);
+    assert!(expected > 0.02, "{expected}");
+    let got = |change: &dyn Fn(&mut ContactPoint)| {
+        let one = |body: &Instance| {
+            let mut p = point(body, [0.0; 2], 5.0, Some(40.0));
+            change(&mut p);
+            vec![p]
+        };
+        after(&set, ContactOptions::default(), &[&one])
+    };
+    // Each row of the table of what is known.
+    assert!(same(got(&|_| ()), expected, 1e-4));
+    assert!(same(got(&|p| p.masses = [None; 2]), expected, 1e-4));
+    assert!(same(got(&|p| p.velocity = None), expected, 1e-4));
+    assert!(same(got(&|p| p.impulse = None), expected, 1e-4));
+    assert!(same(
+        got(&|p| (p.impulse, p.inverse_mass, p.masses) = (None, Some(1.0 / MASS), [None; 2])),
+        expected,
+        1e-4
+    ));
+    let alone = got(&|p| (p.velocity, p.masses) = (None, [None; 2]));
+    assert!(same(alone, expected, 0.25), "an impulse alone leaves {alone} instead of {expected}");
+    // Two free bodies: the reduced mass.
+    let reduced = got(&|p| (p.impulse, p.masses) = (None, [Some(2.0 * MASS), Some(2.0 * MASS)]));
+    assert!(same(reduced, expected, 1e-4));
+}
+
+#[test]
+fn quick_the_points_of_a_manifold_are_one_blow() {
+    let set = set(1.0);
+    let expected = told(&set, 5.0, MASS);
+    let corners = |impulses: [Option<f32>; 4]| {
+        move |body: &Instance| {
+            let at = [[-0.02, -0.02], [0.02, -0.02], [-0.02, 0.02], [0.02, 0.02]];
+            at.iter().zip(impulses).map(|(at, j)| point(body, *at, 5.0, j)).collect()
+        }
+    };
+    for (impulses, share) in [
+        (Impulses::PerPoint, Some(10.0)),
+        (Impulses::WholeAtEveryPoint, Some(40.0)),
+        (Impulses::PerPoint, None),
+        (Impulses::ZeroIsUnknown, Some(0.0)),
+    ] {
+        let options = ContactOptions { impulses, ..ContactOptions::default() };
+        let got = after(&set, options, &[&corners([share; 4])]);
+        assert!(same(got, expected, 1e-3), "{impulses:?} {share:?}: {got} instead of {expected}");
+    }
+    // Uneven shares move the centre, not the energy.
+    let uneven = after(&set, ContactOptions::default(), &[&corners([Some(25.0), Some(5.0), Some(5.0), Some(5.0)])]);
+    assert!(same(uneven, expected, 0.1));
+}
+
+#[test]
+fn quick_points_further_apart_than_a_dent_share_the_energy() {
+    let set = set(1.0);
+    let row =
+        |body: &Instance| (-4..=4).map(|i| point(body, [0.1 * i as f32, 0.0], 5.0, Some(10.0))).collect::<Vec<_>>();
+    let (mut body, contacts) = (new(&set), layer(ContactOptions { dent_radius: Some(0.15), ..Default::default() }));
+    contacts.report(&row(&body)).unwrap();
+    let report = contacts.step(STEP).unwrap();
+    assert!((3..=5).contains(&report.begun), "{report:?}");
+    assert!(report.hits >= report.begun);
+    assert!(depth(&mut body) < told(&set, 5.0, 90.0 / 5.0));
+    assert!(body.marks().unwrap().len() >= 3);
+}
+
+#[test]
+fn quick_the_steps_of_a_touch_are_one_dent() {
+    let set = set(1.0);
+    let expected = told(&set, 5.0, MASS);
+    for parts in [1usize, 2, 4, 8, 20] {
+        let (mut body, contacts) = (new(&set), default());
+        for i in 0..parts {
+            let slower = 5.0 * (1.0 - i as f32 / parts as f32);
+            contacts.report(&[point(&body, [0.0; 2], slower, Some(40.0 / parts as f32))]).unwrap();
+            contacts.step(0.08 / parts as f32).unwrap();
+        }
+        assert_eq!(body.marks().unwrap().len(), 1, "{parts} parts");
+        let got = depth(&mut body);
+        assert!(same(got, expected, 0.05), "{parts} parts: {got} instead of {expected}");
+        assert_eq!(contacts.totals().begun, 1);
+    }
+    // The guess that the bodies stop each other counts once.
+    let (mut body, contacts) = (new(&set), default());
+    for speed in [5.0, 4.0, 2.0, 1.0] {
+        contacts.report(&[point(&body, [0.0; 2], speed, None)]).unwrap();
+        contacts.step(STEP).unwrap();
+    }
+    assert!(same(depth(&mut body), expected, 1e-3));
+    // Known velocities after the step add up to the same.
+    let (mut body, contacts) = (new(&set), default());
+    for (before, after) in [(5.0, 3.0), (3.0, 0.5), (0.5, 0.0)] {
+        let mut p = point(&body, [0.0; 2], before, None);
+        p.velocity_after = Some([0.0, 0.0, -after]);
+        contacts.report(&[p]).unwrap();
+        contacts.step(STEP).unwrap();
+    }
+    assert!(same(depth(&mut body), expected, 1e-3));
+}
+
+#[test]
+fn quick_a_touch_ends_by_separation_or_by_time() {
+    let set = set(1.0);
+    let (body, contacts) = (new(&set), default());
+    let strike = |speed: f32| contacts.report(&[point(&body, [0.0; 2], speed, Some(10.0))]).unwrap();
+    strike(5.0);
+    assert_eq!(contacts.step(STEP).unwrap().open, 1);
+    let ended: Vec<u64> = (0..4).map(|_| contacts.step(STEP).unwrap().ended).collect();
+    assert_eq!(ended, [0, 0, 1, 0], "0.05 s without a point");
+    // A pair that never separates ends by time, and then begins anew.
+    let reports: Vec<ContactReport> = (0..60)
+        .map(|_| {
+            strike(5.0);
+            contacts.step(STEP).unwrap()
+        })
+        .collect();
+    let begun: u64 = reports.iter().map(|r| r.begun).sum();
+    assert!((8..=10).contains(&begun), "{begun} in a second");
+    assert!(reports.iter().all(|r| r.open <= 1));
+    // A much faster blow at the same place is another.
+    let body = new(&set);
+    let contacts = default();
+    for speed in [1.0, 6.0] {
+        contacts.report(&[point(&body, [0.0; 2], speed, Some(10.0))]).unwrap();
+        contacts.step(STEP).unwrap();
+    }
+    assert_eq!(contacts.totals().begun, 2);
+}
+
+#[test]
+fn quick_a_harder_impulse_dents_deeper() {
+    let set = set(1.0);
+    let depths = [1.0, 2.0, 4.0, 1000.0].map(|factor| {
+        let one = |body: &Instance| vec![point(body, [0.0; 2], 3.0, Some(24.0 * factor))];
+        after(&set, ContactOptions::default(), &[&one])
+    });
+    assert!(depths.is_sorted_by(|a, b| b > &(a * 1.2)), "{depths:?}");
+    // A gain is a factor of the impulse.
+    let gain = |gain: f32, of_point: f32| {
+        let one = |body: &Instance| {
+            let mut p = point(body, [0.0; 2], 3.0, Some(24.0));
+            p.gain = of_point;
+            vec![p]
+        };
+        after(&set, ContactOptions { gain, ..Default::default() }, &[&one])
+    };
+    assert!(same(gain(2.0, 2.0), depths[2], 1e-4));
+    assert_eq!((gain(0.0, 1.0), gain(1.0, 0.0)), (0.0, 0.0));
+}
+
+#[test]
+fn quick_what_is_slow_or_weak_or_separates_leaves_nothing() {
+    let set = set(1.0);
+    let count = |speed: f32, impulse: f32| {
+        let (mut body, contacts) = (new(&set), default());
+        for _ in 0..600 {
+            contacts.report(&[point(&body, [0.0; 2], speed, Some(impulse))]).unwrap();
+            contacts.step(STEP).unwrap();
+        }
+        assert!(body.marks().unwrap().is_empty(), "{speed} m/s, {impulse} N s");
+        contacts.totals()
+    };
+    // The slowest example came at about 3 m/s.
+    assert_eq!(count(0.4, 1000.0).slow, 600, "rests under a large weight");
+    assert_eq!(count(-3.0, 10.0).separating, 600);
+    let weak = count(3.0, 0.01);
+    assert!(weak.weak > 50 && weak.hits == 0, "{weak:?}");
+}
+
+/// Two sheets face to face: the lower one and its image, turned over.
+fn face_to_face(lower: &Arc<ExampleSet>, upper: &Arc<ExampleSet>) -> [Instance; 2] {
+    let over = new(upper);
+    over.set_transform(Mat4::from_quat(Quat::from_rotation_x(std::f32::consts::PI))).unwrap();
+    [new(lower), over]
+}
+
+fn head_on(sets: [&Arc<ExampleSet>; 2], masses: [f32; 2], speed: f32) -> [f32; 2] {
+    let [mut a, mut b] = face_to_face(sets[0], sets[1]);
+    let contacts = default();
+    let mut p = point(&a, [0.0; 2], speed, None);
+    p.bodies[1] = Some(b.inbox().clone());
+    p.masses = masses.map(Some);
+    contacts.report(&[p]).unwrap();
+    assert_eq!(contacts.step(STEP).unwrap().hits, 2);
+    [depth(&mut a), depth(&mut b)]
+}
+
+#[test]
+fn quick_two_bodies_share_by_how_they_give_way() {
+    let (set, soft) = (set(1.0), set(3.0));
+    // Two equal bodies at 5 m/s each are as each against a wall.
+    let [a, b] = head_on([&set, &set], [MASS, MASS], 10.0);
+    assert!(same(a, b, 1e-3), "{a} and {b}");
+    assert!(same(a, told(&set, 5.0, MASS), 1e-3), "{a}");
+    // The softer one takes more, whichever comes first, and the other less than against its like.
+    let [hard, softer] = head_on([&set, &soft], [MASS, 100.0], 10.0);
+    let [softer_too, hard_too] = head_on([&soft, &set], [MASS, 100.0], 10.0);
+    assert!(softer > 2.0 * hard, "{softer} and {hard}");
+    assert!(same(hard, hard_too, 1e-3) && same(softer, softer_too, 1e-3));
+    // A body that does not dent leaves all to the other.
+    let rigid = after(
+        &set,
+        ContactOptions::default(),
+        &[&|body: &Instance| {
+            let mut p = point(body, [0.0; 2], 10.0, None);
+            p.masses = [Some(MASS), Some(MASS)];
+            vec![p]
+        }],
+    );
+    assert!(same(rigid, told(&set, 10.0, MASS / 2.0), 1e-3));
+}
+
+#[test]
+fn quick_the_order_and_the_threads_of_reports_do_not_matter() {
+    let set = set(1.0);
+    let make = |body: &Instance| {
+        let mut dice = Dice::new(5);
+        (0..200)
+            .map(|i| {
+                let at = [dice.between(-0.4, 0.4), dice.between(-0.4, 0.4)];
+                let mut p = point(body, at, dice.between(0.0, 8.0), Some(dice.between(0.0, 20.0)));
+                p.pair = i % 7;
+                p
+            })
+            .collect::<Vec<_>>()
+    };
+    let run = |seed: Option<u64>| {
+        let (mut body, contacts) = (new(&set), default());
+        for step in 0..6 {
+            let mut points = make(&body);
+            let Some(seed) = seed else {
+                contacts.report(&points).unwrap();
+                contacts.step(STEP).unwrap();
+                continue;
+            };
+            Dice::new(seed + step).shuffle(&mut points);
+            std::thread::scope(|scope| {
+                points.chunks(25).for_each(|some| {
+                    let contacts = &contacts;
+                    scope.spawn(move || some.iter().for_each(|p| contacts.report(std::slice::from_ref(p)).unwrap()));
+                });
+            });
+            contacts.step(STEP).unwrap();
+        }
+        (body.save(), contacts.totals())
+    };
+    let expected = run(None);
+    assert!(expected.1.hits > 10);
+    (0..4).for_each(|seed| assert!(run(Some(seed)) == expected, "seed {seed}"));
+}
+
+#[test]
+fn quick_wrong_points_are_refused_whole_with_name_and_value() {
+    let set = set(1.0);
+    let (body, contacts) = (new(&set), default());
+    let classic = Instance::new(set.clone(), InstanceOptions::classic(Rule::MostDisplaced)).unwrap();
+    type Change = fn(&mut ContactPoint);
+    let cases: [(Change, &str); 12] = [
+        (|p| p.point[1] = f32::NAN, "points[1].point is [0.0, NaN, 0.0]; it must be three finite numbers"),
+        (|p| p.normal = [0.0; 3], "points[1].normal is [0.0, 0.0, 0.0]; it must be longer than 0"),
+        (|p| p.normal[0] = f32::INFINITY, "points[1].normal is"),
+        (|p| p.impulse = Some(-1.0), "points[1].impulse is -1; it must be at least 0 and finite, N·s"),
+        (|p| p.impulse = Some(f32::NAN), "points[1].impulse is NaN"),
+        (|p| p.velocity = Some([f32::NAN; 3]), "points[1].velocity is"),
+        (|p| p.velocity_after = Some([f32::INFINITY; 3]), "points[1].velocity_after is"),
+        (
+            |p| p.masses[1] = Some(0.0),
+            "points[1].masses[1] is 0; it must be above 0 kg; infinity for a body that nothing moves",
+        ),
+        (|p| p.masses[0] = Some(f32::NAN), "points[1].masses[0] is NaN"),
+        (|p| p.inverse_mass = Some(0.0), "points[1].inverse_mass is 0; it must be above 0 and finite, 1/kg"),
+        (|p| p.radii[1] = Some(-1.0), "points[1].radii[1] is -1; it must be above 0 and finite, m"),
+        (
+            |p| (p.impulse, p.masses) = (None, [Some(f32::INFINITY); 2]),
+            "points[1].impulse is absent; it must be given (N·s), or the velocity and the masses, of which at most one is \
+             infinite",
+        ),
+    ];
+    let right = || point(&body, [0.0; 2], 5.0, Some(40.0));
+    for (change, message) in cases {
+        let mut wrong = right();
+        change(&mut wrong);
+        let error = contacts.report(&[right(), wrong]).expect_err(message).to_string();
+        assert!(error.starts_with(message), "{error}");
+    }
+    let error = contacts.report(&[right(), point(&classic, [0.0; 2], 5.0, Some(40.0))]).unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::WrongRule);
+    // None of the right ones was taken.
+    assert_eq!(contacts.step(STEP).unwrap().points, 0);
+    for seconds in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+        contacts.report(&[right()]).unwrap();
+        let error = contacts.step(seconds).unwrap_err().to_string();
+        assert!(error.starts_with("seconds is") && error.ends_with("it must be above 0 and finite, s"), "{error}");
+    }
+    assert_eq!(contacts.step(STEP).unwrap().points, 4, "a wrong step loses nothing");
+    for options in [
+        ContactOptions { gain: -1.0, ..Default::default() },
+        ContactOptions { gain: f32::NAN, ..Default::default() },
+        ContactOptions { min_speed: Some(f32::INFINITY), ..Default::default() },
+        ContactOptions { min_energy: Some(-0.5), ..Default::default() },
+        ContactOptions { dent_radius: Some(0.0), ..Default::default() },
+        ContactOptions { touch_time: 0.0, ..Default::default() },
+        ContactOptions { separation_time: -1.0, ..Default::default() },
+        ContactOptions { max_points: 0, ..Default::default() },
+        ContactOptions { max_touches: 1 << 20, ..Default::default() },
+    ] {
+        assert!(matches!(contacts.set_options(options), Err(Error::InvalidArgument { .. })), "{options:?}");
+    }
+}
+
+#[test]
+fn quick_memory_is_bounded_and_counters_tell() {
+    let set = set(1.0);
+    let (body, contacts) = (new(&set), layer(ContactOptions { max_points: 10, max_touches: 4, ..Default::default() }));
+    let many = |count: u64| -> Vec<ContactPoint> {
+        (0..count).map(|pair| ContactPoint { pair, ..point(&body, [0.0; 2], 5.0, Some(40.0)) }).collect()
+    };
+    let error = contacts.report(&many(11)).unwrap_err().to_string();
+    let expected = "points is 11 since the last step; it must be at most 10 (max_points): call step after each step of the \
+                    physics";
+    assert_eq!(error, expected);
+    contacts.report(&many(10)).unwrap();
+    let report = contacts.step(STEP).unwrap();
+    assert_eq!((report.hits, report.crowded, report.open), (10, 6, 4));
+    // A point that the body refuses does not keep the others back.
+    let mut far = point(&body, [0.0; 2], 5.0, Some(40.0));
+    far.point = [1e6, 0.0, 0.0];
+    far.pair = 0;
+    contacts.report(&[far, ContactPoint { pair: 50, ..point(&body, [0.0; 2], 5.0, Some(40.0)) }]).unwrap();
+    let report = contacts.step(STEP).unwrap();
+    assert_eq!((report.hits, report.refused), (1, 1));
+    assert!(matches!(report.refusal, Some(Error::ContactTooFar { .. })));
+    contacts.clear();
+    let report = contacts.step(STEP).unwrap();
+    assert_eq!((report.points, report.open), (0, 0));
+}
+
+#[test]
+fn quick_a_pair_s_number_may_be_used_again_and_bodies_may_go() {
+    let set = set(1.0);
+    let contacts = default();
+    let (first, mut second) = (new(&set), new(&set));
+    contacts.report(&[point(&first, [0.0; 2], 5.0, Some(20.0))]).unwrap();
+    contacts.step(STEP).unwrap();
+    contacts.report(&[point(&second, [0.0; 2], 5.0, Some(40.0))]).unwrap();
+    let report = contacts.step(STEP).unwrap();
+    assert_eq!((report.begun, report.ended, report.open), (1, 1, 1));
+    assert!(same(depth(&mut second), told(&set, 5.0, MASS), 1e-4), "nothing of the first pair is left");
+    contacts.report(&[point(&first, [0.0; 2], 5.0, Some(20.0))]).unwrap();
+    drop(first);
+    drop(second);
+    let report = contacts.step(STEP).unwrap();
+    assert_eq!((report.hits, report.refused, report.open), (0, 0, 0));
+}
+
+#[test]
+fn quick_resting_bodies_cost_no_allocation() {
+    let set = set(1.0);
+    let (body, contacts) = (new(&set), default());
+    let points: Vec<ContactPoint> = (0..100)
+        .flat_map(|pair| (0..4).map(move |i| (pair, i)))
+        .map(|(pair, i)| ContactPoint { pair, ..point(&body, [0.01 * i as f32, 0.0], 0.16, Some(0.3)) })
+        .collect();
+    let step = || {
+        points.chunks(4).for_each(|manifold| contacts.report(manifold).unwrap());
+        contacts.step(STEP).unwrap();
+    };
+    (0..4).for_each(|_| step());
+    let before = ALLOCATIONS.with(Cell::get);
+    (0..100).for_each(|_| step());
+    assert_eq!(ALLOCATIONS.with(Cell::get) - before, 0);
+}
+
+proptest! {
+    #![proptest_config(scenes::cases(40))]
+
+    /// Whatever engines report, the layer neither fails nor dents without a cause, and its counts agree.
+    #[test]
+    fn any_points_are_taken_or_refused(seed: u64) {
+        let set = small();
+        let (mut bodies, contacts) = ([new(&set), new(&set)], default());
+        let mut dice = Dice::new(seed);
+        for _ in 0..20 {
+            let mut taken = 0;
+            for _ in 0..dice.index(6) {
+                let p = any_point(&bodies, &mut dice);
+                taken += u64::from(contacts.report(&[p]).is_ok());
+            }
+            let report = contacts.step(dice.between(0.001, 0.1)).unwrap();
+            prop_assert_eq!(report.points, taken);
+            prop_assert!(report.slow + report.separating <= 2 * taken);
+            for body in &mut bodies {
+                prop_assert!(displacements(body).iter().all(|d| d.is_finite()));
+            }
+        }
+        let totals = contacts.totals();
+        prop_assert_eq!(totals.begun, totals.ended + totals.open);
+    }
+}
+
+fn small() -> Arc<ExampleSet> {
+    static SET: std::sync::OnceLock<Arc<ExampleSet>> = std::sync::OnceLock::new();
+    SET.get_or_init(|| set(1.0)).clone()
+}
+
+/// Numbers of all sizes, and now and then one that is none.
+fn any_number(dice: &mut Dice) -> f32 {
+    const ODD: [f32; 8] = [0.0, -1.0, f32::NAN, f32::INFINITY, f32::MAX, f32::MIN_POSITIVE, 1e-30, -f32::MAX];
+    if dice.index(12) == 0 { ODD[dice.index(8)] } else { 10f32.powf(dice.between(-4.0, 4.0)) }
+}
+
+fn any_point(bodies: &[Instance; 2], dice: &mut Dice) -> ContactPoint {
+    let body = |dice: &mut Dice| {
+        let which = dice.index(3);
+        bodies.get(which).map(|body| body.inbox().clone())
+    };
+    let mut p = ContactPoint::new(dice.next() % 4, [body(dice), body(dice)], dice.vector(0.5), dice.vector(1.0));
+    let maybe = |dice: &mut Dice| (dice.index(3) > 0).then(|| any_number(dice));
+    p.impulse = maybe(dice);
+    p.velocity = (dice.index(3) > 0).then(|| dice.vector(10.0));
+    p.velocity_after = (dice.index(4) == 0).then(|| dice.vector(10.0));
+    p.masses = [maybe(dice), maybe(dice)];
+    p.inverse_mass = (dice.index(6) == 0).then(|| any_number(dice));
+    p.radii = [maybe(dice), None];
+    p
+}
+
+#[test]
+fn quick_an_examples_own_blow_gives_the_example() {
+    let set = set(1.0);
+    let blow = set.examples()[0].blow();
+    let (j, v) = (blow.impulse.unwrap()[2], blow.striker.velocity.unwrap()[2]);
+    let one = |body: &Instance| vec![point(body, [0.0; 2], -v, Some(-j))];
+    let got = after(&set, ContactOptions::default(), &[&one]);
+    let e = &set.examples()[0];
+    assert_eq!(Vec3::from(e.contact_point()), Vec3::ZERO);
+    assert!(same(got, e.depth(), 1e-3), "an example's own blow leaves {got} instead of {}", e.depth());
+}
