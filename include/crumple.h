@@ -12,7 +12,8 @@
 //   3. Instances        crumple_instance_create, crumple_instance_set_transform
 //                       one per body in the scene; a few hundred bytes each
 //   4. Hits             crumple_instance_submit_impulse, ..._submit_displacement, ..._end_contact
-//                       from any thread, whenever the physics engine reports a contact
+//                       from any thread, whenever the physics engine reports a contact; or give it every contact point:
+//                       crumple_context_report_contacts, and crumple_context_step_contacts once a step
 //   5. Damage           crumple_instance_get_marks, ..._set_marks, ..._save_damage, ..._load_damage, ..._repair_damage
 //                       a short list of marks of 32 bytes; save it, or send it over the network
 //   6. Deformation      crumple_buffer_register_host for your vertex memory, with any strides; once a frame
@@ -251,6 +252,16 @@ typedef enum {
     /// leaves no mark.
     CRUMPLE_HIT_STATUS_RIGID = 4,
 } CrumpleHitStatus;
+
+/// What the impulses of contact points mean, which differs among physics engines.
+typedef enum {
+    /// Each point has its own impulse: Bullet, PhysX, rapier, ODE. A point whose impulse is 0 did not push. The default.
+    CRUMPLE_IMPULSES_PER_POINT = 0,
+    /// Each point has the impulse of the whole pair in the step. The layer divides it among the pair's points.
+    CRUMPLE_IMPULSES_WHOLE_AT_EVERY_POINT = 1,
+    /// As `PerPoint`, but an impulse of 0 is unknown, not absent: Godot Physics reports 0 in the step of impact.
+    CRUMPLE_IMPULSES_ZERO_IS_UNKNOWN = 2,
+} CrumpleImpulses;
 
 /// The format of normals or tangents in memory of the CPU.
 typedef enum {
@@ -767,6 +778,97 @@ typedef struct {
     CrumpleMark mark;
     uint64_t reserved[4];
 } CrumpleHitResult;
+
+/// Options of a context's contacts.
+typedef struct {
+    uint32_t struct_size;
+    /// What the impulses of points mean. Default CRUMPLE_IMPULSES_PER_POINT.
+    CrumpleImpulses impulses;
+    /// Factor of the energy of every blow, at least 0. Default 1: what the physics says.
+    float gain;
+    /// Points that approach more slowly leave nothing, m/s. Default -1: a quarter of the speed of the set's slowest
+    /// example, at least 0.5 m/s, which is above what gravity adds in a step of 1/30 s.
+    float min_speed;
+    /// Touches of less energy leave nothing, J. Default -1: a sixteenth of the energy of the set's weakest example.
+    float min_energy;
+    /// Points of a pair that are nearer to each other make one dent, m, in the mesh's space. Default -1: half of the median
+    /// support radius of the set's examples.
+    float dent_radius;
+    /// How long a touch lasts at most, s, above 0. What pushes longer makes another dent, if it is fast enough. Default 0.1.
+    float touch_time;
+    /// A touch whose pair was not reported for longer than this has ended, s, at least 0. Default 0.05.
+    float separation_time;
+    /// The most points between two steps, 1 to 16777216. Default 65536.
+    uint32_t max_points;
+    /// The most touches at a time, 1 to 65536. Beyond it, the oldest ends early. Default 1024.
+    uint32_t max_touches;
+} CrumpleContactOptionsDef;
+
+/// A point at which two bodies touch in a step of the physics. Vectors are in world space; keep the instances' transforms
+/// up to date. Give the impulse, or the velocity and what the bodies weigh; best all of them:
+///
+///   known                  impulse J    approach speed v    energy of the blow
+///   impulse and velocity   given        given               J v / 2
+///   impulse and masses     given        J / m               J J / 2 m
+///   velocity and masses    m v          given               m v v / 2
+///   impulse alone          given        unknown             the set's law of impulses
+///
+/// m is the reduced mass: 1 / inverse_mass if given, else m_a m_b / (m_a + m_b), which is the mass of the free body if
+/// nothing moves the other.
+typedef struct {
+    uint32_t struct_size;
+    /// Whether velocity is known. Default false.
+    bool has_velocity;
+    /// Whether velocity_after is known. Default false: the bodies stop each other.
+    bool has_velocity_after;
+    /// The two bodies as one number, the same in every step in which they touch.
+    uint64_t pair;
+    /// The bodies a and b. Default null: a body that does not dent.
+    CrumpleInstance bodies[2];
+    /// Where they touch, m.
+    CrumpleVec3 point;
+    /// From a to b: out of a. Required; any length above 0.
+    CrumpleVec3 normal;
+    /// Velocity of b relative to a at the point, before the step, m/s.
+    CrumpleVec3 velocity;
+    /// The same after the step, for points without an impulse.
+    CrumpleVec3 velocity_after;
+    /// Length of the normal impulse of the step, N s. Default -1: the reduced mass times the change of the approach speed.
+    float impulse;
+    /// Masses of a and b, kg; INFINITY for a static or kinematic body. Default 0: unknown.
+    float masses[2];
+    /// How easily the two move at the point along the normal, with rotation, 1/kg. Default 0: 1/m_a + 1/m_b.
+    float inverse_mass;
+    /// Radii of the surfaces of a and b at the point, m: small for a corner, large for a flat face. Default 0: unknown.
+    float radii[2];
+    /// Factor of the point's energy, for the materials of the pair, at least 0. Default 1.
+    float gain;
+} CrumpleContactPointDef;
+
+/// What steps of a context's contacts did.
+typedef struct {
+    /// Points that were reported.
+    uint64_t points;
+    /// Hits that instances got.
+    uint64_t hits;
+    /// Touches that began.
+    uint64_t begun;
+    /// Touches that ended.
+    uint64_t ended;
+    /// Touches that last.
+    uint64_t open;
+    /// Points that approached too slowly: resting, rolling and sliding bodies.
+    uint64_t slow;
+    /// Points that pushed while the bodies separated. If all do so, normal or velocity points the wrong way.
+    uint64_t separating;
+    /// Touches that ended with too little energy for a dent.
+    uint64_t weak;
+    /// Touches that ended early because there were too many.
+    uint64_t crowded;
+    /// Hits that instances refused. The log has a warning that says why.
+    uint64_t refused;
+    uint64_t reserved[2];
+} CrumpleContactReport;
 
 /// What crumple_example_set_map_damage() did with the marks.
 typedef struct {
@@ -1323,6 +1425,36 @@ CrumpleResult crumple_instance_end_contact(CrumpleContext *context, CrumpleInsta
 /// CRUMPLE_ERROR_WRONG_RULE: a classic rule.
 CrumpleResult crumple_instance_get_contact(CrumpleContext *context, CrumpleInstance instance, uint64_t contact_id,
                                            CrumpleHitResult *out_result);
+
+/// Returns the default options.
+CrumpleContactOptionsDef crumple_contact_options_def_default(void);
+
+/// Returns a point of which nothing is known. Set pair, bodies, point and normal, and what else is known.
+CrumpleContactPointDef crumple_contact_point_def_default(void);
+
+/// Changes the options of the context's contacts. Touches that last go on with them. Any thread may call it at any time.
+CrumpleResult crumple_context_set_contact_options(CrumpleContext *context, const CrumpleContactOptionsDef *options);
+
+/// Takes contact points of the current step of the physics: all, or none if one is wrong. Report every point of every pair,
+/// also of bodies that rest or slide, and call crumple_context_step_contacts() after the step: all points of one place make
+/// one dent, at any rate of steps, and what rests, rolls, slides or jitters makes none. Two instances share the energy of
+/// a blow by how they give way. May be called from any thread at any time, except while an instance of the points or the
+/// context is being destroyed. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (names the point and its part; also more than max_points
+/// since the last step), CRUMPLE_ERROR_WRONG_RULE (an instance with a classic rule).
+CrumpleResult crumple_context_report_contacts(CrumpleContext *context, const CrumpleContactPointDef *points,
+                                              uint32_t count);
+
+/// Ends a step of the physics that lasted so many seconds: turns the points reported since the last call into hits. Call it
+/// once after each step, also if nothing touched. The next read of the damage applies the hits. Their contact ids are 2^63
+/// and above; give other ids to your own hits. out_report may be null. Any thread may call it at any time.
+CrumpleResult crumple_context_step_contacts(CrumpleContext *context, float seconds, CrumpleContactReport *out_report);
+
+/// Returns the sums of all steps' reports; open is that of the last step. Any thread may call it at any time.
+CrumpleResult crumple_context_get_contact_totals(CrumpleContext *context, CrumpleContactReport *out_report);
+
+/// Ends all touches and forgets the points that wait, as after loading a saved game. Dents stay. Any thread may call it at
+/// any time.
+CrumpleResult crumple_context_clear_contacts(CrumpleContext *context);
 
 /// Copies an instance's marks to an array of capacity marks; see "Arrays" at the top. The marks are sorted, so that the
 /// order of hits does not matter. CRUMPLE_ERROR_WRONG_RULE: classic rules have no marks.

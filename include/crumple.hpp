@@ -615,6 +615,26 @@ public:
             return crumple_context_get_changed_buffers(context_, buffers, capacity, count);
         });
     }
+    /// Takes contact points of the current step of the physics: all or none. May be called from any thread at any time.
+    Result<void> report_contacts(const CrumpleContactPointDef *points, std::size_t count) {
+        return detail::done(crumple_context_report_contacts(context_, points, static_cast<uint32_t>(count)));
+    }
+    /// Makes hits of the points of a step that lasted so many seconds. May be called from any thread at any time.
+    Result<CrumpleContactReport> step_contacts(float seconds) {
+        return detail::get<CrumpleContactReport>(
+            [&](CrumpleContactReport *report) { return crumple_context_step_contacts(context_, seconds, report); });
+    }
+    Result<void> set_contact_options(const CrumpleContactOptionsDef &options) {
+        return detail::done(crumple_context_set_contact_options(context_, &options));
+    }
+    /// The sums of all steps' reports.
+    Result<CrumpleContactReport> contact_totals() const {
+        return detail::get<CrumpleContactReport>(
+            [&](CrumpleContactReport *report) { return crumple_context_get_contact_totals(context_, report); });
+    }
+    /// Ends all touches and forgets the points that wait.
+    Result<void> clear_contacts() { return detail::done(crumple_context_clear_contacts(context_)); }
+
     /// Submits each hit to the instance at the same index: all or none. May be called from any thread at any time.
     Result<std::vector<CrumpleHitResult>> submit(const CrumpleInstance *instances, const CrumpleImpulseDef *defs,
                                                  std::size_t count) {

@@ -89,8 +89,11 @@ fn same(a: f32, b: f32, within: f32) -> bool {
     (a - b).abs() <= within * a.abs().max(b.abs())
 }
 
-/// The depth that steps leave: each a list of points, made for the body.
-fn after(set: &Arc<ExampleSet>, options: ContactOptions, steps: &[&dyn Fn(&Instance) -> Vec<ContactPoint>]) -> f32 {
+/// The points of a step, made for a body.
+type Points<'a> = &'a dyn Fn(&Instance) -> Vec<ContactPoint>;
+
+/// The depth that steps leave.
+fn after(set: &Arc<ExampleSet>, options: ContactOptions, steps: &[Points<'_>]) -> f32 {
     let (mut body, contacts) = (new(set), layer(options));
     for step in steps {
         contacts.report(&step(&body)).unwrap();
@@ -372,7 +375,7 @@ fn quick_wrong_points_are_refused_whole_with_name_and_value() {
     let classic = Instance::new(set.clone(), InstanceOptions::classic(Rule::MostDisplaced)).unwrap();
     type Change = fn(&mut ContactPoint);
     let cases: [(Change, &str); 12] = [
-        (|p| p.point[1] = f32::NAN, "points[1].point is [0.0, NaN, 0.0]; it must be three finite numbers"),
+        (|p| p.point[1] = f32::NAN, "points[1].point is [0.0, NaN, 0.0]; every component must be finite"),
         (|p| p.normal = [0.0; 3], "points[1].normal is [0.0, 0.0, 0.0]; it must be longer than 0"),
         (|p| p.normal[0] = f32::INFINITY, "points[1].normal is"),
         (|p| p.impulse = Some(-1.0), "points[1].impulse is -1; it must be at least 0 and finite, N·s"),
@@ -549,6 +552,6 @@ fn quick_an_examples_own_blow_gives_the_example() {
     let one = |body: &Instance| vec![point(body, [0.0; 2], -v, Some(-j))];
     let got = after(&set, ContactOptions::default(), &[&one]);
     let e = &set.examples()[0];
-    assert_eq!(Vec3::from(e.contact_point()), Vec3::ZERO);
+    assert_eq!(e.contact_point(), Vec3::ZERO);
     assert!(same(got, e.depth(), 1e-3), "an example's own blow leaves {got} instead of {}", e.depth());
 }

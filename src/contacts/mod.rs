@@ -190,12 +190,14 @@ impl ContactLayer {
     /// [`ContactReport::refusal`]. Two calls at once take turns.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] if `seconds` is not above 0. After an error nothing has changed.
+    /// [`Error::InvalidArgument`] if `seconds` is not above 0; [`Error::OutOfMemory`]. After an error nothing has changed.
     pub fn step(&self, seconds: f32) -> Result<ContactReport, Error> {
         positive("seconds", seconds, "s")?;
         let mut state = self.state();
         let state = &mut *state;
-        state.now += f64::from(seconds);
+        state.make_room(self.waiting().points.len())?;
+        state.seconds = f64::from(seconds);
+        state.now += state.seconds;
         std::mem::swap(&mut self.waiting().points, &mut state.points);
         let mut points = std::mem::take(&mut state.points);
         points.sort_unstable_by(Reported::order);
@@ -291,6 +293,16 @@ impl State {
             }
         }
         self.pushes = pushes;
+    }
+
+    /// Reserves the memory that a step of so many points may need.
+    fn make_room(&mut self, points: usize) -> Result<(), Error> {
+        let touches = (2 * points).min((self.options.max_touches as usize).saturating_sub(self.touches.len()));
+        let each = size_of::<Push>() + size_of::<Part>() + size_of::<Touch>();
+        let full = |_| Error::OutOfMemory { what: "contacts".into(), bytes: (points * each) as u64 };
+        self.pushes.try_reserve(points).map_err(full)?;
+        self.parts.try_reserve(points).map_err(full)?;
+        self.touches.try_reserve(touches).map_err(full)
     }
 
     /// Notes that a pair touches. Ends the touches of other bodies that had its number.

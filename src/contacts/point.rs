@@ -3,6 +3,7 @@
 use crate::base::error::Error;
 use crate::base::math::unit;
 use crate::instance::inbox::Inbox;
+use crate::mesh::finite;
 use glam::DVec3;
 use std::cmp::Ordering;
 use std::sync::{Arc, Weak};
@@ -74,6 +75,15 @@ impl ContactPoint {
 
     /// Checks every part. `i` is the point's index in the call.
     pub(super) fn check(&self, i: usize) -> Result<(), Error> {
+        let vectors = [
+            ("point", Some(self.point)),
+            ("normal", Some(self.normal)),
+            ("velocity", self.velocity),
+            ("velocity_after", self.velocity_after),
+        ];
+        for (part, v) in vectors {
+            v.map_or(Ok(()), |v| finite(v, || format!("points[{i}].{part}")).map(|_| ()))?;
+        }
         self.wrong_part().map_or(Ok(()), |(part, value, expected)| {
             Err(Error::invalid(&format!("points[{i}].{part}"), value, expected))
         })?;
@@ -82,17 +92,6 @@ impl ContactPoint {
 
     /// The first wrong part: its name, its value and what would be right. Allocates only if there is one.
     fn wrong_part(&self) -> Option<(&'static str, String, &'static str)> {
-        const VECTOR: &str = "three finite numbers";
-        let finite = |v: &[f32; 3]| v.iter().all(|x| x.is_finite());
-        let vectors = [
-            ("point", Some(self.point)),
-            ("normal", Some(self.normal)),
-            ("velocity", self.velocity),
-            ("velocity_after", self.velocity_after),
-        ];
-        if let Some((part, Some(v))) = vectors.iter().find(|(_, v)| v.is_some_and(|v| !finite(&v))) {
-            return Some((part, format!("{v:?}"), VECTOR));
-        }
         if unit(self.normal.into()).is_none() {
             return Some(("normal", format!("{:?}", self.normal), "longer than 0"));
         }

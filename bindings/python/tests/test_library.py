@@ -204,6 +204,28 @@ def test_contacts(context):
     body.deformed()
 
 
+def test_contact_points_of_a_manifold_are_one_blow(context):
+    flat, triangles, dented = sheet()
+    struck = Example(dented, impulse=(0, 0, -40), striker=crumple.Striker(mass=8, velocity=(0, 0, -5)))
+    body = context.example_set(flat, triangles, [struck]).instance()
+    places = [(x, y, 0) for x in (-0.01, 0.01) for y in (-0.01, 0.01)]
+    parts = [crumple.ContactPoint(1, (body, None), place, (0, 0, 1), impulse=10, velocity=(0, 0, -5)) for place in places]
+    context.report_contacts(parts)
+    assert context.step_contacts(1 / 60).hits == 1
+    assert body.info.mark_count == 1
+    rests = crumple.ContactPoint(2, (None, body), (0.2, 0, 0), (0, 0, -1), velocity=(0, 0, 0.1), masses=(8, None), impulse=1)
+    context.report_contacts([rests])
+    assert context.step_contacts(1 / 60).slow == 1
+    wrong = crumple.ContactPoint(3, (body, None), (0, 0, 0), (0, 0, 0), impulse=1)
+    with pytest.raises(crumple.CrumpleError, match="points\\[1\\].normal"):
+        context.report_contacts([rests, wrong])
+    with pytest.raises(TypeError, match="grain"):
+        context.set_contact_options(grain=2)
+    context.set_contact_options(gain=2)
+    context.clear_contacts()
+    assert context.contact_totals.points == 5
+
+
 def test_what_is_closed_is_an_error_and_not_a_crash():
     flat, triangles, dented = sheet()
     context = crumple.Context(threads=1)

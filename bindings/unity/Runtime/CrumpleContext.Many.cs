@@ -42,6 +42,51 @@ namespace Crumple
                     "crumple_context_submit_impulses");
         }
 
+        /// <summary>
+        /// Takes contact points of the current step of the physics: all or none. Any thread, at any time.
+        /// </summary>
+        public unsafe void ReportContacts(ReadOnlySpan<CrumpleContactPointDef> points)
+        {
+            using (Call call = Enter(this))
+            fixed (CrumpleContactPointDef* first = &MemoryMarshal.GetReference(points))
+                call.Check(NativeMethods.crumple_context_report_contacts(call.Context, first, (uint)points.Length),
+                    "crumple_context_report_contacts");
+        }
+
+        /// <summary>
+        /// Makes hits of the points of a step that lasted so many seconds. Call it once after each step. Any thread, at any time.
+        /// </summary>
+        public unsafe CrumpleContactReport StepContacts(float seconds)
+        {
+            CrumpleContactReport report;
+            using (Call call = Enter(this))
+                call.Check(NativeMethods.crumple_context_step_contacts(call.Context, seconds, &report), "crumple_context_step_contacts");
+            return report;
+        }
+
+        /// <summary>Changes the options of contacts. Any thread, at any time.</summary>
+        public unsafe void SetContactOptions(CrumpleContactOptionsDef options)
+        {
+            using (Call call = Enter(this))
+                call.Check(NativeMethods.crumple_context_set_contact_options(call.Context, &options), "crumple_context_set_contact_options");
+        }
+
+        /// <summary>The sums of all steps' reports. Any thread, at any time.</summary>
+        public unsafe CrumpleContactReport ContactTotals()
+        {
+            CrumpleContactReport report;
+            using (Call call = Enter(this))
+                call.Check(NativeMethods.crumple_context_get_contact_totals(call.Context, &report), "crumple_context_get_contact_totals");
+            return report;
+        }
+
+        /// <summary>Ends all touches and forgets the points that wait, as after loading a saved game. Any thread, at any time.</summary>
+        public void ClearContacts()
+        {
+            using (Call call = Enter(this))
+                call.Check(NativeMethods.crumple_context_clear_contacts(call.Context), "crumple_context_clear_contacts");
+        }
+
         /// <summary>The same for displacements.</summary>
         public unsafe void SubmitDisplacements(ReadOnlySpan<CrumpleInstance> instances, ReadOnlySpan<CrumpleDisplacementDef> defs,
             Span<CrumpleHitResult> results)

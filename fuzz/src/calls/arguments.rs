@@ -181,6 +181,17 @@ impl Host<'_> {
         self.patched(def)
     }
 
+    pub(super) fn contact_point(&mut self, body: CrumpleInstance) -> Step<CrumpleContactPointDef> {
+        let mut def = crumple_contact_point_def_default();
+        (def.pair, def.point, def.normal) = (self.bytes.int_in_range(0..=3)?, self.point()?, [0.0, 0.0, 1.0].into());
+        def.bodies = [body, if self.bytes.arbitrary()? { self.instance()? } else { CrumpleInstance::default() }];
+        (def.has_velocity, def.has_velocity_after) = (boolean(self.bytes.arbitrary()?), boolean(self.bytes.arbitrary()?));
+        def.velocity = [0.0, 0.0, -f32::from(self.bytes.arbitrary::<u8>()?) / 8.0].into();
+        def.impulse = f32::from(self.bytes.arbitrary::<u8>()?) / 8.0 - 1.0;
+        def.masses = [self.number()?, 2.0];
+        self.patched(def)
+    }
+
     /// Saved bytes, perhaps with one of them changed.
     pub(super) fn saved_bytes(&mut self) -> Step<Vec<u8>> {
         let at = self.bytes.choose_index(self.saved.len())?;

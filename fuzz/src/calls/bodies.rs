@@ -168,6 +168,19 @@ impl Host<'_> {
                 let (at, mut frame) = (self.patched(at)?, CrumpleFrame::default());
                 crumple_instance_get_attached_frame(context, id, &at, &mut frame)
             }
+            52 => {
+                let mut options = crumple_contact_options_def_default();
+                (options.max_points, options.max_touches) = (16, 4);
+                crumple_context_set_contact_options(context, &self.patched(options)?)
+            }
+            53 => {
+                let points = [self.contact_point(id)?, self.contact_point(id)?];
+                let count = self.word()?.min(2);
+                answered(crumple_context_report_contacts(context, points.as_ptr(), count));
+                crumple_context_step_contacts(context, self.number()?, MaybeUninit::uninit().as_mut_ptr())
+            }
+            54 if self.bytes.arbitrary()? => crumple_context_clear_contacts(context),
+            54 => crumple_context_get_contact_totals(context, MaybeUninit::uninit().as_mut_ptr()),
             _ => {
                 let (buffer, mut ranges, mut count) = (self.buffer()?, [CrumpleRange::default(); 4], 0);
                 let (ranges, capacity) = (ranges.as_mut_ptr(), self.word()?.min(4));

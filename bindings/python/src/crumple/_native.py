@@ -117,6 +117,14 @@ class CrumpleHitStatus(IntEnum):
     RIGID = 4
 
 
+class CrumpleImpulses(IntEnum):
+    """What the impulses of contact points mean, which differs among physics engines."""
+
+    PER_POINT = 0
+    WHOLE_AT_EVERY_POINT = 1
+    ZERO_IS_UNKNOWN = 2
+
+
 class CrumpleDirectionFormat(IntEnum):
     """The format of normals or tangents in memory of the CPU."""
 
@@ -492,6 +500,56 @@ class CrumpleHitResult(c.Structure):
     ]
 
 
+class CrumpleContactOptionsDef(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("impulses", c.c_uint32),
+        ("gain", c.c_float),
+        ("min_speed", c.c_float),
+        ("min_energy", c.c_float),
+        ("dent_radius", c.c_float),
+        ("touch_time", c.c_float),
+        ("separation_time", c.c_float),
+        ("max_points", c.c_uint32),
+        ("max_touches", c.c_uint32),
+    ]
+
+
+class CrumpleContactPointDef(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("has_velocity", c.c_bool),
+        ("has_velocity_after", c.c_bool),
+        ("pair", c.c_uint64),
+        ("bodies", CrumpleInstance * 2),
+        ("point", CrumpleVec3),
+        ("normal", CrumpleVec3),
+        ("velocity", CrumpleVec3),
+        ("velocity_after", CrumpleVec3),
+        ("impulse", c.c_float),
+        ("masses", c.c_float * 2),
+        ("inverse_mass", c.c_float),
+        ("radii", c.c_float * 2),
+        ("gain", c.c_float),
+    ]
+
+
+class CrumpleContactReport(c.Structure):
+    _fields_ = [
+        ("points", c.c_uint64),
+        ("hits", c.c_uint64),
+        ("begun", c.c_uint64),
+        ("ended", c.c_uint64),
+        ("open", c.c_uint64),
+        ("slow", c.c_uint64),
+        ("separating", c.c_uint64),
+        ("weak", c.c_uint64),
+        ("crowded", c.c_uint64),
+        ("refused", c.c_uint64),
+        ("reserved", c.c_uint64 * 2),
+    ]
+
+
 class CrumpleDamageMapping(c.Structure):
     _fields_ = [
         ("kept", c.c_uint32),
@@ -748,6 +806,13 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_instance_preview_displacement": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleDisplacementDef), c.POINTER(CrumpleHitResult)]),
     "crumple_instance_end_contact": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint64]),
     "crumple_instance_get_contact": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint64, c.POINTER(CrumpleHitResult)]),
+    "crumple_contact_options_def_default": (CrumpleContactOptionsDef, []),
+    "crumple_contact_point_def_default": (CrumpleContactPointDef, []),
+    "crumple_context_set_contact_options": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleContactOptionsDef)]),
+    "crumple_context_report_contacts": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleContactPointDef), c.c_uint32]),
+    "crumple_context_step_contacts": (c.c_uint32, [c.c_void_p, c.c_float, c.POINTER(CrumpleContactReport)]),
+    "crumple_context_get_contact_totals": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleContactReport)]),
+    "crumple_context_clear_contacts": (c.c_uint32, [c.c_void_p]),
     "crumple_instance_get_marks": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleMark), c.c_uint32, c.POINTER(c.c_uint32)]),
     "crumple_instance_set_marks": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleMark), c.c_uint32]),
     "crumple_instance_save_damage": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_void_p, c.c_size_t, c.POINTER(c.c_size_t)]),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from types import TracebackType
 from typing import Any, Self
 
@@ -16,7 +16,7 @@ from ._arrays import Vector, elements, given, vector
 from ._library import check, library
 from .example_set import ExampleSet
 from .instance import Buffer
-from .types import DeformReport, Example, SetOptions
+from .types import ContactPoint, ContactReport, DeformReport, Example, SetOptions
 
 _OPTIONS = (
     "depth_limit", "drop_below", "vertex_mass", "stamp_resolution", "bake_tolerance", "bake_normal_tolerance", "seams",
@@ -138,6 +138,37 @@ class Context:
         check(library.crumple_example_set_load_obj(self.handle, ctypes.byref(definition), ctypes.byref(out)))
         return ExampleSet(self, out)
 
+    def report_contacts(self, points: Sequence[ContactPoint]) -> None:
+        """Takes contact points of the current step of the physics: all or none. Any thread."""
+        definitions = (native.CrumpleContactPointDef * len(points))(*map(_contact_point, points))
+        check(library.crumple_context_report_contacts(self.handle, definitions, len(points)))
+
+    def step_contacts(self, seconds: float) -> ContactReport:
+        """Makes hits of the points of a step that lasted `seconds`. Call it once after each step. Any thread."""
+        report = native.CrumpleContactReport()
+        check(library.crumple_context_step_contacts(self.handle, seconds, ctypes.byref(report)))
+        return _contact_report(report)
+
+    def set_contact_options(self, **options: Any) -> None:
+        """Sets the options of contacts: fields of ``CrumpleContactOptionsDef`` in crumple.h. Those not given get their defaults."""
+        definition = library.crumple_contact_options_def_default()
+        for name, value in options.items():
+            if name == "struct_size" or not hasattr(definition, name):
+                raise TypeError(f"there is no option of contacts {name!r}")
+            setattr(definition, name, value)
+        check(library.crumple_context_set_contact_options(self.handle, ctypes.byref(definition)))
+
+    @property
+    def contact_totals(self) -> ContactReport:
+        """The sums of all steps' reports; ``open`` is that of the last step."""
+        report = native.CrumpleContactReport()
+        check(library.crumple_context_get_contact_totals(self.handle, ctypes.byref(report)))
+        return _contact_report(report)
+
+    def clear_contacts(self) -> None:
+        """Ends all touches and forgets the points that wait, as after loading a saved game. Dents stay."""
+        check(library.crumple_context_clear_contacts(self.handle))
+
     def deform(self, buffers: Iterable[Buffer] | None = None) -> DeformReport:
         """Writes the deformed vertices of `buffers`, or of all buffers of the context, as far as they changed."""
         report = native.CrumpleDeformReport()
@@ -248,6 +279,30 @@ def _fill_options(definition: Any, options: SetOptions | None) -> None:
     if options is not None:
         for name in _OPTIONS:
             setattr(definition, name, getattr(options, name))
+
+
+def _contact_point(point: ContactPoint) -> native.CrumpleContactPointDef:
+    definition = library.crumple_contact_point_def_default()
+    definition.pair, definition.gain = point.pair, point.gain
+    definition.point, definition.normal = vector(point.point, "point"), vector(point.normal, "normal")
+    definition.impulse = -1.0 if point.impulse is None else point.impulse
+    for name in ("velocity", "velocity_after"):
+        value = getattr(point, name)
+        if value is not None:
+            setattr(definition, name, vector(value, name))
+            setattr(definition, f"has_{name}", True)
+    definition.inverse_mass = point.inverse_mass or 0.0
+    for side in range(2):
+        body = point.bodies[side]
+        if body is not None:
+            definition.bodies[side] = body.id
+        definition.masses[side] = point.masses[side] or 0.0
+        definition.radii[side] = point.radii[side] or 0.0
+    return definition
+
+
+def _contact_report(report: native.CrumpleContactReport) -> ContactReport:
+    return ContactReport(**{name: getattr(report, name) for name in ContactReport.__dataclass_fields__})
 
 
 def _natural(value: int, name: str) -> int:

@@ -202,6 +202,47 @@ class HitResult:
 
 
 @dataclass(frozen=True)
+class ContactPoint:
+    """A point at which two bodies touch in a step of the physics, in world space. ``None`` is unknown. Give the impulse, or the
+    velocity and what the bodies weigh; best all of them. See ``CrumpleContactPointDef`` in crumple.h."""
+
+    pair: int
+    """The two bodies as one number, the same in every step in which they touch."""
+    bodies: tuple[Any, Any]
+    """The instances a and b; ``None`` for a body that does not dent."""
+    point: ArrayLike
+    normal: ArrayLike
+    """From a to b: out of a."""
+    impulse: float | None = None
+    """Length of the normal impulse of the step, N s."""
+    velocity: ArrayLike | None = None
+    """Velocity of b relative to a at the point, before the step, m/s."""
+    velocity_after: ArrayLike | None = None
+    masses: tuple[float | None, float | None] = (None, None)
+    """kg; ``math.inf`` for a static or kinematic body."""
+    inverse_mass: float | None = None
+    """How easily the two move at the point along the normal, 1/kg."""
+    radii: tuple[float | None, float | None] = (None, None)
+    gain: float = 1.0
+
+
+@dataclass(frozen=True)
+class ContactReport:
+    """What steps of contacts did. See ``CrumpleContactReport`` in crumple.h."""
+
+    points: int
+    hits: int
+    begun: int
+    ended: int
+    open: int
+    slow: int
+    separating: int
+    weak: int
+    crowded: int
+    refused: int
+
+
+@dataclass(frozen=True)
 class DeformReport:
     vertices_written: int
     blocks_written: int

@@ -332,6 +332,35 @@ namespace Crumple.Native
             CrumpleHitResult* outResult);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleContactOptionsDef crumple_contact_options_def_default();
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleContactPointDef crumple_contact_point_def_default();
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_context_set_contact_options(
+            IntPtr context,
+            CrumpleContactOptionsDef* options);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_context_report_contacts(
+            IntPtr context,
+            CrumpleContactPointDef* points,
+            uint count);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_context_step_contacts(
+            IntPtr context,
+            float seconds,
+            CrumpleContactReport* outReport);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_context_get_contact_totals(IntPtr context, CrumpleContactReport* outReport);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_context_clear_contacts(IntPtr context);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_instance_get_marks(
             IntPtr context,
             CrumpleInstance instance,

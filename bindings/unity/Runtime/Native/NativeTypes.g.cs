@@ -108,6 +108,13 @@ namespace Crumple
         Rigid = 4,
     }
 
+    public enum CrumpleImpulses
+    {
+        PerPoint = 0,
+        WholeAtEveryPoint = 1,
+        ZeroIsUnknown = 2,
+    }
+
     public enum CrumpleDirectionFormat
     {
         Float = 0,
@@ -614,6 +621,78 @@ namespace Crumple
         public CrumpleChosen Chosen3;
         public CrumpleMark Mark;
         public fixed ulong Reserved[4];
+    }
+
+    /// <summary>The struct of crumple.h.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleContactOptionsDef
+    {
+        public uint StructSize;
+        public CrumpleImpulses Impulses;
+        public float Gain;
+        public float MinSpeed;
+        public float MinEnergy;
+        public float DentRadius;
+        public float TouchTime;
+        public float SeparationTime;
+        public uint MaxPoints;
+        public uint MaxTouches;
+
+        public static CrumpleContactOptionsDef Default
+        {
+            get
+            {
+                CrumpleRuntime.EnsureLoaded();
+                return Native.NativeMethods.crumple_contact_options_def_default();
+            }
+        }
+    }
+
+    /// <summary>The struct of crumple.h.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public unsafe partial struct CrumpleContactPointDef
+    {
+        public uint StructSize;
+        public CrumpleBool HasVelocity;
+        public CrumpleBool HasVelocityAfter;
+        public ulong Pair;
+        public CrumpleInstance Bodies0;
+        public CrumpleInstance Bodies1;
+        public CrumpleVec3 Point;
+        public CrumpleVec3 Normal;
+        public CrumpleVec3 Velocity;
+        public CrumpleVec3 VelocityAfter;
+        public float Impulse;
+        public fixed float Masses[2];
+        public float InverseMass;
+        public fixed float Radii[2];
+        public float Gain;
+
+        public static CrumpleContactPointDef Default
+        {
+            get
+            {
+                CrumpleRuntime.EnsureLoaded();
+                return Native.NativeMethods.crumple_contact_point_def_default();
+            }
+        }
+    }
+
+    /// <summary>The struct of crumple.h.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public unsafe partial struct CrumpleContactReport
+    {
+        public ulong Points;
+        public ulong Hits;
+        public ulong Begun;
+        public ulong Ended;
+        public ulong Open;
+        public ulong Slow;
+        public ulong Separating;
+        public ulong Weak;
+        public ulong Crowded;
+        public ulong Refused;
+        public fixed ulong Reserved[2];
     }
 
     /// <summary>The struct of crumple.h.</summary>

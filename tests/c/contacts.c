@@ -1,0 +1,134 @@
+// Contact points of a physics engine: the points of a manifold are one blow, what rests leaves nothing, wrong points are
+// refused whole.
+#include "support.h"
+
+static Sheet sheet;
+static CrumpleContext *context;
+static CrumpleExampleSet set;
+
+static const float STEP = 1.0f / 60;
+
+static CrumpleInstance body(void) {
+    CrumpleInstanceDef def = crumple_instance_def_default();
+    CrumpleInstance made;
+    def.set = set;
+    def.compliance = 0.001f;
+    OK(crumple_instance_create(context, &def, &made));
+    return made;
+}
+
+static CrumpleContactPointDef point_at(CrumpleInstance on, uint64_t pair, float x, float speed, float impulse) {
+    CrumpleContactPointDef point = crumple_contact_point_def_default();
+    point.pair = pair;
+    point.bodies[0] = on;
+    point.point = vec3(x, 0, 0.075f);
+    point.normal = vec3(0, 0, 1);
+    point.has_velocity = true;
+    point.velocity = vec3(0, 0, -speed);
+    point.impulse = impulse;
+    return point;
+}
+
+static CrumpleMark mark_of(CrumpleInstance on) {
+    CrumpleMark mark;
+    uint32_t count;
+    OK(crumple_instance_get_marks(context, on, &mark, 1, &count));
+    FACT(count == 1);
+    return mark;
+}
+
+static uint32_t marks_of(CrumpleInstance on) {
+    uint32_t count;
+    OK(crumple_instance_get_marks(context, on, NULL, 0, &count));
+    return count;
+}
+
+static void a_manifold_is_one_blow(void) {
+    CrumpleInstance whole = body(), parts = body();
+    CrumpleContactPointDef one = point_at(whole, 1, 0, 5, 40), four[4];
+    CrumpleContactReport report, totals;
+    for (int i = 0; i < 4; ++i) four[i] = point_at(parts, 2, 0.01f * (float)(i - 1) - 0.005f, 5, 10);
+    OK(crumple_context_report_contacts(context, &one, 1));
+    OK(crumple_context_report_contacts(context, four, 4));
+    OK(crumple_context_step_contacts(context, STEP, &report));
+    FACT(report.points == 5 && report.hits == 2 && report.begun == 2 && report.open == 2 && report.refused == 0);
+    OK(crumple_context_step_contacts(context, 1, &report));
+    FACT(report.points == 0 && report.ended == 2 && report.open == 0);
+    OK(crumple_context_step_contacts(context, STEP, NULL));
+    OK(crumple_context_get_contact_totals(context, &totals));
+    FACT(totals.points == 5 && totals.hits == 2 && totals.ended == 2);
+    FACT(marks_of(whole) == 1 && marks_of(parts) == 1);
+    FACT(fabsf(mark_of(whole).depth - 0.04f) < 1e-5f);
+    FACT(fabsf(mark_of(whole).depth - mark_of(parts).depth) < 1e-5f);
+}
+
+static void what_rests_leaves_nothing(void) {
+    CrumpleInstance rests = body();
+    CrumpleContactReport report;
+    for (int i = 0; i < 600; ++i) {
+        CrumpleContactPointDef point = point_at(rests, 3, 0.1f, 0.16f, 1.3f);
+        OK(crumple_context_report_contacts(context, &point, 1));
+        OK(crumple_context_step_contacts(context, STEP, &report));
+        FACT(report.slow == 1 && report.hits == 0);
+    }
+    FACT(marks_of(rests) == 0);
+}
+
+static void wrong_points_are_refused_whole(void) {
+    CrumpleInstance on = body();
+    CrumpleContactPointDef points[2];
+    CrumpleContactReport report;
+    points[0] = points[1] = point_at(on, 4, 0, 5, 40);
+#define WRONG(expected, part, change)                                                                                  \
+    do {                                                                                                               \
+        CrumpleContactPointDef kept = points[1];                                                                       \
+        change;                                                                                                        \
+        FAILS(CRUMPLE_ERROR_##expected, part, crumple_context_report_contacts(context, points, 2));                    \
+        points[1] = kept;                                                                                              \
+    } while (0)
+    WRONG(STRUCT_SIZE, "points[1].struct_size", points[1].struct_size = 3);
+    WRONG(NOT_FINITE, "points[1].velocity", points[1].velocity.x = NAN);
+    WRONG(INVALID_ARGUMENT, "points[1].normal", points[1].normal = vec3(0, 0, 0));
+    WRONG(INVALID_ARGUMENT, "points[1].masses[0]", points[1].masses[0] = -2);
+    WRONG(INVALID_ARGUMENT, "points[1].impulse", (points[1].impulse = -1, points[1].has_velocity = false));
+    WRONG(INVALID_ID, "points[1].bodies[1]", points[1].bodies[1].index = 1000);
+#undef WRONG
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "points", crumple_context_report_contacts(context, NULL, 1));
+    OK(crumple_context_report_contacts(context, NULL, 0));
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "seconds", crumple_context_step_contacts(context, 0, &report));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "out_report", crumple_context_get_contact_totals(context, NULL));
+    OK(crumple_context_step_contacts(context, STEP, &report));
+    FACT(report.points == 0 && marks_of(on) == 0);
+
+    // What waits is forgotten.
+    OK(crumple_context_report_contacts(context, points, 1));
+    OK(crumple_context_clear_contacts(context));
+    OK(crumple_context_step_contacts(context, STEP, &report));
+    FACT(report.points == 0 && marks_of(on) == 0);
+
+    // The most points of a step, and a body that went away.
+    CrumpleContactOptionsDef options = crumple_contact_options_def_default();
+    options.max_points = 1;
+    OK(crumple_context_set_contact_options(context, &options));
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "max_points", crumple_context_report_contacts(context, points, 2));
+    OK(crumple_context_report_contacts(context, points, 1));
+    OK(crumple_instance_destroy(context, on));
+    OK(crumple_context_step_contacts(context, STEP, &report));
+    FACT(report.points == 1 && report.hits == 0);
+    options.gain = -1;
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "gain", crumple_context_set_contact_options(context, &options));
+}
+
+int main(void) {
+    CrumpleContextDef def = crumple_context_def_default();
+    def.threads = 1;
+    make_sheet(&sheet);
+    OK(crumple_context_create(&def, &context));
+    OK(crumple_example_set_create(context, &sheet.def, &set));
+    a_manifold_is_one_blow();
+    what_rests_leaves_nothing();
+    wrong_points_are_refused_whole();
+    OK(crumple_context_destroy(context));
+    printf("%u checks\n", checks);
+    return 0;
+}
