@@ -814,7 +814,7 @@ typedef struct {
 ///   impulse alone          given        unknown             the set's law of impulses
 ///
 /// m is the reduced mass: 1 / inverse_mass if given, else m_a m_b / (m_a + m_b), which is the mass of the free body if
-/// nothing moves the other.
+/// nothing moves the other. Without a velocity, a body on which others rest looks struck: give velocities.
 typedef struct {
     uint32_t struct_size;
     /// Whether velocity is known. Default false.

@@ -3,8 +3,6 @@
 
 mod scenes;
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::sync::Arc;
 
 use crumple::glam::{Mat4, Quat, Vec3};
@@ -14,30 +12,6 @@ use crumple::{
 };
 use proptest::prelude::*;
 use scenes::{Dice, build, displacements, new};
-
-thread_local! {
-    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
-}
-
-/// Counts the allocations of each thread.
-struct Counting;
-
-// SAFETY: passes every call on to the system's allocator.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller keeps the contract.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
-        // SAFETY: the caller keeps the contract.
-        unsafe { System.dealloc(memory, layout) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
 
 const STEP: f32 = 1.0 / 60.0;
 const MASS: f32 = 8.0;
@@ -470,24 +444,6 @@ fn quick_a_pair_s_number_may_be_used_again_and_bodies_may_go() {
     drop(second);
     let report = contacts.step(STEP).unwrap();
     assert_eq!((report.hits, report.refused, report.open), (0, 0, 0));
-}
-
-#[test]
-fn quick_resting_bodies_cost_no_allocation() {
-    let set = set(1.0);
-    let (body, contacts) = (new(&set), default());
-    let points: Vec<ContactPoint> = (0..100)
-        .flat_map(|pair| (0..4).map(move |i| (pair, i)))
-        .map(|(pair, i)| ContactPoint { pair, ..point(&body, [0.01 * i as f32, 0.0], 0.16, Some(0.3)) })
-        .collect();
-    let step = || {
-        points.chunks(4).for_each(|manifold| contacts.report(manifold).unwrap());
-        contacts.step(STEP).unwrap();
-    };
-    (0..4).for_each(|_| step());
-    let before = ALLOCATIONS.with(Cell::get);
-    (0..100).for_each(|_| step());
-    assert_eq!(ALLOCATIONS.with(Cell::get) - before, 0);
 }
 
 proptest! {

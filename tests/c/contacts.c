@@ -1,5 +1,6 @@
-// Contact points of a physics engine: the points of a manifold are one blow, what rests leaves nothing, wrong points are
-// refused whole.
+// Contact points of a physics engine: the points of a manifold are one blow, what rests leaves nothing and costs nothing,
+// wrong points are refused whole.
+#include "heap.h"
 #include "support.h"
 
 static Sheet sheet;
@@ -74,6 +75,20 @@ static void what_rests_leaves_nothing(void) {
     FACT(marks_of(rests) == 0);
 }
 
+// Once as many points came in a step, steps ask for no memory.
+static void what_rests_costs_no_allocation(bool counts) {
+    CrumpleInstance rests = body();
+    CrumpleContactPointDef points[100];
+    unsigned long before = 0;
+    for (int i = 0; i < 100; ++i) points[i] = point_at(rests, 100 + (uint64_t)(i / 4), 0.01f * (float)(i % 4), 0.16f, 0.3f);
+    for (int step = 0; step < 104; ++step) {
+        if (step == 4) before = heap.calls;
+        OK(crumple_context_report_contacts(context, points, 100));
+        OK(crumple_context_step_contacts(context, STEP, NULL));
+    }
+    FACT(!counts || heap.calls == before);
+}
+
 static void wrong_points_are_refused_whole(void) {
     CrumpleInstance on = body();
     CrumpleContactPointDef points[2];
@@ -121,12 +136,14 @@ static void wrong_points_are_refused_whole(void) {
 
 int main(void) {
     CrumpleContextDef def = crumple_context_def_default();
+    bool counts = use_heap();
     def.threads = 1;
     make_sheet(&sheet);
     OK(crumple_context_create(&def, &context));
     OK(crumple_example_set_create(context, &sheet.def, &set));
     a_manifold_is_one_blow();
     what_rests_leaves_nothing();
+    what_rests_costs_no_allocation(counts);
     wrong_points_are_refused_whole();
     OK(crumple_context_destroy(context));
     printf("%u checks\n", checks);
