@@ -236,15 +236,20 @@ pub unsafe extern "C" fn crumple_context_clear_contacts(context: *mut CrumpleCon
 }
 
 unsafe fn read(context: &Context, def: &CrumpleContactPointDef, i: usize) -> Result<ContactPoint, Failure> {
-    let def = self::def(def, &format!("points[{i}]"))?;
+    // Names are made for errors alone: reporting costs no memory.
+    let of = |i: usize, failure: Failure| Failure { message: format!("points[{i}].{}", failure.message), ..failure };
+    let def = self::def(def, "def").map_err(|failure| of(i, failure))?;
     let inboxes = context.inboxes.read().unwrap_or_else(PoisonError::into_inner);
-    let body = |side: usize| -> Result<Option<Arc<Inbox>>, Failure> {
+    let body = |side: usize, name: &str| -> Result<Option<Arc<Inbox>>, Failure> {
         let id = def.bodies[side];
-        let null = id == CrumpleInstance::default();
-        if null { Ok(None) } else { Ok(Some(inboxes.get(id, &format!("points[{i}].bodies[{side}]"))?.clone())) }
+        if id == CrumpleInstance::default() {
+            return Ok(None);
+        }
+        Ok(Some(inboxes.get(id, name).map_err(|failure| of(i, failure))?.clone()))
     };
     let known = |x: f32| (x != 0.0).then_some(x);
     let vector = |given: MaybeUninit<bool>, v: CrumpleVec3| boolean(given).then(|| v.array());
+    let bodies = [body(0, "bodies[0]")?, body(1, "bodies[1]")?];
     Ok(ContactPoint {
         impulse: (def.impulse != -1.0).then_some(def.impulse),
         velocity: vector(def.has_velocity, def.velocity),
@@ -253,6 +258,6 @@ unsafe fn read(context: &Context, def: &CrumpleContactPointDef, i: usize) -> Res
         inverse_mass: known(def.inverse_mass),
         radii: def.radii.map(known),
         gain: def.gain,
-        ..ContactPoint::new(def.pair, [body(0)?, body(1)?], def.point.array(), def.normal.array())
+        ..ContactPoint::new(def.pair, bodies, def.point.array(), def.normal.array())
     })
 }

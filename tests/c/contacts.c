@@ -101,7 +101,7 @@ static void wrong_points_are_refused_whole(void) {
         FAILS(CRUMPLE_ERROR_##expected, part, crumple_context_report_contacts(context, points, 2));                    \
         points[1] = kept;                                                                                              \
     } while (0)
-    WRONG(STRUCT_SIZE, "points[1].struct_size", points[1].struct_size = 3);
+    WRONG(STRUCT_SIZE, "points[1].def.struct_size", points[1].struct_size = 3);
     WRONG(NOT_FINITE, "points[1].velocity", points[1].velocity.x = NAN);
     WRONG(INVALID_ARGUMENT, "points[1].normal", points[1].normal = vec3(0, 0, 0));
     WRONG(INVALID_ARGUMENT, "points[1].masses[0]", points[1].masses[0] = -2);
