@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, ensure};
 use xshell::cmd;
 
+use crate::install;
 use crate::native;
 use crate::python;
 use crate::stage::Outcome;
@@ -51,9 +52,14 @@ pub fn cmake(workspace: &Workspace) -> Result<Outcome> {
 /// Conan builds the package of the recipe, and a program finds it.
 pub fn conan(workspace: &Workspace) -> Result<Outcome> {
     let python = python::environment(workspace, Tool::Python3, "conan-venv", REQUIREMENTS)?;
-    let (sh, root, client) = (&workspace.shell, &workspace.root, workspace.path(CLIENT));
+    let (sh, root) = (&workspace.shell, &workspace.root);
     let (conan, home) = (python.with_file_name("conan"), workspace.target.join("conan"));
     empty_directory(&home)?;
+    // Conan builds the program where its source is.
+    let client = home.join("client");
+    for file in files(&workspace.path(CLIENT))? {
+        install::copy(&file, &client)?;
+    }
     let _home = sh.push_env("CONAN_HOME", &home);
     // Cargo finds the dependencies that the installer built.
     let _flags = sh.push_env("CARGO_ENCODED_RUSTFLAGS", workspace.anywhere()?.join("\u{1f}"));
