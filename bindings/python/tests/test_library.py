@@ -204,6 +204,19 @@ def test_contacts(context):
     body.deformed()
 
 
+def test_nodes_and_dents_of_a_gltf_are_chosen_by_name(context):
+    path = HOOD.parents[2] / "tests/fixtures/two_materials.glb"
+    whole = context.load(path, nodes="*")
+    assert [example.name for example in whole.examples] == ["Left", "Middle"]
+    one = context.load(path, targets=["*", "!L?ft"], unit=0.01)
+    assert [example.name for example in one.examples] == ["Middle"]
+    assert np.allclose(one.mesh().positions, context.load(path).mesh().positions / 100, atol=1e-6)
+    with pytest.raises(crumple.CrumpleError, match="no such node"):
+        context.load(path, nodes="no such node")
+    with pytest.raises(ValueError, match="baked set"):
+        context.load("any.crumple", nodes="*")
+
+
 def test_contact_points_of_a_manifold_are_one_blow(context):
     flat, triangles, dented = sheet()
     struck = Example(dented, impulse=(0, 0, -40), striker=crumple.Striker(mass=8, velocity=(0, 0, -5)))

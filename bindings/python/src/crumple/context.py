@@ -98,13 +98,30 @@ class Context:
         check(library.crumple_example_set_create(self.handle, ctypes.byref(definition), ctypes.byref(out)))
         return ExampleSet(self, out)
 
-    def load(self, path: str | os.PathLike[str], mesh: str | int | None = None, options: SetOptions | None = None) -> ExampleSet:
-        """Loads a .glb, .gltf or .crumple file. `mesh` is the name or index of a glTF mesh; None is the first with examples."""
+    def load(
+        self,
+        path: str | os.PathLike[str],
+        mesh: str | int | None = None,
+        options: SetOptions | None = None,
+        *,
+        nodes: str | Iterable[str] = (),
+        targets: str | Iterable[str] = (),
+        rigid: str | Iterable[str] = (),
+        glass: str | Iterable[str] = (),
+        moving: str | Iterable[str] = (),
+        unit: float = 1.0,
+    ) -> ExampleSet:
+        """Loads a .glb, .gltf or .crumple file. `mesh` is the name or index of a glTF mesh; None is the first with examples.
+
+        The other arguments are for glTF: patterns of names (``*``, ``?``, ``!`` to take names out), and the length of the file's unit
+        in m. `nodes` joins the meshes of these nodes to one body with a part for each: ``"*"`` joins all. `targets` are the morph
+        targets that are dents. Nodes or materials that are `rigid` never move, those of `glass` follow; `moving` nodes are no part.
+        """
         name = os.fsdecode(path)
         out = native.CrumpleExampleSet()
         if name.endswith(".crumple"):
-            if mesh is not None or options is not None:
-                raise ValueError(f"{name} is a baked set, which has one mesh and its own options; leave out mesh and options")
+            if mesh is not None or options is not None or nodes or targets or rigid or glass or moving or unit != 1.0:
+                raise ValueError(f"{name} is a baked set, which has one mesh and its own options; give the path alone")
             check(library.crumple_example_set_load_baked(self.handle, name.encode(), ctypes.byref(out)))
             return ExampleSet(self, out)
         definition = library.crumple_gltf_def_default()
@@ -113,6 +130,12 @@ class Context:
             definition.mesh_name = mesh.encode()
         elif mesh is not None:
             definition.mesh_index = _natural(mesh, "mesh")
+        definition.unit = unit
+        chosen = {"nodes": nodes, "targets": targets, "rigid": rigid, "glass": glass, "moving": moving}
+        for field, patterns in chosen.items():
+            lines = [patterns] if isinstance(patterns, str) else list(patterns)
+            if lines:
+                setattr(definition, field, "\n".join(lines).encode())
         _fill_options(definition.options, options)
         check(library.crumple_example_set_load_gltf(self.handle, ctypes.byref(definition), ctypes.byref(out)))
         return ExampleSet(self, out)
