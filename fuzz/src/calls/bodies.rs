@@ -7,7 +7,7 @@ use crumple::Mark;
 use crumple::entry_points::*;
 
 use super::arguments::{boolean, enumerator};
-use super::{Host, Step};
+use super::{Host, Step, answered};
 
 impl Host<'_> {
     /// # Safety
