@@ -1,7 +1,7 @@
 //! Contact points of a physics engine, from which the context makes hits.
 
 use super::check::{Out, array, boolean, def, defs, enumerator, zeroed};
-use super::context::{Context, CrumpleContext, CrumpleLogLevel, concurrent};
+use super::context::{Context, CrumpleContext, concurrent};
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleInstance, CrumpleVec3};
 use crate::contacts::options::{ContactOptions, Impulses};
@@ -85,7 +85,7 @@ defs!(CrumpleContactOptionsDef, CrumpleContactPointDef);
 
 /// What steps of a context's contacts did.
 #[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CrumpleContactReport {
     /// Points that were reported.
     pub points: u64,
@@ -105,9 +105,11 @@ pub struct CrumpleContactReport {
     pub weak: u64,
     /// Touches that ended early because there were too many.
     pub crowded: u64,
-    /// Hits that instances refused. The log has a warning that says why.
+    /// Hits that instances refused.
     pub refused: u64,
-    pub reserved: [u64; 2],
+    /// Why the first of them was refused; CRUMPLE_OK if none was.
+    pub refusal: CrumpleResult,
+    pub reserved: [u32; 3],
 }
 
 impl From<&ContactReport> for CrumpleContactReport {
@@ -123,7 +125,8 @@ impl From<&ContactReport> for CrumpleContactReport {
             weak: r.weak,
             crowded: r.crowded,
             refused: r.refused,
-            reserved: [0; 2],
+            refusal: r.refusal.clone().map_or(CrumpleResult::CrumpleOk, |error| Failure::from(error).result),
+            reserved: [0; 3],
         }
     }
 }
@@ -204,11 +207,7 @@ pub unsafe extern "C" fn crumple_context_step_contacts(
 ) -> CrumpleResult {
     concurrent("crumple_context_step_contacts", context, |context| {
         let out = Out::optional(out_report, "out_report")?;
-        let report = context.contacts.step(seconds)?;
-        if let Some(refusal) = &report.refusal {
-            context.log(CrumpleLogLevel::Warning, &format!("a contact was refused: {refusal}"));
-        }
-        out.write((&report).into());
+        out.write((&context.contacts.step(seconds)?).into());
         Ok(())
     })
 }

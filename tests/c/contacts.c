@@ -52,7 +52,7 @@ static void a_manifold_is_one_blow(void) {
     OK(crumple_context_report_contacts(context, &one, 1));
     OK(crumple_context_report_contacts(context, four, 4));
     OK(crumple_context_step_contacts(context, STEP, &report));
-    FACT(report.points == 5 && report.hits == 2 && report.begun == 2 && report.open == 2 && report.refused == 0);
+    FACT(report.points == 5 && report.hits == 2 && report.begun == 2 && report.open == 2 && report.refused == 0 && report.refusal == CRUMPLE_OK);
     OK(crumple_context_step_contacts(context, 1, &report));
     FACT(report.points == 0 && report.ended == 2 && report.open == 0);
     OK(crumple_context_step_contacts(context, STEP, NULL));
