@@ -865,9 +865,11 @@ typedef struct {
     uint64_t weak;
     /// Touches that ended early because there were too many.
     uint64_t crowded;
-    /// Hits that instances refused. The log has a warning that says why.
+    /// Hits that instances refused.
     uint64_t refused;
-    uint64_t reserved[2];
+    /// Why the first of them was refused; CRUMPLE_OK if none was.
+    CrumpleResult refusal;
+    uint32_t reserved[3];
 } CrumpleContactReport;
 
 /// What crumple_example_set_map_damage() did with the marks.

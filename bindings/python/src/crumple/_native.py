@@ -546,7 +546,8 @@ class CrumpleContactReport(c.Structure):
         ("weak", c.c_uint64),
         ("crowded", c.c_uint64),
         ("refused", c.c_uint64),
-        ("reserved", c.c_uint64 * 2),
+        ("refusal", c.c_uint32),
+        ("reserved", c.c_uint32 * 3),
     ]
 
 

@@ -692,7 +692,8 @@ namespace Crumple
         public ulong Weak;
         public ulong Crowded;
         public ulong Refused;
-        public fixed ulong Reserved[2];
+        public CrumpleResult Refusal;
+        public fixed uint Reserved[3];
     }
 
     /// <summary>The struct of crumple.h.</summary>
