@@ -242,7 +242,8 @@ fn contact_normals(smooth: &[Vec3], given: &[Vec3], weld: &[u32]) -> Vec<Vec3> {
     (0..given.len()).map(|v| unit(smooth[v]).or_else(|| unit(sums[weld[v] as usize])).unwrap_or(Vec3::Z)).collect()
 }
 
-fn weld(positions: &[Vec3]) -> Result<Vec<u32>, Error> {
+/// For each vertex the lowest one at the same position. Zeros of either sign are different.
+pub(crate) fn weld(positions: &[Vec3]) -> Result<Vec<u32>, Error> {
     let mut out = reserve(positions.len(), "seams")?;
     let mut first: HashMap<[u32; 3], u32> = HashMap::new();
     first

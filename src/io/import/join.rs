@@ -88,7 +88,7 @@ fn joined<'d>(
     let scene = whole(&doc.value["scene"]).unwrap_or(0) as usize;
     let joined = doc.value["scenes"][scene]["extras"]["targets"] == "joined";
     let examples = examples(moved, &names, joined, notes);
-    let mut mesh = concatenated(meshes);
+    let mut mesh = concatenated(meshes)?;
     close_seams(&mut mesh.positions, &pieces);
     let (name, node_transform, notes) = (String::new(), None, Vec::new());
     Ok(Body { pieces, imported: Imported { name, mesh, examples, primitives, parts, node_transform, notes } })
@@ -173,7 +173,7 @@ fn grouped<'d>(
 }
 
 /// The arrays of all meshes. What a mesh lacks and another has is filled in.
-fn concatenated(meshes: Vec<MeshData>) -> MeshData {
+fn concatenated(meshes: Vec<MeshData>) -> Result<MeshData, Error> {
     let has = |of: fn(&MeshData) -> bool| meshes.iter().any(of);
     let mut all = MeshData {
         normals: has(|mesh| mesh.normals.is_some()).then(Vec::new),
@@ -185,10 +185,13 @@ fn concatenated(meshes: Vec<MeshData>) -> MeshData {
     for mesh in meshes {
         let (first, count) = (all.positions.len() as u32, mesh.positions.len());
         if let Some(normals) = &mut all.normals {
-            let own = mesh.normals.clone();
-            normals.extend(own.unwrap_or_else(|| {
-                smooth(&mesh).into_iter().map(|n| n.try_normalize().unwrap_or(Vec3::Z).to_array()).collect()
-            }));
+            match &mesh.normals {
+                Some(own) => normals.extend(own),
+                None => {
+                    let smooth = smooth(&mesh.positions, &mesh.triangles)?.into_iter();
+                    normals.extend(smooth.map(|n| n.try_normalize().unwrap_or(Vec3::Z).to_array()));
+                }
+            }
             if let Some(tangents) = &mut all.tangents {
                 let own = &normals[first as usize..];
                 tangents.extend(
@@ -205,7 +208,7 @@ fn concatenated(meshes: Vec<MeshData>) -> MeshData {
         all.positions.extend(mesh.positions);
         all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|v| v + first)));
     }
-    all
+    Ok(all)
 }
 
 /// Gives vertices of different pieces that lie at the same place the bits of the first piece's.

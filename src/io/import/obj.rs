@@ -2,10 +2,10 @@
 
 use super::obj_text::{Corner, Face, ObjText};
 use super::reading::{MeshChoice, Patterns};
+use super::surface::smooth;
 use super::{Imported, finite, gltf, mtl, uri};
 use crate::base::error::Error;
 use crate::io::glb::{Blob, ELEMENT_ARRAY_BUFFER, container, push, push_attribute, push_view};
-use crate::mesh::normals;
 use bytemuck::cast_slice;
 use glam::Vec3;
 use serde_json::{Map, Value, json};
@@ -223,7 +223,7 @@ impl Builder {
         if kinds.is_empty() {
             kinds.push(((false, 0), Vec::new()));
         }
-        let smooth = faces.iter().any(|face| face.smooth && !face.is_line).then(|| self.smooth());
+        let smooth = faces.iter().any(|face| face.smooth && !face.is_line).then(|| self.smooth()).transpose()?;
         let mut primitives = Vec::new();
         for ((is_line, material), faces) in kinds {
             let mut primitive = self.primitive(root, blob, is_line, &faces, smooth.as_deref());
@@ -313,18 +313,14 @@ impl Builder {
     }
 
     /// The normal of the surface at each `v` line.
-    fn smooth(&self) -> Vec<Vec3> {
-        let positions: Vec<Vec3> = self.base.positions.iter().map(|p| Vec3::from(*p) + Vec3::ZERO).collect();
-        let mut first = HashMap::new();
-        let weld: Vec<u32> =
-            positions.iter().zip(0..).map(|(p, v)| *first.entry(p.to_array().map(f32::to_bits)).or_insert(v)).collect();
+    fn smooth(&self) -> Result<Vec<Vec3>, Error> {
         let mut triangles = Vec::new();
         for face in self.base.faces.iter().filter(|face| !face.is_line) {
             let at: Vec<[f32; 3]> = face.corners.iter().map(|c| self.base.positions[c.v as usize]).collect();
             let corners: Vec<u32> = triangulated(&at).into_iter().map(|i| face.corners[i].v).collect();
             triangles.extend_from_slice(corners.as_chunks::<3>().0);
         }
-        normals::smooth(&positions, &triangles, &weld)
+        smooth(&self.base.positions, &triangles)
     }
 
     /// The materials of the libraries by name.

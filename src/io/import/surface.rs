@@ -5,7 +5,7 @@ use super::primitives::Primitive;
 use crate::base::error::Error;
 use crate::base::math::{tangent_basis, unit};
 use crate::mesh::data::MeshData;
-use crate::mesh::normals;
+use crate::mesh::{normals, weld};
 use ::gltf::json::accessor::Type;
 use ::gltf::json::mesh::Semantic;
 use glam::Vec3;
@@ -40,16 +40,22 @@ impl Surface {
         };
         let normals = attribute::<3>(doc, primitives, Semantic::Normals, "NORMAL", Type::Vec3)?;
         let Some(normals) = normals else { return Ok(out) };
-        out.take_normals(normals, primitives, notes);
+        out.take_normals(normals, primitives, notes)?;
         if let Some(tangents) = attribute::<4>(doc, primitives, Semantic::Tangents, "TANGENT", Type::Vec4)? {
             out.take_tangents(tangents, primitives, notes);
         }
         Ok(out)
     }
 
-    fn take_normals(&mut self, given: Vec<Option<[f32; 3]>>, primitives: &[Primitive<'_>], notes: &mut Vec<String>) {
+    fn take_normals(
+        &mut self,
+        given: Vec<Option<[f32; 3]>>,
+        primitives: &[Primitive<'_>],
+        notes: &mut Vec<String>,
+    ) -> Result<(), Error> {
         let is_good = |n: &Option<[f32; 3]>| n.is_some_and(|n| unit(Vec3::from(n)).is_some_and(Vec3::is_finite));
-        let smooth = if given.iter().all(is_good) { Vec::new() } else { smooth(&self.data) };
+        let smooth =
+            if given.iter().all(is_good) { Vec::new() } else { smooth(&self.data.positions, &self.data.triangles)? };
         let mut broken = vec![false; given.len()];
         let all = given.iter().enumerate().map(|(v, n)| match n {
             Some(n) if is_good(&Some(*n)) => *n,
@@ -60,6 +66,7 @@ impl Surface {
         });
         self.data.normals = Some(all.collect());
         self.new_normals = noted(broken, primitives, "normals", notes);
+        Ok(())
     }
 
     fn take_tangents(&mut self, given: Vec<Option<[f32; 4]>>, primitives: &[Primitive<'_>], notes: &mut Vec<String>) {
@@ -108,12 +115,9 @@ pub(super) fn perpendicular(normal: Vec3) -> [f32; 4] {
 }
 
 /// The normal of the surface at each vertex; zero where there is none.
-pub(super) fn smooth(mesh: &MeshData) -> Vec<Vec3> {
-    let positions: Vec<Vec3> = mesh.positions.iter().map(|p| Vec3::from(*p) + Vec3::ZERO).collect();
-    let mut first = HashMap::new();
-    let weld: Vec<u32> =
-        positions.iter().zip(0..).map(|(p, v)| *first.entry(p.to_array().map(f32::to_bits)).or_insert(v)).collect();
-    normals::smooth(&positions, &mesh.triangles, &weld)
+pub(super) fn smooth(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Vec<Vec3>, Error> {
+    let positions: Vec<Vec3> = positions.iter().map(|p| Vec3::from(*p) + Vec3::ZERO).collect();
+    Ok(normals::smooth(&positions, triangles, &weld(&positions)?))
 }
 
 /// An attribute of all vertices, `None` at those of primitives that lack it. `None` if all lack it.
@@ -145,16 +149,7 @@ fn custom(
     name: &str,
     absent: f32,
 ) -> Result<Option<Vec<f32>>, Error> {
-    let mut values = Vec::new();
-    let mut any = false;
-    for primitive in primitives.iter().filter(|p| p.owns_vertices) {
-        match primitive.accessor(doc, Semantic::Extras(name.into()), &format!("_{name}"), Type::Scalar)? {
-            Some(accessor) => {
-                any = true;
-                values.extend(accessor.values::<1>()?.into_iter().map(|[x]| x));
-            }
-            None => values.resize(values.len() + primitive.vertex_count, absent),
-        }
-    }
-    Ok(any.then_some(values))
+    let label = format!("_{name}");
+    let values = attribute::<1>(doc, primitives, Semantic::Extras(name.into()), &label, Type::Scalar)?;
+    Ok(values.map(|values| values.into_iter().map(|x| x.map_or(absent, |[x]| x)).collect()))
 }
