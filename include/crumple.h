@@ -257,9 +257,9 @@ typedef enum {
 typedef enum {
     /// Each point has its own impulse: Bullet, PhysX, rapier, ODE. A point whose impulse is 0 did not push. The default.
     CRUMPLE_IMPULSES_PER_POINT = 0,
-    /// Each point has the impulse of the whole pair in the step. The layer divides it among the pair's points.
+    /// Each point has the impulse of the whole pair in the step. It is divided among the pair's points.
     CRUMPLE_IMPULSES_WHOLE_AT_EVERY_POINT = 1,
-    /// As `PerPoint`, but an impulse of 0 is unknown, not absent: Godot Physics reports 0 in the step of impact.
+    /// Each point has its own impulse, but 0 means that it is unknown: Godot Physics reports 0 in the step of impact.
     CRUMPLE_IMPULSES_ZERO_IS_UNKNOWN = 2,
 } CrumpleImpulses;
 

@@ -21,7 +21,6 @@ mod touch;
 use crate::base::error::{Error, positive};
 use crate::base::math::to_f32;
 use crate::base::sync::{Mutex, MutexGuard};
-use crate::example::blow::{Blow, Striker};
 use crate::instance::inbox::Inbox;
 use crate::select::hit::Hit;
 use glam::DVec3;
@@ -33,7 +32,7 @@ use scale::{Scale, Scales};
 use share::{Whole, shares};
 use std::num::NonZeroU64;
 use std::ops::Range;
-use touch::{Fit, Key, Touch};
+use touch::{Fit, Key, Touch, blow};
 
 /// Contacts of the layer have ids from here on, so that they are not those of a host.
 const FIRST_ID: u64 = 1 << 63;
@@ -195,23 +194,24 @@ impl ContactLayer {
         positive("seconds", seconds, "s")?;
         let mut state = self.state();
         let state = &mut *state;
-        state.make_room(self.waiting().points.len())?;
+        let mut waiting = self.waiting();
+        state.make_room(waiting.points.len())?;
+        // Points that come from now on go to memory that an earlier step left.
+        let mut points = std::mem::replace(&mut waiting.points, std::mem::take(&mut state.points));
+        drop(waiting);
         state.seconds = f64::from(seconds);
         state.now += state.seconds;
-        std::mem::swap(&mut self.waiting().points, &mut state.points);
-        let mut points = std::mem::take(&mut state.points);
         points.sort_unstable_by(Reported::order);
-        let mut step = Step::default();
-        step.report.points = points.len() as u64;
+        let mut report = ContactReport { points: points.len() as u64, ..Default::default() };
         for pair in points.chunk_by(|a, b| a.key() == b.key()) {
-            state.pair(pair, &mut step);
+            state.pair(pair, &mut report);
         }
         points.clear();
         state.points = points;
-        state.end_old(&mut step);
-        step.report.open = state.touches.len() as u64;
-        state.totals.add(&step.report);
-        Ok(step.report)
+        state.end_old(&mut report);
+        report.open = state.touches.len() as u64;
+        state.totals.add(&report);
+        Ok(report)
     }
 
     /// Returns the sums of all steps' counts; `open` is that of the last step.
@@ -222,8 +222,8 @@ impl ContactLayer {
     /// Ends all touches and forgets the points that wait, as after loading a saved game. Dents stay.
     pub fn clear(&self) {
         self.waiting().points.clear();
-        let mut step = Step::default();
-        self.state().touches.drain(..).for_each(|touch| step.end(&touch));
+        let mut report = ContactReport::default();
+        self.state().touches.drain(..).for_each(|touch| report.end(&touch));
     }
 
     fn waiting(&self) -> MutexGuard<'_, Waiting> {
@@ -235,40 +235,35 @@ impl ContactLayer {
     }
 }
 
-/// A step in progress.
-#[derive(Debug, Default)]
-struct Step {
-    report: ContactReport,
-}
-
-impl Step {
-    /// Brings a hit to a body.
+impl ContactReport {
+    /// Brings a hit to a body, and counts it.
     fn hit(&mut self, body: &Body, hit: &Hit) {
         let Some(inbox) = body.inbox.upgrade() else { return };
         match inbox.submit(hit) {
-            Ok(_) => self.report.hits += 1,
+            Ok(_) => self.hits += 1,
             Err(error) => {
-                self.report.refused += 1;
-                self.report.refusal.get_or_insert(error);
+                self.refused += 1;
+                self.refusal.get_or_insert(error);
             }
         }
     }
 
+    /// Ends a touch, and counts it.
     fn end(&mut self, touch: &Touch) {
-        self.report.ended += 1;
+        self.ended += 1;
         if touch.has_struck() {
             // Only a body with a classic rule refuses, and none has touches.
             let _ = touch.body.inbox.upgrade().map(|inbox| inbox.end_contact(touch.id));
         } else {
-            self.report.weak += 1;
+            self.weak += 1;
         }
     }
 }
 
 impl State {
     /// The points of one pair in this step.
-    fn pair(&mut self, points: &[Reported], step: &mut Step) {
-        self.seen(points[0].key(), step);
+    fn pair(&mut self, points: &[Reported], report: &mut ContactReport) {
+        self.seen(points[0].key(), report);
         let bodies = [0, 1].map(|side| points[0].bodies[side].as_ref());
         let inboxes = bodies.map(|body| body.and_then(|body| body.inbox.upgrade()));
         if inboxes.iter().all(Option::is_none) {
@@ -280,7 +275,7 @@ impl State {
         for side in 0..2 {
             let (Some(body), Some(inbox)) = (bodies[side], &inboxes[side]) else { continue };
             let scale = self.scales.of(inbox.example_set()).with(&self.options);
-            if !self.live(points, &pushes, side, &scale, inbox, &mut step.report) {
+            if !self.live(points, &pushes, side, &scale, inbox, report) {
                 continue;
             }
             let shares = *share.get_or_insert_with(|| match &inboxes {
@@ -289,7 +284,7 @@ impl State {
             });
             let (pair, numbers) = points[0].key();
             while let Some(blow) = next_blow(&mut self.parts, scale.radius) {
-                self.blow((pair, numbers, side), (body, inbox), &blow, &scale, shares[side], step);
+                self.blow((pair, numbers, side), (body, inbox), &blow, &scale, shares[side], report);
             }
         }
         self.pushes = pushes;
@@ -306,7 +301,7 @@ impl State {
     }
 
     /// Notes that a pair touches. Ends the touches of other bodies that had its number.
-    fn seen(&mut self, (pair, numbers): (u64, [u64; 2]), step: &mut Step) {
+    fn seen(&mut self, (pair, numbers): (u64, [u64; 2]), report: &mut ContactReport) {
         let from = self.touches.partition_point(|touch| touch.key.0 < pair);
         let mut at = from;
         while at < self.touches.len() && self.touches[at].key.0 == pair {
@@ -314,7 +309,7 @@ impl State {
                 self.touches[at].last = self.now;
                 at += 1;
             } else {
-                step.end(&self.touches.remove(at));
+                report.end(&self.touches.remove(at));
             }
         }
     }
@@ -360,31 +355,31 @@ impl State {
         blow: &Part,
         scale: &Scale,
         share: f64,
-        step: &mut Step,
+        report: &mut ContactReport,
     ) {
         let begins = blow.push.speed.is_none_or(|speed| speed >= scale.speed);
         let at = match self.nearest(key, blow, scale.radius) {
             None if !begins => {
-                step.report.slow += 1;
+                report.slow += 1;
                 return;
             }
             Some(at) => match self.touches[at].fit(blow) {
                 Fit::Holds => {
-                    step.report.slow += 1;
+                    report.slow += 1;
                     return;
                 }
                 Fit::Same => at,
                 Fit::Another => {
-                    step.end(&self.touches.remove(at));
-                    self.begin(key, body, blow, share, step)
+                    report.end(&self.touches.remove(at));
+                    self.begin(key, body, blow, share, report)
                 }
             },
-            None => self.begin(key, body, blow, share, step),
+            None => self.begin(key, body, blow, share, report),
         };
         let touch = &mut self.touches[at];
         touch.add(blow);
         if let Some(hit) = touch.hit(scale.energy, inbox.world_to_local()) {
-            step.hit(body, &hit);
+            report.hit(body, &hit);
         }
     }
 
@@ -408,24 +403,24 @@ impl State {
     }
 
     /// Begins a touch and returns its index. If there are too many, the oldest ends.
-    fn begin(&mut self, key: Key, body: &Body, blow: &Part, share: f64, step: &mut Step) -> usize {
+    fn begin(&mut self, key: Key, body: &Body, blow: &Part, share: f64, report: &mut ContactReport) -> usize {
         if self.touches.len() >= self.options.max_touches as usize {
             let oldest = (0..self.touches.len()).min_by_key(|at| self.touches[*at].id);
             if let Some(at) = oldest {
-                step.report.crowded += 1;
-                step.end(&self.touches.remove(at));
+                report.crowded += 1;
+                report.end(&self.touches.remove(at));
             }
         }
         let id = NonZeroU64::new(self.last_id).unwrap_or(NonZeroU64::MAX);
         self.last_id = self.last_id.checked_add(1).unwrap_or(FIRST_ID);
-        step.report.begun += 1;
+        report.begun += 1;
         let at = self.touches.partition_point(|touch| touch.key <= key);
         self.touches.insert(at, Touch::new(key, id, body.clone(), blow.place, self.now, share));
         at
     }
 
     /// Ends the touches that lasted long enough, whose bodies separated, or whose body is gone.
-    fn end_old(&mut self, step: &mut Step) {
+    fn end_old(&mut self, report: &mut ContactReport) {
         let (now, options) = (self.now, self.options);
         // Times are sums of f32: a step more or less must not depend on rounding.
         let over = |from: f64, time: f32| now - from > f64::from(time) - 1e-6;
@@ -434,7 +429,7 @@ impl State {
                 || over(touch.last, options.separation_time) && touch.last < now
                 || touch.body.inbox.strong_count() == 0;
             if over {
-                step.end(touch);
+                report.end(touch);
             }
             !over
         });
@@ -450,14 +445,8 @@ fn whole(points: &[Reported], pushes: &[Push]) -> Option<(Whole, [Option<f32>; 2
     let speed = push.speed.filter(|speed| *speed > 0.0);
     // In the first of many steps only a part of the impulse is known.
     let expected = fastest.mass.zip(speed).map_or(total, |(mass, speed)| total.max(mass * speed));
-    let velocity = speed.map(|speed| fastest.velocity.unwrap_or(fastest.normal * -speed));
-    let striker = Striker {
-        mass: speed.map(|speed| (expected / speed) as f32).filter(|m| *m > 0.0 && m.is_finite()),
-        velocity: velocity.map(to_f32),
-        radius: None,
-    };
     let normal = fastest.normal;
-    let impulse = Some(to_f32(normal * -expected));
-    let blow = Blow { impulse, duration: None, normal: Some(to_f32(normal)), striker };
+    let striker = speed.map(|speed| (expected / speed, fastest.velocity.unwrap_or(normal * -speed)));
+    let blow = blow((normal, expected), striker, None);
     Some((Whole { point: to_f32(place), blow }, fastest.radii))
 }

@@ -9,9 +9,9 @@ pub enum Impulses {
     /// Each point has its own impulse: Bullet, PhysX, rapier, ODE. A point whose impulse is 0 did not push. The default.
     #[default]
     PerPoint = 0,
-    /// Each point has the impulse of the whole pair in the step. The layer divides it among the pair's points.
+    /// Each point has the impulse of the whole pair in the step. It is divided among the pair's points.
     WholeAtEveryPoint = 1,
-    /// As `PerPoint`, but an impulse of 0 is unknown, not absent: Godot Physics reports 0 in the step of impact.
+    /// Each point has its own impulse, but 0 means that it is unknown: Godot Physics reports 0 in the step of impact.
     ZeroIsUnknown = 2,
 }
 

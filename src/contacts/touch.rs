@@ -126,15 +126,10 @@ impl Touch {
         }
         self.waiting = (0.0, DVec3::ZERO, DVec3::ZERO);
         let speed = self.speed.map(|speed| speed * self.share);
-        let velocity = speed.map(|speed| self.velocity.map_or(normal * -speed, |v| v * self.share));
         let impulse = if speed.is_some() { waiting } else { waiting * self.share };
-        let striker = Striker {
-            mass: speed.map(|speed| (self.impulse / speed) as f32).filter(|m| *m > 0.0 && m.is_finite()),
-            velocity: velocity.map(to_f32),
-            radius: self.radius,
-        };
-        let blow =
-            Blow { impulse: Some(to_f32(normal * -impulse)), duration: None, normal: Some(to_f32(normal)), striker };
+        let velocity = |speed: f64| self.velocity.map_or(normal * -speed, |v| v * self.share);
+        let striker = speed.map(|speed| (self.impulse / speed, velocity(speed)));
+        let blow = blow((normal, impulse), striker, self.radius);
         let point = to_body.0.inverse() * (place / waiting) + to_body.1;
         Some(Hit {
             point: to_f32(point),
@@ -143,4 +138,11 @@ impl Touch {
             contact: Some(self.id),
         })
     }
+}
+
+/// A blow of an impulse (N·s) against a normal, by a striker with a mass (kg) and a velocity (m/s), if they are known, and a radius.
+pub(super) fn blow((normal, impulse): (DVec3, f64), striker: Option<(f64, DVec3)>, radius: Option<f32>) -> Blow {
+    let mass = striker.map(|(mass, _)| mass as f32).filter(|m| *m > 0.0 && m.is_finite());
+    let striker = Striker { mass, velocity: striker.map(|(_, v)| to_f32(v)), radius };
+    Blow { impulse: Some(to_f32(normal * -impulse)), duration: None, normal: Some(to_f32(normal)), striker }
 }
