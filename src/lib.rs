@@ -30,6 +30,7 @@ compile_error!("Crumple supports little-endian processors only: its files and pa
 
 mod bake;
 mod base;
+pub(crate) mod basis;
 #[cfg(feature = "capi")]
 mod capi;
 mod classic;
@@ -54,6 +55,8 @@ pub use bake::reorder::reorder;
 pub use base::error::{Error, ErrorKind};
 pub use base::math::Aabb;
 pub use base::tasks::{Serial, TaskSystem, ThreadPool};
+pub use basis::Basis;
+pub use basis::learn::{BasisOptions, BasisReport};
 #[cfg(all(fuzzing, feature = "capi"))]
 #[doc(hidden)]
 pub use capi::entry_points;

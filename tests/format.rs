@@ -79,6 +79,7 @@ fn small_sets() -> Vec<(&'static str, Arc<ExampleSet>)> {
 fn sets() -> Vec<(String, Arc<ExampleSet>)> {
     let mut all: Vec<(String, Arc<ExampleSet>)> =
         small_sets().into_iter().chain(scenes::small_bodies()).map(|(n, s)| (n.to_owned(), s)).collect();
+    all.push(("following".into(), scenes::following(("cube", scenes::cube_set())).1));
     for body in ["panel", "tube"] {
         let (mesh, mut examples) = scenes::solver(body);
         examples.truncate(9);

@@ -12,7 +12,9 @@ pub(crate) struct Changes {
     pub epoch: u64,
     /// Factor of the steps that dents are summed in: see `DamageView::coarse`. When it changes, every block does.
     pub coarse: f32,
-    /// For each level of detail, the epoch of each block's last change. 0 if the block never changed.
+    /// Whether meshes with rows follow the set's nodes.
+    pub follows: bool,
+    /// For each level of detail, and last the nodes, the epoch of each block's last change. 0 if the block never changed.
     pub blocks: Vec<Vec<u64>>,
 }
 
@@ -27,19 +29,36 @@ pub(crate) struct ChangeRecorder<'a> {
 impl<'a> ChangeRecorder<'a> {
     pub(crate) fn new(set: &'a ExampleSet, changes: &'a mut Changes, threshold: f32) -> Self {
         changes.epoch += 1;
+        Self::at(set, changes, threshold)
+    }
+
+    /// The same at the last epoch.
+    pub(crate) fn at(set: &'a ExampleSet, changes: &'a mut Changes, threshold: f32) -> Self {
         ChangeRecorder { set, changes, threshold }
     }
 
     pub(crate) fn dent(&mut self, d: &Dent) {
-        for (lod, blocks) in self.set.lods().zip(&mut self.changes.blocks) {
+        for (lod, blocks) in self.set.marked().zip(&mut self.changes.blocks) {
+            // Where vertices follow nodes, the nodes that changed mark them.
+            if lod.rows.is_some() && self.changes.follows {
+                continue;
+            }
             d.mark_blocks(lod, self.threshold, blocks, self.changes.epoch);
         }
     }
 
     /// Marks all blocks that an anchored example moves.
     pub(crate) fn example(&mut self, example: usize) {
-        for (lod, blocks) in self.set.lods().zip(&mut self.changes.blocks) {
+        for (lod, blocks) in self.set.marked().zip(&mut self.changes.blocks) {
             lod.anchored[example].blocks().for_each(|b| blocks[b as usize] = self.changes.epoch);
+        }
+    }
+
+    /// Marks the blocks of the base mesh with vertices that follow these nodes.
+    pub(crate) fn nodes(&mut self, nodes: &[u32]) {
+        let (Some(all), Some(blocks)) = (self.set.nodes(), self.changes.blocks.first_mut()) else { return };
+        for node in nodes {
+            all.followers(*node).iter().for_each(|b| blocks[*b as usize] = self.changes.epoch);
         }
     }
 

@@ -8,11 +8,14 @@
 //! ([`super::sums`]). So the result has the same bits for coincident vertices, for any division into blocks, on any thread and
 //! at any [`crate::SimdLevel`].
 
+use super::follow::Following;
 use super::kernel::{Block, Flat, ReadyLookup, ReadyPart, Source, whole};
 use super::levels;
+use super::nodes::NodeView;
 use super::sums::{BlockSums, ChangedDent};
 use super::view::{DamageView, DisplacedVertices, may_reach};
 use crate::base::math::{Aabb, tangent_basis, turned_as, unit};
+use crate::basis::{ONE, Rows, TILE};
 use crate::damage::dent::{Dent, Part};
 use crate::example::blocks::Stored;
 use crate::example::mesh_lod::MeshLod;
@@ -45,6 +48,8 @@ pub(crate) fn vertex(view: &DamageView<'_>, lod: &MeshLod, v: usize) -> (Vec3, O
 pub(crate) struct Scratch<'a> {
     parts: Vec<ReadyPart<'a>>,
     lookups: Vec<ReadyLookup<'a>>,
+    /// The steps of a tile's nodes.
+    moves: Vec<[i32; 3]>,
     /// Number of parts that the tolerance has left out of blocks so far.
     pub left_out: u32,
     base: Flat,
@@ -59,6 +64,7 @@ impl Scratch<'_> {
         Scratch {
             parts: Vec::new(),
             lookups: Vec::new(),
+            moves: Vec::new(),
             left_out: 0,
             base: zero,
             base_normals: zero,
@@ -187,6 +193,10 @@ pub(crate) fn block<'a>(
     let base: &[f32] = bytemuck::cast_slice(&mesh.positions()[range.clone()]);
     let base_normals: Option<&[f32]> = mesh.normals().map(|n| bytemuck::cast_slice(&n[range.clone()]));
     let normals = normals.zip(base_normals);
+    if let (Some(rows), Some(nodes)) = (&job.lod.rows, &job.view.nodes) {
+        *bounds = followed(job, (rows, nodes), scratch, base, positions, normals);
+        return;
+    }
     if let Some(state) = job.view.vertices {
         *bounds = given(state, mesh, range.start, positions, normals);
         return;
@@ -246,6 +256,87 @@ pub(crate) fn block<'a>(
             n.copy_from_slice(&scratch.normals[..n.len()]);
         }
     }
+}
+
+/// The vertices of a block that follow nodes.
+fn followed(
+    job: BlockJob<'_>,
+    (rows, nodes): (&Rows, &NodeView<'_>),
+    scratch: &mut Scratch<'_>,
+    base: &[f32],
+    positions: &mut [f32],
+    normals: Option<(&mut [f32], &[f32])>,
+) -> Aabb {
+    let vertices = job.lod.vertex_count();
+    let first = job.block * (BLOCK / TILE);
+    let short = base.len() < 3 * BLOCK;
+    let (mut normals, base_normals) = normals.unzip();
+    let Scratch {
+        moves,
+        base: whole_base,
+        base_normals: whole_normals,
+        positions: short_to,
+        normals: short_normals,
+        ..
+    } = scratch;
+    let whole_base = whole(base, whole_base);
+    let whole_normals = base_normals.map(|base| whole(base, whole_normals));
+    let mut bounds = Aabb::EMPTY;
+    {
+        // The last block of a mesh may be short.
+        let to = if short { &mut *short_to } else { into(positions, short_to) };
+        let to_normals = match &mut normals {
+            Some(n) if !short => into(n, short_normals),
+            _ => &mut *short_normals,
+        };
+        for (tile, head) in (0..).zip(&rows.tiles[first..rows.tiles.len().min(first + BLOCK / TILE)]) {
+            let range = (first + tile) * TILE..((first + tile + 1) * TILE).min(vertices);
+            let of_tile = rows.nodes_of(first + tile);
+            let steps = |n: &u32| nodes.steps[*n as usize];
+            if of_tile.iter().all(|n| steps(n) == [0; 4]) {
+                let floats = 3 * tile * TILE..3 * (tile * TILE + range.len());
+                to[floats.clone()].copy_from_slice(&whole_base[floats.clone()]);
+                if let Some(base) = whole_normals {
+                    to_normals[floats.clone()].copy_from_slice(&base[floats]);
+                }
+                bounds.union(&Aabb::of(&job.lod.mesh.positions()[range]));
+                continue;
+            }
+            moves.clear();
+            let mut farthest = 0.0f32;
+            for pair in of_tile.chunks_exact(2) {
+                let [a, b] = [steps(&pair[0]), steps(&pair[1])];
+                moves.push([0, 1, 2].map(|k| (i32::from(b[k]) << 16) | i32::from(a[k] as u16)));
+                for s in [a, b] {
+                    farthest = farthest.max(Vec3::from([s[0], s[1], s[2]].map(f32::from)).length_squared());
+                }
+            }
+            // No vertex moves further.
+            let longest = farthest.sqrt() * nodes.step * (head.most as f32 / ONE as f32);
+            let following = Following {
+                base: whole_base,
+                base_normals: whole_normals,
+                first: tile * TILE,
+                len: range.len(),
+                moves,
+                weights: rows.weights_of(first + tile),
+                slopes: rows.slopes_of(first + tile).unwrap_or_default(),
+                unit: nodes.step / ONE as f32,
+                slope_unit: nodes.step * head.slope,
+                limit: job.view.limit(longest),
+                own: DamageView::own_limits(&job.lod.mesh, job.block, longest),
+            };
+            let (low, high) = levels::follow(&following, to, to_normals);
+            bounds.union(&Aabb { min: low, max: high });
+        }
+    }
+    if short {
+        positions.copy_from_slice(&short_to[..positions.len()]);
+        if let Some(n) = normals {
+            n.copy_from_slice(&short_normals[..n.len()]);
+        }
+    }
+    bounds
 }
 
 /// The fast path for a block that a single anchored example moves by less than the depth limit: one pass, limited by

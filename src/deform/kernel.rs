@@ -53,27 +53,29 @@ macro_rules! each {
     };
 }
 
+pub(super) use each;
+
 /// One vector per lane, component by component.
-type V<S> = [<S as Simd>::F; 3];
+pub(super) type V<S> = [<S as Simd>::F; 3];
 
 #[inline(always)]
-unsafe fn add<S: Simd>(a: V<S>, b: V<S>) -> V<S> {
+pub(super) unsafe fn add<S: Simd>(a: V<S>, b: V<S>) -> V<S> {
     // SAFETY: guaranteed by the caller, here and below.
     unsafe { each!(k => S::add(a[k], b[k])) }
 }
 
 #[inline(always)]
-unsafe fn scaled<S: Simd>(a: V<S>, f: S::F) -> V<S> {
+pub(super) unsafe fn scaled<S: Simd>(a: V<S>, f: S::F) -> V<S> {
     unsafe { each!(k => S::mul(a[k], f)) }
 }
 
 #[inline(always)]
-unsafe fn dot<S: Simd>(a: V<S>, b: V<S>) -> S::F {
+pub(super) unsafe fn dot<S: Simd>(a: V<S>, b: V<S>) -> S::F {
     unsafe { S::add(S::add(S::mul(a[0], b[0]), S::mul(a[1], b[1])), S::mul(a[2], b[2])) }
 }
 
 #[inline(always)]
-unsafe fn select<S: Simd>(m: S::M, a: V<S>, b: V<S>) -> V<S> {
+pub(super) unsafe fn select<S: Simd>(m: S::M, a: V<S>, b: V<S>) -> V<S> {
     unsafe { each!(k => S::select(m, a[k], b[k])) }
 }
 
@@ -103,14 +105,14 @@ unsafe fn cut<S: Simd>(v: V<S>, threshold: f32) -> V<S> {
 
 /// Loads `3 * LANES` floats x y z x y z … from `p` and separates the components.
 #[inline(always)]
-unsafe fn load3<S: Simd>(p: *const f32) -> V<S> {
+pub(super) unsafe fn load3<S: Simd>(p: *const f32) -> V<S> {
     // SAFETY: the caller guarantees that the floats are valid.
     unsafe { S::deinterleave(each!(k => S::load(p.add(k * S::LANES)))) }
 }
 
 /// The inverse of [`load3`].
 #[inline(always)]
-unsafe fn store3<S: Simd>(v: V<S>, p: *mut f32) {
+pub(super) unsafe fn store3<S: Simd>(v: V<S>, p: *mut f32) {
     // SAFETY: the caller guarantees that the floats are valid.
     unsafe {
         let v = S::interleave(v);
@@ -159,7 +161,7 @@ pub(crate) unsafe fn longest<S: Simd>(stored: &Stored<'_>) -> f32 {
 }
 
 /// Lowest and highest coordinates seen so far.
-struct Extent<S: Simd> {
+pub(super) struct Extent<S: Simd> {
     low: V<S>,
     high: V<S>,
     rest: (Vec3, Vec3),
@@ -167,7 +169,7 @@ struct Extent<S: Simd> {
 
 impl<S: Simd> Extent<S> {
     #[inline(always)]
-    unsafe fn new() -> Self {
+    pub(super) unsafe fn new() -> Self {
         let (low, high) = (f32::INFINITY, f32::NEG_INFINITY);
         // SAFETY: guaranteed by the caller, here and below.
         unsafe {
@@ -177,7 +179,7 @@ impl<S: Simd> Extent<S> {
 
     /// Adds vectors, with components either separate or x y z x y z …, but the same way in every call.
     #[inline(always)]
-    unsafe fn add(&mut self, v: V<S>) {
+    pub(super) unsafe fn add(&mut self, v: V<S>) {
         for k in 0..3 {
             unsafe {
                 self.low[k] = S::min(v[k], self.low[k]);
@@ -188,7 +190,7 @@ impl<S: Simd> Extent<S> {
 
     /// Adds vectors x y z x y z …, one by one.
     #[inline(always)]
-    fn add_rest(&mut self, rest: &[f32]) {
+    pub(super) fn add_rest(&mut self, rest: &[f32]) {
         for v in rest.chunks_exact(3) {
             self.rest.0 = self.rest.0.min(Vec3::from_slice(v));
             self.rest.1 = self.rest.1.max(Vec3::from_slice(v));
@@ -197,7 +199,7 @@ impl<S: Simd> Extent<S> {
 
     /// The bounds of vectors that were added with separate components.
     #[inline(always)]
-    unsafe fn bounds(self) -> (Vec3, Vec3) {
+    pub(super) unsafe fn bounds(self) -> (Vec3, Vec3) {
         let (mut low, mut high) = (Vec3::ZERO, Vec3::ZERO);
         for k in 0..3 {
             unsafe {
@@ -719,24 +721,8 @@ pub(crate) unsafe fn displace<S: Simd, const NORMALS: bool, const CARRIED: bool>
                 s = each!(k => S::add(s[k], S::mul(S::float(moved[k]), S::splat(block.step))));
                 turn = each!(k => S::add(turn[k], S::mul(S::float(turned[k]), S::splat(block.turn_step))));
             }
-            let (mut u, mut change) = (s, turn);
-            if block.limit.is_some() || block.own.is_some() {
-                let length = S::max(S::sqrt(dot::<S>(s, s)), S::splat(LEAST_LENGTH));
-                let mut allowed = length;
-                if let Some(gives) = block.own.and_then(|own| own.gives) {
-                    allowed = S::mul(allowed, S::load_halves(gives.as_ptr().add(at)));
-                }
-                if let Some(limit) = block.limit {
-                    allowed = S::min(S::splat(limit), allowed);
-                }
-                if let Some(depths) = block.own.and_then(|own| own.depths) {
-                    allowed = S::min(S::load_halves(depths.as_ptr().add(at)), allowed);
-                }
-                // Exactly 1 where nothing is shortened.
-                let factor = S::select(S::greater(length, allowed), S::div(allowed, length), S::splat(1.0));
-                u = scaled::<S>(u, factor);
-                change = scaled::<S>(change, factor);
-            }
+            let factor = kept_share::<S>(s, block.limit, block.own, at);
+            let (u, change) = (scaled::<S>(s, factor), scaled::<S>(turn, factor));
             let p = add::<S>(rest.position, u);
             store3::<S>(p, positions.as_mut_ptr().add(3 * at));
             if NORMALS {
@@ -752,9 +738,33 @@ pub(crate) unsafe fn displace<S: Simd, const NORMALS: bool, const CARRIED: bool>
     }
 }
 
+/// The share of the displacements `s` of some lanes that the depth limit and the vertices' own limits leave, exactly 1 where nothing
+/// is shortened. `at` is the first lane's vertex in the block.
+#[inline(always)]
+pub(super) unsafe fn kept_share<S: Simd>(s: V<S>, limit: Option<f32>, own: Option<BlockLimits<'_>>, at: usize) -> S::F {
+    // SAFETY: guaranteed by the caller; lanes `at` to `at + LANES` lie in the block.
+    unsafe {
+        if limit.is_none() && own.is_none() {
+            return S::splat(1.0);
+        }
+        let length = S::max(S::sqrt(dot::<S>(s, s)), S::splat(LEAST_LENGTH));
+        let mut allowed = length;
+        if let Some(gives) = own.and_then(|own| own.gives) {
+            allowed = S::mul(allowed, S::load_halves(gives.as_ptr().add(at)));
+        }
+        if let Some(limit) = limit {
+            allowed = S::min(S::splat(limit), allowed);
+        }
+        if let Some(depths) = own.and_then(|own| own.depths) {
+            allowed = S::min(S::load_halves(depths.as_ptr().add(at)), allowed);
+        }
+        S::select(S::greater(length, allowed), S::div(allowed, length), S::splat(1.0))
+    }
+}
+
 /// The unit vector along `n + change`; `n` itself if `sum` is zero or the result is too short.
 #[inline(always)]
-unsafe fn normal<S: Simd>(n: V<S>, sum: V<S>, change: V<S>) -> V<S> {
+pub(super) unsafe fn normal<S: Simd>(n: V<S>, sum: V<S>, change: V<S>) -> V<S> {
     // SAFETY: guaranteed by the caller.
     unsafe {
         let zero = S::splat(0.0);

@@ -1,5 +1,6 @@
 //! Compiles each kernel for each level and calls the one in use.
 
+use super::follow::{self, Following};
 use super::kernel::{self, Block, CarriedSums, Flat};
 #[cfg(target_arch = "x86_64")]
 use super::simd::{Avx2, Avx512};
@@ -40,6 +41,35 @@ compiled!(positions_avx512, "avx512f,avx512bw,avx512dq,avx512vl,avx2", kernel::d
     (block: &Block<'_>, kept: Option<&mut CarriedSums>, positions: &mut Flat, normals: &mut Flat) -> Bounds);
 compiled!(normals_avx512, "avx512f,avx512bw,avx512dq,avx512vl,avx2", kernel::displace::<Avx512, true, true>,
     (block: &Block<'_>, kept: Option<&mut CarriedSums>, positions: &mut Flat, normals: &mut Flat) -> Bounds);
+
+compiled!(follow_avx2, "avx2", follow::follow::<Avx2, false>,
+    (tile: &Following<'_>, positions: &mut Flat, normals: &mut Flat) -> Bounds);
+compiled!(follow_normals_avx2, "avx2", follow::follow::<Avx2, true>,
+    (tile: &Following<'_>, positions: &mut Flat, normals: &mut Flat) -> Bounds);
+compiled!(follow_avx512, "avx512f,avx512bw,avx512dq,avx512vl,avx2", follow::follow::<Avx512, false>,
+    (tile: &Following<'_>, positions: &mut Flat, normals: &mut Flat) -> Bounds);
+compiled!(follow_normals_avx512, "avx512f,avx512bw,avx512dq,avx512vl,avx2", follow::follow::<Avx512, true>,
+    (tile: &Following<'_>, positions: &mut Flat, normals: &mut Flat) -> Bounds);
+
+/// [`follow::follow`].
+#[inline]
+pub(crate) fn follow(tile: &Following<'_>, positions: &mut Flat, normals: &mut Flat) -> Bounds {
+    // SAFETY: as below.
+    unsafe {
+        match (SimdLevel::current(), tile.base_normals.is_some()) {
+            #[cfg(target_arch = "x86_64")]
+            (SimdLevel::Avx512, false) => follow_avx512(tile, positions, normals),
+            #[cfg(target_arch = "x86_64")]
+            (SimdLevel::Avx512, true) => follow_normals_avx512(tile, positions, normals),
+            #[cfg(target_arch = "x86_64")]
+            (SimdLevel::Avx2, false) => follow_avx2(tile, positions, normals),
+            #[cfg(target_arch = "x86_64")]
+            (SimdLevel::Avx2, true) => follow_normals_avx2(tile, positions, normals),
+            (_, false) => follow::follow::<Portable, false>(tile, positions, normals),
+            (_, true) => follow::follow::<Portable, true>(tile, positions, normals),
+        }
+    }
+}
 
 /// [`kernel::displace_stored`].
 #[inline]

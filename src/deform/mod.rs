@@ -4,9 +4,11 @@
 pub(crate) mod budget;
 mod encoding;
 pub(crate) mod evaluate;
+pub(crate) mod follow;
 pub(crate) mod kernel;
 mod levels;
 mod memory;
+pub(crate) mod nodes;
 pub(crate) mod simd;
 mod sums;
 pub(crate) mod tolerance;

@@ -65,7 +65,8 @@ impl KeptSums {
         normals: bool,
     ) -> Option<Box<Self>> {
         let dents = view.damage.dents();
-        let pays = dents.len() >= LEAST_DENTS && view.vertices.is_none() && dents.iter().any(|dent| dent.lookups() > 0);
+        let direct = view.vertices.is_none() && view.nodes.is_none();
+        let pays = dents.len() >= LEAST_DENTS && direct && dents.iter().any(|dent| dent.lookups() > 0);
         if !pays {
             return None;
         }

@@ -1,6 +1,7 @@
 //! What evaluation needs of an instance: its damage, its limits, and when each block changed.
 
 use super::kernel::TURN_STEP;
+use super::nodes::NodeView;
 use crate::damage::changes::Changes;
 use crate::damage::dent::{Dent, Part};
 use crate::damage::list::Damage;
@@ -26,6 +27,8 @@ pub(crate) struct DamageView<'a> {
     pub changes: &'a Changes,
     /// Displaced vertices of the base mesh, if the rule stores these instead of marks.
     pub vertices: Option<DisplacedVertices<'a>>,
+    /// Displacements of the set's nodes. Meshes with rows follow them.
+    pub nodes: Option<NodeView<'a>>,
 }
 
 /// Vertices displaced by a rule.

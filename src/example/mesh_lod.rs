@@ -2,6 +2,7 @@
 
 use super::blocks::DeltaBlocks;
 use crate::base::math::Aabb;
+use crate::basis::Rows;
 use crate::mesh::Mesh;
 use crate::mesh::rim::Rim;
 use std::sync::{Arc, OnceLock};
@@ -14,12 +15,14 @@ pub(crate) struct MeshLod {
     pub rim: Rim,
     /// One per example of the set.
     pub anchored: Vec<Arc<DeltaBlocks>>,
+    /// How the vertices follow the set's nodes, if they do.
+    pub rows: Option<Rows>,
     edge: OnceLock<f32>,
 }
 
 impl MeshLod {
     pub(crate) fn new(mesh: Mesh, rim: Rim, anchored: Vec<Arc<DeltaBlocks>>) -> Self {
-        MeshLod { block_bounds: mesh.block_bounds().clone(), mesh, rim, anchored, edge: OnceLock::new() }
+        MeshLod { block_bounds: mesh.block_bounds().clone(), mesh, rim, anchored, rows: None, edge: OnceLock::new() }
     }
 
     /// Memory used, with its anchored examples, bytes.
@@ -28,6 +31,7 @@ impl MeshLod {
             + self.blocks() * size_of::<Aabb>()
             + self.rim.bytes()
             + self.anchored.iter().map(|a| a.bytes().total()).sum::<usize>()
+            + self.rows.as_ref().map_or(0, Rows::bytes)
     }
 
     /// Root mean square length of the triangles' edges, m; infinite without triangles.

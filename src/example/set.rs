@@ -11,10 +11,12 @@ use super::response::Response;
 use super::stamp::Stamp;
 use crate::base::array::Array;
 use crate::base::error::Error;
+use crate::basis::{FREE, Rows, TILE};
 use crate::mesh::mirror::Mirror;
 use crate::mesh::nearest::{Nearest, VertexIndex};
 use crate::mesh::rim::Rim;
 use crate::mesh::surface::SurfaceIndex;
+use crate::mesh::vertex_blocks::BLOCK;
 use crate::mesh::{Mesh, finite};
 use std::sync::OnceLock;
 
@@ -48,8 +50,43 @@ pub struct ExampleSet {
     report: SetReport,
     /// The source index of each vertex, if the mesh was [reordered](fn@crate::reorder). Only tools use it.
     source_order: Option<Array<u32>>,
+    /// The nodes that vertices follow, if the set has learned a basis.
+    nodes: Option<SetNodes>,
     /// Spatial index of the base mesh's triangles, built on first use.
     surface: OnceLock<SurfaceIndex>,
+}
+
+/// The nodes that the vertices of a set follow.
+#[derive(Debug)]
+pub(crate) struct SetNodes {
+    /// The nodes as a mesh without triangles, with the set's examples on it.
+    pub lod: MeshLod,
+    /// The blocks of the base mesh that have a vertex which follows each node: where those of each node end, and the blocks.
+    ends: Vec<u32>,
+    blocks: Vec<u32>,
+}
+
+impl SetNodes {
+    /// `rows` are those of the base mesh.
+    pub(crate) fn new(lod: MeshLod, rows: &Rows) -> Self {
+        let per_block = BLOCK / TILE;
+        let mut pairs: Vec<(u32, u32)> = Vec::with_capacity(rows.nodes.len());
+        for tile in 0..rows.tiles.len() {
+            pairs.extend(rows.nodes_of(tile).iter().map(|n| (*n, (tile / per_block) as u32)));
+        }
+        pairs.sort_unstable();
+        pairs.dedup();
+        let nodes = 0..lod.vertex_count() as u32;
+        let ends = nodes.map(|n| pairs.partition_point(|(node, _)| *node <= n) as u32).collect();
+        SetNodes { lod, ends, blocks: pairs.into_iter().map(|(_, block)| block).collect() }
+    }
+
+    /// The blocks of the base mesh with a vertex that follows the node.
+    pub(crate) fn followers(&self, node: u32) -> &[u32] {
+        let n = node as usize;
+        let from = if n == 0 { 0 } else { self.ends[n - 1] };
+        &self.blocks[from as usize..self.ends[n] as usize]
+    }
 }
 
 /// Maximum number of meshes of a set: the base mesh and its levels of detail.
@@ -121,6 +158,7 @@ impl ExampleSet {
             fingerprint: p.fingerprint,
             report,
             source_order: p.source_order,
+            nodes: None,
             surface: OnceLock::new(),
         }
     }
@@ -175,7 +213,7 @@ impl ExampleSet {
 
     /// Memory used by meshes and examples, bytes.
     pub fn memory_bytes(&self) -> usize {
-        self.lods().map(MeshLod::bytes).sum::<usize>()
+        self.marked().map(MeshLod::bytes).sum::<usize>()
             + self.index.bytes()
             + self.report.stamp_bytes
             + self.candidates.bytes()
@@ -249,6 +287,23 @@ impl ExampleSet {
             index: lod as u64,
             len: self.lod_count() as u64,
         })
+    }
+
+    /// The nodes that vertices follow, if the set has learned a basis.
+    pub(crate) fn nodes(&self) -> Option<&SetNodes> {
+        self.nodes.as_ref()
+    }
+
+    /// Lets the base mesh follow nodes. The default depth limit becomes larger, so that nodes move freely up to the deepest example.
+    pub(crate) fn follow(&mut self, lod: MeshLod, rows: Rows) {
+        self.depth_limit = self.options.depth_limit.unwrap_or(deepest(&self.examples) / FREE);
+        self.nodes = Some(SetNodes::new(lod, &rows));
+        self.base.rows = Some(rows);
+    }
+
+    /// The meshes whose blocks dents mark as changed: all of them, and last the nodes, if there are any.
+    pub(crate) fn marked(&self) -> impl Iterator<Item = &MeshLod> {
+        self.lods().chain(self.nodes.as_ref().map(|n| &n.lod))
     }
 
     pub(crate) fn push_lod(&mut self, lod: MeshLod, report: LodReport) {

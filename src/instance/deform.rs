@@ -3,6 +3,7 @@
 use super::Instance;
 use crate::base::error::{Error, reserve};
 use crate::base::tasks::TaskSystem;
+use crate::deform::nodes::NodeState;
 use crate::deform::view::DamageView;
 use crate::deform::{DeformReport, Output, Tracker, VertexMemory, evaluate, write_outputs};
 use glam::Vec3;
@@ -130,6 +131,7 @@ impl Instance {
             coarse: self.changes.coarse,
             changes: &self.changes,
             vertices: self.classic.as_ref().map(|state| state.vertices()),
+            nodes: self.nodes.as_ref().map(NodeState::view),
         }
     }
 }

@@ -3,6 +3,7 @@
 pub(crate) mod archive;
 pub(crate) mod attach;
 pub(crate) mod attachment;
+mod basis;
 mod contacts;
 pub(crate) mod deform;
 mod growth;
@@ -22,8 +23,9 @@ use crate::damage::dent::Dent;
 use crate::damage::list::Damage;
 use crate::damage::mark::Mark;
 use crate::damage::saved;
+use crate::deform::nodes::NodeState;
 use crate::deform::tolerance::{EDGES, pixel_tolerance, rounded, threshold};
-use crate::deform::view::coarseness;
+use crate::deform::view::{DamageView, coarseness};
 use crate::example::mesh_lod::MeshLod;
 use crate::example::set::ExampleSet;
 use crate::mesh::finite;
@@ -74,6 +76,8 @@ pub struct Instance {
     /// Scaled displacements no longer than this are left out, m.
     threshold: f32,
     changes: Changes,
+    /// The displacements of the set's nodes, if the vertices follow them.
+    nodes: Option<NodeState>,
 }
 
 impl Instance {
@@ -102,7 +106,11 @@ impl Instance {
             landing: None,
         };
         let classic = if options.rule == Rule::Marks { None } else { Some(ClassicState::new(&set)?) };
-        let blocks = set.lods().map(|s| vec![0; s.blocks()]).collect();
+        let blocks = set.marked().map(|s| vec![0; s.blocks()]).collect();
+        let nodes = match set.nodes() {
+            Some(nodes) if options.rule == Rule::Marks => Some(NodeState::new(nodes.lod.vertex_count())?),
+            _ => None,
+        };
         let tolerance = if options.rule == Rule::Marks { rounded(options.tolerance) } else { 0.0 };
         let threshold = threshold(&set, &[], tolerance);
         Ok(Self {
@@ -117,7 +125,14 @@ impl Instance {
             limit,
             tolerance,
             threshold,
-            changes: Changes { instance: NEXT.fetch_add(1, Ordering::Relaxed), epoch: 0, coarse: 1.0, blocks },
+            changes: Changes {
+                instance: NEXT.fetch_add(1, Ordering::Relaxed),
+                epoch: 0,
+                coarse: 1.0,
+                follows: nodes.is_some(),
+                blocks,
+            },
+            nodes,
         })
     }
 
@@ -201,6 +216,7 @@ impl Instance {
         self.inbox.params_mut().depth_limit = self.limit;
         let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
         self.growth.shown(&self.damage).touch_all(&mut |d: &Dent| touch.dent(d));
+        self.update_nodes();
         Ok(())
     }
 
@@ -274,6 +290,18 @@ impl Instance {
             self.threshold = threshold;
             shown.touch_all(&mut |d: &Dent| touch.dent(d));
         }
+        self.update_nodes();
+    }
+
+    /// Computes the nodes that changed, and marks the blocks of vertices that follow them.
+    fn update_nodes(&mut self) {
+        let (Some(mut state), Some(nodes)) = (self.nodes.take(), self.set.nodes()) else { return };
+        let view = DamageView { nodes: None, ..self.view() };
+        // Without memory the nodes are computed by the next change.
+        if let Ok(changed) = state.update(&view, &nodes.lod, self.changes.blocks.len() - 1) {
+            ChangeRecorder::at(&self.set, &mut self.changes, self.threshold).nodes(changed);
+        }
+        self.nodes = Some(state);
     }
 
     /// Turns the hits that have arrived into damage. The result does not depend on the order or the threads in which
@@ -525,6 +553,7 @@ impl Instance {
             + self.damage.memory_bytes()
             + self.contacts.memory_bytes()
             + self.growth.memory_bytes()
+            + self.nodes.as_ref().map_or(0, NodeState::memory_bytes)
     }
 
     /// The blend constant of a classic rule; 0 keeps the most displaced candidate.

@@ -150,7 +150,7 @@ impl Instance {
             self.only_marks("measure of another mesh than 0")?;
         }
         let coarse = coarseness(&self.set, self.damage.dents());
-        let view = DamageView { damage: &self.damage, threshold: 0.0, coarse, ..self.view() };
+        let view = DamageView { damage: &self.damage, threshold: 0.0, coarse, nodes: None, ..self.view() };
         let (mut scratch, mut positions) = (Scratch::new(), [0.0; 3 * BLOCK]);
         let (mut deepest, mut sum) = (0.0f64, 0.0f64);
         let marks = self.damage.marks();

@@ -215,6 +215,11 @@ impl VertexIndex {
         self.within(point, f32::MAX)
     }
 
+    /// Squared distances (m²) and indices of up to `N` nearest vertices, nearest first. Ties go to the lowest index.
+    pub(crate) fn several<const N: usize>(&self, point: Vec3) -> ArrayVec<(f32, u32), N> {
+        self.within(point, f32::MAX)
+    }
+
     /// Like [`VertexIndex::four`] if the nearest vertex is nearer than `reach` (m). Otherwise it is faster and, up to
     /// rounding, returns none.
     pub(crate) fn four_if_near(&self, point: Vec3, reach: f32) -> ArrayVec<(f32, u32), 4> {

@@ -11,8 +11,8 @@ use proptest::test_runner::RngSeed;
 
 use crumple::glam::Vec3;
 use crumple::{
-    Cause, Contact, DeformReport, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Placement,
-    Serial, SetOptions, Space, TaskSystem, ThreadPool, Tracker, VertexMemory,
+    BasisOptions, Cause, Contact, DeformReport, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions,
+    MeshData, Placement, Serial, SetOptions, Space, TaskSystem, ThreadPool, Tracker, VertexMemory,
 };
 
 pub use solver::solver;
@@ -338,6 +338,14 @@ pub fn bodies() -> Vec<Body> {
     let mut all = small_bodies();
     all.push(("panel", solver_set("panel", 8, Placement::Automatic)));
     all
+}
+
+/// The same body with vertices that follow nodes.
+pub fn following((name, set): Body) -> Body {
+    let mut set = ExampleSet::load_copy(&set.save().unwrap(), &Serial).unwrap();
+    let tolerance = 0.02 * set.depth_limit();
+    set.learn_basis(&BasisOptions { tolerance, rounds: 3, nodes: 0 }, &Serial).unwrap();
+    (name, Arc::new(set))
 }
 
 /// A solver body with its first `count` examples in the given placement.

@@ -40,6 +40,8 @@ impl Simd for Avx2 {
         fn add_int(a: __m256i, b: __m256i) -> __m256i = _mm256_add_epi32(a, b);
         fn sub_int(a: __m256i, b: __m256i) -> __m256i = _mm256_sub_epi32(a, b);
         fn mul_short(a: __m256i, b: __m256i) -> __m256i = _mm256_madd_epi16(a, b);
+        fn dot_pairs(a: __m256i, b: __m256i) -> __m256i = _mm256_madd_epi16(a, b);
+        fn load_pairs(p: *const i8) -> __m256i = _mm256_cvtepi8_epi16(_mm_loadu_si128(p.cast()));
         fn split(a: __m256i) -> [__m256i; 2] =
             [_mm256_srli_epi32::<14>(a), _mm256_and_si256(a, _mm256_set1_epi32(0x3FFF))];
         fn load_i8(p: *const i8) -> __m256 = _mm256_cvtepi32_ps(_mm256_cvtepi8_epi32(_mm_loadl_epi64(p.cast())));

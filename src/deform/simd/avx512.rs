@@ -52,6 +52,8 @@ impl Simd for Avx512 {
         fn add_int(a: __m512i, b: __m512i) -> __m512i = _mm512_add_epi32(a, b);
         fn sub_int(a: __m512i, b: __m512i) -> __m512i = _mm512_sub_epi32(a, b);
         fn mul_short(a: __m512i, b: __m512i) -> __m512i = _mm512_madd_epi16(a, b);
+        fn dot_pairs(a: __m512i, b: __m512i) -> __m512i = _mm512_madd_epi16(a, b);
+        fn load_pairs(p: *const i8) -> __m512i = _mm512_cvtepi8_epi16(_mm256_loadu_si256(p.cast()));
         fn split(a: __m512i) -> [__m512i; 2] =
             [_mm512_srli_epi32::<14>(a), _mm512_and_si512(a, _mm512_set1_epi32(0x3FFF))];
         fn load_i8(p: *const i8) -> __m512 = _mm512_cvtepi32_ps(_mm512_cvtepi8_epi32(_mm_loadu_si128(p.cast())));

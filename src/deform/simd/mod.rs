@@ -156,6 +156,8 @@ pub(crate) trait Simd: Copy {
     unsafe fn sub_int(a: Self::I, b: Self::I) -> Self::I;
     /// The product of numbers from 0 to 2^15 - 1.
     unsafe fn mul_short(a: Self::I, b: Self::I) -> Self::I;
+    /// In each lane, the sum of the products of the two 16-bit numbers.
+    unsafe fn dot_pairs(a: Self::I, b: Self::I) -> Self::I;
     /// The bits above the lowest 14 of numbers that are not negative, and the lowest 14.
     unsafe fn split(a: Self::I) -> [Self::I; 2];
 
@@ -163,6 +165,8 @@ pub(crate) trait Simd: Copy {
     unsafe fn load_i8(p: *const i8) -> Self::F;
     /// Loads `LANES` values as floats.
     unsafe fn load_i16(p: *const i16) -> Self::F;
+    /// Loads two 8-bit numbers a lane, as 16-bit numbers.
+    unsafe fn load_pairs(p: *const i8) -> Self::I;
     /// Loads the upper halves of floats whose lower halves are 0.
     unsafe fn load_halves(p: *const u16) -> Self::F;
     /// Separates `3 * LANES` values x y z x y z … into three vectors.

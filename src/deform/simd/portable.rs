@@ -113,6 +113,17 @@ impl Simd for Portable {
         a * b
     }
     #[inline(always)]
+    unsafe fn dot_pairs(a: i32x8, b: i32x8) -> i32x8 {
+        let (a, b): ([i16x8; 2], [i16x8; 2]) = (bytemuck::cast(a), bytemuck::cast(b));
+        bytemuck::cast([a[0].dot(b[0]), a[1].dot(b[1])])
+    }
+    #[inline(always)]
+    unsafe fn load_pairs(p: *const i8) -> i32x8 {
+        // SAFETY: sixteen values are there, as the trait requires.
+        let numbers = unsafe { p.cast::<[i8; 16]>().read_unaligned() };
+        bytemuck::cast(numbers.map(i16::from))
+    }
+    #[inline(always)]
     unsafe fn split(a: i32x8) -> [i32x8; 2] {
         [a >> 14, a & i32x8::splat(0x3FFF)]
     }

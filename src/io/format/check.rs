@@ -2,6 +2,7 @@
 
 use super::layout::wrong;
 use crate::base::error::Error;
+use crate::basis::{MOST_WEIGHT, Rows, TILE};
 use crate::deform::longest;
 use crate::example::blocks::{DeltaBlocks, GROUP, Head, Numbers, Stored, Width, words};
 use crate::mesh::MAX_COORDINATE;
@@ -57,6 +58,50 @@ pub(super) fn indices(name: &str, all: &[u32], len: usize) -> Result<(), Error> 
     }
     let at = all.iter().position(|x| *x as usize >= len).unwrap_or(0);
     Err(wrong(format!("index {at} of {name}"), all[at], format!("below {len}")))
+}
+
+/// Tiles must follow each other, with nodes that exist, weights whose sums stay exact, and the same weights for all vertices at one
+/// position.
+pub(super) fn rows(rows: &Rows, weld: &[u32], nodes: usize) -> Result<(), Error> {
+    indices("section tile nodes", &rows.nodes, nodes)?;
+    let mut first = 0;
+    for (t, tile) in rows.tiles.iter().enumerate() {
+        if tile.first != first || tile.count % 2 != 0 || tile.count as usize > rows.nodes.len() - first as usize {
+            let value = format!("{} and {}", tile.first, tile.count);
+            let expected = format!("{first} and an even number within section tile nodes");
+            return Err(wrong(format!("the first node and the number of nodes of tile {t}"), value, expected));
+        }
+        between(&format!("the slope of tile {t}"), tile.slope, f32::MIN_POSITIVE, f32::MAX)?;
+        first += tile.count;
+        let mut sums = [0u32; TILE];
+        for pairs in rows.weights_of(t).chunks_exact(2 * TILE) {
+            for (sum, pair) in sums.iter_mut().zip(pairs.chunks_exact(2)) {
+                *sum += u32::from(pair[0].unsigned_abs()) + u32::from(pair[1].unsigned_abs());
+            }
+        }
+        let most = sums.into_iter().max().unwrap_or(0);
+        if tile.most != most || most > MOST_WEIGHT as u32 {
+            let expected = format!("{most}, the largest in section weights, and at most {MOST_WEIGHT}");
+            return Err(wrong(format!("the sum of weights of tile {t}"), tile.most, expected));
+        }
+    }
+    if first as usize != rows.nodes.len() {
+        return Err(wrong("the length of section tile nodes", rows.nodes.len(), format!("{first}, as tiles have")));
+    }
+    let row = |v: usize| {
+        let (tile, at) = (v / TILE, v % TILE);
+        let weights = rows.weights_of(tile).chunks_exact(2 * TILE).flat_map(move |p| [p[2 * at], p[2 * at + 1]]);
+        let mut row: Vec<(u32, i32)> = Vec::new();
+        for (node, weight) in rows.nodes_of(tile).iter().zip(weights).filter(|(_, w)| *w != 0) {
+            row.push((*node, weight.into()));
+        }
+        row.sort_unstable();
+        row
+    };
+    match (0..weld.len()).find(|v| weld[*v] as usize != *v && row(*v) != row(weld[*v] as usize)) {
+        Some(v) => Err(wrong(format!("the weights of vertex {v}"), "others", format!("those of vertex {}", weld[v]))),
+        None => Ok(()),
+    }
 }
 
 /// Each vertex must map to the lowest vertex at its position, and that vertex to itself. The indices are in range.

@@ -83,11 +83,15 @@ pub(super) enum Id {
     IndexLeaves = 30,
     DepthLimits = 31,
     Gives = 32,
+    Tiles = 33,
+    TileNodes = 34,
+    Weights = 35,
+    Slopes = 36,
     SourceOrder = 64,
 }
 
 impl Id {
-    pub(super) const ALL: [Id; 24] = [
+    pub(super) const ALL: [Id; 28] = [
         Id::Set,
         Id::Examples,
         Id::Names,
@@ -111,6 +115,10 @@ impl Id {
         Id::IndexLeaves,
         Id::DepthLimits,
         Id::Gives,
+        Id::Tiles,
+        Id::TileNodes,
+        Id::Weights,
+        Id::Slopes,
         Id::SourceOrder,
     ];
 
@@ -148,6 +156,10 @@ impl Id {
             Id::IndexLeaves => "index leaves",
             Id::DepthLimits => "depth limits",
             Id::Gives => "gives",
+            Id::Tiles => "tiles",
+            Id::TileNodes => "tile nodes",
+            Id::Weights => "weights",
+            Id::Slopes => "slopes",
             Id::SourceOrder => "source order",
         }
     }
@@ -187,7 +199,8 @@ pub(super) struct SetRecord {
     pub(super) held_rims: u8,
     /// Mirror planes found: bits 0, 1, 2 for x, y, z.
     pub(super) planes: u8,
-    pub(super) zero: u8,
+    /// Whether the vertices of the base mesh follow nodes, which are then one more mesh.
+    pub(super) nodes: u8,
 }
 
 /// One element of section `examples`.

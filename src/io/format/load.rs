@@ -8,6 +8,7 @@ use crate::base::array::{Array, FileBytes};
 use crate::base::error::Error;
 use crate::base::tasks::TaskSystem;
 use crate::base::tasks::map;
+use crate::basis::{Rows, TILE};
 use crate::example::blocks::{DeltaBlocks, Head, Steps};
 use crate::example::blow::{Blow, Striker};
 use crate::example::data::Placement;
@@ -35,24 +36,28 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
     if !(1..=MAX_MESHES as u32).contains(&record.meshes) {
         return Err(wrong("the number of meshes", record.meshes, format!("1 to {MAX_MESHES}")));
     }
-    file.check_meshes(record.meshes)?;
+    let follows = flag("byte 63 of section set, whether vertices follow nodes,", record.nodes)?;
+    let all_meshes = record.meshes + u32::from(follows);
+    file.check_meshes(all_meshes)?;
     if !(1..u32::from(u16::MAX)).contains(&record.examples) {
         return Err(wrong("the number of examples", record.examples, "1 to 65534"));
     }
     let count = record.examples as usize;
     let records: Array<ExampleRecord> = file.array_of(Id::Examples, 0, count)?;
-    let mut meshes = crate::base::error::reserve(record.meshes as usize, "meshes")?;
+    let mut meshes = crate::base::error::reserve(all_meshes as usize, "meshes")?;
     let vertices = one::<MeshRecord>(&file.array(Id::Mesh, 0)?, Id::Mesh)?.vertices as usize;
     let options = options(&record, &file, vertices)?;
     let steps = options.tolerance.map_or(Steps::EXACT, |t| Steps::new(t, options.normal_tolerance));
     if !(steps.position.is_finite() && steps.normal > 0.0) {
         return Err(wrong("the tolerance", record.tolerance, "such that its steps are floats"));
     }
-    for k in 0..record.meshes {
+    for k in 0..all_meshes {
         meshes.push(mesh_lod(&file, k, count, steps)?);
     }
     let stamps = stamps(&file, &records)?;
     check_all(&meshes, sound, tasks)?;
+    let nodes = if follows { meshes.pop() } else { None };
+    let rows = nodes.as_ref().map(|nodes| rows(&file, &meshes[0].mesh, nodes)).transpose()?;
     let mut meshes = meshes.into_iter();
     let Some(base) = meshes.next() else { return Err(wrong("the number of meshes", 0, "at least 1")) };
     let lods = (1..).zip(meshes).map(|(k, lod)| {
@@ -76,7 +81,7 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
         check_order(&order, base.vertex_count()).map_err(|(v, expected)| wrong("section source order", v, expected))?;
     }
     check::between("the widest weld", record.widest_weld, 0.0, f32::INFINITY)?;
-    Ok(ExampleSet::assemble(Parts {
+    let mut set = ExampleSet::assemble(Parts {
         index: index(&file, &base.mesh, sound)?,
         base,
         lods,
@@ -88,7 +93,32 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
         welded: record.welded as usize,
         widest_weld: record.widest_weld,
         source_order: (!order.is_empty()).then_some(order),
-    }))
+    });
+    if let (Some(nodes), Some(rows)) = (nodes, rows) {
+        set.follow(nodes, rows);
+    }
+    Ok(set)
+}
+
+/// How the base mesh follows nodes.
+fn rows(file: &File<'_>, mesh: &Mesh, nodes: &MeshLod) -> Result<Rows, Error> {
+    let vertices = mesh.positions().len();
+    let rows = Rows {
+        tiles: file.array_of(Id::Tiles, 0, vertices.div_ceil(TILE))?,
+        nodes: file.array(Id::TileNodes, 0)?,
+        weights: file.array(Id::Weights, 0)?,
+        slopes: file.array(Id::Slopes, 0)?,
+    };
+    let weights = TILE * rows.nodes.len();
+    if rows.weights.len() != weights {
+        return Err(length_of(Id::Weights, rows.weights.len(), weights));
+    }
+    let slopes = if mesh.normals().is_some() { 2 * weights } else { 0 };
+    if rows.slopes.len() != slopes {
+        return Err(length_of(Id::Slopes, rows.slopes.len(), slopes));
+    }
+    check::rows(&rows, mesh.weld(), nodes.vertex_count())?;
+    Ok(rows)
 }
 
 /// The vertex index. Whatever its arrays hold, queries return vertices of the mesh.
@@ -119,9 +149,6 @@ fn options(r: &SetRecord, file: &File<'_>, vertices: usize) -> Result<SetOptions
     let masses: Array<f32> = file.array(Id::Masses, 0)?;
     if r.fixed != FIXED {
         return Err(wrong("bytes 56 and 57 of section set", format!("{:?}", r.fixed), format!("{FIXED:?}")));
-    }
-    if r.zero != 0 {
-        return Err(wrong("the last byte of section set", r.zero, "0"));
     }
     if (r.mass_kind == 2) == masses.is_empty() {
         return Err(length_of(Id::Masses, masses.len(), if r.mass_kind == 2 { vertices } else { 0 }));

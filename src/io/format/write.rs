@@ -46,6 +46,9 @@ impl<'a> File<'a> {
             let farthest = k.checked_sub(1).map_or(0.0, |lod| set.report().lods[lod].farthest);
             file.mesh_lod(k as u32, lod, farthest);
         }
+        if let Some(nodes) = set.nodes() {
+            file.mesh_lod(set.lod_count() as u32, &nodes.lod, 0.0);
+        }
         let (inner, leaves) = set.index().parts();
         file.array(Id::IndexInner, 0, inner);
         file.array(Id::IndexLeaves, 0, leaves);
@@ -148,7 +151,7 @@ impl<'a> File<'a> {
             mirror: o.mirror.into(),
             held_rims: o.held_rims.into(),
             planes: r.mirror_planes.bits(),
-            zero: 0,
+            nodes: set.nodes().is_some().into(),
         };
         self.records(Id::Set, 0, &[record]);
         let examples: Vec<ExampleRecord> = set
@@ -209,6 +212,12 @@ impl<'a> File<'a> {
         let [depths, gives] = mesh.limits().parts();
         self.array(Id::DepthLimits, k, depths);
         self.array(Id::Gives, k, gives);
+        if let Some(rows) = &lod.rows {
+            self.array(Id::Tiles, k, &rows.tiles);
+            self.array(Id::TileNodes, k, &rows.nodes);
+            self.array(Id::Weights, k, &rows.weights);
+            self.array(Id::Slopes, k, &rows.slopes);
+        }
         let records: Vec<AnchoredRecord> = lod
             .anchored
             .iter()

@@ -1,0 +1,295 @@
+//! Fits the weights of a tile's vertices: least squares over fields, towards kriging from the nodes where fields say little.
+
+use super::slopes::Slopes;
+use super::{MOST_WEIGHT, ONE, TILE};
+use crate::mesh::Mesh;
+use crate::mesh::nearest::VertexIndex;
+use glam::Vec3;
+
+/// Nodes that each vertex of a tile brings along.
+pub(crate) const NEAREST: usize = 6;
+/// Nodes that a vertex follows whose position several vertices share: the same in every tile.
+const SHARED: usize = 12;
+/// Weight of the prior, as a share of the fields' mean square at a node.
+const PRIOR: f64 = 0.1;
+/// Variance of a constant field in the prior: so weights sum to 1.
+const CONSTANT: f64 = 10.0;
+/// How far away a vertex's nodes may be, in distances of its third nearest node. Those further away are in its tile for the sake of
+/// others.
+const REACH: f32 = 4.0;
+/// Length of the prior's kernel, in mean distances of neighbouring nodes.
+const LENGTH: f32 = 2.0;
+
+/// What tiles are fitted to.
+pub(crate) struct Fitting<'a> {
+    pub mesh: &'a Mesh,
+    /// Displacements of all vertices, m, field by field.
+    pub fields: &'a [&'a [Vec3]],
+    pub nodes: &'a [u32],
+    /// The tree of the nodes' positions, by their index.
+    pub index: &'a VertexIndex,
+    /// `None`: only positions are fitted.
+    pub slopes: Option<&'a Slopes>,
+    /// Whether other vertices share the vertex's position.
+    pub shared: &'a [bool],
+}
+
+/// The fitted weights of a tile.
+#[derive(Debug, Default)]
+pub(crate) struct FittedTile {
+    /// Ascending.
+    pub nodes: Vec<u32>,
+    /// By node, then vertex.
+    pub weights: Vec<[i32; TILE]>,
+    /// Along both tangents, 1/m. Empty without slopes.
+    pub slopes: Vec<[[f32; 2]; TILE]>,
+}
+
+impl Fitting<'_> {
+    fn position(&self, node: u32) -> Vec3 {
+        self.mesh.positions()[self.nodes[node as usize] as usize]
+    }
+
+    /// The nodes of a tile: those nearest to each of its vertices.
+    fn tile_nodes(&self, vertices: std::ops::Range<usize>) -> Vec<u32> {
+        let mut nodes = Vec::new();
+        for v in vertices {
+            let p = self.mesh.positions()[v];
+            if self.shared[v] {
+                nodes.extend(self.index.several::<SHARED>(p).iter().map(|(_, n)| *n));
+            } else {
+                nodes.extend(self.index.several::<NEAREST>(p).iter().map(|(_, n)| *n));
+            }
+        }
+        nodes.sort_unstable();
+        nodes.dedup();
+        nodes
+    }
+
+    /// Fits a tile.
+    pub(crate) fn tile(&self, tile: usize) -> FittedTile {
+        let weld = self.mesh.weld();
+        let vertices = tile * TILE..((tile + 1) * TILE).min(weld.len());
+        let nodes = self.tile_nodes(vertices.clone());
+        // The tile's positions and, for slopes, those around them.
+        let mut targets: Vec<u32> = vertices.clone().map(|v| weld[v]).collect();
+        if let Some(slopes) = self.slopes {
+            targets.extend(vertices.clone().flat_map(|v| slopes.entries(v)).map(|(neighbour, _)| *neighbour));
+        }
+        targets.sort_unstable();
+        targets.dedup();
+        let solved = self.solve(&nodes, &targets);
+        let mut out = FittedTile {
+            weights: vec![[0; TILE]; nodes.len()],
+            slopes: if self.slopes.is_some() { vec![[[0.0; 2]; TILE]; nodes.len()] } else { Vec::new() },
+            nodes,
+        };
+        for (i, v) in vertices.enumerate() {
+            if self.shared[v] {
+                self.shared_vertex(v, i, &mut out);
+            } else {
+                let far = self.far(v, &out.nodes);
+                let row = |target: u32| {
+                    let mut row = solved[targets.partition_point(|t| *t < target)].clone();
+                    row.iter_mut().zip(&far).filter(|(_, far)| **far).for_each(|(w, _)| *w = 0.0);
+                    row
+                };
+                out.weights.iter_mut().zip(rounded(&row(weld[v]))).for_each(|(to, w)| to[i] = w);
+                for (neighbour, along) in self.entries(v) {
+                    for (to, w) in out.slopes.iter_mut().zip(row(*neighbour)) {
+                        add_slope(&mut to[i], *along, w);
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    /// Which of a tile's nodes are out of a vertex's reach.
+    fn far(&self, v: usize, nodes: &[u32]) -> Vec<bool> {
+        let p = self.mesh.positions()[v];
+        let reach = REACH * REACH * self.index.several::<3>(p).last().map_or(0.0, |(squared, _)| *squared);
+        nodes.iter().map(|n| self.position(*n).distance_squared(p) > reach).collect()
+    }
+
+    /// The weights of a vertex whose position others share: over its own nodes, the same in every tile.
+    fn shared_vertex(&self, v: usize, i: usize, tile: &mut FittedTile) {
+        let own = self.mesh.weld()[v];
+        let near = self.index.several::<SHARED>(self.mesh.positions()[v]);
+        let mut nodes: Vec<u32> = near.iter().map(|(_, n)| *n).collect();
+        nodes.sort_unstable();
+        let mut targets: Vec<u32> = self.entries(v).iter().map(|(n, _)| *n).collect();
+        targets.push(own);
+        let solved = self.solve(&nodes, &targets);
+        let at = |n: &u32| tile.nodes.binary_search(n).unwrap_or(0);
+        let places: Vec<usize> = nodes.iter().map(at).collect();
+        for (place, w) in places.iter().zip(rounded(&solved[targets.len() - 1])) {
+            tile.weights[*place][i] = w;
+        }
+        for ((_, along), row) in self.entries(v).iter().zip(&solved) {
+            for (place, w) in places.iter().zip(row) {
+                add_slope(&mut tile.slopes[*place][i], *along, *w);
+            }
+        }
+    }
+
+    /// The entries of a vertex's slopes; none if there are no slopes.
+    fn entries(&self, v: usize) -> &[(u32, [f32; 2])] {
+        self.slopes.map_or(&[], |s| s.entries(v))
+    }
+
+    /// For each target vertex, the weights of the nodes.
+    fn solve(&self, nodes: &[u32], targets: &[u32]) -> Vec<Vec<f64>> {
+        let (m, n) = (nodes.len(), targets.len());
+        let (mut gram, mut right) = (vec![0.0f64; m * m], vec![0.0f64; n * m]);
+        let mut squares = 0.0f64;
+        let mut at_nodes = vec![[0.0f64; 3]; m];
+        for field in self.fields {
+            let mut moves = false;
+            for (to, node) in at_nodes.iter_mut().zip(nodes) {
+                let u = field[self.nodes[*node as usize] as usize];
+                *to = u.as_dvec3().to_array();
+                moves |= u != Vec3::ZERO;
+            }
+            if !moves {
+                continue;
+            }
+            for i in 0..m {
+                let a = at_nodes[i];
+                squares += a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
+                for (to, b) in gram[i * m..=i * m + i].iter_mut().zip(&at_nodes) {
+                    *to += a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+                }
+            }
+            for (row, target) in right.chunks_exact_mut(m).zip(targets) {
+                let u = field[*target as usize];
+                if u != Vec3::ZERO {
+                    let u = u.as_dvec3().to_array();
+                    for (to, b) in row.iter_mut().zip(&at_nodes) {
+                        *to += u[0] * b[0] + u[1] * b[1] + u[2] * b[2];
+                    }
+                }
+            }
+        }
+        let scale = if squares > 0.0 { PRIOR * squares / m as f64 } else { 1.0 };
+        let positions: Vec<Vec3> = nodes.iter().map(|n| self.position(*n)).collect();
+        let length = (LENGTH * self.spacing(&positions)).max(f32::MIN_POSITIVE);
+        for i in 0..m {
+            for j in 0..=i {
+                gram[i * m + j] += scale * prior(positions[i], positions[j], length);
+            }
+            gram[i * m + i] += scale * 1e-5;
+        }
+        for (row, target) in right.chunks_exact_mut(m).zip(targets) {
+            let p = self.mesh.positions()[*target as usize];
+            row.iter_mut().zip(&positions).for_each(|(to, q)| *to += scale * prior(p, *q, length));
+        }
+        factor(&mut gram, m);
+        right
+            .chunks_exact_mut(m)
+            .map(|row| {
+                substitute(&gram, m, row);
+                row.to_vec()
+            })
+            .collect()
+    }
+
+    /// The mean distance of a few nodes from their nearest neighbours, m.
+    fn spacing(&self, positions: &[Vec3]) -> f32 {
+        let nearest = |p: &Vec3| self.index.several::<3>(*p).get(2).map_or(0.0, |(d, _)| d.sqrt());
+        positions.iter().map(nearest).sum::<f32>() / positions.len().max(1) as f32
+    }
+}
+
+fn add_slope(to: &mut [f32; 2], along: [f32; 2], weight: f64) {
+    to[0] += along[0] * weight as f32;
+    to[1] += along[1] * weight as f32;
+}
+
+/// The prior covariance of the displacements of two points: Matérn 5/2, and a constant.
+fn prior(a: Vec3, b: Vec3, length: f32) -> f64 {
+    let d = 5.0f64.sqrt() * f64::from(a.distance(b) / length);
+    (1.0 + d + d * d / 3.0) * libm::exp(-d) + CONSTANT
+}
+
+/// The Cholesky factor of a symmetric, positive definite matrix, of which the lower half is given, in place.
+fn factor(a: &mut [f64], n: usize) {
+    for i in 0..n {
+        for j in 0..=i {
+            let (above, row) = a.split_at_mut(i * n);
+            let other = if j == i { None } else { Some(&above[j * n..j * n + j + 1]) };
+            let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
+            row[j] = match other {
+                Some(other) => (row[j] - dot(&row[..j], &other[..j])) / other[j],
+                None => (row[i] - dot(&row[..i], &row[..i])).max(1e-300).sqrt(),
+            };
+        }
+    }
+}
+
+/// Solves for one right side, in place.
+fn substitute(factor: &[f64], n: usize, x: &mut [f64]) {
+    for i in 0..n {
+        let row = &factor[i * n..i * n + i + 1];
+        let sum: f64 = row[..i].iter().zip(&x[..i]).map(|(a, b)| a * b).sum();
+        x[i] = (x[i] - sum) / row[i];
+    }
+    for i in (0..n).rev() {
+        x[i] /= factor[i * n + i];
+        let (before, rest) = x.split_at_mut(i);
+        before.iter_mut().zip(&factor[i * n..i * n + i]).for_each(|(b, a)| *b -= a * rest[0]);
+    }
+}
+
+/// Weights as integers that sum to [`ONE`], with the least change; smaller where their absolute sum would be too large.
+fn rounded(weights: &[f64]) -> Vec<i32> {
+    let limit = |w: f64| w.clamp(-127.0, 127.0);
+    let mut whole: Vec<i32> = weights.iter().map(|w| libm::round(limit(w * f64::from(ONE))) as i32).collect();
+    let mut rest = ONE - whole.iter().sum::<i32>();
+    while rest != 0 {
+        let sign = rest.signum();
+        // The one that gets nearer to its weight, or less further from it, than any other.
+        let gain = |i: usize| (weights[i] * f64::from(ONE) - f64::from(whole[i])) * f64::from(sign);
+        let free = (0..whole.len()).filter(|i| weights[*i] != 0.0 && (-127..=127).contains(&(whole[*i] + sign)));
+        let Some(best) = free.reduce(|a, b| if gain(b) > gain(a) { b } else { a }) else { break };
+        whole[best] += sign;
+        rest -= sign;
+    }
+    while whole.iter().map(|w| w.abs()).sum::<i32>() > MOST_WEIGHT {
+        // Rare: nearer to the nearest nodes' mean.
+        whole.iter_mut().for_each(|w| *w = *w * 3 / 4);
+        let rest = ONE - whole.iter().sum::<i32>();
+        let Some(largest) = (0..whole.len()).max_by_key(|i| whole[*i]) else { break };
+        whole[largest] = (whole[largest] + rest).clamp(-127, 127);
+    }
+    whole
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_factor_solves() {
+        let mut a = vec![4.0, 0.0, 0.0, 2.0, 5.0, 0.0, -2.0, 1.0, 6.0];
+        let full = [[4.0, 2.0, -2.0], [2.0, 5.0, 1.0], [-2.0, 1.0, 6.0]];
+        factor(&mut a, 3);
+        let mut x = [2.0, 8.0, 5.0];
+        substitute(&a, 3, &mut x);
+        for (row, right) in full.iter().zip([2.0, 8.0, 5.0]) {
+            let sum: f64 = row.iter().zip(&x).map(|(a, x)| a * x).sum();
+            assert!((sum - right).abs() < 1e-12, "{sum} {right}");
+        }
+    }
+
+    #[test]
+    fn rounded_weights_sum_to_one() {
+        assert_eq!(rounded(&[0.335, 0.335, 0.33]), [22, 21, 21]);
+        assert_eq!(rounded(&[1.0, 0.0]), [64, 0]);
+        for weights in [vec![1.9, -0.5, -0.4], vec![0.07; 14], vec![9.0, -8.0]] {
+            let whole = rounded(&weights);
+            assert_eq!(whole.iter().sum::<i32>(), ONE, "{whole:?}");
+            assert!(whole.iter().map(|w| w.abs()).sum::<i32>() <= MOST_WEIGHT);
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! Learns a basis from displacement fields: nodes are added where vertices are wrong, until the tolerance holds.
+
+use super::fit::{FittedTile, Fitting};
+use super::nodes::{refine, spread};
+use super::slopes::Slopes;
+use super::{Basis, ONE, Rows, TILE, Tile};
+use crate::base::error::{Error, positive};
+use crate::base::tasks::{TaskSystem, map};
+use crate::mesh::Mesh;
+use crate::mesh::nearest::VertexIndex;
+use glam::Vec3;
+
+/// How a basis is learned.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BasisOptions {
+    /// How far a vertex may be from the fields that the basis is learned from, m.
+    pub tolerance: f32,
+    /// The most times that nodes are added.
+    pub rounds: u32,
+    /// Number of nodes to begin with, spread evenly; 0 for one for each 24 vertices.
+    pub nodes: usize,
+}
+
+/// What a basis costs, and how well it holds the fields that it was learned from.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct BasisReport {
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Nodes that a vertex follows, in the mean: as many bytes a vertex, and twice as many more for normals.
+    pub nodes_a_vertex: f32,
+    /// Memory, bytes.
+    pub bytes: usize,
+    /// The largest error of any vertex in any field, m.
+    pub worst: f32,
+    /// Whether the tolerance holds.
+    pub holds: bool,
+}
+
+/// Vertices for each of the first nodes.
+const VERTICES_A_NODE: usize = 24;
+/// The least number of nodes, if there are as many positions.
+const LEAST_NODES: usize = 48;
+
+impl Basis {
+    /// Learns a basis from displacement fields of all vertices (m): examples, and copies of them elsewhere. Fields that are not
+    /// finite, or have another length, are an error.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] naming the option or the field.
+    pub fn learn(
+        mesh: &Mesh,
+        fields: &[&[Vec3]],
+        options: &BasisOptions,
+        tasks: &dyn TaskSystem,
+    ) -> Result<(Self, BasisReport), Error> {
+        positive("tolerance", options.tolerance, "m")?;
+        for (i, field) in fields.iter().enumerate() {
+            if field.len() != mesh.positions().len() {
+                let vertices = format!("{}, as the mesh has vertices", mesh.positions().len());
+                return Err(Error::invalid(&format!("the length of fields[{i}]"), field.len(), &vertices));
+            }
+            if let Some(bad) = field.iter().find(|u| !u.is_finite()) {
+                return Err(Error::NotFinite { name: format!("fields[{i}]"), value: bad.to_string() });
+            }
+        }
+        let shared = shared(mesh.weld());
+        let slopes = Slopes::of(mesh);
+        let first = match options.nodes {
+            0 => (mesh.positions().len() / VERTICES_A_NODE).max(LEAST_NODES),
+            nodes => nodes,
+        };
+        let mut nodes = spread(mesh, first);
+        let tiles = mesh.positions().len().div_ceil(TILE);
+        let mut round = 0;
+        loop {
+            let tree = tree(mesh, &nodes, tasks);
+            let fitting = Fitting { mesh, fields, nodes: &nodes, index: &tree, slopes: None, shared: &shared };
+            let errors = map(tasks, 0..tiles, |t| errors(&fitting, t, &fitting.tile(t))).concat();
+            let worst = errors.iter().fold(0.0, |a: f32, b| a.max(*b));
+            let mut more = nodes.clone();
+            if worst > options.tolerance && round < options.rounds {
+                let nearest = |p: &Vec3| tree.several::<1>(*p).first().map_or(0.0, |(squared, _)| squared.sqrt());
+                let distances: Vec<f32> = mesh.positions().iter().map(nearest).collect();
+                refine(mesh, &mut more, &errors, &distances, options.tolerance);
+            }
+            if more.len() > nodes.len() {
+                (nodes, round) = (more, round + 1);
+                continue;
+            }
+            let slopes = Some(&slopes).filter(|s| !s.is_empty());
+            let fitting = Fitting { slopes, ..fitting };
+            let rows = rows(map(tasks, 0..tiles, |t| fitting.tile(t)));
+            let report = BasisReport {
+                nodes: nodes.len(),
+                nodes_a_vertex: rows.nodes.len() as f32 / tiles.max(1) as f32,
+                bytes: 4 * nodes.len() + rows.bytes(),
+                worst,
+                holds: worst <= options.tolerance,
+            };
+            return Ok((Basis { nodes: nodes.into(), rows }, report));
+        }
+    }
+}
+
+/// Whether other vertices share each vertex's position.
+fn shared(weld: &[u32]) -> Vec<bool> {
+    let mut shared = vec![false; weld.len()];
+    for (v, w) in weld.iter().enumerate().filter(|(v, w)| *v != **w as usize) {
+        shared[v] = true;
+        shared[*w as usize] = true;
+    }
+    shared
+}
+
+/// The tree of the nodes' positions.
+fn tree(mesh: &Mesh, nodes: &[u32], tasks: &dyn TaskSystem) -> VertexIndex {
+    let positions: Vec<Vec3> = nodes.iter().map(|v| mesh.positions()[*v as usize]).collect();
+    let own: Vec<u32> = (0..nodes.len() as u32).collect();
+    VertexIndex::new(&positions, &own, tasks)
+}
+
+/// For each vertex of a tile, the largest difference from any field, m.
+fn errors(fitting: &Fitting<'_>, tile: usize, fitted: &FittedTile) -> Vec<f32> {
+    let vertices = fitting.mesh.positions().len();
+    let range = tile * TILE..((tile + 1) * TILE).min(vertices);
+    let mut errors = vec![0.0f32; range.len()];
+    let one = 1.0 / ONE as f32;
+    for field in fitting.fields {
+        let mut sums = [Vec3::ZERO; TILE];
+        for (node, weights) in fitted.nodes.iter().zip(&fitted.weights) {
+            let u = field[fitting.nodes[*node as usize] as usize] * one;
+            if u != Vec3::ZERO {
+                sums.iter_mut().zip(weights).for_each(|(sum, w)| *sum += u * *w as f32);
+            }
+        }
+        for ((error, sum), u) in errors.iter_mut().zip(&sums).zip(&field[range.clone()]) {
+            *error = error.max(sum.distance_squared(*u));
+        }
+    }
+    errors.iter_mut().for_each(|e| *e = e.sqrt());
+    errors
+}
+
+/// Packs fitted tiles.
+fn rows(fitted: Vec<FittedTile>) -> Rows {
+    let (mut tiles, mut nodes) = (Vec::with_capacity(fitted.len()), Vec::new());
+    let (mut weights, mut slopes) = (Vec::new(), Vec::new());
+    for mut tile in fitted {
+        let with_slopes = !tile.slopes.is_empty();
+        if tile.nodes.len() % 2 == 1 {
+            tile.nodes.extend(tile.nodes.last().copied());
+            tile.weights.push([0; TILE]);
+            tile.slopes.extend(with_slopes.then_some([[0.0; 2]; TILE]));
+        }
+        let steepest = tile.slopes.iter().flatten().flatten().fold(0.0, |a: f32, b| a.max(b.abs()));
+        let unit = if steepest > 0.0 { steepest / 127.0 } else { 1.0 };
+        let most = (0..TILE).map(|v| tile.weights.iter().map(|w| w[v].unsigned_abs()).sum::<u32>()).max();
+        tiles.push(Tile {
+            first: nodes.len() as u32,
+            count: tile.nodes.len() as u32,
+            slope: unit,
+            most: most.unwrap_or(0),
+        });
+        for pair in tile.weights.chunks_exact(2) {
+            weights.extend((0..TILE).flat_map(|v| [pair[0][v] as i8, pair[1][v] as i8]));
+        }
+        for k in 0..if with_slopes { 2 } else { 0 } {
+            let number = |s: [f32; 2]| (s[k] / unit).round() as i8;
+            for pair in tile.slopes.chunks_exact(2) {
+                slopes.extend((0..TILE).flat_map(|v| [number(pair[0][v]), number(pair[1][v])]));
+            }
+        }
+        nodes.append(&mut tile.nodes);
+    }
+    Rows { tiles: tiles.into(), nodes: nodes.into(), weights: weights.into(), slopes: slopes.into() }
+}

@@ -1,0 +1,80 @@
+//! Chooses the nodes: vertices spread evenly over the body, and more of them where fields are wrong.
+
+use crate::mesh::Mesh;
+use glam::{IVec3, Vec3};
+use std::collections::HashMap;
+
+/// Points no two of which are nearer than a distance, found by a grid of cells of that size.
+struct Spread<'a> {
+    positions: &'a [Vec3],
+    distance: f32,
+    cells: HashMap<IVec3, Vec<u32>>,
+}
+
+impl<'a> Spread<'a> {
+    fn new(positions: &'a [Vec3], distance: f32) -> Self {
+        Spread { positions, distance, cells: HashMap::new() }
+    }
+
+    fn cell(&self, v: u32) -> IVec3 {
+        (self.positions[v as usize] / self.distance).floor().as_ivec3()
+    }
+
+    /// Whether a point within `distance` (at most the cells' size) is there already.
+    fn is_near(&self, v: u32, distance: f32) -> bool {
+        let (cell, p) = (self.cell(v), self.positions[v as usize]);
+        let around = (0..27).map(|i| IVec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
+        around
+            .filter_map(|d| self.cells.get(&(cell + d)))
+            .flatten()
+            .any(|q| self.positions[*q as usize].distance_squared(p) < distance * distance)
+    }
+
+    fn add(&mut self, v: u32) {
+        self.cells.entry(self.cell(v)).or_default().push(v);
+    }
+}
+
+/// Spreads at least `count` nodes evenly over the mesh, or all its positions if there are fewer. Ascending.
+pub(crate) fn spread(mesh: &Mesh, count: usize) -> Vec<u32> {
+    let own: Vec<u32> = (0..mesh.weld().len() as u32).filter(|v| mesh.weld()[*v as usize] == *v).collect();
+    let mut distance = mesh.bounds().diagonal() / 4.0;
+    loop {
+        let mut spread = Spread::new(mesh.positions(), distance.max(f32::MIN_POSITIVE));
+        let mut nodes = Vec::new();
+        for v in &own {
+            if !spread.is_near(*v, distance) {
+                spread.add(*v);
+                nodes.push(*v);
+            }
+        }
+        if nodes.len() >= count.min(own.len()) {
+            return nodes;
+        }
+        // On a surface the number grows by two thirds.
+        distance *= if nodes.len() * 4 < count { 0.5 } else { 0.775 };
+    }
+}
+
+/// Adds nodes where vertices are wrong by more than `tolerance`, the worst first, none nearer to another new one than
+/// `spacing` times the distance from its nearest node. `errors` (m) and `distances` (m, from the nearest node) are those of all
+/// vertices. Returns the number of nodes added.
+pub(crate) fn refine(mesh: &Mesh, nodes: &mut Vec<u32>, errors: &[f32], distances: &[f32], tolerance: f32) -> usize {
+    /// Of the distance from the nearest node.
+    const SPACING: f32 = 1.2;
+    let mut wrong: Vec<u32> = (0..errors.len() as u32)
+        .filter(|v| mesh.weld()[*v as usize] == *v && errors[*v as usize] > tolerance && distances[*v as usize] > 0.0)
+        .collect();
+    wrong.sort_by(|a, b| errors[*b as usize].total_cmp(&errors[*a as usize]).then(a.cmp(b)));
+    let longest = wrong.iter().map(|v| distances[*v as usize]).fold(0.0, f32::max);
+    let mut new = Spread::new(mesh.positions(), (SPACING * longest).max(f32::MIN_POSITIVE));
+    let before = nodes.len();
+    for v in wrong {
+        if !new.is_near(v, SPACING * distances[v as usize]) {
+            new.add(v);
+            nodes.push(v);
+        }
+    }
+    nodes.sort_unstable();
+    nodes.len() - before
+}

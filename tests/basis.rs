@@ -1,0 +1,119 @@
+//! Vertices that follow nodes: how near they are to what marks say, their normals, seams, limits and cost in memory.
+//! tests/promises.rs holds the promises that all bodies share.
+
+mod scenes;
+
+use std::sync::Arc;
+
+use crumple::glam::Vec3;
+use crumple::{BasisOptions, BasisReport, ExampleSet, Hit, Instance, InstanceOptions, Placement, Serial, ThreadPool};
+use scenes::{Dice, Output, displacements, new, random_hits};
+
+/// A copy of a set whose vertices follow nodes.
+fn following(set: &ExampleSet, options: &BasisOptions) -> (Arc<ExampleSet>, BasisReport) {
+    let mut copy = ExampleSet::load_copy(&set.save().unwrap(), &Serial).unwrap();
+    let report = copy.learn_basis(options, &ThreadPool::new(2).unwrap()).unwrap();
+    (Arc::new(copy), report)
+}
+
+fn panel() -> Arc<ExampleSet> {
+    scenes::solver_set("panel", 8, Placement::Automatic)
+}
+
+fn options(set: &ExampleSet) -> BasisOptions {
+    BasisOptions { tolerance: 0.02 * set.depth_limit(), rounds: 4, nodes: 0 }
+}
+
+#[test]
+fn an_example_s_own_hit_gives_the_example() {
+    let set = scenes::solver_set("panel", 8, Placement::Anchored);
+    let (copy, report) = following(&set, &options(&set));
+    for e in set.examples() {
+        let hit = Hit::displacement(e.contact_point().to_array(), e.contact_displacement().to_array());
+        let mut body = new(&copy);
+        body.submit(&hit).unwrap();
+        // Nodes are rounded to a 16000th of the depth limit, and weights and sums to a f32.
+        let most = report.worst + 1e-3 * set.depth_limit();
+        for (v, u) in displacements(&mut body).iter().enumerate() {
+            let ought = e.delta(v as u32);
+            assert!(u.distance(ought) <= most, "{} vertex {v}: {u} instead of {ought}", e.name());
+        }
+    }
+}
+
+#[test]
+fn unseen_hits_are_near_what_marks_say() {
+    for (set, most) in [(panel(), 0.05), (scenes::solver_set("tube", 8, Placement::Automatic), 0.08)] {
+        let (copy, _) = following(&set, &options(&set));
+        let (mut errors, mut turns) = (Vec::new(), Vec::new());
+        for hit in random_hits(&set, 24, 77) {
+            let (mut exact, mut near) = (new(&set), new(&copy));
+            exact.submit(&hit).unwrap();
+            near.submit(&hit).unwrap();
+            let ought = displacements(&mut exact);
+            // Deeper than any example, nodes approach the limit instead of being cut to it.
+            if ought.iter().any(|u| u.length() > 0.7 * set.depth_limit()) {
+                continue;
+            }
+            errors.push(scenes::relative_l2(&displacements(&mut near), &ought));
+            let (a, b) = (Output::fresh(&mut exact), Output::fresh(&mut near));
+            let angle = |v: usize| Vec3::from(a.normals[v]).angle_between(Vec3::from(b.normals[v])).to_degrees();
+            turns.extend((0..ought.len()).filter(|v| ought[*v].length() > 1e-3 * set.depth_limit()).map(angle));
+        }
+        errors.sort_by(f64::total_cmp);
+        turns.sort_by(f32::total_cmp);
+        let (error, turn) = (errors[errors.len() / 2], turns[turns.len() / 2]);
+        assert!(errors.len() >= 8 && error < most, "{error} over {} hits", errors.len());
+        assert!(turn < 0.5, "normals are off by {turn} degrees in the median");
+    }
+}
+
+#[test]
+fn nodes_are_vertices_of_distinct_positions_and_fewer_than_vertices() {
+    let set = panel();
+    let tolerance = 0.05 * set.depth_limit();
+    let (_, report) = following(&set, &BasisOptions { tolerance, rounds: 12, nodes: 0 });
+    assert!(report.nodes * 3 < set.vertex_count(), "{report:?}");
+    assert!(report.holds && report.worst <= tolerance, "{report:?}");
+    let strict = BasisOptions { tolerance: 1e-9, rounds: 0, nodes: 0 };
+    assert!(!following(&set, &strict).1.holds);
+}
+
+#[test]
+fn many_hits_leave_no_plateau() {
+    let set = panel();
+    let (copy, _) = following(&set, &options(&set));
+    let limit = copy.depth_limit();
+    assert!((limit * 0.75 - set.depth_limit()).abs() < 1e-6, "the deepest example moves freely");
+    let mut body = Instance::new(copy.clone(), InstanceOptions { capacity: 64, ..InstanceOptions::default() }).unwrap();
+    let mut dice = Dice::new(64);
+    for _ in 0..64 {
+        let v = dice.index(set.vertex_count());
+        let (at, normal) = (set.mesh().positions()[v], set.mesh().contact_normal(v as u32).unwrap());
+        let depth = set.depth_limit() * dice.between(0.1, 0.8);
+        body.submit(&Hit::displacement(at.to_array(), (normal * -depth).to_array())).unwrap();
+    }
+    let moved = displacements(&mut body);
+    let at_limit = moved.iter().filter(|u| u.length() > 0.99 * limit).count();
+    assert!(at_limit * 20 <= moved.len(), "{at_limit} of {} vertices stand at the limit", moved.len());
+    assert!(moved.iter().any(|u| u.length() > 0.75 * limit), "the hits do reach where the limit acts");
+}
+
+#[test]
+fn options_and_classic_rules() {
+    let set = panel();
+    let mut copy = ExampleSet::load_copy(&set.save().unwrap(), &Serial).unwrap();
+    for tolerance in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+        let bad = BasisOptions { tolerance, rounds: 1, nodes: 0 };
+        let error = copy.learn_basis(&bad, &Serial).unwrap_err();
+        assert!(error.to_string().contains("tolerance"), "{error}");
+    }
+    assert_eq!(copy.save().unwrap(), set.save().unwrap(), "after an error nothing has changed");
+    let (copy, _) = following(&set, &options(&set));
+    let classic = InstanceOptions::classic(crumple::Rule::MostDisplaced);
+    let hit = &random_hits(&set, 1, 3)[0];
+    let [mut a, mut b] = [&set, &copy].map(|s| Instance::new(s.clone(), classic).unwrap());
+    a.submit(hit).unwrap();
+    b.submit(hit).unwrap();
+    assert_eq!(Output::fresh(&mut a).all_bits(), Output::fresh(&mut b).all_bits(), "classic rules do not follow nodes");
+}
