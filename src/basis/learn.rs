@@ -21,6 +21,13 @@ pub struct BasisOptions {
     pub nodes: usize,
 }
 
+impl BasisOptions {
+    /// Options for a tolerance, m: nodes are added up to eight times.
+    pub fn new(tolerance: f32) -> Self {
+        BasisOptions { tolerance, rounds: 8, nodes: 0 }
+    }
+}
+
 /// What a basis costs, and how well it holds the fields that it was learned from.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BasisReport {

@@ -70,7 +70,7 @@ impl Device {
     pub fn add_target(&mut self, set: &Arc<ExampleSet>, def: &TargetDef) -> Result<Target, Error> {
         let mesh = set.lod(def.lod)?;
         let size = self.hosts.get(def.buffer)?.def.size;
-        let (layout, kernel, written) = def.layout(&mesh.mesh, size)?;
+        let (layout, kernel, written) = def.layout(mesh, size)?;
         let limits = self.gpu.binding_limits();
         let host = self.hosts.get_mut(def.buffer)?;
         let window = host.window(&self.gpu, &self.pipelines, &written)?;

@@ -84,6 +84,12 @@ impl<'t> Deformed<'t> {
         timed(|| set.and_then(|()| self.deform()).unwrap_or_else(|e| panic!("{e}")))
     }
 
+    /// Times what writes all vertices again, without a change of the damage.
+    pub fn again(&mut self) -> Duration {
+        self.tracker.invalidate();
+        timed(|| self.deform().unwrap_or_else(|e| panic!("{e}")))
+    }
+
     /// Puts the damage back to `before` and brings the output up to date, then times these hits from submission to vertices.
     pub fn hit(&mut self, before: &[Mark], hits: &[Hit]) -> Duration {
         let set = self.instance.set_marks(before);

@@ -12,6 +12,7 @@ mod impact;
 pub mod marks;
 pub mod measure;
 mod memory;
+mod nodes;
 mod normals;
 mod parts;
 mod radial;
@@ -152,6 +153,21 @@ const WORKLOADS: &[Workload] = &[
         name: "worn",
         about: "one more hit on a body of about 20 000 vertices that was hit often, to positions and normals, against the first",
         run: worn::run,
+    },
+    Workload {
+        name: "hit_hood",
+        about: "the demo's hood with vertices that follow nodes, and from marks: one more hit to positions and normals",
+        run: nodes::hits_upon_hits,
+    },
+    Workload {
+        name: "expand_cache",
+        about: "positions of all vertices of the demo's hood, which follow nodes and have nine marks",
+        run: nodes::every_vertex,
+    },
+    Workload {
+        name: "bytes_vertex",
+        about: "memory of the demo's hood with vertices that follow nodes, 12 examples, normals, mesh included",
+        run: nodes::memory,
     },
     Workload { name: "normals", about: "positions and normals against positions alone", run: normals::run },
     Workload {

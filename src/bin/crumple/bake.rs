@@ -11,8 +11,8 @@ use crate::{
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use crumple::{
-    ExampleData, ExampleSet, MeshData, Placement, SetOptions, Stamp, TaskSystem, ThreadPool, VertexMass, glam::Vec3,
-    import,
+    BasisOptions, BasisReport, ExampleData, ExampleSet, MeshData, Placement, SetOptions, Stamp, TaskSystem, ThreadPool,
+    VertexMass, glam::Vec3, import,
 };
 use indicatif::ProgressBar;
 use std::{fmt::Write, path::PathBuf, time::Instant};
@@ -40,6 +40,10 @@ pub struct Arguments {
     /// No vertex moves further than this [default: the depth of the deepest example]
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     depth_limit: Option<f32>,
+    /// Let vertices follow nodes, a few of them, and be off by about this at most: hits and frames cost less, the more so the more
+    /// examples and marks there are. On the CPU only. Give --reorder too
+    #[arg(long, value_name = "LENGTH", value_parser = length)]
+    nodes: Option<f32>,
     /// File with closed solids that dents must not enter, such as a roll cage: every mesh of a glTF or GLB file, where its
     /// node places it in the scene of the body, m; repeat the option for more files
     #[arg(long, value_name = "SOLID.glb")]
@@ -121,6 +125,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     for mesh in part_meshes {
         set.add_lod(mesh, &pool).with_context(|| shown.to_string())?;
     }
+    let nodes = arguments.nodes.map(|tolerance| set.learn_basis(&BasisOptions::new(tolerance), &pool)).transpose()?;
     let built = start.elapsed();
     bar.inc(1);
     bar.set_message("writing");
@@ -150,6 +155,9 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     sizes(&mut text, &set, &exact, length);
     errors(&mut text, &set, &exact)?;
     stamps(&mut text, &set)?;
+    if let Some((report, tolerance)) = nodes.zip(arguments.nodes) {
+        followed(&mut text, &report, tolerance)?;
+    }
     info::blows(&mut text, &set);
     info::learned(&mut text, &set)?;
     writeln!(text, "\n  Built in {:.0} ms; loads in {:.2} ms.", built.as_secs_f64() * 1e3, loaded.as_secs_f64() * 1e3)?;
@@ -214,6 +222,25 @@ fn sizes(text: &mut String, set: &ExampleSet, exact: &ExampleSet, file: usize) {
         dropped
     );
     let _ = writeln!(text, "  blocks    {one} of 1 byte a number, {two} of 2, {four} of 4");
+}
+
+/// Reports the nodes that vertices follow.
+fn followed(text: &mut String, report: &BasisReport, tolerance: f32) -> Result<()> {
+    let mm = |x: f32| format!("{:.3} mm", f64::from(x) * 1e3);
+    writeln!(
+        text,
+        "\n  nodes     {}; a vertex follows {:.0} of them, in the mean; {}",
+        count(report.nodes, "node", "nodes"),
+        report.nodes_a_vertex,
+        megabytes(report.bytes)
+    )?;
+    let off = format!("vertices are off by up to {} in examples and in hits all over the body", mm(report.worst));
+    if report.holds {
+        writeln!(text, "            {off}")?;
+    } else {
+        writeln!(text, "  Warning: {off}, where {} was asked for; no more nodes were tried.", mm(tolerance))?;
+    }
+    Ok(())
 }
 
 /// Maximum and root mean square of errors.
