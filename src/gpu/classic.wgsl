@@ -1,9 +1,6 @@
 // The classic rules: hits move the state of each vertex. An invocation computes one vertex, with the operations of
 // `State::apply` in src/classic/mod.rs, in their order.
 
-override NORMALS: bool = false;
-override TANGENTS: bool = false;
-
 // The position of each vertex and, with NORMALS, its normal, which is not of unit length.
 @group(2) @binding(0) var<storage, read_write> state: array<u32>;
 

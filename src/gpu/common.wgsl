@@ -3,6 +3,8 @@
 // Every operation is written out, in the order of src/deform/kernel.rs. Built-ins whose result differs between devices (dot, mix,
 // normalize, min, max, pack…) are not used.
 
+override NORMALS: bool = false;
+override TANGENTS: bool = false;
 // Whether an output has another format than 32-bit floats.
 override PACKED: bool = false;
 
@@ -275,5 +277,47 @@ fn write_tangent(t: TargetWork, vertex: u32, v: vec4<f32>) {
         vertices[at] = octahedral_tangent(v);
     } else {
         write4(at, format, v);
+    }
+}
+
+// ------------------------------------------------------------------------------------------------------- a vertex is written
+
+// The unit vector along `n + change`; `n` itself if the `sum` of changes is zero.
+fn normal_of(n: vec3<f32>, sum: vec3<f32>, change: vec3<f32>) -> vec3<f32> {
+    let v = n + change;
+    let square = dot3(v, v);
+    if all(sum == vec3(0.0)) || !(square > 1e-12) {
+        return n;
+    }
+    return v * (1.0 / sqrt(square));
+}
+
+// Writes a vertex that is displaced by `s` and whose normal changes by `turn`, both before its limits.
+fn write_vertex(vertex: Vertex, base: vec3<f32>, base_normal: vec3<f32>, s: vec3<f32>, turn: vec3<f32>) {
+    let out = vertex.out;
+    var u = s;
+    var change = turn;
+    let limited = (out.flags & LIMITED) != 0u;
+    if limited || out.depths != NONE || out.gives != NONE {
+        let length = maximum(sqrt(dot3(u, u)), LEAST_LENGTH);
+        var allowed = within_own_limits(out, vertex.index, length);
+        if limited {
+            allowed = minimum(out.limit, allowed);
+        }
+        if length > allowed {
+            let factor = allowed / length;
+            u = u * factor;
+            change = change * factor;
+        }
+    }
+    write_position(out, vertex.index, base + u);
+    if NORMALS {
+        let normal = normal_of(base_normal, turn, change);
+        write_normal(out, vertex.index, normal);
+        if TANGENTS && out.tangent_stride != 0u {
+            let at = out.base_tangents + 4u * vertex.index;
+            let tangent = vec4(arena_vector(at), arena_float(at + 3u));
+            write_tangent(out, vertex.index, tangent_of(tangent, base_normal, normal));
+        }
     }
 }

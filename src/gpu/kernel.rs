@@ -16,6 +16,8 @@ pub(crate) enum Case {
     /// Any marks.
     Marks,
     Classic,
+    /// Vertices follow nodes.
+    Nodes,
 }
 
 impl Kernel {
@@ -36,12 +38,12 @@ pub(crate) struct Variant {
 
 impl Variant {
     /// Number of variants in all.
-    pub(crate) const COUNT: usize = 18;
+    pub(crate) const COUNT: usize = 24;
 
     /// All variants, in the order of their numbers.
     #[cfg(feature = "vulkan")]
     pub(crate) fn all() -> impl Iterator<Item = Variant> {
-        let cases = [Case::Anchored, Case::Marks, Case::Classic].into_iter();
+        let cases = [Case::Anchored, Case::Marks, Case::Classic, Case::Nodes].into_iter();
         let both = [false, true].into_iter().flat_map(move |packed| cases.clone().map(move |case| (packed, case)));
         let kernels = [Kernel::Positions, Kernel::Normals, Kernel::Tangents];
         both.flat_map(move |(packed, case)| kernels.map(|kernel| Variant { kernel, case, packed }))
@@ -49,7 +51,16 @@ impl Variant {
 
     /// Index among all variants.
     pub(crate) fn number(self) -> usize {
-        self.kernel as usize + 3 * self.case as usize + 9 * usize::from(self.packed)
+        self.kernel as usize + 3 * self.case as usize + 12 * usize::from(self.packed)
+    }
+
+    /// The number of its source in build/kernels.rs: marks, classic, nodes.
+    pub(crate) fn source(self) -> usize {
+        match self.case {
+            Case::Anchored | Case::Marks => 0,
+            Case::Classic => 1,
+            Case::Nodes => 2,
+        }
     }
 
     /// Whether an override of the sources is on.

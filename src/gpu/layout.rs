@@ -63,7 +63,9 @@ pub(super) struct TargetWork {
     pub step: f32,
     pub per_step: f32,
     pub coarse: f32,
-    pub padding: [u32; 3],
+    pub tiles: u32,
+    pub node_step: f32,
+    pub padding: u32,
 }
 
 /// A dent. Its parts follow.

@@ -16,6 +16,10 @@ const OCTAHEDRAL16X2 = 4u;
 
 // Flag of a target with marks: the depth limit may be reached.
 const LIMITED = 1u;
+// Vertices a tile, and the unit of weights: src/basis/mod.rs.
+const TILE = 64u;
+const WEIGHT: f32 = 0.015625;
+
 // Flag of a target with a classic rule: the vertices are at rest and have no state yet.
 const AT_REST = 1u;
 
@@ -86,7 +90,11 @@ struct TargetWork {
     step: f32,
     per_step: f32,
     // Factor of the steps: 1, or a power of two where many dents overlap. `step` and `per_step` include it.
-    @size(16) coarse: f32,
+    coarse: f32,
+    // For vertices that follow nodes: first word of the tiles in the arena, and the step of the nodes' displacements, m. The parts
+    // are then the nodes, two a row.
+    tiles: u32,
+    @size(8) node_step: f32,
 }
 
 // A dent. Its parts follow.

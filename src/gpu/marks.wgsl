@@ -1,8 +1,6 @@
 // The default rule: marks become vertices. An invocation computes one vertex, with the operations of `displace` in
 // src/deform/kernel.rs, in their order.
 
-override NORMALS: bool = false;
-override TANGENTS: bool = false;
 // Whether there are carried examples.
 override CARRIED: bool = false;
 
@@ -139,16 +137,6 @@ fn add_carried(
     (*sums).carried_all = (*sums).carried_all + in_steps(u, out.per_step);
 }
 
-// The unit vector along `n + change`; `n` itself if the `sum` of changes is zero.
-fn normal_of(n: vec3<f32>, sum: vec3<f32>, change: vec3<f32>) -> vec3<f32> {
-    let v = n + change;
-    let square = dot3(v, v);
-    if all(sum == vec3(0.0)) || !(square > 1e-12) {
-        return n;
-    }
-    return v * (1.0 / sqrt(square));
-}
-
 fn add_anchored(part: DentPart, block: u32, v: u32, sums: ptr<function, Sums>) {
     let head = head_of(part.source, block);
     if head == NONE {
@@ -214,29 +202,5 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         sums.all = sums.all + vec3<f32>(sums.carried_all) * out.step;
         sums.change = sums.change + vec3<f32>(sums.carried_change) * (TURN_STEP * out.coarse);
     }
-    var u = sums.all;
-    var change = sums.change;
-    let limited = (out.flags & LIMITED) != 0u;
-    if limited || out.depths != NONE || out.gives != NONE {
-        let length = maximum(sqrt(dot3(u, u)), LEAST_LENGTH);
-        var allowed = within_own_limits(out, vertex.index, length);
-        if limited {
-            allowed = minimum(out.limit, allowed);
-        }
-        if length > allowed {
-            let factor = allowed / length;
-            u = u * factor;
-            change = change * factor;
-        }
-    }
-    write_position(out, vertex.index, base + u);
-    if NORMALS {
-        let normal = normal_of(base_normal, sums.change, change);
-        write_normal(out, vertex.index, normal);
-        if TANGENTS && out.tangent_stride != 0u {
-            let at = out.base_tangents + 4u * vertex.index;
-            let tangent = vec4(arena_vector(at), arena_float(at + 3u));
-            write_tangent(out, vertex.index, tangent_of(tangent, base_normal, normal));
-        }
-    }
+    write_vertex(vertex, base, base_normal, sums.all, sums.change);
 }

@@ -1,6 +1,7 @@
 //! The words of a mesh with its examples, and of its set's stamps. They do not change.
 
 use super::layout::NONE;
+use crate::basis::{Rows, TILE};
 use crate::example::blocks::DeltaBlocks;
 use crate::example::mesh_lod::MeshLod;
 use crate::example::set::ExampleSet;
@@ -30,6 +31,8 @@ pub(crate) struct MeshWords {
     windows: Option<u32>,
     /// Depth limits, and 1 - stiffness: two vertices a word.
     limits: [Option<u32>; 2],
+    /// Where vertices follow nodes, the heads of tiles; then nodes, weights and slopes.
+    tiles: Option<u32>,
     total: u64,
 }
 
@@ -47,6 +50,10 @@ impl MeshWords {
             windows: (!lod.rim.windows.is_empty())
                 .then(|| at.take(lod.blocks() + lod.rim.windows.len() * WINDOW_WORDS)),
             limits: lod.mesh.limits().parts().map(|l| (!l.is_empty()).then(|| at.take(l.as_flattened().len() / 2))),
+            tiles: lod.rows.as_ref().map(|rows| {
+                let numbers = (rows.weights.len() + rows.slopes.len()) / 4;
+                at.take(TILE_WORDS * rows.tiles.len() + rows.nodes.len() + numbers)
+            }),
             total: at.0,
         }
     }
@@ -101,7 +108,32 @@ impl MeshWords {
                 put(*at, &words);
             }
         }
+        if let (Some(at), Some(rows)) = (self.tiles, &lod.rows) {
+            put(at, &tile_words(rows));
+        }
     }
+}
+
+/// Words of the head of a tile: `TILE_WORDS` in nodes.wgsl.
+const TILE_WORDS: usize = 5;
+
+/// The words of vertices that follow nodes, as nodes.wgsl reads them.
+fn tile_words(rows: &Rows) -> Vec<u32> {
+    let nodes = TILE_WORDS * rows.tiles.len();
+    let weights = nodes + rows.nodes.len();
+    let slopes = weights + rows.weights.len() / 4;
+    let mut words = Vec::with_capacity(slopes + rows.slopes.len() / 4);
+    for tile in rows.tiles.iter() {
+        let first = tile.first as usize;
+        let numbers = TILE * first / 4;
+        let [node, weight, slope] = [nodes + first, weights + numbers, slopes + 2 * numbers];
+        words.extend([node as u32, tile.count, tile.slope.to_bits(), weight as u32, slope as u32]);
+    }
+    words.extend_from_slice(&rows.nodes);
+    // A file's arrays are aligned for their elements only.
+    words.extend(bytemuck::pod_collect_to_vec::<i8, u32>(&rows.weights));
+    words.extend(bytemuck::pod_collect_to_vec::<i8, u32>(&rows.slopes));
+    words
 }
 
 /// Words of an example before its numbers.
@@ -181,6 +213,11 @@ impl MeshPlacement {
     /// The first words of the vertices' depth limits and of 1 - stiffness, where there are any.
     pub(crate) fn limits(&self) -> [Option<u32>; 2] {
         self.mesh.limits.map(|at| at.map(|at| self.mesh_at + at))
+    }
+
+    /// The first word of the tiles, if vertices follow nodes.
+    pub(crate) fn tiles(&self) -> Option<u32> {
+        self.mesh.tiles.map(|at| self.mesh_at + at)
     }
 
     /// The first word of an example's stamp.

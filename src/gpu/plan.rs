@@ -58,6 +58,8 @@ struct DispatchKey<B> {
     /// The arena's chunk.
     chunk: u32,
     packed: bool,
+    /// Whether the vertices follow nodes, which have a kernel of their own.
+    nodes: bool,
     /// The job, for an instance with a classic rule: no other has its state.
     classic: Option<u32>,
 }
@@ -157,7 +159,9 @@ impl<B: Copy + Ord> Plan<B> {
             if state.tracker.since(changes, state.lod) != Some(changes.epoch) {
                 let classic = instance.classic_state().map(|_| job as u32);
                 let (chunk, packed) = (state.mesh.chunk, state.layout.packed());
-                let key = DispatchKey { binding: target.binding(), chunk, packed, classic };
+                let mesh = instance.example_set().lod(state.lod)?;
+                let nodes = mesh.rows.is_some() && instance.view().nodes.is_some();
+                let key = DispatchKey { binding: target.binding(), chunk, packed, nodes, classic };
                 self.jobs.push(PlannedJob { key, job, bounds: Aabb::EMPTY, blocks: 0..0 });
             } else {
                 report.blocks_skipped += changes.blocks[state.lod].len() as u64;
@@ -187,10 +191,14 @@ impl<B: Copy + Ord> Plan<B> {
                         since,
                     )
                 }
-                None => self.work.add_marks(shown),
+                None => match view.nodes.filter(|_| planned.key.nodes) {
+                    Some(nodes) => self.work.add_nodes(shown, &nodes),
+                    None => self.work.add_marks(shown),
+                },
             };
             let case = match planned.key.classic {
                 Some(_) => Case::Classic,
+                None if planned.key.nodes => Case::Nodes,
                 None if self.work.lookups() > looked_up => Case::Marks,
                 None => Case::Anchored,
             };

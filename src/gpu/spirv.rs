@@ -1,17 +1,15 @@
 //! The SPIR-V of the kernels, and the changes to it that make a variant.
 
-#[cfg(feature = "vulkan")]
-use super::kernel::Case;
 use super::kernel::Variant;
 
-/// The kernels of the marks, and those of the classic rules.
+/// In the order of [`Variant::source`].
 #[cfg(feature = "vulkan")]
-const MODULES: [Module; 2] = include!(concat!(env!("OUT_DIR"), "/vulkan_modules.rs"));
+const MODULES: [Module; 3] = include!(concat!(env!("OUT_DIR"), "/vulkan_modules.rs"));
 
 /// Returns the SPIR-V of a variant with this number of invocations a workgroup.
 #[cfg(feature = "vulkan")]
 pub(crate) fn compiled(variant: Variant, invocations: u32) -> Vec<u32> {
-    MODULES[usize::from(variant.case == Case::Classic)].compiled(variant, invocations)
+    MODULES[variant.source()].compiled(variant, invocations)
 }
 
 /// The SPIR-V of a source.

@@ -6,7 +6,6 @@ use super::limits::BindingLimits;
 use crate::base::error::Error;
 use crate::base::strided::Strided;
 use crate::deform::Encoding;
-use crate::example::mesh_lod::MeshLod;
 use crate::mesh::Mesh;
 use std::fmt::Debug;
 use std::ops::Range;
@@ -76,7 +75,7 @@ impl<B, F: HostFormat> TargetDef<B, F> {
 
     /// Checks the definition for a mesh and a buffer of `buffer_size` bytes. Returns the layout, the kernel that writes it, and
     /// the bytes of the buffer from the first that is written to the last.
-    pub(crate) fn layout(&self, mesh: &MeshLod, buffer_size: u64) -> Result<(VertexLayout, Kernel, Range<u64>), Error> {
+    pub(crate) fn layout(&self, mesh: &Mesh, buffer_size: u64) -> Result<(VertexLayout, Kernel, Range<u64>), Error> {
         let positions = encoded("position", &self.positions, &F::POSITIONS)?;
         let good = self.scale.iter().all(|s| *s > 0.0 && s.is_finite()) && self.bias.iter().all(|b| b.is_finite());
         if positions.format == Encoding::Snorm16x4 && !good {
@@ -93,12 +92,8 @@ impl<B, F: HostFormat> TargetDef<B, F> {
         if needed > buffer_size {
             return Err(Error::BufferTooSmall { name: "the buffer".into(), size: buffer_size, needed });
         }
-        if mesh.rows.is_some() {
-            let what = "a GPU target of vertices that follow nodes: they are computed on the CPU only; bake the set without nodes";
-            return Err(Error::Unsupported { what: what.into() });
-        }
-        let kernel = layout.kernel(&mesh.mesh)?;
-        let written = layout.check(mesh.vertex_count(), self.size)?;
+        let kernel = layout.kernel(mesh)?;
+        let written = layout.check(mesh.positions().len(), self.size)?;
         Ok((layout, kernel, self.offset + written.start..self.offset + written.end))
     }
 }

@@ -11,9 +11,11 @@ use super::vertices::VertexStream;
 use super::{BLOCK_VERTICES, Encoding};
 use crate::base::error::Error;
 use crate::base::math::Aabb;
+use crate::basis::ONE;
 use crate::classic::ClassicState;
 use crate::damage::carried::{Carried, Lookup};
 use crate::damage::dent::{Part, Reach};
+use crate::deform::nodes::{NodeSteps, NodeView};
 use crate::deform::view::{DamageView, may_reach};
 use crate::example::mesh_lod::MeshLod;
 use bytemuck::{Pod, cast, cast_slice};
@@ -203,6 +205,26 @@ impl FrameWork {
         bounds
     }
 
+    /// Adds a target of an instance whose vertices follow nodes: the displacements of all nodes. Returns a box that holds its vertices.
+    pub(super) fn add_nodes(&mut self, shown: Shown<'_>, nodes: &NodeView<'_>) -> Aabb {
+        let begin = self.parts.len();
+        for pair in nodes.steps.chunks(2) {
+            let node = |n: &NodeSteps| n.map(|x| u32::from(x as u16));
+            let [a, b] = [node(&pair[0]), pair.get(1).map_or([0; 4], node)];
+            self.parts.push([a[0] | a[1] << 16, a[2], b[0] | b[1] << 16, b[2]]);
+        }
+        let length = |n: &NodeSteps| Vec3::new(n[0].into(), n[1].into(), n[2].into()).length_squared();
+        let farthest = nodes.steps.iter().map(length).fold(0.0, f32::max).sqrt() * nodes.step;
+        let most = shown.mesh.rows.as_ref().map_or(0, |rows| rows.tiles.iter().map(|t| t.most).max().unwrap_or(0));
+        let longest = farthest * (most as f32 / ONE as f32);
+        let limit = shown.view.limit(longest);
+        let flags = if limit.is_some() { LIMITED } else { 0 };
+        self.add_target(shown, (begin, longest), (flags, limit.unwrap_or(0.0), NONE));
+        let grown = Vec3::splat(longest.min(shown.view.depth_limit) * ROUNDING);
+        let all = shown.mesh.mesh.bounds();
+        Aabb { min: all.min - grown, max: all.max + grown }
+    }
+
     /// Adds a target of an instance with a classic rule: the hits since the epoch of the device's state, or the state itself if
     /// the device has none or it is too old. Returns a box that holds the vertices.
     pub(super) fn add_classic(
@@ -291,7 +313,9 @@ impl FrameWork {
             step: shown.view.step(),
             per_step: 1.0 / shown.view.step(),
             coarse: shown.view.coarse,
-            padding: [0; 3],
+            tiles: place.tiles().unwrap_or(NONE),
+            node_step: shown.view.nodes.map_or(0.0, |nodes| nodes.step),
+            padding: 0,
         });
     }
 }

@@ -131,7 +131,7 @@ impl Graph {
     /// for normals or tangents that the mesh lacks, or a mesh with examples of more than 128 MiB; [`Error::OutOfMemory`].
     pub fn add_target(&mut self, set: &Arc<ExampleSet>, def: &TargetDef) -> Result<Target, Error> {
         let mesh = set.lod(def.lod)?;
-        let (layout, kernel, _) = def.layout(mesh, def.buffer.size)?;
+        let (layout, kernel, _) = def.layout(&mesh.mesh, def.buffer.size)?;
         self.free_meshes();
         let uploads = &mut self.uploads;
         uploads.try_reserve(1).map_err(|_| Error::OutOfMemory { what: "one more upload".into(), bytes: 0 })?;

@@ -70,12 +70,13 @@ impl Device {
     pub fn add_target(&mut self, set: &Arc<ExampleSet>, def: &TargetDef) -> Result<Target, Error> {
         let mesh = set.lod(def.lod)?;
         let size = self.hosts.get(def.buffer)?.def.size;
-        let (layout, kernel, written) = def.layout(mesh, size)?;
+        let (layout, kernel, written) = def.layout(&mesh.mesh, size)?;
         let limits = self.gpu.binding_limits();
         let host = self.hosts.get_mut(def.buffer)?;
         let window = host.window(&self.gpu, &self.pipelines, &written)?;
         let (handle, first) = (host.def.buffer, def.offset.wrapping_sub(host.windows[window].range.start));
-        for case in [Case::Anchored, Case::Marks] {
+        let cases = if mesh.rows.is_some() { &[Case::Nodes][..] } else { &[Case::Anchored, Case::Marks] };
+        for case in cases.iter().copied() {
             let variant = Variant { kernel, case, packed: layout.packed() };
             self.gpu.add_pipeline(&mut self.pipelines, variant)?;
         }

@@ -2,7 +2,7 @@
 
 use super::wgpu_device::WgpuDevice;
 use crate::base::error::Error;
-use crate::gpu::{Call, Case, Module, Variant};
+use crate::gpu::{Call, Module, Variant};
 use std::num::NonZero;
 use std::sync::atomic::Ordering;
 
@@ -12,10 +12,14 @@ macro_rules! built {
     };
 }
 
-/// Of the marks, and of the classic rules.
-const MODULES: [Module; 2] = built!(include "wgpu_modules.rs");
-const SOURCES: [&str; 2] = [built!(include_str "marks_uniform.wgsl"), built!(include_str "classic_uniform.wgsl")];
-const NAMES: [&str; 2] = ["crumple: marks", "crumple: classic"];
+/// In the order of [`Variant::source`].
+const MODULES: [Module; 3] = built!(include "wgpu_modules.rs");
+const SOURCES: [&str; 3] = [
+    built!(include_str "marks_uniform.wgsl"),
+    built!(include_str "classic_uniform.wgsl"),
+    built!(include_str "nodes_uniform.wgsl"),
+];
+const NAMES: [&str; 3] = ["crumple: marks", "crumple: classic", "crumple: nodes"];
 const WORKGROUP: &str = "@workgroup_size(128)";
 
 /// Layouts, and the pipelines that were needed so far.
@@ -24,8 +28,8 @@ pub(super) struct WgpuPipelines {
     pub work: wgpu::BindGroupLayout,
     /// Of one buffer: the host's or a state.
     pub one: wgpu::BindGroupLayout,
-    /// For marks, and for the classic rules.
-    layouts: [wgpu::PipelineLayout; 2],
+    /// In the order of [`Variant::source`].
+    layouts: [wgpu::PipelineLayout; 3],
     /// Invocations a workgroup.
     workgroup: u32,
     /// In the order of [`Variant::number`].
@@ -54,7 +58,7 @@ impl WgpuPipelines {
         let work = layout("crumple: work", &[read(0, 4), read(1, 16), call]);
         let one = layout("crumple: buffer", &[binding(0, storage(false), false, 4)]);
         let groups = [Some(&work), Some(&one), Some(&one)];
-        let layouts = [2, 3].map(|count| {
+        let layouts = [2, 3, 2].map(|count| {
             device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: Some("crumple"),
                 bind_group_layouts: &groups[..count],
@@ -70,7 +74,7 @@ impl WgpuPipelines {
         if pipeline.is_some() {
             return Ok(());
         }
-        let (device, rule) = (&gpu.device, usize::from(variant.case == Case::Classic));
+        let (device, rule) = (&gpu.device, variant.source());
         let label = Some(NAMES[rule]);
         let exact = gpu.takes_spirv();
         let made = gpu.checked("making a compute pipeline", 0, || {

@@ -27,7 +27,7 @@ impl Device {
             let value = format!("{usage:?}");
             return Err(Error::invalid("the buffer's usage", value, "with STORAGE among its flags"));
         }
-        let (layout, kernel, written) = def.layout(mesh, def.buffer.size() & !3)?;
+        let (layout, kernel, written) = def.layout(&mesh.mesh, def.buffer.size() & !3)?;
         let bound = self.bound.binding((&self.gpu, &self.pipelines), def.buffer, &written)?;
         let first = def.offset.wrapping_sub(bound.range.start);
         let mesh = self.mesh(set, def.lod)?;

@@ -37,6 +37,10 @@ pub fn sets() -> Vec<(String, Arc<ExampleSet>)> {
     let poke = crumple::ExampleData { placement: Placement::Anchored, ..crumple::ExampleData::new("poke", poke) };
     all.push(("points".into(), scenes::build(points, vec![poke], SetOptions::default())));
     all.push(("panel".into(), scenes::solver_set("panel", 6, Placement::Automatic)));
+    for body in [("cube", scenes::cube_set()), ("limits", limited()), ("panel", all[all.len() - 1].1.clone())] {
+        let (name, set) = scenes::following(body);
+        all.push((format!("{name} that follows nodes"), set));
+    }
     all
 }
 

@@ -41,7 +41,7 @@ pub struct Arguments {
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     depth_limit: Option<f32>,
     /// Let vertices follow nodes, a few of them, and be off by about this at most: hits and frames cost less, the more so the more
-    /// examples and marks there are. On the CPU only. Give --reorder too
+    /// examples and marks there are. Give --reorder too
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     nodes: Option<f32>,
     /// File with closed solids that dents must not enter, such as a roll cage: every mesh of a glTF or GLB file, where its
