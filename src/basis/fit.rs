@@ -14,8 +14,8 @@ const SHARED: usize = 12;
 const PRIOR: f64 = 0.1;
 /// Variance of a constant field in the prior: so weights sum to 1.
 const CONSTANT: f64 = 10.0;
-/// How far away a vertex's nodes may be, in distances of its third nearest node. Those further away are in its tile for the sake of
-/// others.
+/// How far away a vertex's nodes may be, in distances of its third nearest node or of the tile's neighbouring nodes, whichever is
+/// more. Those further away are in its tile for the sake of others.
 const REACH: f32 = 4.0;
 /// Length of the prior's kernel, in mean distances of neighbouring nodes.
 const LENGTH: f32 = 2.0;
@@ -79,6 +79,7 @@ impl Fitting<'_> {
         targets.sort_unstable();
         targets.dedup();
         let solved = self.solve(&nodes, &targets);
+        let spacing = self.spacing(&nodes.iter().map(|n| self.position(*n)).collect::<Vec<_>>());
         let mut out = FittedTile {
             weights: vec![[0; TILE]; nodes.len()],
             slopes: if self.slopes.is_some() { vec![[[0.0; 2]; TILE]; nodes.len()] } else { Vec::new() },
@@ -88,7 +89,7 @@ impl Fitting<'_> {
             if self.shared[v] {
                 self.shared_vertex(v, i, &mut out);
             } else {
-                let far = self.far(v, &out.nodes);
+                let far = self.far(v, &out.nodes, spacing);
                 let row = |target: u32| {
                     let mut row = solved[targets.partition_point(|t| *t < target)].clone();
                     row.iter_mut().zip(&far).filter(|(_, far)| **far).for_each(|(w, _)| *w = 0.0);
@@ -105,11 +106,12 @@ impl Fitting<'_> {
         out
     }
 
-    /// Which of a tile's nodes are out of a vertex's reach.
-    fn far(&self, v: usize, nodes: &[u32]) -> Vec<bool> {
+    /// Which of a tile's nodes are out of a vertex's reach. `spacing` is that of the tile's nodes, m.
+    fn far(&self, v: usize, nodes: &[u32], spacing: f32) -> Vec<bool> {
         let p = self.mesh.positions()[v];
-        let reach = REACH * REACH * self.index.several::<3>(p).last().map_or(0.0, |(squared, _)| *squared);
-        nodes.iter().map(|n| self.position(*n).distance_squared(p) > reach).collect()
+        let third = self.index.several::<3>(p).last().map_or(0.0, |(squared, _)| squared.sqrt());
+        let reach = REACH * third.max(spacing);
+        nodes.iter().map(|n| self.position(*n).distance(p) > reach).collect()
     }
 
     /// The weights of a vertex whose position others share: over its own nodes, the same in every tile.
@@ -241,26 +243,37 @@ fn substitute(factor: &[f64], n: usize, x: &mut [f64]) {
     }
 }
 
-/// Weights as integers that sum to [`ONE`], with the least change; smaller where their absolute sum would be too large.
+/// Weights as whole numbers of 1 / [`ONE`] that sum to 1; smaller where their absolute sum would be too large.
 fn rounded(weights: &[f64]) -> Vec<i32> {
-    let limit = |w: f64| w.clamp(-127.0, 127.0);
-    let mut whole: Vec<i32> = weights.iter().map(|w| libm::round(limit(w * f64::from(ONE))) as i32).collect();
-    let mut rest = ONE - whole.iter().sum::<i32>();
-    while rest != 0 {
-        let sign = rest.signum();
-        // The one that gets nearer to its weight, or less further from it, than any other.
-        let gain = |i: usize| (weights[i] * f64::from(ONE) - f64::from(whole[i])) * f64::from(sign);
-        let free = (0..whole.len()).filter(|i| weights[*i] != 0.0 && (-127..=127).contains(&(whole[*i] + sign)));
-        let Some(best) = free.reduce(|a, b| if gain(b) > gain(a) { b } else { a }) else { break };
-        whole[best] += sign;
-        rest -= sign;
-    }
+    let mut whole = whole(weights.iter().map(|w| w * f64::from(ONE)).collect(), ONE);
     while whole.iter().map(|w| w.abs()).sum::<i32>() > MOST_WEIGHT {
         // Rare: nearer to the nearest nodes' mean.
         whole.iter_mut().for_each(|w| *w = *w * 3 / 4);
         let rest = ONE - whole.iter().sum::<i32>();
         let Some(largest) = (0..whole.len()).max_by_key(|i| whole[*i]) else { break };
-        whole[largest] = (whole[largest] + rest).clamp(-127, 127);
+        whole[largest] = (whole[largest] + rest).clamp(-MOST, MOST);
+    }
+    whole
+}
+
+/// The largest 8-bit number in use.
+const MOST: i32 = 127;
+
+/// Rounds numbers to 8 bits with the least change by which they sum to `total`. Zeros stay.
+pub(super) fn whole(numbers: Vec<f64>, total: i32) -> Vec<i32> {
+    let limit = f64::from(MOST);
+    let mut whole: Vec<i32> = numbers.iter().map(|x| libm::round(x.clamp(-limit, limit)) as i32).collect();
+    let mut rest = total - whole.iter().sum::<i32>();
+    while rest != 0 {
+        let sign = rest.signum();
+        // The one that gets nearer to its number, or less further from it, than any other.
+        let gain = |i: usize| (numbers[i] - f64::from(whole[i])) * f64::from(sign);
+        let free = |i: &usize| numbers[*i] != 0.0 && (whole[*i] + sign).abs() <= MOST;
+        let Some(best) = (0..whole.len()).filter(free).reduce(|a, b| if gain(b) > gain(a) { b } else { a }) else {
+            break;
+        };
+        whole[best] += sign;
+        rest -= sign;
     }
     whole
 }

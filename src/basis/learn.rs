@@ -1,6 +1,6 @@
 //! Learns a basis from displacement fields: nodes are added where vertices are wrong, until the tolerance holds.
 
-use super::fit::{FittedTile, Fitting};
+use super::fit::{FittedTile, Fitting, whole};
 use super::nodes::{refine, spread};
 use super::slopes::Slopes;
 use super::{Basis, ONE, Rows, TILE, Tile};
@@ -172,9 +172,11 @@ fn rows(fitted: Vec<FittedTile>) -> Rows {
             weights.extend((0..TILE).flat_map(|v| [pair[0][v] as i8, pair[1][v] as i8]));
         }
         for k in 0..if with_slopes { 2 } else { 0 } {
-            let number = |s: [f32; 2]| (s[k] / unit).round() as i8;
-            for pair in tile.slopes.chunks_exact(2) {
-                slopes.extend((0..TILE).flat_map(|v| [number(pair[0][v]), number(pair[1][v])]));
+            // They sum to 0, so that what moves as a whole does not turn.
+            let of_vertex = |v: usize| whole(tile.slopes.iter().map(|s| f64::from(s[v][k] / unit)).collect(), 0);
+            let numbers: Vec<Vec<i32>> = (0..TILE).map(of_vertex).collect();
+            for pair in (0..tile.nodes.len()).step_by(2) {
+                slopes.extend(numbers.iter().flat_map(|of| [of[pair] as i8, of[pair + 1] as i8]));
             }
         }
         nodes.append(&mut tile.nodes);

@@ -43,7 +43,7 @@ pub struct Arguments {
     /// Let vertices follow nodes, a few of them, and be off by about this at most: hits and frames cost less, the more so the more
     /// examples and marks there are. Give --reorder too
     #[arg(long, value_name = "LENGTH", value_parser = length)]
-    nodes: Option<f32>,
+    basis: Option<f32>,
     /// File with closed solids that dents must not enter, such as a roll cage: every mesh of a glTF or GLB file, where its
     /// node places it in the scene of the body, m; repeat the option for more files
     #[arg(long, value_name = "SOLID.glb")]
@@ -125,7 +125,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     for mesh in part_meshes {
         set.add_lod(mesh, &pool).with_context(|| shown.to_string())?;
     }
-    let nodes = arguments.nodes.map(|tolerance| set.learn_basis(&BasisOptions::new(tolerance), &pool)).transpose()?;
+    let nodes = arguments.basis.map(|tolerance| set.learn_basis(&BasisOptions::new(tolerance), &pool)).transpose()?;
     let built = start.elapsed();
     bar.inc(1);
     bar.set_message("writing");
@@ -155,7 +155,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     sizes(&mut text, &set, &exact, length);
     errors(&mut text, &set, &exact)?;
     stamps(&mut text, &set)?;
-    if let Some((report, tolerance)) = nodes.zip(arguments.nodes) {
+    if let Some((report, tolerance)) = nodes.zip(arguments.basis) {
         followed(&mut text, &report, tolerance)?;
     }
     info::blows(&mut text, &set);
