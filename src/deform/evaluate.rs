@@ -11,9 +11,8 @@
 use super::follow::Following;
 use super::kernel::{Block, Flat, ReadyLookup, ReadyPart, Source, whole};
 use super::levels;
-use super::nodes::NodeView;
 use super::sums::{BlockSums, ChangedDent};
-use super::view::{DamageView, DisplacedVertices, may_reach};
+use super::view::{DamageView, DisplacedVertices, NodeView, may_reach};
 use crate::base::math::{Aabb, tangent_basis, turned_as, unit};
 use crate::basis::{ONE, Rows, TILE};
 use crate::damage::dent::{Dent, Part};

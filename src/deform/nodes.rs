@@ -1,15 +1,12 @@
 //! The displacements of an instance's nodes, which its vertices follow ([`crate::basis`]).
 
-use super::view::DamageView;
+use super::view::{DamageView, NodeSteps, NodeView};
 use super::{Output, Tracker, VertexMemory, write_outputs};
 use crate::base::error::{Error, reserve};
 use crate::base::tasks::Serial;
 use crate::basis::FREE;
 use crate::example::mesh_lod::MeshLod;
 use glam::Vec3;
-
-/// The displacement of a node in steps; the fourth number is 0.
-pub(crate) type NodeSteps = [i16; 4];
 
 /// The displacements of all nodes, as of the last update.
 #[derive(Debug)]
@@ -22,13 +19,6 @@ pub(crate) struct NodeState {
     step: f32,
     /// Nodes whose steps the last update changed.
     changed: Vec<u32>,
-}
-
-/// What evaluation needs of it.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct NodeView<'a> {
-    pub steps: &'a [NodeSteps],
-    pub step: f32,
 }
 
 impl NodeState {

@@ -1,7 +1,6 @@
 //! What evaluation needs of an instance: its damage, its limits, and when each block changed.
 
 use super::kernel::TURN_STEP;
-use super::nodes::NodeView;
 use crate::damage::changes::Changes;
 use crate::damage::dent::{Dent, Part};
 use crate::damage::list::Damage;
@@ -29,6 +28,17 @@ pub(crate) struct DamageView<'a> {
     pub vertices: Option<DisplacedVertices<'a>>,
     /// Displacements of the set's nodes. Meshes with rows follow them.
     pub nodes: Option<NodeView<'a>>,
+}
+
+/// The displacement of a node in steps; the fourth number is 0.
+pub(crate) type NodeSteps = [i16; 4];
+
+/// Displacements of nodes.
+#[derive(Clone, Copy)]
+pub(crate) struct NodeView<'a> {
+    pub steps: &'a [NodeSteps],
+    /// m.
+    pub step: f32,
 }
 
 /// Vertices displaced by a rule.
