@@ -10,8 +10,10 @@ use glam::Vec3;
 pub(crate) const NEAREST: usize = 6;
 /// Nodes that a vertex follows whose position several vertices share: the same in every tile.
 const SHARED: usize = 12;
-/// Weight of the prior, as a share of the fields' mean square at a node.
-const PRIOR: f64 = 0.1;
+/// Weights of the prior, as shares of the fields' mean square at a node. The first is taken with which weights are [`tame`], else the last.
+const PRIORS: [f64; 3] = [0.1, 1.0, 10.0];
+/// The largest absolute weight, and the largest sum of absolute weights, of a vertex: larger ones amplify what the fields do not show.
+const TAME: (f64, f64) = (1.6, 4.0);
 /// Variance of a constant field in the prior: so weights sum to 1.
 const CONSTANT: f64 = 10.0;
 /// How far away a vertex's nodes may be, in distances of its third nearest node or of the tile's neighbouring nodes, whichever is
@@ -142,6 +144,17 @@ impl Fitting<'_> {
 
     /// For each target vertex, the weights of the nodes.
     fn solve(&self, nodes: &[u32], targets: &[u32]) -> Vec<Vec<f64>> {
+        let mut solved = Vec::new();
+        for prior in PRIORS {
+            solved = self.solve_with(prior, nodes, targets);
+            if solved.iter().all(|weights| tame(weights)) {
+                break;
+            }
+        }
+        solved
+    }
+
+    fn solve_with(&self, weight: f64, nodes: &[u32], targets: &[u32]) -> Vec<Vec<f64>> {
         let (m, n) = (nodes.len(), targets.len());
         let (mut gram, mut right) = (vec![0.0f64; m * m], vec![0.0f64; n * m]);
         let mut squares = 0.0f64;
@@ -173,7 +186,7 @@ impl Fitting<'_> {
                 }
             }
         }
-        let scale = if squares > 0.0 { PRIOR * squares / m as f64 } else { 1.0 };
+        let scale = if squares > 0.0 { weight * squares / m as f64 } else { 1.0 };
         let positions: Vec<Vec3> = nodes.iter().map(|n| self.position(*n)).collect();
         let length = (LENGTH * self.spacing(&positions)).max(f32::MIN_POSITIVE);
         for i in 0..m {
@@ -201,6 +214,10 @@ impl Fitting<'_> {
         let nearest = |p: &Vec3| self.index.several::<3>(*p).get(2).map_or(0.0, |(d, _)| d.sqrt());
         positions.iter().map(nearest).sum::<f32>() / positions.len().max(1) as f32
     }
+}
+
+fn tame(weights: &[f64]) -> bool {
+    weights.iter().all(|w| w.abs() <= TAME.0) && weights.iter().map(|w| w.abs()).sum::<f64>() <= TAME.1
 }
 
 fn add_slope(to: &mut [f32; 2], along: [f32; 2], weight: f64) {
