@@ -21,6 +21,8 @@ pub struct Report {
 pub struct File {
     pub json: Value,
     buffers: Vec<Option<Vec<u8>>>,
+    /// What a GLB has behind its JSON and its binary chunk.
+    other_chunks: Vec<u8>,
     folder: PathBuf,
 }
 
@@ -44,12 +46,13 @@ impl File {
     pub fn open(path: &Path) -> File {
         let bytes = std::fs::read(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
         let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
-        let (text, bin) = if bytes.starts_with(b"glTF") {
+        let (text, bin, other_chunks) = if bytes.starts_with(b"glTF") {
             let end = 20 + word(12);
             let bin = (word(8) > end).then(|| bytes[end + 8..end + 8 + word(end)].to_vec());
-            (&bytes[20..end], bin)
+            let behind = bin.as_ref().map_or(end, |bin| end + 8 + bin.len());
+            (&bytes[20..end], bin, bytes[behind..word(8)].to_vec())
         } else {
-            (&bytes[..], None)
+            (&bytes[..], None, Vec::new())
         };
         let text = String::from_utf8_lossy(text);
         let json: Value = serde_json::from_str(text.trim_start_matches('\u{feff}').trim_end_matches('\0')).unwrap();
@@ -59,7 +62,7 @@ impl File {
             None if i == 0 => bin.clone(),
             None => None,
         });
-        File { buffers: buffers.collect(), json, folder }
+        File { buffers: buffers.collect(), json, other_chunks, folder }
     }
 
     fn view(&self, index: usize) -> Option<Vec<u8>> {
@@ -243,6 +246,9 @@ pub fn compare(source: &Path, output: &Path) -> Report {
         let (a, b) = (rest(&before.json), rest(&after.json));
         let keys = a.as_object().unwrap().keys().filter(|key| a[*key] != b[*key]);
         differ(format!("JSON: {}", keys.cloned().collect::<Vec<_>>().join(", ")));
+    }
+    if before.other_chunks != after.other_chunks {
+        differ("chunks of the GLB".into());
     }
     images(&before, &after, &mut differ);
     for (a, b) in list(&before.json["skins"]).iter().zip(list(&after.json["skins"])) {

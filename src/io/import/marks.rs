@@ -13,6 +13,8 @@ pub(super) struct Marks<'r> {
     materials: Vec<Found3>,
     meshes: Vec<Mark>,
     taken: Vec<bool>,
+    /// Whether the scene shows each node, if that decides whether it is taken.
+    in_scene: Option<Vec<bool>>,
 }
 
 /// What the three lists of patterns find, and what extras say.
@@ -65,18 +67,36 @@ impl<'r> Marks<'r> {
             }
             _ => Vec::new(),
         };
+        let in_scene = match reading.mesh {
+            MeshChoice::Nodes(patterns) if patterns.is_all() => Some(nodes.in_scene()?),
+            _ => None,
+        };
         Ok(Self {
             reading,
             nodes: nodes.inherited(nothing, inherited)?,
             materials: of_materials.collect(),
             meshes: marks("meshes")?,
             taken,
+            in_scene,
         })
     }
 
     /// Whether the reading takes a node for its body.
     pub(super) fn takes(&self, node: usize) -> bool {
+        self.would_take(node) && !self.is_aside(node)
+    }
+
+    /// Whether it does not, because the scene does not show the node.
+    pub(super) fn leaves_aside(&self, node: usize) -> bool {
+        self.would_take(node) && self.is_aside(node)
+    }
+
+    fn would_take(&self, node: usize) -> bool {
         self.taken.get(node).copied().unwrap_or(false) && self.of_node(node) != Mark::Moving
+    }
+
+    fn is_aside(&self, node: usize) -> bool {
+        self.in_scene.as_ref().is_some_and(|shown| !shown[node])
     }
 
     /// The mark of a node, whatever its materials.

@@ -8,8 +8,9 @@ use crate::base::error::Error;
 use ::gltf::json;
 use ::gltf::json::Index;
 use ::gltf::json::accessor::Type;
+use serde_json::Value;
 use std::cell::OnceCell;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Four columns.
 pub(super) type Matrix = [[f64; 4]; 4];
@@ -75,6 +76,23 @@ impl<'d, 'a> Nodes<'d, 'a> {
             out[*node] = value;
         }
         Ok(out)
+    }
+
+    /// Which nodes the file's scene shows: not those of other scenes, and of levels of detail (MSFT_lod) only the first. Every node
+    /// if that leaves no mesh.
+    pub(super) fn in_scene(&self) -> Result<Vec<bool>, Error> {
+        let indices = |value: &Value| -> HashSet<usize> {
+            value.as_array().into_iter().flatten().filter_map(|i| usize::try_from(whole(i)?).ok()).collect()
+        };
+        let value = &self.doc.value;
+        let scene = whole(&value["scene"]).map_or(0, |scene| scene as usize);
+        let roots = indices(&value["scenes"][scene]["nodes"]);
+        let nodes = value["nodes"].as_array().into_iter().flatten();
+        let levels: HashSet<usize> = nodes.flat_map(|node| indices(&node["extensions"]["MSFT_lod"]["ids"])).collect();
+        let is_shown = |node, above: &bool| (*above || roots.contains(&node)) && !levels.contains(&node);
+        let shown = self.inherited(roots.is_empty(), is_shown)?;
+        let any = self.doc.nodes.iter().zip(&shown).any(|(node, shown)| *shown && node.mesh.is_some());
+        Ok(if any { shown } else { vec![true; shown.len()] })
     }
 
     fn tree(&self) -> Result<&Tree, Error> {
