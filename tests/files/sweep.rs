@@ -58,7 +58,9 @@ fn examples(obj: &Path) -> Vec<String> {
     let is_example = |p: &PathBuf| {
         p.extension() == obj.extension() && p.file_stem().is_some_and(|s| s.to_string_lossy().starts_with(&stem))
     };
-    beside.filter(is_example).flat_map(|p| ["--example".to_owned(), p.display().to_string()]).collect()
+    let mut files: Vec<PathBuf> = beside.filter(is_example).collect();
+    files.sort();
+    files.into_iter().flat_map(|p| ["--example".to_owned(), p.display().to_string()]).collect()
 }
 
 struct Swept {
@@ -111,7 +113,7 @@ fn one(file: &Path, options: &[&str]) -> Swept {
         std::fs::write(&read, crumple::import::obj_glb(file, &paths).map_or(Vec::new(), |c| c.glb)).unwrap();
     }
     let compared = words.len() == 4 && words[3] != "refused";
-    let report = if compared { compare::compare(&read, &output) } else { Report::default() };
+    let report = if compared { compare::compare(&read, file.parent().unwrap(), &output) } else { Report::default() };
     let all = words.iter().all(|word| *word == words[0]);
     let outcome = if all { words[0].to_owned() } else { words.join(", ") };
     let imported = crumple::import::gltf_file(&read, crumple::import::MeshChoice::First);

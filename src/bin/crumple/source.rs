@@ -26,7 +26,7 @@ pub struct Input {
     /// Mesh of a glTF file, by name or by index from 0 [default: the first mesh whose morph targets move it]
     #[arg(long, value_name = "NAME|INDEX", conflicts_with_all = ["join", "nodes"])]
     mesh: Option<String>,
-    /// Join the meshes of all nodes of the file's scene to one body, with a part for each node
+    /// Join the meshes of all nodes, but those of other scenes, to one body, with a part for each node
     #[arg(long)]
     join: bool,
     /// Join the meshes of the nodes whose name, or a name above them, matches; repeat the option for more. In patterns * stands

@@ -26,6 +26,7 @@ const KNOWN: &[&str] = &[
     "EXT_meshopt_compression",
     "KHR_meshopt_compression",
     "EXT_mesh_gpu_instancing",
+    "GODOT_single_root",
 ];
 
 /// Offsets in a buffer keep their remainder modulo this, so that aligned data stays aligned.

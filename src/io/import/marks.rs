@@ -13,8 +13,8 @@ pub(super) struct Marks<'r> {
     materials: Vec<Found3>,
     meshes: Vec<Mark>,
     taken: Vec<bool>,
-    /// Whether the scene shows each node, if that decides whether it is taken.
-    in_scene: Option<Vec<bool>>,
+    /// Nodes that are not shown beside the others, and not taken.
+    aside: Vec<bool>,
 }
 
 /// What the three lists of patterns find, and what extras say.
@@ -67,9 +67,9 @@ impl<'r> Marks<'r> {
             }
             _ => Vec::new(),
         };
-        let in_scene = match reading.mesh {
-            MeshChoice::Nodes(patterns) if patterns.is_all() => Some(nodes.in_scene()?),
-            _ => None,
+        let aside = match reading.mesh {
+            MeshChoice::Nodes(patterns) if patterns.is_all() => nodes.aside()?,
+            _ => Vec::new(),
         };
         Ok(Self {
             reading,
@@ -77,7 +77,7 @@ impl<'r> Marks<'r> {
             materials: of_materials.collect(),
             meshes: marks("meshes")?,
             taken,
-            in_scene,
+            aside,
         })
     }
 
@@ -86,7 +86,7 @@ impl<'r> Marks<'r> {
         self.would_take(node) && !self.is_aside(node)
     }
 
-    /// Whether it does not, because the scene does not show the node.
+    /// Whether it does not, because the node is not shown beside the others.
     pub(super) fn leaves_aside(&self, node: usize) -> bool {
         self.would_take(node) && self.is_aside(node)
     }
@@ -96,7 +96,7 @@ impl<'r> Marks<'r> {
     }
 
     fn is_aside(&self, node: usize) -> bool {
-        self.in_scene.as_ref().is_some_and(|shown| !shown[node])
+        self.aside.get(node).copied().unwrap_or(false)
     }
 
     /// The mark of a node, whatever its materials.

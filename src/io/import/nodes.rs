@@ -78,21 +78,23 @@ impl<'d, 'a> Nodes<'d, 'a> {
         Ok(out)
     }
 
-    /// Which nodes the file's scene shows: not those of other scenes, and of levels of detail (MSFT_lod) only the first. Every node
-    /// if that leaves no mesh.
-    pub(super) fn in_scene(&self) -> Result<Vec<bool>, Error> {
+    /// Which nodes are not shown beside the others: those of other scenes than the file's, and levels of detail (MSFT_lod) after the
+    /// first. No node if that leaves no mesh.
+    pub(super) fn aside(&self) -> Result<Vec<bool>, Error> {
         let indices = |value: &Value| -> HashSet<usize> {
             value.as_array().into_iter().flatten().filter_map(|i| usize::try_from(whole(i)?).ok()).collect()
         };
-        let value = &self.doc.value;
-        let scene = whole(&value["scene"]).map_or(0, |scene| scene as usize);
-        let roots = indices(&value["scenes"][scene]["nodes"]);
-        let nodes = value["nodes"].as_array().into_iter().flatten();
-        let levels: HashSet<usize> = nodes.flat_map(|node| indices(&node["extensions"]["MSFT_lod"]["ids"])).collect();
-        let is_shown = |node, above: &bool| (*above || roots.contains(&node)) && !levels.contains(&node);
-        let shown = self.inherited(roots.is_empty(), is_shown)?;
-        let any = self.doc.nodes.iter().zip(&shown).any(|(node, shown)| *shown && node.mesh.is_some());
-        Ok(if any { shown } else { vec![true; shown.len()] })
+        let list = |key: &str| self.doc.value[key].as_array().map(Vec::as_slice).unwrap_or_default();
+        let shown = whole(&self.doc.value["scene"]).map_or(0, |scene| scene as usize);
+        let (mut own, mut others) = (HashSet::new(), HashSet::new());
+        for (i, scene) in list("scenes").iter().enumerate() {
+            if i == shown { &mut own } else { &mut others }.extend(indices(&scene["nodes"]));
+        }
+        others.retain(|node| !own.contains(node));
+        others.extend(list("nodes").iter().flat_map(|node| indices(&node["extensions"]["MSFT_lod"]["ids"])));
+        let aside = self.inherited(false, |node, above| *above || others.contains(&node))?;
+        let any = self.doc.nodes.iter().zip(&aside).any(|(node, aside)| !aside && node.mesh.is_some());
+        Ok(if any { aside } else { vec![false; aside.len()] })
     }
 
     fn tree(&self) -> Result<&Tree, Error> {

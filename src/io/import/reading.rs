@@ -17,7 +17,7 @@ pub enum MeshChoice<'a> {
     /// By its name; the first of that name.
     Name(&'a str),
     /// The meshes of all nodes whose names, or the names of nodes above them, match: a body of parts, in the scene's space. Without
-    /// a pattern that takes names, of the nodes that the file's scene shows. See [`Part`](super::Part).
+    /// a pattern that takes names, of all but those of other scenes and levels of detail. See [`Part`](super::Part).
     Nodes(&'a Patterns),
 }
 
