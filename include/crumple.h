@@ -497,10 +497,10 @@ typedef struct {
     /// that the glTF refers to. If it is null there, a glTF that refers to files is an error.
     const char *path;
     CrumpleExampleSetOptions options;
-    /// Whether to join the meshes of all nodes to one body, each where its node places it. Default false. Each node with a
-    /// mesh then is a part: lods 1 and up, in the order of the nodes; see crumple_example_set_find_part(). If there are more
-    /// than 63, the smallest belong to the part of a node above them. Morph targets of the same name are one example if they
-    /// lie near each other. mesh_index and mesh_name are not used.
+    /// Whether to join the meshes of all nodes, but those of other scenes, to one body, each where its node places it. Default
+    /// false. Each node with a mesh then is a part: lods 1 and up, in the order of the nodes; see
+    /// crumple_example_set_find_part(). If there are more than 63, the smallest belong to the part of a node above them. Morph
+    /// targets of the same name are one example if they lie near each other. mesh_index and mesh_name are not used.
     bool join_nodes;
     /// Length of the file's unit, m. Default 1.
     float unit;

@@ -104,7 +104,7 @@ fn files_without_faces_and_files_in_odd_dress() {
     assert_eq!(read(TWO, DENT.split('f').next().unwrap()).unwrap(), plain);
     // Names, groups, comments, vendors' commands, spaces, carriage returns, a byte order mark, relative indices, a continued line.
     let odd = "\u{feff}# T\u{fc}r\r\nmtllib a b.mtl\r\no\u{2003}\u{2003}x\r\n  v 0 0 0 1 0 0\r\n\tv  1 0 0\r\nv 1 1 0\r\nv 0 1 0\r\n\u{2003}g x\r\ng\r\ng \u{fc}\u{e9}\r\nusemtl\r\ns off\r\n\
-               vendor_thing 1 2\r\nf -4 -3 \\\r\n -2 # first\r\nl 1 2\r\np 1\r\n# a comment \\\r\nf 1 3 4 # last";
+               vendor_thing 1 2\r\nf -4 -3 \\\r\n -2 # first\r\nl 1 2\r\n# a comment \\\r\nf 1 3 4 # last";
     assert_eq!(read(odd, DENT).unwrap(), plain);
     for text in [odd.replace("\r\n", "\r"), format!("{}\n\n", odd.replace("\r\n", "\n"))] {
         assert_eq!(read(&text, DENT).unwrap(), plain);

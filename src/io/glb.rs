@@ -64,12 +64,13 @@ pub(crate) fn push(root: &mut Value, key: &str, element: Value) -> usize {
     list.len() - 1
 }
 
-/// Header, JSON chunk, binary chunk, each padded to 4 bytes.
-pub(crate) fn container(root: &Value, bin: &[u8]) -> Result<Vec<u8>, Error> {
+/// Header, JSON chunk, binary chunk and `others`, each padded to 4 bytes.
+pub(crate) fn container(root: &Value, bin: &[u8], others: &[([u8; 4], &[u8])]) -> Result<Vec<u8>, Error> {
     let mut text = root.to_string().into_bytes();
     text.resize(text.len().next_multiple_of(4), b' ');
-    let padded = bin.len().next_multiple_of(4);
-    let total = 12 + 8 + text.len() + if bin.is_empty() { 0 } else { 8 + padded };
+    let binary = (!bin.is_empty()).then_some((*b"BIN\0", bin));
+    let chunks = || binary.iter().chain(others);
+    let total = 12 + 8 + text.len() + chunks().map(|(_, bytes)| 8 + bytes.len().next_multiple_of(4)).sum::<usize>();
     let total = u32::try_from(total)
         .map_err(|_| unsupported(format!("the result has {total} bytes; a GLB holds less than 4 GiB")))?;
     let mut out = crate::base::error::reserve(total as usize, "the GLB")?;
@@ -79,11 +80,11 @@ pub(crate) fn container(root: &Value, bin: &[u8]) -> Result<Vec<u8>, Error> {
     out.extend_from_slice(&(text.len() as u32).to_le_bytes());
     out.extend_from_slice(b"JSON");
     out.append(&mut text);
-    if !bin.is_empty() {
-        out.extend_from_slice(&(padded as u32).to_le_bytes());
-        out.extend_from_slice(b"BIN\0");
-        out.extend_from_slice(bin);
-        out.resize(total as usize, 0);
+    for (kind, bytes) in chunks() {
+        out.extend_from_slice(&(bytes.len().next_multiple_of(4) as u32).to_le_bytes());
+        out.extend_from_slice(kind);
+        out.extend_from_slice(bytes);
+        out.resize(out.len().next_multiple_of(4), 0);
     }
     Ok(out)
 }

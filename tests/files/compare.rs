@@ -21,6 +21,8 @@ pub struct Report {
 pub struct File {
     pub json: Value,
     buffers: Vec<Option<Vec<u8>>>,
+    /// What a GLB has behind its JSON and its binary chunk.
+    other_chunks: Vec<u8>,
     folder: PathBuf,
 }
 
@@ -42,24 +44,35 @@ fn list(value: &Value) -> &[Value] {
 
 impl File {
     pub fn open(path: &Path) -> File {
+        Self::open_in(path, path.parent().unwrap())
+    }
+
+    /// `folder` has the other files that it refers to.
+    fn open_in(path: &Path, folder: &Path) -> File {
         let bytes = std::fs::read(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
         let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
-        let (text, bin) = if bytes.starts_with(b"glTF") {
+        let (text, bin, other_chunks) = if bytes.starts_with(b"glTF") {
             let end = 20 + word(12);
             let bin = (word(8) > end).then(|| bytes[end + 8..end + 8 + word(end)].to_vec());
-            (&bytes[20..end], bin)
+            let behind = bin.as_ref().map_or(end, |bin| end + 8 + bin.len());
+            (&bytes[20..end], bin, bytes[behind..word(8)].to_vec())
         } else {
-            (&bytes[..], None)
+            (&bytes[..], None, Vec::new())
         };
-        let text = String::from_utf8_lossy(text);
+        let wide = text.starts_with(&[0xFF, 0xFE]);
+        let pairs = text.as_chunks::<2>().0.iter().map(|pair| u16::from_le_bytes(*pair));
+        let text = if wide {
+            String::from_utf16(&pairs.collect::<Vec<_>>()).unwrap()
+        } else {
+            String::from_utf8_lossy(text).into()
+        };
         let json: Value = serde_json::from_str(text.trim_start_matches('\u{feff}').trim_end_matches('\0')).unwrap();
-        let folder = path.parent().unwrap().to_owned();
         let buffers = list(&json["buffers"]).iter().enumerate().map(|(i, buffer)| match buffer["uri"].as_str() {
-            Some(uri) => uri_bytes(&folder, uri),
+            Some(uri) => uri_bytes(folder, uri),
             None if i == 0 => bin.clone(),
             None => None,
         });
-        File { buffers: buffers.collect(), json, folder }
+        File { buffers: buffers.collect(), json, other_chunks, folder: folder.to_owned() }
     }
 
     fn view(&self, index: usize) -> Option<Vec<u8>> {
@@ -213,6 +226,8 @@ fn product(a: &[[f64; 4]; 4], b: &[[f64; 4]; 4]) -> [[f64; 4]; 4] {
     std::array::from_fn(|c| std::array::from_fn(|r| (0..4).map(|k| a[k][r] * b[c][k]).sum()))
 }
 
+const INSTANCING: &str = "EXT_mesh_gpu_instancing";
+
 /// The parts of a file that no dent concerns, without indices of accessors and views.
 fn rest(json: &Value) -> Value {
     let mut out = json.clone();
@@ -222,6 +237,7 @@ fn rest(json: &Value) -> Value {
     for node in out["nodes"].as_array_mut().into_iter().flatten().filter_map(Value::as_object_mut) {
         node.shift_remove("mesh");
         node.shift_remove("weights");
+        node.get_mut("extensions").and_then(Value::as_object_mut).map(|e| e.shift_remove(INSTANCING));
     }
     for skin in out["skins"].as_array_mut().into_iter().flatten().filter_map(Value::as_object_mut) {
         skin.shift_remove("inverseBindMatrices");
@@ -234,15 +250,30 @@ fn rest(json: &Value) -> Value {
     out
 }
 
-/// Compares a file with what became of it.
-pub fn compare(source: &Path, output: &Path) -> Report {
-    let (before, after) = (File::open(source), File::open(output));
+/// Compares a file, whose pictures are in `folder`, with what became of it.
+pub fn compare(source: &Path, folder: &Path, output: &Path) -> Report {
+    let (before, after) = (File::open_in(source, folder), File::open(output));
     let mut report = Report::default();
     let mut differ = |what: String| report.differences.push(what);
     if rest(&before.json) != rest(&after.json) {
         let (a, b) = (rest(&before.json), rest(&after.json));
         let keys = a.as_object().unwrap().keys().filter(|key| a[*key] != b[*key]);
         differ(format!("JSON: {}", keys.cloned().collect::<Vec<_>>().join(", ")));
+    }
+    if before.other_chunks != after.other_chunks {
+        differ("chunks of the GLB".into());
+    }
+    for (a, b) in list(&before.json["nodes"]).iter().zip(list(&after.json["nodes"])) {
+        let places = |file: &File, node: &Value| {
+            let attributes = node["extensions"][INSTANCING]["attributes"].as_object().cloned().unwrap_or_default();
+            attributes
+                .into_iter()
+                .map(|(key, accessor)| (key, file.elements(&accessor).map(|e| e.bytes)))
+                .collect::<Vec<_>>()
+        };
+        if places(&before, a) != places(&after, b) {
+            differ("instances".into());
+        }
     }
     images(&before, &after, &mut differ);
     for (a, b) in list(&before.json["skins"]).iter().zip(list(&after.json["skins"])) {

@@ -66,7 +66,7 @@ fn check(folder: &Path, case: &Value) -> Vec<String> {
     wrong.extend(texts("never").into_iter().filter(|t| printed.contains(t)).map(|t| format!("it says '{t}'")));
     let output = work.path().join("o.glb");
     if let Some(source) = case["of"].as_str() {
-        let report = compare::compare(&work.path().join(source), &output);
+        let report = compare::compare(&work.path().join(source), work.path(), &output);
         wrong.extend(report.differences);
         let (least, most) = match &case["moved"] {
             Value::Array(range) => (range[0].as_u64().unwrap(), range[1].as_u64().unwrap()),

@@ -4,7 +4,8 @@ use crate::compare::{self, Report};
 use crate::crumple;
 use std::path::{Path, PathBuf};
 
-/// `cargo xtask sweep DIR` sets CRUMPLE_SWEEP to the folder, and CRUMPLE_SWEEP_OPTIONS to what follows it.
+/// `cargo xtask sweep DIR` sets CRUMPLE_SWEEP to the folder, and CRUMPLE_SWEEP_OPTIONS to what follows it. CRUMPLE_SWEEP_REFUSED is a
+/// list of files: these and no others must be refused.
 #[test]
 fn sweep() {
     let Some(folder) = std::env::var_os("CRUMPLE_SWEEP") else { return };
@@ -12,13 +13,18 @@ fn sweep() {
     let mut files = Vec::new();
     gather(Path::new(&folder), &mut files);
     files.sort();
-    println!("| file | info, bake, sample, apply | says | vertices | moved | what changed that should not |");
-    println!("|---|---|---|---|---|---|");
-    let mut bad = 0;
+    println!(
+        "| file | info, bake, sample, apply | says | examples | vertices | moved | what changed that should not |"
+    );
+    println!("|---|---|---|---|---|---|---|");
+    let (mut bad, mut refused) = (0, Vec::new());
     for file in &files {
-        let shown = file.strip_prefix(&folder).unwrap_or(file).display();
-        let (outcome, says, report) = one(file, &options.split_whitespace().collect::<Vec<_>>());
+        let shown = file.strip_prefix(&folder).unwrap_or(file).display().to_string();
+        let Swept { outcome, says, examples, report } = one(file, &options.split_whitespace().collect::<Vec<_>>());
         bad += usize::from(!report.differences.is_empty());
+        if outcome.contains("refused") {
+            refused.push(shown.clone());
+        }
         let first = report.differences.first().map(|d| d.replace('|', "/"));
         let more = report.differences.len().saturating_sub(1);
         let changed = match (first, more) {
@@ -26,9 +32,12 @@ fn sweep() {
             (Some(first), 0) => first,
             (Some(first), more) => format!("{first}, and {more} more"),
         };
-        println!("| {shown} | {outcome} | {says} | {} | {} | {changed} |", report.vertices, report.moved);
+        println!("| {shown} | {outcome} | {says} | {examples} | {} | {} | {changed} |", report.vertices, report.moved);
     }
     assert!(bad == 0, "{bad} of {} files lost something", files.len());
+    if let Ok(expected) = std::env::var("CRUMPLE_SWEEP_REFUSED") {
+        assert_eq!(refused, expected.split(',').filter(|name| !name.is_empty()).collect::<Vec<_>>(), "refused");
+    }
 }
 
 fn gather(folder: &Path, files: &mut Vec<PathBuf>) {
@@ -49,11 +58,23 @@ fn examples(obj: &Path) -> Vec<String> {
     let is_example = |p: &PathBuf| {
         p.extension() == obj.extension() && p.file_stem().is_some_and(|s| s.to_string_lossy().starts_with(&stem))
     };
-    beside.filter(is_example).flat_map(|p| ["--example".to_owned(), p.display().to_string()]).collect()
+    let mut files: Vec<PathBuf> = beside.filter(is_example).collect();
+    files.sort();
+    files.into_iter().flat_map(|p| ["--example".to_owned(), p.display().to_string()]).collect()
 }
 
-/// What the commands did: in a word each unless all are good, the first thing that they said, and what apply changed.
-fn one(file: &Path, options: &[&str]) -> (String, String, Report) {
+struct Swept {
+    /// What the commands did: in a word each unless all are good.
+    outcome: String,
+    /// The first thing that they said.
+    says: String,
+    /// The names of the examples.
+    examples: String,
+    /// What apply changed.
+    report: Report,
+}
+
+fn one(file: &Path, options: &[&str]) -> Swept {
     let work = tempfile::tempdir().unwrap();
     let path = file.canonicalize().unwrap().display().to_string();
     let examples = if path.to_lowercase().ends_with("obj") { examples(file) } else { Vec::new() };
@@ -92,7 +113,10 @@ fn one(file: &Path, options: &[&str]) -> (String, String, Report) {
         std::fs::write(&read, crumple::import::obj_glb(file, &paths).map_or(Vec::new(), |c| c.glb)).unwrap();
     }
     let compared = words.len() == 4 && words[3] != "refused";
-    let report = if compared { compare::compare(&read, &output) } else { Report::default() };
+    let report = if compared { compare::compare(&read, file.parent().unwrap(), &output) } else { Report::default() };
     let all = words.iter().all(|word| *word == words[0]);
-    (if all { words[0].to_owned() } else { words.join(", ") }, says, report)
+    let outcome = if all { words[0].to_owned() } else { words.join(", ") };
+    let imported = crumple::import::gltf_file(&read, crumple::import::MeshChoice::First);
+    let names = imported.map_or(Vec::new(), |imported| imported.examples.into_iter().map(|e| e.name).collect());
+    Swept { outcome, says, examples: names.join(", "), report }
 }

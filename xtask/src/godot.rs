@@ -96,7 +96,7 @@ fn version(workspace: &Workspace) -> Result<()> {
 }
 
 /// The program of the engine, fetched on the first call.
-fn engine(workspace: &Workspace) -> Result<PathBuf> {
+pub fn engine(workspace: &Workspace) -> Result<PathBuf> {
     if let Some(engine) = std::env::var_os(ENGINE) {
         return Ok(engine.into());
     }
@@ -136,6 +136,11 @@ fn lay_out(workspace: &Workspace, library: &Path) -> Result<PathBuf> {
     Ok(project)
 }
 
+/// Makes the engine write below a folder until the result is dropped.
+pub fn home<'a>(workspace: &'a Workspace, folder: &Path) -> [PushEnv<'a>; 3] {
+    HOME.map(|name| workspace.shell.push_env(name, folder.join(name)))
+}
+
 struct Tests<'a> {
     workspace: &'a Workspace,
     engine: &'a Path,
@@ -145,7 +150,7 @@ struct Tests<'a> {
 impl<'a> Tests<'a> {
     /// Keeps what the engine writes beside the project, out of the user's folders.
     fn home(&self) -> [PushEnv<'a>; 3] {
-        HOME.map(|name| self.workspace.shell.push_env(name, self.home_of(name)))
+        home(self.workspace, &self.project.with_file_name("home"))
     }
 
     fn home_of(&self, name: &str) -> PathBuf {

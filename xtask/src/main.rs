@@ -13,6 +13,7 @@ mod debian;
 mod declarations;
 mod demo;
 mod dependencies;
+mod exporters;
 mod fuzz;
 mod godot;
 mod header;
@@ -162,10 +163,8 @@ fn run(command: Command) -> Result<()> {
         Command::Bench(options) => bench::run(&workspace, &options),
         Command::Soak(options) => soak::run(&workspace, &options),
         Command::Sweep { folder, options } => {
-            let sweep = ["--package", "crumple", "--features", "cli", "--test", "files", "sweep", "--", "--nocapture"];
-            let test =
-                workspace.cargo(&["test", "--quiet"]).args(sweep).env("CRUMPLE_SWEEP", std::path::absolute(folder)?);
-            Ok(test.env("CRUMPLE_SWEEP_OPTIONS", options.join(" ")).run()?)
+            let test = workspace.cargo(&["test", "--quiet", "--package", "crumple", "--features", "cli"]);
+            exporters::sweep(test, &folder, &options.join(" "))
         }
         Command::Ci { fail_fast } => test::ci(&workspace, fail_fast),
         Command::Repo { fix } => repo::run(&workspace, fix),

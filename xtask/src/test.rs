@@ -8,8 +8,8 @@ use crate::stage::{self, Outcome, Rules, Stage};
 use crate::tools::{self, Tool};
 use crate::workspace::Workspace;
 use crate::{
-    abi, blender, csharp, demo, fuzz, godot, native, nightly, package, peers, platforms, python, source, valgrind,
-    vulkan, web,
+    abi, blender, csharp, demo, exporters, fuzz, godot, native, nightly, package, peers, platforms, python, source,
+    valgrind, vulkan, web,
 };
 
 #[derive(Args, Default)]
@@ -189,6 +189,13 @@ const STAGES: &[Stage] = &[
         needs: &[Tool::CCompiler, Tool::Xvfb],
         wants: &[],
         run: godot::run,
+    },
+    Stage {
+        name: "exporters",
+        shows: "what Blender, three.js, assimp, trimesh and Godot write is read, and everything that no dent reached is kept",
+        needs: &[Tool::Python311, Tool::BlenderLibraries, Tool::Npm, Tool::Assimp],
+        wants: &[],
+        run: exporters::stage,
     },
     Stage {
         name: "web",

@@ -64,6 +64,8 @@ pub enum Tool {
     Chromium,
     /// Runs programs for 64-bit ARM.
     Qemu,
+    /// assimp's command, which converts between file formats.
+    Assimp,
 }
 
 /// What building and running programs for Windows takes.
@@ -111,6 +113,7 @@ impl Tool {
             Self::AarchCompiler => ["gcc", "g++"].iter().all(|name| answers(&format!("aarch64-linux-gnu-{name}"))),
             Self::I686Compiler => ["gcc", "g++"].iter().all(|name| answers(&format!("i686-linux-gnu-{name}"))),
             Self::Qemu => answers("qemu-aarch64"),
+            Self::Assimp => cmd!(sh, "assimp version").quiet().ignore_stderr().read().is_ok(),
             Self::Chromium => answers("/usr/bin/chromium"),
             Self::CMake => cmd!(sh, "cmake --version").quiet().ignore_stderr().read().is_ok(),
             Self::CCompiler => cmd!(sh, "cc --version").quiet().ignore_stderr().read().is_ok(),
@@ -187,6 +190,7 @@ impl Tool {
             Self::AarchCompiler => &["g++-aarch64-linux-gnu"],
             Self::I686Compiler => &["g++-i686-linux-gnu"],
             Self::Qemu => &["qemu-user"],
+            Self::Assimp => &["assimp-utils"],
             Self::Chromium => &["chromium"],
             Self::Abigail => &["abigail-tools"],
             Self::Vulkan => &["libvulkan1", "mesa-vulkan-drivers", "vulkan-validationlayers"],
@@ -229,6 +233,7 @@ impl fmt::Display for Tool {
             Self::I686Rust => "Rust for 32-bit x86 (or: rustup target add i686-unknown-linux-gnu)",
             Self::I686Compiler => "GNU's compilers for 32-bit x86",
             Self::Qemu => "qemu-aarch64",
+            Self::Assimp => "assimp",
             Self::WebRust => "Rust for WebAssembly (or: rustup target add wasm32-unknown-unknown)",
             Self::Chromium => "Chromium",
         })

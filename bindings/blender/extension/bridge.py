@@ -8,7 +8,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -368,7 +368,7 @@ def _alone(objects: list[bpy.types.Object]) -> Iterator[None]:
 @contextmanager
 def _copy(obj: bpy.types.Object, examples: bool) -> Iterator[bpy.types.Object]:
     """A copy for the exporter: at its place, selected alone, without dents, modifiers and what is switched off."""
-    scene, name = bpy.context.scene, obj.data.name
+    scene, name, own_name = bpy.context.scene, obj.data.name, obj.name
     keep = {key.name for key in example_keys(obj)} if examples else set()
     told, placed = impacts(obj), placements(obj)
     numbers = (limits(obj), stiffness(obj)) if examples else (None, None)
@@ -376,6 +376,7 @@ def _copy(obj: bpy.types.Object, examples: bool) -> Iterator[bpy.types.Object]:
     copy.data = mesh = obj.data.copy()
     try:
         obj.data.name, mesh.name = f"{name}.original", name
+        obj.name, copy.name = f"{own_name}.original", own_name
         copy.parent, copy.matrix_world = None, obj.matrix_world
         copy.modifiers.clear()
         copy.animation_data_clear()
@@ -398,12 +399,13 @@ def _copy(obj: bpy.types.Object, examples: bool) -> Iterator[bpy.types.Object]:
     finally:
         bpy.data.objects.remove(copy)
         bpy.data.meshes.remove(mesh)
-        obj.data.name = name
+        obj.data.name, obj.name = name, own_name
 
 
-def export_gltf(obj: bpy.types.Object, path: Path, examples: bool = True) -> None:
-    """Writes the object as .glb with its examples and their custom properties; without them for the solver, and without materials."""
-    with _copy(obj, examples):
+def export_gltf(objects: list[bpy.types.Object], path: Path, examples: bool = True) -> None:
+    """Writes objects as .glb with their examples and custom properties; without them for the solver, and without materials."""
+    with ExitStack() as stack:
+        stack.enter_context(_alone([stack.enter_context(_copy(obj, examples)) for obj in objects]))
         bpy.ops.export_scene.gltf(
             filepath=str(path), export_format="GLB", use_selection=True, export_extras=True, export_apply=False, export_yup=True,
             export_normals=True, export_morph=examples, export_morph_normal=True, export_morph_tangent=False,

@@ -27,6 +27,7 @@ import crumple
 from . import bridge, rigid
 from .bridge import Trouble
 
+PATTERNS = "Names with commas between them; * is any text, ? any character, ! takes names out"
 COVERAGE = "Crumple coverage"
 """The colour attribute of the heat map."""
 SAMPLES = 5000
@@ -486,7 +487,7 @@ class CRUMPLE_OT_make_examples(MeshOperator, bpy.types.Operator):
         folder = Path(bpy.app.tempdir) / bpy.path.clean_name(obj.name)
         folder.mkdir(exist_ok=True)
         self.of, self.out, body = obj.name, folder / "examples.glb", folder / "body.glb"
-        bridge.export_gltf(obj, body, examples=False)
+        bridge.export_gltf([obj], body, examples=False)
         scale = obj.matrix_world.to_scale().length / 3**0.5
         low, high = self.depths(scale * float(np.linalg.norm(np.ptp(bridge.base_of(obj), axis=0))))
         command = [program, "examples", str(body), "-o", str(self.out), "--count", str(self.count), "--no-report", "--detail", str(self.detail)]
@@ -656,21 +657,32 @@ class CRUMPLE_OT_export(MeshOperator, ExportHelper, bpy.types.Operator):
     tolerance: FloatProperty(
         name="Tolerance (mm)", default=0.1, min=0, description="Largest position error of a .crumple file, in millimetres. 0: exact floats"
     )
+    parts: BoolProperty(name="Selected as One Body", description="Write all selected meshes as one body, with a part for each object")
+    targets: StringProperty(name="Dents", description=f"Shape keys that are dents, of a .crumple file. {PATTERNS}. Empty: all")
+    rigid: StringProperty(name="Rigid", description=f"Objects or materials that never move, of a .crumple file. {PATTERNS}")
+    glass: StringProperty(name="Glass", description=f"Objects or materials that follow the dents around them, of a .crumple file. {PATTERNS}")
+    moving: StringProperty(name="Moving", description=f"Objects that are no part of a .crumple file's body, such as wheels. {PATTERNS}")
+    unit: FloatProperty(name="Unit (m)", default=1.0, min=1e-6, description="Length of the scene's unit in a .crumple file, in metres")
 
     def run(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
         path = Path(bpy.path.abspath(self.filepath))
         if path.suffix not in (".glb", ".crumple"):
             raise Trouble(f"the file is {path.name}; its name must end in .glb or .crumple")
-        model = bridge.model(obj)
+        chosen = {name: [word.strip() for word in getattr(self, name).split(",") if word.strip()] for name in ("targets", "rigid", "glass", "moving")}
+        told = [name for name, words in chosen.items() if words] + (["unit"] if self.unit != 1.0 else [])
+        if told and path.suffix == ".glb":
+            raise Trouble(f"{told[0]} is of .crumple files; in a .glb file the custom properties dents (of a mesh) and crumple (rigid, glass or moving) say it")
+        objects = [obj] + [one for one in context.selected_objects if self.parts and one.type == "MESH" and one != obj]
+        names = bridge.model(obj).names
         written = path if path.suffix == ".glb" else Path(bpy.app.tempdir) / "crumple_bake.glb"
         part = written.with_name(f"{written.stem}.part.glb")
-        bridge.export_gltf(obj, part)
+        bridge.export_gltf(objects, part)
         with crumple.Context() as library:
             try:
                 options = crumple.SetOptions(bake_tolerance=1e-3 * self.tolerance) if path.suffix == ".crumple" else None
-                loaded = library.load(part, obj.data.name, options)
-                if [one.name for one in loaded.examples] != model.names:
-                    raise Trouble(f"the exporter wrote {loaded.info.example_count} examples of {len(model.names)}; nothing was kept")
+                loaded = library.load(part, None if self.parts else obj.data.name, options, nodes="*" if self.parts else (), unit=self.unit, **chosen)
+                if not self.parts and not chosen["targets"] and [one.name for one in loaded.examples] != names:
+                    raise Trouble(f"the exporter wrote {loaded.info.example_count} examples of {len(names)}; nothing was kept")
                 if path.suffix == ".crumple":
                     # A file of the old name is replaced when the new one is whole.
                     whole = path.with_name(f"{path.name}.part")

@@ -248,6 +248,30 @@ def test_marked_examples_are_read_back_from_the_file(dentable, tmp_path):
     assert "2 of 2 examples know their blow" in said and "2 know their blow" in shown
 
 
+def test_selected_objects_are_one_body(dentable, tmp_path):
+    import crumple
+
+    dentable.location = (2, 0, 0)
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=2, y_subdivisions=2, size=1)
+    pane, wheel = bpy.context.object, bpy.context.object.copy()
+    pane.name, wheel.name, wheel.location = "Pane", "Wheel", (9, 0, 0)
+    bpy.context.scene.collection.objects.link(wheel)
+    for one in (wheel, dentable):
+        one.select_set(True)
+    bpy.context.view_layer.objects.active = dentable
+    path = tmp_path / "body.crumple"
+    bpy.ops.crumple.export(filepath=str(path), tolerance=0, parts=True, targets="*, !right", glass="Pan*", moving="Wheel", unit=0.01)
+    with crumple.Context() as context:
+        body = context.load(path)
+        across = body.mesh().positions[:, 0]
+        assert (across.min(), across.max()) == pytest.approx((-0.005, 0.025))
+        assert [one.name for one in body.examples] == ["left"]
+        assert body.examples[0].depth == pytest.approx(0.01 * 0.05, rel=0.02)
+    assert sorted(one.name for one in bpy.data.objects) == ["Pane", "Sheet", "Wheel"]
+    with pytest.raises(RuntimeError, match="unit is of .crumple files"):
+        bpy.ops.crumple.export(filepath=str(tmp_path / "body.glb"), unit=0.01)
+
+
 def test_round_dents_make_a_bare_mesh_dentable(sheet):
     bpy.ops.crumple.make_examples(count=6)
     assert len(sheet.data.shape_keys.key_blocks) == 7 and len(json.loads(sheet.data["impacts"])) == 6

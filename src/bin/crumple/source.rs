@@ -26,7 +26,7 @@ pub struct Input {
     /// Mesh of a glTF file, by name or by index from 0 [default: the first mesh whose morph targets move it]
     #[arg(long, value_name = "NAME|INDEX", conflicts_with_all = ["join", "nodes"])]
     mesh: Option<String>,
-    /// Join the meshes of all nodes to one body, with a part for each node
+    /// Join the meshes of all nodes, but those of other scenes, to one body, with a part for each node
     #[arg(long)]
     join: bool,
     /// Join the meshes of the nodes whose name, or a name above them, matches; repeat the option for more. In patterns * stands
@@ -170,7 +170,9 @@ impl Input {
                 "--example needs an OBJ base; the examples of {shown} are its morph targets"
             );
             let text = file.bytes.trim_ascii_start();
-            if !file.bytes.starts_with(b"glTF") && !text.starts_with(b"{") && !text.starts_with(b"\xef\xbb\xbf{") {
+            // UTF-8 or UTF-16, with or without a mark.
+            let starts: [&[u8]; 6] = [b"{", b"\xef\xbb\xbf", b"\xff\xfe{\0", b"\xfe\xff\0{", b"\0{", b"glTF"];
+            if !starts.iter().any(|start| text.starts_with(start)) {
                 bail!(
                     "{shown} holds no mesh: it is neither a GLB (it does not begin with 'glTF'), a glTF (a JSON object), a .crumple file, nor named .obj"
                 );

@@ -7,8 +7,12 @@ use crate::io::import::accessor::Accessor;
 use crate::io::import::piece::{Offsets, Piece};
 use crate::mesh::data::MeshData;
 use ::gltf::json::accessor::ComponentType;
-use glam::{DMat3, DMat4, DVec3, Vec3};
+use glam::{DMat3, DMat4, DVec3, Vec3, Vec4};
 use serde_json::{Value, json};
+
+/// Where a vertex stays, its normal and tangent stay too unless a component changes by more than this, 0.006 degrees: a displacement
+/// may be shorter than the rounding of positions, and the slope of a carried dent fades out a little later than its depth.
+const ROUNDING: f32 = 1e-4;
 
 /// An attribute of a piece in its mesh's own space, and which vertices an export must write.
 pub(super) struct Written<const N: usize> {
@@ -40,6 +44,7 @@ impl Changes {
         let surface = &piece.surface;
 
         let (at_rest, moved) = (&rest.positions[own.clone()], &after.positions[own.clone()]);
+        let least = |v: usize| if moved[v] == at_rest[v] { ROUNDING } else { 0.0 };
         let added = |v: usize| shown.map_or([0.0; 3], |shown| shown.positions[v]);
         let turned = |v: usize| shown.map_or([0.0; 3], |shown| shown.normals[v]);
         let position = |(v, p): (usize, &[f32; 3])| {
@@ -62,7 +67,8 @@ impl Changes {
             let given = after.normals.map(|n| &n[own.clone()]);
             // An example set makes normals exactly this long.
             let at_rest = |v: usize| unit(Vec3::from(rest.normals.as_ref().map_or([0.0; 3], |n| n[own.start + v])));
-            let is_new = |v: usize| given.is_some_and(|n| at_rest(v).is_none_or(|rest| rest != Vec3::from(n[v])));
+            let turned_by = |v: usize, n: [f32; 3]| at_rest(v).map(|rest| (rest - Vec3::from(n)).abs().max_element());
+            let is_new = |v: usize| given.is_some_and(|n| turned_by(v, n[v]).is_none_or(|by| by > least(v)));
             let normal = |(v, n): (usize, &[f32; 3])| {
                 let n = match given.filter(|_| is_new(v)) {
                     Some(given) if as_it_is => given[v],
@@ -85,7 +91,9 @@ impl Changes {
         let tangents = surface.data.tangents.as_ref().map(|tangents| {
             let given = after.tangents.map(|t| &t[own.clone()]);
             let at_rest = |v: usize| rest.tangents.as_ref().map(|t| t[own.start + v]);
-            let is_new = |v: usize| given.is_some_and(|t| at_rest(v) != Some(t[v]));
+            let turned_by = |a: [f32; 4], b: [f32; 4]| (Vec4::from(a) - Vec4::from(b)).abs().max_element();
+            let is_new =
+                |v: usize| given.is_some_and(|t| at_rest(v).is_none_or(|rest| turned_by(rest, t[v]) > least(v)));
             let mirrored = linear.determinant() < 0.0;
             let tangent = |(v, t): (usize, &[f32; 4])| match given.filter(|_| is_new(v)).map(|t| t[v]) {
                 Some(given) if as_it_is => given,

@@ -26,6 +26,7 @@ const KNOWN: &[&str] = &[
     "EXT_meshopt_compression",
     "KHR_meshopt_compression",
     "EXT_mesh_gpu_instancing",
+    "GODOT_single_root",
 ];
 
 /// Offsets in a buffer keep their remainder modulo this, so that aligned data stays aligned.
@@ -68,12 +69,12 @@ pub(super) fn write(
         let mut packed = root.clone();
         // If a view is broken, that of another mesh, nothing is moved.
         if let Ok(bin) = pack(doc, &mut packed, &blob, old_views, before) {
-            return container(&packed, &bin);
+            return container(&packed, &bin, &doc.chunks);
         }
     }
     let mut root = root;
     let bin = append(doc, &mut root, blob, old_views, notes)?;
-    container(&root, &bin)
+    container(&root, &bin, &doc.chunks)
 }
 
 /// Keeps every buffer's index and content, and appends the new data to buffer 0. No reference needs to change. A buffer that cannot

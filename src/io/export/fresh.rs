@@ -43,5 +43,5 @@ pub(super) fn mesh(name: &str, triangles: &[[u32; 3]], vertices: Vertices<'_>) -
     }
     root["meshes"] = json!([{ "name": name, "primitives": [primitive] }]);
     root["buffers"] = json!([{ "byteLength": blob.bytes.len() }]);
-    container(&root, &blob.bytes)
+    container(&root, &blob.bytes, &[])
 }

@@ -80,7 +80,11 @@ impl<'d> Accessor<'d> {
 
     /// The bytes of an element, if they stand in the file as they are.
     pub fn stored(&self, i: usize) -> Option<&'d [u8]> {
-        self.base.filter(|_| self.sparse.is_none()).map(|base| base.element(i))
+        let listed = self.sparse.as_ref().and_then(|(indices, values)| {
+            let at = indices.binary_search(&u32::try_from(i).ok()?).ok()?;
+            Some(values.element(at))
+        });
+        listed.or_else(|| self.base.map(|base| base.element(i)))
     }
 
     /// Reads all elements; those that are not stored are zero. They need not be finite.

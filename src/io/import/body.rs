@@ -137,9 +137,29 @@ impl<'d> Source<'_, 'd, '_> {
 
     fn joined(&self, notes: &mut Vec<String>) -> Result<Body<'d>, Error> {
         let shown = self.doc.nodes.iter().enumerate().filter_map(|(i, node)| Some((i, node.mesh?.value())));
-        let shown: Vec<(usize, usize)> = shown.filter(|(node, _)| self.marks.takes(*node)).collect();
+        let mut shown: Vec<(usize, usize)> = shown.filter(|(node, _)| self.marks.takes(*node)).collect();
+        let with_meshes = (0..self.doc.nodes.len()).filter(|node| self.doc.nodes[*node].mesh.is_some());
+        let aside: Vec<usize> = with_meshes.clone().filter(|node| self.marks.leaves_aside(*node)).collect();
+        if let Some(first) = aside.first() {
+            notes.push(format!(
+                "{} nodes with meshes, such as '{}', are of other scenes or are levels of detail, and stay as they are; name them \
+                 with --nodes to take them",
+                aside.len(),
+                cut(&self.nodes.name(*first))
+            ));
+        }
+        self.leave_flat(&mut shown, notes)?;
         if shown.is_empty() {
-            let with_meshes = self.doc.nodes.iter().filter(|node| node.mesh.is_some()).count();
+            let with_meshes = with_meshes.count();
+            if with_meshes == 0 && self.doc.meshes.len() > 0 {
+                return Err(Error::NoSuchMesh {
+                    wanted: "of a node".into(),
+                    available: format!(
+                        "{}, which no node shows; choose one (--mesh) instead of nodes",
+                        self.some_meshes()
+                    ),
+                });
+            }
             return Err(Error::NoSuchMesh {
                 wanted: "of the chosen nodes".into(),
                 available: format!("{with_meshes} nodes with meshes; none of them is chosen and dents"),
@@ -172,6 +192,29 @@ impl<'d> Source<'_, 'd, '_> {
             });
         }
         Ok(body)
+    }
+
+    /// Leaves out nodes that a scale of 0 hides, unless all are.
+    fn leave_flat(&self, shown: &mut Vec<(usize, usize)>, notes: &mut Vec<String>) -> Result<(), Error> {
+        let mut flat = vec![false; self.doc.nodes.len()];
+        for (node, _) in &*shown {
+            let world = DMat4::from_cols_array_2d(&self.nodes.shown(*node, &mut Vec::new())?);
+            flat[*node] = !DMat3::from_mat4(world).inverse().is_finite();
+        }
+        let hidden = shown.iter().filter(|(node, _)| flat[*node]).count();
+        if hidden > 0 && hidden < shown.len() {
+            let first = shown.iter().find(|(node, _)| flat[*node]).map_or(0, |(node, _)| *node);
+            notes.push(format!(
+                "{hidden} nodes, such as '{}', have a scale of 0 and stay as they are",
+                cut(&self.nodes.name(first))
+            ));
+            shown.retain(|(node, _)| !flat[*node]);
+        }
+        Ok(())
+    }
+
+    fn some_meshes(&self) -> String {
+        meshes(self.doc, (0..self.doc.meshes.len()).collect())
     }
 
     /// Fails if a pattern of the reading matches no target.
@@ -276,7 +319,7 @@ impl<'d> Source<'_, 'd, '_> {
         if some.is_empty() {
             return format!(
                 "no mesh of the file has morph targets (it has {}); export them (shape keys), or make some with `crumple examples`",
-                meshes(self.doc, (0..self.doc.meshes.len()).collect())
+                self.some_meshes()
             );
         }
         format!("the file's meshes with morph targets are {}", meshes(self.doc, some))

@@ -2,7 +2,7 @@
 
 use super::meshopt::Packed;
 use super::uri::{self, UriTarget};
-use super::words::cut;
+use super::words::{cut, decoded};
 use super::{malformed, unsupported, whole};
 use crate::base::error::Error;
 use ::gltf::json::{self, Index};
@@ -50,6 +50,8 @@ pub(crate) struct Document<'a> {
     /// The same JSON as plain values: extras, extensions and everything unknown.
     pub value: Value,
     bin: Option<&'a [u8]>,
+    /// The chunks of a GLB that glTF does not know, each with its type. They are kept.
+    pub chunks: Vec<([u8; 4], &'a [u8])>,
     base_dir: Option<&'a Path>,
     loaded: Vec<OnceCell<Cow<'a, [u8]>>>,
     unpacked: Vec<OnceCell<Vec<u8>>>,
@@ -103,9 +105,9 @@ impl Budget {
 
 impl<'a> Document<'a> {
     pub fn parse(bytes: &'a [u8], base_dir: Option<&'a Path>) -> Result<Self, Error> {
-        let (text, bin) = split(bytes)?;
+        let Container { text, bin, chunks } = split(bytes)?;
         let not_json = |e: serde_json::Error| malformed(format!("the glTF's JSON: {e}"));
-        let value: Value = serde_json::from_slice(text).map_err(not_json)?;
+        let value: Value = serde_json::from_str(&text).map_err(not_json)?;
         check_version(&value)?;
         let document = Self {
             accessors: list(&value, "accessors")?,
@@ -114,6 +116,7 @@ impl<'a> Document<'a> {
             meshes: list(&value, "meshes")?,
             nodes: list(&value, "nodes")?.0.into_iter().collect::<Result<_, _>>()?,
             bin,
+            chunks,
             base_dir,
             loaded: Vec::new(),
             unpacked: Vec::new(),
@@ -293,23 +296,31 @@ fn in_json_terms(error: &serde_json::Error) -> String {
     TERMS.iter().fold(text.to_owned(), |text, (serde, json)| text.replace(serde, json))
 }
 
-/// The JSON text, and the binary chunk if there is one.
-fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Error> {
+/// What a file holds.
+struct Container<'a> {
+    /// The JSON.
+    text: Cow<'a, str>,
+    bin: Option<&'a [u8]>,
+    /// Other chunks.
+    chunks: Vec<([u8; 4], &'a [u8])>,
+}
+
+fn split(bytes: &[u8]) -> Result<Container<'_>, Error> {
     if bytes.starts_with(b"glTF") {
         return split_glb(bytes);
     }
-    let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
-    match text.iter().find(|b| !b.is_ascii_whitespace()) {
-        Some(b'{') => Ok((text, None)),
+    let text = decoded(bytes);
+    match text.trim_ascii_start().chars().next() {
+        Some('{') => Ok(Container { text, bin: None, chunks: Vec::new() }),
         None => Err(malformed("the file is empty; a glTF starts with 'glTF' (.glb) or '{' (.gltf)")),
         Some(_) => Err(malformed(format!(
             "the file starts with {}; a glTF starts with 'glTF' (.glb) or '{{' (.gltf)",
-            describe_start(text)
+            describe_start(bytes)
         ))),
     }
 }
 
-fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Error> {
+fn split_glb(bytes: &[u8]) -> Result<Container<'_>, Error> {
     let word = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
     let (Some(version), Some(length)) = (word(4), word(8)) else {
         return Err(malformed(format!("the GLB ends after {} bytes, inside its header of 12", bytes.len())));
@@ -322,7 +333,7 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Error> {
         malformed(format!("the GLB says it has {length} bytes; there are {}, so it was cut short", bytes.len()))
     })?;
     let word = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
-    let (mut text, mut bin) = (None, None);
+    let (mut text, mut bin, mut chunks) = (None, None, Vec::new());
     let mut at = 12;
     while at < bytes.len() {
         let (Some(size), Some(kind)) = (word(at), word(at + 4)) else {
@@ -335,16 +346,16 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Error> {
         let kind = kind.to_le_bytes();
         match (&kind, text) {
             (b"JSON", None) => text = Some(&bytes[chunk]),
-            (b"BIN\0", Some(_)) => bin = bin.or(Some(&bytes[chunk])),
+            (b"BIN\0", Some(_)) if bin.is_none() => bin = Some(&bytes[chunk]),
             (_, None) => {
                 return Err(malformed(format!("the first GLB chunk is '{}'; it must be 'JSON'", kind.escape_ascii())));
             }
-            _ => {}
+            _ => chunks.push((kind, &bytes[chunk])),
         }
     }
-    let text = text.ok_or_else(|| malformed("the GLB has no JSON chunk"))?;
+    let text: &[u8] = text.ok_or_else(|| malformed("the GLB has no JSON chunk"))?;
     let end = text.iter().rposition(|b| *b != 0 && *b != b' ').map_or(0, |last| last + 1);
-    Ok((&text[..end], bin))
+    Ok(Container { text: decoded(&text[..end]), bin, chunks })
 }
 
 fn describe_start(bytes: &[u8]) -> String {

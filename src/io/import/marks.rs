@@ -13,6 +13,8 @@ pub(super) struct Marks<'r> {
     materials: Vec<Found3>,
     meshes: Vec<Mark>,
     taken: Vec<bool>,
+    /// Nodes that are not shown beside the others, and not taken.
+    aside: Vec<bool>,
 }
 
 /// What the three lists of patterns find, and what extras say.
@@ -65,18 +67,36 @@ impl<'r> Marks<'r> {
             }
             _ => Vec::new(),
         };
+        let aside = match reading.mesh {
+            MeshChoice::Nodes(patterns) if patterns.is_all() => nodes.aside()?,
+            _ => Vec::new(),
+        };
         Ok(Self {
             reading,
             nodes: nodes.inherited(nothing, inherited)?,
             materials: of_materials.collect(),
             meshes: marks("meshes")?,
             taken,
+            aside,
         })
     }
 
     /// Whether the reading takes a node for its body.
     pub(super) fn takes(&self, node: usize) -> bool {
+        self.would_take(node) && !self.is_aside(node)
+    }
+
+    /// Whether it does not, because the node is not shown beside the others.
+    pub(super) fn leaves_aside(&self, node: usize) -> bool {
+        self.would_take(node) && self.is_aside(node)
+    }
+
+    fn would_take(&self, node: usize) -> bool {
         self.taken.get(node).copied().unwrap_or(false) && self.of_node(node) != Mark::Moving
+    }
+
+    fn is_aside(&self, node: usize) -> bool {
+        self.aside.get(node).copied().unwrap_or(false)
     }
 
     /// The mark of a node, whatever its materials.

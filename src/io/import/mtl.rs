@@ -1,13 +1,12 @@
 //! The materials of an MTL file as glTF materials.
 
-use super::words::cut;
+use super::words::{cut, decoded};
 use serde_json::{Value, json};
 use std::collections::HashMap;
 
 /// The materials of a library by name. `Err` says what the library lacks.
 pub(super) fn library(bytes: &[u8]) -> Result<HashMap<String, tobj::Material>, String> {
-    let text = String::from_utf8_lossy(bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes));
-    let text = text.replace("\r\n", "\n").replace('\r', "\n");
+    let text = decoded(bytes).replace("\r\n", "\n").replace('\r', "\n");
     match tobj::load_mtl_buf(&mut text.as_bytes()) {
         Ok((materials, _)) => Ok(materials.into_iter().rev().map(|m| (m.name.clone(), m)).collect()),
         Err(error) => Err(error.to_string()),

@@ -8,8 +8,9 @@ use crate::base::error::Error;
 use ::gltf::json;
 use ::gltf::json::Index;
 use ::gltf::json::accessor::Type;
+use serde_json::Value;
 use std::cell::OnceCell;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Four columns.
 pub(super) type Matrix = [[f64; 4]; 4];
@@ -75,6 +76,25 @@ impl<'d, 'a> Nodes<'d, 'a> {
             out[*node] = value;
         }
         Ok(out)
+    }
+
+    /// Which nodes are not shown beside the others: those of other scenes than the file's, and levels of detail (MSFT_lod) after the
+    /// first. No node if that leaves no mesh.
+    pub(super) fn aside(&self) -> Result<Vec<bool>, Error> {
+        let indices = |value: &Value| -> HashSet<usize> {
+            value.as_array().into_iter().flatten().filter_map(|i| usize::try_from(whole(i)?).ok()).collect()
+        };
+        let list = |key: &str| self.doc.value[key].as_array().map(Vec::as_slice).unwrap_or_default();
+        let shown = whole(&self.doc.value["scene"]).map_or(0, |scene| scene as usize);
+        let (mut own, mut others) = (HashSet::new(), HashSet::new());
+        for (i, scene) in list("scenes").iter().enumerate() {
+            if i == shown { &mut own } else { &mut others }.extend(indices(&scene["nodes"]));
+        }
+        others.retain(|node| !own.contains(node));
+        others.extend(list("nodes").iter().flat_map(|node| indices(&node["extensions"]["MSFT_lod"]["ids"])));
+        let aside = self.inherited(false, |node, above| *above || others.contains(&node))?;
+        let any = self.doc.nodes.iter().zip(&aside).any(|(node, aside)| !aside && node.mesh.is_some());
+        Ok(if any { aside } else { vec![false; aside.len()] })
     }
 
     fn tree(&self) -> Result<&Tree, Error> {

@@ -176,7 +176,7 @@ impl Builder {
             listed.into_iter().for_each(|list| list.extend(top.iter().map(|node| Value::from(*node))));
         }
         root["buffers"] = json!([{ "byteLength": blob.bytes.len() }]);
-        Ok(Converted { glb: container(&root, &blob.bytes)?, notes: self.notes })
+        Ok(Converted { glb: container(&root, &blob.bytes, &[])?, notes: self.notes })
     }
 
     /// The faces of each group of each object, in the order in which the file uses them.

@@ -1,5 +1,6 @@
 //! The statements of an OBJ file, by the file's own numbers.
 
+use super::words::{cut, decoded};
 use super::{finite, malformed};
 use crate::base::error::Error;
 use std::borrow::Cow;
@@ -45,20 +46,6 @@ pub(super) struct ObjText {
     pub notes: Vec<String>,
 }
 
-/// Text of any encoding that tools write: UTF-8, UTF-16 with or without a mark, or bytes that are none of these.
-fn decoded(bytes: &[u8]) -> Cow<'_, str> {
-    let wide = |bytes: &[u8], of: fn([u8; 2]) -> u16| {
-        String::from_utf16_lossy(&bytes.as_chunks::<2>().0.iter().map(|pair| of(*pair)).collect::<Vec<_>>())
-    };
-    match bytes {
-        [0xFF, 0xFE, rest @ ..] => wide(rest, u16::from_le_bytes).into(),
-        [0xFE, 0xFF, rest @ ..] => wide(rest, u16::from_be_bytes).into(),
-        [a, 0, b, 0, ..] if *a != 0 && *b != 0 => wide(bytes, u16::from_le_bytes).into(),
-        [0, a, 0, b, ..] if *a != 0 && *b != 0 => wide(bytes, u16::from_be_bytes).into(),
-        _ => String::from_utf8_lossy(bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes)),
-    }
-}
-
 impl ObjText {
     /// `name` is for errors.
     pub fn parse(name: &str, bytes: &[u8]) -> Result<Self, Error> {
@@ -90,6 +77,7 @@ impl ObjText {
             small: Counted::default(),
             absent: Counted::default(),
             odd: Counted::default(),
+            other: Counted::default(),
         };
         let text = decoded(bytes);
         // Old programs end lines with a carriage return alone.
@@ -130,6 +118,8 @@ struct Parser {
     absent: Counted,
     /// Texture coordinates and normals that are no numbers.
     odd: Counted,
+    /// Points, curves and curved surfaces.
+    other: Counted,
 }
 
 /// How often something is so, and the first line where it is.
@@ -166,6 +156,7 @@ impl Parser {
             "usemtl" => self.state.material = self.number(List::Materials, rest),
             "mtllib" if !rest.is_empty() => self.out.libraries.push(rest.to_owned()),
             "s" => self.state.smooth = !matches!(rest, "off" | "0" | ""),
+            "p" | "curv" | "curv2" | "surf" => self.other.add(self.line),
             _ => {}
         }
         Ok(())
@@ -194,8 +185,11 @@ impl Parser {
     fn position(&mut self, rest: &str) -> Result<(), Error> {
         let mut numbers = Vec::with_capacity(6);
         for word in words(rest) {
-            numbers
-                .push(word.parse::<f32>().map_err(|_| self.bad(format_args!("'{word}' is no number; v needs x y z")))?);
+            numbers.push(
+                word.parse::<f32>().map_err(|_| {
+                    self.bad(format_args!("'{}' is no number; v needs x y z, such as 0.5 0 1", cut(word)))
+                })?,
+            );
         }
         let Some(at) = numbers.first_chunk::<3>() else {
             return Err(self.bad(format_args!("v has {} numbers; it needs x y z", numbers.len())));
@@ -290,6 +284,7 @@ impl Parser {
             (self.small, "faces have fewer than three corners and are left out"),
             (self.absent, "corners of faces name a vt or vn line that the file lacks; they are read without it"),
             (self.odd, "vt and vn lines are no numbers; they are read as zero, and such normals are computed anew"),
+            (self.other, "points, curves or curved surfaces are left out; export curved surfaces as polygons"),
         ];
         for (Counted { count, line }, what) in counted.into_iter().filter(|(counted, _)| counted.count > 0) {
             self.out.notes.push(format!("{name}, from line {line}: {count} {what}"));

@@ -17,7 +17,7 @@ pub enum MeshChoice<'a> {
     /// By its name; the first of that name.
     Name(&'a str),
     /// The meshes of all nodes whose names, or the names of nodes above them, match: a body of parts, in the scene's space. Without
-    /// patterns, of all nodes. See [`Part`](super::Part).
+    /// a pattern that takes names, of all but those of other scenes and levels of detail. See [`Part`](super::Part).
     Nodes(&'a Patterns),
 }
 
@@ -96,6 +96,11 @@ impl Patterns {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.taken.is_empty() && self.left.is_empty()
+    }
+
+    /// Whether every name is taken that is not taken out again.
+    pub(super) fn is_all(&self) -> bool {
+        self.taken.is_empty()
     }
 
     /// Whether a name is taken, and whether it is taken out again.

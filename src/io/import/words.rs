@@ -1,6 +1,25 @@
-//! Names and values in messages, cut so that a message has at most three lines.
+//! Text of any encoding, and names and values in messages, cut so that a message has at most three lines.
 
 use serde_json::Value;
+use std::borrow::Cow;
+
+/// Text of any encoding that tools write: UTF-8, UTF-16 with or without a mark, else Latin-1.
+pub(crate) fn decoded(bytes: &[u8]) -> Cow<'_, str> {
+    let wide = |bytes: &[u8], of: fn([u8; 2]) -> u16| {
+        String::from_utf16_lossy(&bytes.as_chunks::<2>().0.iter().map(|pair| of(*pair)).collect::<Vec<_>>())
+    };
+    match bytes {
+        [0xFF, 0xFE, rest @ ..] => wide(rest, u16::from_le_bytes).into(),
+        [0xFE, 0xFF, rest @ ..] => wide(rest, u16::from_be_bytes).into(),
+        [a, 0, b, 0, ..] if *a != 0 && *b != 0 => wide(bytes, u16::from_le_bytes).into(),
+        [0, a, 0, b, ..] if *a != 0 && *b != 0 => wide(bytes, u16::from_be_bytes).into(),
+        _ => {
+            let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+            let text = std::str::from_utf8(bytes).map(Cow::Borrowed);
+            text.unwrap_or_else(|_| bytes.iter().map(|byte| char::from(*byte)).collect())
+        }
+    }
+}
 
 /// Some of many names for a message.
 pub(crate) fn listed<T: AsRef<str>>(names: impl ExactSizeIterator<Item = T>) -> String {
