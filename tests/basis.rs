@@ -117,3 +117,44 @@ fn options_and_classic_rules() {
     b.submit(hit).unwrap();
     assert_eq!(Output::fresh(&mut a).all_bits(), Output::fresh(&mut b).all_bits(), "classic rules do not follow nodes");
 }
+
+#[test]
+fn bodies_of_any_kind_learn_a_basis() {
+    let dent = |v: u32| {
+        let poke = crumple::Deltas::Sparse { indices: vec![v], values: vec![[0.0, 0.0, -0.1]] };
+        crumple::ExampleData { placement: Placement::Anchored, ..crumple::ExampleData::new("poke", poke) }
+    };
+    let far = |scale: f32, offset: f32| {
+        let mut mesh = scenes::sheet(20);
+        mesh.positions.iter_mut().for_each(|p| *p = p.map(|x| x * scale + offset));
+        mesh
+    };
+    let mut points = scenes::sheet(20);
+    (points.normals, points.tangents, points.triangles) = (None, None, Vec::new());
+    let one = crumple::MeshData { positions: vec![[1.0, 2.0, 3.0]], ..Default::default() };
+    let mut doubled = scenes::sheet(20);
+    doubled.positions.iter_mut().for_each(|p| p[0] = 0.0);
+    let flat = crumple::MeshData { normals: None, tangents: None, ..doubled };
+    let bodies = [
+        ("points", points),
+        ("one vertex", one),
+        ("small", far(1e-6, 0.0)),
+        ("far away", far(1.0, 1e6)),
+        ("large", far(1e8, 0.0)),
+        ("a line", flat),
+    ];
+    for (name, mesh) in bodies {
+        let set = scenes::build(mesh, vec![dent(0)], Default::default());
+        let (copy, report) = following(&set, &BasisOptions::new(1e-3));
+        assert!(report.worst.is_finite() && report.nodes >= 1, "{name}: {report:?}");
+        let mut body = new(&copy);
+        body.submit(&Hit::displacement(set.mesh().positions()[0].to_array(), [0.0, 0.0, -0.1])).unwrap();
+        let out = Output::fresh(&mut body);
+        assert!(out.positions.iter().flatten().all(|x| x.is_finite()), "{name}");
+        assert_eq!(
+            ExampleSet::load_copy(&copy.save().unwrap(), &Serial).unwrap().save().unwrap(),
+            copy.save().unwrap(),
+            "{name}"
+        );
+    }
+}

@@ -160,7 +160,7 @@ fn rows(fitted: Vec<FittedTile>) -> Rows {
             tile.slopes.extend(with_slopes.then_some([[0.0; 2]; TILE]));
         }
         let steepest = tile.slopes.iter().flatten().flatten().fold(0.0, |a: f32, b| a.max(b.abs()));
-        let unit = if steepest > 0.0 { steepest / 127.0 } else { 1.0 };
+        let unit = if steepest > 0.0 && steepest.is_finite() { (steepest / 127.0).max(f32::MIN_POSITIVE) } else { 1.0 };
         let most = (0..TILE).map(|v| tile.weights.iter().map(|w| w[v].unsigned_abs()).sum::<u32>()).max();
         tiles.push(Tile {
             first: nodes.len() as u32,

@@ -7,17 +7,20 @@ use std::collections::HashMap;
 /// Points no two of which are nearer than a distance, found by a grid of cells of that size.
 struct Spread<'a> {
     positions: &'a [Vec3],
+    /// The least coordinates, so that cells have small numbers.
+    origin: Vec3,
     distance: f32,
     cells: HashMap<IVec3, Vec<u32>>,
 }
 
 impl<'a> Spread<'a> {
-    fn new(positions: &'a [Vec3], distance: f32) -> Self {
-        Spread { positions, distance, cells: HashMap::new() }
+    fn new(mesh: &'a Mesh, distance: f32) -> Self {
+        let distance = distance.max(f32::MIN_POSITIVE);
+        Spread { positions: mesh.positions(), origin: mesh.bounds().min, distance, cells: HashMap::new() }
     }
 
     fn cell(&self, v: u32) -> IVec3 {
-        (self.positions[v as usize] / self.distance).floor().as_ivec3()
+        ((self.positions[v as usize] - self.origin) / self.distance).floor().as_ivec3()
     }
 
     /// Whether a point within `distance` (at most the cells' size) is there already.
@@ -25,7 +28,7 @@ impl<'a> Spread<'a> {
         let (cell, p) = (self.cell(v), self.positions[v as usize]);
         let around = (0..27).map(|i| IVec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
         around
-            .filter_map(|d| self.cells.get(&(cell + d)))
+            .filter_map(|d| self.cells.get(&cell.wrapping_add(d)))
             .flatten()
             .any(|q| self.positions[*q as usize].distance_squared(p) < distance * distance)
     }
@@ -40,7 +43,7 @@ pub(crate) fn spread(mesh: &Mesh, count: usize) -> Vec<u32> {
     let own: Vec<u32> = (0..mesh.weld().len() as u32).filter(|v| mesh.weld()[*v as usize] == *v).collect();
     let mut distance = mesh.bounds().diagonal() / 4.0;
     loop {
-        let mut spread = Spread::new(mesh.positions(), distance.max(f32::MIN_POSITIVE));
+        let mut spread = Spread::new(mesh, distance);
         let mut nodes = Vec::new();
         for v in &own {
             if !spread.is_near(*v, distance) {
@@ -67,7 +70,7 @@ pub(crate) fn refine(mesh: &Mesh, nodes: &mut Vec<u32>, errors: &[f32], distance
         .collect();
     wrong.sort_by(|a, b| errors[*b as usize].total_cmp(&errors[*a as usize]).then(a.cmp(b)));
     let longest = wrong.iter().map(|v| distances[*v as usize]).fold(0.0, f32::max);
-    let mut new = Spread::new(mesh.positions(), (SPACING * longest).max(f32::MIN_POSITIVE));
+    let mut new = Spread::new(mesh, SPACING * longest);
     let before = nodes.len();
     for v in wrong {
         if !new.is_near(v, SPACING * distances[v as usize]) {
