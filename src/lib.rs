@@ -44,6 +44,8 @@ pub mod graph;
 mod instance;
 mod io;
 mod mesh;
+#[doc(hidden)]
+pub mod predict;
 mod select;
 #[cfg(feature = "vulkan")]
 pub mod vulkan;

@@ -13,7 +13,7 @@ use crate::workspace::{Workspace, files};
 
 /// From top to bottom. Rooms that a bar joins do not import each other.
 const ROOMS: &str =
-    "base mesh example damage select bake deform classic instance contacts io gpu graph|vulkan|wgpu capi bin";
+    "base mesh predict example damage select bake deform classic instance contacts io gpu graph|vulkan|wgpu capi bin";
 
 /// A module's path from the root: `["deform", "tracker"]`.
 type Module = Vec<String>;
