@@ -11,7 +11,7 @@ use super::own::OwnFields;
 use super::predictor::{Model, Part, Predictor, Typical, blow_point, displacement_point};
 use super::rank::{LowRank, gram};
 use super::size::SizeLaw;
-use super::stamp::{Frames, STAMP, View};
+use super::stamp::{Frames, STAMP, View, read};
 use crate::base::error::Error;
 use crate::base::math::Aabb;
 use crate::base::tasks::TaskSystem;
@@ -22,8 +22,8 @@ use std::sync::Mutex;
 /// Most examples and images from which lengths are fitted.
 const FIT_ROWS: usize = 200;
 /// Most modes of stamps and of fields, and the share of their squares that may be lost.
-const CARRIED_MODES: usize = 40;
-const ANCHORED_MODES: usize = 64;
+const CARRIED_MODES: usize = 32;
+const ANCHORED_MODES: usize = 48;
 const LOST: f64 = 5e-4;
 /// With fewer groups nothing but sizes is learned.
 const LEAST_GROUPS: usize = 4;
@@ -349,16 +349,17 @@ impl Data<'_> {
         let (mean, coefficients) = kriging.coefficients(&low.coefficients, low.rank);
         let left = kriging.missed(&low.coefficients, low.rank, &groups);
         let mut carried = vec![0.0f32; n * columns];
-        let mut stamp = vec![0.0f32; STAMP];
+        let (mut stamp, mut turned) = (vec![0.0f32; STAMP], Vec::new());
         for i in 0..n {
             stamp.fill(0.0);
             let rank = low.rank;
             let weights: Vec<f64> = (i * rank..(i + 1) * rank).map(|k| low.coefficients[k] - left[k]).collect();
             low.mix(&weights, &mut stamp);
             let view = view(i);
+            view.turned(&stamp, 1.0, &mut turned);
             for (v, u) in carried[i * columns..(i + 1) * columns].as_chunks_mut::<3>().0.iter_mut().enumerate() {
                 if let Some(cell) = view.cell(self.body.points[v], self.body.normals[v]) {
-                    *u = view.read(&stamp, &cell).to_array();
+                    *u = read(&turned, &cell).to_array();
                 }
             }
         }

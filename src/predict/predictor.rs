@@ -6,12 +6,12 @@ use super::kernel::{GROUPS, exp, matern};
 use super::lookup::nearest;
 use super::own::{self, OwnFields};
 use super::size::SizeLaw;
-use super::stamp::{Frames, STAMP, View};
+use super::stamp::{Frames, STAMP, View, read};
 use super::{Blow, Hit, LearnOptions, Learned, Prediction, Sample, Told};
 use crate::base::error::Error;
 use crate::base::tasks::TaskSystem;
 use crate::mesh::mirror::Mirror;
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 /// Displacements below this share of the field's longest are left out; above twice as much they are kept whole.
 const FAINT: f32 = 0.004;
@@ -129,6 +129,7 @@ pub struct Scratch {
     sums: Vec<f64>,
     weights: Vec<f64>,
     stamp: Vec<f32>,
+    turned: Vec<Vec4>,
     field: Vec<f32>,
 }
 
@@ -232,8 +233,8 @@ impl Predictor {
         s.stamp.resize(STAMP, 0.0);
         model.carried.add(n, &s.differences, &mut s.sums, &mut s.weights, &mut s.stamp);
         let (w, v) = (model.share as f32, (1.0 - model.share) as f32);
-        s.stamp.iter_mut().for_each(|x| *x *= v);
         let view = View::new(&self.frames, hit.contact, hit.normal, self.diagonal, wide);
+        view.turned(&s.stamp, v, &mut s.turned);
         let mut squares = 0.0f64;
         for ((p, n), u) in self.points.iter().zip(&self.normals).zip(s.field.as_chunks_mut::<3>().0) {
             let distance = (*p - hit.contact).length();
@@ -243,7 +244,7 @@ impl Predictor {
             }
             let mut sum = Vec3::from_array(*u) * w;
             if let Some(cell) = view.cell(*p, *n) {
-                sum += view.read(&s.stamp, &cell);
+                sum += read(&s.turned, &cell);
             }
             if distance > self.reach {
                 let t = (distance / self.reach - END) / (1.0 - END);

@@ -1,7 +1,7 @@
 //! Frames of contacts, and a field resampled into a grid there.
 
 use super::linear::Banded;
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DMat3, DVec3, Vec3, Vec4};
 
 /// Nodes of the grid a side.
 pub(super) const SIDE: usize = 29;
@@ -83,7 +83,7 @@ pub(super) struct View {
     contact: Vec3,
     normal: Vec3,
     /// Columns are the frame.
-    pub frame: glam::Mat3,
+    frame: glam::Mat3,
     near: f32,
     scale: f32,
 }
@@ -165,17 +165,21 @@ impl View {
         right.iter().flatten().map(|x| *x as f32).collect()
     }
 
-    /// The stamp's displacement at a cell, in the space of the body.
-    #[inline]
-    pub(super) fn read(&self, stamp: &[f32], cell: &Cell) -> Vec3 {
-        let node = |k: usize| {
-            let at = 3 * k;
-            Vec3::new(stamp[at], stamp[at + 1], stamp[at + 2])
-        };
-        let [a, b, c, d] = cell.weights;
-        let k = cell.node;
-        self.frame * (node(k) * a + node(k + 1) * b + node(k + SIDE) * c + node(k + SIDE + 1) * d)
+    /// A stamp in the space of the body, one vector for each node, times `k`.
+    pub(super) fn turned(&self, stamp: &[f32], k: f32, out: &mut Vec<Vec4>) {
+        let frame = self.frame * k;
+        out.clear();
+        out.extend(stamp.as_chunks::<3>().0.iter().map(|u| (frame * Vec3::from_array(*u)).extend(0.0)));
     }
+}
+
+/// A turned stamp's displacement at a cell.
+#[inline]
+pub(super) fn read(turned: &[Vec4], cell: &Cell) -> Vec3 {
+    let [a, b, c, d] = cell.weights;
+    let k = cell.node;
+    let (low, high) = (&turned[k..k + 2], &turned[k + SIDE..k + SIDE + 2]);
+    ((low[0] * a + low[1] * b) + (high[0] * c + high[1] * d)).truncate()
 }
 
 #[cfg(test)]
@@ -201,9 +205,11 @@ mod tests {
         let field = |v: usize| Vec3::new(0.0, 0.002, -0.03) * (-40.0 * (points[v] - centre).length_squared()).exp();
         let view = View::new(&Frames::of(&normals), centre, Vec3::Z, 2f64.sqrt(), 1.0);
         let stamp = view.resample(&points, &normals, field);
+        let mut turned = Vec::new();
+        view.turned(&stamp, 1.0, &mut turned);
         let mut sums = (0.0, 0.0);
         for (v, p) in points.iter().enumerate() {
-            let read = view.cell(*p, Vec3::Z).map_or(Vec3::ZERO, |cell| view.read(&stamp, &cell));
+            let read = view.cell(*p, Vec3::Z).map_or(Vec3::ZERO, |cell| read(&turned, &cell));
             sums.0 += (read - field(v)).length_squared();
             sums.1 += field(v).length_squared();
         }
