@@ -30,7 +30,7 @@ compile_error!("Crumple supports little-endian processors only: its files and pa
 
 mod bake;
 mod base;
-pub(crate) mod basis;
+mod basis;
 #[cfg(feature = "capi")]
 mod capi;
 mod classic;
@@ -45,6 +45,8 @@ pub mod graph;
 mod instance;
 mod io;
 mod mesh;
+#[doc(hidden)]
+pub mod predict;
 mod select;
 #[cfg(feature = "vulkan")]
 pub mod vulkan;

@@ -12,10 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 DATA = Path(__file__).resolve().parents[1] / "data"
-BODIES = {"shots": ("panel", "tube"), "presses": ("panel", "tube"), "structure": ("door", "box"), "steel": ("hood",)}
+BODIES = {"shots": ("panel", "tube"), "presses": ("panel", "tube"), "structure": ("door", "box"), "steel": ("hood",), "dense": ("door", "box")}
 SETS = ("base", "train", "train_free", "heldout", "play", "sequences", "train_sequences", "repeat")
-# The steps of a stored displacement, m.
-STEP = 1e-5
+# The steps of a stored displacement, m. The many hits of the dense truth are stored more coarsely.
+STEP, DENSE_STEP = 1e-5, 5e-5
+# Hits of the dense truth that leave less than this at the contact (m), or whose shell still moves faster (m/s), are left out.
+LEAST_DEPTH, LARGEST_RESIDUAL = 2e-3, 0.04
 # Mass of the shots' ball, kg, and the friction between it and the body.
 BALL_KG, FRICTION = 2.5, 0.4
 # What no part of the lab reads.
@@ -24,9 +26,9 @@ LEFT_OUT = ("wall_seconds", "simulated_seconds", "settling_change", "left", "ene
 Arrays = dict[str, NDArray]
 
 
-def quantised(field: NDArray) -> NDArray:
+def quantised(field: NDArray, step: float) -> NDArray:
     """As multiples of the step. The padding of short sequences becomes 0."""
-    steps = np.round(np.nan_to_num(field.astype(float)) / STEP)
+    steps = np.round(np.nan_to_num(field.astype(float)) / step)
     if np.abs(steps).max(initial=0) > np.iinfo(np.int16).max:
         raise ValueError("a displacement is longer than 16 bits can store")
     return steps.astype(np.int16)
@@ -48,12 +50,18 @@ def stored(truth: str, arrays: Arrays, normals: NDArray) -> Arrays:
     """The arrays of one archive as `lab/data` keeps them."""
     if "contact_vertex" not in arrays:
         return arrays
-    out: Arrays = {"step": np.float64(STEP)}
+    step = STEP
+    if truth == "dense":
+        step = DENSE_STEP
+        contact = arrays["fields"][np.arange(len(arrays["fields"])), arrays["contact_vertex"]]
+        kept = (np.linalg.norm(contact, axis=-1) >= LEAST_DEPTH) & (arrays["residual_speed"] <= LARGEST_RESIDUAL)
+        arrays = {name: value[kept] if value.shape[:1] == kept.shape else value for name, value in arrays.items() if name != "contact_displacement"}
+    out: Arrays = {"step": np.float64(step)}
     for name, value in arrays.items():
         if name in LEFT_OUT or name.removesuffix("_single").removesuffix("_after") in LEFT_OUT:
             continue
         if "fields" in name:
-            value = quantised(value)
+            value = quantised(value, step)
         elif name.startswith("impulse"):
             value = -value
         elif value.dtype == np.int64 and name != "offsets":

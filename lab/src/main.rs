@@ -40,6 +40,8 @@ enum Part {
     Accuracy(Options),
     /// The same on every body, by what a hit tells: displacement, depth, blow or impulse
     Told(Options),
+    /// Error against the number of examples, up to hundreds: the rule that learns from all, beside 0.1.0's
+    Learn(Options),
     /// How several dents combine
     Combine(Options),
     /// Where methods fail
@@ -83,6 +85,7 @@ fn main() -> Result<()> {
     match Cli::parse().part {
         Part::Accuracy(options) => accuracy::run(&options),
         Part::Told(options) => accuracy::told::run(&options),
+        Part::Learn(options) => accuracy::learn::run(&options),
         Part::Combine(options) => combine::run(&options),
         Part::Stability(options) => stability::run(&options),
         #[cfg(feature = "engines")]

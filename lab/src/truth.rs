@@ -1,4 +1,4 @@
-//! The four truths in `lab/data`: bodies, the impacts that dented them, and the dents that stayed.
+//! The five truths in `lab/data`: bodies, the impacts that dented them, and the dents that stayed.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -21,9 +21,12 @@ pub enum Truth {
     Structure,
     /// OpenRadioss shells: a hood of thin sheet steel on a welded frame.
     Steel,
+    /// Hundreds of hits on coarser shells of the structure's bodies. Only `learn` reads it.
+    Dense,
 }
 
 impl Truth {
+    /// All but the dense one.
     pub const ALL: [Truth; 4] = [Truth::Shots, Truth::Presses, Truth::Structure, Truth::Steel];
     /// Those of smooth bodies with held rims.
     pub const SMOOTH: [Truth; 2] = [Truth::Shots, Truth::Presses];
@@ -37,13 +40,14 @@ impl Truth {
             Truth::Presses => "presses",
             Truth::Structure => "structure",
             Truth::Steel => "steel",
+            Truth::Dense => "dense",
         }
     }
 
     pub fn bodies(self) -> &'static [&'static str] {
         match self {
             Truth::Shots | Truth::Presses => &Self::SMOOTH_BODIES,
-            Truth::Structure => &["door", "box"],
+            Truth::Structure | Truth::Dense => &["door", "box"],
             Truth::Steel => &["hood"],
         }
     }
@@ -60,6 +64,8 @@ impl Truth {
             (Truth::Structure, "door") => 0.019,
             (Truth::Structure, _) => 0.056,
             (Truth::Steel, _) => 0.0014,
+            // Not measured.
+            (Truth::Dense, _) => f64::NAN,
         }
     }
 }
@@ -90,6 +96,8 @@ pub struct Blow {
     pub duration: Option<f32>,
     /// Unit contact normal, out of the body.
     pub normal: [f32; 3],
+    /// Whether the striker was a pole, not a ball.
+    pub pole: bool,
 }
 
 impl Blow {
@@ -226,7 +234,7 @@ impl Body {
                 body.play = body.impacts(&directory, "play")?;
                 body.sequences = body.padded_sequences(&directory, "sequences")?;
             }
-            Truth::Steel => {}
+            Truth::Steel | Truth::Dense => {}
         }
         let vertices = body.grid[0] * body.grid[1];
         ensure!(vertices == 0 || vertices == body.vertices.len(), "{name}: the grid does not count its vertices");
@@ -300,6 +308,10 @@ impl Body {
             Truth::Shots => a.vectors("impulse")?,
             _ => a.vectors(&format!("impulse{suffix}"))?,
         };
+        let poles = match self.truth {
+            Truth::Structure | Truth::Dense => a.array::<String>("shape")?.iter().map(|s| s == "pole").collect(),
+            _ => vec![false; count],
+        };
         let (masses, radii) = (a.floats("mass")?, a.floats("radius")?);
         let (velocities, normals) = (a.vectors("velocity")?, a.vectors("contact_normal")?);
         let blow = |i: usize| Blow {
@@ -309,6 +321,7 @@ impl Body {
             impulse: impulses[i],
             duration: durations[i],
             normal: normals[i],
+            pole: poles[i],
         };
         Ok((0..count).map(|i| Some(blow(i))).collect())
     }

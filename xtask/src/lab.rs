@@ -39,6 +39,7 @@ const fn part(name: &'static str) -> Part {
 const PARTS: &[Part] = &[
     Part { measures: Some("accuracy"), ..part("accuracy") },
     Part { measures: Some("told"), script: Some("surrogates.py"), ..part("told") },
+    Part { measures: Some("learn"), ..part("learn") },
     Part { measures: Some("contacts"), ..part("contacts") },
     Part { measures: Some("combine"), ..part("combine") },
     Part { measures: Some("peers"), script: Some("mujoco_peer.py"), ..part("peers") },

@@ -12,8 +12,7 @@ use syn::{Attribute, Item, ItemFn, ItemImpl, ItemMod, ItemUse, UseTree, Visibili
 use crate::workspace::{Workspace, files};
 
 /// From top to bottom. Rooms that a bar joins do not import each other.
-const ROOMS: &str =
-    "base mesh basis example damage select bake deform classic instance contacts io gpu graph|vulkan|wgpu capi bin";
+const ROOMS: &str = "base mesh basis predict example damage select bake deform classic instance contacts io gpu graph|vulkan|wgpu capi bin";
 
 /// A module's path from the root: `["deform", "tracker"]`.
 type Module = Vec<String>;

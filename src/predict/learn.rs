@@ -1,0 +1,501 @@
+//! What a set learns from its own examples: each is left out in turn, and the others predict it.
+
+use super::body::{Body, Sample};
+use super::features::{Point, Points, STRENGTH_AXIS};
+use super::fit::{Prior, fit};
+use super::kernel::Lengths;
+use super::kriging::Kriging;
+use super::linear::{add32, dot32};
+use super::lookup::{nearest, partners};
+use super::own::OwnFields;
+use super::predictor::{Model, Part, Predictor, Typical, blow_point, displacement_point};
+use super::rank::{LowRank, gram};
+use super::size::SizeLaw;
+use super::stamp::{Frames, STAMP, View, read};
+use crate::base::error::Error;
+use crate::base::math::Aabb;
+use crate::base::tasks::TaskSystem;
+use crate::mesh::mirror::Mirror;
+use glam::Vec3;
+use std::sync::Mutex;
+
+/// Most examples and images from which lengths are fitted.
+const FIT_ROWS: usize = 200;
+/// Most modes of stamps and of fields, and the share of their squares that may be lost.
+const CARRIED_MODES: usize = 32;
+const ANCHORED_MODES: usize = 48;
+const LOST: f64 = 5e-4;
+/// With fewer groups nothing but sizes is learned.
+const LEAST_GROUPS: usize = 4;
+/// Fields count as this many independent outputs.
+const OUTPUTS: f64 = 20.0;
+/// Shares of the carried field that the anchored part starts from.
+const STARTS: [f64; 3] = [0.0, 0.5, 1.0];
+
+/// What to learn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LearnOptions {
+    /// Whether examples may count mirrored in the symmetric planes of the body. They do if that predicts better.
+    pub mirror: bool,
+}
+
+impl Default for LearnOptions {
+    fn default() -> Self {
+        Self { mirror: true }
+    }
+}
+
+/// What a set learned.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Learned {
+    /// Relative L2 error of each sample's field when the others predict it from the blow (from the displacement if it
+    /// knows no blow), in the order of the samples.
+    pub errors: Vec<f32>,
+    /// Share of the anchored part for blows and for displacements, 0 to 1.
+    pub anchored: [f32; 2],
+    /// Exponent of the stretch, likewise.
+    pub stretch: [f32; 2],
+    /// Whether mirror images count, likewise.
+    pub mirrored: [bool; 2],
+}
+
+/// Expected logarithms of lengths and noise: the size, the carried and the anchored part.
+const SIZE: Lengths = Lengths { lengths: [-1.386, 0.0, 1.792, 1.792, 1.792, 1.099, 0.693], noise: -2.0 };
+const CARRIED: Lengths = Lengths { lengths: [0.0, 0.405, 1.099, 1.609, 1.099, 0.0, 0.405], noise: -1.0 };
+const ANCHORED: Lengths = Lengths { lengths: [-1.386, 0.405, 1.099, 1.609, 1.099, 1.099, 0.693], noise: -3.0 };
+/// Expected logarithm of the length of a lean.
+const LEAN: f64 = -1.6;
+
+/// Samples in canonical order and their images, with everything that both kinds of hits share.
+struct Data<'a> {
+    body: &'a Body<'a>,
+    samples: Vec<Sample<'a>>,
+    diagonal: f64,
+    frames: Frames,
+    partners: Vec<(Mirror, Vec<u32>)>,
+    typical: Typical,
+}
+
+/// One image of one sample.
+struct Image {
+    sample: usize,
+    mirror: Mirror,
+    contact: Vec3,
+    normal: Vec3,
+    /// The displacement of the point nearest to the contact, m.
+    moved: Vec3,
+    point: Point,
+}
+
+pub(super) fn learn(
+    body: &Body<'_>,
+    samples: &[Sample<'_>],
+    options: &LearnOptions,
+    tasks: &dyn TaskSystem,
+) -> Result<Predictor, Error> {
+    check(body, samples)?;
+    let moving: Vec<usize> =
+        (0..samples.len()).filter(|i| samples[*i].field.iter().any(|u| *u != Vec3::ZERO)).collect();
+    if moving.is_empty() {
+        return Err(Error::invalid("samples", "without a displacement", "at least one sample that moves a point"));
+    }
+    let mut order = moving;
+    order.sort_by_cached_key(|i| key(&samples[*i]));
+    let ordered: Vec<Sample> = order.iter().map(|i| samples[*i]).collect();
+    let typical = typical(&ordered);
+    let mirrors: Vec<Mirror> = if options.mirror { body.mirror.choices().collect() } else { vec![Mirror::NONE] };
+    let others = mirrors.iter().filter(|m| **m != Mirror::NONE);
+    let data = Data {
+        body,
+        diagonal: f64::from(Aabb::of(body.points).diagonal()).max(1e-9),
+        frames: Frames::of(body.normals),
+        partners: others.map(|m| (*m, partners(body.points, *m, body.centre))).collect(),
+        samples: ordered,
+        typical,
+    };
+    let mut own = OwnFields::default();
+    data.samples.iter().for_each(|s| own.push(s.field));
+
+    let (displacement, mut mirrored) = (data.best_model(false, tasks), [false; 2]);
+    let displacement = displacement.unwrap_or_default();
+    let blow = data.best_model(true, tasks);
+    let mut learned = Learned { errors: vec![1.0; samples.len()], ..Learned::default() };
+    for (k, model) in [blow.as_ref(), Some(&displacement)].into_iter().enumerate().rev() {
+        let Some(model) = model else { continue };
+        for ((example, mirror), error) in model.examples.iter().zip(&model.errors) {
+            if *mirror == Mirror::NONE {
+                learned.errors[order[*example as usize]] = *error as f32;
+            } else {
+                mirrored[k] = true;
+            }
+        }
+        learned.anchored[k] = model.share as f32;
+        learned.stretch[k] = model.stretch as f32;
+    }
+    learned.mirrored = mirrored;
+    Ok(Predictor {
+        points: body.points.to_vec(),
+        normals: body.normals.to_vec(),
+        diagonal: data.diagonal,
+        frames: data.frames,
+        partners: if mirrored.contains(&true) { data.partners } else { Vec::new() },
+        typical,
+        blow,
+        displacement,
+        own,
+        reach: reach(body, &data.samples),
+        learned,
+    })
+}
+
+/// The largest distance from a contact at which a sample still moves by a hundredth of its longest displacement, m.
+fn reach(body: &Body<'_>, samples: &[Sample<'_>]) -> f32 {
+    let mut reach = 0.0f32;
+    for s in samples {
+        let longest = s.field.iter().fold(0.0f32, |m, u| m.max(u.length_squared()));
+        for (p, _) in body.points.iter().zip(s.field).filter(|(_, u)| u.length_squared() > 1e-4 * longest) {
+            reach = reach.max((*p - s.contact).length());
+        }
+    }
+    reach
+}
+
+fn check(body: &Body<'_>, samples: &[Sample<'_>]) -> Result<(), Error> {
+    let points = body.points.len();
+    if points == 0 {
+        return Err(Error::invalid("points", "empty", "at least one point"));
+    }
+    if body.normals.len() != points {
+        return Err(Error::invalid("normals.len()", body.normals.len(), &format!("the number of points, {points}")));
+    }
+    for (i, sample) in samples.iter().enumerate() {
+        if sample.field.len() != points {
+            let name = format!("samples[{i}].field.len()");
+            return Err(Error::invalid(&name, sample.field.len(), &format!("the number of points, {points}")));
+        }
+        let bad = sample.field.iter().chain([&sample.contact, &sample.normal]).find(|v| !v.is_finite());
+        if let Some(v) = bad {
+            return Err(Error::NotFinite { name: format!("samples[{i}]"), value: format!("{v}") });
+        }
+    }
+    Ok(())
+}
+
+/// The place of a sample in the canonical order.
+fn key(sample: &Sample<'_>) -> Vec<u32> {
+    let vector = |v: Vec3| v.to_array().map(f32::to_bits);
+    let sum = sample
+        .field
+        .iter()
+        .fold([0.0f64; 3], |s, u| [s[0] + f64::from(u.x), s[1] + f64::from(u.y), s[2] + f64::from(u.z)]);
+    let mut key = vector(sample.contact).to_vec();
+    key.extend(vector(sample.normal));
+    key.extend(sum.iter().flat_map(|x| [(x.to_bits() >> 32) as u32, x.to_bits() as u32]));
+    let known = sample.blow.unwrap_or_default();
+    key.extend(vector(known.velocity.or(known.impulse).unwrap_or(Vec3::ZERO)));
+    key
+}
+
+/// Means of what is known of the samples' blows.
+fn typical(samples: &[Sample<'_>]) -> Typical {
+    let blows = || samples.iter().filter_map(|s| s.blow.map(|b| (b, s.normal)));
+    let mean = |logs: Vec<f64>, or: f64| {
+        if logs.is_empty() { or } else { libm::exp(logs.iter().sum::<f64>() / logs.len() as f64) }
+    };
+    let log = |x: Option<f32>| x.filter(|x| *x > 0.0).map(|x| libm::log(f64::from(x)));
+    let mut kinds: Vec<u32> = blows().filter_map(|(b, _)| b.kind).collect();
+    kinds.sort_unstable();
+    let count = |k: u32| kinds.iter().filter(|o| **o == k).count();
+    Typical {
+        mass: mean(blows().filter_map(|(b, _)| log(b.mass)).collect(), 10.0),
+        radius: mean(blows().filter_map(|(b, _)| log(b.radius)).collect(), 0.1),
+        kind: kinds.iter().copied().max_by_key(|k| (count(*k), std::cmp::Reverse(*k))).unwrap_or(0),
+        rebound: mean(blows().filter_map(|(b, n)| b.rebound(n).map(libm::log)).collect(), 1.0),
+    }
+}
+
+/// A model whose anchored part is not yet learned, and how well it predicts.
+struct Draft {
+    model: Model,
+    images: Vec<Image>,
+    groups: Vec<Vec<usize>>,
+    /// Fields over their sizes, and what the others carry there.
+    unit: Vec<f32>,
+    carried: Vec<f32>,
+    /// What the others miss of the logarithms of sizes.
+    missed: Vec<f64>,
+    score: f64,
+}
+
+impl Data<'_> {
+    /// The model with the better choice of mirror images and stretch, for blows or for displacements. `None` if no
+    /// sample knows a blow.
+    fn best_model(&self, blows: bool, tasks: &dyn TaskSystem) -> Option<Model> {
+        let all: Vec<Mirror> = std::iter::once(Mirror::NONE).chain(self.partners.iter().map(|(m, _)| *m)).collect();
+        let stretch = if blows { 1.0 / 3.0 } else { 0.5 };
+        let mut best: Option<Draft> = None;
+        for mirrors in [&all[..], &all[..1]] {
+            if mirrors.len() == 1 && all.len() > 1 && best.as_ref().is_none_or(|b| b.groups.len() < LEAST_GROUPS) {
+                break;
+            }
+            for stretch in [stretch, 0.0] {
+                let draft = self.draft(blows, mirrors, stretch, tasks)?;
+                let few = draft.groups.len() < LEAST_GROUPS;
+                if best.as_ref().is_none_or(|b| draft.score < b.score) {
+                    best = Some(draft);
+                }
+                if few {
+                    break;
+                }
+            }
+        }
+        best.map(|draft| self.finish(draft, blows))
+    }
+
+    fn images(&self, blows: bool, mirrors: &[Mirror]) -> Vec<Image> {
+        let mut images = Vec::new();
+        for mirror in mirrors {
+            for (i, s) in self.samples.iter().enumerate() {
+                let moved = s.field[nearest(self.body.points, s.contact)];
+                let (contact, normal) = (mirror.point(s.contact, self.body.centre), mirror.direction(s.normal));
+                let moved = mirror.direction(moved);
+                let point = if blows {
+                    s.blow.and_then(|b| {
+                        let b = super::Blow {
+                            velocity: b.velocity.map(|v| mirror.direction(v)),
+                            impulse: b.impulse.map(|v| mirror.direction(v)),
+                            ..b
+                        };
+                        blow_point(&b, contact, normal, self.diagonal, &self.typical)
+                    })
+                } else {
+                    displacement_point(moved, contact, normal, self.diagonal)
+                };
+                if let Some(point) = point {
+                    images.push(Image { sample: i, mirror: *mirror, contact, normal, moved, point });
+                }
+            }
+        }
+        images
+    }
+
+    fn field(&self, image: &Image) -> Vec<Vec3> {
+        let field = self.samples[image.sample].field;
+        match self.partners.iter().find(|(m, _)| *m == image.mirror) {
+            Some((m, partners)) if *m != Mirror::NONE => {
+                partners.iter().map(|p| m.direction(field[*p as usize])).collect()
+            }
+            _ => field.to_vec(),
+        }
+    }
+
+    fn draft(&self, blows: bool, mirrors: &[Mirror], stretch: f64, tasks: &dyn TaskSystem) -> Option<Draft> {
+        let images = self.images(blows, mirrors);
+        let (n, columns) = (images.len(), 3 * self.body.points.len());
+        if n == 0 {
+            return None;
+        }
+        let points: Vec<Point> = images.iter().map(|i| i.point).collect();
+        let mut groups: Vec<(u32, Vec<usize>)> = Vec::new();
+        for (i, image) in images.iter().enumerate() {
+            let source = self.samples[image.sample].source;
+            match groups.iter_mut().find(|(s, _)| *s == source) {
+                Some((_, group)) => group.push(i),
+                None => groups.push((source, vec![i])),
+            }
+        }
+        let groups: Vec<Vec<usize>> = groups.into_iter().map(|(_, g)| g).collect();
+        let used = some_rows(&groups, FIT_ROWS);
+        let mut unit = Vec::with_capacity(n * columns);
+        let mut logs = Vec::with_capacity(n);
+        for image in &images {
+            let field = self.field(image);
+            let squares: f64 = field.iter().map(|u| f64::from(u.length_squared())).sum();
+            let size = squares.sqrt().max(1e-12);
+            logs.push(libm::log(size));
+            unit.extend(field.iter().flat_map(|u| u.to_array().map(|x| (f64::from(x) / size) as f32)));
+        }
+        let strengths: Vec<f64> =
+            points.iter().zip(&logs).map(|(p, l)| if blows { *l } else { p[STRENGTH_AXIS] }).collect();
+        let reference = strengths.iter().sum::<f64>() / n as f64;
+
+        let lean = |mut l: Lengths| {
+            if !blows {
+                l.lengths[5] = LEAN;
+            }
+            l
+        };
+        let exponent = if blows { 0.5 } else { 1.0 };
+        let (size, missed) = SizeLaw::learn(&points, &logs, &groups, &used, exponent, lean(SIZE));
+
+        // Stamps of all images, side by side.
+        let view = |i: usize| {
+            let wide = libm::exp((stretch * (strengths[i] - reference)).clamp(-1.4, 1.4));
+            View::new(&self.frames, images[i].contact, images[i].normal, self.diagonal, wide)
+        };
+        let stamps: Vec<Mutex<Vec<f32>>> = (0..n).map(|_| Mutex::new(Vec::new())).collect();
+        tasks.parallel_for(n, &|i| {
+            let at = |v: usize| Vec3::from_slice(&unit[i * columns + 3 * v..]);
+            let stamp = view(i).resample(self.body.points, self.body.normals, at);
+            *stamps[i].lock().unwrap_or_else(|e| e.into_inner()) = stamp;
+        });
+        let stamps: Vec<f32> = stamps.into_iter().flat_map(|s| s.into_inner().unwrap_or_default()).collect();
+        let products = gram(&stamps, STAMP);
+        let low = LowRank::of(&stamps, STAMP, &products, CARRIED_MODES, LOST);
+        let prior =
+            Prior { mean: lean(CARRIED), deviation: if blows { 0.7 } else { 1.0 }, outputs: OUTPUTS, ordinary: true };
+        let lengths = fit(&select(&points, &used), &select_square(&products, n, &used), &prior);
+        let kriging = Kriging::new(&points, &lengths, true);
+        let (mean, coefficients) = kriging.coefficients(&low.coefficients, low.rank);
+        let left = kriging.missed(&low.coefficients, low.rank, &groups);
+        let mut carried = vec![0.0f32; n * columns];
+        let (mut stamp, mut turned) = (vec![0.0f32; STAMP], Vec::new());
+        for i in 0..n {
+            stamp.fill(0.0);
+            let rank = low.rank;
+            let weights: Vec<f64> = (i * rank..(i + 1) * rank).map(|k| low.coefficients[k] - left[k]).collect();
+            low.mix(&weights, &mut stamp);
+            let view = view(i);
+            view.turned(&stamp, 1.0, &mut turned);
+            for (v, u) in carried[i * columns..(i + 1) * columns].as_chunks_mut::<3>().0.iter_mut().enumerate() {
+                if let Some(cell) = view.cell(self.body.points[v], self.body.normals[v]) {
+                    *u = read(&turned, &cell).to_array();
+                }
+            }
+        }
+        // How well the carried part alone tells the directions of the samples themselves.
+        let score = (0..n).filter(|i| images[*i].mirror == Mirror::NONE).map(|i| {
+            let (c, y) = (&carried[i * columns..(i + 1) * columns], &unit[i * columns..(i + 1) * columns]);
+            let cosine = dot32(c, y) / dot32(c, c).sqrt().max(1e-30);
+            let sine = (1.0 - cosine * cosine.abs()).max(0.0).sqrt();
+            (sine * sine + missed[i] * missed[i]).sqrt().min(2.0).sqrt()
+        });
+        let score = score.sum();
+        let model = Model {
+            points: Points::new(&points),
+            rows: points,
+            examples: images.iter().map(|i| (i.sample as u32, i.mirror)).collect(),
+            most: logs.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            logs,
+            size,
+            carried: Part { factors: lengths.factors(), mean, coefficients, modes: low.modes },
+            stretch,
+            reference,
+            far: 1.0,
+            ..Model::default()
+        };
+        Some(Draft { model, images, groups, unit, carried, missed, score })
+    }
+
+    /// Learns the anchored part, its share and the factor on sizes.
+    fn finish(&self, draft: Draft, blows: bool) -> Model {
+        let Draft { mut model, images, groups, unit, carried, missed, .. } = draft;
+        let (n, columns) = (images.len(), 3 * self.body.points.len());
+        let row = |rows: &'_ [f32], i: usize| -> Vec<f32> { rows[i * columns..(i + 1) * columns].to_vec() };
+        if groups.len() < LEAST_GROUPS {
+            model.errors = vec![1.0; n];
+            return model;
+        }
+        let used = some_rows(&groups, FIT_ROWS);
+        let contacts: Vec<usize> = images.iter().map(|i| nearest(self.body.points, i.contact)).collect();
+        let mut kriging: Option<(Kriging, Lengths)> = None;
+        // Score, errors, share, factor, and the part.
+        let mut best: Option<(f64, Vec<f64>, f64, f64, Part)> = None;
+        for start in [STARTS[1], STARTS[0], STARTS[2]] {
+            let mut rest = unit.clone();
+            add32(&mut rest, -start as f32, &carried);
+            let products = gram(&rest, columns);
+            let (kriging, lengths) = kriging.get_or_insert_with(|| {
+                let mut mean = ANCHORED;
+                if !blows {
+                    mean.lengths[5] = LEAN + 0.5;
+                }
+                let prior = Prior { mean, deviation: 0.7, outputs: OUTPUTS, ordinary: false };
+                let lengths = fit(&select(&model.rows, &used), &select_square(&products, n, &used), &prior);
+                (Kriging::new(&model.rows, &lengths, false), lengths)
+            });
+            let low = LowRank::of(&rest, columns, &products, ANCHORED_MODES, LOST);
+            let rank = low.rank;
+            let left = kriging.missed(&low.coefficients, rank, &groups);
+            let predicted: Vec<f64> = low.coefficients.iter().zip(&left).map(|(c, l)| c - l).collect();
+            // Scalar products of carried (c), anchored (g) and true (y) fields, and the contacts' displacements.
+            let mut terms = Vec::with_capacity(n);
+            let mut field = vec![0.0f32; columns];
+            for i in 0..n {
+                field.fill(0.0);
+                low.mix(&predicted[i * rank..(i + 1) * rank], &mut field);
+                let (c, y) = (row(&carried, i), row(&unit, i));
+                let at = |f: &[f32]| Vec3::from_slice(&f[3 * contacts[i]..]).as_dvec3();
+                let products =
+                    [dot32(&c, &c), dot32(&c, &field), dot32(&field, &field), dot32(&c, &y), dot32(&field, &y)];
+                terms.push((products, at(&c), at(&field)));
+            }
+            for step in 0..=10 {
+                let w = 0.1 * f64::from(step);
+                let v = 1.0 - w;
+                let factors: &[f64] = if blows { &[-0.3, -0.2, -0.1, 0.0] } else { &[0.0] };
+                for factor in factors {
+                    let errors: Vec<f64> = (0..n)
+                        .map(|i| {
+                            let ([cc, cg, gg, cy, gy], c, g) = terms[i];
+                            let length = (v * v * cc + 2.0 * v * w * cg + w * w * gg).max(1e-30).sqrt();
+                            let free = libm::exp(factor - missed[i]);
+                            let size = if blows {
+                                free
+                            } else {
+                                let there = (c * v + g * w).length() / length;
+                                let depth = images[i].moved.as_dvec3().length() * libm::exp(-model.logs[i]);
+                                (depth / there.max(1e-9)).clamp(free / 4.0, free * 4.0)
+                            };
+                            (size * size - 2.0 * size * (v * cy + w * gy) / length + 1.0).max(0.0).sqrt()
+                        })
+                        .collect();
+                    let own = (0..n).filter(|i| images[*i].mirror == Mirror::NONE);
+                    let score: f64 = own.map(|i| errors[i].min(2.0).sqrt()).sum();
+                    if best.as_ref().is_none_or(|b| score < b.0) {
+                        let (mean, coefficients) = kriging.coefficients(&low.coefficients, rank);
+                        let part = Part { factors: lengths.factors(), mean, coefficients, modes: low.modes.clone() };
+                        best = Some((score, errors, w, *factor, part));
+                    }
+                }
+            }
+        }
+        if let Some((_, errors, share, factor, part)) = best {
+            let mut sorted = errors.clone();
+            sorted.sort_by(f64::total_cmp);
+            model.far = sorted[sorted.len() * 9 / 10].min(2.0);
+            model.errors = errors.iter().map(|e| e.min(2.0)).collect();
+            (model.share, model.factor) = (share, factor);
+            model.anchored = if share > 0.0 { part } else { Part::default() };
+        }
+        model
+    }
+}
+
+/// Whole groups of rows, evenly from all, of at most `most` rows.
+fn some_rows(groups: &[Vec<usize>], most: usize) -> Vec<usize> {
+    let rows: usize = groups.iter().map(Vec::len).sum();
+    let step = rows.div_ceil(most).max(1);
+    groups.iter().step_by(step).flatten().copied().collect()
+}
+
+fn select(points: &[Point], used: &[usize]) -> Vec<Point> {
+    used.iter().map(|i| points[*i]).collect()
+}
+
+fn select_square(matrix: &[f64], n: usize, used: &[usize]) -> Vec<f64> {
+    used.iter().flat_map(|i| used.iter().map(move |j| matrix[i * n + j])).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn groups_stay_whole_when_rows_are_chosen() {
+        let groups: Vec<Vec<usize>> = (0..300).map(|i| vec![i, i + 300]).collect();
+        let rows = some_rows(&groups, 200);
+        assert!(rows.len() <= 200 && rows.len() > 100);
+        assert!(rows.iter().all(|r| rows.contains(&((r + 300) % 600))));
+    }
+}

@@ -1,0 +1,310 @@
+//! The learned rule as plain data, and what it says of a hit.
+
+use super::body::Body;
+use super::features::{Point, Points, STRENGTH_AXIS, point};
+use super::kernel::{GROUPS, exp, matern};
+use super::lookup::nearest;
+use super::own::{self, OwnFields};
+use super::size::SizeLaw;
+use super::stamp::{Frames, STAMP, View, read};
+use super::{Blow, Hit, LearnOptions, Learned, Prediction, Sample, Told};
+use crate::base::error::Error;
+use crate::base::tasks::TaskSystem;
+use crate::mesh::mirror::Mirror;
+use glam::{Vec3, Vec4};
+
+/// Displacements below this share of the field's longest are left out; above twice as much they are kept whole.
+const FAINT: f32 = 0.004;
+/// Energies of this share of the weakest example's leave nothing, and of `WEAK` all that the law says; logarithms.
+const NOTHING: f64 = -3.4;
+const WEAK: f64 = -1.6;
+/// A field is scaled to a told displacement by at most this factor.
+const MOST_SCALE: f32 = 4.0;
+/// The largest size over that of the largest example; a logarithm.
+const MOST_LOG: f64 = 0.7;
+/// Where a field ends, in units of the distance at which all examples have ended.
+const END: f32 = 1.3;
+/// Covariance that counts against errors of near examples.
+const FAR_WEIGHT: f64 = 0.5;
+
+/// A regression on rows of low rank.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Part {
+    pub factors: [f64; GROUPS],
+    /// `rank` numbers.
+    pub mean: Vec<f64>,
+    /// `rank` numbers a point.
+    pub coefficients: Vec<f64>,
+    /// `rank` rows.
+    pub modes: Vec<f32>,
+}
+
+impl Part {
+    /// Adds the prediction's row to `out`.
+    fn add(&self, n: usize, d2: &[f64], scratch: &mut Vec<f64>, weights: &mut Vec<f64>, out: &mut [f32]) {
+        let rank = self.mean.len();
+        if rank == 0 {
+            return;
+        }
+        scratch.clear();
+        scratch.resize(n, 0.0);
+        for g in 0..GROUPS {
+            let f = self.factors[g];
+            scratch.iter_mut().zip(&d2[g * n..(g + 1) * n]).for_each(|(s, d)| *s += f * d);
+        }
+        scratch.iter_mut().for_each(|s| *s = matern(*s));
+        weights.clear();
+        weights.extend(&self.mean);
+        for (k, row) in scratch.iter().zip(self.coefficients.chunks_exact(rank)) {
+            super::linear::add(weights, *k, row);
+        }
+        let columns = out.len();
+        for (w, mode) in weights.iter().zip(self.modes.chunks_exact(columns)) {
+            super::linear::add32(out, *w as f32, mode);
+        }
+    }
+}
+
+/// The rule for hits of one kind: blows or displacements.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Model {
+    /// The examples and their mirror images, in the space of hits.
+    pub rows: Vec<Point>,
+    pub points: Points,
+    /// For each the example, and the mirror.
+    pub examples: Vec<(u32, Mirror)>,
+    /// Logarithms of their sizes.
+    pub logs: Vec<f64>,
+    /// The largest of them.
+    pub most: f64,
+    pub size: SizeLaw,
+    pub carried: Part,
+    pub anchored: Part,
+    /// Share of the anchored part.
+    pub share: f64,
+    /// Logarithm of the factor on sizes.
+    pub factor: f64,
+    /// Exponent of the grid's stretch, and the logarithm for which it is 1.
+    pub stretch: f64,
+    pub reference: f64,
+    /// Relative L2 error of each when it is left out, and of a hit that is far from all.
+    pub errors: Vec<f64>,
+    pub far: f64,
+}
+
+/// What is assumed of unknown numbers of a blow.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Typical {
+    /// kg
+    pub mass: f64,
+    /// m
+    pub radius: f64,
+    pub kind: u32,
+    pub rebound: f64,
+}
+
+/// A learned rule: from hits to displacement fields at the points of a body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Predictor {
+    pub(super) points: Vec<Vec3>,
+    pub(super) normals: Vec<Vec3>,
+    pub(super) diagonal: f64,
+    pub(super) frames: Frames,
+    /// For each mirror the partner of each point; empty if no image is used.
+    pub(super) partners: Vec<(Mirror, Vec<u32>)>,
+    pub(super) typical: Typical,
+    pub(super) blow: Option<Model>,
+    pub(super) displacement: Model,
+    pub(super) own: OwnFields,
+    /// The largest distance from a contact at which a sample moves by a hundredth of its longest displacement, m.
+    pub(super) reach: f32,
+    pub(super) learned: Learned,
+}
+
+/// Memory that predictions share.
+#[derive(Debug, Clone, Default)]
+pub struct Scratch {
+    differences: Vec<f64>,
+    near: Vec<f64>,
+    sums: Vec<f64>,
+    weights: Vec<f64>,
+    stamp: Vec<f32>,
+    turned: Vec<Vec4>,
+    field: Vec<f32>,
+}
+
+/// The space of hits: what a hit is as a point.
+pub(super) fn blow_point(blow: &Blow, place: Vec3, normal: Vec3, diagonal: f64, typical: &Typical) -> Option<Point> {
+    let s = blow.strike(normal, typical.mass, typical.rebound)?;
+    let radius = blow.radius.map_or(typical.radius, f64::from).max(1e-6);
+    let kind = f64::from(blow.kind.unwrap_or(typical.kind));
+    Some(point(place, normal, diagonal, s.energy, s.mass.unwrap_or(typical.mass), radius, s.tangent, kind))
+}
+
+/// The same for a displacement; `None` if it is zero.
+pub(super) fn displacement_point(u: Vec3, place: Vec3, normal: Vec3, diagonal: f64) -> Option<Point> {
+    let u = u.as_dvec3();
+    let depth = u.length();
+    if depth.is_nan() || depth <= 1e-9 {
+        return None;
+    }
+    let n = normal.as_dvec3();
+    let lean = u / depth;
+    let lean = lean - n * lean.dot(n);
+    Some(point(place, normal, diagonal, depth, 1.0, 1.0, lean.to_array(), 0.0))
+}
+
+impl Predictor {
+    /// Learns the rule of a body from its samples. The result does not depend on their order.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] if there is no sample, or the lengths of arrays differ; [`Error::NotFinite`] for
+    /// numbers that are not finite.
+    pub fn learn(
+        body: &Body<'_>,
+        samples: &[Sample<'_>],
+        options: &LearnOptions,
+        tasks: &dyn TaskSystem,
+    ) -> Result<Self, Error> {
+        super::learn::learn(body, samples, options, tasks)
+    }
+
+    /// What was learned, and how well each sample is predicted by the others.
+    pub fn learned(&self) -> &Learned {
+        &self.learned
+    }
+
+    /// Whether blows can be predicted: some sample knows its own.
+    pub fn knows_blows(&self) -> bool {
+        self.blow.is_some()
+    }
+
+    /// Number of points.
+    pub fn point_count(&self) -> usize {
+        self.points.len()
+    }
+
+    /// Bytes of the arrays.
+    pub fn bytes(&self) -> usize {
+        let part = |p: &Part| p.modes.len() * 4 + (p.coefficients.len() + p.mean.len()) * 8;
+        let model = |m: &Model| part(&m.carried) + part(&m.anchored) + m.rows.len() * (2 * 104 + 8 * 3 + 8);
+        let own = self.own.points.len() * 10 + self.own.starts.len() * 8;
+        let partners: usize = self.partners.iter().map(|(_, p)| 4 * p.len()).sum();
+        self.points.len() * 24 + partners + own + model(&self.displacement) + self.blow.as_ref().map_or(0, model)
+    }
+
+    /// Predicts the displacements (m) of the points that a hit moves, in ascending order of points. A blow that points
+    /// out of the body, or is far weaker than all examples, leaves nothing. So does a blow if no sample knows one
+    /// ([`Predictor::knows_blows`]).
+    pub fn predict(&self, hit: &Hit, scratch: &mut Scratch, out: &mut Vec<(u32, Vec3)>) -> Prediction {
+        out.clear();
+        let (model, x) = match hit.told {
+            Told::Blow(blow) => match &self.blow {
+                Some(model) => (model, blow_point(&blow, hit.contact, hit.normal, self.diagonal, &self.typical)),
+                None => return Prediction::default(),
+            },
+            Told::Displacement(u) => {
+                (&self.displacement, displacement_point(u, hit.contact, hit.normal, self.diagonal))
+            }
+        };
+        let Some(x) = x.filter(|x| x.iter().all(|v| v.is_finite())) else { return Prediction::default() };
+        let n = model.rows.len();
+        let s = scratch;
+        model.points.differences(&x, &mut s.differences);
+
+        let mut log = model.size.at(&x, &model.points, &s.differences, &mut s.near, &mut s.sums) + model.factor;
+        log = own::within_cones(&model.rows, &model.logs, &x, log).min(model.most + MOST_LOG);
+        let (mut errors, mut all) = (FAR_WEIGHT * model.far, FAR_WEIGHT);
+        for (k, e) in s.near.iter().zip(&model.errors) {
+            errors += k * e;
+            all += k;
+        }
+        let told = match hit.told {
+            Told::Displacement(u) => Some(u.length()),
+            Told::Blow(_) => None,
+        };
+        let strength = if told.is_some() { x[STRENGTH_AXIS] } else { log };
+        let wide = exp((model.stretch * (strength - model.reference)).clamp(-1.4, 1.4));
+
+        s.field.clear();
+        s.field.resize(3 * self.points.len(), 0.0);
+        model.anchored.add(n, &s.differences, &mut s.sums, &mut s.weights, &mut s.field);
+        s.stamp.clear();
+        s.stamp.resize(STAMP, 0.0);
+        model.carried.add(n, &s.differences, &mut s.sums, &mut s.weights, &mut s.stamp);
+        let (w, v) = (model.share as f32, (1.0 - model.share) as f32);
+        let view = View::new(&self.frames, hit.contact, hit.normal, self.diagonal, wide);
+        view.turned(&s.stamp, v, &mut s.turned);
+        let mut squares = 0.0f64;
+        for ((p, n), u) in self.points.iter().zip(&self.normals).zip(s.field.as_chunks_mut::<3>().0) {
+            let distance = (*p - hit.contact).length();
+            if distance >= END * self.reach {
+                *u = [0.0; 3];
+                continue;
+            }
+            let mut sum = Vec3::from_array(*u) * w;
+            if let Some(cell) = view.cell(*p, *n) {
+                sum += read(&s.turned, &cell);
+            }
+            if distance > self.reach {
+                let t = (distance / self.reach - END) / (1.0 - END);
+                sum *= t * t * (3.0 - 2.0 * t);
+            }
+            *u = sum.to_array();
+            squares += f64::from(sum.length_squared());
+        }
+        if squares.is_nan() || squares <= 0.0 {
+            return Prediction { expected_error: (errors / all) as f32, ..Prediction::default() };
+        }
+        let unit = (1.0 / squares.sqrt()) as f32;
+        s.field.iter_mut().for_each(|x| *x *= unit);
+        let own = own::nearest(&model.rows, &x);
+        let exact = own.map_or(0.0, |(_, weight)| weight as f32);
+        if let Some((i, _)) = own {
+            let (example, mirror) = model.examples[i];
+            let length = (-model.logs[i]).min(300.0);
+            let k = exact * exp(length) as f32;
+            let partners = self.partners.iter().find(|(m, _)| *m == mirror && mirror != Mirror::NONE);
+            s.field.iter_mut().for_each(|x| *x *= 1.0 - exact);
+            for (v, u) in self.own.moved(example as usize) {
+                let to = partners.map_or(v, |(_, p)| p[v] as usize);
+                let sum = Vec3::from_slice(&s.field[3 * to..]) + mirror.direction(u) * k;
+                s.field[3 * to..3 * to + 3].copy_from_slice(&sum.to_array());
+            }
+            let squares: f64 = super::linear::dot32(&s.field, &s.field);
+            let unit = (1.0 / squares.max(1e-30).sqrt()) as f32;
+            s.field.iter_mut().for_each(|x| *x *= unit);
+        }
+
+        let contact = nearest(&self.points, hit.contact);
+        let there = Vec3::from_slice(&s.field[3 * contact..]).length();
+        let mut size = exp(log.clamp(-40.0, 20.0)) as f32;
+        match told {
+            Some(depth) => {
+                let free = size;
+                size = depth / there.max(1e-9);
+                size = size.clamp(free / MOST_SCALE, free * MOST_SCALE);
+            }
+            None => {
+                let t = ((x[STRENGTH_AXIS] - model.size.weakest() - NOTHING) / (WEAK - NOTHING)).clamp(0.0, 1.0);
+                size *= (t * t * (3.0 - 2.0 * t)) as f32;
+            }
+        }
+        let longest =
+            s.field.as_chunks::<3>().0.iter().fold(0.0f32, |m, u| m.max(Vec3::from_array(*u).length_squared()));
+        let faint = FAINT * longest.sqrt() * (1.0 - exact);
+        for (v, u) in s.field.as_chunks::<3>().0.iter().enumerate() {
+            let u = Vec3::from_array(*u);
+            let length = u.length();
+            if length <= faint || length == 0.0 {
+                continue;
+            }
+            let kept = if length < 2.0 * faint { (length - faint) / faint } else { 1.0 };
+            let moved = u * (size * kept);
+            if moved != Vec3::ZERO {
+                out.push((v as u32, moved));
+            }
+        }
+        Prediction { size, depth: there * size, expected_error: (errors / all) as f32 }
+    }
+}

@@ -1,0 +1,218 @@
+//! Frames of contacts, and a field resampled into a grid there.
+
+use super::linear::Banded;
+use glam::{DMat3, DVec3, Vec3, Vec4};
+
+/// Nodes of the grid a side.
+pub(super) const SIDE: usize = 29;
+/// Numbers of a stamp: three for each node.
+pub(super) const STAMP: usize = SIDE * SIDE * 3;
+/// The grid is densest at the contact: node spacing grows with distance from this one on, as a share of the diagonal.
+const NEAR: f64 = 0.15;
+/// The grid ends there, as a share of the diagonal.
+const END: f64 = 0.75;
+/// Weight of smoothness against agreement with the field, and of smallness against smoothness.
+const SMOOTH: f64 = 1e-3;
+const SMALL: f64 = 0.02;
+/// Points whose normals have less of the contact's than this are on the other side; above `FRONT` they count fully.
+const BACK: f32 = -0.3;
+const FRONT: f32 = -0.1;
+
+/// Turns the frame of one contact into that of another: rotations with the contact's normal as third column.
+///
+/// If normals of the body have a mean direction, a frame is the smallest rotation from that direction. Otherwise (drums)
+/// its first axis is the projection of the coordinate axis along which the fewest normals point.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Frames {
+    /// The mean direction, or 0.
+    mean: DVec3,
+    /// Index of a coordinate axis.
+    axis: usize,
+}
+
+impl Frames {
+    pub(super) fn of(normals: &[Vec3]) -> Self {
+        let (mut sum, mut along) = (DVec3::ZERO, DVec3::ZERO);
+        for n in normals {
+            sum += n.as_dvec3();
+            along += n.as_dvec3().abs();
+        }
+        let count = normals.len().max(1) as f64;
+        let mut mean = sum / count;
+        // Symmetric bodies: rounding must not tilt the mean.
+        mean = DVec3::select(mean.abs().cmplt(DVec3::splat(1e-3)), DVec3::ZERO, mean);
+        let least = |v: DVec3| (0..3).fold(0, |best, k| if v[k] < v[best] - 1e-6 { k } else { best });
+        if mean.length() > 0.3 {
+            let mean = mean / mean.length();
+            Self { mean, axis: least(mean.abs()) }
+        } else {
+            Self { mean: DVec3::ZERO, axis: least(along) }
+        }
+    }
+
+    /// The frame at a unit normal.
+    pub(super) fn at(&self, normal: Vec3) -> DMat3 {
+        let n = normal.as_dvec3();
+        let n = if n.length() > 0.0 { n / n.length() } else { DVec3::Z };
+        let first = |axis: usize, n: DVec3| {
+            let a = DVec3::AXES[axis];
+            let e = a - n * n.dot(a);
+            e / e.length()
+        };
+        if self.mean == DVec3::ZERO {
+            let axis = if n[self.axis].abs() < 0.95 { self.axis } else { (self.axis + 1) % 3 };
+            let e = first(axis, n);
+            return DMat3::from_cols(e, n.cross(e), n);
+        }
+        let m = self.mean;
+        let e = first(self.axis, m);
+        let frame = DMat3::from_cols(e, m.cross(e), m);
+        let c = m.dot(n);
+        if c < -0.999 {
+            return DMat3::from_cols(e, n.cross(e), n);
+        }
+        let v = m.cross(n);
+        let turn = |x: DVec3| x * c + v.cross(x) + v * (v.dot(x) / (1.0 + c));
+        DMat3::from_cols(turn(frame.x_axis), turn(frame.y_axis), turn(frame.z_axis))
+    }
+}
+
+/// A contact, from which points are seen in the grid.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct View {
+    contact: Vec3,
+    normal: Vec3,
+    /// Columns are the frame.
+    frame: glam::Mat3,
+    near: f32,
+    scale: f32,
+}
+
+/// Where a point lies in the grid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Cell {
+    /// The node with the smallest coordinates; the others are 1, `SIDE` and `SIDE + 1` further.
+    pub node: usize,
+    /// Weights of the four nodes; their sum is below 1 near the other side of the body.
+    pub weights: [f32; 4],
+}
+
+impl View {
+    /// `wide` stretches the grid.
+    pub(super) fn new(frames: &Frames, contact: Vec3, normal: Vec3, diagonal: f64, wide: f64) -> Self {
+        let near = NEAR * diagonal * wide;
+        let end = END / (END + NEAR);
+        let scale = (SIDE - 1) as f64 / (2.0 * end);
+        Self { contact, normal, frame: frames.at(normal).as_mat3(), near: near as f32, scale: scale as f32 }
+    }
+
+    /// The place of a point with a normal in the grid, if it is inside and on this side of the body.
+    #[inline]
+    pub(super) fn cell(&self, point: Vec3, normal: Vec3) -> Option<Cell> {
+        let facing = normal.dot(self.normal);
+        if facing <= BACK && normal != Vec3::ZERO {
+            return None;
+        }
+        let r = point - self.contact;
+        let (x, y, z) = (r.dot(self.frame.x_axis), r.dot(self.frame.y_axis), r.dot(self.frame.z_axis));
+        // The surface around the contact, unrolled on a plane.
+        let unroll = 1.0 + 0.5 * (z * z / (x * x + y * y).max(1e-12)).min(2.0);
+        let place = |q: f32| self.scale * (q / (q.abs() + self.near)) + 0.5 * (SIDE - 1) as f32;
+        let (a, b) = (place(x * unroll), place(y * unroll));
+        let last = (SIDE - 1) as f32;
+        if !(a > 0.0 && a < last && b > 0.0 && b < last) {
+            return None;
+        }
+        let (i, j) = (a as usize, b as usize);
+        let (u, v) = (a - i as f32, b - j as f32);
+        let f = if normal == Vec3::ZERO { 1.0 } else { ((facing - BACK) / (FRONT - BACK)).min(1.0) };
+        let weights = [f * (1.0 - u) * (1.0 - v), f * (1.0 - u) * v, f * u * (1.0 - v), f * u * v];
+        Some(Cell { node: i * SIDE + j, weights })
+    }
+
+    /// The grid whose bilinear mean is nearest to the field (`STAMP` numbers in the frame of the contact), smooth where
+    /// there are no points.
+    pub(super) fn resample(&self, points: &[Vec3], normals: &[Vec3], field: impl Fn(usize) -> Vec3) -> Vec<f32> {
+        let nodes = SIDE * SIDE;
+        let mut matrix = Banded::new(nodes, 2 * SIDE);
+        let mut right = vec![[0.0f64; 3]; nodes];
+        for (v, (p, n)) in points.iter().zip(normals).enumerate() {
+            let Some(cell) = self.cell(*p, *n) else { continue };
+            let u = self.frame.transpose() * field(v);
+            let at = [cell.node, cell.node + 1, cell.node + SIDE, cell.node + SIDE + 1];
+            for a in 0..4 {
+                let w = f64::from(cell.weights[a]);
+                (0..3).for_each(|c| right[at[a]][c] += w * f64::from(u[c]));
+                (0..=a).for_each(|b| matrix.add(at[a], at[b], w * f64::from(cell.weights[b])));
+            }
+        }
+        // Squared second differences along both axes.
+        for i in 0..SIDE {
+            for j in 1..SIDE - 1 {
+                for (low, mid, high) in [
+                    (i * SIDE + j - 1, i * SIDE + j, i * SIDE + j + 1),
+                    ((j - 1) * SIDE + i, j * SIDE + i, (j + 1) * SIDE + i),
+                ] {
+                    let terms = [(low, 1.0), (mid, -2.0), (high, 1.0)];
+                    for (k, (a, x)) in terms.iter().enumerate() {
+                        terms[..=k].iter().for_each(|(b, y)| matrix.add(*a, *b, SMOOTH * x * y));
+                    }
+                }
+            }
+        }
+        (0..nodes).for_each(|k| matrix.add(k, k, SMOOTH * SMALL));
+        matrix.solve(&mut right);
+        right.iter().flatten().map(|x| *x as f32).collect()
+    }
+
+    /// A stamp in the space of the body, one vector for each node, times `k`.
+    pub(super) fn turned(&self, stamp: &[f32], k: f32, out: &mut Vec<Vec4>) {
+        let frame = self.frame * k;
+        out.clear();
+        out.extend(stamp.as_chunks::<3>().0.iter().map(|u| (frame * Vec3::from_array(*u)).extend(0.0)));
+    }
+}
+
+/// A turned stamp's displacement at a cell.
+#[inline]
+pub(super) fn read(turned: &[Vec4], cell: &Cell) -> Vec3 {
+    let [a, b, c, d] = cell.weights;
+    let k = cell.node;
+    let (low, high) = (&turned[k..k + 2], &turned[k + SIDE..k + SIDE + 2]);
+    ((low[0] * a + low[1] * b) + (high[0] * c + high[1] * d)).truncate()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_rotations_with_the_normal_as_third_axis() {
+        for normals in [vec![Vec3::Z, Vec3::X], vec![Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y]] {
+            let frames = Frames::of(&normals);
+            for n in [Vec3::X, Vec3::Y, -Vec3::Z, Vec3::new(0.6, -0.48, 0.64)] {
+                let f = frames.at(n);
+                assert!((f.determinant() - 1.0).abs() < 1e-9 && (f.z_axis - n.as_dvec3()).length() < 1e-6, "{n}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_field_is_read_back_at_its_own_contact() {
+        let points: Vec<Vec3> = (0..41 * 41).map(|k| Vec3::new((k / 41) as f32, (k % 41) as f32, 0.0) / 40.0).collect();
+        let normals = vec![Vec3::Z; points.len()];
+        let centre = Vec3::new(0.4, 0.55, 0.0);
+        let field = |v: usize| Vec3::new(0.0, 0.002, -0.03) * (-40.0 * (points[v] - centre).length_squared()).exp();
+        let view = View::new(&Frames::of(&normals), centre, Vec3::Z, 2f64.sqrt(), 1.0);
+        let stamp = view.resample(&points, &normals, field);
+        let mut turned = Vec::new();
+        view.turned(&stamp, 1.0, &mut turned);
+        let mut sums = (0.0, 0.0);
+        for (v, p) in points.iter().enumerate() {
+            let read = view.cell(*p, Vec3::Z).map_or(Vec3::ZERO, |cell| read(&turned, &cell));
+            sums.0 += (read - field(v)).length_squared();
+            sums.1 += field(v).length_squared();
+        }
+        assert!(sums.0 < 0.02 * 0.02 * sums.1, "{}", (sums.0 / sums.1).sqrt());
+    }
+}

@@ -1,0 +1,278 @@
+//! The promises of the rule, on a sheet whose dents are known.
+
+use super::kernel::{Lengths, matern};
+use super::kriging::{Kriging, covariance};
+use super::{Blow, Body, Hit, LearnOptions, Prediction, Predictor, Sample, Scratch, Told};
+use crate::base::tasks::Serial;
+use crate::mesh::mirror::Mirror;
+use glam::Vec3;
+use proptest::prelude::*;
+
+const N: usize = 25;
+
+/// A square sheet of one metre a side, facing z.
+struct Sheet {
+    points: Vec<Vec3>,
+    normals: Vec<Vec3>,
+}
+
+impl Sheet {
+    fn new() -> Self {
+        let points = (0..N * N).map(|k| Vec3::new((k / N) as f32 - 12.0, (k % N) as f32 - 12.0, 0.0) / 24.0);
+        Self { points: points.collect(), normals: vec![Vec3::Z; N * N] }
+    }
+
+    fn body(&self, mirror: u8) -> Body<'_> {
+        Body { points: &self.points, normals: &self.normals, mirror: Mirror::from_bits(mirror), centre: Vec3::ZERO }
+    }
+
+    /// A dent whose depth grows with the root of the energy, and is twice as deep on the right as on the left.
+    fn dent(&self, contact: Vec3, energy: f32) -> Vec<Vec3> {
+        let depth = 0.002 * energy.sqrt() * (1.5 + contact.x);
+        let width = 0.1 * (depth / 0.01).powf(0.4);
+        let at = |p: &Vec3| {
+            let r = (*p - contact).length() / width;
+            if r < 3.0 { Vec3::NEG_Z * depth * (1.0 - r * r / 9.0).powi(4) } else { Vec3::ZERO }
+        };
+        self.points.iter().map(at).collect()
+    }
+}
+
+fn blow(energy: f32, mass: f32) -> Blow {
+    let velocity = Some(Vec3::NEG_Z * (2.0 * energy / mass).sqrt());
+    Blow { velocity, mass: Some(mass), radius: Some(0.1), ..Blow::default() }
+}
+
+/// Places of examples, on points of the sheet, and energies.
+fn places(count: usize) -> Vec<(Vec3, f32)> {
+    let at = |k: usize| ((k * 7 + 3) % 19 + 3, (k * 11 + 5) % 17 + 4);
+    (0..count)
+        .map(|k| {
+            let (i, j) = at(k);
+            (Vec3::new(i as f32 - 12.0, j as f32 - 12.0, 0.0) / 24.0, 10.0 * (1 + (k * 5) % 13) as f32)
+        })
+        .collect()
+}
+
+struct Set {
+    sheet: Sheet,
+    hits: Vec<(Vec3, f32)>,
+    fields: Vec<Vec<Vec3>>,
+}
+
+impl Set {
+    fn new(count: usize) -> Self {
+        let (sheet, hits) = (Sheet::new(), places(count));
+        let fields = hits.iter().map(|(p, e)| sheet.dent(*p, *e)).collect();
+        Self { sheet, hits, fields }
+    }
+
+    fn samples(&self) -> Vec<Sample<'_>> {
+        self.hits
+            .iter()
+            .zip(&self.fields)
+            .enumerate()
+            .map(|(k, ((contact, energy), field))| Sample {
+                contact: *contact,
+                normal: Vec3::Z,
+                blow: Some(blow(*energy, 5.0)),
+                field,
+                source: k as u32,
+            })
+            .collect()
+    }
+
+    fn learn(&self, mirror: u8) -> Predictor {
+        Predictor::learn(&self.sheet.body(mirror), &self.samples(), &LearnOptions::default(), &Serial).unwrap()
+    }
+}
+
+fn predict(p: &Predictor, hit: &Hit) -> (Prediction, Vec<Vec3>) {
+    let (mut scratch, mut out) = (Scratch::default(), Vec::new());
+    let told = p.predict(hit, &mut scratch, &mut out);
+    let mut field = vec![Vec3::ZERO; p.point_count()];
+    out.iter().for_each(|(v, u)| field[*v as usize] = *u);
+    (told, field)
+}
+
+fn hit(contact: Vec3, energy: f32) -> Hit {
+    Hit { contact, normal: Vec3::Z, told: Told::Blow(blow(energy, 5.0)) }
+}
+
+fn error(a: &[Vec3], b: &[Vec3]) -> f32 {
+    let sum = |f: &dyn Fn(usize) -> Vec3| (0..a.len()).map(|i| f(i).length_squared()).sum::<f32>();
+    (sum(&|i| a[i] - b[i]) / sum(&|i| b[i])).sqrt()
+}
+
+#[test]
+fn kriging_weights_have_the_values_of_the_textbook() {
+    let at = |x: f64| std::array::from_fn(|k| if k == 0 { x } else { 0.0 });
+    let unit = Lengths { lengths: [0.0; 7], noise: -30.0 };
+    let points = [at(0.0), at(1.0)];
+    let kriging = Kriging::new(&points, &unit, true);
+    let weights = |x: f64| {
+        let k: Vec<f64> = points.iter().map(|p| covariance(p, &at(x), &unit.factors())).collect();
+        kriging.weights(&k)
+    };
+    // By symmetry; at a point; and from 2 equations and the multiplier: w = 1/2 + (k1 - k2) / (2 (1 - k12)).
+    assert!((weights(0.5)[0] - 0.5).abs() < 1e-6);
+    assert!((weights(1.0)[1] - 1.0).abs() < 1e-4);
+    let (k1, k2, k12) = (matern(3.0 * 0.04), matern(3.0 * 0.64), matern(3.0));
+    assert!((weights(0.2)[0] - (0.5 + (k1 - k2) / (2.0 * (1.0 - k12)))).abs() < 1e-4);
+    for x in [-3.0, 0.1, 0.9, 40.0] {
+        assert!((weights(x).iter().sum::<f64>() - 1.0).abs() < 1e-9);
+    }
+    // Left out, each is predicted by the other alone.
+    let missed = kriging.missed(&[2.0, 5.0], 1, &[vec![0], vec![1]]);
+    assert!((missed[0] + 3.0).abs() < 1e-4 && (missed[1] - 3.0).abs() < 1e-4);
+}
+
+#[test]
+fn an_examples_own_blow_gives_the_example() {
+    for count in [1, 3, 20] {
+        let set = Set::new(count);
+        let p = set.learn(0);
+        for ((contact, energy), field) in set.hits.iter().zip(&set.fields) {
+            let (told, got) = predict(&p, &hit(*contact, *energy));
+            let worst = got.iter().zip(field).map(|(a, b)| (*a - *b).length()).fold(0.0, f32::max);
+            assert!(worst < 1e-5, "{count} examples: {worst} m off, {told:?}");
+        }
+    }
+}
+
+#[test]
+fn more_examples_predict_better() {
+    let tests =
+        [(Vec3::new(0.1, -0.15, 0.0), 55.0), (Vec3::new(-0.2, 0.1, 0.0), 25.0), (Vec3::new(0.27, 0.2, 0.0), 90.0)];
+    let errors = [4, 40].map(|count| {
+        let set = Set::new(count);
+        let p = set.learn(0);
+        tests.iter().map(|(c, e)| error(&predict(&p, &hit(*c, *e)).1, &set.sheet.dent(*c, *e))).sum::<f32>() / 3.0
+    });
+    assert!(errors[1] < 0.12 && errors[1] < 0.7 * errors[0], "{errors:?}");
+}
+
+#[test]
+fn the_order_of_samples_does_not_matter() {
+    let set = Set::new(12);
+    let mut samples = set.samples();
+    let one = Predictor::learn(&set.sheet.body(0), &samples, &LearnOptions::default(), &Serial).unwrap();
+    samples.reverse();
+    let other = Predictor::learn(&set.sheet.body(0), &samples, &LearnOptions::default(), &Serial).unwrap();
+    let h = hit(Vec3::new(0.13, 0.02, 0.0), 33.0);
+    assert_eq!(predict(&one, &h), predict(&other, &h));
+    let errors: Vec<f32> = other.learned().errors.iter().rev().copied().collect();
+    assert_eq!(one.learned().errors, errors);
+}
+
+#[test]
+fn a_symmetric_body_dents_symmetrically() {
+    let mut set = Set::new(10);
+    // Dents that agree with a mirror in x.
+    let Set { sheet, hits, fields } = &mut set;
+    for ((contact, energy), field) in hits.iter().zip(fields) {
+        for (p, u) in sheet.points.iter().zip(field) {
+            let r = (*p - *contact).length() / 0.2;
+            *u = Vec3::NEG_Z * 0.002 * energy.sqrt() * (1.0 - r * r).max(0.0);
+        }
+    }
+    let p = set.learn(1);
+    assert!(p.learned().mirrored[0]);
+    let mirror = Mirror::from_bits(1);
+    for contact in [Vec3::new(0.2, 0.1, 0.0), set.hits[2].0] {
+        let (_, left) = predict(&p, &hit(contact, 40.0));
+        let (_, right) = predict(&p, &hit(mirror.direction(contact), 40.0));
+        let back: Vec<Vec3> = (0..N * N).map(|k| mirror.direction(right[(N - 1 - k / N) * N + k % N])).collect();
+        assert!(error(&back, &left) < 2e-3, "{}", error(&back, &left));
+    }
+}
+
+#[test]
+fn what_is_far_stays_untouched() {
+    let p = Set::new(30).learn(0);
+    let (_, field) = predict(&p, &hit(Vec3::new(-0.4, -0.4, 0.0), 20.0));
+    assert!(field.iter().any(|u| *u != Vec3::ZERO));
+    for (x, u) in Sheet::new().points.iter().zip(&field) {
+        assert!((*x - Vec3::new(-0.4, -0.4, 0.0)).length() < 0.75 || *u == Vec3::ZERO, "{x} moved by {u}");
+    }
+}
+
+#[test]
+fn a_told_displacement_is_kept() {
+    let p = Set::new(20).learn(0);
+    for depth in [0.004, 0.02, 0.04] {
+        let contact = Vec3::new(2.0, -3.0, 0.0) / 24.0;
+        let h = Hit { contact, normal: Vec3::Z, told: Told::Displacement(Vec3::NEG_Z * depth) };
+        let (told, field) = predict(&p, &h);
+        let at = field[14 * N + 9].length();
+        assert!((at - depth).abs() < 1e-3 * depth && (told.depth - depth).abs() < 1e-3 * depth, "{at} {told:?}");
+    }
+}
+
+#[test]
+fn blows_out_of_the_body_and_weak_ones_leave_nothing() {
+    let set = Set::new(8);
+    let p = set.learn(0);
+    let contact = Vec3::new(0.1, 0.1, 0.0);
+    let away = Blow { velocity: Some(Vec3::Z * 5.0), mass: Some(5.0), ..Blow::default() };
+    let nothing = Blow { mass: Some(5.0), ..Blow::default() };
+    for told in [Told::Blow(away), Told::Blow(nothing), Told::Blow(blow(1e-3, 5.0)), Told::Displacement(Vec3::ZERO)] {
+        let (told, field) = predict(&p, &Hit { contact, normal: Vec3::Z, told });
+        assert!(told.size == 0.0 && field.iter().all(|u| *u == Vec3::ZERO), "{told:?}");
+    }
+    // Examples that know no blow: only displacements can be told.
+    let samples: Vec<Sample> = set.samples().into_iter().map(|s| Sample { blow: None, ..s }).collect();
+    let p = Predictor::learn(&set.sheet.body(0), &samples, &LearnOptions::default(), &Serial).unwrap();
+    assert!(!p.knows_blows() && predict(&p, &hit(contact, 40.0)).0.size == 0.0);
+    let h = Hit { contact, normal: Vec3::Z, told: Told::Displacement(Vec3::NEG_Z * 0.01) };
+    assert!(predict(&p, &h).0.size > 0.0);
+}
+
+#[test]
+fn an_impulse_tells_what_mass_and_velocity_tell() {
+    let p = Set::new(16).learn(0);
+    let contact = Vec3::new(0.1, -0.05, 0.0);
+    let known = blow(50.0, 5.0);
+    let impulse = Blow { impulse: known.velocity.map(|v| v * 5.0), velocity: None, ..known };
+    let both = [known, impulse].map(|b| predict(&p, &Hit { contact, normal: Vec3::Z, told: Told::Blow(b) }).0.size);
+    assert!((both[0] / both[1] - 1.0).abs() < 1e-4, "{both:?}");
+}
+
+#[test]
+fn errors_name_what_is_wrong() {
+    let set = Set::new(2);
+    let body = set.sheet.body(0);
+    let learn = |samples: &[Sample<'_>]| {
+        Predictor::learn(&body, samples, &LearnOptions::default(), &Serial).unwrap_err().to_string()
+    };
+    assert!(learn(&[]).contains("at least one sample"));
+    let short = Sample { field: &set.fields[0][..5], ..set.samples()[0] };
+    assert!(learn(&[short]).contains("samples[0].field.len() is 5"));
+    let bad = Sample { contact: Vec3::NAN, ..set.samples()[0] };
+    assert!(learn(&[bad]).contains("finite"));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn a_harder_blow_is_never_smaller(x in -0.45f32..0.45, y in -0.45f32..0.45, energy in 0.1f32..900.0, more in 1.0f32..8.0, near in 0usize..20) {
+        static LEARNED: std::sync::LazyLock<(Set, Predictor)> = std::sync::LazyLock::new(|| {
+            let mut set = Set::new(20);
+            // Some contradict the others.
+            set.fields[3].iter_mut().for_each(|u| *u *= 0.4);
+            set.fields[7].iter_mut().for_each(|u| *u *= 2.5);
+            let p = set.learn(0);
+            (set, p)
+        });
+        let (set, p) = &*LEARNED;
+        let beside = set.hits[near].0 + Vec3::new(x, y, 0.0) * 0.03;
+        for contact in [Vec3::new(x, y, 0.0), beside] {
+            let [weak, hard] = [energy, energy * more].map(|e| predict(p, &hit(contact, e)).0);
+            prop_assert!(hard.size >= weak.size * (1.0 - 1e-6), "{weak:?} {hard:?}");
+            let size = |f: &Vec<Vec3>| f.iter().map(|u| u.length_squared()).sum::<f32>().sqrt();
+            let largest = set.fields.iter().map(size).fold(0.0, f32::max);
+            prop_assert!(hard.size < 2.1 * largest, "{hard:?} {largest}");
+        }
+    }
+}
