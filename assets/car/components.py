@@ -82,7 +82,7 @@ def grille_bars(opening, heights, inset, size, fine):
         y = np.linspace(0, 0.8, 400)
         p = np.stack([front_x(y, z), y, np.full_like(y, z)], 1)
         end = y[opening(p) < 0].max() + 0.008
-        y = np.linspace(-end, end, 41 if fine else 13)
+        y = np.linspace(-end, end, 33 if fine else 9)
         points = np.stack([front_x(np.abs(y), z) - inset, y, np.full_like(y, z)], 1)
         bars.append(bar(points, (0, 0, 1), size[0], size[1]))
     return joined(*bars)
@@ -140,7 +140,7 @@ def plate(rear):
     x = float(front_x(0.0, z, rear=rear))
     lean = float(front_x(0.0, z + 0.03, rear=rear) - front_x(0.0, z - 0.03, rear=rear)) / 0.06
     a = -np.arctan(lean)
-    mesh = rounded_box((0, 0, 0), (0.008, 0.255, 0.055), 0.006, 0.012)
+    mesh = bar([(0, -0.255, 0), (0, 0, 0), (0, 0.255, 0)], (0, 0, 1), 0.014, 0.11)
     turn = np.array([[np.cos(a), 0, -np.sin(a)], [0, 1, 0], [np.sin(a), 0, np.cos(a)]])
     return moved(mesh, (x + (-0.004 if rear else 0.004), 0, z), turn)
 
@@ -155,7 +155,7 @@ def seat(x, y, wide, fine):
         heads = np.stack([lean[..., 0], np.abs(lean[..., 1]) - (0 if wide < 0.4 else 0.33), lean[..., 2]], -1)
         return smin(g, box_distance(heads, (-0.16, 0, 1.165), (0.05, 0.12, 0.075), 0.045), 0.03)
 
-    return blob(f, (x - 0.55, y - wide, 0.36), (x + 0.31, y + wide, 1.26), 0.035 if fine else 0.06)
+    return blob(f, (x - 0.55, y - wide, 0.36), (x + 0.31, y + wide, 1.26), 0.045 if fine else 0.08)
 
 
 def steering_wheel(fine):
@@ -210,8 +210,8 @@ def antenna(fine):
 
     def f(p):
         q = p - np.array([x0, 0, z0 - 0.005])
-        height = 0.050 * s.step((0.075 - q[..., 0]) / 0.13) * s.step((q[..., 0] + 0.075) / 0.03)
-        wide = 0.020 * np.sqrt(np.clip(1 - np.clip(q[..., 2] / 0.056, 0, 1), 0, 1)) * s.step((0.085 - q[..., 0]) / 0.1) + 0.004
+        height = 0.034 * s.step((0.075 - q[..., 0]) / 0.13) * s.step((q[..., 0] + 0.075) / 0.03)
+        wide = 0.020 * np.sqrt(np.clip(1 - np.clip(q[..., 2] / 0.040, 0, 1), 0, 1)) * s.step((0.085 - q[..., 0]) / 0.1) + 0.004
         return smax(smax(np.abs(q[..., 1]) - wide, q[..., 2] - height, 0.01), np.abs(q[..., 0]) - 0.08, 0.01) * 0.6
 
     return blob(f, (x0 - 0.09, -0.03, z0 - 0.03), (x0 + 0.09, 0.03, z0 + 0.06), 0.008 if fine else 0.02)

@@ -4,10 +4,9 @@ import numpy as np
 
 import panels
 import shape as s
+from components import front_x
 from shape import smax, smin
-from solids import blob, box_distance, loft
-
-CLEAR = 0.022  # metres between the skin and the nearest inner solid, at least
+from solids import bar, blob, box_distance, loft
 
 
 def within(f, p, clear):
@@ -20,34 +19,44 @@ def engine(p):
     return within(f, p, 0.05)
 
 
-def beam_front(p):
-    x, y, z = p[..., 0], np.abs(p[..., 1]), p[..., 2]
-    return within(box_distance(np.stack([x + 0.22 * y**2.2, y, z], -1), (2.03, 0, 0.50), (0.045, 0.66, 0.055), 0.02), p, 0.05)
-
-
-def beam_rear(p):
-    x, y, z = p[..., 0], np.abs(p[..., 1]), p[..., 2]
-    return within(box_distance(np.stack([x - 0.16 * y**2.2, y, z], -1), (-2.13, 0, 0.52), (0.045, 0.66, 0.055), 0.02), p, 0.05)
+def beam(rear):
+    """A beam across the car behind the bumper."""
+    y = np.linspace(-0.66, 0.66, 25)
+    x = front_x(np.abs(y), 0.5, rear=rear) + (0.11 if rear else -0.11)
+    return bar(np.stack([x, y, np.full_like(y, 0.5)], 1), (0, 0, 1), 0.08, 0.11)
 
 
 def sill(p):
     return within(box_distance(p, (-0.02, 0.77, 0.265), (0.86, 0.075, 0.06), 0.03), p, 0.03)
 
 
-def pillar(p):
-    """Between the doors, from the sill to the roof."""
-    at = -panels.door_split(p)
-    f = smax(np.abs(at - 0.0) - 0.055, np.abs(s.car(p) + 0.06) - 0.032, 0.02)
-    return smax(smax(f, 0.24 - p[..., 2], 0.02), smax(p[..., 2] - 1.34, 0.4 - p[..., 1], 0.02), 0.02)
+def pillar():
+    """Between the left doors, from the sill to the roof rail."""
+    z = np.linspace(0.26, 1.33, 24)
+    x = panels.PILLAR - 0.06 * (z - 0.7)
+    low, high = np.zeros_like(z), np.ones_like(z)
+    for _ in range(40):
+        y = (low + high) / 2
+        inside = s.car(np.stack([x, y, z], -1)) < 0
+        low, high = np.where(inside, y, low), np.where(inside, high, y)
+    return bar(np.stack([x, low - 0.075, z], 1), (1, 0, 0), 0.06, 0.11)
 
 
-def frame(p):
-    """The greenhouse's frame on one side: windscreen pillar, roof rail and rear pillar."""
-    f = np.abs(s.car(p) + 0.05) - 0.026
-    f = smax(f, -panels.side_windows(p) - 0.01, 0.015)
-    f = smax(f, -panels.screens(p) - 0.01, 0.015)
-    f = smax(f, s.roof(p) * 0 - panels.roof_panel(p) - 0.03, 0.015)
-    return smax(smax(f, 0.96 - p[..., 2], 0.02), 0.35 - p[..., 1], 0.01)
+def frame():
+    """The left edge of the greenhouse: windscreen pillar, roof rail and rear pillar in one tube."""
+    x = np.linspace(0.72, -1.50, 45)
+
+    def points(z):
+        t = z - 0.95
+        return np.stack([x, s.BELT_WIDTH(x) - 0.38 * t - 0.22 * t * t, z], -1)
+
+    low, high = np.full_like(x, 0.9), np.full_like(x, 1.5)
+    for _ in range(40):
+        z = (low + high) / 2
+        p = points(z)
+        inside = np.maximum(np.maximum(s.windscreen(p), s.roof(p)), s.backlight(p)) < 0
+        low, high = np.where(inside, z, low), np.where(inside, high, z)
+    return bar(points(low) - np.array([0, 0.075, 0.065]), (0, 0, 1), 0.05, 0.05)
 
 
 def cell(p):
@@ -63,23 +72,27 @@ def axle(x):
     return lambda p: within(box_distance(p, (x, 0, s.WHEEL_RADIUS), (0.06, 0.60, 0.06), 0.04), p, 0.03)
 
 
+def solid(f, low, high, h):
+    return blob(f, low, high, h, own=False)
+
+
 def solids():
     """Name and mesh of each solid."""
     out = {
-        "engine": blob(engine, (0.95, -0.35, 0.27), (1.6, 0.35, 0.82), 0.035),
-        "beam_front": blob(beam_front, (1.8, -0.7, 0.43), (2.1, 0.7, 0.57), 0.028),
-        "beam_rear": blob(beam_rear, (-2.2, -0.7, 0.45), (-1.9, 0.7, 0.59), 0.028),
-        "cell": blob(cell, (-1.1, -0.62, 0.2), (0.85, 0.62, 0.72), 0.05),
-        "dashboard": blob(dashboard, (0.54, -0.68, 0.66), (0.9, 0.68, 0.9), 0.035),
-        "axle_front": blob(axle(s.AXLES[0]), (1.28, -0.62, 0.26), (1.44, 0.62, 0.42), 0.028),
-        "axle_rear": blob(axle(s.AXLES[1]), (-1.42, -0.62, 0.26), (-1.26, 0.62, 0.42), 0.028),
+        "engine": solid(engine, (0.95, -0.35, 0.27), (1.6, 0.35, 0.82), 0.035),
+        "beam_front": beam(rear=False),
+        "beam_rear": beam(rear=True),
+        "cell": solid(cell, (-1.1, -0.62, 0.2), (0.85, 0.62, 0.72), 0.05),
+        "dashboard": solid(dashboard, (0.54, -0.68, 0.66), (0.9, 0.68, 0.9), 0.035),
+        "axle_front": solid(axle(s.AXLES[0]), (1.28, -0.62, 0.26), (1.44, 0.62, 0.42), 0.028),
+        "axle_rear": solid(axle(s.AXLES[1]), (-1.42, -0.62, 0.26), (-1.26, 0.62, 0.42), 0.028),
     }
-    for name, f, low, high in (
-        ("sill", sill, (-0.9, 0.68, 0.19), (0.86, 0.86, 0.34)),
-        ("pillar", pillar, (-0.3, 0.45, 0.2), (-0.05, 0.88, 1.4)),
-        ("frame", frame, (-1.75, 0.33, 0.93), (0.95, 0.88, 1.45)),
-    ):
-        mesh = blob(f, low, high, 0.022)
+    halves = {
+        "sill": solid(sill, (-0.9, 0.68, 0.19), (0.86, 0.86, 0.34), 0.022),
+        "pillar": pillar(),
+        "frame": frame(),
+    }
+    for name, mesh in halves.items():
         out[name + "_left"], out[name + "_right"] = mesh, panels.mirrored(*mesh)
     return out
 

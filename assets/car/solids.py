@@ -87,12 +87,12 @@ def box_distance(p, at, half, r):
     return np.linalg.norm(np.maximum(q, 0), axis=-1) + np.minimum(q.max(-1), 0) - r
 
 
-def blob(f, low, high, h, rounds=3):
-    """The net of a small shape with the shape's own normals."""
+def blob(f, low, high, h, rounds=3, own=True):
+    """The net of a small shape, with the shape's own normals or those of the triangles."""
     v, t = net(f, np.asarray(low, float) - 1.63 * h, np.asarray(high, float) + 1.57 * h, h)
     v = project(f, relax(f, project(f, v, 4), t, rounds), 4)
     t = clean(v, t)
-    return v, unit(gradient(f, v, 1e-4)), t
+    return (v, unit(gradient(f, v, 1e-4)), t) if own else creased(v, t, 50)
 
 
 def rounded_box(at, half, r, h):
