@@ -222,4 +222,4 @@ def exhaust(fine):
     ring = [(0.030, -0.09), (0.030, 0.0), (0.034, 0.003), (0.037, 0.0), (0.037, -0.12)]
     mesh = lathe(ring[::-1], 24 if fine else 10, 50)
     turn = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1]])
-    return moved(mesh, (float(front_x(0.47, 0.31, rear=True)) + 0.012, 0.47, 0.305), turn)
+    return moved(mesh, (float(front_x(0.47, 0.31, rear=True)) - 0.035, 0.47, 0.30), turn)

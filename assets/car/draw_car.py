@@ -53,9 +53,9 @@ def studio(scene):
     coordinate, split = node(t, "ShaderNodeTexCoord"), node(t, "ShaderNodeSeparateXYZ")
     ramp = node(t, "ShaderNodeValToRGB")
     e = ramp.color_ramp.elements
-    e[0].position, e[0].color = 0.0, (0.05, 0.05, 0.055, 1)
-    e[1].position, e[1].color = 1.0, (0.55, 0.6, 0.7, 1)
-    for at, c in ((0.495, (0.10, 0.10, 0.105, 1)), (0.52, (0.62, 0.66, 0.72, 1)), (0.62, (0.40, 0.47, 0.58, 1))):
+    e[0].position, e[0].color = 0.0, (0.06, 0.062, 0.066, 1)
+    e[1].position, e[1].color = 1.0, (0.16, 0.19, 0.24, 1)
+    for at, c in ((0.497, (0.06, 0.062, 0.066, 1)), (0.505, (0.40, 0.44, 0.50, 1)), (0.56, (0.62, 0.66, 0.70, 1)), (0.66, (0.22, 0.26, 0.32, 1))):
         new = e.new(at)
         new.color = c
     half = node(t, "ShaderNodeMath", operation="MULTIPLY_ADD")
@@ -74,11 +74,11 @@ def studio(scene):
         if where[1]:
             o.rotation_euler = (Vector((0, 0, 0.6)) - Vector(where)).to_track_quat("-Z", "Y").to_euler()
         scene.collection.objects.link(o)
-    bpy.ops.mesh.primitive_circle_add(vertices=64, radius=40, fill_type="NGON", location=(0, 0, 0))
+    bpy.ops.mesh.primitive_circle_add(vertices=64, radius=400, fill_type="NGON", location=(0, 0, 0))
     floor = bpy.data.materials.new("floor")
     floor.use_nodes = True
     b = floor.node_tree.nodes["Principled BSDF"]
-    b.inputs["Base Color"].default_value, b.inputs["Roughness"].default_value = (0.16, 0.165, 0.175, 1), 0.45
+    b.inputs["Base Color"].default_value, b.inputs["Roughness"].default_value = (0.10, 0.103, 0.11, 1), 0.38
     bpy.context.object.data.materials.append(floor)
 
 
@@ -115,9 +115,9 @@ def main():
         o.rotation_euler = (o.rotation_euler[0], o.rotation_euler[1], math.radians(90))
     if a.zebra:
         striped = zebra()
-        for m in {s for o in scene.objects if o.type == "MESH" for s in range(len(o.material_slots))} and [o for o in scene.objects if o.type == "MESH"]:
-            for slot in m.material_slots:
-                if slot.material and slot.material.name.split(".")[0] in ("paint", "paint_second", "glass"):
+        for o in [o for o in scene.objects if o.type == "MESH"]:
+            for slot in o.material_slots:
+                if slot.material.name.split(".")[0] in ("paint", "paint_second", "glass"):
                     slot.material = striped
     studio(scene)
     r = scene.render

@@ -7,7 +7,7 @@ import numpy as np
 
 # Name: base colour, metallic, roughness, further properties.
 MATERIALS = {
-    "paint": ((0.010, 0.085, 0.26, 1), 0.45, 0.30, {"clearcoat": 1.0}),
+    "paint": ((0.008, 0.075, 0.25, 1), 0.5, 0.28, {"clearcoat": 1.0}),
     "paint_second": ((0.012, 0.013, 0.015, 1), 0.2, 0.25, {"clearcoat": 1.0}),
     "glass": ((0.015, 0.02, 0.022, 0.72), 0.0, 0.03, {"blend": True}),
     "glass_clear": ((0.9, 0.93, 0.95, 0.12), 0.0, 0.02, {"blend": True}),

@@ -26,7 +26,7 @@ import shape as s
 from panels import left_half, mirrored, sheet, whole
 from solids import blob, joined
 
-FINE, COARSE = 0.025, 0.07  # metres between vertices
+FINE, COARSE = 0.0256, 0.07  # metres between vertices
 # Labels of the skin's faces, and the materials that they have in car_body.glb.
 SKIN = {
     "paint": ["hood", "trunk", "bumper_front", "bumper_rear", "body_rear", "skin", "fuel_cap", "fender", "door", "door_front"],

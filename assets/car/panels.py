@@ -39,7 +39,7 @@ def hood(p):
 
 def cowl(p):
     """Between hood and windscreen."""
-    f = smax(on_lower(p), s.side(p) + 0.055, 0.01)
+    f = smax(s.lower(p) - 0.024, s.side(p) + 0.055, 0.01)
     return smax(smax(f, s.greenhouse(p) - 0.03, 0.01), 0.4 - p[..., 0], 0.01)
 
 
@@ -173,6 +173,14 @@ def left_half(h):
     skin.part(lambda p: np.abs(p[..., 2] - 0.842) - 0.012, "taillamp", "tail_glow")
     skin.part(taillamp, "trunk", "tail_bar", 0.002)
     skin.part(lambda p: np.abs(p[..., 2] - 0.842) - 0.012, "tail_bar", "tail_glow")
+    # Edges along the bends of the tail, so that reflections in it are straight.
+    if h < 0.03:
+        for z in (0.800, 0.816, 0.868, 0.884):
+            skin.cut(lambda p: p[..., 2] - z, ["taillamp", "tail_bar"])
+        skin.part(lambda p: p[..., 0] + 2.0, "trunk", "trunk_rear")
+        for z in (0.905, 0.93, 0.955, 0.98, 1.005, 1.03):
+            skin.cut(lambda p: p[..., 2] - z, ["trunk_rear"])
+        skin.label[skin.label == "trunk_rear"] = "trunk"
     skin.part(bumper_rear, "skin", "bumper_rear", GAP)
     skin.part(diffuser, "bumper_rear", "diffuser")
     skin.part(doors, "skin", "door", GAP)

@@ -108,8 +108,8 @@ def half_width(x, z):
 def deck(x, y):
     """Height of hood and trunk."""
     z = DECK(x) - CROWN(x) * (y / 0.8) ** 2
-    line = 0.36 + 0.20 * step((x - 0.6) / 1.6) * 0 + 0.16 * (1.9 - x) / 1.0  # the hood's ridge in plan
-    front = step((x - 0.7) / 0.2)
+    line = 0.36 + 0.16 * (1.9 - x)  # the hood's ridge in plan
+    front = step((x - 0.9) / 0.6)
     z = z + front * 0.016 * step((line + 0.035 - y) / 0.07) * step((2.3 - x) / 0.5)
     lip = 0.020 * bell((x + 2.24) / 0.10) * step((0.9 - y) / 0.3)
     return z + lip
