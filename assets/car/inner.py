@@ -6,7 +6,7 @@ import panels
 import shape as s
 from components import front_x
 from shape import smax, smin
-from solids import bar, blob, box_distance, loft
+from solids import bar, blob, box_distance, joined, loft
 
 
 def within(f, p, clear):
@@ -30,6 +30,11 @@ def sill(p):
     return within(box_distance(p, (-0.02, 0.77, 0.265), (0.86, 0.075, 0.06), 0.03), p, 0.03)
 
 
+def in_pieces(points, up, size, ends):
+    """A bar of several closed pieces, each about convex: a solver that takes convex hulls fills no window then."""
+    return joined(*[bar(points[a : b + 1], up, *size) for a, b in zip(ends, ends[1:])])
+
+
 def pillar():
     """Between the left doors, from the sill to the roof rail."""
     z = np.linspace(0.26, 1.33, 24)
@@ -39,7 +44,7 @@ def pillar():
         y = (low + high) / 2
         inside = s.car(np.stack([x, y, z], -1)) < 0
         low, high = np.where(inside, y, low), np.where(inside, high, y)
-    return bar(np.stack([x, low - 0.075, z], 1), (1, 0, 0), 0.06, 0.11)
+    return in_pieces(np.stack([x, low - 0.075, z], 1), (1, 0, 0), (0.06, 0.11), (0, 14, 23))
 
 
 def frame():
@@ -56,7 +61,7 @@ def frame():
         p = points(z)
         inside = np.maximum(np.maximum(s.windscreen(p), s.roof(p)), s.backlight(p)) < 0
         low, high = np.where(inside, z, low), np.where(inside, high, z)
-    return bar(points(low) - np.array([0, 0.075, 0.065]), (0, 0, 1), 0.05, 0.05)
+    return in_pieces(points(low) - np.array([0, 0.075, 0.065]), (0, 0, 1), (0.05, 0.05), (0, 11, 20, 29, 44))
 
 
 def cell(p):

@@ -49,14 +49,14 @@ pub fn stage(workspace: &Workspace) -> Result<Outcome> {
     if !Tool::Npm.here(workspace) {
         return Ok(Outcome::Passed);
     }
-    let files = ["car", "car_coarse", "car_body", "car_inner", "car_collider"].map(|name| out.join(format!("{name}.glb")));
+    let files =
+        ["car", "car_coarse", "car_body", "car_inner", "car_collider"].map(|name| out.join(format!("{name}.glb")));
     peers::validate(workspace, &files)
 }
 
 /// Writes the car's files to `out`. Returns the Python that made them.
 fn make(workspace: &Workspace, out: &Path) -> Result<PathBuf> {
-    let python =
-        python::environment(workspace, Tool::Python3, "car-venv", &format!("{ASSETS}/requirements.txt"))?;
+    let python = python::environment(workspace, Tool::Python3, "car-venv", &format!("{ASSETS}/requirements.txt"))?;
     let script = workspace.path(ASSETS).join("make_car.py");
     println!("making the car in {}", out.display());
     cmd!(workspace.shell, "{python} -B {script} {out}").quiet().run()?;
