@@ -4,7 +4,7 @@
 
 It writes
   car.glb           the car: a node for each part, every part a mesh of its own with folded borders
-  car_coarse.glb    the same parts with about a fifth of the vertices
+  car_coarse.glb    the same parts with under a third of the vertices
   car_body.glb      the skin as one closed mesh, from which examples of dents are made
   car_inner.glb     the inner structure: closed solids that dents may not enter
   car_collider.glb  two closed solids for a physics engine
@@ -187,7 +187,7 @@ def proportions(nodes):
     }
 
 
-# What passenger cars of this class have.
+# Rules of thumb for cars of this class, not measurements of one.
 EXPECTED = {
     "length": (4.2, 4.7), "wheelbase_to_length": (0.58, 0.62), "height_to_length": (0.31, 0.36), "width_to_length": (0.38, 0.43),
     "front_overhang_to_length": (0.17, 0.21), "rear_overhang_to_length": (0.18, 0.24), "wheel_to_height": (0.43, 0.49),
