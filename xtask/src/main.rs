@@ -4,6 +4,7 @@ mod abi;
 mod addon;
 mod bench;
 mod blender;
+mod car;
 mod ci;
 mod command;
 mod corpus;
@@ -122,6 +123,8 @@ enum Command {
         #[arg(long)]
         fail_fast: bool,
     },
+    /// Make the passenger car: panels, wheels, inner structure, a coarse level and a collider as glTF
+    Car(car::Options),
     /// Run the checks of `ci` that build nothing: asset sizes, README snippets, changelog, Unity's .meta files, quoted messages
     Repo {
         /// Copy the quickstart programs into the pages that show them, and write missing .meta files
@@ -167,6 +170,7 @@ fn run(command: Command) -> Result<()> {
             exporters::sweep(test, &folder, &options.join(" "))
         }
         Command::Ci { fail_fast } => test::ci(&workspace, fail_fast),
+        Command::Car(options) => car::run(&workspace, &options),
         Command::Repo { fix } => repo::run(&workspace, fix),
     }
 }

@@ -33,9 +33,7 @@ pub fn opens_exports(workspace: &Workspace) -> Result<Outcome> {
 /// The validator finds no error and no warning in the same files.
 pub fn gltf_validator(workspace: &Workspace) -> Result<Outcome> {
     let sh = &workspace.shell;
-    // Where tests/validate_gltf.js looks for it.
-    let directory = workspace.path("target/validator");
-    if let Err(error) = tools::npm(workspace, &directory, &[VALIDATOR]) {
+    if let Err(error) = install_validator(workspace) {
         return Ok(Outcome::LeftOut(format!("{VALIDATOR} cannot be installed: {error}")));
     }
     let _required = sh.push_env("CRUMPLE_REQUIRE_VALIDATOR", "1");
@@ -44,6 +42,21 @@ pub fn gltf_validator(workspace: &Workspace) -> Result<Outcome> {
     cmd!(sh, "node tests/validate_gltf.js {dented}").run()?;
     println!("the validator finds nothing in {}", dented.display());
     Ok(Outcome::Passed)
+}
+
+/// The validator finds no error and no warning in `files`, made by another stage.
+pub fn validate(workspace: &Workspace, files: &[PathBuf]) -> Result<Outcome> {
+    if let Err(error) = install_validator(workspace) {
+        return Ok(Outcome::InPart(format!("{VALIDATOR} cannot be installed: {error}")));
+    }
+    cmd!(workspace.shell, "node tests/validate_gltf.js {files...}").quiet().run()?;
+    println!("the validator finds nothing in {} files", files.len());
+    Ok(Outcome::Passed)
+}
+
+/// Installs it where tests/validate_gltf.js looks for it.
+fn install_validator(workspace: &Workspace) -> Result<()> {
+    tools::npm(workspace, &workspace.path("target/validator"), &[VALIDATOR]).map(drop)
 }
 
 fn exporter_tests(workspace: &Workspace) -> Result<()> {

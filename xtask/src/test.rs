@@ -8,8 +8,8 @@ use crate::stage::{self, Outcome, Rules, Stage};
 use crate::tools::{self, Tool};
 use crate::workspace::Workspace;
 use crate::{
-    abi, blender, csharp, demo, exporters, fuzz, godot, native, nightly, package, peers, platforms, python, source,
-    valgrind, vulkan, web,
+    abi, blender, car, csharp, demo, exporters, fuzz, godot, native, nightly, package, peers, platforms, python,
+    source, valgrind, vulkan, web,
 };
 
 #[derive(Args, Default)]
@@ -154,6 +154,13 @@ const STAGES: &[Stage] = &[
         needs: &[],
         wants: &[],
         run: demo::check,
+    },
+    Stage {
+        name: "car",
+        shows: "the car's script makes a car: parts, sizes, closed inner solids, normals, symmetry, valid glTF",
+        needs: &[Tool::Python3],
+        wants: &[Tool::Npm],
+        run: car::stage,
     },
     Stage {
         name: "blender",
