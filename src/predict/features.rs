@@ -17,20 +17,23 @@ pub(super) type Point = [f64; AXES];
 /// Index of the strength in a point.
 pub(super) const STRENGTH_AXIS: usize = 6;
 
-/// A point. Unknown numbers are those of `typical`.
-pub(super) fn point(
-    place: Vec3,
-    normal: Vec3,
-    diagonal: f64,
-    strength: f64,
-    mass: f64,
-    radius: f64,
-    direction: [f64; 3],
-    kind: f64,
-) -> Point {
+/// What a point has of a hit besides its place. Unknown numbers are typical ones.
+pub(super) struct Strike {
+    /// J or m.
+    pub strength: f64,
+    /// kg.
+    pub mass: f64,
+    /// m.
+    pub radius: f64,
+    pub direction: [f64; 3],
+    pub kind: f64,
+}
+
+pub(super) fn point(place: Vec3, normal: Vec3, diagonal: f64, strike: &Strike) -> Point {
     let (p, n) = (place.as_dvec3() / diagonal, normal.as_dvec3());
-    let [a, b, c] = direction;
-    [p.x, p.y, p.z, n.x, n.y, n.z, libm::log(strength), libm::log(mass), libm::log(radius), a, b, c, kind]
+    let [a, b, c] = strike.direction;
+    let [strength, mass, radius] = [strike.strength, strike.mass, strike.radius].map(libm::log);
+    [p.x, p.y, p.z, n.x, n.y, n.z, strength, mass, radius, a, b, c, strike.kind]
 }
 
 /// Squared differences of two points for each group.

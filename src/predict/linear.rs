@@ -174,18 +174,19 @@ impl Banded {
         }
         let l = |i: usize, j: usize| self.rows[i * w + self.band + j - i];
         for i in 0..n {
-            for j in i.saturating_sub(self.band)..i {
-                let (k, from) = (l(i, j), b[j]);
-                (0..3).for_each(|c| b[i][c] -= k * from[c]);
+            let (before, rest) = b.split_at_mut(i);
+            let from = i.saturating_sub(self.band);
+            for (j, other) in before.iter().enumerate().skip(from) {
+                (0..3).for_each(|c| rest[0][c] -= l(i, j) * other[c]);
             }
-            (0..3).for_each(|c| b[i][c] /= l(i, i));
+            (0..3).for_each(|c| rest[0][c] /= l(i, i));
         }
         for i in (0..n).rev() {
             (0..3).for_each(|c| b[i][c] /= l(i, i));
-            let from = b[i];
-            for j in i.saturating_sub(self.band)..i {
-                let k = l(i, j);
-                (0..3).for_each(|c| b[j][c] -= k * from[c]);
+            let (before, rest) = b.split_at_mut(i);
+            let from = i.saturating_sub(self.band);
+            for (j, other) in before.iter_mut().enumerate().skip(from) {
+                (0..3).for_each(|c| other[c] -= l(i, j) * rest[0][c]);
             }
         }
     }

@@ -1,7 +1,7 @@
 //! The learned rule as plain data, and what it says of a hit.
 
 use super::body::Body;
-use super::features::{Point, Points, STRENGTH_AXIS, point};
+use super::features::{Point, Points, STRENGTH_AXIS, Strike, point};
 use super::kernel::{GROUPS, exp, matern};
 use super::lookup::nearest;
 use super::own::{self, OwnFields};
@@ -138,7 +138,9 @@ pub(super) fn blow_point(blow: &Blow, place: Vec3, normal: Vec3, diagonal: f64, 
     let s = blow.strike(normal, typical.mass, typical.rebound)?;
     let radius = blow.radius.map_or(typical.radius, f64::from).max(1e-6);
     let kind = f64::from(blow.kind.unwrap_or(typical.kind));
-    Some(point(place, normal, diagonal, s.energy, s.mass.unwrap_or(typical.mass), radius, s.tangent, kind))
+    let mass = s.mass.unwrap_or(typical.mass);
+    let strike = Strike { strength: s.energy, mass, radius, direction: s.tangent, kind };
+    Some(point(place, normal, diagonal, &strike))
 }
 
 /// The same for a displacement; `None` if it is zero.
@@ -151,7 +153,8 @@ pub(super) fn displacement_point(u: Vec3, place: Vec3, normal: Vec3, diagonal: f
     let n = normal.as_dvec3();
     let lean = u / depth;
     let lean = lean - n * lean.dot(n);
-    Some(point(place, normal, diagonal, depth, 1.0, 1.0, lean.to_array(), 0.0))
+    let strike = Strike { strength: depth, mass: 1.0, radius: 1.0, direction: lean.to_array(), kind: 0.0 };
+    Some(point(place, normal, diagonal, &strike))
 }
 
 impl Predictor {
