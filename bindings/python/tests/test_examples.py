@@ -402,8 +402,11 @@ def test_a_free_body_bends_and_does_not_fly_away(tmp_path):
 def test_odd_holds_and_loose_parts_are_named(tmp_path):
     sphere = trimesh.creation.icosphere(4)
     pierced = sphere.faces[np.linalg.norm(sphere.triangles_center - [0, 0, 1], axis=1) > 0.2]
-    made = shell.make(Body(bodies.write(tmp_path / "head.glb", [(sphere.vertices, pierced)])), 500, "auto")
-    assert len(made.warnings) == 1 and "hangs by 1 open edges" in made.warnings[0]
+    head = Body(bodies.write(tmp_path / "head.glb", [(sphere.vertices, pierced)]))
+    hanging = shell.make(head, 500, "edges")
+    assert len(hanging.warnings) == 1 and "hangs by 1 open edges" in hanging.warnings[0] and hanging.points[hanging.held][:, 2].min() > 0.9
+    standing = shell.make(head, 500, "auto")
+    assert standing.notes[0].startswith("1 small holes are not held") and standing.points[standing.held][:, 1].max() < -0.7
     box = trimesh.creation.box((0.2, 2.0, 0.2)).subdivide().subdivide().subdivide()
     flat = trimesh.creation.box((2.0, 1.0, 2.0)).subdivide().subdivide().subdivide()
     lamp = trimesh.util.concatenate([flat, trimesh.creation.box((0.1, 0.3, 0.1)).apply_translation([0.5, -0.9, 0])])

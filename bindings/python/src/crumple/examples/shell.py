@@ -18,10 +18,12 @@ _LOWEST = 0.05
 """Share of the height that a closed body stands on."""
 _MUCH = 0.5
 """A larger share of the points that is held is odd."""
-_HOLE, _RIMS, _GROUND = 0.4, 12, 0.15
-"""Odd holds: all open edges smaller than this share of the diagonal, more of them than this, less than this share of the ground plan."""
+_HOLE, _RIMS, _GROUND = 0.25, 12, 0.15
+"""Odd holds: open edges smaller than this share of the diagonal, which are holes, more of them than this, less than this share of the ground plan."""
 _FOLDED = 0.94
 """Cosine of the angle between triangles of one edge that lie on each other: 20 degrees."""
+_MORE = 1.2
+"""A shell with this many times the wanted points is remeshed more coarsely."""
 NAMED = 3
 """Places or parts that a note names."""
 _NEIGHBOURS = 8
@@ -86,9 +88,13 @@ def make(body: Body, detail: int, hold: str) -> Shell:
         notes.append(
             f"the mesh is coarse: its edges are {1000 * own:.0f} mm long on average, so dents will be; subdivide it first for better ones"
         )
-    rim = edges[uses == 1]
+    rims = _rims(body, edges[uses == 1])
     edge = float(np.sqrt(areas[kept].sum() / (0.866 * detail)))
     points, corners = _remesh(body, surface, edge)
+    if len(points) > _MORE * detail:
+        # Beads and seams keep short edges beside them, so the others must be longer.
+        edge *= float(np.sqrt(len(points) / detail))
+        points, corners = _remesh(body, surface, edge)
     corners, removed = _unfolded(points, corners)
     if removed:
         notes.append(f"{removed} triangles of the shell lay on others and were left out")
@@ -98,7 +104,11 @@ def make(body: Body, detail: int, hold: str) -> Shell:
     border = np.unique(shell_edges[shell_uses == 1])
     held = np.zeros(len(points), bool)
     if hold == "auto":
-        hold = "marked" if body.marked.any() else "edges" if len(rim) else "lowest"
+        large = [one for one in rims if _across(body, one) >= _HOLE * body.size]
+        hold = "marked" if body.marked.any() else "edges" if large else "lowest"
+        if hold != "marked" and len(large) < len(rims):
+            notes.append(f"{len(rims) - len(large)} small holes are not held; --hold edges holds them too")
+        rims = large
     if hold == "marked":
         if not body.marked.any():
             raise Failure(
@@ -108,10 +118,10 @@ def make(body: Body, detail: int, hold: str) -> Shell:
         marked[body.of_vertex[body.marked]] = True
         held = marked[cKDTree(body.points).query(points)[1]]
     elif hold == "edges":
-        if len(rim) == 0:
+        if not rims:
             raise Failure(f"{body.name} has no open edges to be held by; use --hold lowest, marked or free")
-        held[border] = _near_rim(points[border], body.points[rim], 0.75 * edge)
-    warnings = _small_rims(body, rim) if hold == "edges" else []
+        held[border] = _near_rim(points[border], body.points[np.concatenate(rims)], 0.75 * edge)
+    warnings = _odd_rims(body, rims) if hold == "edges" else []
     # Whatever has no hold of its own stands on its lowest points.
     group = csgraph.connected_components(_graph(corners, len(points)), directed=False)[1]
     loose = [one for one in range(group.max() + 1) if not held[group == one].any()] if hold != "free" else []
@@ -142,20 +152,31 @@ def _spots(points: Floats, body: Body) -> str:
     return f"near {spots}{' and elsewhere' if len(counts) > NAMED else ''}"
 
 
-def _small_rims(body: Body, rim: Ints) -> list[str]:
-    """A warning if the open edges are only small holes, which a body hardly hangs by."""
+def _rims(body: Body, rim: Ints) -> list[Ints]:
+    """The connected pieces of the open edges, largest first."""
+    if len(rim) == 0:
+        return []
     used, corners = np.unique(rim, return_inverse=True)
     corners = corners.reshape(-1, 2)
     link = coo_matrix((np.ones(len(corners), bool), (corners[:, 0], corners[:, 1])), (len(used),) * 2)
-    label = csgraph.connected_components(link, directed=False)[1]
-    points = body.points[used]
-    sizes = [float(np.linalg.norm(np.ptp(points[label == one], axis=0))) for one in range(label.max() + 1)]
-    most = int(np.argmax(sizes))
-    if sizes[most] < _HOLE * body.size:
-        where = body.place(points[label == most].mean(0))
-        return [f"it hangs by {len(sizes)} open edges, the largest of which, near {where}, is only {1000 * sizes[most]:.0f} mm across"]
-    if len(sizes) > _RIMS:
-        return [f"it is held by {len(sizes)} separate open edges, which may be holes or loose pieces"]
+    label = csgraph.connected_components(link, directed=False)[1][corners[:, 0]]
+    pieces = [rim[label == one] for one in range(label.max() + 1)]
+    return sorted(pieces, key=lambda piece: -_across(body, piece))
+
+
+def _across(body: Body, edges: Ints) -> float:
+    """The diagonal of the bounds of some edges, m."""
+    return float(np.linalg.norm(np.ptp(body.points[edges.reshape(-1)], axis=0)))
+
+
+def _odd_rims(body: Body, rims: list[Ints]) -> list[str]:
+    """A warning if the open edges are only small holes, which a body hardly hangs by, or very many."""
+    across = _across(body, rims[0])
+    if across < _HOLE * body.size:
+        where = body.place(body.points[rims[0].reshape(-1)].mean(0))
+        return [f"it hangs by {len(rims)} open edges, the largest of which, near {where}, is only {1000 * across:.0f} mm across"]
+    if len(rims) > _RIMS:
+        return [f"it is held by {len(rims)} separate open edges, which may be holes or loose pieces"]
     return []
 
 
