@@ -49,7 +49,7 @@ def main() -> None:
     parser.add_argument("bodies", nargs="*", default=["hood", "drum", "framed"])
     parser.add_argument("--count", type=int, nargs="+", default=[24, 60, 120])
     parser.add_argument("--unseen", type=int, default=24)
-    parser.add_argument("--fine", type=int, default=6, help="how many of the unseen hits are also made on a finer shell")
+    parser.add_argument("--fine", type=int, default=6, help="how many of the unseen hits are also made on a finer shell (default 6)")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--out", type=Path, default=REPOSITORY / "out/accuracy")
     options = parser.parse_args()

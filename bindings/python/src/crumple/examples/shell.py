@@ -22,8 +22,8 @@ _HOLE, _RIMS, _GROUND = 0.25, 12, 0.15
 """Odd holds: open edges smaller than this share of the diagonal, which are holes, more of them than this, less than this share of the ground plan."""
 _FOLDED = 0.94
 """Cosine of the angle between triangles of one edge that lie on each other: 20 degrees."""
-_MORE = 1.2
-"""A shell with this many times the wanted points is remeshed more coarsely."""
+_MORE, _FEWER = 1.4, 0.8
+"""A shell with this many times the wanted points is remeshed more coarsely, unless it then has less than the second."""
 NAMED = 3
 """Places or parts that a note names."""
 _NEIGHBOURS = 8
@@ -93,8 +93,11 @@ def make(body: Body, detail: int, hold: str) -> Shell:
     points, corners = _remesh(body, surface, edge)
     if len(points) > _MORE * detail:
         # Beads and seams keep short edges beside them, so the others must be longer.
-        edge *= float(np.sqrt(len(points) / detail))
-        points, corners = _remesh(body, surface, edge)
+        longer = edge * float(np.sqrt(len(points) / detail))
+        coarser = _remesh(body, surface, longer)
+        # The remesher may jump beyond what was asked.
+        if len(coarser[0]) >= _FEWER * detail:
+            edge, (points, corners) = longer, coarser
     corners, removed = _unfolded(points, corners)
     if removed:
         notes.append(f"{removed} triangles of the shell lay on others and were left out")
